@@ -1,8 +1,8 @@
 //! A world on a card, ready to be drawn.
 
 use crate::atlas::Atlas;
-use crate::card::{Reduction, Shared};
 use crate::mesh::Mesh;
+use crate::shared::{Reduction, Shared};
 use crate::tally::{Tally, exact_weights, whole_weights};
 use crate::target::{DrawInto, Mapping, Target, TargetOptions, sum_bytes};
 use crate::view_traversal::{Pixels, ViewContext, ViewTraversal, WindowRequest};

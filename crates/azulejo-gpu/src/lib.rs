@@ -25,10 +25,12 @@ mod card;
 mod face;
 mod mesh;
 mod pipelines;
+mod shared;
 mod tally;
 mod target;
 #[cfg(test)]
 mod tests;
 mod view_traversal;
 
-pub use card::{Backend, Card, Reduction};
+pub use card::{Backend, Card};
+pub use shared::Reduction;

@@ -1,7 +1,8 @@
 //! A world in the card's memory: facets in clusters of those that are near each other, under a
 //! tree of boxes that finds the clusters that a face may show.
 
-use crate::card::Shared;
+use crate::pipelines::CORNER_WORDS;
+use crate::shared::Shared;
 use azulejo_trace::item_buffer::{
     DrawError, Facet, LocalMirror, NO_MIRROR, PatchOptics, Plane, UnitCube, World,
 };
@@ -17,8 +18,6 @@ const THINNEST: f64 = 1e-9;
 const SAME_PLANE: f64 = 1.0 / (1u64 << 27) as f64;
 /// Boxes are taken this much larger than they are, for rounding on the way to the screen.
 const BOX_SLACK: f64 = 4e-6;
-/// Words of a corner: position, plane, side, mirror.
-const CORNER_WORDS: usize = 9;
 /// Bytes of a facet.
 const FACET_BYTES: u64 = 3 * 4 * CORNER_WORDS as u64;
 /// Most bytes in a buffer, unless the card allows fewer.
@@ -116,17 +115,6 @@ impl Mesh {
             pass.draw(3 * (first - begin)..3 * (end - begin), 0..1);
             first = end;
         }
-    }
-}
-
-/// The layout of a corner in its buffer.
-pub fn layout() -> wgpu::VertexBufferLayout<'static> {
-    const ATTRIBUTES: [wgpu::VertexAttribute; 3] =
-        wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x4, 2 => Uint32x2];
-    wgpu::VertexBufferLayout {
-        array_stride: 4 * CORNER_WORDS as u64,
-        step_mode: wgpu::VertexStepMode::Vertex,
-        attributes: &ATTRIBUTES,
     }
 }
 

@@ -1,10 +1,11 @@
 //! The pipelines of draw.wgsl and sum.wgsl.
 
-use crate::mesh;
-
 /// Patch numbers, and whatever else is a whole number per pixel.
 pub const NUMBERS: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
 pub const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// Words of a corner: position, plane, side, mirror.
+pub const CORNER_WORDS: usize = 9;
 
 pub struct Pipelines {
     /// The face that is drawn, at an offset.
@@ -87,7 +88,7 @@ fn draw_pipeline(
             module: shader,
             entry_point: Some("corner"),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &[Some(mesh::layout())],
+            buffers: &[Some(corner_layout())],
         },
         // Both sides are seen; which one, the shader finds from the plane.
         primitive: wgpu::PrimitiveState::default(),
@@ -109,6 +110,17 @@ fn draw_pipeline(
         multiview_mask: None,
         cache: None,
     })
+}
+
+/// The layout of a corner in its buffer.
+fn corner_layout() -> wgpu::VertexBufferLayout<'static> {
+    const ATTRIBUTES: [wgpu::VertexAttribute; 3] =
+        wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x4, 2 => Uint32x2];
+    wgpu::VertexBufferLayout {
+        array_stride: 4 * CORNER_WORDS as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &ATTRIBUTES,
+    }
 }
 
 fn sum_pipeline(device: &wgpu::Device) -> wgpu::ComputePipeline {

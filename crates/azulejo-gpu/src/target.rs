@@ -1,10 +1,10 @@
 //! Textures to draw in, and the way back from them.
 
 use crate::atlas::Atlas;
-use crate::card::{Reduction, Shared};
 use crate::face::{FaceDrawing, WORDS};
 use crate::mesh::Mesh;
 use crate::pipelines::{DEPTH, NUMBERS};
+use crate::shared::{Reduction, Shared};
 use azulejo_trace::item_buffer::DrawError;
 use std::sync::mpsc::{Receiver, channel};
 
