@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # Builds the release archive of this machine's platform (made for Linux x86-64):
 #
-#   release/archive.sh [FOLDER]
+#   release/archive.sh [FOLDER [PROGRAMS]]
 #
 # writes FOLDER/azulejo-VERSION-TARGET.tar.gz and its .sha256 (FOLDER is `dist` by default). The
 # archive has the programs with Embree and graphics cards enabled, manual pages, shell completions,
-# examples, licences, the list of third-party licences, and checksums of all of it. Needs Rust and
-# Python 3. Two runs on one commit and machine give the same bytes.
+# examples, documentation, licences, the list of third-party licences, and checksums of all of it.
+# With PROGRAMS, a folder, the programs there are taken instead of building them. Needs Rust and
+# Python 3.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 dist=$(realpath -m "${1:-dist}")
@@ -18,8 +19,12 @@ version=$(cargo metadata --format-version 1 --no-deps --locked |
 print(next(p["version"] for p in json.load(sys.stdin)["packages"] if p["name"] == "azulejo-cli"))')
 name=azulejo-$version-$target
 
-cargo build --release --locked -p azulejo-cli -p azulejo-workbench --features "$features"
-built=${CARGO_TARGET_DIR:-target}/release
+if [ $# -ge 2 ]; then
+    built=$2
+else
+    cargo build --release --locked -p azulejo-cli -p azulejo-workbench --features "$features"
+    built=${CARGO_TARGET_DIR:-target}/release
+fi
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT

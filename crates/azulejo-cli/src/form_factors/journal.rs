@@ -399,7 +399,7 @@ mod tests {
     }
 
     #[test]
-    fn damage_is_seen_wherever_it_is() {
+    fn damage_is_detected_everywhere() {
         let folder = Folder::new("damage");
         let whole = folder.filled();
         for at in 0..whole.len() {
@@ -408,7 +408,7 @@ mod tests {
             fs::write(folder.journal(), &bytes).unwrap();
             match FileJournal::open(folder.journal(), 7) {
                 Err(e) => assert!(
-                    at < 24 && e.to_string().contains("is no journal"),
+                    at < 24 && e.to_string().contains("is not a journal"),
                     "{at}: {e}"
                 ),
                 Ok(journal) => {
@@ -423,26 +423,26 @@ mod tests {
     }
 
     #[test]
-    fn other_work_begins_anew() {
+    fn other_work_restarts_the_journal() {
         let folder = Folder::new("other");
         let whole = folder.filled();
         let (there, said) = folder.after(&whole, 8);
-        assert!(there.is_empty() && said.contains("begun anew"), "{said}");
+        assert!(there.is_empty() && said.contains("restarted"), "{said}");
         assert_eq!(fs::read(folder.journal()).unwrap(), header(8));
-        // A header that was not finished says nothing yet.
+        // An incomplete header is no record of other work.
         assert!(folder.after(&whole[..10], 7).0.is_empty());
         assert!(folder.after(&[], 7).0.is_empty());
     }
 
     #[test]
-    fn what_is_no_journal_stays() {
+    fn other_files_are_not_touched() {
         let folder = Folder::new("alien");
         fs::write(folder.journal(), "my diary").unwrap();
         let said = FileJournal::open(folder.journal(), 7)
             .err()
             .unwrap()
             .to_string();
-        assert!(said.contains("is no journal"), "{said}");
+        assert!(said.contains("is not a journal"), "{said}");
         assert_eq!(fs::read(folder.journal()).unwrap(), b"my diary");
     }
 
@@ -462,7 +462,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_full_disk_is_said_and_no_more() {
+    fn a_full_disk_is_reported_only() {
         let folder = Folder::new("full");
         if !Path::new("/dev/full").exists() {
             return;
