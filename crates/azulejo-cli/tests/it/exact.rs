@@ -148,6 +148,6 @@ fn what_is_wrong_with_them_is_placed() {
         "bad.grf",
         format!("{}end def\n", SCENE.replace("D (0.4", "E (0.4")),
     );
-    let said = "bad.grf:10:61: found `E`, which no `ext figure` around it makes a figure";
+    let said = "bad.grf:10:61: found `E`, which no enclosing `ext figure` defines as a figure";
     folder.fails("info bad.grf", 1, said);
 }

@@ -183,7 +183,7 @@ pub(crate) fn number(lexer: &mut Lexer<'_>, expected: &str) -> InlineResult<f64>
 pub(crate) fn made(description: &Description, parts: &[WeightedModel]) -> InlineResult<Arc<Brdf>> {
     Brdf::new(description.clone())
         .map(Arc::new)
-        .map_err(|problem| blame(&problem, parts))
+        .map_err(|problem| locate_problem(&problem, parts))
 }
 
 /// Checks each model separately.
@@ -195,7 +195,7 @@ pub(crate) fn check(parts: &[WeightedModel]) -> InlineResult<()> {
 }
 
 /// Locates the model and the parameter that a problem is about.
-fn blame(problem: &BrdfError, parts: &[WeightedModel]) -> InlineError {
+fn locate_problem(problem: &BrdfError, parts: &[WeightedModel]) -> InlineError {
     match check(parts) {
         Err(trouble) => trouble,
         Ok(()) => {

@@ -172,7 +172,7 @@ pub(super) mod tests {
         assert_eq!(
             told,
             [
-                "m.binary: byte 92 (0x5c): negative numbers mean that there is no data; taken as 0 \
+                "m.binary: byte 92 (0x5c): negative numbers, which mark missing data: taken as 0 \
                  (2 times)",
                 "m.binary: byte 5772 (0x168c): 5 bytes after the table: skipped"
             ]

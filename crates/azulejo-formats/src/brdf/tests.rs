@@ -153,7 +153,7 @@ fn hostile_files_end_soon() {
         "`n` again",
     );
     let deep = "begin brdf model layered ".repeat(100_000);
-    must_fail(&deep, "at most 16 blocks");
+    must_fail(&deep, "at most 16 nested levels");
     let wide = "begin brdf model diffuse end brdf ".repeat(100_000);
     must_fail(
         &format!("begin brdf model layered {wide}"),

@@ -159,13 +159,13 @@ impl<'d> GrfResolver<'d> {
             },
             Some(AppearanceBase::InPlace(brdf)) => surface("", brdf),
             None => DefinedMaterial {
-                material: Material::diffuse("", silent_reflectance(emission, is_colored)),
+                material: Material::diffuse("", default_reflectance(emission, is_colored)),
                 ..DefinedMaterial::default()
             },
         };
         let material = &mut made.material;
         if let Some(color) = appearance.color {
-            material.diffuse = if made.says_diffuse {
+            material.diffuse = if made.has_diffuse {
                 material.diffuse * color
             } else {
                 color
@@ -215,7 +215,7 @@ impl<'d> GrfResolver<'d> {
 
 /// Reflectance of a surface for which the file defines none: black for a light source, white if
 /// vertex colours are the reflectance.
-fn silent_reflectance(emission: Option<Rgb>, is_colored: bool) -> Rgb {
+fn default_reflectance(emission: Option<Rgb>, is_colored: bool) -> Rgb {
     match (emission, is_colored) {
         (Some(_), _) => Rgb::BLACK,
         (None, true) => Rgb::WHITE,

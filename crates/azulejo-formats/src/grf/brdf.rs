@@ -65,7 +65,7 @@ pub(super) fn plain(description: &Description) -> Option<PlainReflectance> {
 }
 
 /// Whether a description defines a diffuse reflectance, by which a colour beside it is multiplied.
-pub(super) fn says_diffuse(description: &Description) -> bool {
+pub(super) fn has_diffuse(description: &Description) -> bool {
     let says = |model: &Model| color(model, "kd").is_some() || model.name == "specular";
     match description {
         Description::Model(model) => says(model),
@@ -81,8 +81,8 @@ impl<'a> GrfParser<'a, '_, '_> {
         let mut ahead = self.lexer;
         match ahead.word() {
             Some(word) if inline::is_model(word) || inline::at_parameter(ahead) => {
-                let said = inline::description(&mut self.lexer);
-                let (description, parts) = said.map_err(|t| self.trouble(t))?;
+                let parsed = inline::description(&mut self.lexer);
+                let (description, parts) = parsed.map_err(|t| self.trouble(t))?;
                 self.reflection(offset, description, &parts)
             }
             _ => {

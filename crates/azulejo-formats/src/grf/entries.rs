@@ -332,8 +332,8 @@ fn at_item(mut ahead: Lexer<'_>) -> bool {
         || ahead.word().is_some() && (ahead.eat(b'=') || ahead.eat(b'(') || ahead.eat_word("begin"))
 }
 
-/// Resolves the escapes `
-/// `, `\r`, `\t` and `\u{hex}`; any other character after a backslash stands for itself.
+/// Resolves the escapes `\n`, `\r`, `\t` and `\u{hex}`; any other character after a backslash stands
+/// for itself.
 fn unescaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text.chars();

@@ -122,9 +122,9 @@ impl GrfNames {
         for run in material_runs(&mesh.face_materials) {
             let material = mesh.face_materials[run];
             let textures = &scene.materials[material as usize].textures;
-            let said = std::iter::once(self.material(material))
+            let expressed = std::iter::once(self.material(material))
                 .chain(textures.iter().map(|t| self.texture(*t)));
-            changes.extend(said.map(|change| (run as u32, change)));
+            changes.extend(expressed.map(|change| (run as u32, change)));
         }
         // A single material goes before the vertices; an emitting mesh has no appearance there.
         if radiance.is_none() && changes.iter().all(|(at, _)| *at == 0) {
@@ -236,14 +236,14 @@ fn material_definition(
     textures: &[GrfName],
 ) -> (GrfDefinition, Option<MaterialNote>) {
     let brdf = brdf_of(material);
-    let mut said = surface(name, &brdf).material;
-    said.limit_reflectance();
+    let mut expressed = surface(name, &brdf).material;
+    expressed.limit_reflectance();
     let unless = |same: bool, color: Rgb| (!same).then_some(color);
     let note = MaterialNote {
         of: name.clone(),
-        name: (material.name != said.name).then(|| material.name.clone()),
-        diffuse: unless(material.diffuse == said.diffuse, material.diffuse),
-        mirror: unless(material.mirror == said.mirror, material.mirror),
+        name: (material.name != expressed.name).then(|| material.name.clone()),
+        diffuse: unless(material.diffuse == expressed.diffuse, material.diffuse),
+        mirror: unless(material.mirror == expressed.mirror, material.mirror),
         emission: unless(!material.is_emitter(), material.emission),
         emits_back: material.emits_back,
         ior: material.dielectric.map(|d| d.ior),
@@ -255,7 +255,7 @@ fn material_definition(
             material.textures.iter().map(named).collect()
         }),
         brdf_file: match &material.brdf {
-            Some(brdf) if said.brdf.is_none() => Some(Arc::new(brdf.into())),
+            Some(brdf) if expressed.brdf.is_none() => Some(Arc::new(brdf.into())),
             _ => None,
         },
     };

@@ -1,6 +1,6 @@
 //! Materials of surfaces as described in a file.
 
-use super::brdf::{GrfReflection, plain, says_diffuse};
+use super::brdf::{GrfReflection, has_diffuse, plain};
 use super::document::MaterialNote;
 use azulejo_scene::brdf::Description;
 use azulejo_scene::{Dielectric, Material, Rgb, TextureId};
@@ -17,7 +17,7 @@ pub(super) struct DefinedMaterial {
     pub material: Material,
     /// Whether the file defines the diffuse reflectance; if so, a colour multiplies it, otherwise
     /// replaces it.
-    pub says_diffuse: bool,
+    pub has_diffuse: bool,
 }
 
 /// The material of a `brdf`.
@@ -40,7 +40,7 @@ pub(super) fn surface(name: &str, reflection: &GrfReflection) -> DefinedMaterial
     }
     DefinedMaterial {
         material,
-        says_diffuse: says_diffuse(description) || !is_black,
+        has_diffuse: has_diffuse(description) || !is_black,
     }
 }
 
@@ -53,7 +53,7 @@ impl DefinedMaterial {
         }
         if let Some(diffuse) = note.diffuse {
             material.diffuse = diffuse;
-            self.says_diffuse = true;
+            self.has_diffuse = true;
         }
         if let Some(mirror) = note.mirror {
             material.mirror = mirror;

@@ -16,7 +16,7 @@ pub(super) fn is_mirror(outer: OuterTransform) -> bool {
 
 /// Reverses each face, keeping its first corner: the outside of a body is the outside of its mirror
 /// image.
-pub(super) fn turn_round(faces: &mut Faces) {
+pub(super) fn reverse_faces(faces: &mut Faces) {
     for face in 0..faces.len() {
         let corners = faces.corner_range(face);
         faces.corners[corners][1..].reverse();

@@ -8,7 +8,7 @@ use super::document::{
 use super::materials::{DefinedMaterial, REFLECTS_TOO_MUCH, surface};
 use super::placement::{
     OuterTransform, affine, degenerate_faces, face_normals, is_mirror, moved_camera, moved_light,
-    turn_round,
+    reverse_faces,
 };
 use super::solids::Defined;
 use super::{has_area, is_camera, is_invertible, unit};
@@ -381,7 +381,7 @@ fn placed_normals(
             starts: faces.starts.clone(),
             corners: std::mem::take(corners),
         };
-        turn_round(&mut turned);
+        reverse_faces(&mut turned);
         *corners = turned.corners;
     }
     normals
@@ -487,7 +487,7 @@ impl<'d> GrfResolver<'d> {
         }
         let mut faces = block.faces.clone();
         if is_mirror(outer) {
-            turn_round(&mut faces);
+            reverse_faces(&mut faces);
         }
         let mut mesh = Mesh {
             positions,

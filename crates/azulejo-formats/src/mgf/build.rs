@@ -102,14 +102,14 @@ impl MgfBuilder {
     fn place(&mut self, draft: Option<Box<(usize, ObjectFaces)>>) {
         if let Some((object, draft)) = draft.map(|d| *d) {
             let mut mesh = draft.finish();
-            self.darken_insides(&mut mesh);
+            self.suppress_inner_emission(&mut mesh);
             self.scene.objects[object].shape = Shape::Mesh(mesh);
         }
     }
 
     /// Two-sided emitters that enclose a volume emit outwards only: their inward emission is never
     /// visible and would count as power.
-    fn darken_insides(&mut self, mesh: &mut Mesh) {
+    fn suppress_inner_emission(&mut self, mesh: &mut Mesh) {
         let shines_in = |m: &MaterialId| self.materials.get(*m).emits_back;
         let is_lamp: Vec<bool> = mesh.face_materials.iter().map(shines_in).collect();
         if !is_lamp.contains(&true) || !encloses(mesh, &is_lamp) {

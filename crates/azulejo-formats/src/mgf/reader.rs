@@ -259,9 +259,9 @@ impl<'r> MgfReader<'r> {
             b"v" => self.choose_vertex(words),
             b"p" => self.vertex(|v, p| v.position = p, words),
             b"n" => self.vertex(|v, n| v.normal = n.try_normalize(), words),
-            b"c" => troubled(self.colors.choose(words, || Chroma::WHITE), "colour: white"),
+            b"c" => context_warning(self.colors.choose(words, || Chroma::WHITE), "colour: white"),
             b"cxy" | b"cspec" | b"cct" | b"cmix" => self.color(keyword, words),
-            b"m" => troubled(
+            b"m" => context_warning(
                 self.surfaces.choose(words, MgfMaterial::undefined),
                 "material: grey with reflectance 0.5",
             ),
@@ -286,7 +286,7 @@ impl<'r> MgfReader<'r> {
             self.serial += 1;
             self.vertices.current().1.revision = self.serial;
         }
-        troubled(chosen, "vertex: at the origin")
+        context_warning(chosen, "vertex: at the origin")
     }
 
     fn vertex(
@@ -461,7 +461,7 @@ impl<'r> MgfReader<'r> {
                 start: source.lines.mark(),
                 outer,
             })));
-        understood(wrong)
+        option_warning(wrong)
     }
 
     /// Makes an instance the current transform.
@@ -504,7 +504,7 @@ impl<'r> MgfReader<'r> {
         let bytes = self.text_of(&name)?;
         let (transform, wrong) = MgfTransform::parse(options);
         self.instances_of(&name, &bytes, &transform)?;
-        understood(wrong)
+        option_warning(wrong)
     }
 
     /// Reads a file once for each instance of a transform.
@@ -588,7 +588,7 @@ impl<'r> MgfReader<'r> {
         let (transform, wrong) = MgfTransform::parse(options);
         let name = beside(source.name, &text(path));
         self.place_luminaires(source, &name, multiplier, &transform)?;
-        understood(wrong)
+        option_warning(wrong)
     }
 
     /// Runs `place` once for each instance of a transform, in its own group named `name`.
@@ -621,7 +621,7 @@ impl<'r> MgfReader<'r> {
 
 /// Turns an error in the selection of a context into a warning; `stand_in` names the type and the
 /// default.
-fn troubled(chosen: Result<(), ContextError>, stand_in: &str) -> Result<(), EntityError> {
+fn context_warning(chosen: Result<(), ContextError>, stand_in: &str) -> Result<(), EntityError> {
     match chosen {
         Ok(()) => Ok(()),
         Err(ContextError::Form) => {
@@ -638,7 +638,7 @@ fn troubled(chosen: Result<(), ContextError>, stand_in: &str) -> Result<(), Enti
 }
 
 /// Turns an error in the options of a transform into a warning.
-fn understood(wrong: Option<&str>) -> Result<(), EntityError> {
+fn option_warning(wrong: Option<&str>) -> Result<(), EntityError> {
     match wrong {
         None => Ok(()),
         Some(wrong) => skip(format!("{wrong}: it and the following options are skipped")),

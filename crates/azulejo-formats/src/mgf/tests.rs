@@ -319,7 +319,7 @@ fn what_is_skipped_is_said() {
     );
     check(
         "m none",
-        &["undefined material \"none\": taken as grey, reflectance 0.5"],
+        &["undefined material \"none\": taken as grey with reflectance 0.5"],
     );
     check("m x = none", &["undefined material \"none\""]);
     check("c none", &["undefined colour \"none\": taken as white"]);
@@ -333,27 +333,30 @@ fn what_is_skipped_is_said() {
         "f a b nobody",
         &["undefined vertex \"nobody\": its surface is skipped"],
     );
-    check("rd x", &["\"x\" is no number"]);
+    check("rd x", &["\"x\" is not a number"]);
     check("rd .1 .2", &["2 arguments, expected 1"]);
     check("rd 1.5", &["rd outside 0..1: clamped"]);
     check("rd .9\nrs .3 .2", &["more than it receives"]);
     check("ed -1", &["ed below 0"]);
-    check("sides 3", &["sides are 1 or 2"]);
+    check("sides 3", &["sides must be 1 or 2"]);
     check("sides 1", &["one-sided"]);
     check("td .2", &["(td)"]);
     check("c k =\ncxy .9 .9", &["cxy of no visible colour"]);
     check("c k =\ncspec 1 2 3", &["cspec of no visible colour"]);
     check("c k =\ncmix 1", &["pairs of weight and colour"]);
-    check("c k =\ncmix x k", &["\"x\" is no weight"]);
+    check("c k =\ncmix x k", &["\"x\" is not a weight"]);
     check("c k =\ncmix 1 x", &["undefined colour \"x\""]);
     check(
         "o\nxf",
-        &["\"o\" that ends nothing", "\"xf\" that ends nothing"],
+        &[
+            "\"o\" without a matching begin",
+            "\"xf\" without a matching begin",
+        ],
     );
     check("o x\nxf -t 0 0 1\no", &["overlap"]);
     check(
         "xf -q 3\nxf",
-        &["unknown transform option: it and the options behind it"],
+        &["unknown transform option: it and the following options"],
     );
     check("sph a 0", &["sph without size"]);
     check("sph a", &["sph without \"vertex radius\""]);
@@ -362,8 +365,8 @@ fn what_is_skipped_is_said() {
     check("cone a 1 b", &["cone without"]);
     check("ring a 0 1", &["without normal"]);
     check("ring a 0", &["ring or torus without"]);
-    check("prism a b c 0", &["prism without base or length"]);
-    check("prism a a a 1", &["prism without base or length"]);
+    check("prism a b c 0", &["prism without area or length"]);
+    check("prism a a a 1", &["prism without area or length"]);
     check("prism", &["prism without"]);
     check(
         "v n =\nn 0 0 1\nring n 2 1\ntorus n 1 1",
@@ -429,7 +432,7 @@ fn small_files_stay_small() {
     });
     check_warnings(
         &load_with("i 0.mgf", &deep),
-        &["over 64 deep", "no geometry"],
+        &["more than 64 deep", "no geometry"],
     );
 }
 
@@ -449,7 +452,7 @@ fn luminaires_of_an_area() {
         photometric("2 .5 .1", "0 89.999 90.001 180", "100 100 50 50"),
     );
     let loaded = load_with("ies a/l.ies -m 2 -rx 180 -t 0 0 3 -a 2 -t 5 0 0\n", &files);
-    check_warnings(&loaded, &["simplified"]);
+    check_warnings(&loaded, &["approximated"]);
     check_objects(
         &loaded,
         &[
@@ -531,9 +534,9 @@ fn luminaires_with_a_body() {
     check_warnings(
         &loaded,
         &[
-            "a/lamp.mgf:5:1: the body of \"a/l.ies\" names it again",
-            "b/lamp.mgf\" is left out",
-            "simplified",
+            "a/lamp.mgf:5:1: the geometry of \"a/l.ies\" includes it again",
+            "b/lamp.mgf\" skipped",
+            "approximated",
         ],
     );
     assert_eq!(loaded.scene.lights.len(), 1);
@@ -542,7 +545,7 @@ fn luminaires_with_a_body() {
     check_warnings(
         &loaded,
         &[
-            "no photometric file",
+            "not a valid photometric file",
             "as before",
             "multiplier",
             "no geometry",

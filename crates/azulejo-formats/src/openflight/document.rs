@@ -267,8 +267,8 @@ impl<'a> RecordScan<'a, '_> {
             }
             let name = opcode::name(opcode);
             self.warn(format!(
-                "damaged: {name} (opcode {opcode}) of {length} bytes, with {left} left; \
-                 the {left} bytes from here on are lost"
+                "damaged: {name} (opcode {opcode}) with a length of {length} bytes, but only {left} left; \
+                 the rest of the file is skipped"
             ));
             return false;
         }

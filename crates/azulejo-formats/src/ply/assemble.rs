@@ -53,7 +53,7 @@ pub(super) fn scene(
         None => vec![(0, mesh)],
     };
     for (object, mut mesh) in parts {
-        builder.settle_normals(&mut mesh);
+        builder.drop_zero_normals(&mut mesh);
         let name = header.objects.get(object as usize).cloned();
         let shape = Shape::Mesh(mesh);
         scene
@@ -162,7 +162,7 @@ impl PlyBuilder<'_> {
     }
 
     /// Reports zero normals: of a whole mesh, which then has none, or of single vertices.
-    fn settle_normals(&mut self, mesh: &mut Mesh) {
+    fn drop_zero_normals(&mut self, mesh: &mut Mesh) {
         let Some(normals) = &mut mesh.normals else {
             return;
         };

@@ -143,7 +143,7 @@ fn rows<S: RowSource>(
         match source.begin_row().and_then(|()| row(source)) {
             Ok(()) => source.end_row(),
             Err(RowError::End) => {
-                source.give_up();
+                source.skip_incomplete_row();
                 return Ok(element.count - done);
             }
             Err(RowError::Error(error)) => return Err(*error),

@@ -32,7 +32,7 @@ pub(super) trait RowSource {
     fn end_row(&mut self);
 
     /// Skips an incomplete row at the end of the file.
-    fn give_up(&mut self);
+    fn skip_incomplete_row(&mut self);
 
     /// The number of remaining bytes.
     fn left(&self) -> usize;
@@ -144,7 +144,7 @@ impl RowSource for AsciiRows<'_> {
         }
     }
 
-    fn give_up(&mut self) {
+    fn skip_incomplete_row(&mut self) {
         self.words = self.words.from(self.length);
     }
 
@@ -251,7 +251,7 @@ impl<const BIG: bool> RowSource for BinaryRows<'_, BIG> {
     #[inline]
     fn end_row(&mut self) {}
 
-    fn give_up(&mut self) {
+    fn skip_incomplete_row(&mut self) {
         self.rest = &[];
     }
 

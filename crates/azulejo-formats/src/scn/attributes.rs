@@ -353,7 +353,7 @@ impl ScnTranslator<'_> {
                 position = stream.point()?;
                 color = stream.wide_color()?;
                 RtraceLightKind::Extended {
-                    radius: stream.positive("a light's radius")?,
+                    radius: stream.positive("radius of a light")?,
                     samples: samples(stream)?,
                 }
             }

@@ -135,7 +135,7 @@ impl ScnTranslator<'_> {
         Ok(match name {
             "sphere" => SffGeometry::Sphere {
                 centre: stream.point()?,
-                radius: stream.positive("a radius")?,
+                radius: stream.positive("radius")?,
             }
             .into(),
             "box" | "cube" => {
@@ -155,17 +155,17 @@ impl ScnTranslator<'_> {
             "cone" | "cylinder" => self.turned(name, modifiers, place)?,
             "disc" | "disk" => {
                 let (centre, normal) = (stream.point()?, stream.vector()?.normalize());
-                solids::disc(centre, normal, stream.positive("a radius")?).into()
+                solids::disc(centre, normal, stream.positive("radius")?).into()
             }
             "ring" => {
                 let (centre, normal) = (stream.point()?, stream.vector()?.normalize());
-                let outer = stream.positive("a radius")?;
-                let inner = stream.positive("a radius")?;
+                let outer = stream.positive("radius")?;
+                let inner = stream.positive("radius")?;
                 solids::ring(centre, normal, outer, inner).into()
             }
             "wedge" => {
                 let base = [stream.point()?, stream.point()?, stream.point()?];
-                let depth = stream.positive("a depth")?;
+                let depth = stream.positive("depth")?;
                 let normal = self.normal(&base, place)?;
                 TranslatedObject::compound(vec![solids::prism(&base, normal, depth, false)], false)
             }
@@ -179,13 +179,13 @@ impl ScnTranslator<'_> {
                 TranslatedObject::compound(vec![solids::tetrahedron(p)], false)
             }
             "prism" => {
-                let height = stream.positive("a height")?;
+                let height = stream.positive("height")?;
                 let base = self.points(place)?;
                 let normal = self.normal(&base, place)?;
                 TranslatedObject::compound(vec![solids::prism(&base, normal, height, open)], open)
             }
             "pyramid" => {
-                let height = stream.positive("a height")?;
+                let height = stream.positive("height")?;
                 let top = if modifiers.truncated {
                     Some(stream.positive("relative size of the top")?)
                 } else {
@@ -236,13 +236,13 @@ impl ScnTranslator<'_> {
         let stream = &mut self.stream;
         let apex = stream.point()?;
         let pieces = if modifiers.truncated {
-            let apex_radius = stream.positive("a radius")?;
+            let apex_radius = stream.positive("radius")?;
             let base = stream.point()?;
-            let base_radius = stream.positive("a radius")?;
+            let base_radius = stream.positive("radius")?;
             ((apex, apex_radius), (base, base_radius))
         } else {
             let base = stream.point()?;
-            let radius = stream.positive("a radius")?;
+            let radius = stream.positive("radius")?;
             let apex_radius = if name == "cone" { 0.0 } else { radius };
             ((apex, apex_radius), (base, radius))
         };
@@ -256,8 +256,8 @@ impl ScnTranslator<'_> {
 
     fn torus(&mut self, open: bool, place: SffPosition) -> ScnResult<TranslatedObject> {
         let stream = &mut self.stream;
-        let radius = stream.positive("a radius")?;
-        let tube = stream.positive("a radius")?;
+        let radius = stream.positive("radius")?;
+        let tube = stream.positive("radius")?;
         let (mut from, mut to, mut pieces) = (0.0, 360.0, [16, 8]);
         if stream.real_follows() {
             (from, to) = (stream.real()?, stream.real()?);

@@ -232,7 +232,7 @@ fn mistakes_are_named() {
     );
     check(
         "sphere 0 0 0 0",
-        "a.scn:1:14: found a radius of 0, expected a positive number",
+        "a.scn:1:14: found radius 0, expected a positive number",
     );
     check("sphere 0 0 0 (1/0)", "a.scn:1:14: found the value inf");
     check(
@@ -265,7 +265,7 @@ fn mistakes_are_named() {
         "csg union begin group csg end",
         "a.scn:1:23: found an end without its beginning",
     );
-    check("csg next", "a.scn:1:1: found csg next outside");
+    check("csg next", "a.scn:1:1: found csg next that does not follow");
     check(
         "csg union begin csg next sphere 0 0 0 1 csg end",
         "a.scn:1:17: found 66 1 with nothing before it",
@@ -287,10 +287,13 @@ fn mistakes_are_named() {
         "torus 1 .1 5 5",
         "a.scn:1:1: found a torus from 5 to 5 degrees",
     );
-    check("eye 0 0 0", "a.scn:1:1: found an eye, a point to look at");
+    check(
+        "eye 0 0 0",
+        "a.scn:1:1: found an eye, a target and an up vector",
+    );
     check(
         "text3d file nothing",
-        "a.scn:1:13: found \"nothing\", expected the name of a file",
+        "a.scn:1:13: found \"nothing\", expected a file name",
     );
     check(
         "text3d file a.t3d",

@@ -208,10 +208,10 @@ impl ScnTokenizer<'_, '_> {
             }
             Directive::Include(name) => self.include(name, place, depth),
             Directive::Other => {
-                let said = "directive other than #define, #undef and #include: skipped";
+                let message = "directive other than #define, #undef and #include: skipped";
                 let position = || self.sources.position(place);
                 let name = self.sources.name(place.file);
-                self.warnings.add(name, said.into(), position);
+                self.warnings.add(name, message.into(), position);
                 Ok(())
             }
         }

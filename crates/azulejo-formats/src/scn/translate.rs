@@ -117,8 +117,8 @@ impl ScnTranslator<'_> {
         };
         self.stream.word();
         if self.given.contains(&name) {
-            let said = format!("{name} is given more than once: the last one is used");
-            self.stream.warn(place, said);
+            let message = format!("{name} is given more than once: the last one is used");
+            self.stream.warn(place, message);
         }
         self.given.push(name);
         let (stream, view) = (&mut self.stream, &mut self.document.view);

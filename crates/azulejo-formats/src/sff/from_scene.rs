@@ -43,7 +43,7 @@ pub(super) fn document(scene: &Scene, stem: &str) -> (SffDocument, Font) {
 }
 
 /// Whether an object represents an RTRACE light.
-pub(super) fn is_lamp(scene: &Scene, shape: &Shape) -> bool {
+pub(super) fn is_light_emitter(scene: &Scene, shape: &Shape) -> bool {
     let known = scene.rtrace.as_ref().map(|r| r.materials.len());
     matches!((shape, known), (Shape::Primitive(p), Some(known)) if p.material as usize >= known)
 }
@@ -100,7 +100,7 @@ impl SffWriter<'_> {
     }
 
     fn object(&mut self, index: usize, shape: &Shape) {
-        if is_lamp(self.scene, shape) {
+        if is_light_emitter(self.scene, shape) {
             return;
         }
         match shape {

@@ -168,7 +168,7 @@ pub(super) fn named(number: usize, kind: LightKind) -> Light {
 }
 
 /// The material of a light's emitter.
-pub(super) fn shining(number: usize, radiance: Rgb) -> Material {
+pub(super) fn emitter_material(number: usize, radiance: Rgb) -> Material {
     Material {
         emits_back: true,
         ..Material::emitter(format!("light {number}"), radiance)

@@ -238,8 +238,8 @@ impl<'a, 'w> SffLines<'a, 'w> {
         }
         let place = self.place();
         if self.numbers_left_on_line() >= 2 {
-            let said = "title line that begins with numbers: they are ignored";
-            self.warn(place, said.into());
+            let message = "title line that begins with numbers: they are ignored";
+            self.warn(place, message.into());
         }
         let title = text(self.words.rest_of_line()).into_owned();
         self.skip_remarks();

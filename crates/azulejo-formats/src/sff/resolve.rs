@@ -62,8 +62,8 @@ pub(crate) fn resolve(
             InheritedAttributes::default().with(root, node),
         )?;
     }
-    resolver.forgive_translated(document);
-    resolver.lamps(document);
+    resolver.clear_texture_flags(document);
+    resolver.add_lights(document);
     let name = resolver.sources.name(0).to_owned();
     let scene = resolver.finish(document);
     match scene.validate() {
@@ -318,8 +318,8 @@ impl SffResolver<'_, '_> {
     ) -> SffResult<()> {
         let node = &tree.nodes[member];
         if self.corner_surfaces.take().is_some() {
-            let said = "mesh with several surfaces inside another object: a single one is used";
-            self.warn(node.place, said);
+            let message = "mesh with several surfaces inside another object: a single one is used";
+            self.warn(node.place, message);
         }
         let is_csg = matches!(tree.nodes[around.node].kind, SffNodeKind::Csg(..));
         if is_csg && !solids.iter().all(is_closed) {
@@ -574,8 +574,8 @@ impl SffResolver<'_, '_> {
             return Ok(known);
         }
         if surfaces::is_dimmed(&numbers) {
-            let said = "surface that transmits less than half of the light: opaque except in RTRACE's own shading";
-            self.warn(place, said);
+            let message = "surface that transmits less than half of the light: opaque except in RTRACE's own shading";
+            self.warn(place, message);
         }
         let of_rtrace = self.rtrace_material(tree, given, place)?;
         let name = format!("surface {surface}");
@@ -630,7 +630,7 @@ impl SffResolver<'_, '_> {
     }
 
     /// scn2sff wrote random flags for surfaces that only textures use.
-    fn forgive_translated(&mut self, document: &SffDocument) {
+    fn clear_texture_flags(&mut self, document: &SffDocument) {
         if !document.is_translated {
             return;
         }
@@ -646,14 +646,15 @@ impl SffResolver<'_, '_> {
         for (surface, _) in self.surfaces.iter_mut().zip(worn).filter(|(_, worn)| !worn) {
             if surface.is_emitter || surface.is_unshadowed {
                 (surface.is_emitter, surface.is_unshadowed) = (false, false);
-                let said = "signs written by scn2sff for a surface that only textures use: ignored";
-                self.warnings.add_whole(self.sources.name(0), said);
+                let message =
+                    "signs written by scn2sff for a surface that only textures use: ignored";
+                self.warnings.add_whole(self.sources.name(0), message);
             }
         }
     }
 
     /// Adds the lights, and emitters for those with area; these come last.
-    fn lamps(&mut self, document: &SffDocument) {
+    fn add_lights(&mut self, document: &SffDocument) {
         for (k, light) in document.lights.iter().enumerate() {
             let material = self.scene.materials.len() as MaterialId;
             match lights::physical(light, &document.view, material) {
@@ -662,7 +663,8 @@ impl SffResolver<'_, '_> {
                     self.scene.lights.extend(lights);
                 }
                 SffLight::Body(body, radiance) => {
-                    self.scene.add_material(lights::shining(k + 1, radiance));
+                    self.scene
+                        .add_material(lights::emitter_material(k + 1, radiance));
                     let name = format!("light {}", k + 1);
                     let object = Object::new(name, Shape::Primitive(body));
                     self.scene.objects.push(object);

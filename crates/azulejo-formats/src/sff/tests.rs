@@ -271,7 +271,7 @@ fn mistakes_are_named_with_their_lines() {
     check(
         "1 1 1 0 0 0 1\n65 1 1 0 0 0 0 1 0 0 0 0 0 0 0 0 0 1",
         2,
-        "cannot be undone",
+        "singular",
     );
     check("5 1 1 0 0 0 1 1 1 -\n3 1 2 9\n\n0 0 0\n", 2, "vertex 9");
     check(
@@ -287,7 +287,7 @@ fn mistakes_are_named_with_their_lines() {
     check(
         "5 1 1 0 0 0 1 1 1 -\n3 1 2 1\n\n0 0 0\n1 0 0\n2 2 2\n",
         6,
-        "an empty line behind the 2",
+        "an empty line after the 2",
     );
     check(
         "5 1 1 0 0 0 1 1 1 no.dat\n",
@@ -303,7 +303,7 @@ fn mistakes_are_named_with_their_lines() {
         "a beginning without its end",
     );
     check("66 0 0 0 7\n", 1, "set operation 7");
-    check("67 0 0 0\n1 1 1 0 0 0 1\n66 2\n", 3, "out of its order");
+    check("67 0 0 0\n1 1 1 0 0 0 1\n66 2\n", 3, "out of order");
     check(
         &"66 0 0 0 1\n".repeat(300),
         257,
@@ -329,7 +329,7 @@ fn mistakes_are_named_with_their_lines() {
     check(
         "1 1 1 0 0 0 1\n64 0 0 1 0 0 0 0 1 0 0 0 0 0 0 0 0 0 1",
         2,
-        "cannot be undone",
+        "singular",
     );
 }
 
@@ -417,8 +417,8 @@ fn the_papers_scenes() {
 fn liberties() {
     let check = |objects: &str, count: usize, warnings: &[&str]| {
         let loaded = load(objects).unwrap_or_else(|e| panic!("{e}"));
-        let lamps = 2;
-        assert_eq!(loaded.scene.objects.len(), count + lamps, "{objects}");
+        let add_lights = 2;
+        assert_eq!(loaded.scene.objects.len(), count + add_lights, "{objects}");
         let said: Vec<&str> = loaded.warnings.iter().map(|w| &*w.message).collect();
         assert_eq!(said, warnings);
     };

@@ -83,9 +83,9 @@ impl<'d> SffTree<'d> {
                         return fail(no_object(*object), AN_OBJECT);
                     };
                     let Some(map) = affine(matrix, || {
-                        let said = "transform with perspective: only its affine part is used";
+                        let message = "transform with perspective: only its affine part is used";
                         let position = || sources.position(place);
-                        warnings.add(sources.name(place.file), said.into(), position);
+                        warnings.add(sources.name(place.file), message.into(), position);
                     }) else {
                         return fail("a singular transform".into(), A_MAP);
                     };

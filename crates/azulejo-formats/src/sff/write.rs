@@ -1,6 +1,6 @@
 //! Writes scenes as SFF, with a font of the figures that they extrude.
 
-use super::from_scene::{self, is_lamp};
+use super::from_scene::{self, is_light_emitter};
 use super::print::print;
 use crate::outline::{ppe, ppf};
 use crate::surface::model::model_of;
@@ -46,7 +46,12 @@ pub fn write(scene: &Scene, stem: &str, out: &mut dyn Write) -> io::Result<Vec<(
 
 /// Descriptions of what [`write()`] would omit from a scene, or change: "2 cameras".
 pub fn losses(scene: &Scene) -> Vec<String> {
-    let shapes = || scene.objects.iter().filter(|o| !is_lamp(scene, &o.shape));
+    let shapes = || {
+        scene
+            .objects
+            .iter()
+            .filter(|o| !is_light_emitter(scene, &o.shape))
+    };
     let objects = |lost: &dyn Fn(&Object) -> bool| shapes().filter(|o| lost(o)).count();
     let meshes =
         |lost: fn(&Mesh) -> bool| objects(&|o| matches!(&o.shape, Shape::Mesh(mesh) if lost(mesh)));

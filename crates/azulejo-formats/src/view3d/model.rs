@@ -62,7 +62,8 @@ impl View3dModel {
             let corners = document.corners(surface);
             let outline = |&h: &usize| document.corners(&document.surfaces[h]);
             let holes: Vec<Vec<DVec3>> = held[k].iter().map(outline).collect();
-            let pieces = without(&corners, &holes).ok_or_else(|| dust(surface, &holes, name))?;
+            let pieces =
+                without(&corners, &holes).ok_or_else(|| too_complex(surface, &holes, name))?;
             if overlap(&corners, &holes, &pieces) {
                 model.overlaps.push(surface.line);
             }
@@ -93,7 +94,7 @@ impl View3dModel {
 }
 
 /// The error for a surface that is too complex.
-fn dust(surface: &View3dSurface, holes: &[Vec<DVec3>], name: &str) -> ReadError {
+fn too_complex(surface: &View3dSurface, holes: &[Vec<DVec3>], name: &str) -> ReadError {
     let found = match holes.len() {
         n if n > MOST_HOLES => format!("{n} surfaces with this one as their base"),
         n => format!("{n} surfaces in one base that overlap too much"),

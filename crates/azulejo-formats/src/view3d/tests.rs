@@ -141,13 +141,13 @@ fn odd_things_are_said() {
     check("C eps=1e-9\n", "a.vs3:1:3: eps is outside");
     check(
         "C eps = 1e-4 ! more\n",
-        "no name=value on a control line: skipped (5 times)",
+        "that are not name=value: skipped (5 times)",
     );
     check("C speed=3\n", "unknown control parameter \"speed\"");
     check("C out=2\n", "taken as 0");
-    check("Q 1 2\n", "\"Q\" begins no record");
+    check("Q 1 2\n", "\"Q\" is not a record type");
     check("X a\nX b\n", "X is reserved: line skipped (2 times)");
-    check(&SQUARES.replace("0.5 low", "1.5 low"), "moved to the limit");
+    check(&SQUARES.replace("0.5 low", "1.5 low"), "clamped");
     check(
         &SQUARES.replace("0.5 low", "0.5"),
         "a.vs3:14:18: surfaces without a name",
@@ -240,7 +240,7 @@ fn what_view3d_refuses_is_refused_with_its_line() {
     );
     check_error(
         &squares("End", "S 4 1 2 3 4 0 3 .8 c\nEnd"),
-        "a.vs3:17:15: found surface 3, which is part of 2",
+        "a.vs3:17:15: found surface 3, which itself is part of 2",
     );
 }
 
@@ -252,11 +252,11 @@ fn bases_hold_what_lies_in_them() {
     document(&parts("N", TURNED));
     check_error(
         &parts("S", TURNED),
-        "a.vs3:11:13: found a surface that looks another way",
+        "a.vs3:11:13: found a surface that does not face like",
     );
     check_error(
         &parts("M", WINDOW),
-        "a.vs3:11:13: found a surface that looks another way",
+        "a.vs3:11:13: found a surface that does not face like",
     );
     let wide = parts("S", WINDOW)
         .replace("V 6 .75", "V 6 1.75")

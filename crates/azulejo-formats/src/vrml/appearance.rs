@@ -27,7 +27,7 @@ pub(super) struct ShapeAppearance {
     /// Whether the textures replace the diffuse reflectance instead of being multiplied with it.
     replaces: bool,
     /// The transformation of the texture coordinates.
-    pub picture_from_uv: Option<DAffine2>,
+    pub texture_from_uv: Option<DAffine2>,
 }
 
 impl ShapeAppearance {
@@ -117,7 +117,7 @@ fn new(
         material: Material::diffuse("", DIFFUSE),
         textures: Vec::new(),
         replaces: false,
-        picture_from_uv: None,
+        texture_from_uv: None,
     };
     match &material {
         Some(m) if m.number("transparency", 0.0) >= 1.0 => return Ok(None),
@@ -135,13 +135,13 @@ fn new(
         let name = appearance.name.as_deref().unwrap_or_default();
         shape_appearance.material.name = name.to_owned();
     }
-    pictures(
+    resolve_textures(
         builder,
         &appearance,
         material.as_deref(),
         &mut shape_appearance,
     )?;
-    say_what_is_lost(
+    warn_unsupported_fields(
         builder,
         &appearance,
         &["material", "texture", "textureTransform"],
@@ -170,7 +170,7 @@ fn surface(builder: &mut VrmlSceneBuilder, node: &Rc<VrmlNode>) -> Material {
             "TwoSidedMaterial with separate back colours: the front colours are used on both sides";
         builder.warn(&node.source, node.at, message);
     }
-    say_what_is_lost(builder, node, KNOWN);
+    warn_unsupported_fields(builder, node, KNOWN);
     material.name = node.name.as_deref().unwrap_or_default().to_owned();
     material
 }
@@ -200,7 +200,7 @@ const KNOWN: &[&str] = &[
 ];
 
 /// Warns about every field that is not among `known`.
-fn say_what_is_lost(builder: &mut VrmlSceneBuilder, node: &VrmlNode, known: &[&str]) {
+fn warn_unsupported_fields(builder: &mut VrmlSceneBuilder, node: &VrmlNode, known: &[&str]) {
     let is_lost = |name: &str| !known.contains(&name) && !name.starts_with("metadata");
     for field in node.fields().iter().filter(|f| is_lost(&f.name)) {
         let message = format!("{} of {}: skipped", shortened(&field.name), node.kind);
@@ -243,7 +243,7 @@ fn physical(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Material {
 }
 
 /// Finds the textures of an appearance: its own, or since X3D 4 those of its material.
-fn pictures(
+fn resolve_textures(
     builder: &mut VrmlSceneBuilder,
     appearance: &VrmlNode,
     material: Option<&VrmlNode>,
@@ -264,7 +264,7 @@ fn pictures(
     shape_appearance.replaces =
         !appearance.source.is_x3d_4() && shape_appearance.textures.iter().any(is_colored);
     if let Some(transform) = child(builder, appearance, "textureTransform")? {
-        shape_appearance.picture_from_uv = texture_transform(builder, &transform);
+        shape_appearance.texture_from_uv = texture_transform(builder, &transform);
     }
     Ok(())
 }
@@ -280,8 +280,12 @@ fn picture(
     shape_appearance: &mut ShapeAppearance,
 ) -> Result<(), ReadError> {
     match &*node.kind {
-        "ImageTexture" => shape_appearance.textures.extend(named(builder, node)),
-        "PixelTexture" => shape_appearance.textures.extend(drawn(builder, node)),
+        "ImageTexture" => shape_appearance
+            .textures
+            .extend(image_texture(builder, node)),
+        "PixelTexture" => shape_appearance
+            .textures
+            .extend(pixel_texture(builder, node)),
         "MultiTexture" => {
             let message =
                 "MultiTexture: its textures are multiplied, using the first texture coordinates";
@@ -301,7 +305,7 @@ fn picture(
 }
 
 /// The texture in a file: the first of the URLs that exists.
-fn named(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<TextureId> {
+fn image_texture(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<TextureId> {
     let urls = node.strings("url");
     let beside = |url: &String| crate::reading::files::beside(&node.source.path, url);
     let exists = |url: &&String| builder.files.read(&beside(url)).is_ok();
@@ -329,16 +333,16 @@ fn named(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<TextureId> {
 }
 
 /// The texture whose pixels are in the node itself.
-fn drawn(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<TextureId> {
+fn pixel_texture(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<TextureId> {
     let numbers = node.numbers("image");
-    let drawn = match pixels(&numbers) {
+    let pixel_texture = match pixels(&numbers) {
         Some(image) => {
             let name = node.name.as_deref().unwrap_or("PixelTexture");
             builder.textures.drawn(shortened(name), image)
         }
         None => Err("it has fewer pixels than its size requires".to_owned()),
     };
-    drawn
+    pixel_texture
         .map_err(|why| {
             let message = format!("PixelTexture not used: {why}");
             builder.warn(&node.source, node.at, message);

@@ -200,11 +200,11 @@ impl<'a> VrmlSceneBuilder<'a> {
         mut mesh: Mesh,
     ) -> ShapeOutcome {
         if mesh.faces.is_empty() {
-            return ShapeOutcome::Nothing;
+            return ShapeOutcome::NoFaces;
         }
         mesh.transform(&frame.world_from_object);
         if !mesh.positions.iter().all(|p| p.is_finite()) {
-            return ShapeOutcome::Nowhere;
+            return ShapeOutcome::Degenerate;
         }
         self.push(frame, own_name, Shape::Mesh(mesh))
     }
@@ -222,7 +222,7 @@ impl<'a> VrmlSceneBuilder<'a> {
         let map = frame.world_from_object * object_from_unit;
         let volume = map.matrix3.determinant();
         if !map.is_finite() || !volume.is_normal() || !map.inverse().is_finite() {
-            return ShapeOutcome::Nowhere;
+            return ShapeOutcome::Degenerate;
         }
         let primitive = Primitive::new(kind, map, material);
         self.push(frame, own_name, Shape::Primitive(primitive))
@@ -260,7 +260,7 @@ impl<'a> VrmlSceneBuilder<'a> {
     }
 
     /// Caches the content of a file in case it is referenced again.
-    pub fn know(&mut self, source: &VrmlSource, document: &Rc<VrmlDocument>) {
+    pub fn remember(&mut self, source: &VrmlSource, document: &Rc<VrmlDocument>) {
         self.documents.insert(source.path.clone(), document.clone());
     }
 
@@ -323,9 +323,9 @@ pub(super) enum ShapeOutcome {
     /// It was added as an object.
     Object,
     /// It has no faces.
-    Nothing,
+    NoFaces,
     /// Its transformation is singular or overflows.
-    Nowhere,
+    Degenerate,
 }
 
 /// A file name without its folders.

@@ -97,9 +97,9 @@ fn background(builder: &mut VrmlSceneBuilder, node: &VrmlNode) {
         let (url, texture) = (format!("{side}Url"), format!("{side}Texture"));
         !node.strings(&url).is_empty() || !node.nodes(&texture).is_empty()
     };
-    let pictures = sides.into_iter().filter(has_picture).count();
+    let textures = sides.into_iter().filter(has_picture).count();
     let message = "background texture: skipped";
-    builder.warn_many(&node.source, node.at, message, pictures);
+    builder.warn_many(&node.source, node.at, message, textures);
 }
 
 fn fog(builder: &mut VrmlSceneBuilder, node: &VrmlNode, frame: &VrmlPlacement) {

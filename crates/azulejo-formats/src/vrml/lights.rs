@@ -17,7 +17,7 @@ pub(super) fn place(builder: &mut VrmlSceneBuilder, node: &VrmlNode, place: &Nod
         );
         return;
     }
-    say_what_is_lost(builder, node, place);
+    warn_unsupported_fields(builder, node, place);
     let color = node.color("color", Rgb::WHITE);
     let light = color * node.number("intensity", 1.0).max(0.0);
     let kind = match &*node.kind {
@@ -40,7 +40,7 @@ pub(super) fn place(builder: &mut VrmlSceneBuilder, node: &VrmlNode, place: &Nod
     }
 }
 
-fn say_what_is_lost(builder: &mut VrmlSceneBuilder, node: &VrmlNode, place: &NodePosition) {
+fn warn_unsupported_fields(builder: &mut VrmlSceneBuilder, node: &VrmlNode, place: &NodePosition) {
     let directional = &*node.kind == "DirectionalLight";
     if node.number("ambientIntensity", 0.0) > 0.0 {
         let message = "ambientIntensity of a light: ignored, azulejo computes indirect light";

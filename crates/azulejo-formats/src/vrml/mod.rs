@@ -84,7 +84,7 @@ fn document(
         }
     };
     let document = Rc::new(document);
-    builder.know(source, &document);
+    builder.remember(source, &document);
     Ok(document)
 }
 

@@ -270,7 +270,7 @@ fn mesh(
     mut surface: SurfaceFields,
     shape_appearance: &ShapeAppearance,
 ) -> Result<(), ReadError> {
-    lay_picture(&mut surface, shape_appearance);
+    apply_texture_transform(&mut surface, shape_appearance);
     let set = FaceSet {
         positions: &surface.positions,
         coord_index: &surface.coord_index,
@@ -302,14 +302,14 @@ fn mesh(
 
 /// Generates texture coordinates for a textured surface without any, and applies the texture
 /// transform of the appearance.
-fn lay_picture(surface: &mut SurfaceFields, shape_appearance: &ShapeAppearance) {
+fn apply_texture_transform(surface: &mut SurfaceFields, shape_appearance: &ShapeAppearance) {
     if shape_appearance.textures.is_empty() {
         return;
     }
     if surface.uvs.is_none() {
         surface.uvs = Some(ValuePool::per_vertex(box_mapping(&surface.positions)));
     }
-    if let (Some(map), Some(uvs)) = (shape_appearance.picture_from_uv, &mut surface.uvs) {
+    if let (Some(map), Some(uvs)) = (shape_appearance.texture_from_uv, &mut surface.uvs) {
         for uv in &mut uvs.values {
             *uv = map.transform_point2(*uv);
         }

@@ -95,7 +95,7 @@ impl PlacedPrimitive {
             for j in 0..=grid.nv {
                 let v = f64::from(j) / f64::from(grid.nv);
                 let row = (0..=grid.nu).map(|i| f64::from(i) / f64::from(grid.nu));
-                uvs.extend(row.map(|u| picture_point(self.kind, part, u, v)));
+                uvs.extend(row.map(|u| texture_point(self.kind, part, u, v)));
             }
             for face in faces {
                 let corners = whole.faces.get(face).iter();
@@ -127,7 +127,7 @@ fn upright(radius: f64, height: f64, bottom: f64) -> DAffine3 {
 
 /// The texture coordinates of a point of a part: textures wrap once around round parts, cover each
 /// side of a cube, and show their central disc on end caps.
-fn picture_point(kind: PrimitiveKind, part: usize, u: f64, v: f64) -> DVec2 {
+fn texture_point(kind: PrimitiveKind, part: usize, u: f64, v: f64) -> DVec2 {
     let (sin, cos) = (TAU * u).sin_cos();
     let (x, y) = match (kind, part) {
         // The part's own u and v, oriented upright as seen from outside.

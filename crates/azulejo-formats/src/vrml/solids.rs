@@ -46,7 +46,7 @@ pub(super) fn place(
             &node.source,
             node.at,
             &node.kind,
-            ShapeOutcome::Nowhere,
+            ShapeOutcome::Degenerate,
         );
         return Ok(());
     }
@@ -80,7 +80,7 @@ fn polygons(
     if !is_textured {
         mesh.uvs = None;
     }
-    if let (Some(map), Some(uvs)) = (shape_appearance.picture_from_uv, &mut mesh.uvs) {
+    if let (Some(map), Some(uvs)) = (shape_appearance.texture_from_uv, &mut mesh.uvs) {
         for uv in &mut uvs.values {
             let mapped = map.transform_point2(*uv);
             *uv = if mapped.is_finite() { mapped } else { *uv };

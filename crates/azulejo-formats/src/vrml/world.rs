@@ -382,8 +382,8 @@ pub(super) fn report(
 ) {
     let why = match placed {
         ShapeOutcome::Object => return,
-        ShapeOutcome::Nothing => "without faces",
-        ShapeOutcome::Nowhere => "with a singular or overflowing transformation",
+        ShapeOutcome::NoFaces => "without faces",
+        ShapeOutcome::Degenerate => "with a singular or overflowing transformation",
     };
     let message = format!("{} {why}: skipped", shortened(what));
     builder.warn(source, at, message);

@@ -43,8 +43,8 @@ pub(super) fn parse(
         Ok(xml) => return read(builder, source, xml),
         Err(e) => XmlError::new(&text, e),
     };
-    let mended = mended(&text[..broken.at]).unwrap_or_default();
-    match roxmltree::Document::parse_with_options(&mended, options()) {
+    let repaired = repaired(&text[..broken.at]).unwrap_or_default();
+    match roxmltree::Document::parse_with_options(&repaired, options()) {
         Ok(xml) if scene(&xml).is_some() => {
             let what = format!("{}: only what precedes it is read", broken.what);
             builder.warn(source, broken.at, what);
@@ -457,15 +457,15 @@ fn container(kind: &str) -> &'static str {
 
 /// A truncated text without its incomplete last tag and with the open elements closed. `None` if
 /// there are none.
-fn mended(text: &str) -> Option<String> {
+fn repaired(text: &str) -> Option<String> {
     let (kept, open) = open_elements(text)?;
-    let mut mended = text[..kept].to_owned();
+    let mut repaired = text[..kept].to_owned();
     for name in open.iter().rev() {
-        mended.push_str("</");
-        mended.push_str(name);
-        mended.push('>');
+        repaired.push_str("</");
+        repaired.push_str(name);
+        repaired.push('>');
     }
-    Some(mended)
+    Some(repaired)
 }
 
 /// The end of the last complete tag, and the elements that are open there.

@@ -46,12 +46,15 @@ impl GrfParser<'_, '_, '_> {
 pub(super) fn skin(out: &mut GrfOutput<'_>, skin: &SkinBlock) -> io::Result<()> {
     out.write_all(b"ext skin begin\n")?;
     counts(out, "leaves", &skin.leaves)?;
-    polygons_without_looks(out, &skin.mesh)?;
+    polygons_without_appearance(out, &skin.mesh)?;
     out.write_all(b"end ext\n")
 }
 
 /// Writes the keys and lists of a mesh without appearance.
-pub(super) fn polygons_without_looks(out: &mut GrfOutput<'_>, mesh: &MeshBlock) -> io::Result<()> {
+pub(super) fn polygons_without_appearance(
+    out: &mut GrfOutput<'_>,
+    mesh: &MeshBlock,
+) -> io::Result<()> {
     counts(out, "smoothing", &mesh.notes.smoothing)?;
     if !mesh.notes.irradiance_error.is_empty() {
         rgb_list(out, "irad_error", &mesh.notes.irradiance_error)?;

@@ -2,7 +2,7 @@
 
 use super::super::document::GrfName;
 use super::super::write::{GrfOutput, Quoted, affine_map, object, pair, point, unit_primitive};
-use super::skin::{polygons_without_looks, skin};
+use super::skin::{polygons_without_appearance, skin};
 use super::{
     CsgBlock, ExactBlock, GlyphBlock, GlyphOrigin, SolidBlock, SolidDefinition, SolidKind,
     TextBlock,
@@ -95,7 +95,7 @@ fn inside(out: &mut GrfOutput<'_>, solid: &SolidBlock, brdf: Option<&GrfName>) -
         SolidKind::Csg(csg) => sides(out, csg),
         SolidKind::Text(text) => text.glyphs.iter().try_for_each(|g| glyph(out, g)),
         SolidKind::Shell(pieces) => members(out, pieces),
-        SolidKind::Mesh(mesh) => polygons_without_looks(out, mesh),
+        SolidKind::Mesh(mesh) => polygons_without_appearance(out, mesh),
         SolidKind::Patch(points) => {
             out.write_all(b"points =\n")?;
             for [a, b, c, d] in points.iter() {

@@ -128,7 +128,7 @@ fn doubtful_models_are_named() {
     let said = warnings(&triangle("brdf phong n = 20 ks = 0.2 kd = 0.4"));
     assert!(said[0].contains("`phong` is not reciprocal"), "{said:?}");
     let said = warnings(&triangle("brdf ward_duer ax = 0.3 ks = 1"));
-    assert!(said[0].contains("of the light at 85 degrees"), "{said:?}");
+    assert!(said[0].contains("at 85 degrees"), "{said:?}");
     let none: [String; 0] = [];
     assert_eq!(warnings(&triangle("brdf ward_gmd ax = 0.3 ks = 1")), none);
     assert_eq!(

@@ -61,11 +61,11 @@ fn faces() {
     );
     check(
         &triangle("(0, 1)"),
-        "test.grf:1:76: found a face of 2 corners, expected a face with at least 3 corners",
+        "test.grf:1:76: found a face with 2 corners, expected a face with at least 3 corners",
     );
     check(
         &triangle("2 0 1"),
-        "test.grf:1:76: found a face of 2 corners, expected a face with at least 3 corners",
+        "test.grf:1:76: found a face with 2 corners, expected a face with at least 3 corners",
     );
     check(
         &triangle("(0, 1, 2.5)"),
@@ -174,7 +174,7 @@ fn includes() {
         error_with("\ninclude \"bad.grf\"", &files),
         "bad.grf:1:22: found `x`, which no enclosing `def` defines as a color, expected a color that is defined in this block or an enclosing one\n   |\n 1 | begin mesh use color x end mesh\n   |                      ^\n  included from test.grf:2"
     );
-    assert!(error_with("include \"test.grf\"", &files).contains("circle"));
+    assert!(error_with("include \"test.grf\"", &files).contains("without a cycle"));
 }
 
 #[test]

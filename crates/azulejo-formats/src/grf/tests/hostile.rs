@@ -105,13 +105,13 @@ fn a_transform_that_overflows() {
     must_fail(
         &format!("{huge} {} end", triangle("")),
         &Memory::new(),
-        "out of range",
+        "overflow",
     );
     let large = "transform scale (1e308,1,1) translation (1e308,0,0) begin";
     must_fail(
         &format!("{large} {} end", triangle("")),
         &Memory::new(),
-        "out of range",
+        "overflow",
     );
 }
 

@@ -44,7 +44,7 @@ fn damage_ends_the_reading_and_is_said() {
         cut,
         drawn,
         &[(
-            "damaged: group (opcode 2) of 44 bytes, with 40 left; the 40 bytes from here on are lost",
+            "damaged: group (opcode 2) with a length of 44 bytes, but only 40 left; the rest of the file is skipped",
             1,
         )],
     );
@@ -53,7 +53,7 @@ fn damage_ends_the_reading_and_is_said() {
         short,
         drawn,
         &[(
-            "damaged: group (opcode 2) of 3 bytes, with 88 left; the 88 bytes from here on are lost",
+            "damaged: group (opcode 2) with a length of 3 bytes, but only 88 left; the rest of the file is skipped",
             1,
         )],
     );
@@ -213,12 +213,12 @@ fn levels_end() {
         f.add(group("")).add(FltRecord::new(PUSH, 4))
     });
     let said = error(&deep.0, &ReadOptions::default());
-    assert!(said.contains("more than 128 levels of nodes"), "{said}");
+    assert!(said.contains("nodes nested more than 128 deep"), "{said}");
     let faces = (0..200).fold(Flt::new(), |f, _| {
         f.add(face()).add(FltRecord::new(PUSH, 4))
     });
     let said = error(&faces.0, &ReadOptions::default());
-    assert!(said.contains("more than 128 levels of nodes"), "{said}");
+    assert!(said.contains("nodes nested more than 128 deep"), "{said}");
 }
 
 /// Instances of instances: 16 of each in the next, ten levels.

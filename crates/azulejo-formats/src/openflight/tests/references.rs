@@ -106,7 +106,7 @@ fn the_bytes_of_all_files_are_limited() {
     };
     let loaded = load_with(referring(&["b.flt"]), &files, &options);
     let said = &loaded.warnings[0].message;
-    assert!(said.contains("more bytes than allowed"), "{said}");
+    assert!(said.contains("exceed the size limit"), "{said}");
 }
 
 #[test]

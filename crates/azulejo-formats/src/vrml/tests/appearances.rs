@@ -107,7 +107,7 @@ fn colors_replace_the_reflectance() {
         [Rgb::new(1.0, 0.0, 0.0), Rgb::new(0.0, 0.0, 1.0)]
     );
     assert_eq!(scene.materials[0].diffuse, Rgb::WHITE);
-    expect_warnings(&warnings, &[":2:190: see-through colours"]);
+    expect_warnings(&warnings, &[":2:190: colours with alpha"]);
 }
 
 #[test]
@@ -179,7 +179,7 @@ fn pictures_in_files() {
     };
     assert_eq!(mesh.uvs.as_ref().unwrap().at(0, 0), DVec2::X);
     assert!(
-        warnings[0].contains("does not repeat") && warnings[1].contains("\"a.png\""),
+        warnings[0].contains("repeatT FALSE") && warnings[1].contains("\"a.png\""),
         "{warnings:?}"
     );
 }

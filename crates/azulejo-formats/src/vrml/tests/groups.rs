@@ -167,7 +167,7 @@ fn lights() {
         &[
             ":3:17: attenuation and radius of lights",
             ":5:9: ambientIntensity of a light",
-            ":5:9: DirectionalLight that lights its group alone",
+            ":5:9: DirectionalLight limited to its group",
             ":5:51: PointLight that is off",
             ": the model contains no geometry",
         ],
@@ -195,7 +195,7 @@ fn viewpoints_background_and_fog() {
     expect_warnings(
         &warnings,
         &[
-            ":6:9: sky of several colours",
+            ":6:9: sky with several colours",
             ":6:9: background texture: skipped",
             ":6:80: Background behind the first",
             ":7:9: headlight of NavigationInfo",
@@ -219,7 +219,7 @@ fn what_is_skipped_is_named() {
         ":3:10: node Script: skipped",
         ":6:10: node New: skipped",
         ":7:27: node Text: skipped",
-        ":7:53: Billboard: stands as it is",
+        ":7:53: Billboard: kept in its original orientation",
     ];
     check_lossy(&text, &[": Cuboid, -1 -1 -1 to 1 1 1"], &warnings);
 }

@@ -56,7 +56,7 @@ fn prototypes_of_other_files() {
     assert_eq!(described(&scene), objects);
     expect_warnings(
         &warnings,
-        &[":5:31: Lost, a prototype that stands for nothing"],
+        &[":5:31: instance of Lost, a prototype without a body"],
     );
 }
 
@@ -84,7 +84,7 @@ fn in_xml() {
     ];
     let warnings = [
         ":15:9: file cannot be read: \"gone.x3d\"",
-        ":15:9: Gone, a prototype that stands for nothing",
+        ":15:9: instance of Gone, a prototype without a body",
     ];
     check_lossy(text, &objects, &warnings);
 }
@@ -101,7 +101,7 @@ fn prototypes_do_not_stand_for_themselves() {
         .with("b.wrl", file("a.wrl#P"));
     let text = "#VRML V2.0 utf8\nEXTERNPROTO P [ ] \"a.wrl#P\" P { }";
     let (_, warnings) = load_with(text, &files, &ReadOptions::default());
-    assert!(warnings[0].contains("stands for itself"), "{warnings:?}");
+    assert!(warnings[0].contains("refers to itself"), "{warnings:?}");
     let files = Memory::new()
         .with("a.wrl", file("b.wrl#R"))
         .with("b.wrl", file("a.wrl#R"));

@@ -83,7 +83,11 @@ fn solids_without_size_or_thickness() {
         shape("Box { }")
     );
     let objects = [": 24 vertices 6 faces, -1 0 -1 to 1 0 1"];
-    check_lossy(&text, &objects, &[":2:66: Sphere flattened to nothing"]);
+    check_lossy(
+        &text,
+        &objects,
+        &[":2:66: Sphere with a singular or overflowing"],
+    );
 }
 
 #[test]

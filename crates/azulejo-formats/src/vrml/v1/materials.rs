@@ -150,7 +150,7 @@ impl V1Traversal<'_, '_, '_> {
             }
         }
         let id = match node.word("filename") {
-            "" => self.written_out(node),
+            "" => self.pixel_texture_in_node(node),
             name => Some(self.picture(node, name)),
         };
         self.cache.textures.insert(node.at, id);
@@ -170,7 +170,7 @@ impl V1Traversal<'_, '_, '_> {
     }
 
     /// The texture whose pixels are in the node; `None` if it has none.
-    fn written_out(&mut self, node: &V1Node) -> Option<TextureId> {
+    fn pixel_texture_in_node(&mut self, node: &V1Node) -> Option<TextureId> {
         let numbers = node.numbers("image")?;
         if numbers.iter().take(3).any(|n| *n == 0.0) {
             return None;

@@ -163,13 +163,13 @@ impl<'a> V1Parser<'a, '_, '_> {
         node.children.shrink_to_fit();
         let mut inside = node.children.iter().map(|c| &self.nodes[*c as usize]);
         node.has_shapes = node.kind.is_shape() || inside.any(|child| child.has_shapes);
-        self.judge(&node);
+        self.warn_unsupported(&node);
         self.nodes.push(node);
         Ok(Some(self.nodes.len() as NodeId - 1))
     }
 
     /// Warns about a node that is not supported.
-    fn judge(&mut self, node: &V1Node) {
+    fn warn_unsupported(&mut self, node: &V1Node) {
         let name = shortened(&text(node.type_name));
         if node.kind == V1NodeKind::Unknown {
             let what = if node.children.is_empty() {

@@ -141,8 +141,8 @@ impl<'d> V1Traversal<'d, '_, '_> {
             .place_mesh(&self.frame(), node.name.as_deref(), mesh);
         match placed {
             ShapeOutcome::Object => {}
-            ShapeOutcome::Nothing => self.warn(node, "shape without faces: skipped"),
-            ShapeOutcome::Nowhere => self.warn(
+            ShapeOutcome::NoFaces => self.warn(node, "shape without faces: skipped"),
+            ShapeOutcome::Degenerate => self.warn(
                 node,
                 "shape with a singular or overflowing transformation: skipped",
             ),

@@ -185,8 +185,8 @@ fn switches() {
     check(&body("whichChild 0"), &[cube]);
     check(&body("whichChild 1"), &[sphere]);
     check(&body("whichChild -3"), &[cube, sphere]);
-    check_warning(&body(""), "chooses no child", 1);
-    check_warning(&body("whichChild 2"), "chooses no child", 1);
+    check_warning(&body(""), "no child selected", 1);
+    check_warning(&body("whichChild 2"), "no child selected", 1);
     let cameras = "DEF Cameras Switch { PerspectiveCamera {} DEF b PerspectiveCamera {} } Cube {}";
     assert_eq!(loaded(cameras).scene.cameras[1].name, "Cameras/b");
 }
@@ -247,11 +247,7 @@ fn face_sets() {
     let turned = loaded(&body);
     assert_eq!(mesh(&turned, 0).face_area_vector(0), -DVec3::Z);
     assert!(!material(&turned, 0, 0).emits_back);
-    check_warning(
-        "IndexedFaceSet { coordIndex [ 0 1 2 ] }",
-        "beyond its coordinates",
-        1,
-    );
+    check_warning("IndexedFaceSet { coordIndex [ 0 1 2 ] }", "out of range", 1);
     check_warning(
         "IndexedFaceSet { coordIndex [ 0 0 ] }",
         "fewer than three",
@@ -260,8 +256,8 @@ fn face_sets() {
     check_warning("IndexedFaceSet {}", "without faces", 1);
     check_warning("IndexedFaceSet {}", "no geometry", 1);
     let far = "Scale { scaleFactor 1e300 1e300 1e300 } Scale { scaleFactor 1e300 1 1 }".to_owned();
-    check_warning(&(far.clone() + SQUARES), "beyond the numbers", 1);
-    check_warning(&(far + "Sphere {}"), "beyond the numbers", 1);
+    check_warning(&(far.clone() + SQUARES), "overflowing transformation", 1);
+    check_warning(&(far + "Sphere {}"), "overflowing transformation", 1);
 }
 
 #[test]
@@ -337,8 +333,8 @@ fn what_materials_mean() {
     assert!((highlight.ks.r - 0.5).abs() < 1e-12);
     let bright = "specularColor 1 1 1 shininess 0";
     check_warning(&body(bright), "more than it gets", 1);
-    check_warning(&body("transparency 0.5"), "see-through", 1);
-    check_warning(&body("transparency 1"), "left out", 1);
+    check_warning(&body("transparency 0.5"), "material with transparency", 1);
+    check_warning(&body("transparency 1"), "invisible", 1);
     check_warning(&body("reflSpecular 0 0 0"), "Material.reflSpecular", 1);
 }
 
@@ -403,7 +399,7 @@ fn creases_are_smooth_by_default_in_vrml_alone() {
 }
 
 #[test]
-fn pictures() {
+fn textures() {
     let picture = "Texture2 { image 1 2 3 0xff0000 0x0000ff }";
     let check = |body: &str, corner: usize, expected: DVec2| {
         let loaded = loaded(&format!("{picture} {body}"));
@@ -458,7 +454,7 @@ fn pictures_that_are_not_there() {
     assert!(material(&wood, 1, 0).textures.is_empty());
     check_warning(
         "Texture2 { image 2 2 3 0 } Cube {}",
-        "fewer pixels than it says",
+        "fewer pixels than its size",
         1,
     );
     // One node is one texture, however often it is used.
@@ -597,7 +593,7 @@ fn unknown_nodes_and_fields() {
     check("Cube { Sphere {} }", "nodes inside Cube");
     check(
         "AsciiText { string [ \"a\" ] justification LEFT } FontStyle {} Cube {}",
-        "AsciiText is not read",
+        "AsciiText is not supported",
     );
     check(
         "PointSet {} IndexedLineSet { coordIndex [ 0 1 ] } Cube {}",
@@ -619,20 +615,20 @@ fn text_that_is_not_right() {
         );
     };
     check("Cube {} }", "outside all nodes");
-    check("and then Cube {}", "where a node could be");
+    check("and then Cube {}", "instead of a node");
     check("Group { Cube {", "ends inside a node");
     check("Cube { width }", "too few numbers");
-    check("Cube { ] }", "where a field could be");
-    check("Cube {} Coordinate3 { point [ 0 0 0 1 1 ] }", "cut short");
+    check("Cube { ] }", "instead of a field");
+    check("Cube {} Coordinate3 { point [ 0 0 0 1 1 ] }", "incomplete");
     check(
         "Cube {} Coordinate3 { point [ 0 0 0, oh, 1 1 1 ] }",
         "among the values of point",
     );
-    check("Cube {} Coordinate3 { point [ 0 0 0 }", "has no end");
+    check("Cube {} Coordinate3 { point [ 0 0 0 }", "without a closing");
     check("Cube {} DEF", "DEF without a name");
     check(
         "MaterialBinding { value PER_DAY } Cube {}",
-        "PER_DAY is not known",
+        "unknown binding PER_DAY",
     );
     check(
         "MatrixTransform { matrix 1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1 } Cube {}",
@@ -640,9 +636,9 @@ fn text_that_is_not_right() {
     );
     check(
         "DEF BackgroundColor Info { string \"blue\" } Cube {}",
-        "no colour",
+        "not a colour",
     );
-    check("Cube { width nan }", "a number that is none");
+    check("Cube { width nan }", "an invalid number");
 }
 
 #[test]

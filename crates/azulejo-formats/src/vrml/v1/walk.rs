@@ -36,7 +36,7 @@ enum TraversalStep<'d> {
 
 /// The part of the state that a group restores.
 enum SavedState<'d> {
-    Nothing,
+    NoFaces,
     Matrix(DAffine3),
     All(Box<TraversalState<'d>>),
 }
@@ -98,7 +98,7 @@ impl<'d> V1Traversal<'d, '_, '_> {
             V1NodeKind::TransformSeparator => {
                 self.enter(node, &node.children, SavedState::Matrix(self.state.matrix));
             }
-            V1NodeKind::Group => self.enter(node, &node.children, SavedState::Nothing),
+            V1NodeKind::Group => self.enter(node, &node.children, SavedState::NoFaces),
             V1NodeKind::Switch => self.switch(node),
             V1NodeKind::Lod => self.lod(node),
             V1NodeKind::Inline => self.inline(node)?,
@@ -178,7 +178,7 @@ impl<'d> V1Traversal<'d, '_, '_> {
     fn leave(&mut self, kept: SavedState<'d>) {
         self.frames.pop();
         match kept {
-            SavedState::Nothing => {}
+            SavedState::NoFaces => {}
             SavedState::Matrix(matrix) => self.state.matrix = matrix,
             SavedState::All(state) => self.state = *state,
         }
@@ -200,14 +200,14 @@ impl<'d> V1Traversal<'d, '_, '_> {
                 "Switch with no child selected: its content is skipped",
             );
         }
-        self.enter(node, chosen, SavedState::Nothing);
+        self.enter(node, chosen, SavedState::NoFaces);
     }
 
     fn lod(&mut self, node: &'d V1Node<'d>) {
         let levels = &node.children;
         let shows = |id: &&NodeId| self.document.nodes[**id as usize].has_shapes;
         let chosen = match self.builder.options.lod {
-            Lod::All => return self.enter(node, levels, SavedState::Nothing),
+            Lod::All => return self.enter(node, levels, SavedState::NoFaces),
             Lod::Finest => levels.first(),
             Lod::Coarsest => levels.iter().rev().find(shows),
             Lod::Distance(distance) => {
@@ -218,7 +218,7 @@ impl<'d> V1Traversal<'d, '_, '_> {
             }
         };
         let chosen = chosen.map_or(&[][..], std::slice::from_ref);
-        self.enter(node, chosen, SavedState::Nothing);
+        self.enter(node, chosen, SavedState::NoFaces);
     }
 
     fn inline(&mut self, node: &V1Node) -> Result<(), ReadError> {
