@@ -18,7 +18,7 @@ fn tolerance() -> SnapshotOptions {
 }
 
 /// A window with a graphics device, or `None` without a driver.
-fn drawn(app: App) -> Option<Window> {
+fn drawn(app: App) -> Option<TestWindow> {
     if HeadlessDevice::open(wgpu::Backends::all()).is_err() {
         // A test's output, shown on request.
         #[allow(clippy::print_stderr)]
