@@ -60,13 +60,13 @@ fn large_model(folder: &Path) {
         read.as_secs_f64()
     );
     println!(
-        "  from there to the first picture {:>8.2} s",
+        "  from there to the first frame   {:>8.2} s",
         first.as_secs_f64()
     );
     let orbit: Vec<Duration> = (0..20).map(|_| orbited(&mut window)).collect();
-    println!("  a picture while orbiting        {}", spread(orbit));
+    println!("  a frame of the model, orbiting  {}", spread(orbit));
     let still: Vec<Duration> = (0..20).map(|_| frame(&mut window)).collect();
-    println!("  a frame without a new picture   {}", spread(still));
+    println!("  a frame with an unchanged model {}", spread(still));
     let answers: Vec<Duration> = (0..20).map(|_| step(&mut window)).collect();
     println!("  the interface's own work        {}", spread(answers));
     let after = resident();
@@ -136,7 +136,7 @@ fn step(window: &mut Harness<'_, Workbench>) -> Duration {
 fn frame(window: &mut Harness<'_, Workbench>) -> Duration {
     let begin = Instant::now();
     window.step();
-    window.render().expect("a picture of the window");
+    window.render().expect("an image of the window");
     begin.elapsed()
 }
 

@@ -141,7 +141,7 @@ fn write_picture(
         }
         _ => Err(io::Error::new(
             io::ErrorKind::InvalidInput,
-            "unknown kind of picture, expected .png, .exr or .hdr",
+            "unknown image format, expected .png, .exr or .hdr",
         )),
     }
 }

@@ -355,22 +355,28 @@ fn what_does_not_exist_refuses_to_change() {
     let flat = DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0));
     let ball = Shape::Primitive(Primitive::sphere(DVec3::ZERO, 1.0, 9));
     for (edit, expected) in [
-        (Edit::Rename(nowhere, "x".into()), "no such object"),
+        (
+            Edit::Rename(nowhere, "x".into()),
+            "the object no longer exists",
+        ),
         (Edit::Rename(ItemId(1), "a\nb".into()), "control characters"),
         (Edit::Delete(vec![nowhere]), "nothing is selected"),
         (Edit::Duplicate(vec![nowhere]), "nothing is selected"),
         (
             Edit::SetPlacement(nowhere, DAffine3::IDENTITY),
-            "no such object",
+            "the object no longer exists",
         ),
-        (Edit::SetPlacement(ItemId(1), flat), "flattens"),
-        (Edit::Transform(vec![ItemId(1)], flat), "flattens"),
+        (Edit::SetPlacement(ItemId(1), flat), "singular"),
+        (Edit::Transform(vec![ItemId(1)], flat), "singular"),
         (Edit::SetShape(ItemId(1), Arc::new(ball)), "material 9 of 3"),
         (
             Edit::SetLight(ItemId(1), document.lights[0].light.clone()),
-            "no such light",
+            "the light no longer exists",
         ),
-        (Edit::SetCamera(nowhere, camera.clone()), "no such camera"),
+        (
+            Edit::SetCamera(nowhere, camera.clone()),
+            "the camera no longer exists",
+        ),
         (
             Edit::AddCamera(Camera {
                 vertical_fov: 4.0,
@@ -382,10 +388,16 @@ fn what_does_not_exist_refuses_to_change() {
         (Edit::AddMaterial(far), "texture 7 of 1"),
         (
             Edit::SetMaterial(9, Material::default()),
-            "no such material",
+            "the material no longer exists",
         ),
-        (Edit::Assign(vec![ItemId(1)], 3), "no such material"),
-        (Edit::AssignFaces(ItemId(1), vec![2], 0), "no such face"),
+        (
+            Edit::Assign(vec![ItemId(1)], 3),
+            "the material no longer exists",
+        ),
+        (
+            Edit::AssignFaces(ItemId(1), vec![2], 0),
+            "the face no longer exists",
+        ),
         (Edit::SetBackground(Some(Rgb::grey(-1.0))), "background"),
     ] {
         let mut edited = document.clone();

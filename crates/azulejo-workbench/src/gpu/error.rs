@@ -55,36 +55,33 @@ impl fmt::Display for GpuError {
             }
             GpuError::Missing { found } => {
                 let found = found.join(", ");
-                write!(
-                    f,
-                    "no graphics card that can draw this, only {found}. {INSTALL}"
-                )
+                write!(f, "no suitable graphics adapter, only {found}. {INSTALL}")
             }
             GpuError::Refused { name, reason } => {
                 write!(
                     f,
-                    "the driver of {name} refuses to open it: {reason}. Close programs that use \
+                    "the driver of {name} cannot open it: {reason}. Close programs that use \
                      it, or set WGPU_BACKEND to gl or vulkan"
                 )
             }
             GpuError::Lost { reason } => {
                 write!(
                     f,
-                    "the graphics card is lost: {reason}. The work is not; save it and start again"
+                    "the graphics device is lost: {reason}. Your work is not; save it and restart"
                 )
             }
             GpuError::OutOfMemory => write!(
                 f,
-                "the graphics card's memory does not suffice: hide objects, show them without \
-                 lines or patches, or make the window smaller"
+                "the graphics card is out of memory: hide objects, show them without lines or \
+                 patches, or make the window smaller"
             ),
             GpuError::TooLarge { asked, most } => write!(
                 f,
-                "a picture of {} x {} pixels is too large: this card makes up to {most} on a side",
+                "an image of {} x {} pixels is too large: this card supports up to {most} per side",
                 asked[0], asked[1]
             ),
             GpuError::Rejected { reason } => {
-                write!(f, "the graphics driver rejects the picture: {reason}")
+                write!(f, "the graphics driver rejected a call: {reason}")
             }
         }
     }

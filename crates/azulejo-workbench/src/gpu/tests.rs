@@ -70,7 +70,7 @@ const BLACK: Background = Background::Color([0; 3]);
 const SIZE: [u32; 2] = [64, 64];
 
 fn draw(renderer: &mut Renderer, frame: &ViewportFrame) -> PixelBuffer {
-    renderer.draw(frame).expect("a picture");
+    renderer.draw(frame).expect("an image");
     renderer.read().expect("pixels")
 }
 
@@ -605,7 +605,7 @@ fn only_what_changed_is_brought_again() {
             let drawn = [drawn];
             let mut frame = ViewportFrame::new(SIZE, &camera, &drawn, &[]);
             frame.shading = shading;
-            renderer.draw(&frame).expect("a picture");
+            renderer.draw(&frame).expect("an image");
             renderer.statistics().bytes_loaded
         };
         // At the poles the grid has a vertex that no face uses.

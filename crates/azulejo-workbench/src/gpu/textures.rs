@@ -115,7 +115,7 @@ fn layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
         count: None,
     };
     device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("picture"),
+        label: Some("texture"),
         entries: &[entry(0, texture_binding()), entry(1, sampler_binding())],
     })
 }
@@ -139,7 +139,7 @@ fn group(
     sampler: &wgpu::Sampler,
 ) -> wgpu::BindGroup {
     device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("picture"),
+        label: Some("texture"),
         layout,
         entries: &[
             wgpu::BindGroupEntry {
@@ -187,7 +187,7 @@ fn load(device: &wgpu::Device, queue: &wgpu::Queue, image: Cow<Image>) -> wgpu::
     }
     let levels = level.width.max(level.height).max(1).ilog2() + 1;
     let texture = device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("picture"),
+        label: Some("texture"),
         size: extent(&level),
         mip_level_count: levels,
         sample_count: 1,

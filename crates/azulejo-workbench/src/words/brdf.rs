@@ -10,7 +10,11 @@ pub const TABLE: &[Translation] = &[
         "Intercambiando luz y ojo, en muchos pares de direcciones: f cambia como mucho un",
         "Trocando luz e olho, em muitos pares de direções: f muda no máximo",
     ],
-    ["albedo at most", "energía máxima", "energia máxima"],
+    [
+        "energy conserved, albedo at most",
+        "energía máxima",
+        "energia máxima",
+    ],
     ["creates energy:", "crea energía:", "cria energia:"],
     ["at", "a", "a"],
     [

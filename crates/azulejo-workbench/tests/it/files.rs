@@ -13,7 +13,7 @@ use egui_kittest::kittest::NodeT;
 use std::path::Path;
 
 /// The dialog shows the folder of the last opened file.
-fn dialog_in(folder: &TestFolder) -> Window {
+fn dialog_in(folder: &TestFolder) -> TestWindow {
     let mut app = App::quiet();
     app.execute(Command::Open(vec![folder.copy("shapes.grf")]));
     let mut window = window_with_files(app);
@@ -21,12 +21,12 @@ fn dialog_in(folder: &TestFolder) -> Window {
     window
 }
 
-fn file_of(window: &Window) -> Option<&Path> {
+fn file_of(window: &TestWindow) -> Option<&Path> {
     window.state().app.file.as_ref().map(|f| f.path.as_path())
 }
 
 /// Makes a change.
-fn change(window: &mut Window) {
+fn change(window: &mut TestWindow) {
     press(window, Modifiers::COMMAND, Key::L);
     assert!(window.state().app.is_changed());
 }
@@ -90,7 +90,7 @@ fn a_file_is_not_written_over_without_asking() {
     let other = folder.copy("cornell.grf");
     let before = std::fs::read(&other).unwrap();
     let mut window = dialog_in(&folder);
-    let save_as = |window: &mut Window| {
+    let save_as = |window: &mut TestWindow| {
         press(window, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
         write(window, "shapes.grf", "cornell.grf");
         click_last(window, "Save");
@@ -114,7 +114,7 @@ fn the_question_about_changes_has_three_answers() {
     let folder = TestFolder::new("question");
     let mut window = dialog_in(&folder);
     change(&mut window);
-    let ask = |window: &mut Window| {
+    let ask = |window: &mut TestWindow| {
         press(window, Modifiers::COMMAND, Key::Q);
         assert!(says(window, "Unsaved changes"));
         assert!(!window.state().app.closing);
@@ -142,7 +142,7 @@ fn the_question_about_changes_has_three_answers() {
 fn a_file_that_others_wrote_is_asked_about_when_the_window_is_looked_at_again() {
     let folder = TestFolder::new("others");
     let mut window = dialog_in(&folder);
-    let focus = |window: &mut Window, focused: bool| {
+    let focus = |window: &mut TestWindow, focused: bool| {
         let viewport = window.input_mut().viewports.values_mut().next().unwrap();
         viewport.focused = Some(focused);
         window.run();
@@ -193,7 +193,7 @@ fn work_that_does_not_know_how_much_it_is_shows_no_share() {
     window.state_mut().app.execute(open);
     // Both ends of the pipe are open from here on, and it is empty.
     let mut writer = std::fs::File::options().write(true).open(pipe).unwrap();
-    let is_reading = |window: &Window| {
+    let is_reading = |window: &TestWindow| {
         let jobs = window.state().app.jobs();
         jobs[0].progress.stage() == "reading"
     };
@@ -279,7 +279,7 @@ fn a_model_is_opened_lit_given_a_reflection_model_solved_saved_and_comes_back() 
     let mut again = window_with_files(again);
     wait(&mut again);
     check_no_error(&again);
-    let scene = |window: &Window| {
+    let scene = |window: &TestWindow| {
         let app = &window.state().app;
         app.document.lit_scene(app.lighting.solution.as_deref())
     };
@@ -290,7 +290,7 @@ fn a_model_is_opened_lit_given_a_reflection_model_solved_saved_and_comes_back() 
 }
 
 /// Selects the clay in the tree.
-fn find_material(window: &mut Window) {
+fn find_material(window: &mut TestWindow) {
     click_last(window, "clay");
     assert!(window.state().app.selection.material.is_some());
 }

@@ -9,13 +9,13 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};
 use glam::DVec3;
 
-fn with_shape() -> Window {
+fn with_shape() -> TestWindow {
     let mut app = App::quiet();
     app.execute(Command::AddShape(NewShapeKind::Cuboid));
     window(app)
 }
 
-fn with_light(kind: NewLightKind) -> Window {
+fn with_light(kind: NewLightKind) -> TestWindow {
     let mut app = App::quiet();
     app.execute(Command::AddLight(kind));
     window(app)
@@ -76,7 +76,7 @@ fn several_things_move_together() {
     let before = app.document.bounds(None).centre();
     let mut window = window(app);
     set(&mut window, "Move by y", 1.5);
-    set(&mut window, "Turn by ° y", 90.0);
+    set(&mut window, "Rotate by ° y", 90.0);
     set(&mut window, "Scale by", 2.0);
     assert!(!window.state().app.is_changed(), "not before it is applied");
     let size = window.state().app.document.bounds(None).size();
@@ -152,7 +152,7 @@ fn shine_of(kind: &mut LightKind) -> &mut Rgb {
 }
 
 /// Sets strength and colour of the first light.
-fn shine(window: &mut Window, color: Rgb) {
+fn shine(window: &mut TestWindow, color: Rgb) {
     let lamp = &window.state().app.document.lights[0];
     let (id, mut light) = (lamp.id, lamp.light.clone());
     *shine_of(&mut light.kind) = color;
@@ -161,7 +161,7 @@ fn shine(window: &mut Window, color: Rgb) {
     window.run();
 }
 
-fn check_shines(window: &Window, expected: Rgb) {
+fn check_shines(window: &TestWindow, expected: Rgb) {
     let mut kind = window.state().app.document.lights[0].light.kind;
     let found = *shine_of(&mut kind);
     let differs = (found - expected)
@@ -171,7 +171,7 @@ fn check_shines(window: &Window, expected: Rgb) {
 }
 
 /// Opens a colour picker; returns the corner of its square of shades.
-fn open_picker(window: &mut Window, name: &str) -> egui::Pos2 {
+fn open_picker(window: &mut TestWindow, name: &str) -> egui::Pos2 {
     find(window, Role::ColorWell, name).click();
     window.run_steps(4);
     find(window, Role::SpinButton, "R").rect().left_bottom()
@@ -184,7 +184,7 @@ fn a_colour_is_picked_and_the_strength_stays() {
     let mut window = window_with_files(app);
     shine(&mut window, Rgb::new(8.0, 4.0, 2.0));
     let square = open_picker(&mut window, "Emission colour");
-    let shine = |window: &Window| {
+    let shine = |window: &TestWindow| {
         let mut kind = window.state().app.document.lights[0].light.kind;
         *shine_of(&mut kind)
     };
@@ -227,7 +227,7 @@ fn what_is_typed_and_what_is_clicked_then_are_two_steps() {
     window.step();
     window.drop_at(button);
     window.run();
-    let place = |window: &Window| window.state().app.document.objects[0].placement;
+    let place = |window: &TestWindow| window.state().app.document.objects[0].placement;
     assert_eq!(place(&window), glam::DAffine3::IDENTITY);
     press(&mut window, Modifiers::COMMAND, Key::Z);
     assert_eq!(place(&window).translation.x, 3.0);
@@ -304,7 +304,7 @@ fn numbers_of_cones_cameras_and_fog_are_typed_as_wholes() {
 }
 
 /// Types a number key by key.
-fn type_slowly(window: &mut Window, label: &str, number: &str) {
+fn type_slowly(window: &mut TestWindow, label: &str, number: &str) {
     find(window, Role::SpinButton, label).focus();
     window.run();
     press(window, Modifiers::COMMAND, Key::A);
@@ -319,7 +319,7 @@ fn type_slowly(window: &mut Window, label: &str, number: &str) {
 fn a_camera_is_looked_through_and_takes_the_views_place() {
     let mut window = window(opened("shapes.grf"));
     click(&mut window, "📷 door");
-    set(&mut window, "Eye x", 1.25);
+    set(&mut window, "Viewpoint x", 1.25);
     set(&mut window, "Field of view", 50.0);
     let camera = window.state().app.document.cameras[0].camera.clone();
     assert_eq!(camera.eye.x, 1.25);

@@ -10,7 +10,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
 
 /// Opens the menu that contains an action.
-fn open_menu(window: &mut Window, menu: Menu) {
+fn open_menu(window: &mut TestWindow, menu: Menu) {
     let own = match menu {
         Menu::Shading => Menu::View,
         other => other,
@@ -22,7 +22,7 @@ fn open_menu(window: &mut Window, menu: Menu) {
 }
 
 /// The text of an action's menu entry.
-fn label(window: &Window, action: &Action) -> String {
+fn label(window: &TestWindow, action: &Action) -> String {
     let name = match (action.label, window.state().app.undo_labels()) {
         ("Undo", (Some(what), _)) | ("Redo", (_, Some(what))) => {
             format!("{}: {what}", action.label)

@@ -6,11 +6,11 @@ use azulejo_workbench::script::{ScriptPlayer, parse};
 use std::time::{Duration, Instant};
 
 /// Runs a script; returns its outcome and the window.
-fn play(text: &str) -> (Result<(), String>, Window) {
+fn play(text: &str) -> (Result<(), String>, TestWindow) {
     play_in(App::quiet(), text)
 }
 
-fn play_in(app: App, text: &str) -> (Result<(), String>, Window) {
+fn play_in(app: App, text: &str) -> (Result<(), String>, TestWindow) {
     let steps = parse(text, "s.txt").unwrap();
     let player = ScriptPlayer::new(steps, "s.txt");
     let outcome = player.outcome();
@@ -122,7 +122,7 @@ fn a_step_that_fails_ends_the_script_with_its_line() {
             "no material is selected",
         ),
         (format!("{open}action Undo\n"), 2, "is not available now"),
-        (format!("{open}select cone\nscale 0\n"), 3, "flattens"),
+        (format!("{open}select cone\nscale 0\n"), 3, "singular"),
         (
             format!("{open}select cone\nmaterial brdf no_such_model\n"),
             3,
@@ -132,10 +132,10 @@ fn a_step_that_fails_ends_the_script_with_its_line() {
         (
             format!("{open}action Area light\n{open}"),
             3,
-            "a question came up",
+            "a question is open",
         ),
-        (format!("{open}action Export…\n"), 2, "a dialog came up"),
-        ("solve\n".to_owned(), 1, "nothing shines"),
+        (format!("{open}action Export…\n"), 2, "a dialog is open"),
+        ("solve\n".to_owned(), 1, "there is no light source"),
     ] {
         let (outcome, _) = play(&text);
         let why = outcome.unwrap_err();

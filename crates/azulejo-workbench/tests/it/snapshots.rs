@@ -19,7 +19,7 @@ fn tolerance() -> SnapshotOptions {
 }
 
 /// A window with a graphics device, or `None` without a driver.
-fn drawn(app: App) -> Option<Window> {
+fn drawn(app: App) -> Option<TestWindow> {
     let card = HeadlessDevice::open(wgpu::Backends::all()).map_err(|_| "no graphics driver");
     azulejo_testing::require(Need::Gpu, card)?;
     let mut window = Harness::builder()

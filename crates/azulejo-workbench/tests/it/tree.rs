@@ -7,7 +7,7 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 
-fn id_of(window: &Window, name: &str) -> ItemId {
+fn id_of(window: &TestWindow, name: &str) -> ItemId {
     let mut items = window.state().app.document.objects.iter();
     items.find(|i| i.name == name).unwrap().id
 }
@@ -69,7 +69,7 @@ fn a_thing_is_renamed_in_its_row() {
 #[test]
 fn things_and_groups_are_hidden_and_shown() {
     let mut window = window(opened("shapes.grf"));
-    let hidden = |window: &Window| {
+    let hidden = |window: &TestWindow| {
         let items = window.state().app.document.objects.iter();
         items.filter(|i| i.hidden).count()
     };
@@ -86,7 +86,7 @@ fn things_and_groups_are_hidden_and_shown() {
 #[test]
 fn lights_and_cameras_are_hidden_and_shown() {
     let mut window = window(opened("shapes.grf"));
-    let hidden = |window: &Window| window.state().app.document.hidden().len();
+    let hidden = |window: &TestWindow| window.state().app.document.hidden().len();
     click(&mut window, "Hide: spot");
     assert_eq!(hidden(&window), 1);
     click(&mut window, "Show: spot");
@@ -148,7 +148,7 @@ fn only_what_is_looked_for_is_shown() {
     assert!(says(&window, "Drop files here"));
 }
 
-fn materials(window: &Window) -> Vec<String> {
+fn materials(window: &TestWindow) -> Vec<String> {
     let materials = window.state().app.document.materials.iter();
     materials.map(|m| m.name.clone()).collect()
 }

@@ -6,18 +6,18 @@ use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers};
 use glam::DVec3;
 
-fn viewport(window: &Window) -> egui_kittest::Node<'_> {
+fn viewport(window: &TestWindow) -> egui_kittest::Node<'_> {
     find(window, Role::Canvas, "Viewport")
 }
 
 /// Position and target of the camera.
-fn look(window: &Window) -> (DVec3, DVec3) {
+fn look(window: &TestWindow) -> (DVec3, DVec3) {
     let camera = &window.state().app.view.camera;
     (camera.eye, camera.target)
 }
 
 /// Holds a key for some frames.
-fn hold(window: &mut Window, modifiers: Modifiers, key: Key) {
+fn hold(window: &mut TestWindow, modifiers: Modifiers, key: Key) {
     window.event(Event::ModifiersChanged(modifiers));
     window.key_down(key);
     window.run_steps(5);
@@ -95,8 +95,8 @@ fn keys_point_at_the_middle() {
 #[test]
 fn a_probe_that_waits_for_a_place_is_given_up_wherever_the_mouse_is() {
     let mut window = window(opened("cornell.grf"));
-    let probes = |window: &Window| window.state().app.probes.len();
-    let wait_for_place = |window: &mut Window| {
+    let probes = |window: &TestWindow| window.state().app.probes.len();
+    let wait_for_place = |window: &mut TestWindow| {
         window.hover_at(egui::pos2(5.0, 5.0));
         window.run();
         window

@@ -11,22 +11,22 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// A window without a screen. Every widget in it must have an accessible name.
-pub type Window = Harness<'static, Workbench>;
+pub type TestWindow = Harness<'static, Workbench>;
 
 /// A job that takes longer than this has stalled.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A window around an app.
-pub fn window(app: App) -> Window {
+pub fn window(app: App) -> TestWindow {
     around(app, true)
 }
 
 /// A window for tests of the file dialog, which has two fields without names.
-pub fn window_with_files(app: App) -> Window {
+pub fn window_with_files(app: App) -> TestWindow {
     around(app, false)
 }
 
-fn around(app: App, check_accessibility: bool) -> Window {
+fn around(app: App, check_accessibility: bool) -> TestWindow {
     let mut window = Harness::builder()
         .with_size([1200.0, 800.0])
         .with_max_steps(20)
@@ -60,7 +60,7 @@ pub fn opened(name: &str) -> App {
 }
 
 /// Runs frames until no job is running.
-pub fn wait(window: &mut Window) {
+pub fn wait(window: &mut TestWindow) {
     let begin = Instant::now();
     window.run_steps(2);
     while !window.state().app.jobs().is_empty() {
@@ -73,14 +73,14 @@ pub fn wait(window: &mut Window) {
 }
 
 /// The only widget with a role and a label, or the first of several.
-pub fn find<'a>(window: &'a Window, role: Role, label: &'a str) -> Node<'a> {
+pub fn find<'a>(window: &'a TestWindow, role: Role, label: &'a str) -> Node<'a> {
     let mut all = window.query_all_by_role_and_label(role, label);
     let found = all.next();
     found.unwrap_or_else(|| panic!("no {role:?} \"{label}\" in {:#?}", labels(window)))
 }
 
 /// Everything that has a label.
-pub fn labels(window: &Window) -> Vec<String> {
+pub fn labels(window: &TestWindow) -> Vec<String> {
     let all = window.query_all(by().predicate(|n| n.label().is_some()));
     all.map(|n| {
         format!(
@@ -93,7 +93,7 @@ pub fn labels(window: &Window) -> Vec<String> {
 }
 
 /// Whether the text is displayed anywhere, as a label or as a value.
-pub fn says(window: &Window, text: &str) -> bool {
+pub fn says(window: &TestWindow, text: &str) -> bool {
     let has = |n: &egui_kittest::kittest::AccessKitNode<'_>| {
         n.label().is_some_and(|l| l.contains(text)) || n.value().is_some_and(|v| v.contains(text))
     };
@@ -101,13 +101,13 @@ pub fn says(window: &Window, text: &str) -> bool {
 }
 
 /// Clicks the first button with a label.
-pub fn click(window: &mut Window, label: &str) {
+pub fn click(window: &mut TestWindow, label: &str) {
     find(window, Role::Button, label).click();
     window.run();
 }
 
 /// Clicks the last button with a label: the topmost one.
-pub fn click_last(window: &mut Window, label: &str) {
+pub fn click_last(window: &mut TestWindow, label: &str) {
     let last = window
         .query_all_by_role_and_label(Role::Button, label)
         .last();
@@ -117,19 +117,19 @@ pub fn click_last(window: &mut Window, label: &str) {
     window.run_ok();
 }
 
-pub fn press(window: &mut Window, modifiers: Modifiers, key: Key) {
+pub fn press(window: &mut TestWindow, modifiers: Modifiers, key: Key) {
     window.key_press_modifiers(modifiers, key);
     window.run();
 }
 
 /// Sets the value of a number field.
-pub fn set(window: &mut Window, label: &str, value: f64) {
+pub fn set(window: &mut TestWindow, label: &str, value: f64) {
     find(window, Role::SpinButton, label).set_value_accesskit(value);
     window.run();
 }
 
 /// Replaces the text of the field that contains `old`.
-pub fn write(window: &mut Window, old: &str, new: &str) {
+pub fn write(window: &mut TestWindow, old: &str, new: &str) {
     field(window, old).focus();
     window.run();
     press(window, Modifiers::COMMAND, Key::A);
@@ -137,7 +137,7 @@ pub fn write(window: &mut Window, old: &str, new: &str) {
     window.run();
 }
 
-fn field<'a>(window: &'a Window, text: &'a str) -> Node<'a> {
+fn field<'a>(window: &'a TestWindow, text: &'a str) -> Node<'a> {
     let is_it = move |n: &egui_kittest::kittest::AccessKitNode<'_>| {
         let is_text = matches!(n.role(), Role::TextInput | Role::MultilineTextInput);
         is_text && n.value().unwrap_or_default() == text
@@ -147,7 +147,7 @@ fn field<'a>(window: &'a Window, text: &'a str) -> Node<'a> {
 }
 
 /// Asserts that no error was reported.
-pub fn check_no_error(window: &Window) {
+pub fn check_no_error(window: &TestWindow) {
     let messages = &window.state().app.messages;
     let errors: Vec<_> = messages
         .iter()

@@ -68,7 +68,11 @@ fn light_arrives_with_its_measures() {
     assert!(has(|m| matches!(m, Measure::Error(_))));
     let took = lighting.stopwatch.elapsed();
     assert!(took > Duration::ZERO && took <= PATIENCE);
-    assert_eq!(took, app.lighting.stopwatch.elapsed(), "the watch goes on");
+    assert_eq!(
+        took,
+        app.lighting.stopwatch.elapsed(),
+        "the stopwatch is still running"
+    );
 }
 
 #[test]
@@ -131,7 +135,7 @@ fn what_cannot_be_lit_is_a_message() {
     app.execute(Command::Solve);
     assert!(app.jobs().is_empty());
     let last = app.messages.last().expect("a message");
-    assert!(last.level == Severity::Error && last.text.contains("nothing shines"));
+    assert!(last.level == Severity::Error && last.text.contains("no light source"));
     // Errors that only the solver detects arrive as messages of its job.
     let mut app = App::quiet();
     let material = Material::emitter("lamp", Rgb::WHITE);

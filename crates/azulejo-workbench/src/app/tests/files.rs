@@ -274,7 +274,13 @@ fn a_file_that_others_wrote_is_asked_about() {
     std::fs::remove_file(&path).unwrap();
     app.check_disk();
     assert_eq!(app.question, None);
-    assert!(app.messages.last().unwrap().text.contains("is gone"));
+    assert!(
+        app.messages
+            .last()
+            .unwrap()
+            .text
+            .contains("no longer exists")
+    );
     run(&mut app, Command::Save);
     check_no_error(&app);
     assert!(path.exists());

@@ -112,7 +112,7 @@ fn who_gives_up_what_is_being_solved_is_not_asked_for_each_preview() {
 fn nothing_that_shines_is_told() {
     let mut app = App::quiet();
     run(&mut app, Command::Solve);
-    check_error(&app, "nothing shines");
+    check_error(&app, "there is no light source");
 }
 
 #[test]
@@ -170,7 +170,7 @@ fn pictures_are_drawn_refined_and_written_in_three_formats() {
     let folder = TestFolder::new("pictures");
     let mut app = filled();
     app.execute(Command::SaveRender(folder.path("early.png")));
-    check_error(&app, "there is no picture yet");
+    check_error(&app, "there is no image yet");
     app.messages.clear();
     app.preferences.picture_samples = 2;
     run(
@@ -181,7 +181,7 @@ fn pictures_are_drawn_refined_and_written_in_three_formats() {
             paths: None,
         },
     );
-    let render = app.render.clone().expect("a picture");
+    let render = app.render.clone().expect("a render");
     assert_eq!((render.samples, render.size), (2, (24, 16)));
     for name in ["a.png", "a.hdr", "a.exr", "bare"] {
         run(&mut app, Command::SaveRender(folder.path(name)));
@@ -194,16 +194,16 @@ fn pictures_are_drawn_refined_and_written_in_three_formats() {
     }
     assert!(folder.path("a.exr").exists());
     run(&mut app, Command::SaveRender(folder.path("a.webp")));
-    check_error(&app, "unknown kind of picture");
+    check_error(&app, "unknown image format");
     edit(&mut app, Edit::Delete(vec![ItemId(3)]));
-    assert!(app.render.is_none(), "a picture of what is gone");
+    assert!(app.render.is_none(), "a render of a closed document");
     app.messages.clear();
     app.execute(Command::Render {
         width: 0,
         height: 5,
         paths: None,
     });
-    check_error(&app, "no such picture");
+    check_error(&app, "cannot render an image");
 }
 
 #[test]
@@ -216,13 +216,13 @@ fn a_final_gather_draws_the_picture_anew() {
         paths: Some(1),
     };
     run(&mut app, small);
-    let plain = app.render.clone().expect("a picture");
+    let plain = app.render.clone().expect("a render");
     let preferences = Preferences {
         picture_gather: 4,
         ..app.preferences.clone()
     };
     run(&mut app, Command::SetPreferences(Box::new(preferences)));
-    let gathered = app.render.clone().expect("a picture");
+    let gathered = app.render.clone().expect("a render");
     assert_eq!((gathered.samples, gathered.most), (1, 1));
     assert_ne!(gathered.image, plain.image);
 }

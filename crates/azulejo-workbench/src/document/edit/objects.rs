@@ -288,7 +288,7 @@ mod tests {
             refused
                 .unwrap_err()
                 .to_string()
-                .contains("range of numbers")
+                .contains("range of coordinates")
         );
         assert_eq!(document, before);
     }

@@ -86,7 +86,7 @@ fn energy(ui: &mut Ui, language: Language, measures: &ModelChecks) {
     let (most, angle) = measures.most();
     let holds = most <= BRIGHT;
     let words = if holds {
-        language.tr("albedo at most")
+        language.tr("energy conserved, albedo at most")
     } else {
         language.tr("creates energy:")
     };

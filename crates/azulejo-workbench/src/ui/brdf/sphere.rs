@@ -183,7 +183,7 @@ mod tests {
             found.get_or_insert(picture);
             progress.cancel();
         });
-        assert!(stopped.is_err(), "cancelled after its first picture");
+        assert!(stopped.is_err(), "cancelled after its first image");
         found.unwrap()
     }
 

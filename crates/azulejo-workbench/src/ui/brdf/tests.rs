@@ -340,7 +340,7 @@ fn badges_say_what_models_keep() {
     };
     check(
         "lewis kd = 0.5 ks = 0.5 n = 20",
-        ["reciprocal", "albedo at most"],
+        ["reciprocal", "energy conserved, albedo at most"],
     );
     check(
         "phong kd = 0.3 ks = 0.4 n = 10",
@@ -357,7 +357,7 @@ fn light_is_given_and_coloured() {
     harness.run_steps(3);
     enter(&mut harness, "Emission", "10");
     assert_eq!(harness.state().material.emission, Rgb::grey(10.0));
-    enter(&mut harness, "Its colour B", "0.5");
+    enter(&mut harness, "Emission colour B", "0.5");
     assert_eq!(harness.state().material.emission, Rgb::new(10.0, 10.0, 5.0));
     enter(&mut harness, "Emission", "0");
     enter(&mut harness, "Emission", "2");

@@ -207,7 +207,7 @@ fn the_solver_is_started_held_and_stopped() {
 #[test]
 fn nothing_that_shines_cannot_be_started() {
     let mut harness = bench(App::quiet());
-    harness.get_by_label_contains("Nothing shines");
+    harness.get_by_label_contains("There is no light source");
     click(&mut harness, Role::Button, "Start");
     assert_eq!(harness.state().asked, []);
 }
@@ -258,7 +258,7 @@ fn the_balance_is_shown_with_a_caution_where_it_does_not_add_up() {
         harness.get_by_label("100 W");
         harness.get_by_role_and_label(Role::Meter, "Escaped 8.0 %");
         harness.get_by_role_and_label(Role::Meter, &format!("Unaccounted {lost}"));
-        let caution = harness.query_by_label_contains("does not add up");
+        let caution = harness.query_by_label_contains("does not close");
         assert_eq!(caution.is_some(), cautions);
         harness.get_by_label("rays (own kernel)");
         harness.get_by_label_contains("3.0 MiB");
@@ -300,7 +300,7 @@ fn probes_are_pinned_measured_and_removed() {
         [Command::RemoveProbe(1), Command::MeasureProbes]
     );
     click(&mut harness, Role::Button, "Remove probe 2");
-    harness.get_by_label_contains("None yet");
+    harness.get_by_label_contains("No probes yet");
 }
 
 #[test]
@@ -317,7 +317,7 @@ fn form_factors_are_listed_by_object() {
     });
     let mut harness = bench(app);
     harness.run_ok();
-    harness.get_by_label("Sum 0.7500; 25 % goes outside");
+    harness.get_by_label("Sum 0.7500; 25 % leaves the scene");
     harness.get_by_label("0.5000");
     let name = harness
         .state()
