@@ -42,8 +42,10 @@ const MOST_PIXELS_PER_BYTE: u64 = 8256;
 /// Refuses sizes that would take memory which the file's own length does not justify.
 pub(crate) fn check_size(width: u64, height: u64, bytes: usize) -> Result<(), PictureError> {
     let justified = (bytes as u64).saturating_mul(MOST_PIXELS_PER_BYTE);
+    // A side of 0 does not make the other one free: readers allocate whole rows.
     let fits = width
-        .checked_mul(height)
+        .max(1)
+        .checked_mul(height.max(1))
         .is_some_and(|pixels| pixels <= MOST_PIXELS.min(justified));
     if fits {
         Ok(())
@@ -114,5 +116,7 @@ pub(crate) mod tests {
         assert!(check_size(1000, 1000, 100).is_err());
         assert!(check_size(1 << 20, 1 << 20, usize::MAX).is_err());
         assert!(check_size(u64::MAX, 2, usize::MAX).is_err());
+        assert!(check_size(u64::MAX, 0, 100).is_err());
+        assert!(check_size(0, 1 << 40, 100).is_err());
     }
 }

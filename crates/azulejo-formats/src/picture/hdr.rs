@@ -338,6 +338,8 @@ mod tests {
         check(b"-Y 1 +X 2\n\x02\x02\x02\x88\x01\x01\x01\x09", None);
         check(b"+X 1 -Y 1\n\0\0\0\0", None);
         check(b"-Y 99999999 +X 99999999\n", None);
+        check(b"-Y 0 +X 3232323232\n", None);
+        check(b"-Y 0 +X 2\n", Some(&[]));
         let run = b"-Y 1 +X 8\n\x02\x02\0\x08\x88\0\x88\0\x88\0\x88\x88";
         check(run, Some(&[a; 8]));
         check(b"-Y 1 +X 8\n\x02\x02\0\x08\x89\0", None);

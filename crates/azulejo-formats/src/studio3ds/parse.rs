@@ -294,10 +294,14 @@ impl<'a, 'w> Studio3dsParser<'a, 'w> {
             }
         }
         light.intensity *= f64::from(multiplier);
+        let has_cone = |s: &Spot| !s.hot_spot.is_nan() && !s.fall_off.is_nan();
+        let is_light = multiplier >= 0.0
+            && light.intensity.is_finite()
+            && light.position.is_finite()
+            && light.spot.as_ref().is_none_or(has_cone);
         if is_off {
             self.walker.warn(chunk.at, "light that is off: skipped");
-        } else if !(multiplier >= 0.0 && light.intensity.is_finite() && light.position.is_finite())
-        {
+        } else if !is_light {
             self.walker.warn(
                 chunk.at,
                 "light with a negative colour or a position that is not finite: skipped",

@@ -642,6 +642,17 @@ fn the_keyframer_moves_lights() {
     assert_eq!((position, direction), (DVec3::new(0.0, 0.0, 9.0), DVec3::Y));
 }
 
+#[test]
+fn a_cone_without_an_angle_is_no_light() {
+    for [hot_spot, fall_off] in [[40.0, f32::NAN], [f32::NAN, 90.0]] {
+        let cone = chunk(0x4610, &floats(&[0., 0., 0., hot_spot, fall_off]));
+        let loaded = load(&file(&[square("floor"), light([0., 0., 5.], &[cone])], &[]));
+        assert!(loaded.scene.lights.is_empty());
+        let warning = "light that takes light away or is nowhere: left out";
+        check_warnings(&loaded, &[(warning, 1)]);
+    }
+}
+
 fn camera(values: [f32; 8]) -> Vec<u8> {
     object("view", &[chunk(0x4700, &floats(&values))])
 }
