@@ -1,7 +1,5 @@
-//! Both passes together, and the layers of the crates.
+//! Both passes together.
 
-mod arrows;
-mod circles;
 mod glossy;
 mod rtrace;
 mod typeface;

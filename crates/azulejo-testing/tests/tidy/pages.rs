@@ -1,0 +1,59 @@
+//! Pages that name or quote code.
+
+use crate::{root, sources};
+use std::collections::BTreeSet;
+use std::fs;
+
+/// The words in the sources of all crates.
+fn identifiers() -> BTreeSet<String> {
+    let is_part = |c: char| c.is_alphanumeric() || c == '_';
+    let mut words = BTreeSet::new();
+    for (path, text) in sources(&root().join("crates")) {
+        words.extend(text.split(|c| !is_part(c)).map(str::to_owned));
+        let stem = path.file_stem().and_then(|s| s.to_str());
+        words.extend(stem.map(str::to_owned));
+    }
+    words
+}
+
+#[test]
+fn identifiers_of_the_glossary_exist() {
+    let known = identifiers();
+    let page = fs::read_to_string(root().join("docs/glossary.md")).expect("a glossary");
+    let mut checked = 0;
+    for row in page.lines().filter(|line| line.starts_with("| ")) {
+        let last = row.trim_end_matches(" |").rsplit("| ").next();
+        for name in last.unwrap_or("").split('`').skip(1).step_by(2) {
+            assert!(known.contains(name), "no code is named `{name}`: {row}");
+            checked += 1;
+        }
+    }
+    assert!(checked > 50, "the glossary's last column is not found");
+}
+
+/// A block of code that begins with a comment naming a file is a quotation of that file: its lines
+/// stand there in this order, an ellipsis for what is left out.
+#[test]
+fn pages_quote_code_as_it_is() {
+    let folder = root().join("docs/how-to-add");
+    let mut quotations = 0;
+    for entry in fs::read_dir(folder).expect("the pages") {
+        let path = entry.expect("a page").path();
+        let page = fs::read_to_string(&path).expect("a page of text");
+        for block in page.split("```rust").skip(1) {
+            let mut lines = block.lines().skip(1).take_while(|line| *line != "```");
+            let Some(file) = lines.next().and_then(|l| l.strip_prefix("// crates/")) else {
+                continue;
+            };
+            let source = fs::read_to_string(root().join("crates").join(file));
+            let source = source.unwrap_or_else(|e| panic!("{}: {file}: {e}", path.display()));
+            let mut source = source.lines().map(str::trim);
+            for line in lines.map(str::trim).filter(|l| !l.is_empty() && *l != "// …") {
+                let stands = source.any(|other| other == line);
+                assert!(stands, "{}: {file} has no line {line:?}", path.display());
+            }
+            quotations += 1;
+        }
+    }
+    assert!(quotations > 1, "no quotation was found");
+}
