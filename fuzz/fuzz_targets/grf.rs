@@ -30,10 +30,10 @@ fuzz_target!(|bytes: &[u8]| {
         String::from_utf8_lossy(&text)
     );
 
-    let (mut document, _) = grf::Document::parse(bytes, "fuzz.grf", &files).expect("it was read");
+    let (mut document, _) = grf::GrfDocument::parse(bytes, "fuzz.grf", &files).expect("it was read");
     let mut text = Vec::new();
     document.write(&mut text).expect("memory takes everything");
-    let (again, _) = grf::Document::parse(&text, "fuzz.grf", &files).expect("it was written");
+    let (again, _) = grf::GrfDocument::parse(&text, "fuzz.grf", &files).expect("it was written");
     let mut twice = Vec::new();
     again.write(&mut twice).expect("memory takes everything");
     assert_eq!(text, twice, "{}", String::from_utf8_lossy(&text));

@@ -1,4 +1,4 @@
-//! Where hemicubes stand in the textures that they are drawn in.
+//! The layout of hemicubes in the textures that they are drawn in.
 
 use azulejo_trace::item_buffer::DrawError;
 
@@ -22,7 +22,7 @@ pub struct Atlas {
 pub type Rectangle = [u32; 4];
 
 impl Atlas {
-    /// As many tiles as `pixels` suffice for, and the limits allow; at least one.
+    /// As many tiles as `pixels` and the limits allow; at least one.
     ///
     /// # Errors
     /// [`DrawError::TooLarge`]: not even one.
@@ -31,7 +31,7 @@ impl Atlas {
         let edge = limits.max_texture_dimension_2d;
         if 3 * n > edge {
             return Err(DrawError::TooLarge(format!(
-                "a hemicube of {n} pixels is a picture of {n} × {} pixels, and this card's end \
+                "a hemicube of {n} pixels is an image of {n} × {} pixels, and this card's end \
                  at {edge}; ask for {} pixels at most",
                 3 * n,
                 edge / 3 / 2 * 2
@@ -96,7 +96,7 @@ impl Atlas {
     }
 
     /// Face, column and row of a pixel; rows of side faces begin at the horizon.
-    pub fn place(&self, pixel: u32) -> (usize, u32, u32) {
+    pub fn locate(&self, pixel: u32) -> (usize, u32, u32) {
         let n = self.resolution;
         let (column, row) = (pixel % n, pixel / n);
         if row < n {
@@ -106,7 +106,7 @@ impl Atlas {
         (((row - n) / half) as usize + 1, column, (row - n) % half)
     }
 
-    /// Bytes from row to row where pixels are read back: the copy wants multiples of 256.
+    /// Bytes from row to row where pixels are read back: copies require multiples of 256.
     pub fn row_bytes(&self) -> u32 {
         (4 * self.resolution).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
     }
@@ -157,9 +157,9 @@ mod tests {
     fn pixels_are_where_the_hemicube_has_them() {
         let atlas = Atlas::new(4, 1, &wgpu::Limits::default()).expect("fits");
         let n2 = 16;
-        assert_eq!(atlas.place(5), (0, 1, 1));
-        assert_eq!(atlas.place(n2), (1, 0, 0));
-        assert_eq!(atlas.place(n2 + 2 * 8 + 7), (3, 3, 1));
+        assert_eq!(atlas.locate(5), (0, 1, 1));
+        assert_eq!(atlas.locate(n2), (1, 0, 0));
+        assert_eq!(atlas.locate(n2 + 2 * 8 + 7), (3, 3, 1));
         assert_eq!(atlas.face(0, 3), [0, 8, 4, 2]);
     }
 }

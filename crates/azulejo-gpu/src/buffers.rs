@@ -2,13 +2,12 @@
 
 use crate::atlas::Atlas;
 use crate::card::{Reduction, Shared};
-use crate::gaze::{Gaze, Ground, Pixels, Request};
 use crate::mesh::Mesh;
-use crate::sight::Sight;
 use crate::tally::{Tally, exact_weights, whole_weights};
-use crate::target::{Mapping, Place, Target, Wanted, sum_bytes};
+use crate::target::{DrawInto, Mapping, Target, TargetOptions, sum_bytes};
+use crate::view_traversal::{Pixels, ViewContext, ViewTraversal, WindowRequest};
 use azulejo_trace::item_buffer::{
-    Beyond, DrawError, Hemicube, ItemBuffers, Seen, Settings, View, World,
+    Beyond, DrawError, Hemicube, HemicubeView, ItemBuffers, Seen, Settings, View, World,
 };
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -39,14 +38,14 @@ pub struct Buffers {
 }
 
 /// Views that the card is drawing.
-struct Drawn {
-    gazes: Vec<Gaze>,
+struct PendingViews {
+    traversals: Vec<ViewTraversal>,
     submission: wgpu::SubmissionIndex,
-    answer: Answer,
+    readback: Readback,
 }
 
-/// What will come back of them.
-enum Answer {
+/// What will be read back of them.
+enum Readback {
     Pixels(Vec<Mapping>),
     Sums(Mapping),
 }
@@ -66,7 +65,7 @@ impl Buffers {
         };
         let mesh = Mesh::new(&shared, world, cluster)?;
         let cube = Hemicube::new(settings.resolution);
-        let [has_mirrors, has_bent] = mesh.kinds_there();
+        let (has_mirrors, has_bent) = (mesh.has_mirrors(), mesh.has_bent());
         let is_windowed = matches!(settings.mirrors, Beyond::Windows { depth: 1.., .. });
         let most = if shared.is_software {
             MOST_PIXELS_SOFTWARE
@@ -81,7 +80,7 @@ impl Buffers {
         }
         let weights = exact_weights(&cube);
         let (whole, scale) = whole_weights(&weights);
-        let mut wanted = Wanted {
+        let mut wanted = TargetOptions {
             atlas,
             nearness: has_bent || (has_mirrors && settings.mirrors == Beyond::List),
             windows: has_mirrors && is_windowed,
@@ -103,8 +102,8 @@ impl Buffers {
         })
     }
 
-    fn ground(&self) -> Ground<'_> {
-        Ground {
+    fn context(&self) -> ViewContext<'_> {
+        ViewContext {
             mesh: &self.mesh,
             weights: &self.weights,
             atlas: &self.atlas,
@@ -113,74 +112,88 @@ impl Buffers {
     }
 
     /// Sends views to the card.
-    fn begin(&self, target: &mut Target, views: &[View]) -> Drawn {
-        let ground = self.ground();
-        let gaze = |(tile, view)| Gaze::new(tile, Sight::new(view, &self.mesh.local));
-        let mut gazes: Vec<Gaze> = (0..).zip(views).map(gaze).collect();
-        let pictures = side_by_side(&mut gazes, || (), |(), gaze| gaze.straight(&ground));
-        let pictures: Vec<_> = pictures.into_iter().flatten().collect();
-        target.draw(&self.shared, &self.mesh, &pictures, Place::Faces);
-        let ups: Vec<[f32; 4]> = gazes.iter().map(|g| g.up(&ground)).collect();
-        let (submission, answer) = match target.add_up(&self.shared, &ups) {
-            Some((submission, sums)) => (submission, Answer::Sums(sums)),
+    fn begin(&self, target: &mut Target, views: &[View]) -> PendingViews {
+        let context = self.context();
+        let traversal =
+            |(tile, view)| ViewTraversal::new(tile, HemicubeView::new(view, &self.mesh.local));
+        let mut traversals: Vec<ViewTraversal> = (0..).zip(views).map(traversal).collect();
+        let drawings = side_by_side(
+            &mut traversals,
+            || (),
+            |(), traversal| traversal.straight(&context),
+        );
+        let drawings: Vec<_> = drawings.into_iter().flatten().collect();
+        target.draw(&self.shared, &self.mesh, &drawings, DrawInto::Faces);
+        let ups: Vec<[f32; 4]> = traversals.iter().map(|g| g.up(&context)).collect();
+        let (submission, readback) = match target.add_up(&self.shared, &ups) {
+            Some((submission, sums)) => (submission, Readback::Sums(sums)),
             None => {
-                let tiles: Vec<u32> = gazes.iter().map(|g| g.tile).collect();
+                let tiles: Vec<u32> = traversals.iter().map(|g| g.tile).collect();
                 let (submission, pixels) = target.read_back(&self.shared, &tiles);
-                (submission, Answer::Pixels(pixels))
+                (submission, Readback::Pixels(pixels))
             }
         };
-        Drawn {
-            gazes,
+        PendingViews {
+            traversals,
             submission,
-            answer,
+            readback,
         }
     }
 
-    /// Reads what was drawn, and draws on behind mirrors until nothing is left.
-    fn finish(&self, target: &mut Target, drawn: Drawn) -> Result<Vec<Seen>, DrawError> {
-        let Drawn {
-            mut gazes,
+    /// Reads what was drawn, and draws behind mirrors, level by level, until nothing is left.
+    fn finish(&self, target: &mut Target, drawn: PendingViews) -> Result<Vec<Seen>, DrawError> {
+        let PendingViews {
+            mut traversals,
             submission,
-            answer,
+            readback,
         } = drawn;
         self.shared.wait(submission)?;
-        let ground = self.ground();
-        match answer {
-            Answer::Pixels(pixels) => {
-                self.read(pixels, &mut gazes.iter_mut(), |tally, gaze, pixels| {
-                    gaze.read_all(&ground, pixels, Some(tally));
-                })?
-            }
-            Answer::Sums(sums) => self.read_sums(target, sums, &mut gazes)?,
+        let context = self.context();
+        match readback {
+            Readback::Pixels(pixels) => self.read(
+                pixels,
+                &mut traversals.iter_mut(),
+                |tally, traversal, pixels| {
+                    traversal.read_all(&context, pixels, Some(tally));
+                },
+            )?,
+            Readback::Sums(sums) => self.read_sums(target, sums, &mut traversals)?,
         }
-        while gazes.iter().any(Gaze::has_windows) {
-            self.next_level(target, &mut gazes)?;
+        while traversals.iter().any(ViewTraversal::has_windows) {
+            self.next_level(target, &mut traversals)?;
         }
-        Ok(side_by_side(&mut gazes, || (), |(), gaze| gaze.take()))
+        Ok(side_by_side(
+            &mut traversals,
+            || (),
+            |(), traversal| traversal.take(),
+        ))
     }
 
-    /// Takes the card's sums, and the pixels of those tiles in which some go on.
+    /// Takes the card's sums, and the pixels of those tiles in which light continues at some.
     fn read_sums(
         &self,
         target: &Target,
         sums: Mapping,
-        gazes: &mut [Gaze],
+        traversals: &mut [ViewTraversal],
     ) -> Result<(), DrawError> {
-        let ground = self.ground();
-        let goes_on = sums.read(&self.shared, |words| {
+        let context = self.context();
+        let continues = sums.read(&self.shared, |words| {
             let slots = 2 * (2 * self.mesh.patches as usize + 2);
-            let mut pairs: Vec<_> = gazes.iter_mut().zip(words.chunks_exact(slots)).collect();
+            let mut pairs: Vec<_> = traversals
+                .iter_mut()
+                .zip(words.chunks_exact(slots))
+                .collect();
             side_by_side(
                 &mut pairs,
                 || (),
-                |(), (gaze, sums)| gaze.add_sums(&ground, sums, self.scale),
+                |(), (traversal, sums)| traversal.add_sums(&context, sums, self.scale),
             )
         })?;
-        let on = gazes
+        let on = traversals
             .iter_mut()
-            .zip(goes_on)
-            .filter_map(|(gaze, on)| on.then_some(gaze));
-        let mut on: Vec<&mut Gaze> = on.collect();
+            .zip(continues)
+            .filter_map(|(traversal, on)| on.then_some(traversal));
+        let mut on: Vec<&mut ViewTraversal> = on.collect();
         let tiles: Vec<u32> = on.iter().map(|g| g.tile).collect();
         if tiles.is_empty() {
             return Ok(());
@@ -190,60 +203,69 @@ impl Buffers {
         self.read(
             pixels,
             &mut on.iter_mut().map(|g| &mut **g),
-            |_, gaze, pixels| {
-                gaze.read_all(&ground, pixels, None);
+            |_, traversal, pixels| {
+                traversal.read_all(&context, pixels, None);
             },
         )
     }
 
     /// Draws and reads what is behind one more mirror.
-    fn next_level(&self, target: &mut Target, gazes: &mut [Gaze]) -> Result<(), DrawError> {
-        let ground = self.ground();
-        let mut open: Vec<&mut Gaze> = gazes.iter_mut().filter(|g| g.has_windows()).collect();
-        let requests = side_by_side(&mut open, || (), |(), gaze| gaze.request(&ground));
+    fn next_level(
+        &self,
+        target: &mut Target,
+        traversals: &mut [ViewTraversal],
+    ) -> Result<(), DrawError> {
+        let context = self.context();
+        let mut open: Vec<&mut ViewTraversal> =
+            traversals.iter_mut().filter(|g| g.has_windows()).collect();
+        let requests = side_by_side(
+            &mut open,
+            || (),
+            |(), traversal| traversal.request(&context),
+        );
         let tiles: Vec<u32> = open.iter().map(|g| g.tile).collect();
-        let mut pictures = Vec::new();
+        let mut drawings = Vec::new();
         for (request, &tile) in requests.into_iter().zip(&tiles) {
-            let Request {
-                pictures: more,
+            let WindowRequest {
+                drawings: more,
                 first_row,
                 numbers,
             } = request;
             target.set_windows(&self.shared, tile, first_row, &numbers);
-            pictures.extend(more);
+            drawings.extend(more);
         }
-        target.draw(&self.shared, &self.mesh, &pictures, Place::Windows);
+        target.draw(&self.shared, &self.mesh, &drawings, DrawInto::Windows);
         let (submission, pixels) = target.read_back(&self.shared, &tiles);
         self.shared.wait(submission)?;
         self.read(
             pixels,
             &mut open.iter_mut().map(|g| &mut **g),
-            |tally, gaze, pixels| {
-                gaze.read_windows(&ground, pixels, tally);
+            |tally, traversal, pixels| {
+                traversal.read_windows(&context, pixels, tally);
             },
         )
     }
 
-    /// Shows each gaze the pixels of its tile, which were read back in the same order.
+    /// Gives each traversal the pixels of its tile, which were read back in the same order.
     fn read(
         &self,
         mappings: Vec<Mapping>,
-        gazes: &mut dyn Iterator<Item = &mut Gaze>,
-        work: impl Fn(&mut Tally, &mut Gaze, Pixels) + Sync,
+        traversals: &mut dyn Iterator<Item = &mut ViewTraversal>,
+        work: impl Fn(&mut Tally, &mut ViewTraversal, Pixels) + Sync,
     ) -> Result<(), DrawError> {
         let words = (self.atlas.tile_bytes() / 4) as usize;
         let stride = (self.atlas.row_bytes() / 4) as usize;
-        let mut gazes: Vec<(usize, &mut Gaze)> = gazes.enumerate().collect();
+        let mut traversals: Vec<(usize, &mut ViewTraversal)> = traversals.enumerate().collect();
         let tally = || Tally::new(self.mesh.patches);
         let mut all = |sides: &[u32], nearness: Option<&[u32]>| {
             let tile = |k: usize| k * words..(k + 1) * words;
-            side_by_side(&mut gazes, tally, |tally, (k, gaze)| {
+            side_by_side(&mut traversals, tally, |tally, (k, traversal)| {
                 let pixels = Pixels {
                     sides: &sides[tile(*k)],
                     nearness: nearness.map(|n| &n[tile(*k)]),
                     stride,
                 };
-                work(tally, gaze, pixels);
+                work(tally, traversal, pixels);
             });
         };
         let mut mappings = mappings.into_iter();
@@ -260,7 +282,7 @@ impl Buffers {
 
 impl ItemBuffers for Buffers {
     fn batch(&self) -> usize {
-        // One atlas to draw, one to read, and again.
+        // One atlas to draw, one to read, and as many again.
         4 * self.atlas.tiles as usize
     }
 
@@ -271,7 +293,7 @@ impl ItemBuffers for Buffers {
         let [one, other] = &mut *targets;
         let (mut now, mut last) = (one, other);
         let mut all = Vec::with_capacity(views.len());
-        let mut drawing: Option<Drawn> = None;
+        let mut drawing: Option<PendingViews> = None;
         for part in views.chunks(self.atlas.tiles as usize) {
             let next = self.begin(now, part);
             if let Some(drawn) = drawing.replace(next) {
@@ -287,17 +309,22 @@ impl ItemBuffers for Buffers {
     }
 }
 
-/// Who adds up, unless it was said: the card if it is a real one and its sums are less to read
-/// back than the pixels.
-fn choose(shared: &Shared, cube: &Hemicube, patches: u32, asked: Option<Reduction>) -> Reduction {
+/// Where shares are added up, unless it was requested: on the card if it is a real one and its sums
+/// are less to read back than the pixels.
+fn choose(
+    shared: &Shared,
+    cube: &Hemicube,
+    patches: u32,
+    requested: Option<Reduction>,
+) -> Reduction {
     let is_possible = shared.can_compute && sum_bytes(patches) <= most_sums(shared);
     let is_less = sum_bytes(patches) < 4 * u64::from(cube.pixels());
-    let wanted = asked.unwrap_or(match !shared.is_software && is_less {
-        true => Reduction::Compute,
-        false => Reduction::ReadBack,
-    });
-    if is_possible {
-        wanted
+    let prefers_card = match requested {
+        Some(reduction) => reduction == Reduction::Compute,
+        None => !shared.is_software && is_less,
+    };
+    if is_possible && prefers_card {
+        Reduction::Compute
     } else {
         Reduction::ReadBack
     }
@@ -311,7 +338,7 @@ fn most_sums(shared: &Shared) -> u64 {
 }
 
 /// Two targets, with fewer tiles than wanted if the card's memory is short.
-fn targets(shared: &Shared, wanted: &mut Wanted) -> Result<[Target; 2], DrawError> {
+fn targets(shared: &Shared, wanted: &mut TargetOptions) -> Result<[Target; 2], DrawError> {
     loop {
         let pair = [Target::new(shared, wanted), Target::new(shared, wanted)];
         if let [Some(one), Some(other)] = pair {
@@ -330,8 +357,8 @@ fn targets(shared: &Shared, wanted: &mut Wanted) -> Result<[Target; 2], DrawErro
     }
 }
 
-/// Does something with each item, on as many threads as rayon has. Not on rayon's own: one of
-/// those, waiting here, might take up another drawing and wait for the card that it holds itself.
+/// Processes each item, on as many threads as rayon has. Not on rayon's own: one of those, waiting
+/// here, might start another drawing and wait for the card that it holds itself.
 fn side_by_side<T: Send, S, R: Send>(
     items: &mut [T],
     start: impl Fn() -> S + Sync,

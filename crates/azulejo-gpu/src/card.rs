@@ -1,4 +1,4 @@
-//! Graphics cards: finding one, opening it, and hearing of its end.
+//! Graphics cards: finding one, opening it, and noticing its loss.
 
 use crate::buffers::Buffers;
 use crate::pipelines::Pipelines;
@@ -7,7 +7,7 @@ use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// The interface through which a card is looked for.
+/// The interface through which a card is searched.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Backend {
     /// The best card by either: a real one before a software driver, Vulkan before OpenGL. The
@@ -20,7 +20,7 @@ pub enum Backend {
     Gl,
 }
 
-/// Who adds up what the pixels show.
+/// Where the shares of pixels are added up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reduction {
     /// Pixels are read back and the processor adds them up: best where the card is the
@@ -37,7 +37,7 @@ pub struct Card {
     reduction: Option<Reduction>,
 }
 
-/// What all that is done with a card needs.
+/// The opened card, shared by all worlds in its memory.
 pub(crate) struct Shared {
     pub device: wgpu::Device,
     pub queue: wgpu::Queue,
@@ -48,19 +48,19 @@ pub(crate) struct Shared {
     info: wgpu::AdapterInfo,
     /// Why the card is lost, once it is.
     lost: Arc<Mutex<Option<String>>>,
-    /// Held by whoever works with the card: wgpu's OpenGL panics if a thread waits for another's
+    /// Held by the thread that works with the card: wgpu's OpenGL panics if a thread waits for another's
     /// context too long.
     gate: Mutex<()>,
 }
 
-/// A card that has not answered for so long is taken for lost.
+/// A card that has not answered for so long counts as lost.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 impl Card {
-    /// Looks for a card and opens it. Software drivers count; see [`Card::is_software`].
+    /// Finds a card and opens it. Software drivers count; see [`Card::is_software`].
     ///
     /// # Errors
-    /// [`DrawError::Missing`]: no adapter, or none that can do this; says which there are and
+    /// [`DrawError::Missing`]: no adapter, or none that can do this; names those there are and
     /// what to install.
     pub fn open(backend: Backend) -> Result<Card, DrawError> {
         Card::open_within(backend, |limits| limits)
@@ -111,15 +111,14 @@ impl Card {
         })
     }
 
-    /// The same card, with a fixed way of adding up instead of the one that promises to be
-    /// faster. Both give the same shares to 1e-6. A card without compute shaders reads back.
+    /// The same card, with a fixed way of adding up instead of the one that is probably faster. Both give the same shares to 1e-6. A card without compute shaders reads back.
     pub fn reducing(mut self, reduction: Reduction) -> Card {
         self.reduction = Some(reduction);
         self
     }
 
     /// Whether this is the processor under a graphics interface (Mesa's llvmpipe and lavapipe,
-    /// SwiftShader): right answers, but no faster than the processor.
+    /// SwiftShader): correct results, but no faster than the processor.
     pub fn is_software(&self) -> bool {
         self.shared.is_software
     }
@@ -150,7 +149,7 @@ impl fmt::Debug for Card {
 }
 
 impl Shared {
-    /// Waits until nobody else works with the card.
+    /// Waits until no other thread works with the card.
     pub fn gate(&self) -> MutexGuard<'_, ()> {
         self.gate.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -187,7 +186,7 @@ impl Shared {
         DrawError::Lost(why)
     }
 
-    /// Makes something in the card's memory; `None` if that does not suffice.
+    /// Allocates in the card's memory; `None` if that does not suffice.
     pub fn allocate<T>(&self, make: impl FnOnce(&wgpu::Device) -> T) -> Option<T> {
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let made = make(&self.device);
@@ -204,22 +203,21 @@ fn note(lost: &Mutex<Option<String>>, why: String) {
     lost.get_or_insert(why);
 }
 
-/// A place where the device's end, and errors that nobody expected, are noted; without listeners
-/// wgpu would panic.
+/// Records the loss of the device, and unexpected errors; without listeners wgpu would panic.
 fn listen(device: &wgpu::Device) -> Arc<Mutex<Option<String>>> {
     let lost = Arc::new(Mutex::new(None));
-    let place = lost.clone();
+    let slot = lost.clone();
     device.set_device_lost_callback(move |reason, message| {
-        note(&place, format!("{message} ({reason:?})"));
+        note(&slot, format!("{message} ({reason:?})"));
     });
-    let place = lost.clone();
+    let slot = lost.clone();
     device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-        note(&place, error.to_string());
+        note(&slot, error.to_string());
     }));
     lost
 }
 
-/// The interfaces to look through, if the environment asks for `variable`.
+/// The interfaces to search, if `variable` is the environment's choice.
 fn wanted(backend: Backend, variable: Option<String>) -> Result<wgpu::Backends, DrawError> {
     let ours = wgpu::Backends::VULKAN | wgpu::Backends::GL;
     match backend {
@@ -251,7 +249,7 @@ fn adapters(backends: wgpu::Backends) -> Vec<wgpu::Adapter> {
     pollster::block_on(instance.enumerate_adapters(backends))
 }
 
-/// The adapter that promises most.
+/// The preferred adapter.
 fn best_adapter(wanted: wgpu::Backends) -> Result<wgpu::Adapter, DrawError> {
     let rank = |adapter: &wgpu::Adapter| {
         let info = adapter.get_info();
@@ -281,7 +279,7 @@ fn can_draw(adapter: &wgpu::Adapter) -> bool {
     .all(|format| usages(format).contains(wgpu::TextureUsages::RENDER_ATTACHMENT))
 }
 
-/// What is said if there is no adapter: what was looked for, what is there, what to do.
+/// The message if there is no adapter: what was looked for, what is there, what to do.
 fn missing(wanted: wgpu::Backends) -> String {
     let looked_for = match wanted {
         w if w == wgpu::Backends::VULKAN => "Vulkan",
@@ -323,7 +321,7 @@ fn described(info: &wgpu::AdapterInfo) -> String {
     text + ")"
 }
 
-/// Drivers that are the processor. OpenGL has no question for it, so names decide there.
+/// Drivers that are the processor. OpenGL does not report it, so names decide there.
 fn is_software(info: &wgpu::AdapterInfo) -> bool {
     let name = info.name.to_lowercase();
     let known = ["llvmpipe", "softpipe", "swiftshader", "swrast", "software"];

@@ -1,5 +1,5 @@
 // Draws the facets of a world into one face of a hemicube: which side of which patch each pixel
-// shows. A face is a picture whose points (u, v) lie in the direction u x + v y + w.
+// shows. A face is an image whose points (u, v) lie in the direction u x + v y + w.
 
 struct Face {
     // The eye, and what is left of it beyond single precision.
@@ -11,8 +11,8 @@ struct Face {
     w: vec4f,
     // 1/w of the plane behind which a reflected world begins: coefficients of u, v and 1.
     begin: vec4f,
-    // Where in the atlas the picture begins, pixels to u and v, and v of the first row's edge.
-    place: vec4f,
+    // Where in the atlas the face begins, pixels to u and v, and v of the first row's edge.
+    origin: vec4f,
     // Clip coordinate y is `rows.x` w + `rows.y` v; `rows.z` is the nearest w.
     rows: vec4f,
     // The window's number, and the mirror behind which it is.
@@ -37,7 +37,7 @@ fn corner(
     @location(1) plane: vec4f,
     @location(2) ids: vec2u,
 ) -> Corner {
-    // The first difference is exact for what is near, so near things keep their digits.
+    // The first difference is exact for what is near, so near points keep their digits.
     let p = (position - face.eye.xyz) - face.eye_rest.xyz;
     let seen = vec3f(dot(p, face.x.xyz), dot(p, face.y.xyz), dot(p, face.w.xyz));
     // n · (eye + w d) = offset, so 1/w = n · d / away. It comes from the plane and not from the
@@ -50,7 +50,7 @@ fn corner(
     // A constant z clips what is nearer; the depth is the fragment's.
     corner.position = vec4f(seen.x, y, face.rows.z, seen.z);
     corner.nearness = along / away;
-    // The lowest bit of the patch's number says whether the plane's normal leads to the back.
+    // The lowest bit of the side tells whether the plane's normal points to the back.
     let is_behind = u32(away > 0.0) ^ (ids.x & 1u);
     corner.ids = vec2u((ids.x & 0xfffffffeu) | is_behind, ids.y);
     return corner;
@@ -61,21 +61,21 @@ struct Pixel {
     @builtin(frag_depth) depth: f32,
 }
 
-// With the nearness, for those who ask how far things are.
+// With the nearness, where distances are wanted.
 struct FarPixel {
     @location(0) side: u32,
     @location(1) nearness: u32,
     @builtin(frag_depth) depth: f32,
 }
 
-fn picture(position: vec4f) -> vec3f {
-    let uv = (position.xy - face.place.xy) * face.place.z;
-    return vec3f(uv.x - 1.0, uv.y + face.place.w, 1.0);
+fn image_point(position: vec4f) -> vec3f {
+    let uv = (position.xy - face.origin.xy) * face.origin.z;
+    return vec3f(uv.x - 1.0, uv.y + face.origin.w, 1.0);
 }
 
-// Nearness of a pixel of the facet; what is edge-on has none that could be told from rounding.
+// Nearness of a pixel of the facet; that of an edge-on facet is nothing but rounding.
 fn nearness(corner: Corner) -> f32 {
-    let near = dot(corner.nearness, picture(corner.position));
+    let near = dot(corner.nearness, image_point(corner.position));
     if !(near > 0.0 && near < 1e9) {
         discard;
     }
@@ -87,7 +87,7 @@ fn nearness_in_window(corner: Corner) -> f32 {
     let place = vec2i(corner.position.xy);
     let near = nearness(corner);
     let is_here = textureLoad(windows, place, 0).r == face.numbers.x;
-    let begin = dot(face.begin.xyz, picture(corner.position));
+    let begin = dot(face.begin.xyz, image_point(corner.position));
     if !is_here || near > begin || corner.ids.y == face.numbers.y {
         discard;
     }

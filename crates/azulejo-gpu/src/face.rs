@@ -1,9 +1,9 @@
-//! One face of a hemicube, or the part of it that is a window: what the card is told, and which
-//! facets it is to draw.
+//! One face of a hemicube, or the part of it that is a window: the parameters for the card, and the
+//! facets that it has to draw.
 
 use crate::atlas::{Atlas, Rectangle};
 use crate::mesh::{Cone, Mesh};
-use crate::sight::Sight;
+use azulejo_trace::item_buffer::HemicubeView;
 use std::ops::Range;
 
 /// Words of `Face` in draw.wgsl.
@@ -13,8 +13,8 @@ pub const WORDS: usize = 36;
 /// below the rounding of single precision.
 const NEAREST: f32 = 1e-8;
 
-/// A picture to be drawn.
-pub struct Picture {
+/// A face, or a part of one, to be drawn.
+pub struct FaceDrawing {
     /// `Face` in draw.wgsl.
     pub words: [u32; WORDS],
     pub viewport: Rectangle,
@@ -25,14 +25,14 @@ pub struct Picture {
 
 /// Columns and rows of a face.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Region {
+pub struct FaceRegion {
     pub columns: Range<u32>,
     pub rows: Range<u32>,
 }
 
-impl Region {
+impl FaceRegion {
     /// No pixel yet.
-    pub const EMPTY: Region = Region {
+    pub const EMPTY: FaceRegion = FaceRegion {
         columns: Range {
             start: u32::MAX,
             end: 0,
@@ -44,8 +44,8 @@ impl Region {
     };
 
     /// All of a face.
-    pub fn whole(resolution: u32, face: usize) -> Region {
-        Region {
+    pub fn whole(resolution: u32, face: usize) -> FaceRegion {
+        FaceRegion {
             columns: 0..resolution,
             rows: 0..if face == 0 {
                 resolution
@@ -65,16 +65,16 @@ impl Region {
     }
 }
 
-/// The part of a face that shows what `sight` sees. `window` is its number in the atlas.
-pub fn picture(
+/// The part of a face that shows what `view` sees. `window` is its number in the atlas.
+pub fn face_drawing(
     mesh: &Mesh,
     atlas: &Atlas,
-    sight: &Sight,
+    view: &HemicubeView,
     (tile, face): (u32, usize),
-    region: &Region,
+    region: &FaceRegion,
     window: u32,
-) -> Picture {
-    let axes = sight.face(face);
+) -> FaceDrawing {
+    let axes = view.face_axes(face);
     let is_top = face == 0;
     let viewport = atlas.face(tile, face);
     let [left, top, ..] = viewport;
@@ -89,10 +89,10 @@ pub fn picture(
         v(region.rows.start),
         v(region.rows.end),
     ];
-    let cone = Cone::new(sight.eye, &axes, borders, sight.begin.as_ref());
-    let eye = sight.eye.as_vec3();
-    let rest = (sight.eye - eye.as_dvec3()).as_vec3();
-    let begin = sight.begin_in(&axes);
+    let cone = Cone::new(view.eye, &axes, borders, view.begin.as_ref());
+    let eye = view.eye.as_vec3();
+    let rest = (view.eye - eye.as_dvec3()).as_vec3();
+    let begin = view.begin_nearness(&axes);
     let [x, y, w] = axes.map(|a| a.as_vec3());
     // Without a mirror the world begins at once.
     let [a, b, c] = begin.map_or([0.0, 0.0, f32::MAX], |b| b.map(|x| x as f32));
@@ -112,8 +112,8 @@ pub fn picture(
     for (word, number) in words.iter_mut().zip(numbers.as_flattened()) {
         *word = number.to_bits();
     }
-    words[32..34].copy_from_slice(&[window, sight.mirror]);
-    Picture {
+    words[32..34].copy_from_slice(&[window, view.mirror]);
+    FaceDrawing {
         words,
         viewport,
         scissor: [

@@ -1,9 +1,10 @@
 //! A world in the card's memory: facets in clusters of those that are near each other, under a
-//! tree of boxes that tells which clusters a face may show.
+//! tree of boxes that finds the clusters that a face may show.
 
 use crate::card::Shared;
-use azulejo_scene::Rgb;
-use azulejo_trace::item_buffer::{DrawError, Facet, NO_MIRROR, World};
+use azulejo_trace::item_buffer::{
+    DrawError, Facet, LocalMirror, NO_MIRROR, PatchOptics, Plane, UnitCube, World,
+};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -20,67 +21,17 @@ const BOX_SLACK: f64 = 4e-6;
 const CORNER_WORDS: usize = 9;
 /// Bytes of a facet.
 const FACET_BYTES: u64 = 3 * 4 * CORNER_WORDS as u64;
-/// Most bytes in a buffer, unless the card wants fewer.
+/// Most bytes in a buffer, unless the card allows fewer.
 const MOST_BYTES: u64 = 256 << 20;
-
-/// Where world coordinates go: into −1..=1 about the centre.
-#[derive(Clone, Copy, Debug)]
-pub struct Local {
-    pub centre: DVec3,
-    /// Half the world's largest extent, scene units.
-    pub reach: f64,
-}
-
-impl Local {
-    fn new(low: DVec3, high: DVec3) -> Local {
-        let reach = 0.5 * (high - low).max_element();
-        if reach > 0.0 && reach.is_finite() {
-            let centre = 0.5 * (low + high);
-            return Local { centre, reach };
-        }
-        let centre = if low.is_finite() { low } else { DVec3::ZERO };
-        Local { centre, reach: 1.0 }
-    }
-
-    pub fn point(&self, p: DVec3) -> DVec3 {
-        (p - self.centre) / self.reach
-    }
-
-    pub fn world_point(&self, p: DVec3) -> DVec3 {
-        p * self.reach + self.centre
-    }
-}
-
-/// The points p with `normal` · p = `offset`; unit normal.
-#[derive(Clone, Copy, Debug)]
-pub struct Plane {
-    pub normal: DVec3,
-    pub offset: f64,
-}
-
-/// What becomes of light at a patch.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    Matt,
-    /// A part of this mirror.
-    Mirror(u32),
-    Bent,
-}
-
-/// A mirror with its plane in local coordinates.
-pub struct LocalMirror {
-    pub plane: Plane,
-    pub reflectance: Rgb,
-}
 
 /// A world on the card. Immutable.
 pub struct Mesh {
-    pub local: Local,
+    pub local: UnitCube,
     pub patches: u32,
     pub up: DVec3,
     pub mirrors: Vec<LocalMirror>,
-    kinds: Vec<Kind>,
-    /// Vertices, in so many buffers as the card's limits want.
+    optics: Vec<PatchOptics>,
+    /// Vertices, in as many buffers as the card's limits require.
     buffers: Vec<wgpu::Buffer>,
     clusters: Clusters,
     facets: u32,
@@ -100,12 +51,9 @@ impl Mesh {
             .iter()
             .filter(|t| t.patch < world.patches && t.corners.iter().all(|c| c.is_finite()))
             .collect();
-        let corners = || sound.iter().flat_map(|t| t.corners);
-        let low = corners().fold(DVec3::INFINITY, DVec3::min);
-        let high = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
-        let local = Local::new(low, high);
-        let kinds: Vec<Kind> = (0..world.patches).map(|p| kind(world, p)).collect();
-        let facets = prepared(&sound, &local, &kinds);
+        let local = UnitCube::around(sound.iter().flat_map(|t| t.corners));
+        let optics: Vec<PatchOptics> = (0..world.patches).map(|p| world.optics(p)).collect();
+        let facets = prepared(&sound, &local, &optics);
         let clusters = Clusters::new(&facets, cluster);
         let per_buffer = shared.limits.max_buffer_size.min(MOST_BYTES) / FACET_BYTES;
         let per_buffer = per_buffer as u32 / cluster * cluster;
@@ -114,19 +62,13 @@ impl Mesh {
             let error = format!("{cluster} facets, and its buffers end at {most} bytes");
             return Err(DrawError::TooLarge(error));
         }
-        let mirror = |m: &azulejo_trace::item_buffer::Mirror| LocalMirror {
-            plane: Plane {
-                normal: m.normal,
-                offset: m.normal.dot(local.point(m.point)),
-            },
-            reflectance: m.reflectance,
-        };
+        let mirror = |m| LocalMirror::new(m, &local);
         Ok(Mesh {
             local,
             patches: world.patches,
             up: world.up,
             mirrors: world.mirrors.iter().map(mirror).collect(),
-            kinds,
+            optics,
             buffers: upload(shared, &facets, per_buffer)?,
             clusters,
             facets: facets.len() as u32,
@@ -134,17 +76,19 @@ impl Mesh {
         })
     }
 
-    pub fn kind(&self, patch: u32) -> Kind {
-        self.kinds[patch as usize]
+    pub fn optics(&self, patch: u32) -> PatchOptics {
+        self.optics[patch as usize]
     }
 
-    /// Whether light goes on anywhere by a mirror that can be drawn, and whether anywhere else.
-    pub fn kinds_there(&self) -> [bool; 2] {
-        let is_mirror = |k: &Kind| matches!(k, Kind::Mirror(_));
-        [
-            self.kinds.iter().any(is_mirror),
-            self.kinds.contains(&Kind::Bent),
-        ]
+    /// Whether any patch is of a mirror.
+    pub fn has_mirrors(&self) -> bool {
+        let is_mirror = |o: &PatchOptics| matches!(o, PatchOptics::Mirror(_));
+        self.optics.iter().any(is_mirror)
+    }
+
+    /// Whether any patch is bent.
+    pub fn has_bent(&self) -> bool {
+        self.optics.contains(&PatchOptics::Bent)
     }
 
     /// Ranges of facets that a cone may show.
@@ -175,7 +119,7 @@ impl Mesh {
     }
 }
 
-/// How a corner lies in its buffer.
+/// The layout of a corner in its buffer.
 pub fn layout() -> wgpu::VertexBufferLayout<'static> {
     const ATTRIBUTES: [wgpu::VertexAttribute; 3] =
         wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x4, 2 => Uint32x2];
@@ -183,16 +127,6 @@ pub fn layout() -> wgpu::VertexBufferLayout<'static> {
         array_stride: 4 * CORNER_WORDS as u64,
         step_mode: wgpu::VertexStepMode::Vertex,
         attributes: &ATTRIBUTES,
-    }
-}
-
-fn kind(world: &World, patch: u32) -> Kind {
-    if world.is_bent.get(patch as usize) == Some(&true) {
-        return Kind::Bent;
-    }
-    match world.mirror_of.get(patch as usize) {
-        Some(&m) if m != NO_MIRROR && (m as usize) < world.mirrors.len() => Kind::Mirror(m),
-        _ => Kind::Matt,
     }
 }
 
@@ -204,14 +138,14 @@ struct Prepared {
     /// Twice the patch, one more if the front is not where the plane's normal points.
     side: u32,
     mirror: u32,
-    /// Place on a curve that fills space (Morton 1966).
-    place: u64,
+    /// Position on a curve that fills space (Morton 1966).
+    morton: u64,
 }
 
-/// Facets in the order in which they are drawn: near ones together, and of those in one place the
+/// Facets in the order in which they are drawn: near ones together, and of those at one point the
 /// lowest patch first, which wins where they are equally deep.
-fn prepared(sound: &[&Facet], local: &Local, kinds: &[Kind]) -> Vec<Prepared> {
-    let mut planes = Planes::default();
+fn prepared(sound: &[&Facet], local: &UnitCube, optics: &[PatchOptics]) -> Vec<Prepared> {
+    let mut planes = CardPlanes::default();
     let mut facets = Vec::with_capacity(sound.len());
     for t in sound {
         let corners = t.corners.map(|c| local.point(c));
@@ -222,24 +156,24 @@ fn prepared(sound: &[&Facet], local: &Local, kinds: &[Kind]) -> Vec<Prepared> {
             corners: corners.map(|c| c.as_vec3().to_array()),
             plane,
             side: 2 * t.patch + u32::from(!is_upright),
-            mirror: match kinds[t.patch as usize] {
-                Kind::Mirror(m) => m,
+            mirror: match optics[t.patch as usize] {
+                PatchOptics::Mirror(m) => m,
                 _ => NO_MIRROR,
             },
-            place: place(corners.iter().sum::<DVec3>() / 3.0),
+            morton: morton_code(corners.iter().sum::<DVec3>() / 3.0),
         });
     }
-    facets.sort_by_key(|f| (f.place, f.side));
+    facets.sort_by_key(|f| (f.morton, f.side));
     facets
 }
 
-/// Planes of facets, each once.
+/// The planes of all facets, each once.
 #[derive(Default)]
-struct Planes {
+struct CardPlanes {
     known: HashMap<[i64; 4], [f32; 4]>,
 }
 
-impl Planes {
+impl CardPlanes {
     /// The plane through three corners, and whether they turn counter-clockwise about its
     /// normal; `None` if they span none.
     fn of(&mut self, [a, b, c]: [DVec3; 3]) -> Option<([f32; 4], bool)> {
@@ -269,19 +203,19 @@ impl Planes {
     }
 }
 
-/// Bits of the three coordinates by turns.
-fn place(p: DVec3) -> u64 {
+/// The bits of the three coordinates, interleaved.
+fn morton_code(p: DVec3) -> u64 {
     const BITS: u32 = 20;
     let cells = f64::from(1u32 << BITS);
     let coordinate = |x: f64| (0.5 * (x + 1.0) * cells).clamp(0.0, cells - 1.0) as u64;
     let p = [p.x, p.y, p.z].map(coordinate);
-    let mut place = 0;
+    let mut code = 0;
     for bit in (0..BITS).rev() {
         for x in p {
-            place = place << 1 | (x >> bit & 1);
+            code = code << 1 | (x >> bit & 1);
         }
     }
-    place
+    code
 }
 
 /// Copies facets to the card, `per_buffer` to each buffer.
@@ -335,11 +269,11 @@ struct Clusters {
     size: u32,
     count: u32,
     /// Node k has the children 2k + 1 and 2k + 2, which share its clusters by halves.
-    nodes: Vec<Bounds>,
+    nodes: Vec<ClusterBounds>,
 }
 
 #[derive(Clone, Copy)]
-struct Bounds {
+struct ClusterBounds {
     centre: DVec3,
     half: DVec3,
 }
@@ -347,7 +281,7 @@ struct Bounds {
 impl Clusters {
     fn new(facets: &[Prepared], size: u32) -> Clusters {
         let count = facets.len().div_ceil(size as usize);
-        let nothing = Bounds {
+        let nothing = ClusterBounds {
             centre: DVec3::ZERO,
             half: DVec3::ZERO,
         };
@@ -378,7 +312,7 @@ impl Clusters {
             let b = self.enclose(facets, 2 * node + 2, right);
             [a[0].min(b[0]), a[1].max(b[1])]
         };
-        self.nodes[node] = Bounds {
+        self.nodes[node] = ClusterBounds {
             centre: 0.5 * (low + high),
             half: 0.5 * (high - low) + BOX_SLACK,
         };
@@ -395,11 +329,11 @@ impl Clusters {
     }
 
     fn search(&self, cone: &Cone, node: usize, range: Range<u32>, found: &mut Vec<Range<u32>>) {
-        let place = cone.place(&self.nodes[node]);
-        if place == Place::Outside {
+        let containment = cone.containment(&self.nodes[node]);
+        if containment == Containment::Outside {
             return;
         }
-        if place == Place::Across && range.len() > 1 {
+        if containment == Containment::Across && range.len() > 1 {
             let [left, right] = halves(&range);
             self.search(cone, 2 * node + 1, left, found);
             self.search(cone, 2 * node + 2, right, found);
@@ -418,22 +352,22 @@ fn halves(range: &Range<u32>) -> [Range<u32>; 2] {
     [range.start..middle, middle..range.end]
 }
 
-/// Where a box lies.
+/// Where a box lies relative to a [`Cone`].
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Place {
+enum Containment {
     Outside,
     Inside,
     Across,
 }
 
-/// Half-spaces that hold all that a part of a picture shows: its four borders, what lies before
-/// the eye, and what lies behind the mirror.
+/// Half-spaces that hold all that a part of an image shows: its four borders, what lies before the
+/// viewpoint, and what lies behind the mirror.
 pub struct Cone {
     planes: Vec<Plane>,
 }
 
 impl Cone {
-    /// `axes` of the picture; `borders`: left, right, low and high end in u and v.
+    /// `axes` of the image; `borders`: left, right, low and high end in u and v.
     pub fn new(eye: DVec3, axes: &[DVec3; 3], borders: [f64; 4], begin: Option<&Plane>) -> Cone {
         let [x, y, w] = *axes;
         let [left, right, low, high] = borders;
@@ -450,18 +384,18 @@ impl Cone {
         Cone { planes }
     }
 
-    fn place(&self, bounds: &Bounds) -> Place {
-        let mut place = Place::Inside;
+    fn containment(&self, bounds: &ClusterBounds) -> Containment {
+        let mut found = Containment::Inside;
         for plane in &self.planes {
             let middle = plane.normal.dot(bounds.centre) - plane.offset;
             let reach = plane.normal.abs().dot(bounds.half) + 1e-6 * plane.offset.abs();
             if middle + reach < 0.0 {
-                return Place::Outside;
+                return Containment::Outside;
             }
             if middle < reach {
-                place = Place::Across;
+                found = Containment::Across;
             }
         }
-        place
+        found
     }
 }

@@ -1,4 +1,4 @@
-//! What the card runs: pipelines of draw.wgsl and sum.wgsl.
+//! The pipelines of draw.wgsl and sum.wgsl.
 
 use crate::mesh;
 

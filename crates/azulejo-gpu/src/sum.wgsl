@@ -21,7 +21,7 @@ const NOTHING: u32 = 0xffffffffu;
 // Pixels of a column that one invocation reads: what is equal in them is added at once.
 const RUN: u32 = 16u;
 
-// The point where a pixel's direction meets the cube of side 2.
+// The point where a pixel's direction intersects the cube of side 2.
 fn direction(column: u32, row: u32) -> vec3f {
     let n = sizes.resolution;
     let along = (2.0 * f32(column) + 1.0) / f32(n) - 1.0;

@@ -2,7 +2,7 @@
 
 use crate::atlas::Atlas;
 use crate::card::{Reduction, Shared};
-use crate::face::{Picture, WORDS};
+use crate::face::{FaceDrawing, WORDS};
 use crate::mesh::Mesh;
 use crate::pipelines::{DEPTH, NUMBERS};
 use azulejo_trace::item_buffer::DrawError;
@@ -11,17 +11,17 @@ use std::sync::mpsc::{Receiver, channel};
 /// The side that a pixel without one shows.
 pub const NOTHING: u32 = u32::MAX;
 
-/// Most pictures in a submission: what their uniforms take stays small.
-const MOST_PICTURES: usize = 1 << 14;
+/// Most drawings in a submission: it limits the memory of their uniforms.
+const MOST_DRAWINGS: usize = 1 << 14;
 
 /// An atlas in the card's memory.
 pub struct Target {
     pub atlas: Atlas,
     sides: wgpu::Texture,
-    /// Nearness of what the pixels show, if somebody asks.
+    /// Nearness of what the pixels show, if wanted.
     nearness: Option<wgpu::Texture>,
     depth: wgpu::TextureView,
-    windows: Option<Windows>,
+    windows: Option<WindowNumbers>,
     /// Where pixels are read back, sides and nearness.
     back: Vec<wgpu::Buffer>,
     faces: Faces,
@@ -29,12 +29,12 @@ pub struct Target {
 }
 
 /// Which window each pixel belongs to.
-struct Windows {
+struct WindowNumbers {
     texture: wgpu::Texture,
     group: wgpu::BindGroup,
 }
 
-/// Uniforms of pictures.
+/// Uniforms of drawings.
 struct Faces {
     buffer: wgpu::Buffer,
     group: wgpu::BindGroup,
@@ -51,7 +51,7 @@ struct Sums {
 }
 
 /// What a target is for.
-pub struct Wanted<'a> {
+pub struct TargetOptions<'a> {
     pub atlas: Atlas,
     pub nearness: bool,
     pub windows: bool,
@@ -68,10 +68,10 @@ pub struct Mapping {
     outcome: Receiver<Result<(), wgpu::BufferAsyncError>>,
 }
 
-/// Where pictures go.
+/// The pixels that drawings go to.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub enum Place {
-    /// Pixels of the world that is seen straight.
+pub enum DrawInto {
+    /// Pixels of the world that is seen without mirrors.
     Faces,
     /// Pixels of windows.
     Windows,
@@ -79,7 +79,7 @@ pub enum Place {
 
 impl Target {
     /// `None` if the card's memory does not suffice.
-    pub fn new(shared: &Shared, wanted: &Wanted) -> Option<Target> {
+    pub fn new(shared: &Shared, wanted: &TargetOptions) -> Option<Target> {
         shared.allocate(|device| {
             let used = wgpu::TextureUsages::RENDER_ATTACHMENT;
             let read = wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING;
@@ -96,26 +96,26 @@ impl Target {
                 atlas: wanted.atlas,
                 nearness: wanted.nearness.then(|| numbers(used | read)),
                 depth: depth.create_view(&wgpu::TextureViewDescriptor::default()),
-                windows: wanted.windows.then(|| Windows::new(shared, size)),
+                windows: wanted.windows.then(|| WindowNumbers::new(shared, size)),
                 back: (0..1 + usize::from(wanted.nearness)).map(back).collect(),
-                faces: Faces::new(shared, MOST_PICTURES.min(8 * tiles as usize)),
+                faces: Faces::new(shared, MOST_DRAWINGS.min(8 * tiles as usize)),
                 sums,
                 sides,
             }
         })
     }
 
-    /// Draws pictures; those of one call start from empty pixels.
-    pub fn draw(&mut self, shared: &Shared, mesh: &Mesh, pictures: &[Picture], place: Place) {
-        self.faces.hold(shared, pictures.len().min(MOST_PICTURES));
-        // Without pictures the pixels are emptied all the same.
-        for first in (0..pictures.len().max(1)).step_by(MOST_PICTURES) {
-            let part = &pictures[first..pictures.len().min(first + MOST_PICTURES)];
+    /// Draws drawings; those of one call start from empty pixels.
+    pub fn draw(&mut self, shared: &Shared, mesh: &Mesh, drawings: &[FaceDrawing], into: DrawInto) {
+        self.faces.hold(shared, drawings.len().min(MOST_DRAWINGS));
+        // Without drawings the pixels are emptied all the same.
+        for first in (0..drawings.len().max(1)).step_by(MOST_DRAWINGS) {
+            let part = &drawings[first..drawings.len().min(first + MOST_DRAWINGS)];
             self.faces.write(shared, part);
             let descriptor = wgpu::CommandEncoderDescriptor::default();
             let mut encoder = shared.device.create_command_encoder(&descriptor);
             let mut pass = self.begin(&mut encoder, first == 0);
-            let in_windows = place == Place::Windows;
+            let in_windows = into == DrawInto::Windows;
             pass.set_pipeline(shared.pipelines.draw(in_windows, self.nearness.is_some()));
             if let (true, Some(windows)) = (in_windows, &self.windows) {
                 pass.set_bind_group(1, &windows.group, &[]);
@@ -159,24 +159,24 @@ impl Target {
         })
     }
 
-    fn encode(&self, pass: &mut wgpu::RenderPass, mesh: &Mesh, pictures: &[Picture]) {
+    fn encode(&self, pass: &mut wgpu::RenderPass, mesh: &Mesh, drawings: &[FaceDrawing]) {
         let mut bound = None;
-        for (number, picture) in (0u32..).zip(pictures) {
-            if picture.facets.is_empty() {
+        for (number, drawing) in (0u32..).zip(drawings) {
+            if drawing.facets.is_empty() {
                 continue;
             }
-            let [x, y, w, h] = picture.viewport.map(|k| k as f32);
+            let [x, y, w, h] = drawing.viewport.map(|k| k as f32);
             pass.set_viewport(x, y, w, h, 0.0, 1.0);
-            let [x, y, w, h] = picture.scissor;
+            let [x, y, w, h] = drawing.scissor;
             pass.set_scissor_rect(x, y, w, h);
             pass.set_bind_group(0, &self.faces.group, &[number * self.faces.stride]);
-            for range in &picture.facets {
+            for range in &drawing.facets {
                 mesh.draw(pass, &mut bound, range);
             }
         }
     }
 
-    /// Says which window the pixels of some rows of a tile belong to.
+    /// Sets the window that the pixels of some rows of a tile belong to.
     pub fn set_windows(&self, shared: &Shared, tile: u32, first_row: u32, numbers: &[u32]) {
         let Some(windows) = &self.windows else {
             return;
@@ -291,8 +291,8 @@ impl Target {
     }
 }
 
-impl Windows {
-    fn new(shared: &Shared, size: wgpu::Extent3d) -> Windows {
+impl WindowNumbers {
+    fn new(shared: &Shared, size: wgpu::Extent3d) -> WindowNumbers {
         let usage = wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST;
         let texture = texture(&shared.device, size, NUMBERS, usage);
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
@@ -304,7 +304,7 @@ impl Windows {
                 resource: wgpu::BindingResource::TextureView(&view),
             }],
         });
-        Windows { texture, group }
+        WindowNumbers { texture, group }
     }
 }
 
@@ -344,11 +344,11 @@ impl Faces {
         }
     }
 
-    fn write(&self, shared: &Shared, pictures: &[Picture]) {
+    fn write(&self, shared: &Shared, drawings: &[FaceDrawing]) {
         let words = self.stride as usize / 4;
-        let mut all = vec![0u32; words * pictures.len()];
-        for (place, picture) in all.chunks_exact_mut(words).zip(pictures) {
-            place[..WORDS].copy_from_slice(&picture.words);
+        let mut all = vec![0u32; words * drawings.len()];
+        for (place, drawing) in all.chunks_exact_mut(words).zip(drawings) {
+            place[..WORDS].copy_from_slice(&drawing.words);
         }
         shared
             .queue
@@ -361,7 +361,7 @@ impl Sums {
         shared: &Shared,
         pipeline: &wgpu::ComputePipeline,
         sides: &wgpu::Texture,
-        wanted: &Wanted,
+        wanted: &TargetOptions,
     ) -> Sums {
         let device = &shared.device;
         let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST;
@@ -451,9 +451,10 @@ impl Mapping {
 }
 
 fn operations<T>(empty: T, empties: bool) -> wgpu::Operations<T> {
-    let load = match empties {
-        true => wgpu::LoadOp::Clear(empty),
-        false => wgpu::LoadOp::Load,
+    let load = if empties {
+        wgpu::LoadOp::Clear(empty)
+    } else {
+        wgpu::LoadOp::Load
     };
     wgpu::Operations {
         load,

@@ -2,24 +2,29 @@
 
 use crate::{Backend, Card, Reduction};
 use azulejo_scene::Rgb;
+use azulejo_testing::Need;
 use azulejo_trace::item_buffer::{
-    Beyond, Device, Facet, Mirror, NO_MIRROR, Seen, Settings, View, World,
+    Beyond, Device, Facet, Mirror, NO_MIRROR, Seen, Settings, Share, View, World,
 };
 use glam::DVec3;
 
-/// The card behind an interface, unless there is none here.
-#[allow(clippy::print_stdout, reason = "a test that does nothing says so")]
-fn card(backend: Backend) -> Option<Card> {
-    let card = Card::open(backend);
-    card.map_err(|e| println!("skipped: no adapter ({e})")).ok()
+/// One card for each interface that works here. Records a skip if none does.
+fn by_interface() -> Vec<(Backend, Card)> {
+    let cards: Vec<_> = [Backend::Vulkan, Backend::Gl]
+        .into_iter()
+        .filter_map(|backend| Some((backend, Card::open(backend).ok()?)))
+        .collect();
+    let cards = if cards.is_empty() {
+        Err("no graphics driver")
+    } else {
+        Ok(cards)
+    };
+    azulejo_testing::require(Need::Gpu, cards).unwrap_or_default()
 }
 
-/// One card for each interface that works here.
+/// The cards alone.
 fn found() -> Vec<Card> {
-    [Backend::Vulkan, Backend::Gl]
-        .into_iter()
-        .filter_map(card)
-        .collect()
+    by_interface().into_iter().map(|(_, card)| card).collect()
 }
 
 /// The same, by either way to add up.
@@ -514,10 +519,7 @@ fn small_limits_split_the_world_or_are_named() {
         max_texture_dimension_2d: 256,
         ..limits
     };
-    for backend in [Backend::Vulkan, Backend::Gl] {
-        let Some(card) = card(backend) else {
-            continue;
-        };
+    for (backend, card) in by_interface() {
         let narrow = Card::open_within(backend, narrow).expect("opens as well");
         let settings = windows(32);
         let [expected, found] =
@@ -565,5 +567,62 @@ fn a_card_may_be_lost_midway() {
         });
         let error = error.expect("lost").to_string();
         assert!(error.contains("lost"), "{error}");
+    }
+}
+
+/// A tilted mirror, hung on a wall in the same plane: the wall is not seen in the mirror, from
+/// whatever distance. With a step that does not grow with it, all of the mirror would show the wall
+/// at 100.
+#[test]
+fn far_mirrors_do_not_show_the_wall_that_they_hang_on() {
+    let normal = DVec3::new(0.3, -0.5, 0.8).normalize();
+    let [x, y, _] = View {
+        eye: DVec3::ZERO,
+        normal,
+        turn: 0.7,
+    }
+    .axes();
+    let mut world = World {
+        up: DVec3::Z,
+        patches: 2,
+        mirror_of: vec![0, NO_MIRROR],
+        mirrors: vec![Mirror {
+            point: DVec3::ZERO,
+            normal,
+            reflectance: Rgb::WHITE,
+        }],
+        ..World::default()
+    };
+    for (patch, half) in [(0, 0.7), (1, 1.0)] {
+        let corner = |u: f64, v: f64| half * (u * x + v * y);
+        let quad = [
+            corner(-1.0, -1.0),
+            corner(1.0, -1.0),
+            corner(1.0, 1.0),
+            corner(-1.0, 1.0),
+        ];
+        let facet = |t: [usize; 3]| Facet {
+            corners: t.map(|k| quad[k]),
+            patch,
+        };
+        world.triangles.extend([[0, 1, 2], [0, 2, 3]].map(facet));
+    }
+    let towards = (normal + 0.4 * x).normalize();
+    for card in cards() {
+        for distance in [0.01, 1.0, 100.0] {
+            let view = View {
+                eye: distance * towards,
+                normal: -towards,
+                turn: 0.3,
+            };
+            let seen = &draw(&card, &world, &windows(512), &[view])[0];
+            let share = |patch: u32, order: u8| -> f64 {
+                let of = |s: &&Share| s.side / 2 == patch && s.order == order;
+                seen.shares.iter().filter(of).map(|s| s.weight.r).sum()
+            };
+            let name = format!("{} from {distance}", card.name());
+            assert!(share(0, 0) > 0.0, "{name}: no mirror is seen");
+            assert_eq!(share(0, 1) + share(1, 1), 0.0, "{name}");
+        }
     }
 }

@@ -1,12 +1,13 @@
 //! Time to error of irradiance at points, on Cornell boxes, against brute force.
 //!
-//! `cargo bench -p azulejo-radiosity --bench accuracy [-- paths]`. The truth at every twentieth
-//! of 10,000 points is path traced, by code that shares nothing with azulejo's, with `paths`
-//! paths a point; its own noise is taken off the measured error.
+//! `cargo bench -p azulejo-radiosity --bench accuracy [-- paths]`. The truth at every twentieth of
+//! 10,000 points is path traced, by code independent of azulejo's, with `paths` paths per point;
+//! its own noise is subtracted from the measured error.
 
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
 mod truth;
+#[path = "../../azulejo-factors/benches/usage/mod.rs"]
 mod usage;
 
 use azulejo_radiosity::{FirstPass, PointNormal, probe};

@@ -1,16 +1,15 @@
-//! Furnaces: closed rooms that glow alike everywhere, whose radiosity is known whatever the form
-//! factors are. `cargo bench -p azulejo-radiosity --bench furnace`.
+//! Furnaces: closed rooms with uniform light, whose radiosity is known whatever the form factors.
+//! `cargo bench -p azulejo-radiosity --bench furnace`.
 //!
 //! With exitance M, diffuse reflectance ρ and mirror reflectance σ on every wall, irradiance is
 //! H = M/(1 − ρ − σ) and radiosity B = M + ρ H.
 
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
-use azulejo_radiosity::engine::Estimator;
-use azulejo_radiosity::light::reflectances;
-use azulejo_radiosity::row::Columns;
+use azulejo_factors::engine::Estimator;
+use azulejo_factors::row::Columns;
+use azulejo_factors::{Engine, PatchSize, Patches, reflectances};
 use azulejo_radiosity::system::System;
-use azulejo_radiosity::{Engine, PatchSize, Patches};
 use azulejo_scene::Rgb;
 use azulejo_scene::synthetic::cube_room;
 use azulejo_trace::{Gatherer, Progress, Surfaces, Tracer};

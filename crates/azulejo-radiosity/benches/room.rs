@@ -3,13 +3,13 @@
 
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
+#[path = "../../azulejo-factors/benches/usage/mod.rs"]
 mod usage;
 
-use azulejo_radiosity::engine::Estimator;
-use azulejo_radiosity::light::reflectances;
-use azulejo_radiosity::row::Columns;
+use azulejo_factors::engine::Estimator;
+use azulejo_factors::row::Columns;
+use azulejo_factors::{Engine, PatchSize, Patches, reflectances};
 use azulejo_radiosity::system::System;
-use azulejo_radiosity::{Engine, PatchSize, Patches};
 use azulejo_scene::synthetic::furnished_room;
 use azulejo_trace::{Gatherer, Progress, Surfaces, Tracer};
 use std::time::Instant;

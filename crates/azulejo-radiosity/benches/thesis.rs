@@ -3,10 +3,11 @@
 //!
 //! `cargo bench -p azulejo-radiosity --bench thesis [-- mirrors [error in % [reference error in
 //! %]]]`, by default 64 mirrors, 0.1 and 0.03. The reference has another seed and comes from the
-//! same code: it checks convergence, and the errors that are said; other truths are in the tests.
+//! same code: it checks convergence, and the estimated errors; independent truths are in the tests.
 
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
+#[path = "../../azulejo-factors/benches/usage/mod.rs"]
 mod usage;
 
 use azulejo_radiosity::{FirstPass, PatchRadiosity, PatchSize, radiosity};
@@ -55,8 +56,8 @@ fn run(what: &str, scene: &Scene, error: f64, seed: u64) -> PatchRadiosity {
     found
 }
 
-/// Errors of reflected radiosity over fronts that reflect, area by area, relative to each patch's
-/// own (a tenth of the mean at least), and to the mean square of all.
+/// Errors of reflected radiosity over fronts that reflect, weighted by area: relative to each
+/// patch's own (at least a tenth of the mean), and to the mean square of all.
 fn compare(found: &PatchRadiosity, reference: &PatchRadiosity) {
     let patches = &found.patches;
     let emits = |p: usize| reference.sides[2 * p].value.max_channel() > 20.0;

@@ -1,21 +1,21 @@
-//! The direct light of patches: what formulas count, area-averaged.
+//! Direct light of patches, area-averaged: the part of the light that formulas compute.
 
-use crate::patch::{Patches, Sampler};
-use crate::row::Side;
+use azulejo_factors::Patches;
+use azulejo_factors::patch::Sampler;
+use azulejo_factors::row::Side;
 use azulejo_trace::sampling::{hash, seeds, sobol};
 use azulejo_trace::{DirectLight, GatherPoint, Gatherer, Places, RAYS_PER_FORMULA, REPLICATES};
 use std::ops::Range;
 
-/// Positions per replicate at which a patch's direct light is computed first.
+/// Positions per replicate of the first estimate of a patch's direct light.
 pub(crate) const DIRECT_POSITIONS: u32 = 4;
 
-/// The light that formulas count on one side of a patch, area-averaged. Depends on the arguments
-/// alone.
+/// Area-averaged direct light on one side of a patch. Depends on the arguments alone.
 pub fn direct(gatherer: &Gatherer, patches: &Patches, seed: u32, side: Side) -> DirectLight {
     direct_at(gatherer, patches, seed, side, 0..DIRECT_POSITIONS)
 }
 
-/// The same from a stretch of each replicate's sequence of positions.
+/// The same from a range of each replicate's sequence of positions.
 pub(crate) fn direct_at(
     gatherer: &Gatherer,
     patches: &Patches,
@@ -57,7 +57,7 @@ struct Positions<'a> {
 }
 
 impl Positions<'_> {
-    /// A stretch of each replicate's sequence; `purpose` keys another sequence.
+    /// A range of each replicate's sequence; `purpose` selects an independent sequence.
     fn of(&self, stretch: Range<u32>, purpose: u32) -> Vec<GatherPoint> {
         let flip = if self.side.is_multiple_of(2) {
             1.0

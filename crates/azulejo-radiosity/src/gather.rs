@@ -1,4 +1,4 @@
-//! Irradiance at points to an asked error.
+//! Irradiance at points, to a requested error.
 
 use azulejo_scene::Rgb;
 use azulejo_trace::{
@@ -7,46 +7,46 @@ use azulejo_trace::{
 };
 use rayon::prelude::*;
 
-/// Points gathered in one go: enough to fill the tracer's batches, few enough that their paths
-/// stay in the cache.
+/// Points gathered together: enough to fill the tracer's batches, few enough that their paths stay
+/// in the cache.
 const CHUNK: usize = 8;
 
-/// Rays per point of the first pass when an error is asked for; later passes make a point's
-/// total a power of two times this, or one and a half times that.
+/// Rays per point of the first pass to an error; later passes make a point's total a power of two
+/// times this, or one and a half times that.
 const FIRST_RAYS: u32 = 128;
 
-/// Rays per point when time is out before the first pass: every point gets some light.
+/// Rays per point if time is out before the first pass: every point gets some light.
 const HASTY_RAYS: u32 = 32;
 
 /// Most rays per point of any gather.
 pub const MOST_RAYS: u32 = 1 << 17;
 
-/// No pass makes a point's total more than this many times what it was: early variances are
-/// too uncertain to be trusted further.
+/// Largest growth of a point's total per pass: early variances are too uncertain to be trusted
+/// further.
 const GROWTH: f64 = 8.0;
 
-/// Variance falls about as rays^−1.2 (measured: between random, 1, and 2-D strata, 3/2).
+/// Decline of the variance, about rays^−1.2 (measured: between random, 1, and 2-D strata, 3/2).
 const RATE: f64 = 1.2;
 
-/// Irradiance below this share of the mean counts as that when errors are made relative, so
-/// that points in the dark don't decide alone.
+/// Share of the mean irradiance below which errors are relative to that share, so that dark points
+/// do not dominate.
 const DARK: f64 = 0.1;
 
 /// When gathering stops: at an error, at a number of rays, or at whichever comes first.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Effort {
-    /// Relative RMS error of irradiance to reach, see [`Gathering::relative_error`]; `None` spends all the
-    /// rays.
+pub struct GatherEffort {
+    /// Relative RMS error of irradiance to reach, see [`Gathering::relative_error`]; `None` uses
+    /// all rays.
     pub error: Option<f64>,
     /// Most rays per point.
     pub rays: u32,
 }
 
-/// Irradiance at points, and what it cost.
+/// Irradiance at points, with the rays it took.
 pub struct Gathering {
     /// One entry per point.
     pub gathered: Vec<Gathered>,
-    /// Rays spent on each point.
+    /// Rays traced from each point.
     pub spent: Vec<u32>,
 }
 
@@ -57,13 +57,13 @@ impl Gathering {
         (sum / self.spent.len().max(1) as u64) as u32
     }
 
-    /// Estimated root mean square, over points and channels, of error over irradiance;
-    /// irradiance below a tenth of the mean counts as that.
+    /// Estimated root mean square, over points and channels, of error over irradiance; irradiance
+    /// below a tenth of the mean counts as a tenth of it.
     pub fn relative_error(&self) -> f64 {
         rms(&relative_variances(&self.gathered)) * self.gain().sqrt()
     }
 
-    /// Standard error of every point: two to either side hold the truth 95.4 times in 100.
+    /// Standard error of every point: the truth lies within two of them 95.4 times in 100.
     pub fn standard_errors(&self) -> Vec<Rgb> {
         let scale = self.gain().sqrt();
         self.gathered
@@ -72,14 +72,13 @@ impl Gathering {
             .collect()
     }
 
-    /// Variance of the estimates over what it would be if the replicates were independent, a
-    /// quarter to 1.
+    /// Variance of the estimates relative to that of independent replicates, a quarter to 1.
     ///
-    /// Replicates are stretches of one sequence, so that two together are better spread than
-    /// each: the spread of halves against that of quarters, over all points, says how much that
-    /// helps here, and the whole is taken to gain over halves what these gain over quarters.
+    /// Replicates are parts of one sequence, so two together are better distributed than each
+    /// alone. Comparing the variance of halves with that of quarters, over all points, measures how
+    /// much this helps; the whole is assumed to gain over halves what these gain over quarters.
     fn gain(&self) -> f64 {
-        /// Weight of the cautious assumption, in points: few points tell little.
+        /// Weight of the conservative assumption, in points: a few points carry little information.
         const DOUBT: f64 = 20.0;
         let average = average(&self.gathered);
         let (mut halves, mut quarters, mut count) = (0.0, 0.0, 0.0);
@@ -106,8 +105,8 @@ impl Gathering {
 
 /// Gathers at all points until `effort` is reached or the progress is out of time.
 ///
-/// For an error, a first pass tells how noisy each point is; later ones spend their rays where
-/// they lower the error most.
+/// To reach an error, a first pass measures the noise of each point; later ones spend rays where
+/// they reduce the error most.
 ///
 /// # Errors
 /// [`Cancelled`].
@@ -115,24 +114,24 @@ pub fn gather(
     gatherer: &Gatherer,
     light: &impl DiffuseLight,
     points: &[GatherPoint],
-    effort: Effort,
+    effort: GatherEffort,
     seed: u32,
     progress: &Progress,
 ) -> Result<Gathering, Cancelled> {
     gather_watched(gatherer, light, points, effort, seed, progress, &mut |_| ())
 }
 
-/// As [`gather`]; shows what there is after each pass but the last.
+/// As [`gather`]; passes intermediate results to `watch` after each pass but the last.
 pub(crate) fn gather_watched(
     gatherer: &Gatherer,
     light: &impl DiffuseLight,
     points: &[GatherPoint],
-    effort: Effort,
+    effort: GatherEffort,
     seed: u32,
     progress: &Progress,
     watch: &mut dyn FnMut(&Gathering),
 ) -> Result<Gathering, Cancelled> {
-    let task = Task {
+    let task = GatherPass {
         gatherer,
         light,
         points,
@@ -168,8 +167,8 @@ pub(crate) fn gather_watched(
     Ok(all)
 }
 
-/// What stays the same over all passes.
-struct Task<'a, L> {
+/// The constants of all passes.
+struct GatherPass<'a, L> {
     gatherer: &'a Gatherer<'a>,
     light: &'a L,
     points: &'a [GatherPoint],
@@ -177,9 +176,9 @@ struct Task<'a, L> {
     progress: &'a Progress,
 }
 
-impl<L: DiffuseLight> Task<'_, L> {
-    /// Brings every point to its total, in groups that have the same way to go; points that have
-    /// something already keep it when time runs out.
+impl<L: DiffuseLight> GatherPass<'_, L> {
+    /// Raises every point to its total, in groups with the same start and total; points keep what
+    /// they have when time runs out.
     fn raise(&self, all: &mut Gathering, totals: &[u32]) -> Result<(), Cancelled> {
         let groups: Vec<(u32, u32)> = all
             .spent
@@ -242,14 +241,14 @@ impl<L: DiffuseLight> Task<'_, L> {
     }
 }
 
-/// Totals of rays that bring the root mean square of `variances` to `goal` at least cost, as far
-/// as one pass should go.
+/// Totals of rays that bring the root mean square of `variances` to `goal` at least cost, as far as
+/// one pass should go.
 ///
-/// A point's variance falls with its rays n as n^−[`RATE`]; the sum of rays is then least for n
-/// in proportion to variance^(1/(1 + RATE)), by Lagrange.
+/// A point's variance falls with its rays n as n^−[`RATE`]; the sum of rays is then least for n in
+/// proportion to variance^(1/(1 + RATE)), by Lagrange.
 fn allot(variances: &[f64], spent: &[u32], goal: f64, most: u32) -> Vec<u32> {
     let mean = variances.iter().sum::<f64>() / variances.len() as f64;
-    // Four replicates tell a point's variance badly; half of it is taken from all points.
+    // Four replicates estimate a point's variance badly; half of it is taken from all points.
     let per_ray = |(v, &n): (&f64, &u32)| 0.5 * (v + mean) * f64::from(n).powf(RATE);
     let strength: Vec<f64> = variances.iter().zip(spent).map(per_ray).collect();
     let power = 1.0 / (1.0 + RATE);
@@ -261,7 +260,7 @@ fn allot(variances: &[f64], spent: &[u32], goal: f64, most: u32) -> Vec<u32> {
     strength.iter().zip(spent).map(total).collect()
 }
 
-/// The total of rays nearest to `wanted`, `spent` to `most`, that is well spread: a power of two,
+/// The total nearest to `wanted`, from `spent` to `most`, that is well distributed: a power of two,
 /// or one and a half times one, in units of the first pass.
 fn well_spread(spent: u32, wanted: f64, most: u32) -> u32 {
     let totals = (0..24).map(|k| ((FIRST_RAYS * [2, 3][k as usize % 2]) << (k / 2)) / 2);
@@ -277,7 +276,7 @@ fn rms(variances: &[f64]) -> f64 {
     (variances.iter().sum::<f64>() / variances.len().max(1) as f64).sqrt()
 }
 
-/// Variance of each point's estimate over its square, mean of the channels that have light.
+/// Relative variance of each point's estimate, mean of the channels that have light.
 fn relative_variances(gathered: &[Gathered]) -> Vec<f64> {
     let average = average(gathered);
     let lit = (0..3).filter(|&k| average[k] > 0.0).count().max(1) as f64;

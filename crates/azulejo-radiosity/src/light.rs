@@ -1,14 +1,13 @@
-//! The solved light of the patches, as gathers read it.
+//! The solved light of patches as a light source of gathers.
 
-use crate::patch::{Patches, RefinedShape};
-use crate::row::side;
-use azulejo_scene::{Material, Mesh, Rgb, Scene};
-use azulejo_trace::{Arrival, DiffuseLight, Glow, KernelHit, REPLICATES, Surfaces};
-use glam::DVec2;
+use azulejo_factors::Patches;
+use azulejo_factors::row::side;
+use azulejo_scene::Rgb;
+use azulejo_trace::{Arrival, DiffuseLight, Glow, REPLICATES, Surfaces};
 
-/// From nearer than this share of its diameter a patch is too coarse to be looked at. Half of it
-/// leaves no bias that shows beside 1% of noise (measured on Cornell boxes), and spares most of
-/// the work of a whole one.
+/// Distance, as a share of its diameter, below which a patch is too coarse to be read. Half of it
+/// leaves no visible bias beside 1% of noise (measured on Cornell boxes), and saves most of the
+/// work of a whole diameter.
 const COARSE: f64 = 0.5;
 
 /// Reflected radiosity of every side of every patch, in independent replicates.
@@ -17,12 +16,12 @@ pub struct PatchLight<'a> {
     patches: &'a Patches,
     reflectance: &'a [Rgb],
     reflected: Vec<[[f32; 3]; REPLICATES]>,
-    /// Distance from which each diffuse patch may be looked at, zero for the others.
+    /// Distance from which each diffuse patch may be read, zero for the others.
     grain: Vec<f32>,
 }
 
 impl<'a> PatchLight<'a> {
-    /// From one solution per replicate, each R per side in W/m².
+    /// From one solution R per replicate and side, in W/m².
     pub fn new(
         surfaces: &'a Surfaces<'a>,
         patches: &'a Patches,
@@ -48,7 +47,7 @@ impl<'a> PatchLight<'a> {
         }
     }
 
-    /// The same read from any distance: gathering anew from near hits would add bounces, and is
+    /// The same, read from any distance: final gathers from near hits would add bounces, which is
     /// wrong where their number is limited.
     pub fn without_grain(self) -> PatchLight<'a> {
         PatchLight {
@@ -70,64 +69,4 @@ impl DiffuseLight for PatchLight<'_> {
     fn reflectance(&self, at: &Arrival) -> Rgb {
         self.reflectance[self.patches.locate_hit(self.surfaces, &at.hit) as usize]
     }
-}
-
-impl Patches {
-    /// The patch that a hit of the scene's own tracer lies on.
-    pub fn locate_hit(&self, surfaces: &Surfaces, hit: &KernelHit) -> u32 {
-        let item = surfaces.item(hit.item);
-        self.locate(item.object, item.face, item.triangle, hit.u, hit.v)
-    }
-}
-
-/// Diffuse reflectance of every patch: of its material, times the mean of its vertices' colours
-/// and of its textures over its corners and centre.
-pub fn reflectances(scene: &Scene, patches: &Patches) -> Vec<Rgb> {
-    let mut all = Vec::with_capacity(patches.len());
-    for object in 0..scene.objects.len() as u32 {
-        let divided = match patches.refined(object, scene) {
-            RefinedShape::Mesh(mesh) if !mesh.colors.is_empty() || mesh.uvs.is_some() => Some(mesh),
-            _ => None,
-        };
-        for (face, patch) in patches.patches_of(object).enumerate() {
-            let material = &scene.materials[patches.material(patch) as usize];
-            let pattern = divided
-                .as_ref()
-                .map_or(Rgb::WHITE, |mesh| pattern(scene, mesh, face, material));
-            all.push(material.diffuse * pattern);
-        }
-    }
-    all
-}
-
-/// Mean colour and texture of a face.
-fn pattern(scene: &Scene, mesh: &Mesh, face: usize, material: &Material) -> Rgb {
-    let corners: Vec<(usize, u32)> = mesh
-        .faces
-        .corner_range(face)
-        .zip(mesh.faces.get(face).iter().copied())
-        .collect();
-    let share = 1.0 / corners.len() as f64;
-    let mut mean = Rgb::WHITE;
-    if !mesh.colors.is_empty() {
-        mean = corners
-            .iter()
-            .map(|&(_, v)| mesh.colors[v as usize])
-            .sum::<Rgb>()
-            * share;
-    }
-    let Some(uvs) = &mesh.uvs else { return mean };
-    let at: Vec<DVec2> = corners.iter().map(|&(c, v)| uvs.at(c, v)).collect();
-    let centre = at.iter().copied().sum::<DVec2>() * share;
-    for image in material
-        .textures
-        .iter()
-        .filter_map(|&t| scene.textures[t as usize].image.as_ref())
-    {
-        // Corners drawn half way to the centre sample the face and not its neighbours.
-        let sample = |p: DVec2| Rgb::from(image.sample(p.x, p.y).map(f64::from));
-        let sum: Rgb = at.iter().map(|&p| sample(0.5 * (p + centre))).sum::<Rgb>() + sample(centre);
-        mean *= sum / (at.len() + 1) as f64;
-    }
-    mean
 }

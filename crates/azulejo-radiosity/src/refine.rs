@@ -1,24 +1,24 @@
-//! More rays for the rows that matter, until the error of the radiosity is as small as asked.
+//! Adaptive refinement: more rays for the rows that dominate the error.
 //!
-//! Rows of many rays would fill the memory, and what is wanted of them is a sum: the irradiance
-//! X R. So the rows that are kept stay coarse, and what further rays meet is summed up as they
-//! arrive, in the light R₀ that the coarse system gives: G ≈ X R₀. The system solved at last,
+//! Rows of many rays would fill the memory, and only a sum of them is needed: the irradiance X R.
+//! So the stored rows stay coarse, and what further rays hit is accumulated directly, in the light
+//! R₀ that the coarse system gives: G ≈ X R₀. The final system,
 //!
 //! R = ρ (H₀ + G + X_c (R − R₀)),
 //!
-//! needs the coarse rows X_c for a small difference alone: R₀ is a control variate (in the words
-//! of numerical analysis this is a defect correction). What is left of the coarse rows' noise is
-//! a product of two small errors.
+//! needs the coarse rows X_c only for a small difference: R₀ is a control variate (in numerical
+//! analysis, this is a defect correction). The remaining noise of the coarse rows is a product of
+//! two small errors.
 //!
-//! Rays, and positions at which direct light is computed, go where they lower the error of B most
-//! for their cost, in doublings. With area A, reflectance ρ, variance σ² of the irradiance and its
-//! decline as count^−rate that is in proportion to (A ρ² σ² / cost)^(1/(1 + rate)), by Lagrange.
+//! Rays, and positions of direct light, go where they reduce the error of B most for their cost, in
+//! doublings. With area A, reflectance ρ, variance σ² of the irradiance and its decline as
+//! count^−rate, that is in proportion to (A ρ² σ² / cost)^(1/(1 + rate)), by Lagrange.
 
 use crate::direct::{DIRECT_POSITIONS, direct_at};
-use crate::patch::Patches;
-use crate::rays::{BATCH, HitPatches, Starts};
-use crate::row::{Side, side};
-use crate::system::{Found, System};
+use crate::system::{RadiositySolution, System};
+use azulejo_factors::Patches;
+use azulejo_factors::rays::{BATCH, HitPatches, RowSampler};
+use azulejo_factors::row::{Side, side};
 use azulejo_scene::Rgb;
 use azulejo_trace::follow::{Event, Path, Scratch, follow};
 use azulejo_trace::sampling::hash;
@@ -26,44 +26,44 @@ use azulejo_trace::{Cancelled, Gathered, Gatherer, Glints, Measure, Progress, RE
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Variance falls about as count^−1.2 (measured: between random, 1, and 2-D strata, 3/2).
+/// Decline of the variance, about count^−1.2 (measured: between random, 1, and 2-D strata, 3/2).
 const RATE: f64 = 1.2;
 
-/// No round makes a count more than this many times what it was: four replicates tell a row's
-/// variance badly, and the next round knows more.
+/// Largest growth of a count per round: four replicates estimate a row's variance badly, and the
+/// next round knows more.
 const GROWTH: f64 = 4.0;
 
-/// Most rounds; counts have long reached their limits by then.
+/// Most rounds; counts reach their limits long before.
 const MOST_ROUNDS: u32 = 24;
 
-/// To either side of a patch so many neighbours in the numbering share their variances with it.
+/// Neighbours in the numbering, to either side, with which a patch shares its variance.
 const NEIGHBOURS: usize = 4;
 
 /// Most positions of direct light per patch and replicate.
 const MOST_POSITIONS: u32 = 1024;
 
-/// What refinement aims at.
+/// The goal of refinement.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Goal {
-    /// Relative RMS error of the radiosity, as [`Found::error`] says it.
+pub struct RefinementGoal {
+    /// Relative RMS error of the radiosity, see [`RadiositySolution::error`].
     pub error: f64,
     /// Most rays per row.
     pub rays: u32,
 }
 
-/// What refinement did.
+/// The work of a refinement.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Spent {
-    /// Rays beyond those of the coarse rows.
+pub struct RefinementWork {
+    /// Rays in addition to those of the coarse rows.
     pub rays: u64,
     /// Rows that got more rays, or more positions of direct light.
     pub rows: usize,
 }
 
-/// Refines `system`, of whose rows each took `rays`; `coarse` is its solution. Afterwards the
-/// system's solution is the refined one.
+/// Refines `system`, whose rows took `rays` each; `coarse` is its solution. Solving the system
+/// afterwards gives the refined solution.
 ///
-/// Ends in good order when the progress is out of time. The result does not depend on threads.
+/// Ends early when the progress is out of time. The result does not depend on threads.
 ///
 /// # Errors
 /// [`Cancelled`].
@@ -73,20 +73,20 @@ pub struct Spent {
 )]
 pub fn refine(
     system: &mut System,
-    coarse: &Found,
+    coarse: &RadiositySolution,
     gatherer: &Gatherer,
     patches: &Patches,
     rays: u32,
-    goal: Goal,
+    goal: RefinementGoal,
     seed: u32,
     progress: &Progress,
-) -> Result<Spent, Cancelled> {
+) -> Result<RefinementWork, Cancelled> {
     let most = (goal.rays / REPLICATES as u32).max(1) as usize;
     let tracer = gatherer.surfaces().tracer;
     let refiner = Refiner {
         gatherer,
         patches,
-        starts: Starts::new(tracer, patches, most, seed),
+        sampler: RowSampler::new(tracer, patches, most, seed),
         hit_patches: HitPatches::new(gatherer.surfaces(), patches),
         seed,
         reference: coarse.mean().iter().map(|r| r.to_f32()).collect(),
@@ -96,7 +96,7 @@ pub fn refine(
     let mut rows = refiner.begin(system, &reference, rays);
     let costs = [1.0, gatherer.direct_cost()];
     let most = [most as u32, MOST_POSITIONS];
-    let mut spent = Spent::default();
+    let mut spent = RefinementWork::default();
     for _ in 0..MOST_ROUNDS {
         let strengths = strengths(&rows, system, patches);
         let reached = reached(&rows, &strengths);
@@ -127,26 +127,26 @@ fn rgb(v: &[f32; 3]) -> Rgb {
     Rgb::from(v.map(f64::from))
 }
 
-/// The parts of a row's irradiance: what its rays meet, and the direct light.
+/// The parts of a row's irradiance: indirect light from its rays, and direct light.
 const RAYS: usize = 0;
 const LAMPS: usize = 1;
 
-/// Irradiance of one row, as it is known so far.
-struct Fine {
+/// The current estimate of the irradiance of one row.
+struct RefinedRow {
     side: Side,
-    parts: [Part; 2],
+    parts: [RowPart; 2],
     is_refined: bool,
 }
 
-/// One part of it per replicate, and how many samples of each replicate made it.
+/// One part of it per replicate, and the number of samples of each.
 #[derive(Clone, Copy)]
-struct Part {
+struct RowPart {
     values: [Rgb; REPLICATES],
     count: u32,
 }
 
-impl Part {
-    /// Adds what `count` further samples of each replicate found.
+impl RowPart {
+    /// Adds `count` further samples of each replicate.
     fn add(&mut self, values: &[Rgb; REPLICATES], count: u32) {
         let total = self.count + count;
         let share = f64::from(count) / f64::from(total);
@@ -158,7 +158,7 @@ impl Part {
 }
 
 /// More samples for one part of one row.
-struct Task {
+struct RefinementTask {
     row: usize,
     part: usize,
     side: Side,
@@ -166,11 +166,11 @@ struct Task {
     to: u32,
 }
 
-/// What stays the same over all rounds.
+/// The constants of all rounds.
 struct Refiner<'a> {
     gatherer: &'a Gatherer<'a>,
     patches: &'a Patches,
-    starts: Starts<'a>,
+    sampler: RowSampler<'a>,
     hit_patches: HitPatches<'a>,
     seed: u32,
     /// R₀ per side.
@@ -179,22 +179,22 @@ struct Refiner<'a> {
 }
 
 impl Refiner<'_> {
-    /// What the coarse rows know.
-    fn begin(&self, system: &System, reference: &[Rgb], rays: u32) -> Vec<Fine> {
+    /// The estimates of the coarse rows.
+    fn begin(&self, system: &System, reference: &[Rgb], rays: u32) -> Vec<RefinedRow> {
         let row = |i: usize| {
             let u = &system.unknowns[i];
             let met = |r: usize| u.stray[r] + system.matrices[r].row_times(i, reference);
             let parts = [
-                Part {
+                RowPart {
                     values: std::array::from_fn(met),
                     count: rays.div_ceil(REPLICATES as u32).max(1),
                 },
-                Part {
+                RowPart {
                     values: u.direct,
                     count: DIRECT_POSITIONS,
                 },
             ];
-            Fine {
+            RefinedRow {
                 side: u.side,
                 parts,
                 is_refined: false,
@@ -206,14 +206,14 @@ impl Refiner<'_> {
             .collect()
     }
 
-    /// Does the tasks that there is time for; returns the number of rays.
-    fn round(&self, rows: &mut [Fine], tasks: &[Task]) -> Result<u64, Cancelled> {
-        let steps = |t: &Task| u64::from(t.to - t.from);
+    /// Carries out tasks while there is time; returns the number of rays.
+    fn round(&self, rows: &mut [RefinedRow], tasks: &[RefinementTask]) -> Result<u64, Cancelled> {
+        let steps = |t: &RefinementTask| u64::from(t.to - t.from);
         self.progress
             .begin("refining", tasks.iter().map(steps).sum());
         let found: Vec<Option<[Rgb; REPLICATES]>> = tasks
             .par_iter()
-            .map_init(Work::default, |work, task| {
+            .map_init(RayScratch::default, |work, task| {
                 self.progress.advance(steps(task))?;
                 if self.progress.out_of_time() {
                     return Ok(None);
@@ -237,9 +237,9 @@ impl Refiner<'_> {
         Ok(rays)
     }
 
-    /// Irradiance by a stretch of each replicate's rays, in the light R₀.
-    fn rays(&self, task: &Task, work: &mut Work) -> [Rgb; REPLICATES] {
-        let Work {
+    /// Irradiance from a range of each replicate's rays, in the light R₀.
+    fn rays(&self, task: &RefinementTask, work: &mut RayScratch) -> [Rgb; REPLICATES] {
+        let RayScratch {
             paths,
             scratch,
             glints,
@@ -252,7 +252,7 @@ impl Refiner<'_> {
         for (replicate, sum) in sums.iter_mut().enumerate() {
             for first in (from..to).step_by(BATCH) {
                 let stretch = first..(first + BATCH).min(to);
-                self.starts
+                self.sampler
                     .fill(task.side, replicate, stretch, share, paths);
                 let chances = hash(&[self.seed, task.side, replicate as u32, first as u32]);
                 follow(surfaces, paths, scratch, chances, |path, event| {
@@ -274,8 +274,8 @@ impl Refiner<'_> {
         sums
     }
 
-    /// Direct light from a stretch of each replicate's positions.
-    fn lamps(&self, task: &Task) -> [Rgb; REPLICATES] {
+    /// Direct light from a range of each replicate's positions.
+    fn lamps(&self, task: &RefinementTask) -> [Rgb; REPLICATES] {
         let stretch = task.from..task.to;
         let light = direct_at(self.gatherer, self.patches, self.seed, task.side, stretch);
         light.lamps.replicates.map(|e| e + light.lights)
@@ -284,16 +284,16 @@ impl Refiner<'_> {
 
 /// Working memory of one thread.
 #[derive(Default)]
-struct Work {
+struct RayScratch {
     paths: Vec<Path>,
     scratch: Scratch,
     glints: Glints,
 }
 
-/// For every row and part, what it adds to the square of the relative error, times count^rate.
+/// The contribution of every row and part to the squared relative error, times count^rate.
 ///
-/// Four replicates tell a variance badly, so that neighbours on a surface share theirs.
-fn strengths(rows: &[Fine], system: &System, patches: &Patches) -> Vec<[f64; 2]> {
+/// Four replicates estimate a variance badly, so neighbours on a surface share theirs.
+fn strengths(rows: &[RefinedRow], system: &System, patches: &Patches) -> Vec<[f64; 2]> {
     let shares = relative_shares(rows, system);
     let mut order: Vec<usize> = (0..rows.len()).collect();
     order.sort_unstable_by_key(|&i| rows[i].side);
@@ -316,9 +316,9 @@ fn strengths(rows: &[Fine], system: &System, patches: &Patches) -> Vec<[f64; 2]>
     shared
 }
 
-/// What each row and part adds to the square of the relative error, as its own replicates say,
+/// The contribution of each row and part to the squared relative error, from its own replicates,
 /// times count^rate.
-fn relative_shares(rows: &[Fine], system: &System) -> Vec<[f64; 2]> {
+fn relative_shares(rows: &[RefinedRow], system: &System) -> Vec<[f64; 2]> {
     let unknowns = &system.unknowns[..rows.len()];
     let (mut shares, mut squares) = (Vec::with_capacity(rows.len()), 0.0);
     for (row, u) in rows.iter().zip(unknowns) {
@@ -336,9 +336,9 @@ fn relative_shares(rows: &[Fine], system: &System) -> Vec<[f64; 2]> {
     shares.into_iter().map(relative).collect()
 }
 
-/// The square of the relative error that the strengths predict.
-fn reached(rows: &[Fine], strengths: &[[f64; 2]]) -> f64 {
-    let of = |(row, s): (&Fine, &[f64; 2])| {
+/// The squared relative error that the strengths predict.
+fn reached(rows: &[RefinedRow], strengths: &[[f64; 2]]) -> f64 {
+    let of = |(row, s): (&RefinedRow, &[f64; 2])| {
         (0..2)
             .map(|p| s[p] * f64::from(row.parts[p].count).powf(-RATE))
             .sum::<f64>()
@@ -346,10 +346,10 @@ fn reached(rows: &[Fine], strengths: &[[f64; 2]]) -> f64 {
     rows.iter().zip(strengths).map(of).sum()
 }
 
-/// Counts that bring the error to the goal at least cost, as far as one round should go: powers
-/// of two times what there is.
+/// Counts that reach the goal at least cost, as far as one round should go: the present counts
+/// times powers of two.
 fn allot(
-    rows: &[Fine],
+    rows: &[RefinedRow],
     strengths: &[[f64; 2]],
     costs: [f64; 2],
     goal: f64,
@@ -362,12 +362,12 @@ fn allot(
             .sum::<f64>()
     };
     let scale = (strengths.iter().map(term).sum::<f64>() / (goal * goal)).powf(1.0 / RATE);
-    let total = |(row, s): (&Fine, &[f64; 2])| {
+    let total = |(row, s): (&RefinedRow, &[f64; 2])| {
         [RAYS, LAMPS].map(|p| {
             let count = row.parts[p].count;
             let wanted = (scale * (s[p] / costs[p]).powf(power)).min(GROWTH * f64::from(count));
             let mut next = count;
-            // Nearest in the logarithm.
+            // Nearest on a logarithmic scale.
             while f64::from(next) * std::f64::consts::SQRT_2 < wanted && 2 * next <= most[p] {
                 next *= 2;
             }
@@ -377,14 +377,14 @@ fn allot(
     rows.iter().zip(strengths).map(total).collect()
 }
 
-/// What is to be done to reach the totals; the longest first, so that threads end together.
-fn tasks(rows: &[Fine], totals: &[[u32; 2]]) -> Vec<Task> {
+/// The tasks that reach the totals; the longest first, so that threads finish together.
+fn tasks(rows: &[RefinedRow], totals: &[[u32; 2]]) -> Vec<RefinementTask> {
     let mut tasks = Vec::new();
     for (k, (row, total)) in rows.iter().zip(totals).enumerate() {
         for part in [RAYS, LAMPS] {
             let from = row.parts[part].count;
             if total[part] > from {
-                tasks.push(Task {
+                tasks.push(RefinementTask {
                     row: k,
                     part,
                     side: row.side,

@@ -1,39 +1,37 @@
 //! The first pass: from a scene to irradiance on its vertices, or at any points.
 
-use crate::engine::{Engine, Ran};
-use crate::gather::{Effort, MOST_RAYS, gather, gather_watched};
-use crate::patch::PatchSize;
-use crate::refine::Goal;
-use crate::solved::Solved;
-use crate::stand_in::StandIn;
-use crate::system::Balance;
+use crate::gather::{GatherEffort, MOST_RAYS, gather, gather_watched};
+use crate::preview::{Preview, PreviewReporter};
+use crate::refine::RefinementGoal;
+use crate::solved::SolvedPatches;
+use crate::system::EnergyBalance;
 use crate::vertices;
-use crate::watch::{Preview, Watcher};
+use azulejo_factors::{Engine, EngineUsed, FactorsError, PatchSize, PointNormal, ProxyScene};
 use azulejo_scene::{Irradiance, Rgb, Scene};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, GatherPoint, Gathered, Progress, Tracer};
 use std::fmt;
 
-/// What the first pass should do.
+/// Options of the first pass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FirstPass {
-    /// Who computes the form factors between patches.
+    /// The engine for the form factors between patches.
     pub engine: Engine,
     /// How finely faces are divided.
     pub size: PatchSize,
-    /// Stop when the estimated relative RMS errors of the patches' radiosity and of irradiance
-    /// are below this; `None` leaves it to `rays`.
+    /// Estimated relative RMS errors of the patches' radiosity and of irradiance at which to stop;
+    /// `None` leaves it to `rays`.
     pub error: Option<f64>,
     /// Rays per patch, and most rays per vertex; with an `error`, most of both. `None` chooses by
     /// `error`. With neither, the goal is 3% at no more than 2,048 rays per vertex.
     pub rays: Option<u32>,
     /// Diffuse bounces of light to follow; `None` follows them to convergence.
     pub bounces: Option<u32>,
-    /// Another seed gives other noise.
+    /// Seed of the random numbers.
     pub seed: u64,
-    /// Bytes that the rows of form factors may take; beyond it light is shot without a matrix.
+    /// Bytes that the rows of form factors may take; beyond, light is shot without a matrix.
     pub memory: u64,
-    /// Write irradiance on the vertices the scene has instead of those of the patches.
+    /// Write irradiance on the vertices of the given mesh instead of those of the patches.
     pub keep_mesh: bool,
 }
 
@@ -53,34 +51,33 @@ impl Default for FirstPass {
     }
 }
 
-/// Error that is aimed at when nothing is asked for.
+/// Relative error to reach by default.
 const DEFAULT_ERROR: f64 = 0.03;
 
-/// Rays per point at which a gather rests when nothing is asked for: light thrown by glass and
-/// curved mirrors would take far more.
+/// Most rays per point by default: caustics of glass and curved mirrors would take far more.
 const DEFAULT_RAYS: u32 = 2048;
 
-/// More rays than this are not spent on a patch when only an error is asked for.
+/// Most rays per patch where only an error is requested.
 const MOST_PATCH_RAYS: u32 = 1 << 17;
 
 impl FirstPass {
-    fn effort(&self) -> Effort {
+    fn effort(&self) -> GatherEffort {
         match (self.error, self.rays) {
-            (None, None) => Effort {
+            (None, None) => GatherEffort {
                 error: Some(DEFAULT_ERROR),
                 rays: DEFAULT_RAYS,
             },
-            (error, rays) => Effort {
+            (error, rays) => GatherEffort {
                 error,
                 rays: rays.unwrap_or(MOST_RAYS),
             },
         }
     }
 
-    /// Rays of the rows that are kept: all of those asked for, if no error is.
+    /// Rays of the stored rows: all that were requested, if no error is.
     ///
-    /// The error of a patch from n rays is about a half n^−0.6, and what refinement leaves of the
-    /// rows' noise about that times n^−½: a fourth of the error asked for.
+    /// The error of a patch from n rays is about a half n^−0.6, and refinement leaves about that
+    /// times n^−½ of the rows' noise: a fourth of the requested error.
     pub(crate) fn patch_rays(&self) -> u32 {
         let enough = (2.0 / self.aim()).powf(0.9);
         let enough = (enough as u32).next_power_of_two().clamp(128, 2048);
@@ -90,20 +87,20 @@ impl FirstPass {
         }
     }
 
-    /// The relative error that is aimed at, as far as rays allow.
+    /// The relative error to reach, as far as the rays allow.
     pub(crate) fn aim(&self) -> f64 {
         self.error.unwrap_or(DEFAULT_ERROR)
     }
 
-    /// What the rows are refined to, if an error is asked for. Bounces that are counted cannot be
+    /// The goal of refinement, if an error is to be reached. A limited number of bounces cannot be
     /// refined: the light of the last but one would be needed.
-    pub(crate) fn goal(&self) -> Option<Goal> {
+    pub(crate) fn goal(&self) -> Option<RefinementGoal> {
         let error = match (self.error, self.rays) {
             (None, Some(_)) => None,
             (error, _) => Some(error.unwrap_or(DEFAULT_ERROR)),
         };
         let rays = self.rays.unwrap_or(MOST_PATCH_RAYS);
-        let goal = error.map(|error| Goal { error, rays });
+        let goal = error.map(|error| RefinementGoal { error, rays });
         goal.filter(|_| self.bounces.is_none())
     }
 
@@ -116,21 +113,25 @@ impl FirstPass {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SolveError {
-    /// Nothing in the scene shines.
+    /// Nothing in the scene emits light.
     NoLight,
     /// There is no surface with an area.
     NoSurface,
     /// The caller cancelled.
     Cancelled,
-    /// The matrix of so many rows needs more memory than may be used, by a forecast; in bytes.
-    TooLarge {
-        /// Rows of the matrix.
-        rows: usize,
-        /// What it needs.
-        bytes: u64,
-        /// What there is.
-        memory: u64,
-    },
+    /// Form factors failed for another reason. [`solve`] keeps to its memory and never returns
+    /// this; programs that also compute matrices do.
+    Factors(FactorsError),
+}
+
+impl From<FactorsError> for SolveError {
+    fn from(error: FactorsError) -> SolveError {
+        match error {
+            FactorsError::NoSurface => SolveError::NoSurface,
+            FactorsError::Cancelled => SolveError::Cancelled,
+            other => SolveError::Factors(other),
+        }
+    }
 }
 
 impl From<Cancelled> for SolveError {
@@ -141,35 +142,20 @@ impl From<Cancelled> for SolveError {
 
 impl fmt::Display for SolveError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let text = match self {
-            SolveError::NoLight => {
-                "nothing in the scene shines: add a light, or a material that emits"
-            }
-            SolveError::NoSurface => "the scene has no surface for light to fall on",
-            SolveError::Cancelled => "cancelled",
-            SolveError::TooLarge {
-                rows,
-                bytes,
-                memory,
-            } => {
-                let gibibytes = |bytes: &u64| *bytes as f64 / f64::from(1 << 30);
-                return write!(
-                    f,
-                    "form factors between {rows} patches need about {:.1} GiB of memory, and \
-                     {:.1} GiB may be used: divide into fewer patches, trace fewer rays from \
-                     each, or allow more memory",
-                    gibibytes(bytes),
-                    gibibytes(memory)
-                );
-            }
-        };
-        f.write_str(text)
+        match self {
+            SolveError::NoLight => f.write_str(
+                "nothing in the scene emits light: add a light, or a material that emits",
+            ),
+            SolveError::NoSurface => FactorsError::NoSurface.fmt(f),
+            SolveError::Cancelled => FactorsError::Cancelled.fmt(f),
+            SolveError::Factors(error) => error.fmt(f),
+        }
     }
 }
 
 impl std::error::Error for SolveError {}
 
-/// How the light between patches was found.
+/// How the light between patches was computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
     /// Rows of form factors, then Jacobi iteration.
@@ -178,25 +164,25 @@ pub enum Method {
     Stochastic,
 }
 
-/// What a first pass did, and how good its answer is.
+/// Statistics of a first pass, with its error.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
-    /// How.
+    /// The method.
     pub method: Method,
-    /// Which engine found the form factors; nothing, where there are none.
-    pub ran: Ran,
+    /// The engine that computed the form factors; empty if there are none.
+    pub engine_used: EngineUsed,
     /// Number of patches.
     pub patches: usize,
     /// Vertices or points at which irradiance was gathered.
     pub points: usize,
-    /// Rays that started at patches.
+    /// Rays traced from patches.
     pub patch_rays: u64,
-    /// Rows of patches that got more rays than the others, to reach the error.
+    /// Rows with more rays than the others, to reach the error.
     pub refined_rows: usize,
-    /// Estimated relative RMS error of the radiosity that patches reflect, as
-    /// [`Found::error`](crate::system::Found::error) says.
+    /// Estimated relative RMS error of the radiosity that patches reflect: see
+    /// [`RadiositySolution::error`](crate::system::RadiositySolution::error).
     pub patch_error: f64,
-    /// Rays that started at each point, on average.
+    /// Rays traced from each point, on average.
     pub point_rays: u32,
     /// Bytes of the stored rows.
     pub bytes: usize,
@@ -204,51 +190,53 @@ pub struct Report {
     pub iterations: u32,
     /// Change of the last bounce relative to the brightest patch.
     pub residual: f64,
-    /// Where the emitted power went, W.
-    pub balance: Balance,
-    /// Estimated relative RMS error of irradiance, as [`Gathering::relative_error`](crate::gather::Gathering::relative_error) says.
+    /// Energy balance, W.
+    pub balance: EnergyBalance,
+    /// Estimated relative RMS error of irradiance: see
+    /// [`Gathering::relative_error`](crate::gather::Gathering::relative_error).
     pub error: f64,
 }
 
 /// A solved scene.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Light {
+pub struct LightSolution {
     /// What [`Scene::set_irradiance`] takes.
     pub irradiance: Irradiance,
-    /// How it was found.
+    /// Statistics and error of the solution.
     pub report: Report,
 }
 
 /// Solves the light of a scene for all viewpoints and gathers it to the vertices.
 ///
-/// In the place of [`Shape::Exact`](azulejo_scene::Shape::Exact) objects polygons are divided
-/// whose chords leave them by at most [`CHORD_ERROR`](crate::CHORD_ERROR) patch edges; they
-/// become the skins of the objects, with `keep_mesh` too.
+/// [`Shape::Exact`](azulejo_scene::Shape::Exact) objects are divided as polygons whose chords leave
+/// them by at most [`CHORD_ERROR`](azulejo_factors::CHORD_ERROR) patch edges; these become the
+/// objects' proxy meshes, with `keep_mesh` too.
 ///
 /// # Errors
-/// [`SolveError`]: no light, no surface, or cancelled. An expired deadline of `progress` is not
-/// an error: the answer is then as good as the time allowed, and its error says how good.
+/// [`SolveError`]: no light, no surface, or cancelled. An expired deadline of `progress` is not an
+/// error: the result is then as good as the time allowed, and its error says how good.
 pub fn solve(
     scene: &Scene,
     tracer: &Tracer,
     pass: &FirstPass,
     progress: &Progress,
-) -> Result<Light, SolveError> {
+) -> Result<LightSolution, SolveError> {
     solve_for(None, scene, tracer, pass, progress)
 }
 
-/// As [`solve`], and shows the light while it settles: as soon as the patches are solved, and
-/// after each pass over the vertices, but at most once a second. The last pass is not shown, for
-/// it is what is returned, the same to the bit as by [`solve`].
+/// As [`solve`], with previews: as soon as the patches are solved, and after each pass over the
+/// vertices, but at most once a second. The last pass is not previewed, because it is the result,
+/// the same to the bit as that of [`solve`].
 ///
-/// The solver waits while `watch` is at work; a preview costs about as much as a copy of the
-/// divided scene.
+/// The solver waits while `watch` runs; a preview costs about as much as a copy of the divided
+/// scene.
 ///
 /// # Errors
 /// As [`solve`].
 ///
 /// ```
-/// use azulejo_radiosity::{FirstPass, PatchSize, solve_watched};
+/// use azulejo_factors::PatchSize;
+/// use azulejo_radiosity::{FirstPass, solve_watched};
 /// use azulejo_scene::synthetic::{CornellVariant, cornell_box};
 /// use azulejo_trace::{Progress, Tracer};
 ///
@@ -270,7 +258,7 @@ pub fn solve_watched(
     pass: &FirstPass,
     progress: &Progress,
     watch: &mut dyn FnMut(Preview),
-) -> Result<Light, SolveError> {
+) -> Result<LightSolution, SolveError> {
     solve_for(Some(watch), scene, tracer, pass, progress)
 }
 
@@ -280,17 +268,17 @@ fn solve_for(
     tracer: &Tracer,
     pass: &FirstPass,
     progress: &Progress,
-) -> Result<Light, SolveError> {
-    let stand_in = StandIn::new(scene, tracer, pass.size);
-    let mut watcher = Watcher::new(watch, &stand_in, pass.keep_mesh);
-    let solved = Solved::new(&stand_in, pass, progress, &mut |patches, found| {
-        watcher.see_patches(patches, found);
+) -> Result<LightSolution, SolveError> {
+    let proxy = ProxyScene::new(scene, tracer, pass.size);
+    let mut reporter = PreviewReporter::new(watch, &proxy, pass.keep_mesh);
+    let solved = SolvedPatches::new(&proxy, pass, progress, &mut |patches, found| {
+        reporter.show_patches(patches, found);
     })?;
-    watcher.see_patches(&solved.patches, &solved.found);
+    reporter.show_patches(&solved.patches, &solved.solution);
     let targets = vertices::targets(
         scene,
         &solved.patches,
-        &solved.found.incident,
+        &solved.solution.incident,
         pass.keep_mesh,
     );
     let light = solved.light(pass);
@@ -302,22 +290,13 @@ fn solve_for(
         pass.effort(),
         seed,
         progress,
-        &mut |found| watcher.see_vertices(&targets, &solved.patches, found),
+        &mut |found| reporter.show_vertices(&targets, &solved.patches, found),
     )?;
-    let irradiance = targets.irradiance(&stand_in.scene, &solved.patches, &found);
-    Ok(Light {
+    let irradiance = targets.irradiance(&proxy.scene, &solved.patches, &found);
+    Ok(LightSolution {
         irradiance,
         report: solved.report(&found),
     })
-}
-
-/// A place and a direction at which irradiance is asked for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PointNormal {
-    /// World position.
-    pub position: glam::DVec3,
-    /// Unit normal of the side that receives.
-    pub normal: glam::DVec3,
 }
 
 /// An estimate with its standard error.
@@ -325,7 +304,7 @@ pub struct PointNormal {
 pub struct Estimate {
     /// The value.
     pub value: Rgb,
-    /// Its standard error: two to either side hold the truth 95 times in 100.
+    /// Its standard error: the truth lies within two of them 95 times in 100.
     pub error: Rgb,
 }
 
@@ -334,14 +313,13 @@ pub struct Estimate {
 pub struct Probed {
     /// One estimate per point, W/m².
     pub estimates: Vec<Estimate>,
-    /// How they were found.
+    /// Statistics and error of the solution.
     pub report: Report,
 }
 
-/// Irradiance at given points and normals. `keep_mesh` has no meaning here.
+/// Irradiance at given points and normals. `keep_mesh` has no effect.
 ///
-/// Points on hollows of exact shapes lie behind the polygons that stand for those, and are moved
-/// onto them.
+/// Points on concave exact shapes may lie behind their proxy polygons, and are moved onto them.
 ///
 /// # Errors
 /// As [`solve`].
@@ -352,9 +330,9 @@ pub fn probe(
     pass: &FirstPass,
     progress: &Progress,
 ) -> Result<Probed, SolveError> {
-    let stand_in = StandIn::new(scene, tracer, pass.size);
-    let solved = Solved::new(&stand_in, pass, progress, &mut |_, _| ())?;
-    let points = stand_in.on_polygons(points);
+    let proxy = ProxyScene::new(scene, tracer, pass.size);
+    let solved = SolvedPatches::new(&proxy, pass, progress, &mut |_, _| ())?;
+    let points = proxy.on_polygons(points);
     let light = solved.light(pass);
     let place = |(i, p): (usize, &PointNormal)| GatherPoint {
         position: p.position,
@@ -373,7 +351,7 @@ pub fn probe(
     )?;
     let errors = found.standard_errors();
     let estimate = |(g, &error): (&Gathered, &Rgb)| Estimate {
-        // The estimate of a share of visibility may fall a hair below nothing.
+        // The estimate of a visible fraction may fall slightly below zero.
         value: g.mean().map(|e| e.max(0.0)),
         error,
     };

@@ -1,16 +1,18 @@
-//! The light on patches, before it is gathered anywhere.
+//! The light on patches, before it is gathered.
 
-use crate::choice::Facts;
-use crate::engine::{Engine, Estimator, Ran};
 use crate::gather::Gathering;
-use crate::light::{PatchLight, reflectances};
-use crate::patch::Patches;
-use crate::refine::{Spent, refine};
-use crate::row::Columns;
+use crate::light::PatchLight;
+use crate::refine::{RefinementWork, refine};
 use crate::solve::{Estimate, FirstPass, Method, Report, SolveError};
-use crate::stand_in::StandIn;
 use crate::stochastic;
-use crate::system::{Found, System};
+use crate::system::{RadiositySolution, System};
+use azulejo_factors::EngineChoice;
+use azulejo_factors::Patches;
+use azulejo_factors::ProxyScene;
+use azulejo_factors::engine::Estimator;
+use azulejo_factors::reflectances;
+use azulejo_factors::row::Columns;
+use azulejo_factors::{Engine, EngineUsed};
 use azulejo_scene::{Rgb, Scene};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Gathered, Gatherer, Measure, Progress, Surfaces, Tracer};
@@ -20,13 +22,14 @@ use std::f64::consts::PI;
 pub struct PatchRadiosity {
     /// The patches.
     pub patches: Patches,
-    /// Radiosity of every [side](crate::row::side) of a patch, emission and reflected light, W/m².
+    /// Radiosity of every [side](azulejo_factors::row::side) of a patch, emission included, W/m².
     pub sides: Vec<Estimate>,
-    /// How it was found.
+    /// Statistics and error of the solution.
     pub report: Report,
 }
 
-/// Radiosity of the patches of a scene: what [`solve`](crate::solve()) gathers to the vertices.
+/// Radiosity of the patches of a scene: the light that [`solve`](crate::solve()) gathers to the
+/// vertices.
 ///
 /// # Errors
 /// As [`solve`](crate::solve()).
@@ -36,8 +39,8 @@ pub fn radiosity(
     pass: &FirstPass,
     progress: &Progress,
 ) -> Result<PatchRadiosity, SolveError> {
-    let stand_in = StandIn::new(scene, tracer, pass.size);
-    let solved = Solved::new(&stand_in, pass, progress, &mut |_, _| ())?;
+    let proxy = ProxyScene::new(scene, tracer, pass.size);
+    let solved = SolvedPatches::new(&proxy, pass, progress, &mut |_, _| ())?;
     let nothing = Gathering {
         gathered: Vec::new(),
         spent: Vec::new(),
@@ -51,28 +54,28 @@ pub fn radiosity(
     })
 }
 
-/// Patches and the light on them, before it is gathered anywhere.
-pub(crate) struct Solved<'a> {
+/// Patches with the light on them, before it is gathered.
+pub(crate) struct SolvedPatches<'a> {
     pub gatherer: Gatherer<'a>,
     pub patches: Patches,
     reflectance: Vec<Rgb>,
-    pub found: Found,
-    spent: Spent,
+    pub solution: RadiositySolution,
+    spent: RefinementWork,
     method: Method,
-    ran: Ran,
+    engine_used: EngineUsed,
 }
 
-/// Is shown a solution that is going to be refined.
-pub(crate) type Watch<'a> = &'a mut dyn FnMut(&Patches, &Found);
+/// Called with a solution that is about to be refined.
+pub(crate) type CoarseCallback<'a> = &'a mut dyn FnMut(&Patches, &RadiositySolution);
 
-impl<'a> Solved<'a> {
+impl<'a> SolvedPatches<'a> {
     pub fn new(
-        stand_in: &'a StandIn,
+        proxy: &'a ProxyScene,
         pass: &FirstPass,
         progress: &Progress,
-        watch: Watch,
-    ) -> Result<Solved<'a>, SolveError> {
-        let (scene, tracer) = (stand_in.scene.as_ref(), stand_in.tracer.as_ref());
+        watch: CoarseCallback,
+    ) -> Result<SolvedPatches<'a>, SolveError> {
+        let (scene, tracer) = (proxy.scene.as_ref(), proxy.tracer.as_ref());
         if !scene.has_light() {
             return Err(SolveError::NoLight);
         }
@@ -85,18 +88,18 @@ impl<'a> Solved<'a> {
         let (seed, rays) = (hash(&[pass.key(), 0]), pass.patch_rays());
         // Entries of eight bytes, hardly more of them than rays.
         let expected = patches.len() as u64 * u64::from(rays) * 8;
-        let parts = Parts {
+        let parts = SolverInputs {
             gatherer: &gatherer,
             patches: &patches,
             reflectance: &reflectance,
             rays,
             seed,
         };
-        let (found, spent, method, ran) = if expected <= pass.memory {
-            let (found, spent, ran) = parts.matrix(pass, progress, watch)?;
-            (found, spent, Method::Matrix, ran)
+        let (solution, spent, method, engine_used) = if expected <= pass.memory {
+            let (solution, spent, engine_used) = parts.matrix(pass, progress, watch)?;
+            (solution, spent, Method::Matrix, engine_used)
         } else {
-            let found = stochastic::solve(
+            let solution = stochastic::solve(
                 &gatherer,
                 &patches,
                 &reflectance,
@@ -106,21 +109,21 @@ impl<'a> Solved<'a> {
                 progress,
             )?;
             (
-                found,
-                Spent::default(),
+                solution,
+                RefinementWork::default(),
                 Method::Stochastic,
                 parts.shot(pass, expected),
             )
         };
-        progress.measured(Measure::PatchError(found.error(&patches)));
-        Ok(Solved {
+        progress.measured(Measure::PatchError(solution.error(&patches)));
+        Ok(SolvedPatches {
             gatherer,
             patches,
             reflectance,
-            found,
+            solution,
             spent,
             method,
-            ran,
+            engine_used,
         })
     }
 
@@ -128,7 +131,7 @@ impl<'a> Solved<'a> {
     fn radiosity(&self) -> Vec<Estimate> {
         let materials = &self.gatherer.surfaces().scene.materials;
         let estimate = |s: usize| {
-            let solutions = &self.found.solutions;
+            let solutions = &self.solution.solutions;
             let of = |r: usize| solutions[r % solutions.len()][s];
             let reflected = Gathered {
                 replicates: std::array::from_fn(of),
@@ -148,7 +151,7 @@ impl<'a> Solved<'a> {
             self.gatherer.surfaces(),
             &self.patches,
             &self.reflectance,
-            &self.found.solutions,
+            &self.solution.solutions,
         );
         if pass.bounces.is_some() {
             light.without_grain()
@@ -162,24 +165,24 @@ impl<'a> Solved<'a> {
         let square_metres = scene.units.metres().powi(2);
         Report {
             method: self.method,
-            ran: self.ran.clone(),
+            engine_used: self.engine_used.clone(),
             patches: self.patches.len(),
             points: gathering.gathered.len(),
-            patch_rays: self.found.rays,
+            patch_rays: self.solution.rays,
             refined_rows: self.spent.rows,
-            patch_error: self.found.error(&self.patches),
+            patch_error: self.solution.error(&self.patches),
             point_rays: gathering.rays_per_point(),
-            bytes: self.found.bytes,
-            iterations: self.found.convergence.iterations,
-            residual: self.found.convergence.residual,
-            balance: self.found.balance.scaled(square_metres),
+            bytes: self.solution.bytes,
+            iterations: self.solution.convergence.iterations,
+            residual: self.solution.convergence.residual,
+            balance: self.solution.balance.scaled(square_metres),
             error: gathering.relative_error(),
         }
     }
 }
 
-/// What a solution is made from.
-struct Parts<'a> {
+/// The inputs of a solution.
+struct SolverInputs<'a> {
     gatherer: &'a Gatherer<'a>,
     patches: &'a Patches,
     reflectance: &'a [Rgb],
@@ -187,17 +190,17 @@ struct Parts<'a> {
     seed: u32,
 }
 
-impl Parts<'_> {
-    /// What is said where there is no matrix; `expected` is what it would take.
-    fn shot(&self, pass: &FirstPass, expected: u64) -> Ran {
+impl SolverInputs<'_> {
+    /// The report where there is no matrix; `expected` is the size it would have.
+    fn shot(&self, pass: &FirstPass, expected: u64) -> EngineUsed {
         let gibibytes = |bytes: u64| bytes as f64 / f64::from(1 << 30);
         let why = format!(
             "rays are shot without a matrix, because its rows may take {:.1} of {:.1} GiB",
             gibibytes(expected),
             gibibytes(pass.memory)
         );
-        Ran {
-            engine: "rays".to_owned(),
+        EngineUsed {
+            name: "rays".to_owned(),
             device: self.gatherer.surfaces().tracer.kernel_name(),
             notes: vec![why],
         }
@@ -208,9 +211,9 @@ impl Parts<'_> {
         &self,
         pass: &FirstPass,
         progress: &Progress,
-        watch: Watch,
-    ) -> Result<(Found, Spent, Ran), SolveError> {
-        let &Parts {
+        watch: CoarseCallback,
+    ) -> Result<(RadiositySolution, RefinementWork, EngineUsed), SolveError> {
+        let &SolverInputs {
             gatherer,
             patches,
             reflectance,
@@ -220,7 +223,8 @@ impl Parts<'_> {
         let scene = gatherer.surfaces().scene;
         let (engine, why) = match &pass.engine {
             Engine::Auto => {
-                let chosen = Facts::of(scene, patches, pass.memory).for_light(pass.aim(), rays);
+                let chosen =
+                    EngineChoice::of(scene, patches, pass.memory).for_light(pass.aim(), rays);
                 (chosen.0, Some(chosen.1))
             }
             asked => (asked.clone(), None),
@@ -228,15 +232,15 @@ impl Parts<'_> {
         let columns = Columns::Diffuse;
         let estimator = Estimator::new(&engine, gatherer, patches, rays, seed, columns);
         let mut system = System::trace(gatherer, patches, reflectance, &estimator, seed, progress)?;
-        let ran = estimator.ran().because(why);
+        let engine_used = estimator.engine_used().because(why);
         let coarse = system.solve_all(pass.bounces, progress)?;
-        // Hemicubes have as many pixels as were asked for: rays beside them would be noise.
+        // Hemicubes have the requested number of pixels: rays beside them would only add noise.
         let is_drawn = matches!(estimator, Estimator::Hemicube(_));
         let Some(goal) = pass.goal().filter(|_| !is_drawn) else {
-            return Ok((coarse, Spent::default(), ran));
+            return Ok((coarse, RefinementWork::default(), engine_used));
         };
         if coarse.error(patches) <= goal.error || progress.out_of_time() {
-            return Ok((coarse, Spent::default(), ran));
+            return Ok((coarse, RefinementWork::default(), engine_used));
         }
         watch(patches, &coarse);
         let spent = refine(
@@ -250,6 +254,6 @@ impl Parts<'_> {
             progress,
         )?;
         let refined = system.solve_all(None, progress)?;
-        Ok((refined, spent, ran))
+        Ok((refined, spent, engine_used))
     }
 }

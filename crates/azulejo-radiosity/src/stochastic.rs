@@ -1,13 +1,13 @@
 //! Stochastic Jacobi: radiosity without a matrix, for scenes whose rows would not fit.
 //!
-//! Each iteration shoots the power that arrived in the one before, by rays in proportion to it;
-//! their number falls with the power, so that all iterations together cost little more than the
-//! first. Neumann, *Monte Carlo radiosity*, Computing 55, 1995; Bekaert, *Hierarchical and
-//! stochastic algorithms for radiosity*, 1999, section 6.
+//! Each iteration shoots the power that arrived in the one before, by a number of rays in
+//! proportion to it, so that all iterations together cost little more than the first. Neumann,
+//! *Monte Carlo radiosity*, Computing 55, 1995; Bekaert, *Hierarchical and stochastic algorithms
+//! for radiosity*, 1999, section 6.
 
-use crate::patch::Patches;
-use crate::row::{Side, side};
-use crate::system::{Balance, Convergence, Found};
+use crate::system::{Convergence, EnergyBalance, RadiositySolution};
+use azulejo_factors::Patches;
+use azulejo_factors::row::{Side, side};
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
@@ -16,37 +16,37 @@ use azulejo_trace::{Cancelled, GatherPoint, Gatherer, Glints, Progress, REPLICAT
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Iteration ends when less than this share of the first iteration's power is left to shoot.
+/// Iteration ends when less than this share of the first iteration's power is left.
 const REST: f64 = 1e-4;
 
-/// Iteration ends, unconverged, when this many times the first iteration's power was shot: where
-/// nothing is absorbed there would be no end.
+/// Iteration ends, unconverged, after this many times the first iteration's power: where nothing is
+/// absorbed it would not end.
 const MOST_SHOTS: f64 = 100.0;
 
-/// Rays traced between two merges of what they found: bounds the memory for it.
+/// Rays traced between two merges of their results: limits the memory.
 const BLOCK: usize = 1 << 18;
 
-/// Rays in one batch of a thread.
+/// Rays per batch of a thread.
 const BATCH: usize = 4096;
 
-/// Rays per replicate that look for the surroundings' light from each side of a patch.
+/// Rays per replicate and side that sample the surroundings.
 const AMBIENT_RAYS: u32 = 16;
 
-/// What is being shot, which decides what counts where it arrives.
+/// What is being shot, which determines what counts at the receiver.
 #[derive(Clone, Copy, PartialEq)]
-enum Shot {
-    /// Emission: counts only where formulas have not counted it.
+enum ShotKind {
+    /// Emission: counts only where formulas do not count it.
     Emission,
     /// Diffusely reflected light: counts everywhere.
     Reflected,
 }
 
-/// What one batch of rays found.
+/// The result of a batch of rays.
 #[derive(Default)]
-struct Arrivals {
+struct BatchResult {
     /// Power that reached diffuse sides, W.
     deposits: Vec<(Side, Rgb)>,
-    balance: Balance,
+    balance: EnergyBalance,
 }
 
 /// Solves for R with about `rays` rays per patch in all replicates together.
@@ -61,7 +61,7 @@ pub fn solve(
     bounces: Option<u32>,
     seed: u32,
     progress: &Progress,
-) -> Result<Found, Cancelled> {
+) -> Result<RadiositySolution, Cancelled> {
     let shooter = Shooter {
         gatherer,
         patches,
@@ -70,15 +70,15 @@ pub fn solve(
     };
     let direct = shooter.direct(progress)?;
     let budget = u64::from(rays) * patches.len() as u64 / REPLICATES as u64;
-    let mut found = Found::new(2 * patches.len());
+    let mut found = RadiositySolution::new(2 * patches.len());
     for r in 0..REPLICATES {
         let mut incident: Vec<Rgb> = direct.iter().map(|d| d.0[r]).collect();
         let mut solution = vec![Rgb::BLACK; incident.len()];
         let share = 1.0 / REPLICATES as f64;
-        for (s, (_, foreign)) in direct.iter().enumerate() {
+        for (s, (_, external)) in direct.iter().enumerate() {
             let (area, rho) = (patches.area(s / 2), reflectance[s / 2]);
-            found.balance.emitted += *foreign * (area * share);
-            found.balance.absorbed += *foreign * (Rgb::WHITE - rho) * (area * share);
+            found.balance.emitted += *external * (area * share);
+            found.balance.absorbed += *external * (Rgb::WHITE - rho) * (area * share);
         }
         let exitance: Vec<Rgb> = (0..incident.len())
             .map(|s| shooter.exitance(s as Side))
@@ -87,7 +87,7 @@ pub fn solve(
         let stray = shooter.shoot(
             &exitance,
             budget,
-            Shot::Emission,
+            ShotKind::Emission,
             r as u32,
             0,
             &mut found,
@@ -119,7 +119,7 @@ pub fn solve(
             let arrived = shooter.shoot(
                 &unshot,
                 count,
-                Shot::Reflected,
+                ShotKind::Reflected,
                 r as u32,
                 state.iterations,
                 &mut found,
@@ -162,7 +162,7 @@ impl Shooter<'_> {
             .sum()
     }
 
-    /// H₀ of every diffuse side, one estimate per replicate, and its foreign part.
+    /// H₀ of every diffuse side, one estimate per replicate, and the part that no patch emitted.
     fn direct(&self, progress: &Progress) -> Result<Vec<([Rgb; REPLICATES], Rgb)>, Cancelled> {
         let sides = 2 * self.patches.len();
         progress.begin("direct light", sides as u64);
@@ -202,8 +202,8 @@ impl Shooter<'_> {
         }
     }
 
-    /// Irradiance from the surroundings and by way of glossy surfaces from lights without area,
-    /// per replicate: what no patch shoots. Black without any.
+    /// Irradiance per replicate that no patch shoots: from the surroundings, and by way of glossy
+    /// surfaces from lights without area.
     fn ambient(&self, s: Side, scratch: &mut Scratch) -> [Rgb; REPLICATES] {
         let mut sums = [Rgb::BLACK; REPLICATES];
         let radiance = self.gatherer.ambient();
@@ -263,10 +263,10 @@ impl Shooter<'_> {
         &self,
         radiosity: &[Rgb],
         count: u64,
-        shot: Shot,
+        shot: ShotKind,
         replicate: u32,
         iteration: u32,
-        found: &mut Found,
+        found: &mut RadiositySolution,
         progress: &Progress,
     ) -> Result<Vec<Rgb>, Cancelled> {
         let mut power = vec![Rgb::BLACK; radiosity.len()];
@@ -279,7 +279,7 @@ impl Shooter<'_> {
         let work = self.share_out(radiosity, count, uniform(&[key]).into());
         for block in split(&work, BLOCK) {
             let batches: Vec<&[(Side, u32, Rgb)]> = split(block, BATCH).collect();
-            let arrivals: Vec<Arrivals> = batches
+            let arrivals: Vec<BatchResult> = batches
                 .par_iter()
                 .map_init(Scratch::default, |scratch, batch| {
                     progress.advance(batch.iter().map(|w| u64::from(w.1)).sum())?;
@@ -299,8 +299,8 @@ impl Shooter<'_> {
             .collect())
     }
 
-    /// Sides with their number of rays and the power each of these carries: evenly spaced over
-    /// the sides' power, so that every side gets its share to within one ray.
+    /// Sides with their number of rays and the power of each ray: stratified over the sides' power,
+    /// so that every side gets its share to within one ray.
     fn share_out(&self, radiosity: &[Rgb], count: u64, offset: f64) -> Vec<(Side, u32, Rgb)> {
         let power = |s: usize| radiosity[s] * self.patches.area(s / 2);
         let total: f64 = (0..radiosity.len()).map(|s| power(s).max_channel()).sum();
@@ -325,16 +325,16 @@ impl Shooter<'_> {
     fn shoot_batch(
         &self,
         batch: &[(Side, u32, Rgb)],
-        shot: Shot,
+        shot: ShotKind,
         key: u32,
         scratch: &mut Scratch,
-    ) -> Arrivals {
+    ) -> BatchResult {
         let surfaces = self.gatherer.surfaces();
         let one = |&(s, rays, weight): &(Side, u32, Rgb)| {
             (0..rays).map(move |k| self.path(s, k, key, s, weight))
         };
         let mut paths: Vec<Path> = batch.iter().flat_map(one).collect();
-        let mut a = Arrivals::default();
+        let mut a = BatchResult::default();
         let first = batch.first().map_or(0, |w| w.0);
         follow(
             surfaces,
@@ -353,14 +353,14 @@ impl Shooter<'_> {
                             a.balance.absorbed +=
                                 weight * (Rgb::WHITE - material.mirror - material.diffuse);
                         }
-                        let counted = shot == Shot::Emission
+                        let counted = shot == ShotKind::Emission
                             && self.gatherer.counts_direct(
                                 self.patches.polygon((path.id / 2) as usize).is_some(),
                                 path.via,
                             );
                         if !material.diffuse.is_black() {
                             let patch = self.patches.locate_hit(surfaces, &hit);
-                            // What colours and textures keep.
+                            // What vertex colours and textures absorb.
                             let kept = material.diffuse - self.reflectance[patch as usize];
                             a.balance.absorbed += weight * kept;
                             if !counted {
@@ -379,7 +379,7 @@ fn facing(s: Side) -> f64 {
     if s.is_multiple_of(2) { 1.0 } else { -1.0 }
 }
 
-/// Divides work into runs of about `rays` rays, whole sides each.
+/// Splits work into runs of about `rays` rays, whole sides each.
 fn split(work: &[(Side, u32, Rgb)], rays: usize) -> impl Iterator<Item = &[(Side, u32, Rgb)]> {
     let mut rest = work;
     std::iter::from_fn(move || {

@@ -1,27 +1,27 @@
-//! The radiosity system B = M + ρ (H₀ + X R): its rows, and its solution.
+//! The radiosity system B = M + ρ (H₀ + X R): its rows and its solution.
 //!
-//! Emission M enters by way of H₀, the irradiance that arrives without diffuse reflection, which
-//! is exact where formulas give it. What is solved for is R = B − M, the light that leaves by
-//! diffuse reflection. Four replicates of every row make four independent systems; the spread of
-//! their solutions carries the noise of the rows through to the answer.
+//! Emission M enters through H₀, the irradiance that arrives without diffuse reflection, which is
+//! exact where formulas compute it. The unknown is R = B − M, the light that leaves by diffuse
+//! reflection. Four replicates of every row make four independent systems; the spread of their
+//! solutions carries the noise of the rows through to the result.
 
 use crate::direct::direct;
-use crate::engine::Estimator;
-use crate::matrix::Matrix;
-use crate::patch::Patches;
-use crate::row::{Entry, Row, Side, side};
+use azulejo_factors::Patches;
+use azulejo_factors::engine::Estimator;
+use azulejo_factors::row::{Entry, Row, Side, side};
+use azulejo_factors::sparse::SparseMatrix;
 use azulejo_scene::{Material, Rgb};
 use azulejo_trace::{Cancelled, DirectLight, Gathered, Gatherer, Measure, Progress, REPLICATES};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Rows computed between two looks at the progress bar.
+/// Rows computed between two checks of the progress.
 const BLOCK: usize = 64;
 
 /// One unknown: a side of a patch that reflects diffusely and that light can reach.
 #[derive(Clone, Debug)]
 pub struct Unknown {
-    /// Which side.
+    /// The side.
     pub side: Side,
     /// Area of the patch.
     pub area: f64,
@@ -29,34 +29,36 @@ pub struct Unknown {
     pub reflectance: Rgb,
     /// Emitted exitance M of this side, W/m².
     pub exitance: Rgb,
-    /// The part of H₀ that formulas count, per replicate, W/m².
+    /// The part of H₀ that formulas compute, per replicate, W/m².
     pub direct: [Rgb; REPLICATES],
-    /// The part of H₀ that rays met, per replicate; after [refinement](crate::refine), what they
-    /// met beyond what the rows say.
+    /// The part of H₀ that rays found, per replicate; after [refinement](crate::refine), the
+    /// difference to what the rows give.
     pub stray: [Rgb; REPLICATES],
     /// The part of H₀ that no patch emitted: lights without area and the surroundings.
-    pub foreign: Rgb,
-    /// Shares of what leaves this side: absorbed, escaped, cut off; zero without a row.
-    pub fates: [Rgb; 3],
+    pub external: Rgb,
+    /// Shares of what leaves this side that are absorbed, escape, or are cut off; zero without a
+    /// row.
+    pub outcomes: [Rgb; 3],
 }
 
-/// The rows of all unknowns, or as many as there was time for.
+/// The rows of all unknowns, or as many as time allowed.
 ///
-/// Rows are traced in the order of the power that their patches reflect, the brightest first
-/// (Cohen et al., *A progressive refinement approach*, SIGGRAPH 1988), so that a system cut short
-/// by a deadline holds what matters most: what it has no rows for is lit by those that it has.
+/// Rows are traced in the order of the power that their patches reflect, the brightest first (Cohen
+/// et al., *A progressive refinement approach*, SIGGRAPH 1988), so that a system cut short by a
+/// deadline contains the most important rows; unknowns without rows are lit by those that have
+/// them.
 pub struct System {
-    /// The unknowns; the first ones have the matrices' rows, in their order.
+    /// The unknowns; the first ones have the matrices' rows, in the same order.
     pub unknowns: Vec<Unknown>,
     /// One matrix per replicate; columns are sides.
-    pub matrices: Vec<Matrix>,
+    pub matrices: Vec<SparseMatrix>,
     /// Number of sides: twice the patches.
     pub sides: usize,
     /// Rays traced from patches.
     pub rays: u64,
 }
 
-/// How far a solution is from solving its system.
+/// Convergence of a solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Convergence {
     /// Bounces of light followed.
@@ -66,7 +68,7 @@ pub struct Convergence {
 }
 
 impl Convergence {
-    /// How far one replicate has come, for whoever watches.
+    /// The progress of one replicate.
     pub(crate) fn measure(&self, replicate: usize) -> Measure {
         Measure::Residual {
             replicate: replicate as u32,
@@ -77,9 +79,9 @@ impl Convergence {
 }
 
 impl System {
-    /// Traces the rows of every side that light can reach: all fronts, then those backs that
-    /// rays from reached sides meet, and so on, until the progress is out of time. Where no
-    /// light begins in front of anything, as in a room that is inside out, backs come first too.
+    /// Traces the rows of every side that light can reach: all fronts, then the backs that rays
+    /// from reached sides hit, and so on, until the progress is out of time. If no light starts in
+    /// front of any surface, as in a room that is inside out, backs come first too.
     ///
     /// # Errors
     /// [`Cancelled`].
@@ -99,7 +101,7 @@ impl System {
         let channels = if materials.iter().all(is_grey) { 1 } else { 3 };
         let mut system = System {
             unknowns: Vec::new(),
-            matrices: vec![Matrix::new(channels); REPLICATES],
+            matrices: vec![SparseMatrix::new(channels); REPLICATES],
             sides: 2 * patches.len(),
             rays: 0,
         };
@@ -183,7 +185,7 @@ impl System {
 
     /// Bytes of all rows.
     pub fn bytes(&self) -> usize {
-        self.matrices.iter().map(Matrix::bytes).sum::<usize>()
+        self.matrices.iter().map(SparseMatrix::bytes).sum::<usize>()
             + self.unknowns.len() * size_of::<Unknown>()
     }
 
@@ -235,7 +237,7 @@ impl System {
 
     /// Irradiance of every unknown by diffusely reflected light.
     ///
-    /// Unknowns with a row gather; the others get `shares` of what those shoot, by reciprocity
+    /// Unknowns with a row gather; the others receive `shares` of what those shoot, by reciprocity
     /// A_i X_ij = A_j X_ji.
     fn arriving(&self, replicate: usize, reflected: &[Rgb], shares: &[f64]) -> Vec<Rgb> {
         let matrix = &self.matrices[replicate];
@@ -262,10 +264,10 @@ impl System {
         power
     }
 
-    /// For every unknown without a row, the share of the light by reciprocity that it may have.
+    /// For every unknown without a row, the factor for its light by reciprocity.
     ///
-    /// The row of a small patch that a few rays of large ones have met by chance sums to more than
-    /// 1 by reciprocity, which would make light of nothing at every bounce: it is scaled to 1.
+    /// By reciprocity, the row of a small patch that a few rays of large ones hit by chance may sum
+    /// to more than 1, which would create light at every bounce: it is scaled to 1.
     fn reciprocal_shares(&self, replicate: usize) -> Vec<f64> {
         let rows = self.matrices[replicate].rows();
         if rows == self.unknowns.len() {
@@ -276,17 +278,18 @@ impl System {
         self.unknowns[rows..].iter().map(share).collect()
     }
 
-    /// Where the emitted power goes, W, with the reflected light `reflected` (mean of the
-    /// replicates, per side).
-    pub fn balance(&self, reflected: &[Rgb]) -> Balance {
-        let mut b = Balance::default();
+    /// Energy balance, W, for the reflected light `reflected` (mean of the replicates, per side).
+    pub fn balance(&self, reflected: &[Rgb]) -> EnergyBalance {
+        let mut b = EnergyBalance::default();
         for u in &self.unknowns {
             let leaving = (u.exitance + reflected[u.side as usize]) * u.area;
-            b.emitted += u.exitance * u.area + u.foreign * u.area;
-            // Light of no patch is met by its first surface here; the rest is met by rows.
-            b.absorbed += leaving * u.fates[0] + u.foreign * (Rgb::WHITE - u.reflectance) * u.area;
-            b.escaped += leaving * u.fates[1];
-            b.cut += leaving * u.fates[2];
+            b.emitted += u.exitance * u.area + u.external * u.area;
+            // Light of no patch is absorbed by its first surface here; the rest is absorbed by
+            // rows.
+            b.absorbed +=
+                leaving * u.outcomes[0] + u.external * (Rgb::WHITE - u.reflectance) * u.area;
+            b.escaped += leaving * u.outcomes[1];
+            b.cut += leaving * u.outcomes[2];
         }
         b
     }
@@ -308,12 +311,12 @@ impl Unknown {
             exitance,
             direct: light.lamps.replicates.map(|e| e + light.lights),
             stray: [Rgb::BLACK; REPLICATES],
-            foreign: light.lights,
-            fates: [Rgb::BLACK; 3],
+            external: light.lights,
+            outcomes: [Rgb::BLACK; 3],
         }
     }
 
-    /// H₀ as one replicate has it.
+    /// H₀ of one replicate.
     fn unbounced(&self, replicate: usize) -> Rgb {
         self.direct[replicate] + self.stray[replicate]
     }
@@ -323,14 +326,15 @@ impl Unknown {
         (self.direct.iter().copied().sum::<Rgb>() * self.reflectance).mean() * self.area
     }
 
-    /// Adds what the rays found; `lost` is what patterns on a patch absorb beyond its material.
+    /// Adds a row; `lost` is what vertex colours and textures of a patch absorb beyond its
+    /// material.
     fn add_row(&mut self, row: &Row, lost: impl Fn(usize) -> Rgb) {
         self.stray = row.stray;
-        self.foreign += row.foreign;
+        self.external += row.external;
         let share = 1.0 / REPLICATES as f64;
         let pattern = |e: &Entry| lost((e.side / 2) as usize) * e.weight * share;
         let patterns: Rgb = row.entries.iter().flatten().map(pattern).sum();
-        self.fates = [row.absorbed + patterns, row.all_escaped(), row.cut];
+        self.outcomes = [row.absorbed + patterns, row.all_escaped(), row.cut];
     }
 }
 
@@ -339,9 +343,13 @@ impl System {
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn solve_all(&self, bounces: Option<u32>, progress: &Progress) -> Result<Found, Cancelled> {
+    pub fn solve_all(
+        &self,
+        bounces: Option<u32>,
+        progress: &Progress,
+    ) -> Result<RadiositySolution, Cancelled> {
         progress.begin("bounces", REPLICATES as u64);
-        let mut found = Found::new(self.sides);
+        let mut found = RadiositySolution::new(self.sides);
         for r in 0..REPLICATES {
             let (solution, state) = self.solve(r, bounces, TOLERANCE, progress)?;
             let mut incident = vec![Rgb::BLACK; self.sides];
@@ -362,33 +370,33 @@ impl System {
     }
 }
 
-/// The light on the sides of patches, however it was found.
-pub struct Found {
+/// The light on the sides of patches, by either method.
+pub struct RadiositySolution {
     /// R per side, one solution per replicate, W/m².
     pub solutions: Vec<Vec<Rgb>>,
     /// Irradiance per side, mean of the replicates, W/m²; black on sides without a row.
     pub incident: Vec<Rgb>,
     /// The worst of the replicates.
     pub convergence: Convergence,
-    /// Where the power went.
-    pub balance: Balance,
-    /// Rays that started at patches.
+    /// Energy balance.
+    pub balance: EnergyBalance,
+    /// Rays traced from patches.
     pub rays: u64,
     /// Bytes of stored rows.
     pub bytes: usize,
 }
 
-impl Found {
-    /// Nothing found yet on so many sides.
-    pub fn new(sides: usize) -> Found {
-        Found {
+impl RadiositySolution {
+    /// An empty solution over so many sides.
+    pub fn new(sides: usize) -> RadiositySolution {
+        RadiositySolution {
             solutions: Vec::with_capacity(REPLICATES),
             incident: vec![Rgb::BLACK; sides],
             convergence: Convergence {
                 iterations: 0,
                 residual: 0.0,
             },
-            balance: Balance::default(),
+            balance: EnergyBalance::default(),
             rays: 0,
             bytes: 0,
         }
@@ -407,7 +415,7 @@ impl Found {
     }
 
     /// Estimated error of the reflected radiosity R: root mean square over the sides, weighted by
-    /// their areas, relative to that of R itself; of all channels together.
+    /// area and relative to that of R itself, over all channels.
     pub fn error(&self, patches: &Patches) -> f64 {
         let (mut errors, mut squares) = (0.0, 0.0);
         for s in 0..self.incident.len() {
@@ -430,50 +438,50 @@ impl Found {
     }
 }
 
-/// Relative residual at which the iteration of bounces ends: the error that it leaves is several times
-/// as large where little is absorbed.
+/// Relative residual at which iteration ends: the error that it leaves is several times as large
+/// where little is absorbed.
 const TOLERANCE: f64 = 1e-6;
 
 /// Even facing perfect mirrors end here.
 const MOST_ITERATIONS: u32 = 2_000;
 
-/// Where the emitted power went, per channel: W, where areas are in m².
+/// The energy balance: where the emitted power went, per channel; W, where areas are in m².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Balance {
-    /// By surfaces, and by lights without area as far as it reaches a surface.
+pub struct EnergyBalance {
+    /// Emitted by surfaces, and by lights without area as far as it reaches a surface.
     pub emitted: Rgb,
-    /// By surfaces.
+    /// Absorbed by surfaces.
     pub absorbed: Rgb,
-    /// Out of an open scene.
+    /// Lost out of an open scene.
     pub escaped: Rgb,
     /// Cut off by the limits on mirror chains.
     pub cut: Rgb,
 }
 
-impl Balance {
+impl EnergyBalance {
     /// All powers times `factor`.
-    pub fn scaled(&self, factor: f64) -> Balance {
-        let mut scaled = Balance::default();
+    pub fn scaled(&self, factor: f64) -> EnergyBalance {
+        let mut scaled = EnergyBalance::default();
         scaled.add(self, factor);
         scaled
     }
 
     /// Adds `share` of another balance.
-    pub fn add(&mut self, other: &Balance, share: f64) {
+    pub fn add(&mut self, other: &EnergyBalance, share: f64) {
         self.emitted += other.emitted * share;
         self.absorbed += other.absorbed * share;
         self.escaped += other.escaped * share;
         self.cut += other.cut * share;
     }
 
-    /// Whether more is missing than noise explains: then the light wants more rays, or more time.
+    /// Whether more is missing than noise explains: more rays or more time are needed then.
     pub fn is_off(&self) -> bool {
         const LOST: f64 = 0.05;
         self.error() > LOST
     }
 
-    /// |emitted − absorbed − escaped − cut| over emitted, all channels together; zero in the
-    /// dark. It shows the noise of the rows: with exact ones it would be the solver's residual.
+    /// |emitted − absorbed − escaped − cut| over emitted, all channels together; zero in the dark.
+    /// It reflects the noise of the rows: with exact ones it would be the solver's residual.
     pub fn error(&self) -> f64 {
         let rest = (self.emitted - self.absorbed - self.escaped - self.cut).mean();
         let emitted = self.emitted.mean();
@@ -485,7 +493,7 @@ impl Balance {
     }
 }
 
-/// Whether light keeps its colour on specular ways over this material.
+/// Whether this material keeps the colour of light on specular paths.
 fn is_grey(m: &Material) -> bool {
     let is_glossy_grey = m.glossy().is_none_or(|lobes| lobes.mean_albedo().is_grey());
     m.mirror.is_grey() && is_glossy_grey && m.dielectric.is_none_or(|d| d.transmittance.is_grey())
@@ -503,8 +511,8 @@ mod tests {
             exitance: Rgb::BLACK,
             direct: [Rgb::WHITE; REPLICATES],
             stray: [Rgb::BLACK; REPLICATES],
-            foreign: Rgb::BLACK,
-            fates: [Rgb::BLACK; 3],
+            external: Rgb::BLACK,
+            outcomes: [Rgb::BLACK; 3],
         }
     }
 
@@ -512,7 +520,7 @@ mod tests {
     /// time: by reciprocity alone the two would send each other ever more light.
     #[test]
     fn reciprocity_makes_no_light() {
-        let mut matrix = Matrix::new(1);
+        let mut matrix = SparseMatrix::new(1);
         matrix.push_row(&[Entry {
             side: 2,
             order: 0,

@@ -1,14 +1,14 @@
-//! Where irradiance is gathered for the vertices of a scene, and how it comes back to them.
+//! The gather points of a scene's vertices, and the irradiance on them.
 //!
-//! A face may be lit from either side. Irradiance is written for the front, so a face that does
-//! not emit and is lit more on its back is turned round: models whose faces look outwards come
-//! out lit all the same. Meshes that are kept as given are not turned, but get the light of the
-//! side that is lit more. Exact shapes have an outside, which is always the front; the polygons
-//! that stand for them are never turned.
+//! A face may be lit from either side. Irradiance is stored for the front, so a face that does not
+//! emit and receives more light on its back is reversed: models whose faces point outwards are lit
+//! all the same. Meshes that are kept as given are not reversed, but get the light of the brighter
+//! side. Exact shapes have an outside, which is always the front; their proxy polygons are never
+//! reversed.
 
 use crate::gather::Gathering;
-use crate::patch::{Patches, RefinedShape};
-use crate::row::side;
+use azulejo_factors::row::side;
+use azulejo_factors::{Patches, RefinedShape};
 use azulejo_scene::{Irradiance, Mesh, ObjectIrradiance, Rgb, Scene, Shape, SurfaceLight};
 use azulejo_trace::{GatherPoint, Gathered};
 
@@ -16,13 +16,13 @@ use azulejo_trace::{GatherPoint, Gathered};
 pub struct Targets {
     /// One per display vertex.
     pub points: Vec<GatherPoint>,
-    /// Whether the point stands on the back of its faces.
+    /// Whether the point is on the back of its faces.
     is_turned: Vec<bool>,
-    /// For each object whether it gets light on the vertices that it has.
+    /// For each object whether it gets light on its given vertices.
     is_kept: Vec<bool>,
 }
 
-/// Chooses the lit side of every display vertex of the scene as given, exact shapes included;
+/// Chooses the brighter side of every display vertex of the scene as given, exact shapes included;
 /// `incident` is irradiance per side of the patches.
 pub fn targets(scene: &Scene, patches: &Patches, incident: &[Rgb], keep_mesh: bool) -> Targets {
     let is_mesh = |o: &azulejo_scene::Object| matches!(o.shape, Shape::Mesh(_));
@@ -64,26 +64,26 @@ pub fn targets(scene: &Scene, patches: &Patches, incident: &[Rgb], keep_mesh: bo
     targets
 }
 
-/// Irradiance of all display vertices, and its standard error or nothing.
-struct Values<'a> {
+/// Irradiance of all display vertices; standard errors, or none.
+struct VertexValues<'a> {
     irradiance: &'a [Rgb],
     error: &'a [Rgb],
 }
 
 impl Targets {
-    /// What was gathered at the points, on the objects of the scene that was divided.
+    /// The irradiance gathered at the points, on the objects of the divided scene.
     pub fn irradiance(&self, scene: &Scene, patches: &Patches, found: &Gathering) -> Irradiance {
         let means = found.gathered.iter().map(Gathered::mean);
         let values: Vec<Rgb> = means.map(positive).collect();
-        let light = Values {
+        let light = VertexValues {
             irradiance: &values,
             error: &found.standard_errors(),
         };
         self.of_objects(scene, patches, &light)
     }
 
-    /// The same from the irradiance of the sides of patches, as the mean of those that meet at a
-    /// vertex by their areas: coarse, without highlights or contact shadows, and without errors.
+    /// The irradiance interpolated from the sides of patches, weighted by area at each vertex:
+    /// coarse, without highlights or contact shadows, and without errors.
     pub fn interpolated(&self, scene: &Scene, patches: &Patches, incident: &[Rgb]) -> Irradiance {
         let at = |(vertex, &is_turned): (usize, &bool)| {
             let around = patches.patches_at(vertex).iter();
@@ -100,14 +100,14 @@ impl Targets {
             }
         };
         let values: Vec<Rgb> = self.is_turned.iter().enumerate().map(at).collect();
-        let light = Values {
+        let light = VertexValues {
             irradiance: &values,
             error: &[],
         };
         self.of_objects(scene, patches, &light)
     }
 
-    fn of_objects(&self, scene: &Scene, patches: &Patches, light: &Values) -> Irradiance {
+    fn of_objects(&self, scene: &Scene, patches: &Patches, light: &VertexValues) -> Irradiance {
         let of_object = |(object, o): (usize, &azulejo_scene::Object)| match &o.shape {
             Shape::Mesh(mesh) if self.is_kept[object] => given(patches, object as u32, mesh, light),
             _ => self.refined(scene, patches, object as u32, light),
@@ -122,7 +122,7 @@ impl Targets {
         scene: &Scene,
         patches: &Patches,
         object: u32,
-        light: &Values,
+        light: &VertexValues,
     ) -> ObjectIrradiance {
         let range = patches.vertices_of(object);
         let values = light.irradiance[range.clone()].to_vec();
@@ -143,9 +143,9 @@ impl Targets {
     }
 }
 
-/// Irradiance on the vertices that the mesh came with: where a crease gives a vertex several
-/// display vertices, their mean by corner angle.
-fn given(patches: &Patches, object: u32, mesh: &Mesh, light: &Values) -> ObjectIrradiance {
+/// Irradiance on the given vertices: where a crease gives a vertex several display vertices, their
+/// mean by corner angle.
+fn given(patches: &Patches, object: u32, mesh: &Mesh, light: &VertexValues) -> ObjectIrradiance {
     let (mut irradiance, mut error) = (Vec::new(), Vec::new());
     for vertex in 0..mesh.positions.len() as u32 {
         let shown = patches.given_vertices(object, vertex);
@@ -165,12 +165,12 @@ fn given(patches: &Patches, object: u32, mesh: &Mesh, light: &Values) -> ObjectI
     ObjectIrradiance::Vertices { irradiance, error }
 }
 
-/// The estimate of a share of visibility may fall a hair below nothing.
+/// The estimate of a visible fraction may fall slightly below zero.
 fn positive(e: Rgb) -> Rgb {
     e.map(|x| x.max(0.0))
 }
 
-/// Reverses the faces whose vertices are lit on the back, and their normals.
+/// Reverses the faces whose vertices are lit on the back, with their normals.
 fn turn_faces(mesh: &mut Mesh, is_turned: &[bool]) {
     let turned = |corners: &[u32]| {
         2 * corners.iter().filter(|&&v| is_turned[v as usize]).count() > corners.len()

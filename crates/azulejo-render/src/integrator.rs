@@ -2,25 +2,21 @@
 //! by way of glossy lobes.
 
 use crate::SecondPass;
-use crate::boundary::Boundary;
 use crate::draws::Draws;
-use crate::scenery::{Arrived, Scenery, Shadows};
+use crate::scenery::{Scenery, Shadows};
 use crate::shading::{Colors, Parts, Shading, mirrored};
-use azulejo_scene::math::{Ray, reflect};
+use azulejo_scene::math::Ray;
 use azulejo_scene::{Material, Rgb, Scene};
+use azulejo_trace::interaction::{
+    Branching, Continuation, Roulette, SPLIT_DEPTH, SurfaceInteraction,
+};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Arrival, DiffuseLight, GatherOptions, GatherPoint, Glow};
 use azulejo_trace::{KernelHit, KernelRay, Surfaces, Tracer};
-use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
-/// Dielectrics split a path at its first interfaces, which makes the picture nearly free of
-/// noise there; at later ones it takes one way, or the number of paths would double each time.
-const SPLIT_DEPTH: u32 = 2;
-
-/// Below this weight a path lives on by chance, and what survives weighs this much: the mean
-/// stays right, and a hall of mirrors ends.
-const ROULETTE_BELOW: f64 = 0.01;
+/// Ends paths that carry little of what the camera sees: a hall of mirrors ends.
+const ROULETTE: Roulette = Roulette::below(Roulette::SHARE);
 
 /// Gather rays per hit on the back of a surface, of whose light the first pass says nothing.
 const BACK_RAYS: u32 = 32;
@@ -270,80 +266,59 @@ impl<'a> Path<'_, 'a> {
         Rgb::BLACK
     }
 
-    /// Sends the path on into mirrored, refracted and drawn directions; returns the radiance that
-    /// glossy lobes show of lamps and lights.
+    /// Continues the path in mirrored, refracted and sampled directions; returns the radiance of
+    /// lamps and lights that glossy lobes reflect.
     fn scatter(&mut self, leg: &Leg, hit: &KernelHit, material: &'a Material) -> Rgb {
-        let arrived = self.integrator.scenery.arrived(&leg.ray, hit);
+        let at = self.integrator.scenery.interaction(&leg.ray, hit);
         let Some(glass) = material.dielectric else {
-            return self.reflect(leg, hit, &arrived, material);
+            return self.reflect(leg, hit, &at, material);
         };
-        let Arrived {
-            at,
-            direction,
-            smooth,
-            ..
-        } = &arrived;
-        let boundary = Boundary::new(&glass, material.mirror, *direction, *smooth, at.entering);
-        if leg.depth < SPLIT_DEPTH {
-            self.send(leg, &arrived, Way::sharp(boundary.mirrored()));
-            if let Some(passed) = boundary.passed() {
-                self.send(leg, &arrived, Way::sharp(passed));
-            }
-        } else {
-            let chosen = boundary.chosen(self.chance());
-            self.send(leg, &arrived, Way::sharp(chosen));
+        let interface = at.dielectric(&glass, material.mirror);
+        let next = interface.continuations(leg.depth, SPLIT_DEPTH, || self.chance());
+        for next in next.into_iter().flatten() {
+            self.send(leg, &at, next);
         }
         Rgb::BLACK
     }
 
-    /// Sends the path on into the mirrored direction and one that is drawn from the lobes, at
-    /// first interfaces into both, later into one by chance; returns what the lobes show of lamps
-    /// and lights. Rays to lamps and rays from the lobes count a lamp once.
+    /// Continues the path in the mirrored direction and in one sampled from the lobes, at first
+    /// interfaces in both, later in one by chance; returns the radiance of lamps and lights that
+    /// the lobes reflect. Rays to lamps and rays from the lobes count a lamp once.
     fn reflect(
         &mut self,
         leg: &Leg,
         hit: &KernelHit,
-        arrived: &Arrived,
+        at: &SurfaceInteraction,
         material: &'a Material,
     ) -> Rgb {
-        let parts = match leg.is_sharp {
-            true => Parts::MattAndLobes,
-            false => Parts::Lobes,
+        let parts = if leg.is_sharp {
+            Parts::MattAndLobes
+        } else {
+            Parts::Lobes
         };
         let scenery = &self.integrator.scenery;
-        let shading = scenery.shading(hit, arrived, material, parts);
-        let Arrived {
-            direction, smooth, ..
-        } = *arrived;
-        let share = mirrored(material, -direction.dot(smooth));
-        let mirror = Way::sharp((reflect(direction, smooth), share));
+        let shading = scenery.shading(hit, at, material, parts);
+        let share = mirrored(material, -at.direction.dot(at.shading_normal));
+        let mirror = at.mirrored(share);
         if shading.is_black() {
             if !share.is_black() {
-                self.send(leg, arrived, mirror);
+                self.send(leg, at, mirror);
             }
             return Rgb::BLACK;
         }
-        let divides = leg.depth < SPLIT_DEPTH || share.is_black();
-        let odds = match divides {
-            true => 0.0,
-            false => share.mean() / (share.mean() + shading.likely()),
-        };
-        if divides && !share.is_black() {
-            self.send(leg, arrived, mirror);
-        } else if !divides && self.chance() < odds {
-            self.send(leg, arrived, mirror.over(odds));
-            return self.lit(&shading, 1.0 - odds);
+        let splits = leg.depth < SPLIT_DEPTH;
+        let branching = Branching::new(splits, share.mean(), || shading.likely());
+        let (of_mirror, of_lobes) = branching.choose(|| self.chance());
+        if let Some(probability) = of_mirror {
+            self.send(leg, at, mirror.over(probability));
         }
-        let u = [(); 4].map(|()| self.chance());
-        if let Some(sample) = shading.sample(u) {
-            let way = Way {
-                direction: sample.wi,
-                share: sample.weight / (1.0 - odds),
-                density: sample.pdf * (1.0 - odds),
-            };
-            self.send(leg, arrived, way);
+        if let Some(probability) = of_lobes {
+            let u = [(); 4].map(|()| self.chance());
+            if let Some(sample) = shading.sample(u) {
+                self.send(leg, at, sample.chosen(probability));
+            }
         }
-        self.lit(&shading, 1.0 - odds)
+        self.lit(&shading, branching.lobe_probability())
     }
 
     /// What lobes show of lamps and lights; `by_chance` as for [`Scenery::lit`].
@@ -353,54 +328,26 @@ impl<'a> Path<'_, 'a> {
         scenery.lit(shading, u, by_chance, &mut self.scratch.shadows)
     }
 
-    /// Makes the leg pending that goes on that way, unless roulette or the safety cap ends it.
-    fn send(&mut self, leg: &Leg, arrived: &Arrived, way: Way) {
+    /// Makes the leg in that direction pending, unless roulette or the safety cap ends it.
+    fn send(&mut self, leg: &Leg, at: &SurfaceInteraction, next: Continuation) {
         if leg.depth >= self.integrator.max_depth {
             return;
         }
-        let tracer = self.integrator.tracer();
-        let side = arrived.facing * 1f64.copysign(way.direction.dot(arrived.facing));
-        let origin = tracer.leaving(arrived.at.position, side);
-        let next = Leg {
-            ray: tracer.kernel_ray(&Ray::new(origin, way.direction)),
-            weight: leg.weight * way.share,
+        let weight = leg.weight * next.weight;
+        let survival = ROULETTE.survival(weight.max_channel(), || self.chance());
+        let Some(survival) = survival else { return };
+        self.scratch.pending.push(Leg {
+            ray: at.spawn_ray(self.integrator.tracer(), next.direction),
+            weight: weight / survival,
             depth: leg.depth + 1,
-            is_sharp: leg.is_sharp && way.density == 0.0,
-            density: way.density,
-        };
-        let survivor = next.survivor(|| self.chance());
-        self.scratch.pending.extend(survivor);
+            is_sharp: leg.is_sharp && next.density == 0.0,
+            density: next.density,
+        });
     }
 
     /// A random number in 0..1.
     fn chance(&mut self) -> f64 {
         self.draws.next(self.integrator.seed)
-    }
-}
-
-/// A direction in which a path goes on.
-struct Way {
-    direction: DVec3,
-    share: Rgb,
-    /// Density of the direction, 1/sr, if it was drawn; 0 if it is mirrored or refracted.
-    density: f64,
-}
-
-impl Way {
-    /// The same, taken with that probability.
-    fn over(self, odds: f64) -> Way {
-        Way {
-            share: self.share / odds,
-            ..self
-        }
-    }
-
-    fn sharp((direction, share): (DVec3, Rgb)) -> Way {
-        Way {
-            direction,
-            share,
-            density: 0.0,
-        }
     }
 }
 
@@ -440,18 +387,5 @@ impl Leg {
             is_sharp: true,
             density: 0.0,
         }
-    }
-
-    /// Russian roulette: the leg itself while it carries enough, by chance a heavier one when it
-    /// carries little, nothing when it carries nothing.
-    fn survivor(self, chance: impl FnOnce() -> f64) -> Option<Leg> {
-        let odds = self.weight.max_channel() / ROULETTE_BELOW;
-        if odds >= 1.0 {
-            return Some(self);
-        }
-        (odds > 0.0 && chance() < odds).then(|| Leg {
-            weight: self.weight / odds,
-            ..self
-        })
     }
 }

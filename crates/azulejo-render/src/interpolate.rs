@@ -92,7 +92,7 @@ impl<'a> Interpolator<'a> {
     /// The spot at which a ray arrived.
     pub fn spot(&self, ray: &KernelRay, hit: &KernelHit) -> Spot<'a> {
         let item = &self.items[hit.item as usize];
-        let (u, v) = (f64::from(hit.u), f64::from(hit.v));
+        let [u, v] = hit.uv().map(f64::from);
         let place = match &self.scene.objects[item.object as usize].shape {
             Shape::Mesh(mesh) => Place::Mesh(mesh, Weights::on_face(item, u, v)),
             Shape::Primitive(p) => Place::Primitive(p, item.start as usize, u, v),
@@ -125,7 +125,8 @@ impl<'a> Interpolator<'a> {
             return None;
         };
         let normals = mesh.normals.as_ref()?;
-        let weights = Weights::on_face(item, f64::from(hit.u), f64::from(hit.v));
+        let [u, v] = hit.uv().map(f64::from);
+        let weights = Weights::on_face(item, u, v);
         let pairs = weights.corners.iter().zip(weights.weights);
         let sum: DVec3 = pairs
             .map(|(&c, w)| w * normals.at(c, mesh.faces.corners[c]))
@@ -143,7 +144,8 @@ impl<'a> Interpolator<'a> {
             Shape::Mesh(mesh) if !(mesh.colors.is_empty() && material.textures.is_empty()) => mesh,
             _ => return material.diffuse,
         };
-        let weights = Weights::on_face(item, f64::from(hit.u), f64::from(hit.v));
+        let [u, v] = hit.uv().map(f64::from);
+        let weights = Weights::on_face(item, u, v);
         let color = match mesh.colors.is_empty() {
             true => Rgb::WHITE,
             false => weights.of_vertices(mesh, &mesh.colors),
@@ -160,7 +162,10 @@ impl<'a> Skin<'a> {
         let Shape::Exact(exact) = shape else {
             return None;
         };
-        let mesh = exact.skin.as_deref().filter(|m| !m.irradiance.is_empty())?;
+        let mesh = exact
+            .proxy
+            .as_deref()
+            .filter(|m| !m.irradiance.is_empty())?;
         let tree = TriangleTree::new(mesh);
         let item = |k: u32| {
             let triangle = tree.triangle(k);

@@ -10,7 +10,6 @@
 //! Every result depends on scene, options and seed alone: the same bits for any number of
 //! threads.
 
-mod boundary;
 mod draws;
 mod film;
 mod integrator;

@@ -5,23 +5,27 @@
 //! by chance, weighted so that each counts once (Veach and Guibas 1995). Slow, without bias, and
 //! with an error for every pixel: the judge of both passes.
 
-use crate::boundary::Boundary;
 use crate::draws::Draws;
 use crate::film::{Film, Lens, Tile};
-use crate::scenery::{Arrived, Scenery, Shadows};
+use crate::scenery::{Scenery, Shadows};
 use crate::shading::{Parts, mirrored};
-use azulejo_scene::math::{Ray, reflect};
-use azulejo_scene::{Camera, Dielectric, Image, Material, Rgb, Scene};
+use azulejo_scene::math::Ray;
+use azulejo_scene::{Camera, Image, Rgb, Scene};
+use azulejo_trace::interaction::{Branching, Continuation, Roulette, SurfaceInteraction};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, KernelHit, KernelRay, Progress, Tracer};
-use glam::DVec3;
 use rayon::prelude::*;
 
 /// After so many interfaces chance may end a path.
 const ROULETTE_DEPTH: u32 = 4;
 
-/// Paths live on with at most this probability, so that those in white rooms end too.
-const MOST_ODDS: f64 = 0.98;
+/// Weighs a path against the whole light, not against 1% of it as the two passes do: the
+/// reference follows many long paths, and spends least per unit of variance so. Paths survive
+/// with less than certainty, so that those in white rooms end too.
+const ROULETTE: Roulette = Roulette {
+    below: 1.0,
+    most: 0.98,
+};
 
 /// How the truth is looked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -238,13 +242,6 @@ struct Walk {
     density: f64,
 }
 
-/// A direction in which a path goes on.
-struct Way {
-    direction: DVec3,
-    weight: Rgb,
-    density: f64,
-}
-
 impl<'a> Walker<'a> {
     fn new(scene: &'a Scene, tracer: &'a Tracer, options: &ReferencePass) -> Walker<'a> {
         Walker {
@@ -298,12 +295,12 @@ impl<'a> Walker<'a> {
                 break;
             }
             walk.found += walk.weight * self.scenery.emitted(&walk.ray, &hit, walk.density);
-            let arrived = self.scenery.arrived(&walk.ray, &hit);
-            let way = self.meet(&mut walk, &hit, &arrived, &mut draws, scratch);
-            let Some(way) = way.and_then(|way| self.roulette(way, depth, &walk, &mut draws)) else {
+            let at = self.scenery.interaction(&walk.ray, &hit);
+            let next = self.scatter(&mut walk, &hit, &at, &mut draws, scratch);
+            let Some(next) = next.and_then(|n| self.roulette(n, depth, &walk, &mut draws)) else {
                 break;
             };
-            self.turn(&mut walk, &arrived, &way);
+            self.turn(&mut walk, &at, &next);
         }
         walk.found
     }
@@ -311,9 +308,10 @@ impl<'a> Walker<'a> {
     /// What is seen where nothing is hit: for the eye the background, for surfaces the
     /// surroundings.
     fn beyond(&self, walk: &Walk) -> Rgb {
-        match walk.is_sharp {
-            true => self.scenery.sky,
-            false => self.scenery.gatherer.ambient(),
+        if walk.is_sharp {
+            self.scenery.sky
+        } else {
+            self.scenery.gatherer.ambient()
         }
     }
 
@@ -324,92 +322,64 @@ impl<'a> Walker<'a> {
         }
     }
 
-    /// Adds the light of lamps at a surface, and chooses where the path goes on.
-    fn meet(
+    /// Adds the light of lamps at a surface, and chooses where the path continues.
+    fn scatter(
         &self,
         walk: &mut Walk,
         hit: &KernelHit,
-        arrived: &Arrived,
+        at: &SurfaceInteraction,
         draws: &mut Draws,
         scratch: &mut Scratch,
-    ) -> Option<Way> {
+    ) -> Option<Continuation> {
         let material = self.scenery.surfaces().material(hit.item);
         if let Some(glass) = &material.dielectric {
-            return Some(self.through_glass(glass, material, arrived, draws));
+            let interface = at.dielectric(glass, material.mirror);
+            return Some(interface.chosen(draws.next(self.seed)));
         }
-        let shading = self.scenery.shading(hit, arrived, material, Parts::All);
-        let mirror = mirrored(material, -arrived.direction.dot(arrived.smooth));
+        let shading = self.scenery.shading(hit, at, material, Parts::All);
+        let mirror = mirrored(material, -at.direction.dot(at.shading_normal));
         let scattered = if shading.is_black() {
             0.0
         } else {
             shading.likely()
         };
-        let odds = mirror.mean() / (mirror.mean() + scattered).max(f64::MIN_POSITIVE);
+        let branching = Branching::new(false, mirror.mean(), || scattered);
         let mut four = || [(); 4].map(|()| draws.next(self.seed));
         if scattered > 0.0 {
             let (u, shadows) = (four(), &mut scratch.shadows);
-            walk.found += walk.weight * self.scenery.lit(&shading, u, 1.0 - odds, shadows);
+            let probability = branching.lobe_probability();
+            walk.found += walk.weight * self.scenery.lit(&shading, u, probability, shadows);
         }
         let u = four();
-        if draws.next(self.seed) < odds {
-            return Some(Way {
-                direction: reflect(arrived.direction, arrived.smooth),
-                weight: mirror / odds,
-                density: 0.0,
-            });
+        // Each surface takes as many random numbers, whatever it chooses from.
+        let chance = draws.next(self.seed);
+        match branching.choose(|| chance) {
+            (Some(probability), _) => Some(at.mirrored(mirror).over(probability)),
+            (None, probability) => Some(shading.sample(u)?.chosen(probability?)),
         }
-        let sample = shading.sample(u)?;
-        Some(Way {
-            direction: sample.wi,
-            weight: sample.weight / (1.0 - odds),
-            density: sample.pdf * (1.0 - odds),
-        })
     }
 
-    /// Mirrored or refracted, by chance.
-    fn through_glass(
+    /// The continuation, or a heavier one, or none, by chance.
+    fn roulette(
         &self,
-        glass: &Dielectric,
-        material: &Material,
-        arrived: &Arrived,
+        next: Continuation,
+        depth: u32,
+        walk: &Walk,
         draws: &mut Draws,
-    ) -> Way {
-        let Arrived {
-            at,
-            direction,
-            smooth,
-            ..
-        } = arrived;
-        let boundary = Boundary::new(glass, material.mirror, *direction, *smooth, at.entering);
-        let (direction, weight) = boundary.chosen(draws.next(self.seed));
-        Way {
-            direction,
-            weight,
-            density: 0.0,
-        }
-    }
-
-    /// The way, or a heavier one, or none, by chance.
-    fn roulette(&self, way: Way, depth: u32, walk: &Walk, draws: &mut Draws) -> Option<Way> {
-        let weight = (walk.weight * way.weight).max_channel();
+    ) -> Option<Continuation> {
+        let weight = (walk.weight * next.weight).max_channel();
         if depth < ROULETTE_DEPTH {
-            return (weight > 0.0).then_some(way);
+            return (weight > 0.0).then_some(next);
         }
-        let odds = weight.min(MOST_ODDS);
-        (draws.next(self.seed) < odds).then(|| Way {
-            weight: way.weight / odds,
-            ..way
-        })
+        let survival = ROULETTE.survival(weight, || draws.next(self.seed));
+        survival.map(|odds| next.over(odds))
     }
 
-    /// The path leaves the surface that way.
-    fn turn(&self, walk: &mut Walk, arrived: &Arrived, way: &Way) {
-        let tracer = self.scenery.tracer();
-        let side = arrived.facing * 1f64.copysign(way.direction.dot(arrived.facing));
-        let origin = tracer.leaving(arrived.at.position, side);
-        walk.ray = tracer.kernel_ray(&Ray::new(origin, way.direction));
-        walk.weight *= way.weight;
-        walk.is_sharp &= way.density == 0.0;
-        walk.density = way.density;
+    /// The path leaves the surface in that direction.
+    fn turn(&self, walk: &mut Walk, at: &SurfaceInteraction, next: &Continuation) {
+        walk.ray = at.spawn_ray(self.scenery.tracer(), next.direction);
+        walk.weight *= next.weight;
+        walk.is_sharp &= next.density == 0.0;
+        walk.density = next.density;
     }
 }

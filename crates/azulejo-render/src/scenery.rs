@@ -4,8 +4,9 @@ use crate::interpolate::Interpolator;
 use crate::shading::{Colors, Parts, Shading};
 use azulejo_scene::math::{Ray, reflect};
 use azulejo_scene::{Material, Rgb, Scene};
+use azulejo_trace::interaction::SurfaceInteraction;
 use azulejo_trace::lights::mis_weight;
-use azulejo_trace::{Gatherer, Hit, KernelHit, KernelRay, Surfaces, Tracer};
+use azulejo_trace::{Gatherer, KernelHit, KernelRay, Surfaces, Tracer};
 use glam::DVec3;
 
 /// Shadow rays end this share of their length before the lamp.
@@ -18,18 +19,6 @@ pub(crate) struct Scenery<'a> {
     /// What the eye sees beyond the scene, straight and in mirrors: the background, else the
     /// surroundings.
     pub sky: Rgb,
-}
-
-/// Where a ray arrived.
-pub(crate) struct Arrived {
-    /// The surface point.
-    pub at: Hit,
-    /// Unit direction of the ray.
-    pub direction: DVec3,
-    /// Unit geometric normal of the side at which it arrived.
-    pub facing: DVec3,
-    /// The normal that mirrors, glass and reflection models go by.
-    pub smooth: DVec3,
 }
 
 /// What is still to be tested for shadow.
@@ -58,24 +47,19 @@ impl<'a> Scenery<'a> {
         self.gatherer.surfaces()
     }
 
-    /// Where a ray arrived that hit something.
-    pub fn arrived(&self, ray: &KernelRay, hit: &KernelHit) -> Arrived {
-        let ray = self.tracer().world_ray(ray);
-        let at = self.tracer().resolve(&ray, hit);
-        let facing = if at.entering { at.normal } else { -at.normal };
-        let direction = ray.direction.normalize();
-        Arrived {
-            smooth: self.smooth_normal(hit, facing, direction),
-            at,
-            direction,
-            facing,
+    /// The interaction at a hit, with the interpolated normal for shading.
+    pub fn interaction(&self, ray: &KernelRay, hit: &KernelHit) -> SurfaceInteraction {
+        let at = SurfaceInteraction::new(self.tracer(), ray, hit);
+        SurfaceInteraction {
+            shading_normal: self.shading_normal(hit, at.facing, at.direction),
+            ..at
         }
     }
 
-    /// The normal that mirrors, glass and reflection models go by: the interpolated one of a
+    /// The normal for mirrors, dielectrics and reflection models: the interpolated one of a
     /// smooth mesh, on the side of the face's own, `facing`; `facing` itself where the mesh has
     /// none, or where the interpolated one would mirror the ray into the face.
-    fn smooth_normal(&self, hit: &KernelHit, facing: DVec3, direction: DVec3) -> DVec3 {
+    fn shading_normal(&self, hit: &KernelHit, facing: DVec3, direction: DVec3) -> DVec3 {
         let Some(normal) = self.interpolator.shading_normal(hit) else {
             return facing;
         };
@@ -84,23 +68,22 @@ impl<'a> Scenery<'a> {
         if is_usable { n } else { facing }
     }
 
-    /// Some parts of what the surface reflects where a ray arrived.
+    /// Some parts of the reflection model of a surface at a hit.
     pub fn shading(
         &self,
         hit: &KernelHit,
-        arrived: &Arrived,
+        at: &SurfaceInteraction,
         material: &'a Material,
         parts: Parts,
     ) -> Shading<'a> {
-        let Arrived { at, facing, .. } = arrived;
         let brdf = material.brdf.as_deref();
-        let frame = self.surfaces().frame(at, arrived.smooth);
-        let origin = self.tracer().leaving(at.position, *facing);
+        let frame = at.frame(self.surfaces());
+        let origin = at.origin(self.tracer());
         let reflectance = self.interpolator.reflectance(hit, material);
         let colors = Colors::new(reflectance, brdf);
         Shading::new(
-            (frame, *facing, origin),
-            arrived.direction,
+            (frame, at.facing, origin),
+            at.direction,
             colors,
             brdf,
             parts,

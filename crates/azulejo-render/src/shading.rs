@@ -1,9 +1,10 @@
 //! What a surface does with light at one place: its reflection model, in the place's frame, with
 //! the colour that textures give it there.
 
-use azulejo_scene::brdf::{Brdf, Lobes, Sample};
+use azulejo_scene::brdf::{Brdf, Lobes};
 use azulejo_scene::math::Frame;
 use azulejo_scene::{Material, Rgb};
+use azulejo_trace::interaction::Continuation;
 use azulejo_trace::sampling::cosine_hemisphere;
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
@@ -84,6 +85,20 @@ pub(crate) fn mirrored(material: &Material, cos: f64) -> Rgb {
         }
     }
     share
+}
+
+/// A direction sampled from a surface's diffuse part and lobes.
+pub(crate) struct Scattered(Continuation);
+
+impl Scattered {
+    /// The continuation of a path that follows the lobes with that probability: its density is
+    /// what next event estimation weights itself against.
+    pub fn chosen(self, probability: f64) -> Continuation {
+        Continuation {
+            density: self.0.density * probability,
+            ..self.0.over(probability)
+        }
+    }
 }
 
 impl<'a> Shading<'a> {
@@ -167,7 +182,7 @@ impl<'a> Shading<'a> {
 
     /// A world direction that light may come from, for four numbers in 0..1, with the weight
     /// BRDF × cosine / density.
-    pub fn sample(&self, u: [f64; 4]) -> Option<Sample> {
+    pub fn sample(&self, u: [f64; 4]) -> Option<Scattered> {
         let shares = self.shares();
         let mut rest = u[0] * shares.iter().sum::<f64>();
         let chosen = shares.iter().position(|share| {
@@ -183,10 +198,10 @@ impl<'a> Shading<'a> {
         let pdf = self.density(wi);
         let weight = self.eval(direction) / pdf;
         let is_useful = pdf > 0.0 && weight.is_finite() && !weight.is_black();
-        is_useful.then_some(Sample {
-            wi: direction,
+        is_useful.then_some(Scattered(Continuation {
+            direction,
             weight,
-            pdf,
-        })
+            density: pdf,
+        }))
     }
 }

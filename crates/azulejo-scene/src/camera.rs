@@ -8,21 +8,21 @@ use glam::DVec3;
 pub struct Camera {
     /// Name in the file; may be empty.
     pub name: String,
-    /// The pinhole.
+    /// Position of the pinhole.
     pub eye: DVec3,
-    /// A point in the middle of the picture; not the eye.
+    /// A point that appears in the middle of the image; not the eye.
     pub target: DVec3,
-    /// Any vector that points up in the picture; not along the view.
+    /// Any vector that points up in the image; not along the view direction.
     pub up: DVec3,
     /// Vertical field of view, radians, 0..π.
     pub vertical_fov: f64,
-    /// Picture size in pixels, width then height, if the file says one.
+    /// Image size in pixels, width then height, if the file has one.
     pub size: Option<(u32, u32)>,
 }
 
 impl Camera {
-    /// A camera that sees all of `bounds`, from the front and a little above, for scenes that
-    /// come without one. `y_up` says which axis the model takes for up.
+    /// A camera that sees all of `bounds`, from the front and a little above, for scenes without
+    /// one. `up` is the up axis of the model.
     pub fn framing(bounds: Aabb, aspect: f64, up: DVec3) -> Camera {
         let vertical_fov = 40f64.to_radians();
         let radius = (0.5 * bounds.diagonal()).max(f64::MIN_POSITIVE);
@@ -43,7 +43,7 @@ impl Camera {
         }
     }
 
-    /// Right, up and forward, unit length, right-handed with forward into the picture.
+    /// Right, up and forward, unit length, right-handed with forward into the image.
     ///
     /// Finite for every camera that [`Scene::validate`](crate::Scene::validate) accepts.
     pub fn axes(&self) -> (DVec3, DVec3, DVec3) {
@@ -52,7 +52,7 @@ impl Camera {
         (right, right.cross(forward), forward)
     }
 
-    /// The ray through a point of the picture: `x`, `y` in 0..=1 from the upper left corner;
+    /// The ray through a point of the image: `x`, `y` in 0..=1 from the upper left corner;
     /// `aspect` is width over height.
     pub fn ray(&self, x: f64, y: f64, aspect: f64) -> Ray {
         let (right, up, forward) = self.axes();

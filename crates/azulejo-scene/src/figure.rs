@@ -11,7 +11,7 @@ pub struct Figure {
     pub rule: FillRule,
 }
 
-/// What lies inside of contours that overlap.
+/// Which points are inside contours that overlap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FillRule {
     /// A point from which a half-line crosses the contours an odd number of times.
@@ -22,7 +22,7 @@ pub enum FillRule {
 }
 
 /// A closed chain of curves. Each begins where the one before ends, and the last ends where the
-/// first begins: an open contour cannot be written down.
+/// first begins: an open contour cannot be represented.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Contour {
     /// The curves in their order.
@@ -429,8 +429,8 @@ pub fn bernstein_slope([a, b, c, d]: [f64; 4], t: f64) -> f64 {
 /// A Newton step shorter than this is the last: the next would be about its square.
 const LAST_STEP: f64 = 1e-9;
 
-/// The root between two places of a cubic whose signs differ: Newton's method, kept inside of a
-/// bracket that shrinks.
+/// The root between two parameters at which a cubic has different signs: Newton's method within a
+/// shrinking bracket.
 #[inline]
 fn root_between(b: [f64; 4], low: (f64, f64), high: (f64, f64)) -> f64 {
     let rises = high.1 >= 0.0;

@@ -1,16 +1,16 @@
-//! Fresnel and Snell: the smooth boundary of a transparent body, and a thin pane of it.
+//! Fresnel's and Snell's laws: the smooth boundary of a transparent body, and a thin pane.
 
 use crate::math::reflect;
 use glam::DVec3;
 
-/// What a boundary or a pane does with one ray.
+/// How a boundary or a pane splits one ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Split {
-    /// Share of the radiance that is mirrored, 0..=1; 1 when the reflection is total.
+pub struct FresnelSplit {
+    /// Fraction of the radiance that is reflected, 0..=1; 1 for total internal reflection.
     pub reflectance: f64,
-    /// Mirrored direction, unit.
+    /// Reflected direction, unit.
     pub reflected: DVec3,
-    /// Direction of what passes, unit; `None` when the reflection is total.
+    /// Transmitted direction, unit; `None` for total internal reflection.
     pub refracted: Option<DVec3>,
 }
 
@@ -19,13 +19,13 @@ pub struct Split {
 /// `direction` is unit and runs against the unit normal `n` (`direction · n <= 0`);
 /// `eta` > 0 is the index of refraction of the far side over that of the near side. Snell's
 /// law and Fresnel's equations for unpolarised light, exact. At grazing incidence everything is
-/// mirrored.
-pub fn split(direction: DVec3, n: DVec3, eta: f64) -> Split {
+/// reflected.
+pub fn split(direction: DVec3, n: DVec3, eta: f64) -> FresnelSplit {
     let cos_i = (-direction.dot(n)).clamp(0.0, 1.0);
     let reflected = reflect(direction, n);
     let cos2_t = 1.0 - (1.0 - cos_i * cos_i) / (eta * eta);
     if cos2_t <= 0.0 {
-        return Split {
+        return FresnelSplit {
             reflectance: 1.0,
             reflected,
             refracted: None,
@@ -33,19 +33,19 @@ pub fn split(direction: DVec3, n: DVec3, eta: f64) -> Split {
     }
     let cos_t = cos2_t.sqrt();
     let bent = direction / eta + (cos_i / eta - cos_t) * n;
-    Split {
+    FresnelSplit {
         reflectance: reflectance(cos_i, cos_t, eta),
         reflected,
         refracted: Some(bent.normalize()),
     }
 }
 
-/// Splits a ray at a thin pane, both surfaces in one: what passes goes straight on.
+/// Splits a ray at a thin pane, both surfaces in one: transmitted light continues straight.
 ///
-/// Arguments as for [`split`]. Of either polarisation each surface mirrors the share R; with all
-/// that goes to and fro between the two, 2R/(1 + R) is mirrored and (1 − R)/(1 + R) passes. Light
-/// that either side sends is divided alike.
-pub fn pane(direction: DVec3, n: DVec3, eta: f64) -> Split {
+/// Arguments as for [`split`]. For either polarisation each surface reflects the fraction R; with
+/// all interreflections between the two, 2R/(1 + R) is reflected and (1 − R)/(1 + R) transmitted.
+/// Light from either side is split in the same way.
+pub fn pane(direction: DVec3, n: DVec3, eta: f64) -> FresnelSplit {
     let one = split(direction, n, eta);
     if one.refracted.is_none() {
         return one;
@@ -53,7 +53,7 @@ pub fn pane(direction: DVec3, n: DVec3, eta: f64) -> Split {
     let cos_i = (-direction.dot(n)).clamp(0.0, 1.0);
     let cos_t = (1.0 - (1.0 - cos_i * cos_i) / (eta * eta)).max(0.0).sqrt();
     let both = polarised(cos_i, cos_t, eta).map(|r| 2.0 * r / (1.0 + r));
-    Split {
+    FresnelSplit {
         reflectance: 0.5 * (both[0] + both[1]),
         refracted: Some(direction),
         ..one
@@ -79,7 +79,7 @@ fn polarised(cos_i: f64, cos_t: f64, eta: f64) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    fn at_angle(degrees: f64, eta: f64) -> Split {
+    fn at_angle(degrees: f64, eta: f64) -> FresnelSplit {
         let (sin, cos) = degrees.to_radians().sin_cos();
         split(DVec3::new(sin, 0.0, -cos), DVec3::Z, eta)
     }
@@ -124,7 +124,7 @@ mod tests {
     }
 
     /// 2 ∫ R(cos) cos d cos, by the midpoint rule.
-    fn diffuse_average(at: fn(DVec3, DVec3, f64) -> Split, eta: f64) -> f64 {
+    fn diffuse_average(at: fn(DVec3, DVec3, f64) -> FresnelSplit, eta: f64) -> f64 {
         let n = 20_000;
         let term = |i: i32| {
             let c = (f64::from(i) + 0.5) / f64::from(n);

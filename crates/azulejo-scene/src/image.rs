@@ -1,6 +1,6 @@
-//! Pictures: linear RGB, `f32`.
+//! Images: linear RGB, `f32`.
 
-/// A picture of linear RGB values, rows from the top.
+/// An image of linear RGB values, rows from the top.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Image {
     /// Columns.
@@ -12,7 +12,7 @@ pub struct Image {
 }
 
 impl Image {
-    /// A black picture.
+    /// A black image.
     pub fn new(width: u32, height: u32) -> Image {
         Image {
             width,
@@ -24,7 +24,7 @@ impl Image {
     /// The pixel in column `x`, row `y`.
     ///
     /// # Panics
-    /// Outside the picture.
+    /// If the pixel is outside the image.
     pub fn pixel(&self, x: u32, y: u32) -> [f32; 3] {
         assert!(
             x < self.width && y < self.height,
@@ -35,8 +35,8 @@ impl Image {
         self.pixels[y as usize * self.width as usize + x as usize]
     }
 
-    /// Bilinear lookup that repeats the picture; `(0, 0)` is the lower left corner of the
-    /// lower left pixel, as texture coordinates have it. Black for a picture without pixels.
+    /// Bilinear lookup that repeats the image; `(0, 0)` is the lower left corner of the
+    /// lower left pixel, as texture coordinates have it. Black for an image without pixels.
     pub fn sample(&self, u: f64, v: f64) -> [f32; 3] {
         if self.width == 0 || self.height == 0 || !u.is_finite() || !v.is_finite() {
             return [0.0; 3];

@@ -1,8 +1,8 @@
-//! What is there: the scene that every other part of azulejo reads.
+//! The scene: geometry, materials, lights, cameras and images as plain data.
 //!
 //! A [`Scene`] is plain data with public fields. Readers (in `azulejo-formats`) make it, the
 //! first pass writes irradiance onto its vertices, the second pass draws it. Everything a
-//! renderer may assume stands in one page and one function, [`Scene::validate`].
+//! renderer may assume is documented at and checked by one function, [`Scene::validate`].
 //!
 //! Conventions: geometry is `f64` in scene units ([`Units`] says how long one is), images are
 //! `f32`, radiometric quantities are linear RGB ([`Rgb`]). Faces are counter-clockwise seen from
@@ -23,26 +23,28 @@
 
 pub mod brdf;
 mod camera;
+mod containment;
 pub mod figure;
 pub mod fresnel;
 mod image;
-mod inside;
+mod irradiance;
 mod light;
 mod material;
 pub mod math;
 mod mesh;
 mod patch;
-mod place;
 mod prism;
+mod proxy;
+pub mod quadrature;
+pub mod random;
 mod rgb;
 pub mod rtrace;
 mod scene;
 mod shape;
-mod skin;
 mod solid;
-mod solution;
 pub mod synthetic;
 mod text;
+mod transform;
 mod tree;
 mod triangulate;
 mod validate;
@@ -51,6 +53,7 @@ pub use brdf::Brdf;
 pub use camera::Camera;
 pub use figure::{Contour, Curve, Figure, FillRule};
 pub use image::Image;
+pub use irradiance::{Irradiance, ObjectIrradiance};
 pub use light::{Light, LightKind};
 pub use material::{Dielectric, Material, MaterialId, Texture, TextureId};
 pub use mesh::{Attribute, Faces, Mesh};
@@ -61,7 +64,6 @@ pub use rtrace::Rtrace;
 pub use scene::{Fog, Object, Scene, Units, Up};
 pub use shape::{Primitive, PrimitiveKind, Shape, SurfaceGrid, SurfaceLight, SurfacePoint};
 pub use solid::{Csg, Exact, FigureBounds, Leaf, Operation, Solid};
-pub use solution::{Irradiance, ObjectIrradiance};
 pub use text::{Align, Encoding, Font, Glyph, Line, PlacedGlyph, TextError, TextFrame};
 pub use tree::{MeshTriangle, OnTriangle, TriangleTree};
 pub use validate::Invalid;

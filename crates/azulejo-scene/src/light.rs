@@ -1,30 +1,30 @@
-//! Lights without area. Lamps with area are objects whose material emits.
+//! Light sources without area. Area lights are objects whose material emits.
 
 use crate::Rgb;
 use glam::DVec3;
 
-/// A named light.
+/// A named light source.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
     /// Name in the file; may be empty.
     pub name: String,
-    /// What kind, and its numbers.
+    /// Its kind with the parameters.
     pub kind: LightKind,
 }
 
-/// The kinds of light without area.
+/// The kinds of light sources without area.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightKind {
-    /// Shines alike in all directions, falling with the square of the distance.
+    /// Emits equally in all directions; irradiance falls with the square of the distance.
     Point {
-        /// Where it is.
+        /// World position.
         position: DVec3,
         /// Radiant intensity, W/sr.
         intensity: Rgb,
     },
     /// A point light limited to a cone.
     Spot {
-        /// Where it is.
+        /// World position.
         position: DVec3,
         /// Unit vector along the axis of the cone.
         direction: DVec3,
@@ -43,7 +43,7 @@ pub enum LightKind {
         /// Irradiance on a surface that faces the light, W/m².
         irradiance: Rgb,
     },
-    /// The same radiance from everywhere: what a ray finds that leaves the scene.
+    /// The same radiance from all directions, for rays that leave the scene.
     Ambient {
         /// Radiance, W/(sr·m²).
         radiance: Rgb,

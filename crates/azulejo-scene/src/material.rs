@@ -1,4 +1,4 @@
-//! Surfaces: what they reflect, transmit and emit.
+//! Materials: what surfaces reflect, transmit and emit.
 
 use crate::brdf::Lobes;
 use crate::{Brdf, Image, Rgb};
@@ -11,7 +11,7 @@ pub type MaterialId = u32;
 /// Index of a texture in [`Scene::textures`](crate::Scene::textures).
 pub type TextureId = u32;
 
-/// One surface, as the solver and the renderer see it.
+/// The optical properties of a surface.
 ///
 /// The model is additive (Sillion and Puech 1989): light that arrives is reflected diffusely in
 /// the share `diffuse`, mirrored in the share `mirror`, and what is left is absorbed; for every
@@ -39,14 +39,14 @@ pub struct Material {
     /// How light is reflected in other directions than the mirrored one, or not in all alike.
     ///
     /// `diffuse` and `mirror` hold its share of both, averaged over directions
-    /// ([`Brdf::mean_diffuse`], [`Brdf::mean_mirror`]), for those who ask no more; its glossy
+    /// ([`Brdf::mean_diffuse`], [`Brdf::mean_mirror`]), for users that need no more; its glossy
     /// lobes come on top. [`Material::with_brdf`] keeps the three together.
     pub brdf: Option<Arc<Brdf>>,
 }
 
 /// Glass: the smooth boundary between the outside and a transparent body, or a thin pane.
 ///
-/// The front of a body's face looks outside; a pane is the same from both sides. No absorption
+/// The front of a body's face points outward; a pane is the same from both sides. No absorption
 /// inside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dielectric {
@@ -55,11 +55,11 @@ pub struct Dielectric {
     /// Scales the light that passes, 0..=1 per channel; white for clear glass.
     pub transmittance: Rgb,
     /// Whether the face is a whole pane, both surfaces of it in one: light passes straight on,
-    /// and what goes to and fro between the surfaces is counted.
+    /// and interreflection between its surfaces is included.
     pub thin: bool,
 }
 
-/// A picture that surfaces refer to.
+/// An image that materials refer to.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Texture {
     /// File name as the model gives it, relative to the model.
@@ -119,7 +119,7 @@ impl Material {
         }
     }
 
-    /// A surface that reflects by a model; less of it where it would create energy
+    /// A surface that reflects by a model, scaled down where it would create energy
     /// ([`Brdf::limited`]).
     pub fn with_brdf(name: impl Into<String>, brdf: Arc<Brdf>) -> Material {
         let brdf = brdf.limited();
@@ -138,7 +138,7 @@ impl Material {
         glossy.filter(|lobes| !lobes.is_empty() && self.dielectric.is_none())
     }
 
-    /// Share of even light that the glossy lobes reflect.
+    /// Fraction of uniform light that the glossy lobes reflect.
     pub fn mean_glossy(&self) -> Rgb {
         self.glossy().map_or(Rgb::BLACK, Lobes::mean_albedo)
     }
@@ -170,11 +170,10 @@ impl Material {
         before == (self.diffuse, self.mirror)
     }
 
-    /// Diffuse reflectance where the vertex colour is `color` and the texture coordinates are `uv`;
-    /// `image` finds a texture's picture.
+    /// Diffuse reflectance at a point of vertex colour `color` and texture coordinates `uv`;
+    /// `image` returns a texture's pixels.
     ///
-    /// Textures that could not be loaded, and all of them where there are no coordinates, change
-    /// nothing.
+    /// Textures that could not be loaded are ignored, and all are where there are no coordinates.
     pub fn painted<'a>(
         &self,
         color: Rgb,
@@ -209,7 +208,7 @@ impl Material {
         self.dielectric.is_some() || !self.mirror.is_black() || self.glossy().is_some()
     }
 
-    /// Whether the front shines by itself.
+    /// Whether the front emits light.
     pub fn is_emitter(&self) -> bool {
         !self.emission.is_black()
     }

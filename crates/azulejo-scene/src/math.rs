@@ -2,16 +2,16 @@
 
 use glam::{DMat3, DVec3};
 
-/// A half-open piece of a line: the points `origin + t direction` for `t_min <= t < t_max`.
+/// A half-open segment of a line: the points `origin + t direction` for `t_min <= t < t_max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where `t` is zero.
+    /// The point at `t` = 0.
     pub origin: DVec3,
-    /// Any length but zero; `t` is in units of it.
+    /// Direction, any length but zero; `t` is in units of it.
     pub direction: DVec3,
-    /// The nearest parameter that counts, at least 0.
+    /// The smallest parameter included, at least 0.
     pub t_min: f64,
-    /// The first parameter that counts no more; infinity for a whole half-line.
+    /// The end of the parameter range, excluded; infinity for a whole half-line.
     pub t_max: f64,
 }
 
@@ -26,7 +26,7 @@ impl Ray {
         }
     }
 
-    /// The open segment between two points, for asking whether one sees the other.
+    /// The open segment between two points, for visibility tests.
     pub fn between(from: DVec3, to: DVec3) -> Ray {
         Ray {
             origin: from,
@@ -52,7 +52,7 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// The box that holds nothing.
+    /// The empty box.
     pub const EMPTY: Aabb = Aabb {
         min: DVec3::INFINITY,
         max: DVec3::NEG_INFINITY,
@@ -166,7 +166,8 @@ pub fn reflect(direction: DVec3, n: DVec3) -> DVec3 {
     direction - 2.0 * direction.dot(n) * n
 }
 
-/// The matrix that carries normals when `m` carries points: its inverse transpose, unnormalised.
+/// The matrix that transforms normals when `m` transforms points: its inverse transpose,
+/// unnormalised.
 pub fn normal_matrix(m: DMat3) -> DMat3 {
     // Cofactors instead of the inverse: a flattened object keeps a usable normal.
     let (a, b, c) = (m.x_axis, m.y_axis, m.z_axis);

@@ -19,7 +19,7 @@ pub struct Mesh {
     pub uvs: Option<Attribute<DVec2>>,
     /// Colour of each vertex, which multiplies the diffuse reflectance; empty when absent.
     pub colors: Vec<Rgb>,
-    /// Irradiance of each vertex on the front side, W/m²; empty until the light is solved.
+    /// Irradiance of each vertex on the front side, W/m²; empty until the scene is solved.
     pub irradiance: Vec<Rgb>,
     /// Standard error of each vertex's irradiance; empty when absent.
     pub irradiance_error: Vec<Rgb>,
@@ -32,7 +32,7 @@ pub struct Mesh {
     pub smoothing: Vec<u32>,
 }
 
-/// Values that belong to vertices, or to corners of faces by way of an index.
+/// Values per vertex, or per corner of a face through an index.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Attribute<T> {
     /// The values.
@@ -154,7 +154,7 @@ impl Mesh {
     }
 
     /// Whether every edge, by the positions of its ends, has an even number of faces. Which way
-    /// they are turned does not matter: a ray that enters leaves again.
+    /// they are oriented does not matter: a ray that enters leaves again.
     pub fn is_closed(&self) -> bool {
         let key = |v: u32| {
             self.positions[v as usize]

@@ -4,7 +4,7 @@ use crate::MaterialId;
 use crate::math::Aabb;
 use glam::{DAffine3, DVec3};
 
-/// A bicubic Bézier patch, exact at any distance. Its front is where ∂u × ∂v points.
+/// A bicubic Bézier patch. Its front is on the side to which ∂u × ∂v points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BicubicPatch {
     /// World control points: `points[row][column]`, `u` along the columns, `v` along the rows.
@@ -27,8 +27,8 @@ impl BicubicPatch {
         Aabb::around(self.points.iter().flatten().copied())
     }
 
-    /// Puts it under an affine map. A map that mirrors also turns `u` around, so that the front
-    /// stays the front.
+    /// Transforms the patch by an affine map. A map that mirrors also reverses `u`, so that the
+    /// front stays the front.
     pub fn transform(&mut self, map: &DAffine3) {
         let points = self.points.iter_mut().flatten();
         points.for_each(|p| *p = map.transform_point3(*p));

@@ -27,7 +27,7 @@ impl Prism {
         self.bounds_over(self.figure.bounds())
     }
 
-    /// [`bounds`](Prism::bounds) for who knows the rectangle around the figure already.
+    /// [`bounds`](Prism::bounds) for callers that already know the rectangle around the figure.
     pub fn bounds_over(&self, b: Rectangle) -> Aabb {
         if b.min.x > b.max.x {
             return Aabb::EMPTY;
@@ -41,7 +41,7 @@ impl Prism {
         Aabb::around((0..8).map(corner))
     }
 
-    /// Whether a point of the world is inside, or on the surface by rounding.
+    /// Whether a world point is inside, or on the surface to rounding.
     pub fn contains(&self, point: DVec3) -> bool {
         let p = self.world_from_figure.inverse().transform_point3(point);
         (0.0..=1.0).contains(&p.z) && self.figure.contains(p.truncate())

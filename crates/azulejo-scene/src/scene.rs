@@ -6,43 +6,43 @@ use crate::{
 };
 use glam::DVec3;
 
-/// Everything that is there, as plain data. [`Scene::validate`] says what may be assumed.
+/// A whole scene as plain data. [`Scene::validate`] documents and checks what may be assumed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
-    /// What has a surface, lamps with area included.
+    /// Objects with a surface, area lights included.
     pub objects: Vec<Object>,
-    /// What objects refer to by [`MaterialId`].
+    /// Materials, to which objects refer by [`MaterialId`].
     pub materials: Vec<Material>,
-    /// What materials refer to by [`TextureId`](crate::TextureId).
+    /// Textures, to which materials refer by [`TextureId`](crate::TextureId).
     pub textures: Vec<Texture>,
     /// Lights without area.
     pub lights: Vec<Light>,
-    /// Viewpoints that the file brings.
+    /// Cameras defined by the file.
     pub cameras: Vec<Camera>,
-    /// What a viewer sees where there is no surface. It gives no light: see
+    /// Radiance that a camera sees where there is no surface. It does not illuminate the scene: see
     /// [`LightKind::Ambient`](crate::LightKind::Ambient) for surroundings that do.
     pub background: Option<Rgb>,
-    /// What hides far surfaces from a viewer. It takes no light away from surfaces.
+    /// Fog between the camera and surfaces. It does not attenuate the light that surfaces receive.
     pub fog: Option<Fog>,
-    /// What the numbers mean.
+    /// Length unit, up axis and photometric unit.
     pub units: Units,
-    /// The numbers of an SFF or SCN scene that only RTRACE's own shading reads.
+    /// Parameters of an SFF or SCN scene that only RTRACE's own shading uses.
     pub rtrace: Option<Box<Rtrace>>,
 }
 
 /// Fog, as VRML has it: a colour that surfaces fade into with their distance from the viewer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fog {
-    /// Radiance of what is far away, W/(sr·m²).
+    /// Radiance of the fog where it hides everything, W/(sr·m²).
     pub color: Rgb,
-    /// Distance at which nothing is seen any more, scene units, > 0.
+    /// Distance from which on nothing is visible, scene units, > 0.
     pub visibility: f64,
     /// Whether surfaces fade exponentially, as in real fog, and not linearly.
     pub exponential: bool,
 }
 
 impl Fog {
-    /// Share of a surface's light that comes through from `distance` away, 0..=1.
+    /// Fraction of a surface's radiance that is transmitted over `distance`, 0..=1.
     ///
     /// ISO/IEC 14772-1:1997, 6.19, table 6.2: (V − d)/V, or e^(−d/(V − d)).
     pub fn transmittance(&self, distance: f64) -> f64 {
@@ -65,25 +65,25 @@ pub struct Object {
     pub shape: Shape,
 }
 
-/// What a scene's numbers mean.
+/// Units and axes of a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Units {
-    /// Length of one scene unit in metres, > 0; `None` when nobody says. One metre is assumed
-    /// then.
+    /// Length of one scene unit in metres, > 0; `None` if unknown. One metre is then
+    /// assumed.
     pub metres_per_unit: Option<f64>,
     /// The axis that points away from the ground.
     pub up: Up,
-    /// Whether light is in cd/m² and lux instead of W/(sr·m²) and W/m². azulejo computes alike.
+    /// Whether light is in cd/m² and lux instead of W/(sr·m²) and W/m². The computation is the same.
     pub photometric: bool,
 }
 
 /// The axis that points away from the ground.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Up {
-    /// As in most formats for pictures.
+    /// +y, as in most formats for rendering.
     #[default]
     Y,
-    /// As in most formats for building and making.
+    /// +z, as in most formats for architecture and manufacturing.
     Z,
 }
 
@@ -98,7 +98,7 @@ impl Up {
 }
 
 impl Units {
-    /// Length of one scene unit in metres; 1 when nobody says.
+    /// Length of one scene unit in metres; 1 if unknown.
     pub fn metres(&self) -> f64 {
         self.metres_per_unit.unwrap_or(1.0)
     }
@@ -137,7 +137,7 @@ impl Scene {
             .fold(Aabb::EMPTY, |b, o| b.union(o.bounds()))
     }
 
-    /// Whether anything shines: an emitting surface, or a light that is not black.
+    /// Whether there is a light source: an emitting surface, or a light that is not black.
     pub fn has_light(&self) -> bool {
         use crate::LightKind::*;
         let shines = |m: MaterialId| {
@@ -165,12 +165,12 @@ impl Scene {
                 mesh.faces.is_empty() || mesh.irradiance.len() == mesh.positions.len()
             }
             Shape::Primitive(p) => p.light.is_some(),
-            Shape::Exact(exact) => exact.skin.is_some(),
+            Shape::Exact(exact) => exact.proxy.is_some(),
         };
         !self.objects.is_empty() && self.objects.iter().all(solved)
     }
 
-    /// Writes what the first pass found onto the objects.
+    /// Stores the irradiance that the first pass computed in the objects.
     ///
     /// # Panics
     /// If `irradiance` was solved for another scene (object count or vertex count differ).
@@ -193,17 +193,19 @@ impl Scene {
                     mesh.irradiance_error = error;
                 }
                 (Shape::Primitive(p), ObjectIrradiance::Surface(light)) => p.light = Some(light),
-                (Shape::Exact(exact), ObjectIrradiance::Refined(skin)) => exact.skin = Some(skin),
+                (Shape::Exact(exact), ObjectIrradiance::Refined(proxy)) => {
+                    exact.proxy = Some(proxy)
+                }
                 _ => panic!("irradiance of another kind of shape"),
             }
         }
     }
 
-    /// Appends another scene's content: the paper's "add" as against "new".
+    /// Appends another scene's content.
     ///
     /// Nothing is converted ([`Scene::adapted`] does that before); units, background and fog
     /// of this scene stay, and if it has no background or fog, the other's are taken. RTRACE's
-    /// numbers are kept only where one of the two scenes is empty.
+    /// parameters are kept only if one of the two scenes is empty.
     pub fn merge(&mut self, other: Scene) {
         if self.objects.is_empty() && self.materials.is_empty() {
             self.rtrace = other.rtrace;

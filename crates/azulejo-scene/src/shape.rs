@@ -19,14 +19,14 @@ pub enum Shape {
 /// A unit primitive under an affine map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Primitive {
-    /// Which unit primitive.
+    /// The unit primitive.
     pub kind: PrimitiveKind,
-    /// Places it; invertible, but for [`PrimitiveKind::Square`], whose third axis is not used.
+    /// Its transform; invertible, but for [`PrimitiveKind::Square`], whose third axis is not used.
     /// A map that mirrors leaves the outside the front.
     pub world_from_object: DAffine3,
     /// Its one material.
     pub material: MaterialId,
-    /// Irradiance on the surface, once it is solved.
+    /// Irradiance on the surface, once the scene is solved.
     pub light: Option<SurfaceLight>,
 }
 
@@ -238,7 +238,7 @@ impl PrimitiveKind {
 }
 
 impl Primitive {
-    /// A primitive of one material, without light on it yet.
+    /// A primitive of one material, without irradiance.
     pub fn new(
         kind: PrimitiveKind,
         world_from_object: DAffine3,
@@ -290,7 +290,7 @@ impl Primitive {
     fn world_normal(&self, object_normal: DVec3) -> DVec3 {
         let m = self.world_from_object.matrix3;
         match self.kind {
-            // An open sheet has no outside: its front follows its edges.
+            // A parallelogram has no outside: its front follows its edges.
             PrimitiveKind::Square => m.x_axis.cross(m.y_axis),
             _ => normal_matrix(m) * object_normal,
         }

@@ -1,4 +1,4 @@
-//! Exact solids: prisms, and what set operations make of solids.
+//! Exact solids: primitives, prisms, patches and constructive solid geometry.
 
 use crate::figure::Rectangle;
 use crate::math::Aabb;
@@ -8,14 +8,15 @@ use std::sync::Arc;
 
 /// Exact shapes that are one object: a line of text, a solid cut out of others.
 ///
-/// Rays meet every one of the solids by itself: what lies inside of another stays there.
+/// Rays hit each solid separately: surfaces that lie inside another solid are not removed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Exact {
-    /// What it is made of.
+    /// The solids.
     pub solids: Vec<Solid>,
-    /// The polygons that stood for it in the first pass, with irradiance on their vertices;
-    /// `None` before. Pictures trace the solids and read the light here.
-    pub skin: Option<Box<Mesh>>,
+    /// The proxy mesh: the polygons that replaced the solids in the first pass, with irradiance on
+    /// their vertices; `None` before. The second pass traces the solids and reads the irradiance
+    /// from here.
+    pub proxy: Option<Box<Mesh>>,
 }
 
 /// One exact shape.
@@ -31,18 +32,18 @@ pub enum Solid {
     Mesh(Mesh),
     /// Open pieces that together close a volume, as a tube and two discs do.
     Shell(Vec<Solid>),
-    /// What a set operation leaves.
+    /// The result of a set operation.
     Csg(Box<Csg>),
 }
 
-/// Constructive solid geometry: two sides, and what becomes of them. Several solids on one side
-/// count as their union. All of them must be closed.
+/// Constructive solid geometry: a set operation and its two operands. Several solids in one
+/// operand count as their union. All of them must be closed.
 ///
-/// Roth, *Ray Casting for Modeling Solids* (1982). Where the right side cuts the left one, the
-/// surface that shows is the right side's, turned around, with its own material.
+/// Roth, *Ray Casting for Modeling Solids* (1982). Where the right operand cuts the left one, the
+/// visible surface is the right operand's, reversed, with its own material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Csg {
-    /// What is done.
+    /// The set operation.
     pub operation: Operation,
     /// The left operand, not empty.
     pub left: Vec<Solid>,
@@ -53,15 +54,15 @@ pub struct Csg {
 /// A set operation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operation {
-    /// Points of either side.
+    /// Points of either operand.
     Union,
-    /// Points of the left side that are not of the right side.
+    /// Points of the left operand that are not in the right one.
     Difference,
-    /// Points of both sides.
+    /// Points of both operands.
     Intersection,
 }
 
-/// A solid that is not made of others.
+/// A solid that is not a compound of others.
 #[derive(Clone, Copy, Debug)]
 pub enum Leaf<'a> {
     /// See [`Solid::Primitive`].
@@ -75,13 +76,16 @@ pub enum Leaf<'a> {
 }
 
 impl Exact {
-    /// Without light on it yet.
+    /// A shape of these solids, without irradiance.
     pub fn new(solids: Vec<Solid>) -> Exact {
-        Exact { solids, skin: None }
+        Exact {
+            solids,
+            proxy: None,
+        }
     }
 
-    /// All solids that are not made of others, depth first, the left side before the right.
-    /// Their places in this order are what hits name.
+    /// All solids that are not compounds, depth first, the left operand before the right. Hits
+    /// refer to them by their index in this order.
     pub fn leaves(&self) -> Vec<Leaf<'_>> {
         let mut leaves = Vec::new();
         self.solids.iter().for_each(|s| s.push_leaves(&mut leaves));
@@ -94,19 +98,22 @@ impl Exact {
         bounds_of(&self.solids, &mut |figure| figure.bounds())
     }
 
-    /// Puts the shape, and its light, under an affine map.
+    /// Transforms the shape and its irradiance by an affine map.
     pub fn transform(&mut self, map: &DAffine3) {
         self.solids.iter_mut().for_each(|s| s.transform(map));
-        if let Some(skin) = &mut self.skin {
-            skin.transform(map);
+        if let Some(proxy) = &mut self.proxy {
+            proxy.transform(map);
         }
     }
 
     /// Changes every leaf's material.
     pub fn map_materials(&mut self, change: &mut impl FnMut(MaterialId) -> MaterialId) {
         self.solids.iter_mut().for_each(|s| s.map_materials(change));
-        if let Some(skin) = &mut self.skin {
-            skin.face_materials.iter_mut().for_each(|m| *m = change(*m));
+        if let Some(proxy) = &mut self.proxy {
+            proxy
+                .face_materials
+                .iter_mut()
+                .for_each(|m| *m = change(*m));
         }
     }
 }
@@ -120,7 +127,7 @@ fn bounds_of(solids: &[Solid], figure: &mut FigureBounds) -> Aabb {
 }
 
 impl Solid {
-    /// As [`Exact::leaves`], of one solid.
+    /// The leaves of one solid, as [`Exact::leaves`].
     pub fn leaves(&self) -> Vec<Leaf<'_>> {
         let mut leaves = Vec::new();
         self.push_leaves(&mut leaves);
@@ -141,13 +148,13 @@ impl Solid {
         }
     }
 
-    /// A box around it.
+    /// A bounding box; not always the smallest.
     pub fn bounds(&self) -> Aabb {
         self.bounds_by(&mut |figure| figure.bounds())
     }
 
-    /// [`bounds`](Solid::bounds) for who knows the rectangles of figures already, which many
-    /// prisms may share.
+    /// [`bounds`](Solid::bounds) for callers that already know the rectangles of figures, which
+    /// many prisms may share.
     pub fn bounds_by(&self, figure: &mut FigureBounds) -> Aabb {
         match self {
             Solid::Primitive(p) => p.bounds(),
@@ -159,7 +166,7 @@ impl Solid {
         }
     }
 
-    /// Puts it under an affine map.
+    /// Transforms the solid by an affine map.
     pub fn transform(&mut self, map: &DAffine3) {
         match self {
             Solid::Primitive(p) => p.transform(map),
@@ -213,7 +220,7 @@ impl Csg {
 }
 
 impl Leaf<'_> {
-    /// Its material; that of the first face of a mesh, 0 for one without faces.
+    /// The material of the leaf; of a mesh that of its first face, 0 if it has none.
     pub fn material(&self) -> MaterialId {
         match self {
             Leaf::Primitive(p) => p.material,

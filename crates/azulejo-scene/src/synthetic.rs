@@ -49,16 +49,12 @@ pub fn cube_room() -> Scene {
     scene
 }
 
-/// SplitMix64 (Steele, Lea and Flood 2014); numbers in 0..1.
+/// Random numbers in 0..1, from a seed.
 struct Random(u64);
 
 impl Random {
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+        crate::random::split_mix64(&mut self.0)
     }
 }
 

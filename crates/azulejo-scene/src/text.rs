@@ -1,4 +1,4 @@
-//! Text as prisms: glyphs by name, encodings, and where each glyph goes.
+//! Text as prisms: fonts, encodings and layout.
 
 use crate::{Figure, MaterialId, Prism};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
@@ -18,7 +18,7 @@ pub struct Font {
 pub struct Glyph {
     /// Its outline; all prisms of the glyph share it.
     pub figure: Arc<Figure>,
-    /// How far the pen moves behind it, font units.
+    /// How far the pen advances after it, font units.
     pub advance: f64,
 }
 
@@ -40,12 +40,12 @@ pub struct Encoding {
     pub names: BTreeMap<u32, String>,
 }
 
-/// A glyph at its place in a line or block of text.
+/// A glyph at its position in a line or block of text.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlacedGlyph {
     /// The outline.
     pub figure: Arc<Figure>,
-    /// Where its origin goes, font units.
+    /// Position of its origin, font units.
     pub pen: DVec2,
 }
 
@@ -54,25 +54,25 @@ pub struct PlacedGlyph {
 pub struct Line {
     /// Its glyphs; the line's pen starts at the origin and runs toward +x.
     pub glyphs: Vec<PlacedGlyph>,
-    /// Where the pen stops, without the spacing behind the last glyph, font units.
+    /// Final pen position, without the spacing after the last glyph, font units.
     pub advance: f64,
 }
 
-/// On which side the lines of a text are flush, and which of their points is over the origin.
+/// Alignment of lines of text, and which of their points is at the origin's x.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Align {
-    /// Lines begin over the origin.
+    /// Lines begin at the origin's x.
     #[default]
     Left,
-    /// The lines' middles are over the origin.
+    /// The lines' middles are at the origin's x.
     Center,
-    /// Lines end over the origin.
+    /// Lines end at the origin's x.
     Right,
 }
 
 impl Align {
-    /// Puts lines under each other, each `leading` font units below the one before; the pen of
-    /// the first is on y = 0.
+    /// Stacks lines, each `leading` font units below the previous one; the pen of the first is at
+    /// y = 0.
     pub fn stack(self, lines: impl IntoIterator<Item = Line>, leading: f64) -> Vec<PlacedGlyph> {
         let before = match self {
             Align::Left => 0.0,
@@ -90,7 +90,7 @@ impl Align {
     }
 }
 
-/// How text lies in space.
+/// Placement of text in space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextFrame {
     /// World position of the pen's origin, on the front plane.
@@ -116,7 +116,7 @@ impl TextFrame {
         }
     }
 
-    /// The prisms of placed glyphs; those without contours, such as blanks, leave nothing.
+    /// The prisms of placed glyphs; those without contours, such as blanks, produce none.
     pub fn prisms(&self, glyphs: &[PlacedGlyph], material: MaterialId) -> Vec<Prism> {
         let inked = glyphs.iter().filter(|g| !g.figure.contours.is_empty());
         let prism = |g: &PlacedGlyph| Prism {
@@ -128,7 +128,7 @@ impl TextFrame {
     }
 }
 
-/// Why a string cannot be set.
+/// Why a string cannot be laid out.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum TextError {
@@ -158,15 +158,15 @@ impl fmt::Display for TextError {
 
 impl std::error::Error for TextError {}
 
-/// Advance of a blank, which no font draws, font units.
+/// Advance of a blank, for which fonts have no glyph, font units.
 const BLANK: f64 = 0.5;
 
 impl Font {
-    /// Sets one line as RTRACE does: glyph after glyph, `spacing` font units more between them,
-    /// no kerning. `/name/` sets the glyph of that name; blanks need no glyph.
+    /// Lays out one line as RTRACE does: glyph after glyph, `spacing` extra font units between
+    /// them, no kerning. `/name/` selects the glyph of that name; blanks need no glyph.
     ///
     /// # Errors
-    /// [`TextError`]: a character or a name that leads to no glyph.
+    /// [`TextError`]: a character or a name without a glyph.
     pub fn lay_out(
         &self,
         text: &str,

@@ -1,4 +1,4 @@
-//! Triangles sorted in space: which is nearest, and which does a line cross?
+//! A bounding volume hierarchy over triangles, for nearest points and crossings.
 
 use crate::Mesh;
 use crate::math::Aabb;
@@ -7,16 +7,16 @@ use glam::DVec3;
 /// Triangles in a leaf of the tree.
 const LEAF: usize = 4;
 
-/// Normals that agree less than this belong to another side of an edge.
+/// Normals whose cosine is below this belong to different sides of an edge.
 const SAME_SIDE_COSINE: f64 = 0.7;
 
-/// The triangles of a mesh, sorted so that few are looked at.
+/// The triangles of a mesh in a bounding volume hierarchy.
 ///
-/// Pictures trace exact shapes and read their light on polygons that lie a chord's error away:
-/// this finds the place.
+/// The second pass traces exact shapes and reads their irradiance from the proxy mesh, which lies a
+/// chord error away: this tree finds the nearest point of it.
 #[derive(Clone, Debug, Default)]
 pub struct TriangleTree {
-    nodes: Vec<Node>,
+    nodes: Vec<TreeNode>,
     triangles: Vec<MeshTriangle>,
     corners: Vec<[DVec3; 3]>,
 }
@@ -26,7 +26,7 @@ pub struct TriangleTree {
 pub struct MeshTriangle {
     /// The face.
     pub face: u32,
-    /// Which of [`Mesh::triangulate`]'s.
+    /// Its index among those of [`Mesh::triangulate`].
     pub triangle: u32,
     /// Its corners, counted within the face.
     pub corners: [u32; 3],
@@ -35,33 +35,33 @@ pub struct MeshTriangle {
 /// A point on a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OnTriangle {
-    /// Which triangle of the tree.
+    /// Index of the triangle in the tree.
     pub index: u32,
     /// Weight of its corner 1.
     pub u: f64,
     /// Weight of its corner 2.
     pub v: f64,
-    /// Where.
+    /// World position.
     pub position: DVec3,
-    /// How far from what was asked for.
+    /// Distance from the query point.
     pub distance: f64,
 }
 
 #[derive(Clone, Debug)]
-struct Node {
+struct TreeNode {
     bounds: Aabb,
     /// For a leaf its triangles; for others the second child, the first one follows at once.
-    content: Content,
+    content: NodeContent,
 }
 
 #[derive(Clone, Debug)]
-enum Content {
+enum NodeContent {
     Leaf(std::ops::Range<u32>),
     Children(u32),
 }
 
 impl TriangleTree {
-    /// Sorts the triangles of a mesh that have an area.
+    /// Builds the tree of the triangles of a mesh, without those of zero area.
     pub fn new(mesh: &Mesh) -> TriangleTree {
         let (mut triangles, mut points, mut split) = (Vec::new(), Vec::new(), Vec::new());
         for (face, ring) in (0..).zip(mesh.faces.iter()) {
@@ -79,7 +79,7 @@ impl TriangleTree {
         TriangleTree::of(triangles, points)
     }
 
-    /// Sorts triangles that need not be a mesh's; those without area are left out.
+    /// Builds the tree of any triangles; those of zero area are left out.
     pub(crate) fn of(mut triangles: Vec<MeshTriangle>, points: Vec<[DVec3; 3]>) -> TriangleTree {
         let has_area = |points: &[DVec3; 3]| {
             let normal = normal(points);
@@ -101,12 +101,12 @@ impl TriangleTree {
         tree
     }
 
-    /// Halves by the middle of the longest side of the centres' box.
+    /// Splits at the median along the longest side of the box of the centres.
     fn build(&mut self, order: &mut [u32], first: u32) {
         let corners = |k: &u32| self.corners[*k as usize];
         let bounds = Aabb::around(order.iter().flat_map(corners));
         let node = self.nodes.len();
-        let content = Content::Leaf(first..first + order.len() as u32);
+        let content = NodeContent::Leaf(first..first + order.len() as u32);
         let centre = |k: &u32| corners(k).iter().sum::<DVec3>();
         let size = Aabb::around(order.iter().map(centre)).size();
         let axis = (0..3).fold(0, |best, k| if size[k] > size[best] { k } else { best });
@@ -117,11 +117,11 @@ impl TriangleTree {
                 p.total_cmp(&q).then(a.cmp(b))
             });
         }
-        self.nodes.push(Node { bounds, content });
+        self.nodes.push(TreeNode { bounds, content });
         if order.len() > LEAF {
             let (low, high) = order.split_at_mut(middle);
             self.build(low, first);
-            self.nodes[node].content = Content::Children(self.nodes.len() as u32);
+            self.nodes[node].content = NodeContent::Children(self.nodes.len() as u32);
             self.build(high, first + middle as u32);
         }
     }
@@ -136,7 +136,7 @@ impl TriangleTree {
         self.triangles.is_empty()
     }
 
-    /// What a triangle of the tree is in its mesh.
+    /// Where a triangle of the tree comes from in its mesh.
     pub fn triangle(&self, index: u32) -> MeshTriangle {
         self.triangles[index as usize]
     }
@@ -144,7 +144,8 @@ impl TriangleTree {
     /// The nearest point of a triangle whose front faces along the unit vector `normal`; if no
     /// triangle does, the nearest of all. `None` in an empty tree.
     ///
-    /// Of several at one distance it is the first in the tree, whatever the order of search.
+    /// Of several at the same distance it is the first in the tree, so that the result does not
+    /// depend on the order of search.
     pub fn nearest(&self, point: DVec3, normal: DVec3) -> Option<OnTriangle> {
         let agrees = |k: u32| {
             let own = self::normal(&self.corners[k as usize]).normalize();
@@ -164,7 +165,7 @@ impl TriangleTree {
                 continue;
             }
             match node.content {
-                Content::Leaf(ref range) => {
+                NodeContent::Leaf(ref range) => {
                     for k in range.clone() {
                         let found = on_triangle(k, &self.corners[k as usize], point);
                         let nearer = best
@@ -175,7 +176,7 @@ impl TriangleTree {
                         }
                     }
                 }
-                Content::Children(second) => {
+                NodeContent::Children(second) => {
                     let far = |c: u32| distance_to(&self.nodes[c as usize].bounds, point);
                     let (a, b) = (n + 1, second);
                     // The nearer one comes off the stack first.
@@ -186,7 +187,7 @@ impl TriangleTree {
         best
     }
 
-    /// Visits the triangles whose boxes reach into `bounds`.
+    /// Visits the triangles whose boxes overlap `bounds`.
     pub fn for_each_in(&self, bounds: &Aabb, mut visit: impl FnMut(u32, &[DVec3; 3])) {
         let apart = |a: &Aabb| a.min.cmpgt(bounds.max).any() || a.max.cmplt(bounds.min).any();
         self.walk(apart, |k, corners| {
@@ -196,8 +197,8 @@ impl TriangleTree {
         });
     }
 
-    /// Whether a point is inside of the closed surface that the triangles make. By the parity of
-    /// crossings along three lines: two of them agree, even if one grazes an edge.
+    /// Whether a point is inside the closed surface that the triangles form: by the parity of
+    /// crossings along three lines, of which two agree even if one grazes an edge.
     pub fn contains(&self, point: DVec3) -> bool {
         let lines = [
             DVec3::new(0.57731, 0.30217, 0.75934),
@@ -229,12 +230,12 @@ impl TriangleTree {
             let node = &self.nodes[n as usize];
             match node.content {
                 _ if skip(&node.bounds) => {}
-                Content::Leaf(ref range) => {
+                NodeContent::Leaf(ref range) => {
                     range
                         .clone()
                         .for_each(|k| visit(k, &self.corners[k as usize]));
                 }
-                Content::Children(second) => stack.extend([second, n + 1]),
+                NodeContent::Children(second) => stack.extend([second, n + 1]),
             }
         }
     }

@@ -1,4 +1,4 @@
-//! The triangles of a face: one answer for tracer, patches and renderer.
+//! Triangulation of faces, the same for tracer, patches and renderer.
 
 use crate::Mesh;
 use crate::math::{Frame, area_vector};
@@ -120,7 +120,7 @@ fn convex_fan(flat: &[DVec2]) -> Option<Vec<Corners>> {
     (best_area > 0.0).then(|| fan(n, best))
 }
 
-/// How often the outline turns around: 1 for a simple polygon, 2 for a pentagram.
+/// Turning number of the outline: 1 for a simple polygon, 2 for a pentagram.
 fn turns(flat: &[DVec2]) -> f64 {
     let n = flat.len();
     let edge = |k: usize| flat[(k + 1) % n] - flat[k % n];

@@ -51,7 +51,7 @@ impl Scene {
     /// 5. Primitives' maps are invertible, cone tops in 0..=1, `ior > 0`, units > 0.
     ///    Prisms' figures are finite and their maps invertible; both sides of a set operation hold
     ///    something, all of it closed; meshes in it are of one material, and every edge of theirs
-    ///    has two faces; operations nest at most 256 deep. A skin is of its solids' materials.
+    ///    has two faces; operations nest at most 256 deep. A proxy mesh has its solids' materials only.
     /// 6. A camera's eye, target and up span a plane; its field of view is in 0..π.
     /// 7. Background and fog are not negative; fog has a visibility > 0.
     /// 8. RTRACE's numbers, if there are any, name surfaces that exist and span a picture.

@@ -1,15 +1,15 @@
-//! Speed of building and tracing, beside Embree's where that is installed.
+//! Speed of building and tracing, beside Embree's if that is built in and installed.
 //!
-//! `cargo bench -p azulejo-trace --bench rays --features embree -- [room|model|cornell] [quick]`. Everything runs on one
-//! thread and is measured in CPU time where the system tells it (Linux), so that other work on
-//! the machine matters less; each figure is the median of several repetitions that alternate
-//! between the two. Ratios above 1 are in azulejo's favour.
+//! `cargo bench -p azulejo-trace --bench rays -- [room|model|cornell] [quick]`; with
+//! `--features embree` Embree's rows are printed too. Everything runs on one thread and is
+//! measured in CPU time where the system reports it (Linux), so that other work on the machine
+//! matters less; each figure is the median of several repetitions that alternate between the two.
+//! Ratios above 1 are in azulejo's favour.
 #![allow(clippy::print_stdout, reason = "a benchmark prints its table")]
 
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_scene::synthetic::{self, CornellVariant};
 use azulejo_scene::{Scene, Shape};
-use azulejo_trace::embree::{Embree, EmbreeScene};
 use azulejo_trace::{KernelHit, KernelRay, Tracer};
 use glam::DVec3;
 use std::time::Instant;
@@ -18,38 +18,38 @@ fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let quick = words.iter().any(|w| w == "quick");
     let repetitions = if quick { 3 } else { 9 };
-    let embree = Embree::load(None);
+    let embree = rival::find();
     match &embree {
         Ok(embree) => println!(
             "Embree {} found: ratios are azulejo / Embree.",
             embree.version()
         ),
-        Err(error) => println!("Absolute figures only: {error}."),
+        Err(reason) => println!("Absolute figures only: {reason}."),
     }
     println!("build: M triangles/s; trace: M rays/s; one thread, CPU time\n");
     let mut wanted = words
         .iter()
         .filter(|w| *w != "quick" && !w.starts_with('-'));
     let wanted: Option<&String> = wanted.next();
-    let run = |name: &str, make: &dyn Fn() -> Scene, kind: Kind| {
+    let run = |name: &str, make: &dyn Fn() -> Scene, start: Start| {
         if wanted.is_none_or(|w| name.contains(w.as_str())) {
-            measure(name, &make(), kind, repetitions, embree.as_ref().ok());
+            measure(name, &make(), start, repetitions, embree.as_ref().ok());
         }
     };
     let room = || synthetic::furnished_room(250_000);
-    run("room 250k, cosine", &room, Kind::Surface);
+    run("room 250k, cosine", &room, Start::Surface);
     let model = || synthetic::displaced_sphere(1_500_000);
-    run("model 1.5M, primary", &model, Kind::Primary);
+    run("model 1.5M, primary", &model, Start::Primary);
     let cornell = || synthetic::cornell_box(CornellVariant::Diffuse);
-    run("cornell box, cosine", &cornell, Kind::Surface);
+    run("cornell box, cosine", &cornell, Start::Surface);
 }
 
 /// Where rays start.
 #[derive(Clone, Copy, PartialEq)]
-enum Kind {
+enum Start {
     /// Cosine-distributed rays from random surface points; for any hit, segments between them.
     Surface,
-    /// A camera of odd width that looks along an axis; the same rays for any hit.
+    /// A camera of odd width, directed along an axis; the same rays for any hit.
     Primary,
 }
 
@@ -70,31 +70,29 @@ struct Runs {
     any: Vec<f64>,
 }
 
-fn measure(name: &str, scene: &Scene, kind: Kind, repetitions: usize, embree: Option<&Embree>) {
+fn measure(
+    name: &str,
+    scene: &Scene,
+    start: Start,
+    repetitions: usize,
+    embree: Option<&rival::Embree>,
+) {
     let (tracer, seconds) = on_one_thread(|| {
         let mut tracer = None;
         let seconds = cpu_seconds(|| tracer = Some(Tracer::new(scene)));
         (tracer.expect("built"), seconds)
     });
-    let soup = Soup::new(scene, &tracer);
+    let soup = TriangleSoup::new(scene, &tracer);
     let millions = soup.triangles.len() as f64 * 1e-6;
     println!("{name}: {} triangles", soup.triangles.len());
     println!("  build azulejo        {:7.2}", millions / seconds);
-    let rays = rays(&tracer, &soup, kind);
+    let rays = rays(&tracer, &soup, start);
     let mut ours = Runs::default();
-    let mut rivals: Vec<(&str, EmbreeScene, Runs)> = Vec::new();
+    let mut rivals: Vec<(&str, rival::EmbreeScene, Runs)> = Vec::new();
     for (label, robust) in [("Embree", false), ("Embree robust", true)] {
         let Some(embree) = embree else { break };
-        let triangle = |k: usize| {
-            (
-                soup.triangles[k].map(|v| soup.vertices[v as usize]),
-                k as u32,
-            )
-        };
         let mut built = None;
-        let seconds = cpu_seconds(|| {
-            built = EmbreeScene::new(embree, soup.triangles.len(), triangle, robust).ok();
-        });
+        let seconds = cpu_seconds(|| built = rival::build(embree, &soup, robust));
         if let Some(scene) = built {
             println!("  build {label:14} {:7.2}", millions / seconds);
             rivals.push((label, scene, Runs::default()));
@@ -172,7 +170,7 @@ impl Runs {
     }
 }
 
-/// Rays whose hits differ: one misses, or another triangle is met at another distance. The two
+/// Rays whose hits differ: one misses, or another triangle is hit at another distance. The two
 /// triangles of a shared edge are both right.
 fn differing(ours: &[KernelHit], theirs: &[KernelHit]) -> usize {
     let differ = |(a, b): &(&KernelHit, &KernelHit)| {
@@ -183,15 +181,15 @@ fn differing(ours: &[KernelHit], theirs: &[KernelHit]) -> usize {
 
 /// A scene's triangles in the tracer's own coordinates and in the order of its items, so that
 /// both tracers get the same numbers.
-struct Soup {
+struct TriangleSoup {
     vertices: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
     corners: Vec<[DVec3; 3]>,
 }
 
-impl Soup {
-    fn new(scene: &Scene, tracer: &Tracer) -> Soup {
-        let mut soup = Soup {
+impl TriangleSoup {
+    fn new(scene: &Scene, tracer: &Tracer) -> TriangleSoup {
+        let mut soup = TriangleSoup {
             vertices: Vec::new(),
             triangles: Vec::new(),
             corners: Vec::new(),
@@ -225,8 +223,8 @@ impl Soup {
     }
 }
 
-fn rays(tracer: &Tracer, soup: &Soup, kind: Kind) -> Rays {
-    if kind == Kind::Primary {
+fn rays(tracer: &Tracer, soup: &TriangleSoup, start: Start) -> Rays {
+    if start == Start::Primary {
         let size = 701;
         let at = |k: usize| (k as f64 + 0.5) / f64::from(size) - 0.5;
         let ray = |k: usize| {
@@ -267,16 +265,64 @@ fn rays(tracer: &Tracer, soup: &Soup, kind: Kind) -> Rays {
     }
 }
 
-/// SplitMix64; numbers in 0..1.
+/// Embree, loaded at run time.
+#[cfg(feature = "embree")]
+mod rival {
+    pub use azulejo_trace::embree::{Embree, EmbreeScene};
+
+    pub fn find() -> Result<Embree, String> {
+        Embree::load(None).map_err(|error| error.to_string())
+    }
+
+    pub fn build(embree: &Embree, soup: &super::TriangleSoup, robust: bool) -> Option<EmbreeScene> {
+        let triangle = |k: usize| {
+            let corners = soup.triangles[k].map(|v| soup.vertices[v as usize]);
+            (corners, k as u32)
+        };
+        EmbreeScene::new(embree, soup.triangles.len(), triangle, robust).ok()
+    }
+}
+
+/// There is no value of these types: Embree is not built in.
+#[cfg(not(feature = "embree"))]
+mod rival {
+    use super::{KernelHit, KernelRay};
+
+    pub enum Embree {}
+
+    pub enum EmbreeScene {}
+
+    pub fn find() -> Result<Embree, String> {
+        Err("Embree's rows need `--features embree`, and Embree installed".to_owned())
+    }
+
+    pub fn build(embree: &Embree, _: &super::TriangleSoup, _: bool) -> Option<EmbreeScene> {
+        match *embree {}
+    }
+
+    impl Embree {
+        pub fn version(&self) -> String {
+            match *self {}
+        }
+    }
+
+    impl EmbreeScene {
+        pub fn closest(&self, _: &[KernelRay], _: &mut [KernelHit]) {
+            match *self {}
+        }
+
+        pub fn any(&self, _: &[KernelRay], _: &mut [bool]) {
+            match *self {}
+        }
+    }
+}
+
+/// Random numbers in 0..1, from a seed.
 struct Random(u64);
 
 impl Random {
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+        azulejo_scene::random::split_mix64(&mut self.0)
     }
 }
 

@@ -1,33 +1,33 @@
-//! Follows rays through mirrors and glass, and by chance from glossy surfaces, to everything that
-//! they see.
+//! Follows paths through mirrors and glass, and by chance from glossy surfaces, to every surface
+//! that they reach.
 
+use crate::interaction::{Branching, Continuation, Roulette, SPLIT_DEPTH, SurfaceInteraction};
 use crate::sampling::{hash, uniform};
-use crate::{Hit, KernelHit, KernelRay, Surfaces};
+use crate::{KernelHit, KernelRay, Surfaces, Tracer};
 use azulejo_scene::brdf::Lobes;
-use azulejo_scene::fresnel;
-use azulejo_scene::math::{Frame, Ray, reflect};
+use azulejo_scene::math::Frame;
 use azulejo_scene::{Dielectric, Material, Rgb};
 use glam::DVec3;
 
-/// A ray on its way, and what it stands for.
+/// A ray of a path, and what the path carries.
 #[derive(Clone, Copy, Debug)]
 pub struct Path {
-    /// Where it goes next.
+    /// The next ray.
     pub ray: KernelRay,
-    /// Whatever the caller wants to know when the path arrives.
+    /// Chosen by the caller and handed back with every event.
     pub id: u32,
     /// Share of the light that this path carries, per channel.
     pub weight: Rgb,
-    /// What it met so far.
+    /// What lies between the start of the path and this ray.
     pub via: Via,
-    /// Interfaces met so far.
+    /// Interfaces passed so far.
     pub depth: u16,
-    /// Density of the ray's direction, 1/sr, if a glossy surface sent it there by chance; 0
-    /// otherwise. What is also looked for by other ways is weighted by it.
+    /// Density of the ray's direction, 1/sr, if it was sampled from glossy lobes; 0 otherwise.
+    /// Multiple importance sampling weights by it the light that next event estimation finds too.
     pub density: f32,
 }
 
-/// What stood between the start of a path and where it is now.
+/// What lies between the start of a path and its current ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Via {
     /// Nothing.
@@ -41,17 +41,18 @@ pub enum Via {
 /// What happened to a path.
 #[derive(Clone, Copy, Debug)]
 pub enum Event {
-    /// It reached a surface, with its whole weight; what the surface mirrors or transmits goes
-    /// on (additive model, Sillion and Puech 1989).
+    /// It reached a surface, with its whole weight; what the surface mirrors or transmits
+    /// continues (additive model, Sillion and Puech 1989).
     Surface {
-        /// Where.
+        /// The surface point.
         hit: KernelHit,
         /// Whether it arrived at the front.
         front: bool,
     },
-    /// The surface kept the path's weight beyond what its material tells. Of coloured glass it
-    /// is what it neither mirrored nor let pass. Other surfaces keep 1 − ρ_d − ρ_s of what
-    /// reaches them; glossy ones keep less, by what they send on, and this weight is negative.
+    /// The surface absorbed the path's weight in addition to what its material's reflectances
+    /// imply. Coloured glass absorbs what it neither mirrors nor transmits. Other surfaces absorb
+    /// 1 − ρ_d − ρ_s of what reaches them; glossy ones absorb less, by what they send on, and
+    /// this weight is negative.
     Absorbed,
     /// It left the scene.
     Escape,
@@ -60,18 +61,16 @@ pub enum Event {
 }
 
 /// A path is dropped, and its weight reported as [`Event::Cut`], below this share of the heaviest
-/// path that it set out with: weights have a unit, and most are divided by the number of paths.
+/// path of its batch: weights have a unit, and most are divided by the number of paths.
 pub const WEIGHT_CUT: f64 = 1e-6;
 
 /// A path is dropped after this many interfaces: facing perfect mirrors would hold it forever.
 pub const DEPTH_CUT: u16 = 1000;
 
-/// Dielectrics split a path in two at its first interfaces; later ones choose one branch.
-const SPLIT_DEPTH: u16 = 2;
-
-/// Below this share of the heaviest path, one that leaves a glossy surface lives on by chance with
-/// this weight: rooms of glossy walls end, and the mean stays right.
-const ROULETTE: f64 = 0.01;
+/// A surface that both mirrors and has lobes splits a path at its first interface alone: the
+/// noise of later choices averages out over the many paths of a row, and what they would cost
+/// does not.
+const MIRROR_SPLIT_DEPTH: u32 = 1;
 
 /// Working memory of [`follow`], kept between calls to save allocations.
 #[derive(Default)]
@@ -81,13 +80,13 @@ pub struct Scratch {
     next: Vec<Path>,
 }
 
-/// Traces `paths` to their ends and tells `on_event` of every surface they reach.
+/// Traces `paths` to their ends and reports every surface they reach to `on_event`.
 ///
 /// Per path the shares add up: what is deposited at surfaces times what these absorb or reflect
 /// diffusely, what escapes and what is cut make the weight it started with. Empties `paths`.
 /// The order of events depends on the paths alone. `seed` keys the choices at glass and on glossy
-/// surfaces, from which a path goes on in one direction, drawn in proportion to what its lobes
-/// reflect.
+/// surfaces, from which a path continues in one direction, sampled in proportion to what its
+/// lobes reflect.
 pub fn follow(
     surfaces: &Surfaces,
     paths: &mut Vec<Path>,
@@ -115,16 +114,18 @@ pub fn follow(
                 },
             );
             if surfaces.is_specular(hit.item) {
-                let meeting = Meeting {
+                let specular = SpecularHit {
                     path,
-                    hit,
+                    item: hit.item,
+                    material: surfaces.material(hit.item),
+                    at: SurfaceInteraction::new(surfaces.tracer, &path.ray, hit),
                     key: hash(&[seed, wave, index as u32]),
                     heaviest,
                 };
-                meeting.go_on(surfaces, |next| match next {
-                    Next::Path(p) => scratch.next.push(p),
-                    Next::Weak(rest) => on_event(&rest, Event::Cut),
-                    Next::Kept(kept) => on_event(&kept, Event::Absorbed),
+                specular.scatter(surfaces, |outcome| match outcome {
+                    Outcome::Path(next) => scratch.next.push(next),
+                    Outcome::Weak(rest) => on_event(&rest, Event::Cut),
+                    Outcome::Absorbed(absorbed) => on_event(&absorbed, Event::Absorbed),
                 });
             }
         }
@@ -134,149 +135,118 @@ pub fn follow(
     }
 }
 
-/// What becomes of a path at a mirror or glass.
-enum Next {
-    /// A part that goes on.
+/// What becomes of a path at a specular or glossy surface.
+enum Outcome {
+    /// A part that continues.
     Path(Path),
     /// A part that is too weak to follow.
     Weak(Path),
-    /// What the glass keeps.
-    Kept(Path),
+    /// What the surface absorbs.
+    Absorbed(Path),
 }
 
-/// A path at a mirror, glass or a glossy surface.
-struct Meeting<'p> {
+/// A path at a mirror, a dielectric or a glossy surface.
+struct SpecularHit<'p> {
     path: &'p Path,
-    hit: &'p KernelHit,
+    item: u32,
+    material: &'p Material,
+    at: SurfaceInteraction,
     /// Keys its random numbers.
     key: u32,
     /// Weight of the heaviest path that set out with it.
     heaviest: f64,
 }
 
-/// A direction that a path goes on in.
-struct Way {
-    direction: DVec3,
-    share: Rgb,
-    via: Via,
-    density: f64,
-}
-
-impl Way {
-    /// The same, taken with that probability.
-    fn over(self, odds: f64) -> Way {
-        Way {
-            share: self.share / odds,
-            ..self
-        }
-    }
-
-    fn sharp(direction: DVec3, share: Rgb, via: Via) -> Way {
-        Way {
-            direction,
-            share,
-            via,
-            density: 0.0,
-        }
-    }
-}
-
-impl Meeting<'_> {
-    /// The parts that the path is divided into; those too light to follow are weak.
-    fn go_on(&self, surfaces: &Surfaces, mut push: impl FnMut(Next)) {
-        let ray = surfaces.tracer.world_ray(&self.path.ray);
-        let at = surfaces.tracer.resolve(&ray, self.hit);
-        let direction = ray.direction.normalize();
-        let facing = if at.entering { at.normal } else { -at.normal };
-        let material = surfaces.material(self.hit.item);
-        let send = |way: Way| push(self.next(surfaces, &at, facing, way));
+impl SpecularHit<'_> {
+    /// Divides the path into the parts that continue, are cut and are absorbed.
+    fn scatter(&self, surfaces: &Surfaces, mut push: impl FnMut(Outcome)) {
+        let material = self.material;
+        let send = |next: Continuation| push(self.next(surfaces.tracer, next));
         match material.dielectric {
             Some(glass) => {
-                let kept = self.at_glass(material, &glass, (direction, facing), &at, send);
-                if kept.max_channel() > f64::EPSILON {
-                    push(Next::Kept(self.kept(kept)));
+                let absorbed = self.at_glass(&glass, send);
+                if absorbed.max_channel() > f64::EPSILON {
+                    push(Outcome::Absorbed(self.absorbed(absorbed)));
                 }
             }
             None => {
-                let sent = self.at_surface(surfaces, material, &at, (direction, facing), send);
+                let sent = self.at_surface(surfaces, send);
                 if sent != material.mirror {
-                    push(Next::Kept(self.kept(material.mirror - sent)));
+                    push(Outcome::Absorbed(self.absorbed(material.mirror - sent)));
                 }
             }
         }
+    }
+
+    /// Sends what glass mirrors and passes; returns the share that it absorbs.
+    fn at_glass(&self, glass: &Dielectric, send: impl FnMut(Continuation)) -> Rgb {
+        let interface = self.at.dielectric(glass, self.material.mirror);
+        let depth = self.path.depth.into();
+        let next = interface.continuations(depth, SPLIT_DEPTH, || self.chance(0));
+        next.into_iter().flatten().for_each(send);
+        interface.absorbed()
     }
 
     /// Sends what a surface mirrors and what its glossy lobes reflect; returns the share that was
     /// sent on.
-    ///
-    /// At the first interface a path is divided in two where a surface does both; later it takes
-    /// one way by chance, or rooms of such surfaces would hold twice as many paths each time.
-    fn at_surface(
-        &self,
-        surfaces: &Surfaces,
-        material: &Material,
-        at: &Hit,
-        (direction, facing): (DVec3, DVec3),
-        mut send: impl FnMut(Way),
-    ) -> Rgb {
-        let via = match self.path.via {
-            Via::Direct => Via::Mirror(self.hit.item),
-            _ => Via::Many,
-        };
-        let mirror = Way::sharp(reflect(direction, facing), material.mirror, via);
+    fn at_surface(&self, surfaces: &Surfaces, mut send: impl FnMut(Continuation)) -> Rgb {
+        let material = self.material;
+        let mirror = self.at.mirrored(material.mirror);
         let Some(lobes) = material.glossy() else {
             send(mirror);
             return material.mirror;
         };
-        let frame = surfaces.frame(at, facing);
-        let wo = frame.to_local(-direction);
-        let mirrored = material.mirror.mean();
-        let divides = self.path.depth == 0 || mirrored == 0.0;
-        let odds = match divides {
-            true => 1.0,
-            false => mirrored / (mirrored + lobes.likely(wo)),
-        };
-        let takes_mirror = mirrored > 0.0 && (divides || self.chance(4) < odds);
-        let takes_lobe = divides || !takes_mirror;
-        let ways = [
-            takes_mirror.then(|| mirror.over(odds)),
-            takes_lobe
-                .then(|| self.scattered(lobes, &frame, wo))
-                .flatten()
-                .map(|way| way.over(if divides { 1.0 } else { 1.0 - odds })),
-        ];
+        let frame = self.at.frame(surfaces);
+        let wo = frame.to_local(-self.at.direction);
+        let splits = u32::from(self.path.depth) < MIRROR_SPLIT_DEPTH;
+        let branching = Branching::new(splits, material.mirror.mean(), || lobes.likely(wo));
+        let (of_mirror, of_lobes) = branching.choose(|| self.chance(4));
+        let mirror = of_mirror.map(|probability| mirror.over(probability));
+        let scattered = of_lobes.and_then(|probability| {
+            // The density stays that of the lobes alone: next event estimation, which it is
+            // weighted against, does not know of the choice.
+            Some(self.sampled(lobes, &frame, wo)?.over(probability))
+        });
         let mut sent = Rgb::BLACK;
-        for (k, way) in ways.into_iter().flatten().enumerate() {
-            if let Some(way) = self.survivor(way, 5 + k as u32) {
-                sent += way.share;
-                send(way);
+        let next = [mirror, scattered].into_iter().flatten();
+        for (k, next) in next.enumerate() {
+            if let Some(next) = self.survivor(next, 5 + k as u32) {
+                sent += next.weight;
+                send(next);
             }
         }
         sent
     }
 
-    /// The part that goes on in that way.
-    fn next(&self, surfaces: &Surfaces, at: &Hit, facing: DVec3, way: Way) -> Next {
-        let weight = self.path.weight * way.share;
-        let side = facing * 1f64.copysign(way.direction.dot(facing));
-        let ray = Ray::new(surfaces.tracer.leaving(at.position, side), way.direction);
+    /// The part that continues in that direction.
+    fn next(&self, tracer: &Tracer, next: Continuation) -> Outcome {
+        let weight = self.path.weight * next.weight;
         let next = Path {
-            ray: surfaces.tracer.kernel_ray(&ray),
+            ray: self.at.spawn_ray(tracer, next.direction),
             id: self.path.id,
             weight,
-            via: way.via,
+            via: self.via(&next),
             depth: self.path.depth + 1,
-            density: way.density as f32,
+            density: next.density as f32,
         };
         let least = WEIGHT_CUT * self.heaviest;
         if weight.max_channel() > least && next.depth < DEPTH_CUT {
-            Next::Path(next)
+            Outcome::Path(next)
         } else {
-            Next::Weak(next)
+            Outcome::Weak(next)
         }
     }
 
-    fn kept(&self, share: Rgb) -> Path {
+    /// What stands between the start of the path and where it continues.
+    fn via(&self, next: &Continuation) -> Via {
+        let is_mirrored = self.material.dielectric.is_none() && next.density == 0.0;
+        match self.path.via {
+            Via::Direct if is_mirrored => Via::Mirror(self.item),
+            _ => Via::Many,
+        }
+    }
+
+    fn absorbed(&self, share: Rgb) -> Path {
         Path {
             weight: self.path.weight * share,
             ..*self.path
@@ -287,85 +257,32 @@ impl Meeting<'_> {
         uniform(&[self.key, dimension]).into()
     }
 
-    /// A direction drawn from glossy lobes; `None` if it is lost below the surface.
-    fn scattered(&self, lobes: &Lobes, frame: &Frame, wo: DVec3) -> Option<Way> {
+    /// A direction sampled from glossy lobes; `None` if it falls below the surface.
+    fn sampled(&self, lobes: &Lobes, frame: &Frame, wo: DVec3) -> Option<Continuation> {
         let sample = lobes.sample(wo, [0, 1, 2].map(|d| self.chance(d)))?;
-        Some(Way {
+        Some(Continuation {
             direction: frame.to_world(sample.wi),
-            share: sample.weight,
-            via: Via::Many,
+            weight: sample.weight,
             density: sample.pdf,
         })
     }
 
-    /// Russian roulette: a way that carries little goes on by chance, and is heavier then.
-    fn survivor(&self, way: Way, dimension: u32) -> Option<Way> {
-        let weight = (self.path.weight * way.share).max_channel();
-        let odds = (weight / (ROULETTE * self.heaviest)).min(1.0);
-        // A weight of zero has no odds at all.
-        (self.chance(dimension) < odds).then(|| way.over(odds))
+    /// Russian roulette relative to the heaviest path, as weights have a unit.
+    fn survivor(&self, next: Continuation, dimension: u32) -> Option<Continuation> {
+        let roulette = Roulette::below(Roulette::SHARE * self.heaviest);
+        let weight = (self.path.weight * next.weight).max_channel();
+        let survival = roulette.survival(weight, || self.chance(dimension));
+        survival.map(|odds| next.over(odds))
     }
-
-    /// Sends what glass mirrors and passes; returns the share that it keeps.
-    fn at_glass(
-        &self,
-        material: &Material,
-        glass: &Dielectric,
-        (direction, facing): (DVec3, DVec3),
-        at: &Hit,
-        mut send: impl FnMut(Way),
-    ) -> Rgb {
-        let (mirrored, passed) = glass_shares(glass, direction, facing, at.entering);
-        let reflected_share = material.mirror * mirrored.0;
-        let sharp = |direction, share| Way::sharp(direction, share, Via::Many);
-        match passed {
-            None => send(sharp(mirrored.1, reflected_share)),
-            Some((direction_in, passed_share)) if self.path.depth < SPLIT_DEPTH => {
-                send(sharp(mirrored.1, reflected_share));
-                send(sharp(direction_in, passed_share));
-            }
-            Some(_) if self.chance(0) < mirrored.0 => {
-                send(sharp(mirrored.1, material.mirror));
-            }
-            Some((direction_in, passed_share)) => {
-                send(sharp(direction_in, passed_share / (1.0 - mirrored.0)));
-            }
-        }
-        Rgb::WHITE - reflected_share - glass.transmittance * (1.0 - mirrored.0)
-    }
-}
-
-/// Reflectance and direction of the mirrored part; direction and share of the part that passes.
-///
-/// Paths run against the light, so the share that passes into a body carries the square of the
-/// ratio of indices: L/n² is what refraction conserves. Behind a pane is the same medium as before.
-fn glass_shares(
-    glass: &Dielectric,
-    direction: DVec3,
-    facing: DVec3,
-    entering: bool,
-) -> ((f64, DVec3), Option<(DVec3, Rgb)>) {
-    let eta = if entering || glass.thin {
-        glass.ior
-    } else {
-        1.0 / glass.ior
-    };
-    let (split, density) = match glass.thin {
-        true => (fresnel::pane(direction, facing, eta), 1.0),
-        false => (fresnel::split(direction, facing, eta), eta * eta),
-    };
-    let share = glass.transmittance * ((1.0 - split.reflectance) / density);
-    let passed = split.refracted.map(|d| (d, share));
-    ((split.reflectance, split.reflected), passed)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Tracer;
+    use azulejo_scene::math::Ray;
     use azulejo_scene::{Object, Primitive, Scene, Shape};
 
-    /// What becomes of one path straight through two sheets of a material, by kind of event.
+    /// Weights of one path straight through two sheets of a material: escaped, absorbed, cut.
     fn fates(material: Material) -> [f64; 3] {
         fates_of(Rgb::WHITE, material)
     }

@@ -1,20 +1,22 @@
 //! Item buffers: which patch does each pixel of a hemicube show?
 //!
-//! A [`World`] is what is drawn: triangles that know the patch they are of, and flat mirrors. A
+//! A [`World`] is what is drawn: triangles with the numbers of their patches, and flat mirrors. A
 //! [`Device`] keeps a world in its memory and draws hemicubes of it ([`ItemBuffers::draw`]), many
 //! at a time, each reduced to shares of form factor per patch. There are two kinds of devices: the
-//! processor, which is always there, and graphics cards, which
-//! programs bring along.
+//! processor, which is always available, and graphics cards, which programs supply. They share
+//! [`UnitCube`] and [`HemicubeView`], so that both draw from the same viewpoints.
 
 #[cfg(test)]
 mod drawn_tests;
+mod face;
+mod prepared_world;
 mod processor;
 mod raster;
-mod sight;
 mod tally;
-mod world;
+mod view;
 
 pub use processor::{Processor, ProcessorBuffers};
+pub use view::{HemicubeView, LocalMirror, PatchOptics, Plane, UnitCube};
 
 use azulejo_scene::Rgb;
 use glam::DVec3;
@@ -31,7 +33,7 @@ pub struct World {
     pub mirror_of: Vec<u32>,
     /// Flat mirrors. All patches in one plane with one reflectance are one mirror.
     pub mirrors: Vec<Mirror>,
-    /// For each patch whether light goes on there in a way that item buffers cannot draw: by a
+    /// For each patch whether light continues there in a way that item buffers cannot draw: by a
     /// curved mirror or by glass. Empty: nowhere.
     pub is_bent: Vec<bool>,
     /// The direction that is up, for light that leaves the world: unit length.
@@ -61,12 +63,12 @@ pub struct Mirror {
     pub reflectance: Rgb,
 }
 
-/// A place from which a hemicube is drawn.
+/// A viewpoint from which a hemicube is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// The eye, in scene units.
+    /// The viewpoint, in scene units.
     pub eye: DVec3,
-    /// Unit normal of the side that looks.
+    /// Unit normal of the surface that it stands on.
     pub normal: DVec3,
     /// Turn of the hemicube about the normal, radians: different turns make noise of aliasing.
     pub turn: f64,
@@ -90,7 +92,7 @@ impl View {
 pub struct Settings {
     /// Pixels along the side of the top face: even, 2..=[`MOST_RESOLUTION`].
     pub resolution: u32,
-    /// What becomes of light at mirrors.
+    /// How light continues at mirrors.
     pub mirrors: Beyond,
 }
 
@@ -101,7 +103,7 @@ pub const MOST_RESOLUTION: u32 = 2048;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Beyond {
     /// Flat mirrors are windows to the reflected world, drawn in the window's pixels, whose shares
-    /// go on with the mirror's reflectance; and so on until what a pixel still carries is below
+    /// continue with the mirror's reflectance; and so on until what a pixel still carries is below
     /// `cut` times its own share in all channels, or after `depth` mirrors. What was cut is in
     /// [`Seen::cut`]. Pixels of bent patches are listed as in [`Beyond::List`], in whatever window
     /// they are; a patch that is both bent and of a mirror is bent.
@@ -111,7 +113,7 @@ pub enum Beyond {
         /// Most mirrors in a chain.
         depth: u32,
     },
-    /// Pixels of mirrors and of bent patches are listed in [`Seen::specular`], for rays to go on.
+    /// Pixels of mirrors and of bent patches are listed in [`Seen::specular`], for rays to continue.
     List,
 }
 
@@ -124,11 +126,11 @@ pub enum Beyond {
 pub struct Seen {
     /// Shares of form factor by side and order, sorted by both; each pair once.
     pub shares: Vec<Share>,
-    /// Share that meets nothing, upwards and downwards.
+    /// Share that hits nothing, upwards and downwards.
     pub escaped: [Rgb; 2],
     /// Share that was cut off between mirrors.
     pub cut: Rgb,
-    /// Pixels at which rays have to go on, by the number of mirrors on the way; their shares are in
+    /// Pixels at which rays have to continue, by the number of mirrors on the way; their shares are in
     /// `shares` too, and no share is of a patch both listed and not.
     pub specular: Vec<SpecularPixel>,
 }
@@ -147,13 +149,13 @@ pub struct Share {
 /// A pixel that shows a mirror or a bent patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpecularPixel {
-    /// Where the last leg of the sight begins: the eye, or the place at the last mirror on the
-    /// way (off its plane by rounding, towards the leg).
+    /// Where the last leg of the line of sight begins: the viewpoint, or the point on the last
+    /// mirror on the way (off its plane by rounding, towards the leg).
     pub origin: DVec3,
     /// Direction of the pixel's centre in the world, after the mirrors on the way; unit length.
     pub direction: DVec3,
     /// Distance from `origin` to what it shows, in scene units, to about 1e-4 of itself and of the
-    /// distance from the eye to `origin`.
+    /// distance from the viewpoint to `origin`.
     pub distance: f64,
     /// Twice the patch that it shows, one more for its back.
     pub side: u32,
@@ -167,7 +169,7 @@ pub struct SpecularPixel {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum DrawError {
-    /// There is no such device, or its driver refuses. Says what was looked for and what to do.
+    /// There is no such device, or its driver refuses. Names what was looked for and what to do.
     Missing(String),
     /// The world or the hemicubes exceed what the device can hold: what, its size, the limit.
     TooLarge(String),
@@ -216,7 +218,7 @@ pub trait ItemBuffers: Send + Sync {
 ///
 /// Pixel numbers: the top face row by row (y up, then x), then the upper halves of the faces
 /// towards +x, −x, +y, −y, each row by row from the horizon up. On a side face the columns run
-/// along +y, −y, −x, +x, so that each is seen from the eye with z up and the columns to the left.
+/// along +y, −y, −x, +x, so that each is seen from the viewpoint with z up and the columns to the left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hemicube {
     resolution: u32,
@@ -264,7 +266,7 @@ impl Hemicube {
         self.unnormalised(pixel).normalize()
     }
 
-    /// The point where the direction meets the cube of side 2.
+    /// The point where the direction intersects the cube of side 2.
     fn unnormalised(&self, pixel: u32) -> DVec3 {
         let n = self.resolution;
         let at = |k: u32| (2.0 * f64::from(k) + 1.0) / f64::from(n) - 1.0;

@@ -6,14 +6,14 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-/// Most measures that are kept until somebody takes them; older ones are forgotten.
+/// Most measures that are kept until they are taken; older ones are dropped.
 const MOST_MEASURES: usize = 4096;
 
-/// Counts work, holds it and stops it; shared between the worker threads and whoever watches.
+/// Counts work, pauses it and stops it; shared between the worker threads and those that watch.
 ///
 /// A worker calls [`advance`](Progress::advance) once per patch row or tile: that counts, waits
-/// while the work is paused, and asks whether to go on. A watcher reads [`done`](Progress::done),
-/// [`total`](Progress::total), [`stage`](Progress::stage) and what was
+/// while the work is paused, and returns an error once it is cancelled. A watcher reads
+/// [`done`](Progress::done), [`total`](Progress::total), [`stage`](Progress::stage) and what was
 /// [measured](Progress::take_measures), and calls [`pause`](Progress::pause),
 /// [`resume`](Progress::resume) and [`cancel`](Progress::cancel).
 #[derive(Debug, Default)]
@@ -29,7 +29,7 @@ pub struct Progress {
     measures: Mutex<VecDeque<Measured>>,
 }
 
-/// What depends on the time.
+/// The state that depends on the time.
 #[derive(Debug, Default)]
 struct Clock {
     deadline: Option<Instant>,
@@ -37,7 +37,7 @@ struct Clock {
     paused: Option<Instant>,
 }
 
-/// How good an answer is so far.
+/// How accurate a result is so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Measure {
@@ -56,16 +56,16 @@ pub enum Measure {
     /// Estimated relative RMS error of the radiosity that patches reflect.
     PatchError(f64),
     /// Estimated relative RMS error of the irradiance that is gathered; the last one is the
-    /// answer's.
+    /// result's.
     Error(f64),
 }
 
 /// A measure and when it was taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
-    /// When.
+    /// When it was taken.
     pub at: Instant,
-    /// What.
+    /// The measure.
     pub measure: Measure,
 }
 
@@ -81,7 +81,8 @@ impl fmt::Display for Cancelled {
 
 impl std::error::Error for Cancelled {}
 
-/// What a thread that panicked left is whole all the same: every change is one assignment.
+/// Locks a mutex even if a thread panicked with it: every change is one assignment, so that the
+/// value is whole all the same.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -92,15 +93,14 @@ impl Progress {
         Progress::default()
     }
 
-    /// Begins a stage of `total` steps; `stage` is a short verb for people ("form factors").
+    /// Begins a stage of `total` steps; `stage` is its short name for the user ("form factors").
     pub fn begin(&self, stage: &str, total: u64) {
         stage.clone_into(&mut lock(&self.stage));
         self.done.store(0, Ordering::Relaxed);
         self.total.store(total, Ordering::Relaxed);
     }
 
-    /// Counts `steps` and says whether to go on; waits for that while the work is
-    /// [paused](Progress::pause).
+    /// Counts `steps`; waits while the work is [paused](Progress::pause).
     ///
     /// # Errors
     /// [`Cancelled`] once [`cancel`](Progress::cancel) was called.
@@ -109,9 +109,10 @@ impl Progress {
         if self.is_paused() {
             self.wait();
         }
-        match self.is_cancelled() {
-            true => Err(Cancelled),
-            false => Ok(()),
+        if self.is_cancelled() {
+            Err(Cancelled)
+        } else {
+            Ok(())
         }
     }
 
@@ -122,10 +123,10 @@ impl Progress {
         drop(clock);
     }
 
-    /// Asks all work to stop at its next step, at once if it is paused.
+    /// Stops all work at its next step, at once if it is paused.
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
-        // With the lock in hand nobody is between asking and falling asleep.
+        // While this holds the lock no thread is between checking and falling asleep.
         let _clock = lock(&self.clock);
         self.released.notify_all();
     }
@@ -138,15 +139,15 @@ impl Progress {
     /// Makes all work sleep at its next step, until it is [resumed](Progress::resume) or
     /// cancelled. The time until then does not count against a deadline.
     ///
-    /// What sleeps are the threads that work, those of a pool too: work that may be paused beside
-    /// other work belongs in a thread pool of its own.
+    /// The threads that do the work sleep, those of a pool too: work that may be paused beside other
+    /// work belongs in a thread pool of its own.
     pub fn pause(&self) {
         let mut clock = lock(&self.clock);
         clock.paused.get_or_insert_with(Instant::now);
         self.paused.store(true, Ordering::Relaxed);
     }
 
-    /// Lets paused work go on.
+    /// Lets paused work continue.
     pub fn resume(&self) {
         let mut clock = lock(&self.clock);
         if let Some(since) = clock.paused.take() {
@@ -161,8 +162,8 @@ impl Progress {
         self.paused.load(Ordering::Relaxed)
     }
 
-    /// Sets the moment at which refinement should end with what it has; unlike
-    /// [`cancel`](Progress::cancel), the work then finishes in good order.
+    /// Sets the time at which refinement should end with what it has; unlike after
+    /// [`cancel`](Progress::cancel), the work then finishes with a result.
     pub fn set_deadline(&self, deadline: Instant) {
         let mut clock = lock(&self.clock);
         clock.deadline = Some(deadline);
@@ -191,7 +192,7 @@ impl Progress {
         lock(&self.stage).clone()
     }
 
-    /// Tells whoever watches how good the answer is so far. Whether somebody does makes no
+    /// Stores how accurate the result is so far, for those that watch. Whether anyone does makes no
     /// difference to the work.
     pub fn measured(&self, measure: Measure) {
         let mut measures = lock(&self.measures);
@@ -204,7 +205,7 @@ impl Progress {
         });
     }
 
-    /// What was measured since the last call, the oldest first; no more than the last 4096.
+    /// The measures since the last call, the oldest first; no more than the last 4096.
     pub fn take_measures(&self) -> Vec<Measured> {
         lock(&self.measures).drain(..).collect()
     }
@@ -240,7 +241,7 @@ mod tests {
         assert!(progress.is_cancelled());
     }
 
-    /// What is done once every thread has come to its next step.
+    /// The steps that are done once every thread has reached its next step.
     fn standing(progress: &Progress) -> u64 {
         let start = Instant::now();
         let mut before = progress.done();

@@ -150,7 +150,7 @@ pub fn hash(words: &[u32]) -> u32 {
     })
 }
 
-/// Independent scrambling seeds for four dimensions, from words that say what they are for.
+/// Independent scrambling seeds for four dimensions, from words that identify their use.
 pub fn seeds(words: &[u32]) -> [u32; 4] {
     let h = hash(words);
     [0, 1, 2, 3].map(|d| hash(&[h, d]))

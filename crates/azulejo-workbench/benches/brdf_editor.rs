@@ -1,13 +1,13 @@
-//! How long the editor of reflection models keeps a frame, while a parameter is dragged and all
-//! that depends on it is found anew in the background.
+//! Frame times of the BRDF editor while a parameter is dragged and everything that depends on it
+//! is recomputed in the background.
 //!
-//! Prints the median and the worst of 200 frames for each model, in milliseconds of wall time: the
-//! widgets with their texts and shapes, without drawing them on a card. An argument selects the
-//! models whose name contains it.
+//! Prints the median and the maximum of 200 frames for each model, in milliseconds of wall-clock
+//! time: layout, text and tessellation of the widgets, without drawing them on a GPU. An argument
+//! selects the models whose name contains it.
 
 use azulejo::scene::brdf::MODELS;
 use azulejo::scene::{Brdf, Material};
-use azulejo_workbench::ui::brdf::{Answer, Editor, PreviewLight, Shown};
+use azulejo_workbench::ui::brdf::{BrdfEditor, EditorInput, EditorResponse, PreviewLight};
 use azulejo_workbench::words::Language;
 use egui_kittest::Harness;
 use std::sync::Arc;
@@ -34,17 +34,17 @@ fn report(name: &str, sorted: &[Duration]) {
     println!("{name:24} median {middle:6.2} ms   worst {worst:6.2} ms");
 }
 
-/// Times of all frames, the shortest first; in each the document has another model.
+/// Times of all frames in ascending order. The document's material changes in every frame.
 fn frames(example: &str) -> Vec<Duration> {
     let light = PreviewLight::studio();
     let mut material = made(example, 0);
-    let mut editor = Editor::default();
+    let mut editor = BrdfEditor::default();
     let mut took = Vec::new();
     let mut frame = 0;
     let mut harness = Harness::builder()
         .with_size(egui::vec2(420.0, 1200.0))
         .build_ui(|ui| {
-            let shown = Shown {
+            let shown = EditorInput {
                 key: 1,
                 material: &material,
                 others: &[],
@@ -54,7 +54,7 @@ fn frames(example: &str) -> Vec<Duration> {
             let start = Instant::now();
             let answers = editor.ui(ui, Language::English, &shown);
             took.push(start.elapsed());
-            assert!(!answers.iter().any(|a| matches!(a, Answer::Save(_))));
+            assert!(!answers.iter().any(|a| matches!(a, EditorResponse::Save(_))));
             frame += 1;
             material = made(example, frame);
         });
@@ -64,7 +64,7 @@ fn frames(example: &str) -> Vec<Duration> {
     took
 }
 
-/// The model in front of a matt one, whose weight another frame changes.
+/// The model added to a matt one, with a weight that changes from frame to frame.
 fn made(example: &str, frame: usize) -> Arc<Material> {
     let weight = 0.4 + 1e-4 * frame as f64;
     let text = format!("combination weight = {weight} diffuse kd = 0.5 weight = 0.5 {example}");

@@ -1,10 +1,10 @@
-//! How soon the window shows a large model, how quickly it answers while light is solved, and what
-//! it takes of memory: `cargo bench -p azulejo-workbench --bench session`.
+//! Time until a large model is visible, frame times while the solver runs, and memory use:
+//! `cargo bench -p azulejo-workbench --bench session`.
 //!
-//! The whole window is drawn without a display, by the driver there is: widgets, the model, and
-//! egui's own pass, until the card has finished. Without a driver it says so and ends.
+//! The whole window is drawn without a display by the installed driver: widgets, the model and
+//! egui's own pass, until the GPU has finished. Without a driver it prints a note and ends.
 
-// A benchmark prints what it finds.
+// A benchmark prints its results.
 #![allow(clippy::print_stdout)]
 
 use azulejo::models;
@@ -12,21 +12,21 @@ use azulejo::scene::{Material, Mesh, Object, Rgb, Scene, Shape};
 use azulejo::trace::Progress;
 use azulejo_workbench::app::App;
 use azulejo_workbench::command::Command;
-use azulejo_workbench::gpu::Headless;
-use azulejo_workbench::jobs::Kind;
-use azulejo_workbench::light::LightSettings;
+use azulejo_workbench::first_pass::LightSettings;
+use azulejo_workbench::gpu::HeadlessDevice;
+use azulejo_workbench::jobs::JobKind;
 use azulejo_workbench::ui::{Viewport, Workbench};
-use azulejo_workbench::view::{Shading, View};
+use azulejo_workbench::view::{ModelView, Shading};
 use egui_kittest::Harness;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// The window, points.
+/// Size of the window, points.
 const SIZE: [f32; 2] = [1280.0, 800.0];
 
 fn main() {
-    if let Err(why) = Headless::open(wgpu::Backends::all()) {
+    if let Err(why) = HeadlessDevice::open(wgpu::Backends::all()) {
         println!("skipped: {why}");
         return;
     }
@@ -37,7 +37,7 @@ fn main() {
     let _ = std::fs::remove_dir_all(folder);
 }
 
-/// A million triangles: reading, the first picture, further ones, memory.
+/// A model of a million triangles: loading, the first frame, further frames, memory.
 fn large_model(folder: &Path) {
     let path = folder.join("large.ply");
     let (triangles, bytes) = write_large(&path);
@@ -46,7 +46,7 @@ fn large_model(folder: &Path) {
     let empty = resident();
     let begin = Instant::now();
     window.state_mut().app.execute(Command::Open(vec![path]));
-    while window.state().app.is_busy(Kind::Load) {
+    while window.state().app.is_busy(JobKind::Load) {
         window.state_mut().app.poll();
         std::thread::sleep(Duration::from_millis(1));
     }
@@ -80,7 +80,7 @@ fn large_model(folder: &Path) {
     );
 }
 
-/// Frames of the window while the solver has its threads.
+/// Frame times while the solver runs.
 fn while_solving(folder: &Path) {
     let path = folder.join("cornell.grf");
     let variant = azulejo::scene::synthetic::CornellVariant::Diffuse;
@@ -99,7 +99,7 @@ fn while_solving(folder: &Path) {
     app.execute(Command::Solve);
     let (mut answers, mut still, mut orbit) = (Vec::new(), Vec::new(), Vec::new());
     let begin = Instant::now();
-    while window.state().app.is_busy(Kind::Solve) && begin.elapsed() < Duration::from_secs(20) {
+    while window.state().app.is_busy(JobKind::Solve) && begin.elapsed() < Duration::from_secs(20) {
         answers.push(step(&mut window));
         still.push(frame(&mut window));
         orbit.push(orbited(&mut window));
@@ -125,14 +125,14 @@ fn window() -> Harness<'static, Workbench> {
     window
 }
 
-/// What the window itself does in a frame: it takes events, does what they ask for, and lays out.
+/// The CPU part of a frame: handles events, executes commands and lays out the widgets.
 fn step(window: &mut Harness<'_, Workbench>) -> Duration {
     let begin = Instant::now();
     window.step();
     begin.elapsed()
 }
 
-/// One frame, to the last pixel, which is read back: more than a window on a screen does.
+/// One complete frame including reading the pixels back, which a window on a screen does not do.
 fn frame(window: &mut Harness<'_, Workbench>) -> Duration {
     let begin = Instant::now();
     window.step();
@@ -142,16 +142,16 @@ fn frame(window: &mut Harness<'_, Workbench>) -> Duration {
 
 fn orbited(window: &mut Harness<'_, Workbench>) -> Duration {
     let app = &mut window.state_mut().app;
-    let mut view: View = app.view.clone();
+    let mut view: ModelView = app.view.clone();
     view.orbit(0.05, 0.01, DVec3::Y);
-    app.execute(Command::Look(Box::new(view)));
+    app.execute(Command::SetView(Box::new(view)));
     frame(window)
 }
 
 fn shade(app: &mut App, shading: Shading) {
     let mut view = app.view.clone();
     view.shading = shading;
-    app.execute(Command::Look(Box::new(view)));
+    app.execute(Command::SetView(Box::new(view)));
 }
 
 fn settle(app: &mut App) {
@@ -162,7 +162,8 @@ fn settle(app: &mut App) {
     app.poll();
 }
 
-/// A wavy sheet of a million triangles, as binary PLY; their number, and the scene's bytes.
+/// Writes a wavy sheet of a million triangles as binary PLY; returns the number of triangles and
+/// the size of the scene in bytes.
 fn write_large(path: &Path) -> (usize, u64) {
     const SIDE: u32 = 708;
     let mut mesh = Mesh::default();
@@ -210,7 +211,7 @@ fn mega(bytes: u64) -> f64 {
     bytes as f64 / 1e6
 }
 
-/// Bytes of memory that the process holds, as Linux says.
+/// Resident memory of the process in bytes, on Linux.
 fn resident() -> u64 {
     let text = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
     let pages = text

@@ -1,14 +1,16 @@
-//! A mesh of a million triangles: from memory to the first picture, further pictures, picking.
+//! A mesh of a million triangles: upload and first frame, further frames, picking.
 //!
-//! `cargo bench -p azulejo-workbench --bench viewport`, on each interface that has a driver;
-//! `WGPU_BACKEND=vulkan` or `gl` narrows them. Wall-clock times of 1280 x 720 pixels; a picture
-//! is done when the card says so.
+//! `cargo bench -p azulejo-workbench --bench viewport` runs on each graphics API that has a driver;
+//! `WGPU_BACKEND=vulkan` or `gl` narrows them. Wall-clock times at 1280 x 720 pixels; a frame
+//! ends when the GPU has finished it.
 #![allow(clippy::print_stdout, reason = "a benchmark prints its table")]
 
 use azulejo::scene::math::Ray;
 use azulejo::scene::synthetic::displaced_sphere;
 use azulejo::scene::{Camera, Material, Mesh, Rgb, Shape};
-use azulejo_workbench::gpu::{Drawn, Frame, Headless, Overlay, Renderer, pick};
+use azulejo_workbench::gpu::{
+    HeadlessDevice, MeshInstance, Overlay, Renderer, ViewportFrame, pick,
+};
 use azulejo_workbench::view::Shading;
 use glam::DVec3;
 use std::time::Instant;
@@ -38,7 +40,7 @@ fn main() {
         ("Vulkan", wgpu::Backends::VULKAN),
         ("OpenGL", wgpu::Backends::GL),
     ] {
-        match Headless::open(backends) {
+        match HeadlessDevice::open(backends) {
             Ok(card) => {
                 println!("{name}: {}", card.device.adapter_info().name);
                 measure(card, &mesh, &camera);
@@ -49,7 +51,7 @@ fn main() {
     picking(&mesh, &camera);
 }
 
-/// A ball of about a million triangles, with light.
+/// A sphere of about a million triangles, with irradiance.
 fn million() -> Mesh {
     let scene = displaced_sphere(1_000_000);
     let shapes = scene.objects.into_iter().map(|o| o.shape);
@@ -69,28 +71,28 @@ fn bytes_of(mesh: &Mesh) -> usize {
         + 4 * (mesh.faces.corners.len() + mesh.faces.starts.len() + mesh.face_materials.len())
 }
 
-fn measure(card: Headless, mesh: &Mesh, camera: &Camera) {
+fn measure(card: HeadlessDevice, mesh: &Mesh, camera: &Camera) {
     let white = Material::diffuse("", Rgb::grey(0.8));
     let materials = [&white; 4];
-    let drawn = [Drawn::new(1, mesh)];
+    let drawn = [MeshInstance::new(1, mesh)];
     let device = card.device.clone();
     let mut renderer = match Renderer::new(card.device, card.queue) {
         Ok(renderer) => renderer,
         Err(e) => return println!("  {e}"),
     };
-    let mut frame = Frame::new(SIZE, camera, &drawn, &materials);
+    let mut frame = ViewportFrame::new(SIZE, camera, &drawn, &materials);
     frame.overlay = Overlay::none();
     println!("  mode          first ms   next ms   next without antialiasing ms   bytes/triangle");
     for shading in MODES {
         renderer.forget();
         frame.shading = shading;
         frame.antialiasing = true;
-        let mut draw = |frame: &Frame| {
+        let mut draw = |frame: &ViewportFrame| {
             let start = Instant::now();
             if let Err(e) = renderer.draw(frame) {
                 println!("  {e}");
             }
-            // The figures are wrong where this fails, and the next picture says why.
+            // If this fails the times are wrong, and the next frame reports the reason.
             let _ = device.poll(wgpu::PollType::wait_indefinitely());
             let bytes = renderer.statistics().bytes_loaded;
             (1e3 * start.elapsed().as_secs_f64(), bytes)
@@ -106,7 +108,7 @@ fn measure(card: Headless, mesh: &Mesh, camera: &Camera) {
 }
 
 fn picking(mesh: &Mesh, camera: &Camera) {
-    let drawn = [Drawn::new(1, mesh)];
+    let drawn = [MeshInstance::new(1, mesh)];
     let rays: Vec<Ray> = (0..20)
         .map(|k| camera.ray(0.5, f64::from(k) / 20.0, 16.0 / 9.0))
         .collect();

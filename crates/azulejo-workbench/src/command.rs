@@ -1,195 +1,196 @@
-//! All that a person can ask for.
+//! Commands: everything the user can do.
 
-use crate::document::{Edit, Id, NewKind, NewLightKind};
-use crate::light::LightSettings;
+use crate::document::{Edit, ItemId, NewLightKind, NewShapeKind};
+use crate::first_pass::LightSettings;
 use crate::preferences::Preferences;
-use crate::view::View;
+use crate::view::ModelView;
 use azulejo::scene::MaterialId;
 use std::path::PathBuf;
 
-/// One wish. Menus, keys, the mouse, scripts and tests all speak in these.
+/// One user action. Menus, keyboard shortcuts, the mouse, scripts and tests all issue commands.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
-    /// An empty document.
+    /// Creates an empty document.
     New,
-    /// Reads files into a new document.
+    /// Loads files into a new document.
     Open(Vec<PathBuf>),
-    /// Reads files into this document.
+    /// Loads files into the current document.
     Add(Vec<PathBuf>),
-    /// Writes the document where it came from.
+    /// Saves the document to its own file.
     Save,
-    /// Writes it, whatever happened to the file meanwhile.
+    /// Saves it even if another program has changed the file.
     SaveAnyway,
-    /// Writes it elsewhere and stays there.
+    /// Saves it to another file, which becomes its own.
     SaveAs(PathBuf),
-    /// Writes a copy, in the format of its extension.
+    /// Writes a copy in the format of the extension.
     Export(PathBuf),
-    /// Writes the picture that is being refined.
-    SavePicture(PathBuf),
-    /// Asks for a file by a dialog.
-    Ask(Ask),
-    /// The dialog was answered.
-    Answered,
-    /// Leaves, after asking about unsaved changes.
+    /// Writes the rendered image.
+    SaveRender(PathBuf),
+    /// Opens a file dialog.
+    RequestFile(FileRequest),
+    /// The file dialog was closed.
+    DialogClosed,
+    /// Quits, after asking about unsaved changes.
     Quit,
-    /// What was asked for goes on although changes are lost.
+    /// Executes the pending command although changes are lost.
     Discard,
-    /// What was asked for does not go on; an open question is closed.
-    Dismiss,
-    /// Opens what was written before a crash.
+    /// Cancels the pending command and closes its question.
+    CancelPending,
+    /// Opens a recovery copy.
     Recover(PathBuf),
-    /// Deletes what was written before a crash.
-    Forget(PathBuf),
+    /// Deletes a recovery copy.
+    DeleteRecovery(PathBuf),
 
-    /// Changes the document. Edits of one gesture are one step of undo.
+    /// Edits the document. Edits with the same gesture number are one undo step.
     Edit(Edit, Option<u64>),
-    /// Adds a shape where it suits the model, in a size that does.
-    AddShape(NewKind),
-    /// Adds a light above what there is.
+    /// Adds a shape with a size and position that suit the model.
+    AddShape(NewShapeKind),
+    /// Adds a light above the model.
     AddLight(NewLightKind),
-    /// Adds solid letters: text, size, depth in ems, a font file or azulejo's own.
+    /// Adds solid text.
     AddText {
-        /// What to write.
+        /// The text.
         text: String,
-        /// World units of an em.
+        /// Font size in world units per em.
         size: f64,
-        /// Ems.
+        /// Extrusion depth in ems.
         depth: f64,
-        /// A font file of any kind.
+        /// A font file of any supported format; `None` for the built-in typeface.
         font: Option<PathBuf>,
     },
-    /// Adds an exact prism that stands on the ground.
+    /// Adds an exact prism on the ground.
     AddPrism {
-        /// What is extruded.
-        base: Base,
-        /// The larger side of the base, world units.
+        /// The outline to extrude.
+        base: PrismBase,
+        /// The larger side of the base in world units.
         size: f64,
-        /// World units.
+        /// Height in world units.
         height: f64,
     },
-    /// Takes the last edit back.
+    /// Undoes the last edit.
     Undo,
-    /// Makes it again.
+    /// Redoes the edit last undone.
     Redo,
 
-    /// What further commands are about.
+    /// Changes the selection.
     Select(Selection),
-    /// Everything there is.
+    /// Selects all objects, lights and cameras.
     SelectAll,
 
-    /// How the model is looked at.
-    Look(Box<View>),
-    /// Puts a picture from a file behind the model.
+    /// Changes the camera or the display settings of the viewport.
+    SetView(Box<ModelView>),
+    /// Loads an image as the background of the viewport.
     LoadBackdrop(PathBuf),
 
-    /// How light is solved.
+    /// Changes the solver settings.
     SetLight(LightSettings),
-    /// Solves the light.
+    /// Starts the solver.
     Solve,
-    /// The solver rests.
+    /// Pauses the solver.
     Pause,
-    /// The solver goes on.
+    /// Resumes the solver.
     Resume,
-    /// The solver ends; what it found stays.
+    /// Stops the solver; what it has computed so far stays.
     StopSolving,
-    /// Takes the light off the model.
-    DropLight,
-    /// Finds what the patch at a place sees.
-    FormFactorsFrom(PatchAt),
-    /// Watches the light of a place.
-    Pin(PatchAt),
-    /// Watches it no more: the probe of this number.
-    Unpin(u64),
-    /// Finds the irradiance at the probes themselves, not between the vertices around them.
+    /// Removes the solved light from the model.
+    ClearLight,
+    /// Computes the form factors of the patch at a picked point.
+    FormFactorsFrom(SurfacePick),
+    /// Pins a probe at a picked point.
+    AddProbe(SurfacePick),
+    /// Removes the probe of this number.
+    RemoveProbe(u64),
+    /// Computes the irradiance at the probes themselves instead of interpolating it between
+    /// vertices.
     MeasureProbes,
 
-    /// Draws a picture from here, at this size, and refines it.
-    Picture {
-        /// Pixels.
+    /// Renders the current view progressively.
+    Render {
+        /// Width in pixels.
         width: u32,
-        /// Pixels.
+        /// Height in pixels.
         height: u32,
-        /// Paths per pixel to go on to; `None` for as many as the preferences say.
+        /// Final number of paths per pixel; `None` for the number in the preferences.
         paths: Option<u32>,
     },
-    /// No picture any more.
-    StopPicture,
+    /// Closes the rendered image.
+    StopRender,
 
-    /// Cancels a job.
+    /// Cancels the job of this number.
     Cancel(u64),
-    /// Choices that outlive the session.
+    /// Changes the preferences.
     SetPreferences(Box<Preferences>),
-    /// Takes messages off the list.
+    /// Clears the message list.
     ClearMessages,
 }
 
-/// What a prism stands on.
+/// The base of a prism.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Base {
-    /// A regular polygon of so many sides.
+pub enum PrismBase {
+    /// A regular polygon with this number of sides.
     Regular(u32),
-    /// The filled figures of an SVG or DXF drawing.
+    /// The filled contours of an SVG or DXF drawing.
     Drawing(PathBuf),
 }
 
-/// A place on a surface, and its side.
+/// A picked surface point with its side.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PatchAt {
-    /// The object.
-    pub item: Id,
-    /// World position.
+pub struct SurfacePick {
+    /// The object it belongs to.
+    pub item: ItemId,
+    /// Position in world space.
     pub position: glam::DVec3,
-    /// Unit normal of the side.
+    /// Unit normal of the picked side.
     pub normal: glam::DVec3,
 }
 
-/// What further commands are about.
+/// What commands apply to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Selection {
-    /// Objects, lights, cameras.
-    pub ids: Vec<Id>,
+    /// Objects, lights and cameras.
+    pub ids: Vec<ItemId>,
     /// Faces of one mesh.
-    pub faces: Option<(Id, Vec<u32>)>,
-    /// A material, to be edited.
+    pub faces: Option<(ItemId, Vec<u32>)>,
+    /// The material being edited.
     pub material: Option<MaterialId>,
 }
 
 impl Selection {
-    /// One object, light or camera.
-    pub fn one(id: Id) -> Selection {
+    /// Selects one object, light or camera.
+    pub fn one(id: ItemId) -> Selection {
         Selection {
             ids: vec![id],
             ..Selection::default()
         }
     }
 
-    /// Whether nothing is selected but perhaps a material.
+    /// Whether no object, light, camera or face is selected; a material may be.
     pub fn is_empty(&self) -> bool {
         self.ids.is_empty() && self.faces.is_none()
     }
 }
 
-/// What a file is asked for.
+/// The purpose of a file dialog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ask {
+pub enum FileRequest {
     /// Models to open.
     Open,
     /// Models to add.
     Add,
-    /// Where to save.
+    /// The file to save to.
     SaveAs,
-    /// Where to export.
+    /// The file to export to.
     Export,
-    /// Where the picture goes.
-    SavePicture,
-    /// A picture for the background.
+    /// The file for the rendered image.
+    SaveRender,
+    /// An image for the background.
     Backdrop,
-    /// A typeface.
+    /// A font.
     Font,
     /// A drawing to extrude.
     Outline,
-    /// A reflection model to load into the selected material.
+    /// A reflection model for the selected material.
     LoadBrdf,
-    /// Where the selected material's reflection model goes.
+    /// The file for the selected material's reflection model.
     SaveBrdf,
 }

@@ -1,25 +1,25 @@
 //! Undo and redo.
 
-/// More steps than this are forgotten, the oldest first.
-const MOST_STEPS: usize = 500;
-/// So many steps can be taken back whatever they weigh.
-const LEAST_STEPS: usize = 4;
+/// Limit on the number of steps; the oldest are dropped first.
+const MAX_STEPS: usize = 500;
+/// This many steps are kept regardless of their size.
+const MIN_STEPS: usize = 4;
 
-/// Versions before and after; `V` is cheap to keep, as documents are.
+/// The versions before and after the current one; `V` is cheap to keep, as documents are.
 #[derive(Clone, Debug)]
 pub struct History<V> {
-    past: Vec<Step<V>>,
-    future: Vec<Step<V>>,
-    /// The gesture that made the last step, while it goes on.
+    past: Vec<HistoryStep<V>>,
+    future: Vec<HistoryStep<V>>,
+    /// The gesture that made the last step, while it is in progress.
     gesture: Option<u64>,
 }
 
-/// What was there before an edit (or, in the future, after it), and what the edit was.
+/// The version before an edit (or after it, for redo), with the label of the edit.
 #[derive(Clone, Debug)]
-struct Step<V> {
+struct HistoryStep<V> {
     label: &'static str,
     version: V,
-    /// What is kept for the version before the edit alone: what the one after has not.
+    /// Bytes that only the version before the edit holds.
     bytes: u64,
 }
 
@@ -34,44 +34,44 @@ impl<V> Default for History<V> {
 }
 
 impl<V> History<V> {
-    /// Notes an edit, with what was before it. Edits of one gesture, such as all moments of
-    /// dragging a slider, are one step.
-    pub fn note(&mut self, label: &'static str, before: V, gesture: Option<u64>) {
+    /// Records an edit and the version before it. Edits of one gesture, such as all positions of a
+    /// dragged slider, are one step.
+    pub fn record(&mut self, label: &'static str, before: V, gesture: Option<u64>) {
         self.future.clear();
         let goes_on = gesture.is_some() && gesture == self.gesture && !self.past.is_empty();
         self.gesture = gesture;
         if goes_on {
             return;
         }
-        if self.past.len() == MOST_STEPS {
+        if self.past.len() == MAX_STEPS {
             self.past.remove(0);
         }
-        self.past.push(Step {
+        self.past.push(HistoryStep {
             label,
             version: before,
             bytes: 0,
         });
     }
 
-    /// Says what the last step holds that nothing after it holds. A gesture that goes on says it
-    /// anew.
-    pub fn weigh(&mut self, bytes: impl FnOnce(&V) -> u64) {
+    /// Sets the number of bytes that only the last step holds. Called again while a gesture
+    /// continues.
+    pub fn set_bytes(&mut self, bytes: impl FnOnce(&V) -> u64) {
         if let Some(step) = self.past.last_mut() {
             step.bytes = bytes(&step.version);
         }
     }
 
-    /// Bytes that all steps hold that can be taken back. Steps that were taken back hold no more
-    /// than they did before, and what was there when they were made.
+    /// Total bytes of all undo steps. Redo steps hold no more than they did before they were
+    /// undone.
     pub fn bytes(&self) -> u64 {
         self.past.iter().map(|step| step.bytes).sum()
     }
 
-    /// Forgets the oldest steps until the others hold no more than `most` bytes; a few stay in any
-    /// case.
-    pub fn forget_beyond(&mut self, most: u64) {
+    /// Drops the oldest steps until the others hold at most `most` bytes; a minimum number of steps
+    /// is always kept.
+    pub fn limit_bytes(&mut self, most: u64) {
         let mut held = self.bytes();
-        let spare = self.past.len().saturating_sub(LEAST_STEPS);
+        let spare = self.past.len().saturating_sub(MIN_STEPS);
         let mut oldest = self.past.iter().take(spare);
         let mut forgotten = 0;
         while held > most
@@ -88,32 +88,33 @@ impl<V> History<V> {
         self.gesture = None;
     }
 
-    /// What undo would take back.
+    /// Label of the edit that undo reverts.
     pub fn undo_label(&self) -> Option<&'static str> {
         self.past.last().map(|s| s.label)
     }
 
-    /// What redo would bring again.
+    /// Label of the edit that redo applies.
     pub fn redo_label(&self) -> Option<&'static str> {
         self.future.last().map(|s| s.label)
     }
 
-    /// What was before the last edit, for `now`; `None` if there was no edit.
+    /// Returns the version before the last edit in exchange for `now`; `None` if there is no edit.
     pub fn undo(&mut self, now: V) -> Option<V> {
         self.gesture = None;
         exchange(&mut self.past, &mut self.future, now)
     }
 
-    /// What the last undo took, for `now`; `None` if there is nothing.
+    /// Returns the version that the last undo reverted in exchange for `now`; `None` if there is
+    /// none.
     pub fn redo(&mut self, now: V) -> Option<V> {
         self.gesture = None;
         exchange(&mut self.future, &mut self.past, now)
     }
 }
 
-fn exchange<V>(from: &mut Vec<Step<V>>, to: &mut Vec<Step<V>>, now: V) -> Option<V> {
+fn exchange<V>(from: &mut Vec<HistoryStep<V>>, to: &mut Vec<HistoryStep<V>>, now: V) -> Option<V> {
     let step = from.pop()?;
-    to.push(Step {
+    to.push(HistoryStep {
         label: step.label,
         version: now,
         bytes: step.bytes,
@@ -128,9 +129,9 @@ mod tests {
     #[test]
     fn a_gesture_is_one_step_and_a_new_edit_ends_the_future() {
         let mut history = History::default();
-        history.note("a", 0, None);
+        history.record("a", 0, None);
         for before in 1..5 {
-            history.note("drag", before, Some(7));
+            history.record("drag", before, Some(7));
         }
         assert_eq!(history.undo_label(), Some("drag"));
         assert_eq!(history.undo(5), Some(1));
@@ -138,7 +139,7 @@ mod tests {
         assert_eq!(history.undo(0), None);
         assert_eq!(history.redo(0), Some(1));
         assert_eq!(history.redo_label(), Some("drag"));
-        history.note("b", 1, None);
+        history.record("b", 1, None);
         assert_eq!(history.redo(9), None);
     }
 
@@ -146,37 +147,37 @@ mod tests {
     fn steps_are_forgotten_by_what_they_hold() {
         let mut history = History::default();
         for k in 0..100 {
-            history.note("k", k, None);
-            history.weigh(|_| 10);
-            history.forget_beyond(75);
+            history.record("k", k, None);
+            history.set_bytes(|_| 10);
+            history.limit_bytes(75);
             assert!(history.bytes() <= 75);
         }
         assert_eq!(history.bytes(), 70);
-        // What was taken back and done again weighs what it did.
+        // Undo and redo do not change the size of a step.
         for _ in 0..3 {
             history.undo(0);
         }
         assert_eq!(history.bytes(), 40);
         while history.redo(0).is_some() {}
         assert_eq!(history.bytes(), 70);
-        // A gesture becomes heavier while it goes on.
+        // A step grows while its gesture continues.
         for bytes in [1, 30] {
-            history.note("drag", 100, Some(1));
-            history.weigh(|_| bytes);
+            history.record("drag", 100, Some(1));
+            history.set_bytes(|_| bytes);
         }
         assert_eq!(history.bytes(), 100);
-        history.forget_beyond(0);
+        history.limit_bytes(0);
         let undone = std::iter::from_fn(|| history.undo(0)).count();
-        assert_eq!(undone, LEAST_STEPS);
+        assert_eq!(undone, MIN_STEPS);
     }
 
     #[test]
     fn the_oldest_steps_are_forgotten() {
         let mut history = History::default();
-        for k in 0..2 * MOST_STEPS {
-            history.note("k", k, None);
+        for k in 0..2 * MAX_STEPS {
+            history.record("k", k, None);
         }
         let undone = std::iter::from_fn(|| history.undo(0)).count();
-        assert_eq!(undone, MOST_STEPS);
+        assert_eq!(undone, MAX_STEPS);
     }
 }

@@ -1,8 +1,8 @@
-//! Long work in threads of its own.
+//! Background jobs, each in a thread of its own.
 //!
-//! A job owns what it reads, reports through its [`Progress`], and sends what it found through
-//! one channel, which the window empties each time it is drawn. A job that panics is a job that
-//! failed: the window stays.
+//! A job owns its input, reports through its [`Progress`], and sends its results through a channel
+//! that the window empties in every frame. A panic in a job is an error of that job: the window
+//! stays open.
 
 use azulejo::trace::Progress;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -11,113 +11,114 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Instant;
 use thread_priority::{ThreadPriority, ThreadPriorityValue, set_current_thread_priority};
 
-/// Asks for the window to be drawn.
-pub type Wake = Arc<dyn Fn() + Send + Sync>;
+/// A function that requests a repaint of the window.
+pub type RepaintRequest = Arc<dyn Fn() + Send + Sync>;
 
-/// What a job is about; of some kinds there is one at a time.
+/// Kinds of jobs; of some there is only one at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum JobKind {
     /// Reading models.
     Load,
-    /// Reading a picture for the background.
+    /// Reading an image for the background.
     Backdrop,
-    /// Writing something that a person asked for.
+    /// Writing a file that the user requested.
     Save,
-    /// Writing what is recovered after a crash.
+    /// Writing a recovery copy.
     Autosave,
-    /// The first pass.
+    /// The first pass: solving the light.
     Solve,
-    /// The second pass.
-    Picture,
-    /// What one patch sees.
+    /// The second pass: rendering.
+    Render,
+    /// Computing the form factors of one patch.
     FormFactors,
-    /// Irradiance at probes.
+    /// Measuring irradiance at probes.
     Probe,
 }
 
-/// Work that goes on.
+/// A running job.
 #[derive(Debug)]
 pub struct Job {
     /// Its number.
     pub id: u64,
-    /// What it is about.
-    pub kind: Kind,
-    /// What it works on, for people.
+    /// Its kind.
+    pub kind: JobKind,
+    /// What it works on, as displayed to the user.
     pub title: String,
-    /// How far it is; cancels and pauses it too.
+    /// Its progress, which also cancels and pauses it.
     pub progress: Arc<Progress>,
-    /// When it began.
+    /// When it started.
     pub started: Instant,
 }
 
-/// A message of a job.
-pub enum News<T> {
-    /// Something that it found, with more to come.
-    Found(T),
-    /// It ended; with a reason, if it failed.
+/// A message from a job.
+pub enum JobMessage<T> {
+    /// A result; more may follow.
+    Output(T),
+    /// The job has ended, with an error message if it failed.
     Ended(Option<String>),
 }
 
-/// What a job sends through.
-pub struct Outbox<T> {
+/// The sending end of a job's channel.
+pub struct JobSender<T> {
     id: u64,
-    sender: Sender<(u64, News<T>)>,
-    wake: Wake,
+    sender: Sender<(u64, JobMessage<T>)>,
+    repaint: RepaintRequest,
 }
 
-impl<T> Outbox<T> {
-    /// Sends something that was found.
+impl<T> JobSender<T> {
+    /// Sends a result.
     pub fn send(&self, found: T) {
-        self.post(News::Found(found));
+        self.post(JobMessage::Output(found));
     }
 
-    fn post(&self, news: News<T>) {
-        // The window may be gone; then nobody waits for the news.
+    fn post(&self, news: JobMessage<T>) {
+        // Nobody receives the message if the window has been closed.
         let _ = self.sender.send((self.id, news));
-        (self.wake)();
+        (self.repaint)();
     }
 }
 
-/// All work that goes on.
+/// All running jobs.
 pub struct Jobs<T> {
     running: Vec<Job>,
-    sender: Sender<(u64, News<T>)>,
-    receiver: Receiver<(u64, News<T>)>,
-    wake: Wake,
+    sender: Sender<(u64, JobMessage<T>)>,
+    receiver: Receiver<(u64, JobMessage<T>)>,
+    repaint: RepaintRequest,
     next: u64,
 }
 
 impl<T: Send + 'static> Jobs<T> {
-    /// None yet.
-    pub fn new(wake: Wake) -> Jobs<T> {
+    /// Creates an empty list.
+    pub fn new(repaint: RepaintRequest) -> Jobs<T> {
         let (sender, receiver) = channel();
         Jobs {
             running: Vec::new(),
             sender,
             receiver,
-            wake,
+            repaint,
             next: 0,
         }
     }
 
-    /// Another way of asking for the window to be drawn, for the jobs that begin from now on.
-    pub fn set_wake(&mut self, wake: Wake) {
-        self.wake = wake;
+    /// Replaces the function that requests a repaint, for jobs started from now on.
+    pub fn set_repaint(&mut self, repaint: RepaintRequest) {
+        self.repaint = repaint;
     }
 
-    /// Starts `work` in a thread of its own; returns its number. An error it returns is told.
+    /// Starts `work` in a thread of its own; returns its number. An error it returns is sent as a
+    /// message.
     pub fn start(
         &mut self,
-        kind: Kind,
+        kind: JobKind,
         title: impl Into<String>,
-        work: impl FnOnce(&Progress, &Outbox<T>) -> Result<(), String> + Send + 'static,
+        work: impl FnOnce(&Progress, &JobSender<T>) -> Result<(), String> + Send + 'static,
     ) -> u64 {
         self.next += 1;
         let (id, progress) = (self.next, Arc::new(Progress::new()));
-        let outbox = Outbox {
+        let outbox = JobSender {
             id,
             sender: self.sender.clone(),
-            wake: Arc::clone(&self.wake),
+            repaint: Arc::clone(&self.repaint),
         };
         self.running.push(Job {
             id,
@@ -130,52 +131,53 @@ impl<T: Send + 'static> Jobs<T> {
             let result = catch_unwind(AssertUnwindSafe(|| work(&progress, &outbox)));
             let end = match result {
                 Ok(done) => done.err(),
-                Err(panic) => Some(said(&*panic)),
+                Err(panic) => Some(panic_message(&*panic)),
             };
-            outbox.post(News::Ended(end));
+            outbox.post(JobMessage::Ended(end));
         };
         let spawned = std::thread::Builder::new()
             .name(format!("{kind:?}"))
             .spawn(run);
         if let Err(error) = spawned {
-            let message = format!("no thread for it: {error}");
-            let _ = self.sender.send((id, News::Ended(Some(message))));
+            let message = format!("cannot start a thread: {error}");
+            let _ = self.sender.send((id, JobMessage::Ended(Some(message))));
         }
         id
     }
 
-    /// The next message, if there is one, with the job that sent it. A cancelled job is not heard.
-    pub fn next_news(&mut self) -> Option<(Job, News<T>)> {
+    /// The next message, if there is one, with the job that sent it. Messages of cancelled jobs are
+    /// dropped.
+    pub fn next_message(&mut self) -> Option<(Job, JobMessage<T>)> {
         loop {
             let (id, news) = self.receiver.try_recv().ok()?;
             let Some(at) = self.running.iter().position(|j| j.id == id) else {
                 continue;
             };
             let job = match news {
-                News::Found(_) => self.running[at].copy(),
-                News::Ended(_) => self.running.remove(at),
+                JobMessage::Output(_) => self.running[at].copy(),
+                JobMessage::Ended(_) => self.running.remove(at),
             };
             return Some((job, news));
         }
     }
 
-    /// The jobs that go on.
+    /// The running jobs.
     pub fn running(&self) -> &[Job] {
         &self.running
     }
 
     /// The first job of a kind.
-    pub fn of(&self, kind: Kind) -> Option<&Job> {
+    pub fn of(&self, kind: JobKind) -> Option<&Job> {
         self.running.iter().find(|j| j.kind == kind)
     }
 
-    /// Cancels a job; nothing of it is heard any more.
+    /// Cancels a job; its further messages are dropped.
     pub fn cancel(&mut self, id: u64) {
         self.forget(|job| job.id == id);
     }
 
     /// Cancels all jobs of a kind.
-    pub fn cancel_kind(&mut self, kind: Kind) {
+    pub fn cancel_kind(&mut self, kind: JobKind) {
         self.forget(|job| job.kind == kind);
     }
 
@@ -208,36 +210,37 @@ impl Job {
     }
 }
 
-/// What a panic said.
-fn said(panic: &(dyn std::any::Any + Send)) -> String {
+/// The message of a panic.
+fn panic_message(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().copied();
     let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
     format!(
-        "a fault of azulejo itself: {}; please report it",
+        "internal error: {}; please report it",
         text.unwrap_or("unknown")
     )
 }
 
-/// Runs `work` on threads of its own, fewer than there are: the window needs one too, and workers
-/// that pause must not hold up anybody else. They give way to whatever draws, which may want all
-/// processors for a moment where there is no graphics card.
-pub fn on_own_threads<R: Send>(most: usize, work: impl FnOnce() -> R + Send) -> R {
+/// Runs `work` in a thread pool of its own, smaller than the number of processors: the window needs
+/// one too, and paused workers must not block the global pool. The threads have a lower priority
+/// than drawing, which may need all processors for a moment without a GPU.
+pub fn in_thread_pool<R: Send>(most: usize, work: impl FnOnce() -> R + Send) -> R {
     let all = std::thread::available_parallelism().map_or(1, usize::from);
     let threads = match most {
         0 => all.saturating_sub(1).max(1),
         most => most.min(all),
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads);
-    match pool.start_handler(|_| give_way()).build() {
+    match pool.start_handler(|_| lower_priority()).build() {
         Ok(pool) => pool.install(work),
         Err(_) => work(),
     }
 }
 
-/// Lets other threads go before this one. Where the system does not have it so, nothing changes.
-fn give_way() {
-    // Of 0 to 99, where threads begin at 49. Niceness 5 where there is such a thing: the window
-    // has three quarters of a processor that both want, and other programs do not starve the work.
+/// Lowers the priority of this thread, where the system supports it.
+fn lower_priority() {
+    // On a scale from 0 to 99 on which threads start at 49. Equivalent to niceness 5 where that
+    // exists: the window gets three quarters of a contended processor, and other programs do not
+    // starve the job.
     const BELOW_OTHERS: u8 = 35;
     if let Ok(value) = ThreadPriorityValue::try_from(BELOW_OTHERS) {
         let _ = set_current_thread_priority(ThreadPriority::Crossplatform(value));
@@ -249,10 +252,10 @@ mod tests {
     use super::*;
     use std::time::Duration;
 
-    fn wait<T: Send + 'static>(jobs: &mut Jobs<T>) -> (Job, News<T>) {
+    fn wait<T: Send + 'static>(jobs: &mut Jobs<T>) -> (Job, JobMessage<T>) {
         let begin = Instant::now();
         loop {
-            if let Some(found) = jobs.next_news() {
+            if let Some(found) = jobs.next_message() {
                 return found;
             }
             assert!(begin.elapsed() < Duration::from_secs(60), "no news");
@@ -263,26 +266,26 @@ mod tests {
     #[test]
     fn what_is_found_arrives_in_order_and_then_the_end() {
         let mut jobs = Jobs::new(Arc::new(|| ()));
-        jobs.start(Kind::Load, "two", |_, out| {
+        jobs.start(JobKind::Load, "two", |_, out| {
             out.send(1);
             out.send(2);
             Ok(())
         });
         for expected in [1, 2] {
-            assert!(matches!(wait(&mut jobs).1, News::Found(n) if n == expected));
+            assert!(matches!(wait(&mut jobs).1, JobMessage::Output(n) if n == expected));
         }
-        assert!(matches!(wait(&mut jobs).1, News::Ended(None)));
+        assert!(matches!(wait(&mut jobs).1, JobMessage::Ended(None)));
         assert!(jobs.running().is_empty());
     }
 
     #[test]
     fn a_panic_is_a_failure_and_not_the_end_of_the_window() {
         let mut jobs = Jobs::<()>::new(Arc::new(|| ()));
-        jobs.start(Kind::Solve, "fault", |_, _| panic!("on purpose"));
-        let (job, News::Ended(Some(why))) = wait(&mut jobs) else {
+        jobs.start(JobKind::Solve, "fault", |_, _| panic!("on purpose"));
+        let (job, JobMessage::Ended(Some(why))) = wait(&mut jobs) else {
             unreachable!("it cannot end well")
         };
-        assert_eq!(job.kind, Kind::Solve);
+        assert_eq!(job.kind, JobKind::Solve);
         assert!(why.contains("on purpose"), "{why}");
     }
 
@@ -290,7 +293,7 @@ mod tests {
     fn a_cancelled_job_is_stopped_and_not_heard() {
         let mut jobs = Jobs::new(Arc::new(|| ()));
         let (tell, told) = channel();
-        let id = jobs.start(Kind::Solve, "endless", move |progress, out| {
+        let id = jobs.start(JobKind::Solve, "endless", move |progress, out| {
             while progress.advance(1).is_ok() {
                 std::thread::yield_now();
             }
@@ -300,7 +303,7 @@ mod tests {
         jobs.cancel(id);
         told.recv_timeout(Duration::from_secs(60)).unwrap();
         std::thread::sleep(Duration::from_millis(20));
-        assert!(jobs.next_news().is_none());
+        assert!(jobs.next_message().is_none());
     }
 
     #[cfg(target_os = "linux")]
@@ -308,7 +311,7 @@ mod tests {
     fn work_gives_way_to_what_draws() {
         let niceness = || {
             let status = std::fs::read_to_string("/proc/thread-self/stat").unwrap();
-            // Behind the name in brackets: state is the third field, niceness the nineteenth.
+            // After the name in parentheses: state is the third field, niceness the nineteenth.
             let rest = status.rsplit(')').next().unwrap();
             rest.split_whitespace()
                 .nth(16)
@@ -317,7 +320,7 @@ mod tests {
                 .unwrap()
         };
         let own = niceness();
-        let theirs = on_own_threads(1, niceness);
+        let theirs = in_thread_pool(1, niceness);
         assert!(theirs > own || own >= 5, "{theirs} {own}");
         assert_eq!(niceness(), own);
     }

@@ -1,15 +1,15 @@
-//! The workbench: see a model, give it light, watch the light settle, save it.
+//! The workbench: view a model, light it, watch the solution converge, save it.
 //!
-//! A window on everything below it. It has no maths of its own: it plots
-//! [`brdf`](azulejo::scene::brdf) and shows what the two passes return.
+//! A window on top of the other crates. It has no mathematics of its own: it plots
+//! [`brdf`](azulejo::scene::brdf) and displays the results of the two passes.
 
 pub mod app;
 pub mod command;
 pub mod document;
+pub mod first_pass;
 pub mod gpu;
 pub mod history;
 pub mod jobs;
-pub mod light;
 pub mod preferences;
 pub mod recovery;
 pub mod script;

@@ -1,9 +1,9 @@
 //! `azulejo-workbench`: the window.
 
-use azulejo_workbench::app::{App, Places};
+use azulejo_workbench::app::{App, UserDirs};
 use azulejo_workbench::command::Command;
 use azulejo_workbench::preferences::Preferences;
-use azulejo_workbench::script::{self, Player, Step};
+use azulejo_workbench::script::{self, ScriptPlayer, ScriptStep};
 use azulejo_workbench::ui::{Rescued, Viewport, Workbench};
 use clap::Parser;
 use std::cell::RefCell;
@@ -13,47 +13,47 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::mpsc::{Sender, channel};
 
-/// See models, give them light, watch it settle, save it.
+/// View and light models, solve and render them
 #[derive(Debug, Parser)]
 #[command(name = "azulejo-workbench", version)]
 struct Arguments {
-    /// Models to open, of any format that azulejo reads
+    /// Models to open, in any format that azulejo reads
     files: Vec<PathBuf>,
-    /// Plays a list of steps, one a line; the window stays, unless a step is `quit`
+    /// Runs a script with one step per line; the window stays open unless a step is `quit`
     #[arg(long, value_name = "FILE")]
     script: Option<PathBuf>,
-    /// Writes a picture of the window as PNG when the script, or the loading, is done, and ends
+    /// Writes a PNG screenshot of the window after the script, or after loading, and quits
     #[arg(long, value_name = "FILE")]
     screenshot: Option<PathBuf>,
-    /// Neither reads nor writes preferences and copies for recovery
+    /// Neither reads nor writes preferences and recovery copies
     #[arg(long)]
     no_preferences: bool,
 }
 
-/// How often a window is opened again that could not stay.
-const MOST_FALLS: u32 = 3;
+/// How often the window is reopened after a device loss.
+const MAX_REOPENS: u32 = 3;
 
-/// What is worked on, and a script, until a window has them.
-type Slot = RefCell<Option<(App, Option<Player>)>>;
+/// Holds the app and a script until a window takes them.
+type AppSlot = RefCell<Option<(App, Option<ScriptPlayer>)>>;
 
 fn main() -> ExitCode {
     match run(&Arguments::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(why) => {
-            complain(&why);
+            print_error(&why);
             ExitCode::FAILURE
         }
     }
 }
 
 #[allow(clippy::print_stderr)]
-fn complain(why: &str) {
+fn print_error(why: &str) {
     eprintln!("azulejo-workbench: {why}");
 }
 
 fn run(arguments: &Arguments) -> Result<(), String> {
     let player = player(arguments)?;
-    let outcome = player.as_ref().map(Player::outcome);
+    let outcome = player.as_ref().map(ScriptPlayer::outcome);
     let app = app(arguments);
     windows(app, player, window)?;
     match outcome {
@@ -65,8 +65,8 @@ fn run(arguments: &Arguments) -> Result<(), String> {
     }
 }
 
-/// The script, and what the command line adds to it.
-fn player(arguments: &Arguments) -> Result<Option<Player>, String> {
+/// The script, with the steps that the command line adds to it.
+fn player(arguments: &Arguments) -> Result<Option<ScriptPlayer>, String> {
     let mut steps = Vec::new();
     let mut name = String::from("the command line");
     if let Some(path) = &arguments.script {
@@ -76,39 +76,41 @@ fn player(arguments: &Arguments) -> Result<Option<Player>, String> {
     } else if arguments.screenshot.is_none() {
         return Ok(None);
     }
-    let quits = matches!(steps.last(), Some((_, Step::Quit)));
+    let quits = matches!(steps.last(), Some((_, ScriptStep::Quit)));
     if quits {
         steps.pop();
     }
     let last = steps.last().map_or(0, |(line, _)| *line);
     if let Some(path) = &arguments.screenshot {
-        steps.push((last, Step::Wait(None)));
-        steps.push((last, Step::Wait(Some(0.3))));
-        steps.push((last, Step::Screenshot(path.clone())));
+        steps.push((last, ScriptStep::Wait(None)));
+        steps.push((last, ScriptStep::Wait(Some(0.3))));
+        steps.push((last, ScriptStep::Screenshot(path.clone())));
     }
     if quits || arguments.screenshot.is_some() {
-        steps.push((last, Step::Quit));
+        steps.push((last, ScriptStep::Quit));
     }
-    Ok(Some(Player::new(steps, &name)))
+    Ok(Some(ScriptPlayer::new(steps, &name)))
 }
 
 fn app(arguments: &Arguments) -> App {
-    let places = match arguments.no_preferences {
-        true => Places::default(),
-        false => Places::of_system(),
+    let dirs = if arguments.no_preferences {
+        UserDirs::default()
+    } else {
+        UserDirs::of_system()
     };
-    let mut places = places;
-    let (preferences, trouble) = match &places.preferences {
+    let mut dirs = dirs;
+    let (preferences, window_error) = match &dirs.preferences {
         Some(path) => Preferences::load(path),
         None => (Preferences::default(), None),
     };
-    if trouble.is_some() {
-        // A slip in a file that a person wrote is theirs to mend, and no reason to write over it.
-        places.preferences = None;
+    if window_error.is_some() {
+        // A typo in a preferences file is no reason to overwrite it: the user may want to correct
+        // it.
+        dirs.preferences = None;
     }
-    let mut app = App::new(preferences, places, Arc::new(|| ()));
-    if let Some(why) = trouble {
-        app.tell(azulejo_workbench::app::Level::Warning, why);
+    let mut app = App::new(preferences, dirs, Arc::new(|| ()));
+    if let Some(why) = window_error {
+        app.report(azulejo_workbench::app::Severity::Warning, why);
     }
     if !arguments.files.is_empty() {
         app.execute(Command::Open(arguments.files.clone()));
@@ -116,63 +118,65 @@ fn app(arguments: &Arguments) -> App {
     app
 }
 
-/// Opens the window by `open`; and again, with all that was worked on, when the graphics card is
+/// Opens the window with `open`, and opens it again with the same app when the graphics device is
 /// lost.
 ///
-/// Where something panics the toolkit cannot open another one, and where it opens none there is
-/// nobody to ask: then what was worked on is written for the next start.
+/// After a panic the toolkit cannot open another window, and if none opens at all the user cannot
+/// be asked: then the document is written as a recovery copy for the next start.
 fn windows(
     app: App,
-    player: Option<Player>,
-    mut open: impl FnMut(&Slot, Sender<Box<Rescued>>) -> Result<(), String>,
+    player: Option<ScriptPlayer>,
+    mut open: impl FnMut(&AppSlot, Sender<Box<Rescued>>) -> Result<(), String>,
 ) -> Result<(), String> {
     let mut work = (app, player);
-    for _ in 0..=MOST_FALLS {
-        // Outside of all that may fall.
-        let slot = Slot::new(Some(work));
+    for _ in 0..=MAX_REOPENS {
+        // Outside of everything that may panic.
+        let slot = AppSlot::new(Some(work));
         let (rescue, rescued) = channel::<Box<Rescued>>();
         let opened = catch_unwind(AssertUnwindSafe(|| open(&slot, rescue)));
         let fell = opened.is_err();
-        let result = opened.unwrap_or_else(|_| Err("the window fell before it was open".into()));
+        let result = opened.unwrap_or_else(|_| Err("the window crashed before it opened".into()));
         if let Some((app, _)) = slot.into_inner() {
             let why = result.err().unwrap_or_else(|| "no window".into());
-            return Err(unopened(app, why));
+            return Err(open_failure(app, why));
         }
         match rescued.try_recv() {
             Err(_) => return result,
             Ok(left) if fell => return Err(keep(left.app)),
             Ok(left) => work = (left.app, left.player),
         }
-        let text = "the graphics card was lost, and the window was opened again";
-        work.0.tell(azulejo_workbench::app::Level::Warning, text);
+        let text = "the graphics device was lost; the window was opened again";
+        work.0
+            .report(azulejo_workbench::app::Severity::Warning, text);
     }
     Err(keep(work.0))
 }
 
-/// What to say of a window that was never there; what was to be in it is kept.
-fn unopened(app: App, why: String) -> String {
-    match app.is_changed() {
-        true => format!("{why}\n{}", keep(app)),
-        false => why,
+/// The error message for a window that never opened; its document is kept as a recovery copy.
+fn open_failure(app: App, why: String) -> String {
+    if app.is_changed() {
+        format!("{why}\n{}", keep(app))
+    } else {
+        why
     }
 }
 
-/// Writes what was worked on for the next start; says so.
+/// Writes a recovery copy for the next start; returns a message about it.
 fn keep(mut app: App) -> String {
-    let kept = app.keep_for_next_start();
-    // Ending in good order would take the copy away.
+    let kept = app.save_recovery_now();
+    // A normal shutdown would delete the copy.
     std::mem::forget(app);
     match kept {
         Ok(Some(path)) => format!(
-            "something went wrong in the window; what was worked on is kept in {}",
+            "the window crashed; a recovery copy is kept in {}",
             path.display()
         ),
-        Ok(None) => "something went wrong in the window; all was saved".into(),
-        Err(why) => format!("something went wrong in the window, and no copy could be kept: {why}"),
+        Ok(None) => "the window crashed; there were no unsaved changes".into(),
+        Err(why) => format!("the window crashed, and no recovery copy could be written: {why}"),
     }
 }
 
-fn window(slot: &Slot, rescue: Sender<Box<Rescued>>) -> Result<(), String> {
+fn window(slot: &AppSlot, rescue: Sender<Box<Rescued>>) -> Result<(), String> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_app_id("azulejo")
@@ -187,7 +191,7 @@ fn window(slot: &Slot, rescue: Sender<Box<Rescued>>) -> Result<(), String> {
     };
     let open = move |context: &eframe::CreationContext<'_>| {
         let viewport = Viewport::of_window(context).map_err(|loss| loss.0.to_string())?;
-        // Last of all: what fails before leaves the work where it is.
+        // As the last step, so that an error before leaves the app in the slot.
         let (app, player) = slot.take().ok_or("the window was opened twice")?;
         let mut window = Workbench::in_window(app, viewport, context);
         window.rescue_to(rescue);
@@ -196,11 +200,11 @@ fn window(slot: &Slot, rescue: Sender<Box<Rescued>>) -> Result<(), String> {
         }
         Ok(Box::new(window) as Box<dyn eframe::App>)
     };
-    eframe::run_native("azulejo", options, Box::new(open)).map_err(|e| trouble(&e))
+    eframe::run_native("azulejo", options, Box::new(open)).map_err(|e| window_error(&e))
 }
 
-/// Why there is no window, and what to do.
-fn trouble(error: &eframe::Error) -> String {
+/// Why no window opened, and what to do about it.
+fn window_error(error: &eframe::Error) -> String {
     let advice = match error {
         eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => {
             "A window needs a display: run it on a desktop, or in a virtual one (xvfb-run), with \
@@ -222,24 +226,24 @@ fn trouble(error: &eframe::Error) -> String {
 mod tests {
     use super::*;
     use azulejo_workbench::command::Command;
-    use azulejo_workbench::document::NewKind;
+    use azulejo_workbench::document::NewShapeKind;
 
-    /// Plays what becomes of the windows with a changed document; what was said, and how many
-    /// copies are there then.
+    /// Runs the window loop with a changed document; checks its error message and the number of
+    /// recovery copies.
     fn check(
         name: &str,
-        open: impl FnMut(&Slot, Sender<Box<Rescued>>) -> Result<(), String>,
+        open: impl FnMut(&AppSlot, Sender<Box<Rescued>>) -> Result<(), String>,
         said: &str,
         copies: usize,
     ) {
         let folder = format!("azulejo-windows-{name}-{}", std::process::id());
         let folder = std::env::temp_dir().join(folder);
-        let places = Places {
+        let dirs = UserDirs {
             preferences: None,
             recovery: Some(folder.clone()),
         };
-        let mut app = App::new(Preferences::default(), places, Arc::new(|| ()));
-        app.execute(Command::AddShape(NewKind::Cuboid));
+        let mut app = App::new(Preferences::default(), dirs, Arc::new(|| ()));
+        app.execute(Command::AddShape(NewShapeKind::Cuboid));
         let result = windows(app, None, open).unwrap_err();
         assert!(result.contains(said), "{result}");
         let kept = std::fs::read_dir(&folder).into_iter().flatten().flatten();
@@ -253,7 +257,7 @@ mod tests {
         check("none", |_, _| Err("no display".into()), "no display", 1);
         check("panic", |_, _| panic!("on purpose"), "is kept in", 1);
         let mut windows = 0;
-        let lost_once = |slot: &Slot, rescue: Sender<Box<Rescued>>| {
+        let lost_once = |slot: &AppSlot, rescue: Sender<Box<Rescued>>| {
             windows += 1;
             if windows == 2 {
                 return Err("no card".into());
@@ -264,7 +268,7 @@ mod tests {
             Ok(())
         };
         check("lost", lost_once, "no card", 1);
-        let falls = |slot: &Slot, rescue: Sender<Box<Rescued>>| {
+        let falls = |slot: &AppSlot, rescue: Sender<Box<Rescued>>| {
             let (app, _) = slot.take().ok_or("empty")?;
             Workbench::new(app).rescue_to(rescue);
             panic!("on purpose")

@@ -1,4 +1,4 @@
-//! What a person chose once, kept between sessions.
+//! Settings kept between sessions.
 
 use crate::view::ColorMap;
 use crate::words::Language;
@@ -7,41 +7,41 @@ use azulejo::trace::Progress;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Bright or dark.
+/// Light or dark theme.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Theme {
-    /// As the desktop has it.
+    /// As on the desktop.
     #[default]
     System,
-    /// Dark on bright.
+    /// Dark text on a light background.
     Light,
-    /// Bright on dark.
+    /// Light text on a dark background.
     Dark,
 }
 
-/// Choices that outlive a session.
+/// Settings kept between sessions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Preferences {
     /// The language of the window.
     pub language: Language,
-    /// Bright or dark.
+    /// The theme.
     pub theme: Theme,
-    /// Size of the window's texts and controls; 1 is the desktop's.
+    /// Scale of text and controls relative to the desktop's.
     pub scale: f32,
-    /// The colour map of false colours.
+    /// The default colour map.
     pub color_map: ColorMap,
-    /// Seconds after a change until it is written for recovery; 0 for never.
+    /// Seconds from a change to its recovery copy; 0 for never.
     pub autosave: u32,
-    /// Threads of solver and pictures; 0 leaves one to the window.
+    /// Threads of solver and renderer; 0 leaves one to the window.
     pub threads: usize,
-    /// Paths per pixel at which a picture rests.
+    /// Paths per pixel of a finished render.
     pub picture_samples: u32,
-    /// Rays of a picture's final gather at each path's first matt surface, which sharpens shadows
-    /// and hides patches; 0 for none, where light is solved.
+    /// Final gather rays at each path's first diffuse surface, which sharpen shadows and hide
+    /// patches; 0 for none, if light has been solved.
     pub picture_gather: u32,
-    /// Files that were opened or saved, the last first.
+    /// Recently opened or saved files, the latest first.
     pub recent: Vec<PathBuf>,
 }
 
@@ -61,13 +61,13 @@ impl Default for Preferences {
     }
 }
 
-/// The most rays of a final gather.
-pub const MOST_GATHER: u32 = 1024;
-/// More recent files than this are forgotten.
-const MOST_RECENT: usize = 12;
+/// Maximum number of final gather rays.
+pub const MAX_GATHER: u32 = 1024;
+/// Limit on the number of recent files.
+const MAX_RECENT: usize = 12;
 
 impl Preferences {
-    /// Reads them; what cannot be read is default, with the reason why.
+    /// Loads preferences; returns the defaults with an error message if they cannot be read.
     pub fn load(path: &Path) -> (Preferences, Option<String>) {
         let text = match std::fs::read_to_string(path) {
             Ok(text) => text,
@@ -82,11 +82,12 @@ impl Preferences {
         }
     }
 
-    /// Writes them, whole or not at all. Files whose names are no text are left out: one of them
-    /// must not keep everything else away.
+    /// Stores the preferences atomically. Recent files whose paths are not UTF-8 are omitted, so
+    /// that one of them does not prevent storing the rest.
     ///
     /// # Errors
-    /// Why they cannot be written, for people.
+    ///
+    /// A message with the reason why they cannot be written.
     pub fn store(&self, path: &Path) -> Result<(), String> {
         let mut stored = self.clone();
         stored.recent.retain(|p| p.to_str().is_some());
@@ -100,23 +101,24 @@ impl Preferences {
             .map_err(|e| e.to_string())
     }
 
-    /// Numbers from a file that a person may have written.
+    /// Limits the values of a file that may have been edited by hand.
     fn limited(mut self) -> Preferences {
-        self.scale = match self.scale.is_finite() {
-            true => self.scale.clamp(0.5, 3.0),
-            false => 1.0,
+        self.scale = if self.scale.is_finite() {
+            self.scale.clamp(0.5, 3.0)
+        } else {
+            1.0
         };
         self.picture_samples = self.picture_samples.clamp(1, 1 << 16);
-        self.picture_gather = self.picture_gather.min(MOST_GATHER);
-        self.recent.truncate(MOST_RECENT);
+        self.picture_gather = self.picture_gather.min(MAX_GATHER);
+        self.recent.truncate(MAX_RECENT);
         self
     }
 
-    /// Puts a file in front of the recent ones.
+    /// Moves a file to the front of the recent files.
     pub fn note_recent(&mut self, path: &Path) {
         self.recent.retain(|p| p != path);
         self.recent.insert(0, path.to_owned());
-        self.recent.truncate(MOST_RECENT);
+        self.recent.truncate(MAX_RECENT);
     }
 }
 
@@ -153,7 +155,7 @@ mod tests {
         .unwrap();
         let (found, _) = Preferences::load(&path);
         assert_eq!((found.scale, found.picture_samples), (3.0, 1));
-        assert_eq!(found.picture_gather, MOST_GATHER);
+        assert_eq!(found.picture_gather, MAX_GATHER);
         std::fs::remove_dir_all(folder).unwrap();
     }
 
@@ -163,7 +165,7 @@ mod tests {
         for k in 0..20 {
             p.note_recent(Path::new(&format!("/{}", k % 15)));
         }
-        assert_eq!(p.recent.len(), MOST_RECENT);
+        assert_eq!(p.recent.len(), MAX_RECENT);
         assert_eq!(p.recent[0], Path::new("/4"));
     }
 }

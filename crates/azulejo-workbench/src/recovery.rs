@@ -1,9 +1,8 @@
-//! What survives a crash.
+//! Recovery after a crash.
 //!
-//! While a document has changes that are not saved, a copy of it is written now and then into a
-//! folder of the person's, beside a note of where it came from. Each session holds a lock on its
-//! note as long as it lives; copies whose lock is free are of sessions that ended badly, and are
-//! offered.
+//! While a document has unsaved changes, a copy of it is written periodically to a per-user folder,
+//! with a note about its original file. Each session holds a lock on its note while it runs; copies
+//! whose lock is free belong to sessions that crashed, and are offered for recovery.
 
 use serde::{Deserialize, Serialize};
 use std::fs::{File, OpenOptions};
@@ -11,29 +10,29 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-/// A copy that a session left behind.
+/// A copy left by a crashed session.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recoverable {
-    /// The copy, GRF.
+    /// The copy, in GRF.
     pub copy: PathBuf,
-    /// The file that was worked on, if there was one.
+    /// The file of the document, if it had one.
     pub original: Option<PathBuf>,
-    /// When it was written, seconds since 1970.
+    /// When it was written, in seconds since 1970.
     pub written: u64,
 }
 
 /// The note beside a copy.
 #[derive(Debug, Default, Serialize, Deserialize)]
-struct Note {
+struct RecoveryNote {
     original: Option<PathBuf>,
-    /// The same in the system's own units, where it is no text.
+    /// The path in the system's own encoding, if it is not UTF-8.
     original_units: Option<Vec<u16>>,
 }
 
-impl Note {
-    fn of(original: Option<&Path>) -> Note {
+impl RecoveryNote {
+    fn of(original: Option<&Path>) -> RecoveryNote {
         let text = original.filter(|p| p.to_str().is_some());
-        Note {
+        RecoveryNote {
             original: text.map(Path::to_owned),
             original_units: original.filter(|_| text.is_none()).map(units),
         }
@@ -70,94 +69,95 @@ fn path_of(units: &[u16]) -> Option<PathBuf> {
     Some(std::ffi::OsString::from_wide(units).into())
 }
 
-/// Copies of this session and of those before it.
+/// The copies of this session and of crashed ones.
 #[derive(Debug, Default)]
 pub struct Recovery {
     folder: Option<PathBuf>,
-    /// This session's name; made with its first copy.
-    session: Option<Session>,
+    /// This session's files; created with its first copy.
+    session: Option<RecoverySession>,
     found: Vec<Recoverable>,
-    /// The copy that was opened, as long as it is the only one.
+    /// The recovery copy that was opened, until a newer one is written.
     adopted: Option<PathBuf>,
-    /// The document that was copied last.
+    /// The revision last copied.
     copied: Option<u64>,
-    /// No copy before this, after one that failed.
+    /// Earliest time of the next attempt after a failure.
     not_before: Option<Instant>,
 }
 
 #[derive(Debug)]
-struct Session {
+struct RecoverySession {
     copy: PathBuf,
     note: PathBuf,
-    /// Locked as long as the session lives.
+    /// Locked while the session runs.
     _lock: File,
 }
 
-/// How long nothing is tried after a copy failed.
+/// Delay after a failed copy.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 impl Recovery {
-    /// Writes nothing and finds nothing.
-    pub fn nowhere() -> Recovery {
+    /// Writes no copies and finds none.
+    pub fn disabled() -> Recovery {
         Recovery::default()
     }
 
-    /// Copies go into `folder`; finds what sessions left there.
+    /// Writes copies to `folder`; finds those left by crashed sessions.
     pub fn new(folder: PathBuf) -> Recovery {
-        let mut recovery = Recovery::nowhere();
-        recovery.found = left_behind(&folder);
+        let mut recovery = Recovery::disabled();
+        recovery.found = orphaned_copies(&folder);
         recovery.folder = Some(folder);
         recovery
     }
 
-    /// What sessions left behind.
-    pub fn found(&self) -> &[Recoverable] {
+    /// The copies left by crashed sessions.
+    pub fn recoverable(&self) -> &[Recoverable] {
         &self.found
     }
 
-    /// Where the next copy of a document goes, if one is due.
+    /// The path of the next copy of a document, if one is due.
     pub fn due(&mut self, revision: u64, original: Option<&Path>) -> Option<PathBuf> {
         let waits = self.not_before.is_some_and(|t| Instant::now() < t);
         if waits || self.copied == Some(revision) {
             return None;
         }
-        let place = self.place(original);
+        let place = self.copy_path(original);
         if place.is_none() {
             self.failed();
         }
         place
     }
 
-    /// Whether the next copy of a document is still to be written, now or later.
-    pub fn awaits(&self, revision: u64) -> bool {
+    /// Whether a copy of this revision remains to be written, now or later.
+    pub fn is_pending(&self, revision: u64) -> bool {
         self.folder.is_some() && self.copied != Some(revision)
     }
 
-    /// How long nothing is tried, after a copy that failed.
-    pub fn rests(&self) -> Duration {
+    /// Remaining delay after a failed copy.
+    pub fn retry_delay(&self) -> Duration {
         let rest = self
             .not_before
             .map(|t| t.saturating_duration_since(Instant::now()));
         rest.unwrap_or_default()
     }
 
-    /// Where copies of this session go; `None` where nothing is kept.
-    pub fn place(&mut self, original: Option<&Path>) -> Option<PathBuf> {
+    /// Path of this session's copy; `None` if no copies are kept.
+    pub fn copy_path(&mut self, original: Option<&Path>) -> Option<PathBuf> {
         if self.session.is_none() {
-            self.session = self.folder.as_deref().and_then(Session::begin);
+            self.session = self.folder.as_deref().and_then(RecoverySession::begin);
         }
         let session = self.session.as_ref()?;
         session.write_note(original);
         Some(session.copy.clone())
     }
 
-    /// A copy is on the disk.
+    /// Called when a copy has been written.
     pub fn done(&mut self, revision: u64) {
         self.copied = Some(revision);
         self.leave_adopted();
     }
 
-    /// A copy was opened. It stays on the disk until there is a newer one, or none is needed.
+    /// Called when a copy has been opened. It is deleted when there is a newer one or none is
+    /// needed.
     pub fn adopt(&mut self, copy: &Path) {
         self.found.retain(|f| f.copy != copy);
         self.adopted = Some(copy.to_owned());
@@ -169,12 +169,12 @@ impl Recovery {
         }
     }
 
-    /// A copy could not be written.
+    /// Called when a copy could not be written.
     pub fn failed(&mut self) {
         self.not_before = Some(Instant::now() + PATIENCE);
     }
 
-    /// The document is safe: no copy is needed.
+    /// Deletes this session's copy, because the document is safe.
     pub fn clear(&mut self) {
         self.copied = None;
         self.leave_adopted();
@@ -183,8 +183,8 @@ impl Recovery {
         }
     }
 
-    /// Takes a copy off the list, and off the disk.
-    pub fn forget(&mut self, copy: &Path) {
+    /// Removes a copy from the list and from the disk.
+    pub fn delete(&mut self, copy: &Path) {
         self.found.retain(|f| {
             let goes = f.copy == copy;
             if goes {
@@ -196,7 +196,7 @@ impl Recovery {
 }
 
 impl Drop for Recovery {
-    /// A session that ends in good order leaves nothing behind.
+    /// A session that ends normally leaves nothing behind.
     fn drop(&mut self) {
         if !std::thread::panicking() {
             self.clear();
@@ -204,8 +204,8 @@ impl Drop for Recovery {
     }
 }
 
-impl Session {
-    fn begin(folder: &Path) -> Option<Session> {
+impl RecoverySession {
+    fn begin(folder: &Path) -> Option<RecoverySession> {
         std::fs::create_dir_all(folder).ok()?;
         let now = SystemTime::now().duration_since(UNIX_EPOCH).ok()?;
         let name = format!("{}-{}", std::process::id(), now.as_nanos());
@@ -213,7 +213,7 @@ impl Session {
         let mut options = OpenOptions::new();
         let lock = options.write(true).create_new(true).open(&note).ok()?;
         lock.try_lock().ok()?;
-        Some(Session {
+        Some(RecoverySession {
             copy: folder.join(format!("{name}.grf")),
             note,
             _lock: lock,
@@ -221,8 +221,8 @@ impl Session {
     }
 
     fn write_note(&self, original: Option<&Path>) {
-        let note = Note::of(original);
-        // Without a note the copy is still found; only its name is lost.
+        let note = RecoveryNote::of(original);
+        // Without its note a copy is still found; only the original path is lost.
         if let Ok(text) = toml::to_string(&note) {
             let file = OpenOptions::new()
                 .write(true)
@@ -241,7 +241,7 @@ fn remove(copy: &Path) {
     let _ = std::fs::remove_file(copy.with_extension("toml"));
 }
 
-/// Pictures that were written beside a copy, whose name theirs begin with.
+/// Texture files beside a copy, whose names begin with its name.
 fn pictures(copy: &Path) -> Vec<PathBuf> {
     let stem = copy.file_stem().unwrap_or_default().to_string_lossy();
     let begin = format!("{stem}-");
@@ -255,9 +255,9 @@ fn pictures(copy: &Path) -> Vec<PathBuf> {
     paths.filter(is_picture).collect()
 }
 
-/// Copies in `folder` that belong to no session that lives, the newest first. Notes without a
-/// copy are removed.
-fn left_behind(folder: &Path) -> Vec<Recoverable> {
+/// Copies in `folder` whose session is not running, the newest first. Notes without a copy are
+/// deleted.
+fn orphaned_copies(folder: &Path) -> Vec<Recoverable> {
     let Ok(entries) = std::fs::read_dir(folder) else {
         return Vec::new();
     };
@@ -277,7 +277,7 @@ fn orphan(note: &Path) -> Option<Recoverable> {
         return None;
     };
     let text = std::fs::read_to_string(note).unwrap_or_default();
-    let said: Note = toml::from_str(&text).unwrap_or_default();
+    let said: RecoveryNote = toml::from_str(&text).unwrap_or_default();
     let written = meta.modified().ok()?.duration_since(UNIX_EPOCH).ok()?;
     Some(Recoverable {
         copy,
@@ -303,16 +303,16 @@ mod tests {
             alive.due(2, Some(Path::new("/a/room.3ds"))),
             Some(copy.clone())
         );
-        assert_eq!(Recovery::new(folder.clone()).found(), []);
+        assert_eq!(Recovery::new(folder.clone()).recoverable(), []);
 
-        // It dies: its lock goes, its files stay.
+        // A crash releases the lock and leaves the files.
         alive.session = None;
         let mut next = Recovery::new(folder.clone());
-        let found = next.found().to_vec();
+        let found = next.recoverable().to_vec();
         assert_eq!(found.len(), 1);
         assert_eq!(found[0].original.as_deref(), Some(Path::new("/a/room.3ds")));
-        next.forget(&copy);
-        assert!(next.found().is_empty() && !copy.exists());
+        next.delete(&copy);
+        assert!(next.recoverable().is_empty() && !copy.exists());
         std::fs::remove_dir_all(folder).unwrap();
     }
 

@@ -1,7 +1,7 @@
-//! Sessions that play by themselves: a list of steps, one a line.
+//! Scripted sessions: a list of steps, one per line.
 //!
 //! ```text
-//! # A model, a lamp, two materials, light, a file and a picture.
+//! # A model, an area light, a material, a solution and a file.
 //! size 1280 800
 //! open cow.3ds
 //! action Area light
@@ -13,11 +13,11 @@
 //! save lit.grf
 //! ```
 //!
-//! Steps that start a job wait until it ends. A step that fails ends the script, and the command
+//! A step that starts a job waits until it ends. A step that fails ends the script, and the command
 //! with status 1.
 
 mod parse;
 mod play;
 
-pub use parse::{Step, parse};
-pub use play::Player;
+pub use parse::{ScriptStep, parse};
+pub use play::ScriptPlayer;

@@ -1,4 +1,4 @@
-//! How the model is looked at: nothing here changes it.
+//! Camera and display settings. Nothing here changes the model.
 
 use crate::gpu::Projection;
 use azulejo::scene::math::Aabb;
@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// What the viewport shows of surfaces.
+/// Shading modes of the viewport.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Shading {
@@ -15,29 +15,29 @@ pub enum Shading {
     Points,
     /// Edges.
     Lines,
-    /// Edges that no surface covers.
+    /// Edges with hidden lines removed.
     HiddenLines,
-    /// One shade a face.
+    /// One colour per face.
     Flat,
-    /// Shades that run over edges.
+    /// Smooth shading.
     #[default]
     Gouraud,
-    /// With pictures on surfaces.
+    /// Smooth shading with textures.
     Textured,
-    /// The light that was solved.
+    /// The solved light.
     Irradiance,
-    /// Irradiance by a colour map.
+    /// Irradiance in false colours.
     FalseColor,
-    /// The patches that the solver divided surfaces into.
+    /// The patches of the solver.
     Patches,
-    /// What a picked patch sees.
+    /// Form factors of a picked patch.
     FormFactors,
-    /// Directions of surfaces, and their backs.
+    /// Normals as colours, back faces in red.
     Normals,
 }
 
 impl Shading {
-    /// All of them, in the order of menus.
+    /// All modes in the order of the menu.
     pub const ALL: [Shading; 11] = [
         Shading::Points,
         Shading::Lines,
@@ -69,7 +69,7 @@ impl Shading {
         }
     }
 
-    /// Whether it shows what was solved.
+    /// Whether it displays the solved light.
     pub fn shows_light(self) -> bool {
         matches!(
             self,
@@ -78,14 +78,14 @@ impl Shading {
     }
 }
 
-/// A colour map that reads the same to the colour-blind.
+/// Colour maps suitable for all kinds of colour vision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ColorMap {
     /// Blue, green, yellow.
     #[default]
     Viridis,
-    /// Blue to yellow, made for all kinds of colour vision.
+    /// Blue to yellow, optimised for colour vision deficiency.
     Cividis,
     /// Black, purple, white.
     Magma,
@@ -94,7 +94,7 @@ pub enum ColorMap {
 }
 
 impl ColorMap {
-    /// All of them.
+    /// All colour maps.
     pub const ALL: [ColorMap; 4] = [
         ColorMap::Viridis,
         ColorMap::Cividis,
@@ -103,16 +103,16 @@ impl ColorMap {
     ];
 }
 
-/// How values become colours.
+/// The settings of false colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FalseColor {
-    /// The map.
+    /// The colour map.
     pub map: ColorMap,
-    /// The values of both its ends, W/m² or lux; `None` takes them from what is shown.
+    /// Values at both ends, W/m² or lux; `None` takes the range of the displayed values.
     pub range: Option<(f64, f64)>,
-    /// Equal steps are equal ratios.
+    /// Whether the scale is logarithmic.
     pub logarithmic: bool,
-    /// Number of lines of equal value, 0 for none.
+    /// Number of isolines; 0 for none.
     pub isolines: u32,
 }
 
@@ -127,19 +127,19 @@ impl Default for FalseColor {
     }
 }
 
-/// What is behind the model.
+/// The background of the viewport.
 #[derive(Clone, Debug, Default)]
 pub enum Backdrop {
-    /// The scene's own background, or a quiet gradient where it has none.
+    /// The scene's own background, or a neutral gradient.
     #[default]
     Scene,
     /// One colour, sRGB.
     Color([u8; 3]),
-    /// A picture.
+    /// An image.
     Image(Arc<Image>, Fit),
 }
 
-/// Pictures are the same if they are one: to compare their pixels in every frame takes too long.
+/// Images are compared by address: comparing pixels in every frame would take too long.
 impl PartialEq for Backdrop {
     fn eq(&self, other: &Backdrop) -> bool {
         match (self, other) {
@@ -153,19 +153,19 @@ impl PartialEq for Backdrop {
     }
 }
 
-/// How a picture fills the background.
+/// How an image fills the background.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Fit {
-    /// As large as the viewport.
+    /// Scaled to the size of the viewport.
     #[default]
     Scaled,
-    /// In the middle, in its own size.
+    /// Centred in its own size.
     Centered,
-    /// Again and again.
+    /// Tiled.
     Tiled,
 }
 
-/// The 16 colours of the first personal computers, by name, sRGB.
+/// The 16 colours of early personal computers, with their names, sRGB.
 pub const COLORS: [(&str, [u8; 3]); 16] = [
     ("Black", [0, 0, 0]),
     ("Maroon", [128, 0, 0]),
@@ -185,9 +185,9 @@ pub const COLORS: [(&str, [u8; 3]); 16] = [
     ("White", [255, 255, 255]),
 ];
 
-/// A side from which to look.
+/// Standard directions of view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Side {
+pub enum ViewDirection {
     /// From the front.
     Front,
     /// From behind.
@@ -200,73 +200,74 @@ pub enum Side {
     Top,
     /// From below.
     Bottom,
-    /// From the front, a little above and aside.
+    /// From the front, slightly above and aside.
     Corner,
 }
 
-impl Side {
-    /// All of them.
-    pub const ALL: [Side; 7] = [
-        Side::Front,
-        Side::Back,
-        Side::Left,
-        Side::Right,
-        Side::Top,
-        Side::Bottom,
-        Side::Corner,
+impl ViewDirection {
+    /// All directions.
+    pub const ALL: [ViewDirection; 7] = [
+        ViewDirection::Front,
+        ViewDirection::Back,
+        ViewDirection::Left,
+        ViewDirection::Right,
+        ViewDirection::Top,
+        ViewDirection::Bottom,
+        ViewDirection::Corner,
     ];
 }
 
-/// The look at the model.
+/// Camera and display settings.
 #[derive(Clone, Debug, PartialEq)]
-pub struct View {
-    /// From where.
+pub struct ModelView {
+    /// The camera.
     pub camera: Camera,
-    /// What of surfaces.
+    /// The shading mode.
     pub shading: Shading,
-    /// Factor between radiance and display; `None` chooses it from what is shown.
+    /// Factor from radiance to display; `None` selects it automatically.
     pub exposure: Option<f64>,
-    /// How values become colours.
+    /// The settings of false colours.
     pub false_color: FalseColor,
-    /// What is behind.
+    /// The background.
     pub backdrop: Backdrop,
-    /// Whether lights and cameras are drawn.
-    pub signs: bool,
-    /// Whether the axes' grid is drawn.
-    pub grid: bool,
+    /// Whether markers of lights and cameras are drawn.
+    pub shows_markers: bool,
+    /// Whether the grid with the axes is drawn.
+    pub shows_grid: bool,
     /// Whether the scene's fog is drawn.
-    pub fog: bool,
+    pub shows_fog: bool,
 }
 
-impl Default for View {
-    fn default() -> View {
-        View {
+impl Default for ModelView {
+    fn default() -> ModelView {
+        ModelView {
             camera: whole(Aabb::EMPTY, Up::Y),
             shading: Shading::default(),
             exposure: None,
             false_color: FalseColor::default(),
             backdrop: Backdrop::default(),
-            signs: true,
-            grid: false,
-            fog: true,
+            shows_markers: true,
+            shows_grid: false,
+            shows_fog: true,
         }
     }
 }
 
-/// A camera that sees all of `bounds`; of a unit cube where there is nothing.
+/// A camera that sees all of `bounds`; a unit cube if they are empty.
 pub fn whole(bounds: Aabb, up: Up) -> Camera {
-    let bounds = match bounds.is_empty() {
-        true => Aabb::around([DVec3::splat(-0.5), DVec3::splat(0.5)]),
-        false => bounds,
+    let bounds = if bounds.is_empty() {
+        Aabb::around([DVec3::splat(-0.5), DVec3::splat(0.5)])
+    } else {
+        bounds
     };
     Camera::framing(bounds, 1.0, up.axis())
 }
 
-/// How near the pole an orbit comes, radians.
+/// Minimum distance of an orbit from the pole, radians.
 const POLE: f64 = 0.01;
 
-impl View {
-    /// Turns around the target: `right` and `up` radians.
+impl ModelView {
+    /// Orbits around the target: `right` and `up` in radians.
     pub fn orbit(&mut self, right: f64, up: f64, axis: DVec3) {
         let camera = &mut self.camera;
         let back = camera.eye - camera.target;
@@ -274,14 +275,14 @@ impl View {
         let height = back.angle_between(axis);
         let wanted = (height - up).clamp(POLE, std::f64::consts::PI - POLE);
         let side = axis.cross(back).try_normalize();
-        // Straight above or below there is no side; the picture's own right will do.
+        // Straight above or below there is no horizontal direction; use the image's right.
         let side = side.unwrap_or_else(|| camera.axes().0);
         let back = DQuat::from_axis_angle(side, wanted - height) * back;
         camera.eye = camera.target + back;
         camera.up = axis;
     }
 
-    /// Shifts the picture: `right` and `up` in shares of its height.
+    /// Pans: `right` and `up` in fractions of the image's height.
     pub fn pan(&mut self, right: f64, up: f64) {
         let camera = &mut self.camera;
         let (x, y, _) = camera.axes();
@@ -292,7 +293,7 @@ impl View {
         camera.target += shift;
     }
 
-    /// Goes nearer by a factor below 1, or further away.
+    /// Changes the distance to the target by a factor.
     pub fn zoom(&mut self, factor: f64) {
         let camera = &mut self.camera;
         let back = (camera.eye - camera.target) * factor;
@@ -301,7 +302,7 @@ impl View {
         }
     }
 
-    /// Flies: forward, right and up in world units, and turns the head by radians.
+    /// Flies: forward, right and up in world units, and turns the camera by radians.
     pub fn fly(&mut self, step: DVec3, yaw: f64, pitch: f64, axis: DVec3) {
         let camera = &mut self.camera;
         let (right, up, forward) = camera.axes();
@@ -317,7 +318,7 @@ impl View {
         camera.up = axis;
     }
 
-    /// Looks at `bounds` from where the camera is turned now.
+    /// Frames `bounds` without changing the direction.
     pub fn frame(&mut self, bounds: Aabb) {
         if bounds.is_empty() {
             return;
@@ -329,22 +330,22 @@ impl View {
         self.camera.eye = self.camera.target - forward * distance;
     }
 
-    /// Looks at `bounds` from a side.
-    pub fn look_from(&mut self, side: Side, bounds: Aabb, up: Up) {
+    /// Frames `bounds` from a standard direction.
+    pub fn view_from(&mut self, side: ViewDirection, bounds: Aabb, up: Up) {
         let (u, back) = match up {
             Up::Y => (DVec3::Y, DVec3::Z),
             Up::Z => (DVec3::Z, DVec3::NEG_Y),
         };
-        // From exactly above, the way to the front is up in the picture.
+        // From exactly above, forward is up in the image.
         let tilt = 1e-4 * back;
         let from = match side {
-            Side::Front => back,
-            Side::Back => -back,
-            Side::Left => DVec3::NEG_X,
-            Side::Right => DVec3::X,
-            Side::Top => u + tilt,
-            Side::Bottom => -u + tilt,
-            Side::Corner => 0.5 * DVec3::X + 0.35 * u + back,
+            ViewDirection::Front => back,
+            ViewDirection::Back => -back,
+            ViewDirection::Left => DVec3::NEG_X,
+            ViewDirection::Right => DVec3::X,
+            ViewDirection::Top => u + tilt,
+            ViewDirection::Bottom => -u + tilt,
+            ViewDirection::Corner => 0.5 * DVec3::X + 0.35 * u + back,
         };
         self.camera.up = u;
         self.camera.eye = self.camera.target + from.normalize();
@@ -352,19 +353,20 @@ impl View {
     }
 }
 
-/// A colour of the screen as linear light.
+/// A display colour as linear light.
 pub fn linear(color: [u8; 3]) -> Rgb {
     let channel = |c: u8| {
         let c = f64::from(c) / 255.0;
-        match c <= 0.040_45 {
-            true => c / 12.92,
-            false => ((c + 0.055) / 1.055).powf(2.4),
+        if c <= 0.040_45 {
+            c / 12.92
+        } else {
+            ((c + 0.055) / 1.055).powf(2.4)
         }
     };
     Rgb::new(channel(color[0]), channel(color[1]), channel(color[2]))
 }
 
-/// Whether a camera sees most of a box: many files bring cameras that were left lying about.
+/// Whether a camera sees most of a box; many files contain cameras that do not.
 pub fn sees_most(camera: &Camera, bounds: Aabb) -> bool {
     let view = Projection::new(camera, [100, 100]);
     let corner = |k: u32| {
@@ -375,7 +377,7 @@ pub fn sees_most(camera: &Camera, bounds: Aabb) -> bool {
             pick(4, bounds.min.z, bounds.max.z),
         )
     };
-    // The middle of each half diagonal: corners themselves are cut off in many a good picture.
+    // The middle of each half diagonal: the corners themselves are often outside of a good view.
     let points = (0..8).map(|k| 0.5 * (corner(k) + bounds.centre()));
     let shown = points.filter(|&p| {
         let at = view.project(p);
@@ -388,8 +390,8 @@ pub fn sees_most(camera: &Camera, bounds: Aabb) -> bool {
 mod tests {
     use super::*;
 
-    fn view() -> View {
-        let mut view = View::default();
+    fn view() -> ModelView {
+        let mut view = ModelView::default();
         view.camera.eye = DVec3::new(0.0, 0.0, 5.0);
         view.camera.target = DVec3::ZERO;
         view
@@ -451,16 +453,16 @@ mod tests {
     fn standard_views_look_at_the_middle() {
         let bounds = Aabb::around([DVec3::splat(1.0), DVec3::splat(3.0)]);
         for up in [Up::Y, Up::Z] {
-            for side in Side::ALL {
+            for side in ViewDirection::ALL {
                 let mut v = view();
-                v.look_from(side, bounds, up);
+                v.view_from(side, bounds, up);
                 is_near(v.camera.target, DVec3::splat(2.0));
                 let (right, ..) = v.camera.axes();
                 assert!(right.is_finite(), "{side:?} {up:?}");
             }
         }
         let mut v = view();
-        v.look_from(Side::Top, bounds, Up::Z);
+        v.view_from(ViewDirection::Top, bounds, Up::Z);
         assert!(v.camera.eye.z > 3.0);
     }
 }

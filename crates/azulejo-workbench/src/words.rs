@@ -1,7 +1,7 @@
-//! What the window says, in the languages of its sources: English, Spanish, Portuguese.
+//! The texts of the window in its languages: English, Spanish, Portuguese.
 //!
-//! The English text is the key: the code stays readable, and a text without translation is still
-//! a text. A test holds every text of the window to the tables.
+//! The English text is the key: the code stays readable, and a text without a translation is
+//! displayed in English. A test checks that the tables contain every text of the window.
 
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -12,11 +12,11 @@ mod brdf;
 mod dialogs;
 mod inspector;
 mod light;
-mod looks;
 mod menu;
 #[cfg(test)]
 mod tests;
 mod tree;
+mod view_tab;
 mod viewport;
 
 /// A language of the window.
@@ -32,11 +32,11 @@ pub enum Language {
     Portuguese,
 }
 
-/// One text: English, Spanish, Portuguese.
-type Entry = [&'static str; 3];
+/// A text in English, Spanish and Portuguese.
+type Translation = [&'static str; 3];
 
 /// The tables, one for each part of the window.
-const TABLES: [&[Entry]; 9] = [
+const TABLES: [&[Translation]; 9] = [
     app::TABLE,
     menu::TABLE,
     tree::TABLE,
@@ -44,15 +44,15 @@ const TABLES: [&[Entry]; 9] = [
     inspector::TABLE,
     brdf::TABLE,
     light::TABLE,
-    looks::TABLE,
+    view_tab::TABLE,
     dialogs::TABLE,
 ];
 
 impl Language {
-    /// All of them.
+    /// All languages.
     pub const ALL: [Language; 3] = [Language::English, Language::Spanish, Language::Portuguese];
 
-    /// The desktop's language, if it is one of these.
+    /// The system's language, if it is supported.
     pub fn from_system() -> Language {
         let set = |name: &&str| std::env::var(name).is_ok_and(|v| !v.is_empty());
         let variable = ["LC_ALL", "LC_MESSAGES", "LANG"].into_iter().find(set);
@@ -64,7 +64,7 @@ impl Language {
         }
     }
 
-    /// Its own name.
+    /// Its name in the language itself.
     pub fn name(self) -> &'static str {
         match self {
             Language::English => "English",
@@ -73,9 +73,9 @@ impl Language {
         }
     }
 
-    /// `english` in this language; itself where there is no translation.
-    pub fn say(self, english: &str) -> &str {
-        static INDEX: OnceLock<HashMap<&str, &Entry>> = OnceLock::new();
+    /// Translates `english`; returns it unchanged if there is no translation.
+    pub fn tr(self, english: &str) -> &str {
+        static INDEX: OnceLock<HashMap<&str, &Translation>> = OnceLock::new();
         let index = INDEX.get_or_init(|| {
             let entries = TABLES.iter().flat_map(|table| table.iter());
             entries.map(|entry| (entry[0], entry)).collect()

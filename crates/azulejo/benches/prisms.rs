@@ -157,9 +157,10 @@ fn hold(page: &str, is_exact: bool) {
     let Some(before) = megabytes("VmRSS") else {
         return;
     };
-    let scene = match is_exact {
-        true => Page::load(page).exact(),
-        false => Page::load(page).polygons(),
+    let scene = if is_exact {
+        Page::load(page).exact()
+    } else {
+        Page::load(page).polygons()
     };
     let tracer = azulejo_trace::Tracer::new(&scene);
     let (after, peak) = (megabytes("VmRSS"), megabytes("VmHWM"));

@@ -85,7 +85,7 @@ fn measure(name: &str, scene: &Scene) {
 
 fn two_passes(scene: &Scene, patches: usize, gather: Option<u32>, samples: u32) -> Image {
     let first = FirstPass {
-        size: radiosity::PatchSize::Count(patches),
+        size: azulejo::factors::PatchSize::Count(patches),
         ..FirstPass::default()
     };
     let second = SecondPass {

@@ -1,17 +1,17 @@
-//! What the operating system says about files, in words for a person.
+//! Errors of the file system, with readable messages.
 
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
-/// The operating system refused something to do with a file.
+/// The operating system refused an operation on a file.
 #[derive(Debug)]
 pub struct Refused {
-    /// What was to be done: "read", "write".
+    /// The operation, as a verb: "read", "write".
     pub deed: &'static str,
     /// The file, as the user named it.
     pub path: PathBuf,
-    /// Why not.
+    /// The reason.
     pub error: io::Error,
 }
 
@@ -28,7 +28,7 @@ impl std::error::Error for Refused {
     }
 }
 
-/// An operating system's error without the number that Rust appends.
+/// The message of an operating system's error, without the number that Rust appends.
 pub fn reason(error: &io::Error) -> String {
     let text = error.to_string();
     match text.find(" (os error") {

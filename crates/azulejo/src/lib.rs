@@ -1,33 +1,36 @@
 //! azulejo: global illumination for the models people already have.
 //!
-//! A model file goes in; lit vertices and a picture come out. This crate is a thin façade: it
-//! puts the libraries under one name and holds the command line that is built on them.
+//! Reads a model, computes the irradiance on its vertices, and renders images. This crate is a thin
+//! façade that puts the libraries under one name. The command line is `azulejo-cli`.
 //!
 //! | module | purpose |
 //! |---|---|
-//! | [`scene`] | what is there: geometry, materials, lights, cameras, images, as plain data |
-//! | [`formats`] | bytes to scene and back, pictures to files |
-//! | [`trace`] | what does a point see: rays against the scene |
-//! | [`radiosity`] | first pass: scene to irradiance on its vertices |
-//! | [`render`] | second pass: scene to image |
-//! | [`models`] | models as files: read, put together, written whole or not at all |
-//! | [`output`] | any file, written whole or not at all |
-//! | [`files`], [`machine`] | what the operating system says |
+//! | [`scene`] | geometry, materials, lights, cameras and images, as plain data |
+//! | [`formats`] | readers and writers of models and images |
+//! | [`trace`] | ray tracing and item buffers: what a point sees |
+//! | [`factors`] | form factors between the patches of a scene |
+//! | [`radiosity`] | first pass: from a scene to the irradiance on its vertices |
+//! | [`render`] | second pass: from a scene to an image |
+//! | [`models`] | model files: reading, merging, atomic writing |
+//! | [`output`] | files written atomically |
+//! | [`files`], [`machine`] | messages for errors of the file system; memory of the machine |
+//! | [`typeface`] | the embedded typeface |
 //!
-//! The two passes do not know each other: they meet in data, the irradiance on the vertices.
-//! `examples/journey.rs` follows one vertex through all of it in seven lines.
+//! The two passes do not depend on each other: they share data, the irradiance on the vertices.
+//! `examples/journey.rs` follows one vertex through both in seven lines.
 //!
-//! The feature `embree` adds Embree as another kernel for rays, loaded at run time.
+//! The feature `embree` adds Embree, loaded at run time, as another ray tracing kernel.
 //!
-//! The feature `cli`, on by default, builds the command line and what it needs; a program that
-//! wants the libraries alone sets `default-features = false`. The feature `gpu` adds the module
-//! `gpu`: item buffers on graphics cards.
+//! The feature `fonts`, on by default, reads TrueType, OpenType and Type 1. The feature `gpu` adds
+//! the module `gpu`: item buffers on graphics cards.
 
 pub mod files;
 pub mod machine;
 pub mod models;
 pub mod output;
+pub mod typeface;
 
+pub use azulejo_factors as factors;
 pub use azulejo_formats as formats;
 #[cfg(feature = "gpu")]
 pub use azulejo_gpu as gpu;

@@ -1,10 +1,10 @@
-//! What the machine has.
+//! Resources of the machine.
 
-/// Budget where the machine does not say what it has, bytes.
+/// Budget if the memory of the machine is unknown, bytes.
 const UNKNOWN: u64 = 2 << 30;
 
-/// Bytes of memory that the process may use: what the machine has, or what its container gets.
-/// Nothing where the system does not say; Linux does.
+/// Memory available to the process: that of the machine, or the limit of its container, in bytes.
+/// `None` on other systems than Linux.
 pub fn memory() -> Option<u64> {
     let machine = std::fs::read_to_string("/proc/meminfo")
         .ok()
@@ -18,8 +18,8 @@ pub fn memory() -> Option<u64> {
     }
 }
 
-/// What the rows of a first pass may take, for [`FirstPass::memory`](crate::radiosity::FirstPass):
-/// half of what the machine has, 2 GiB where it does not say; bytes.
+/// Default of [`FirstPass::memory`](crate::radiosity::FirstPass): half of the memory of the machine,
+/// or 2 GiB if that is unknown, in bytes.
 pub fn memory_budget() -> u64 {
     memory().map_or(UNKNOWN, |bytes| bytes / 2)
 }

@@ -1,8 +1,8 @@
-//! Files that appear whole or not at all.
+//! Files that are written atomically.
 //!
-//! An [`Output`] is checked before the work begins and written after it: into a draft beside the
-//! target, which takes the target's place in one step. Whatever goes wrong on the way, an old
-//! file stays as it was and no half file is left behind.
+//! An [`Output`] is checked before the work begins and written after it: to a draft next to the
+//! target, which is then renamed over the target. If anything fails, an existing file is left
+//! unchanged and no partial file remains.
 //!
 //! ```
 //! use azulejo::{output::Output, trace::Progress};
@@ -25,24 +25,24 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// The drafts that exist now, so that an interrupt can remove them. Whoever holds the lock is
-/// the only one who may put drafts in their places.
+/// The existing drafts, so that an interrupt can remove them. Only the holder of the lock may rename
+/// drafts.
 static DRAFTS: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// A place where a result can be written.
+/// An output file, standard output, or a device.
 #[derive(Debug)]
 pub struct Output {
-    /// As the user named it.
+    /// As given by the user.
     path: PathBuf,
-    place: Place,
+    target: OutputTarget,
 }
 
 #[derive(Debug)]
-enum Place {
+enum OutputTarget {
     Stdout,
-    /// A terminal, a pipe, `/dev/null`: must not be replaced by a file.
+    /// A terminal, a pipe or `/dev/null`, which must not be replaced by a file.
     Device,
-    /// A regular file that is or will be there, behind symbolic links if there are any.
+    /// A regular file, existing or not, with symbolic links resolved.
     File(PathBuf),
 }
 
@@ -50,22 +50,22 @@ enum Place {
 #[derive(Debug)]
 pub struct Draft {
     output: PathBuf,
-    writer: Option<BufWriter<Sink>>,
+    writer: Option<BufWriter<DraftSink>>,
     /// The draft and its target, for a regular file.
     rename: Option<(PathBuf, PathBuf)>,
 }
 
 #[derive(Debug)]
-enum Sink {
+enum DraftSink {
     Stdout(io::Stdout),
     File(File),
 }
 
-/// Why nothing was written. `Display` says it to a person.
+/// Why nothing was written.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum OutputError {
-    /// The caller cancelled before the file took its place.
+    /// Cancelled before the file was in place.
     Cancelled,
     /// The file could not be written: no room, no permission, no such folder.
     File(Refused),
@@ -102,17 +102,17 @@ impl Output {
     /// # Errors
     /// [`OutputError::File`]: a directory, a folder that is not there or may not be written.
     pub fn check(path: &Path) -> Result<Output, OutputError> {
-        let place = if path == Path::new("-") {
-            Place::Stdout
+        let target = if path == Path::new("-") {
+            OutputTarget::Stdout
         } else {
-            place_of(path).map_err(|e| failed(path, e))?
+            target_of(path).map_err(|e| failed(path, e))?
         };
         let output = Output {
             path: path.to_owned(),
-            place,
+            target,
         };
-        if let Place::File(_) = output.place {
-            // Making and dropping an empty draft shows what the folder's permissions do not.
+        if let OutputTarget::File(_) = output.target {
+            // Permissions alone do not tell whether a file can be created.
             drop(output.draft()?);
         }
         Ok(output)
@@ -120,37 +120,37 @@ impl Output {
 
     /// Whether this is standard output.
     pub fn is_stdout(&self) -> bool {
-        matches!(self.place, Place::Stdout)
+        matches!(self.target, OutputTarget::Stdout)
     }
 
-    /// The regular file that is or will be there, behind symbolic links if there are any.
+    /// The path of the regular file, existing or not, with symbolic links resolved.
     pub fn file(&self) -> Option<&Path> {
-        match &self.place {
-            Place::File(path) => Some(path),
-            Place::Stdout | Place::Device => None,
+        match &self.target {
+            OutputTarget::File(path) => Some(path),
+            OutputTarget::Stdout | OutputTarget::Device => None,
         }
     }
 
-    /// As the user named it.
+    /// The path as given by the user.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Begins to write; [`commit`] ends it.
+    /// Starts writing; [`commit`] completes it.
     ///
     /// # Errors
     /// As [`check`](Output::check).
     pub fn draft(&self) -> Result<Draft, OutputError> {
         let failed = |e: io::Error| failed(&self.path, e);
-        let (sink, rename) = match &self.place {
-            Place::Stdout => (Sink::Stdout(io::stdout()), None),
-            Place::Device => {
+        let (sink, rename) = match &self.target {
+            OutputTarget::Stdout => (DraftSink::Stdout(io::stdout()), None),
+            OutputTarget::Device => {
                 let file = OpenOptions::new().write(true).open(&self.path);
-                (Sink::File(file.map_err(failed)?), None)
+                (DraftSink::File(file.map_err(failed)?), None)
             }
-            Place::File(target) => {
+            OutputTarget::File(target) => {
                 let (file, draft) = create_beside(target).map_err(failed)?;
-                (Sink::File(file), Some((draft, target.clone())))
+                (DraftSink::File(file), Some((draft, target.clone())))
             }
         };
         Ok(Draft {
@@ -160,10 +160,10 @@ impl Output {
         })
     }
 
-    /// Writes the whole file through `write` and puts it in its place.
+    /// Writes the file through `write` and moves it into place.
     ///
     /// # Errors
-    /// [`OutputError`]; what was there before is then untouched.
+    /// [`OutputError`]; an existing file is then unchanged.
     pub fn write(
         &self,
         progress: &Progress,
@@ -175,24 +175,24 @@ impl Output {
     }
 }
 
-fn place_of(path: &Path) -> io::Result<Place> {
+fn target_of(path: &Path) -> io::Result<OutputTarget> {
     if path.file_name().is_none() {
         return Err(io::ErrorKind::IsADirectory.into());
     }
     match fs::metadata(path) {
         Ok(meta) if meta.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
-        Ok(meta) if !meta.is_file() => Ok(Place::Device),
+        Ok(meta) if !meta.is_file() => Ok(OutputTarget::Device),
         Ok(meta) if meta.permissions().readonly() => Err(io::Error::new(
             io::ErrorKind::PermissionDenied,
             "the file is read-only",
         )),
-        Ok(_) => Ok(Place::File(fs::canonicalize(path)?)),
-        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(Place::File(path.to_owned())),
+        Ok(_) => Ok(OutputTarget::File(fs::canonicalize(path)?)),
+        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(OutputTarget::File(path.to_owned())),
         Err(e) => Err(e),
     }
 }
 
-/// A new file in the target's folder, under a name that nothing else has.
+/// Creates a file with a unique name in the target's folder.
 fn create_beside(target: &Path) -> io::Result<(File, PathBuf)> {
     static NUMBER: AtomicU32 = AtomicU32::new(0);
     let number = NUMBER.fetch_add(1, Ordering::Relaxed);
@@ -213,8 +213,8 @@ fn lock_drafts() -> std::sync::MutexGuard<'static, Vec<PathBuf>> {
         .unwrap_or_else(std::sync::PoisonError::into_inner)
 }
 
-/// Puts finished drafts in their places, all of them or none unless the disk itself fails
-/// between two renames. Nothing is put in place once `progress` is cancelled.
+/// Moves finished drafts into place: all of them or none, unless the disk fails between two renames.
+/// Nothing is moved once `progress` is cancelled.
 ///
 /// # Errors
 /// [`OutputError`].
@@ -223,7 +223,7 @@ pub fn commit(mut drafts: Vec<Draft>, progress: &Progress) -> Result<(), OutputE
         let finished = draft.finish();
         finished.map_err(|e| draft.error(e))?;
     }
-    // Whoever pauses the work must not be waited for with the lock in hand.
+    // A pause must not be waited for while holding the lock.
     progress.advance(0)?;
     let mut open = lock_drafts();
     if progress.is_cancelled() {
@@ -243,8 +243,8 @@ pub fn commit(mut drafts: Vec<Draft>, progress: &Progress) -> Result<(), OutputE
     Ok(())
 }
 
-/// Removes every draft and never lets go of the lock, so that none can be put in place later:
-/// for an interrupt that ends the process.
+/// Removes all drafts and keeps the lock, so that none can be moved into place later: for an
+/// interrupt that exits the process.
 pub fn abandon_all() {
     let drafts = lock_drafts();
     for draft in drafts.iter() {
@@ -259,7 +259,7 @@ impl Draft {
         failed(&self.output, error)
     }
 
-    /// Everything on the disk, with the permissions of the file that it will replace.
+    /// Flushes to disk, with the permissions of the file to be replaced.
     fn finish(&mut self) -> io::Result<()> {
         let Some(writer) = self.writer.take() else {
             return Ok(());
@@ -268,8 +268,8 @@ impl Draft {
             .into_inner()
             .map_err(io::IntoInnerError::into_error)?
         {
-            Sink::Stdout(mut stdout) => stdout.flush(),
-            Sink::File(file) => {
+            DraftSink::Stdout(mut stdout) => stdout.flush(),
+            DraftSink::File(file) => {
                 let Some((_, target)) = &self.rename else {
                     return Ok(());
                 };
@@ -295,18 +295,18 @@ impl Write for Draft {
     }
 }
 
-impl Write for Sink {
+impl Write for DraftSink {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match self {
-            Sink::Stdout(out) => out.write(bytes),
-            Sink::File(file) => file.write(bytes),
+            DraftSink::Stdout(out) => out.write(bytes),
+            DraftSink::File(file) => file.write(bytes),
         }
     }
 
     fn flush(&mut self) -> io::Result<()> {
         match self {
-            Sink::Stdout(out) => out.flush(),
-            Sink::File(file) => file.flush(),
+            DraftSink::Stdout(out) => out.flush(),
+            DraftSink::File(file) => file.flush(),
         }
     }
 }
@@ -314,7 +314,7 @@ impl Write for Sink {
 impl Drop for Draft {
     fn drop(&mut self) {
         if let Some(writer) = self.writer.take() {
-            // What is still in the buffer belongs to a file that nobody will see.
+            // The buffered rest belongs to a file that is removed.
             drop(writer.into_parts());
         }
         if let Some((draft, _)) = self.rename.take() {
@@ -373,7 +373,7 @@ mod tests {
     }
 
     #[test]
-    fn places_that_cannot_be_written_are_found_at_once() {
+    fn paths_that_cannot_be_written_are_refused_at_once() {
         let folder = folder("places");
         for bad in [
             folder.clone(),
@@ -390,7 +390,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn links_and_devices_stay_what_they_are() {
+    fn links_and_devices_are_preserved() {
         let folder = folder("links");
         let (real, link) = (folder.join("real"), folder.join("link"));
         fs::write(&real, "old").unwrap();

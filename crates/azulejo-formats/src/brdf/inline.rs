@@ -1,51 +1,51 @@
-//! A reflection model on one line, as GRF has it: `name key = value ...`.
+//! A reflection model on one line, in GRF syntax: `name key = value ...`.
 
 use crate::reading::lexer::{BadNumber, Lexer};
-use azulejo_scene::brdf::{Description, Model, Parameter, Problem, Value, find};
+use azulejo_scene::brdf::{BrdfError, Description, Model, Parameter, Value, find};
 use azulejo_scene::{Brdf, Rgb};
 use std::sync::Arc;
 
-/// The word before a sum of models: `combination weight = w1 model1 ... weight = w2 model2 ...`.
+/// The keyword before a sum of models: `combination weight = w1 model1 ... weight = w2 model2 ...`.
 pub(crate) const COMBINATION: &str = "combination";
 
-/// Models in one sum. Each takes about a millisecond to make.
+/// Maximum number of models in a sum. Each takes about a millisecond to construct.
 pub(crate) const MOST_PARTS: usize = 64;
 
-/// What is wrong at an offset of the text.
+/// An error at an offset of the text.
 #[derive(Clone, Debug)]
-pub(crate) struct Trouble {
+pub(crate) struct InlineError {
     pub offset: usize,
     pub found: String,
     pub expected: String,
 }
 
-pub(crate) type Said<T> = Result<T, Trouble>;
+pub(crate) type InlineResult<T> = Result<T, InlineError>;
 
-/// Where a model stands in the text: its name, and each of its parameters.
+/// The offsets of a model: of its name, and of each of its parameters.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Marks {
+pub(crate) struct ModelMarks {
     pub name: usize,
     pub parameters: Vec<usize>,
 }
 
-/// A model on its way, with its weight and where it stands.
+/// A parsed model, with its weight and offsets.
 #[derive(Clone, Debug)]
-pub(crate) struct Part {
+pub(crate) struct WeightedModel {
     pub weight: f64,
     pub model: Model,
-    pub marks: Marks,
+    pub marks: ModelMarks,
 }
 
-fn trouble(offset: usize, found: impl Into<String>, expected: impl Into<String>) -> Trouble {
-    Trouble {
+fn trouble(offset: usize, found: impl Into<String>, expected: impl Into<String>) -> InlineError {
+    InlineError {
         offset,
         found: found.into(),
         expected: expected.into(),
     }
 }
 
-/// Trouble with what comes next.
-pub(crate) fn unexpected(mut lexer: Lexer<'_>, expected: impl Into<String>) -> Trouble {
+/// The error for an unexpected token.
+pub(crate) fn unexpected(mut lexer: Lexer<'_>, expected: impl Into<String>) -> InlineError {
     trouble(lexer.skip_blank(), lexer.describe(), expected)
 }
 
@@ -54,14 +54,16 @@ pub(crate) fn is_model(word: &str) -> bool {
     find(word).is_ok() || word.eq_ignore_ascii_case(COMBINATION)
 }
 
-/// Whether `key = value` follows, and not the next definition of the same `def` of GRF.
+/// Whether `key = value` follows, rather than the next definition of the same `def` in GRF.
 pub(crate) fn at_parameter(mut ahead: Lexer<'_>) -> bool {
     let bodies = ["rgb", "brdf", "texture"];
     ahead.word().is_some() && ahead.eat(b'=') && !bodies.iter().any(|body| ahead.eat_word(body))
 }
 
-/// The model or the sum of models that comes next.
-pub(crate) fn description(lexer: &mut Lexer<'_>) -> Said<(Description, Vec<Part>)> {
+/// Reads a model or a sum of models.
+pub(crate) fn description(
+    lexer: &mut Lexer<'_>,
+) -> InlineResult<(Description, Vec<WeightedModel>)> {
     let mut ahead = *lexer;
     if ahead.eat_word(COMBINATION) {
         *lexer = ahead;
@@ -73,9 +75,9 @@ pub(crate) fn description(lexer: &mut Lexer<'_>) -> Said<(Description, Vec<Part>
     Ok((Description::Model(part.model.clone()), vec![part]))
 }
 
-/// `weight = w` holds for the models behind it, up to the next weight.
-fn parts(lexer: &mut Lexer<'_>) -> Said<Vec<Part>> {
-    let (mut parts, mut weight): (Vec<Part>, f64) = (Vec::new(), 1.0);
+/// Reads the models of a sum; `weight = w` applies to the following models, up to the next weight.
+fn parts(lexer: &mut Lexer<'_>) -> InlineResult<Vec<WeightedModel>> {
+    let (mut parts, mut weight): (Vec<WeightedModel>, f64) = (Vec::new(), 1.0);
     loop {
         let mut ahead = *lexer;
         if at_parameter(*lexer) && ahead.eat_word("weight") {
@@ -86,7 +88,7 @@ fn parts(lexer: &mut Lexer<'_>) -> Said<Vec<Part>> {
                 let found = format!("a weight of {weight}");
                 return Err(trouble(ahead.skip_blank(), found, "a weight from 0 to 1"));
             }
-            // Otherwise a weight that no model follows would be forgotten.
+            // This rejects a weight that no model follows.
             parts.push(part(lexer, weight, parts.len())?);
         } else if lexer.peek_word().is_some_and(|word| find(word).is_ok()) {
             parts.push(part(lexer, weight, parts.len())?);
@@ -96,7 +98,7 @@ fn parts(lexer: &mut Lexer<'_>) -> Said<Vec<Part>> {
     }
 }
 
-fn part(lexer: &mut Lexer<'_>, weight: f64, before: usize) -> Said<Part> {
+fn part(lexer: &mut Lexer<'_>, weight: f64, before: usize) -> InlineResult<WeightedModel> {
     if before < MOST_PARTS {
         return model(lexer, weight);
     }
@@ -104,9 +106,9 @@ fn part(lexer: &mut Lexer<'_>, weight: f64, before: usize) -> Said<Part> {
     Err(trouble(lexer.skip_blank(), "one more", expected))
 }
 
-/// `name key = value ...`
-fn model(lexer: &mut Lexer<'_>, weight: f64) -> Said<Part> {
-    let mut marks = Marks {
+/// Reads `name key = value ...`.
+fn model(lexer: &mut Lexer<'_>, weight: f64) -> InlineResult<WeightedModel> {
+    let mut marks = ModelMarks {
         name: lexer.skip_blank(),
         parameters: Vec::new(),
     };
@@ -132,20 +134,20 @@ fn model(lexer: &mut Lexer<'_>, weight: f64) -> Said<Part> {
             name: name.to_owned(),
             value,
         });
-        // More than any model takes: one of them is wrong, and the rest need not be kept.
+        // No model has this many parameters: one of them is invalid, and the rest need not be kept.
         if model.parameters.len() > MOST_PARTS {
             break;
         }
     }
-    Ok(Part {
+    Ok(WeightedModel {
         weight,
         model,
         marks,
     })
 }
 
-/// A number, `(r, g, b)`, or a word.
-pub(crate) fn value(lexer: &mut Lexer<'_>) -> Said<Value> {
+/// Reads a number, `(r, g, b)`, or a word.
+pub(crate) fn value(lexer: &mut Lexer<'_>) -> InlineResult<Value> {
     let expected = "a number, (r, g, b), or a word";
     let offset = lexer.skip_blank();
     if lexer.at_number() {
@@ -170,30 +172,30 @@ pub(crate) fn value(lexer: &mut Lexer<'_>) -> Said<Value> {
     }
 }
 
-pub(crate) fn number(lexer: &mut Lexer<'_>, expected: &str) -> Said<f64> {
+pub(crate) fn number(lexer: &mut Lexer<'_>, expected: &str) -> InlineResult<f64> {
     lexer.number().map_err(|bad| match bad {
         BadNumber::TooLarge => unexpected(*lexer, format!("{expected} that is not so large")),
         BadNumber::Missing | BadNumber::Malformed => unexpected(*lexer, expected),
     })
 }
 
-/// What a description makes, or where it cannot.
-pub(crate) fn made(description: &Description, parts: &[Part]) -> Said<Arc<Brdf>> {
+/// The model of a description, or the error with its offset.
+pub(crate) fn made(description: &Description, parts: &[WeightedModel]) -> InlineResult<Arc<Brdf>> {
     Brdf::new(description.clone())
         .map(Arc::new)
         .map_err(|problem| blame(&problem, parts))
 }
 
-/// Checks each model for itself.
-pub(crate) fn check(parts: &[Part]) -> Said<()> {
+/// Checks each model separately.
+pub(crate) fn check(parts: &[WeightedModel]) -> InlineResult<()> {
     parts.iter().try_for_each(|part| {
         let alone = Brdf::new(Description::Model(part.model.clone()));
         alone.map(drop).map_err(|p| of_part(&p, part))
     })
 }
 
-/// Finds the model and the parameter that a problem is about.
-fn blame(problem: &Problem, parts: &[Part]) -> Trouble {
+/// Locates the model and the parameter that a problem is about.
+fn blame(problem: &BrdfError, parts: &[WeightedModel]) -> InlineError {
     match check(parts) {
         Err(trouble) => trouble,
         Ok(()) => {
@@ -204,7 +206,7 @@ fn blame(problem: &Problem, parts: &[Part]) -> Trouble {
     }
 }
 
-fn of_part(problem: &Problem, part: &Part) -> Trouble {
+fn of_part(problem: &BrdfError, part: &WeightedModel) -> InlineError {
     let (found, expected) = in_words(problem);
     let is_called = |parameter: &Parameter, name: &str| {
         let known = find(&part.model.name).ok();
@@ -213,9 +215,9 @@ fn of_part(problem: &Problem, part: &Part) -> Trouble {
     };
     let mut all = part.model.parameters.iter();
     let at = match problem {
-        Problem::Twice { name } => all.rposition(|p| is_called(p, name)),
-        Problem::UnknownParameter { name, .. } => all.position(|p| is_called(p, name)),
-        Problem::Kind { name, .. } | Problem::Range { name, .. } => {
+        BrdfError::Twice { name } => all.rposition(|p| is_called(p, name)),
+        BrdfError::UnknownParameter { name, .. } => all.position(|p| is_called(p, name)),
+        BrdfError::WrongKind { name, .. } | BrdfError::Range { name, .. } => {
             all.position(|p| is_called(p, name))
         }
         _ => None,
@@ -224,34 +226,34 @@ fn of_part(problem: &Problem, part: &Part) -> Trouble {
     trouble(*offset.unwrap_or(&part.marks.name), found, expected)
 }
 
-/// What was found and what was expected.
-pub(crate) fn in_words(problem: &Problem) -> (String, String) {
+/// A problem as what was found and what was expected.
+pub(crate) fn in_words(problem: &BrdfError) -> (String, String) {
     match problem {
-        Problem::UnknownModel { name, nearest } => (
+        BrdfError::UnknownModel { name, nearest } => (
             format!("the reflection model `{name}`"),
-            format!("a known one; the nearest name is `{nearest}`"),
+            format!("a known one: the nearest name is `{nearest}`"),
         ),
-        Problem::UnknownParameter {
+        BrdfError::UnknownParameter {
             model,
             name,
             known,
             nearest,
         } => {
-            let nearest = nearest.map(|n| format!("; the nearest name is `{n}`"));
+            let nearest = nearest.map(|n| format!(": the nearest name is `{n}`"));
             (
                 format!("the parameter `{name}` of `{model}`"),
                 format!("{}{}", known.join(", "), nearest.unwrap_or_default()),
             )
         }
-        Problem::Missing { model, name } => {
+        BrdfError::Missing { model, name } => {
             (format!("`{model}` without `{name}`"), format!("`{name}`"))
         }
-        Problem::Twice { name } => (format!("`{name}` again"), "each parameter once".into()),
-        Problem::Kind { name, expected } => (
-            format!("another kind of value for `{name}`"),
+        BrdfError::Twice { name } => (format!("`{name}` again"), "each parameter once".into()),
+        BrdfError::WrongKind { name, expected } => (
+            format!("another type of value for `{name}`"),
             expected.clone(),
         ),
-        Problem::Range {
+        BrdfError::Range {
             name,
             value,
             least,
@@ -260,16 +262,16 @@ pub(crate) fn in_words(problem: &Problem) -> (String, String) {
             format!("`{name}` of {value}"),
             format!("a number between {least} and {most}"),
         ),
-        Problem::Energy { what, sum } => (
+        BrdfError::Energy { what, sum } => (
             format!("{what} of {sum}"),
-            "at most 1: more would reflect more than arrives".into(),
+            "at most 1, for energy conservation".into(),
         ),
-        other => (other.to_string(), "a possible reflection model".into()),
+        other => (other.to_string(), "a valid reflection model".into()),
     }
 }
 
-/// Why a model should be looked at: it reflects more than arrives from some direction, or light
-/// may not be exchanged between its two directions.
+/// A warning about a questionable model: its albedo exceeds 1 in some direction, or it is not
+/// reciprocal.
 pub(crate) fn doubts(brdf: &Brdf) -> Option<String> {
     let models: Vec<&Model> = match brdf.description() {
         Description::Model(model) => vec![model],
@@ -279,7 +281,7 @@ pub(crate) fn doubts(brdf: &Brdf) -> Option<String> {
     let infos = || models.iter().filter_map(|m| find(&m.name).ok());
     if let Some(info) = infos().find(|i| !i.is_reciprocal) {
         return Some(format!(
-            "the brdf `{}` is not reciprocal: light and viewer may not be exchanged; `lewis` has the same highlight and is",
+            "the brdf `{}` is not reciprocal; `lewis` has the same highlight and is reciprocal",
             info.name
         ));
     }
@@ -287,13 +289,13 @@ pub(crate) fn doubts(brdf: &Brdf) -> Option<String> {
         return None;
     }
     let [angle, most] = steepest(brdf);
-    // By sampling the albedo is known to about a thousandth.
+    // Sampling yields the albedo to about a thousandth.
     (most > 1.0 + 2e-3).then(|| {
-        format!("a brdf reflects {most:.2} of the light at {angle} degrees: scaled down where even light would grow")
+        format!("a brdf has the albedo {most:.2} at {angle} degrees: scaled down where it would not conserve energy")
     })
 }
 
-/// The most that is reflected of light at 0, 60 or 85 degrees, behind that angle.
+/// The greatest albedo at 0, 60 or 85 degrees, with its angle first.
 fn steepest(brdf: &Brdf) -> [f64; 2] {
     let at = |angle: f64| {
         let (sin, cos) = angle.to_radians().sin_cos();

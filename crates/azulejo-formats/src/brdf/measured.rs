@@ -1,12 +1,12 @@
-//! Which of the measured forms a file has.
+//! Recognises the formats of measured data.
 
-use super::{Loaded, merl, rgl, tensors};
+use super::{LoadedBrdf, merl, rgl, tensors};
 use crate::{ReadError, Warning};
 use azulejo_scene::brdf::{Content, Measured};
 use std::sync::Arc;
 
 /// Reads measured data; `None` for anything else.
-pub(crate) fn measured(bytes: &[u8], name: &str) -> Option<Result<Loaded, ReadError>> {
+pub(crate) fn measured(bytes: &[u8], name: &str) -> Option<Result<LoadedBrdf, ReadError>> {
     if bytes.starts_with(tensors::MAGIC) {
         let rgl = rgl::read(bytes, name);
         return Some(rgl.map(|(rgl, warnings)| loaded(Measured::Rgl(Box::new(rgl)), warnings)));
@@ -18,8 +18,8 @@ pub(crate) fn measured(bytes: &[u8], name: &str) -> Option<Result<Loaded, ReadEr
     None
 }
 
-fn loaded(measured: Measured, warnings: Vec<Warning>) -> Loaded {
-    Loaded {
+fn loaded(measured: Measured, warnings: Vec<Warning>) -> LoadedBrdf {
+    LoadedBrdf {
         content: Content::Measured(Arc::new(measured)),
         warnings,
     }
@@ -35,7 +35,7 @@ mod tests {
         let found = measured(&bytes, "a.binary").unwrap().unwrap();
         assert!(matches!(found.content, Content::Measured(_)));
 
-        // A table of other sizes than the database's is one, and a wrong one.
+        // A table whose size is not that of the database is recognised, and rejected.
         let bytes = merl::tests::file([6, 5, 8], "diffuse kd = 0.5");
         let error = measured(&bytes, "a.bsdf")
             .unwrap()
@@ -48,7 +48,7 @@ mod tests {
         assert!(measured(b"", "a.brdf").is_none());
     }
 
-    /// The database's own size, once: 33 MB.
+    /// Tests a table with the database's own size, once: 33 MB.
     #[test]
     fn a_whole_table_is_read() {
         let header: Vec<u8> = [90u32, 90, 180]

@@ -1,4 +1,4 @@
-//! MERL's `.binary`: three sizes and one number per bin and channel.
+//! MERL's `.binary`: three sizes, and one number per bin and channel.
 //!
 //! W. Matusik, H. Pfister, M. Brand, L. McMillan, *A data-driven reflectance model*, SIGGRAPH 2003.
 
@@ -7,27 +7,27 @@ use crate::reading::warnings::Warnings;
 use crate::{Position, ReadError, Warning};
 use azulejo_scene::brdf::Merl;
 
-/// What the three sizes take.
+/// Length of the three sizes in bytes.
 const HEADER: usize = 12;
 
-/// What numbers of each channel are multiplied by.
+/// The scale factors of the channels.
 const SCALES: [f64; 3] = [1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0];
 
-/// Whether bytes begin as such a file does: three small numbers, as no text does.
+/// Whether bytes begin like such a file: with three small numbers, as no text does.
 pub(super) fn is_merl(bytes: &[u8]) -> bool {
     let sizes = bytes.first_chunk::<HEADER>();
     sizes.is_some_and(|s| s.chunks_exact(4).all(|n| n[0] > 0 && n[1..] == [0; 3]))
 }
 
-/// A table of the database's sizes.
+/// Reads a table with the database's sizes.
 ///
 /// # Errors
-/// [`ReadError`]: other sizes, or fewer numbers than they say.
+/// [`ReadError`]: other sizes, or fewer numbers than they require.
 pub fn read(bytes: &[u8], name: &str) -> Result<(Merl, Vec<Warning>), ReadError> {
     read_sized(bytes, name, Merl::SIZES)
 }
 
-/// A table of given sizes; the database's are the only ones that files have.
+/// Reads a table with given sizes; files only have those of the database.
 ///
 /// # Errors
 /// As [`read`].
@@ -50,18 +50,22 @@ pub fn read_sized(
     }
     let (values, missing) = values(&bytes[HEADER..expected], count);
     let mut warnings = Warnings::default();
-    let message = "negative numbers mean that there is no data; taken as 0".to_owned();
+    let message = "negative numbers, which mark missing data: taken as 0".to_owned();
     if let Some(first) = missing.first {
         let place = || Position::Byte((HEADER + first * size_of::<f64>()) as u64);
         warnings.add_many(name, message, missing.count, place);
     }
     let rest = bytes.len() - expected;
     if rest > 0 {
-        let message = format!("{rest} bytes behind the table are not read");
+        let message = format!("{rest} bytes after the table: skipped");
         warnings.add(name, message, || Position::Byte(expected as u64));
     }
     let merl = Merl::new(sizes, values).ok_or_else(|| {
-        ReadError::whole(name, "a table that is none", "numbers of at least two bins")
+        ReadError::whole(
+            name,
+            "an invalid table",
+            "at least two bins in each dimension",
+        )
     })?;
     Ok((merl, warnings.finish(name)))
 }
@@ -86,18 +90,19 @@ fn check_sizes(bytes: &[u8], name: &str, sizes: [usize; 3]) -> Result<(), ReadEr
     Ok(())
 }
 
-/// Numbers without data.
+/// The samples without data.
 #[derive(Default)]
-struct Missing {
+struct MissingSamples {
     count: usize,
-    /// Index of the first.
+    /// Index of the first one.
     first: Option<usize>,
 }
 
-/// Channel by channel to entry by entry; numbers that are none, too, are no data.
-fn values(bytes: &[u8], count: usize) -> (Vec<[f32; 3]>, Missing) {
+/// Reorders values from channel by channel to entry by entry; non-finite numbers count as missing
+/// data, too.
+fn values(bytes: &[u8], count: usize) -> (Vec<[f32; 3]>, MissingSamples) {
     let mut values = vec![[0.0; 3]; count];
-    let mut missing = Missing::default();
+    let mut missing = MissingSamples::default();
     for (k, number) in bytes.chunks_exact(size_of::<f64>()).enumerate() {
         let channel = k / count;
         let number = number.try_into().map_or(f64::NAN, f64::from_le_bytes);
@@ -120,7 +125,7 @@ pub(super) mod tests {
 
     const SMALL: [usize; 3] = [6, 5, 8];
 
-    /// A file of a model, as if it had been measured.
+    /// A file with the values of a model.
     pub fn file(sizes: [usize; 3], model: &str) -> Vec<u8> {
         let model = Brdf::new(model.parse().unwrap()).unwrap();
         let table = Merl::tabulated(sizes, |wo, wi| model.eval(wo, wi)).unwrap();
@@ -169,7 +174,7 @@ pub(super) mod tests {
             [
                 "m.binary: byte 92 (0x5c): negative numbers mean that there is no data; taken as 0 \
                  (2 times)",
-                "m.binary: byte 5772 (0x168c): 5 bytes behind the table are not read"
+                "m.binary: byte 5772 (0x168c): 5 bytes after the table: skipped"
             ]
         );
     }

@@ -1,7 +1,7 @@
-//! Files of reflection models: azulejo's text form ([`text`]), and measured data.
+//! Files of reflection models: azulejo's text format ([`text`]), and measured data.
 //!
-//! [`read`] tells them apart by their content; names and their endings say nothing, because other
-//! programs call quite different things `.brdf`.
+//! [`read`] recognises them by their content; file names and extensions do not matter, because
+//! other programs use `.brdf` for various formats.
 
 pub(crate) mod inline;
 mod measured;
@@ -15,21 +15,21 @@ pub(crate) use measured::measured;
 use crate::{Files, ReadError, Warning};
 use azulejo_scene::brdf::Content;
 
-/// A file that was read, and what was skipped or doubtful in it.
+/// A file that was read, with warnings.
 #[derive(Clone, Debug)]
-pub struct Loaded {
+pub struct LoadedBrdf {
     /// What it holds.
     pub content: Content,
-    /// What was skipped, and what the model does that a model should not.
+    /// Warnings about skipped content, and about physically questionable properties of the model.
     pub warnings: Vec<Warning>,
 }
 
-/// Reads a file of a reflection model. `name` is what messages call it, and where it lies; the
-/// files that it names come from `files`.
+/// Reads a file of a reflection model. `name` is its name in messages, and its location; files that
+/// it refers to come from `files`.
 ///
 /// # Errors
-/// No form that is known, or something that is wrong in it, with its place.
-pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadError> {
+/// An unknown format, or an error in the file, with its position.
+pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<LoadedBrdf, ReadError> {
     match measured(bytes, name) {
         Some(read) => read,
         None => text::read(bytes, name, files),

@@ -1,4 +1,4 @@
-//! The RGL database's `.bsdf`: tables on grids that follow the material.
+//! The RGL database's `.bsdf`: tables with a parameterization adapted to the material.
 //!
 //! J. Dupuy, W. Jakob, *An adaptive parameterization for efficient material acquisition and
 //! rendering*, SIGGRAPH Asia 2018.
@@ -9,19 +9,19 @@ use crate::reading::warnings::Warnings;
 use crate::{Position, ReadError, Warning};
 use azulejo_scene::brdf::{Grid, Rgl, RglTensors};
 
-/// The tensors of one file, and what was mended in them.
-struct Reader<'a> {
+/// The tensors of one file, and the collected warnings.
+struct RglReader<'a> {
     file: &'a str,
     tensors: Vec<(String, Tensor<'a>)>,
     warnings: Warnings,
 }
 
-/// Reads what the model needs of a file; spectra become red, green and blue.
+/// Reads what the model needs of a file; spectra are converted to RGB.
 ///
 /// # Errors
-/// [`ReadError`]: a file cut short, tensors that are missing or do not go together.
+/// [`ReadError`]: a truncated file, tensors that are missing or do not match.
 pub fn read(bytes: &[u8], name: &str) -> Result<(Rgl, Vec<Warning>), ReadError> {
-    let mut reader = Reader {
+    let mut reader = RglReader {
         file: name,
         tensors: tensors::read(bytes, name)?,
         warnings: Warnings::default(),
@@ -44,7 +44,7 @@ pub fn read(bytes: &[u8], name: &str) -> Result<(Rgl, Vec<Warning>), ReadError> 
     Ok((rgl, reader.warnings.finish(name)))
 }
 
-impl<'a> Reader<'a> {
+impl<'a> RglReader<'a> {
     fn find(&self, name: &str) -> Option<&Tensor<'a>> {
         let found = self.tensors.iter().find(|(known, _)| known == name);
         found.map(|(_, tensor)| tensor)
@@ -54,12 +54,12 @@ impl<'a> Reader<'a> {
         self.find(name).ok_or_else(|| {
             let known: Vec<&str> = self.tensors.iter().map(|(name, _)| name.as_str()).collect();
             let found = format!("the tensors {}", known.join(", "));
-            ReadError::whole(self.file, found, format!("one of the name `{name}` too"))
+            ReadError::whole(self.file, found, format!("one named `{name}`, too"))
         })
     }
 
-    /// The numbers of a tensor of so many dimensions; those that are none, and negative ones where
-    /// there is no such thing, are taken as 0.
+    /// The numbers of a tensor with a given number of dimensions; non-finite ones, and negative
+    /// ones where these are invalid, are taken as 0.
     fn floats(
         &mut self,
         name: &str,
@@ -68,7 +68,7 @@ impl<'a> Reader<'a> {
         let tensor = self.tensor(name)?;
         let (shape, offset) = (tensor.shape.clone(), tensor.offset);
         let numbers = tensor.floats();
-        // Sizes of tensors without any element are bounded by nothing.
+        // The sizes of an empty tensor are not limited by the file.
         let numbers = numbers.filter(|n| shape.len() == dimensions && !n.is_empty());
         let mut numbers = numbers.ok_or_else(|| {
             let found = format!("`{name}` of {:?} elements {shape:?}", tensor.kind);
@@ -83,7 +83,7 @@ impl<'a> Reader<'a> {
                 (*number, mended) = (0.0, mended + 1);
             }
         }
-        let message = format!("negative numbers in `{name}`, or what is no number, taken as 0");
+        let message = format!("negative or non-finite numbers in `{name}`: taken as 0");
         let place = || Position::Byte(offset);
         self.warnings.add_many(self.file, message, mended, place);
         Ok((shape, numbers))
@@ -93,7 +93,7 @@ impl<'a> Reader<'a> {
         Ok(self.floats(name, 1)?.1)
     }
 
-    /// Tables for each of `leading`.
+    /// A table for each index of the `leading` dimensions.
     fn grid(&mut self, name: &str, leading: &[usize]) -> Result<Grid, ReadError> {
         let (shape, values) = self.floats(name, leading.len() + 2)?;
         self.expect(name, &shape, leading)?;
@@ -115,12 +115,12 @@ impl<'a> Reader<'a> {
         Err(ReadError::at_byte(
             self.file,
             offset,
-            format!("`{name}` of {shape:?} elements"),
-            format!("{leading:?} first, as other tensors say"),
+            format!("`{name}` with {shape:?} elements"),
+            format!("{leading:?} first, as in other tensors"),
         ))
     }
 
-    /// `rgb`, or `spectra` seen as red, green and blue.
+    /// `rgb`, or `spectra` converted to RGB.
     fn colors(&mut self, [phi, theta]: [usize; 2]) -> Result<Grid, ReadError> {
         if self.find("rgb").is_some() {
             return self.grid("rgb", &[phi, theta, 3]);
@@ -132,21 +132,21 @@ impl<'a> Reader<'a> {
             ReadError::whole(
                 self.file,
                 found,
-                "two or more that rise, some of them visible, in nm",
+                "at least two in ascending order, some of them visible, in nm",
             )
         })?;
         Ok(seen(&spectra, &weights))
     }
 
-    /// Values are relative to the facets unless the file says that they are not.
+    /// Whether values are relative to the microfacet distribution, as they are by default.
     fn jacobian(&self) -> bool {
         let first = self.find("jacobian").and_then(|t| t.data.first());
         first.is_none_or(|byte| *byte != 0)
     }
 }
 
-/// Spectra, one table per wavelength, to tables of red, green and blue. What no screen can show is
-/// nearest 0.
+/// Converts spectra, one table per wavelength, to tables of red, green and blue. Out-of-gamut
+/// values are clamped to 0.
 fn seen(spectra: &Grid, weights: &[[f64; 3]]) -> Grid {
     let size = spectra.width * spectra.height;
     let mut values = Vec::new();
@@ -172,10 +172,11 @@ pub(super) mod tests {
     use std::sync::Arc;
 
     /// Name, shape, numbers.
-    type Field = (&'static str, Vec<u64>, Vec<f32>);
+    type RglField = (&'static str, Vec<u64>, Vec<f32>);
 
-    /// A matt surface of reflectance ½: facets as dense as directions are seen.
-    pub fn fields() -> Vec<Field> {
+    /// A diffuse surface with reflectance ½: the microfacet density is that of the visible
+    /// directions.
+    pub fn fields() -> Vec<RglField> {
         let (n, tables) = (5, 2);
         let ones = |count: u64, value: f32| vec![value; count as usize];
         let grid = |lead: &[u64]| [lead, &[n, n]].concat();
@@ -200,7 +201,7 @@ pub(super) mod tests {
         ]
     }
 
-    pub fn file(fields: &[Field]) -> Vec<u8> {
+    pub fn file(fields: &[RglField]) -> Vec<u8> {
         let head: usize = fields
             .iter()
             .map(|(name, shape, _)| 13 + name.len() + 8 * shape.len())
@@ -234,7 +235,7 @@ pub(super) mod tests {
         Brdf::new(file).unwrap()
     }
 
-    /// Of spectra that are the same at all wavelengths, what is seen is grey.
+    /// Constant spectra become grey.
     #[test]
     fn spectra_become_colours() {
         let (wo, wi) = (DVec3::new(0.6, 0.0, 0.8), DVec3::new(0.0, 0.8, 0.6));
@@ -260,23 +261,20 @@ pub(super) mod tests {
 
     #[test]
     fn what_is_wrong_is_said() {
-        let check = |change: &dyn Fn(&mut Vec<Field>), expected: &str| {
+        let check = |change: &dyn Fn(&mut Vec<RglField>), expected: &str| {
             let mut fields = fields();
             change(&mut fields);
             let error = read(&file(&fields), "r").err().map(|e| e.to_string());
             let error = error.unwrap_or_default();
             assert!(error.contains(expected), "{error}");
         };
-        check(
-            &|f| drop(f.remove(3)),
-            "expected one of the name `sigma` too",
-        );
+        check(&|f| drop(f.remove(3)), "expected one named `sigma`, too");
         check(&|f| f[0].1[0] = 1 << 40, "a tensor `theta_i`");
         check(&|f| f[0].1[0] = u64::MAX, "ends before the file");
         check(&|f| f[0].2[1] = -1.0, "`theta_i` must be angles that rise");
         check(
             &|f| f[4].1 = vec![2, 1, 5, 5],
-            "`vndf` of [2, 1, 5, 5] elements, expected [1, 2] first",
+            "`vndf` with [2, 1, 5, 5] elements, expected [1, 2] first",
         );
         check(&|f| f[6].2[1] = 100.0, "3 wavelengths");
         check(
@@ -293,7 +291,7 @@ pub(super) mod tests {
         }
     }
 
-    /// Whatever is wrong: an error or a model, and no panic.
+    /// Any corrupted byte leads to an error or a model, but not to a panic.
     #[test]
     fn every_byte_may_be_another() {
         let bytes = file(&fields());

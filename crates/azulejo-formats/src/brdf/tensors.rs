@@ -3,51 +3,51 @@
 use crate::ReadError;
 use crate::reading::bytes::Bytes;
 
-/// What such a file begins with.
+/// The magic number of such a file.
 pub(super) const MAGIC: &[u8; 12] = b"tensor_file\0";
 
-/// The version that is read.
+/// The supported version.
 const VERSION: [u8; 2] = [1, 0];
 
-/// A field of the file: where its data lie is checked, what they are is not.
+/// A tensor of the file: the location of its data is checked, their values are not.
 pub(super) struct Tensor<'a> {
     pub shape: Vec<usize>,
-    pub kind: Kind,
+    pub kind: ElementType,
     pub data: &'a [u8],
-    /// Where in the file its data begin.
+    /// Offset of its data in the file.
     pub offset: u64,
 }
 
-/// What a tensor's elements are.
+/// The type of a tensor's elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum ElementType {
     Byte,
     Float,
     Double,
-    /// Anything else, by its size.
+    /// Any other type, by its size.
     Other(usize),
 }
 
-impl Kind {
-    fn of(code: u8) -> Option<Kind> {
+impl ElementType {
+    fn of(code: u8) -> Option<ElementType> {
         match code {
-            1 => Some(Kind::Byte),
-            2 => Some(Kind::Other(1)),
-            3 | 4 | 9 => Some(Kind::Other(2)),
-            5 | 6 => Some(Kind::Other(4)),
-            7 | 8 => Some(Kind::Other(8)),
-            10 => Some(Kind::Float),
-            11 => Some(Kind::Double),
+            1 => Some(ElementType::Byte),
+            2 => Some(ElementType::Other(1)),
+            3 | 4 | 9 => Some(ElementType::Other(2)),
+            5 | 6 => Some(ElementType::Other(4)),
+            7 | 8 => Some(ElementType::Other(8)),
+            10 => Some(ElementType::Float),
+            11 => Some(ElementType::Double),
             _ => None,
         }
     }
 
     fn size(self) -> usize {
         match self {
-            Kind::Byte => 1,
-            Kind::Float => 4,
-            Kind::Double => 8,
-            Kind::Other(size) => size,
+            ElementType::Byte => 1,
+            ElementType::Float => 4,
+            ElementType::Double => 8,
+            ElementType::Other(size) => size,
         }
     }
 }
@@ -107,7 +107,7 @@ fn field<'a>(
         let found = format!("a tensor `{name}` of {dimensions} dimensions");
         return Err(wrong(found, "8 at most"));
     }
-    let kind = Kind::of(code).ok_or_else(|| {
+    let kind = ElementType::of(code).ok_or_else(|| {
         let found = format!("type {code} of the elements of `{name}`");
         wrong(found, "a number from 1 to 11")
     })?;
@@ -117,7 +117,7 @@ fn field<'a>(
         shape.push(usize::try_from(size).unwrap_or(usize::MAX));
     }
     let data = data(bytes, offset, &shape, kind).ok_or_else(|| {
-        let found = format!("a tensor `{name}` of {shape:?} elements from byte {offset} on");
+        let found = format!("a tensor `{name}` with {shape:?} elements from byte {offset} on");
         wrong(found, "one that ends before the file")
     })?;
     let tensor = Tensor {
@@ -129,7 +129,7 @@ fn field<'a>(
     Ok((name, tensor))
 }
 
-fn data<'a>(bytes: &'a [u8], offset: u64, shape: &[usize], kind: Kind) -> Option<&'a [u8]> {
+fn data<'a>(bytes: &'a [u8], offset: u64, shape: &[usize], kind: ElementType) -> Option<&'a [u8]> {
     let mut size = kind.size();
     for n in shape {
         size = size.checked_mul(*n)?;
@@ -142,11 +142,11 @@ impl Tensor<'_> {
     /// Its elements, if they are floating-point numbers.
     pub fn floats(&self) -> Option<Vec<f32>> {
         match self.kind {
-            Kind::Float => {
+            ElementType::Float => {
                 let floats = self.data.as_chunks::<4>().0.iter();
                 Some(floats.map(|b| f32::from_le_bytes(*b)).collect())
             }
-            Kind::Double => {
+            ElementType::Double => {
                 let doubles = self.data.as_chunks::<8>().0.iter();
                 Some(doubles.map(|b| f64::from_le_bytes(*b) as f32).collect())
             }

@@ -1,4 +1,4 @@
-//! Tests of the text form.
+//! Tests of the text format.
 
 use super::{read, text};
 use crate::Memory;
@@ -66,8 +66,8 @@ fn what_a_model_does_not_use_is_said() {
     assert_eq!(
         said,
         [
-            "a.brdf:3:9: `lewis` has no Fresnel term: not used",
-            "a.brdf:4:1: `lewis` has no wavelengths: not used",
+            "a.brdf:3:9: `lewis` has no Fresnel term: ignored",
+            "a.brdf:4:1: `lewis` has no wavelengths: ignored",
         ]
     );
 }
@@ -112,9 +112,9 @@ fn measured_files_are_found_or_named() {
     let missing = read(file.as_bytes(), "a.brdf", &Memory::new()).unwrap();
     assert_eq!(
         missing.warnings[0].to_string(),
-        "a.brdf:1:27: the brdf \"gold.binary\" is left out: there is no such file"
+        "a.brdf:1:27: brdf \"gold.binary\" skipped: there is no such file"
     );
-    // Found by fuzzing: without quotes a name may hold one, which could not be written.
+    // Found by fuzzing: an unquoted name may contain a quote, which could not be written.
     must_fail(
         "begin brdf model measured a\"b end brdf",
         "in double quotes",
@@ -124,7 +124,7 @@ fn measured_files_are_found_or_named() {
         content: None,
     };
     assert!(text::write(&odd, &mut Vec::new()).is_err());
-    // A file that names itself is no measured data.
+    // A file that refers to itself is not measured data.
     let files = Memory::new().with("gold.binary", file);
     let error = read(file.as_bytes(), "a.brdf", &files)
         .map(|r| r.content)

@@ -1,5 +1,5 @@
-//! The text form: `begin brdf`, one statement per line, `end brdf`; or a model on one line as it
-//! stands in a GRF file.
+//! The text format: `begin brdf`, one statement per line, `end brdf`; or a model on one line as in
+//! a GRF file.
 //!
 //! ```text
 //! begin brdf
@@ -11,34 +11,34 @@
 //! end brdf
 //! ```
 //!
-//! Words, numbers, lists and comments are GRF's. `docs/formats/brdf.md` has the grammar.
+//! Words, numbers, lists and comments are those of GRF. `docs/formats/brdf.md` has the grammar.
 
-use super::inline::{self, MOST_PARTS, Marks, Part, Said, Trouble};
-use super::{Loaded, measured};
+use super::inline::{self, InlineError, InlineResult, MOST_PARTS, ModelMarks, WeightedModel};
+use super::{LoadedBrdf, measured};
 use crate::reading::cursor::TextCursor;
 use crate::reading::files::beside;
 use crate::reading::lexer::Lexer;
 use crate::reading::text::decoded_text;
 use crate::reading::warnings::Warnings;
 use crate::{Files, ReadError};
-use azulejo_scene::brdf::{Content, Description, Info, Model, Parameter, Value, find};
+use azulejo_scene::brdf::{Content, Description, Model, ModelInfo, Parameter, Value, find};
 use std::io::{self, Write};
 use std::sync::Arc;
 
-/// Blocks inside each other.
+/// Maximum depth of nested blocks.
 const DEEPEST: usize = 16;
 
-/// Words that begin a statement.
+/// The words that begin a statement.
 const STATEMENTS: &str =
     "version, model, diffuse, specular, param, fresnel, wavelengths, weight, begin or end";
 
 /// Reads a file.
 ///
 /// # Errors
-/// The first thing that is wrong, with its line; names with the known one that is most like them.
-pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadError> {
+/// The first error, with its line; for an unknown name, the most similar known one.
+pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<LoadedBrdf, ReadError> {
     let text = decoded_text(bytes);
-    let mut reader = Reader {
+    let mut reader = BrdfTextReader {
         lexer: Lexer::new(&text),
         name,
         files,
@@ -50,39 +50,39 @@ pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadE
     let (warnings, failed) = (reader.warnings, reader.failed);
     let description =
         read.map_err(|trouble| failed.unwrap_or_else(|| error(&text, name, trouble)))?;
-    Ok(Loaded {
+    Ok(LoadedBrdf {
         content: Content::Text(description),
         warnings: warnings.finish(name),
     })
 }
 
-fn error(text: &str, name: &str, trouble: Trouble) -> ReadError {
+fn error(text: &str, name: &str, trouble: InlineError) -> ReadError {
     TextCursor::new(text).error(name, trouble.offset, trouble.found, trouble.expected)
 }
 
-struct Reader<'a> {
+struct BrdfTextReader<'a> {
     lexer: Lexer<'a>,
     name: &'a str,
     files: &'a dyn Files,
-    /// Models that were read.
+    /// Number of models read.
     layers: usize,
     warnings: Warnings,
-    /// The error of another file.
+    /// An error in a file that it refers to.
     failed: Option<ReadError>,
 }
 
-/// What a block says.
+/// The content of a block.
 #[derive(Default)]
-struct Block {
+struct BrdfBlock {
     start: usize,
-    kind: Kind,
+    kind: BlockType,
     weight: f64,
     parameters: Vec<(Parameter, usize)>,
-    layers: Vec<Part>,
+    layers: Vec<WeightedModel>,
 }
 
 #[derive(Default)]
-enum Kind {
+enum BlockType {
     #[default]
     None,
     Model(String, usize),
@@ -90,11 +90,12 @@ enum Kind {
     Measured(Description),
 }
 
-impl Reader<'_> {
-    fn file(&mut self) -> Said<Description> {
-        let (description, parts) = match self.lexer.eat_word("begin") {
-            true => self.whole()?,
-            false => inline::description(&mut self.lexer)?,
+impl BrdfTextReader<'_> {
+    fn file(&mut self) -> InlineResult<Description> {
+        let (description, parts) = if self.lexer.eat_word("begin") {
+            self.whole()?
+        } else {
+            inline::description(&mut self.lexer)?
         };
         if !matches!(description, Description::File { .. }) {
             let brdf = inline::made(&description, &parts)?;
@@ -114,14 +115,14 @@ impl Reader<'_> {
             .add(self.name, message.into(), || text.position(offset));
     }
 
-    /// The outermost block, behind its `begin`.
-    fn whole(&mut self) -> Said<(Description, Vec<Part>)> {
+    /// Reads the outermost block, after its `begin`.
+    fn whole(&mut self) -> InlineResult<(Description, Vec<WeightedModel>)> {
         let block = self.block(0)?;
         let weight = block.weight;
-        if let Kind::Measured(file) = block.kind {
+        if let BlockType::Measured(file) = block.kind {
             return Ok((file, Vec::new()));
         }
-        let is_layered = matches!(block.kind, Kind::Layered);
+        let is_layered = matches!(block.kind, BlockType::Layered);
         let mut parts = self.parts(block)?;
         if let ([part], false) = (&mut parts[..], is_layered || weight != 1.0) {
             part.weight = 1.0;
@@ -131,12 +132,12 @@ impl Reader<'_> {
         Ok((Description::Combination(sum), parts))
     }
 
-    /// A block behind `begin`, up to its `end brdf`.
-    fn block(&mut self, depth: usize) -> Said<Block> {
-        let mut block = Block {
+    /// Reads a block after `begin`, up to its `end brdf`.
+    fn block(&mut self, depth: usize) -> InlineResult<BrdfBlock> {
+        let mut block = BrdfBlock {
             start: self.lexer.skip_blank(),
             weight: 1.0,
-            ..Block::default()
+            ..BrdfBlock::default()
         };
         if !self.lexer.eat_word("brdf") {
             return Err(inline::unexpected(self.lexer, "`brdf`"));
@@ -167,7 +168,7 @@ impl Reader<'_> {
         }
     }
 
-    fn version(&mut self) -> Said<()> {
+    fn version(&mut self) -> InlineResult<()> {
         let before = self.lexer;
         match inline::number(&mut self.lexer, "the version 1")? {
             1.0 => Ok(()),
@@ -175,7 +176,7 @@ impl Reader<'_> {
         }
     }
 
-    fn weight(&mut self) -> Said<f64> {
+    fn weight(&mut self) -> InlineResult<f64> {
         let before = self.lexer;
         let weight = inline::number(&mut self.lexer, "a weight from 0 to 1")?;
         if weight >= 0.0 {
@@ -184,28 +185,28 @@ impl Reader<'_> {
         Err(inline::unexpected(before, "a weight from 0 to 1"))
     }
 
-    /// `model name`, `model layered`, `model measured "file"`.
-    fn model(&mut self, block: &mut Block) -> Said<()> {
+    /// Reads `model name`, `model layered` or `model measured "file"`.
+    fn model(&mut self, block: &mut BrdfBlock) -> InlineResult<()> {
         let before = self.lexer;
         let offset = self.lexer.skip_blank();
-        if !matches!(block.kind, Kind::None) {
+        if !matches!(block.kind, BlockType::None) {
             return Err(inline::unexpected(before, "one `model` in a block"));
         }
         let Some(name) = self.lexer.word() else {
             return Err(inline::unexpected(before, "the name of a reflection model"));
         };
         block.kind = match name.to_ascii_lowercase().as_str() {
-            "layered" => Kind::Layered,
-            "measured" => Kind::Measured(self.measured()?),
-            _ => Kind::Model(name.to_owned(), offset),
+            "layered" => BlockType::Layered,
+            "measured" => BlockType::Measured(self.measured()?),
+            _ => BlockType::Model(name.to_owned(), offset),
         };
         Ok(())
     }
 
-    /// Measured data in another file; one that is missing reflects nothing.
-    fn measured(&mut self) -> Said<Description> {
+    /// Reads measured data from another file; if that is missing, the surface is black.
+    fn measured(&mut self) -> InlineResult<Description> {
         let offset = self.lexer.skip_blank();
-        // Without quotes a name could hold one, which could not be written again.
+        // An unquoted name could contain a quote, and could not be written again.
         let path = (self.lexer.peek() == Some(b'"')).then(|| self.lexer.file_name());
         let Some(path) = path.flatten() else {
             let expected = "a file name, \"in double quotes\"";
@@ -214,10 +215,7 @@ impl Reader<'_> {
         let file = beside(self.name, path);
         let content = match self.files.read(&file) {
             Err(problem) => {
-                self.warn(
-                    offset,
-                    format!("the brdf \"{path}\" is left out: {problem}"),
-                );
+                self.warn(offset, format!("brdf \"{path}\" skipped: {problem}"));
                 None
             }
             Ok(bytes) => match measured(&bytes, &file) {
@@ -230,7 +228,7 @@ impl Reader<'_> {
                     return Err(inline::unexpected(self.lexer, "measured data"));
                 }
                 None => {
-                    return Err(Trouble {
+                    return Err(InlineError {
                         offset,
                         found: format!("the file \"{path}\""),
                         expected: "measured data: MERL .binary or RGL .bsdf".to_owned(),
@@ -244,14 +242,14 @@ impl Reader<'_> {
         })
     }
 
-    /// A statement that is a parameter by another name.
-    fn parameter(&mut self, block: &mut Block, name: &str, offset: usize) -> Said<()> {
+    /// Reads a statement that is a parameter with another name.
+    fn parameter(&mut self, block: &mut BrdfBlock, name: &str, offset: usize) -> InlineResult<()> {
         let value = inline::value(&mut self.lexer)?;
         self.push(block, name, value, offset)
     }
 
-    /// `param name value`; a `=` between them is let through.
-    fn named(&mut self, block: &mut Block) -> Said<()> {
+    /// Reads `param name value`; a `=` in between is accepted.
+    fn named(&mut self, block: &mut BrdfBlock) -> InlineResult<()> {
         let offset = self.lexer.skip_blank();
         let Some(name) = self.lexer.word() else {
             return Err(inline::unexpected(self.lexer, "the name of a parameter"));
@@ -260,9 +258,9 @@ impl Reader<'_> {
         self.parameter(block, name, offset)
     }
 
-    /// `fresnel conductor eta v k v`, `dielectric eta n`, `schlick f0 v tint v`, `metal name`,
-    /// `constant F v`.
-    fn fresnel(&mut self, block: &mut Block) -> Said<()> {
+    /// Reads `fresnel conductor eta v k v`, `dielectric eta n`, `schlick f0 v tint v`, `metal name`
+    /// or `constant F v`.
+    fn fresnel(&mut self, block: &mut BrdfBlock) -> InlineResult<()> {
         let before = self.lexer;
         let offset = self.lexer.skip_blank();
         let kind = self.lexer.word().unwrap_or_default().to_ascii_lowercase();
@@ -296,8 +294,14 @@ impl Reader<'_> {
         names.iter().copied().find(|name| self.lexer.eat_word(name))
     }
 
-    fn push(&mut self, block: &mut Block, name: &str, value: Value, offset: usize) -> Said<()> {
-        // More than any model takes: one of them is wrong, and which is said at the end.
+    fn push(
+        &mut self,
+        block: &mut BrdfBlock,
+        name: &str,
+        value: Value,
+        offset: usize,
+    ) -> InlineResult<()> {
+        // No model has this many parameters: the error is reported at the end.
         if block.parameters.len() <= MOST_PARTS {
             let name = name.to_owned();
             block.parameters.push((Parameter { name, value }, offset));
@@ -305,23 +309,23 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// A block inside of a layered one.
-    fn layer(&mut self, block: &mut Block, depth: usize) -> Said<()> {
-        if !matches!(block.kind, Kind::Layered) {
-            let expected = "`model layered` before a block inside of a block";
+    /// Reads a block inside a layered one.
+    fn layer(&mut self, block: &mut BrdfBlock, depth: usize) -> InlineResult<()> {
+        if !matches!(block.kind, BlockType::Layered) {
+            let expected = "`model layered` before a nested block";
             return Err(inline::unexpected(self.lexer, expected));
         }
         if depth + 1 >= DEEPEST {
-            let expected = format!("at most {DEEPEST} blocks inside each other");
+            let expected = format!("at most {DEEPEST} nested levels");
             return Err(inline::unexpected(self.lexer, expected));
         }
         let layer = self.block(depth + 1)?;
         let (weight, start) = (layer.weight, layer.start);
-        if matches!(layer.kind, Kind::Measured(_)) {
-            return Err(Trouble {
+        if matches!(layer.kind, BlockType::Measured(_)) {
+            return Err(InlineError {
                 offset: start,
                 found: "measured data as a layer".to_owned(),
-                expected: "models alone in layers, and measured data in a file of its own".into(),
+                expected: "models only in layers, and measured data in a separate file".into(),
             });
         }
         for mut part in self.parts(layer)? {
@@ -331,21 +335,21 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// The models of a finished block, with weights inside of it.
-    fn parts(&mut self, block: Block) -> Said<Vec<Part>> {
+    /// The models of a complete block, with the weights inside it.
+    fn parts(&mut self, block: BrdfBlock) -> InlineResult<Vec<WeightedModel>> {
         let (name, offset) = match block.kind {
-            Kind::Model(name, offset) => (name, offset),
-            Kind::Layered if block.parameters.is_empty() => return Ok(block.layers),
-            Kind::Layered => {
+            BlockType::Model(name, offset) => (name, offset),
+            BlockType::Layered if block.parameters.is_empty() => return Ok(block.layers),
+            BlockType::Layered => {
                 let (parameter, offset) = &block.parameters[0];
-                return Err(Trouble {
+                return Err(InlineError {
                     offset: *offset,
                     found: format!("`{}` of layers", parameter.name),
-                    expected: "parameters inside of the blocks of the layers".to_owned(),
+                    expected: "parameters inside the blocks of the layers".to_owned(),
                 });
             }
-            Kind::None | Kind::Measured(_) => {
-                return Err(Trouble {
+            BlockType::None | BlockType::Measured(_) => {
+                return Err(InlineError {
                     offset: block.start,
                     found: "a block without `model`".to_owned(),
                     expected: "`model` and the name of a reflection model".to_owned(),
@@ -354,13 +358,13 @@ impl Reader<'_> {
         };
         self.layers += 1;
         if self.layers > MOST_PARTS {
-            return Err(Trouble {
+            return Err(InlineError {
                 offset: block.start,
                 found: "one more layer".to_owned(),
                 expected: format!("at most {MOST_PARTS} layers"),
             });
         }
-        let mut marks = Marks {
+        let mut marks = ModelMarks {
             name: offset,
             parameters: Vec::new(),
         };
@@ -375,13 +379,13 @@ impl Reader<'_> {
                     "lambda" => "wavelengths",
                     _ => "Fresnel term",
                 };
-                self.warn(offset, format!("`{}` has no {what}: not used", info.name));
+                self.warn(offset, format!("`{}` has no {what}: ignored", info.name));
                 continue;
             }
             marks.parameters.push(offset);
             model.parameters.push(parameter);
         }
-        Ok(vec![Part {
+        Ok(vec![WeightedModel {
             weight: 1.0,
             model,
             marks,
@@ -389,16 +393,16 @@ impl Reader<'_> {
     }
 }
 
-/// Whether a file may say this of any model, though this one does not use it.
-fn is_beside(info: &'static Info, name: &str) -> bool {
+/// Whether a file may contain this for any model, although this one does not use it.
+fn is_beside(info: &'static ModelInfo, name: &str) -> bool {
     let general = ["lambda", "eta", "k", "f0", "tint", "metal", "F"];
     general.contains(&name) && !info.all_parameters().any(|p| p.is_called(name))
 }
 
-/// Writes a description: [`read`] gives it back, to the bit.
+/// Writes a description: [`read`] returns it bit by bit.
 ///
 /// # Errors
-/// Those of `out`; a file name with quotes or line ends, which the form cannot say.
+/// Those of `out`; a file name with quotes or line ends, which the format cannot represent.
 pub fn write(description: &Description, out: &mut dyn Write) -> io::Result<()> {
     match description {
         Description::Model(model) => block(out, model, None, ""),
@@ -410,7 +414,7 @@ pub fn write(description: &Description, out: &mut dyn Write) -> io::Result<()> {
             out.write_all(b"end brdf\n")
         }
         Description::File { path, .. } if path.contains(['"', '\n', '\r']) => {
-            let problem = format!("a file name that cannot stand in quotes: {path:?}");
+            let problem = format!("a file name that cannot be quoted: {path:?}");
             Err(io::Error::new(io::ErrorKind::InvalidInput, problem))
         }
         Description::File { path, .. } => writeln!(

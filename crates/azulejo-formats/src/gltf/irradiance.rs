@@ -34,7 +34,7 @@ pub(super) fn scale(scene: &Scene) -> f64 {
     let lights = scene.objects.iter().map(|o| match &o.shape {
         Shape::Mesh(mesh) => mesh.irradiance.as_slice(),
         Shape::Primitive(p) => p.light.as_ref().map_or(&[][..], |l| &l.irradiance),
-        Shape::Exact(e) => e.skin.as_ref().map_or(&[][..], |skin| &skin.irradiance),
+        Shape::Exact(e) => e.proxy.as_ref().map_or(&[][..], |proxy| &proxy.irradiance),
     });
     let most = lights
         .flatten()

@@ -1,32 +1,33 @@
 //! `brdf`: a file, or a model with its parameters.
 
-use super::entries::Entries;
-use super::parser::{Parsed, Parser};
+use super::entries::ExtensionEntries;
+use super::parser::{GrfParser, ParseResult};
 use crate::FileError;
-use crate::brdf::inline::{self, Part, Trouble};
+use crate::brdf::inline::{self, InlineError, WeightedModel};
 use crate::surface::model::color;
-use azulejo_scene::brdf::{Description, Model, Problem, find};
+use azulejo_scene::brdf::{BrdfError, Description, Model, find};
 use azulejo_scene::{Brdf, Rgb};
 use std::sync::Arc;
 
-/// Distinct models that are more than matt or a mirror, in one document. Each takes milliseconds
-/// to make at worst, and a few bytes of a file to say.
+/// Maximum number of distinct models in a document, diffuse surfaces and mirrors apart. Each may
+/// take milliseconds to construct, but only a few bytes of a file.
 const MOST_MODELS: usize = 1 << 12;
 
-/// By how much the shares of a matt mirror may exceed 1, when they were rounded for a file.
+/// By how much the reflectances of a diffuse surface and a mirror may exceed 1 after rounding in a
+/// file.
 const ROUNDING: f64 = 1e-6;
 
-/// A reflection model as the file says it, and what it makes.
+/// A reflection model as given in the file, and the brdf constructed from it.
 #[derive(Clone, Debug)]
-pub(super) struct Reflection {
+pub(super) struct GrfReflection {
     pub description: Description,
-    /// `None` where a diffuse reflectance and a mirror say all.
+    /// `None` if a diffuse reflectance and a mirror represent it.
     pub brdf: Option<Arc<Brdf>>,
 }
 
-impl From<&Arc<Brdf>> for Reflection {
-    fn from(brdf: &Arc<Brdf>) -> Reflection {
-        Reflection {
+impl From<&Arc<Brdf>> for GrfReflection {
+    fn from(brdf: &Arc<Brdf>) -> GrfReflection {
+        GrfReflection {
             description: brdf.description().clone(),
             brdf: Some(brdf.clone()),
         }
@@ -35,14 +36,14 @@ impl From<&Arc<Brdf>> for Reflection {
 
 /// Reflectances of surfaces that need no model.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Plain {
+pub(super) struct PlainReflectance {
     pub diffuse: Rgb,
     pub mirror: Rgb,
 }
 
-/// What a description says, if matt and mirror say all of it.
-pub(super) fn plain(description: &Description) -> Option<Plain> {
-    let mut sum = Plain::default();
+/// The reflectances of a description that consists of diffuse and mirror reflection.
+pub(super) fn plain(description: &Description) -> Option<PlainReflectance> {
+    let mut sum = PlainReflectance::default();
     let mut add = |weight: f64, model: &Model| {
         match find(&model.name).ok()?.name {
             "diffuse" => sum.diffuse += weight * color(model, "kd").unwrap_or(Rgb::BLACK),
@@ -63,7 +64,7 @@ pub(super) fn plain(description: &Description) -> Option<Plain> {
     Some(sum)
 }
 
-/// Whether a description says a diffuse reflectance, which a colour beside it multiplies.
+/// Whether a description defines a diffuse reflectance, by which a colour beside it is multiplied.
 pub(super) fn says_diffuse(description: &Description) -> bool {
     let says = |model: &Model| color(model, "kd").is_some() || model.name == "specular";
     match description {
@@ -73,9 +74,9 @@ pub(super) fn says_diffuse(description: &Description) -> bool {
     }
 }
 
-impl<'a> Parser<'a, '_, '_> {
-    /// `brdf` was read.
-    pub fn brdf(&mut self) -> Parsed<Arc<Reflection>> {
+impl<'a> GrfParser<'a, '_, '_> {
+    /// Reads what follows `brdf`.
+    pub fn brdf(&mut self) -> ParseResult<Arc<GrfReflection>> {
         let offset = self.lexer.skip_blank();
         let mut ahead = self.lexer;
         match ahead.word() {
@@ -92,17 +93,17 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     #[cold]
-    fn trouble(&mut self, trouble: Trouble) -> super::document::Fail {
+    fn trouble(&mut self, trouble: InlineError) -> super::document::BoxedError {
         self.fail(trouble.offset, trouble.found, trouble.expected)
     }
 
-    /// The one copy of what a description makes.
+    /// The shared instance of a description.
     fn reflection(
         &mut self,
         offset: usize,
         description: Description,
-        parts: &[Part],
-    ) -> Parsed<Arc<Reflection>> {
+        parts: &[WeightedModel],
+    ) -> ParseResult<Arc<GrfReflection>> {
         let text = description.to_string();
         if let Some(known) = self.shared.reflections.get(&text) {
             return Ok(known.clone());
@@ -122,21 +123,26 @@ impl<'a> Parser<'a, '_, '_> {
         text: String,
         description: Description,
         brdf: Option<Arc<Brdf>>,
-    ) -> Arc<Reflection> {
-        let reflection = Arc::new(Reflection { description, brdf });
+    ) -> Arc<GrfReflection> {
+        let reflection = Arc::new(GrfReflection { description, brdf });
         self.shared.reflections.insert(text, reflection.clone());
         reflection
     }
 
-    /// A sum of a matt surface and a mirror may have weights of 1 for both.
-    fn check_plain(&mut self, offset: usize, plain: Plain, parts: &[Part]) -> Parsed<()> {
+    /// A sum of a diffuse surface and a mirror may have a weight of 1 for both.
+    fn check_plain(
+        &mut self,
+        offset: usize,
+        plain: PlainReflectance,
+        parts: &[WeightedModel],
+    ) -> ParseResult<()> {
         inline::check(parts).map_err(|t| self.trouble(t))?;
         let sum = (plain.diffuse + plain.mirror).max_channel();
         if sum <= 1.0 + ROUNDING {
             return Ok(());
         }
         let what = "a reflectance".to_owned();
-        let (found, expected) = inline::in_words(&Problem::Energy { what, sum });
+        let (found, expected) = inline::in_words(&BrdfError::Energy { what, sum });
         Err(self.fail(offset, found, expected))
     }
 
@@ -144,10 +150,10 @@ impl<'a> Parser<'a, '_, '_> {
         &mut self,
         offset: usize,
         description: &Description,
-        parts: &[Part],
-    ) -> Parsed<Arc<Brdf>> {
+        parts: &[WeightedModel],
+    ) -> ParseResult<Arc<Brdf>> {
         if self.shared.models == MOST_MODELS {
-            let expected = format!("at most {MOST_MODELS} different ones");
+            let expected = format!("at most {MOST_MODELS} distinct ones");
             return Err(self.fail(offset, "one more reflection model", expected));
         }
         self.shared.models += 1;
@@ -158,8 +164,11 @@ impl<'a> Parser<'a, '_, '_> {
         Ok(made)
     }
 
-    /// The file that an extension names.
-    pub fn take_brdf_file(&mut self, entries: &mut Entries<'a>) -> Parsed<Option<Arc<Reflection>>> {
+    /// The brdf file that an extension names.
+    pub fn take_brdf_file(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+    ) -> ParseResult<Option<Arc<GrfReflection>>> {
         let offset = entries.offset;
         match self.take_text(entries, "brdf_file")? {
             Some(path) => self.brdf_file(offset, &path).map(Some),
@@ -167,8 +176,8 @@ impl<'a> Parser<'a, '_, '_> {
         }
     }
 
-    /// What a file holds; nothing, with a warning, of one that cannot be had.
-    fn brdf_file(&mut self, offset: usize, name: &str) -> Parsed<Arc<Reflection>> {
+    /// The content of a brdf file; `None`, with a warning, if it cannot be read.
+    fn brdf_file(&mut self, offset: usize, name: &str) -> ParseResult<Arc<GrfReflection>> {
         let here = self.shared.sources.get(self.file);
         let path = match here {
             Some(source) if source.path.contains('/') => super::parse::joined(&source.path, name),
@@ -195,7 +204,7 @@ impl<'a> Parser<'a, '_, '_> {
         offset: usize,
         path: &str,
         bytes: &[u8],
-    ) -> Parsed<Arc<azulejo_scene::brdf::Content>> {
+    ) -> ParseResult<Arc<azulejo_scene::brdf::Content>> {
         match crate::brdf::read(bytes, path, self.shared.files) {
             Ok(read) => {
                 for warning in read.warnings {
@@ -216,5 +225,5 @@ impl<'a> Parser<'a, '_, '_> {
 }
 
 fn missing(path: &str, problem: &FileError) -> String {
-    format!("the brdf \"{path}\" is left out, its surface is matt: {problem}")
+    format!("brdf \"{path}\" skipped, its surface is diffuse: {problem}")
 }

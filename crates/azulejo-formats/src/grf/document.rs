@@ -1,6 +1,6 @@
-//! A GRF file as it stands: what [`Document`] is made of.
+//! The content of a GRF file: the parts of [`GrfDocument`].
 
-use super::brdf::Reflection;
+use super::brdf::GrfReflection;
 use super::solids::{ExactBlock, FigureBlock, SolidDefinition};
 use crate::{Position, ReadError};
 use azulejo_scene::{Attribute, Light, PrimitiveKind, Rgb, SurfaceLight};
@@ -9,45 +9,45 @@ use glam::{DAffine3, DVec2, DVec3};
 use std::sync::Arc;
 
 /// A GRF file, mirrored literally: its leading comments, definitions and uses, transforms,
-/// includes, parameters, and the extensions that azulejo does not know.
+/// includes, parameters, and unknown extensions.
 ///
-/// Layout is not kept: [`write`](Document::write) lays out canonically. Comments behind the
+/// The layout is not kept: [`write`](GrfDocument::write) uses a canonical one. Comments after the
 /// first block are not kept either.
 ///
-/// Every name that [`parse`](Document::parse) let through is defined where it is used.
+/// Every name that [`parse`](GrfDocument::parse) accepted is defined where it is used.
 #[derive(Clone, Debug, Default)]
-pub struct Document {
+pub struct GrfDocument {
     /// The comments before the first block, one per line, without their `//`.
     pub comments: Vec<String>,
-    pub(super) blocks: Vec<Block>,
-    /// The file and everything it includes; [`Place::file`] points here.
-    pub(super) sources: Sources,
+    pub(super) blocks: Vec<GrfBlock>,
+    /// The file and everything it includes; [`SourcePosition::file`] is an index into it.
+    pub(super) sources: GrfSources,
 }
 
 /// The files of a document, the outermost first.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Sources(Vec<Source>);
+pub(super) struct GrfSources(Vec<GrfSource>);
 
-/// One file, as often as it is included.
+/// One file; listed once for each time it is included.
 #[derive(Clone, Debug)]
-pub(super) struct Source {
-    /// The name that messages show.
+pub(super) struct GrfSource {
+    /// The name shown in messages.
     pub shown: String,
-    /// The name by which [`Files`](crate::Files) gives it.
+    /// The name by which [`Files`](crate::Files) provides it.
     pub path: String,
-    /// Which file includes it, and in which line.
+    /// The including file and the line of the include.
     pub parent: Option<(u32, u32)>,
 }
 
-impl Sources {
+impl GrfSources {
     /// Adds a file and returns its index.
-    pub fn push(&mut self, source: Source) -> u32 {
+    pub fn push(&mut self, source: GrfSource) -> u32 {
         self.0.push(source);
         self.0.len() as u32 - 1
     }
 
     /// A file by its index; `None` for a document that was not read from files.
-    pub fn get(&self, file: u32) -> Option<&Source> {
+    pub fn get(&self, file: u32) -> Option<&GrfSource> {
         self.0.get(file as usize)
     }
 
@@ -57,19 +57,19 @@ impl Sources {
     }
 
     /// A file and those that include it, innermost first.
-    pub fn chain(&self, file: u32) -> impl Iterator<Item = &Source> {
+    pub fn chain(&self, file: u32) -> impl Iterator<Item = &GrfSource> {
         std::iter::successors(self.get(file), |s| {
             s.parent.and_then(|(parent, _)| self.get(parent))
         })
     }
 
-    /// An error at a place.
+    /// An error at a position.
     pub fn fail(
         &self,
-        place: Place,
+        place: SourcePosition,
         found: impl Into<String>,
         expected: impl Into<String>,
-    ) -> Fail {
+    ) -> BoxedError {
         let mut error = ReadError::whole(self.shown(place.file), found, expected);
         error.position = place.position();
         let includes = self.chain(place.file).filter_map(|s| {
@@ -82,13 +82,13 @@ impl Sources {
     }
 }
 
-/// An error on its way out; in a box, because results of numbers should stay small.
-pub(super) type Fail = Box<ReadError>;
+/// A boxed error, which keeps results of numbers small.
+pub(super) type BoxedError = Box<ReadError>;
 
-/// Where something stands.
+/// A position in a source file.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Place {
-    /// Index into [`Document::sources`].
+pub(super) struct SourcePosition {
+    /// Index into [`GrfDocument::sources`].
     pub file: u32,
     /// From 1; 0 for what was not read from a file.
     pub line: u32,
@@ -96,7 +96,7 @@ pub(super) struct Place {
     pub column: u32,
 }
 
-impl Place {
+impl SourcePosition {
     /// The line and column, or the whole of what was not read from a file.
     pub fn position(self) -> Position {
         match self.line {
@@ -106,16 +106,16 @@ impl Place {
     }
 }
 
-/// One block and where it begins.
+/// A block and its position.
 #[derive(Clone, Debug)]
-pub(super) struct Block {
-    pub place: Place,
+pub(super) struct GrfBlock {
+    pub place: SourcePosition,
     pub kind: BlockKind,
 }
 
 #[derive(Clone, Debug)]
 pub(super) enum BlockKind {
-    /// `params begin ... end`: the text between, as it stood.
+    /// `params begin ... end`: the verbatim text in between.
     Params(String),
     Mesh(Box<MeshBlock>),
     AreaLight(Box<AreaLight>),
@@ -125,21 +125,21 @@ pub(super) enum BlockKind {
     Exact(Box<ExactBlock>),
     Figure(FigureBlock),
     Define(Box<SolidDefinition>),
-    /// `include "name"` and what that file holds.
+    /// `include "name"` and the content of that file.
     Include {
         name: String,
-        blocks: Vec<Block>,
+        blocks: Vec<GrfBlock>,
     },
     Transform {
-        /// In the order written; the first acts first.
-        steps: Vec<Step>,
-        blocks: Vec<Block>,
+        /// In the order written; the first is applied first.
+        steps: Vec<TransformStep>,
+        blocks: Vec<GrfBlock>,
     },
     /// `def ...` and the blocks in which the definitions hold. Without blocks they hold in the
-    /// list where they stand.
+    /// enclosing list.
     Definitions {
-        definitions: Vec<Definition>,
-        blocks: Option<Vec<Block>>,
+        definitions: Vec<GrfDefinition>,
+        blocks: Option<Vec<GrfBlock>>,
     },
     Units(Units),
     Camera(Camera),
@@ -148,22 +148,22 @@ pub(super) enum BlockKind {
     Light(Light),
     Material(Box<MaterialNote>),
     Texture {
-        of: Name,
+        of: GrfName,
         path: String,
     },
-    /// An extension of somebody else: its name, and the text between `begin` and `end ext`.
+    /// An unknown extension: its name, and the text between `begin` and `end ext`.
     Unknown {
         name: String,
         text: String,
     },
 }
 
-/// An identifier; the same one is stored once.
-pub(super) type Name = Arc<str>;
+/// An identifier; equal ones are stored once.
+pub(super) type GrfName = Arc<str>;
 
 /// An elementary transformation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Step {
+pub(super) enum TransformStep {
     Scale(DVec3),
     /// Degrees about x, then y, then z.
     Rotation(DVec3),
@@ -171,22 +171,22 @@ pub(super) enum Step {
 }
 
 #[derive(Clone, Debug)]
-pub(super) struct Definition {
-    pub name: Name,
-    pub body: Body,
+pub(super) struct GrfDefinition {
+    pub name: GrfName,
+    pub body: DefinitionBody,
 }
 
-/// What a definition or a statement before a face says.
+/// The right-hand side of a definition, or a statement before a face.
 #[derive(Clone, Debug)]
-pub(super) enum Body {
-    Texture(Name),
+pub(super) enum DefinitionBody {
+    Texture(GrfName),
     Color(Rgb),
-    Brdf(Arc<Reflection>),
+    Brdf(Arc<GrfReflection>),
 }
 
-/// The kinds of name.
+/// The types of names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Kind {
+pub(super) enum NameKind {
     Texture,
     Color,
     Brdf,
@@ -196,11 +196,11 @@ pub(super) enum Kind {
     Solid,
 }
 
-/// What changes the look of the faces that follow.
+/// A change of the appearance of the faces that follow.
 #[derive(Clone, Debug)]
-pub(super) enum Change {
-    Set(Body),
-    Use(Kind, Name),
+pub(super) enum AppearanceChange {
+    Set(DefinitionBody),
+    Use(NameKind, GrfName),
 }
 
 /// `begin mesh`, or `mesh light begin`.
@@ -210,46 +210,46 @@ pub(super) struct MeshBlock {
     pub is_light: bool,
     /// The `rgb` of a `mesh light`: emitted radiance.
     pub radiance: Option<Rgb>,
-    /// What stands at the head of the mesh, before its vertices.
-    pub head: Vec<Change>,
-    pub vertices: Vertices,
+    /// The appearance before the vertices of the mesh.
+    pub head: Vec<AppearanceChange>,
+    pub vertices: VertexList,
     pub faces: Faces,
-    /// What stands before a face, with the face's index, ascending.
-    pub changes: Vec<(u32, Change)>,
+    /// The changes before faces, with the indices of the faces, ascending.
+    pub changes: Vec<(u32, AppearanceChange)>,
     pub notes: ObjectNotes,
 }
 
-/// A vertex list, by columns.
+/// A vertex list, stored by attribute.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Vertices {
+pub(super) struct VertexList {
     pub positions: Vec<DVec3>,
-    pub normals: Column<DVec3>,
-    pub irradiance: Column<Rgb>,
-    pub uvs: Column<DVec2>,
-    pub colors: Column<Rgb>,
-    /// `use color id` before a vertex, by the vertex's index, ascending.
-    pub named_colors: Vec<(u32, Name)>,
+    pub normals: VertexColumn<DVec3>,
+    pub irradiance: VertexColumn<Rgb>,
+    pub uvs: VertexColumn<DVec2>,
+    pub colors: VertexColumn<Rgb>,
+    /// `use color id` before a vertex, with the index of the vertex, ascending.
+    pub named_colors: Vec<(u32, GrfName)>,
 }
 
-/// One attribute of the vertices, each of which may have it or not.
+/// One attribute of the vertices, some of which may lack it.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Column<T> {
-    /// Values of the first vertices; those behind the end have none.
+pub(super) struct VertexColumn<T> {
+    /// Values of the first vertices; the ones beyond its end have none.
     values: Vec<T>,
-    /// Which of `values` are only place holders, ascending.
+    /// The indices of placeholders in `values`, ascending.
     missing: Vec<u32>,
 }
 
-impl<T: Copy + Default> Column<T> {
-    /// A column in which no vertex lacks its value, or every vertex does.
-    pub fn full(values: Vec<T>) -> Column<T> {
-        Column {
+impl<T: Copy + Default> VertexColumn<T> {
+    /// A column in which either all vertices have a value or none has.
+    pub fn full(values: Vec<T>) -> VertexColumn<T> {
+        VertexColumn {
             values,
             missing: Vec::new(),
         }
     }
 
-    /// Sets the value of a vertex behind all that have one.
+    /// Sets the value of a vertex after all those with a value.
     pub fn push(&mut self, vertex: usize, value: T) {
         while self.values.len() < vertex {
             self.missing.push(self.values.len() as u32);
@@ -260,7 +260,7 @@ impl<T: Copy + Default> Column<T> {
 
     pub fn get(&self, vertex: usize) -> Option<T> {
         let value = *self.values.get(vertex)?;
-        // Most columns lack nothing: don't search then.
+        // Most columns are complete: skip the search then.
         let is_missing =
             !self.missing.is_empty() && self.missing.binary_search(&(vertex as u32)).is_ok();
         (!is_missing).then_some(value)
@@ -270,18 +270,18 @@ impl<T: Copy + Default> Column<T> {
         self.values.is_empty()
     }
 
-    /// How many of `vertices` vertices have no value, or how many values no vertex.
+    /// The number of vertices without a value, or of values without a vertex.
     pub fn lacking(&self, vertices: usize) -> usize {
         vertices.abs_diff(self.values.len()) + self.missing.len()
     }
 
-    /// The values, one per vertex, where none is missing.
+    /// The values, one per vertex, if none is missing.
     pub fn complete(&self, vertices: usize) -> Option<&[T]> {
         (self.lacking(vertices) == 0).then_some(&self.values)
     }
 }
 
-/// `light begin`: a parallelogram that shines.
+/// `light begin`: an emitting parallelogram.
 #[derive(Clone, Debug)]
 pub(super) struct AreaLight {
     pub corner: DVec3,
@@ -298,27 +298,27 @@ pub(super) struct PrimitiveBlock {
     pub notes: ObjectNotes,
 }
 
-/// What extensions beside a mesh, area light or primitive say about it.
+/// Attributes of a mesh, area light or primitive from extensions next to it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct ObjectNotes {
     pub name: String,
     /// The brdf that gives a light or primitive its material.
-    pub material: Option<Name>,
+    pub material: Option<GrfName>,
     /// One smoothing group per face, or empty.
     pub smoothing: Vec<u32>,
     /// Standard error of `irad`, one per vertex, or empty.
     pub irradiance_error: Vec<Rgb>,
     /// Irradiance on a light or primitive.
     pub light: Option<SurfaceLight>,
-    /// Normals by corners, of skins and meshes in solids.
+    /// Normals per corner, for skins and meshes in solids.
     pub normals: Option<Box<Attribute<DVec3>>>,
 }
 
-/// `ext material`: what a material is beyond its brdf. What is `None` stays as the brdf says.
+/// `ext material`: attributes of a material beyond its brdf. What is `None` follows from the brdf.
 #[derive(Clone, Debug, Default)]
 pub(super) struct MaterialNote {
     /// The brdf that it completes.
-    pub of: Name,
+    pub of: GrfName,
     pub name: Option<String>,
     pub diffuse: Option<Rgb>,
     pub mirror: Option<Rgb>,
@@ -327,12 +327,12 @@ pub(super) struct MaterialNote {
     pub ior: Option<f64>,
     pub transmittance: Option<Rgb>,
     pub thin: bool,
-    pub textures: Option<Vec<Name>>,
-    pub brdf_file: Option<Arc<Reflection>>,
+    pub textures: Option<Vec<GrfName>>,
+    pub brdf_file: Option<Arc<GrfReflection>>,
 }
 
 impl MaterialNote {
-    /// Whether it says nothing.
+    /// Whether it has no attributes.
     pub fn is_empty(&self) -> bool {
         let colors = [self.diffuse, self.mirror, self.emission, self.transmittance];
         self.name.is_none()
@@ -346,7 +346,7 @@ impl MaterialNote {
 }
 
 impl BlockKind {
-    /// The notes of a block that makes an object.
+    /// The notes of a block that creates an object.
     pub fn notes_mut(&mut self) -> Option<&mut ObjectNotes> {
         match self {
             BlockKind::Mesh(mesh) => Some(&mut mesh.notes),

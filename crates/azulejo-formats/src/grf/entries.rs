@@ -1,26 +1,26 @@
 //! The keys and values of an extension.
 
-use super::document::{Fail, Kind, Name};
-use super::parse::Ending;
-use super::parser::{Parsed, Parser};
+use super::document::{BoxedError, GrfName, NameKind};
+use super::parse::BlockEnd;
+use super::parser::{GrfParser, ParseResult};
 use crate::reading::lexer::Lexer;
 use azulejo_scene::Rgb;
 use glam::{DAffine3, DVec3};
 
-const EXTENSION: Ending = Ending::required(&["ext"]);
+const EXTENSION: BlockEnd = BlockEnd::required(&["ext"]);
 
-/// What stands behind a key.
-pub(super) enum Value<'a> {
+/// The value of a key.
+pub(super) enum EntryValue<'a> {
     Numbers(Vec<f64>),
     Vectors(Vec<[f64; 3]>),
     Words(Vec<&'a str>),
     Text(String),
 }
 
-impl Value<'_> {
-    /// Twelve numbers: the images of the axes and of the origin.
+impl EntryValue<'_> {
+    /// The map given by twelve numbers, the images of the axes and of the origin.
     pub fn map(&self) -> Option<DAffine3> {
-        let Value::Numbers(numbers) = self else {
+        let EntryValue::Numbers(numbers) = self else {
             return None;
         };
         let columns = <[f64; 12]>::try_from(&numbers[..]).ok()?;
@@ -29,35 +29,35 @@ impl Value<'_> {
 
     fn describe(&self) -> String {
         let (count, what) = match self {
-            Value::Numbers(list) => (list.len(), "number"),
-            Value::Vectors(list) => (list.len(), "triple"),
-            Value::Words(list) => (list.len(), "word"),
-            Value::Text(_) => (1, "text"),
+            EntryValue::Numbers(list) => (list.len(), "number"),
+            EntryValue::Vectors(list) => (list.len(), "triple"),
+            EntryValue::Words(list) => (list.len(), "word"),
+            EntryValue::Text(_) => (1, "text"),
         };
         let plural = if count == 1 { "" } else { "s" };
         format!("{count} {what}{plural}")
     }
 }
 
-pub(super) struct Entry<'a> {
+pub(super) struct ExtensionEntry<'a> {
     pub key: &'a str,
-    /// Where the value begins.
+    /// The offset of the value.
     pub offset: usize,
-    pub value: Value<'a>,
+    pub value: EntryValue<'a>,
 }
 
-/// The keys and values of one extension, or of one solid in it. What is taken is gone; what is
-/// left at the end was not understood.
-pub(super) struct Entries<'a> {
-    /// How messages call what they belong to: `ext camera`, in quotes.
+/// The keys and values of one extension, or of one solid in it. Reading a value removes it; what is
+/// left at the end is unknown.
+pub(super) struct ExtensionEntries<'a> {
+    /// The name of their owner in messages: `ext camera`, in backticks.
     pub title: String,
     pub offset: usize,
-    pub list: Vec<Entry<'a>>,
+    pub list: Vec<ExtensionEntry<'a>>,
 }
 
-impl<'a> Entries<'a> {
-    pub fn new(title: impl Into<String>, offset: usize) -> Entries<'a> {
-        Entries {
+impl<'a> ExtensionEntries<'a> {
+    pub fn new(title: impl Into<String>, offset: usize) -> ExtensionEntries<'a> {
+        ExtensionEntries {
             title: title.into(),
             offset,
             list: Vec::new(),
@@ -68,7 +68,7 @@ impl<'a> Entries<'a> {
         self.list.iter().any(|e| e.key.eq_ignore_ascii_case(key))
     }
 
-    pub fn take(&mut self, key: &str) -> Option<Entry<'a>> {
+    pub fn take(&mut self, key: &str) -> Option<ExtensionEntry<'a>> {
         let at = self
             .list
             .iter()
@@ -77,56 +77,56 @@ impl<'a> Entries<'a> {
     }
 }
 
-impl<'a> Parser<'a, '_, '_> {
-    /// Everything after `begin`, and `end ext`.
-    pub fn entries(&mut self, extension: &str, offset: usize) -> Parsed<Entries<'a>> {
-        let mut entries = Entries::new(format!("`ext {extension}`"), offset);
+impl<'a> GrfParser<'a, '_, '_> {
+    /// Reads everything after `begin`, and `end ext`.
+    pub fn entries(&mut self, extension: &str, offset: usize) -> ParseResult<ExtensionEntries<'a>> {
+        let mut entries = ExtensionEntries::new(format!("`ext {extension}`"), offset);
         self.entries_and(&mut entries, |_| Ok(false))?;
         self.end(offset, &EXTENSION)?;
         Ok(entries)
     }
 
-    /// Keys with their values, and what `other` reads in between, up to something else.
+    /// Reads keys with their values, and what `other` reads in between, up to something else.
     pub fn entries_and(
         &mut self,
-        entries: &mut Entries<'a>,
-        mut other: impl FnMut(&mut Self) -> Parsed<bool>,
-    ) -> Parsed<()> {
+        entries: &mut ExtensionEntries<'a>,
+        mut other: impl FnMut(&mut Self) -> ParseResult<bool>,
+    ) -> ParseResult<()> {
         loop {
             if at_key(self.lexer) {
                 let key = self.lexer.word().unwrap_or("");
                 self.expect(b'=')?;
                 let offset = self.lexer.skip_blank();
                 let value = self.value()?;
-                entries.list.push(Entry { key, offset, value });
+                entries.list.push(ExtensionEntry { key, offset, value });
             } else if !other(self)? {
                 return Ok(());
             }
         }
     }
 
-    /// Says which keys nobody took.
-    pub fn warn_of_rest(&mut self, entries: &Entries<'_>) {
+    /// Warns about keys that were not used.
+    pub fn warn_of_rest(&mut self, entries: &ExtensionEntries<'_>) {
         for rest in &entries.list {
             self.warn(
                 rest.offset,
-                format!("{} has no key `{}`; skipped", entries.title, rest.key),
+                format!("{} has no key `{}`: skipped", entries.title, rest.key),
             );
         }
     }
 
-    fn value(&mut self) -> Parsed<Value<'a>> {
+    fn value(&mut self) -> ParseResult<EntryValue<'a>> {
         match self.lexer.peek() {
             Some(b'"') => match self.lexer.escaped_text() {
-                Some(text) => Ok(Value::Text(unescaped(text))),
-                None => Err(self.unexpected("a text that is closed by `\"` on its line")),
+                Some(text) => Ok(EntryValue::Text(unescaped(text))),
+                None => Err(self.unexpected("a text that ends with `\"` on the same line")),
             },
             Some(b'(') => {
                 let mut vectors = Vec::new();
                 while self.lexer.peek() == Some(b'(') {
                     vectors.push(self.vector3()?.to_array());
                 }
-                Ok(Value::Vectors(vectors))
+                Ok(EntryValue::Vectors(vectors))
             }
             _ if self.lexer.at_number() => {
                 let mut numbers = Vec::new();
@@ -134,7 +134,7 @@ impl<'a> Parser<'a, '_, '_> {
                     numbers.push(self.number()?);
                     self.lexer.eat(b',');
                 }
-                Ok(Value::Numbers(numbers))
+                Ok(EntryValue::Numbers(numbers))
             }
             _ => {
                 let mut words = Vec::new();
@@ -148,21 +148,25 @@ impl<'a> Parser<'a, '_, '_> {
                 if words.is_empty() {
                     return Err(self.unexpected("a number, a vector, a \"text\" or a word"));
                 }
-                Ok(Value::Words(words))
+                Ok(EntryValue::Words(words))
             }
         }
     }
 }
 
-/// The values of single keys.
-impl<'a> Parser<'a, '_, '_> {
+impl<'a> GrfParser<'a, '_, '_> {
     #[cold]
-    pub fn wrong(&mut self, entry: &Entry<'_>, expected: &str) -> Fail {
+    pub fn wrong(&mut self, entry: &ExtensionEntry<'_>, expected: &str) -> BoxedError {
         let found = format!("`{}` of {}", entry.key, entry.value.describe());
         self.fail(entry.offset, found, expected)
     }
 
-    pub fn required<T>(&mut self, entries: &Entries<'_>, key: &str, value: Option<T>) -> Parsed<T> {
+    pub fn required<T>(
+        &mut self,
+        entries: &ExtensionEntries<'_>,
+        key: &str,
+        value: Option<T>,
+    ) -> ParseResult<T> {
         match value {
             Some(value) => Ok(value),
             None => Err(self.fail(
@@ -175,21 +179,25 @@ impl<'a> Parser<'a, '_, '_> {
 
     pub fn take_number(
         &mut self,
-        entries: &mut Entries<'a>,
+        entries: &mut ExtensionEntries<'a>,
         key: &str,
-    ) -> Parsed<Option<(f64, usize)>> {
+    ) -> ParseResult<Option<(f64, usize)>> {
         match entries.take(key) {
             None => Ok(None),
             Some(entry) => match entry.value {
-                Value::Numbers(ref n) if n.len() == 1 => Ok(Some((n[0], entry.offset))),
+                EntryValue::Numbers(ref n) if n.len() == 1 => Ok(Some((n[0], entry.offset))),
                 _ => Err(self.wrong(&entry, "one number")),
             },
         }
     }
 
-    /// Radians, from `key` in degrees or from `key_radians`, which is written when no number of
-    /// degrees gives the same bits.
-    pub fn take_angle(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<Option<f64>> {
+    /// An angle in radians, from `key` in degrees or from `key_radians`, which is written if no
+    /// number of degrees gives the same bits.
+    pub fn take_angle(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+        key: &str,
+    ) -> ParseResult<Option<f64>> {
         let degrees = self.take_number(entries, key)?;
         let radians = self.take_number(entries, &format!("{key}_radians"))?;
         Ok(radians
@@ -197,70 +205,86 @@ impl<'a> Parser<'a, '_, '_> {
             .or(degrees.map(|(d, _)| d.to_radians())))
     }
 
-    pub fn take_point(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<Option<DVec3>> {
+    pub fn take_point(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+        key: &str,
+    ) -> ParseResult<Option<DVec3>> {
         match entries.take(key) {
             None => Ok(None),
             Some(entry) => match entry.value {
-                Value::Vectors(ref v) if v.len() == 1 => Ok(Some(DVec3::from_array(v[0]))),
+                EntryValue::Vectors(ref v) if v.len() == 1 => Ok(Some(DVec3::from_array(v[0]))),
                 _ => Err(self.wrong(&entry, "one vector (x, y, z)")),
             },
         }
     }
 
-    pub fn needed_point(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<DVec3> {
+    pub fn needed_point(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+        key: &str,
+    ) -> ParseResult<DVec3> {
         let point = self.take_point(entries, key)?;
         self.required(entries, key, point)
     }
 
     /// A unit vector, from one of any length.
-    pub fn needed_direction(&mut self, entries: &mut Entries<'a>) -> Parsed<DVec3> {
+    pub fn needed_direction(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<DVec3> {
         let offset = entries.offset;
         let direction = self.needed_point(entries, "direction")?;
         match super::unit(direction) {
             Some(unit) => Ok(unit),
-            None => Err(self.fail(
-                offset,
-                "a direction without length",
-                "a vector that is not 0",
-            )),
+            None => Err(self.fail(offset, "a direction of length 0", "a non-zero vector")),
         }
     }
 
-    pub fn take_rgb(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<Option<Rgb>> {
+    pub fn take_rgb(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+        key: &str,
+    ) -> ParseResult<Option<Rgb>> {
         let Some(entry) = entries.take(key) else {
             return Ok(None);
         };
         let rgb = match &entry.value {
-            Value::Vectors(v) if v.len() == 1 => Rgb::from(v[0]),
-            Value::Numbers(n) if n.len() == 1 => Rgb::grey(n[0]),
+            EntryValue::Vectors(v) if v.len() == 1 => Rgb::from(v[0]),
+            EntryValue::Numbers(n) if n.len() == 1 => Rgb::grey(n[0]),
             _ => return Err(self.wrong(&entry, "one number or (r, g, b)")),
         };
         Ok(Some(self.not_negative(entry.offset, rgb)))
     }
 
-    pub fn needed_rgb(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<Rgb> {
+    pub fn needed_rgb(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+        key: &str,
+    ) -> ParseResult<Rgb> {
         let rgb = self.take_rgb(entries, key)?;
         self.required(entries, key, rgb)
     }
 
     pub fn take_reflectance(
         &mut self,
-        entries: &mut Entries<'a>,
+        entries: &mut ExtensionEntries<'a>,
         key: &str,
-    ) -> Parsed<Option<Rgb>> {
+    ) -> ParseResult<Option<Rgb>> {
         let offset = entries.offset;
         let rgb = self.take_rgb(entries, key)?;
         if rgb.is_some_and(|c| c.max_channel() > 1.0) {
-            self.warn(offset, "a reflectance is above 1; read as 1");
+            self.warn(offset, "reflectance above 1: read as 1");
         }
         Ok(rgb.map(|c| c.map(|x| x.min(1.0))))
     }
 
-    pub fn take_text(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<Option<String>> {
+    pub fn take_text(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+        key: &str,
+    ) -> ParseResult<Option<String>> {
         match entries.take(key) {
             None => Ok(None),
-            Some(Entry {
-                value: Value::Text(text),
+            Some(ExtensionEntry {
+                value: EntryValue::Text(text),
                 ..
             }) => Ok(Some(text)),
             Some(entry) => Err(self.wrong(&entry, "a \"text\"")),
@@ -269,25 +293,25 @@ impl<'a> Parser<'a, '_, '_> {
 
     pub fn take_word(
         &mut self,
-        entries: &mut Entries<'a>,
+        entries: &mut ExtensionEntries<'a>,
         key: &str,
-    ) -> Parsed<Option<(&'a str, usize)>> {
+    ) -> ParseResult<Option<(&'a str, usize)>> {
         match entries.take(key) {
             None => Ok(None),
             Some(entry) => match entry.value {
-                Value::Words(ref w) if w.len() == 1 => Ok(Some((w[0], entry.offset))),
+                EntryValue::Words(ref w) if w.len() == 1 => Ok(Some((w[0], entry.offset))),
                 _ => Err(self.wrong(&entry, "one word")),
             },
         }
     }
 
-    /// A name that a `def` must have made.
+    /// A name that a `def` must have defined.
     pub fn take_name(
         &mut self,
-        entries: &mut Entries<'a>,
+        entries: &mut ExtensionEntries<'a>,
         key: &str,
-        kind: Kind,
-    ) -> Parsed<Option<Name>> {
+        kind: NameKind,
+    ) -> ParseResult<Option<GrfName>> {
         let Some((word, offset)) = self.take_word(entries, key)? else {
             return Ok(None);
         };
@@ -302,14 +326,14 @@ fn at_key(mut ahead: Lexer<'_>) -> bool {
     ahead.word().is_some() && ahead.eat(b'=')
 }
 
-/// Whether `begin`, `key =`, `member begin` or `glyph (` follows: a list of words ends there.
+/// Whether `begin`, `key =`, `member begin` or `glyph (` follows, which ends a list of words.
 fn at_item(mut ahead: Lexer<'_>) -> bool {
     ahead.eat_word("begin")
         || ahead.word().is_some() && (ahead.eat(b'=') || ahead.eat(b'(') || ahead.eat_word("begin"))
 }
 
-/// Resolves the escapes `\n`, `\r`, `\t` and `\u{hex}`; any other character behind a backslash
-/// is itself.
+/// Resolves the escapes `
+/// `, `\r`, `\t` and `\u{hex}`; any other character after a backslash stands for itself.
 fn unescaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text.chars();

@@ -1,35 +1,36 @@
-//! `ext name begin key = value ... end ext`: what GRF's own words cannot say.
+//! `ext name begin key = value ... end ext`: what GRF itself cannot express.
 //!
 //! docs/formats/grf.md lists every extension with its keys.
 
+use super::appearance::MOST_TEXTURES;
 use super::document::{
-    Block, BlockKind, Fail, Kind, MaterialNote, Name, ObjectNotes, PrimitiveBlock,
+    BlockKind, BoxedError, GrfBlock, GrfName, MaterialNote, NameKind, ObjectNotes, PrimitiveBlock,
 };
-use super::entries::{Entries, Entry, Value};
-use super::look::MOST_TEXTURES;
-use super::parser::{Parsed, Parser};
+use super::entries::{EntryValue, ExtensionEntries, ExtensionEntry};
+use super::parser::{GrfParser, ParseResult};
 use super::solids::is_solid;
 use azulejo_scene::{
     Camera, Fog, Light, LightKind, PrimitiveKind, Rgb, SurfaceGrid, SurfaceLight, Units, Up,
 };
 use glam::DAffine3;
 
-/// Cells along one direction of a solved primitive: enough for any, and squared still a count.
+/// Maximum number of cells along one direction of a solved primitive, small enough for its square
+/// to be a count.
 const MOST_CELLS: f64 = 65_536.0;
 
-/// What an extension is.
+/// The result of reading an extension.
 pub(super) enum Extension {
-    /// Something of its own.
+    /// A block of its own.
     Block(Box<BlockKind>),
-    /// `ext object`, about the object that follows.
+    /// `ext object`, which applies to the object that follows.
     Names(Box<ObjectNotes>),
-    /// About the object before it, which has it now.
+    /// It was applied to the preceding object.
     Noted,
 }
 
-impl<'a> Parser<'a, '_, '_> {
-    /// Reads an extension; `before` is the block that stands before it.
-    pub fn extension(&mut self, before: Option<&mut Block>) -> Parsed<Extension> {
+impl<'a> GrfParser<'a, '_, '_> {
+    /// Reads an extension; `before` is the preceding block.
+    pub fn extension(&mut self, before: Option<&mut GrfBlock>) -> ParseResult<Extension> {
         let offset = self.lexer.skip_blank();
         self.expect_word("ext")?;
         let Some(name) = self.lexer.word() else {
@@ -58,8 +59,8 @@ impl<'a> Parser<'a, '_, '_> {
         Ok(known)
     }
 
-    /// The extensions that hold more than keys and values.
-    fn nesting(&mut self, name: &str, offset: usize) -> Parsed<Option<BlockKind>> {
+    /// Reads the extensions that contain more than keys and values.
+    fn nesting(&mut self, name: &str, offset: usize) -> ParseResult<Option<BlockKind>> {
         match name {
             "figure" => self.figure(offset).map(Some),
             "define" => self.solid_definition(offset).map(Some),
@@ -68,8 +69,8 @@ impl<'a> Parser<'a, '_, '_> {
         }
     }
 
-    /// The text of an extension that is not known, up to `end ext`.
-    fn unknown_text(&mut self, offset: usize) -> Parsed<String> {
+    /// The text of an unknown extension, up to `end ext`.
+    fn unknown_text(&mut self, offset: usize) -> ParseResult<String> {
         let start = self.lexer.skip_blank();
         loop {
             let here = self.lexer.skip_blank();
@@ -90,9 +91,9 @@ impl<'a> Parser<'a, '_, '_> {
     fn known(
         &mut self,
         name: &str,
-        entries: &mut Entries<'a>,
-        before: Option<&mut Block>,
-    ) -> Parsed<Extension> {
+        entries: &mut ExtensionEntries<'a>,
+        before: Option<&mut GrfBlock>,
+    ) -> ParseResult<Extension> {
         let block = match name {
             "units" => BlockKind::Units(self.units(entries)?),
             "camera" => BlockKind::Camera(self.camera(entries)?),
@@ -101,7 +102,7 @@ impl<'a> Parser<'a, '_, '_> {
             "light" => BlockKind::Light(self.light(entries)?),
             "material" => BlockKind::Material(Box::new(self.material_note(entries)?)),
             "texture" => {
-                let of = self.take_name(entries, "of", Kind::Texture)?;
+                let of = self.take_name(entries, "of", NameKind::Texture)?;
                 let path = self.take_text(entries, "path")?;
                 BlockKind::Texture {
                     of: self.required(entries, "of", of)?,
@@ -112,7 +113,7 @@ impl<'a> Parser<'a, '_, '_> {
             "object" => {
                 return Ok(Extension::Names(Box::new(ObjectNotes {
                     name: self.take_text(entries, "name")?.unwrap_or_default(),
-                    material: self.take_name(entries, "material", Kind::Brdf)?,
+                    material: self.take_name(entries, "material", NameKind::Brdf)?,
                     ..ObjectNotes::default()
                 })));
             }
@@ -124,14 +125,14 @@ impl<'a> Parser<'a, '_, '_> {
         Ok(Extension::Block(Box::new(block)))
     }
 
-    fn units(&mut self, entries: &mut Entries<'a>) -> Parsed<Units> {
+    fn units(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Units> {
         let mut units = Units::default();
         if let Some((metres, offset)) = self.take_number(entries, "metres_per_unit")? {
             if metres <= 0.0 {
                 return Err(self.fail(
                     offset,
                     format!("{metres} metres per unit"),
-                    "a length above 0",
+                    "a positive length",
                 ));
             }
             units.metres_per_unit = Some(metres);
@@ -147,7 +148,7 @@ impl<'a> Parser<'a, '_, '_> {
         Ok(units)
     }
 
-    fn fog(&mut self, entries: &mut Entries<'a>) -> Parsed<Fog> {
+    fn fog(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Fog> {
         let color = self.needed_rgb(entries, "color")?;
         let visibility = self.take_number(entries, "visibility")?;
         let visibility = match visibility {
@@ -164,7 +165,11 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// `key = true` or `key = false`.
-    fn take_flag(&mut self, entries: &mut Entries<'a>, key: &str) -> Parsed<Option<bool>> {
+    fn take_flag(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+        key: &str,
+    ) -> ParseResult<Option<bool>> {
         match self.take_word(entries, key)? {
             None => Ok(None),
             Some(("true", _)) => Ok(Some(true)),
@@ -175,7 +180,7 @@ impl<'a> Parser<'a, '_, '_> {
         }
     }
 
-    fn camera(&mut self, entries: &mut Entries<'a>) -> Parsed<Camera> {
+    fn camera(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Camera> {
         let eye = self.take_point(entries, "eye")?;
         let target = self.take_point(entries, "target")?;
         let up = self.take_point(entries, "up")?;
@@ -193,26 +198,26 @@ impl<'a> Parser<'a, '_, '_> {
         }
         Err(self.fail(
             entries.offset,
-            "a camera that sees nothing",
+            "a camera with a degenerate view",
             "eye, target and up that span a plane, and a field of view between 0 and 180 degrees",
         ))
     }
 
-    fn take_size(&mut self, entries: &mut Entries<'a>) -> Parsed<Option<(u32, u32)>> {
+    fn take_size(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Option<(u32, u32)>> {
         let Some(entry) = entries.take("size") else {
             return Ok(None);
         };
         let pixels = |n: f64| (n >= 1.0 && n <= f64::from(u32::MAX)).then_some(n as u32);
-        if let Value::Numbers(numbers) = &entry.value
+        if let EntryValue::Numbers(numbers) = &entry.value
             && let [width, height] = numbers[..]
             && let (Some(width), Some(height)) = (pixels(width), pixels(height))
         {
             return Ok(Some((width, height)));
         }
-        Err(self.wrong(&entry, "two numbers of pixels, 1 or more"))
+        Err(self.wrong(&entry, "two numbers of pixels, at least 1"))
     }
 
-    fn light(&mut self, entries: &mut Entries<'a>) -> Parsed<Light> {
+    fn light(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Light> {
         let name = self.take_text(entries, "name")?.unwrap_or_default();
         let kind = self.take_word(entries, "kind")?;
         let (kind, offset) = self.required(entries, "kind", kind)?;
@@ -240,7 +245,7 @@ impl<'a> Parser<'a, '_, '_> {
         Ok(Light { name, kind })
     }
 
-    fn spot(&mut self, entries: &mut Entries<'a>) -> Parsed<LightKind> {
+    fn spot(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<LightKind> {
         let inner = self.take_angle(entries, "inner")?;
         let outer = self.take_angle(entries, "outer")?;
         let inner = self.required(entries, "inner", inner)?;
@@ -248,7 +253,7 @@ impl<'a> Parser<'a, '_, '_> {
         if !(0.0 <= inner && inner <= outer && outer <= std::f64::consts::PI + 1e-12) {
             return Err(self.fail(
                 entries.offset,
-                "a spot light with impossible angles",
+                "a spot light with invalid angles",
                 "0 <= inner <= outer <= 180 degrees",
             ));
         }
@@ -261,8 +266,8 @@ impl<'a> Parser<'a, '_, '_> {
         })
     }
 
-    fn material_note(&mut self, entries: &mut Entries<'a>) -> Parsed<MaterialNote> {
-        let of = self.take_name(entries, "of", Kind::Brdf)?;
+    fn material_note(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<MaterialNote> {
+        let of = self.take_name(entries, "of", NameKind::Brdf)?;
         let of = self.required(entries, "of", of)?;
         let name = self.take_text(entries, "name")?;
         let diffuse = self.take_reflectance(entries, "diffuse")?;
@@ -276,7 +281,7 @@ impl<'a> Parser<'a, '_, '_> {
             return Err(self.fail(
                 offset,
                 format!("an index of refraction of {ior}"),
-                "a number above 0",
+                "a positive number",
             ));
         }
         Ok(MaterialNote {
@@ -294,11 +299,14 @@ impl<'a> Parser<'a, '_, '_> {
         })
     }
 
-    fn take_textures(&mut self, entries: &mut Entries<'a>) -> Parsed<Option<Vec<Name>>> {
+    fn take_textures(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+    ) -> ParseResult<Option<Vec<GrfName>>> {
         let Some(entry) = entries.take("textures") else {
             return Ok(None);
         };
-        let Value::Words(words) = &entry.value else {
+        let EntryValue::Words(words) = &entry.value else {
             return Err(self.wrong(&entry, "names of textures, or `none`"));
         };
         if words.len() > MOST_TEXTURES {
@@ -313,19 +321,19 @@ impl<'a> Parser<'a, '_, '_> {
         let mut names = Vec::new();
         for word in words {
             let name = self.shared.intern(word);
-            self.note_use(entry.offset, Kind::Texture, &name);
+            self.note_use(entry.offset, NameKind::Texture, &name);
             names.push(name);
         }
         Ok(Some(names))
     }
 
-    fn primitive(&mut self, entries: &mut Entries<'a>) -> Parsed<PrimitiveBlock> {
+    fn primitive(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<PrimitiveBlock> {
         let (kind, map) = self.unit_primitive(entries)?;
         Ok(PrimitiveBlock {
             kind,
             map,
             notes: ObjectNotes {
-                material: self.take_name(entries, "material", Kind::Brdf)?,
+                material: self.take_name(entries, "material", NameKind::Brdf)?,
                 ..ObjectNotes::default()
             },
         })
@@ -334,8 +342,8 @@ impl<'a> Parser<'a, '_, '_> {
     /// The kind of a primitive and its map.
     pub fn unit_primitive(
         &mut self,
-        entries: &mut Entries<'a>,
-    ) -> Parsed<(PrimitiveKind, DAffine3)> {
+        entries: &mut ExtensionEntries<'a>,
+    ) -> ParseResult<(PrimitiveKind, DAffine3)> {
         let kind = self.take_word(entries, "kind")?;
         let (word, offset) = self.required(entries, "kind", kind)?;
         let kind = match word {
@@ -360,7 +368,7 @@ impl<'a> Parser<'a, '_, '_> {
         Ok((kind, self.map(entries, kind)?))
     }
 
-    fn top(&mut self, entries: &mut Entries<'a>, default: f64) -> Parsed<f64> {
+    fn top(&mut self, entries: &mut ExtensionEntries<'a>, default: f64) -> ParseResult<f64> {
         let top = self.take_number(entries, "top")?;
         let (top, offset) = top.unwrap_or((default, entries.offset));
         if (0.0..=1.0).contains(&top) {
@@ -373,7 +381,11 @@ impl<'a> Parser<'a, '_, '_> {
         ))
     }
 
-    fn map(&mut self, entries: &mut Entries<'a>, kind: PrimitiveKind) -> Parsed<DAffine3> {
+    fn map(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+        kind: PrimitiveKind,
+    ) -> ParseResult<DAffine3> {
         let entry = entries.take("map");
         let entry = self.required(entries, "map", entry)?;
         let is_placing = |map: &DAffine3| super::is_invertible(kind, map);
@@ -384,20 +396,20 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     #[cold]
-    pub fn not_a_map(&mut self, entry: &Entry<'_>) -> Fail {
+    pub fn not_a_map(&mut self, entry: &ExtensionEntry<'_>) -> BoxedError {
         self.wrong(
             entry,
-            "12 numbers, the images of the x, y and z axes and of the origin, that map space onto space",
+            "12 numbers, the images of the x, y and z axes and of the origin, that form an invertible map",
         )
     }
 
-    /// `smoothing`, `irad_error`, `surface_light`: about the object before.
+    /// Reads `smoothing`, `irad_error` or `surface_light`, which apply to the preceding object.
     fn note_object(
         &mut self,
         name: &str,
-        entries: &mut Entries<'a>,
-        before: Option<&mut Block>,
-    ) -> Parsed<()> {
+        entries: &mut ExtensionEntries<'a>,
+        before: Option<&mut GrfBlock>,
+    ) -> ParseResult<()> {
         match (name, before.map(|block| &mut block.kind)) {
             ("smoothing", Some(BlockKind::Mesh(mesh))) => {
                 let faces = mesh.faces.len();
@@ -417,44 +429,45 @@ impl<'a> Parser<'a, '_, '_> {
                 return Err(self.fail(
                     entries.offset,
                     format!("`ext {name}`"),
-                    "the block that it is about right before it",
+                    "its object immediately before it",
                 ));
             }
         }
         Ok(())
     }
 
-    /// One whole number for each of so many parts.
+    /// `count` integers, one for each of a number of parts.
     pub fn counts(
         &mut self,
-        entries: &mut Entries<'a>,
+        entries: &mut ExtensionEntries<'a>,
         key: &str,
         (count, part): (usize, &str),
-    ) -> Parsed<Vec<u32>> {
+    ) -> ParseResult<Vec<u32>> {
         let entry = match entries.take(key) {
             None if count == 0 => return Ok(Vec::new()),
             entry => self.required(entries, key, entry)?,
         };
         let group = |n: &f64| (*n >= 0.0 && *n <= f64::from(u32::MAX)).then_some(*n as u32);
-        if let Value::Numbers(numbers) = &entry.value
+        if let EntryValue::Numbers(numbers) = &entry.value
             && numbers.len() == count
             && let Some(groups) = numbers.iter().map(group).collect()
         {
             return Ok(groups);
         }
-        Err(self.wrong(&entry, &format!("{count} whole numbers, one per {part}")))
+        Err(self.wrong(&entry, &format!("{count} integers, one per {part}")))
     }
 
     fn surface_light(
         &mut self,
-        entries: &mut Entries<'a>,
+        entries: &mut ExtensionEntries<'a>,
         kind: PrimitiveKind,
-    ) -> Parsed<SurfaceLight> {
+    ) -> ParseResult<SurfaceLight> {
         let grids = self.grids(entries, kind.parts())?;
         let count = grids.iter().map(SurfaceGrid::vertices).sum();
-        let error = match entries.list.iter().any(|e| e.key == "error") {
-            true => self.rgb_list(entries, "error", count)?,
-            false => Vec::new(),
+        let error = if entries.list.iter().any(|e| e.key == "error") {
+            self.rgb_list(entries, "error", count)?
+        } else {
+            Vec::new()
         };
         Ok(SurfaceLight {
             irradiance: self.rgb_list(entries, "irradiance", count)?,
@@ -463,11 +476,15 @@ impl<'a> Parser<'a, '_, '_> {
         })
     }
 
-    fn grids(&mut self, entries: &mut Entries<'a>, parts: usize) -> Parsed<Vec<SurfaceGrid>> {
+    fn grids(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+        parts: usize,
+    ) -> ParseResult<Vec<SurfaceGrid>> {
         let entry = entries.take("grids");
         let entry = self.required(entries, "grids", entry)?;
         let is_count = |n: &f64| (1.0..=MOST_CELLS).contains(n);
-        if let Value::Numbers(numbers) = &entry.value
+        if let EntryValue::Numbers(numbers) = &entry.value
             && numbers.len() == 2 * parts
             && numbers.iter().all(is_count)
         {
@@ -479,24 +496,24 @@ impl<'a> Parser<'a, '_, '_> {
         }
         Err(self.wrong(
             &entry,
-            &format!("{} numbers of cells, two for each part", 2 * parts),
+            &format!("{} cell counts, two for each part", 2 * parts),
         ))
     }
 
-    /// As many triples as `count`.
+    /// `count` triples.
     pub fn rgb_list(
         &mut self,
-        entries: &mut Entries<'a>,
+        entries: &mut ExtensionEntries<'a>,
         key: &str,
         count: usize,
-    ) -> Parsed<Vec<Rgb>> {
+    ) -> ParseResult<Vec<Rgb>> {
         let entry = match entries.take(key) {
-            // Nothing stands behind the key of an empty list.
+            // The key of an empty list has no value.
             None if count == 0 => return Ok(Vec::new()),
             entry => self.required(entries, key, entry)?,
         };
         match &entry.value {
-            Value::Vectors(list) if list.len() == count => Ok(list
+            EntryValue::Vectors(list) if list.len() == count => Ok(list
                 .iter()
                 .map(|&v| self.not_negative(entry.offset, Rgb::from(v)))
                 .collect()),
@@ -505,7 +522,7 @@ impl<'a> Parser<'a, '_, '_> {
     }
 }
 
-/// The extensions that are understood.
+/// The names of known extensions.
 const KNOWN: [&str; 15] = [
     "units",
     "camera",

@@ -1,9 +1,10 @@
-//! From a scene to a document that says it canonically.
+//! Converts a scene to its canonical document.
 
-use super::brdf::Reflection;
+use super::brdf::GrfReflection;
 use super::document::{
-    AreaLight, Block, BlockKind, Body, Change, Column, Definition, Document, Kind, MaterialNote,
-    MeshBlock, Name, ObjectNotes, Place, PrimitiveBlock, Vertices,
+    AppearanceChange, AreaLight, BlockKind, DefinitionBody, GrfBlock, GrfDefinition, GrfDocument,
+    GrfName, MaterialNote, MeshBlock, NameKind, ObjectNotes, PrimitiveBlock, SourcePosition,
+    VertexColumn, VertexList,
 };
 use super::materials::surface;
 use super::solids::{Figures, exact_block};
@@ -17,22 +18,22 @@ use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-impl Document {
-    /// The canonical document of a scene that keeps the promises of [`Scene::validate`].
+impl GrfDocument {
+    /// The canonical document of a scene that satisfies [`Scene::validate`].
     ///
-    /// Materials and textures become definitions around everything else, under their own names
-    /// where these are identifiers. Normals and texture coordinates on corners become attributes
-    /// of vertices, which are split where corners disagree. Pixels of textures are left out.
-    pub fn from_scene(scene: &Scene) -> Document {
-        Document::with_pictures(scene, scene.textures.iter().map(|t| t.path.as_str()))
+    /// Materials and textures become definitions around everything else, under their own names if
+    /// these are identifiers. Normals and texture coordinates per corner become attributes of
+    /// vertices, which are split where corners differ. Pixels of textures are omitted.
+    pub fn from_scene(scene: &Scene) -> GrfDocument {
+        GrfDocument::with_pictures(scene, scene.textures.iter().map(|t| t.path.as_str()))
     }
 
-    /// The same with these files for its textures.
+    /// The same, with these image files for its textures.
     pub(super) fn with_pictures<'s>(
         scene: &Scene,
         pictures: impl Iterator<Item = &'s str>,
-    ) -> Document {
-        let names = Names::new(scene);
+    ) -> GrfDocument {
+        let names = GrfNames::new(scene);
         let mut outside = Vec::new();
         if scene.units != Units::default() {
             outside.push(BlockKind::Units(scene.units));
@@ -62,33 +63,33 @@ impl Document {
                 blocks: Some(placed(inside)),
             });
         }
-        Document {
+        GrfDocument {
             blocks: placed(outside),
-            ..Document::default()
+            ..GrfDocument::default()
         }
     }
 }
 
-fn placed(kinds: Vec<BlockKind>) -> Vec<Block> {
-    let place = Place::default();
+fn placed(kinds: Vec<BlockKind>) -> Vec<GrfBlock> {
+    let place = SourcePosition::default();
     kinds
         .into_iter()
-        .map(|kind| Block { place, kind })
+        .map(|kind| GrfBlock { place, kind })
         .collect()
 }
 
 /// Identifiers of a scene's materials, textures and figures.
-struct Names {
-    materials: Vec<Name>,
-    textures: Vec<Name>,
+struct GrfNames {
+    materials: Vec<GrfName>,
+    textures: Vec<GrfName>,
     figures: Figures,
 }
 
-impl Names {
-    fn new(scene: &Scene) -> Names {
+impl GrfNames {
+    fn new(scene: &Scene) -> GrfNames {
         let materials = scene.materials.iter().map(|m| &*m.name);
         let textures = scene.textures.iter().map(|_| "");
-        Names {
+        GrfNames {
             materials: identifiers(materials, "m"),
             textures: identifiers(textures, "t"),
             figures: Figures::of(scene),
@@ -110,8 +111,8 @@ impl Names {
         }
     }
 
-    fn material(&self, id: MaterialId) -> Change {
-        Change::Use(Kind::Brdf, self.materials[id as usize].clone())
+    fn material(&self, id: MaterialId) -> AppearanceChange {
+        AppearanceChange::Use(NameKind::Brdf, self.materials[id as usize].clone())
     }
 
     fn mesh(&self, scene: &Scene, mesh: &Mesh, notes: ObjectNotes) -> MeshBlock {
@@ -125,7 +126,7 @@ impl Names {
                 .chain(textures.iter().map(|t| self.texture(*t)));
             changes.extend(said.map(|change| (run as u32, change)));
         }
-        // One material for all stands at the head; an emitting mesh has no head.
+        // A single material goes before the vertices; an emitting mesh has no appearance there.
         if radiance.is_none() && changes.iter().all(|(at, _)| *at == 0) {
             head = changes.drain(..).map(|(_, change)| change).collect();
         }
@@ -138,11 +139,11 @@ impl Names {
         }
     }
 
-    fn texture(&self, id: TextureId) -> Change {
-        Change::Use(Kind::Texture, self.textures[id as usize].clone())
+    fn texture(&self, id: TextureId) -> AppearanceChange {
+        AppearanceChange::Use(NameKind::Texture, self.textures[id as usize].clone())
     }
 
-    /// A parallelogram that shines is GRF's own area light; everything else is an extension.
+    /// An emitting parallelogram is GRF's own area light; everything else is an extension.
     fn primitive(&self, scene: &Scene, p: &Primitive, notes: ObjectNotes) -> BlockKind {
         let notes = ObjectNotes {
             material: Some(self.materials[p.material as usize].clone()),
@@ -172,8 +173,8 @@ impl Names {
     }
 }
 
-/// Distinct identifiers: names that are identifiers and not taken, or a letter and a number.
-fn identifiers<'n>(names: impl Iterator<Item = &'n str>, letter: &str) -> Vec<Name> {
+/// Distinct identifiers: names that are valid and not taken yet, or a letter and a number.
+fn identifiers<'n>(names: impl Iterator<Item = &'n str>, letter: &str) -> Vec<GrfName> {
     let names: Vec<&str> = names.collect();
     let given: HashSet<&str> = names.iter().copied().collect();
     let mut taken: HashSet<&str> = HashSet::new();
@@ -182,18 +183,22 @@ fn identifiers<'n>(names: impl Iterator<Item = &'n str>, letter: &str) -> Vec<Na
         let name = format!("{letter}{next}");
         next += 1;
         if !given.contains(&*name) {
-            return Name::from(name);
+            return GrfName::from(name);
         }
     };
     let mut out = Vec::with_capacity(names.len());
     for name in names {
         let is_free = is_identifier(name) && taken.insert(name);
-        out.push(if is_free { Name::from(name) } else { fresh() });
+        out.push(if is_free {
+            GrfName::from(name)
+        } else {
+            fresh()
+        });
     }
     out
 }
 
-/// Whether a name can stand in a file as it is. Keywords can't: a file should be read easily.
+/// Whether a name can be written as it is. Keywords cannot, for the sake of readability.
 fn is_identifier(name: &str) -> bool {
     const KEYWORDS: [&str; 9] = [
         "begin", "end", "def", "use", "none", "brdf", "texture", "rgb", "ext",
@@ -204,12 +209,12 @@ fn is_identifier(name: &str) -> bool {
         && !KEYWORDS.iter().any(|k| name.eq_ignore_ascii_case(k))
 }
 
-/// Whether a path can stand between quotes as it is.
+/// Whether a path can be written between quotes as it is.
 fn is_plain_path(path: &str) -> bool {
     !path.contains(|c: char| c == '"' || c.is_control())
 }
 
-fn texture_definition(name: &Name, path: &str, notes: &mut Vec<BlockKind>) -> Definition {
+fn texture_definition(name: &GrfName, path: &str, notes: &mut Vec<BlockKind>) -> GrfDefinition {
     let mut plain = path.to_owned();
     if !is_plain_path(path) {
         plain.retain(|c| c != '"' && !c.is_control());
@@ -218,18 +223,18 @@ fn texture_definition(name: &Name, path: &str, notes: &mut Vec<BlockKind>) -> De
             path: path.to_owned(),
         });
     }
-    Definition {
+    GrfDefinition {
         name: name.clone(),
-        body: Body::Texture(Name::from(plain)),
+        body: DefinitionBody::Texture(GrfName::from(plain)),
     }
 }
 
-/// A material in GRF's words, and what these leave unsaid.
+/// A material as a GRF definition, and the attributes that this cannot express.
 fn material_definition(
-    name: &Name,
+    name: &GrfName,
     material: &Material,
-    textures: &[Name],
-) -> (Definition, Option<MaterialNote>) {
+    textures: &[GrfName],
+) -> (GrfDefinition, Option<MaterialNote>) {
     let brdf = brdf_of(material);
     let mut said = surface(name, &brdf).material;
     said.limit_reflectance();
@@ -244,7 +249,7 @@ fn material_definition(
         ior: material.dielectric.map(|d| d.ior),
         transmittance: material.dielectric.map(|d| d.transmittance),
         thin: material.dielectric.is_some_and(|d| d.thin),
-        // With a texture anywhere, every material says its own: GRF has no word for "none".
+        // If there is any texture, every material lists its own: GRF has no way to write "none".
         textures: (!textures.is_empty()).then(|| {
             let named = |&t: &TextureId| textures[t as usize].clone();
             material.textures.iter().map(named).collect()
@@ -254,25 +259,25 @@ fn material_definition(
             _ => None,
         },
     };
-    let definition = Definition {
+    let definition = GrfDefinition {
         name: name.clone(),
-        body: Body::Brdf(Arc::new(brdf)),
+        body: DefinitionBody::Brdf(Arc::new(brdf)),
     };
     (definition, (!note.is_empty()).then_some(note))
 }
 
-/// The brdf that says most about a material.
-fn brdf_of(material: &Material) -> Reflection {
+/// The brdf that expresses a material best.
+fn brdf_of(material: &Material) -> GrfReflection {
     match &material.brdf {
         Some(brdf) if file_of(brdf).is_none_or(is_plain_path) => brdf.into(),
-        _ => Reflection {
+        _ => GrfReflection {
             description: plain_brdf(material.diffuse, material.mirror),
             brdf: None,
         },
     }
 }
 
-/// The name of the file that holds a brdf.
+/// The name of the file that contains a brdf.
 fn file_of(brdf: &Brdf) -> Option<&str> {
     match brdf.description() {
         Description::File { path, .. } => Some(path),
@@ -292,7 +297,7 @@ fn plain_brdf(diffuse: Rgb, mirror: Rgb) -> Description {
     }
 }
 
-/// The radiance of a mesh whose faces all emit the same.
+/// The radiance of a mesh whose faces all emit equally.
 fn common_radiance(scene: &Scene, mesh: &Mesh) -> Option<Rgb> {
     let emission = |m: MaterialId| scene.materials[m as usize].emission;
     let (first, rest) = mesh.face_materials.split_first()?;
@@ -301,16 +306,16 @@ fn common_radiance(scene: &Scene, mesh: &Mesh) -> Option<Rgb> {
     (is_common && !radiance.is_black()).then_some(radiance)
 }
 
-/// The vertices and faces of a mesh, and what is noted about them, without its looks.
+/// The vertices, faces and notes of a mesh, without its appearance.
 pub(super) fn polygons(mesh: Cow<'_, Mesh>, notes: ObjectNotes) -> MeshBlock {
     let mesh = split_corners(mesh).into_owned();
     MeshBlock {
-        vertices: Vertices {
+        vertices: VertexList {
             positions: mesh.positions,
             normals: column(mesh.normals),
-            irradiance: Column::full(mesh.irradiance),
+            irradiance: VertexColumn::full(mesh.irradiance),
             uvs: column(mesh.uvs),
-            colors: Column::full(mesh.colors),
+            colors: VertexColumn::full(mesh.colors),
             named_colors: Vec::new(),
         },
         faces: mesh.faces,
@@ -323,17 +328,17 @@ pub(super) fn polygons(mesh: Cow<'_, Mesh>, notes: ObjectNotes) -> MeshBlock {
     }
 }
 
-/// The faces at which the material changes, the first face among them.
+/// The faces at which the material changes, including the first face.
 fn material_runs(materials: &[MaterialId]) -> impl Iterator<Item = usize> {
     (0..materials.len()).filter(|&f| f == 0 || materials[f] != materials[f - 1])
 }
 
-fn column<T: Copy + Default>(attribute: Option<Attribute<T>>) -> Column<T> {
-    Column::full(attribute.map_or_else(Vec::new, |a| a.values))
+fn column<T: Copy + Default>(attribute: Option<Attribute<T>>) -> VertexColumn<T> {
+    VertexColumn::full(attribute.map_or_else(Vec::new, |a| a.values))
 }
 
-/// A mesh whose normals and texture coordinates belong to vertices: a vertex whose corners
-/// disagree is split. Vertices keep their indices for their first corner; copies come last.
+/// A mesh whose normals and texture coordinates are stored per vertex: a vertex whose corners
+/// differ is split. Vertices keep their indices for their first corner; copies are appended.
 fn split_corners(mesh: Cow<'_, Mesh>) -> Cow<'_, Mesh> {
     let by_corner = |has: Option<bool>| has.unwrap_or(false);
     let normals = by_corner(mesh.normals.as_ref().map(|a| a.corners.is_some()));
@@ -341,7 +346,7 @@ fn split_corners(mesh: Cow<'_, Mesh>) -> Cow<'_, Mesh> {
     if !normals && !uvs {
         return mesh;
     }
-    let mut split = Splitter::new(&mesh);
+    let mut split = VertexSplitter::new(&mesh);
     let mut faces = Faces::default();
     let mut corners = Vec::new();
     for face in 0..mesh.faces.len() {
@@ -354,19 +359,19 @@ fn split_corners(mesh: Cow<'_, Mesh>) -> Cow<'_, Mesh> {
     Cow::Owned(split.mesh(faces))
 }
 
-/// What a vertex is after splitting: position, normal and texture coordinate by index.
-type Combination = [u32; 3];
+/// Indices of a vertex's position, normal and texture coordinate after splitting.
+type VertexCombination = [u32; 3];
 
-struct Splitter<'m> {
+struct VertexSplitter<'m> {
     mesh: &'m Mesh,
-    /// Of each vertex, old and new; `None` for an old one that no corner has named yet.
-    combinations: Vec<Option<Combination>>,
-    known: HashMap<Combination, u32>,
+    /// For each vertex, old and new; `None` for an old one that no corner has used yet.
+    combinations: Vec<Option<VertexCombination>>,
+    known: HashMap<VertexCombination, u32>,
 }
 
-impl Splitter<'_> {
-    fn new(mesh: &Mesh) -> Splitter<'_> {
-        Splitter {
+impl VertexSplitter<'_> {
+    fn new(mesh: &Mesh) -> VertexSplitter<'_> {
+        VertexSplitter {
             mesh,
             combinations: vec![None; mesh.positions.len()],
             known: HashMap::new(),
@@ -399,9 +404,12 @@ impl Splitter<'_> {
         let old = self.mesh;
         let position = |v: usize| self.combinations[v].map_or(v, |c| c[0] as usize);
         let count = self.combinations.len();
-        let taken = |list: &Vec<Rgb>| match list.is_empty() {
-            true => Vec::new(),
-            false => (0..count).map(|v| list[position(v)]).collect(),
+        let taken = |list: &Vec<Rgb>| {
+            if list.is_empty() {
+                Vec::new()
+            } else {
+                (0..count).map(|v| list[position(v)]).collect()
+            }
         };
         Mesh {
             positions: (0..count).map(|v| old.positions[position(v)]).collect(),
@@ -416,7 +424,7 @@ impl Splitter<'_> {
         }
     }
 
-    /// An attribute by vertices; `unused` for vertices of no face.
+    /// An attribute per vertex; `unused` for vertices without faces.
     fn attribute<T: Copy>(
         &self,
         attribute: &Option<Attribute<T>>,
@@ -424,15 +432,16 @@ impl Splitter<'_> {
         unused: T,
     ) -> Option<Attribute<T>> {
         let attribute = attribute.as_ref()?;
-        let value =
-            |c: &Option<Combination>| c.map_or(unused, |c| attribute.values[c[part] as usize]);
+        let value = |c: &Option<VertexCombination>| {
+            c.map_or(unused, |c| attribute.values[c[part] as usize])
+        };
         Some(Attribute::per_vertex(
             self.combinations.iter().map(value).collect(),
         ))
     }
 }
 
-/// Which value of an attribute a corner has.
+/// The index of a corner's value in an attribute.
 fn index<T>(attribute: &Option<Attribute<T>>, corner: usize, vertex: u32) -> u32 {
     match attribute {
         None => 0,

@@ -1,19 +1,19 @@
-//! Light back into the file from which the scene came.
+//! Stores irradiance in the document from which the scene was read.
 
-use super::document::{Block, BlockKind, Column, Document, MeshBlock};
-use super::placement::{Outer, affine};
+use super::document::{BlockKind, GrfBlock, GrfDocument, MeshBlock, VertexColumn};
+use super::placement::{OuterTransform, affine};
 use super::solids::{SkinBlock, skin_block};
 use azulejo_scene::{Mesh, Object, Scene, Shape, SurfaceLight};
 use glam::DAffine3;
 
-impl Document {
-    /// Takes the irradiance of a solved scene over into the document that the scene was resolved
-    /// from, so that a save keeps the definitions, transforms and comments of the file.
+impl GrfDocument {
+    /// Copies the irradiance of a solved scene to the document that the scene was resolved from, so
+    /// that saving keeps the definitions, transforms and comments of the file.
     ///
-    /// Included files that hold objects become part of the document, because their light can be
-    /// written nowhere else. Returns `false`, and changes nothing, when the scene's objects are
-    /// not those of the document any more: meshes divided into patches, objects added or taken
-    /// away. [`Document::from_scene`] says such a scene.
+    /// Included files that contain objects become part of the document, because their irradiance
+    /// cannot be written elsewhere. Returns `false`, without any change, if the scene's objects are
+    /// no longer those of the document: meshes subdivided into patches, objects added or removed.
+    /// [`GrfDocument::from_scene`] represents such a scene.
     pub fn set_irradiance(&mut self, scene: &Scene) -> bool {
         let mut objects = scene.objects.iter();
         let is_same = all_match(&self.blocks, &mut objects) && objects.next().is_none();
@@ -27,7 +27,7 @@ impl Document {
 
 type Objects<'s> = std::slice::Iter<'s, Object>;
 
-fn all_match(blocks: &[Block], objects: &mut Objects<'_>) -> bool {
+fn all_match(blocks: &[GrfBlock], objects: &mut Objects<'_>) -> bool {
     blocks.iter().all(|block| match &block.kind {
         BlockKind::Mesh(mesh) => matches!(
             objects.next().map(|o| &o.shape),
@@ -51,14 +51,14 @@ fn all_match(blocks: &[Block], objects: &mut Objects<'_>) -> bool {
 
 fn is_same_mesh(block: &MeshBlock, mesh: &Mesh) -> bool {
     let vertices = mesh.positions.len();
-    // Starts and not corners: a transform that mirrors turns the faces round.
+    // Compare starts instead of corners: a mirroring transform reverses the faces.
     block.vertices.positions.len() == vertices
         && block.faces.starts == mesh.faces.starts
         && (mesh.irradiance.is_empty() || mesh.irradiance.len() == vertices)
 }
 
-/// The blocks inside of the transforms `outer`, with the light of the objects.
-fn lit(blocks: Vec<Block>, objects: &mut Objects<'_>, outer: Outer) -> Vec<Block> {
+/// The blocks inside the transforms `outer`, with the irradiance of the objects.
+fn lit(blocks: Vec<GrfBlock>, objects: &mut Objects<'_>, outer: OuterTransform) -> Vec<GrfBlock> {
     let mut out = Vec::with_capacity(blocks.len());
     for mut block in blocks {
         match &mut block.kind {
@@ -75,7 +75,7 @@ fn lit(blocks: Vec<Block>, objects: &mut Objects<'_>, outer: Outer) -> Vec<Block
                 ..
             } => *blocks = lit(std::mem::take(blocks), objects, outer),
             BlockKind::Include { blocks, .. } if has_objects(blocks) => {
-                // An include means what its text means in its place.
+                // An include is equivalent to its content at the same position.
                 out.extend(lit(std::mem::take(blocks), objects, outer));
                 continue;
             }
@@ -86,7 +86,7 @@ fn lit(blocks: Vec<Block>, objects: &mut Objects<'_>, outer: Outer) -> Vec<Block
     out
 }
 
-fn has_objects(blocks: &[Block]) -> bool {
+fn has_objects(blocks: &[GrfBlock]) -> bool {
     blocks.iter().any(|block| match &block.kind {
         BlockKind::Mesh(_)
         | BlockKind::AreaLight(_)
@@ -104,7 +104,7 @@ fn has_objects(blocks: &[Block]) -> bool {
 
 fn set_mesh(block: &mut MeshBlock, object: Option<&Object>) {
     if let Some(Shape::Mesh(mesh)) = object.map(|o| &o.shape) {
-        block.vertices.irradiance = Column::full(mesh.irradiance.clone());
+        block.vertices.irradiance = VertexColumn::full(mesh.irradiance.clone());
         block
             .notes
             .irradiance_error
@@ -112,7 +112,7 @@ fn set_mesh(block: &mut MeshBlock, object: Option<&Object>) {
     }
 }
 
-fn skin(object: Option<&Object>, outer: Outer) -> Option<Box<SkinBlock>> {
+fn skin(object: Option<&Object>, outer: OuterTransform) -> Option<Box<SkinBlock>> {
     match object.map(|o| &o.shape) {
         Some(Shape::Exact(exact)) => skin_block(exact, outer),
         _ => None,

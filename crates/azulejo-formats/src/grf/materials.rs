@@ -1,27 +1,27 @@
-//! From what a file says about a surface to a material.
+//! Materials of surfaces as described in a file.
 
-use super::brdf::{Reflection, plain, says_diffuse};
+use super::brdf::{GrfReflection, plain, says_diffuse};
 use super::document::MaterialNote;
 use azulejo_scene::brdf::Description;
 use azulejo_scene::{Dielectric, Material, Rgb, TextureId};
 
-/// Reflectance of surfaces about which a file says nothing.
+/// Reflectance of surfaces for which a file defines none.
 pub(super) const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
 
-/// The warning when [`limit`] had something to do.
-pub(super) const REFLECTS_TOO_MUCH: &str =
-    "a material reflects less than nothing or more than arrives; limited to 0..1";
+/// The warning if [`limit`] changed a value.
+pub(super) const REFLECTS_TOO_MUCH: &str = "material with a reflectance outside 0..1: clamped";
 
-/// A material and how much of it the file said.
+/// A material, and which parts of it the file defines.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Surface {
+pub(super) struct DefinedMaterial {
     pub material: Material,
-    /// Whether the diffuse reflectance was said; a colour multiplies it then, and is it otherwise.
+    /// Whether the file defines the diffuse reflectance; if so, a colour multiplies it, otherwise
+    /// replaces it.
     pub says_diffuse: bool,
 }
 
-/// What a `brdf` makes.
-pub(super) fn surface(name: &str, reflection: &Reflection) -> Surface {
+/// The material of a `brdf`.
+pub(super) fn surface(name: &str, reflection: &GrfReflection) -> DefinedMaterial {
     let description = &reflection.description;
     let mut material = match &reflection.brdf {
         Some(brdf) => Material::with_brdf(name, brdf.clone()),
@@ -34,18 +34,18 @@ pub(super) fn surface(name: &str, reflection: &Reflection) -> Surface {
         }
     };
     let is_black = material.diffuse.is_black();
-    // Of a file that is not there nothing is known.
+    // Nothing is known about a missing file.
     if matches!(description, Description::File { content: None, .. }) {
         material.diffuse = DEFAULT_REFLECTANCE;
     }
-    Surface {
+    DefinedMaterial {
         material,
         says_diffuse: says_diffuse(description) || !is_black,
     }
 }
 
-impl Surface {
-    /// Completes a material by what its `ext material` says; `textures` are those of the note.
+impl DefinedMaterial {
+    /// Adds the attributes of an `ext material`; `textures` are those of the note.
     pub fn annotate(&mut self, note: &MaterialNote, textures: Option<Vec<TextureId>>) {
         let material = &mut self.material;
         if let Some(name) = &note.name {

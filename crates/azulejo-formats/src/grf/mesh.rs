@@ -1,31 +1,31 @@
-//! Meshes: vertex lists and face lists, where nearly all bytes of a file are.
+//! Meshes: vertex lists and face lists, which make up nearly all of a file.
 
-use super::document::{Change, Column, Kind, MeshBlock, Vertices};
-use super::parse::Ending;
-use super::parser::{Parsed, Parser};
+use super::document::{AppearanceChange, MeshBlock, NameKind, VertexColumn, VertexList};
+use super::parse::BlockEnd;
+use super::parser::{GrfParser, ParseResult};
 use azulejo_scene::Rgb;
 
-const MESH: Ending = Ending::optional(&["mesh"]);
-const MESH_LIGHT: Ending = Ending::optional(&["mesh", "light"]);
-const VERTICES: Ending = Ending::optional(&["vertices", "vertexs"]);
-const FACES: Ending = Ending::optional(&["faces"]);
+const MESH: BlockEnd = BlockEnd::optional(&["mesh"]);
+const MESH_LIGHT: BlockEnd = BlockEnd::optional(&["mesh", "light"]);
+const VERTICES: BlockEnd = BlockEnd::optional(&["vertices", "vertexs"]);
+const FACES: BlockEnd = BlockEnd::optional(&["faces"]);
 
-/// Vertices of one mesh.
+/// Maximum number of vertices of a mesh.
 const MOST_VERTICES: usize = 1 << 31;
-/// Corners of one mesh: they are counted in 32 bits.
+/// Maximum number of corners of a mesh, which are counted in 32 bits.
 const MOST_CORNERS: usize = u32::MAX as usize;
 
-/// The largest index of a mesh's faces and where it stands.
-pub(super) type Largest = Option<(u32, usize)>;
+/// The largest index of a mesh's faces and its offset.
+pub(super) type LargestIndex = Option<(u32, usize)>;
 
 /// Whether a word opens or ends a vertex list.
 pub(super) fn is_vertices(word: &str) -> bool {
     word.eq_ignore_ascii_case("vertices") || word.eq_ignore_ascii_case("vertexs")
 }
 
-impl Parser<'_, '_, '_> {
-    /// The inside of a mesh and its `end`.
-    pub fn mesh_body(&mut self, offset: usize, mut mesh: MeshBlock) -> Parsed<Box<MeshBlock>> {
+impl GrfParser<'_, '_, '_> {
+    /// Reads the content of a mesh and its `end`.
+    pub fn mesh_body(&mut self, offset: usize, mut mesh: MeshBlock) -> ParseResult<Box<MeshBlock>> {
         let ending = if mesh.is_light { &MESH_LIGHT } else { &MESH };
         let mut largest = None;
         loop {
@@ -40,10 +40,7 @@ impl Parser<'_, '_, '_> {
                 if mesh.faces.is_empty() {
                     mesh.head.push(change);
                 } else {
-                    self.warn(
-                        at,
-                        "`use` after the faces of a mesh changes nothing; skipped",
-                    );
+                    self.warn(at, "`use` after the faces of a mesh has no effect: skipped");
                 }
             } else if self.lexer.eat(b';') {
             } else if self.at_end() {
@@ -59,7 +56,7 @@ impl Parser<'_, '_, '_> {
         Ok(Box::new(mesh))
     }
 
-    /// At `end`, and at the end of the file, which [`end`](Parser::end) reports.
+    /// At `end`, and at the end of the file, which [`end`](GrfParser::end) reports.
     pub fn at_end(&mut self) -> bool {
         self.lexer.peek().is_none()
             || self
@@ -68,8 +65,12 @@ impl Parser<'_, '_, '_> {
                 .is_some_and(|word| word.eq_ignore_ascii_case("end"))
     }
 
-    /// `begin` was read inside a mesh.
-    pub fn mesh_list(&mut self, mesh: &mut MeshBlock, largest: &mut Largest) -> Parsed<()> {
+    /// Reads a list of a mesh, after `begin`.
+    pub fn mesh_list(
+        &mut self,
+        mesh: &mut MeshBlock,
+        largest: &mut LargestIndex,
+    ) -> ParseResult<()> {
         let offset = self.lexer.skip_blank();
         if self.lexer.peek_word().is_some_and(is_vertices) {
             self.lexer.word();
@@ -81,14 +82,14 @@ impl Parser<'_, '_, '_> {
         Err(self.unexpected("`vertices` or `faces`"))
     }
 
-    pub fn check_indices(&mut self, mesh: &MeshBlock, largest: Largest) -> Parsed<()> {
+    pub fn check_indices(&mut self, mesh: &MeshBlock, largest: LargestIndex) -> ParseResult<()> {
         let count = mesh.vertices.positions.len();
         match largest {
             Some((index, at)) if index as usize >= count => Err(self.fail(
                 at,
-                format!("vertex {index} of a mesh of {count} vertices"),
+                format!("vertex {index} of a mesh with {count} vertices"),
                 match count {
-                    0 => "a vertex list with that vertex".to_owned(),
+                    0 => "a vertex list that contains it".to_owned(),
                     _ => format!("an index from 0 to {}", count - 1),
                 },
             )),
@@ -96,7 +97,7 @@ impl Parser<'_, '_, '_> {
         }
     }
 
-    fn vertices(&mut self, offset: usize, vertices: &mut Vertices) -> Parsed<()> {
+    fn vertices(&mut self, offset: usize, vertices: &mut VertexList) -> ParseResult<()> {
         loop {
             match self.lexer.peek() {
                 Some(b'(') => {
@@ -115,7 +116,7 @@ impl Parser<'_, '_, '_> {
         }
     }
 
-    fn vertex_attribute(&mut self, vertices: &mut Vertices) -> Parsed<()> {
+    fn vertex_attribute(&mut self, vertices: &mut VertexList) -> ParseResult<()> {
         let offset = self.lexer.skip_blank();
         let vertex = vertices.positions.len();
         if self.lexer.eat_word("normal") {
@@ -132,8 +133,8 @@ impl Parser<'_, '_, '_> {
             self.set(&mut vertices.colors, vertex, color, offset);
         } else if self.lexer.eat_word("use") {
             self.color_word()?;
-            let name = self.used(Kind::Color)?;
-            // The column holds a place for it, so that it counts as present.
+            let name = self.used(NameKind::Color)?;
+            // The column holds a placeholder, so that the attribute counts as present.
             self.set(&mut vertices.colors, vertex, Rgb::WHITE, offset);
             vertices.named_colors.push((vertex as u32, name));
         } else {
@@ -144,7 +145,7 @@ impl Parser<'_, '_, '_> {
         Ok(())
     }
 
-    fn color_word(&mut self) -> Parsed<()> {
+    fn color_word(&mut self) -> ParseResult<()> {
         if self.lexer.eat_word("colour") || self.lexer.eat_word("rgb") {
             return Ok(());
         }
@@ -153,7 +154,7 @@ impl Parser<'_, '_, '_> {
 
     fn set<T: Copy + Default>(
         &mut self,
-        column: &mut Column<T>,
+        column: &mut VertexColumn<T>,
         vertex: usize,
         value: T,
         offset: usize,
@@ -161,14 +162,19 @@ impl Parser<'_, '_, '_> {
         if column.get(vertex).is_some() {
             self.warn(
                 offset,
-                "a vertex has the same attribute twice; the first one holds",
+                "a vertex has the same attribute twice: the first one is used",
             );
         } else {
             column.push(vertex, value);
         }
     }
 
-    fn faces(&mut self, offset: usize, mesh: &mut MeshBlock, largest: &mut Largest) -> Parsed<()> {
+    fn faces(
+        &mut self,
+        offset: usize,
+        mesh: &mut MeshBlock,
+        largest: &mut LargestIndex,
+    ) -> ParseResult<()> {
         loop {
             match self.lexer.peek() {
                 Some(b'(') => self.face_in_brackets(mesh, largest)?,
@@ -189,35 +195,39 @@ impl Parser<'_, '_, '_> {
         }
     }
 
-    /// What changes the look of the faces that follow; `None` if something else comes next.
-    fn change(&mut self) -> Parsed<Option<Change>> {
+    /// A change of the appearance of the faces that follow; `None` if something else comes next.
+    fn change(&mut self) -> ParseResult<Option<AppearanceChange>> {
         let word = self.lexer.peek_word().unwrap_or("");
         let is = |list: &[&str]| list.iter().any(|w| word.eq_ignore_ascii_case(w));
         if is(&["rgb", "brdf", "texture"]) {
-            return self.body().map(|body| Some(Change::Set(body)));
+            return self.body().map(|body| Some(AppearanceChange::Set(body)));
         }
         if !is(&["use"]) {
             return Ok(None);
         }
         self.lexer.word();
         let kind = if self.lexer.eat_word("brdf") {
-            Kind::Brdf
+            NameKind::Brdf
         } else if self.lexer.eat_word("texture") {
-            Kind::Texture
+            NameKind::Texture
         } else if self.lexer.eat_word("color")
             || self.lexer.eat_word("colour")
             || self.lexer.eat_word("rgb")
         {
-            Kind::Color
+            NameKind::Color
         } else {
             return Err(self.unexpected("`color`, `brdf` or `texture`"));
         };
         let name = self.used(kind)?;
-        Ok(Some(Change::Use(kind, name)))
+        Ok(Some(AppearanceChange::Use(kind, name)))
     }
 
     /// `(i, j, k, ...)`
-    fn face_in_brackets(&mut self, mesh: &mut MeshBlock, largest: &mut Largest) -> Parsed<()> {
+    fn face_in_brackets(
+        &mut self,
+        mesh: &mut MeshBlock,
+        largest: &mut LargestIndex,
+    ) -> ParseResult<()> {
         let start = self.lexer.skip_blank();
         self.expect(b'(')?;
         let first = mesh.faces.corners.len();
@@ -233,13 +243,17 @@ impl Parser<'_, '_, '_> {
             if !self.lexer.at_number() {
                 return Err(self.unexpected("`,` or `)`"));
             }
-            self.warn(next, "a comma is missing between two numbers");
+            self.warn(next, "missing comma between two numbers");
         }
         self.close_face(mesh, first, start)
     }
 
     /// `n i1 i2 ... in`
-    fn counted_face(&mut self, mesh: &mut MeshBlock, largest: &mut Largest) -> Parsed<()> {
+    fn counted_face(
+        &mut self,
+        mesh: &mut MeshBlock,
+        largest: &mut LargestIndex,
+    ) -> ParseResult<()> {
         let start = self.lexer.skip_blank();
         let count = self
             .lexer
@@ -255,7 +269,7 @@ impl Parser<'_, '_, '_> {
         self.close_face(mesh, first, start)
     }
 
-    fn corner(&mut self, mesh: &mut MeshBlock, largest: &mut Largest) -> Parsed<()> {
+    fn corner(&mut self, mesh: &mut MeshBlock, largest: &mut LargestIndex) -> ParseResult<()> {
         let at = self.lexer.skip_blank();
         let index = self.index()?;
         if largest.is_none_or(|(most, _)| index > most) {
@@ -265,13 +279,13 @@ impl Parser<'_, '_, '_> {
         Ok(())
     }
 
-    fn close_face(&mut self, mesh: &mut MeshBlock, first: usize, start: usize) -> Parsed<()> {
+    fn close_face(&mut self, mesh: &mut MeshBlock, first: usize, start: usize) -> ParseResult<()> {
         let end = mesh.faces.corners.len();
         if end - first < 3 {
             return Err(self.fail(
                 start,
-                format!("a face of {} corners", end - first),
-                "a face of 3 corners or more",
+                format!("a face with {} corners", end - first),
+                "a face with at least 3 corners",
             ));
         }
         if end > MOST_CORNERS {

@@ -1,25 +1,25 @@
 //! GRF (GRanada File): the scenes of the "Wannabe Amazing" workbench, with irradiance on their
 //! vertices.
 //!
-//! Text, by Montes, Ureña, Revelles and Lastra (University of Granada, 2001): meshes with
-//! attributes before each vertex, definitions with scopes, transforms, includes. What sets it
-//! apart is `irad`: a solved scene keeps its light. The grammar as azulejo reads it, its
-//! extensions and its deviations stand in `docs/formats/grf.md`.
+//! A text format by Montes, Ureña, Revelles and Lastra (University of Granada, 2001): meshes with
+//! attributes before each vertex, definitions with scopes, transforms, includes. Its distinctive
+//! feature is `irad`: a solved scene includes its irradiance. `docs/formats/grf.md` describes the
+//! grammar as read by azulejo, the extensions and the deviations.
 //!
-//! [`read`] and [`write()`] go between bytes and [`Scene`]. A [`Document`] mirrors a file
-//! literally, for programs that save a file which somebody wrote by hand.
+//! [`read`] and [`write()`] convert between bytes and [`Scene`]. A [`GrfDocument`] mirrors a file
+//! literally, for programs that save a hand-written file.
 //!
 //! Invariants: numbers are written in the shortest form that reads back to the same bits;
-//! `read(write(scene))` is `scene`, but for pixels of textures and for normals and texture
-//! coordinates on corners, which become attributes of vertices by splitting them.
+//! `read(write(scene))` equals `scene`, except for pixels of textures and for normals and texture
+//! coordinates per corner, which become attributes of vertices by splitting them.
 
+mod appearance;
 mod brdf;
 mod document;
 mod entries;
 mod extension;
 mod from_scene;
 mod irradiance;
-mod look;
 mod materials;
 mod mesh;
 mod parse;
@@ -32,7 +32,7 @@ mod tests;
 mod textures;
 mod write;
 
-pub use document::Document;
+pub use document::GrfDocument;
 pub use textures::load_textures;
 
 use crate::{Files, Loaded, ReadError, ReadOptions};
@@ -40,12 +40,12 @@ use azulejo_scene::{Camera, PrimitiveKind, Scene};
 use glam::{DAffine3, DVec3};
 use std::io::{self, Write};
 
-/// Reads a scene. `name` is what messages call the file; includes and textures come from `files`
-/// by their path from the file's folder.
+/// Reads a scene. `name` is the file's name in messages; includes and textures come from `files`,
+/// with paths relative to the file's folder.
 ///
 /// # Errors
-/// The first thing that is not GRF: file, line, column, what was found and what expected, and
-/// the chain of includes that led there.
+/// The first syntax error: file, line, column, what was found and what was expected, and the chain
+/// of includes that led there.
 pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadError> {
     read_with(bytes, name, files, &ReadOptions::default())
 }
@@ -60,7 +60,7 @@ pub fn read_with(
     files: &dyn Files,
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
-    let (document, mut warnings) = Document::parse(bytes, name, files)?;
+    let (document, mut warnings) = GrfDocument::parse(bytes, name, files)?;
     let mut loaded = document.resolve_with(options)?;
     warnings.append(&mut loaded.warnings);
     loaded.warnings = warnings;
@@ -68,17 +68,16 @@ pub fn read_with(
     Ok(loaded)
 }
 
-/// Writes a scene that keeps the promises of [`Scene::validate`], canonically and through a
-/// buffer of its own. [`read`] gives the same scene back, with the exceptions named
-/// [above](self).
+/// Writes a scene that satisfies [`Scene::validate`], canonically and through an internal buffer.
+/// [`read`] returns the same scene, with the exceptions named [above](self).
 ///
 /// # Errors
 /// Those of `out`.
 pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
-    Document::from_scene(scene).write(out)
+    GrfDocument::from_scene(scene).write(out)
 }
 
-/// As [`write()`], with other names for the files of the scene's textures, in their order.
+/// As [`write()`], with other file names for the scene's textures, in their order.
 ///
 /// # Errors
 /// Those of `out`.
@@ -88,14 +87,14 @@ pub fn write_with_pictures(
     out: &mut dyn Write,
 ) -> io::Result<()> {
     let names = pictures.iter().map(String::as_str);
-    Document::with_pictures(scene, names).write(out)
+    GrfDocument::with_pictures(scene, names).write(out)
 }
 
-/// What [`write()`] would leave out of a scene, in words.
+/// Descriptions of what [`write()`] would omit from a scene.
 pub fn losses(scene: &Scene) -> Vec<String> {
     let numbers = scene.rtrace.iter();
     numbers
-        .map(|_| "the numbers of RTRACE's own shading".to_owned())
+        .map(|_| "parameters of RTRACE's own shading".to_owned())
         .collect()
 }
 
@@ -105,7 +104,7 @@ fn has_area(a: DVec3, b: DVec3) -> bool {
     area > 0.0 && area.is_finite()
 }
 
-/// Whether a map places a primitive so that it can be hit.
+/// Whether a map leaves a primitive with a volume or area that rays can hit.
 fn is_invertible(kind: PrimitiveKind, map: &DAffine3) -> bool {
     let m = map.matrix3;
     let size = match kind {
@@ -115,7 +114,7 @@ fn is_invertible(kind: PrimitiveKind, map: &DAffine3) -> bool {
     map.is_finite() && size != 0.0 && size.is_finite()
 }
 
-/// Whether a camera sees something.
+/// Whether a camera has a valid view.
 fn is_camera(camera: &Camera) -> bool {
     let (right, up, forward) = camera.axes();
     let spans =
@@ -123,9 +122,9 @@ fn is_camera(camera: &Camera) -> bool {
     spans && camera.vertical_fov > 0.0 && camera.vertical_fov < std::f64::consts::PI
 }
 
-/// A unit vector as it is, another one shortened or lengthened; `None` for no direction.
+/// The normalised vector, unchanged if it is a unit vector already; `None` for zero.
 fn unit(v: DVec3) -> Option<DVec3> {
-    // Half of what a scene allows, so that what a file says is kept to the bit.
+    // Half of the tolerance of a scene, so that values in a file are preserved bit by bit.
     if (v.length() - 1.0).abs() < 5e-4 {
         return Some(v);
     }

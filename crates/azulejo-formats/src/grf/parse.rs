@@ -1,48 +1,48 @@
 //! Blocks: the outer grammar.
 
 use super::document::{
-    AreaLight, Block, BlockKind, Body, Definition, Document, Kind, MeshBlock, ObjectNotes, Place,
-    Source, Step,
+    AreaLight, BlockKind, DefinitionBody, GrfBlock, GrfDefinition, GrfDocument, GrfSource,
+    MeshBlock, NameKind, ObjectNotes, SourcePosition, TransformStep,
 };
 use super::extension::Extension;
-use super::parser::{Parsed, Parser, Shared};
+use super::parser::{GrfParser, ParseResult, SharedParserState};
 use crate::reading::lexer::Lexer;
 use crate::reading::text::decoded_text;
 use crate::{Files, ReadError, Warning};
 
-/// Includes inside includes.
+/// Maximum depth of nested includes.
 const DEEPEST_INCLUDE: usize = 64;
-/// Includes in all: a file of ten lines can ask for more than fit into the world.
+/// Maximum number of includes in all: ten lines can include more than any memory holds.
 const MOST_INCLUDES: usize = 10_000;
-/// Bytes of all included files together.
+/// Maximum size of all included files together, bytes.
 const MOST_INCLUDED_BYTES: usize = 1 << 30;
 
-impl Document {
-    /// Reads a file and what it includes.
+impl GrfDocument {
+    /// Parses a file and its includes.
     ///
-    /// `name` is what messages call the file; includes are asked from `files` by their path
-    /// from the file's folder.
+    /// `name` is the file's name in messages; includes are requested from `files` by their path
+    /// relative to the file's folder.
     ///
     /// # Errors
-    /// The first thing that is not GRF: file, line, column, what was found and what expected.
+    /// The first syntax error: file, line, column, what was found and what was expected.
     pub fn parse(
         bytes: &[u8],
         name: &str,
         files: &dyn Files,
-    ) -> Result<(Document, Vec<Warning>), ReadError> {
+    ) -> Result<(GrfDocument, Vec<Warning>), ReadError> {
         let text = decoded_text(bytes);
-        let mut shared = Shared::new(files);
-        let file = shared.sources.push(Source {
+        let mut shared = SharedParserState::new(files);
+        let file = shared.sources.push(GrfSource {
             shown: name.to_owned(),
             path: name.rsplit(['/', '\\']).next().unwrap_or(name).to_owned(),
             parent: None,
         });
-        let mut parser = Parser::new(&text, file, &mut shared);
+        let mut parser = GrfParser::new(&text, file, &mut shared);
         let comments = parser.lexer.leading_comments();
         let blocks = parser.file().map_err(|fail| *fail)?;
         parser.check_names().map_err(|fail| *fail)?;
         let warnings = shared.warnings.finish(shared.sources.shown(0));
-        let document = Document {
+        let document = GrfDocument {
             comments,
             blocks,
             sources: shared.sources,
@@ -51,34 +51,34 @@ impl Document {
     }
 }
 
-/// What may follow `end`, and how the block that it ends is called in messages.
-pub(super) struct Ending {
+/// The words that may follow `end`, and the name of the block in messages.
+pub(super) struct BlockEnd {
     pub words: &'static [&'static str],
     pub is_required: bool,
 }
 
-impl Ending {
-    pub const fn optional(words: &'static [&'static str]) -> Ending {
-        Ending {
+impl BlockEnd {
+    pub const fn optional(words: &'static [&'static str]) -> BlockEnd {
+        BlockEnd {
             words,
             is_required: false,
         }
     }
 
-    pub const fn required(words: &'static [&'static str]) -> Ending {
-        Ending {
+    pub const fn required(words: &'static [&'static str]) -> BlockEnd {
+        BlockEnd {
             words,
             is_required: true,
         }
     }
 }
 
-const TRANSFORM: Ending = Ending::optional(&["transform"]);
-const DEFINITIONS: Ending = Ending::optional(&["def"]);
-const LIGHT: Ending = Ending::optional(&["light"]);
-const PARAMS: Ending = Ending::optional(&["params"]);
+const TRANSFORM: BlockEnd = BlockEnd::optional(&["transform"]);
+const DEFINITIONS: BlockEnd = BlockEnd::optional(&["def"]);
+const LIGHT: BlockEnd = BlockEnd::optional(&["light"]);
+const PARAMS: BlockEnd = BlockEnd::optional(&["params"]);
 
-/// Words that may follow `end` somewhere, so that a wrong one is noticed.
+/// All words that may follow `end`, to detect a wrong one.
 const CLOSERS: [&str; 10] = [
     "mesh",
     "light",
@@ -92,9 +92,9 @@ const CLOSERS: [&str; 10] = [
     "brdf",
 ];
 
-impl<'a> Parser<'a, '_, '_> {
-    /// A whole file.
-    fn file(&mut self) -> Parsed<Vec<Block>> {
+impl<'a> GrfParser<'a, '_, '_> {
+    /// Reads a whole file.
+    fn file(&mut self) -> ParseResult<Vec<GrfBlock>> {
         let blocks = self.blocks()?;
         match self.lexer.peek() {
             None => Ok(blocks),
@@ -102,8 +102,8 @@ impl<'a> Parser<'a, '_, '_> {
         }
     }
 
-    /// Blocks up to `end` or the end of the file, neither of which is read.
-    fn blocks(&mut self) -> Parsed<Vec<Block>> {
+    /// Reads blocks up to `end` or the end of the file, neither of which is consumed.
+    fn blocks(&mut self) -> ParseResult<Vec<GrfBlock>> {
         let mut blocks = Vec::new();
         let mut named: Option<(usize, ObjectNotes)> = None;
         loop {
@@ -111,7 +111,7 @@ impl<'a> Parser<'a, '_, '_> {
             if self.empty_statement(offset) {
                 continue;
             }
-            // Taken before the inside of the block is read: places are quick in ascending order.
+            // Determined before the block is read: locating is fast in ascending order.
             let place = self.place(offset);
             let Some(word) = self.lexer.peek_word() else {
                 if self.lexer.peek().is_none() {
@@ -134,21 +134,21 @@ impl<'a> Parser<'a, '_, '_> {
             push(&mut blocks, place, kind, &mut named);
         }
         if let Some((offset, _)) = named {
-            self.warn(offset, "an `ext object` names nothing: no object follows");
+            self.warn(offset, "`ext object` without an object after it");
         }
         Ok(blocks)
     }
 
-    /// `;`, and the `.` that the grammar pages set behind their rules.
+    /// `;`, and the `.` that ends the rules on the grammar pages.
     fn empty_statement(&mut self, offset: usize) -> bool {
         if self.lexer.eat(b'.') {
-            self.warn(offset, "a lone `.` was skipped");
+            self.warn(offset, "single `.`: skipped");
             return true;
         }
         self.lexer.eat(b';')
     }
 
-    fn block(&mut self, offset: usize) -> Parsed<BlockKind> {
+    fn block(&mut self, offset: usize) -> ParseResult<BlockKind> {
         let lexer = &mut self.lexer;
         if lexer.eat_word("begin") {
             if at_mesh(*lexer) {
@@ -186,13 +186,13 @@ impl<'a> Parser<'a, '_, '_> {
         ))
     }
 
-    /// `begin` was read: blocks, and the `end` that fits.
+    /// Reads nested blocks, after `begin`, and the matching `end`.
     fn nested(
         &mut self,
         offset: usize,
-        definitions: &[Definition],
-        ending: &Ending,
-    ) -> Parsed<Vec<Block>> {
+        definitions: &[GrfDefinition],
+        ending: &BlockEnd,
+    ) -> ParseResult<Vec<GrfBlock>> {
         self.enter(offset)?;
         self.open_scope();
         self.define_all(offset, definitions);
@@ -203,8 +203,8 @@ impl<'a> Parser<'a, '_, '_> {
         Ok(blocks)
     }
 
-    /// `end`, and the word behind it if it belongs here.
-    pub fn end(&mut self, opened: usize, ending: &Ending) -> Parsed<()> {
+    /// Reads `end`, and the word after it if it belongs to it.
+    pub fn end(&mut self, opened: usize, ending: &BlockEnd) -> ParseResult<()> {
         let start = self.lexer.skip_blank();
         if !self.lexer.eat_word("end") {
             let expected = self.expected_end(opened, ending);
@@ -226,14 +226,14 @@ impl<'a> Parser<'a, '_, '_> {
         Ok(())
     }
 
-    fn expected_end(&mut self, opened: usize, ending: &Ending) -> String {
+    fn expected_end(&mut self, opened: usize, ending: &BlockEnd) -> String {
         let line = self.place(opened).line;
         let word = ending.words.first().map_or("", |w| w);
         format!("`end {word}` for the block that begins in line {line}")
     }
 
-    /// `begin` was read after definitions, or alone.
-    fn scope(&mut self, offset: usize, definitions: Vec<Definition>) -> Parsed<BlockKind> {
+    /// Reads a scope, after its definitions and `begin`, or after `begin` alone.
+    fn scope(&mut self, offset: usize, definitions: Vec<GrfDefinition>) -> ParseResult<BlockKind> {
         let blocks = self.nested(offset, &definitions, &DEFINITIONS)?;
         Ok(BlockKind::Definitions {
             definitions,
@@ -241,20 +241,21 @@ impl<'a> Parser<'a, '_, '_> {
         })
     }
 
-    fn define_all(&mut self, offset: usize, definitions: &[Definition]) {
+    fn define_all(&mut self, offset: usize, definitions: &[GrfDefinition]) {
         for definition in definitions {
             self.define(offset, definition.body.kind(), &definition.name);
         }
     }
 
-    /// `def` was read: `id = body`, more of them, and the blocks in which they hold.
-    fn definitions(&mut self, offset: usize) -> Parsed<BlockKind> {
+    /// Reads definitions, after `def`: `id = body`, more of them, and the blocks in which they
+    /// hold.
+    fn definitions(&mut self, offset: usize) -> ParseResult<BlockKind> {
         let mut definitions = Vec::new();
         loop {
             let name = self.identifier()?;
             self.expect(b'=')?;
             let body = self.body()?;
-            definitions.push(Definition { name, body });
+            definitions.push(GrfDefinition { name, body });
             if !self.lexer.eat_word("def") && !at_definition(self.lexer) {
                 break;
             }
@@ -272,26 +273,26 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// `texture file`, `rgb (r, g, b)`, or `brdf` with a file or a model.
-    pub fn body(&mut self) -> Parsed<Body> {
+    pub fn body(&mut self) -> ParseResult<DefinitionBody> {
         if self.lexer.eat_word("texture") {
             let path = self.file_name()?;
-            return Ok(Body::Texture(self.shared.intern(path)));
+            return Ok(DefinitionBody::Texture(self.shared.intern(path)));
         }
         if self.lexer.eat_word("rgb") {
-            return self.rgb().map(Body::Color);
+            return self.rgb().map(DefinitionBody::Color);
         }
         if self.lexer.eat_word("brdf") {
-            return self.brdf().map(Body::Brdf);
+            return self.brdf().map(DefinitionBody::Brdf);
         }
         Err(self.unexpected("`texture`, `rgb` or `brdf`"))
     }
 
-    /// `light` was read.
-    fn area_light(&mut self, offset: usize) -> Parsed<BlockKind> {
+    /// Reads an area light, after `light`.
+    fn area_light(&mut self, offset: usize) -> ParseResult<BlockKind> {
         self.expect_word("begin")?;
         let mut radiance = self.optional_rgb()?;
         let start = self.lexer.skip_blank();
-        // Brackets around the region: `( (` can't begin a vector.
+        // Brackets around the region: a vector cannot begin with `( (`.
         let mut ahead = self.lexer;
         let is_bracketed = ahead.eat(b'(') && ahead.eat(b'(');
         if is_bracketed {
@@ -318,7 +319,7 @@ impl<'a> Parser<'a, '_, '_> {
         })))
     }
 
-    pub fn optional_rgb(&mut self) -> Parsed<Option<azulejo_scene::Rgb>> {
+    pub fn optional_rgb(&mut self) -> ParseResult<Option<azulejo_scene::Rgb>> {
         if self.lexer.eat_word("rgb") {
             self.rgb().map(Some)
         } else {
@@ -326,16 +327,16 @@ impl<'a> Parser<'a, '_, '_> {
         }
     }
 
-    /// `transform` was read.
-    fn transform(&mut self, offset: usize) -> Parsed<BlockKind> {
+    /// Reads a transform, after `transform`.
+    fn transform(&mut self, offset: usize) -> ParseResult<BlockKind> {
         let mut steps = Vec::new();
         loop {
             if self.lexer.eat_word("scale") {
-                steps.push(Step::Scale(self.vector3()?));
+                steps.push(TransformStep::Scale(self.vector3()?));
             } else if self.lexer.eat_word("rotation") {
-                steps.push(Step::Rotation(self.vector3()?));
+                steps.push(TransformStep::Rotation(self.vector3()?));
             } else if self.lexer.eat_word("translation") {
-                steps.push(Step::Translation(self.vector3()?));
+                steps.push(TransformStep::Translation(self.vector3()?));
             } else if !steps.is_empty() && self.lexer.eat_word("begin") {
                 break;
             } else {
@@ -349,8 +350,9 @@ impl<'a> Parser<'a, '_, '_> {
         Ok(BlockKind::Transform { steps, blocks })
     }
 
-    /// `params` was read. What stands inside is kept as text, because its words are open.
-    fn params(&mut self, offset: usize) -> Parsed<BlockKind> {
+    /// Reads parameters, after `params`. Their text is kept verbatim, because their vocabulary is
+    /// open.
+    fn params(&mut self, offset: usize) -> ParseResult<BlockKind> {
         self.expect_word("begin")?;
         let start = self.lexer.skip_blank();
         loop {
@@ -374,8 +376,8 @@ impl<'a> Parser<'a, '_, '_> {
         }
     }
 
-    /// `include` was read.
-    fn include(&mut self, offset: usize) -> Parsed<BlockKind> {
+    /// Reads an include, after `include`.
+    fn include(&mut self, offset: usize) -> ParseResult<BlockKind> {
         let at = self.lexer.skip_blank();
         let name = self.file_name()?;
         let here = self.shared.sources.get(self.file);
@@ -394,19 +396,19 @@ impl<'a> Parser<'a, '_, '_> {
         {
             return Err(self.fail(
                 at,
-                "one include more",
-                format!("at most {MOST_INCLUDES} includes and {MOST_INCLUDED_BYTES} bytes in them"),
+                "one more include",
+                format!("at most {MOST_INCLUDES} includes with {MOST_INCLUDED_BYTES} bytes in all"),
             ));
         }
         self.enter(offset)?;
         let line = self.place(at).line;
-        let file = self.shared.sources.push(Source {
+        let file = self.shared.sources.push(GrfSource {
             shown: path.clone(),
             path,
             parent: Some((self.file, line)),
         });
         let text = decoded_text(&bytes);
-        let mut inner = Parser::new(&text, file, self.shared);
+        let mut inner = GrfParser::new(&text, file, self.shared);
         let blocks = inner.file()?;
         inner.keep_open_lines();
         self.leave();
@@ -416,29 +418,29 @@ impl<'a> Parser<'a, '_, '_> {
         })
     }
 
-    /// Refuses circles and towers of includes.
-    fn check_include(&mut self, at: usize, path: &str) -> Parsed<()> {
+    /// Rejects cyclic and deeply nested includes.
+    fn check_include(&mut self, at: usize, path: &str) -> ParseResult<()> {
         let chain = || self.shared.sources.chain(self.file);
         let depth = chain().count();
         if chain().any(|source| source.path == path) {
             return Err(self.fail(
                 at,
-                format!("an include of \"{path}\", which leads here"),
-                "includes that do not go round in a circle",
+                format!("an include of \"{path}\", which is being included already"),
+                "includes without a cycle",
             ));
         }
         if depth > DEEPEST_INCLUDE {
             return Err(self.fail(
                 at,
                 "an include inside an include",
-                format!("at most {DEEPEST_INCLUDE} inside each other"),
+                format!("at most {DEEPEST_INCLUDE} nested levels"),
             ));
         }
         Ok(())
     }
 
-    /// `mesh light begin` was read.
-    fn mesh_light(&mut self, offset: usize) -> Parsed<Box<MeshBlock>> {
+    /// Reads a light mesh, after `mesh light begin`.
+    fn mesh_light(&mut self, offset: usize) -> ParseResult<Box<MeshBlock>> {
         let mesh = MeshBlock {
             is_light: true,
             ..MeshBlock::default()
@@ -446,16 +448,16 @@ impl<'a> Parser<'a, '_, '_> {
         self.mesh_body(offset, mesh)
     }
 
-    /// `begin mesh` was read.
-    fn mesh(&mut self, offset: usize) -> Parsed<Box<MeshBlock>> {
+    /// Reads a mesh, after `begin mesh`.
+    fn mesh(&mut self, offset: usize) -> ParseResult<Box<MeshBlock>> {
         self.mesh_body(offset, MeshBlock::default())
     }
 }
 
-/// Adds a block; an object takes what the `ext object` before it says.
+/// Adds a block; an object gets the attributes of a preceding `ext object`.
 fn push(
-    blocks: &mut Vec<Block>,
-    place: Place,
+    blocks: &mut Vec<GrfBlock>,
+    place: SourcePosition,
     mut kind: BlockKind,
     named: &mut Option<(usize, ObjectNotes)>,
 ) {
@@ -465,31 +467,31 @@ fn push(
         notes.name = given.name;
         notes.material = given.material.or(notes.material.take());
     }
-    blocks.push(Block { place, kind });
+    blocks.push(GrfBlock { place, kind });
 }
 
-impl Body {
-    pub fn kind(&self) -> Kind {
+impl DefinitionBody {
+    pub fn kind(&self) -> NameKind {
         match self {
-            Body::Texture(_) => Kind::Texture,
-            Body::Color(_) => Kind::Color,
-            Body::Brdf(_) => Kind::Brdf,
+            DefinitionBody::Texture(_) => NameKind::Texture,
+            DefinitionBody::Color(_) => NameKind::Color,
+            DefinitionBody::Brdf(_) => NameKind::Brdf,
         }
     }
 }
 
-/// Whether after `begin` a mesh follows, rather than a list of blocks of which the first is
-/// `mesh light`.
+/// Whether `begin` is followed by a mesh, rather than by a list of blocks that starts with `mesh
+/// light`.
 fn at_mesh(mut ahead: Lexer<'_>) -> bool {
     ahead.eat_word("mesh") && !ahead.eat_word("light")
 }
 
-/// Whether `id =` and a body follow: one more definition under the same `def`.
+/// Whether `id =` and a body follow: one more definition of the same `def`.
 fn at_definition(mut ahead: Lexer<'_>) -> bool {
     ahead.word().is_some() && ahead.eat(b'=')
 }
 
-/// Whether what follows `end` begins the next block instead of saying what ends.
+/// Whether the text after `end` begins the next block instead of naming what ends.
 fn starts_block(mut ahead: Lexer<'_>) -> bool {
     if ahead.eat_word("mesh") {
         return ahead.eat_word("light") && ahead.eat_word("begin") && at_lists(ahead);
@@ -527,10 +529,10 @@ fn skip_rgb(ahead: &mut Lexer<'_>) {
     }
 }
 
-/// The path of a file that another file names, from the folder of the outermost file.
+/// The path of a file named in another file, relative to the folder of the outermost file.
 ///
-/// `..` is taken back against folders that the path already went into; where it leads further
-/// out it stays, for [`Files`] to judge.
+/// `..` is resolved against folders that are part of the path; where it leads further up it is
+/// kept, and [`Files`] decides.
 pub(super) fn joined(from: &str, name: &str) -> String {
     let name = name.replace('\\', "/");
     if name.starts_with('/') || name.contains(':') {

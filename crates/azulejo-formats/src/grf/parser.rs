@@ -1,7 +1,7 @@
-//! What every part of the parser needs: where it stands, what went wrong, which names are known.
+//! Parser state and helpers common to all parts of the grammar: position, errors, known names.
 
-use super::brdf::Reflection;
-use super::document::{Fail, Kind, Name, Place, Sources};
+use super::brdf::GrfReflection;
+use super::document::{BoxedError, GrfName, GrfSources, NameKind, SourcePosition};
 use crate::reading::cursor::{Locator, line_around};
 use crate::reading::lexer::{BadNumber, Lexer};
 use crate::reading::warnings::Warnings;
@@ -11,64 +11,66 @@ use glam::{DVec2, DVec3};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-pub(super) type Parsed<T> = Result<T, Fail>;
+pub(super) type ParseResult<T> = Result<T, BoxedError>;
 
-/// Blocks and includes that may stand inside each other. Enough for any scene that a person or
-/// an exporter makes; few enough for the smallest stack of a thread.
+/// Maximum depth of nested blocks and includes: sufficient for any practical scene, and few enough
+/// for the smallest stack of a thread.
 const DEEPEST: usize = 256;
 
-/// Reads one file; an included file gets its own.
-pub(super) struct Parser<'a, 's, 'f> {
+/// Parses one file; an included file gets its own parser.
+pub(super) struct GrfParser<'a, 's, 'f> {
     pub lexer: Lexer<'a>,
     pub file: u32,
-    pub shared: &'s mut Shared<'f>,
+    pub shared: &'s mut SharedParserState<'f>,
     locator: Locator,
 }
 
-/// What all files of a document share.
-pub(super) struct Shared<'f> {
+/// State shared by all files of a document.
+pub(super) struct SharedParserState<'f> {
     pub files: &'f dyn Files,
-    pub sources: Sources,
+    pub sources: GrfSources,
     pub warnings: Warnings,
     pub depth: usize,
-    /// Solids inside solids.
+    /// Current depth of nested solids.
     pub solid_depth: usize,
     pub includes: usize,
     pub included_bytes: usize,
-    /// Every brdf of the document once, by its text.
-    pub reflections: HashMap<String, Arc<Reflection>>,
-    /// How many of them are more than matt or a mirror.
+    /// Every distinct brdf of the document, by its text.
+    pub reflections: HashMap<String, Arc<GrfReflection>>,
+    /// The number of those that are neither diffuse nor mirrors.
     pub models: usize,
-    names: HashSet<Name>,
-    scopes: Vec<Scope>,
+    names: HashSet<GrfName>,
+    scopes: Vec<ParseScope>,
 }
 
 /// The names of one list of blocks.
 #[derive(Default)]
-struct Scope {
-    defined: HashSet<(Kind, Name)>,
-    /// Used, and not defined yet: a definition may still follow in this list or outside it.
-    pending: HashMap<(Kind, Name), Pending>,
+struct ParseScope {
+    defined: HashSet<(NameKind, GrfName)>,
+    /// Names used, but not defined yet: a definition may still follow in this list or an enclosing
+    /// one.
+    pending: HashMap<(NameKind, GrfName), PendingName>,
 }
 
-/// The first use of a name without definition.
-struct Pending {
-    place: Place,
+/// The first use of a name without a definition.
+struct PendingName {
+    place: SourcePosition,
     offset: usize,
     source_line: Option<String>,
 }
 
-/// How far before an error its line may begin to be shown; many errors are prepared for nothing.
+/// How far before an error its line may begin to be shown: lines are kept for many names that
+/// turn out to be defined.
 const LONGEST_LINE: usize = 10_000;
 
-/// Longest line that is kept for each unknown name of an included file.
+/// Longest line kept for each unresolved name of an included file.
 const KEPT_LINE: usize = 200;
 
-impl<'f> Shared<'f> {
-    pub fn new(files: &'f dyn Files) -> Shared<'f> {
-        Shared {
+impl<'f> SharedParserState<'f> {
+    pub fn new(files: &'f dyn Files) -> SharedParserState<'f> {
+        SharedParserState {
             files,
-            sources: Sources::default(),
+            sources: GrfSources::default(),
             warnings: Warnings::default(),
             depth: 0,
             solid_depth: 0,
@@ -77,24 +79,28 @@ impl<'f> Shared<'f> {
             reflections: HashMap::new(),
             models: 0,
             names: HashSet::new(),
-            scopes: vec![Scope::default()],
+            scopes: vec![ParseScope::default()],
         }
     }
 
-    /// The one copy of a name.
-    pub fn intern(&mut self, name: &str) -> Name {
+    /// The shared copy of a name.
+    pub fn intern(&mut self, name: &str) -> GrfName {
         if let Some(known) = self.names.get(name) {
             return known.clone();
         }
-        let new = Name::from(name);
+        let new = GrfName::from(name);
         self.names.insert(new.clone());
         new
     }
 }
 
-impl<'a, 's, 'f> Parser<'a, 's, 'f> {
-    pub fn new(text: &'a str, file: u32, shared: &'s mut Shared<'f>) -> Parser<'a, 's, 'f> {
-        Parser {
+impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
+    pub fn new(
+        text: &'a str,
+        file: u32,
+        shared: &'s mut SharedParserState<'f>,
+    ) -> GrfParser<'a, 's, 'f> {
+        GrfParser {
             lexer: Lexer::new(text),
             file,
             shared,
@@ -102,9 +108,9 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         }
     }
 
-    pub fn place(&mut self, offset: usize) -> Place {
+    pub fn place(&mut self, offset: usize) -> SourcePosition {
         let (line, column) = self.locator.locate(self.lexer.text(), offset);
-        Place {
+        SourcePosition {
             file: self.file,
             line,
             column,
@@ -118,24 +124,24 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         offset: usize,
         found: impl Into<String>,
         expected: impl Into<String>,
-    ) -> Fail {
+    ) -> BoxedError {
         let place = self.place(offset);
         let mut fail = self.shared.sources.fail(place, found, expected);
         fail.source_line = line_around(self.lexer.text().as_bytes(), offset, LONGEST_LINE);
         fail
     }
 
-    /// An error about what comes next.
+    /// An error about the next token.
     #[cold]
-    pub fn unexpected(&mut self, expected: impl Into<String>) -> Fail {
+    pub fn unexpected(&mut self, expected: impl Into<String>) -> BoxedError {
         let offset = self.lexer.skip_blank();
         self.fail(offset, self.lexer.describe(), expected)
     }
 
-    /// Something mended or skipped at an offset.
+    /// A warning at an offset.
     #[cold]
     pub fn warn(&mut self, offset: usize, message: impl Into<String>) {
-        let Shared {
+        let SharedParserState {
             sources, warnings, ..
         } = &mut *self.shared;
         let (locator, text) = (&mut self.locator, self.lexer.text());
@@ -146,7 +152,7 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         });
     }
 
-    pub fn expect(&mut self, wanted: u8) -> Parsed<()> {
+    pub fn expect(&mut self, wanted: u8) -> ParseResult<()> {
         if self.lexer.eat(wanted) {
             Ok(())
         } else {
@@ -154,7 +160,7 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         }
     }
 
-    pub fn expect_word(&mut self, keyword: &str) -> Parsed<()> {
+    pub fn expect_word(&mut self, keyword: &str) -> ParseResult<()> {
         if self.lexer.eat_word(keyword) {
             Ok(())
         } else {
@@ -163,7 +169,7 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
     }
 
     /// An identifier.
-    pub fn identifier(&mut self) -> Parsed<Name> {
+    pub fn identifier(&mut self) -> ParseResult<GrfName> {
         match self.lexer.word() {
             Some(word) => Ok(self.shared.intern(word)),
             None => Err(self.unexpected("a name: letters, digits, `_`, `$`")),
@@ -171,35 +177,35 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
     }
 
     /// A file name.
-    pub fn file_name(&mut self) -> Parsed<&'a str> {
+    pub fn file_name(&mut self) -> ParseResult<&'a str> {
         match self.lexer.file_name() {
             Some(name) => Ok(name),
             None => Err(self.unexpected("a file name, \"in double quotes\" on one line")),
         }
     }
 
-    pub fn number(&mut self) -> Parsed<f64> {
+    pub fn number(&mut self) -> ParseResult<f64> {
         self.lexer
             .number()
             .map_err(|bad| self.bad_number(bad, "a number"))
     }
 
-    pub fn index(&mut self) -> Parsed<u32> {
+    pub fn index(&mut self) -> ParseResult<u32> {
         self.lexer
             .index()
             .map_err(|bad| self.bad_number(bad, "the index of a vertex, a whole number from 0"))
     }
 
     #[cold]
-    fn bad_number(&mut self, bad: BadNumber, expected: &str) -> Fail {
+    fn bad_number(&mut self, bad: BadNumber, expected: &str) -> BoxedError {
         match bad {
             BadNumber::TooLarge => self.unexpected(format!("{expected} that is not so large")),
             BadNumber::Missing | BadNumber::Malformed => self.unexpected(expected),
         }
     }
 
-    /// The comma between two numbers, for which a blank is accepted.
-    fn comma(&mut self) -> Parsed<()> {
+    /// Reads the comma between two numbers; a blank is accepted, too.
+    fn comma(&mut self) -> ParseResult<()> {
         let end = self.lexer.pos();
         if self.lexer.eat(b',') {
             return Ok(());
@@ -208,11 +214,11 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         if next == end || !self.lexer.at_number() {
             return Err(self.unexpected("`,`"));
         }
-        self.warn(next, "a comma is missing between two numbers");
+        self.warn(next, "missing comma between two numbers");
         Ok(())
     }
 
-    fn numbers<const N: usize>(&mut self) -> Parsed<[f64; N]> {
+    fn numbers<const N: usize>(&mut self) -> ParseResult<[f64; N]> {
         self.expect(b'(')?;
         let mut numbers = [0.0; N];
         for (k, number) in numbers.iter_mut().enumerate() {
@@ -226,17 +232,17 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
     }
 
     /// `( x , y , z )`
-    pub fn vector3(&mut self) -> Parsed<DVec3> {
+    pub fn vector3(&mut self) -> ParseResult<DVec3> {
         self.numbers().map(DVec3::from_array)
     }
 
     /// `( u , v )`
-    pub fn vector2(&mut self) -> Parsed<DVec2> {
+    pub fn vector2(&mut self) -> ParseResult<DVec2> {
         self.numbers().map(DVec2::from_array)
     }
 
     /// `( x , y )` or `( x , y , z )`
-    pub fn vector2_or_3(&mut self) -> Parsed<(DVec2, Option<f64>)> {
+    pub fn vector2_or_3(&mut self) -> ParseResult<(DVec2, Option<f64>)> {
         self.expect(b'(')?;
         let x = self.number()?;
         self.comma()?;
@@ -250,8 +256,8 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         Ok((pair, Some(z)))
     }
 
-    /// `( r , g , b )` of light or colour: what is negative becomes 0.
-    pub fn rgb(&mut self) -> Parsed<Rgb> {
+    /// `( r , g , b )` of light or colour: negative values become 0.
+    pub fn rgb(&mut self) -> ParseResult<Rgb> {
         let offset = self.lexer.skip_blank();
         let rgb = Rgb::from(self.numbers()?);
         Ok(self.not_negative(offset, rgb))
@@ -261,20 +267,20 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         if rgb.r >= 0.0 && rgb.g >= 0.0 && rgb.b >= 0.0 {
             return rgb;
         }
-        self.warn(offset, "a colour or light is negative; read as 0");
+        self.warn(offset, "negative colour or light: read as 0");
         rgb.map(|x| x.max(0.0))
     }
 
-    /// Goes one block or include deeper.
-    pub fn enter(&mut self, offset: usize) -> Parsed<()> {
+    /// Enters a nested block or include.
+    pub fn enter(&mut self, offset: usize) -> ParseResult<()> {
         self.shared.depth += 1;
         if self.shared.depth <= DEEPEST {
             return Ok(());
         }
         Err(self.fail(
             offset,
-            "one more block inside a block",
-            format!("at most {DEEPEST} inside each other"),
+            "one more nested block",
+            format!("at most {DEEPEST} nested levels"),
         ))
     }
 
@@ -283,10 +289,11 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
     }
 
     pub fn open_scope(&mut self) {
-        self.shared.scopes.push(Scope::default());
+        self.shared.scopes.push(ParseScope::default());
     }
 
-    /// Ends a list of blocks: names that it used and did not define must come from outside.
+    /// Ends a list of blocks: names that it used without defining them must come from an enclosing
+    /// list.
     pub fn close_scope(&mut self) {
         let Some(closed) = self.shared.scopes.pop() else {
             return;
@@ -301,35 +308,35 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         }
     }
 
-    fn innermost(&mut self) -> &mut Scope {
-        // The outermost scope is never closed before the end of the outermost file.
+    fn innermost(&mut self) -> &mut ParseScope {
+        // The outermost scope is closed at the end of the outermost file only.
         let scopes = &mut self.shared.scopes;
         if scopes.is_empty() {
-            scopes.push(Scope::default());
+            scopes.push(ParseScope::default());
         }
         let last = scopes.len() - 1;
         &mut scopes[last]
     }
 
-    /// Makes a name known in the list of blocks that is being read.
-    pub fn define(&mut self, offset: usize, kind: Kind, name: &Name) {
+    /// Defines a name in the current list of blocks.
+    pub fn define(&mut self, offset: usize, kind: NameKind, name: &GrfName) {
         if !self.innermost().defined.insert((kind, name.clone())) {
             self.warn(
                 offset,
-                format!("`{name}` is defined twice; the last definition holds"),
+                format!("`{name}` is defined twice: the last definition is used"),
             );
         }
     }
 
-    /// Reads the name after `use color|brdf|texture`, which must be defined somewhere around.
-    pub fn used(&mut self, kind: Kind) -> Parsed<Name> {
+    /// Reads the name after `use color|brdf|texture`, which must be defined in an enclosing scope.
+    pub fn used(&mut self, kind: NameKind) -> ParseResult<GrfName> {
         let offset = self.lexer.skip_blank();
         let name = self.identifier()?;
         self.note_use(offset, kind, &name);
         Ok(name)
     }
 
-    pub fn note_use(&mut self, offset: usize, kind: Kind, name: &Name) {
+    pub fn note_use(&mut self, offset: usize, kind: NameKind, name: &GrfName) {
         let key = (kind, name.clone());
         let is_known = self.innermost().pending.contains_key(&key)
             || self
@@ -341,7 +348,7 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         if is_known {
             return;
         }
-        let pending = Pending {
+        let pending = PendingName {
             place: self.place(offset),
             offset,
             source_line: None,
@@ -349,7 +356,7 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         self.innermost().pending.insert(key, pending);
     }
 
-    /// Keeps the lines of names that this file leaves open, because its text is about to go.
+    /// Keeps the lines of unresolved names of this file, because its text is about to be dropped.
     pub fn keep_open_lines(&mut self) {
         let (text, file) = (self.lexer.text(), self.file);
         for pending in self.innermost().pending.values_mut() {
@@ -360,8 +367,8 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         }
     }
 
-    /// At the end of the outermost file: every name must have been defined.
-    pub fn check_names(&mut self) -> Parsed<()> {
+    /// At the end of the outermost file, checks that every name is defined.
+    pub fn check_names(&mut self) -> ParseResult<()> {
         let scope = std::mem::take(self.innermost());
         let open = scope
             .pending
@@ -374,8 +381,8 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
         let (word, maker) = (kind.word(), kind.maker());
         let mut fail = self.shared.sources.fail(
             pending.place,
-            format!("`{name}`, which no `{maker}` around it makes a {word}"),
-            format!("a {word} that is defined in this block or around it"),
+            format!("`{name}`, which no enclosing `{maker}` defines as a {word}"),
+            format!("a {word} that is defined in this block or an enclosing one"),
         );
         fail.source_line = if pending.place.file == self.file {
             line_around(self.lexer.text().as_bytes(), pending.offset, LONGEST_LINE)
@@ -386,24 +393,24 @@ impl<'a, 's, 'f> Parser<'a, 's, 'f> {
     }
 }
 
-impl Kind {
-    /// What defines names of this kind.
+impl NameKind {
+    /// The statement that defines names of this type.
     fn maker(self) -> &'static str {
         match self {
-            Kind::Texture | Kind::Color | Kind::Brdf => "def",
-            Kind::Figure => "ext figure",
-            Kind::Solid => "ext define",
+            NameKind::Texture | NameKind::Color | NameKind::Brdf => "def",
+            NameKind::Figure => "ext figure",
+            NameKind::Solid => "ext define",
         }
     }
 
-    /// The keyword after `use`, and what messages call it.
+    /// The keyword after `use`, also used in messages.
     pub fn word(self) -> &'static str {
         match self {
-            Kind::Texture => "texture",
-            Kind::Color => "color",
-            Kind::Brdf => "brdf",
-            Kind::Figure => "figure",
-            Kind::Solid => "solid",
+            NameKind::Texture => "texture",
+            NameKind::Color => "color",
+            NameKind::Brdf => "brdf",
+            NameKind::Figure => "figure",
+            NameKind::Solid => "solid",
         }
     }
 }

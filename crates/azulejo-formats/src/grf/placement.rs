@@ -1,20 +1,21 @@
-//! Placing things in the world: transforms, and what they do to faces, cameras and lights.
+//! Applies transforms to faces, cameras and lights.
 
-use super::document::Step;
+use super::document::TransformStep;
 use super::unit;
 use azulejo_scene::{Camera, Faces, Light, LightKind, Mesh};
 use glam::{DAffine3, DMat3, DVec3};
 
-/// The transform around a block; `None` where there is none, so that numbers stay as written.
-pub(super) type Outer = Option<DAffine3>;
+/// The product of the enclosing transforms; `None` if there is none, so that numbers stay as
+/// written.
+pub(super) type OuterTransform = Option<DAffine3>;
 
-/// Whether a transform turns left into right.
-pub(super) fn is_mirror(outer: Outer) -> bool {
+/// Whether a transform reverses orientation.
+pub(super) fn is_mirror(outer: OuterTransform) -> bool {
     outer.is_some_and(|map| map.matrix3.determinant() < 0.0)
 }
 
-/// Makes the back of each face its front, from the same first corner: what was the outside of a
-/// body is the outside of its mirror image.
+/// Reverses each face, keeping its first corner: the outside of a body is the outside of its mirror
+/// image.
 pub(super) fn turn_round(faces: &mut Faces) {
     for face in 0..faces.len() {
         let corners = faces.corner_range(face);
@@ -22,7 +23,7 @@ pub(super) fn turn_round(faces: &mut Faces) {
     }
 }
 
-/// Area vectors of the faces around each vertex, summed.
+/// The sum of the area vectors of the faces around each vertex.
 pub(super) fn face_normals(mesh: &Mesh) -> Vec<DVec3> {
     let mut sums = vec![DVec3::ZERO; mesh.positions.len()];
     for face in mesh.faces.iter() {
@@ -34,8 +35,8 @@ pub(super) fn face_normals(mesh: &Mesh) -> Vec<DVec3> {
     sums
 }
 
-/// Newell's sum from the first corner, as [`azulejo_scene::math::area_vector`] has it, without
-/// a list of positions in between.
+/// Newell's sum from the first corner, as in [`azulejo_scene::math::area_vector`], without a list
+/// of positions.
 fn area_vector(positions: &[DVec3], face: &[u32]) -> DVec3 {
     let first = positions[face[0] as usize];
     let edge = |v: u32| positions[v as usize] - first;
@@ -53,13 +54,13 @@ pub(super) fn degenerate_faces(mesh: &Mesh) -> usize {
         .count()
 }
 
-/// Elementary transformations as one; the first written acts first.
-pub(super) fn affine(steps: &[Step]) -> DAffine3 {
+/// The product of elementary transformations; the first one is applied first.
+pub(super) fn affine(steps: &[TransformStep]) -> DAffine3 {
     steps.iter().fold(DAffine3::IDENTITY, |done, step| {
         let next = match *step {
-            Step::Scale(s) => DAffine3::from_scale(s),
-            Step::Translation(t) => DAffine3::from_translation(t),
-            Step::Rotation(degrees) => DAffine3::from_mat3(
+            TransformStep::Scale(s) => DAffine3::from_scale(s),
+            TransformStep::Translation(t) => DAffine3::from_translation(t),
+            TransformStep::Rotation(degrees) => DAffine3::from_mat3(
                 DMat3::from_rotation_z(degrees.z.to_radians())
                     * DMat3::from_rotation_y(degrees.y.to_radians())
                     * DMat3::from_rotation_x(degrees.x.to_radians()),
@@ -69,7 +70,7 @@ pub(super) fn affine(steps: &[Step]) -> DAffine3 {
     })
 }
 
-pub(super) fn moved_camera(camera: &Camera, outer: Outer) -> Camera {
+pub(super) fn moved_camera(camera: &Camera, outer: OuterTransform) -> Camera {
     let mut camera = camera.clone();
     if let Some(map) = outer {
         camera.eye = map.transform_point3(camera.eye);
@@ -79,8 +80,8 @@ pub(super) fn moved_camera(camera: &Camera, outer: Outer) -> Camera {
     camera
 }
 
-/// A light under a transform; `None` if it loses its direction. Brightness doesn't change.
-pub(super) fn moved_light(light: &Light, outer: Outer) -> Option<Light> {
+/// A transformed light; `None` if it loses its direction. Its intensity does not change.
+pub(super) fn moved_light(light: &Light, outer: OuterTransform) -> Option<Light> {
     let mut light = light.clone();
     let Some(map) = outer else {
         return Some(light);

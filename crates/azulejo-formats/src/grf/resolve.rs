@@ -1,13 +1,14 @@
-//! From a document to a scene: scopes, transforms, materials.
+//! Converts a document to a scene: scopes, transforms, materials.
 
+use super::appearance::{DerivedMaterialKey, FaceAppearance};
 use super::document::{
-    AreaLight, Block, BlockKind, Body, Column, Document, Fail, Kind, MaterialNote, MeshBlock, Name,
-    Place, PrimitiveBlock,
+    AreaLight, BlockKind, BoxedError, DefinitionBody, GrfBlock, GrfDocument, GrfName, MaterialNote,
+    MeshBlock, NameKind, PrimitiveBlock, SourcePosition, VertexColumn,
 };
-use super::look::{Key, Look};
-use super::materials::{REFLECTS_TOO_MUCH, Surface, surface};
+use super::materials::{DefinedMaterial, REFLECTS_TOO_MUCH, surface};
 use super::placement::{
-    Outer, affine, degenerate_faces, face_normals, is_mirror, moved_camera, moved_light, turn_round,
+    OuterTransform, affine, degenerate_faces, face_normals, is_mirror, moved_camera, moved_light,
+    turn_round,
 };
 use super::solids::Defined;
 use super::{has_area, is_camera, is_invertible, unit};
@@ -23,31 +24,30 @@ use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Radiance of a light that says none.
+/// Radiance of a light without one.
 const DEFAULT_RADIANCE: Rgb = Rgb::WHITE;
 
-/// Bytes of names that all derived materials together may copy.
+/// Budget of bytes of names that all derived materials together may copy.
 const BUDGET: usize = 1 << 28;
 
-pub(super) type Resolved<T> = Result<T, Fail>;
+pub(super) type ResolveResult<T> = Result<T, BoxedError>;
 
-impl Document {
+impl GrfDocument {
     /// The scene that the document describes. Textures have no pixels yet: see
     /// [`load_textures`](super::load_textures).
     ///
     /// # Errors
-    /// A transform that carries numbers out of range. The error names the place but doesn't draw
-    /// its line.
+    /// A transform that overflows. The error has a position, but no source line.
     pub fn resolve(&self) -> Result<Loaded, ReadError> {
         self.resolve_with(&ReadOptions::default())
     }
 
-    /// As [`resolve`](Document::resolve), with limits for what instances may unfold to.
+    /// As [`resolve`](GrfDocument::resolve), with limits for what instances may unfold to.
     ///
     /// # Errors
     /// Also instances that unfold to more.
     pub fn resolve_with(&self, options: &ReadOptions) -> Result<Loaded, ReadError> {
-        let mut resolver = Resolver {
+        let mut resolver = GrfResolver {
             document: self,
             scene: Scene::default(),
             warnings: Warnings::default(),
@@ -65,11 +65,7 @@ impl Document {
         let scene = resolver.scene;
         if let Err(invalid) = scene.validate() {
             let name = self.sources.shown(0);
-            return Err(ReadError::whole(
-                name,
-                invalid.to_string(),
-                "a possible scene",
-            ));
+            return Err(ReadError::whole(name, invalid.to_string(), "a valid scene"));
         }
         Ok(Loaded {
             scene,
@@ -78,35 +74,35 @@ impl Document {
     }
 }
 
-pub(super) struct Resolver<'d> {
-    document: &'d Document,
+pub(super) struct GrfResolver<'d> {
+    document: &'d GrfDocument,
     pub scene: Scene,
     warnings: Warnings,
-    pub scopes: Vec<Scope<'d>>,
-    /// What stands behind the materials that a `def brdf` made.
-    pub surfaces: HashMap<MaterialId, Known>,
-    /// Materials made from looks, so that equal looks share one.
-    pub derived: HashMap<Key, MaterialId>,
-    /// Bytes of names that derived materials may still copy.
+    pub scopes: Vec<ResolveScope<'d>>,
+    /// The materials made from `def brdf`.
+    pub surfaces: HashMap<MaterialId, NamedMaterial>,
+    /// Derived materials, so that equal appearances share one.
+    pub derived: HashMap<DerivedMaterialKey, MaterialId>,
+    /// Remaining bytes of names that derived materials may copy.
     pub budget: usize,
-    /// Textures named in place.
+    /// Textures given in place.
     texture_ids: HashMap<String, TextureId>,
-    /// What instances may still copy.
+    /// Remaining budget of what instances may copy.
     pub instances: Budget,
-    /// Solids and definitions that are being made, one inside of the other.
+    /// Current depth of nested solids and definitions.
     pub depth: usize,
 }
 
 /// A material of a `def brdf`.
-pub(super) struct Known {
-    pub surface: Surface,
-    /// Whether `use` of it also says the textures.
+pub(super) struct NamedMaterial {
+    pub surface: DefinedMaterial,
+    /// Whether `use` of it also sets the textures.
     pub sets_textures: bool,
 }
 
 /// The names of one list of blocks.
 #[derive(Default)]
-pub(super) struct Scope<'d> {
+pub(super) struct ResolveScope<'d> {
     colors: HashMap<&'d str, Rgb>,
     brdfs: HashMap<&'d str, MaterialId>,
     textures: HashMap<&'d str, TextureId>,
@@ -114,26 +110,33 @@ pub(super) struct Scope<'d> {
     pub solids: HashMap<&'d str, Defined<'d>>,
 }
 
-impl<'d> Resolver<'d> {
-    pub fn warn(&mut self, place: Place, message: impl Into<String>, count: usize) {
+impl<'d> GrfResolver<'d> {
+    pub fn warn(&mut self, place: SourcePosition, message: impl Into<String>, count: usize) {
         let file = self.document.sources.shown(place.file);
         self.warnings
             .add_many(file, message.into(), count, || place.position());
     }
 
-    pub fn fail(&self, place: Place, found: impl Into<String>, expected: &str) -> Fail {
+    pub fn fail(
+        &self,
+        place: SourcePosition,
+        found: impl Into<String>,
+        expected: &str,
+    ) -> BoxedError {
         self.document.sources.fail(place, found, expected)
     }
 
     /// A list of blocks is a scope: its definitions are known before any of its blocks.
     fn list(
         &mut self,
-        blocks: &'d [Block],
-        definitions: &'d [super::document::Definition],
-        outer: Outer,
-    ) -> Resolved<()> {
-        self.scopes.push(Scope::default());
-        let place = blocks.first().map_or(Place::default(), |b| b.place);
+        blocks: &'d [GrfBlock],
+        definitions: &'d [super::document::GrfDefinition],
+        outer: OuterTransform,
+    ) -> ResolveResult<()> {
+        self.scopes.push(ResolveScope::default());
+        let place = blocks
+            .first()
+            .map_or(SourcePosition::default(), |b| b.place);
         self.define(definitions, place);
         self.gather_definitions(blocks);
         self.gather_notes(blocks)?;
@@ -143,14 +146,14 @@ impl<'d> Resolver<'d> {
         Ok(())
     }
 
-    fn blocks(&mut self, blocks: &'d [Block], outer: Outer) -> Resolved<()> {
+    fn blocks(&mut self, blocks: &'d [GrfBlock], outer: OuterTransform) -> ResolveResult<()> {
         for block in blocks {
             self.block(block, outer)?;
         }
         Ok(())
     }
 
-    fn block(&mut self, block: &'d Block, outer: Outer) -> Resolved<()> {
+    fn block(&mut self, block: &'d GrfBlock, outer: OuterTransform) -> ResolveResult<()> {
         let place = block.place;
         match &block.kind {
             BlockKind::Mesh(mesh) => self.mesh(mesh, place, outer)?,
@@ -161,7 +164,7 @@ impl<'d> Resolver<'d> {
             BlockKind::Transform { steps, blocks } => {
                 let map = outer.unwrap_or(DAffine3::IDENTITY) * affine(steps);
                 if !map.is_finite() {
-                    return Err(self.fail(place, "a transform out of range", "finite numbers"));
+                    return Err(self.fail(place, "a transform that overflows", "finite numbers"));
                 }
                 self.list(blocks, &[], Some(map))?;
             }
@@ -175,13 +178,21 @@ impl<'d> Resolver<'d> {
             BlockKind::Camera(camera) => {
                 let camera = moved_camera(camera, outer);
                 if !is_camera(&camera) {
-                    return Err(self.fail(place, "a transform that blinds the camera", "another"));
+                    return Err(self.fail(
+                        place,
+                        "a transform that makes the view of a camera degenerate",
+                        "another",
+                    ));
                 }
                 self.scene.cameras.push(camera);
             }
             BlockKind::Light(light) => {
                 let light = moved_light(light, outer).ok_or_else(|| {
-                    self.fail(place, "a transform that flattens a light", "another")
+                    self.fail(
+                        place,
+                        "a transform that leaves a light without direction",
+                        "another",
+                    )
                 })?;
                 self.scene.lights.push(light);
             }
@@ -196,8 +207,8 @@ impl<'d> Resolver<'d> {
         Ok(())
     }
 
-    /// Definitions without blocks of their own, also those in included files.
-    fn gather_definitions(&mut self, blocks: &'d [Block]) {
+    /// Collects definitions without blocks of their own, including those of included files.
+    fn gather_definitions(&mut self, blocks: &'d [GrfBlock]) {
         for block in blocks {
             match &block.kind {
                 BlockKind::Include { blocks, .. } => self.gather_definitions(blocks),
@@ -217,25 +228,25 @@ impl<'d> Resolver<'d> {
         }
     }
 
-    fn define(&mut self, definitions: &'d [super::document::Definition], place: Place) {
+    fn define(&mut self, definitions: &'d [super::document::GrfDefinition], place: SourcePosition) {
         for definition in definitions {
             let name: &'d str = &definition.name;
             match &definition.body {
-                Body::Color(rgb) => {
+                DefinitionBody::Color(rgb) => {
                     self.scope().colors.insert(name, *rgb);
                 }
-                Body::Texture(path) => {
+                DefinitionBody::Texture(path) => {
                     let id = self.add_texture(path, place);
                     self.scope().textures.insert(name, id);
                 }
-                Body::Brdf(brdf) => {
+                DefinitionBody::Brdf(brdf) => {
                     let surface = surface(name, brdf);
                     let mut material = surface.material.clone();
                     if !material.limit_reflectance() {
                         self.warn(place, REFLECTS_TOO_MUCH, 1);
                     }
                     let id = self.scene.add_material(material);
-                    let known = Known {
+                    let known = NamedMaterial {
                         surface,
                         sets_textures: false,
                     };
@@ -246,8 +257,8 @@ impl<'d> Resolver<'d> {
         }
     }
 
-    /// `ext material` and `ext texture`, which complete definitions.
-    fn gather_notes(&mut self, blocks: &'d [Block]) -> Resolved<()> {
+    /// Collects `ext material` and `ext texture`, which complete definitions.
+    fn gather_notes(&mut self, blocks: &'d [GrfBlock]) -> ResolveResult<()> {
         for block in blocks {
             match &block.kind {
                 BlockKind::Include { blocks, .. } => self.gather_notes(blocks)?,
@@ -262,7 +273,7 @@ impl<'d> Resolver<'d> {
         Ok(())
     }
 
-    fn annotate(&mut self, note: &'d MaterialNote, place: Place) -> Resolved<()> {
+    fn annotate(&mut self, note: &'d MaterialNote, place: SourcePosition) -> ResolveResult<()> {
         let id = self.brdf_named(&note.of, place)?;
         let textures = match &note.textures {
             None => None,
@@ -270,7 +281,7 @@ impl<'d> Resolver<'d> {
                 names
                     .iter()
                     .map(|name| self.texture_named(name, place))
-                    .collect::<Resolved<Vec<_>>>()?,
+                    .collect::<ResolveResult<Vec<_>>>()?,
             ),
         };
         if let Some(known) = self.surfaces.get_mut(&id) {
@@ -285,9 +296,9 @@ impl<'d> Resolver<'d> {
         Ok(())
     }
 
-    fn scope(&mut self) -> &mut Scope<'d> {
+    fn scope(&mut self) -> &mut ResolveScope<'d> {
         if self.scopes.is_empty() {
-            self.scopes.push(Scope::default());
+            self.scopes.push(ResolveScope::default());
         }
         let last = self.scopes.len() - 1;
         &mut self.scopes[last]
@@ -295,20 +306,20 @@ impl<'d> Resolver<'d> {
 
     fn lookup<T: Copy>(
         &self,
-        kind: Kind,
+        kind: NameKind,
         name: &str,
-        place: Place,
-        names: impl for<'s> Fn(&'s Scope<'d>) -> &'s HashMap<&'d str, T>,
-    ) -> Resolved<T> {
+        place: SourcePosition,
+        names: impl for<'s> Fn(&'s ResolveScope<'d>) -> &'s HashMap<&'d str, T>,
+    ) -> ResolveResult<T> {
         let found = self.scopes.iter().rev().find_map(|s| names(s).get(name));
         found
             .copied()
             .ok_or_else(|| self.undefined(kind, name, place))
     }
 
-    /// Only a document that was changed by hand has such a name.
+    /// The error for an undefined name, which only a document modified by a program can contain.
     #[cold]
-    pub fn undefined(&self, kind: Kind, name: &str, place: Place) -> Fail {
+    pub fn undefined(&self, kind: NameKind, name: &str, place: SourcePosition) -> BoxedError {
         self.fail(
             place,
             format!("`{name}`, which is not defined"),
@@ -316,33 +327,33 @@ impl<'d> Resolver<'d> {
         )
     }
 
-    pub fn brdf_named(&self, name: &Name, place: Place) -> Resolved<MaterialId> {
-        self.lookup(Kind::Brdf, name, place, |s| &s.brdfs)
+    pub fn brdf_named(&self, name: &GrfName, place: SourcePosition) -> ResolveResult<MaterialId> {
+        self.lookup(NameKind::Brdf, name, place, |s| &s.brdfs)
     }
 
-    pub fn texture_named(&self, name: &Name, place: Place) -> Resolved<TextureId> {
-        self.lookup(Kind::Texture, name, place, |s| &s.textures)
+    pub fn texture_named(&self, name: &GrfName, place: SourcePosition) -> ResolveResult<TextureId> {
+        self.lookup(NameKind::Texture, name, place, |s| &s.textures)
     }
 
-    pub fn color_named(&self, name: &Name, place: Place) -> Resolved<Rgb> {
-        self.lookup(Kind::Color, name, place, |s| &s.colors)
+    pub fn color_named(&self, name: &GrfName, place: SourcePosition) -> ResolveResult<Rgb> {
+        self.lookup(NameKind::Color, name, place, |s| &s.colors)
     }
 
-    fn add_texture(&mut self, path: &str, place: Place) -> TextureId {
+    fn add_texture(&mut self, path: &str, place: SourcePosition) -> TextureId {
         let path = self.texture_path(path, place);
         self.scene.textures.push(Texture { path, image: None });
         (self.scene.textures.len() - 1) as TextureId
     }
 
-    /// The path of a texture from the folder of the outermost file.
-    fn texture_path(&self, path: &str, place: Place) -> String {
+    /// The path of a texture relative to the folder of the outermost file.
+    fn texture_path(&self, path: &str, place: SourcePosition) -> String {
         match self.document.sources.get(place.file) {
             Some(source) if source.path.contains('/') => super::parse::joined(&source.path, path),
             _ => path.to_owned(),
         }
     }
 
-    pub fn texture_in_place(&mut self, path: &str, place: Place) -> TextureId {
+    pub fn texture_in_place(&mut self, path: &str, place: SourcePosition) -> TextureId {
         let key = self.texture_path(path, place);
         if let Some(&known) = self.texture_ids.get(&key) {
             return known;
@@ -353,8 +364,12 @@ impl<'d> Resolver<'d> {
     }
 }
 
-/// Normals by corners under a transform; `faces` are those before it.
-fn placed_normals(normals: &Attribute<DVec3>, faces: &Faces, outer: Outer) -> Attribute<DVec3> {
+/// Transformed normals per corner; `faces` are the faces before the transform.
+fn placed_normals(
+    normals: &Attribute<DVec3>,
+    faces: &Faces,
+    outer: OuterTransform,
+) -> Attribute<DVec3> {
     let mut normals = normals.clone();
     let Some(map) = outer else { return normals };
     let matrix = normal_matrix(map.matrix3);
@@ -372,13 +387,17 @@ fn placed_normals(normals: &Attribute<DVec3>, faces: &Faces, outer: Outer) -> At
     normals
 }
 
-/// Objects.
-impl<'d> Resolver<'d> {
-    fn area_light(&mut self, light: &'d AreaLight, place: Place, outer: Outer) -> Resolved<()> {
+impl<'d> GrfResolver<'d> {
+    fn area_light(
+        &mut self,
+        light: &'d AreaLight,
+        place: SourcePosition,
+        outer: OuterTransform,
+    ) -> ResolveResult<()> {
         let map = outer.unwrap_or(DAffine3::IDENTITY);
         let [mut a, mut b] = light.edges.map(|edge| map.matrix3 * edge);
         if is_mirror(outer) {
-            // In a mirror the lamp still shines on the mirrored room.
+            // Keep the front of a mirrored light on the mirrored side.
             (a, b) = (b, a);
         }
         let corner = map.transform_point3(light.corner);
@@ -386,7 +405,7 @@ impl<'d> Resolver<'d> {
             return Err(self.fail(
                 place,
                 "a light that a transform leaves without area",
-                "a transform that keeps it",
+                "a transform that preserves its area",
             ));
         }
         let radiance = light.radiance.unwrap_or(DEFAULT_RADIANCE);
@@ -400,7 +419,12 @@ impl<'d> Resolver<'d> {
         Ok(())
     }
 
-    fn primitive(&mut self, block: &'d PrimitiveBlock, place: Place, outer: Outer) -> Resolved<()> {
+    fn primitive(
+        &mut self,
+        block: &'d PrimitiveBlock,
+        place: SourcePosition,
+        outer: OuterTransform,
+    ) -> ResolveResult<()> {
         let mut map = outer.map_or(block.map, |outer| outer * block.map);
         if block.kind == PrimitiveKind::Square && is_mirror(outer) {
             let axes = &mut map.matrix3;
@@ -410,7 +434,7 @@ impl<'d> Resolver<'d> {
             return Err(self.fail(
                 place,
                 "a primitive that a transform flattens",
-                "a transform that keeps it",
+                "an invertible transform",
             ));
         }
         let material = self.noted_material(&block.notes, None, place)?;
@@ -423,7 +447,12 @@ impl<'d> Resolver<'d> {
         Ok(())
     }
 
-    fn mesh(&mut self, block: &'d MeshBlock, place: Place, outer: Outer) -> Resolved<()> {
+    fn mesh(
+        &mut self,
+        block: &'d MeshBlock,
+        place: SourcePosition,
+        outer: OuterTransform,
+    ) -> ResolveResult<()> {
         let materials = self.face_materials(block, place)?;
         let mesh = self.built_mesh(block, materials, place, outer)?;
         let shape = Shape::Mesh(mesh);
@@ -433,14 +462,14 @@ impl<'d> Resolver<'d> {
         Ok(())
     }
 
-    /// A mesh in the world, its faces of these materials.
+    /// A mesh in world coordinates, with these face materials.
     pub fn built_mesh(
         &mut self,
         block: &'d MeshBlock,
         face_materials: Vec<MaterialId>,
-        place: Place,
-        outer: Outer,
-    ) -> Resolved<Mesh> {
+        place: SourcePosition,
+        outer: OuterTransform,
+    ) -> ResolveResult<Mesh> {
         let vertices = &block.vertices;
         let count = vertices.positions.len();
         let mut positions = vertices.positions.clone();
@@ -451,7 +480,7 @@ impl<'d> Resolver<'d> {
             if !positions.iter().all(|p| p.is_finite()) {
                 return Err(self.fail(
                     place,
-                    "a mesh that a transform carries out of range",
+                    "a mesh whose transformed positions overflow",
                     "finite positions",
                 ));
             }
@@ -471,7 +500,7 @@ impl<'d> Resolver<'d> {
                 count,
                 Rgb::BLACK,
                 place,
-                "a vertex has no `irad` beside others that have; read as black",
+                "vertex without `irad` in a mesh with `irad`: read as black",
             ),
             irradiance_error: block.notes.irradiance_error.clone(),
             ..Mesh::default()
@@ -481,7 +510,7 @@ impl<'d> Resolver<'d> {
             count,
             glam::DVec2::ZERO,
             place,
-            "a vertex has no `uv` beside others that have; read as (0, 0)",
+            "vertex without `uv` in a mesh with `uv`: read as (0, 0)",
         );
         mesh.uvs = (!vertices.uvs.is_empty()).then(|| Attribute::per_vertex(uvs));
         if !vertices.normals.is_empty() {
@@ -492,17 +521,17 @@ impl<'d> Resolver<'d> {
             mesh.normals = Some(placed_normals(normals, &block.faces, outer));
         }
         let flat = degenerate_faces(&mesh);
-        self.warn(place, "a face has no area; kept", flat);
+        self.warn(place, "face without area: kept", flat);
         Ok(mesh)
     }
 
-    /// An attribute with `substitute` where it is missing; empty when all vertices lack it.
+    /// An attribute with `substitute` for missing values; empty if all vertices lack it.
     fn filled<T: Copy + Default>(
         &mut self,
-        column: &Column<T>,
+        column: &VertexColumn<T>,
         count: usize,
         substitute: T,
-        place: Place,
+        place: SourcePosition,
         message: &str,
     ) -> Vec<T> {
         if column.is_empty() {
@@ -517,14 +546,14 @@ impl<'d> Resolver<'d> {
             .collect()
     }
 
-    fn colors(&mut self, block: &'d MeshBlock, place: Place) -> Resolved<Vec<Rgb>> {
+    fn colors(&mut self, block: &'d MeshBlock, place: SourcePosition) -> ResolveResult<Vec<Rgb>> {
         let vertices = &block.vertices;
         let mut colors = self.filled(
             &vertices.colors,
             vertices.positions.len(),
             Rgb::WHITE,
             place,
-            "a vertex has no colour beside others that have; read as white",
+            "vertex without colour in a mesh with colours: read as white",
         );
         for (vertex, name) in &vertices.named_colors {
             let color = self.color_named(name, place)?;
@@ -535,24 +564,25 @@ impl<'d> Resolver<'d> {
         Ok(colors)
     }
 
-    /// Unit normals in the world; those that are missing or zero come from the faces around.
+    /// Unit normals in world coordinates; missing or zero ones are computed from the adjacent
+    /// faces.
     fn normals(
         &mut self,
         block: &MeshBlock,
         mesh: &Mesh,
-        outer: Outer,
-        place: Place,
+        outer: OuterTransform,
+        place: SourcePosition,
     ) -> Vec<DVec3> {
         let matrix = outer.map(|map| normal_matrix(map.matrix3));
         let given = |v: usize| {
             let normal = block.vertices.normals.get(v)?;
-            // A matrix that is not there leaves a unit normal as it was written.
+            // Without a matrix, a unit normal stays as written.
             unit(matrix.map_or(normal, |m| m * normal))
         };
         let mut normals: Vec<Option<DVec3>> = (0..mesh.positions.len()).map(given).collect();
         let missing = normals.iter().filter(|n| n.is_none()).count();
         if missing > 0 {
-            let message = "a vertex has no normal beside others that have; taken from its faces";
+            let message = "vertex without normal in a mesh with normals: computed from its faces";
             self.warn(place, message, missing);
             let around = face_normals(mesh);
             for (normal, faces) in normals.iter_mut().zip(around) {
@@ -562,16 +592,21 @@ impl<'d> Resolver<'d> {
         normals.into_iter().map(|n| n.unwrap_or(DVec3::Z)).collect()
     }
 
-    fn face_materials(&mut self, block: &'d MeshBlock, place: Place) -> Resolved<Vec<MaterialId>> {
-        let emission = match block.is_light {
-            true => Some(block.radiance.unwrap_or(DEFAULT_RADIANCE)),
-            false => None,
+    fn face_materials(
+        &mut self,
+        block: &'d MeshBlock,
+        place: SourcePosition,
+    ) -> ResolveResult<Vec<MaterialId>> {
+        let emission = if block.is_light {
+            Some(block.radiance.unwrap_or(DEFAULT_RADIANCE))
+        } else {
+            None
         };
         let is_colored = !block.vertices.colors.is_empty();
-        let mut look = Look::default();
+        let mut appearance = FaceAppearance::default();
         let mut is_stacking = false;
         for change in &block.head {
-            self.change(&mut look, change, &mut is_stacking, place)?;
+            self.change(&mut appearance, change, &mut is_stacking, place)?;
         }
         let faces = block.faces.len();
         let mut materials = Vec::with_capacity(faces);
@@ -580,10 +615,10 @@ impl<'d> Resolver<'d> {
             is_stacking = false;
             let here = materials.len();
             while let Some((_, change)) = changes.next_if(|(at, _)| *at as usize <= here) {
-                self.change(&mut look, change, &mut is_stacking, place)?;
+                self.change(&mut appearance, change, &mut is_stacking, place)?;
             }
             let end = changes.peek().map_or(faces, |(at, _)| *at as usize);
-            let material = self.material(&look, emission, is_colored, place);
+            let material = self.material(&appearance, emission, is_colored, place);
             materials.resize(end.clamp(here + 1, faces), material);
         }
         Ok(materials)

@@ -3,9 +3,9 @@
 use crate::{Files, Loaded, Position, Warning, picture};
 use azulejo_scene::Image;
 
-/// Loads the pictures that a scene's textures name and that are not loaded yet: PNG, JPEG
-/// and Radiance HDR, told apart by their content. One that cannot be had stays without pixels, with
-/// a warning under `name`, which is what messages call the model.
+/// Loads the images of a scene's textures that are not loaded yet: PNG, JPEG and Radiance HDR,
+/// recognised by their content. An image that cannot be read stays without pixels, with a warning
+/// under `name`, the model's name in messages.
 pub fn load_textures(loaded: &mut Loaded, name: &str, files: &dyn Files) {
     for texture in &mut loaded.scene.textures {
         if texture.image.is_some() {
@@ -16,7 +16,7 @@ pub fn load_textures(loaded: &mut Loaded, name: &str, files: &dyn Files) {
             Err(problem) => loaded.warnings.push(Warning {
                 file: name.to_owned(),
                 position: Position::Whole,
-                message: format!("the texture \"{}\" is not shown: {problem}", texture.path),
+                message: format!("texture \"{}\" skipped: {problem}", texture.path),
                 count: 1,
             }),
         }

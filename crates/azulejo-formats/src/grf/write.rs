@@ -1,9 +1,9 @@
-//! From a document to text: canonical, stable, every number in its shortest exact form.
+//! Writes a document as text: canonical, stable, every number in its shortest exact form.
 
-use super::brdf::Reflection;
+use super::brdf::GrfReflection;
 use super::document::{
-    AreaLight, Block, BlockKind, Body, Change, Definition, Document, MaterialNote, MeshBlock,
-    ObjectNotes, PrimitiveBlock, Step,
+    AppearanceChange, AreaLight, BlockKind, DefinitionBody, GrfBlock, GrfDefinition, GrfDocument,
+    MaterialNote, MeshBlock, ObjectNotes, PrimitiveBlock, TransformStep,
 };
 use azulejo_scene::brdf::{Description, Model, Value};
 use azulejo_scene::{Camera, Light, LightKind, PrimitiveKind, Rgb, SurfaceLight, Units, Up};
@@ -13,17 +13,17 @@ use glam::{DAffine3, DVec2, DVec3};
 use std::fmt;
 use std::io::{self, BufWriter, Write};
 
-pub(super) type Out<'w> = BufWriter<&'w mut dyn Write>;
+pub(super) type GrfOutput<'w> = BufWriter<&'w mut dyn Write>;
 
-impl Document {
-    /// Writes the document, through a buffer of its own. Included files are not written.
+impl GrfDocument {
+    /// Writes the document, through an internal buffer. Included files are not written.
     ///
     /// # Errors
     /// Those of `out`.
     pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         let mut out = BufWriter::with_capacity(1 << 16, out);
         for comment in &self.comments {
-            // A comment that a program sets may have several lines.
+            // A comment set by a program may have several lines.
             for line in comment.split(['\n', '\r']) {
                 writeln!(out, "//{}", line.trim_end())?;
             }
@@ -96,7 +96,7 @@ impl fmt::Display for Quoted<'_> {
     }
 }
 
-/// A file name: in quotes, or bare if it came bare with a quote inside.
+/// A file name: in quotes, or bare if it was read bare with a quote inside.
 struct FileName<'a>(&'a str);
 
 impl fmt::Display for FileName<'_> {
@@ -109,11 +109,11 @@ impl fmt::Display for FileName<'_> {
     }
 }
 
-fn blocks(out: &mut Out<'_>, blocks: &[Block]) -> io::Result<()> {
+fn blocks(out: &mut GrfOutput<'_>, blocks: &[GrfBlock]) -> io::Result<()> {
     blocks.iter().try_for_each(|b| block(out, &b.kind))
 }
 
-fn block(out: &mut Out<'_>, kind: &BlockKind) -> io::Result<()> {
+fn block(out: &mut GrfOutput<'_>, kind: &BlockKind) -> io::Result<()> {
     match kind {
         BlockKind::Params(text) => enclosed(out, "params", text, "params"),
         BlockKind::Mesh(block) => mesh(out, block),
@@ -166,8 +166,8 @@ fn block(out: &mut Out<'_>, kind: &BlockKind) -> io::Result<()> {
     }
 }
 
-/// A block whose inside is kept as text.
-fn enclosed(out: &mut Out<'_>, head: &str, text: &str, end: &str) -> io::Result<()> {
+/// Writes a block whose content is kept as text.
+fn enclosed(out: &mut GrfOutput<'_>, head: &str, text: &str, end: &str) -> io::Result<()> {
     writeln!(out, "{head} begin")?;
     if !text.is_empty() {
         writeln!(out, "{text}")?;
@@ -175,28 +175,28 @@ fn enclosed(out: &mut Out<'_>, head: &str, text: &str, end: &str) -> io::Result<
     writeln!(out, "end {end}")
 }
 
-fn step(out: &mut Out<'_>, step: &Step) -> io::Result<()> {
+fn step(out: &mut GrfOutput<'_>, step: &TransformStep) -> io::Result<()> {
     match *step {
-        Step::Scale(v) => write!(out, " scale {}", point(v)),
-        Step::Rotation(v) => write!(out, " rotation {}", point(v)),
-        Step::Translation(v) => write!(out, " translation {}", point(v)),
+        TransformStep::Scale(v) => write!(out, " scale {}", point(v)),
+        TransformStep::Rotation(v) => write!(out, " rotation {}", point(v)),
+        TransformStep::Translation(v) => write!(out, " translation {}", point(v)),
     }
 }
 
-fn definition(out: &mut Out<'_>, definition: &Definition) -> io::Result<()> {
+fn definition(out: &mut GrfOutput<'_>, definition: &GrfDefinition) -> io::Result<()> {
     write!(out, "def {} = ", definition.name)?;
     body(out, &definition.body)
 }
 
-fn body(out: &mut Out<'_>, body: &Body) -> io::Result<()> {
+fn body(out: &mut GrfOutput<'_>, body: &DefinitionBody) -> io::Result<()> {
     match body {
-        Body::Texture(path) => writeln!(out, "texture {}", FileName(path)),
-        Body::Color(color) => writeln!(out, "rgb {}", rgb(*color)),
-        Body::Brdf(model) => brdf(out, model),
+        DefinitionBody::Texture(path) => writeln!(out, "texture {}", FileName(path)),
+        DefinitionBody::Color(color) => writeln!(out, "rgb {}", rgb(*color)),
+        DefinitionBody::Brdf(model) => brdf(out, model),
     }
 }
 
-fn brdf(out: &mut Out<'_>, reflection: &Reflection) -> io::Result<()> {
+fn brdf(out: &mut GrfOutput<'_>, reflection: &GrfReflection) -> io::Result<()> {
     match &reflection.description {
         Description::File { path, .. } => write!(out, "brdf {}", FileName(path))?,
         Description::Model(said) => {
@@ -214,7 +214,7 @@ fn brdf(out: &mut Out<'_>, reflection: &Reflection) -> io::Result<()> {
     out.write_all(b"\n")
 }
 
-fn model(out: &mut Out<'_>, model: &Model) -> io::Result<()> {
+fn model(out: &mut GrfOutput<'_>, model: &Model) -> io::Result<()> {
     write!(out, " {}", model.name)?;
     for parameter in &model.parameters {
         write!(out, " {} = ", parameter.name)?;
@@ -227,14 +227,14 @@ fn model(out: &mut Out<'_>, model: &Model) -> io::Result<()> {
     Ok(())
 }
 
-fn change(out: &mut Out<'_>, change: &Change) -> io::Result<()> {
+fn change(out: &mut GrfOutput<'_>, change: &AppearanceChange) -> io::Result<()> {
     match change {
-        Change::Set(set) => body(out, set),
-        Change::Use(kind, name) => writeln!(out, "use {} {name}", kind.word()),
+        AppearanceChange::Set(set) => body(out, set),
+        AppearanceChange::Use(kind, name) => writeln!(out, "use {} {name}", kind.word()),
     }
 }
 
-fn mesh(out: &mut Out<'_>, mesh: &MeshBlock) -> io::Result<()> {
+fn mesh(out: &mut GrfOutput<'_>, mesh: &MeshBlock) -> io::Result<()> {
     object(out, &mesh.notes, None)?;
     if mesh.is_light {
         out.write_all(b"mesh light begin\n")?;
@@ -251,7 +251,7 @@ fn mesh(out: &mut Out<'_>, mesh: &MeshBlock) -> io::Result<()> {
     mesh_notes(out, &mesh.notes)
 }
 
-pub(super) fn vertices(out: &mut Out<'_>, mesh: &MeshBlock) -> io::Result<()> {
+pub(super) fn vertices(out: &mut GrfOutput<'_>, mesh: &MeshBlock) -> io::Result<()> {
     let vertices = &mesh.vertices;
     let mut named = vertices.named_colors.iter().peekable();
     out.write_all(b"begin vertices\n")?;
@@ -275,7 +275,7 @@ pub(super) fn vertices(out: &mut Out<'_>, mesh: &MeshBlock) -> io::Result<()> {
     out.write_all(b"end vertices\n")
 }
 
-pub(super) fn faces(out: &mut Out<'_>, mesh: &MeshBlock) -> io::Result<()> {
+pub(super) fn faces(out: &mut GrfOutput<'_>, mesh: &MeshBlock) -> io::Result<()> {
     let mut changes = mesh.changes.iter().peekable();
     out.write_all(b"begin faces\n")?;
     for (f, corners) in mesh.faces.iter().enumerate() {
@@ -290,9 +290,9 @@ pub(super) fn faces(out: &mut Out<'_>, mesh: &MeshBlock) -> io::Result<()> {
     out.write_all(b"end faces\n")
 }
 
-/// `ext object`, if there is something to say.
+/// Writes `ext object`, if it has any attributes.
 pub(super) fn object(
-    out: &mut Out<'_>,
+    out: &mut GrfOutput<'_>,
     notes: &ObjectNotes,
     material: Option<&str>,
 ) -> io::Result<()> {
@@ -309,7 +309,7 @@ pub(super) fn object(
     out.write_all(b" end ext\n")
 }
 
-fn mesh_notes(out: &mut Out<'_>, notes: &ObjectNotes) -> io::Result<()> {
+fn mesh_notes(out: &mut GrfOutput<'_>, notes: &ObjectNotes) -> io::Result<()> {
     if !notes.smoothing.is_empty() {
         out.write_all(b"ext smoothing begin groups =")?;
         for group in &notes.smoothing {
@@ -325,12 +325,12 @@ fn mesh_notes(out: &mut Out<'_>, notes: &ObjectNotes) -> io::Result<()> {
     Ok(())
 }
 
-pub(super) fn rgb_list(out: &mut Out<'_>, key: &str, values: &[Rgb]) -> io::Result<()> {
+pub(super) fn rgb_list(out: &mut GrfOutput<'_>, key: &str, values: &[Rgb]) -> io::Result<()> {
     writeln!(out, "{key} =")?;
     values.iter().try_for_each(|&c| writeln!(out, "{}", rgb(c)))
 }
 
-fn surface_light(out: &mut Out<'_>, light: &SurfaceLight) -> io::Result<()> {
+fn surface_light(out: &mut GrfOutput<'_>, light: &SurfaceLight) -> io::Result<()> {
     out.write_all(b"ext surface_light begin\ngrids =")?;
     for grid in &light.grids {
         write!(out, " {} {}", grid.nu, grid.nv)?;
@@ -343,7 +343,7 @@ fn surface_light(out: &mut Out<'_>, light: &SurfaceLight) -> io::Result<()> {
     out.write_all(b"end ext\n")
 }
 
-fn area_light(out: &mut Out<'_>, light: &AreaLight) -> io::Result<()> {
+fn area_light(out: &mut GrfOutput<'_>, light: &AreaLight) -> io::Result<()> {
     object(out, &light.notes, light.notes.material.as_deref())?;
     out.write_all(b"light begin")?;
     if let Some(radiance) = light.radiance {
@@ -364,7 +364,7 @@ fn area_light(out: &mut Out<'_>, light: &AreaLight) -> io::Result<()> {
         .try_for_each(|l| surface_light(out, l))
 }
 
-fn primitive(out: &mut Out<'_>, primitive: &PrimitiveBlock) -> io::Result<()> {
+fn primitive(out: &mut GrfOutput<'_>, primitive: &PrimitiveBlock) -> io::Result<()> {
     object(out, &primitive.notes, None)?;
     out.write_all(b"ext primitive begin")?;
     unit_primitive(out, primitive.kind, &primitive.map)?;
@@ -379,9 +379,9 @@ fn primitive(out: &mut Out<'_>, primitive: &PrimitiveBlock) -> io::Result<()> {
         .try_for_each(|l| surface_light(out, l))
 }
 
-/// The keys of a primitive's kind and map.
+/// Writes the keys of a primitive's kind and map.
 pub(super) fn unit_primitive(
-    out: &mut Out<'_>,
+    out: &mut GrfOutput<'_>,
     kind: PrimitiveKind,
     map: &DAffine3,
 ) -> io::Result<()> {
@@ -401,7 +401,7 @@ pub(super) fn unit_primitive(
 }
 
 /// `map = ` and its twelve numbers.
-pub(super) fn affine_map(out: &mut Out<'_>, map: &DAffine3) -> io::Result<()> {
+pub(super) fn affine_map(out: &mut GrfOutput<'_>, map: &DAffine3) -> io::Result<()> {
     out.write_all(b" map =")?;
     let numbers = map.to_cols_array();
     numbers
@@ -409,7 +409,7 @@ pub(super) fn affine_map(out: &mut Out<'_>, map: &DAffine3) -> io::Result<()> {
         .try_for_each(|&number| write!(out, " {}", Number(number)))
 }
 
-fn units(out: &mut Out<'_>, units: &Units) -> io::Result<()> {
+fn units(out: &mut GrfOutput<'_>, units: &Units) -> io::Result<()> {
     out.write_all(b"ext units begin")?;
     if let Some(metres) = units.metres_per_unit {
         write!(out, " metres_per_unit = {}", Number(metres))?;
@@ -420,7 +420,7 @@ fn units(out: &mut Out<'_>, units: &Units) -> io::Result<()> {
     writeln!(out, " photometric = {} end ext", units.photometric)
 }
 
-/// An angle in degrees, or in radians under another key where degrees would lose a bit.
+/// An angle in degrees, or in radians under another key if degrees would lose a bit.
 struct Angle<'a>(&'a str, f64);
 
 impl fmt::Display for Angle<'_> {
@@ -440,7 +440,7 @@ impl fmt::Display for Angle<'_> {
     }
 }
 
-fn camera(out: &mut Out<'_>, camera: &Camera) -> io::Result<()> {
+fn camera(out: &mut GrfOutput<'_>, camera: &Camera) -> io::Result<()> {
     writeln!(
         out,
         "ext camera begin\nname = {}\neye = {}\ntarget = {}\nup = {}\n{}",
@@ -456,7 +456,7 @@ fn camera(out: &mut Out<'_>, camera: &Camera) -> io::Result<()> {
     out.write_all(b"end ext\n")
 }
 
-fn light(out: &mut Out<'_>, light: &Light) -> io::Result<()> {
+fn light(out: &mut GrfOutput<'_>, light: &Light) -> io::Result<()> {
     write!(
         out,
         "ext light begin name = {} kind = ",
@@ -501,7 +501,7 @@ fn light(out: &mut Out<'_>, light: &Light) -> io::Result<()> {
     out.write_all(b" end ext\n")
 }
 
-fn material(out: &mut Out<'_>, note: &MaterialNote) -> io::Result<()> {
+fn material(out: &mut GrfOutput<'_>, note: &MaterialNote) -> io::Result<()> {
     write!(out, "ext material begin of = {}", note.of)?;
     if let Some(name) = &note.name {
         write!(out, " name = {}", Quoted(name))?;

@@ -1,5 +1,4 @@
-//! The scene as the statements build it: named groups, each with a mesh of the faces that stand
-//! directly in it.
+//! The scene under construction: named groups, each with a mesh of the faces directly inside it.
 
 use crate::surface::gloss::Gloss;
 use crate::surface::materials::Materials;
@@ -10,16 +9,15 @@ use azulejo_scene::{
 use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 
-/// Longest name of an object; what nests deeper is not told apart by name.
+/// Longest name of an object; objects nested more deeply share a name.
 const LONGEST_NAME: usize = 255;
 
-/// A corner of a face, placed in the world.
+/// A corner of a face, in world coordinates.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Corner {
-    /// Tells apart what may not share a vertex of the mesh: the state of the file's vertex, and
-    /// the transform that was in force.
+pub(super) struct MgfCorner {
+    /// Corners with different keys must not share a vertex of the mesh: the revision of the file's
+    /// vertex, and the serial number of the current transform.
     pub key: (u64, u64),
-    /// Where it is.
     pub position: DVec3,
     /// Unit shading normal.
     pub normal: Option<DVec3>,
@@ -27,27 +25,27 @@ pub(super) struct Corner {
 
 /// A scene under construction.
 #[derive(Debug)]
-pub(super) struct Builder {
+pub(super) struct MgfBuilder {
     scene: Scene,
     materials: Materials,
     pub gloss: Gloss,
     path: String,
-    groups: Vec<Group>,
+    groups: Vec<MgfObject>,
 }
 
 /// An open group.
 #[derive(Debug, Default)]
-struct Group {
-    /// Length of the path outside of it.
+struct MgfObject {
+    /// Length of the path outside of the group.
     path_length: usize,
-    /// Its faces, and the object that they will be.
-    draft: Option<Box<(usize, Draft)>>,
+    /// Its faces, and the index of the object reserved for them.
+    draft: Option<Box<(usize, ObjectFaces)>>,
 }
 
-impl Builder {
+impl MgfBuilder {
     /// An empty scene and its outermost group.
-    pub fn new() -> Builder {
-        Builder {
+    pub fn new() -> MgfBuilder {
+        MgfBuilder {
             scene: Scene {
                 units: Units {
                     metres_per_unit: Some(1.0),
@@ -59,16 +57,16 @@ impl Builder {
             materials: Materials::default(),
             gloss: Gloss::default(),
             path: String::new(),
-            groups: vec![Group::default()],
+            groups: vec![MgfObject::default()],
         }
     }
 
-    /// Path of the groups that are open, for names of objects.
+    /// Path of the open groups, for names of objects.
     pub fn path(&self) -> &str {
         &self.path
     }
 
-    /// Whether there is nothing to see or to be lit by yet.
+    /// Whether there are no objects and no lights yet.
     pub fn is_empty(&self) -> bool {
         self.scene.objects.is_empty() && self.scene.lights.is_empty()
     }
@@ -80,7 +78,7 @@ impl Builder {
 
     /// Opens a group; an empty name adds nothing to the path.
     pub fn open(&mut self, name: &str) {
-        self.groups.push(Group {
+        self.groups.push(MgfObject {
             path_length: self.path.len(),
             draft: None,
         });
@@ -100,8 +98,8 @@ impl Builder {
         }
     }
 
-    /// Puts a group's faces where their object was announced.
-    fn place(&mut self, draft: Option<Box<(usize, Draft)>>) {
+    /// Stores a group's faces in the object reserved for them.
+    fn place(&mut self, draft: Option<Box<(usize, ObjectFaces)>>) {
         if let Some((object, draft)) = draft.map(|d| *d) {
             let mut mesh = draft.finish();
             self.darken_insides(&mut mesh);
@@ -109,8 +107,8 @@ impl Builder {
         }
     }
 
-    /// Lamps that shine on both sides and enclose a body shine outward alone: what they emit
-    /// inward nobody sees, and it would count as power.
+    /// Two-sided emitters that enclose a volume emit outwards only: their inward emission is never
+    /// visible and would count as power.
     fn darken_insides(&mut self, mesh: &mut Mesh) {
         let shines_in = |m: &MaterialId| self.materials.get(*m).emits_back;
         let is_lamp: Vec<bool> = mesh.face_materials.iter().map(shines_in).collect();
@@ -127,18 +125,18 @@ impl Builder {
     }
 
     /// Adds a face of three or more corners to the innermost group.
-    pub fn face(&mut self, corners: &[Corner], material: MaterialId) {
+    pub fn face(&mut self, corners: &[MgfCorner], material: MaterialId) {
         let group = self.groups.last_mut().expect("the outermost group is open");
         let announced = group.draft.get_or_insert_with(|| {
-            // Objects stand in the order of their first faces, also when groups nest.
+            // Objects are ordered by their first faces, even if groups nest.
             let object = Object::new(self.path.clone(), Shape::Mesh(Mesh::default()));
             self.scene.objects.push(object);
-            Box::new((self.scene.objects.len() - 1, Draft::default()))
+            Box::new((self.scene.objects.len() - 1, ObjectFaces::default()))
         });
         announced.1.face(corners, material);
     }
 
-    /// Adds a mesh of one material as an object of its own; its own material does not count.
+    /// Adds a mesh with one material as an object of its own; the material in the mesh is ignored.
     pub fn solid(&mut self, mut mesh: Mesh, map: &DAffine3, material: MaterialId) {
         mesh.transform(map);
         mesh.face_materials.fill(material);
@@ -156,13 +154,13 @@ impl Builder {
             .push(Object::new(self.path.clone(), shape));
     }
 
-    /// Adds a light without area, named by the path.
+    /// Adds a light without area, named after the path.
     pub fn light(&mut self, kind: azulejo_scene::LightKind) {
         let name = self.path.clone();
         self.scene.lights.push(Light { name, kind });
     }
 
-    /// The scene, with every group closed.
+    /// The scene, after closing every group.
     pub fn finish(mut self) -> Scene {
         while !self.groups.is_empty() {
             self.close();
@@ -174,34 +172,34 @@ impl Builder {
 
 /// The faces of a group.
 #[derive(Debug, Default)]
-struct Draft {
+struct ObjectFaces {
     mesh: Mesh,
     known: HashMap<(u64, u64), u32>,
     /// Shading normal of each vertex that has one.
     normals: Vec<Option<DVec3>>,
     /// How each face is shaded.
-    shading: Vec<Shading>,
+    shading: Vec<FaceShading>,
 }
 
 /// How a face is shaded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Shading {
-    /// By its own normal.
+enum FaceShading {
+    /// With its geometric normal.
     Flat,
-    /// By the normals of its vertices.
+    /// With its vertex normals.
     Smooth,
-    /// By their opposites: they look to the back.
+    /// With the opposite vertex normals, which point to the back.
     Turned,
 }
 
-impl Draft {
-    fn face(&mut self, corners: &[Corner], material: MaterialId) {
+impl ObjectFaces {
+    fn face(&mut self, corners: &[MgfCorner], material: MaterialId) {
         let indices: Vec<u32> = corners.iter().map(|c| self.vertex(c)).collect();
         self.mesh.push_face(&indices, material);
         self.shading.push(shading(corners));
     }
 
-    fn vertex(&mut self, corner: &Corner) -> u32 {
+    fn vertex(&mut self, corner: &MgfCorner) -> u32 {
         *self.known.entry(corner.key).or_insert_with(|| {
             self.mesh.positions.push(corner.position);
             self.normals.push(corner.normal);
@@ -212,9 +210,9 @@ impl Draft {
     fn finish(self) -> Mesh {
         let mut mesh = self.mesh;
         let all = |shading| self.shading.iter().all(|&s| s == shading);
-        mesh.normals = if all(Shading::Flat) {
+        mesh.normals = if all(FaceShading::Flat) {
             None
-        } else if all(Shading::Smooth) {
+        } else if all(FaceShading::Smooth) {
             // Every vertex belongs to a face, and every corner of a smooth face has a normal.
             let normals = self.normals.iter().map(|n| n.unwrap_or(DVec3::Z));
             Some(Attribute::per_vertex(normals.collect()))
@@ -225,26 +223,26 @@ impl Draft {
     }
 }
 
-/// A face is smooth if all its corners have normals, and they are to lie on its front.
-fn shading(corners: &[Corner]) -> Shading {
+/// A face is smooth if all its corners have normals; these must end up on its front.
+fn shading(corners: &[MgfCorner]) -> FaceShading {
     let outline: Vec<DVec3> = corners.iter().map(|c| c.position).collect();
     let front = area_vector(&outline);
     let mut behind = true;
     for corner in corners {
         let Some(normal) = corner.normal else {
-            return Shading::Flat;
+            return FaceShading::Flat;
         };
         behind &= normal.dot(front) < 0.0;
     }
     if behind {
-        Shading::Turned
+        FaceShading::Turned
     } else {
-        Shading::Smooth
+        FaceShading::Smooth
     }
 }
 
-/// Whether some of a mesh's faces are the whole surface of a body, seen from outside: each edge is
-/// walked as often in one direction as in the other, and the body has a volume.
+/// Whether the flagged faces are the closed surface of a body, seen from outside: each edge is used
+/// equally often in both directions, and the body has a positive volume.
 fn encloses(mesh: &Mesh, faces: &[bool]) -> bool {
     let mut walks: HashMap<(u32, u32), i64> = HashMap::new();
     let (mut volume, mut area) = (0.0, 0.0);
@@ -260,12 +258,16 @@ fn encloses(mesh: &Mesh, faces: &[bool]) -> bool {
         volume += front.dot(mesh.positions[polygon[0] as usize] - origin) / 3.0;
         area += front.length();
     }
-    // A sheet whose two sides are faces of their own has no volume but by rounding.
+    // A two-sided sheet made of two faces has no volume beyond rounding.
     walks.values().all(|&net| net == 0) && volume > 1e-9 * area.powf(1.5)
 }
 
 /// Normals for a mesh whose faces are shaded differently.
-fn corner_normals(mesh: &Mesh, normals: &[Option<DVec3>], shading: &[Shading]) -> Attribute<DVec3> {
+fn corner_normals(
+    mesh: &Mesh,
+    normals: &[Option<DVec3>],
+    shading: &[FaceShading],
+) -> Attribute<DVec3> {
     let mut attribute = Attribute {
         values: Vec::new(),
         corners: Some(Vec::with_capacity(mesh.faces.corners.len())),
@@ -275,13 +277,13 @@ fn corner_normals(mesh: &Mesh, normals: &[Option<DVec3>], shading: &[Shading]) -
     let corners = corners.get_or_insert_default();
     for (face, &shading) in shading.iter().enumerate() {
         let polygon = mesh.faces.get(face);
-        if shading == Shading::Flat {
+        if shading == FaceShading::Flat {
             let flat = mesh.face_area_vector(face).try_normalize();
             values.push(flat.unwrap_or(DVec3::Z));
             corners.extend(vec![(values.len() - 1) as u32; polygon.len()]);
             continue;
         }
-        let turned = shading == Shading::Turned;
+        let turned = shading == FaceShading::Turned;
         corners.extend(polygon.iter().map(|&v| {
             *known.entry((v, turned)).or_insert_with(|| {
                 let normal = normals[v as usize].unwrap_or(DVec3::Z);
@@ -298,21 +300,21 @@ mod tests {
     use super::*;
     use azulejo_scene::Rgb;
 
-    fn corner(key: u64, x: f64, y: f64, normal: Option<DVec3>) -> Corner {
-        Corner {
+    fn corner(key: u64, x: f64, y: f64, normal: Option<DVec3>) -> MgfCorner {
+        MgfCorner {
             key: (key, 0),
             position: DVec3::new(x, y, 0.0),
             normal,
         }
     }
 
-    fn triangle(first: u64, normal: Option<DVec3>) -> [Corner; 3] {
+    fn triangle(first: u64, normal: Option<DVec3>) -> [MgfCorner; 3] {
         [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)]
             .map(|(x, y)| corner(first + x as u64 + 2 * y as u64, x, y, normal))
     }
 
-    fn meshes(faces: &[[Corner; 3]]) -> Mesh {
-        let mut builder = Builder::new();
+    fn meshes(faces: &[[MgfCorner; 3]]) -> Mesh {
+        let mut builder = MgfBuilder::new();
         let grey = builder.material(Material::diffuse("", Rgb::grey(0.5)));
         for face in faces {
             builder.face(face, grey);
@@ -350,14 +352,14 @@ mod tests {
     #[test]
     fn lamps_that_enclose_a_body_shine_outward() {
         let check = |faces: &[[u64; 3]], expected: bool| {
-            let mut builder = Builder::new();
+            let mut builder = MgfBuilder::new();
             let lamp = Material {
                 emits_back: true,
                 ..Material::emitter("", Rgb::WHITE)
             };
             let lamp = builder.material(lamp);
             for face in faces {
-                let corners = face.map(|k| Corner {
+                let corners = face.map(|k| MgfCorner {
                     key: (k, 0),
                     position: [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z][k as usize],
                     normal: None,
@@ -381,7 +383,7 @@ mod tests {
 
     #[test]
     fn groups_nest_and_keep_their_order() {
-        let mut builder = Builder::new();
+        let mut builder = MgfBuilder::new();
         let grey = builder.material(Material::diffuse("", Rgb::grey(0.5)));
         builder.open("house");
         builder.face(&triangle(0, None), grey);

@@ -1,4 +1,4 @@
-//! Colours without their brightness: CIE chromaticities, spectra, mixtures, black bodies.
+//! Chromaticities: CIE coordinates, spectra, mixtures and black bodies.
 
 use azulejo_scene::Rgb;
 use std::ops::RangeInclusive;
@@ -53,9 +53,9 @@ const CURVES: [[f64; 3]; 41] = [
 /// First and last wavelength of [`CURVES`], nm.
 const VISIBLE: RangeInclusive<u32> = 380..=780;
 
-/// XYZ of a white that is illuminant E to linear BT.709 RGB, rows.
+/// Converts XYZ with white point E to linear BT.709 RGB, by rows.
 ///
-/// The inverse of the primaries' matrix (ITU-R BT.709, white D65 at 0.3127, 0.3290) behind the
+/// The inverse of the matrix of the primaries (ITU-R BT.709, white D65 at 0.3127, 0.3290) after
 /// Bradford adaptation from E to D65, so that equal energy is grey.
 const RGB_FROM_XYZ: [[f64; 3]; 3] = [
     [3.1466576541, -1.6664637545, -0.4801938996],
@@ -63,13 +63,13 @@ const RGB_FROM_XYZ: [[f64; 3]; 3] = [
     [0.0635948029, -0.2145632222, 1.1509684193],
 ];
 
-/// Chromaticities as near to white as this are white: files round 1/3 to three digits.
+/// Chromaticities this close to white are taken as white: files round 1/3 to three digits.
 const NEAR_WHITE: f64 = 5e-4;
 
-/// Below this y no luminance is left to speak of.
+/// Below this y, the luminance is negligible.
 const LEAST_Y: f64 = 1e-6;
 
-/// A colour without its brightness: its tristimulus values when Y is 1, or all 0 for black.
+/// A chromaticity: the tristimulus values for Y = 1, or all 0 for black.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Chroma {
     xyz: [f64; 3],
@@ -82,7 +82,7 @@ impl Default for Chroma {
 }
 
 impl Chroma {
-    /// Illuminant E: the same power at all wavelengths.
+    /// Illuminant E: equal power at all wavelengths.
     pub const WHITE: Chroma = Chroma { xyz: [1.0; 3] };
 
     /// From chromaticity coordinates; `None` outside x, y >= 0, x + y <= 1 by more than rounding.
@@ -95,7 +95,7 @@ impl Chroma {
         let [x, y, z] = xyz;
         let sum = x + y + z;
         let near = |v: f64| (v / sum - 1.0 / 3.0).abs() < NEAR_WHITE;
-        // Written so that sums that are not finite are black.
+        // Negated so that non-finite sums are black.
         if !(y > LEAST_Y * sum && y.is_finite() && sum.is_finite()) {
             Chroma { xyz: [0.0; 3] }
         } else if near(x) && near(y) {
@@ -107,10 +107,10 @@ impl Chroma {
         }
     }
 
-    /// The colour of a spectrum, by its power at a wavelength in nm; `None` if nobody sees it.
+    /// The colour of a spectrum, given its power at a wavelength in nm; `None` if it is invisible.
     ///
-    /// Both the power and the curves are taken at every nanometre, the curves interpolated, and
-    /// scaled so that equal energy is white to the last bit.
+    /// Both the power and the interpolated curves are evaluated at every nanometre, and scaled so
+    /// that equal energy is exactly white.
     fn from_power(power: impl Fn(f64) -> f64) -> Option<Chroma> {
         let (mut seen, mut white) = ([0.0; 3], [0.0; 3]);
         for wavelength in VISIBLE {
@@ -125,9 +125,9 @@ impl Chroma {
         visible.then(|| Chroma::from_xyz(xyz))
     }
 
-    /// The colour of a spectrum, given by values that are evenly spaced from `first` to `last` nm
-    /// and linear between; nothing outside. `None` for fewer than two values, a range that is
-    /// empty, or a spectrum that nobody sees.
+    /// The colour of a spectrum, given by values evenly spaced from `first` to `last` nm with
+    /// linear interpolation, and zero outside. `None` for fewer than two values, an empty range, or
+    /// an invisible spectrum.
     pub fn spectrum(first: f64, last: f64, values: &[f64]) -> Option<Chroma> {
         if values.len() < 2 || first >= last {
             return None;
@@ -144,7 +144,8 @@ impl Chroma {
         })
     }
 
-    /// The colour of a black body of some kelvin, by Planck's law; `None` if it shows none.
+    /// The colour of a black body at a temperature in kelvin, by Planck's law; `None` if it is
+    /// invisible.
     pub fn black_body(kelvin: f64) -> Option<Chroma> {
         /// Second radiation constant, nm K (CODATA 2018).
         const C2: f64 = 1.438_776_877e7;
@@ -154,16 +155,17 @@ impl Chroma {
             return None;
         }
         if !factor(longest).is_finite() {
-            // So cold that only the ratio to the red end can be had, where Wien's law holds.
+            // At temperatures this low, only the ratio to the red end is representable, and Wien's
+            // law holds.
             let wien = |w: f64| (C2 / kelvin * (1.0 / longest - 1.0 / w)).exp() / w.powi(5);
             return Chroma::from_power(wien);
         }
         Chroma::from_power(|w| factor(longest) / (factor(w) * w.powi(5)))
     }
 
-    /// Parts with weights of luminance; `None` if no luminance is left.
+    /// A mixture of colours weighted by luminance; `None` if no luminance is left.
     ///
-    /// Mixing tristimulus values is the same as mixing spectra of these luminances.
+    /// Mixing tristimulus values is equivalent to mixing spectra with these luminances.
     pub fn mix(parts: impl IntoIterator<Item = (f64, Chroma)>) -> Option<Chroma> {
         let mut sum = [0.0; 3];
         for (weight, part) in parts {
@@ -174,10 +176,10 @@ impl Chroma {
         (sum[1] > 0.0).then(|| Chroma::from_xyz(sum))
     }
 
-    /// The colour at a luminance, linear RGB.
+    /// The colour at a given luminance, in linear RGB.
     ///
-    /// Colours that RGB cannot show are brought toward grey of the same luminance until they can
-    /// be, so that the luminance is always the one asked for.
+    /// Out-of-gamut colours are desaturated towards grey of the same luminance, so that the
+    /// luminance is always exact.
     pub fn rgb(self, luminance: f64) -> Rgb {
         if self == Chroma::WHITE {
             return Rgb::grey(luminance);
@@ -189,7 +191,7 @@ impl Chroma {
             let terms = [0, 1, 2].map(|k| row[k] * self.xyz[k]);
             terms.iter().sum()
         }));
-        // The adaptation to another white changes Y a little.
+        // Chromatic adaptation changes Y slightly.
         let y = linear.luminance();
         if y <= 0.0 {
             return Rgb::grey(luminance);
@@ -205,10 +207,9 @@ impl Chroma {
     }
 }
 
-/// What linear RGB shows of a reflected spectrum, by the weight of each of its wavelengths, in nm;
-/// linear between them. White light has the same power at all wavelengths, so that equal weights
-/// of a spectrum that is the same everywhere are its grey. `None` unless the wavelengths rise and
-/// some of them are visible.
+/// The linear RGB weights of a reflectance spectrum sampled at `wavelengths` in nm, with linear
+/// interpolation. The illuminant has equal power at all wavelengths, so equal weights give grey for
+/// a constant spectrum. `None` unless the wavelengths increase and some of them are visible.
 pub(crate) fn rgb_weights(wavelengths: &[f32]) -> Option<Vec<[f64; 3]>> {
     let rises = wavelengths.windows(2).all(|pair| pair[0] < pair[1]);
     if wavelengths.len() < 2 || !rises {
@@ -240,7 +241,7 @@ pub(crate) fn rgb_weights(wavelengths: &[f32]) -> Option<Vec<[f64; 3]>> {
     })
 }
 
-/// The curves at a wavelength of [`VISIBLE`], nm, linear between their entries.
+/// The colour-matching functions at a wavelength within [`VISIBLE`], nm, interpolated linearly.
 fn curves_at(wavelength: u32) -> [f64; 3] {
     let from_start = wavelength - VISIBLE.start();
     let k = (from_start / 10).min(39) as usize;
@@ -267,7 +268,7 @@ mod tests {
             Chroma::spectrum(380.0, 780.0, &[3.0, 3.0]),
             Some(Chroma::WHITE)
         );
-        // The matrix itself knows no other grey.
+        // The matrix itself maps only this white to grey.
         for row in RGB_FROM_XYZ {
             assert!((row.iter().sum::<f64>() - 1.0).abs() < 1e-9);
         }
@@ -278,7 +279,7 @@ mod tests {
         // CIE 15: illuminant A is a Planckian radiator of about 2856 K.
         check(Chroma::black_body(2855.5).unwrap(), 0.4476, 0.4074, 4e-4);
         check(Chroma::black_body(6504.0).unwrap(), 0.3135, 0.3236, 4e-4);
-        // So cold that doubles cannot say how dark it is; the hue is at the red end.
+        // At a temperature this low, the magnitude underflows; the hue is at the red end.
         let cold = Chroma::black_body(1.0).unwrap();
         check(cold, 0.735, 0.265, 2e-2);
         assert!(cold.rgb(1.0).is_finite());

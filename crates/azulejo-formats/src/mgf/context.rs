@@ -1,64 +1,64 @@
-//! Named contexts: the colours, materials and vertices that statements build and later ones use.
+//! Named contexts: the colours, materials and vertices that statements define and later ones use.
 
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// All contexts of one kind. One of them is current; the first has no name.
+/// All contexts of one type. One of them is current; the first is unnamed.
 #[derive(Debug)]
-pub(super) struct Contexts<T> {
+pub(super) struct ContextTable<T> {
     list: Vec<(Rc<[u8]>, T)>,
     by_name: HashMap<Rc<[u8]>, usize>,
     current: usize,
 }
 
-/// What is wrong with a statement that chooses a context.
+/// An error in a statement that selects a context.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Trouble<'a> {
-    /// The words are not one of the four forms.
+pub(super) enum ContextError<'a> {
+    /// The arguments have none of the four forms.
     Form,
-    /// Nobody has defined this name; a stand-in is taken.
+    /// The name is undefined; a default takes its place.
     Undefined(&'a [u8]),
 }
 
-impl<T: Clone + Default> Contexts<T> {
-    /// The unnamed one alone.
-    pub fn new() -> Contexts<T> {
-        Contexts {
+impl<T: Clone + Default> ContextTable<T> {
+    /// Only the unnamed context.
+    pub fn new() -> ContextTable<T> {
+        ContextTable {
             list: vec![(Rc::from(*b""), T::default())],
             by_name: HashMap::new(),
             current: 0,
         }
     }
 
-    /// Name and value of the current one.
+    /// Name and value of the current context.
     pub fn current(&mut self) -> (&[u8], &mut T) {
         let (name, value) = &mut self.list[self.current];
         (name, value)
     }
 
-    /// The value of a name.
+    /// The value of a named context.
     pub fn get(&self, name: &[u8]) -> Option<&T> {
         self.by_name.get(name).map(|&i| &self.list[i].1)
     }
 
-    /// All that have names, in the order in which these were first defined.
+    /// All named contexts, in the order of their first definition.
     pub fn named(&mut self) -> impl Iterator<Item = (&[u8], &mut T)> {
         self.list[1..]
             .iter_mut()
             .map(|(name, value)| (&**name, value))
     }
 
-    /// Makes another one current, by the words behind the keyword: none, `id`, `id =` or
-    /// `id = template`. `undefined` makes what a name stands for that nobody has defined.
+    /// Makes a context current, given the words after the keyword: none, `id`, `id =` or `id =
+    /// template`. `undefined` makes the default for an undefined name.
     ///
     /// # Errors
-    /// [`Trouble::Form`], and nothing changes; [`Trouble::Undefined`], and the stand-in is
+    /// [`ContextError::Form`], with no change; [`ContextError::Undefined`], with the default
     /// current under its new name.
     pub fn choose<'a>(
         &mut self,
         words: &[&'a [u8]],
         undefined: impl FnOnce() -> T,
-    ) -> Result<(), Trouble<'a>> {
+    ) -> Result<(), ContextError<'a>> {
         match *words {
             [] => {
                 self.list[0].1 = T::default();
@@ -72,7 +72,7 @@ impl<T: Clone + Default> Contexts<T> {
                 }
                 None => {
                     self.define(name, undefined());
-                    Err(Trouble::Undefined(name))
+                    Err(ContextError::Undefined(name))
                 }
             },
             [name, b"="] => {
@@ -86,10 +86,10 @@ impl<T: Clone + Default> Contexts<T> {
                 }
                 None => {
                     self.define(name, undefined());
-                    Err(Trouble::Undefined(template))
+                    Err(ContextError::Undefined(template))
                 }
             },
-            _ => Err(Trouble::Form),
+            _ => Err(ContextError::Form),
         }
     }
 
@@ -113,14 +113,17 @@ impl<T: Clone + Default> Contexts<T> {
 mod tests {
     use super::*;
 
-    fn choose<'a>(contexts: &mut Contexts<i32>, words: &'a str) -> Result<(), Trouble<'a>> {
+    fn choose<'a>(
+        contexts: &mut ContextTable<i32>,
+        words: &'a str,
+    ) -> Result<(), ContextError<'a>> {
         let words: Vec<&[u8]> = words.split_ascii_whitespace().map(str::as_bytes).collect();
         contexts.choose(&words, || -1)
     }
 
     #[test]
     fn the_four_forms() {
-        let mut c = Contexts::new();
+        let mut c = ContextTable::new();
         *c.current().1 = 5;
         assert_eq!(choose(&mut c, "a ="), Ok(()));
         assert_eq!(c.current(), (&b"a"[..], &mut 0));
@@ -145,14 +148,14 @@ mod tests {
 
     #[test]
     fn what_is_missing_has_a_stand_in() {
-        let mut c = Contexts::new();
-        assert_eq!(choose(&mut c, "a"), Err(Trouble::Undefined(b"a")));
+        let mut c = ContextTable::new();
+        assert_eq!(choose(&mut c, "a"), Err(ContextError::Undefined(b"a")));
         assert_eq!(*c.current().1, -1);
         assert_eq!(choose(&mut c, "a"), Ok(()));
-        assert_eq!(choose(&mut c, "b = c"), Err(Trouble::Undefined(b"c")));
+        assert_eq!(choose(&mut c, "b = c"), Err(ContextError::Undefined(b"c")));
         assert_eq!(c.current(), (&b"b"[..], &mut -1));
-        assert_eq!(choose(&mut c, "b is c"), Err(Trouble::Form));
-        assert_eq!(choose(&mut c, "b = c d"), Err(Trouble::Form));
+        assert_eq!(choose(&mut c, "b is c"), Err(ContextError::Form));
+        assert_eq!(choose(&mut c, "b = c d"), Err(ContextError::Form));
         assert_eq!(c.current(), (&b"b"[..], &mut -1));
     }
 }

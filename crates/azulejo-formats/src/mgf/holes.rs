@@ -1,14 +1,14 @@
-//! A polygon with holes as one polygon without: each hole is joined to what is around it by a
-//! seam, an edge that is walked twice.
+//! Polygons with holes as polygons without: each hole is connected to its surroundings by a seam,
+//! an edge that is used twice.
 //!
-//! David Eberly, *Triangulation by Ear Clipping*, 2002: from a hole's rightmost corner a ray goes
-//! right to the nearest edge; the seam goes to a corner that is visible from there.
+//! David Eberly, *Triangulation by Ear Clipping*, 2002: a ray from the hole's rightmost corner to
+//! the right hits the nearest edge; the seam ends at a corner that is visible from there.
 
 use azulejo_scene::math::{Frame, area_vector};
 use glam::{DVec2, DVec3};
 
-/// The corners of `outline` and `holes`, counted through all of them in this order, as one loop,
-/// and how many holes it leaves out because they are not inside or have no corners.
+/// The corners of `outline` and `holes`, numbered consecutively in this order, as one loop, and the
+/// number of holes left out because they are not inside or have no corners.
 pub(super) fn join(points: &[DVec3], outline: usize, holes: &[usize]) -> (Vec<usize>, usize) {
     let mut joined: Vec<usize> = (0..outline).collect();
     let Some(normal) = area_vector(&points[..outline]).try_normalize() else {
@@ -18,7 +18,7 @@ pub(super) fn join(points: &[DVec3], outline: usize, holes: &[usize]) -> (Vec<us
     let flat = |p: &DVec3| frame.to_local(*p - points[0]).truncate();
     let flat: Vec<DVec2> = points.iter().map(flat).collect();
     let mut rings = rings(&flat, outline, holes);
-    // From right to left, so that a seam never has to cross a hole that is not joined yet.
+    // From right to left, so that a seam never crosses a hole that is not connected yet.
     rings.sort_by(|a, b| flat[b[0]].x.total_cmp(&flat[a[0]].x));
     let mut left_out = holes.len() - rings.len();
     for ring in rings {
@@ -33,7 +33,7 @@ pub(super) fn join(points: &[DVec3], outline: usize, holes: &[usize]) -> (Vec<us
     (joined, left_out)
 }
 
-/// The holes as clockwise loops, each from its rightmost corner on.
+/// The holes as clockwise loops, each starting at its rightmost corner.
 fn rings(flat: &[DVec2], outline: usize, holes: &[usize]) -> Vec<Vec<usize>> {
     let mut start = outline;
     let mut rings = Vec::with_capacity(holes.len());
@@ -59,12 +59,12 @@ fn signed_area(ring: &[usize], flat: &[DVec2]) -> f64 {
         .sum()
 }
 
-/// The place in a counter-clockwise loop of a corner that is visible from a point inside; `None`
+/// The position in a counter-clockwise loop of a corner that is visible from a point inside; `None`
 /// if the point is outside.
 fn visible_corner(ring: &[usize], flat: &[DVec2], from: DVec2) -> Option<usize> {
     let n = ring.len();
     let at = |i: usize| flat[ring[i % n]];
-    // The nearest edge to the right. The inside is left of edges that go up.
+    // The nearest edge to the right. The inside is to the left of upward edges.
     let mut nearest: Option<(f64, usize)> = None;
     for i in 0..n {
         let (a, b) = (at(i), at(i + 1));
@@ -77,8 +77,8 @@ fn visible_corner(ring: &[usize], flat: &[DVec2], from: DVec2) -> Option<usize> 
     }
     let (x, end) = nearest?;
     let hit = DVec2::new(x, from.y);
-    // The farther end of that edge is visible unless corners stand between; then the one that
-    // needs the least turn from the ray is.
+    // The farther end of that edge is visible unless corners lie in between; then the one with the
+    // smallest angle to the ray is.
     let turn = |p: DVec2| (p.y - from.y).abs().atan2(p.x - from.x);
     let between = (0..n)
         .filter(|&i| in_triangle(at(i), [from, hit, at(end)]))
@@ -92,20 +92,21 @@ fn visible_corner(ring: &[usize], flat: &[DVec2], from: DVec2) -> Option<usize> 
     Some(best.unwrap_or(end) % n)
 }
 
-/// Whether a point is in a triangle of any orientation, its border included.
+/// Whether a point is in a triangle of either orientation, its border included.
 fn in_triangle(p: DVec2, [a, b, c]: [DVec2; 3]) -> bool {
     let side = |a: DVec2, b: DVec2| (b - a).perp_dot(p - a);
     let sides = [side(a, b), side(b, c), side(c, a)];
     sides.iter().all(|&s| s >= 0.0) || sides.iter().all(|&s| s <= 0.0)
 }
 
-/// Whether the way from a corner of a counter-clockwise loop to a point begins inside.
+/// Whether the segment from a corner of a counter-clockwise loop to a point starts inside.
 fn is_inside_at([before, corner, behind]: [DVec2; 3], to: DVec2) -> bool {
     let left_of = |a: DVec2, b: DVec2| (b - a).perp_dot(to - a) >= 0.0;
     let (first, second) = (left_of(before, corner), left_of(corner, behind));
-    match (corner - before).perp_dot(behind - corner) >= 0.0 {
-        true => first && second,
-        false => first || second,
+    if (corner - before).perp_dot(behind - corner) >= 0.0 {
+        first && second
+    } else {
+        first || second
     }
 }
 
@@ -123,7 +124,7 @@ mod tests {
         vec![(x, y), (x + w, y), (x + w, y + h), (x, y + h)]
     }
 
-    /// Joins and checks that the loop has the area that is left and that its triangles cover it.
+    /// Joins and checks that the loop has the remaining area and that its triangles cover it.
     fn check(outline: &[(f64, f64)], holes: &[Vec<(f64, f64)>], left_out: usize) {
         let points: Vec<DVec3> = outline
             .iter()
@@ -216,7 +217,7 @@ mod tests {
     }
 
     proptest! {
-        /// Holes of any convex shape, each in a cell of its own.
+        /// Holes of any convex shape, each in its own cell.
         #[test]
         fn any_holes(
             cells in prop::collection::vec(

@@ -1,34 +1,34 @@
-//! IESNA LM-63 photometric files, as far as azulejo's lights can say what they say: how much light
-//! goes at which angle from the axis, and out of how large an opening.
+//! IESNA LM-63 photometric files, reduced to what azulejo's lights can represent: the luminous flux
+//! by angle from the axis, and the size of the luminous opening.
 
 use super::lines::number;
 use crate::reading::cursor::TextCursor;
 use crate::reading::text::{quoted, text};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Bins of one degree from the aim of the lamp to its back.
+/// Bins of one degree from the aiming direction to the opposite one.
 pub(super) const BINS: usize = 180;
 
-/// A luminaire in its own coordinates: metres, aiming at −z, the 0° plane along x, the origin in
-/// the middle of the luminous opening.
+/// A luminaire in its own coordinates: metres, aiming at −z, the 0° plane along x, the origin at
+/// the centre of the luminous opening.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Luminaire {
-    /// Light that leaves within each degree from the aim, lumens, with all factors.
+    /// Luminous flux within each degree from the axis, lumens, with all factors applied.
     pub flux: Vec<f64>,
     /// Luminous opening.
-    pub opening: Opening,
-    /// All factors of the file together: what the emittance of a body is multiplied with.
+    pub opening: LuminousOpening,
+    /// The product of all factors of the file, which also scales the emittance of a body.
     pub factor: f64,
-    /// MGF file of its body, whose surfaces shine.
+    /// MGF file of its geometry, whose surfaces emit.
     pub body: Option<String>,
 }
 
-/// Where the light comes out.
+/// The shape of the luminous opening.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Opening {
-    /// Too small to have a size.
+pub(super) enum LuminousOpening {
+    /// A point source.
     Point,
-    /// A box of this size; the light comes out of its lower and upper sides.
+    /// A box; the light leaves through its lower and upper sides.
     Rectangle {
         /// Along x.
         length: f64,
@@ -39,20 +39,19 @@ pub(super) enum Opening {
     },
     /// A round box.
     Disc {
-        /// Across.
         diameter: f64,
         /// Along z, >= 0.
         height: f64,
     },
 }
 
-/// Reads a photometric file, of 1986 or later.
+/// Parses a photometric file, of 1986 or later.
 ///
 /// # Errors
-/// What is wrong with it.
+/// A description of the syntax error.
 pub(super) fn parse(bytes: &[u8]) -> Result<Luminaire, String> {
     let (head, data) = split_at_tilt(bytes).ok_or("no line that begins with TILT=")?;
-    let mut numbers = Numbers::new(data);
+    let mut numbers = IesNumbers::new(data);
     numbers.skip_tilt(head.tilt_included)?;
     let [
         _lamps,
@@ -71,9 +70,9 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Luminaire, String> {
     let metres = if units == 1.0 { 0.3048 } else { 1.0 };
     let factor = multiplier * ballast * photometric;
     if !(factor >= 0.0 && factor.is_finite()) {
-        return Err("factors below 0".into());
+        return Err("negative factors".into());
     }
-    let web = Web {
+    let web = PhotometricWeb {
         vertical: rising(vertical, "vertical angles")?,
         horizontal: rising(horizontal, "horizontal angles")?,
         candelas,
@@ -85,7 +84,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Luminaire, String> {
     };
     let flux: Vec<f64> = flux.iter().map(|lumens| lumens.max(0.0) * factor).collect();
     if !flux.iter().sum::<f64>().is_finite() {
-        return Err("candelas too large for numbers".into());
+        return Err("candelas that overflow".into());
     }
     Ok(Luminaire {
         flux,
@@ -95,15 +94,15 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Luminaire, String> {
     })
 }
 
-/// What the lines before the numbers say.
-struct Head {
+/// The header, before the numbers.
+struct IesHeader {
     body: Option<String>,
     tilt_included: bool,
 }
 
-/// The head, and what follows the line `TILT=`.
-fn split_at_tilt(bytes: &[u8]) -> Option<(Head, &[u8])> {
-    let mut head = Head {
+/// The header, and what follows the line `TILT=`.
+fn split_at_tilt(bytes: &[u8]) -> Option<(IesHeader, &[u8])> {
+    let mut head = IesHeader {
         body: None,
         tilt_included: false,
     };
@@ -131,17 +130,17 @@ fn after<'a>(line: &'a str, keyword: &str) -> Option<&'a str> {
         .then(|| line[keyword.len()..].trim())
 }
 
-/// A row of numbers with blanks or commas between.
-struct Numbers<'a> {
+/// Numbers separated by blanks or commas.
+struct IesNumbers<'a> {
     words: Box<dyn Iterator<Item = &'a [u8]> + 'a>,
-    /// More of them than this there cannot be.
+    /// Upper bound of their number.
     most: usize,
 }
 
-impl<'a> Numbers<'a> {
-    fn new(bytes: &'a [u8]) -> Numbers<'a> {
+impl<'a> IesNumbers<'a> {
+    fn new(bytes: &'a [u8]) -> IesNumbers<'a> {
         let words = bytes.split(|b| b.is_ascii_whitespace() || *b == b',');
-        Numbers {
+        IesNumbers {
             words: Box::new(words.filter(|word| !word.is_empty())),
             most: bytes.len() / 2 + 1,
         }
@@ -170,7 +169,7 @@ impl<'a> Numbers<'a> {
         (0..count as usize).map(|_| self.next()).collect()
     }
 
-    /// Passes over the table of `TILT=INCLUDE`: how lamps dim when they are tilted.
+    /// Skips the table of `TILT=INCLUDE`, the dimming of tilted lamps.
     fn skip_tilt(&mut self, is_included: bool) -> Result<(), String> {
         if is_included {
             let [_geometry, pairs] = self.take()?;
@@ -180,54 +179,55 @@ impl<'a> Numbers<'a> {
     }
 }
 
-/// Angles in radians that do not fall.
+/// Non-decreasing angles, in radians.
 fn rising(degrees: Vec<f64>, what: &str) -> Result<Vec<f64>, String> {
-    match degrees.is_sorted() {
-        true => Ok(degrees.iter().map(|d| d.to_radians()).collect()),
-        false => Err(format!("{what} that do not rise")),
+    if degrees.is_sorted() {
+        Ok(degrees.iter().map(|d| d.to_radians()).collect())
+    } else {
+        Err(format!("{what} that decrease"))
     }
 }
 
-/// The opening by the file's width, length and height, metres; circles have negative sizes.
-fn opening([width, length, height]: [f64; 3]) -> Opening {
+/// The opening from the file's width, length and height, metres; circles have negative sizes.
+fn opening([width, length, height]: [f64; 3]) -> LuminousOpening {
     let height = height.abs();
     if width > 0.0 && length > 0.0 {
-        return Opening::Rectangle {
+        return LuminousOpening::Rectangle {
             length,
             width,
             height,
         };
     }
     if width < 0.0 && length <= 0.0 {
-        // An ellipse becomes the circle of its area.
+        // An ellipse becomes the circle of equal area.
         let across = if length < 0.0 {
             (width * length).sqrt()
         } else {
             -width
         };
-        return Opening::Disc {
+        return LuminousOpening::Disc {
             diameter: across,
             height,
         };
     }
-    Opening::Point
+    LuminousOpening::Point
 }
 
-/// Luminous intensities by angles, candela.
-struct Web {
+/// Luminous intensities by angle, candela.
+struct PhotometricWeb {
     vertical: Vec<f64>,
     horizontal: Vec<f64>,
     /// All vertical angles for the first horizontal one, then for the next.
     candelas: Vec<f64>,
 }
 
-/// The middle of a bin of one degree, radians.
+/// The centre of a bin of one degree, radians.
 fn middle(bin: usize) -> f64 {
     (bin as f64 + 0.5).to_radians()
 }
 
-impl Web {
-    /// Intensity at angles that are inside the web, bilinear; 0 elsewhere.
+impl PhotometricWeb {
+    /// Intensity at angles inside the web, bilinear; 0 elsewhere.
     fn at(&self, vertical: f64, horizontal: f64) -> f64 {
         let (Some((i, f)), Some((j, g))) = (
             place(&self.vertical, vertical),
@@ -243,8 +243,8 @@ impl Web {
         (1.0 - g) * row(j) + g * row((j + 1).min(self.horizontal.len() - 1))
     }
 
-    /// Type C: vertical angles from the aim, horizontal ones around it. The mean over the angles
-    /// that are there is the mean over all, by symmetry.
+    /// Type C: vertical angles from the axis, horizontal ones around it. By symmetry, the mean over
+    /// the given angles is the mean over all.
     fn around_axis(&self) -> Vec<f64> {
         let ends = [
             self.horizontal[0],
@@ -262,8 +262,8 @@ impl Web {
         (0..BINS).map(flux).collect()
     }
 
-    /// Types A and B: angles up and across, both 0 at the aim, whose half that is not there
-    /// mirrors the other. In type B the vertical angle turns about the axis that lies across.
+    /// Types A and B: elevation and azimuth, both 0 on the axis; a missing half mirrors the other.
+    /// In type B the vertical angle rotates about the horizontal axis.
     fn across(&self, is_b: bool) -> Vec<f64> {
         let mut flux = vec![0.0; BINS];
         let degree = 1f64.to_radians();
@@ -282,8 +282,8 @@ impl Web {
     }
 }
 
-/// Where a value lies in a rising list: the index before it and the share of the way to the next;
-/// `None` outside. A list of one value holds everywhere.
+/// The position of a value in a non-decreasing list: the index before it and the fraction of the
+/// way to the next; `None` outside. A list of one value holds everywhere.
 fn place(list: &[f64], value: f64) -> Option<(usize, f64)> {
     let (first, last) = (*list.first()?, *list.last()?);
     if list.len() == 1 {
@@ -326,7 +326,10 @@ mod tests {
     fn light_the_same_everywhere() {
         let l = parse(file("0 0 0", "0 180", "0", "100 100").as_bytes()).unwrap();
         assert!((lumens(&l) - 400.0 * PI).abs() < 1e-9);
-        assert_eq!((l.opening, l.factor, l.body), (Opening::Point, 1.0, None));
+        assert_eq!(
+            (l.opening, l.factor, l.body),
+            (LuminousOpening::Point, 1.0, None)
+        );
         // The same over a quarter of the horizon, and over all of it.
         for horizontal in ["0 90", "0 90 180 270 360"] {
             let candelas = "100 100 ".repeat(horizontal.split(' ').count());
@@ -345,7 +348,7 @@ mod tests {
         let l = l.unwrap();
         // Lambert: Φ = π I.
         assert!((lumens(&l) - 100.0 * PI).abs() < 0.02);
-        let rectangle = Opening::Rectangle {
+        let rectangle = LuminousOpening::Rectangle {
             length: 0.6096,
             width: 0.3048,
             height: 0.0,
@@ -369,7 +372,7 @@ mod tests {
                 lumens(&l)
             );
             assert!(l.flux[15..].iter().all(|&f| f == 0.0));
-            let disc = Opening::Disc {
+            let disc = LuminousOpening::Disc {
                 diameter: 0.2,
                 height: 0.0,
             };
@@ -406,13 +409,13 @@ mod tests {
             "9000000000 vertical angles",
         );
         check(&good.replace("2.0 2 1", "2.0 0 1"), "0 vertical angles");
-        check(&good.replace("0 90", "90 0"), "do not rise");
-        check(&good.replace("2.0 2 1", "-2.0 2 1"), "factors below 0");
+        check(&good.replace("0 90", "90 0"), "decrease");
+        check(&good.replace("2.0 2 1", "-2.0 2 1"), "negative factors");
         check(
             &good
                 .replace("\n1 1\n", "\n1e308 1e308\n")
                 .replace("2.0 2 1", "9.0 2 1"),
-            "too large",
+            "overflow",
         );
     }
 }

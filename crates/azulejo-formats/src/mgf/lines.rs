@@ -1,4 +1,4 @@
-//! The statements of a text file and their words, for MGF.
+//! Statements of a text file and their words, for MGF.
 //!
 //! A line is a statement. A backslash at the end of a line continues it, also in comments. A word
 //! that begins with `#` begins a comment.
@@ -7,15 +7,15 @@ use crate::Position;
 use crate::reading::cursor::{TextCursor, is_line_end};
 use crate::reading::number;
 
-/// A cursor between two statements of a text.
+/// A cursor over the bytes of a text file, between two statements.
 #[derive(Clone, Debug)]
-pub(super) struct Lines<'a> {
+pub(super) struct MgfLines<'a> {
     text: TextCursor<'a>,
 }
 
-/// A place to come back to, or to complain about.
+/// A position to return to, or to report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Mark {
+pub(super) struct StatementMark {
     at: usize,
 }
 
@@ -24,34 +24,34 @@ fn is_blank(b: u8) -> bool {
     matches!(b, b' ' | b'\t' | 0x0b | 0x0c)
 }
 
-impl<'a> Lines<'a> {
-    /// The start of a text.
-    pub fn new(bytes: &'a [u8]) -> Lines<'a> {
-        Lines {
+impl<'a> MgfLines<'a> {
+    /// A cursor at the start of a text.
+    pub fn new(bytes: &'a [u8]) -> MgfLines<'a> {
+        MgfLines {
             text: TextCursor::new(bytes),
         }
     }
 
-    /// The place behind the last statement.
-    pub fn mark(&self) -> Mark {
-        Mark {
+    /// The position after the last statement.
+    pub fn mark(&self) -> StatementMark {
+        StatementMark {
             at: self.text.offset(),
         }
     }
 
-    /// Goes back to a place of this text.
-    pub fn return_to(&mut self, mark: Mark) {
+    /// Returns to a position in this text.
+    pub fn return_to(&mut self, mark: StatementMark) {
         self.text.move_to(mark.at);
     }
 
-    /// Line and column of a place. Takes time in proportion to its offset.
-    pub fn position(&self, mark: Mark) -> Position {
+    /// Line and column of a position. Takes time proportional to its offset.
+    pub fn position(&self, mark: StatementMark) -> Position {
         self.text.position(mark.at)
     }
 
-    /// Puts the words of the next statement, one at least, into `words`, and says where it
-    /// begins; `None` at the end of the text.
-    pub fn next(&mut self, words: &mut Vec<&'a [u8]>) -> Option<Mark> {
+    /// Reads the words of the next statement, at least one, into `words`, and returns its position;
+    /// `None` at the end of the text.
+    pub fn next(&mut self, words: &mut Vec<&'a [u8]>) -> Option<StatementMark> {
         words.clear();
         let mut start = self.mark();
         loop {
@@ -120,7 +120,7 @@ mod tests {
     use crate::reading::text::text;
 
     fn check(source: &str, expected: &[&str]) {
-        let (mut lines, mut words) = (Lines::new(source.as_bytes()), Vec::new());
+        let (mut lines, mut words) = (MgfLines::new(source.as_bytes()), Vec::new());
         let mut found = Vec::new();
         while let Some(mark) = lines.next(&mut words) {
             let Position::Line(line, column) = lines.position(mark) else {
@@ -148,7 +148,7 @@ mod tests {
 
     #[test]
     fn places_can_be_returned_to() {
-        let (mut lines, mut words) = (Lines::new(b"a\nb\n\nc"), Vec::new());
+        let (mut lines, mut words) = (MgfLines::new(b"a\nb\n\nc"), Vec::new());
         lines.next(&mut words);
         let mark = lines.mark();
         lines.next(&mut words);

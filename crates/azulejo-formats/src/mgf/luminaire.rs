@@ -1,9 +1,9 @@
 //! Photometric files as lights: `ies`.
 
-use super::ies::{BINS, Luminaire, Opening, parse};
-use super::reader::{Reader, Source, Stop, skip};
+use super::ies::{BINS, Luminaire, LuminousOpening, parse};
+use super::reader::{EntityError, MgfReader, MgfSource, skip};
 use super::solids;
-use super::transform::Transform;
+use super::transform::MgfTransform;
 use crate::reading::files::beside;
 use crate::reading::text::quoted;
 use azulejo_scene::{LightKind, Material, Primitive, Rgb};
@@ -11,28 +11,28 @@ use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
 use std::rc::Rc;
 
-/// A side with less of the light than this is dark.
+/// A side with a smaller share of the flux than this is dark.
 const DARK: f64 = 1e-3;
 
-/// Half of the light within this many degrees is a beam, which an opening that shines alike in
-/// all directions (half of it within 45°) cannot say.
+/// A distribution with half of its flux within this many degrees is a beam, which a Lambertian
+/// opening (half of the flux within 45°) cannot represent.
 const BEAM: f64 = 30.0;
 
 /// Sides of round openings.
 const SIDES: u32 = 32;
 
-/// Least distance between the two sides of an opening that shines both ways, metres.
+/// Least distance between the two sides of an opening that emits both ways, metres.
 const LEAST_HEIGHT: f64 = 2e-3;
 
-impl Reader<'_> {
-    /// Places a luminaire once for each instance of a transform.
+impl MgfReader<'_> {
+    /// Adds a luminaire for each instance of a transform.
     pub(super) fn place_luminaires(
         &mut self,
-        source: &mut Source,
+        source: &mut MgfSource,
         name: &str,
         multiplier: f64,
-        transform: &Transform,
-    ) -> Result<(), Stop> {
+        transform: &MgfTransform,
+    ) -> Result<(), EntityError> {
         let luminaire = self.luminaire_of(name)?;
         if let Some(body) = &luminaire.body {
             let body = beside(name, body);
@@ -46,7 +46,7 @@ impl Reader<'_> {
                     self.emission = outside;
                     return read;
                 }
-                Err(Stop::Skipped(message)) => self.warn(source, message),
+                Err(EntityError::Skipped(message)) => self.warn(source, message),
                 Err(stop) => return Err(stop),
             }
         }
@@ -54,31 +54,37 @@ impl Reader<'_> {
         self.for_instances(group, transform, |reader| {
             reader.shine(&luminaire, multiplier)
         })?;
-        skip("luminaire (ies): its intensities are simplified to what lamps and spotlights can say")
+        skip("luminaire (ies): its distribution is approximated by area lights and spotlights")
     }
 
-    fn luminaire_of(&mut self, name: &str) -> Result<Rc<Luminaire>, Stop> {
+    fn luminaire_of(&mut self, name: &str) -> Result<Rc<Luminaire>, EntityError> {
         let shown = quoted(name.as_bytes());
         if self.open.iter().any(|open| open == name) {
-            return skip(format!("the body of {shown} names it again: skipped"));
+            return skip(format!(
+                "the geometry of {shown} includes it again: skipped"
+            ));
         }
         if let Some(known) = self.luminaires.get(name) {
             let known = known.clone();
-            return known.map_or_else(|| skip(format!("{shown} is left out, as before")), Ok);
+            return known.map_or_else(|| skip(format!("{shown} skipped, as before")), Ok);
         }
         let bytes = self.text_of(name)?;
         let parsed = parse(&bytes).map(Rc::new);
         self.luminaires.insert(name.to_owned(), parsed.clone().ok());
-        parsed.or_else(|wrong| skip(format!("{shown} is no photometric file: found {wrong}")))
+        parsed.or_else(|wrong| {
+            skip(format!(
+                "{shown} is not a valid photometric file: found {wrong}"
+            ))
+        })
     }
 
-    /// The light below and the light above, each out of its side of the opening.
-    fn shine(&mut self, luminaire: &Luminaire, multiplier: f64) -> Result<(), Stop> {
+    /// Adds the downward and the upward light, each on its side of the opening.
+    fn shine(&mut self, luminaire: &Luminaire, multiplier: f64) -> Result<(), EntityError> {
         let total: f64 = luminaire.flux.iter().sum();
-        let both = [false, true].map(|up| Side::new(luminaire, up, multiplier));
-        let is_lit = |side: &Side| side.lumens > DARK * total * multiplier;
+        let both = [false, true].map(|up| LuminaireSide::new(luminaire, up, multiplier));
+        let is_lit = |side: &LuminaireSide| side.lumens > DARK * total * multiplier;
         let shines_both_ways = both.iter().all(is_lit);
-        let is_round_about = luminaire.opening == Opening::Point
+        let is_round_about = luminaire.opening == LuminousOpening::Point
             && both
                 .iter()
                 .all(|side| side.lumens > 0.25 * total * multiplier);
@@ -88,7 +94,7 @@ impl Reader<'_> {
         for side in both.iter().filter(|side| is_lit(side)) {
             let is_beam = side.angle_of(0.5) < BEAM;
             match luminaire.opening {
-                Opening::Point => self.spot(side)?,
+                LuminousOpening::Point => self.spot(side)?,
                 _ if is_beam => self.spot(side)?,
                 opening => self.lamp(side, opening, shines_both_ways)?,
             }
@@ -96,12 +102,12 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Intensities grow with the square of the scale, as the light of surfaces does.
+    /// Intensities scale with the square of lengths, like the flux of surfaces.
     fn candelas(&self, local: f64) -> Rgb {
         Rgb::grey(local * self.placement.scale * self.placement.scale)
     }
 
-    fn bulb(&mut self, lumens: f64) -> Result<(), Stop> {
+    fn bulb(&mut self, lumens: f64) -> Result<(), EntityError> {
         let position = self.placement.map.translation;
         let intensity = self.candelas(lumens / (4.0 * PI));
         self.light(
@@ -113,14 +119,14 @@ impl Reader<'_> {
         )
     }
 
-    fn spot(&mut self, side: &Side) -> Result<(), Stop> {
+    fn spot(&mut self, side: &LuminaireSide) -> Result<(), EntityError> {
         let map = self.placement.map;
         let position = map.translation;
         let Some(direction) = (map.matrix3 * side.aim()).try_normalize() else {
             return skip("luminaire without a direction: skipped");
         };
         let [inner, outer] = [side.angle_of(0.25), side.angle_of(0.99)].map(f64::to_radians);
-        // Smoothstep of the cosine between the two: half of that ring's light.
+        // Smoothstep of the cosine between the two: half of the flux in that ring.
         let solid_angle = 2.0 * PI * (1.0 - 0.5 * (inner.cos() + outer.cos()));
         let intensity = self.candelas(side.lumens / solid_angle);
         let kind = LightKind::Spot {
@@ -133,20 +139,27 @@ impl Reader<'_> {
         self.light(position, kind)
     }
 
-    fn light(&mut self, position: DVec3, kind: LightKind) -> Result<(), Stop> {
+    fn light(&mut self, position: DVec3, kind: LightKind) -> Result<(), EntityError> {
         let (LightKind::Point { intensity, .. } | LightKind::Spot { intensity, .. }) = kind else {
             return Ok(());
         };
         if !(position.is_finite() && intensity.is_finite()) {
-            return skip("luminaire that is too large for numbers: skipped");
+            return skip("luminaire whose size overflows: skipped");
         }
         self.builder.light(kind);
         Ok(())
     }
 
-    /// An opening that shines alike in all directions.
-    fn lamp(&mut self, side: &Side, opening: Opening, both: bool) -> Result<(), Stop> {
-        let (Opening::Rectangle { height, .. } | Opening::Disc { height, .. }) = opening else {
+    /// A Lambertian opening.
+    fn lamp(
+        &mut self,
+        side: &LuminaireSide,
+        opening: LuminousOpening,
+        both: bool,
+    ) -> Result<(), EntityError> {
+        let (LuminousOpening::Rectangle { height, .. } | LuminousOpening::Disc { height, .. }) =
+            opening
+        else {
             return Ok(());
         };
         let height = if both {
@@ -158,13 +171,13 @@ impl Reader<'_> {
         let centre = 0.5 * height * normal;
         let map = self.placement.map;
         match opening {
-            Opening::Rectangle { length, width, .. } => {
+            LuminousOpening::Rectangle { length, width, .. } => {
                 let material = self.lamp_material(side.lumens / (length * width))?;
                 let (along, across) = (length * DVec3::X, width * normal.cross(DVec3::X));
                 let corner = centre - 0.5 * (along + across);
                 self.rectangle([corner, along, across], &map, material)
             }
-            Opening::Disc { diameter, .. } => {
+            LuminousOpening::Disc { diameter, .. } => {
                 let mesh = solids::ring(centre, normal, 0.0, 0.5 * diameter, SIDES);
                 let material = self.lamp_material(side.lumens / mesh.area())?;
                 if !mesh
@@ -172,12 +185,12 @@ impl Reader<'_> {
                     .iter()
                     .all(|p| map.transform_point3(*p).is_finite())
                 {
-                    return skip("luminaire that is too large for numbers: skipped");
+                    return skip("luminaire whose size overflows: skipped");
                 }
                 self.builder.solid(mesh, &map, material);
                 Ok(())
             }
-            Opening::Point => Ok(()),
+            LuminousOpening::Point => Ok(()),
         }
     }
 
@@ -186,28 +199,29 @@ impl Reader<'_> {
         [corner, along, across]: [DVec3; 3],
         map: &DAffine3,
         material: u32,
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EntityError> {
         let corner = map.transform_point3(corner);
         let [along, across] = [along, across].map(|edge| map.transform_vector3(edge));
-        // The front follows the edges, so their order keeps it under a map that mirrors.
-        let [first, second] = match self.placement.mirrors() {
-            true => [across, along],
-            false => [along, across],
+        // The front follows the edges, so reversing them preserves it under a reflection.
+        let [first, second] = if self.placement.mirrors() {
+            [across, along]
+        } else {
+            [along, across]
         };
         let size = first.cross(second).length();
         if !(corner.is_finite() && size.is_finite() && size > 0.0) {
-            return skip("luminaire without size, or too large for numbers: skipped");
+            return skip("luminaire without size, or whose size overflows: skipped");
         }
         self.builder
             .primitive(Primitive::parallelogram(corner, first, second, material));
         Ok(())
     }
 
-    /// White of so much emittance, lm/m².
-    fn lamp_material(&mut self, emittance: f64) -> Result<u32, Stop> {
+    /// A white emitter with the given emittance, lm/m².
+    fn lamp_material(&mut self, emittance: f64) -> Result<u32, EntityError> {
         let radiance = emittance / PI;
         if !radiance.is_finite() {
-            return skip("luminaire that is too bright for numbers: skipped");
+            return skip("luminaire whose brightness overflows: skipped");
         }
         let name = self.builder.path().to_owned();
         Ok(self
@@ -216,21 +230,21 @@ impl Reader<'_> {
     }
 }
 
-/// The light that leaves below or above.
-struct Side {
+/// The downward or upward flux.
+struct LuminaireSide {
     up: bool,
     lumens: f64,
-    /// Shares of it within each degree from its own axis.
+    /// Its share within each degree from its own axis.
     shares: Vec<f64>,
 }
 
-impl Side {
-    fn new(luminaire: &Luminaire, up: bool, multiplier: f64) -> Side {
+impl LuminaireSide {
+    fn new(luminaire: &Luminaire, up: bool, multiplier: f64) -> LuminaireSide {
         let half = BINS / 2;
         let from_axis = |k: usize| if up { BINS - 1 - k } else { k };
         let flux: Vec<f64> = (0..half).map(|k| luminaire.flux[from_axis(k)]).collect();
         let sum: f64 = flux.iter().sum();
-        Side {
+        LuminaireSide {
             up,
             lumens: sum * multiplier,
             shares: flux
@@ -240,12 +254,12 @@ impl Side {
         }
     }
 
-    /// Where it aims.
+    /// The direction of its axis.
     fn aim(&self) -> DVec3 {
         if self.up { DVec3::Z } else { -DVec3::Z }
     }
 
-    /// The angle from the axis, degrees, within which a share of the light leaves.
+    /// The angle from the axis, degrees, that contains a share of the flux.
     fn angle_of(&self, share: f64) -> f64 {
         let mut left = share;
         for (degree, here) in (0..).zip(&self.shares) {

@@ -1,4 +1,4 @@
-//! MGF's materials as azulejo's.
+//! Conversion of MGF materials.
 
 use super::color::Chroma;
 use crate::surface::gloss::Gloss;
@@ -6,79 +6,79 @@ use azulejo_scene::brdf::Description;
 use azulejo_scene::{Dielectric, Material, MaterialId, Rgb};
 use std::f64::consts::PI;
 
-/// Surfaces below this roughness (RMS facet slope) are mirrors.
+/// Surfaces below this roughness (RMS facet slope) are perfect mirrors.
 const SMOOTH: f64 = 1e-4;
 
-/// The roughest that a model takes.
+/// The greatest roughness that the model supports.
 const MOST: f64 = 10.0;
 
-/// Reflectance of what a file names and does not define.
+/// Reflectance of undefined materials.
 const DEFAULT_REFLECTANCE: f64 = 0.5;
 
-/// One of the five ways in which light leaves a surface.
+/// One of the five components of a material: reflection, transmission, emission.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Part {
-    /// Share of the light that arrives, or lm/m² for emittance; of equal-energy white.
+pub(super) struct MaterialComponent {
+    /// Share of the incident light, or lm/m² for emittance; of equal-energy white.
     pub amount: f64,
-    /// The colour that was current when the part was read.
+    /// The current colour when the component was read.
     pub color: Chroma,
-    /// RMS facet slope, of specular parts.
+    /// RMS facet slope, for specular components.
     pub roughness: f64,
 }
 
-impl Part {
+impl MaterialComponent {
     fn rgb(&self) -> Rgb {
         self.color.rgb(self.amount)
     }
 }
 
-/// A material as the file says it.
+/// A material as defined in the file.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct Surface {
+pub(super) struct MgfMaterial {
     /// Whether it is `sides 1`.
     pub is_one_sided: bool,
     /// `rd`: diffuse reflectance.
-    pub rd: Part,
+    pub rd: MaterialComponent,
     /// `td`: diffuse transmittance.
-    pub td: Part,
+    pub td: MaterialComponent,
     /// `ed`: diffuse emittance.
-    pub ed: Part,
+    pub ed: MaterialComponent,
     /// `rs`: specular reflectance.
-    pub rs: Part,
+    pub rs: MaterialComponent,
     /// `ts`: specular transmittance.
-    pub ts: Part,
+    pub ts: MaterialComponent,
     /// `ir`: real part of the index of refraction; `None` for the default of 1.
     pub ior: Option<f64>,
-    /// What it has become in the scene, on open and on closed surfaces; whoever changes anything
-    /// forgets it.
+    /// The scene's materials made from it, for open and for closed surfaces; any change resets
+    /// them.
     pub made: [Option<MaterialId>; 2],
 }
 
-impl Surface {
-    /// What stands for a material that nobody defines: grey.
-    pub fn undefined() -> Surface {
-        Surface {
-            rd: Part {
+impl MgfMaterial {
+    /// The default for an undefined material: grey.
+    pub fn undefined() -> MgfMaterial {
+        MgfMaterial {
+            rd: MaterialComponent {
                 amount: DEFAULT_REFLECTANCE,
-                ..Part::default()
+                ..MaterialComponent::default()
             },
-            ..Surface::default()
+            ..MgfMaterial::default()
         }
     }
 
-    /// Whether light goes through without being scattered.
+    /// Whether it transmits specularly.
     pub fn is_glass(&self) -> bool {
         self.ts.amount > 0.0
     }
 
-    /// Whether the two sides are different to azulejo: only one of them emits, or one is glass.
+    /// Whether the two sides differ in azulejo: only one of them emits, or it is glass.
     pub fn has_different_sides(&self) -> bool {
         let is_solid = self.is_one_sided && self.is_glass() && self.ior.is_some();
         (self.is_one_sided && self.ed.amount > 0.0) || is_solid
     }
 
-    /// As one of azulejo's materials, and what is lost on the way. Of a closed surface nobody
-    /// sees the back, which then emits nothing.
+    /// Converts it to an azulejo material, and collects what is lost. The back of a closed surface
+    /// is never visible, so it does not emit.
     pub fn material(
         &self,
         name: &str,
@@ -95,7 +95,8 @@ impl Surface {
             ..Material::default()
         };
         if !td.is_black() {
-            losses.push("diffuse transmittance (td) is not used: what it lets through is absorbed");
+            losses
+                .push("diffuse transmittance (td) is not supported: transmitted light is absorbed");
         }
         if !ts.is_black() {
             self.glass(&mut material, rs, ts, &mut losses);
@@ -105,34 +106,34 @@ impl Surface {
             let made = gloss.cover(&mut material, ward(self.rs.roughness.min(MOST), rs, rd));
             losses.extend(made.err());
         }
-        // The shares were made possible; this is for the last bit of their sums.
+        // The shares sum to at most 1; this corrects the last bit.
         material.limit_reflectance();
         (material, losses)
     }
 
-    /// rd, td, rs and ts as RGB, scaled down together where they make light of nothing.
+    /// rd, td, rs and ts as RGB, scaled down together if they sum to more than 1.
     fn shares(&self, losses: &mut Vec<&'static str>) -> [Rgb; 4] {
         let shares = [self.rd, self.td, self.rs, self.ts].map(|part| part.rgb());
         let total = shares
             .iter()
             .fold(Rgb::BLACK, |sum, &s| sum + s)
             .max_channel();
-        // What rounds to three digits may come to a little more than 1.
+        // Shares rounded to three digits may sum to slightly more than 1.
         if total <= 1.0 + 1e-9 {
             return shares;
         }
-        losses.push("material that reflects and transmits more than arrives: scaled down to 1");
+        losses.push("material that reflects and transmits more than it receives: scaled down to 1");
         shares.map(|share| share / total)
     }
 
-    /// Glass: a solid body if it is one-sided and refracts, otherwise a sheet that light passes
-    /// straight.
+    /// Glass: a solid body if it is one-sided and refracts, otherwise a thin sheet without
+    /// refraction.
     fn glass(&self, material: &mut Material, rs: Rgb, ts: Rgb, losses: &mut Vec<&'static str>) {
         if self.ts.roughness > SMOOTH {
-            losses.push("rough transmission (ts with roughness) is taken as clear");
+            losses.push("rough transmission (ts with roughness) is not supported: taken as clear");
         }
         if !material.diffuse.is_black() {
-            losses.push("diffuse reflection of glass is not used: absorbed");
+            losses.push("diffuse reflection of glass is not supported: absorbed");
             material.diffuse = Rgb::BLACK;
         }
         let solid = self.ior.filter(|_| self.is_one_sided);
@@ -150,13 +151,13 @@ impl Surface {
             },
         });
         if solid.is_none() && !rs.is_black() {
-            losses.push("reflection of a sheet of glass (rs beside ts) is not used: absorbed");
+            losses.push("reflection of a sheet of glass (rs beside ts) is not supported: absorbed");
         }
     }
 }
 
-/// What one face of a solid passes of the light that its reflection leaves, when `ts` comes
-/// through a plate of two faces.
+/// The internal transmittance per face of a solid, if `ts` is the transmittance of a plate with two
+/// faces.
 ///
 /// Fresnel at normal incidence: R = ((n − 1)/(n + 1))², and ts = ((1 − R) t)².
 fn through_one_face(ior: f64, ts: Rgb) -> Rgb {
@@ -164,7 +165,7 @@ fn through_one_face(ior: f64, ts: Rgb) -> Rgb {
     ts.map(|share| (share.sqrt() / (1.0 - reflected)).min(1.0))
 }
 
-/// Ward's model in the form that keeps energy; MGF's roughness is its α.
+/// Ward's model in the energy-conserving form; MGF's roughness is its α.
 fn ward(roughness: f64, ks: Rgb, kd: Rgb) -> Description {
     let [ks, kd] = [ks, kd].map(|share| share.map(|c| c.min(1.0)));
     let parameters = [
@@ -179,15 +180,15 @@ fn ward(roughness: f64, ks: Rgb, kd: Rgb) -> Description {
 mod tests {
     use super::*;
 
-    fn part(amount: f64, roughness: f64) -> Part {
-        Part {
+    fn part(amount: f64, roughness: f64) -> MaterialComponent {
+        MaterialComponent {
             amount,
             roughness,
-            ..Part::default()
+            ..MaterialComponent::default()
         }
     }
 
-    fn check(surface: Surface, expected: Material, losses: &[&str]) {
+    fn check(surface: MgfMaterial, expected: Material, losses: &[&str]) {
         let (found, lost) = surface.material("m", false, &mut Gloss::default());
         let close = |a: Rgb, b: Rgb| (0..3).all(|k| (a[k] - b[k]).abs() < 1e-12);
         assert!(
@@ -206,10 +207,10 @@ mod tests {
 
     #[test]
     fn matt_mirror_gloss() {
-        let surface = |rs| Surface {
+        let surface = |rs| MgfMaterial {
             rd: part(0.3, 0.0),
             rs,
-            ..Surface::default()
+            ..MgfMaterial::default()
         };
         let matt = Material::diffuse("m", Rgb::grey(0.3));
         let mirror = Material {
@@ -230,25 +231,25 @@ mod tests {
 
     #[test]
     fn more_than_all_is_scaled() {
-        let surface = Surface {
+        let surface = MgfMaterial {
             rd: part(0.9, 0.0),
             rs: part(0.3, 0.0),
-            ..Surface::default()
+            ..MgfMaterial::default()
         };
         let expected = Material {
             mirror: Rgb::grey(0.25),
             ..Material::diffuse("m", Rgb::grey(0.75))
         };
-        check(surface, expected, &["more than arrives"]);
+        check(surface, expected, &["more than it receives"]);
     }
 
     #[test]
     fn glass_as_sheet_and_as_solid() {
-        let sheet = Surface {
+        let sheet = MgfMaterial {
             rs: part(0.08, 0.0),
             ts: part(0.88, 0.0),
             ior: Some(1.52),
-            ..Surface::default()
+            ..MgfMaterial::default()
         };
         let pane = |ior, transmittance| Material {
             mirror: Rgb::WHITE,
@@ -264,10 +265,10 @@ mod tests {
             pane(1.0, Rgb::grey(0.88)),
             &["sheet of glass"],
         );
-        // 4.26% is lost at each face; what is left of 0.88 is lost inside.
+        // 4.26% is lost at each face; the rest of the way to 0.88 is lost inside.
         let reflected = (0.52f64 / 2.52).powi(2);
         let t = 0.88f64.sqrt() / (1.0 - reflected);
-        let solid = Surface {
+        let solid = MgfMaterial {
             is_one_sided: true,
             ..sheet
         };
@@ -276,11 +277,11 @@ mod tests {
 
     #[test]
     fn emission_by_sides() {
-        let lamp = |is_one_sided| Surface {
+        let lamp = |is_one_sided| MgfMaterial {
             is_one_sided,
             ed: part(PI, 0.0),
             td: part(0.5, 0.0),
-            ..Surface::default()
+            ..MgfMaterial::default()
         };
         let expected = |emits_back| Material {
             emits_back,

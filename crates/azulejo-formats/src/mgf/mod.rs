@@ -1,7 +1,7 @@
 //! Materials and Geometry Format (MGF), version 2.
 //!
-//! What is read: all entities of the format, arrays, includes and luminaires of IES LM-63.
-//! `docs/formats/mgf.md` says how every one is understood.
+//! All entities of the format are read, with arrays, includes and luminaires of IES LM-63.
+//! `docs/formats/mgf.md` describes how each of them is interpreted.
 
 mod build;
 mod color;
@@ -21,13 +21,13 @@ mod transform;
 use crate::reading::text::decoded;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 pub(crate) use color::rgb_weights;
-use reader::Reader;
+use reader::MgfReader;
 
-/// Reads a scene; `name` stands in messages, `files` gives what the file includes.
+/// Reads a scene; `name` is used in messages, `files` provides included files.
 ///
 /// # Errors
-/// Arrays and includes that unfold to more than `options` allow. Whatever else is wrong is skipped
-/// with a warning.
+/// Arrays and includes that unfold to more than `options` allow. Any other error is skipped with a
+/// warning.
 pub fn read(
     bytes: &[u8],
     name: &str,
@@ -35,7 +35,7 @@ pub fn read(
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
     let bytes = &*decoded(bytes);
-    let mut reader = Reader::new(files, options);
+    let mut reader = MgfReader::new(files, options);
     reader.run(bytes, name).map_err(|e| e.error(name))?;
     Ok(reader.finish(name))
 }

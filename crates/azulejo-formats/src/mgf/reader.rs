@@ -1,12 +1,12 @@
-//! What each statement does.
+//! Executes statements.
 
-use super::build::Builder;
+use super::build::MgfBuilder;
 use super::color::Chroma;
-use super::context::{Contexts, Trouble};
+use super::context::{ContextError, ContextTable};
 use super::ies::Luminaire;
-use super::lines::{Lines, Mark, number};
-use super::material::{Part, Surface};
-use super::transform::Transform;
+use super::lines::{MgfLines, StatementMark, number};
+use super::material::{MaterialComponent, MgfMaterial};
+use super::transform::MgfTransform;
 use crate::reading::files::beside;
 use crate::reading::options::{Budget, Exhausted};
 use crate::reading::text::{decoded, quoted, text};
@@ -17,64 +17,64 @@ use glam::{DAffine3, DMat3, DVec3};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Files that include each other more deeply than this are taken for a mistake.
+/// Includes nested more deeply than this are considered an error.
 const DEEPEST: usize = 64;
 
-/// What a statement costs that is read again for an instance or from an included file: as much
-/// as some vertices, so that a small file cannot keep the reader busy for long.
+/// What repeating a statement takes from the budget, for an instance or an included file: as much
+/// as several vertices, so that a small file cannot keep the reader busy for long.
 const REPEATED: u64 = 4;
 
-/// What a statement costs besides if it makes a colour of a spectrum.
+/// What a statement takes in addition if it evaluates a spectrum.
 const SPECTRUM: u64 = 256;
 
-/// What a complaint costs about a statement that is read again.
+/// What a warning about a repeated statement takes.
 const COMPLAINT: u64 = 64;
 
-/// Why a statement is not carried out.
+/// Why a statement was not executed.
 #[derive(Debug)]
-pub(super) enum Stop {
-    /// It is skipped, or carried out as well as it can be; this is said.
+pub(super) enum EntityError {
+    /// It was skipped or repaired, with this warning.
     Skipped(String),
-    /// The model unfolds to more than is allowed: nothing more is read.
+    /// The model unfolds to more than is allowed: reading stops.
     Exhausted(Exhausted),
 }
 
-impl From<Exhausted> for Stop {
-    fn from(e: Exhausted) -> Stop {
-        Stop::Exhausted(e)
+impl From<Exhausted> for EntityError {
+    fn from(e: Exhausted) -> EntityError {
+        EntityError::Exhausted(e)
     }
 }
 
-/// A statement that is skipped or mended for a reason.
-pub(super) fn skip<T>(message: impl Into<String>) -> Result<T, Stop> {
-    Err(Stop::Skipped(message.into()))
+/// Skips or repairs a statement with a warning.
+pub(super) fn skip<T>(message: impl Into<String>) -> Result<T, EntityError> {
+    Err(EntityError::Skipped(message.into()))
 }
 
-/// A vertex as the file says it.
+/// A vertex as defined in the file.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Vertex {
+pub(super) struct MgfVertex {
     pub position: DVec3,
     /// Unit length.
     pub normal: Option<DVec3>,
-    /// Grows whenever any vertex changes; two vertices never have the same.
+    /// Changes whenever any vertex changes; unique among vertices.
     pub revision: u64,
 }
 
-/// The transform in force.
+/// The current transform.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Placement {
+pub(super) struct TransformState {
     pub map: DAffine3,
     /// For normals.
     pub normals: DMat3,
     /// Mean scale.
     pub scale: f64,
-    /// No two have the same.
+    /// Unique among transforms.
     pub serial: u64,
 }
 
-impl Placement {
-    fn new(map: DAffine3, serial: u64) -> Placement {
-        Placement {
+impl TransformState {
+    fn new(map: DAffine3, serial: u64) -> TransformState {
+        TransformState {
             map,
             normals: normal_matrix(map.matrix3),
             scale: map.matrix3.determinant().abs().cbrt(),
@@ -82,29 +82,29 @@ impl Placement {
         }
     }
 
-    /// Whether it turns things into their mirror images.
+    /// Whether it reverses orientation.
     pub fn mirrors(&self) -> bool {
         self.map.matrix3.determinant() < 0.0
     }
 }
 
-/// A file while it is read.
-pub(super) struct Source<'a> {
-    /// Its name for what it names itself, relative to the model's folder.
+/// A file being read.
+pub(super) struct MgfSource<'a> {
+    /// Its name relative to the model's folder, against which its own includes are resolved.
     name: &'a str,
     /// Its name in messages.
     label: &'a str,
-    lines: Lines<'a>,
-    /// Where the statement at hand begins.
-    statement: Mark,
-    /// What has been begun in this file and not ended.
-    blocks: Vec<Block>,
+    lines: MgfLines<'a>,
+    /// The position of the current statement.
+    statement: StatementMark,
+    /// The open blocks of this file.
+    blocks: Vec<OpenBlock>,
 }
 
-impl<'a> Source<'a> {
-    fn new(name: &'a str, label: &'a str, bytes: &'a [u8]) -> Source<'a> {
-        let lines = Lines::new(bytes);
-        Source {
+impl<'a> MgfSource<'a> {
+    fn new(name: &'a str, label: &'a str, bytes: &'a [u8]) -> MgfSource<'a> {
+        let lines = MgfLines::new(bytes);
+        MgfSource {
             name,
             label,
             statement: lines.mark(),
@@ -114,60 +114,59 @@ impl<'a> Source<'a> {
     }
 }
 
-/// What has a beginning and an end in one file.
-enum Block {
+/// A block that must end in the file that begins it.
+enum OpenBlock {
     /// `o name`.
     Object,
     /// `xf ...`.
-    Transform(Box<Instances>),
+    Transform(Box<ArrayInstances>),
 }
 
 /// A transform whose content is read once for each of its instances.
-struct Instances {
-    transform: Transform,
+struct ArrayInstances {
+    transform: MgfTransform,
     next: u64,
-    /// Where the content begins.
-    start: Mark,
-    outer: Placement,
+    /// The position of the content.
+    start: StatementMark,
+    outer: TransformState,
 }
 
 /// Reads files into a scene.
-pub(super) struct Reader<'r> {
+pub(super) struct MgfReader<'r> {
     files: &'r dyn Files,
     pub(super) warnings: Warnings,
     pub(super) budget: Budget,
-    pub(super) builder: Builder,
-    colors: Contexts<Chroma>,
-    pub(super) surfaces: Contexts<Surface>,
-    pub(super) vertices: Contexts<Vertex>,
-    pub(super) placement: Placement,
-    /// Counts placements and changes of vertices.
+    pub(super) builder: MgfBuilder,
+    colors: ContextTable<Chroma>,
+    pub(super) surfaces: ContextTable<MgfMaterial>,
+    pub(super) vertices: ContextTable<MgfVertex>,
+    pub(super) placement: TransformState,
+    /// Counts transforms and changes of vertices.
     serial: u64,
-    /// Files that are being read, outermost first.
+    /// Files being read, outermost first.
     pub(super) open: Vec<String>,
-    /// Files that have been read, for the next time; `None` for those that cannot be.
+    /// Cached files; `None` for those that cannot be read.
     texts: HashMap<String, Option<Rc<[u8]>>>,
-    /// How many bytes of other files may still be read.
+    /// Remaining budget of bytes in other files.
     bytes_left: u64,
     pub(super) luminaires: HashMap<String, Option<Rc<Luminaire>>>,
-    /// How many array instances or included files the statement at hand is in.
+    /// The number of array instances and included files around the current statement.
     repeated: usize,
-    /// What emittance is multiplied with: an IES file's factors, in the body that it names.
+    /// Factor of emittance: the product of an IES file's factors, in the geometry that it names.
     pub(super) emission: f64,
 }
 
-impl<'r> Reader<'r> {
-    /// A reader that has read nothing yet.
-    pub fn new(files: &'r dyn Files, options: &ReadOptions) -> Reader<'r> {
-        Reader {
+impl<'r> MgfReader<'r> {
+    pub fn new(files: &'r dyn Files, options: &ReadOptions) -> MgfReader<'r> {
+        MgfReader {
             files,
             warnings: Warnings::default(),
             budget: Budget::new(options),
-            builder: Builder::new(),
-            colors: Contexts::new(),
-            surfaces: Contexts::new(),
-            vertices: Contexts::new(),
-            placement: Placement::new(DAffine3::IDENTITY, 0),
+            builder: MgfBuilder::new(),
+            colors: ContextTable::new(),
+            surfaces: ContextTable::new(),
+            vertices: ContextTable::new(),
+            placement: TransformState::new(DAffine3::IDENTITY, 0),
             serial: 0,
             open: Vec::new(),
             texts: HashMap::new(),
@@ -183,16 +182,17 @@ impl<'r> Reader<'r> {
     /// # Errors
     /// [`Exhausted`].
     pub fn run(&mut self, bytes: &[u8], label: &str) -> Result<(), Exhausted> {
-        // Other names are relative to the model's folder, whatever led to it.
+        // Other names are relative to the model's folder, wherever it is.
         let name = label.rsplit(['/', '\\']).next().unwrap_or(label);
         self.open.push(name.to_owned());
-        self.source(Source::new(name, label, bytes))
+        self.source(MgfSource::new(name, label, bytes))
     }
 
-    /// What has been read.
+    /// The scene and the warnings.
     pub fn finish(mut self, label: &str) -> Loaded {
         if self.builder.is_empty() {
-            self.warnings.add_whole(label, "there is no geometry");
+            self.warnings
+                .add_whole(label, "the file contains no geometry");
             self.keep_materials();
         }
         Loaded {
@@ -201,7 +201,7 @@ impl<'r> Reader<'r> {
         }
     }
 
-    /// The materials of a file that has nothing else: a library.
+    /// The materials of a file without geometry: a library.
     fn keep_materials(&mut self) {
         for (name, surface) in self.surfaces.named() {
             let (material, _) = surface.material(&text(name), false, &mut self.builder.gloss);
@@ -209,7 +209,7 @@ impl<'r> Reader<'r> {
         }
     }
 
-    fn source(&mut self, mut source: Source) -> Result<(), Exhausted> {
+    fn source(&mut self, mut source: MgfSource) -> Result<(), Exhausted> {
         let mut words = Vec::new();
         while let Some(mark) = source.lines.next(&mut words) {
             source.statement = mark;
@@ -228,12 +228,12 @@ impl<'r> Reader<'r> {
         Ok(())
     }
 
-    /// Carries out a statement, or says why not.
-    fn attempt(&mut self, source: &mut Source, words: &[&[u8]]) -> Result<(), Exhausted> {
+    /// Executes a statement, or returns why it was not executed.
+    fn attempt(&mut self, source: &mut MgfSource, words: &[&[u8]]) -> Result<(), Exhausted> {
         match self.statement(source, words[0], &words[1..]) {
             Ok(()) => Ok(()),
-            Err(Stop::Exhausted(e)) => Err(e),
-            Err(Stop::Skipped(message)) => {
+            Err(EntityError::Exhausted(e)) => Err(e),
+            Err(EntityError::Skipped(message)) => {
                 if self.repeated > 0 {
                     self.budget.spend(COMPLAINT)?;
                 }
@@ -244,17 +244,17 @@ impl<'r> Reader<'r> {
     }
 
     #[cold]
-    pub(super) fn warn(&mut self, source: &Source, message: String) {
+    pub(super) fn warn(&mut self, source: &MgfSource, message: String) {
         let position = || source.lines.position(source.statement);
         self.warnings.add(source.label, message, position);
     }
 
     fn statement(
         &mut self,
-        source: &mut Source,
+        source: &mut MgfSource,
         keyword: &[u8],
         words: &[&[u8]],
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EntityError> {
         match keyword {
             b"v" => self.choose_vertex(words),
             b"p" => self.vertex(|v, p| v.position = p, words),
@@ -262,8 +262,8 @@ impl<'r> Reader<'r> {
             b"c" => troubled(self.colors.choose(words, || Chroma::WHITE), "colour: white"),
             b"cxy" | b"cspec" | b"cct" | b"cmix" => self.color(keyword, words),
             b"m" => troubled(
-                self.surfaces.choose(words, Surface::undefined),
-                "material: grey, reflectance 0.5",
+                self.surfaces.choose(words, MgfMaterial::undefined),
+                "material: grey with reflectance 0.5",
             ),
             b"sides" | b"ir" | b"rd" | b"td" | b"ed" | b"rs" | b"ts" => {
                 self.material(keyword, words)
@@ -279,17 +279,21 @@ impl<'r> Reader<'r> {
         }
     }
 
-    fn choose_vertex(&mut self, words: &[&[u8]]) -> Result<(), Stop> {
-        let chosen = self.vertices.choose(words, Vertex::default);
+    fn choose_vertex(&mut self, words: &[&[u8]]) -> Result<(), EntityError> {
+        let chosen = self.vertices.choose(words, MgfVertex::default);
         if words.len() > 1 {
-            // A copy is a vertex of its own.
+            // A copy is a separate vertex.
             self.serial += 1;
             self.vertices.current().1.revision = self.serial;
         }
         troubled(chosen, "vertex: at the origin")
     }
 
-    fn vertex(&mut self, set: fn(&mut Vertex, DVec3), words: &[&[u8]]) -> Result<(), Stop> {
+    fn vertex(
+        &mut self,
+        set: fn(&mut MgfVertex, DVec3),
+        words: &[&[u8]],
+    ) -> Result<(), EntityError> {
         let value = DVec3::from_array(numbers(words)?);
         self.serial += 1;
         let (_, vertex) = self.vertices.current();
@@ -298,7 +302,7 @@ impl<'r> Reader<'r> {
         Ok(())
     }
 
-    fn color(&mut self, keyword: &[u8], words: &[&[u8]]) -> Result<(), Stop> {
+    fn color(&mut self, keyword: &[u8], words: &[&[u8]]) -> Result<(), EntityError> {
         if self.repeated > 0 && matches!(keyword, b"cspec" | b"cct") {
             self.budget.spend(SPECTRUM)?;
         }
@@ -321,37 +325,34 @@ impl<'r> Reader<'r> {
             _ => Chroma::mix(self.mixture(words)?),
         };
         let Some(color) = color else {
-            return skip(format!("{} of no visible colour: skipped", text(keyword)));
+            return skip(format!("{} without visible colour: skipped", text(keyword)));
         };
         *self.colors.current().1 = color;
         Ok(())
     }
 
     /// The pairs of weight and colour of `cmix`.
-    fn mixture(&self, words: &[&[u8]]) -> Result<Vec<(f64, Chroma)>, Stop> {
+    fn mixture(&self, words: &[&[u8]]) -> Result<Vec<(f64, Chroma)>, EntityError> {
         let (pairs, rest) = words.as_chunks::<2>();
         if !rest.is_empty() {
             return skip("cmix without pairs of weight and colour: skipped");
         }
         let part = |[weight, name]: &[&[u8]; 2]| match (number(weight), self.colors.get(name)) {
             (Some(weight), Some(&color)) => Ok((weight, color)),
-            (None, _) => skip(format!("{} is no weight: cmix is skipped", quoted(weight))),
-            _ => skip(format!(
-                "undefined colour {}: cmix is skipped",
-                quoted(name)
-            )),
+            (None, _) => skip(format!("{} is not a weight: cmix skipped", quoted(weight))),
+            _ => skip(format!("undefined colour {}: cmix skipped", quoted(name))),
         };
         pairs.iter().map(part).collect()
     }
 
-    fn material(&mut self, keyword: &[u8], words: &[&[u8]]) -> Result<(), Stop> {
+    fn material(&mut self, keyword: &[u8], words: &[&[u8]]) -> Result<(), EntityError> {
         let (_, surface) = self.surfaces.current();
         surface.made = [None; 2];
         match keyword {
             b"sides" => match numbers(words)? {
                 [1.0] => surface.is_one_sided = true,
                 [2.0] => surface.is_one_sided = false,
-                _ => return skip("sides are 1 or 2: skipped"),
+                _ => return skip("sides must be 1 or 2: skipped"),
             },
             b"ir" => {
                 let [real, _] = numbers(words)?;
@@ -359,7 +360,7 @@ impl<'r> Reader<'r> {
             }
             b"ed" => {
                 let [amount] = numbers(words)?;
-                surface.ed = Part {
+                surface.ed = MaterialComponent {
                     amount: (amount * self.emission).clamp(0.0, f64::MAX),
                     color: *self.colors.current().1,
                     roughness: 0.0,
@@ -373,13 +374,13 @@ impl<'r> Reader<'r> {
         Ok(())
     }
 
-    /// Sets one of the shares of the light that arrives: rd, td, rs or ts.
-    fn share(&mut self, keyword: &[u8], words: &[&[u8]]) -> Result<(), Stop> {
+    /// Sets one of the shares of the incident light: rd, td, rs or ts.
+    fn share(&mut self, keyword: &[u8], words: &[&[u8]]) -> Result<(), EntityError> {
         let [amount, roughness] = match keyword {
             b"rd" | b"td" => [numbers::<1>(words)?[0], 0.0],
             _ => numbers(words)?,
         };
-        let part = Part {
+        let part = MaterialComponent {
             amount: amount.clamp(0.0, 1.0),
             color: *self.colors.current().1,
             roughness: roughness.max(0.0),
@@ -391,33 +392,34 @@ impl<'r> Reader<'r> {
             b"rs" => surface.rs = part,
             _ => surface.ts = part,
         }
-        match amount == part.amount {
-            true => Ok(()),
-            false => skip(format!("{} outside 0..1: clamped", text(keyword))),
+        if amount == part.amount {
+            Ok(())
+        } else {
+            skip(format!("{} outside 0..1: clamped", text(keyword)))
         }
     }
 
-    fn object(&mut self, source: &mut Source, words: &[&[u8]]) -> Result<(), Stop> {
+    fn object(&mut self, source: &mut MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
         match words {
             [] => {
-                let is_object = |b: &Block| matches!(b, Block::Object);
-                self.end(source, is_object, "\"o\" that ends nothing: skipped")
+                let is_object = |b: &OpenBlock| matches!(b, OpenBlock::Object);
+                self.end(source, is_object, "\"o\" without a matching begin: skipped")
             }
             [name, ..] => {
                 self.builder.open(&text(name));
-                source.blocks.push(Block::Object);
+                source.blocks.push(OpenBlock::Object);
                 Ok(())
             }
         }
     }
 
-    /// Ends the innermost block of a kind, and what is still open inside.
+    /// Ends the innermost block of a type, and the blocks still open inside it.
     fn end(
         &mut self,
-        source: &mut Source,
-        is_meant: fn(&Block) -> bool,
+        source: &mut MgfSource,
+        is_meant: fn(&OpenBlock) -> bool,
         nothing: &str,
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EntityError> {
         let Some(at) = source.blocks.iter().rposition(is_meant) else {
             return skip(nothing);
         };
@@ -427,14 +429,14 @@ impl<'r> Reader<'r> {
         }
         match inner {
             0 => Ok(()),
-            _ => skip("\"o\" and \"xf\" that overlap: the inner ones end with the outer"),
+            _ => skip("\"o\" and \"xf\" overlap: the inner ones end with the outer"),
         }
     }
 
-    fn close(&mut self, block: Block) {
+    fn close(&mut self, block: OpenBlock) {
         match block {
-            Block::Object => self.builder.close(),
-            Block::Transform(instances) => {
+            OpenBlock::Object => self.builder.close(),
+            OpenBlock::Transform(instances) => {
                 self.placement = instances.outer;
                 if instances.transform.is_array() {
                     self.builder.close();
@@ -444,34 +446,36 @@ impl<'r> Reader<'r> {
         }
     }
 
-    fn transform(&mut self, source: &mut Source, words: &[&[u8]]) -> Result<(), Stop> {
+    fn transform(&mut self, source: &mut MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
         if words.is_empty() {
             return self.next_instance(source);
         }
-        let (transform, wrong) = Transform::parse(words);
+        let (transform, wrong) = MgfTransform::parse(words);
         let outer = self.placement;
         self.enter(&transform, 0, outer);
-        source.blocks.push(Block::Transform(Box::new(Instances {
-            transform,
-            next: 1,
-            start: source.lines.mark(),
-            outer,
-        })));
+        source
+            .blocks
+            .push(OpenBlock::Transform(Box::new(ArrayInstances {
+                transform,
+                next: 1,
+                start: source.lines.mark(),
+                outer,
+            })));
         understood(wrong)
     }
 
-    /// Puts an instance in force.
-    fn enter(&mut self, transform: &Transform, instance: u64, outer: Placement) {
+    /// Makes an instance the current transform.
+    fn enter(&mut self, transform: &MgfTransform, instance: u64, outer: TransformState) {
         self.serial += 1;
-        self.placement = Placement::new(outer.map * transform.map(instance), self.serial);
+        self.placement = TransformState::new(outer.map * transform.map(instance), self.serial);
         if transform.is_array() {
             self.builder.open(&transform.name(instance));
         }
     }
 
-    /// At the end of a transform: back to its beginning for the next instance, or on.
-    fn next_instance(&mut self, source: &mut Source) -> Result<(), Stop> {
-        if let Some(Block::Transform(instances)) = source.blocks.last_mut()
+    /// At the end of a transform, returns to its beginning for the next instance, or continues.
+    fn next_instance(&mut self, source: &mut MgfSource) -> Result<(), EntityError> {
+        if let Some(OpenBlock::Transform(instances)) = source.blocks.last_mut()
             && instances.next < instances.transform.instances()
         {
             self.builder.close();
@@ -484,17 +488,21 @@ impl<'r> Reader<'r> {
             self.enter(&transform, next, outer);
             return Ok(());
         }
-        let is_transform = |b: &Block| matches!(b, Block::Transform(_));
-        self.end(source, is_transform, "\"xf\" that ends nothing: skipped")
+        let is_transform = |b: &OpenBlock| matches!(b, OpenBlock::Transform(_));
+        self.end(
+            source,
+            is_transform,
+            "\"xf\" without a matching begin: skipped",
+        )
     }
 
-    fn include(&mut self, source: &mut Source, words: &[&[u8]]) -> Result<(), Stop> {
+    fn include(&mut self, source: &mut MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
         let [path, options @ ..] = words else {
             return skip("\"i\" without a file: skipped");
         };
         let name = beside(source.name, &text(path));
         let bytes = self.text_of(&name)?;
-        let (transform, wrong) = Transform::parse(options);
+        let (transform, wrong) = MgfTransform::parse(options);
         self.instances_of(&name, &bytes, &transform)?;
         understood(wrong)
     }
@@ -504,15 +512,15 @@ impl<'r> Reader<'r> {
         &mut self,
         name: &str,
         bytes: &[u8],
-        transform: &Transform,
-    ) -> Result<(), Stop> {
+        transform: &MgfTransform,
+    ) -> Result<(), EntityError> {
         let outer = self.placement;
         self.repeated += 1;
         self.open.push(name.to_owned());
         for instance in 0..transform.instances() {
             self.budget.spend(REPEATED)?;
             self.enter(transform, instance, outer);
-            self.source(Source::new(name, name, bytes))?;
+            self.source(MgfSource::new(name, name, bytes))?;
             if transform.is_array() {
                 self.builder.close();
             }
@@ -524,15 +532,13 @@ impl<'r> Reader<'r> {
     }
 
     /// The content of a file that is not being read already.
-    pub(super) fn text_of(&mut self, name: &str) -> Result<Rc<[u8]>, Stop> {
+    pub(super) fn text_of(&mut self, name: &str) -> Result<Rc<[u8]>, EntityError> {
         let shown = quoted(name.as_bytes());
         if self.open.iter().any(|open| open == name) {
             return skip(format!("file {shown} includes itself: skipped"));
         }
         if self.open.len() > DEEPEST {
-            return skip(format!(
-                "files that include each other over {DEEPEST} deep: skipped"
-            ));
+            return skip(format!("files included more than {DEEPEST} deep: skipped"));
         }
         if !self.texts.contains_key(name) {
             let read = self.files.read(name);
@@ -543,16 +549,16 @@ impl<'r> Reader<'r> {
             self.texts.insert(name.to_owned(), found);
             match read {
                 Ok(bytes) => self.count_bytes(name, bytes.len() as u64)?,
-                Err(e) => return skip(format!("file {shown} is left out: {e}")),
+                Err(e) => return skip(format!("file {shown} skipped: {e}")),
             }
         }
         match self.texts.get(name) {
             Some(Some(bytes)) => Ok(Rc::clone(bytes)),
-            _ => skip(format!("file {shown} is left out, as before")),
+            _ => skip(format!("file {shown} skipped, as before")),
         }
     }
 
-    fn count_bytes(&mut self, name: &str, bytes: u64) -> Result<(), Stop> {
+    fn count_bytes(&mut self, name: &str, bytes: u64) -> Result<(), EntityError> {
         match self.bytes_left.checked_sub(bytes) {
             Some(left) => {
                 self.bytes_left = left;
@@ -562,36 +568,36 @@ impl<'r> Reader<'r> {
                 self.texts.insert(name.to_owned(), None);
                 let shown = quoted(name.as_bytes());
                 skip(format!(
-                    "file {shown} is left out: the included files are too large"
+                    "file {shown} skipped: the included files exceed the size limit"
                 ))
             }
         }
     }
 
-    fn luminaire(&mut self, source: &mut Source, words: &[&[u8]]) -> Result<(), Stop> {
+    fn luminaire(&mut self, source: &mut MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
         let [path, rest @ ..] = words else {
             return skip("\"ies\" without a file: skipped");
         };
         let (multiplier, options) = match rest {
             [b"-m", value, options @ ..] => match number(value).filter(|m| *m >= 0.0) {
                 Some(multiplier) => (multiplier, options),
-                None => return skip("\"ies\" with a multiplier that is no number: skipped"),
+                None => return skip("\"ies\" with a multiplier that is not a number: skipped"),
             },
             options => (1.0, options),
         };
-        let (transform, wrong) = Transform::parse(options);
+        let (transform, wrong) = MgfTransform::parse(options);
         let name = beside(source.name, &text(path));
         self.place_luminaires(source, &name, multiplier, &transform)?;
         understood(wrong)
     }
 
-    /// Runs `place` once for each instance of a transform, in a group of its own named `name`.
+    /// Runs `place` once for each instance of a transform, in its own group named `name`.
     pub(super) fn for_instances(
         &mut self,
         name: &str,
-        transform: &Transform,
-        mut place: impl FnMut(&mut Self) -> Result<(), Stop>,
-    ) -> Result<(), Stop> {
+        transform: &MgfTransform,
+        mut place: impl FnMut(&mut Self) -> Result<(), EntityError>,
+    ) -> Result<(), EntityError> {
         let outer = self.placement;
         let mut said = Ok(());
         self.builder.open(name);
@@ -599,7 +605,7 @@ impl<'r> Reader<'r> {
             self.budget.spend(REPEATED)?;
             self.enter(transform, instance, outer);
             match place(self) {
-                Err(Stop::Exhausted(e)) => return Err(e.into()),
+                Err(EntityError::Exhausted(e)) => return Err(e.into()),
                 Err(skipped) => said = Err(skipped),
                 Ok(()) => {}
             }
@@ -613,13 +619,15 @@ impl<'r> Reader<'r> {
     }
 }
 
-/// What is wrong with the choice of a context, as a message; `stand_in` says of what and with
-/// what it is replaced.
-fn troubled(chosen: Result<(), Trouble>, stand_in: &str) -> Result<(), Stop> {
+/// Turns an error in the selection of a context into a warning; `stand_in` names the type and the
+/// default.
+fn troubled(chosen: Result<(), ContextError>, stand_in: &str) -> Result<(), EntityError> {
     match chosen {
         Ok(()) => Ok(()),
-        Err(Trouble::Form) => skip("neither \"id\" nor \"id =\" nor \"id = template\": skipped"),
-        Err(Trouble::Undefined(name)) => {
+        Err(ContextError::Form) => {
+            skip("neither \"id\" nor \"id =\" nor \"id = template\": skipped")
+        }
+        Err(ContextError::Undefined(name)) => {
             let (kind, value) = stand_in.split_once(':').unwrap_or((stand_in, ""));
             skip(format!(
                 "undefined {kind} {}: taken as{value}",
@@ -629,16 +637,16 @@ fn troubled(chosen: Result<(), Trouble>, stand_in: &str) -> Result<(), Stop> {
     }
 }
 
-/// What is wrong with the options of a transform, as a message.
-fn understood(wrong: Option<&str>) -> Result<(), Stop> {
+/// Turns an error in the options of a transform into a warning.
+fn understood(wrong: Option<&str>) -> Result<(), EntityError> {
     match wrong {
         None => Ok(()),
-        Some(wrong) => skip(format!("{wrong}: it and the options behind it are skipped")),
+        Some(wrong) => skip(format!("{wrong}: it and the following options are skipped")),
     }
 }
 
-/// As many numbers as are expected, no more and no less.
-fn numbers<const N: usize>(words: &[&[u8]]) -> Result<[f64; N], Stop> {
+/// Exactly `N` numbers.
+fn numbers<const N: usize>(words: &[&[u8]]) -> Result<[f64; N], EntityError> {
     let mut values = [0.0; N];
     if words.len() != N {
         return skip(format!("{} arguments, expected {N}: skipped", words.len()));
@@ -646,7 +654,7 @@ fn numbers<const N: usize>(words: &[&[u8]]) -> Result<[f64; N], Stop> {
     for (value, word) in values.iter_mut().zip(words) {
         match number(word) {
             Some(found) => *value = found,
-            None => return skip(format!("{} is no number: skipped", quoted(word))),
+            None => return skip(format!("{} is not a number: skipped", quoted(word))),
         }
     }
     Ok(values)

@@ -1,36 +1,36 @@
-//! The surfaces of MGF that are no polygons, as polygons.
+//! Tessellation of MGF's curved surfaces.
 //!
-//! Circles become polygons whose perimeter is that of the circle, so that tubes keep their area
-//! and lamps their light: their corners lie a little outside, the middles of their sides a little
-//! inside, by no more than [`sides`] says. Circles around one axis have their corners at the same
-//! angles, so that what shares a rim has no crack there.
+//! Circles become polygons with the same perimeter, so that tubes keep their area and lamps their
+//! flux: corners lie slightly outside, edge midpoints slightly inside, by no more than [`sides`]
+//! allows. Circles around one axis have their corners at the same angles, so that surfaces with a
+//! common rim fit without cracks.
 
 use azulejo_scene::math::{Frame, area_vector};
 use azulejo_scene::{Attribute, Mesh};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// How far a polygon may be from its circle, metres.
+/// Maximum distance between a polygon and its circle, metres.
 const TOLERANCE: f64 = 1e-3;
 
-/// Sides of a circle of this radius in metres: as many as [`TOLERANCE`] takes, but 16 to 64, with
-/// which a circle is 0.013 to 0.0008 of its radius off.
+/// Number of sides of a circle with this radius in metres: as [`TOLERANCE`] requires, but 16 to 64,
+/// for which the relative error is 0.013 to 0.0008.
 pub(super) fn sides(radius: f64) -> u32 {
-    // The middle of a side is r (1 − a/tan a) inside, about r a²/3, for a = π/n.
+    // An edge midpoint is r (1 − a/tan a) inside, about r a²/3, for a = π/n.
     let n = PI * (radius / (3.0 * TOLERANCE)).sqrt();
     n.ceil().clamp(16.0, 64.0) as u32
 }
 
 /// Directions from an axis to the corners of a circle.
-struct Circle {
+struct CircleDirections {
     spokes: Vec<DVec3>,
-    /// By how much the corners are farther out than the circle.
+    /// The ratio of the corner radius to the radius of the circle.
     stretch: f64,
 }
 
-impl Circle {
+impl CircleDirections {
     /// Counter-clockwise around a unit axis.
-    fn new(axis: DVec3, sides: u32) -> Circle {
+    fn new(axis: DVec3, sides: u32) -> CircleDirections {
         let frame = Frame::from_normal(one_of_both_ways(axis));
         let turn = frame.x.cross(frame.y).dot(axis);
         let spoke = |i: u32| {
@@ -38,13 +38,13 @@ impl Circle {
             cos * frame.x + turn * sin * frame.y
         };
         let half = PI / f64::from(sides);
-        Circle {
+        CircleDirections {
             spokes: (0..sides).map(spoke).collect(),
             stretch: half / half.sin(),
         }
     }
 
-    /// The unit direction between a corner and the next.
+    /// The unit direction halfway between a corner and the next.
     fn between(&self, i: usize) -> DVec3 {
         let next = self.spokes[(i + 1) % self.spokes.len()];
         (self.spokes[i] + next).normalize()
@@ -58,14 +58,14 @@ fn one_of_both_ways(axis: DVec3) -> DVec3 {
     axis * first.unwrap_or(1.0).signum()
 }
 
-/// A mesh of one material, with normals that belong to its vertices.
+/// A mesh with one material and one normal per vertex.
 #[derive(Default)]
-struct Draft {
+struct SolidMesh {
     mesh: Mesh,
     normals: Vec<DVec3>,
 }
 
-impl Draft {
+impl SolidMesh {
     fn vertex(&mut self, position: DVec3, normal: DVec3) {
         self.mesh.positions.push(position);
         self.normals.push(normal);
@@ -76,7 +76,7 @@ impl Draft {
         self.mesh.push_face(&corners, 0);
     }
 
-    /// The mesh, turned inside out if it faces inward.
+    /// The mesh, inverted if it faces inward.
     fn finish(mut self, inward: bool) -> Mesh {
         if inward {
             self.mesh.flip();
@@ -87,9 +87,9 @@ impl Draft {
     }
 }
 
-/// The side of a cylinder or cone from the circle (`a`, `ra`) to (`b`, `rb`), without its ends.
-/// Radii are both not negative, or both not positive for a surface that faces its axis; `None` if
-/// they are not, if both are 0, or if there is no axis.
+/// The lateral surface of a cylinder or cone from the circle (`a`, `ra`) to (`b`, `rb`). Radii are
+/// both non-negative, or both non-positive for a surface that faces its axis; `None` if they are
+/// not, if both are 0, or if the axis has no length.
 pub(super) fn cone(a: DVec3, ra: f64, b: DVec3, rb: f64, sides: u32) -> Option<Mesh> {
     let (axis, length) = ((b - a).try_normalize()?, (b - a).length());
     if ra * rb < 0.0 || (ra == 0.0 && rb == 0.0) {
@@ -97,15 +97,15 @@ pub(super) fn cone(a: DVec3, ra: f64, b: DVec3, rb: f64, sides: u32) -> Option<M
     }
     let inward = ra < 0.0 || rb < 0.0;
     let (ra, rb) = (ra.abs(), rb.abs());
-    let circle = Circle::new(axis, sides);
-    // Across the side's slope, in the plane of a spoke and the axis.
+    let circle = CircleDirections::new(axis, sides);
+    // Perpendicular to the slope, in the plane of a spoke and the axis.
     let tilt = (ra - rb) / length;
     let normal = |spoke: DVec3| (spoke + tilt * axis).normalize_or(axis);
     let n = circle.spokes.len();
-    let mut draft = Draft::default();
+    let mut draft = SolidMesh::default();
     for (centre, r) in [(a, ra), (b, rb)] {
         for (i, &spoke) in circle.spokes.iter().enumerate() {
-            // The tip has a vertex for each side, so that each is shaded along its own middle.
+            // The apex has a vertex for each side, so that each is shaded along its own middle.
             let at_tip = r == 0.0;
             let outward = if at_tip { circle.between(i) } else { spoke };
             draft.vertex(centre + r * circle.stretch * spoke, normal(outward));
@@ -122,10 +122,10 @@ pub(super) fn cone(a: DVec3, ra: f64, b: DVec3, rb: f64, sides: u32) -> Option<M
     Some(draft.finish(inward))
 }
 
-/// A flat ring, or a disc if the inner radius is 0. Only its normal counts for shading.
+/// A flat annulus, or a disc if the inner radius is 0. It has a single normal.
 pub(super) fn ring(centre: DVec3, normal: DVec3, inner: f64, outer: f64, sides: u32) -> Mesh {
-    let circle = Circle::new(normal, sides);
-    let mut draft = Draft::default();
+    let circle = CircleDirections::new(normal, sides);
+    let mut draft = SolidMesh::default();
     let at = |r: f64, spoke: DVec3| centre + r * circle.stretch * spoke;
     for &spoke in &circle.spokes {
         draft.vertex(at(outer, spoke), normal);
@@ -146,18 +146,18 @@ pub(super) fn ring(centre: DVec3, normal: DVec3, inner: f64, outer: f64, sides: 
     draft.mesh
 }
 
-/// A whole torus: `inner` and `outer` are distances from the axis, negative for one that faces
-/// the middle of its tube.
+/// A whole torus: `inner` and `outer` are distances from the axis, negative for one that faces the
+/// centre of its tube.
 pub(super) fn torus(centre: DVec3, axis: DVec3, inner: f64, outer: f64, sides: [u32; 2]) -> Mesh {
     let inward = inner < 0.0 || outer < 0.0;
     let (middle, tube) = (
         (inner.abs() + outer.abs()) / 2.0,
         (outer.abs() - inner.abs()).abs() / 2.0,
     );
-    let around = Circle::new(axis, sides[0]);
+    let around = CircleDirections::new(axis, sides[0]);
     let half = PI / f64::from(sides[1]);
     let tube_stretch = half / half.sin();
-    let mut draft = Draft::default();
+    let mut draft = SolidMesh::default();
     for &spoke in &around.spokes {
         for j in 0..sides[1] {
             let (sin, cos) = (TAU * f64::from(j) / f64::from(sides[1])).sin_cos();
@@ -176,8 +176,8 @@ pub(super) fn torus(centre: DVec3, axis: DVec3, inner: f64, outer: f64, sides: [
     draft.finish(inward)
 }
 
-/// A prism: the base, a copy of it `length` against its normal, and the sides. Normals of the
-/// base's corners, if all have one, shade the sides. `None` if the base has no area.
+/// A prism: the base, a copy of it translated by `length` against its normal, and the sides. If all
+/// corners of the base have normals, these shade the sides. `None` if the base has no area.
 pub(super) fn prism(base: &[(DVec3, Option<DVec3>)], length: f64) -> Option<Mesh> {
     let outline: Vec<DVec3> = base.iter().map(|v| v.0).collect();
     let normal = area_vector(&outline).try_normalize()?;
@@ -200,8 +200,8 @@ pub(super) fn prism(base: &[(DVec3, Option<DVec3>)], length: f64) -> Option<Mesh
     Some(mesh)
 }
 
-/// Normals of a prism's corners: those given on the sides, flat ends of which the first looks
-/// along `end`.
+/// Normals of a prism's corners: the given ones on the sides; flat ends, the first with normal
+/// `end`.
 fn shaded_sides(mut normals: Vec<DVec3>, end: DVec3) -> Attribute<DVec3> {
     let n = normals.len() as u32;
     normals.extend([end, -end]);
@@ -221,7 +221,7 @@ fn shaded_sides(mut normals: Vec<DVec3>, end: DVec3) -> Attribute<DVec3> {
 mod tests {
     use super::*;
 
-    /// Every face looks where the normals of its corners look.
+    /// Checks that every face is oriented like the normals of its corners.
     fn check_fronts(mesh: &Mesh) {
         let normals = mesh.normals.as_ref().unwrap();
         for f in 0..mesh.faces.len() {
@@ -331,7 +331,7 @@ mod tests {
         assert_eq!(mesh.bounds().min.z, -3.0);
         assert_eq!(mesh.face_area_vector(0), DVec3::new(0.0, 0.0, 4.0));
         assert!(leak(&mesh) < 1e-12);
-        // Each side looks away from the middle, or toward it.
+        // Each side faces away from the centre, or toward it.
         let middle = |z| DVec3::new(1.0, 1.0, z);
         for length in [3.0, -3.0] {
             let mesh = prism(&base(false), length).unwrap();

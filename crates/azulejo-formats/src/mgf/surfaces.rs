@@ -1,23 +1,23 @@
-//! The statements that make surfaces.
+//! Statements that create surfaces.
 
-use super::build::Corner;
-use super::reader::{Reader, Source, Stop, Vertex, skip};
+use super::build::MgfCorner;
+use super::reader::{EntityError, MgfReader, MgfSource, MgfVertex, skip};
 use super::{holes, solids};
 use crate::reading::text::quoted;
 use azulejo_scene::{MaterialId, Mesh, Primitive, PrimitiveKind};
 use glam::{DAffine3, DVec3};
 
-/// What an object costs besides its vertices and corners.
+/// What an object takes from the budget besides its vertices and corners.
 const OBJECT: u64 = 16;
 
-impl Reader<'_> {
-    /// Carries out one of the statements that make surfaces.
+impl MgfReader<'_> {
+    /// Executes a statement that creates a surface.
     pub(super) fn surface(
         &mut self,
-        source: &Source,
+        source: &MgfSource,
         keyword: &[u8],
         words: &[&[u8]],
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EntityError> {
         match keyword {
             b"f" => self.face(source, words),
             b"fh" => self.face_with_holes(source, words),
@@ -36,7 +36,7 @@ impl Reader<'_> {
         }
     }
 
-    fn named(&self, name: &[u8]) -> Result<Vertex, Stop> {
+    fn named(&self, name: &[u8]) -> Result<MgfVertex, EntityError> {
         match self.vertices.get(name) {
             Some(&vertex) => Ok(vertex),
             None => skip(format!(
@@ -46,25 +46,25 @@ impl Reader<'_> {
         }
     }
 
-    /// A vertex under the transform in force.
-    fn corner(&self, name: &[u8]) -> Result<Corner, Stop> {
+    /// A vertex transformed by the current transform.
+    fn corner(&self, name: &[u8]) -> Result<MgfCorner, EntityError> {
         let vertex = self.named(name)?;
         let position = self.placement.map.transform_point3(vertex.position);
         if !position.is_finite() {
-            return skip("surface that is too large for numbers: skipped");
+            return skip("surface that overflows: skipped");
         }
-        // A map that flattens leaves some normals no direction; theirs is as good as any.
+        // A singular map can leave a normal without direction; any direction is as good.
         let placed = |n: DVec3| (self.placement.normals * n).try_normalize().unwrap_or(n);
-        Ok(Corner {
+        Ok(MgfCorner {
             key: (vertex.revision, self.placement.serial),
             position,
             normal: vertex.normal.map(placed),
         })
     }
 
-    /// The current material in the scene, as a surface without or with an inside that nobody
-    /// sees.
-    fn current_material(&mut self, source: &Source, is_closed: bool) -> MaterialId {
+    /// The current material in the scene, for an open surface, or a closed one whose inside is
+    /// never visible.
+    fn current_material(&mut self, source: &MgfSource, is_closed: bool) -> MaterialId {
         let (name, surface) = self.surfaces.current();
         if let Some(made) = surface.made[usize::from(is_closed)] {
             return made;
@@ -75,7 +75,7 @@ impl Reader<'_> {
             &mut self.builder.gloss,
         );
         if surface.is_one_sided {
-            losses.push("one-sided material (sides 1) is seen from behind too");
+            losses.push("one-sided material (sides 1) is visible from behind, too");
         }
         if name.is_empty() && surface.made == [None; 2] && material == Default::default() {
             losses.push("surfaces before any material: black");
@@ -88,16 +88,20 @@ impl Reader<'_> {
         id
     }
 
-    fn face(&mut self, source: &Source, names: &[&[u8]]) -> Result<(), Stop> {
+    fn face(&mut self, source: &MgfSource, names: &[&[u8]]) -> Result<(), EntityError> {
         if names.len() < 3 {
-            return skip("face of fewer than 3 corners: skipped");
+            return skip("face with fewer than 3 corners: skipped");
         }
         let corners = names.iter().map(|name| self.corner(name));
-        let corners: Vec<Corner> = corners.collect::<Result<_, _>>()?;
+        let corners: Vec<MgfCorner> = corners.collect::<Result<_, _>>()?;
         self.polygon(source, corners)
     }
 
-    fn polygon(&mut self, source: &Source, mut corners: Vec<Corner>) -> Result<(), Stop> {
+    fn polygon(
+        &mut self,
+        source: &MgfSource,
+        mut corners: Vec<MgfCorner>,
+    ) -> Result<(), EntityError> {
         self.budget.spend(2 * corners.len() as u64)?;
         if self.placement.mirrors() {
             corners[1..].reverse();
@@ -107,17 +111,17 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// `fh`: the outline and the holes stand behind each other, with `-` between.
-    fn face_with_holes(&mut self, source: &Source, words: &[&[u8]]) -> Result<(), Stop> {
+    /// `fh`: the outline and the holes follow each other, separated by `-`.
+    fn face_with_holes(&mut self, source: &MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
         let loops: Vec<&[&[u8]]> = words.split(|word| *word == b"-").collect();
         let names = loops.iter().copied().flatten();
-        let corners: Vec<Corner> = names.map(|n| self.corner(n)).collect::<Result<_, _>>()?;
+        let corners: Vec<MgfCorner> = names.map(|n| self.corner(n)).collect::<Result<_, _>>()?;
         let (outline, found) = (loops[0].len(), &loops[1..]);
         if outline < 3 {
-            return skip("face of fewer than 3 corners: skipped");
+            return skip("face with fewer than 3 corners: skipped");
         }
         let holes: Vec<usize> = found.iter().map(|hole| hole.len()).collect();
-        // Each hole looks at all corners that are joined already.
+        // Each hole is tested against all corners connected so far.
         self.budget
             .spend((holes.len() * corners.len()) as u64 / 8)?;
         let points: Vec<DVec3> = corners.iter().map(|c| c.position).collect();
@@ -125,11 +129,11 @@ impl Reader<'_> {
         self.polygon(source, joined.into_iter().map(|k| corners[k]).collect())?;
         match left_out {
             0 => Ok(()),
-            _ => skip("hole of a face that is not inside it: filled"),
+            _ => skip("hole outside of its face: filled"),
         }
     }
 
-    fn sphere(&mut self, source: &Source, words: &[&[u8]]) -> Result<(), Stop> {
+    fn sphere(&mut self, source: &MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
         let [name, radius] = words else {
             return skip("sph without \"vertex radius\": skipped");
         };
@@ -143,7 +147,7 @@ impl Reader<'_> {
         let map = self.placement.map * map;
         let size = map.matrix3.determinant();
         if !(map.is_finite() && size.is_finite() && size != 0.0) {
-            return skip("sph without size, or too large for numbers: skipped");
+            return skip("sph without size, or that overflows: skipped");
         }
         let sphere = |material| Primitive::new(PrimitiveKind::Sphere, map, material);
         if inward && self.surfaces.current().1.has_different_sides() {
@@ -164,18 +168,25 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn cone(&mut self, source: &Source, ends: [&[u8]; 2], radii: [&[u8]; 2]) -> Result<(), Stop> {
+    fn cone(
+        &mut self,
+        source: &MgfSource,
+        ends: [&[u8]; 2],
+        radii: [&[u8]; 2],
+    ) -> Result<(), EntityError> {
         let [a, b] = [self.named(ends[0])?.position, self.named(ends[1])?.position];
         let [ra, rb] = [length(radii[0])?, length(radii[1])?];
         let sides = solids::sides(ra.abs().max(rb.abs()) * self.placement.scale);
         self.budget.spend(6 * u64::from(sides))?;
         match solids::cone(a, ra, b, rb, sides) {
             Some(mesh) => self.solid(source, mesh, false, &self.placement.map.clone()),
-            None => skip("cyl or cone without length, radius or inside: skipped"),
+            None => skip(
+                "cyl or cone without length or radius, or with radii of different signs: skipped",
+            ),
         }
     }
 
-    fn ring(&mut self, source: &Source, words: &[&[u8]]) -> Result<(), Stop> {
+    fn ring(&mut self, source: &MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
         let (centre, normal, inner, outer) = self.round(words)?;
         if !(0.0 <= inner && inner < outer) {
             return skip("ring whose radii are not 0 <= inner < outer: skipped");
@@ -186,10 +197,10 @@ impl Reader<'_> {
         self.solid(source, mesh, false, &self.placement.map.clone())
     }
 
-    fn torus(&mut self, source: &Source, words: &[&[u8]]) -> Result<(), Stop> {
+    fn torus(&mut self, source: &MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
         let (centre, normal, inner, outer) = self.round(words)?;
         if inner * outer < 0.0 || inner.abs() == outer.abs() {
-            return skip("torus whose radii are equal or of two signs: skipped");
+            return skip("torus whose radii are equal or have different signs: skipped");
         }
         let inward = inner < 0.0 || outer < 0.0;
         let (inner_size, outer_size) = (inner.abs(), outer.abs());
@@ -202,7 +213,7 @@ impl Reader<'_> {
     }
 
     /// Centre, normal and two radii.
-    fn round(&self, words: &[&[u8]]) -> Result<(DVec3, DVec3, f64, f64), Stop> {
+    fn round(&self, words: &[&[u8]]) -> Result<(DVec3, DVec3, f64, f64), EntityError> {
         let [name, inner, outer] = words else {
             return skip("ring or torus without \"vertex radius radius\": skipped");
         };
@@ -213,13 +224,13 @@ impl Reader<'_> {
         }
     }
 
-    fn prism(&mut self, source: &Source, words: &[&[u8]]) -> Result<(), Stop> {
+    fn prism(&mut self, source: &MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
         let [names @ .., last] = words else {
             return skip("prism without \"vertices length\": skipped");
         };
         let height = length(last)?;
         let base = names.iter().map(|name| self.named(name));
-        let base: Vec<Vertex> = base.collect::<Result<_, _>>()?;
+        let base: Vec<MgfVertex> = base.collect::<Result<_, _>>()?;
         let base: Vec<(DVec3, Option<DVec3>)> =
             base.iter().map(|v| (v.position, v.normal)).collect();
         self.budget.spend(8 * base.len() as u64)?;
@@ -227,23 +238,23 @@ impl Reader<'_> {
             Some(mesh) if height != 0.0 => {
                 self.solid(source, mesh, height > 0.0, &self.placement.map.clone())
             }
-            _ => skip("prism without base or length: skipped"),
+            _ => skip("prism without area or length: skipped"),
         }
     }
 
     /// Adds a mesh in the file's coordinates as an object of its own.
     fn solid(
         &mut self,
-        source: &Source,
+        source: &MgfSource,
         mesh: Mesh,
         is_closed: bool,
         map: &DAffine3,
-    ) -> Result<(), Stop> {
+    ) -> Result<(), EntityError> {
         self.budget.spend(OBJECT)?;
         let placed = mesh.positions.iter().map(|p| map.transform_point3(*p));
         let normals = mesh.normals.iter().flat_map(|n| &n.values);
         if !placed.chain(normals.copied()).all(DVec3::is_finite) {
-            return skip("surface that is too large for numbers: skipped");
+            return skip("surface that overflows: skipped");
         }
         let material = self.current_material(source, is_closed);
         self.builder.solid(mesh, map, material);
@@ -252,11 +263,11 @@ impl Reader<'_> {
 }
 
 /// A number as a length.
-fn length(word: &[u8]) -> Result<f64, Stop> {
+fn length(word: &[u8]) -> Result<f64, EntityError> {
     match super::lines::number(word) {
         Some(length) => Ok(length),
         None => skip(format!(
-            "{} is no length: its surface is skipped",
+            "{} is not a length: its surface is skipped",
             quoted(word)
         )),
     }

@@ -1,4 +1,4 @@
-//! Whole files, small ones.
+//! Tests with small files.
 
 use super::read;
 use crate::{Loaded, Memory, ReadOptions};
@@ -100,7 +100,7 @@ fn contexts_hold_until_they_change() {
         .collect();
     let names: Vec<&str> = used.iter().map(|m| m.name.as_str()).collect();
     assert_eq!(names, ["a", "a", "b", "b", "", ""]);
-    // Grey mirror over red: each part has the colour that was current when it was read.
+    // Grey mirror over red: each component has the colour that was current when it was read.
     assert!(used[0].mirror.is_grey() && used[0].diffuse.r > 2.0 * used[0].diffuse.g);
     assert!((used[0].diffuse.luminance() - 0.1).abs() < 1e-12);
     assert!((used[1].diffuse.luminance() - 0.05).abs() < 1e-12);
@@ -145,7 +145,7 @@ fn transforms_act_from_the_inside_out() {
         "xf -t 10 0 0\nxf -rz 90 -s 2\nf a b c d\nsph b 1\nxf\nf a b c d\nxf\nf a b c d\n",
     );
     check_warnings(&loaded, &[]);
-    // All faces stand in the same group; the transforms make vertices of their own.
+    // All faces are in the same group; transforms create separate vertices.
     check_objects(&loaded, &[("", 3), ("", 0)]);
     let faces = mesh(&loaded.scene.objects[0]);
     assert_eq!(faces.positions.len(), 12);
@@ -234,8 +234,8 @@ fn includes() {
         &loaded,
         &[
             "common/m.mgf:3:1: \"o\" or \"xf\" without its end: ended with the file (3 times)",
-            "t.mgf:14:1: file \"none.mgf\" is left out: there is no such file",
-            "t.mgf:15:1: file \"none.mgf\" is left out, as before",
+            "t.mgf:14:1: file \"none.mgf\" skipped: there is no such file",
+            "t.mgf:15:1: file \"none.mgf\" skipped, as before",
             "self.mgf:2:1: file \"self.mgf\" includes itself: skipped",
             "t.mgf:17:1: file \"t.mgf\" includes itself: skipped",
         ],
@@ -244,7 +244,7 @@ fn includes() {
         mesh(&loaded.scene.objects[2]).positions[0],
         DVec3::new(5.0, 0.0, 1.0)
     );
-    // What an included file defines stays defined.
+    // Definitions of an included file persist.
     assert_eq!(loaded.scene.materials.len(), 1);
     assert_eq!(loaded.scene.materials[0].name, "wood");
 }
@@ -274,7 +274,7 @@ fn faces_with_holes_and_normals() {
     let third = corner.end + 2;
     let smooth = normals.at(third, faces.faces.corners[third]);
     assert!((smooth - slanted).length() < 1e-12);
-    check_warnings(&loaded, &["hole of a face that is not inside it: filled"]);
+    check_warnings(&loaded, &["hole outside of its face: filled"]);
 }
 
 #[test]
@@ -294,10 +294,10 @@ fn emission_by_sides() {
     assert_eq!(lamp(2, "f a b c"), (true, true));
     assert_eq!(lamp(1, "f a b c"), (false, true));
     assert_eq!(lamp(2, "cyl a .1 b"), (true, true));
-    // Nobody sees the inside of a ball or a prism.
+    // The inside of a ball or a prism is not visible.
     assert_eq!(lamp(2, "sph a 1"), (false, false));
     assert_eq!(lamp(2, "prism a b c .1"), (false, true));
-    // A dome shines on what is in it; one that shines inward alone cannot be an exact sphere.
+    // A dome emits into its interior; one that emits inwards only cannot be an exact sphere.
     assert_eq!(lamp(2, "sph a -1"), (true, false));
     assert_eq!(lamp(1, "sph a -1"), (false, true));
     let loaded = with_square("m lamp =\nsides 1\ned 100\nsph a -1\n");
@@ -336,7 +336,7 @@ fn what_is_skipped_is_said() {
     check("rd x", &["\"x\" is no number"]);
     check("rd .1 .2", &["2 arguments, expected 1"]);
     check("rd 1.5", &["rd outside 0..1: clamped"]);
-    check("rd .9\nrs .3 .2", &["more than arrives"]);
+    check("rd .9\nrs .3 .2", &["more than it receives"]);
     check("ed -1", &["ed below 0"]);
     check("sides 3", &["sides are 1 or 2"]);
     check("sides 1", &["one-sided"]);
@@ -353,7 +353,7 @@ fn what_is_skipped_is_said() {
     check("o x\nxf -t 0 0 1\no", &["overlap"]);
     check(
         "xf -q 3\nxf",
-        &["an unknown option of a transform: it and the options behind it"],
+        &["unknown transform option: it and the options behind it"],
     );
     check("sph a 0", &["sph without size"]);
     check("sph a", &["sph without \"vertex radius\""]);
@@ -374,8 +374,8 @@ fn what_is_skipped_is_said() {
     check(
         "v far =\np 1e308 0 0\nxf -s 1e10\nf a b far\nsph far 1\nxf",
         &[
-            "surface that is too large",
-            "sph without size, or too large",
+            "surface that overflows",
+            "sph without size, or that overflows",
         ],
     );
 }
@@ -383,7 +383,7 @@ fn what_is_skipped_is_said() {
 #[test]
 fn a_library_has_materials_and_no_geometry() {
     let loaded = load("m wood =\nrd .2\nm steel =\nrs .6 0\n");
-    check_warnings(&loaded, &["there is no geometry"]);
+    check_warnings(&loaded, &["the file contains no geometry"]);
     let names: Vec<&str> = loaded
         .scene
         .materials
@@ -392,7 +392,7 @@ fn a_library_has_materials_and_no_geometry() {
         .collect();
     assert_eq!(names, ["wood", "steel"]);
     assert!(loaded.scene.objects.is_empty());
-    check_warnings(&load(""), &["there is no geometry"]);
+    check_warnings(&load(""), &["the file contains no geometry"]);
 }
 
 #[test]
@@ -433,7 +433,7 @@ fn small_files_stay_small() {
     );
 }
 
-/// A photometric file of type C in metres: sizes, vertical angles and candelas.
+/// A photometric file of type C in metres with the given sizes, vertical angles and candelas.
 fn photometric(sizes: &str, vertical: &str, candelas: &str) -> String {
     let n = vertical.split_whitespace().count();
     format!(
@@ -443,7 +443,7 @@ fn photometric(sizes: &str, vertical: &str, candelas: &str) -> String {
 
 #[test]
 fn luminaires_of_an_area() {
-    // 100 cd all over the lower half, half as much above.
+    // 100 cd over the lower hemisphere, half as much above.
     let files = Memory::new().with(
         "a/l.ies",
         photometric("2 .5 .1", "0 89.999 90.001 180", "100 100 50 50"),
@@ -461,7 +461,7 @@ fn luminaires_of_an_area() {
     );
     let lamp = primitive(&loaded.scene.objects[2]);
     let point = lamp.point(0, 0.5, 0.5);
-    // Turned over, the main light goes up.
+    // Upside down, most of the light goes up.
     assert!((point.normal - DVec3::Z).length() < 1e-12);
     assert!((point.position - DVec3::new(5.0, 0.0, 3.05)).length() < 1e-12);
     let size = lamp.bounds().size();
@@ -491,7 +491,7 @@ fn luminaires_without_area() {
     };
     assert!(position == DVec3::new(1.0, 2.0, 3.0) && (intensity.r - 10.0).abs() < 1e-9);
     assert_eq!(bulb[0].name, "l.ies");
-    // A narrow beam out of a round opening.
+    // A narrow beam from a round opening.
     let beam = load("-.3 -.3 0", "0 10 10.001 180", "1000 1000 0 0");
     let LightKind::Spot {
         direction,
@@ -550,7 +550,7 @@ fn luminaires_with_a_body() {
     );
 }
 
-/// Words that mean something, in any order.
+/// Keywords and arguments, in any order.
 fn any_word() -> impl Strategy<Value = &'static str> {
     prop::sample::select(
         "a b c - -1 0 .5 2 1e308 -3 = -t -rx -s -mx -i -a -m 1e-300 400 700 a.mgf t.mgf l.ies x"
@@ -569,7 +569,7 @@ fn any_keyword() -> impl Strategy<Value = &'static str> {
 }
 
 proptest! {
-    /// Statements without sense make warnings, not harm.
+    /// Arbitrary statements cause warnings only.
     #[test]
     fn any_statements(
         statements in prop::collection::vec(
@@ -597,7 +597,7 @@ proptest! {
         }
     }
 
-    /// So do bytes.
+    /// Arbitrary bytes cause warnings only.
     #[test]
     fn any_bytes(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
         let loaded = read(&bytes, "t.mgf", &Memory::new(), &ReadOptions::default()).unwrap();

@@ -1,48 +1,49 @@
-//! `xf` and what else takes its options: maps in a row, some of them repeated as arrays.
+//! Transform options, of `xf` and other entities: a sequence of maps, some of them repeated as
+//! arrays.
 
 use super::lines::number;
 use glam::{DAffine3, DMat3, DVec3};
 use std::fmt::Write;
 
-/// Maps that act one after the other on what they are applied to.
+/// A sequence of maps, applied one after the other.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Transform {
-    pieces: Vec<Piece>,
+pub(super) struct MgfTransform {
+    pieces: Vec<TransformFactor>,
 }
 
 /// A map that is applied several times, or in an array 0, 1, 2... times for its instances.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Piece {
+struct TransformFactor {
     map: DAffine3,
     count: u64,
     is_array: bool,
 }
 
-impl Piece {
-    const ONCE: Piece = Piece {
+impl TransformFactor {
+    const ONCE: TransformFactor = TransformFactor {
         map: DAffine3::IDENTITY,
         count: 1,
         is_array: false,
     };
 }
 
-impl Transform {
-    /// Reads options, and what is wrong with the first that is not understood; it and those
-    /// behind it do nothing.
-    pub fn parse(words: &[&[u8]]) -> (Transform, Option<&'static str>) {
-        let mut transform = Transform {
-            pieces: vec![Piece::ONCE],
+impl MgfTransform {
+    /// Parses options, and returns the error of the first invalid one; it and the following ones
+    /// have no effect.
+    pub fn parse(words: &[&[u8]]) -> (MgfTransform, Option<&'static str>) {
+        let mut transform = MgfTransform {
+            pieces: vec![TransformFactor::ONCE],
         };
         let mut rest = words;
         while !rest.is_empty() {
             match option(rest) {
-                Ok((taken, Found::Map(map))) => {
+                Ok((taken, TransformOption::Map(map))) => {
                     let last = transform.pieces.last_mut();
                     let last = last.expect("there is a piece from the start");
                     last.map = map * last.map;
                     rest = &rest[taken..];
                 }
-                Ok((taken, Found::Piece(piece))) => {
+                Ok((taken, TransformOption::Piece(piece))) => {
                     transform.pieces.push(piece);
                     rest = &rest[taken..];
                 }
@@ -52,24 +53,25 @@ impl Transform {
         (transform, None)
     }
 
-    /// Whether there are instances, were it only one.
+    /// Whether it is an array, even with one instance only.
     pub fn is_array(&self) -> bool {
         self.pieces.iter().any(|p| p.is_array)
     }
 
-    /// How many instances; 1 without an array.
+    /// Number of instances; 1 without an array.
     pub fn instances(&self) -> u64 {
         let arrays = self.pieces.iter().filter(|p| p.is_array);
         arrays.fold(1, |product, p| product.saturating_mul(p.count))
     }
 
-    /// The map of an instance, counted from 0; the last array turns fastest.
+    /// The map of an instance, counted from 0; the last array varies fastest.
     pub fn map(&self, instance: u64) -> DAffine3 {
         let (mut whole, mut left) = (DAffine3::IDENTITY, instance);
         for piece in self.pieces.iter().rev() {
-            let times = match piece.is_array {
-                true => left % piece.count,
-                false => piece.count,
+            let times = if piece.is_array {
+                left % piece.count
+            } else {
+                piece.count
             };
             if piece.is_array {
                 left /= piece.count;
@@ -110,25 +112,27 @@ fn power(map: DAffine3, mut times: u64) -> DAffine3 {
     result
 }
 
-/// What an option is.
-enum Found {
-    /// A map that acts behind those before.
+/// A transform option.
+enum TransformOption {
+    /// A map applied after the previous ones.
     Map(DAffine3),
     /// The start of a repetition.
-    Piece(Piece),
+    Piece(TransformFactor),
 }
 
-/// The option at the start of some words, and how many of these it takes.
-fn option(words: &[&[u8]]) -> Result<(usize, Found), &'static str> {
+/// The option at the start of `words`, and its number of words.
+fn option(words: &[&[u8]]) -> Result<(usize, TransformOption), &'static str> {
     let (option, arguments) = (words[0], &words[1..]);
-    let wrong = "an option of a transform without its numbers";
+    let wrong = "transform option without its numbers";
     let numbers = |n: usize| -> Result<Vec<f64>, &'static str> {
         let words = arguments.get(..n).ok_or(wrong)?;
         words.iter().map(|w| number(w).ok_or(wrong)).collect()
     };
-    let map = |taken: usize, matrix: DMat3| Ok((taken, Found::Map(DAffine3::from_mat3(matrix))));
+    let map = |taken: usize, matrix: DMat3| {
+        Ok((taken, TransformOption::Map(DAffine3::from_mat3(matrix))))
+    };
     let scale = |axes: DVec3| match numbers(1)?[0] {
-        0.0 => Err("a scale of 0"),
+        0.0 => Err("scale of 0"),
         f => map(2, DMat3::from_diagonal(axes * f + (DVec3::ONE - axes))),
     };
     let angle = || numbers(1).map(|values| values[0].to_radians());
@@ -136,7 +140,7 @@ fn option(words: &[&[u8]]) -> Result<(usize, Found), &'static str> {
     match option {
         b"-t" => {
             let t = DVec3::from_slice(&numbers(3)?);
-            Ok((4, Found::Map(DAffine3::from_translation(t))))
+            Ok((4, TransformOption::Map(DAffine3::from_translation(t))))
         }
         b"-rx" => map(2, DMat3::from_rotation_x(angle()?)),
         b"-ry" => map(2, DMat3::from_rotation_y(angle()?)),
@@ -144,7 +148,7 @@ fn option(words: &[&[u8]]) -> Result<(usize, Found), &'static str> {
         b"-r" => {
             let values = numbers(4)?;
             let axis = DVec3::from_slice(&values).try_normalize();
-            let axis = axis.ok_or("a rotation about no axis")?;
+            let axis = axis.ok_or("rotation about a zero axis")?;
             map(5, DMat3::from_axis_angle(axis, values[3].to_radians()))
         }
         b"-s" => scale(DVec3::ONE),
@@ -159,16 +163,16 @@ fn option(words: &[&[u8]]) -> Result<(usize, Found), &'static str> {
             let n = numbers(1)?[0];
             let least = if is_array { 1.0 } else { 0.0 };
             if !(n >= least && n <= 1e15) {
-                return Err("a repetition that is no count");
+                return Err("repetition that is not a count");
             }
-            let piece = Piece {
+            let piece = TransformFactor {
                 count: n as u64,
                 is_array,
-                ..Piece::ONCE
+                ..TransformFactor::ONCE
             };
-            Ok((2, Found::Piece(piece)))
+            Ok((2, TransformOption::Piece(piece)))
         }
-        _ => Err("an unknown option of a transform"),
+        _ => Err("unknown transform option"),
     }
 }
 
@@ -176,15 +180,15 @@ fn option(words: &[&[u8]]) -> Result<(usize, Found), &'static str> {
 mod tests {
     use super::*;
 
-    fn parse(options: &str) -> (Transform, Option<&'static str>) {
+    fn parse(options: &str) -> (MgfTransform, Option<&'static str>) {
         let words: Vec<&[u8]> = options
             .split_ascii_whitespace()
             .map(str::as_bytes)
             .collect();
-        Transform::parse(&words)
+        MgfTransform::parse(&words)
     }
 
-    /// Where each instance puts (1, 0, 0).
+    /// Where each instance maps (1, 0, 0).
     fn check(options: &str, expected: &[(&str, [f64; 3])]) {
         let (transform, wrong) = parse(options);
         assert_eq!(wrong, None, "{options}");
@@ -243,20 +247,17 @@ mod tests {
         let check = |options, expected| {
             let (transform, wrong) = parse(options);
             assert_eq!(wrong, Some(expected), "{options}");
-            // What stands before still holds.
+            // The preceding options still apply.
             let x = transform.map(0).transform_point3(DVec3::ZERO).x;
             assert_eq!(x, f64::from(options.starts_with("-t 1")), "{options}");
         };
-        check("-t 1 0 0 -q", "an unknown option of a transform");
-        check(
-            "-t 1 0 0 -t 1 0",
-            "an option of a transform without its numbers",
-        );
-        check("-rx ninety", "an option of a transform without its numbers");
-        check("-s 0", "a scale of 0");
-        check("-a 0", "a repetition that is no count");
-        check("-a -1", "a repetition that is no count");
-        check("-i 1e300", "a repetition that is no count");
-        check("-r 0 0 0 5", "a rotation about no axis");
+        check("-t 1 0 0 -q", "unknown transform option");
+        check("-t 1 0 0 -t 1 0", "transform option without its numbers");
+        check("-rx ninety", "transform option without its numbers");
+        check("-s 0", "scale of 0");
+        check("-a 0", "repetition that is not a count");
+        check("-a -1", "repetition that is not a count");
+        check("-i 1e300", "repetition that is not a count");
+        check("-r 0 0 0 5", "rotation about a zero axis");
     }
 }

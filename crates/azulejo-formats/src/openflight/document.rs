@@ -1,7 +1,7 @@
 //! One file: its records as a tree, and its palettes.
 
-use super::fields::Fields;
-use super::opcode::{self, Role};
+use super::fields::RecordFields;
+use super::opcode::{self, OpcodeRole};
 use super::palettes::{self, Palettes};
 use super::vertices::VertexPalette;
 use crate::reading::warnings::Warnings;
@@ -11,35 +11,35 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::rc::Rc;
 
-/// A file of 4 GiB or more has offsets that its own fields cannot hold.
+/// A file of 4 GiB or more has offsets that its own fields cannot represent.
 const LARGEST: u64 = u32::MAX as u64;
 
-/// Most ancillary records of one node that are looked at: only four kinds are kept.
+/// Maximum number of ancillary records examined per node: only four types are used.
 const MOST_ANCILLARY: usize = 16;
 
-/// A record that is kept. What stands between it and `end` belongs to it: first its ancillary
+/// A record that is kept. Everything between it and `end` belongs to it: first its ancillary
 /// records, then its children, each followed by its own.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
+pub(super) struct FltNode {
     pub opcode: u16,
-    /// Where the record starts in the file.
+    /// Offset of the record in the file.
     pub at: u32,
     /// The first node that does not belong to it.
     pub end: u32,
 }
 
-/// A file whose records have been found, but not understood.
+/// A file whose records have been located, but not interpreted.
 #[derive(Debug)]
-pub(super) struct Document<'a> {
-    /// Its name for messages.
+pub(super) struct FltDocument<'a> {
+    /// Its name in messages.
     pub file: Rc<str>,
     bytes: Cow<'a, [u8]>,
-    /// Records with their continuations, by where they start.
+    /// Records joined with their continuations, by offset.
     continued: HashMap<u32, Vec<u8>>,
-    pub nodes: Vec<Node>,
-    /// Numbers of instance definitions, and their nodes.
+    pub nodes: Vec<FltNode>,
+    /// The nodes of instance definitions, by number.
     pub definitions: HashMap<u16, u32>,
-    /// As the header has it, but in hundredths: 1420 for 14.2.
+    /// The revision in hundredths: 1420 for 14.2.
     pub revision: u32,
     /// Whether all colours are packed colours.
     pub packed_colors: bool,
@@ -48,8 +48,8 @@ pub(super) struct Document<'a> {
     pub vertices: VertexPalette,
 }
 
-impl<'a> Document<'a> {
-    /// Finds the records of a file. `path` is its name as the root model knows it, empty for the
+impl<'a> FltDocument<'a> {
+    /// Locates the records of a file. `path` is its name relative to the root model, empty for the
     /// root model itself.
     ///
     /// # Errors
@@ -59,12 +59,12 @@ impl<'a> Document<'a> {
         file: &str,
         path: &str,
         warnings: &mut Warnings,
-    ) -> Result<Document<'a>, ReadError> {
+    ) -> Result<FltDocument<'a>, ReadError> {
         let header = check_header(&bytes, file)?;
         let revision = revision(header);
         let metres_per_unit = metres_per_unit(header);
         let packed_colors = header.u32(64).is_some_and(|flags| flags & 1 << 30 != 0);
-        let document = Document {
+        let document = FltDocument {
             file: file.into(),
             bytes,
             continued: HashMap::new(),
@@ -76,7 +76,7 @@ impl<'a> Document<'a> {
             palettes: Palettes::default(),
             vertices: VertexPalette::default(),
         };
-        let mut scan = Scan {
+        let mut scan = RecordScan {
             document,
             path: path.into(),
             warnings,
@@ -89,18 +89,18 @@ impl<'a> Document<'a> {
         Ok(scan.finish())
     }
 
-    /// The fields of a record that starts at `at`, with its continuations.
-    pub fn fields(&self, at: u32) -> Fields<'_> {
+    /// The fields of the record at offset `at`, with its continuations.
+    pub fn fields(&self, at: u32) -> RecordFields<'_> {
         if let Some(joined) = self.continued.get(&at) {
-            return Fields(joined);
+            return RecordFields(joined);
         }
         let rest = self.bytes.get(at as usize..).unwrap_or_default();
-        let length = Fields(rest).u16(2).unwrap_or_default();
-        Fields(&rest[..rest.len().min(length.into())])
+        let length = RecordFields(rest).u16(2).unwrap_or_default();
+        RecordFields(&rest[..rest.len().min(length.into())])
     }
 
     /// The fields of a node.
-    pub fn node(&self, node: u32) -> Fields<'_> {
+    pub fn node(&self, node: u32) -> RecordFields<'_> {
         self.fields(self.nodes[node as usize].at)
     }
 
@@ -114,7 +114,7 @@ impl<'a> Document<'a> {
         self.siblings(node + 1..self.nodes[node as usize].end)
     }
 
-    /// The nodes that belong to none.
+    /// The top-level nodes.
     pub fn top(&self) -> Siblings<'_> {
         self.siblings(0..self.nodes.len() as u32)
     }
@@ -127,15 +127,15 @@ impl<'a> Document<'a> {
     }
 
     /// An ancillary record of a node.
-    pub fn ancillary(&self, node: u32, opcode: u16) -> Option<Fields<'_>> {
+    pub fn ancillary(&self, node: u32, opcode: u16) -> Option<RecordFields<'_>> {
         self.below(node)
             .take(MOST_ANCILLARY)
-            .take_while(|(_, n)| Role::of(n.opcode) == Role::Ancillary)
+            .take_while(|(_, n)| OpcodeRole::of(n.opcode) == OpcodeRole::Ancillary)
             .find(|(_, n)| n.opcode == opcode)
             .map(|(_, n)| self.fields(n.at))
     }
 
-    /// A node's name: its long ID if it has one, else its ID.
+    /// A node's name: its long ID if it has one, otherwise its ID.
     pub fn name(&self, node: u32) -> String {
         use opcode::*;
         if let Some(long) = self.ancillary(node, LONG_ID) {
@@ -148,17 +148,17 @@ impl<'a> Document<'a> {
     }
 }
 
-/// Nodes next to each other in the tree, with their indices.
+/// Consecutive siblings in the tree, with their indices.
 #[derive(Clone, Debug)]
 pub(super) struct Siblings<'a> {
-    nodes: &'a [Node],
+    nodes: &'a [FltNode],
     range: Range<u32>,
 }
 
 impl Iterator for Siblings<'_> {
-    type Item = (u32, Node);
+    type Item = (u32, FltNode);
 
-    fn next(&mut self) -> Option<(u32, Node)> {
+    fn next(&mut self) -> Option<(u32, FltNode)> {
         let index = self.range.start;
         if index >= self.range.end {
             return None;
@@ -169,8 +169,8 @@ impl Iterator for Siblings<'_> {
     }
 }
 
-fn check_header<'b>(bytes: &'b [u8], file: &str) -> Result<Fields<'b>, ReadError> {
-    let fields = Fields(bytes);
+fn check_header<'b>(bytes: &'b [u8], file: &str) -> Result<RecordFields<'b>, ReadError> {
+    let fields = RecordFields(bytes);
     let expected = "a header record: opcode 1 and a length of at least 16";
     let (found, length) = match (fields.u16(0), fields.u16(2)) {
         _ if bytes.len() as u64 >= LARGEST => {
@@ -180,9 +180,9 @@ fn check_header<'b>(bytes: &'b [u8], file: &str) -> Result<Fields<'b>, ReadError
         }
         (Some(opcode::HEADER), Some(length)) if length >= 16 => {
             if let Some(header) = bytes.get(..length.into()) {
-                return Ok(Fields(header));
+                return Ok(RecordFields(header));
             }
-            ("a header of", format!("{length} bytes, cut short"))
+            ("a header of", format!("{length} bytes, truncated"))
         }
         (Some(opcode), Some(length)) => ("opcode", format!("{opcode} and length {length}")),
         _ => ("the end", "of the file".to_owned()),
@@ -195,15 +195,15 @@ fn check_header<'b>(bytes: &'b [u8], file: &str) -> Result<Fields<'b>, ReadError
     ))
 }
 
-/// Old files say 14, later ones 1420.
-fn revision(header: Fields) -> u32 {
+/// Old files store 14, later ones 1420.
+fn revision(header: RecordFields) -> u32 {
     match header.u32(12).unwrap_or_default() {
         small @ 0..100 => small * 100,
         revision => revision,
     }
 }
 
-fn metres_per_unit(header: Fields) -> Option<f64> {
+fn metres_per_unit(header: RecordFields) -> Option<f64> {
     match header.u8(62)? {
         0 => Some(1.0),
         1 => Some(1000.0),
@@ -215,8 +215,8 @@ fn metres_per_unit(header: Fields) -> Option<f64> {
 }
 
 /// A pass over the records of a file.
-struct Scan<'a, 'w> {
-    document: Document<'a>,
+struct RecordScan<'a, 'w> {
+    document: FltDocument<'a>,
     path: Rc<str>,
     warnings: &'w mut Warnings,
     /// The nodes whose children are being read.
@@ -226,7 +226,7 @@ struct Scan<'a, 'w> {
     at: usize,
 }
 
-impl<'a> Scan<'a, '_> {
+impl<'a> RecordScan<'a, '_> {
     #[cold]
     fn warn(&mut self, message: String) {
         let at = self.at as u64;
@@ -238,18 +238,19 @@ impl<'a> Scan<'a, '_> {
         if self.document.revision < 1400 {
             let revision = f64::from(self.document.revision) / 100.0;
             self.warn(format!(
-                "revision {revision}: before 14, colours and vertices had other forms, which are not read"
+                "revision {revision}: colours and vertices before revision 14 have other formats, which are not supported"
             ));
         }
         if self.document.metres_per_unit.is_none() {
-            self.warn("unit of length that is none of the known: taken as unknown".into());
+            self.warn("unknown unit of length: not used".into());
         }
     }
 
     /// Reads a record; `false` at the end.
     fn record(&mut self) -> bool {
         let rest = &self.document.bytes[self.at..];
-        let (Some(opcode), Some(length)) = (Fields(rest).u16(0), Fields(rest).u16(2)) else {
+        let (Some(opcode), Some(length)) = (RecordFields(rest).u16(0), RecordFields(rest).u16(2))
+        else {
             if !rest.is_empty() {
                 self.warn(format!(
                     "{} bytes after the last record: skipped",
@@ -277,8 +278,7 @@ impl<'a> Scan<'a, '_> {
         true
     }
 
-    /// Joins the continuation records that follow to the record before them; returns where they
-    /// end.
+    /// Joins the continuation records that follow to the record before them; returns their end.
     fn continuations(&mut self, end: usize) -> usize {
         let mut next = end;
         while let Some(piece) = self.continuation(next) {
@@ -297,35 +297,35 @@ impl<'a> Scan<'a, '_> {
         next
     }
 
-    /// What a continuation record at `at` holds.
+    /// The content of a continuation record at `at`.
     fn continuation(&self, at: usize) -> Option<&[u8]> {
-        let fields = Fields(self.document.bytes.get(at..)?);
+        let fields = RecordFields(self.document.bytes.get(at..)?);
         let length = usize::from(fields.u16(2)?);
         let is_one = fields.u16(0) == Some(opcode::CONTINUATION);
         is_one.then(|| fields.0.get(4..length)).flatten()
     }
 
     fn take(&mut self, opcode: u16) {
-        match Role::of(opcode) {
-            Role::Push => self.push(),
-            Role::Pop => self.pop(),
-            Role::Node => self.node(opcode),
-            Role::Ancillary => {
+        match OpcodeRole::of(opcode) {
+            OpcodeRole::Push => self.push(),
+            OpcodeRole::Pop => self.pop(),
+            OpcodeRole::Node => self.node(opcode),
+            OpcodeRole::Ancillary => {
                 self.add(opcode);
             }
-            Role::Palette => self.palette(opcode),
-            Role::Silent => {}
-            Role::Skipped => {
+            OpcodeRole::Palette => self.palette(opcode),
+            OpcodeRole::Silent => {}
+            OpcodeRole::Skipped => {
                 let name = opcode::name(opcode);
                 self.warn(format!("{name} (opcode {opcode}): skipped"));
             }
         }
     }
 
-    /// Adds a node, which for now has nothing below it.
+    /// Adds a node, which has no descendants yet.
     fn add(&mut self, opcode: u16) -> u32 {
         let index = self.document.nodes.len() as u32;
-        self.document.nodes.push(Node {
+        self.document.nodes.push(FltNode {
             opcode,
             at: self.at as u32,
             end: index + 1,
@@ -343,7 +343,7 @@ impl<'a> Scan<'a, '_> {
         }
     }
 
-    /// Everything since the latest node on this level belongs to it.
+    /// Assigns everything since the latest node on this level to it.
     fn close(&mut self) {
         if let Some(node) = self.current {
             self.document.nodes[node as usize].end = self.document.nodes.len() as u32;
@@ -354,7 +354,7 @@ impl<'a> Scan<'a, '_> {
         if let Some(node) = self.current.take() {
             self.open.push(node);
         } else {
-            // The pop that belongs to it must find something to end.
+            // The matching pop needs a node to end.
             let node = self.add(opcode::GROUP);
             self.warn("push without a node before it: taken as an unnamed group".into());
             self.open.push(node);
@@ -401,13 +401,13 @@ impl<'a> Scan<'a, '_> {
             }
             _ => {
                 if !self.document.vertices.add(at) {
-                    self.warn("vertex outside of the vertex palette: skipped".into());
+                    self.warn("vertex outside the vertex palette: skipped".into());
                 }
             }
         }
     }
 
-    /// Puts an entry into a palette.
+    /// Inserts an entry into a palette.
     fn insert<T: Clone>(
         &mut self,
         entry: Option<(i32, T)>,
@@ -421,10 +421,12 @@ impl<'a> Scan<'a, '_> {
         }
     }
 
-    fn finish(mut self) -> Document<'a> {
+    fn finish(mut self) -> FltDocument<'a> {
         if !self.open.is_empty() {
             let levels = self.open.len();
-            self.warn(format!("the file ends within {levels} levels: closed"));
+            self.warn(format!(
+                "the file ends inside {levels} nested levels: closed"
+            ));
         }
         while !self.open.is_empty() {
             self.pop();

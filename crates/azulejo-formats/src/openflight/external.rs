@@ -1,10 +1,10 @@
-//! Files that a file refers to.
+//! External references: files that a file refers to.
 
-use super::document::Document;
+use super::document::FltDocument;
 use super::opcode;
-use super::part::Slot;
-use super::transform::Place;
-use super::walk::{BYTES_PER_ELEMENT, Source, Walker};
+use super::part::VertexSlot;
+use super::transform::InheritedState;
+use super::walk::{BYTES_PER_ELEMENT, FltSource, FltWalker};
 use crate::reading::files::beside;
 use crate::reading::text::shortened;
 use crate::reading::warnings::Warnings;
@@ -15,37 +15,37 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Most files inside each other.
+/// Maximum depth of nested files.
 const MOST_OPEN: usize = 16;
 
-/// The files that have been referred to, each read once.
-pub(super) struct Externals<'f> {
+/// The external files, each read once.
+pub(super) struct ExternalFiles<'f> {
     files: &'f dyn Files,
-    known: HashMap<String, Result<Rc<External>, Problem>>,
-    /// Names of the files that are being drawn, the root model first, without capitals.
+    known: HashMap<String, Result<Rc<ExternalFile>, ExternalProblem>>,
+    /// Names of the files being traversed, the root model first, in lower case.
     open: Vec<String>,
     bytes_left: u64,
 }
 
 /// A file that has been read.
-pub(super) struct External {
-    document: Document<'static>,
+pub(super) struct ExternalFile {
+    document: FltDocument<'static>,
     number: usize,
 }
 
-/// Why a file is left out.
+/// Why a file is skipped.
 #[derive(Clone, Debug)]
-enum Problem {
-    /// It is not where it was looked for.
+enum ExternalProblem {
+    /// It was not found at this path.
     Elsewhere(String),
-    /// Something else is wrong.
+    /// Any other error.
     Other(String),
 }
 
-impl<'f> Externals<'f> {
-    pub fn new(files: &'f dyn Files, root: &str, most_bytes: u64) -> Externals<'f> {
+impl<'f> ExternalFiles<'f> {
+    pub fn new(files: &'f dyn Files, root: &str, most_bytes: u64) -> ExternalFiles<'f> {
         let root = root.rsplit(['/', '\\']).next().unwrap_or(root);
-        Externals {
+        ExternalFiles {
             files,
             known: HashMap::new(),
             open: vec![root.to_lowercase()],
@@ -53,16 +53,15 @@ impl<'f> Externals<'f> {
         }
     }
 
-    fn read(&mut self, path: &str) -> Result<Vec<u8>, Problem> {
+    fn read(&mut self, path: &str) -> Result<Vec<u8>, ExternalProblem> {
         let bytes = self.files.read(path).map_err(|e| match e {
-            FileError::Missing | FileError::Outside => Problem::Elsewhere(e.to_string()),
-            _ => Problem::Other(e.to_string()),
+            FileError::Missing | FileError::Outside => ExternalProblem::Elsewhere(e.to_string()),
+            _ => ExternalProblem::Other(e.to_string()),
         })?;
         let left = self.bytes_left.checked_sub(bytes.len() as u64);
         self.bytes_left = left.ok_or_else(|| {
-            let message =
-                "the files referred to have more bytes than allowed (ReadOptions::most_unpacked)";
-            Problem::Other(message.into())
+            let message = "the external files exceed the size limit (ReadOptions::most_unpacked)";
+            ExternalProblem::Other(message.into())
         })?;
         Ok(bytes)
     }
@@ -70,25 +69,25 @@ impl<'f> Externals<'f> {
     fn load(
         &mut self,
         path: &str,
-        slots: &mut Vec<Vec<Slot>>,
+        slots: &mut Vec<Vec<VertexSlot>>,
         warnings: &mut Warnings,
-    ) -> Result<Rc<External>, Problem> {
+    ) -> Result<Rc<ExternalFile>, ExternalProblem> {
         if let Some(known) = self.known.get(path) {
             return known.clone();
         }
         let read = self.read(path).and_then(|bytes| {
-            let parsed = Document::parse(Cow::Owned(bytes), path, path, warnings);
-            let document = parsed.map_err(|e| Problem::Other(e.to_string()))?;
+            let parsed = FltDocument::parse(Cow::Owned(bytes), path, path, warnings);
+            let document = parsed.map_err(|e| ExternalProblem::Other(e.to_string()))?;
             let number = slots.len();
-            slots.push(vec![Slot::default(); document.vertices.len()]);
-            Ok(Rc::new(External { document, number }))
+            slots.push(vec![VertexSlot::default(); document.vertices.len()]);
+            Ok(Rc::new(ExternalFile { document, number }))
         });
         self.known.insert(path.to_owned(), read.clone());
         read
     }
 }
 
-/// A path, and the name of the node that stands in `<>` behind it.
+/// Splits a reference into the path, and the node name in `<>` after it.
 fn split(reference: &str) -> (&str, Option<&str>) {
     match reference.split_once('<') {
         Some((path, node)) => (path.trim(), Some(node.trim_end_matches('>'))),
@@ -96,21 +95,26 @@ fn split(reference: &str) -> (&str, Option<&str>) {
     }
 }
 
-impl Walker<'_> {
-    /// Draws the file that an external reference names.
-    pub fn external(&mut self, source: Source, node: u32, place: &Place) -> Result<(), ReadError> {
+impl FltWalker<'_> {
+    /// Adds the content of an external reference.
+    pub fn external(
+        &mut self,
+        source: FltSource,
+        node: u32,
+        place: &InheritedState,
+    ) -> Result<(), ReadError> {
         let record = source.document.node(node);
         let reference = record.text(4, 200);
         let (name, part) = split(&reference);
         let (path, external) = match self.find(source, name) {
             Ok(found) => found,
             Err(why) => {
-                let message = format!("\"{}\" is left out: {why}", shortened(name));
+                let message = format!("file \"{}\" skipped: {why}", shortened(name));
                 self.notes(source, node).add(message);
                 return Ok(());
             }
         };
-        // Before revision 14.2 each file had its own palettes.
+        // Before revision 14.2, each file had its own palettes.
         let flags = match source.document.revision {
             ..1420 => None,
             _ => record.u32(208),
@@ -121,7 +125,7 @@ impl Walker<'_> {
             .under(source.palettes, flags.unwrap_or(u32::MAX));
         self.sets += 1;
         let scale = scale(document, source.document);
-        let inner = Source {
+        let inner = FltSource {
             document,
             number: external.number,
             path: &path,
@@ -142,58 +146,69 @@ impl Walker<'_> {
         done
     }
 
-    /// The file of that name: where the name says, or else without its folders, which may be
-    /// those of its author's machine.
-    fn find(&mut self, source: Source, name: &str) -> Result<(String, Rc<External>), String> {
+    /// The file with this name: looked up by its full path, otherwise without its folders, which
+    /// may be those of the author's machine.
+    fn find(
+        &mut self,
+        source: FltSource,
+        name: &str,
+    ) -> Result<(String, Rc<ExternalFile>), String> {
         if self.externals.open.len() == MOST_OPEN {
-            return Err(format!("more than {MOST_OPEN} files inside each other"));
+            return Err(format!("files nested more than {MOST_OPEN} deep"));
         }
         let name = &one_spelling(name);
         let base = name.rsplit('/').next().unwrap_or(name);
         let path = beside(source.path, name);
         match self.open(path) {
-            Err(Problem::Elsewhere(why)) if base != name => {
+            Err(ExternalProblem::Elsewhere(why)) if base != name => {
                 let other = self.open(beside(source.path, base));
                 other.map_err(|e| match e {
-                    Problem::Elsewhere(_) => why,
-                    Problem::Other(why) => why,
+                    ExternalProblem::Elsewhere(_) => why,
+                    ExternalProblem::Other(why) => why,
                 })
             }
-            Err(Problem::Elsewhere(why) | Problem::Other(why)) => Err(why),
+            Err(ExternalProblem::Elsewhere(why) | ExternalProblem::Other(why)) => Err(why),
             Ok(found) => Ok(found),
         }
     }
 
-    fn open(&mut self, path: String) -> Result<(String, Rc<External>), Problem> {
+    fn open(&mut self, path: String) -> Result<(String, Rc<ExternalFile>), ExternalProblem> {
         if self.externals.open.contains(&path.to_lowercase()) {
-            return Err(Problem::Other("it refers to itself".into()));
+            return Err(ExternalProblem::Other("it refers to itself".into()));
         }
         let (slots, warnings) = (&mut self.slots, &mut self.warnings);
         let external = self.externals.load(&path, slots, warnings)?;
         Ok((path, external))
     }
 
-    /// Draws the first node of that name.
-    fn named(&mut self, source: Source, name: &str, place: &Place) -> Result<(), ReadError> {
+    /// Adds the first node with this name.
+    fn named(
+        &mut self,
+        source: FltSource,
+        name: &str,
+        place: &InheritedState,
+    ) -> Result<(), ReadError> {
         let document = source.document;
-        // Each of them is asked for its name.
+        // The name of each node is compared.
         self.spend(document.nodes.len() as u64 + document.size() / BYTES_PER_ELEMENT)?;
         let is_it = |&index: &u32| {
             let opcode = document.nodes[index as usize].opcode;
-            opcode::Role::of(opcode) == opcode::Role::Node && document.name(index) == name
+            opcode::OpcodeRole::of(opcode) == opcode::OpcodeRole::Node
+                && document.name(index) == name
         };
         if let Some(node) = (0..document.nodes.len() as u32).find(is_it) {
             return self.one(source, node, place);
         }
-        let message = format!("no node of the name \"{}\": left out", shortened(name));
+        let message = format!("no node named \"{}\": skipped", shortened(name));
         self.warnings
             .add(&document.file, message, || Position::Byte(0));
         Ok(())
     }
 }
 
-/// Length of an inner file's unit in units of the outer; 1 if one of them does not say.
-fn scale(inner: &Document, outer: &Document) -> f64 {
+/// The ratio of the inner file's unit of length to that of the outer one; 1 if one of them is
+/// unknown.
+fn scale(inner: &FltDocument, outer: &FltDocument) -> f64 {
     match (inner.metres_per_unit, outer.metres_per_unit) {
         (Some(inner), Some(outer)) => inner / outer,
         _ => 1.0,

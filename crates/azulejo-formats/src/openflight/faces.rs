@@ -1,49 +1,49 @@
 //! Faces and meshes.
 
-use super::look::Style;
+use super::materials::FaceAttributes;
 use super::opcode;
-use super::part::{Part, Slot};
-use super::transform::Place;
+use super::part::{FltPart, VertexSlot};
+use super::transform::InheritedState;
 use super::vertices::{LocalPool, palette_vertex, palette_vertex_color};
-use super::walk::{Source, Walker};
-use super::warn::Notes;
+use super::walk::{FltSource, FltWalker};
+use super::warn::RecordWarnings;
 use crate::ReadError;
 use azulejo_scene::{MaterialId, Rgb};
 
-/// Vertex of a mesh that has not been added to the part yet.
+/// A vertex of a mesh that has not been added to the part yet.
 const NONE: u32 = u32::MAX;
 
-/// A face or mesh where it is drawn.
-struct Surface<'d> {
-    source: Source<'d>,
+/// A face or mesh in its traversal context.
+struct FltSurface<'d> {
+    source: FltSource<'d>,
     node: u32,
-    place: &'d Place,
-    style: &'d Style,
+    place: &'d InheritedState,
+    style: &'d FaceAttributes,
     color: Rgb,
     material: MaterialId,
 }
 
-impl Walker<'_> {
-    /// Draws a face or a mesh, and the faces that lie on it.
+impl FltWalker<'_> {
+    /// Adds a face or a mesh, and its sub-faces.
     pub fn surface(
         &mut self,
-        source: Source,
+        source: FltSource,
         node: u32,
-        place: &Place,
-        part: &mut Part,
+        place: &InheritedState,
+        part: &mut FltPart,
     ) -> Result<(), ReadError> {
         let document = source.document;
         let is_mesh = document.nodes[node as usize].opcode == opcode::MESH;
-        let style = Style::new(document.node(node), is_mesh, document);
+        let style = FaceAttributes::new(document.node(node), is_mesh, document);
         if let Some(why) = style.skipped() {
             self.notes(source, node).add(why);
             return Ok(());
         }
-        let (color, material) = self.look(source, node, &style, place.opacity);
+        let (color, material) = self.color_and_material(source, node, &style, place.opacity);
         self.deeper(source, node, |walker| {
             walker.each_copy(source, node, place, |walker, place| {
                 part.enter(place, &mut walker.stamps);
-                let surface = Surface {
+                let surface = FltSurface {
                     source,
                     node,
                     place,
@@ -51,42 +51,43 @@ impl Walker<'_> {
                     color,
                     material,
                 };
-                match is_mesh {
-                    true => walker.mesh(&surface, part),
-                    false => walker.face(&surface, part),
+                if is_mesh {
+                    walker.mesh(&surface, part)
+                } else {
+                    walker.face(&surface, part)
                 }
             })
         })
     }
 
-    /// The colour of a face and its material, and warnings about both.
-    fn look(
+    /// The colour of a face and its material, with warnings about both.
+    fn color_and_material(
         &mut self,
-        source: Source,
+        source: FltSource,
         node: u32,
-        style: &Style,
+        style: &FaceAttributes,
         opacity: f64,
     ) -> (Rgb, MaterialId) {
-        let mut notes = Notes::new(&mut self.warnings, source.document, node);
+        let mut notes = RecordWarnings::new(&mut self.warnings, source.document, node);
         let color = style.color(source.palettes, &mut notes);
         if style.opacity(opacity, source.palettes) < 1.0 {
-            notes.add("see-through face: opaque");
+            notes.add("face with transparency: opaque");
         }
         if style.billboard {
-            notes.add("face that turns to the viewer: kept as it stands");
+            notes.add("billboard face: kept in its original orientation");
         }
-        // The colours of vertices take its place, and stand for it where a vertex has none.
+        // Vertex colours replace it; it is the default for vertices without one.
         let own = if style.is_gouraud() {
             Rgb::WHITE
         } else {
             color
         };
         let palettes = (source.set, source.palettes);
-        let material = self.looks.material(style, own, palettes, &mut notes);
+        let material = self.materials.material(style, own, palettes, &mut notes);
         (color, material)
     }
 
-    fn face(&mut self, face: &Surface, part: &mut Part) -> Result<(), ReadError> {
+    fn face(&mut self, face: &FltSurface, part: &mut FltPart) -> Result<(), ReadError> {
         let source = face.source;
         let mut has_corners = false;
         for (child, node) in source.document.below(face.node) {
@@ -98,7 +99,7 @@ impl Walker<'_> {
                 }
                 opcode::MORPH_VERTEX_LIST => {
                     has_corners = true;
-                    let message = "morph vertex list: its state at 0 % is taken";
+                    let message = "morph vertex list: its state at 0 % is used";
                     self.notes(source, child).add(message);
                     self.polygon(face, child, 8, part)?;
                 }
@@ -112,48 +113,51 @@ impl Walker<'_> {
         Ok(())
     }
 
-    /// Draws what stands below a face or mesh, but is not its own.
+    /// Adds the nodes below a face or mesh that are not part of it.
     fn below_surface(
         &mut self,
-        surface: &Surface,
+        surface: &FltSurface,
         child: u32,
-        part: &mut Part,
+        part: &mut FltPart,
     ) -> Result<(), ReadError> {
         let (source, place) = (surface.source, surface.place);
         match source.document.nodes[child as usize].opcode {
             opcode::FACE | opcode::MESH => {
-                let message = "sub-face, in the plane of the face below it: both are kept";
+                let message = "sub-face, coplanar with its parent face: both are kept";
                 self.notes(source, child).add(message);
                 self.surface(source, child, place, part)?;
                 part.enter(place, &mut self.stamps);
                 Ok(())
             }
-            other if opcode::Role::of(other) == opcode::Role::Node => {
+            other if opcode::OpcodeRole::of(other) == opcode::OpcodeRole::Node => {
                 self.node(source, child, place)
             }
             _ => Ok(()),
         }
     }
 
-    /// Adds the polygon of a vertex list, whose entries take `size` bytes and begin with the
-    /// offset of a vertex.
+    /// Adds the polygon of a vertex list, whose entries take `size` bytes and begin with the offset
+    /// of a vertex.
     fn polygon(
         &mut self,
-        face: &Surface,
+        face: &FltSurface,
         list: u32,
         size: usize,
-        part: &mut Part,
+        part: &mut FltPart,
     ) -> Result<(), ReadError> {
         let record = face.source.document.node(list);
         let count = (record.0.len() - 4) / size;
-        // A corner each, and perhaps a vertex.
+        // One corner each, and possibly a new vertex.
         self.spend(2 * count as u64)?;
         let offsets = (0..count).filter_map(|k| record.u32(4 + size * k));
         let mut corners = Vec::with_capacity(count);
         corners.extend(offsets.filter_map(|offset| self.corner(face, offset, part)));
         let lost = count - corners.len();
         let mut notes = self.notes(face.source, list);
-        notes.add_many("corner that is no vertex of the palette: left out", lost);
+        notes.add_many(
+            "corner that does not refer to a vertex of the palette: skipped",
+            lost,
+        );
         if corners.len() < 3 {
             notes.add("face with fewer than three corners: skipped");
             return Ok(());
@@ -163,8 +167,8 @@ impl Walker<'_> {
         Ok(())
     }
 
-    /// The vertex of a part that stands for the vertex of the palette at an offset.
-    fn corner(&mut self, face: &Surface, offset: u32, part: &mut Part) -> Option<u32> {
+    /// The vertex of a part for the vertex of the palette at an offset.
+    fn corner(&mut self, face: &FltSurface, offset: u32, part: &mut FltPart) -> Option<u32> {
         let source = face.source;
         let index = source.document.vertices.find(offset)?;
         let color = if face.style.is_gouraud() {
@@ -179,7 +183,7 @@ impl Walker<'_> {
         }
         let vertex = palette_vertex(source.document, index)?;
         let added = part.add_vertex(&vertex, color, face.place)?;
-        *slot = Slot {
+        *slot = VertexSlot {
             stamp: part.stamp,
             vertex: added,
         };
@@ -187,17 +191,17 @@ impl Walker<'_> {
     }
 
     /// Adds the polygons of a mesh.
-    fn mesh(&mut self, mesh: &Surface, part: &mut Part) -> Result<(), ReadError> {
+    fn mesh(&mut self, mesh: &FltSurface, part: &mut FltPart) -> Result<(), ReadError> {
         let document = mesh.source.document;
         let record = document.ancillary(mesh.node, opcode::LOCAL_VERTEX_POOL);
         let Some(pool) = record.and_then(LocalPool::new) else {
-            let message = "mesh without positions of vertices: skipped";
+            let message = "mesh without vertex positions: skipped";
             self.notes(mesh.source, mesh.node).add(message);
             return Ok(());
         };
         if pool.count < pool.promised as usize {
             let (count, promised) = (pool.count, pool.promised);
-            let message = format!("mesh of {promised} vertices with only {count} of them");
+            let message = format!("mesh that declares {promised} vertices, but has {count}");
             self.notes(mesh.source, mesh.node).add(message);
         }
         self.spend(pool.count as u64 / 8)?;
@@ -212,18 +216,18 @@ impl Walker<'_> {
         Ok(())
     }
 
-    /// Adds the polygons of a mesh primitive. `local` holds the vertices that the part has.
+    /// Adds the polygons of a mesh primitive. `local` holds the vertices that the part already has.
     fn primitive(
         &mut self,
-        mesh: &Surface,
+        mesh: &FltSurface,
         pool: &LocalPool,
         local: &mut [u32],
         node: u32,
-        part: &mut Part,
+        part: &mut FltPart,
     ) -> Result<(), ReadError> {
-        let primitive = Primitive::new(mesh.source.document.node(node));
+        let primitive = MeshPrimitive::new(mesh.source.document.node(node));
         if primitive.indices.len() < primitive.promised as usize {
-            let message = "mesh primitive with fewer indices than it promises";
+            let message = "mesh primitive with fewer indices than declared";
             self.notes(mesh.source, node).add(message);
         }
         self.spend(4 * primitive.indices.len() as u64)?;
@@ -249,33 +253,33 @@ impl Walker<'_> {
         });
         let mut notes = self.notes(mesh.source, node);
         notes.add_many(
-            "polygon of a mesh with a vertex that it lacks: skipped",
+            "polygon of a mesh with a vertex index out of range: skipped",
             lost,
         );
         if !is_known {
-            notes.add("mesh primitive of unknown kind: skipped");
+            notes.add("mesh primitive of unknown type: skipped");
         }
         self.note_missing_uvs(mesh, part);
         Ok(())
     }
 
-    fn note_missing_uvs(&mut self, surface: &Surface, part: &Part) {
+    fn note_missing_uvs(&mut self, surface: &FltSurface, part: &FltPart) {
         if surface.style.has_texture() && !part.has_uvs {
-            let message = "face with a picture, but without texture coordinates";
+            let message = "face with a texture, but without texture coordinates";
             self.notes(surface.source, surface.node).add(message);
         }
     }
 }
 
-/// The indices of a mesh primitive, and what they mean.
-struct Primitive {
+/// The indices and the type of a mesh primitive.
+struct MeshPrimitive {
     kind: i16,
     indices: Vec<u32>,
     promised: u32,
 }
 
-impl Primitive {
-    fn new(record: super::fields::Fields) -> Primitive {
+impl MeshPrimitive {
+    fn new(record: super::fields::RecordFields) -> MeshPrimitive {
         const FIRST: usize = 12;
         let size = usize::from(record.u16(6).unwrap_or_default());
         let promised = record.u32(8).unwrap_or_default();
@@ -287,19 +291,19 @@ impl Primitive {
             4 => record.u32(FIRST + 4 * k),
             _ => None,
         };
-        Primitive {
+        MeshPrimitive {
             kind: record.i16(4).unwrap_or_default(),
             indices: (0..count).map_while(index).collect(),
             promised,
         }
     }
 
-    /// Calls `add` for each polygon with the places of its corners among the indices; `false` if
-    /// the kind is none of the known.
+    /// Calls `add` for each polygon with the positions of its corners among the indices; `false` if
+    /// the type is unknown.
     fn polygons(&self, mut add: impl FnMut(&[usize])) -> bool {
         let n = self.indices.len();
         match self.kind {
-            // Every other triangle of a strip turns the other way around.
+            // Every second triangle of a strip has the opposite orientation.
             1 => (2..n).for_each(|k| match k % 2 {
                 0 => add(&[k - 2, k - 1, k]),
                 _ => add(&[k - 1, k - 2, k]),

@@ -4,14 +4,14 @@ use crate::reading::text::text;
 use azulejo_scene::Rgb;
 use glam::DVec3;
 
-/// The bytes of one record, opcode and length included. Everything is big-endian.
+/// The bytes of one record, including opcode and length. Everything is big-endian.
 ///
-/// A field that the record is too short for is `None`: records only grew from one revision to the
-/// next, and each reader says what a missing field means.
+/// A field beyond the end of the record is `None`: records only grew from one revision to the next,
+/// and each reader has a default for a missing field.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Fields<'a>(pub &'a [u8]);
+pub(super) struct RecordFields<'a>(pub &'a [u8]);
 
-impl<'a> Fields<'a> {
+impl<'a> RecordFields<'a> {
     fn array<const N: usize>(self, at: usize) -> Option<[u8; N]> {
         self.0.get(at..at.checked_add(N)?)?.try_into().ok()
     }
@@ -36,24 +36,24 @@ impl<'a> Fields<'a> {
         self.array(at).map(i32::from_be_bytes)
     }
 
-    /// An `f32` of the file.
+    /// A field of type `f32`.
     pub fn single(self, at: usize) -> Option<f64> {
         self.array(at).map(|b| f64::from(f32::from_be_bytes(b)))
     }
 
-    /// An `f64` of the file.
+    /// A field of type `f64`.
     pub fn double(self, at: usize) -> Option<f64> {
         self.array(at).map(f64::from_be_bytes)
     }
 
-    /// Three `f32`.
+    /// Three consecutive `f32`.
     pub fn singles(self, at: usize) -> Option<DVec3> {
         let bytes: [u8; 12] = self.array(at)?;
         let part = |k: usize| f64::from(f32::from_be_bytes([0, 1, 2, 3].map(|i| bytes[4 * k + i])));
         Some(DVec3::new(part(0), part(1), part(2)))
     }
 
-    /// Three `f64`.
+    /// Three consecutive `f64`.
     pub fn doubles(self, at: usize) -> Option<DVec3> {
         let end = at.checked_add(24)?;
         let (parts, _) = self.0.get(at..end)?.as_chunks::<8>();
@@ -61,7 +61,7 @@ impl<'a> Fields<'a> {
         Some(DVec3::new(x, y, z))
     }
 
-    /// Three `f32` as a colour.
+    /// Three consecutive `f32` as a colour.
     pub fn color(self, at: usize) -> Option<Rgb> {
         self.singles(at).map(|c| c.to_array().into())
     }
@@ -72,7 +72,7 @@ impl<'a> Fields<'a> {
         Some(Rgb::new(f64::from(r), f64::from(g), f64::from(b)) / 255.0)
     }
 
-    /// A text of up to `length` bytes, which a zero ends sooner.
+    /// A text of up to `length` bytes, terminated by a zero.
     pub fn text(self, at: usize, length: usize) -> String {
         let end = at.saturating_add(length).min(self.0.len());
         let field = self.0.get(at..end).unwrap_or_default();
@@ -87,7 +87,7 @@ mod tests {
 
     #[test]
     fn fields_end_with_their_record() {
-        let fields = Fields(b"\x00\x05\x00\x0c a\xe9\0zz\xff\x80");
+        let fields = RecordFields(b"\x00\x05\x00\x0c a\xe9\0zz\xff\x80");
         assert_eq!((fields.u16(0), fields.u16(10)), (Some(5), Some(0xff80)));
         assert_eq!((fields.i16(10), fields.u16(11)), (Some(-128), None));
         assert_eq!((fields.u32(9), fields.u32(usize::MAX)), (None, None));

@@ -1,10 +1,10 @@
 //! Light sources.
 
-use super::fields::Fields;
+use super::fields::RecordFields;
 use super::palettes::{PaletteLight, Palettes};
-use super::transform::Place;
-use super::walk::{Source, Walker};
-use super::warn::Notes;
+use super::transform::InheritedState;
+use super::walk::{FltSource, FltWalker};
+use super::warn::RecordWarnings;
 use crate::ReadError;
 use azulejo_scene::{Light, LightKind};
 use glam::DVec3;
@@ -13,9 +13,14 @@ use std::f64::consts::PI;
 const ENABLED: u32 = 1 << 31;
 const GLOBAL: u32 = 1 << 30;
 
-impl Walker<'_> {
+impl FltWalker<'_> {
     /// Adds the light of a light source node.
-    pub fn light(&mut self, source: Source, node: u32, place: &Place) -> Result<(), ReadError> {
+    pub fn light(
+        &mut self,
+        source: FltSource,
+        node: u32,
+        place: &InheritedState,
+    ) -> Result<(), ReadError> {
         let record = source.document.node(node);
         let mut notes = self.notes(source, node);
         match found(record, source.palettes, place) {
@@ -33,35 +38,37 @@ impl Walker<'_> {
     }
 }
 
-/// The light that a node stands for and its entry in the palette, or why there is none.
+/// The type of a light source node and its palette entry, or why it is skipped.
 fn found<'p>(
-    record: Fields,
+    record: RecordFields,
     palettes: &'p Palettes,
-    place: &Place,
+    place: &InheritedState,
 ) -> Result<(&'p PaletteLight, LightKind), &'static str> {
     if record.u32(24).unwrap_or_default() & ENABLED == 0 {
-        return Err("light source that is turned off: left out");
+        return Err("light source that is disabled: skipped");
     }
     let index = record.i32(16).unwrap_or(-1);
     let entry = palettes.lights.get(&index);
-    let entry = entry.ok_or("light source that the palette lacks: left out")?;
+    let entry = entry.ok_or("light source without a palette entry: skipped")?;
     let kind = kind(record, entry, place).ok_or(
-        "light source of unknown kind, without a place, or of what is no number: left out",
+        "light source of unknown type, without a position, or with invalid numbers: skipped",
     )?;
     Ok((entry, kind))
 }
 
-fn note_losses(record: Fields, entry: &PaletteLight, notes: &mut Notes) {
+fn note_losses(record: RecordFields, entry: &PaletteLight, notes: &mut RecordWarnings) {
     if record.u32(24).unwrap_or_default() & GLOBAL == 0 {
-        notes.add("light source for what is below it alone: lights all");
+        notes.add("light source limited to its descendants: lights the whole scene");
     }
     if entry.attenuation[1..] != [0.0, 0.0] && entry.kind != INFINITE {
         notes.add(
-            "attenuation of a light source: not used, light falls with the square of the distance",
+            "attenuation of a light source: ignored, light falls off with the square of the distance",
         );
     }
     if entry.kind == SPOT && entry.spot_exponent != 0.0 {
-        notes.add("exponent of a spot light: fades from its axis to its edge instead");
+        notes.add(
+            "exponent of a spot light: replaced by a smooth falloff from its axis to its edge",
+        );
     }
 }
 
@@ -69,14 +76,14 @@ const INFINITE: i32 = 0;
 const LOCAL: i32 = 1;
 const SPOT: i32 = 2;
 
-/// The light of a node at its place in the world.
-fn kind(record: Fields, entry: &PaletteLight, place: &Place) -> Option<LightKind> {
+/// The light of a node in world coordinates.
+fn kind(record: RecordFields, entry: &PaletteLight, place: &InheritedState) -> Option<LightKind> {
     let position = place.world.transform_point3(record.doubles(32)?);
     let aim = aim(record).and_then(|a| place.world.transform_vector3(a).try_normalize());
     let color = entry.diffuse.map(|c| c.max(0.0));
     let kind = match entry.kind {
-        // As in OpenGL, a light that is infinitely far away is given by where it is, and a spot
-        // by where it shines.
+        // As in OpenGL, a directional light is defined by the position from which it shines, and a
+        // spot by the direction in which it shines.
         INFINITE => LightKind::Directional {
             direction: -aim?,
             irradiance: color,
@@ -104,9 +111,9 @@ fn kind(record: Fields, entry: &PaletteLight, place: &Place) -> Option<LightKind
     (entry.kind == INFINITE || position.is_finite()).then_some(kind)
 }
 
-/// The direction that yaw and pitch of a node stand for: +y at zero, yaw turns it toward −x,
-/// pitch toward +z.
-fn aim(record: Fields) -> Option<DVec3> {
+/// The direction given by a node's yaw and pitch: +y at zero; yaw rotates toward −x, pitch toward
+/// +z.
+fn aim(record: RecordFields) -> Option<DVec3> {
     let yaw = record.single(56)?.to_radians();
     let pitch = record.single(60)?.to_radians();
     let level = pitch.cos();

@@ -1,16 +1,16 @@
-//! OpenFlight (.flt), the format of flight simulators.
+//! OpenFlight (.flt), a format for flight simulators.
 //!
-//! What is read: revisions 14.2 to 16, the hierarchy with its transforms, instances, replication
-//! and external files, levels of detail, switches, faces and meshes with their colours, materials
-//! and pictures, and light sources. `docs/formats/openflight.md` says how every record is
-//! understood.
+//! Revisions 14.2 to 16 are read: the hierarchy with its transforms, instances, replication and
+//! external files, levels of detail, switches, faces and meshes with their colours, materials and
+//! textures, and light sources. `docs/formats/openflight.md` describes how every record is
+//! interpreted.
 
 mod document;
 mod external;
 mod faces;
 mod fields;
 mod lights;
-mod look;
+mod materials;
 mod opcode;
 mod palettes;
 mod part;
@@ -25,18 +25,18 @@ mod warn;
 use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions};
 use azulejo_scene::{Units, Up};
-use document::Document;
-use part::Slot;
+use document::FltDocument;
+use part::VertexSlot;
 use std::borrow::Cow;
-use transform::Place;
-use walk::{Source, Walker};
+use transform::InheritedState;
+use walk::{FltSource, FltWalker};
 
-/// Reads an OpenFlight file. `name` stands in messages; `files` gives the files and pictures that
-/// the model names, relative to the model's folder.
+/// Reads an OpenFlight file. `name` is used in messages; `files` provides the files and textures
+/// that the model refers to, relative to the model's folder.
 ///
-/// One object comes out for each node that has faces directly below it: an OpenFlight object, or
-/// whatever else holds faces. It holds the vertices that its faces use. What is skipped, damaged
-/// or missing is a warning.
+/// Each node with faces directly below it becomes one object: an OpenFlight object, or any other
+/// parent of faces. It contains the vertices that its faces use. Anything skipped, damaged or
+/// missing is reported as a warning.
 ///
 /// # Errors
 /// Bytes that do not begin with a header; a file of 4 GiB or more; more than 128 levels; more
@@ -48,10 +48,10 @@ pub fn read(
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
     let mut warnings = Warnings::default();
-    let document = Document::parse(Cow::Borrowed(bytes), name, "", &mut warnings)?;
-    let mut walker = Walker::new(name, files, options, warnings);
-    walker.slots = vec![vec![Slot::default(); document.vertices.len()]];
-    let source = Source {
+    let document = FltDocument::parse(Cow::Borrowed(bytes), name, "", &mut warnings)?;
+    let mut walker = FltWalker::new(name, files, options, warnings);
+    walker.slots = vec![vec![VertexSlot::default(); document.vertices.len()]];
+    let source = FltSource {
         document: &document,
         number: 0,
         path: "",
@@ -59,15 +59,15 @@ pub fn read(
         set: 0,
         scale: 1.0,
     };
-    walker.top(source, &Place::world())?;
+    walker.top(source, &InheritedState::world())?;
     let mut scene = walker.scene;
     if scene.objects.is_empty() {
         walker
             .warnings
             .add_whole(name, "no faces: the scene is empty");
     }
-    scene.materials = walker.looks.materials.into_list();
-    scene.textures = walker.looks.textures.into_list();
+    scene.materials = walker.materials.materials.into_list();
+    scene.textures = walker.materials.textures.into_list();
     scene.units = Units {
         metres_per_unit: document.metres_per_unit,
         up: Up::Z,

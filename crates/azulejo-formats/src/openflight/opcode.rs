@@ -1,4 +1,4 @@
-//! The kinds of records, by number.
+//! Record opcodes.
 
 /// First record of a file.
 pub const HEADER: u16 = 1;
@@ -53,47 +53,50 @@ pub const MATERIAL_PALETTE: u16 = 113;
 pub const PUSH_ATTRIBUTE: u16 = 122;
 pub const POP_ATTRIBUTE: u16 = 123;
 
-/// What a record is to the hierarchy.
+/// The role of a record in the hierarchy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
+pub enum OpcodeRole {
     /// Begins the children of the node before it.
     Push,
     /// Ends them.
     Pop,
     /// A node, which may have children.
     Node,
-    /// Belongs to the node before it, and is of use.
+    /// Belongs to the node before it, and is used.
     Ancillary,
-    /// Belongs to the file as a whole, and is of use.
+    /// Belongs to the file as a whole, and is used.
     Palette,
-    /// Says nothing about how the scene looks, or repeats what another record says.
+    /// Does not affect the appearance, or repeats the content of another record.
     Silent,
-    /// Is not read.
+    /// Is not supported.
     Skipped,
 }
 
-impl Role {
-    pub fn of(opcode: u16) -> Role {
+impl OpcodeRole {
+    pub fn of(opcode: u16) -> OpcodeRole {
         match opcode {
-            PUSH | PUSH_SUBFACE | PUSH_EXTENSION | PUSH_ATTRIBUTE => Role::Push,
-            POP | POP_SUBFACE | POP_EXTENSION | POP_ATTRIBUTE => Role::Pop,
-            // Light points, curves, sounds and the like are nodes too: what stands below them
-            // must not become a part of their neighbours.
-            HEADER..=FACE | DOF | BSP | INSTANCE_REFERENCE..=EXTERNAL_REFERENCE => Role::Node,
-            VERTEX_LIST | LOD | MESH | MESH_PRIMITIVE | MORPH_VERTEX_LIST => Role::Node,
-            SWITCH | CLIP_REGION | EXTENSION | LIGHT_SOURCE => Role::Node,
-            87 | 91 | 92 | 95 | 111 | 115 | 116 | 126 | 127 | 130 | 131 => Role::Node,
-            LONG_ID | MATRIX | REPLICATE | LOCAL_VERTEX_POOL => Role::Ancillary,
-            COLOR_PALETTE | TEXTURE_PALETTE | OLD_MATERIAL_PALETTE => Role::Palette,
-            VERTEX_PALETTE..=VERTEX_CT | LIGHT_SOURCE_PALETTE | MATERIAL_PALETTE => Role::Palette,
-            // Comments, the steps behind a matrix, bounding volumes, names of switch masks.
-            31 | 74 | 76..=82 | 94 | 105..=110 | 119 | 132 => Role::Silent,
-            _ => Role::Skipped,
+            PUSH | PUSH_SUBFACE | PUSH_EXTENSION | PUSH_ATTRIBUTE => OpcodeRole::Push,
+            POP | POP_SUBFACE | POP_EXTENSION | POP_ATTRIBUTE => OpcodeRole::Pop,
+            // Light points, curves, sounds and the like are nodes, too: their children must not be
+            // assigned to their siblings.
+            HEADER..=FACE | DOF | BSP | INSTANCE_REFERENCE..=EXTERNAL_REFERENCE => OpcodeRole::Node,
+            VERTEX_LIST | LOD | MESH | MESH_PRIMITIVE | MORPH_VERTEX_LIST => OpcodeRole::Node,
+            SWITCH | CLIP_REGION | EXTENSION | LIGHT_SOURCE => OpcodeRole::Node,
+            87 | 91 | 92 | 95 | 111 | 115 | 116 | 126 | 127 | 130 | 131 => OpcodeRole::Node,
+            LONG_ID | MATRIX | REPLICATE | LOCAL_VERTEX_POOL => OpcodeRole::Ancillary,
+            COLOR_PALETTE | TEXTURE_PALETTE | OLD_MATERIAL_PALETTE => OpcodeRole::Palette,
+            VERTEX_PALETTE..=VERTEX_CT | LIGHT_SOURCE_PALETTE | MATERIAL_PALETTE => {
+                OpcodeRole::Palette
+            }
+            // Comments, the individual transforms of a matrix, bounding volumes, names of switch
+            // masks.
+            31 | 74 | 76..=82 | 94 | 105..=110 | 119 | 132 => OpcodeRole::Silent,
+            _ => OpcodeRole::Skipped,
         }
     }
 }
 
-/// What a record is called, for messages.
+/// The name of a record type, for messages.
 pub fn name(opcode: u16) -> &'static str {
     match opcode {
         HEADER => "header",
@@ -164,6 +167,6 @@ pub fn name(opcode: u16) -> &'static str {
         131 => "light point system",
         132 => "indexed string",
         133 => "shader palette",
-        _ => "record of unknown kind",
+        _ => "record of unknown type",
     }
 }

@@ -1,11 +1,11 @@
 //! Palettes: colours, materials, textures and light sources that faces and nodes refer to.
 
-use super::fields::Fields;
+use super::fields::RecordFields;
 use azulejo_scene::Rgb;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// The palettes that hold for a file: its own, or those of the file that refers to it.
+/// The palettes that apply to a file: its own, or those of the file that refers to it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Palettes {
     pub colors: Rc<Vec<Rgb>>,
@@ -14,7 +14,7 @@ pub(super) struct Palettes {
     pub lights: Rc<HashMap<i32, PaletteLight>>,
 }
 
-/// A material, as the file says it.
+/// A material as defined in the file.
 #[derive(Clone, Debug)]
 pub(super) struct PaletteMaterial {
     pub name: String,
@@ -25,37 +25,37 @@ pub(super) struct PaletteMaterial {
     pub alpha: f64,
 }
 
-/// A picture's name, and the file that names it.
+/// A texture's name, and the file that refers to it.
 #[derive(Clone, Debug)]
 pub(super) struct TextureFile {
     pub name: String,
-    /// As the root model knows it; the picture is looked for beside it.
+    /// Path of the referring file relative to the root model; the texture is looked up beside it.
     pub named_by: Rc<str>,
 }
 
-/// A light source, as the file says it.
+/// A light source as defined in the file.
 #[derive(Clone, Debug)]
 pub(super) struct PaletteLight {
     pub name: String,
     pub diffuse: Rgb,
     pub kind: i32,
     pub spot_exponent: f64,
-    /// Half the angle of a spot, degrees.
+    /// Half angle of a spot, degrees.
     pub spot_cutoff: f64,
-    /// Factors of distance 0, 1 and 2 in the attenuation.
+    /// Constant, linear and quadratic attenuation coefficients.
     pub attenuation: [f64; 3],
 }
 
-/// Bits of an external reference, from the highest, that leave it its own palettes.
+/// Bits of an external reference, from the highest, by which it keeps its own palettes.
 const OWN_COLORS: u32 = 1 << 31;
 const OWN_MATERIALS: u32 = 1 << 30;
 const OWN_TEXTURES: u32 = 1 << 29;
 const OWN_LIGHTS: u32 = 1 << 26;
 
 impl Palettes {
-    /// The palettes of a file that is referred to with `flags` from one that has `parent`'s.
+    /// The palettes of a file referred to with `flags` from a file with the palettes `parent`.
     ///
-    /// A palette that the parent lacks is the file's own.
+    /// The file's own palette replaces one that the parent lacks.
     pub fn under(&self, parent: &Palettes, flags: u32) -> Palettes {
         fn choose<T>(own: &Rc<T>, parent: &Rc<T>, keeps_own: bool, empty: bool) -> Rc<T> {
             Rc::clone(if keeps_own || empty { own } else { parent })
@@ -89,28 +89,28 @@ impl Palettes {
         }
     }
 
-    /// The colour that an index stands for, or `None` if the palette ends before it.
+    /// The colour with an index, or `None` if the palette is too short.
     ///
-    /// The low seven bits are a brightness, the rest counts the colours.
+    /// The low seven bits are an intensity, the others the number of the colour.
     pub fn color(&self, index: u32) -> Option<Rgb> {
         let color = *self.colors.get((index >> 7) as usize)?;
         Some(color * (f64::from(index & 127) / 127.0))
     }
 }
 
-/// A number, or 0 for what is none.
+/// A number, or 0 if it is not finite.
 fn finite(x: Option<f64>) -> f64 {
     x.filter(|x| x.is_finite()).unwrap_or(0.0)
 }
 
-/// A colour at `at`, with 0 for what is no number.
-fn color(fields: Fields, at: usize) -> Rgb {
+/// A colour at `at`, with 0 for components that are not finite.
+fn color(fields: RecordFields, at: usize) -> Rgb {
     let given = fields.color(at).unwrap_or_default();
     given.map(|x| finite(Some(x)))
 }
 
 /// The colours of record 32.
-pub(super) fn colors(record: Fields, revision: u32) -> Vec<Rgb> {
+pub(super) fn colors(record: RecordFields, revision: u32) -> Vec<Rgb> {
     const FIRST: usize = 132;
     let most = if revision >= 1510 { 1024 } else { 512 };
     (0..most)
@@ -118,14 +118,14 @@ pub(super) fn colors(record: Fields, revision: u32) -> Vec<Rgb> {
         .collect()
 }
 
-/// The material of record 113 and its index; `None` if the record is too short for it.
-pub(super) fn material(record: Fields) -> Option<(i32, PaletteMaterial)> {
+/// The material of record 113 and its index; `None` if the record is too short.
+pub(super) fn material(record: RecordFields) -> Option<(i32, PaletteMaterial)> {
     let name = record.text(8, 12);
     Some((record.i32(4)?, material_numbers(record, 24, name)?))
 }
 
 /// The materials of record 66 with their indices.
-pub(super) fn old_materials(record: Fields) -> impl Iterator<Item = (i32, PaletteMaterial)> {
+pub(super) fn old_materials(record: RecordFields) -> impl Iterator<Item = (i32, PaletteMaterial)> {
     const SIZE: usize = 184;
     (0..64).map_while(move |k| {
         let at = 4 + SIZE * k as usize;
@@ -134,8 +134,8 @@ pub(super) fn old_materials(record: Fields) -> impl Iterator<Item = (i32, Palett
     })
 }
 
-/// Ambient, diffuse, specular and emissive colour, shininess and alpha, which stand together.
-fn material_numbers(record: Fields, at: usize, name: String) -> Option<PaletteMaterial> {
+/// Ambient, diffuse, specular and emissive colour, shininess and alpha, which are consecutive.
+fn material_numbers(record: RecordFields, at: usize, name: String) -> Option<PaletteMaterial> {
     let alpha = record.single(at + 52)?;
     Some(PaletteMaterial {
         name,
@@ -147,9 +147,9 @@ fn material_numbers(record: Fields, at: usize, name: String) -> Option<PaletteMa
     })
 }
 
-/// The picture of record 64 and its index.
+/// The texture of record 64 and its index.
 pub(super) fn texture(
-    record: Fields,
+    record: RecordFields,
     revision: u32,
     named_by: &Rc<str>,
 ) -> Option<(i32, TextureFile)> {
@@ -162,7 +162,7 @@ pub(super) fn texture(
 }
 
 /// The light source of record 102 and its index.
-pub(super) fn light(record: Fields) -> Option<(i32, PaletteLight)> {
+pub(super) fn light(record: RecordFields) -> Option<(i32, PaletteLight)> {
     let light = PaletteLight {
         name: record.text(16, 20),
         diffuse: color(record, 56),

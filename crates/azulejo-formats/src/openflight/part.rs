@@ -1,37 +1,38 @@
 //! An object under construction.
 
-use super::transform::Place;
-use super::vertices::Vertex;
+use super::transform::InheritedState;
+use super::vertices::FltVertex;
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{Attribute, Faces, MaterialId, Mesh, Rgb};
 use glam::{DAffine3, DVec2, DVec3};
 
 /// The faces directly below one node.
 #[derive(Debug, Default)]
-pub(super) struct Part {
+pub(super) struct FltPart {
     positions: Vec<DVec3>,
-    /// Unit length, or zero where the file gives none.
+    /// Unit length, or zero if the file has none.
     normals: Vec<DVec3>,
     uvs: Vec<DVec2>,
     pub colors: Vec<Rgb>,
     faces: Faces,
     materials: Vec<MaterialId>,
     pub has_uvs: bool,
-    /// Tells this part, and this place in it, from all others: see [`Slot`].
+    /// Unique among parts, and among transforms within a part: see [`VertexSlot`].
     pub stamp: u32,
     place: Option<DAffine3>,
 }
 
-/// Which vertex of a part a vertex of the file became, if `stamp` is still the part's.
+/// The vertex of a part that a vertex of the file was converted to, valid if `stamp` is that of the
+/// part.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Slot {
+pub(super) struct VertexSlot {
     pub stamp: u32,
     pub vertex: u32,
 }
 
-impl Part {
-    /// Vertices added from here on stand at `place`; those of another place are none of them.
-    pub fn enter(&mut self, place: &Place, stamps: &mut u32) {
+impl FltPart {
+    /// Starts a new transform `place`; vertices added with another one are not reused.
+    pub fn enter(&mut self, place: &InheritedState, stamps: &mut u32) {
         if self.place != Some(place.world) {
             self.place = Some(place.world);
             *stamps += 1;
@@ -39,8 +40,13 @@ impl Part {
         }
     }
 
-    /// Adds a vertex; `None` if the world has no place for it.
-    pub fn add_vertex(&mut self, vertex: &Vertex, color: Rgb, place: &Place) -> Option<u32> {
+    /// Adds a vertex; `None` if its world position is not finite.
+    pub fn add_vertex(
+        &mut self,
+        vertex: &FltVertex,
+        color: Rgb,
+        place: &InheritedState,
+    ) -> Option<u32> {
         let position = place.world.transform_point3(vertex.position);
         if !position.is_finite() {
             return None;
@@ -57,7 +63,7 @@ impl Part {
     }
 
     /// Adds a face of three or more corners.
-    pub fn add_face(&mut self, corners: &mut [u32], material: MaterialId, place: &Place) {
+    pub fn add_face(&mut self, corners: &mut [u32], material: MaterialId, place: &InheritedState) {
         if place.mirrored {
             corners[1..].reverse();
         }
@@ -84,7 +90,7 @@ impl Part {
     }
 }
 
-/// The normals of vertices; where some have none, the face's own.
+/// The normals of vertices; the face normal for vertices without one.
 fn normals(mesh: &Mesh, mut values: Vec<DVec3>) -> Option<Attribute<DVec3>> {
     let missing = values.iter().filter(|n| **n == DVec3::ZERO).count();
     if missing == 0 {
@@ -99,7 +105,7 @@ fn normals(mesh: &Mesh, mut values: Vec<DVec3>) -> Option<Attribute<DVec3>> {
         if own.iter().all(|&v| values[v as usize] != DVec3::ZERO) {
             continue;
         }
-        // A face without area is seen by nobody; any unit vector does.
+        // A face without area is not visible; any unit vector will do.
         let flat = area_vector(&mesh.face_positions(face)).normalize_or(DVec3::Z);
         values.push(flat);
         let last = (values.len() - 1) as u32;
@@ -108,7 +114,7 @@ fn normals(mesh: &Mesh, mut values: Vec<DVec3>) -> Option<Attribute<DVec3>> {
             .filter(|v| values[**v as usize] == DVec3::ZERO);
         bare.for_each(|v| *v = last);
     }
-    // What no corner refers to must be a unit vector too.
+    // Unused normals must be unit vectors, too.
     let unused = values.iter_mut().filter(|n| **n == DVec3::ZERO);
     unused.for_each(|n| *n = DVec3::Z);
     Some(Attribute {

@@ -1,62 +1,62 @@
-//! Which children of a node are drawn: levels of detail, switches, frames of an animation.
+//! Selection among the children of a node: levels of detail, switches, animation frames.
 
-use super::document::{Document, Node, Siblings};
-use super::fields::Fields;
+use super::document::{FltDocument, FltNode, Siblings};
+use super::fields::RecordFields;
 use super::opcode;
 use crate::Lod;
 
-/// The choice among the children of one node.
+/// The selection among the children of one node.
 #[derive(Debug)]
-pub(super) struct Selection<'d> {
+pub(super) struct ChildSelection<'d> {
     by_position: ByPosition<'d>,
     lod: LodRule,
 }
 
-/// A choice by the place of a child among its siblings.
+/// A selection by the position of a child among its siblings.
 #[derive(Debug)]
 enum ByPosition<'d> {
     All,
     First,
-    /// The bits of a switch's current mask, and where they begin.
-    Mask(Fields<'d>, usize),
+    /// The bits of a switch's current mask, and their offset.
+    Mask(RecordFields<'d>, usize),
 }
 
 #[derive(Debug)]
 enum LodRule {
     All,
-    /// Those with this distance of switching out.
+    /// Levels with this switch-out distance.
     SwitchOut(f64),
-    /// Those that are seen from this distance, in the file's units.
+    /// Levels that are visible from this distance, in the file's units.
     Distance(f64),
 }
 
-impl<'d> Selection<'d> {
-    /// The choice among `children` below `parent`, for a viewer who asks for `lod`. A unit of
-    /// the document is `scale` units of the root model.
+impl<'d> ChildSelection<'d> {
+    /// The selection among `children` of `parent`, for the requested `lod`. A unit of the document
+    /// is `scale` units of the root model.
     pub fn new(
-        document: &'d Document,
-        parent: Option<Node>,
+        document: &'d FltDocument,
+        parent: Option<FltNode>,
         children: Siblings,
         lod: Lod,
         scale: f64,
-    ) -> Selection<'d> {
-        Selection {
+    ) -> ChildSelection<'d> {
+        ChildSelection {
             by_position: parent.map_or(ByPosition::All, |node| by_position(document, node)),
             lod: lod_rule(document, children, lod, scale),
         }
     }
 
-    /// Whether a child is left out, and why; `position` counts the children before it.
+    /// Why a child is not selected, if it is not; `position` is the number of children before it.
     pub fn leaves_out(
         &self,
-        document: &Document,
+        document: &FltDocument,
         position: usize,
-        child: Node,
+        child: FltNode,
     ) -> Option<&'static str> {
         let is_on = match self.by_position {
             ByPosition::All => true,
             ByPosition::First if position > 0 => {
-                return Some("frame of an animation behind the first: left out");
+                return Some("frame of an animation after the first: skipped");
             }
             ByPosition::First => true,
             ByPosition::Mask(record, start) => {
@@ -65,7 +65,7 @@ impl<'d> Selection<'d> {
             }
         };
         if !is_on {
-            return Some("node that its switch has turned off: left out");
+            return Some("node that its switch disables: skipped");
         }
         let (switch_in, switch_out) = range(document, child)?;
         let is_seen = match self.lod {
@@ -77,11 +77,11 @@ impl<'d> Selection<'d> {
                 always || nearest || (switch_out < d && d <= switch_in)
             }
         };
-        (!is_seen).then_some("level of detail that is not the one asked for: left out")
+        (!is_seen).then_some("level of detail that is not the requested one: skipped")
     }
 }
 
-fn by_position<'d>(document: &'d Document, node: Node) -> ByPosition<'d> {
+fn by_position<'d>(document: &'d FltDocument, node: FltNode) -> ByPosition<'d> {
     let record = document.fields(node.at);
     match node.opcode {
         opcode::GROUP if is_animated(record, document.revision) => ByPosition::First,
@@ -91,11 +91,11 @@ fn by_position<'d>(document: &'d Document, node: Node) -> ByPosition<'d> {
 }
 
 /// Whether the children of a group are frames of an animation.
-fn is_animated(group: Fields, revision: u32) -> bool {
+fn is_animated(group: RecordFields, revision: u32) -> bool {
     const FORWARD: u32 = 1 << 30;
     const SWING: u32 = 1 << 29;
     const BACKWARD: u32 = 1 << 25;
-    // Revision 15.8 brought the third, and took from the second what it meant on its own.
+    // Revision 15.8 added the third bit, and changed the meaning of the second one.
     let bits = match revision {
         ..1580 => FORWARD | SWING,
         _ => FORWARD | BACKWARD,
@@ -103,13 +103,13 @@ fn is_animated(group: Fields, revision: u32) -> bool {
     group.u32(16).is_some_and(|flags| flags & bits != 0)
 }
 
-/// Whether a switch says which of its children are on.
-pub(super) fn has_current_mask(switch: Fields) -> bool {
+/// Whether a switch has a mask that selects its children.
+pub(super) fn has_current_mask(switch: RecordFields) -> bool {
     mask(switch).is_some()
 }
 
-/// Where the current mask of a switch begins; `None` if the record has no such mask.
-fn mask(switch: Fields) -> Option<usize> {
+/// The offset of the current mask of a switch; `None` if the record has no such mask.
+fn mask(switch: RecordFields) -> Option<usize> {
     let [current, count, words] = [16, 20, 24].map(|at| switch.u32(at));
     let (current, words) = (current?, words? as usize);
     let start = words.checked_mul(4 * current as usize)?.checked_add(28)?;
@@ -117,8 +117,8 @@ fn mask(switch: Fields) -> Option<usize> {
     is_there.then_some(start)
 }
 
-/// Distances at which a level of detail switches in and out; `None` for other nodes.
-fn range(document: &Document, node: Node) -> Option<(f64, f64)> {
+/// Switch-in and switch-out distances of a level of detail; `None` for other nodes.
+fn range(document: &FltDocument, node: FltNode) -> Option<(f64, f64)> {
     let record = document.fields(node.at);
     let (switch_in, switch_out) = match node.opcode {
         opcode::LOD => (record.double(16), record.double(24)),
@@ -133,8 +133,8 @@ fn range(document: &Document, node: Node) -> Option<(f64, f64)> {
     Some((switch_in, finite(switch_out).unwrap_or(0.0)))
 }
 
-fn lod_rule(document: &Document, children: Siblings, lod: Lod, scale: f64) -> LodRule {
-    let switch_out = |(_, node): (u32, Node)| range(document, node).map(|r| r.1);
+fn lod_rule(document: &FltDocument, children: Siblings, lod: Lod, scale: f64) -> LodRule {
+    let switch_out = |(_, node): (u32, FltNode)| range(document, node).map(|r| r.1);
     match lod {
         Lod::All => LodRule::All,
         Lod::Distance(d) => LodRule::Distance(d / scale),
@@ -150,8 +150,8 @@ fn lod_rule(document: &Document, children: Siblings, lod: Lod, scale: f64) -> Lo
     }
 }
 
-/// Whether a node has anything below it that may be seen.
-fn has_surface(document: &Document, node: u32) -> bool {
+/// Whether a node has any descendant that may be visible.
+fn has_surface(document: &FltDocument, node: u32) -> bool {
     use opcode::*;
     let end = document.nodes[node as usize].end;
     let below = &document.nodes[node as usize..end as usize];

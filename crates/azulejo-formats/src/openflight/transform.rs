@@ -1,25 +1,25 @@
-//! Where nodes stand: matrices, degrees of freedom, and what comes down through the hierarchy.
+//! Transforms: matrices, degrees of freedom, and state inherited through the hierarchy.
 
-use super::fields::Fields;
+use super::fields::RecordFields;
 use azulejo_scene::math::normal_matrix;
 use glam::{DAffine3, DMat3, DVec3};
 
-/// What a node inherits from those above it.
+/// State inherited from the nodes above.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct InheritedState {
     pub world: DAffine3,
-    /// Carries normals to the world, unnormalised.
+    /// Transforms normals to world coordinates, without normalising them.
     pub normals: DMat3,
-    /// Whether fronts have become backs.
+    /// Whether the orientation of faces is reversed.
     pub mirrored: bool,
-    /// Share of light that the objects above let not through.
+    /// The combined opacity of the objects above.
     pub opacity: f64,
 }
 
-impl Place {
-    /// The world itself.
-    pub fn world() -> Place {
-        Place {
+impl InheritedState {
+    /// The state at the root.
+    pub fn world() -> InheritedState {
+        InheritedState {
             world: DAffine3::IDENTITY,
             normals: DMat3::IDENTITY,
             mirrored: false,
@@ -27,10 +27,10 @@ impl Place {
         }
     }
 
-    /// The place of a child with a transform of its own.
-    pub fn then(&self, local: &DAffine3) -> Place {
+    /// The state of a child with a transform of its own.
+    pub fn then(&self, local: &DAffine3) -> InheritedState {
         let world = self.world * *local;
-        Place {
+        InheritedState {
             world,
             normals: normal_matrix(world.matrix3),
             mirrored: world.matrix3.determinant() < 0.0,
@@ -39,25 +39,25 @@ impl Place {
     }
 }
 
-/// The map of a matrix record; `None` if it is too short or holds what is no number.
+/// The map of a matrix record; `None` if it is too short or not finite.
 ///
-/// The file multiplies row vectors, so its rows are our columns.
-pub(super) fn matrix(record: Fields) -> Option<DAffine3> {
+/// The file uses row vectors, so its rows are our columns.
+pub(super) fn matrix(record: RecordFields) -> Option<DAffine3> {
     let row = |k: usize| record.singles(4 + 16 * k);
     let map = DAffine3::from_cols(row(0)?, row(1)?, row(2)?, row(3)?);
     map.is_finite().then_some(map)
 }
 
-/// The map of a degree of freedom at its current values; `None` if they are no numbers.
+/// The map of a degree of freedom at its current values; `None` if they are not finite.
 ///
-/// In the frame that the record gives by three points, a point is scaled, turned about z (yaw),
-/// about y (roll) and about x (pitch), and moved.
-pub(super) fn degree_of_freedom(record: Fields) -> Option<DAffine3> {
+/// In the frame given by three points of the record, a point is scaled, rotated about z (yaw),
+/// about y (roll) and about x (pitch), and translated.
+pub(super) fn degree_of_freedom(record: RecordFields) -> Option<DAffine3> {
     let frame = frame(record)?;
     let current = |group: usize| record.double(88 + 32 * group + 16);
     let vector = |z: usize| Some(DVec3::new(current(z + 2)?, current(z + 1)?, current(z)?));
     let angle = |group: usize| current(group).map(f64::to_radians);
-    // A scale of 0 stands where an exporter has written none.
+    // Some exporters write a scale of 0 for none.
     let scale = vector(6)?.map(|s| if s == 0.0 { 1.0 } else { s });
     let turn = DMat3::from_rotation_x(angle(3)?)
         * DMat3::from_rotation_y(angle(4)?)
@@ -68,8 +68,8 @@ pub(super) fn degree_of_freedom(record: Fields) -> Option<DAffine3> {
 }
 
 /// The frame of a degree of freedom: origin, a point on its x axis, a point in its xy plane.
-fn frame(record: Fields) -> Option<DAffine3> {
-    // What the editor writes for a point that nobody has set.
+fn frame(record: RecordFields) -> Option<DAffine3> {
+    // The editor's value for a point that is not set.
     let unset = DVec3::splat(-1e8);
     let point = |at: usize, default: DVec3| {
         let given = record.doubles(at)?;
@@ -100,7 +100,7 @@ mod tests {
     }
 
     fn check(points: [DVec3; 3], current: [f64; 9], from: DVec3, expected: DVec3) {
-        let map = degree_of_freedom(Fields(&dof(points, current))).unwrap();
+        let map = degree_of_freedom(RecordFields(&dof(points, current))).unwrap();
         let to = map.transform_point3(from);
         assert!((to - expected).length() < 1e-12, "{current:?}: {to}");
     }
@@ -124,7 +124,7 @@ mod tests {
         check(WORLD, with(&[(3, 90.0)]), DVec3::Y, DVec3::Z);
         check(WORLD, with(&[(4, 90.0)]), DVec3::Z, DVec3::X);
         check(WORLD, with(&[(6, 2.0)]), p, DVec3::new(1.0, 2.0, 6.0));
-        // Yaw comes first: x turns to y, which pitch turns to z.
+        // Yaw comes first: it rotates x to y, which pitch rotates to z.
         check(WORLD, with(&[(3, 90.0), (5, 90.0)]), DVec3::X, DVec3::Z);
     }
 
@@ -145,9 +145,9 @@ mod tests {
     fn what_is_no_number_is_no_map() {
         let mut broken = STILL;
         broken[0] = f64::NAN;
-        assert!(degree_of_freedom(Fields(&dof(WORLD, broken))).is_none());
-        assert!(degree_of_freedom(Fields(&[0; 100])).is_none());
-        assert!(matrix(Fields(&[0; 60])).is_none());
-        assert!(matrix(Fields(&[0xff; 68])).is_none());
+        assert!(degree_of_freedom(RecordFields(&dof(WORLD, broken))).is_none());
+        assert!(degree_of_freedom(RecordFields(&[0; 100])).is_none());
+        assert!(matrix(RecordFields(&[0; 60])).is_none());
+        assert!(matrix(RecordFields(&[0xff; 68])).is_none());
     }
 }

@@ -1,7 +1,7 @@
-//! Vertices: the palette that faces share, and the pools that meshes have for themselves.
+//! Vertices: the palette shared by faces, and the local pools of meshes.
 
-use super::document::Document;
-use super::fields::Fields;
+use super::document::FltDocument;
+use super::fields::RecordFields;
 use super::opcode::*;
 use super::palettes::Palettes;
 use azulejo_scene::Rgb;
@@ -9,19 +9,19 @@ use glam::{DVec2, DVec3};
 
 /// A vertex in the coordinates of its node.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Vertex {
+pub(super) struct FltVertex {
     pub position: DVec3,
-    /// Of any length but 0.
+    /// Not normalised, but non-zero.
     pub normal: Option<DVec3>,
     pub uv: Option<DVec2>,
 }
 
-/// Where the vertices of the palette are.
+/// The locations of the palette's vertices.
 #[derive(Debug, Default)]
 pub(super) struct VertexPalette {
-    /// Where record 67 starts, once it has been seen.
+    /// Offset of record 67, once it has been found.
     start: Option<u32>,
-    /// Where the records of the vertices start in the file, ascending.
+    /// Offsets of the vertex records in the file, ascending.
     records: Vec<u32>,
     ended: bool,
 }
@@ -34,7 +34,7 @@ impl VertexPalette {
         !self.ended
     }
 
-    /// Adds the record of a vertex; `false` if no palette has begun.
+    /// Adds a vertex record; `false` if no palette has begun.
     pub fn add(&mut self, at: u32) -> bool {
         let inside = self.start.is_some() && !self.ended;
         if inside {
@@ -47,21 +47,21 @@ impl VertexPalette {
         self.records.len()
     }
 
-    /// The number of the vertex that begins `offset` bytes after the palette.
+    /// The index of the vertex that begins `offset` bytes after the start of the palette.
     pub fn find(&self, offset: u32) -> Option<u32> {
         let at = self.start?.checked_add(offset)?;
         let index = self.records.binary_search(&at).ok()?;
         Some(index as u32)
     }
 
-    /// Where the record of a vertex starts in the file.
+    /// The offset of a vertex record in the file.
     fn record(&self, index: u32) -> u32 {
         self.records[index as usize]
     }
 }
 
-/// A vertex of the palette; `None` if its record is too short or its position no number.
-pub(super) fn palette_vertex(document: &Document, index: u32) -> Option<Vertex> {
+/// A vertex of the palette; `None` if its record is too short or its position is not finite.
+pub(super) fn palette_vertex(document: &FltDocument, index: u32) -> Option<FltVertex> {
     let record = document.fields(document.vertices.record(index));
     let (normal, uv) = match record.u16(0)? {
         VERTEX_CN => (record.singles(32), None),
@@ -72,9 +72,9 @@ pub(super) fn palette_vertex(document: &Document, index: u32) -> Option<Vertex> 
     vertex(record.doubles(8)?, normal, uv)
 }
 
-/// The own colour of a vertex of the palette, if it has one.
+/// The colour of a vertex of the palette, if it has one.
 pub(super) fn palette_vertex_color(
-    document: &Document,
+    document: &FltDocument,
     palettes: &Palettes,
     index: u32,
 ) -> Option<Rgb> {
@@ -94,7 +94,7 @@ pub(super) fn palette_vertex_color(
     if flags & NO_COLOR != 0 {
         return None;
     }
-    // Before revision 15.1, index and brightness stood where later the colour's name stands.
+    // Before revision 15.1, index and intensity were stored in place of the colour name index.
     let index = match document.revision {
         ..1510 => record.u16(4).map(u32::from),
         _ => record.u32(packed + 4),
@@ -102,13 +102,13 @@ pub(super) fn palette_vertex_color(
     palettes.color(index?)
 }
 
-fn pair(record: Fields, at: usize) -> Option<DVec2> {
+fn pair(record: RecordFields, at: usize) -> Option<DVec2> {
     Some(DVec2::new(record.single(at)?, record.single(at + 4)?))
 }
 
-fn vertex(position: DVec3, normal: Option<DVec3>, uv: Option<DVec2>) -> Option<Vertex> {
+fn vertex(position: DVec3, normal: Option<DVec3>, uv: Option<DVec2>) -> Option<FltVertex> {
     let has_direction = |n: &DVec3| n.is_finite() && *n != DVec3::ZERO;
-    position.is_finite().then_some(Vertex {
+    position.is_finite().then_some(FltVertex {
         position,
         normal: normal.filter(has_direction),
         uv: uv.filter(|uv| uv.is_finite()),
@@ -118,17 +118,17 @@ fn vertex(position: DVec3, normal: Option<DVec3>, uv: Option<DVec2>) -> Option<V
 /// The vertices of one mesh.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LocalPool<'a> {
-    record: Fields<'a>,
+    record: RecordFields<'a>,
     /// From the highest bit: position, colour index, packed colour, normal, texture coordinates,
     /// and coordinates of seven more textures.
     attributes: u32,
     stride: usize,
     pub count: usize,
-    /// What the record promises.
+    /// The number of vertices declared in the record.
     pub promised: u32,
 }
 
-/// Bits of the attributes with the size of each, in the order in which they are stored.
+/// The attribute bits with the size of each attribute, in storage order.
 const ATTRIBUTES: [(u32, usize); 12] = [
     (POSITION, 24),
     (COLOR_INDEX, 4),
@@ -152,8 +152,8 @@ const UV: u32 = 1 << 27;
 impl<'a> LocalPool<'a> {
     const FIRST: usize = 12;
 
-    /// The pool of a record; `None` without positions.
-    pub fn new(record: Fields<'a>) -> Option<LocalPool<'a>> {
+    /// The pool of a record; `None` if it has no positions.
+    pub fn new(record: RecordFields<'a>) -> Option<LocalPool<'a>> {
         let (promised, attributes) = (record.u32(4)?, record.u32(8)?);
         let sizes = ATTRIBUTES.iter().filter(|(bit, _)| attributes & bit != 0);
         let stride: usize = sizes.map(|(_, size)| size).sum();
@@ -170,7 +170,7 @@ impl<'a> LocalPool<'a> {
         })
     }
 
-    /// Where an attribute of a vertex stands, if vertices have it.
+    /// The offset of an attribute of a vertex, if vertices have it.
     fn at(&self, index: u32, attribute: u32) -> Option<usize> {
         let before = ATTRIBUTES.iter().take_while(|(bit, _)| *bit != attribute);
         let present = before.filter(|(bit, _)| self.attributes & bit != 0);
@@ -179,8 +179,8 @@ impl<'a> LocalPool<'a> {
         (self.attributes & attribute != 0).then_some(start + offset)
     }
 
-    /// The vertex `index`, which is below `count`; `None` if its position is no number.
-    pub fn vertex(&self, index: u32) -> Option<Vertex> {
+    /// The vertex `index`, which is below `count`; `None` if its position is not finite.
+    pub fn vertex(&self, index: u32) -> Option<FltVertex> {
         let position = self.record.doubles(self.at(index, POSITION)?)?;
         let normal = self
             .at(index, NORMAL)
@@ -189,7 +189,7 @@ impl<'a> LocalPool<'a> {
         vertex(position, normal, uv)
     }
 
-    /// Its own colour, if vertices have one.
+    /// The colour of a vertex, if vertices have one.
     pub fn color(&self, index: u32, palettes: &Palettes) -> Option<Rgb> {
         if let Some(at) = self.at(index, PACKED_COLOR) {
             return self.record.packed_color(at);

@@ -1,76 +1,76 @@
-//! From the tree of records to the scene.
+//! Traverses the tree of records and builds the scene.
 
-use super::document::{Document, Node, Siblings};
-use super::external::Externals;
-use super::look::Looks;
-use super::opcode::{self, Role};
+use super::document::{FltDocument, FltNode, Siblings};
+use super::external::ExternalFiles;
+use super::materials::FltMaterials;
+use super::opcode::{self, OpcodeRole};
 use super::palettes::Palettes;
-use super::part::{Part, Slot};
-use super::select::{Selection, has_current_mask};
-use super::transform::{self, Place};
-use super::warn::Notes;
+use super::part::{FltPart, VertexSlot};
+use super::select::{ChildSelection, has_current_mask};
+use super::transform::{self, InheritedState};
+use super::warn::RecordWarnings;
 use crate::reading::options::Budget;
 use crate::reading::warnings::Warnings;
 use crate::{Files, Lod, ReadError, ReadOptions};
 use azulejo_scene::{Object, Scene, Shape};
 use glam::DAffine3;
 
-/// Most levels of nodes, instances and files inside each other.
+/// Maximum depth of nested nodes, instances and files.
 const MOST_LEVELS: u32 = 128;
 
-/// So many bytes of names count as one element of the budget.
+/// This many bytes of names count as one element of the budget.
 pub(super) const BYTES_PER_ELEMENT: u64 = 64;
 
-/// A file in the part that it plays where it is referred to.
+/// A file in the context of the reference to it.
 #[derive(Clone, Copy)]
-pub(super) struct Source<'d> {
-    pub document: &'d Document<'d>,
-    /// Tells documents apart.
+pub(super) struct FltSource<'d> {
+    pub document: &'d FltDocument<'d>,
+    /// Unique among documents.
     pub number: usize,
-    /// Its name as the root model knows it; empty for the root model.
+    /// Its name relative to the root model; empty for the root model.
     pub path: &'d str,
     pub palettes: &'d Palettes,
-    /// Tells sets of palettes apart.
+    /// Unique among sets of palettes.
     pub set: u32,
     /// Length of a unit in units of the root model.
     pub scale: f64,
 }
 
-/// The scene under construction, and where in the tree we are.
-pub(super) struct Walker<'f> {
+/// The scene under construction, and the state of the traversal.
+pub(super) struct FltWalker<'f> {
     pub name: &'f str,
     pub options: &'f ReadOptions,
     pub budget: Budget,
     pub warnings: Warnings,
-    pub looks: Looks<'f>,
+    pub materials: FltMaterials<'f>,
     pub scene: Scene,
-    pub externals: Externals<'f>,
-    /// Names of the nodes above, and `/` between them.
+    pub externals: ExternalFiles<'f>,
+    /// Names of the nodes above, joined by `/`.
     pub path: String,
-    /// For each document, what became of the vertices of its palette.
-    pub slots: Vec<Vec<Slot>>,
+    /// For each document, the vertices made from those of its palette.
+    pub slots: Vec<Vec<VertexSlot>>,
     pub stamps: u32,
     pub sets: u32,
     levels: u32,
-    /// Instances that are being drawn: numbers of document and definition.
+    /// Instances being traversed: numbers of document and definition.
     instances: Vec<(usize, u16)>,
 }
 
-impl<'f> Walker<'f> {
+impl<'f> FltWalker<'f> {
     pub fn new(
         name: &'f str,
         files: &'f dyn Files,
         options: &'f ReadOptions,
         warnings: Warnings,
-    ) -> Walker<'f> {
-        Walker {
+    ) -> FltWalker<'f> {
+        FltWalker {
             name,
             options,
             budget: Budget::new(options),
             warnings,
-            looks: Looks::new(files),
+            materials: FltMaterials::new(files),
             scene: Scene::default(),
-            externals: Externals::new(files, name, options.most_unpacked),
+            externals: ExternalFiles::new(files, name, options.most_unpacked),
             path: String::new(),
             slots: Vec::new(),
             stamps: 0,
@@ -85,15 +85,15 @@ impl<'f> Walker<'f> {
         self.budget.spend(elements).map_err(|e| e.error(self.name))
     }
 
-    /// For warnings about a node.
-    pub fn notes<'n>(&'n mut self, source: Source<'n>, node: u32) -> Notes<'n> {
-        Notes::new(&mut self.warnings, source.document, node)
+    /// A collector of warnings about a node.
+    pub fn notes<'n>(&'n mut self, source: FltSource<'n>, node: u32) -> RecordWarnings<'n> {
+        RecordWarnings::new(&mut self.warnings, source.document, node)
     }
 
-    /// Goes a level down, and comes back.
+    /// Runs a step one level deeper.
     pub fn deeper(
         &mut self,
-        source: Source,
+        source: FltSource,
         node: u32,
         inside: impl FnOnce(&mut Self) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
@@ -101,7 +101,7 @@ impl<'f> Walker<'f> {
             return Err(ReadError::at_byte(
                 &*source.document.file,
                 source.document.nodes[node as usize].at.into(),
-                format!("more than {MOST_LEVELS} levels of nodes inside each other"),
+                format!("nodes nested more than {MOST_LEVELS} deep"),
                 "fewer",
             ));
         }
@@ -111,16 +111,21 @@ impl<'f> Walker<'f> {
         done
     }
 
-    /// Draws what stands at the top of a file.
-    pub fn top(&mut self, source: Source, place: &Place) -> Result<(), ReadError> {
+    /// Adds the top-level nodes of a file.
+    pub fn top(&mut self, source: FltSource, place: &InheritedState) -> Result<(), ReadError> {
         self.siblings(source, None, source.document.top(), place)
     }
 
-    /// Draws a node by itself.
-    pub fn one(&mut self, source: Source, node: u32, place: &Place) -> Result<(), ReadError> {
+    /// Adds a single node.
+    pub fn one(
+        &mut self,
+        source: FltSource,
+        node: u32,
+        place: &InheritedState,
+    ) -> Result<(), ReadError> {
         match source.document.nodes[node as usize].opcode {
             opcode::FACE | opcode::MESH => {
-                let mut part = Part::default();
+                let mut part = FltPart::default();
                 self.surface(source, node, place, &mut part)?;
                 self.finish(part)
             }
@@ -128,11 +133,16 @@ impl<'f> Walker<'f> {
         }
     }
 
-    /// Draws what is below a node.
-    fn children(&mut self, source: Source, node: u32, place: &Place) -> Result<(), ReadError> {
+    /// Adds the children of a node.
+    fn children(
+        &mut self,
+        source: FltSource,
+        node: u32,
+        place: &InheritedState,
+    ) -> Result<(), ReadError> {
         let parent = source.document.nodes[node as usize];
         if self.options.lod == Lod::Coarsest {
-            // Whether a level is empty is found by looking through it.
+            // Whether a level of detail is empty is found by scanning it.
             self.spend(u64::from(parent.end - node))?;
         }
         self.siblings(source, Some(parent), source.document.below(node), place)
@@ -140,17 +150,17 @@ impl<'f> Walker<'f> {
 
     fn siblings(
         &mut self,
-        source: Source,
-        parent: Option<Node>,
+        source: FltSource,
+        parent: Option<FltNode>,
         siblings: Siblings,
-        place: &Place,
+        place: &InheritedState,
     ) -> Result<(), ReadError> {
         let (lod, document) = (self.options.lod, source.document);
-        let selection = Selection::new(document, parent, siblings.clone(), lod, source.scale);
-        let (mut part, mut position) = (Part::default(), 0);
+        let selection = ChildSelection::new(document, parent, siblings.clone(), lod, source.scale);
+        let (mut part, mut position) = (FltPart::default(), 0);
         for (child, node) in siblings {
             self.spend(1)?;
-            if Role::of(node.opcode) != Role::Node {
+            if OpcodeRole::of(node.opcode) != OpcodeRole::Node {
                 continue;
             }
             let left_out = selection.leaves_out(document, position, node);
@@ -166,8 +176,8 @@ impl<'f> Walker<'f> {
         self.finish(part)
     }
 
-    /// Makes an object of the faces that have been found below one node.
-    fn finish(&mut self, part: Part) -> Result<(), ReadError> {
+    /// Makes an object of the faces found below one node.
+    fn finish(&mut self, part: FltPart) -> Result<(), ReadError> {
         if let Some(mesh) = part.finish() {
             let object = Object::new(self.full_name()?, Shape::Mesh(mesh));
             self.scene.objects.push(object);
@@ -175,14 +185,19 @@ impl<'f> Walker<'f> {
         Ok(())
     }
 
-    /// Names of all nodes above. A long name above many objects is copied to each.
+    /// The names of all nodes above. A long name above many objects is copied to each.
     pub fn full_name(&mut self) -> Result<String, ReadError> {
         self.spend(self.path.len() as u64 / BYTES_PER_ELEMENT)?;
         Ok(self.path.clone())
     }
 
-    /// Draws a node that is no face, and all below it.
-    pub fn node(&mut self, source: Source, node: u32, place: &Place) -> Result<(), ReadError> {
+    /// Adds a node that is not a face, and its descendants.
+    pub fn node(
+        &mut self,
+        source: FltSource,
+        node: u32,
+        place: &InheritedState,
+    ) -> Result<(), ReadError> {
         let outer = self.path.len();
         if source.document.nodes[node as usize].opcode != opcode::HEADER {
             let name = source.document.name(node);
@@ -206,14 +221,14 @@ impl<'f> Walker<'f> {
         self.path.push_str(name);
     }
 
-    /// Does something at each place where a node stands: where its matrix puts it, or once
-    /// without the matrix and then as often as it is replicated, with the matrix once, twice...
+    /// Runs a step for each copy of a node: once with its matrix, or, if the node is replicated,
+    /// without the matrix and then with its powers.
     pub fn each_copy(
         &mut self,
-        source: Source,
+        source: FltSource,
         node: u32,
-        place: &Place,
-        mut draw: impl FnMut(&mut Self, &Place) -> Result<(), ReadError>,
+        place: &InheritedState,
+        mut draw: impl FnMut(&mut Self, &InheritedState) -> Result<(), ReadError>,
     ) -> Result<(), ReadError> {
         let document = source.document;
         let copies = document.ancillary(node, opcode::REPLICATE);
@@ -221,12 +236,12 @@ impl<'f> Walker<'f> {
         let record = document.ancillary(node, opcode::MATRIX);
         let matrix = record.and_then(transform::matrix);
         if record.is_some() && matrix.is_none() {
-            let message = "matrix that is too short, or of what is no number: left out";
+            let message = "matrix that is too short or not finite: ignored";
             self.notes(source, node).add(message);
         }
         let Some(matrix) = matrix else {
             if copies > 0 {
-                let message = "replication without a matrix: left out, all copies would coincide";
+                let message = "replication without a matrix: ignored, all copies would coincide";
                 self.notes(source, node).add(message);
             }
             return draw(self, place);
@@ -243,8 +258,13 @@ impl<'f> Walker<'f> {
         Ok(())
     }
 
-    /// Draws what a node consists of, at its own place.
-    fn inside(&mut self, source: Source, node: u32, place: &Place) -> Result<(), ReadError> {
+    /// Adds the content of a node, after its transform.
+    fn inside(
+        &mut self,
+        source: FltSource,
+        node: u32,
+        place: &InheritedState,
+    ) -> Result<(), ReadError> {
         use opcode::*;
         let opcode = source.document.nodes[node as usize].opcode;
         let record = source.document.node(node);
@@ -252,14 +272,14 @@ impl<'f> Walker<'f> {
             HEADER | GROUP | OLD_LOD | LOD | BSP | EXTENSION => {}
             SWITCH => {
                 if !has_current_mask(record) {
-                    let message = "switch without its current mask: all below it is drawn";
+                    let message = "switch without its current mask: all children are used";
                     self.notes(source, node).add(message);
                 }
             }
-            // Roads are made of faces, which are below; how they were made is of no use.
+            // The faces of roads are their descendants; the construction parameters are not needed.
             CLIP_REGION | 87 | 127 => {
                 let message = format!(
-                    "{} (opcode {opcode}): skipped, but for what is below it",
+                    "{} (opcode {opcode}): skipped, except for its children",
                     name(opcode)
                 );
                 self.notes(source, node).add(message);
@@ -267,7 +287,7 @@ impl<'f> Walker<'f> {
             OBJECT => {
                 let transparency = record.u16(18).unwrap_or_default();
                 let share = 1.0 - f64::from(transparency) / f64::from(u16::MAX);
-                let place = Place {
+                let place = InheritedState {
                     opacity: place.opacity * share,
                     ..*place
                 };
@@ -275,7 +295,7 @@ impl<'f> Walker<'f> {
             }
             DOF => return self.degree_of_freedom(source, node, place),
             LIGHT_SOURCE => self.light(source, node, place)?,
-            // It is drawn only where it is referred to.
+            // Definitions are only added where they are referred to.
             INSTANCE_DEFINITION => return Ok(()),
             INSTANCE_REFERENCE => return self.instance(source, node, place),
             EXTERNAL_REFERENCE => return self.external(source, node, place),
@@ -290,29 +310,33 @@ impl<'f> Walker<'f> {
 
     fn degree_of_freedom(
         &mut self,
-        source: Source,
+        source: FltSource,
         node: u32,
-        place: &Place,
+        place: &InheritedState,
     ) -> Result<(), ReadError> {
         let Some(map) = transform::degree_of_freedom(source.document.node(node)) else {
-            let message =
-                "degree of freedom that is too short, or of what is no number: stands still";
+            let message = "degree of freedom that is too short or not finite: ignored";
             self.notes(source, node).add(message);
             return self.children(source, node, place);
         };
         self.children(source, node, &place.then(&map))
     }
 
-    fn instance(&mut self, source: Source, node: u32, place: &Place) -> Result<(), ReadError> {
+    fn instance(
+        &mut self,
+        source: FltSource,
+        node: u32,
+        place: &InheritedState,
+    ) -> Result<(), ReadError> {
         let number = source.document.node(node).u16(6).unwrap_or_default();
         let Some(&definition) = source.document.definitions.get(&number) else {
-            let message = format!("reference to instance {number}, which is not defined: left out");
+            let message = format!("reference to instance {number}, which is not defined: skipped");
             self.notes(source, node).add(message);
             return Ok(());
         };
         let key = (source.number, number);
         if self.instances.contains(&key) {
-            let message = format!("instance {number} inside itself: left out");
+            let message = format!("instance {number} inside itself: skipped");
             self.notes(source, node).add(message);
             return Ok(());
         }

@@ -1,20 +1,24 @@
-//! Warnings that know where they stand.
+//! Warnings with their positions.
 
-use super::document::Document;
+use super::document::FltDocument;
 use crate::Position;
 use crate::reading::warnings::Warnings;
 
 /// Adds warnings about one record.
-pub(super) struct Notes<'a> {
+pub(super) struct RecordWarnings<'a> {
     pub warnings: &'a mut Warnings,
     pub file: &'a str,
     pub at: u32,
 }
 
-impl<'a> Notes<'a> {
-    /// Warnings about a node.
-    pub fn new(warnings: &'a mut Warnings, document: &'a Document, node: u32) -> Notes<'a> {
-        Notes {
+impl<'a> RecordWarnings<'a> {
+    /// A collector for warnings about a node.
+    pub fn new(
+        warnings: &'a mut Warnings,
+        document: &'a FltDocument,
+        node: u32,
+    ) -> RecordWarnings<'a> {
+        RecordWarnings {
             warnings,
             file: &document.file,
             at: document.nodes[node as usize].at,
@@ -26,7 +30,7 @@ impl<'a> Notes<'a> {
         self.add_many(message, 1);
     }
 
-    /// Counts a warning `count` times, which may be 0.
+    /// Adds a warning with a count, which may be 0.
     #[cold]
     pub fn add_many(&mut self, message: impl Into<String>, count: usize) {
         let at = u64::from(self.at);

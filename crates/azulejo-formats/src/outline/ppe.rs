@@ -1,4 +1,4 @@
-//! PPE: the names of a font's glyphs by character code, one `code/name` per line.
+//! PPE: the glyph names of a font by character code, one `code/name` per line.
 
 use crate::reading::text::{decoded, shortened, text};
 use crate::reading::warnings::Warnings;
@@ -7,18 +7,18 @@ use crate::{ReadError, Warning};
 use azulejo_scene::Encoding;
 use std::io::{self, Write};
 
-/// The largest code: that of Unicode's last character. RTRACE's own go to 255.
+/// The largest code: Unicode's last code point. RTRACE's own go up to 255.
 const LARGEST: u32 = 0x10_ffff;
 
-/// Reads an encoding. `name` stands in messages.
+/// Reads an encoding. `name` is used in messages.
 ///
-/// Blanks around the slash and at both ends of a line do not count. Beyond what RTRACE takes:
-/// empty lines, a last line without an end, remarks from `#` to the end of the line (behind a
-/// name there must be a blank before it), and codes of all characters. Of several lines with one
-/// code the last counts, with a warning.
+/// Blanks around the slash and at both ends of a line are ignored. Extensions beyond RTRACE: empty
+/// lines, a last line without an end, comments from `#` to the end of the line (after a name, a
+/// blank must precede it), and codes of all characters. If several lines have the same code, the
+/// last one is used, with a warning.
 ///
 /// # Errors
-/// A line of another form.
+/// A malformed line.
 pub fn read(bytes: &[u8], name: &str) -> Result<(Encoding, Vec<Warning>), ReadError> {
     let bytes = &*decoded(bytes);
     let mut words = Words::new(bytes, name);
@@ -37,14 +37,14 @@ pub fn read(bytes: &[u8], name: &str) -> Result<(Encoding, Vec<Warning>), ReadEr
         };
         let before = encoding.names.insert(code, glyph.clone());
         if before.is_some_and(|b| b != glyph) {
-            let message = format!("code {code} again: the last name counts");
+            let message = format!("code {code} again: the last name is used");
             warnings.add(name, message, || words.position(at));
         }
     }
     Ok((encoding, warnings.finish(name)))
 }
 
-const EXPECTED: &str = "a character's code, \"/\" and a glyph's name, as in 65/A";
+const EXPECTED: &str = "a character code, \"/\" and a glyph name, as in 65/A";
 
 fn without_remark(line: &[u8]) -> &[u8] {
     let begins = |i: usize| line[i] == b'#' && (i == 0 || line[i - 1].is_ascii_whitespace());
@@ -61,15 +61,15 @@ fn entry(line: &[u8]) -> Option<(u32, String)> {
     is_good.then(|| (code, text(name).into_owned()))
 }
 
-/// Writes an encoding so that [`read`] gives the same back.
+/// Writes an encoding so that [`read`] returns the same.
 ///
 /// # Errors
-/// What the writer says, and [`io::ErrorKind::InvalidInput`] for what has no spelling: codes
+/// Those of the writer, and [`io::ErrorKind::InvalidInput`] for what cannot be represented: codes
 /// beyond Unicode, and names that are empty or contain blanks or control characters.
 pub fn write(encoding: &Encoding, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
     for (code, name) in &encoding.names {
         if *code > LARGEST || name.is_empty() || name.bytes().any(|b| b <= b' ') {
-            let message = format!("PPE has no place for the code {code} with the name \"{name}\"");
+            let message = format!("PPE cannot represent the code {code} with the name \"{name}\"");
             return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
         }
         writeln!(out, "{code}/{name}")?;
@@ -128,7 +128,7 @@ mod tests {
         let (encoding, warnings) = read(b"65/A\n65/Alpha\n65/Alpha\n", "a.ppe").unwrap();
         assert_eq!(encoding.names[&65], "Alpha");
         let said: Vec<String> = warnings.iter().map(ToString::to_string).collect();
-        assert_eq!(said, ["a.ppe:2:1: code 65 again: the last name counts"]);
+        assert_eq!(said, ["a.ppe:2:1: code 65 again: the last name is used"]);
     }
 
     #[test]

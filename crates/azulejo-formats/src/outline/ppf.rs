@@ -514,13 +514,8 @@ mod tests {
     }
 
     /// A font of RTRACE, where the folder that holds them is named.
-    #[allow(clippy::print_stderr)]
     fn stock(name: &str) -> Option<Vec<u8>> {
-        let Some(folder) = std::env::var_os("AZULEJO_DATA") else {
-            eprintln!("skipped: AZULEJO_DATA is not set");
-            return None;
-        };
-        let path = std::path::Path::new(&folder).join("corpus/sff/fonts");
+        let path = azulejo_testing::data()?.join("corpus/sff/fonts");
         Some(std::fs::read(path.join(name)).unwrap())
     }
 

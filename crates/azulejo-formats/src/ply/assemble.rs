@@ -1,9 +1,9 @@
-//! From lists to a scene.
+//! Assembles the lists of a file into a scene.
 
-use super::Reader;
-use super::faces::{FaceList, Look};
-use super::header::Header;
-use super::vertices::Vertices;
+use super::PlyReader;
+use super::faces::{FaceMaterial, PlyFaceList};
+use super::header::PlyHeader;
+use super::vertices::PlyVertices;
 use crate::reading::warnings::Warnings;
 use crate::surface::textures::Textures;
 use crate::{Files, Position};
@@ -16,9 +16,13 @@ use std::ops::Range;
 /// Reflectance of faces without a colour.
 pub(super) const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
 
-/// The scene of a file, and all that was wrong with it.
-pub(super) fn scene(reader: Reader<'_>, header: &Header, files: &dyn Files) -> (Scene, Warnings) {
-    let mut builder = Builder {
+/// The scene of a file, and the warnings.
+pub(super) fn scene(
+    reader: PlyReader<'_>,
+    header: &PlyHeader,
+    files: &dyn Files,
+) -> (Scene, Warnings) {
+    let mut builder = PlyBuilder {
         file: reader.file,
         warnings: reader.warnings,
     };
@@ -33,7 +37,7 @@ pub(super) fn scene(reader: Reader<'_>, header: &Header, files: &dyn Files) -> (
         let points = vertices.positions.len();
         let message = match points {
             0 => "no faces: the scene is empty".to_owned(),
-            _ => format!("no faces: {points} points have no surface, the scene is empty"),
+            _ => format!("no faces: {points} points without a surface, the scene is empty"),
         };
         builder.warnings.add_whole(builder.file, message);
         return (scene, builder.warnings);
@@ -59,19 +63,19 @@ pub(super) fn scene(reader: Reader<'_>, header: &Header, files: &dyn Files) -> (
     (scene, builder.warnings)
 }
 
-struct Builder<'a> {
+struct PlyBuilder<'a> {
     file: &'a str,
     warnings: Warnings,
 }
 
-impl Builder<'_> {
+impl PlyBuilder<'_> {
     fn count(&mut self, message: &str, count: usize) {
         self.warnings
             .add_many(self.file, message.into(), count, || Position::Whole);
     }
 
-    /// Drops faces whose vertices do not exist or are nowhere.
-    fn check_faces(&mut self, list: &mut FaceList, positions: &[DVec3]) {
+    /// Drops faces with vertices that do not exist or are not finite.
+    fn check_faces(&mut self, list: &mut PlyFaceList, positions: &[DVec3]) {
         let is_there = |&c: &u32| positions.get(c as usize).is_some_and(|p| p.is_finite());
         let largest = list.faces.corners.iter().max();
         let all_finite = || positions.iter().all(|p| p.is_finite());
@@ -84,22 +88,23 @@ impl Builder<'_> {
                 continue;
             }
             list.faces.push(corners);
-            list.face_looks.extend(before.face_looks.get(face));
+            list.face_material_indices
+                .extend(before.face_material_indices.get(face));
             let uvs = before.corner_uvs.get(before.faces.corner_range(face));
             list.corner_uvs.extend_from_slice(uvs.unwrap_or_default());
         }
-        list.looks = before.looks;
+        list.materials = before.materials;
         let lost = before.faces.len() - list.faces.len();
         let message = "face with a vertex that does not exist or is not finite: skipped";
         self.count(message, lost);
     }
 
-    /// A material for each look of faces, or one for all.
+    /// One material for each distinct appearance of faces, or one for all.
     fn materials(
         &mut self,
-        list: &FaceList,
-        vertices: &Vertices,
-        header: &Header,
+        list: &PlyFaceList,
+        vertices: &PlyVertices,
+        header: &PlyHeader,
         files: &dyn Files,
         scene: &mut Scene,
     ) -> Vec<MaterialId> {
@@ -115,19 +120,21 @@ impl Builder<'_> {
                 id
             })
             .collect();
-        let plain = [Look::default()];
-        let looks = match list.looks.is_empty() {
-            true => &plain[..],
-            false => &list.looks,
+        let plain = [FaceMaterial::default()];
+        let face_materials = if list.materials.is_empty() {
+            &plain[..]
+        } else {
+            &list.materials
         };
-        let base = match vertices.colors.is_empty() {
-            true => DEFAULT_REFLECTANCE,
-            false => Rgb::WHITE,
+        let base = if vertices.colors.is_empty() {
+            DEFAULT_REFLECTANCE
+        } else {
+            Rgb::WHITE
         };
-        let ids = looks.iter().map(|look| {
-            let picture = pictures.get(look.texture as usize).copied();
+        let ids = face_materials.iter().map(|face_material| {
+            let picture = pictures.get(face_material.texture as usize).copied();
             let shown = picture.is_some_and(|p| textures.is_loaded(p));
-            let mut material = painted(look, if shown { Rgb::WHITE } else { base });
+            let mut material = painted(face_material, if shown { Rgb::WHITE } else { base });
             material.textures.extend(picture);
             scene.add_material(material)
         });
@@ -136,9 +143,9 @@ impl Builder<'_> {
         ids
     }
 
-    fn mesh(&mut self, list: FaceList, vertices: Vertices, materials: &[MaterialId]) -> Mesh {
-        let looks = list.face_looks;
-        let material = |f: usize| materials[looks.get(f).map_or(0, |&l| l as usize)];
+    fn mesh(&mut self, list: PlyFaceList, vertices: PlyVertices, materials: &[MaterialId]) -> Mesh {
+        let indices = list.face_material_indices;
+        let material = |f: usize| materials[indices.get(f).map_or(0, |&l| l as usize)];
         let face_materials = (0..list.faces.len()).map(material).collect();
         let finite = |p: DVec3| if p.is_finite() { p } else { DVec3::ZERO };
         Mesh {
@@ -154,7 +161,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Says that zeros among the normals are none: of a whole mesh, or of some vertices.
+    /// Reports zero normals: of a whole mesh, which then has none, or of single vertices.
     fn settle_normals(&mut self, mesh: &mut Mesh) {
         let Some(normals) = &mut mesh.normals else {
             return;
@@ -170,7 +177,7 @@ impl Builder<'_> {
             .iter_mut()
             .filter(zero)
             .for_each(|n| *n = DVec3::Z);
-        self.count("normal that is zero or not finite: taken as +z", missing);
+        self.count("zero or non-finite normal: taken as +z", missing);
     }
 
     fn uvs(&mut self, of_vertices: Vec<DVec2>, of_corners: Vec<DVec2>) -> Option<Attribute<DVec2>> {
@@ -186,12 +193,12 @@ impl Builder<'_> {
         (!values.is_empty()).then_some(Attribute { values, corners })
     }
 
-    /// Colours in 0..=1. Some programs write numbers up to 255 with a point.
+    /// Colours in 0..=1. Some programs write floating-point numbers up to 255.
     fn colors(&mut self, mut colors: Vec<Rgb>) -> Vec<Rgb> {
         let most = colors.iter().map(|c| c.max_channel()).fold(0.0, f64::max);
         if most > 1.0 && most <= 255.0 {
             self.count(
-                "vertex colours as fractions above 1: taken as 0..255",
+                "floating-point vertex colours above 1: scaled from 0..255",
                 colors.len(),
             );
             colors.iter_mut().for_each(|c| *c *= 1.0 / 255.0);
@@ -210,7 +217,7 @@ impl Builder<'_> {
         let sound = |c: &Rgb| c.is_finite() && c.to_array().iter().all(|x| *x >= 0.0);
         let odd = values.iter_mut().filter(|c| !sound(c));
         let odd = odd.map(|c| *c = Rgb::BLACK).count();
-        self.count("irradiance that is negative or not finite: taken as 0", odd);
+        self.count("negative or non-finite irradiance: taken as 0", odd);
         values
     }
 }
@@ -218,10 +225,10 @@ impl Builder<'_> {
 /// Normals of unit length, or zero.
 fn normals(mut normals: Vec<DVec3>) -> Option<Attribute<DVec3>> {
     for normal in &mut normals {
-        // What is as good as single precision stays as it is.
+        // Values accurate to single precision are kept.
         let is_unit = (normal.length_squared() - 1.0).abs() <= 1e-6;
         if !is_unit {
-            // Dividing first keeps the square of the length from overflow and underflow.
+            // Dividing first avoids overflow and underflow of the squared length.
             let scaled = *normal / normal.abs().max_element();
             *normal = scaled.try_normalize().unwrap_or(DVec3::ZERO);
         }
@@ -233,28 +240,28 @@ fn limited(x: f64) -> f64 {
     if x >= 0.0 { x.min(1.0) } else { 0.0 }
 }
 
-fn painted(look: &Look, base: Rgb) -> Material {
-    let Some(color) = look.color.map(|c| c.map(limited)) else {
+fn painted(face_material: &FaceMaterial, base: Rgb) -> Material {
+    let Some(color) = face_material.color.map(|c| c.map(limited)) else {
         return Material::diffuse("default", base);
     };
     let [r, g, b] = color.to_array().map(|c| (255.0 * c).round() as u8);
     Material::diffuse(format!("#{r:02x}{g:02x}{b:02x}"), color)
 }
 
-/// One of azulejo's objects in the lists of the file.
-struct Piece {
+/// One object of azulejo within the lists of the file.
+struct ObjectPiece {
     object: u32,
     faces: Range<usize>,
     vertices: Range<usize>,
 }
 
-/// Object, faces and vertices of each of azulejo's objects, where a file says which vertices are
-/// of which. `None` if they do not follow one after the other.
-fn parts(mesh: &Mesh, objects: &[u32]) -> Option<Vec<Piece>> {
+/// Object, faces and vertices of each object of azulejo, for a file that stores the object of each
+/// vertex. `None` if the objects are not contiguous.
+fn parts(mesh: &Mesh, objects: &[u32]) -> Option<Vec<ObjectPiece>> {
     if objects.is_empty() || !objects.is_sorted() {
         return None;
     }
-    let mut parts: Vec<Piece> = Vec::new();
+    let mut parts: Vec<ObjectPiece> = Vec::new();
     for (face, corners) in mesh.faces.iter().enumerate() {
         let object = objects[corners[0] as usize];
         if corners.iter().any(|&c| objects[c as usize] != object) {
@@ -263,7 +270,7 @@ fn parts(mesh: &Mesh, objects: &[u32]) -> Option<Vec<Piece>> {
         match parts.last_mut() {
             Some(last) if last.object == object => last.faces.end = face + 1,
             Some(last) if last.object > object => return None,
-            _ => parts.push(Piece {
+            _ => parts.push(ObjectPiece {
                 object,
                 faces: face..face + 1,
                 vertices: objects.partition_point(|o| *o < object)
@@ -274,7 +281,7 @@ fn parts(mesh: &Mesh, objects: &[u32]) -> Option<Vec<Piece>> {
     Some(parts)
 }
 
-/// Some faces of a mesh with the vertices that they use, which are a range of it.
+/// A range of faces of a mesh with the range of vertices that they use.
 fn part(mesh: &Mesh, faces: Range<usize>, vertices: Range<usize>) -> Mesh {
     let starts = &mesh.faces.starts[faces.start..=faces.end];
     let corners = starts[0] as usize..starts[starts.len() - 1] as usize;
@@ -304,7 +311,8 @@ fn part(mesh: &Mesh, faces: Range<usize>, vertices: Range<usize>) -> Mesh {
     }
 }
 
-/// What some vertices and corners have of an attribute. Values of corners stand in their order.
+/// The part of an attribute for a range of vertices and corners. Values of corners keep their
+/// order.
 fn slice_of<T: Copy>(
     attribute: &Attribute<T>,
     vertices: &Range<usize>,

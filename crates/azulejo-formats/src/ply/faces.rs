@@ -1,89 +1,91 @@
 //! The elements `face` and `tristrips`.
 
-use super::header::{Element, Kind, Property, Type};
-use super::source::{Source, Stop};
-use super::{NONE, Reader, rows};
+use super::header::{PlyElement, PlyProperty, PropertyType, ScalarType};
+use super::rows::{RowError, RowSource};
+use super::{NONE, PlyReader, rows};
 use crate::{Position, ReadError};
 use azulejo_scene::{Faces, Rgb};
 use glam::DVec2;
 use std::collections::HashMap;
 
-/// Different colours and pictures of faces that are told apart; each becomes a material.
-const MOST_LOOKS: usize = 1 << 16;
+/// Maximum number of distinct appearances of faces; each becomes a material.
+const MOST_FACE_MATERIALS: usize = 1 << 16;
 
-/// The polygons of a file, their indices not yet checked.
+/// The polygons of a file, before their indices are checked.
 #[derive(Debug, Default)]
-pub(super) struct FaceList {
+pub(super) struct PlyFaceList {
     pub faces: Faces,
     /// Texture coordinate of each corner, or empty.
     pub corner_uvs: Vec<DVec2>,
-    /// Look of each face, or empty.
-    pub face_looks: Vec<u32>,
-    pub looks: Vec<Look>,
+    /// Index into `materials` for each face, or empty.
+    pub face_material_indices: Vec<u32>,
+    pub materials: Vec<FaceMaterial>,
     known: HashMap<(Option<[u64; 3]>, u32), u32>,
 }
 
-/// What a face says about its surface.
+/// The appearance of a face.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Look {
+pub(super) struct FaceMaterial {
     pub color: Option<Rgb>,
-    /// Which of the file's pictures.
+    /// Index of the texture.
     pub texture: u32,
 }
 
-/// What a property of faces means.
+/// The meaning of a face property.
 #[derive(Clone, Copy, PartialEq)]
-enum Meaning {
-    Corners(Kind, Kind),
-    CornerUvs(Kind, Kind),
-    Color(usize, Kind),
-    Texture(Kind),
+enum FaceProperty {
+    Corners(ScalarType, ScalarType),
+    CornerUvs(ScalarType, ScalarType),
+    Color(usize, ScalarType),
+    Texture(ScalarType),
     Nothing,
 }
 
-/// What one row of faces said.
+/// The values in one row of faces.
 #[derive(Clone, Copy, Default)]
-struct Row {
+struct FaceRow {
     color: [f64; 3],
     texture: u32,
 }
 
-impl Meaning {
-    /// `red` is a colour of its own only where vertices have none: programs that write both
-    /// write the same twice. `diffuse_red` always says something about the material.
-    fn of(property: &Property, vertices_have_colors: bool) -> Meaning {
+impl FaceProperty {
+    /// `red` is used only if vertices have no colours: programs that write both write the same
+    /// colours. `diffuse_red` always belongs to the material.
+    fn of(property: &PlyProperty, vertices_have_colors: bool) -> FaceProperty {
         let channel = |names: [&str; 3]| names.iter().position(|n| *n == property.name);
         match (property.kind, property.name.as_str()) {
-            (Type::List { count, item }, "vertex_indices" | "vertex_index") => {
-                Meaning::Corners(count, item)
+            (PropertyType::List { count, item }, "vertex_indices" | "vertex_index") => {
+                FaceProperty::Corners(count, item)
             }
-            (Type::List { count, item }, "texcoord") => Meaning::CornerUvs(count, item),
-            (Type::List { .. }, _) => Meaning::Nothing,
-            (Type::Scalar(kind), "texnumber") => Meaning::Texture(kind),
-            (Type::Scalar(kind), _) => {
+            (PropertyType::List { count, item }, "texcoord") => {
+                FaceProperty::CornerUvs(count, item)
+            }
+            (PropertyType::List { .. }, _) => FaceProperty::Nothing,
+            (PropertyType::Scalar(kind), "texnumber") => FaceProperty::Texture(kind),
+            (PropertyType::Scalar(kind), _) => {
                 let plain = channel(["red", "green", "blue"]).filter(|_| !vertices_have_colors);
                 let own = channel(["diffuse_red", "diffuse_green", "diffuse_blue"]);
                 let found = own.or(plain);
-                found.map_or(Meaning::Nothing, |i| Meaning::Color(i, kind))
+                found.map_or(FaceProperty::Nothing, |i| FaceProperty::Color(i, kind))
             }
         }
     }
 }
 
-impl Reader<'_> {
-    /// Reads faces and says how many are missing.
-    pub fn read_faces<S: Source>(
+impl PlyReader<'_> {
+    /// Reads faces and returns how many are missing.
+    pub fn read_faces<S: RowSource>(
         &mut self,
-        element: &Element,
+        element: &PlyElement,
         source: &mut S,
     ) -> Result<u64, ReadError> {
         let meanings = self.meanings(element);
-        let has = |m: fn(&Meaning) -> bool| meanings.iter().any(m);
-        let has_uvs = has(|m| matches!(m, Meaning::CornerUvs(..)));
-        let has_color = has(|m| matches!(m, Meaning::Color(..)));
-        let has_look = has_color || has(|m| matches!(m, Meaning::Texture(_)));
+        let has = |m: fn(&FaceProperty) -> bool| meanings.iter().any(m);
+        let has_uvs = has(|m| matches!(m, FaceProperty::CornerUvs(..)));
+        let has_color = has(|m| matches!(m, FaceProperty::Color(..)));
+        let has_material = has_color || has(|m| matches!(m, FaceProperty::Texture(_)));
         let room = element.room(source.left());
-        let mut reading = Reading {
+        let mut reading = FaceReading {
             list: &mut self.faces,
             too_few: 0,
             odd_uvs: 0,
@@ -97,14 +99,14 @@ impl Reader<'_> {
                 reading.undo(start);
             }
             let row = row?;
-            if reading.finish(start, has_uvs) && has_look {
-                reading.list.look(row, has_color);
+            if reading.finish(start, has_uvs) && has_material {
+                reading.list.face_material(row, has_color);
             }
             Ok(())
         })?;
         let (too_few, odd_uvs) = (reading.too_few, reading.odd_uvs);
-        self.count("face of fewer than three corners: skipped", too_few);
-        let message = "face without a texture coordinate for each corner: (0, 0)";
+        self.count("face with fewer than three corners: skipped", too_few);
+        let message = "face without a texture coordinate for each corner: (0, 0) is used";
         self.count(message, odd_uvs);
         Ok(missing)
     }
@@ -114,25 +116,25 @@ impl Reader<'_> {
             .add_many(self.file, message.into(), count, || Position::Whole);
     }
 
-    fn meanings(&mut self, element: &Element) -> Vec<Meaning> {
+    fn meanings(&mut self, element: &PlyElement) -> Vec<FaceProperty> {
         let has_colors = self.vertices.as_ref().is_some_and(|v| !v.colors.is_empty());
-        let meanings: Vec<Meaning> = element
+        let meanings: Vec<FaceProperty> = element
             .properties
             .iter()
-            .map(|p| Meaning::of(p, has_colors))
+            .map(|p| FaceProperty::of(p, has_colors))
             .collect();
         for (property, meaning) in std::iter::zip(&element.properties, &meanings) {
-            if *meaning == Meaning::Nothing {
+            if *meaning == FaceProperty::Nothing {
                 self.unused(element, &property.name);
             }
         }
         meanings
     }
 
-    /// Reads triangle strips: rows of indices, of which −1 begins the next strip.
-    pub fn read_strips<S: Source>(
+    /// Reads triangle strips: rows of indices, in which −1 begins the next strip.
+    pub fn read_strips<S: RowSource>(
         &mut self,
-        element: &Element,
+        element: &PlyElement,
         source: &mut S,
     ) -> Result<u64, ReadError> {
         let meanings = self.meanings(element);
@@ -141,7 +143,7 @@ impl Reader<'_> {
         rows(element, source, |source| {
             strip.clear();
             for (property, meaning) in std::iter::zip(&element.properties, &meanings) {
-                let Meaning::Corners(count, item) = *meaning else {
+                let FaceProperty::Corners(count, item) = *meaning else {
                     property.skip(source)?;
                     continue;
                 };
@@ -157,8 +159,8 @@ impl Reader<'_> {
     }
 }
 
-/// Appends the triangles of a strip, of which every second is the other way around. Those with
-/// an index twice only turn the strip.
+/// Appends the triangles of a strip, every second one reversed. Degenerate triangles only change
+/// the orientation.
 fn push_strip(faces: &mut Faces, strip: &[u32]) {
     for (i, corners) in strip.windows(3).enumerate() {
         let &[a, b, c] = corners else { continue };
@@ -169,14 +171,14 @@ fn push_strip(faces: &mut Faces, strip: &[u32]) {
     }
 }
 
-/// Faces under way.
-struct Reading<'a> {
-    list: &'a mut FaceList,
+/// Faces being read.
+struct FaceReading<'a> {
+    list: &'a mut PlyFaceList,
     too_few: usize,
     odd_uvs: usize,
 }
 
-impl Reading<'_> {
+impl FaceReading<'_> {
     fn start(&self) -> (usize, usize) {
         (self.list.faces.corners.len(), self.list.corner_uvs.len())
     }
@@ -187,37 +189,37 @@ impl Reading<'_> {
     }
 
     #[inline]
-    fn row<S: Source>(
+    fn row<S: RowSource>(
         &mut self,
         source: &mut S,
-        element: &Element,
-        meanings: &[Meaning],
-    ) -> Result<Row, Stop> {
-        let mut row = Row::default();
+        element: &PlyElement,
+        meanings: &[FaceProperty],
+    ) -> Result<FaceRow, RowError> {
+        let mut row = FaceRow::default();
         for (number, meaning) in meanings.iter().enumerate() {
             match *meaning {
-                Meaning::Corners(count, item) => {
+                FaceProperty::Corners(count, item) => {
                     for _ in 0..source.count(count, item)? {
                         self.list.faces.corners.push(source.index(item)?);
                     }
                 }
-                Meaning::CornerUvs(count, item) => self.corner_uvs(source, count, item)?,
-                Meaning::Color(channel, kind) => {
+                FaceProperty::CornerUvs(count, item) => self.corner_uvs(source, count, item)?,
+                FaceProperty::Color(channel, kind) => {
                     row.color[channel] = source.number(kind)? / kind.one();
                 }
-                Meaning::Texture(kind) => row.texture = source.index(kind)?,
-                Meaning::Nothing => element.properties[number].skip(source)?,
+                FaceProperty::Texture(kind) => row.texture = source.index(kind)?,
+                FaceProperty::Nothing => element.properties[number].skip(source)?,
             }
         }
         Ok(row)
     }
 
-    fn corner_uvs<S: Source>(
+    fn corner_uvs<S: RowSource>(
         &mut self,
         source: &mut S,
-        count: Kind,
-        item: Kind,
-    ) -> Result<(), Stop> {
+        count: ScalarType,
+        item: ScalarType,
+    ) -> Result<(), RowError> {
         let count = source.count(count, item)?;
         for _ in 0..count / 2 {
             let (u, v) = (source.number(item)?, source.number(item)?);
@@ -229,7 +231,7 @@ impl Reading<'_> {
         Ok(())
     }
 
-    /// Ends a face; `false` if it is none.
+    /// Completes a face; `false` if it is invalid.
     #[inline]
     fn finish(&mut self, start: (usize, usize), has_uvs: bool) -> bool {
         let end = self.list.faces.corners.len();
@@ -248,24 +250,24 @@ impl Reading<'_> {
     }
 }
 
-impl FaceList {
-    /// Gives the last face its look.
-    fn look(&mut self, row: Row, has_color: bool) {
+impl PlyFaceList {
+    /// Assigns the last face its appearance.
+    fn face_material(&mut self, row: FaceRow, has_color: bool) {
         let color = has_color.then(|| Rgb::from(row.color));
         let key = (color.map(|c| c.to_array().map(f64::to_bits)), row.texture);
-        let look = match self.known.get(&key) {
+        let face_material = match self.known.get(&key) {
             Some(&known) => known,
-            None if self.looks.len() == MOST_LOOKS => 0,
+            None if self.materials.len() == MOST_FACE_MATERIALS => 0,
             None => {
-                self.looks.push(Look {
+                self.materials.push(FaceMaterial {
                     color,
                     texture: row.texture,
                 });
-                let new = (self.looks.len() - 1) as u32;
+                let new = (self.materials.len() - 1) as u32;
                 self.known.insert(key, new);
                 new
             }
         };
-        self.face_looks.push(look);
+        self.face_material_indices.push(face_material);
     }
 }

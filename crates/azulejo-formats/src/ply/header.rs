@@ -1,23 +1,23 @@
-//! The header: which elements there are, and what their rows hold.
+//! The header: the elements, and their properties.
 
-use super::source::{Source, Stop};
+use super::rows::{RowError, RowSource};
 use crate::reading::text::text;
 use crate::reading::warnings::Warnings;
 use crate::reading::words::Words;
 use crate::{Position, ReadError};
 use azulejo_scene::{Units, Up};
 
-/// How the rows are written.
+/// The encoding of the rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Encoding {
+pub(super) enum PlyEncoding {
     Text,
     LittleEndian,
     BigEndian,
 }
 
-/// The kinds of number.
+/// The scalar types.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum ScalarType {
     I8,
     U8,
     I16,
@@ -28,85 +28,85 @@ pub(super) enum Kind {
     F64,
 }
 
-/// What a property is.
+/// The type of a property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Type {
-    Scalar(Kind),
-    List { count: Kind, item: Kind },
+pub(super) enum PropertyType {
+    Scalar(ScalarType),
+    List { count: ScalarType, item: ScalarType },
 }
 
-/// A column of an element.
+/// A property, which is a column of an element.
 #[derive(Clone, Debug)]
-pub(super) struct Property {
+pub(super) struct PlyProperty {
     pub name: String,
-    pub kind: Type,
+    pub kind: PropertyType,
 }
 
-/// A table.
+/// An element, which is a table.
 #[derive(Clone, Debug)]
-pub(super) struct Element {
+pub(super) struct PlyElement {
     pub name: String,
     pub count: u64,
-    pub properties: Vec<Property>,
-    /// Where the header declares it.
+    pub properties: Vec<PlyProperty>,
+    /// The line of its declaration.
     pub line: u32,
 }
 
-/// All that stands before the rows.
+/// The content of the header.
 #[derive(Debug)]
-pub(super) struct Header {
-    pub encoding: Encoding,
-    pub elements: Vec<Element>,
-    /// Pictures that `comment TextureFile` names.
+pub(super) struct PlyHeader {
+    pub encoding: PlyEncoding,
+    pub elements: Vec<PlyElement>,
+    /// Texture files named by `comment TextureFile`.
     pub textures: Vec<String>,
-    /// Names of objects that `obj_info azulejo object` gives, in order.
+    /// Names of objects from `obj_info azulejo object`, in order.
     pub objects: Vec<String>,
     pub units: Units,
     /// Offset of the first row.
     pub end: usize,
 }
 
-impl Kind {
-    fn parse(word: &[u8]) -> Option<Kind> {
+impl ScalarType {
+    fn parse(word: &[u8]) -> Option<ScalarType> {
         Some(match word {
-            b"char" | b"int8" => Kind::I8,
-            b"uchar" | b"uint8" => Kind::U8,
-            b"short" | b"int16" => Kind::I16,
-            b"ushort" | b"uint16" => Kind::U16,
-            b"int" | b"int32" => Kind::I32,
-            b"uint" | b"uint32" => Kind::U32,
-            b"float" | b"float32" => Kind::F32,
-            b"double" | b"float64" => Kind::F64,
+            b"char" | b"int8" => ScalarType::I8,
+            b"uchar" | b"uint8" => ScalarType::U8,
+            b"short" | b"int16" => ScalarType::I16,
+            b"ushort" | b"uint16" => ScalarType::U16,
+            b"int" | b"int32" => ScalarType::I32,
+            b"uint" | b"uint32" => ScalarType::U32,
+            b"float" | b"float32" => ScalarType::F32,
+            b"double" | b"float64" => ScalarType::F64,
             _ => return None,
         })
     }
 
-    /// Bytes in a binary file.
+    /// Its size in bytes in a binary file.
     pub fn size(self) -> usize {
         match self {
-            Kind::I8 | Kind::U8 => 1,
-            Kind::I16 | Kind::U16 => 2,
-            Kind::I32 | Kind::U32 | Kind::F32 => 4,
-            Kind::F64 => 8,
+            ScalarType::I8 | ScalarType::U8 => 1,
+            ScalarType::I16 | ScalarType::U16 => 2,
+            ScalarType::I32 | ScalarType::U32 | ScalarType::F32 => 4,
+            ScalarType::F64 => 8,
         }
     }
 
-    /// What stands for 1 in colours of this kind.
+    /// The value that represents 1 in colours of this type.
     pub fn one(self) -> f64 {
         match self {
-            Kind::F32 | Kind::F64 => 1.0,
-            Kind::I16 | Kind::U16 => 65535.0,
+            ScalarType::F32 | ScalarType::F64 => 1.0,
+            ScalarType::I16 | ScalarType::U16 => 65535.0,
             _ => 255.0,
         }
     }
 }
 
-impl Property {
-    /// Passes over this property in a row.
-    pub fn skip(&self, source: &mut impl Source) -> Result<(), Stop> {
+impl PlyProperty {
+    /// Skips this property in a row.
+    pub fn skip(&self, source: &mut impl RowSource) -> Result<(), RowError> {
         match self.kind {
-            Type::Scalar(kind) => source.number(kind).map(|_| ()),
-            Type::List { count, item } => {
+            PropertyType::Scalar(kind) => source.number(kind).map(|_| ()),
+            PropertyType::List { count, item } => {
                 let count = source.count(count, item)?;
                 (0..count).try_for_each(|_| source.number(item).map(|_| ()))
             }
@@ -114,33 +114,33 @@ impl Property {
     }
 }
 
-impl Element {
-    /// Room for the rows, but never more than so many bytes can hold.
+impl PlyElement {
+    /// The capacity for the rows, limited to what this many bytes can hold.
     pub fn room(&self, bytes: usize) -> usize {
-        let size = |p: &Property| match p.kind {
-            Type::Scalar(kind) => kind.size(),
-            Type::List { count, .. } => count.size(),
+        let size = |p: &PlyProperty| match p.kind {
+            PropertyType::Scalar(kind) => kind.size(),
+            PropertyType::List { count, .. } => count.size(),
         };
-        // The shortest number as text takes two bytes with its blank.
+        // The shortest number in a text takes two bytes, with its blank.
         let row: usize = self.properties.iter().map(|p| size(p).min(2)).sum();
         self.count.min((bytes / row.max(1)) as u64) as usize
     }
 }
 
-impl Header {
+impl PlyHeader {
     /// Reads the header of a file.
     ///
     /// # Errors
-    /// A statement that is not as it should be, or no end.
-    pub fn read(bytes: &[u8], file: &str, warnings: &mut Warnings) -> Result<Header, ReadError> {
-        let mut parser = Parser {
+    /// A malformed statement, or a missing end.
+    pub fn read(bytes: &[u8], file: &str, warnings: &mut Warnings) -> Result<PlyHeader, ReadError> {
+        let mut parser = PlyHeaderParser {
             words: Words::new(bytes, file),
             file,
             warnings,
             line: 1,
             encoding: None,
-            header: Header {
-                encoding: Encoding::Text,
+            header: PlyHeader {
+                encoding: PlyEncoding::Text,
                 elements: Vec::new(),
                 textures: Vec::new(),
                 objects: Vec::new(),
@@ -158,17 +158,17 @@ impl Header {
     }
 }
 
-struct Parser<'a> {
+struct PlyHeaderParser<'a> {
     words: Words<'a>,
     file: &'a str,
     warnings: &'a mut Warnings,
     line: u32,
-    encoding: Option<Encoding>,
-    header: Header,
+    encoding: Option<PlyEncoding>,
+    header: PlyHeader,
 }
 
-impl Parser<'_> {
-    fn statements(mut self) -> Result<Header, ReadError> {
+impl PlyHeaderParser<'_> {
+    fn statements(mut self) -> Result<PlyHeader, ReadError> {
         loop {
             self.line += 1;
             self.words.skip_spaces();
@@ -190,16 +190,16 @@ impl Parser<'_> {
         }
     }
 
-    /// Comments without the word are not rare.
+    /// Comments without the keyword are not rare.
     fn unknown(&mut self) {
-        let message = "line of the header that is no statement of PLY: skipped";
+        let message = "header line that is not a PLY statement: skipped";
         let line = Position::Line(self.line, 1);
         self.warnings.add(self.file, message.into(), || line);
         self.words.rest_of_line();
     }
 
-    /// The rows begin behind exactly one line end: their first byte may look like another.
-    fn end(mut self, start: usize) -> Result<Header, ReadError> {
+    /// The rows begin after exactly one line end: their first byte may have the value of another.
+    fn end(mut self, start: usize) -> Result<PlyHeader, ReadError> {
         self.words.rest_of_line();
         self.header.end = self.words.offset();
         match self.encoding {
@@ -217,9 +217,9 @@ impl Parser<'_> {
         self.words.skip_spaces();
         let start = self.words.offset();
         self.encoding = Some(match self.words.word().unwrap_or_default() {
-            b"ascii" => Encoding::Text,
-            b"binary_little_endian" => Encoding::LittleEndian,
-            b"binary_big_endian" => Encoding::BigEndian,
+            b"ascii" => PlyEncoding::Text,
+            b"binary_little_endian" => PlyEncoding::LittleEndian,
+            b"binary_big_endian" => PlyEncoding::BigEndian,
             _ => {
                 let expected = "ascii, binary_little_endian or binary_big_endian";
                 return Err(self.words.error(start, expected));
@@ -236,7 +236,7 @@ impl Parser<'_> {
         }
     }
 
-    /// What azulejo writes beside the format: names of objects, and units.
+    /// azulejo's own extensions: names of objects, and units.
     fn info(&mut self) {
         let info = text(self.words.rest_of_line());
         let Some(info) = info.strip_prefix("azulejo ") else {
@@ -258,9 +258,10 @@ impl Parser<'_> {
     /// The next word of the line.
     fn word(&mut self) -> &[u8] {
         self.words.skip_spaces();
-        match self.words.at_line_end() {
-            true => &[],
-            false => self.words.word().unwrap_or_default(),
+        if self.words.at_line_end() {
+            &[]
+        } else {
+            self.words.word().unwrap_or_default()
         }
     }
 
@@ -272,7 +273,7 @@ impl Parser<'_> {
         let Some(count) = count.and_then(|c| c.parse().ok()) else {
             return Err(self.words.error(start, "a number of elements"));
         };
-        self.header.elements.push(Element {
+        self.header.elements.push(PlyElement {
             name,
             count,
             properties: Vec::new(),
@@ -286,28 +287,28 @@ impl Parser<'_> {
         self.words.skip_spaces();
         let start = self.words.offset();
         let kind = match self.word() {
-            b"list" => Type::List {
+            b"list" => PropertyType::List {
                 count: self.kind()?,
                 item: self.kind()?,
             },
-            word => match Kind::parse(word) {
-                Some(kind) => Type::Scalar(kind),
+            word => match ScalarType::parse(word) {
+                Some(kind) => PropertyType::Scalar(kind),
                 None => return Err(self.words.error(start, KINDS)),
             },
         };
         let name = text(self.words.rest_of_line()).into_owned();
         match self.header.elements.last_mut() {
-            Some(element) => element.properties.push(Property { name, kind }),
+            Some(element) => element.properties.push(PlyProperty { name, kind }),
             None => return Err(self.words.error(start, "an element before its properties")),
         }
         Ok(())
     }
 
-    fn kind(&mut self) -> Result<Kind, ReadError> {
+    fn kind(&mut self) -> Result<ScalarType, ReadError> {
         self.words.skip_spaces();
         let start = self.words.offset();
-        Kind::parse(self.word()).ok_or_else(|| self.words.error(start, KINDS))
+        ScalarType::parse(self.word()).ok_or_else(|| self.words.error(start, KINDS))
     }
 }
 
-const KINDS: &str = "a kind of number (char, uchar, short, ushort, int, uint, float, double)";
+const KINDS: &str = "a scalar type (char, uchar, short, ushort, int, uint, float, double)";

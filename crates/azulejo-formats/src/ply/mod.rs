@@ -1,13 +1,13 @@
-//! Stanford polygon files, `.ply`, as text or binary of either byte order; read and written.
+//! Stanford polygon files, `.ply`, as text or binary with either byte order; read and written.
 //!
-//! What is read: vertices with colours, normals, texture coordinates and azulejo's irradiance,
-//! polygons with colours and texture coordinates, triangle strips. `docs/formats/ply.md` says
-//! which properties.
+//! Supported are vertices with colours, normals, texture coordinates and azulejo's irradiance,
+//! polygons with colours and texture coordinates, and triangle strips. `docs/formats/ply.md` lists
+//! the properties.
 
 mod assemble;
 mod faces;
 mod header;
-mod source;
+mod rows;
 #[cfg(test)]
 mod tests;
 mod vertices;
@@ -19,21 +19,21 @@ use crate::reading::options::check_length;
 use crate::reading::text::decoded;
 use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, Position, ReadError, ReadOptions};
-use faces::FaceList;
-use header::{Element, Encoding, Header};
-use source::{Binary, Source, Stop, Text};
-use vertices::Vertices;
+use faces::PlyFaceList;
+use header::{PlyElement, PlyEncoding, PlyHeader};
+use rows::{AsciiRows, BinaryRows, RowError, RowSource};
+use vertices::PlyVertices;
 
-/// "No such vertex": a negative index, or one that is no integer. No real index reaches it,
-/// because [`check_length`] bounds the file.
+/// An invalid vertex index: negative or not an integer. No valid index reaches it, because
+/// [`check_length`] limits the file size.
 const NONE: u32 = u32::MAX;
 
-/// Reads a model. `name` stands in messages; `files` gives the pictures that it names, relative
-/// to its own folder.
+/// Reads a model. `name` is used in messages; `files` provides the textures that it refers to,
+/// relative to its own folder.
 ///
 /// # Errors
-/// A malformed header, and text with a word that is no number. A file that ends before what its
-/// header promises gives what is there, with warnings that count the rest.
+/// A malformed header, and text with a word that is not a number. A truncated file yields what it
+/// contains, with warnings that count the rest.
 pub fn read(
     bytes: &[u8],
     name: &str,
@@ -43,19 +43,21 @@ pub fn read(
     check_length(bytes, name)?;
     let bytes = &*decoded(bytes);
     let mut warnings = Warnings::default();
-    let header = Header::read(bytes, name, &mut warnings)?;
-    let mut reader = Reader {
+    let header = PlyHeader::read(bytes, name, &mut warnings)?;
+    let mut reader = PlyReader {
         file: name,
         vertices: None,
-        faces: FaceList::default(),
+        faces: PlyFaceList::default(),
         warnings,
     };
     match header.encoding {
-        Encoding::Text => reader.elements(&header, Text::new(bytes, header.end, name))?,
-        Encoding::LittleEndian => {
-            reader.elements(&header, Binary::<false>::new(bytes, header.end))?;
+        PlyEncoding::Text => reader.elements(&header, AsciiRows::new(bytes, header.end, name))?,
+        PlyEncoding::LittleEndian => {
+            reader.elements(&header, BinaryRows::<false>::new(bytes, header.end))?;
         }
-        Encoding::BigEndian => reader.elements(&header, Binary::<true>::new(bytes, header.end))?,
+        PlyEncoding::BigEndian => {
+            reader.elements(&header, BinaryRows::<true>::new(bytes, header.end))?
+        }
     }
     let (scene, warnings) = assemble::scene(reader, &header, files);
     Ok(Loaded {
@@ -65,15 +67,19 @@ pub fn read(
 }
 
 /// Reads the elements of a file, one after the other.
-struct Reader<'a> {
+struct PlyReader<'a> {
     file: &'a str,
-    vertices: Option<Vertices>,
-    faces: FaceList,
+    vertices: Option<PlyVertices>,
+    faces: PlyFaceList,
     warnings: Warnings,
 }
 
-impl Reader<'_> {
-    fn elements<S: Source>(&mut self, header: &Header, mut source: S) -> Result<(), ReadError> {
+impl PlyReader<'_> {
+    fn elements<S: RowSource>(
+        &mut self,
+        header: &PlyHeader,
+        mut source: S,
+    ) -> Result<(), ReadError> {
         for element in &header.elements {
             let missing = match element.name.as_str() {
                 "vertex" if self.vertices.is_none() => {
@@ -97,7 +103,11 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn skip<S: Source>(&mut self, element: &Element, source: &mut S) -> Result<u64, ReadError> {
+    fn skip<S: RowSource>(
+        &mut self,
+        element: &PlyElement,
+        source: &mut S,
+    ) -> Result<u64, ReadError> {
         let message = format!("elements \"{}\": skipped", element.name);
         let count = usize::try_from(element.count).unwrap_or(usize::MAX);
         let declared = Position::Line(element.line, 1);
@@ -108,8 +118,8 @@ impl Reader<'_> {
         })
     }
 
-    /// Says that a property is not used.
-    fn unused(&mut self, element: &Element, property: &str) {
+    /// Warns about a property that is not used.
+    fn unused(&mut self, element: &PlyElement, property: &str) {
         let message = format!("property \"{property}\" of \"{}\": skipped", element.name);
         self.warnings
             .add(self.file, message, || Position::Line(element.line, 1));
@@ -119,24 +129,24 @@ impl Reader<'_> {
 /// Reads the rows of an element and returns how many are missing from the file.
 ///
 /// # Errors
-/// A word that is no number.
-fn rows<S: Source>(
-    element: &Element,
+/// A word that is not a number.
+fn rows<S: RowSource>(
+    element: &PlyElement,
     source: &mut S,
-    mut row: impl FnMut(&mut S) -> Result<(), Stop>,
+    mut row: impl FnMut(&mut S) -> Result<(), RowError>,
 ) -> Result<u64, ReadError> {
     if element.properties.is_empty() {
-        // Rows of nothing take no bytes, however many there are.
+        // Empty rows take no bytes, however many there are.
         return Ok(0);
     }
     for done in 0..element.count {
         match source.begin_row().and_then(|()| row(source)) {
             Ok(()) => source.end_row(),
-            Err(Stop::End) => {
+            Err(RowError::End) => {
                 source.give_up();
                 return Ok(element.count - done);
             }
-            Err(Stop::Error(error)) => return Err(*error),
+            Err(RowError::Error(error)) => return Err(*error),
         }
     }
     Ok(0)

@@ -77,7 +77,7 @@ fn text() {
     assert_eq!(load(alike.as_bytes()).scene, loaded.scene);
 }
 
-/// The square in binary, with other kinds of number, in the byte order that `big` says.
+/// The square in binary, with other scalar types, big-endian if `big` holds.
 fn binary_square(big: bool) -> Vec<u8> {
     let order = if big { "big" } else { "little" };
     let header = SQUARE.split_inclusive("end_header\n").next().unwrap();
@@ -90,9 +90,12 @@ fn binary_square(big: bool) -> Vec<u8> {
         .replace("property float z", "property char z")
         .replace("uchar int", "ushort uint");
     let mut bytes = header.into_bytes();
-    let mut put = |number: &[u8]| match big {
-        true => bytes.extend(number.iter().rev()),
-        false => bytes.extend(number),
+    let mut put = |number: &[u8]| {
+        if big {
+            bytes.extend(number.iter().rev())
+        } else {
+            bytes.extend(number)
+        }
     };
     for [x, y] in [[0, 0], [1, 0], [1, 1], [0, 1u8]] {
         put(&f32::from(x).to_le_bytes());
@@ -162,11 +165,11 @@ fn headers_that_cannot_be() {
     );
     check_error(
         "ply\nelement vertex 1\nproperty list uchar long x\n",
-        "a.ply:3:21: found \"long\", expected a kind of number (char, uchar, short, ushort, int, uint, float, double)",
+        "a.ply:3:21: found \"long\", expected a scalar type (char, uchar, short, ushort, int, uint, float, double)",
     );
     check_error(
         &SQUARE.replace("property float z\n", ""),
-        "a.ply:3:1: found vertices that lack x, y or z, expected these three properties",
+        "a.ply:3:1: found vertices without x, y or z, expected these three properties",
     );
 }
 
@@ -177,7 +180,7 @@ fn strange_lines_of_headers_are_passed() {
     assert_eq!(loaded.scene, load(SQUARE.as_bytes()).scene);
     check_warnings(
         &loaded,
-        &["a.ply:7:1: line of the header that is no statement of PLY: skipped"],
+        &["a.ply:7:1: header line that is not a PLY statement: skipped"],
     );
 }
 
@@ -189,11 +192,11 @@ fn rows_that_cannot_be() {
     );
     check_error(
         &SQUARE.replace("1 1 0", "1 1"),
-        "a.ply:12:4: found the end of the line, expected as many numbers as the header promises",
+        "a.ply:12:4: found the end of the line, expected as many numbers as the header declares",
     );
     check_error(
         &SQUARE.replace("4 0 1 2 3", "4 0 1 2\n"),
-        "a.ply:14:8: found the end of the line, expected as many numbers as the header promises",
+        "a.ply:14:8: found the end of the line, expected as many numbers as the header declares",
     );
 }
 
@@ -211,9 +214,9 @@ fn rows_that_are_odd() {
     check_warnings(
         &loaded,
         &[
-            "a.ply: face of fewer than three corners: skipped",
-            "a.ply:12:7: numbers behind the last property of a line: skipped",
-            "a.ply:19:1: text behind the last element: skipped",
+            "a.ply: face with fewer than three corners: skipped",
+            "a.ply:12:7: numbers after the last property of a line: skipped",
+            "a.ply:19:1: text after the last element: skipped",
             "a.ply: face with a vertex that does not exist or is not finite: skipped (2 times)",
         ],
     );
@@ -227,7 +230,7 @@ fn rows_that_are_odd() {
         &load(listless.as_bytes()),
         &[
             "a.ply:3:1: property \"extra\" of \"vertex\": skipped",
-            "a.ply:11:6: line that ends before a list: taken as empty (4 times)",
+            "a.ply:11:6: line that ends before a list: the list is taken as empty (4 times)",
         ],
     );
 }
@@ -248,7 +251,7 @@ fn files_that_end_too_soon_keep_what_is_there() {
             "a.ply:3:1: property \"flags\" of \"vertex\": skipped",
             "a.ply: byte 230 (0xe6): elements \"vertex\" missing from the end of the file (2 times)",
             "a.ply: byte 230 (0xe6): elements \"face\" missing from the end of the file",
-            "a.ply: no faces: 2 points have no surface, the scene is empty",
+            "a.ply: no faces: 2 points without a surface, the scene is empty",
         ],
     );
     let start = binary.len() - 70;
@@ -267,7 +270,7 @@ fn a_cloud_of_points_has_no_surface() {
         &load(cloud.as_bytes()),
         &[
             "a.ply:9:1: elements \"nothing\": skipped (9999999999 times)",
-            "a.ply: no faces: 4 points have no surface, the scene is empty",
+            "a.ply: no faces: 4 points without a surface, the scene is empty",
         ],
     );
 }
@@ -335,7 +338,7 @@ fn colors() {
         "float red, float green, float blue",
         "255 51 0",
         color,
-        &["a.ply: vertex colours as fractions above 1: taken as 0..255 (4 times)"],
+        &["a.ply: floating-point vertex colours above 1: scaled from 0..255 (4 times)"],
     );
     check(
         "float red, float green, float blue",
@@ -385,7 +388,7 @@ fn corners_with_texture_coordinates() {
     check_warnings(
         &loaded,
         &[
-            "a.ply: face without a texture coordinate for each corner: (0, 0)",
+            "a.ply: face without a texture coordinate for each corner: (0, 0) is used",
             "a.ply: picture \"a.png\" is not shown: there is no such file",
         ],
     );
@@ -435,7 +438,7 @@ fn read_back(scene: &Scene) -> Scene {
     loaded.scene
 }
 
-/// Two solved objects of one material each.
+/// Two solved objects with one material each.
 fn solved() -> Scene {
     let mut scene = load(SQUARE.as_bytes()).scene;
     scene.units = Units {
@@ -532,7 +535,7 @@ fn corners_divide_vertices() {
     });
     assert_eq!(
         losses(&scene),
-        ["1 meshes whose vertices are divided where normals or texture coordinates differ"]
+        ["1 meshes whose vertices are split where normals or texture coordinates differ"]
     );
     let again = read_back(&scene);
     let (before, after) = (mesh(&scene, 0), mesh(&again, 0));
@@ -600,7 +603,7 @@ fn exact_primitives_bring_their_light() {
     );
 }
 
-/// Numbers that single precision holds, and others.
+/// Numbers that are exact in single precision, and others.
 fn coordinate() -> impl Strategy<Value = f64> {
     prop_oneof![-1e3..1e3, (-100i16..100).prop_map(f64::from), Just(-0.0)]
 }
@@ -617,7 +620,7 @@ fn light() -> impl Strategy<Value = Rgb> {
     [0.0f32..1e6, 0.0f32..1.0, 0.0f32..1.0].prop_map(|e| Rgb::from(e.map(f64::from)))
 }
 
-/// A mesh whose values all belong to vertices.
+/// A mesh with per-vertex attributes only.
 fn any_mesh() -> impl Strategy<Value = Mesh> {
     (3usize..9, any::<[bool; 4]>()).prop_flat_map(|(n, [colors, uvs, lit, errors])| {
         let count = move |wanted: bool| if wanted { n } else { 0 };

@@ -1,29 +1,29 @@
 //! The element `vertex`.
 
-use super::header::{Element, Kind, Type};
-use super::source::{Source, Stop};
-use super::{Reader, rows};
+use super::header::{PlyElement, PropertyType, ScalarType};
+use super::rows::{RowError, RowSource};
+use super::{PlyReader, rows};
 use crate::{Position, ReadError};
 use azulejo_scene::Rgb;
 use glam::{DVec2, DVec3};
 
-/// What is known of each vertex; lists of what the file does not give are empty.
+/// The attributes of the vertices; lists of absent ones are empty.
 #[derive(Debug, Default)]
-pub(super) struct Vertices {
-    /// May hold what is not finite.
+pub(super) struct PlyVertices {
+    /// May contain non-finite values.
     pub positions: Vec<DVec3>,
-    /// As they stand in the file.
+    /// As in the file.
     pub normals: Vec<DVec3>,
     pub uvs: Vec<DVec2>,
-    /// As numbers of their kind over what stands for 1.
+    /// Divided by the value that represents 1 in their type.
     pub colors: Vec<Rgb>,
     pub irradiance: Vec<Rgb>,
     pub irradiance_error: Vec<Rgb>,
-    /// Which of azulejo's objects a vertex is of.
+    /// The index of azulejo's object for each vertex.
     pub objects: Vec<u32>,
 }
 
-/// Properties by what they mean. The place of a name is the place of its value.
+/// Property names by meaning. The index of a name is the index of its value.
 const MEANINGS: [&[&str]; 18] = [
     &["x"],
     &["y"],
@@ -52,15 +52,15 @@ const IRRADIANCE: usize = 11;
 const ERROR: usize = 14;
 const OBJECT: usize = 17;
 
-/// Where values go that nobody wants.
+/// The index for values that are not used.
 const UNUSED: usize = MEANINGS.len();
 
-/// What to do with each property of a row, and what comes of it.
+/// The use of each property of a row, and the resulting values.
 #[derive(Default)]
-struct Plan {
-    steps: Vec<Step>,
+struct VertexPlan {
+    steps: Vec<PropertyTarget>,
     has: [bool; UNUSED],
-    /// What stands for 1 in colours.
+    /// The values that represent 1 in colours.
     one: [f64; 3],
     normals: bool,
     uvs: bool,
@@ -69,19 +69,23 @@ struct Plan {
     errors: bool,
 }
 
-enum Step {
-    Value(Kind, usize),
+enum PropertyTarget {
+    Value(ScalarType, usize),
     List(usize),
 }
 
-type Values = [f64; UNUSED + 1];
+type RowValues = [f64; UNUSED + 1];
 
-impl Plan {
-    fn new(reader: &mut Reader<'_>, element: &Element, objects_are_named: bool) -> Plan {
-        let mut plan = Plan::default();
+impl VertexPlan {
+    fn new(
+        reader: &mut PlyReader<'_>,
+        element: &PlyElement,
+        objects_are_named: bool,
+    ) -> VertexPlan {
+        let mut plan = VertexPlan::default();
         for (number, property) in element.properties.iter().enumerate() {
-            let Type::Scalar(kind) = property.kind else {
-                plan.steps.push(Step::List(number));
+            let PropertyType::Scalar(kind) = property.kind else {
+                plan.steps.push(PropertyTarget::List(number));
                 reader.unused(element, &property.name);
                 continue;
             };
@@ -93,7 +97,7 @@ impl Plan {
                 None => reader.unused(element, &property.name),
             }
             let slot = wanted.unwrap_or(UNUSED);
-            plan.steps.push(Step::Value(kind, slot));
+            plan.steps.push(PropertyTarget::Value(kind, slot));
             if (COLOR..IRRADIANCE).contains(&slot) {
                 plan.one[slot - COLOR] = kind.one();
             }
@@ -106,41 +110,41 @@ impl Plan {
         plan
     }
 
-    /// Whether all of a group of properties are there.
+    /// Whether all properties of a group are present.
     fn all(&self, first: usize, count: usize) -> bool {
         self.has[first..first + count].iter().all(|h| *h)
     }
 
-    /// Puts the numbers of a row at the places of their meanings.
+    /// Stores the numbers of a row by their meanings.
     #[inline]
-    fn row<S: Source>(
+    fn row<S: RowSource>(
         &self,
         source: &mut S,
-        element: &Element,
-        values: &mut Values,
-    ) -> Result<(), Stop> {
+        element: &PlyElement,
+        values: &mut RowValues,
+    ) -> Result<(), RowError> {
         for step in &self.steps {
             match *step {
-                Step::Value(kind, slot) => values[slot] = source.number(kind)?,
-                Step::List(number) => element.properties[number].skip(source)?,
+                PropertyTarget::Value(kind, slot) => values[slot] = source.number(kind)?,
+                PropertyTarget::List(number) => element.properties[number].skip(source)?,
             }
         }
         Ok(())
     }
 }
 
-impl Reader<'_> {
-    /// Reads the vertices and says how many are missing.
-    pub fn read_vertices<S: Source>(
+impl PlyReader<'_> {
+    /// Reads the vertices and returns how many are missing.
+    pub fn read_vertices<S: RowSource>(
         &mut self,
-        element: &Element,
+        element: &PlyElement,
         objects_are_named: bool,
         source: &mut S,
-    ) -> Result<(Vertices, u64), ReadError> {
-        let plan = Plan::new(self, element, objects_are_named);
-        let mut vertices = Vertices::default();
+    ) -> Result<(PlyVertices, u64), ReadError> {
+        let plan = VertexPlan::new(self, element, objects_are_named);
+        let mut vertices = PlyVertices::default();
         if !plan.all(0, 3) {
-            let found = "vertices that lack x, y or z";
+            let found = "vertices without x, y or z";
             return Err(ReadError {
                 position: Position::Line(element.line, 1),
                 ..ReadError::whole(self.file, found, "these three properties")
@@ -158,9 +162,9 @@ impl Reader<'_> {
     }
 }
 
-impl Vertices {
+impl PlyVertices {
     #[inline]
-    fn push(&mut self, plan: &Plan, values: &Values) {
+    fn push(&mut self, plan: &VertexPlan, values: &RowValues) {
         let vector = |first: usize| DVec3::new(values[first], values[first + 1], values[first + 2]);
         let color = |first: usize| Rgb::from(vector(first).to_array());
         self.positions.push(vector(0));

@@ -1,4 +1,4 @@
-//! Scenes to PLY, binary little-endian.
+//! Writes scenes as PLY, binary little-endian.
 
 use super::assemble::DEFAULT_REFLECTANCE;
 use crate::surface::tessellate::{self, lit_mesh_of};
@@ -8,28 +8,28 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::io::{self, BufWriter, Write};
 
-/// Writes a scene: all objects in one list of vertices and one of faces, with the irradiance if
-/// any object is solved.
+/// Writes a scene: all objects in one list of vertices and one of faces, with the irradiance if any
+/// object is solved.
 ///
-/// Positions, texture coordinates and colours are written so that they read back to the same
-/// value, normals and irradiance in single precision. Exact primitives become polygons. Vertices
-/// whose corners have several normals or texture coordinates are written once for each.
-/// [`losses`] says what else does not fit into the format.
+/// Positions, texture coordinates and colours read back to the same values, normals and irradiance
+/// are in single precision. Exact primitives become polygons. Vertices whose corners have several
+/// normals or texture coordinates are written once for each. [`losses`] describes what else the
+/// format cannot represent.
 ///
 /// # Errors
-/// What `out` says, and more than 2³² vertices.
+/// Those of `out`, and more than 2³² vertices.
 pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
-    let parts: Vec<Part<'_>> = scene
+    let parts: Vec<PlyPart<'_>> = scene
         .objects
         .iter()
-        .map(|o| Part::new(lit_mesh_of(o)))
+        .map(|o| PlyPart::new(lit_mesh_of(o)))
         .collect();
     let count: usize = parts.iter().map(|p| p.vertices.len()).sum();
     if u32::try_from(count).is_err() {
-        let message = "PLY counts at most 2^32 vertices";
+        let message = "PLY supports at most 2^32 vertices";
         return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
     }
-    let layout = Layout::new(scene, &parts);
+    let layout = PlyLayout::new(scene, &parts);
     let mut out = BufWriter::new(out);
     layout.header(scene, &parts, &mut out)?;
     for (object, part) in parts.iter().enumerate() {
@@ -43,7 +43,7 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
     out.flush()
 }
 
-/// What [`write()`] would leave out of a scene, or change, in words: "2 cameras".
+/// Descriptions of what [`write()`] would omit from a scene, or change: "2 cameras".
 pub fn losses(scene: &Scene) -> Vec<String> {
     let meshes = || {
         scene.objects.iter().filter_map(|o| match &o.shape {
@@ -68,15 +68,15 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         ),
         (
             materials(|m| m.textures.len() > 1),
-            "materials of which only the first picture is kept",
+            "materials of which only the first texture is kept",
         ),
         (
             meshes_with(|m| m.smoothing.iter().any(|s| *s != 0)),
-            "meshes whose smoothing groups are left out",
+            "meshes whose smoothing groups are omitted",
         ),
         (
             meshes_with(|m| is_by_corner(&m.normals) || is_by_corner(&m.uvs)),
-            "meshes whose vertices are divided where normals or texture coordinates differ",
+            "meshes whose vertices are split where normals or texture coordinates differ",
         ),
     ];
     let said = |&(count, what): &(usize, &str)| (count > 0).then(|| format!("{count} {what}"));
@@ -87,34 +87,34 @@ fn is_by_corner<T>(attribute: &Option<Attribute<T>>) -> bool {
     attribute.as_ref().is_some_and(|a| a.corners.is_some())
 }
 
-/// An object, its vertices divided so that each has one normal and one texture coordinate.
-struct Part<'a> {
+/// An object whose vertices are split so that each has one normal and one texture coordinate.
+struct PlyPart<'a> {
     mesh: Cow<'a, Mesh>,
-    vertices: Vec<Vertex>,
+    vertices: Vec<PlyVertex>,
     /// Index into `vertices` of each corner.
     corners: Vec<u32>,
 }
 
-/// A vertex and which of the values for corners it has.
+/// A vertex and the indices of its corner attributes.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
-struct Vertex {
+struct PlyVertex {
     vertex: u32,
     normal: u32,
     uv: u32,
 }
 
-impl<'a> Part<'a> {
-    /// Vertices stay in their order; those that only others have at their corners follow.
-    fn new(mesh: Cow<'a, Mesh>) -> Part<'a> {
-        let plain = |vertex| Vertex {
+impl<'a> PlyPart<'a> {
+    /// Vertices keep their order; copies for further corner values follow.
+    fn new(mesh: Cow<'a, Mesh>) -> PlyPart<'a> {
+        let plain = |vertex| PlyVertex {
             vertex,
             normal: vertex,
             uv: vertex,
         };
-        let mut vertices: Vec<Vertex> = (0..mesh.positions.len() as u32).map(plain).collect();
+        let mut vertices: Vec<PlyVertex> = (0..mesh.positions.len() as u32).map(plain).collect();
         if !is_by_corner(&mesh.normals) && !is_by_corner(&mesh.uvs) {
             let corners = mesh.faces.corners.clone();
-            return Part {
+            return PlyPart {
                 mesh,
                 vertices,
                 corners,
@@ -123,7 +123,7 @@ impl<'a> Part<'a> {
         let mut is_taken = vec![false; vertices.len()];
         let mut others = HashMap::new();
         let own = std::iter::zip(0.., &mesh.faces.corners).map(|(corner, &vertex)| {
-            let wanted = Vertex {
+            let wanted = PlyVertex {
                 vertex,
                 normal: index(mesh.normals.as_ref(), corner, vertex),
                 uv: index(mesh.uvs.as_ref(), corner, vertex),
@@ -142,102 +142,104 @@ impl<'a> Part<'a> {
             })
         });
         let corners = own.collect();
-        // Vertices without faces have no corner to say which value is theirs.
+        // Vertices without faces have no corner that selects a value.
         for (vertex, taken) in std::iter::zip(&mut vertices, is_taken) {
             if !taken {
                 (vertex.normal, vertex.uv) = (0, 0);
             }
         }
-        Part {
+        PlyPart {
             mesh,
             vertices,
             corners,
         }
     }
 
-    fn normal(&self, vertex: Vertex) -> DVec3 {
+    fn normal(&self, vertex: PlyVertex) -> DVec3 {
         let normals = self.mesh.normals.as_ref();
         normals.map_or(DVec3::ZERO, |n| n.values[vertex.normal as usize])
     }
 
-    fn uv(&self, vertex: Vertex) -> DVec2 {
+    fn uv(&self, vertex: PlyVertex) -> DVec2 {
         let uvs = self.mesh.uvs.as_ref();
         uvs.map_or(DVec2::ZERO, |uv| uv.values[vertex.uv as usize])
     }
 }
 
-/// Which of an attribute's values a corner has.
+/// The index of a corner's value in an attribute.
 fn index<T>(attribute: Option<&Attribute<T>>, corner: usize, vertex: u32) -> u32 {
     let corners = attribute.and_then(|a| a.corners.as_ref());
     corners.map_or(vertex, |index| index[corner])
 }
 
-/// How numbers of a kind are written.
+/// The scalar types that are written.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum ScalarFormat {
     Byte,
     Float,
     Double,
 }
 
-impl Kind {
+impl ScalarFormat {
     fn name(self) -> &'static str {
         match self {
-            Kind::Byte => "uchar",
-            Kind::Float => "float",
-            Kind::Double => "double",
+            ScalarFormat::Byte => "uchar",
+            ScalarFormat::Float => "float",
+            ScalarFormat::Double => "double",
         }
     }
 
     /// Single precision if that is exact for all.
-    fn of_coordinates(mut values: impl Iterator<Item = f64>) -> Kind {
-        match values.all(|x| f64::from(x as f32) == x) {
-            true => Kind::Float,
-            false => Kind::Double,
+    fn of_coordinates(mut values: impl Iterator<Item = f64>) -> ScalarFormat {
+        if values.all(|x| f64::from(x as f32) == x) {
+            ScalarFormat::Float
+        } else {
+            ScalarFormat::Double
         }
     }
 
-    /// Bytes if they are exact for all, since that is what other programs expect.
-    fn of_shares(values: impl Iterator<Item = f64> + Clone) -> Kind {
+    /// Bytes if they are exact for all, as other programs expect.
+    fn of_shares(values: impl Iterator<Item = f64> + Clone) -> ScalarFormat {
         let is_byte = |x: f64| (255.0 * x).round() / 255.0 == x && (0.0..=1.0).contains(&x);
-        match values.clone().all(is_byte) {
-            true => Kind::Byte,
-            false => Kind::of_coordinates(values),
+        if values.clone().all(is_byte) {
+            ScalarFormat::Byte
+        } else {
+            ScalarFormat::of_coordinates(values)
         }
     }
 
     fn write(self, values: &[f64], out: &mut dyn Write) -> io::Result<()> {
         for &value in values {
             match self {
-                Kind::Byte => out.write_all(&[(255.0 * value).round() as u8]),
-                // Irradiance beyond single precision is as bright as that can say.
-                Kind::Float => {
+                ScalarFormat::Byte => out.write_all(&[(255.0 * value).round() as u8]),
+                // Irradiance beyond the range of single precision is clamped to it.
+                ScalarFormat::Float => {
                     out.write_all(&(value.min(f64::from(f32::MAX)) as f32).to_le_bytes())
                 }
-                Kind::Double => out.write_all(&value.to_le_bytes()),
+                ScalarFormat::Double => out.write_all(&value.to_le_bytes()),
             }?;
         }
         Ok(())
     }
 }
 
-/// Which properties are written, and how.
-struct Layout {
-    positions: Kind,
-    normals: Option<Kind>,
-    uvs: Option<Kind>,
-    colors: Option<Kind>,
-    irradiance: Option<Kind>,
-    errors: Option<Kind>,
+/// The properties that are written, and their types.
+struct PlyLayout {
+    positions: ScalarFormat,
+    normals: Option<ScalarFormat>,
+    uvs: Option<ScalarFormat>,
+    colors: Option<ScalarFormat>,
+    irradiance: Option<ScalarFormat>,
+    errors: Option<ScalarFormat>,
     has_objects: bool,
-    /// Bytes of the number of corners.
+    /// Whether the number of corners takes four bytes.
     wide_counts: bool,
-    face_colors: Option<Kind>,
+    face_colors: Option<ScalarFormat>,
     has_textures: bool,
 }
 
-impl Layout {
-    fn new(scene: &Scene, parts: &[Part<'_>]) -> Layout {
+impl PlyLayout {
+    fn new(scene: &Scene, parts: &[PlyPart<'_>]) -> PlyLayout {
         let meshes = || parts.iter().map(|p| &*p.mesh);
         let positions = meshes().flat_map(|m| &m.positions);
         let uvs = meshes()
@@ -250,29 +252,29 @@ impl Layout {
         let used = || used().map(|&m| &scene.materials[m as usize]);
         let has_uvs = has(|m| m.uvs.is_some());
         let has_textures = has_uvs && used().any(|m| !m.textures.is_empty());
-        // What a reader takes for granted needs not be written.
+        // Reader's defaults need not be written.
         let granted = if has_colors {
             Rgb::WHITE
         } else {
             DEFAULT_REFLECTANCE
         };
-        let has_looks = has_textures || used().any(|m| m.diffuse != granted);
-        Layout {
-            positions: Kind::of_coordinates(positions.flat_map(|p| p.to_array())),
-            normals: has(|m| m.normals.is_some()).then_some(Kind::Float),
-            uvs: has_uvs.then(|| Kind::of_coordinates(uvs.flat_map(|uv| uv.to_array()))),
-            colors: has_colors.then(|| Kind::of_shares(colors.flat_map(|c| c.to_array()))),
-            irradiance: has(|m| !m.irradiance.is_empty()).then_some(Kind::Float),
-            errors: has(|m| !m.irradiance_error.is_empty()).then_some(Kind::Float),
+        let has_face_materials = has_textures || used().any(|m| m.diffuse != granted);
+        PlyLayout {
+            positions: ScalarFormat::of_coordinates(positions.flat_map(|p| p.to_array())),
+            normals: has(|m| m.normals.is_some()).then_some(ScalarFormat::Float),
+            uvs: has_uvs.then(|| ScalarFormat::of_coordinates(uvs.flat_map(|uv| uv.to_array()))),
+            colors: has_colors.then(|| ScalarFormat::of_shares(colors.flat_map(|c| c.to_array()))),
+            irradiance: has(|m| !m.irradiance.is_empty()).then_some(ScalarFormat::Float),
+            errors: has(|m| !m.irradiance_error.is_empty()).then_some(ScalarFormat::Float),
             has_objects: parts.len() > 1,
             wide_counts: meshes().any(|m| m.faces.iter().any(|f| f.len() > 255)),
-            face_colors: has_looks
-                .then(|| Kind::of_shares(used().flat_map(|m| m.diffuse.to_array()))),
+            face_colors: has_face_materials
+                .then(|| ScalarFormat::of_shares(used().flat_map(|m| m.diffuse.to_array()))),
             has_textures,
         }
     }
 
-    fn header(&self, scene: &Scene, parts: &[Part<'_>], out: &mut dyn Write) -> io::Result<()> {
+    fn header(&self, scene: &Scene, parts: &[PlyPart<'_>], out: &mut dyn Write) -> io::Result<()> {
         writeln!(
             out,
             "ply\nformat binary_little_endian 1.0\ncomment written by azulejo"
@@ -287,7 +289,7 @@ impl Layout {
             out,
             "element face {faces}\nproperty list {count} uint vertex_indices"
         )?;
-        // Where vertices have colours, other programs would take these instead of them.
+        // If vertices have colours, other programs would use these properties instead.
         let prefix = if self.colors.is_some() {
             "diffuse_"
         } else {
@@ -301,7 +303,7 @@ impl Layout {
         writeln!(out, "end_header")
     }
 
-    /// Units, names of objects and pictures.
+    /// Units, names of objects and textures.
     fn information(&self, scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
         let units = scene.units;
         if units.up == Up::Z {
@@ -340,11 +342,12 @@ impl Layout {
         Ok(())
     }
 
-    fn vertices(&self, object: u32, part: &Part<'_>, out: &mut dyn Write) -> io::Result<()> {
+    fn vertices(&self, object: u32, part: &PlyPart<'_>, out: &mut dyn Write) -> io::Result<()> {
         let mesh = &*part.mesh;
-        // Objects that lack what others have get what means nothing.
-        let color = |list: &[Rgb], v: Vertex, none| *list.get(v.vertex as usize).unwrap_or(&none);
-        let colored = |kind: Option<Kind>, color: Rgb, out: &mut dyn Write| match kind {
+        // Objects without an attribute that others have get a neutral value.
+        let color =
+            |list: &[Rgb], v: PlyVertex, none| *list.get(v.vertex as usize).unwrap_or(&none);
+        let colored = |kind: Option<ScalarFormat>, color: Rgb, out: &mut dyn Write| match kind {
             Some(kind) => kind.write(&color.to_array(), out),
             None => Ok(()),
         };
@@ -372,15 +375,16 @@ impl Layout {
     fn faces(
         &self,
         scene: &Scene,
-        part: &Part<'_>,
+        part: &PlyPart<'_>,
         first: u32,
         out: &mut dyn Write,
     ) -> io::Result<()> {
         for face in 0..part.mesh.faces.len() {
             let corners = &part.corners[part.mesh.faces.corner_range(face)];
-            match self.wide_counts {
-                true => out.write_all(&(corners.len() as u32).to_le_bytes())?,
-                false => out.write_all(&[corners.len() as u8])?,
+            if self.wide_counts {
+                out.write_all(&(corners.len() as u32).to_le_bytes())?
+            } else {
+                out.write_all(&[corners.len() as u8])?
             }
             for corner in corners {
                 out.write_all(&(first + corner).to_le_bytes())?;
@@ -402,7 +406,7 @@ impl Layout {
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 fn properties(
-    kind: Option<Kind>,
+    kind: Option<ScalarFormat>,
     names: &[impl AsRef<str>],
     out: &mut dyn Write,
 ) -> io::Result<()> {
@@ -412,7 +416,7 @@ fn properties(
         .try_for_each(|name| writeln!(out, "property {} {}", kind.name(), name.as_ref()))
 }
 
-/// A name as one line can hold it.
+/// A name without line breaks.
 fn one_line(name: &str) -> String {
     let printable = |c: char| if c.is_control() { ' ' } else { c };
     name.chars().map(printable).collect()

@@ -1,31 +1,31 @@
-//! Words, numbers and names of azulejo's own languages, GRF and reflection models, without a
-//! token list in between.
+//! Tokens of azulejo's own languages, GRF and reflection models: words, numbers and names,
+//! without an intermediate token list.
 //!
-//! The parser asks for what it wants next; blanks and comments before it are skipped. Nothing
+//! The parser requests the token it needs next; blanks and comments before it are skipped. Nothing
 //! here allocates, so that a vertex costs little more than its numbers.
 
 use super::cursor::TextCursor;
 use super::text::shortened;
 
-/// A cursor over the tokens of a text. Copying it is how a parser looks ahead.
+/// A cursor over the tokens of a text. Copies serve for lookahead.
 #[derive(Clone, Copy)]
 pub(crate) struct Lexer<'a> {
     cursor: TextCursor<'a, str>,
 }
 
-/// Why there is no number.
+/// Why a number could not be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum BadNumber {
-    /// Something else stands there.
+    /// The next token is something else.
     Missing,
-    /// It begins like a number.
+    /// It begins like a number, but is malformed.
     Malformed,
-    /// It has no finite value, or an index has more digits than any mesh could have.
+    /// It has no finite value, or an index has more digits than any mesh could need.
     TooLarge,
 }
 
-/// Whether a byte may stand in a keyword or identifier. The grammar has ASCII only; the letters
-/// of other alphabets are let through because people use them.
+/// Whether a byte may occur in a keyword or identifier. The grammar allows ASCII only; letters of
+/// other alphabets are accepted because they occur in practice.
 fn is_word_byte(b: u8) -> bool {
     b.is_ascii_alphanumeric() || matches!(b, b'_' | b'$') || b >= 0x80
 }
@@ -41,12 +41,12 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// The whole text, wherever this lexer stands.
+    /// The whole text, whatever the position.
     pub fn text(&self) -> &'a str {
         self.cursor.text()
     }
 
-    /// Byte offset of what was not read yet, blanks included.
+    /// Byte offset of the unread text, including blanks.
     pub fn pos(&self) -> usize {
         self.cursor.offset()
     }
@@ -60,13 +60,13 @@ impl<'a> Lexer<'a> {
         self.cursor.bytes().get(pos).copied()
     }
 
-    /// The text from here to the first byte that does not match.
+    /// The end of the longest run of matching bytes from here.
     fn run(&self, matches: impl Fn(u8) -> bool) -> usize {
         let rest = self.cursor.rest();
         self.pos() + rest.iter().position(|&b| !matches(b)).unwrap_or(rest.len())
     }
 
-    /// Skips blanks and comments; returns where the next thing begins.
+    /// Skips blanks and comments; returns the offset of the next token.
     pub fn skip_blank(&mut self) -> usize {
         loop {
             self.cursor.move_to(self.run(is_blank));
@@ -77,7 +77,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// The comments that stand before anything else, without their `//`.
+    /// The comments before anything else, without their `//`.
     pub fn leading_comments(&self) -> Vec<String> {
         let mut comments = Vec::new();
         let mut lexer = *self;
@@ -105,12 +105,12 @@ impl<'a> Lexer<'a> {
         found
     }
 
-    /// The next word, which stays unread.
+    /// The next word, which is not consumed.
     pub fn peek_word(mut self) -> Option<&'a str> {
         self.word()
     }
 
-    /// Takes a keyword or identifier: letters, digits, `$`, `_`; a hyphen inside, as in
+    /// Reads a keyword or identifier: letters, digits, `$`, `_`; hyphens inside, as in
     /// `oren-nayar`.
     pub fn word(&mut self) -> Option<&'a str> {
         let start = self.skip_blank();
@@ -126,7 +126,7 @@ impl<'a> Lexer<'a> {
         (end > start).then(|| &self.text()[start..end])
     }
 
-    /// Takes a keyword, in any case, if it comes next.
+    /// Consumes a keyword, case-insensitively, if it comes next.
     pub fn eat_word(&mut self, keyword: &str) -> bool {
         let mut ahead = *self;
         let found = ahead
@@ -150,7 +150,7 @@ impl<'a> Lexer<'a> {
         self.pos() - start
     }
 
-    /// Takes a number: sign, digits, fraction, exponent, and a suffix `f` or `d`.
+    /// Reads a number: sign, digits, fraction, exponent, and a suffix `f` or `d`.
     pub fn number(&mut self) -> Result<f64, BadNumber> {
         let start = self.skip_blank();
         let scanned = self.scan_number();
@@ -170,7 +170,7 @@ impl<'a> Lexer<'a> {
         Ok(value)
     }
 
-    /// Moves over a number; returns where it ends without its suffix.
+    /// Skips a number; returns its end without the suffix.
     fn scan_number(&mut self) -> Result<usize, BadNumber> {
         let start = self.pos();
         if matches!(self.byte(self.pos()), Some(b'+' | b'-')) {
@@ -211,7 +211,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// What went wrong with something that begins like a number: `3rd` is an identifier.
+    /// The error for a token that begins like a number: `3rd` is an identifier.
     fn word_or_malformed(&self, start: usize) -> BadNumber {
         let mut word = Lexer {
             cursor: self.cursor.moved_to(start),
@@ -226,7 +226,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Takes an index: digits only, below 2^32.
+    /// Reads an index: digits only, below 2^32.
     pub fn index(&mut self) -> Result<u32, BadNumber> {
         let start = self.skip_blank();
         let count = self.skip_digits();
@@ -249,8 +249,8 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Takes a file name: in double quotes, or a run without blanks. `None` when the quotes are
-    /// not closed on the line, or nothing is there.
+    /// Reads a file name: in double quotes, or without blanks. `None` if the quotes are not closed
+    /// on the line, or nothing follows.
     pub fn file_name(&mut self) -> Option<&'a str> {
         let start = self.skip_blank();
         if self.byte(start) != Some(b'"') {
@@ -266,8 +266,8 @@ impl<'a> Lexer<'a> {
         Some(&inner[..end])
     }
 
-    /// Takes a quoted text as extensions have it, still with its escapes: a backslash guards
-    /// the character after it. `None` when it is not closed on the line.
+    /// Reads the quoted text of an extension, with its escapes unresolved: a backslash escapes the
+    /// next character. `None` if it is not closed on the line.
     pub fn escaped_text(&mut self) -> Option<&'a str> {
         let start = self.skip_blank();
         let bytes = self.cursor.bytes();
@@ -284,8 +284,7 @@ impl<'a> Lexer<'a> {
         Some(&self.text()[start + 1..end])
     }
 
-    /// Skips one thing, whatever it is; `false` at the end of the text and before a text that
-    /// is not closed.
+    /// Skips one token of any type; `false` at the end of the text and before an unterminated text.
     pub fn skip_any(&mut self) -> bool {
         match self.peek() {
             None => false,
@@ -298,7 +297,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Names what stands at the next place, for messages.
+    /// Describes the next token, for messages.
     pub fn describe(mut self) -> String {
         let start = self.skip_blank();
         let Some(first) = self.byte(start) else {

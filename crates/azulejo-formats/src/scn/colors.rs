@@ -1,28 +1,28 @@
-//! Names of colours.
+//! Colour names.
 
 use azulejo_scene::Rgb;
 use std::collections::HashMap;
 
-/// All names, found in no time.
+/// A hash table of all names.
 #[derive(Debug)]
-pub(super) struct Colors {
+pub(super) struct ColorNames {
     known: HashMap<&'static str, u32>,
 }
 
-impl Colors {
+impl ColorNames {
     /// The table.
-    pub fn new() -> Colors {
+    pub fn new() -> ColorNames {
         let pairs = (SNAKE.split_ascii_whitespace()).chain(CAMEL.split_ascii_whitespace());
         let entry = |pair: &'static str| {
             let (name, hex) = pair.split_once(':')?;
             Some((name, u32::from_str_radix(hex, 16).ok()?))
         };
-        Colors {
+        ColorNames {
             known: pairs.filter_map(entry).collect(),
         }
     }
 
-    /// The colour of a name, in either spelling: `sky_blue`, `SkyBlue`.
+    /// The colour with a name in either spelling: `sky_blue`, `SkyBlue`.
     pub fn get(&self, name: &str) -> Option<Rgb> {
         let known = self.known.get(name);
         let value = *known.or_else(|| self.known.get(&*snake(name)?))?;
@@ -31,7 +31,7 @@ impl Colors {
     }
 }
 
-/// `SkyBlue` as `sky_blue`; `None` for what is spelled in no such way.
+/// Converts `SkyBlue` to `sky_blue`; `None` for other spellings.
 fn snake(name: &str) -> Option<String> {
     if name.contains('_') || !name.starts_with(|c: char| c.is_ascii_uppercase()) {
         return None;
@@ -46,11 +46,12 @@ fn snake(name: &str) -> Option<String> {
     Some(snake)
 }
 
-/// Spellings with capitals that mean another colour than the same words without, or that have none.
+/// Capitalised names whose colour differs from that of the lower-case spelling, or that have no
+/// lower-case spelling.
 const CAMEL: &str = "Coral:ff7f00 Goldenrod:dbdb70 IndianRed1:ff6a6a Orchid:db70db \
     Plum:eaadea Tan:db9370 VioletRed:d02090 White:fcfcfc";
 
-/// Colours in sRGB bytes, which RTRACE takes for amounts of light as they are.
+/// Colours as sRGB bytes, which RTRACE uses as linear values without conversion.
 const SNAKE: &str = "\
     alice_blue:f0f8ff antique_white:faebd7 antique_white1:ffefdb antique_white2:eedfcc \
     antique_white3:cdc0b0 antique_white4:8b8378 aquamarine:70db93 aquamarine0:7fffd4 \
@@ -147,7 +148,7 @@ mod tests {
 
     #[test]
     fn both_spellings() {
-        let colors = Colors::new();
+        let colors = ColorNames::new();
         let check = |name: &str, expected: Option<[u8; 3]>| {
             let bytes = |c: Rgb| c.to_array().map(|v| (255.0 * v).round() as u8);
             assert_eq!(colors.get(name).map(bytes), expected, "{name}");

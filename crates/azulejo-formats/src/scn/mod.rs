@@ -1,10 +1,10 @@
-//! SCN, the language that scn2sff translated to SFF.
+//! SCN, the scene description language that scn2sff translates to SFF.
 //!
-//! A scene becomes the records of SFF and then a scene by the rules of [`sff`](crate::sff).
-//! `docs/formats/scn.md` says how every command is understood.
+//! A scene is translated to SFF records, and then converted by the rules of [`sff`](crate::sff).
+//! `docs/formats/scn.md` describes how every command is interpreted.
 
+mod attributes;
 mod colors;
-mod look;
 mod objects;
 mod scope;
 mod solids;
@@ -16,17 +16,19 @@ mod values;
 
 use crate::reading::options::Budget;
 use crate::reading::warnings::Warnings;
-use crate::sff::document::{Document, Sources};
+use crate::sff::document::{SffDocument, SffSources};
 use crate::sff::read_by;
 use crate::{Files, Loaded, ReadError, ReadOptions};
-use values::Stream;
+use values::TokenStream;
 
-/// Reads a scene; `name` stands in messages, `files` gives what it includes, fonts, encodings, data,
-/// colour maps and pictures.
+/// The result of reading a part of a file.
+type ScnResult<T> = Result<T, ReadError>;
+
+/// Reads a scene; `name` is used in messages, `files` provides included files, fonts, encodings,
+/// data, colour maps and images.
 ///
 /// # Errors
-/// Commands that are not as the language has them, and whatever [`sff::read`](crate::sff::read)
-/// refuses.
+/// Invalid commands, and whatever [`sff::read`](crate::sff::read) rejects.
 pub fn read(
     bytes: &[u8],
     name: &str,
@@ -41,12 +43,12 @@ pub fn read(
 
 /// The records that a scene translates to.
 fn document(
-    sources: &mut Sources,
+    sources: &mut SffSources,
     files: &dyn Files,
     options: &ReadOptions,
     warnings: &mut Warnings,
-) -> Result<Document, ReadError> {
+) -> Result<SffDocument, ReadError> {
     let mut budget = Budget::new(options);
     let tokens = tokens::read(sources, files, &mut budget, warnings)?;
-    translate::translate(Stream::new(&tokens, sources, warnings), &mut budget)
+    translate::translate(TokenStream::new(&tokens, sources, warnings), &mut budget)
 }

@@ -1,14 +1,12 @@
-//! Objects as records.
+//! Translates objects to records.
 
-use super::solids::{self, Torus};
-use super::translate::Translator;
-use crate::ReadError;
+use super::ScnResult;
+use super::solids::{self, ScnTorus};
+use super::translate::ScnTranslator;
 use crate::sff::document::*;
 use glam::DVec3;
 
-type Read<T> = Result<T, ReadError>;
-
-/// Names of objects.
+/// The object names.
 const OBJECTS: [&str; 18] = [
     "sphere",
     "box",
@@ -35,9 +33,9 @@ pub(super) fn is_object(word: &str) -> bool {
     OBJECTS.contains(&word)
 }
 
-/// Words between an object's name and its data.
+/// The words between an object's name and its data.
 #[derive(Default)]
-struct Modifiers {
+struct ObjectModifiers {
     open: bool,
     truncated: bool,
     file: bool,
@@ -45,18 +43,18 @@ struct Modifiers {
     general: bool,
 }
 
-/// What becomes of an object.
-struct Made {
-    pieces: Vec<Geometry>,
-    /// Whether the pieces close a volume together.
+/// The translation of an object.
+struct TranslatedObject {
+    pieces: Vec<SffGeometry>,
+    /// Whether the pieces together close a volume.
     compound: bool,
-    /// Whether the surfaces stand at the corners.
+    /// Whether the surfaces are given per corner.
     general: bool,
 }
 
-impl From<Geometry> for Made {
-    fn from(geometry: Geometry) -> Made {
-        Made {
+impl From<SffGeometry> for TranslatedObject {
+    fn from(geometry: SffGeometry) -> TranslatedObject {
+        TranslatedObject {
             pieces: vec![geometry],
             compound: false,
             general: false,
@@ -64,9 +62,9 @@ impl From<Geometry> for Made {
     }
 }
 
-impl Made {
-    fn compound(pieces: Vec<Geometry>, open: bool) -> Made {
-        Made {
+impl TranslatedObject {
+    fn compound(pieces: Vec<SffGeometry>, open: bool) -> TranslatedObject {
+        TranslatedObject {
             pieces,
             compound: !open,
             general: false,
@@ -74,26 +72,32 @@ impl Made {
     }
 }
 
-impl Translator<'_> {
-    /// An object behind its name.
-    pub fn object(&mut self, name: &str, place: Place) -> Read<()> {
-        let mut modifiers = Modifiers::default();
+impl ScnTranslator<'_> {
+    /// Reads an object after its name.
+    pub fn object(&mut self, name: &str, place: SffPosition) -> ScnResult<()> {
+        let mut modifiers = ObjectModifiers::default();
         self.modifiers(&mut modifiers);
         self.local_attributes()?;
         self.modifiers(&mut modifiers);
-        let mut look = self.look()?;
+        let mut appearance = self.appearance()?;
         let made = self.shape(name, &modifiers, place)?;
         if made.general {
-            look.surface = 0;
+            appearance.surface = 0;
         }
         let is_list = made.compound && self.is_in_operation();
         if is_list {
-            let look = Look::default();
-            self.push(RecordKind::ListBegin { look }, place)?;
+            let appearance = RecordAppearance::default();
+            self.push(RecordKind::ListBegin { appearance }, place)?;
             self.push_attributes(place)?;
         }
         for geometry in made.pieces {
-            self.push(RecordKind::Object { look, geometry }, place)?;
+            self.push(
+                RecordKind::Object {
+                    appearance,
+                    geometry,
+                },
+                place,
+            )?;
             if !is_list {
                 self.push_attributes(place)?;
             }
@@ -105,7 +109,7 @@ impl Translator<'_> {
         Ok(())
     }
 
-    fn modifiers(&mut self, modifiers: &mut Modifiers) {
+    fn modifiers(&mut self, modifiers: &mut ObjectModifiers) {
         loop {
             let which = match self.stream.peek_word() {
                 Some("open") => &mut modifiers.open,
@@ -120,27 +124,33 @@ impl Translator<'_> {
         }
     }
 
-    fn shape(&mut self, name: &str, modifiers: &Modifiers, place: Place) -> Read<Made> {
+    fn shape(
+        &mut self,
+        name: &str,
+        modifiers: &ObjectModifiers,
+        place: SffPosition,
+    ) -> ScnResult<TranslatedObject> {
         let open = modifiers.open;
         let stream = &mut self.stream;
         Ok(match name {
-            "sphere" => Geometry::Sphere {
+            "sphere" => SffGeometry::Sphere {
                 centre: stream.point()?,
                 radius: stream.positive("a radius")?,
             }
             .into(),
             "box" | "cube" => {
                 let centre = stream.point()?;
-                let x = stream.positive("half a size")?;
-                let half = match name == "box" && stream.real_follows() {
-                    true => DVec3::new(
+                let x = stream.positive("half size")?;
+                let half = if name == "box" && stream.real_follows() {
+                    DVec3::new(
                         x,
-                        stream.positive("half a size")?,
-                        stream.positive("half a size")?,
-                    ),
-                    false => DVec3::splat(x),
+                        stream.positive("half size")?,
+                        stream.positive("half size")?,
+                    )
+                } else {
+                    DVec3::splat(x)
                 };
-                Geometry::Cuboid { centre, half }.into()
+                SffGeometry::Cuboid { centre, half }.into()
             }
             "cone" | "cylinder" => self.turned(name, modifiers, place)?,
             "disc" | "disk" => {
@@ -157,7 +167,7 @@ impl Translator<'_> {
                 let base = [stream.point()?, stream.point()?, stream.point()?];
                 let depth = stream.positive("a depth")?;
                 let normal = self.normal(&base, place)?;
-                Made::compound(vec![solids::prism(&base, normal, depth, false)], false)
+                TranslatedObject::compound(vec![solids::prism(&base, normal, depth, false)], false)
             }
             "tetra" => {
                 let p = [
@@ -166,27 +176,28 @@ impl Translator<'_> {
                     stream.point()?,
                     stream.point()?,
                 ];
-                Made::compound(vec![solids::tetrahedron(p)], false)
+                TranslatedObject::compound(vec![solids::tetrahedron(p)], false)
             }
             "prism" => {
                 let height = stream.positive("a height")?;
                 let base = self.points(place)?;
                 let normal = self.normal(&base, place)?;
-                Made::compound(vec![solids::prism(&base, normal, height, open)], open)
+                TranslatedObject::compound(vec![solids::prism(&base, normal, height, open)], open)
             }
             "pyramid" => {
                 let height = stream.positive("a height")?;
-                let top = match modifiers.truncated {
-                    true => Some(stream.positive("the top's share")?),
-                    false => None,
+                let top = if modifiers.truncated {
+                    Some(stream.positive("relative size of the top")?)
+                } else {
+                    None
                 };
                 let base = self.points(place)?;
                 let normal = self.normal(&base, place)?;
                 let pyramid = solids::pyramid(&base, normal, height, top, open);
-                Made::compound(vec![pyramid], open)
+                TranslatedObject::compound(vec![pyramid], open)
             }
             "torus" => self.torus(open, place)?,
-            "text3d" => Geometry::Text(Data::File(stream.file_name()?)).into(),
+            "text3d" => SffGeometry::Text(RecordData::File(stream.file_name()?)).into(),
             _ if modifiers.file => self.file(name, modifiers)?,
             "patch" => {
                 let mut points = [DVec3::ZERO; 12];
@@ -216,7 +227,12 @@ impl Translator<'_> {
         })
     }
 
-    fn turned(&mut self, name: &str, modifiers: &Modifiers, place: Place) -> Read<Made> {
+    fn turned(
+        &mut self,
+        name: &str,
+        modifiers: &ObjectModifiers,
+        place: SffPosition,
+    ) -> ScnResult<TranslatedObject> {
         let stream = &mut self.stream;
         let apex = stream.point()?;
         let pieces = if modifiers.truncated {
@@ -235,10 +251,10 @@ impl Translator<'_> {
             return Err(stream.error(place, found, "two different ends"));
         }
         let made = solids::cone(pieces.0, pieces.1, modifiers.open);
-        Ok(Made::compound(made, modifiers.open))
+        Ok(TranslatedObject::compound(made, modifiers.open))
     }
 
-    fn torus(&mut self, open: bool, place: Place) -> Read<Made> {
+    fn torus(&mut self, open: bool, place: SffPosition) -> ScnResult<TranslatedObject> {
         let stream = &mut self.stream;
         let radius = stream.positive("a radius")?;
         let tube = stream.positive("a radius")?;
@@ -246,7 +262,7 @@ impl Translator<'_> {
         if stream.real_follows() {
             (from, to) = (stream.real()?, stream.real()?);
             if stream.real_follows() {
-                let mut count = || stream.within(3.0, 4096.0, "the pieces of a torus");
+                let mut count = || stream.within(3.0, 4096.0, "number of pieces of a torus");
                 pieces = [count()?.round() as u32, count()?.round() as u32];
             }
         }
@@ -254,9 +270,9 @@ impl Translator<'_> {
             let found = format!("a torus from {from} to {to} degrees");
             return Err(stream.error(place, found, "two different angles"));
         }
-        // A triangle is three corners with normals.
+        // A triangle has three corners with normals.
         self.spend(6 * (pieces[0] + 1) as usize * pieces[1] as usize, place)?;
-        let torus = Torus {
+        let torus = ScnTorus {
             radius,
             tube,
             from,
@@ -265,11 +281,14 @@ impl Translator<'_> {
             open,
         };
         let full = (to - from).abs() >= 360.0;
-        Ok(Made::compound(vec![torus.triangles()], open && !full))
+        Ok(TranslatedObject::compound(
+            vec![torus.triangles()],
+            open && !full,
+        ))
     }
 
-    /// A triangle with normals, and with surfaces if it is `general`.
-    fn triangle(&mut self, general: bool) -> Read<Made> {
+    /// Reads a triangle with normals, and with surfaces if it is `general`.
+    fn triangle(&mut self, general: bool) -> ScnResult<TranslatedObject> {
         let mut corners = [(DVec3::ZERO, DVec3::ZERO); 3];
         for corner in &mut corners {
             *corner = (self.stream.point()?, self.stream.vector()?.normalize());
@@ -289,68 +308,69 @@ impl Translator<'_> {
             corners: vec![corners],
             surfaces,
         };
-        Ok(Made {
+        Ok(TranslatedObject {
             general,
-            ..Geometry::Triangles(solids::here(data)).into()
+            ..SffGeometry::Triangles(solids::here(data)).into()
         })
     }
 
-    /// Patches, polygons or triangles of another file, shifted and scaled.
-    fn file(&mut self, name: &str, modifiers: &Modifiers) -> Read<Made> {
+    /// Reads patches, polygons or triangles from another file, translated and scaled.
+    fn file(&mut self, name: &str, modifiers: &ObjectModifiers) -> ScnResult<TranslatedObject> {
         let stream = &mut self.stream;
         let (mut origin, mut scale) = (DVec3::ZERO, DVec3::ONE);
         if stream.point_follows() {
             origin = stream.point()?;
             if stream.real_follows() {
                 let x = stream.real()?;
-                scale = match stream.real_follows() {
-                    true => DVec3::new(x, stream.real()?, stream.real()?),
-                    false => DVec3::splat(x),
+                scale = if stream.real_follows() {
+                    DVec3::new(x, stream.real()?, stream.real()?)
+                } else {
+                    DVec3::splat(x)
                 };
             }
         }
         let file = stream.file_name()?;
-        fn placed<T>(origin: DVec3, scale: DVec3, file: String) -> Box<Placed<T>> {
-            Box::new(Placed {
+        fn placed<T>(origin: DVec3, scale: DVec3, file: String) -> Box<PlacedData<T>> {
+            Box::new(PlacedData {
                 origin,
                 scale,
-                data: Data::File(file),
+                data: RecordData::File(file),
             })
         }
         let geometry = match name {
-            "patch" => Geometry::Patches(placed(origin, scale, file)),
-            "triangle" => Geometry::Triangles(placed(origin, scale, file)),
-            _ => Geometry::Polygons(placed(origin, scale, file)),
+            "patch" => SffGeometry::Patches(placed(origin, scale, file)),
+            "triangle" => SffGeometry::Triangles(placed(origin, scale, file)),
+            _ => SffGeometry::Polygons(placed(origin, scale, file)),
         };
-        Ok(Made {
+        Ok(TranslatedObject {
             general: name == "triangle" && modifiers.general,
             ..geometry.into()
         })
     }
 
-    /// A count and as many points.
-    fn points(&mut self, place: Place) -> Read<Vec<DVec3>> {
+    /// Reads a count and as many points.
+    fn points(&mut self, place: SffPosition) -> ScnResult<Vec<DVec3>> {
         let count = self.stream.real()?.round();
-        // Every point takes a token, at least.
+        // Every point takes at least one token.
         if !(3.0..=self.stream.left() as f64).contains(&count) {
             let found = format!("{count} points");
             return Err(self
                 .stream
-                .error(place, found, "3 or more, all of them behind the count"));
+                .error(place, found, "3 or more, all listed after the count"));
         }
         (0..count as usize).map(|_| self.stream.point()).collect()
     }
 
-    fn normal(&self, base: &[DVec3], place: Place) -> Read<DVec3> {
+    fn normal(&self, base: &[DVec3], place: SffPosition) -> ScnResult<DVec3> {
         solids::normal(base).ok_or_else(|| {
             let found = "a base without area";
             self.stream
-                .error(place, found, "corners of a plane polygon")
+                .error(place, found, "corners of a planar polygon with an area")
         })
     }
 }
 
-fn one_polygon(points: Vec<DVec3>) -> Geometry {
+fn one_polygon(points: Vec<DVec3>) -> SffGeometry {
     let face = (0..points.len() as u32).collect();
     solids::polygons(points, &[face])
 }

@@ -1,48 +1,49 @@
-//! What holds for the objects that follow: surfaces, transforms and textures, by scope.
+//! The current attributes: surfaces, transforms and textures, by scope.
 
-use crate::sff::document::{Place, Record, RecordKind, TextureKind, TextureRecord};
+use crate::sff::document::{RecordKind, SffPosition, SffRecord, TextureKind, TextureRecord};
 use glam::DMat4;
 
-/// From `group` to `ungroup`, from an object's name to its `data`, or inside of a set operation.
+/// A scope: from `group` to `ungroup`, from an object's name to its `data`, or inside a set
+/// operation.
 #[derive(Clone, Debug)]
-pub(super) struct Scope {
-    /// From 1; 0 before the first.
+pub(super) struct ScnScope {
+    /// Counted from 1; 0 before the first one.
     pub surface: u32,
     pub refraction: f64,
-    /// Whether this scope itself set them.
+    /// Whether this scope itself sets the surface and the refraction.
     pub sets_surface: bool,
     pub sets_refraction: bool,
     transforms: Vec<DMat4>,
-    textures: Vec<Texture>,
-    /// Whether it is the inside of a set operation or list, to which the transforms and textures
-    /// around it belong.
+    textures: Vec<TextureCommand>,
+    /// Whether it is the inside of a set operation or list, whose members do not get the outer
+    /// transforms and textures: the operation does.
     is_inside: bool,
 }
 
 /// A texture command.
 #[derive(Clone, Debug)]
-pub(super) enum Texture {
-    /// A texture of its own.
+pub(super) enum TextureCommand {
+    /// A texture itself.
     Record {
-        place: Place,
+        place: SffPosition,
         matrix: DMat4,
         kind: TextureKind,
         file: String,
     },
-    /// What follows moves with the object.
+    /// The following textures move with the object.
     Local,
-    /// What follows stays in the world.
+    /// The following textures stay in world coordinates.
     Invariant,
 }
 
-/// All scopes, the outermost first.
+/// The open scopes, the outermost first.
 #[derive(Clone, Debug)]
-pub(super) struct Scopes(Vec<Scope>);
+pub(super) struct ScnScopes(Vec<ScnScope>);
 
-impl Scopes {
-    /// The scene's own.
-    pub fn new() -> Scopes {
-        Scopes(vec![Scope {
+impl ScnScopes {
+    /// The scope of the scene itself.
+    pub fn new() -> ScnScopes {
+        ScnScopes(vec![ScnScope {
             surface: 0,
             refraction: 1.0,
             sets_surface: false,
@@ -53,26 +54,26 @@ impl Scopes {
         }])
     }
 
-    /// The innermost.
-    pub fn innermost(&self) -> &Scope {
-        // The scene's own is never left.
+    /// The innermost scope.
+    pub fn innermost(&self) -> &ScnScope {
+        // The scope of the scene is never left.
         &self.0[self.0.len() - 1]
     }
 
-    fn innermost_mut(&mut self) -> &mut Scope {
+    fn innermost_mut(&mut self) -> &mut ScnScope {
         let last = self.0.len() - 1;
         &mut self.0[last]
     }
 
-    /// How many there are.
+    /// The number of open scopes.
     pub fn depth(&self) -> usize {
         self.0.len()
     }
 
-    /// Opens a scope, which begins with the surface around it.
+    /// Opens a scope, which inherits the surface.
     pub fn enter(&mut self, is_inside: bool) {
         let around = self.innermost();
-        let scope = Scope {
+        let scope = ScnScope {
             surface: around.surface,
             refraction: around.refraction,
             sets_surface: false,
@@ -84,7 +85,7 @@ impl Scopes {
         self.0.push(scope);
     }
 
-    /// Leaves the innermost scope, but never the scene's own.
+    /// Leaves the innermost scope, except that of the scene.
     pub fn leave(&mut self) {
         if self.0.len() > 1 {
             self.0.pop();
@@ -96,7 +97,7 @@ impl Scopes {
         (scope.surface, scope.sets_surface) = (surface, true);
     }
 
-    /// The surface of everything that has none, from now on.
+    /// Sets the surface of everything without one, from now on.
     pub fn set_default(&mut self, surface: u32) {
         let without = self.0.iter_mut().filter(|s| s.surface == 0);
         without.for_each(|s| s.surface = surface);
@@ -107,7 +108,7 @@ impl Scopes {
         (scope.refraction, scope.sets_refraction) = (refraction, true);
     }
 
-    /// Takes a change of the refraction back.
+    /// Reverts a change of the refraction.
     pub fn restore_refraction(&mut self, refraction: f64, sets: bool) {
         let scope = self.innermost_mut();
         (scope.refraction, scope.sets_refraction) = (refraction, sets);
@@ -123,7 +124,7 @@ impl Scopes {
     }
 
     /// Adds a texture, or drops those of this scope.
-    pub fn texture(&mut self, texture: Option<Texture>) {
+    pub fn texture(&mut self, texture: Option<TextureCommand>) {
         let textures = &mut self.innermost_mut().textures;
         match texture {
             Some(texture) => textures.push(texture),
@@ -131,20 +132,20 @@ impl Scopes {
         }
     }
 
-    /// The scopes whose transforms and textures an object here gets, the innermost first.
-    fn around(&self) -> impl Iterator<Item = &Scope> {
+    /// The scopes whose transforms and textures apply to an object here, the innermost first.
+    fn around(&self) -> impl Iterator<Item = &ScnScope> {
         let inside = self.0.iter().rposition(|s| s.is_inside).unwrap_or(0);
         self.0[inside..].iter().rev()
     }
 
-    /// How many records an object gets here.
+    /// The number of records that an object gets here.
     pub fn record_count(&self) -> usize {
         let counts = self.around().map(|s| s.transforms.len() + s.textures.len());
         counts.sum()
     }
 
-    /// The records behind an object: transforms and textures of the latest.
-    pub fn records(&self, place: Place) -> Vec<Record> {
+    /// The records after an object: its transforms and textures.
+    pub fn records(&self, place: SffPosition) -> Vec<SffRecord> {
         let mut records = Vec::new();
         let mut world_from_object = DMat4::IDENTITY;
         for transform in self.around().flat_map(|s| &s.transforms) {
@@ -164,10 +165,10 @@ impl Scopes {
             file: String::new(),
         };
         for texture in self.around().flat_map(|s| &s.textures) {
-            // A texture gets the point that the one before left: one that does nothing else
-            // takes it into the object's space, or back.
+            // A texture gets the point as transformed by the previous one: an empty texture
+            // transforms it to object coordinates, or back.
             let record = match texture {
-                Texture::Record {
+                TextureCommand::Record {
                     place,
                     matrix,
                     kind,
@@ -179,19 +180,19 @@ impl Scopes {
                     kind: kind.clone(),
                     file: file.clone(),
                 },
-                Texture::Local if !follows => {
+                TextureCommand::Local if !follows => {
                     follows = true;
                     null(world_from_object)
                 }
-                Texture::Invariant if follows => {
+                TextureCommand::Invariant if follows => {
                     follows = false;
                     null(world_from_object.inverse())
                 }
-                Texture::Local | Texture::Invariant => continue,
+                TextureCommand::Local | TextureCommand::Invariant => continue,
             };
             records.push(RecordKind::Texture(Box::new(record)));
         }
-        let placed = |kind| Record { place, kind };
+        let placed = |kind| SffRecord { place, kind };
         records.into_iter().map(placed).collect()
     }
 }

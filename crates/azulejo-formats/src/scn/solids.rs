@@ -1,29 +1,31 @@
-//! Shapes of SCN that SFF has no record for, made of those that it has.
+//! Shapes of SCN without an SFF record, composed of those that have one.
 
-use crate::sff::document::{Cone, Data, Geometry, PatchData, Placed, PolygonData, TriangleData};
+use crate::sff::document::{
+    PatchData, PlacedData, PolygonData, RecordData, SffCone, SffGeometry, TriangleData,
+};
 use azulejo_scene::Faces;
 use azulejo_scene::math::area_vector;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Radius of what ends in a point, as a share of the other end's: SFF has no radius 0.
+/// Radius of an apex, relative to that of the other end: SFF does not allow radius 0.
 const POINT: f64 = 1e-6;
 
 /// Height of discs and rings, which are flat cones.
 const FLAT: f64 = 0.001;
 
-/// Data where it stands.
-pub(super) fn here<T>(data: T) -> Box<Placed<T>> {
-    Box::new(Placed {
+/// Untransformed data.
+pub(super) fn here<T>(data: T) -> Box<PlacedData<T>> {
+    Box::new(PlacedData {
         origin: DVec3::ZERO,
         scale: DVec3::ONE,
-        data: Data::Here(data),
+        data: RecordData::Here(data),
     })
 }
 
 /// A disc that faces along the unit vector `normal`.
-pub(super) fn disc(centre: DVec3, normal: DVec3, radius: f64) -> Geometry {
-    Geometry::Cone(Cone {
+pub(super) fn disc(centre: DVec3, normal: DVec3, radius: f64) -> SffGeometry {
+    SffGeometry::Cone(SffCone {
         base: centre,
         base_radius: radius,
         apex: centre + FLAT * normal,
@@ -32,8 +34,8 @@ pub(super) fn disc(centre: DVec3, normal: DVec3, radius: f64) -> Geometry {
 }
 
 /// A disc with a hole.
-pub(super) fn ring(centre: DVec3, normal: DVec3, outer: f64, inner: f64) -> Geometry {
-    Geometry::Cone(Cone {
+pub(super) fn ring(centre: DVec3, normal: DVec3, outer: f64, inner: f64) -> SffGeometry {
+    SffGeometry::Cone(SffCone {
         base: centre,
         base_radius: outer,
         apex: centre + FLAT * normal,
@@ -41,14 +43,14 @@ pub(super) fn ring(centre: DVec3, normal: DVec3, outer: f64, inner: f64) -> Geom
     })
 }
 
-/// A cone or cylinder and, unless it is open, discs over its ends. An end of radius 0 is a point.
-pub(super) fn cone(apex: (DVec3, f64), base: (DVec3, f64), open: bool) -> Vec<Geometry> {
+/// A cone or cylinder and, unless it is open, discs over its ends. An end of radius 0 is an apex.
+pub(super) fn cone(apex: (DVec3, f64), base: (DVec3, f64), open: bool) -> Vec<SffGeometry> {
     let ((apex, narrow), (base, wide)) = if apex.1 > base.1 {
         (base, apex)
     } else {
         (apex, base)
     };
-    let side = Geometry::Cone(Cone {
+    let side = SffGeometry::Cone(SffCone {
         base,
         base_radius: wide,
         apex,
@@ -66,15 +68,15 @@ pub(super) fn cone(apex: (DVec3, f64), base: (DVec3, f64), open: bool) -> Vec<Ge
 }
 
 /// Polygons over vertices.
-pub(super) fn polygons(vertices: Vec<DVec3>, polygons: &[Vec<u32>]) -> Geometry {
+pub(super) fn polygons(vertices: Vec<DVec3>, polygons: &[Vec<u32>]) -> SffGeometry {
     let mut faces = Faces::default();
     polygons.iter().for_each(|p| faces.push(p));
-    Geometry::Polygons(here(PolygonData { faces, vertices }))
+    SffGeometry::Polygons(here(PolygonData { faces, vertices }))
 }
 
-/// A base and a top of as many corners, the sides between them and, unless it is open, both; the
-/// top lies behind the base's front.
-fn between(base: &[DVec3], top: Vec<DVec3>, open: bool) -> Geometry {
+/// A base and a top with equally many corners, the sides between them and, unless it is open, both;
+/// the top lies behind the base's front.
+fn between(base: &[DVec3], top: Vec<DVec3>, open: bool) -> SffGeometry {
     let n = base.len() as u32;
     let vertices = [base, &top].concat();
     let side = |k: u32| {
@@ -89,26 +91,26 @@ fn between(base: &[DVec3], top: Vec<DVec3>, open: bool) -> Geometry {
     polygons(vertices, &faces)
 }
 
-/// The unit normal of a polygon's front; `None` for one without area.
+/// The unit normal of a polygon's front; `None` if it has no area.
 pub(super) fn normal(polygon: &[DVec3]) -> Option<DVec3> {
     area_vector(polygon).try_normalize()
 }
 
-/// A prism behind its base.
-pub(super) fn prism(base: &[DVec3], normal: DVec3, height: f64, open: bool) -> Geometry {
+/// A prism that extends behind its base.
+pub(super) fn prism(base: &[DVec3], normal: DVec3, height: f64, open: bool) -> SffGeometry {
     let top = base.iter().map(|p| *p - height * normal);
     between(base, top.collect(), open)
 }
 
-/// A pyramid behind its base, with its apex over the mean of the corners, or cut off where its
-/// width is `top` of the base's.
+/// A pyramid that extends behind its base, with its apex over the mean of the corners, or truncated
+/// where its width is `top` times that of the base.
 pub(super) fn pyramid(
     base: &[DVec3],
     normal: DVec3,
     height: f64,
     top: Option<f64>,
     open: bool,
-) -> Geometry {
+) -> SffGeometry {
     let n = base.len() as u32;
     let mean = base.iter().sum::<DVec3>() / f64::from(n);
     let apex = mean - height * normal;
@@ -125,7 +127,7 @@ pub(super) fn pyramid(
 }
 
 /// A tetrahedron.
-pub(super) fn tetrahedron(p: [DVec3; 4]) -> Geometry {
+pub(super) fn tetrahedron(p: [DVec3; 4]) -> SffGeometry {
     let turned = (p[1] - p[0]).cross(p[2] - p[0]).dot(p[3] - p[0]) > 0.0;
     let faces = [[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]].map(|mut face| {
         if turned {
@@ -136,40 +138,40 @@ pub(super) fn tetrahedron(p: [DVec3; 4]) -> Geometry {
     polygons(p.to_vec(), &faces)
 }
 
-/// One triangle over each corner of which a patch is named once.
-pub(super) fn patch(points: [DVec3; 12]) -> Geometry {
-    Geometry::Patches(here(PatchData {
+/// A patch over twelve points, listed once.
+pub(super) fn patch(points: [DVec3; 12]) -> SffGeometry {
+    SffGeometry::Patches(here(PatchData {
         patches: vec![std::array::from_fn(|k| k as u32)],
         vertices: points.to_vec(),
     }))
 }
 
-/// A torus around the y axis, or a piece of it.
+/// A torus around the y axis, or a segment of it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Torus {
-    /// From the axis to the middle of the tube.
+pub(super) struct ScnTorus {
+    /// Distance from the axis to the centre of the tube.
     pub radius: f64,
-    /// Of the tube.
+    /// Radius of the tube.
     pub tube: f64,
-    /// Where it begins and ends, degrees from +x toward +z.
+    /// The start angle, degrees from +x toward +z.
     pub from: f64,
     pub to: f64,
-    /// Pieces along the ring and around the tube.
+    /// Numbers of pieces along the ring and around the tube.
     pub pieces: [u32; 2],
-    /// Whether the ends of less than a full turn stay open.
+    /// Whether the ends of a segment stay open.
     pub open: bool,
 }
 
-impl Torus {
-    /// Its triangles. The ends are closed by triangles too, which meet the tube's edges: the
+impl ScnTorus {
+    /// Its triangles. The ends are closed by triangles, too, which match the tube's edges; the
     /// original's discs do not.
-    pub fn triangles(&self) -> Geometry {
+    pub fn triangles(&self) -> SffGeometry {
         let mut corners = Vec::new();
         let [along, around] = self.pieces;
         let full = (self.to - self.from).abs() >= 360.0;
         for i in 0..along {
             for j in 0..around {
-                // A full turn ends where it begins, to the bit.
+                // A full turn ends exactly where it begins.
                 let next = if full { (i + 1) % along } else { i + 1 };
                 let [a, b, c, d] = [(i, j), (next, j), (next, j + 1), (i, j + 1)]
                     .map(|(i, j)| self.point(i, j % around));
@@ -181,7 +183,7 @@ impl Torus {
             self.end(0, -1.0, &mut corners);
             self.end(along, 1.0, &mut corners);
         }
-        Geometry::Triangles(here(TriangleData {
+        SffGeometry::Triangles(here(TriangleData {
             corners,
             surfaces: Vec::new(),
         }))
@@ -216,12 +218,12 @@ impl Torus {
 mod tests {
     use super::*;
 
-    /// Checks that polygons close a volume, and that their fronts are outside of it.
-    fn check(geometry: &Geometry, volume: f64) {
+    /// Checks that polygons close a volume with their fronts outside.
+    fn check(geometry: &SffGeometry, volume: f64) {
         let (vertices, faces) = match geometry {
-            Geometry::Polygons(placed) => match &placed.data {
-                Data::Here(data) => (data.vertices.clone(), data.faces.clone()),
-                Data::File(_) => unreachable!("made here"),
+            SffGeometry::Polygons(placed) => match &placed.data {
+                RecordData::Here(data) => (data.vertices.clone(), data.faces.clone()),
+                RecordData::File(_) => unreachable!("made here"),
             },
             _ => unreachable!("polygons"),
         };
@@ -259,7 +261,7 @@ mod tests {
             (-90.0, false, true, 2 * 6 * 5 + 10),
             (90.0, true, false, 2 * 6 * 5),
         ] {
-            let torus = Torus {
+            let torus = ScnTorus {
                 radius: 2.0,
                 tube: 0.5,
                 from: 0.0,
@@ -267,10 +269,10 @@ mod tests {
                 pieces: [6, 5],
                 open,
             };
-            let Geometry::Triangles(placed) = torus.triangles() else {
+            let SffGeometry::Triangles(placed) = torus.triangles() else {
                 unreachable!("triangles")
             };
-            let Data::Here(data) = &placed.data else {
+            let RecordData::Here(data) = &placed.data else {
                 unreachable!("made here")
             };
             assert_eq!(data.corners.len(), count);

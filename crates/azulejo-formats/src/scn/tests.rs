@@ -1,13 +1,13 @@
-//! Small scenes, and what the original made of larger ones.
+//! Small scenes, and comparison with the original's translation of larger ones.
 
 use super::{document, read};
 use crate::reading::warnings::Warnings;
-use crate::sff::document::{Document, Sources};
+use crate::sff::document::{SffDocument, SffSources};
 use crate::sff::print::print;
 use crate::{Memory, ReadOptions};
 
-fn translated(text: &[u8]) -> Result<Document, String> {
-    let mut sources = Sources::default();
+fn translated(text: &[u8]) -> Result<SffDocument, String> {
+    let mut sources = SffSources::default();
     sources.add("a.scn", text);
     let options = ReadOptions::default();
     let mut warnings = Warnings::default();
@@ -21,7 +21,7 @@ fn printed(text: &[u8]) -> Result<String, String> {
     Ok(String::from_utf8(bytes).expect("text"))
 }
 
-/// Whether two records are the same: numbers to the six digits that the original wrote.
+/// Whether two records are equal, with numbers to the six digits that the original wrote.
 fn same_record(a: &str, b: &str) -> bool {
     let number = |w: &str| w.parse::<f64>().ok();
     let (a, b): (Vec<&str>, Vec<&str>) = (a.split(' ').collect(), b.split(' ').collect());
@@ -33,19 +33,18 @@ fn same_record(a: &str, b: &str) -> bool {
 }
 
 #[test]
-#[allow(clippy::print_stderr)]
 fn as_the_original_translated() {
-    let Some(data) = std::env::var_os("AZULEJO_DATA") else {
-        eprintln!("skipped: AZULEJO_DATA is not set");
+    let Some(data) = azulejo_testing::data() else {
         return;
     };
-    let folder = std::path::Path::new(&data).join("corpus/sff");
+    let folder = data.join("corpus/sff");
     for name in ["example1", "csgdemo"] {
         let scene = std::fs::read(folder.join(format!("scenes/{name}.scn"))).expect("a scene");
         let expected = folder.join(format!("expected_sff/{name}.sff"));
         let expected = std::fs::read_to_string(expected).expect("its translation");
         let found = printed(&scene).unwrap_or_else(|e| panic!("{e}"));
-        // The first line holds limits for RTRACE. The signs of a texture's surface are a fault.
+        // The first line holds limits for RTRACE. The signs of a texture's surface are an error of
+        // the original.
         let expected = expected.replace("1 -0.3 -0.3 0.3", "1 0.3 0.3 0.3");
         let expected = expected.lines().skip(1).map(str::trim_end);
         let found = found.lines().skip(1).map(str::trim_end);
@@ -59,7 +58,7 @@ fn as_the_original_translated() {
     }
 }
 
-/// The records of the objects, behind a view and two surfaces.
+/// Checks the records of the objects, after a view and two surfaces.
 fn check(scene: &str, expected: &str) {
     let printed = printed(scene.as_bytes()).unwrap_or_else(|e| panic!("{e}"));
     let objects = printed.split_once("objects\n").expect("a section").1;
@@ -233,7 +232,7 @@ fn mistakes_are_named() {
     );
     check(
         "sphere 0 0 0 0",
-        "a.scn:1:14: found a radius of 0, expected a number > 0",
+        "a.scn:1:14: found a radius of 0, expected a positive number",
     );
     check("sphere 0 0 0 (1/0)", "a.scn:1:14: found the value inf");
     check(
@@ -242,7 +241,7 @@ fn mistakes_are_named() {
     );
     check(
         "\nball 0 0 0 1",
-        "a.scn:2:1: found \"ball\", expected a command of SCN",
+        "a.scn:2:1: found \"ball\", expected an SCN command",
     );
     check(
         "surface pinkish",
@@ -254,7 +253,7 @@ fn mistakes_are_named() {
     );
     check(
         "transform scale 0",
-        "a.scn:1:11: found a transform that cannot be undone",
+        "a.scn:1:11: found a singular transform",
     );
     check("light area 0 0 0", "a.scn:1:7: found light \"area\"");
     check(
@@ -302,7 +301,7 @@ fn mistakes_are_named() {
     check(&"group ".repeat(1000), "a.scn:1:");
 }
 
-/// Whatever is changed in a scene, it is read or refused, and what is read is valid.
+/// Any modified scene is read or rejected, and what is read is valid.
 #[test]
 fn damaged_scenes() {
     let text = "eye 5 2 (2+1) fov 20 background mono .2 light spot 1 2 3 0 0 -2 white 30

@@ -1,4 +1,4 @@
-//! SCN's words, numbers and signs, with `#define` and `#include` carried out.
+//! SCN's words, numbers and signs, after processing `#define` and `#include`.
 
 use crate::reading::cursor::{TextCursor, is_line_end};
 use crate::reading::files::open_beside;
@@ -6,40 +6,40 @@ use crate::reading::number;
 use crate::reading::options::Budget;
 use crate::reading::text::{into_decoded, shortened, text};
 use crate::reading::warnings::Warnings;
-use crate::sff::document::{Place, Sources};
+use crate::sff::document::{SffPosition, SffSources};
 use crate::{Files, ReadError};
 use std::collections::HashMap;
 
-/// Files include no deeper, and definitions name each other no deeper.
+/// Maximum depth of includes and of definitions.
 const DEEPEST: usize = 32;
 
 /// A word, a number or a sign.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Token {
-    pub kind: TokenKind,
-    /// Where it stands, or where the name stands that it is defined by.
-    pub place: Place,
+pub(super) struct ScnToken {
+    pub kind: ScnTokenKind,
+    /// Its position, or that of the defined name from which it comes.
+    pub place: SffPosition,
 }
 
-/// What a token is.
+/// The type of a token.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum TokenKind {
+pub(super) enum ScnTokenKind {
     Number(f64),
-    Word(Span),
+    Word(TokenSpan),
     Sign(u8),
 }
 
-/// Bytes of a source.
+/// A byte range of a source.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Span {
+pub(super) struct TokenSpan {
     file: u32,
     start: u32,
     length: u32,
 }
 
-impl Span {
-    /// What stands there.
-    pub fn of<'s>(&self, sources: &'s Sources) -> &'s str {
+impl TokenSpan {
+    /// The text of the range.
+    pub fn of<'s>(&self, sources: &'s SffSources) -> &'s str {
         let start = self.start as usize;
         let bytes = &sources.bytes(self.file)[start..start + self.length as usize];
         std::str::from_utf8(bytes).unwrap_or("?")
@@ -49,14 +49,14 @@ impl Span {
 /// Reads a file's tokens, and those of the files that it includes.
 ///
 /// # Errors
-/// Characters that begin nothing, definitions and inclusions that cannot be carried out.
+/// Invalid characters, definitions and includes that cannot be processed.
 pub(super) fn read(
-    sources: &mut Sources,
+    sources: &mut SffSources,
     files: &dyn Files,
     budget: &mut Budget,
     warnings: &mut Warnings,
-) -> Result<Vec<Token>, ReadError> {
-    let mut reader = Reader {
+) -> Result<Vec<ScnToken>, ReadError> {
+    let mut reader = ScnTokenizer {
         sources,
         files,
         budget,
@@ -68,35 +68,35 @@ pub(super) fn read(
     Ok(reader.tokens)
 }
 
-struct Reader<'r, 's> {
-    sources: &'r mut Sources<'s>,
+struct ScnTokenizer<'r, 's> {
+    sources: &'r mut SffSources<'s>,
     files: &'r dyn Files,
     budget: &'r mut Budget,
     warnings: &'r mut Warnings,
-    definitions: HashMap<String, Vec<Token>>,
-    tokens: Vec<Token>,
+    definitions: HashMap<String, Vec<ScnToken>>,
+    tokens: Vec<ScnToken>,
 }
 
-/// A line that is more than a remark.
+/// A directive, as opposed to a comment.
 enum Directive {
     Define {
-        name: Span,
+        name: TokenSpan,
         body: usize,
     },
-    Undefine(Span),
-    Include(Span),
-    /// One that is not carried out.
+    Undefine(TokenSpan),
+    Include(TokenSpan),
+    /// An unsupported directive.
     Other,
 }
 
-impl Reader<'_, '_> {
+impl ScnTokenizer<'_, '_> {
     fn file(&mut self, file: u32, depth: usize) -> Result<(), ReadError> {
         let mut at = 0;
-        // Operators are signs inside of parentheses only.
+        // Operators are separate signs inside parentheses only.
         let mut parentheses = 0;
         loop {
             let bytes = self.sources.bytes(file);
-            let place = Place {
+            let place = SffPosition {
                 file,
                 offset: at as u32,
             };
@@ -115,31 +115,31 @@ impl Reader<'_, '_> {
                 Some(_) => {
                     let (kind, length) = self.token(place, parentheses)?;
                     match kind {
-                        TokenKind::Sign(b'(') => parentheses += 1,
-                        TokenKind::Sign(b')') => parentheses -= 1,
+                        ScnTokenKind::Sign(b'(') => parentheses += 1,
+                        ScnTokenKind::Sign(b')') => parentheses -= 1,
                         _ => {}
                     }
-                    self.push(Token { kind, place }, place, 0)?;
+                    self.push(ScnToken { kind, place }, place, 0)?;
                     at += length;
                 }
             }
         }
     }
 
-    /// Adds a token, or what it is defined as.
-    fn push(&mut self, token: Token, place: Place, depth: usize) -> Result<(), ReadError> {
+    /// Adds a token, or its definition.
+    fn push(&mut self, token: ScnToken, place: SffPosition, depth: usize) -> Result<(), ReadError> {
         let name = self.sources.name(place.file);
         self.budget.spend(1).map_err(|e| e.error(name))?;
         let body = match token.kind {
-            TokenKind::Word(span) => self.definitions.get(span.of(self.sources)).cloned(),
+            ScnTokenKind::Word(span) => self.definitions.get(span.of(self.sources)).cloned(),
             _ => None,
         };
         let Some(body) = body else {
-            self.tokens.push(Token { place, ..token });
+            self.tokens.push(ScnToken { place, ..token });
             return Ok(());
         };
         if depth == DEEPEST {
-            let found = "a definition that leads back to itself, or through too many others";
+            let found = "a definition that is recursive or nested too deeply";
             let expected = format!("at most {DEEPEST} levels");
             return Err(self.sources.error(place, found, expected));
         }
@@ -149,37 +149,41 @@ impl Reader<'_, '_> {
         Ok(())
     }
 
-    fn token(&self, place: Place, parentheses: i32) -> Result<(TokenKind, usize), ReadError> {
+    fn token(
+        &self,
+        place: SffPosition,
+        parentheses: i32,
+    ) -> Result<(ScnTokenKind, usize), ReadError> {
         let rest = &self.sources.bytes(place.file)[place.offset as usize..];
         let signed = matches!(rest, [b'+' | b'-', b'.' | b'0'..=b'9', ..]);
         let begins = rest[0].is_ascii_digit() || matches!(rest, [b'.', b'0'..=b'9', ..]);
         if (begins || signed && parentheses == 0)
             && let Some(found) = number::parse(rest)
         {
-            return Ok((TokenKind::Number(found.value), found.length));
+            return Ok((ScnTokenKind::Number(found.value), found.length));
         }
         let word = rest
             .iter()
             .take_while(|b| is_word(**b, parentheses > 0))
             .count();
         if word > 0 && !rest[0].is_ascii_digit() {
-            let span = Span {
+            let span = TokenSpan {
                 file: place.file,
                 start: place.offset,
                 length: word as u32,
             };
-            return Ok((TokenKind::Word(span), word));
+            return Ok((ScnTokenKind::Word(span), word));
         }
         match rest[0] {
             sign @ (b'(' | b')' | b',' | b'+' | b'-' | b'*' | b'/' | b'^' | b'|') => {
-                Ok((TokenKind::Sign(sign), 1))
+                Ok((ScnTokenKind::Sign(sign), 1))
             }
             _ => {
                 let line = text(&rest[..line_length(rest)]).into_owned();
                 let found = format!("\"{}\"", shortened(&line));
                 Err(self
                     .sources
-                    .error(place, found, "a word, a number or a remark"))
+                    .error(place, found, "a word, a number or a comment"))
             }
         }
     }
@@ -187,7 +191,7 @@ impl Reader<'_, '_> {
     fn obey(
         &mut self,
         directive: Directive,
-        place: Place,
+        place: SffPosition,
         end: usize,
         depth: usize,
     ) -> Result<(), ReadError> {
@@ -204,7 +208,7 @@ impl Reader<'_, '_> {
             }
             Directive::Include(name) => self.include(name, place, depth),
             Directive::Other => {
-                let said = "a directive other than #define, #undef and #include: passed over";
+                let said = "directive other than #define, #undef and #include: skipped";
                 let position = || self.sources.position(place);
                 let name = self.sources.name(place.file);
                 self.warnings.add(name, said.into(), position);
@@ -213,12 +217,17 @@ impl Reader<'_, '_> {
         }
     }
 
-    /// What a name is defined as.
-    fn body(&mut self, place: Place, mut at: usize, end: usize) -> Result<Vec<Token>, ReadError> {
+    /// The definition of a name.
+    fn body(
+        &mut self,
+        place: SffPosition,
+        mut at: usize,
+        end: usize,
+    ) -> Result<Vec<ScnToken>, ReadError> {
         let bytes = self.sources.bytes(place.file);
         if bytes.get(at) == Some(&b'(') {
             let found = "a definition with parameters";
-            let expected = "a name and what it stands for; let a C preprocessor do the rest";
+            let expected = "a name and its replacement: run a C preprocessor on the file first";
             return Err(self.sources.error(place, found, expected));
         }
         let mut body = Vec::new();
@@ -229,19 +238,19 @@ impl Reader<'_, '_> {
                 b if b <= b' ' || b == b'\\' => at += 1,
                 b'%' | b';' | b'#' => break,
                 _ => {
-                    let here = Place {
+                    let here = SffPosition {
                         offset: at as u32,
                         ..place
                     };
                     let (kind, length) = self.token(here, parentheses)?;
                     match kind {
-                        TokenKind::Sign(b'(') => parentheses += 1,
-                        TokenKind::Sign(b')') => parentheses -= 1,
+                        ScnTokenKind::Sign(b'(') => parentheses += 1,
+                        ScnTokenKind::Sign(b')') => parentheses -= 1,
                         _ => {}
                     }
                     let name = self.sources.name(place.file);
                     self.budget.spend(1).map_err(|e| e.error(name))?;
-                    body.push(Token { kind, place: here });
+                    body.push(ScnToken { kind, place: here });
                     at += length;
                 }
             }
@@ -249,7 +258,12 @@ impl Reader<'_, '_> {
         Ok(body)
     }
 
-    fn include(&mut self, name: Span, place: Place, depth: usize) -> Result<(), ReadError> {
+    fn include(
+        &mut self,
+        name: TokenSpan,
+        place: SffPosition,
+        depth: usize,
+    ) -> Result<(), ReadError> {
         let name = name.of(self.sources).to_owned();
         let of = self.sources.name(place.file);
         let fail = |found: String, expected: &str| Err(self.sources.error(place, found, expected));
@@ -270,7 +284,7 @@ impl Reader<'_, '_> {
     }
 }
 
-/// Names of files have dots, slashes and minus signs, which are operators inside of parentheses.
+/// File names contain dots, slashes and minus signs, which are operators inside parentheses.
 fn is_word(byte: u8, in_parentheses: bool) -> bool {
     let in_names = matches!(byte, b'.' | b'/' | b'\\' | b'-' | b'~' | b':');
     byte.is_ascii_alphanumeric() || byte == b'_' || in_names && !in_parentheses
@@ -280,7 +294,7 @@ fn line_length(bytes: &[u8]) -> usize {
     TextCursor::new(bytes).line_ahead().len()
 }
 
-/// A directive's line, with those behind it that a backslash joins to it.
+/// The length of a directive's line, including continuation lines after a backslash.
 fn directive_length(bytes: &[u8]) -> usize {
     let mut length = line_length(bytes);
     while length > 0 && bytes[length - 1] == b'\\' && length < bytes.len() {
@@ -300,7 +314,7 @@ fn starts_line(bytes: &[u8], at: usize) -> bool {
     before.next().is_none_or(|&b| is_line_end(b))
 }
 
-/// The directive of a line that begins with `#`; `None` for a remark.
+/// The directive of a line that begins with `#`; `None` for a comment.
 fn directive(bytes: &[u8], file: u32, start: usize, end: usize) -> Option<Directive> {
     let line = &bytes[start..end];
     let word_at = |from: usize| {
@@ -312,7 +326,7 @@ fn directive(bytes: &[u8], file: u32, start: usize, end: usize) -> Option<Direct
         let word = |b: &&u8| b.is_ascii_alphanumeric() || **b == b'_';
         begin..begin + line[begin..].iter().take_while(word).count()
     };
-    let span = |range: std::ops::Range<usize>| Span {
+    let span = |range: std::ops::Range<usize>| TokenSpan {
         file,
         start: (start + range.start) as u32,
         length: range.len() as u32,
@@ -348,16 +362,16 @@ mod tests {
     use super::*;
     use crate::{Memory, ReadOptions};
 
-    /// The tokens with blanks between them, or the error.
+    /// The tokens separated by blanks, or the error.
     fn tokens(text: &str, files: &Memory) -> Result<String, String> {
-        let mut sources = Sources::default();
+        let mut sources = SffSources::default();
         sources.add("a.scn", text.as_bytes());
         let mut budget = Budget::new(&ReadOptions::in_proportion(text.len()));
         let tokens = read(&mut sources, files, &mut budget, &mut Warnings::default());
-        let shown = |token: &Token| match token.kind {
-            TokenKind::Number(v) => v.to_string(),
-            TokenKind::Word(span) => span.of(&sources).to_owned(),
-            TokenKind::Sign(sign) => char::from(sign).to_string(),
+        let shown = |token: &ScnToken| match token.kind {
+            ScnTokenKind::Number(v) => v.to_string(),
+            ScnTokenKind::Word(span) => span.of(&sources).to_owned(),
+            ScnTokenKind::Sign(sign) => char::from(sign).to_string(),
         };
         let tokens = tokens.map_err(|e| e.to_string())?;
         Ok(tokens.iter().map(shown).collect::<Vec<_>>().join(" "))
@@ -387,7 +401,7 @@ mod tests {
         check("a\n @b", "a.scn:2:2: found \"@b\"");
         check(
             "#define A A\nA",
-            "a.scn:2:1: found a definition that leads back",
+            "a.scn:2:1: found a definition that is recursive",
         );
         check(
             "#define A(x) x\nA",

@@ -1,41 +1,39 @@
-//! Commands in their order, as records of SFF.
+//! Translates commands in their order to SFF records.
 
-use super::look::is_attribute;
-use super::scope::Scopes;
-use super::values::Stream;
-use crate::ReadError;
+use super::ScnResult;
+use super::attributes::is_attribute;
+use super::scope::ScnScopes;
+use super::values::TokenStream;
 use crate::reading::options::Budget;
 use crate::sff::document::*;
 use azulejo_scene::Operation;
 use azulejo_scene::Rgb;
 use std::collections::HashMap;
 
-type Read<T> = Result<T, ReadError>;
-
-/// Groups nest no deeper, and so do set operations with them.
+/// Maximum depth of groups and set operations.
 const DEEPEST: usize = 256;
 
-/// A scene under translation.
-pub(super) struct Translator<'t> {
-    pub stream: Stream<'t>,
-    pub document: Document,
-    pub scopes: Scopes,
+/// A translation in progress.
+pub(super) struct ScnTranslator<'t> {
+    pub stream: TokenStream<'t>,
+    pub document: SffDocument,
+    pub scopes: ScnScopes,
     pub budget: &'t mut Budget,
     surfaces: HashMap<Vec<u64>, u32>,
-    /// What waits for its end, the outermost first.
-    open: Vec<Opened>,
-    /// View commands that were given.
+    /// Open blocks, the outermost first.
+    open: Vec<OpenedBlock>,
+    /// The view commands found so far.
     given: Vec<&'static str>,
 }
 
-/// What has begun.
-struct Opened {
-    kind: OpenedKind,
-    place: Place,
+/// An open block.
+struct OpenedBlock {
+    kind: OpenedBlockKind,
+    place: SffPosition,
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum OpenedKind {
+enum OpenedBlockKind {
     Group,
     Left,
     Right,
@@ -43,15 +41,15 @@ enum OpenedKind {
 }
 
 /// Translates a whole scene.
-pub(super) fn translate(stream: Stream, budget: &mut Budget) -> Read<Document> {
-    let mut translator = Translator {
+pub(super) fn translate(stream: TokenStream, budget: &mut Budget) -> ScnResult<SffDocument> {
+    let mut translator = ScnTranslator {
         stream,
-        document: Document {
+        document: SffDocument {
             background: Rgb::new(0.2, 0.5, 0.7),
             ambient: Rgb::grey(0.1),
-            ..Document::default()
+            ..SffDocument::default()
         },
-        scopes: Scopes::new(),
+        scopes: ScnScopes::new(),
         budget,
         surfaces: HashMap::new(),
         open: Vec::new(),
@@ -68,14 +66,14 @@ pub(super) fn translate(stream: Stream, budget: &mut Budget) -> Read<Document> {
     Ok(translator.document)
 }
 
-impl Translator<'_> {
-    fn command(&mut self) -> Read<()> {
+impl ScnTranslator<'_> {
+    fn command(&mut self) -> ScnResult<()> {
         let place = self.stream.place();
         if let Some(texture) = self.named_texture()? {
             self.scopes.texture(Some(texture));
             return Ok(());
         }
-        let expected = "a command of SCN";
+        let expected = "an SCN command";
         let Some(word) = self.stream.peek_word() else {
             return Err(self.stream.unexpected(expected));
         };
@@ -95,10 +93,10 @@ impl Translator<'_> {
                 self.document.lights.push(light);
             }
             "group" | "begin" => {
-                self.open(OpenedKind::Group, place)?;
+                self.open(OpenedBlockKind::Group, place)?;
                 self.scopes.enter(false);
             }
-            "ungroup" | "end" => self.close(&[OpenedKind::Group], place)?,
+            "ungroup" | "end" => self.close(&[OpenedBlockKind::Group], place)?,
             "csg" => self.csg(place)?,
             "list" => self.list(place)?,
             name => self.object(name, place)?,
@@ -106,8 +104,8 @@ impl Translator<'_> {
         Ok(())
     }
 
-    /// A command about the view, of which each may be given once.
-    fn view(&mut self, word: &str, place: Place) -> Read<bool> {
+    /// Reads a command about the view, each of which may be given once.
+    fn view(&mut self, word: &str, place: SffPosition) -> ScnResult<bool> {
         let name = match word {
             "eye" | "from" => "eye",
             "look" | "at" | "to" => "look",
@@ -119,21 +117,22 @@ impl Translator<'_> {
         };
         self.stream.word();
         if self.given.contains(&name) {
-            let said = format!("{name} is given more than once: the last one counts");
+            let said = format!("{name} is given more than once: the last one is used");
             self.stream.warn(place, said);
         }
         self.given.push(name);
         let (stream, view) = (&mut self.stream, &mut self.document.view);
         match name {
             "eye" => view.eye = stream.point()?,
-            "look" => view.look = stream.point()?,
+            "look" => view.target = stream.point()?,
             "up" => view.up = stream.vector()?,
             "angle" => {
-                let mut angle = || stream.within(0.5, 89.5, "an angle of the view");
+                let mut angle = || stream.within(0.5, 89.5, "angle of view");
                 let horizontal = angle()?;
-                let vertical = match stream.real_follows() {
-                    true => stream.within(0.5, 89.5, "an angle of the view")?,
-                    false => horizontal,
+                let vertical = if stream.real_follows() {
+                    stream.within(0.5, 89.5, "angle of view")?
+                } else {
+                    horizontal
                 };
                 view.angles = [horizontal, vertical];
             }
@@ -143,8 +142,8 @@ impl Translator<'_> {
         Ok(true)
     }
 
-    /// Something that holds for the objects that follow.
-    fn attribute(&mut self) -> Read<()> {
+    /// Reads an attribute of the objects that follow.
+    fn attribute(&mut self) -> ScnResult<()> {
         match self.stream.word().unwrap_or_default() {
             "surface" => {
                 let surface = self.surface()?;
@@ -160,7 +159,7 @@ impl Translator<'_> {
             }
             // refraction or ior
             _ => {
-                let what = "an index of refraction";
+                let what = "index of refraction";
                 let refraction = self.stream.within(1.0, 300.0, what)?;
                 self.scopes.set_refraction(refraction);
             }
@@ -168,8 +167,8 @@ impl Translator<'_> {
         Ok(())
     }
 
-    /// Attributes of one object, which end with `data`, in a scope that is entered in any case.
-    pub fn local_attributes(&mut self) -> Read<()> {
+    /// Reads the attributes of one object, which end with `data`, and opens a scope in any case.
+    pub fn local_attributes(&mut self) -> ScnResult<()> {
         self.scopes.enter(false);
         let mut any = false;
         while self.stream.peek_word().is_some_and(is_attribute) {
@@ -187,16 +186,16 @@ impl Translator<'_> {
             .unexpected("data, which ends the attributes of an object"))
     }
 
-    fn open(&mut self, kind: OpenedKind, place: Place) -> Read<()> {
+    fn open(&mut self, kind: OpenedBlockKind, place: SffPosition) -> ScnResult<()> {
         if self.scopes.depth() >= DEEPEST || self.open.len() >= DEEPEST {
-            let found = format!("groups and operations more than {DEEPEST} deep");
+            let found = format!("groups and operations nested more than {DEEPEST} deep");
             return Err(self.stream.error(place, found, "fewer levels"));
         }
-        self.open.push(Opened { kind, place });
+        self.open.push(OpenedBlock { kind, place });
         Ok(())
     }
 
-    fn close(&mut self, kinds: &[OpenedKind], place: Place) -> Read<()> {
+    fn close(&mut self, kinds: &[OpenedBlockKind], place: SffPosition) -> ScnResult<()> {
         match self.open.last() {
             Some(open) if kinds.contains(&open.kind) => {
                 self.open.pop();
@@ -207,12 +206,12 @@ impl Translator<'_> {
                 let found = "an end without its beginning";
                 Err(self
                     .stream
-                    .error(place, found, "what began last to end first"))
+                    .error(place, found, "the block that began last to end first"))
             }
         }
     }
 
-    fn csg(&mut self, place: Place) -> Read<()> {
+    fn csg(&mut self, place: SffPosition) -> ScnResult<()> {
         let word = self.stream.word().unwrap_or_default();
         let operation = match word {
             "union" => Operation::Union,
@@ -221,20 +220,21 @@ impl Translator<'_> {
             "next" => {
                 self.push(RecordKind::CsgNext, place)?;
                 return match self.open.last_mut() {
-                    Some(open) if open.kind == OpenedKind::Left => {
-                        open.kind = OpenedKind::Right;
+                    Some(open) if open.kind == OpenedBlockKind::Left => {
+                        open.kind = OpenedBlockKind::Right;
                         Ok(())
                     }
                     _ => {
-                        let found = "csg next outside of the left side of a set operation";
+                        let found =
+                            "csg next that does not follow the left side of a set operation";
                         Err(self
                             .stream
-                            .error(place, found, "csg union begin and solids before"))
+                            .error(place, found, "csg union begin and solids before it"))
                     }
                 };
             }
             "end" => {
-                self.close(&[OpenedKind::Right], place)?;
+                self.close(&[OpenedBlockKind::Right], place)?;
                 // Two scopes are left: the inside, and that of its attributes.
                 self.scopes.leave();
                 return self.push(RecordKind::CsgEnd, place);
@@ -244,86 +244,96 @@ impl Translator<'_> {
                 return Err(self.stream.error(place, format!("csg {other}"), expected));
             }
         };
-        self.open(OpenedKind::Left, place)?;
-        let look = self.begin()?;
-        self.push(RecordKind::CsgBegin { look, operation }, place)?;
+        self.open(OpenedBlockKind::Left, place)?;
+        let appearance = self.begin()?;
+        self.push(
+            RecordKind::CsgBegin {
+                appearance,
+                operation,
+            },
+            place,
+        )?;
         self.push_attributes(place)?;
         self.scopes.enter(true);
         Ok(())
     }
 
-    fn list(&mut self, place: Place) -> Read<()> {
+    fn list(&mut self, place: SffPosition) -> ScnResult<()> {
         if self.stream.take(&["end"]) {
-            self.close(&[OpenedKind::List], place)?;
+            self.close(&[OpenedBlockKind::List], place)?;
             self.scopes.leave();
             return self.push(RecordKind::ListEnd, place);
         }
-        self.open(OpenedKind::List, place)?;
-        let look = self.begin()?;
-        self.push(RecordKind::ListBegin { look }, place)?;
+        self.open(OpenedBlockKind::List, place)?;
+        let appearance = self.begin()?;
+        self.push(RecordKind::ListBegin { appearance }, place)?;
         self.push_attributes(place)?;
         self.scopes.enter(true);
         Ok(())
     }
 
-    /// Attributes up to `begin`, and those of them that override the members' own.
-    fn begin(&mut self) -> Read<Look> {
+    /// Reads attributes up to `begin`, and returns those that override the members' own.
+    fn begin(&mut self) -> ScnResult<RecordAppearance> {
         self.local_attributes()?;
         if !self.stream.take(&["begin"]) {
             return Err(self.stream.unexpected("begin"));
         }
         let scope = self.scopes.innermost();
-        Ok(Look {
+        Ok(RecordAppearance {
             surface: if scope.sets_surface { scope.surface } else { 0 },
-            refraction: match scope.sets_refraction {
-                true => scope.refraction,
-                false => 0.0,
+            refraction: if scope.sets_refraction {
+                scope.refraction
+            } else {
+                0.0
             },
         })
     }
 
-    /// Whether the inside of a set operation, but of no list in it, is the place.
+    /// Whether the current position is inside a set operation, but not inside a list in it.
     pub fn is_in_operation(&self) -> bool {
         let kinds = self.open.iter().rev().map(|o| o.kind);
-        let mut kinds = kinds.filter(|k| *k != OpenedKind::Group);
-        matches!(kinds.next(), Some(OpenedKind::Left | OpenedKind::Right))
+        let mut kinds = kinds.filter(|k| *k != OpenedBlockKind::Group);
+        matches!(
+            kinds.next(),
+            Some(OpenedBlockKind::Left | OpenedBlockKind::Right)
+        )
     }
 
     /// Adds a record.
-    pub fn push(&mut self, kind: RecordKind, place: Place) -> Read<()> {
+    pub fn push(&mut self, kind: RecordKind, place: SffPosition) -> ScnResult<()> {
         self.spend(1, place)?;
-        self.document.objects.push(Record { place, kind });
+        self.document.objects.push(SffRecord { place, kind });
         Ok(())
     }
 
-    pub fn spend(&mut self, elements: usize, place: Place) -> Read<()> {
+    pub fn spend(&mut self, elements: usize, place: SffPosition) -> ScnResult<()> {
         let name = self.stream.sources.name(place.file);
         (self.budget.spend(elements as u64)).map_err(|e| e.error(name))
     }
 
     /// Adds the transforms and textures of the latest object.
-    pub fn push_attributes(&mut self, place: Place) -> Read<()> {
+    pub fn push_attributes(&mut self, place: SffPosition) -> ScnResult<()> {
         self.spend(3 * self.scopes.record_count(), place)?;
         let records = self.scopes.records(place);
         self.document.objects.extend(records);
         Ok(())
     }
 
-    /// The look of an object here.
-    pub fn look(&mut self) -> Read<Look> {
+    /// The current appearance.
+    pub fn appearance(&mut self) -> ScnResult<RecordAppearance> {
         if self.scopes.innermost().surface == 0 {
             let surface = self.default_surface()?;
             self.scopes.set_default(surface);
         }
         let scope = self.scopes.innermost();
-        Ok(Look {
+        Ok(RecordAppearance {
             surface: scope.surface,
             refraction: scope.refraction,
         })
     }
 
-    /// The number of a surface, which equal ones share.
-    pub fn number_of(&mut self, surface: SurfaceRecord) -> Read<u32> {
+    /// The number of a surface; equal surfaces share one.
+    pub fn number_of(&mut self, surface: SurfaceRecord) -> ScnResult<u32> {
         let key = bits(&surface);
         if let Some(&known) = self.surfaces.get(&key) {
             return Ok(known);
@@ -337,7 +347,7 @@ impl Translator<'_> {
 
 const COMMANDS: [&str; 7] = ["light", "group", "begin", "ungroup", "end", "csg", "list"];
 
-/// All numbers of a surface.
+/// The bits of all numbers of a surface.
 fn bits(surface: &SurfaceRecord) -> Vec<u64> {
     use azulejo_scene::rtrace::RtraceSource::*;
     let flags = [surface.is_emitter, surface.is_unshadowed].map(|f| f64::from(u8::from(f)));

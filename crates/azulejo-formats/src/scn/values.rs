@@ -1,67 +1,66 @@
-//! Numbers, points and colours, with their arithmetic.
+//! Numbers, points and colours, with arithmetic.
 
-use super::colors::Colors;
-use super::tokens::{Token, TokenKind};
+use super::ScnResult;
+use super::colors::ColorNames;
+use super::tokens::{ScnToken, ScnTokenKind};
 use crate::ReadError;
 use crate::reading::text::shortened;
 use crate::reading::warnings::Warnings;
-use crate::sff::document::{Place, Sources};
+use crate::sff::document::{SffPosition, SffSources};
 use azulejo_scene::Rgb;
 use glam::DVec3;
 
-type Read<T> = Result<T, ReadError>;
-
-/// Parentheses nest no deeper.
+/// Maximum depth of parentheses.
 const DEEPEST: usize = 64;
 
 /// Largest magnitude of a value.
 const LARGEST: f64 = 1e30;
 
-/// Tokens that are left to understand.
-pub(super) struct Stream<'t> {
-    tokens: &'t [Token],
+/// The remaining tokens.
+pub(super) struct TokenStream<'t> {
+    tokens: &'t [ScnToken],
     at: usize,
-    pub sources: &'t Sources<'t>,
+    pub sources: &'t SffSources<'t>,
     pub warnings: &'t mut Warnings,
-    colors: Colors,
+    colors: ColorNames,
     depth: usize,
 }
 
-impl<'t> Stream<'t> {
+impl<'t> TokenStream<'t> {
     pub fn new(
-        tokens: &'t [Token],
-        sources: &'t Sources<'t>,
+        tokens: &'t [ScnToken],
+        sources: &'t SffSources<'t>,
         warnings: &'t mut Warnings,
-    ) -> Stream<'t> {
-        Stream {
+    ) -> TokenStream<'t> {
+        TokenStream {
             tokens,
             at: 0,
             sources,
             warnings,
-            colors: Colors::new(),
+            colors: ColorNames::new(),
             depth: 0,
         }
     }
 
-    /// Where the next token stands, or the last one at the end.
-    pub fn place(&self) -> Place {
+    /// The position of the next token, or of the last one at the end.
+    pub fn place(&self) -> SffPosition {
         let next = self.tokens.get(self.at).or(self.tokens.last());
-        next.map_or(Place::default(), |t| t.place)
+        next.map_or(SffPosition::default(), |t| t.place)
     }
 
-    /// How many tokens are left.
+    /// Number of remaining tokens.
     pub fn left(&self) -> usize {
         self.tokens.len() - self.at
     }
 
-    fn kind(&self) -> Option<TokenKind> {
+    fn kind(&self) -> Option<ScnTokenKind> {
         self.tokens.get(self.at).map(|t| t.kind)
     }
 
-    /// The next token if it is a word; it is not passed.
+    /// The next token if it is a word; it is not consumed.
     pub fn peek_word(&self) -> Option<&'t str> {
         match self.kind() {
-            Some(TokenKind::Word(span)) => Some(span.of(self.sources)),
+            Some(ScnTokenKind::Word(span)) => Some(span.of(self.sources)),
             _ => None,
         }
     }
@@ -73,7 +72,7 @@ impl<'t> Stream<'t> {
         word
     }
 
-    /// Passes a word if it is one of these.
+    /// Consumes a word if it is one of these.
     pub fn take(&mut self, words: &[&str]) -> bool {
         let found = self.peek_word().is_some_and(|w| words.contains(&w));
         self.at += usize::from(found);
@@ -81,7 +80,7 @@ impl<'t> Stream<'t> {
     }
 
     fn take_sign(&mut self, sign: u8) -> bool {
-        let found = self.kind() == Some(TokenKind::Sign(sign));
+        let found = self.kind() == Some(ScnTokenKind::Sign(sign));
         self.at += usize::from(found);
         found
     }
@@ -90,19 +89,19 @@ impl<'t> Stream<'t> {
     pub fn unexpected(&self, expected: &str) -> ReadError {
         let found = match self.kind() {
             None => "the end of the file".to_owned(),
-            Some(TokenKind::Number(v)) => format!("the number {v}"),
-            Some(TokenKind::Word(span)) => format!("\"{}\"", shortened(span.of(self.sources))),
-            Some(TokenKind::Sign(sign)) => format!("\"{}\"", char::from(sign)),
+            Some(ScnTokenKind::Number(v)) => format!("the number {v}"),
+            Some(ScnTokenKind::Word(span)) => format!("\"{}\"", shortened(span.of(self.sources))),
+            Some(ScnTokenKind::Sign(sign)) => format!("\"{}\"", char::from(sign)),
         };
         self.sources.error(self.place(), found, expected)
     }
 
-    /// An error about something at a place.
-    pub fn error(&self, place: Place, found: impl Into<String>, expected: &str) -> ReadError {
+    /// An error at a position.
+    pub fn error(&self, place: SffPosition, found: impl Into<String>, expected: &str) -> ReadError {
         self.sources.error(place, found, expected)
     }
 
-    pub fn warn(&mut self, place: Place, message: impl Into<String>) {
+    pub fn warn(&mut self, place: SffPosition, message: impl Into<String>) {
         let sources = self.sources;
         let position = || sources.position(place);
         let name = sources.name(place.file);
@@ -112,9 +111,9 @@ impl<'t> Stream<'t> {
     /// Whether a number follows.
     pub fn real_follows(&self) -> bool {
         match self.kind() {
-            Some(TokenKind::Number(_)) => true,
-            Some(TokenKind::Sign(sign)) => matches!(sign, b'(' | b'-' | b'+'),
-            Some(TokenKind::Word(_)) => {
+            Some(ScnTokenKind::Number(_)) => true,
+            Some(ScnTokenKind::Sign(sign)) => matches!(sign, b'(' | b'-' | b'+'),
+            Some(ScnTokenKind::Word(_)) => {
                 let word = self.peek_word().unwrap_or_default();
                 FUNCTIONS.contains(&word) || word == "dotvector"
             }
@@ -134,8 +133,8 @@ impl<'t> Stream<'t> {
         self.real_follows() || self.peek_word().is_some_and(named)
     }
 
-    /// A number: operators stand in parentheses only.
-    pub fn real(&mut self) -> Read<f64> {
+    /// Reads a number; operators may occur in parentheses only.
+    pub fn real(&mut self) -> ScnResult<f64> {
         let place = self.place();
         let value = self.nested(Self::signed)?;
         if value.abs() <= LARGEST {
@@ -144,12 +143,12 @@ impl<'t> Stream<'t> {
         Err(self.error(
             place,
             format!("the value {value}"),
-            "a number of at most 1e30",
+            "a number with a magnitude of at most 1e30",
         ))
     }
 
     /// Calls a rule one level deeper.
-    fn nested<T>(&mut self, rule: fn(&mut Self) -> Read<T>) -> Read<T> {
+    fn nested<T>(&mut self, rule: fn(&mut Self) -> ScnResult<T>) -> ScnResult<T> {
         if self.depth == DEEPEST {
             let found = format!("parentheses more than {DEEPEST} deep");
             return Err(self.error(self.place(), found, "fewer"));
@@ -160,18 +159,18 @@ impl<'t> Stream<'t> {
         result
     }
 
-    fn signed(&mut self) -> Read<f64> {
+    fn signed(&mut self) -> ScnResult<f64> {
         match self.kind() {
-            Some(TokenKind::Number(value)) => {
+            Some(ScnTokenKind::Number(value)) => {
                 self.at += 1;
                 Ok(value)
             }
-            Some(TokenKind::Sign(b'(')) => self.parenthesis(),
-            Some(TokenKind::Sign(b'-')) => {
+            Some(ScnTokenKind::Sign(b'(')) => self.parenthesis(),
+            Some(ScnTokenKind::Sign(b'-')) => {
                 self.at += 1;
                 Ok(-self.nested(Self::signed)?)
             }
-            Some(TokenKind::Sign(b'+')) => {
+            Some(ScnTokenKind::Sign(b'+')) => {
                 self.at += 1;
                 self.nested(Self::signed)
             }
@@ -179,21 +178,21 @@ impl<'t> Stream<'t> {
         }
     }
 
-    fn parenthesis(&mut self) -> Read<f64> {
+    fn parenthesis(&mut self) -> ScnResult<f64> {
         self.expect(b'(')?;
         let value = self.nested(Self::sum)?;
         self.expect(b')')?;
         Ok(value)
     }
 
-    fn expect(&mut self, sign: u8) -> Read<()> {
+    fn expect(&mut self, sign: u8) -> ScnResult<()> {
         if self.take_sign(sign) {
             return Ok(());
         }
         Err(self.unexpected(&format!("\"{}\"", char::from(sign))))
     }
 
-    fn sum(&mut self) -> Read<f64> {
+    fn sum(&mut self) -> ScnResult<f64> {
         let mut value = self.product()?;
         loop {
             if self.take_sign(b'+') {
@@ -206,7 +205,7 @@ impl<'t> Stream<'t> {
         }
     }
 
-    fn product(&mut self) -> Read<f64> {
+    fn product(&mut self) -> ScnResult<f64> {
         let mut value = self.power()?;
         loop {
             if self.take_sign(b'*') {
@@ -221,7 +220,7 @@ impl<'t> Stream<'t> {
         }
     }
 
-    fn power(&mut self) -> Read<f64> {
+    fn power(&mut self) -> ScnResult<f64> {
         if self.take_sign(b'-') {
             return Ok(-self.nested(Self::power)?);
         }
@@ -232,7 +231,7 @@ impl<'t> Stream<'t> {
         Ok(base)
     }
 
-    fn function(&mut self) -> Read<f64> {
+    fn function(&mut self) -> ScnResult<f64> {
         let name = self.peek_word().unwrap_or_default();
         let known = FUNCTIONS.contains(&name) || name == "dotvector";
         if !known {
@@ -265,7 +264,7 @@ impl<'t> Stream<'t> {
         })
     }
 
-    fn pair<A>(&mut self, rule: fn(&mut Self) -> Read<A>) -> Read<(A, A)> {
+    fn pair<A>(&mut self, rule: fn(&mut Self) -> ScnResult<A>) -> ScnResult<(A, A)> {
         self.expect(b'(')?;
         let first = self.nested(rule)?;
         self.expect(b',')?;
@@ -274,8 +273,8 @@ impl<'t> Stream<'t> {
         Ok((first, second))
     }
 
-    /// Three numbers, or a function that gives them.
-    pub fn point(&mut self) -> Read<DVec3> {
+    /// Reads three numbers, or a function that returns a point.
+    pub fn point(&mut self) -> ScnResult<DVec3> {
         let name = self.peek_word().unwrap_or_default();
         if !VECTORS.contains(&name) {
             return Ok(DVec3::new(self.real()?, self.real()?, self.real()?));
@@ -309,42 +308,46 @@ impl<'t> Stream<'t> {
         if result.abs().max_element() <= LARGEST {
             return Ok(result);
         }
-        Err(self.error(place, format!("{name} of no finite value"), "other vectors"))
+        Err(self.error(
+            place,
+            format!("{name} without a finite value"),
+            "vectors for which it is defined",
+        ))
     }
 
-    /// A point that is a direction.
-    pub fn vector(&mut self) -> Read<DVec3> {
+    /// Reads a point that is a direction.
+    pub fn vector(&mut self) -> ScnResult<DVec3> {
         let place = self.place();
         let v = self.point()?;
         if v.normalize_or_zero() != DVec3::ZERO {
             return Ok(v);
         }
-        Err(self.error(place, "a vector of no length", "a direction"))
+        Err(self.error(place, "a vector of length 0", "a direction"))
     }
 
-    /// A number > 0.
-    pub fn positive(&mut self, what: &str) -> Read<f64> {
+    /// Reads a positive number.
+    pub fn positive(&mut self, what: &str) -> ScnResult<f64> {
         let place = self.place();
         let value = self.real()?;
         if value > 0.0 {
             return Ok(value);
         }
-        Err(self.error(place, format!("{what} of {value}"), "a number > 0"))
+        Err(self.error(place, format!("{what} {value}"), "a positive number"))
     }
 
-    /// A number brought into a range, with a warning.
-    pub fn within(&mut self, low: f64, high: f64, what: &str) -> Read<f64> {
+    /// Reads a number and clamps it to a range, with a warning.
+    pub fn within(&mut self, low: f64, high: f64, what: &str) -> ScnResult<f64> {
         let place = self.place();
         let value = self.real()?;
         if (low..=high).contains(&value) {
             return Ok(value);
         }
-        self.warn(place, format!("{what} outside of {low}..{high}: limited"));
+        self.warn(place, format!("{what} outside {low}..{high}: clamped"));
         Ok(value.clamp(low, high))
     }
 
-    /// A colour of any amounts.
-    pub fn wide_color(&mut self) -> Read<Rgb> {
+    /// Reads a colour with any values.
+    pub fn wide_color(&mut self) -> ScnResult<Rgb> {
         if self.take(&["mono"]) {
             return Ok(Rgb::grey(self.real()?));
         }
@@ -353,51 +356,52 @@ impl<'t> Stream<'t> {
             return Ok(color);
         }
         if !self.real_follows() {
-            let expected = "a color: three numbers, mono and one, or a name";
+            let expected = "a colour: three numbers, mono and one number, or a name";
             return Err(self.unexpected(expected));
         }
         Ok(Rgb::new(self.real()?, self.real()?, self.real()?))
     }
 
-    /// A colour in 0..=1.
-    pub fn color(&mut self) -> Read<Rgb> {
+    /// Reads a colour in 0..=1.
+    pub fn color(&mut self) -> ScnResult<Rgb> {
         let place = self.place();
         let color = self.wide_color()?;
         let limited = color.map(|c| c.clamp(0.0, 1.0));
         if limited != color {
-            self.warn(place, "a color outside of 0..1: limited");
+            self.warn(place, "colour outside 0..1: clamped");
         }
         Ok(limited)
     }
 
-    /// The name of a file, which holds a dot.
-    pub fn file_name(&mut self) -> Read<String> {
+    /// Reads a file name, which contains a dot.
+    pub fn file_name(&mut self) -> ScnResult<String> {
         match self.peek_word() {
             Some(name) if name.contains('.') => {
                 self.at += 1;
                 Ok(name.to_owned())
             }
-            _ => Err(self.unexpected("the name of a file, with a dot in it")),
+            _ => Err(self.unexpected("a file name that contains a dot")),
         }
     }
 
-    /// The name of a file, if one follows.
+    /// Reads a file name, if one follows.
     pub fn file_name_if_any(&mut self) -> String {
         let named = self.peek_word().is_some_and(|w| w.contains('.'));
-        match named {
-            true => self.word().unwrap_or_default().to_owned(),
-            false => String::new(),
+        if named {
+            self.word().unwrap_or_default().to_owned()
+        } else {
+            String::new()
         }
     }
 }
 
-/// Functions that give a number, but for that of two vectors.
+/// Functions that return a number, except for the one with two vectors.
 const FUNCTIONS: [&str; 15] = [
     "int", "sin", "cos", "tan", "asin", "acos", "atan", "sqrt", "rtod", "dtor", "exp", "log",
     "abs", "max", "min",
 ];
 
-/// Functions that give a point.
+/// Functions that return a point.
 const VECTORS: [&str; 5] = [
     "addvector",
     "diffvector",

@@ -1,15 +1,14 @@
-//! Text blocks: commands that set a string in space.
+//! Text blocks: commands that place strings in space.
 
+use super::SffResult;
 use super::document::{TextCommand, TextCommandKind};
-use super::lines::Lines;
+use super::lines::SffLines;
 use crate::ReadError;
 use crate::reading::text::quoted;
 use crate::reading::text::text;
 use glam::DVec3;
 
-type Read<T> = Result<T, ReadError>;
-
-/// The commands, each with how many numbers follow it.
+/// The commands, each with its number of numbers.
 const COMMANDS: [(&str, usize); 6] = [
     ("SPACING", 1),
     ("SCALE", 3),
@@ -22,7 +21,7 @@ const COMMANDS: [(&str, usize); 6] = [
 const EXPECTED: &str = "SPACING, SCALE, ORIENTATION, FONT, ENCODING or AT";
 
 /// Reads commands up to an empty line.
-pub(super) fn read(lines: &mut Lines) -> Read<Vec<TextCommand>> {
+pub(super) fn read(lines: &mut SffLines) -> SffResult<Vec<TextCommand>> {
     let mut commands = Vec::new();
     while let Some(word) = next_word(lines) {
         let (place, word) = word;
@@ -46,18 +45,18 @@ pub(super) fn read(lines: &mut Lines) -> Read<Vec<TextCommand>> {
     Ok(commands)
 }
 
-use super::document::Place;
+use super::document::SffPosition;
 
-/// The next word of the block and its place; `None` at the block's end, which is passed.
-fn next_word<'a>(lines: &mut Lines<'a, '_>) -> Option<(Place, &'a [u8])> {
+/// The next word of the block and its position; `None` at the block's end, which is consumed.
+fn next_word<'a>(lines: &mut SffLines<'a, '_>) -> Option<(SffPosition, &'a [u8])> {
     reach_word(lines).then(|| {
         let place = lines.place();
         (place, lines.words().word().unwrap_or_default())
     })
 }
 
-/// Passes line ends and remarks up to the next word; `false` at an empty line, which is passed.
-fn reach_word(lines: &mut Lines) -> bool {
+/// Skips line ends and comments up to the next word; `false` at an empty line, which is consumed.
+fn reach_word(lines: &mut SffLines) -> bool {
     loop {
         if !lines.rest_is_blank() {
             if lines.words().peek() != Some(b'#') {
@@ -73,7 +72,7 @@ fn reach_word(lines: &mut Lines) -> bool {
     }
 }
 
-fn unknown(lines: &Lines, place: Place, word: &[u8]) -> ReadError {
+fn unknown(lines: &SffLines, place: SffPosition, word: &[u8]) -> ReadError {
     let upper = word.to_ascii_uppercase();
     let glued = COMMANDS.iter().find(|(name, _)| {
         let behind = upper.strip_prefix(name.as_bytes());
@@ -88,8 +87,13 @@ fn unknown(lines: &Lines, place: Place, word: &[u8]) -> ReadError {
     }
 }
 
-/// The numbers of a command. The error is about the command, whose line is what must be mended.
-fn numbers(lines: &mut Lines, place: Place, name: &str, count: usize) -> Read<[f64; 9]> {
+/// The numbers of a command. The error is reported at the command, whose line must be corrected.
+fn numbers(
+    lines: &mut SffLines,
+    place: SffPosition,
+    name: &str,
+    count: usize,
+) -> SffResult<[f64; 9]> {
     let mut numbers = [0.0; 9];
     for (k, value) in numbers.iter_mut().take(count).enumerate() {
         let is_there = reach_word_in_block(lines) && lines.number_follows();
@@ -106,8 +110,8 @@ fn numbers(lines: &mut Lines, place: Place, name: &str, count: usize) -> Read<[f
     Ok(numbers)
 }
 
-/// As [`reach_word`], but an empty line is not passed.
-fn reach_word_in_block(lines: &mut Lines) -> bool {
+/// As [`reach_word`], but an empty line is not consumed.
+fn reach_word_in_block(lines: &mut SffLines) -> bool {
     let before = *lines.words();
     let found = reach_word(lines);
     if !found {
@@ -116,16 +120,16 @@ fn reach_word_in_block(lines: &mut Lines) -> bool {
     found
 }
 
-fn file_name(lines: &mut Lines, place: Place, name: &str) -> Read<String> {
+fn file_name(lines: &mut SffLines, place: SffPosition, name: &str) -> SffResult<String> {
     if !reach_word_in_block(lines) {
-        return Err(lines.error(place, name, format!("{name} and the name of a file")));
+        return Err(lines.error(place, name, format!("{name} and a file name")));
     }
     let word = lines.words().word().unwrap_or_default();
     Ok(text(word).into_owned())
 }
 
-/// What stands between two quotes on one line.
-fn string(lines: &mut Lines, place: Place) -> Read<String> {
+/// The text between two quotes on one line.
+fn string(lines: &mut SffLines, place: SffPosition) -> SffResult<String> {
     let expected = "a string in quotes, \"…\", on one line";
     if !reach_word_in_block(lines) || lines.words().peek() != Some(b'"') {
         return Err(lines.error(place, "AT without a string", expected));
@@ -135,7 +139,7 @@ fn string(lines: &mut Lines, place: Place) -> Read<String> {
     let closed = line[1..].iter().position(|&b| b == b'"');
     let Some(length) = closed else {
         let at = lines.place();
-        return Err(lines.error(at, "a string without its second quote", expected));
+        return Err(lines.error(at, "a string without its closing quote", expected));
     };
     let string = text(&line[1..=length]).into_owned();
     *words = words.from(words.offset() + length + 2);

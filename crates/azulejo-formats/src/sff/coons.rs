@@ -1,4 +1,4 @@
-//! The format's patches, which are bicubic, as Bézier patches.
+//! Conversion between the format's Coons patches, which are bicubic, and Bézier patches.
 
 use azulejo_scene::{BicubicPatch, MaterialId};
 use glam::DVec3;
@@ -6,15 +6,15 @@ use glam::DVec3;
 /// Bernstein coefficients of t²(3 − 2t), which blends opposite borders.
 const BLEND: [f64; 4] = [0.0, 0.0, 1.0, 1.0];
 
-/// Places of the corners among the twelve points: both ends of the bottom, then of the top.
+/// Indices of the corners among the twelve points: both ends of the bottom, then of the top.
 const CORNERS: [usize; 4] = [3, 4, 7, 8];
 
-/// Points before and behind the corners on the bottom, the top, the left and the right border.
+/// The points around the corners on the bottom, top, left and right border.
 const BORDERS: [[usize; 4]; 4] = [[2, 3, 4, 5], [6, 7, 8, 9], [0, 3, 7, 10], [1, 4, 8, 11]];
 
 /// The Coons patch over four corners, whose borders are Catmull–Rom curves through twelve points.
 ///
-/// Both are cubic in each parameter, hence so is the patch, and its control points are exact.
+/// Both are cubic in each parameter, hence the patch is, too, and its control points are exact.
 pub(super) fn patch(points: &[DVec3; 12], material: MaterialId) -> BicubicPatch {
     let [bottom, top, left, right] = BORDERS.map(|border| bezier(border.map(|k| points[k])));
     let [a, b, c, d] = CORNERS.map(|k| points[k]);
@@ -32,7 +32,7 @@ pub(super) fn patch(points: &[DVec3; 12], material: MaterialId) -> BicubicPatch 
     }
 }
 
-/// The piece of a Catmull–Rom curve between its second and third point.
+/// The segment of a Catmull–Rom curve between its second and third point.
 fn bezier([before, start, end, behind]: [DVec3; 4]) -> [DVec3; 4] {
     [
         start,
@@ -42,7 +42,7 @@ fn bezier([before, start, end, behind]: [DVec3; 4]) -> [DVec3; 4] {
     ]
 }
 
-/// The twelve points of a patch that [`patch`] would make but for rounding; `None` if there are
+/// The twelve points from which [`patch`] makes this patch up to rounding; `None` if there are
 /// none.
 pub(super) fn points(patch: &BicubicPatch) -> Option<[DVec3; 12]> {
     let p = &patch.points;
@@ -68,7 +68,7 @@ pub(super) fn points(patch: &BicubicPatch) -> Option<[DVec3; 12]> {
 mod tests {
     use super::*;
 
-    /// Twelve points of a bent patch.
+    /// Twelve points of a curved patch.
     fn bent() -> [DVec3; 12] {
         let places = [
             (1.0, 0.0),
@@ -87,7 +87,7 @@ mod tests {
         places.map(|(x, y)| DVec3::new(x, y, 0.3 * x * y - 0.1 * x * x))
     }
 
-    /// The definition, by its own words.
+    /// A Coons patch evaluated by its definition.
     fn by_definition(p: &[DVec3; 12], u: f64, v: f64) -> DVec3 {
         let hermite = |[before, start, end, behind]: [usize; 4], t: f64| {
             let (m0, m1) = (0.5 * (p[end] - p[before]), 0.5 * (p[behind] - p[start]));

@@ -1,4 +1,4 @@
-//! An SFF file record by record, as it stands; numbers of surfaces and objects count from 1.
+//! An SFF file, mirrored record by record; surfaces and objects are numbered from 1.
 
 use crate::reading::words::Words;
 use crate::{Position, ReadError};
@@ -8,44 +8,44 @@ use glam::{DMat4, DVec3};
 
 /// A whole file.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Document {
-    /// Whether scn2sff wrote it, by its title.
+pub(crate) struct SffDocument {
+    /// Whether scn2sff wrote it, according to its title.
     pub is_translated: bool,
-    pub view: View,
+    pub view: SffView,
     pub background: Rgb,
     pub ambient: Rgb,
     pub lights: Vec<RtraceLight>,
     pub surfaces: Vec<SurfaceRecord>,
-    pub objects: Vec<Record>,
-    /// The last section, whose records are [`RecordKind::Texture`].
-    pub textures: Vec<Record>,
+    pub objects: Vec<SffRecord>,
+    /// The last section; its records are [`RecordKind::Texture`].
+    pub textures: Vec<SffRecord>,
 }
 
 /// The first section.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct View {
+pub(crate) struct SffView {
     pub eye: DVec3,
-    pub look: DVec3,
+    pub target: DVec3,
     pub up: DVec3,
-    /// Half apertures, degrees.
+    /// Half angles of view, degrees.
     pub angles: [f64; 2],
-    pub place: Place,
+    pub place: SffPosition,
 }
 
-/// As SCN has it.
-impl Default for View {
-    fn default() -> View {
-        View {
+/// SCN's defaults.
+impl Default for SffView {
+    fn default() -> SffView {
+        SffView {
             eye: DVec3::new(5.0, 0.0, 0.0),
-            look: DVec3::ZERO,
+            target: DVec3::ZERO,
             up: DVec3::Y,
             angles: [22.5; 2],
-            place: Place::default(),
+            place: SffPosition::default(),
         }
     }
 }
 
-/// A surface before the format's rules are applied to it.
+/// A surface before the format's rules are applied.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SurfaceRecord {
     pub color: Rgb,
@@ -56,34 +56,45 @@ pub(crate) struct SurfaceRecord {
 
 /// One entry of the objects' section.
 #[derive(Clone, Debug)]
-pub(crate) struct Record {
-    pub place: Place,
+pub(crate) struct SffRecord {
+    pub place: SffPosition,
     pub kind: RecordKind,
 }
 
-/// The kinds of entries.
+/// The types of records.
 #[derive(Clone, Debug)]
 pub(crate) enum RecordKind {
-    Object { look: Look, geometry: Geometry },
+    Object {
+        appearance: RecordAppearance,
+        geometry: SffGeometry,
+    },
     Texture(Box<TextureRecord>),
-    Transform { object: u32, matrix: Box<DMat4> },
-    CsgBegin { look: Look, operation: Operation },
+    Transform {
+        object: u32,
+        matrix: Box<DMat4>,
+    },
+    CsgBegin {
+        appearance: RecordAppearance,
+        operation: Operation,
+    },
     CsgNext,
     CsgEnd,
-    ListBegin { look: Look },
+    ListBegin {
+        appearance: RecordAppearance,
+    },
     ListEnd,
 }
 
-/// What a record says of its surface; 0 where it is the members' own.
+/// The surface and refraction index in a record; 0 if the members have their own.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Look {
+pub(crate) struct RecordAppearance {
     pub surface: u32,
     pub refraction: f64,
 }
 
 /// The shapes.
 #[derive(Clone, Debug)]
-pub(crate) enum Geometry {
+pub(crate) enum SffGeometry {
     Sphere {
         centre: DVec3,
         radius: f64,
@@ -93,33 +104,33 @@ pub(crate) enum Geometry {
         centre: DVec3,
         half: DVec3,
     },
-    Cone(Cone),
-    Patches(Box<Placed<PatchData>>),
-    Polygons(Box<Placed<PolygonData>>),
-    Triangles(Box<Placed<TriangleData>>),
-    Text(Data<Vec<TextCommand>>),
+    Cone(SffCone),
+    Patches(Box<PlacedData<PatchData>>),
+    Polygons(Box<PlacedData<PolygonData>>),
+    Triangles(Box<PlacedData<TriangleData>>),
+    Text(RecordData<Vec<TextCommand>>),
 }
 
-/// The side of a cone or cylinder; the ends in any order.
+/// The lateral surface of a cone or cylinder; the ends in any order.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Cone {
+pub(crate) struct SffCone {
     pub base: DVec3,
     pub base_radius: f64,
     pub apex: DVec3,
     pub apex_radius: f64,
 }
 
-/// Data under a scale and, behind it, a shift.
+/// Data with a scale and a subsequent translation.
 #[derive(Clone, Debug)]
-pub(crate) struct Placed<T> {
+pub(crate) struct PlacedData<T> {
     pub origin: DVec3,
     pub scale: DVec3,
-    pub data: Data<T>,
+    pub data: RecordData<T>,
 }
 
-/// Data in the file itself, or in another.
+/// Data in the file itself, or in another one.
 #[derive(Clone, Debug)]
-pub(crate) enum Data<T> {
+pub(crate) enum RecordData<T> {
     Here(T),
     File(String),
 }
@@ -127,7 +138,7 @@ pub(crate) enum Data<T> {
 /// Bicubic patches.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PatchData {
-    /// From 0.
+    /// Indices counted from 0.
     pub patches: Vec<[u32; 12]>,
     pub vertices: Vec<DVec3>,
 }
@@ -135,7 +146,7 @@ pub(crate) struct PatchData {
 /// Polygons.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct PolygonData {
-    /// From 0.
+    /// Indices counted from 0.
     pub faces: azulejo_scene::Faces,
     pub vertices: Vec<DVec3>,
 }
@@ -143,16 +154,16 @@ pub(crate) struct PolygonData {
 /// Triangles with normals.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct TriangleData {
-    /// Three positions with three normals.
+    /// Three positions, each with a normal.
     pub corners: Vec<[(DVec3, DVec3); 3]>,
-    /// The surfaces at the corners, from 1; empty where the object has one for all.
+    /// The surfaces at the corners, counted from 1; empty if the object has a single one.
     pub surfaces: Vec<[u32; 3]>,
 }
 
 /// A command of a text block.
 #[derive(Clone, Debug)]
 pub(crate) struct TextCommand {
-    pub place: Place,
+    pub place: SffPosition,
     pub kind: TextCommandKind,
 }
 
@@ -167,45 +178,45 @@ pub(crate) enum TextCommandKind {
     At(DVec3, String),
 }
 
-/// A texture record; what it is about stands in `object`, 0 for the latest.
+/// A texture record; it applies to the object with the number `object`, 0 for the latest.
 #[derive(Clone, Debug)]
 pub(crate) struct TextureRecord {
-    pub place: Place,
+    pub place: SffPosition,
     pub object: u32,
     pub matrix: DMat4,
     pub kind: TextureKind,
-    /// Name of a colour map or picture; empty for none.
+    /// Name of a colour map or image; empty for none.
     pub file: String,
 }
 
-/// A texture's number, 0..=20, and the numbers behind its matrix, in the file's order and without
-/// the name of a file.
+/// A texture's type, 0..=20, and the numbers after its matrix, in the file's order and without the
+/// file name.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TextureKind {
     pub number: u32,
     pub values: Vec<f64>,
 }
 
-/// Where something stands: which of the [`Sources`], and the byte in it.
+/// A position: an index into [`SffSources`], and a byte offset.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Place {
+pub(crate) struct SffPosition {
     pub file: u32,
     pub offset: u32,
 }
 
-/// The texts that a document is made of, for messages about places in them.
+/// The texts of a document, for messages about positions in them.
 #[derive(Debug, Default)]
-pub(crate) struct Sources<'a> {
+pub(crate) struct SffSources<'a> {
     list: Vec<(String, std::borrow::Cow<'a, [u8]>)>,
 }
 
-impl<'a> Sources<'a> {
-    /// The number that the next text gets.
+impl<'a> SffSources<'a> {
+    /// The index that the next text gets.
     pub fn next(&self) -> u32 {
         self.list.len() as u32
     }
 
-    /// Adds a text and returns its number.
+    /// Adds a text and returns its index.
     pub fn add(&mut self, name: &str, bytes: impl Into<std::borrow::Cow<'a, [u8]>>) -> u32 {
         self.list.push((name.to_owned(), bytes.into()));
         (self.list.len() - 1) as u32
@@ -226,15 +237,15 @@ impl<'a> Sources<'a> {
         Words::new(bytes, name)
     }
 
-    /// Line and column of a place.
-    pub fn position(&self, place: Place) -> Position {
+    /// Line and column of a position.
+    pub fn position(&self, place: SffPosition) -> Position {
         self.words(place.file).position(place.offset as usize)
     }
 
-    /// An error at a place.
+    /// An error at a position.
     pub fn error(
         &self,
-        place: Place,
+        place: SffPosition,
         found: impl Into<String>,
         expected: impl Into<String>,
     ) -> ReadError {

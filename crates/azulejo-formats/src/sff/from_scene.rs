@@ -1,4 +1,4 @@
-//! A scene as a document, with a font of all the figures that it extrudes.
+//! Converts a scene to a document, with a font of all extruded figures.
 
 use super::document::*;
 use super::lights;
@@ -14,20 +14,20 @@ use glam::{DAffine3, DMat3, DMat4, DVec3};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Radius of a cone's end that is a point, as a share of the other's: SFF has no radius 0.
+/// Radius of a cone's apex, relative to that of its base: SFF does not allow radius 0.
 const POINT: f64 = 1e-6;
 
 /// Height of the flat cones that close a cone.
 const FLAT: f64 = 0.001;
 
 /// The document of a scene and the glyphs of its text; `stem` begins the names of the font's files.
-pub(super) fn document(scene: &Scene, stem: &str) -> (Document, Font) {
+pub(super) fn document(scene: &Scene, stem: &str) -> (SffDocument, Font) {
     let rtrace = scene.rtrace.as_deref();
-    let mut writer = Writer {
+    let mut writer = SffWriter {
         scene,
         rtrace,
         stem,
-        document: Document::default(),
+        document: SffDocument::default(),
         font: Font::default(),
         glyphs: HashMap::new(),
         number: 0,
@@ -42,33 +42,33 @@ pub(super) fn document(scene: &Scene, stem: &str) -> (Document, Font) {
     (writer.document, writer.font)
 }
 
-/// Whether an object is the body of a light of RTRACE's.
+/// Whether an object represents an RTRACE light.
 pub(super) fn is_lamp(scene: &Scene, shape: &Shape) -> bool {
     let known = scene.rtrace.as_ref().map(|r| r.materials.len());
     matches!((shape, known), (Shape::Primitive(p), Some(known)) if p.material as usize >= known)
 }
 
-struct Writer<'s> {
+struct SffWriter<'s> {
     scene: &'s Scene,
     rtrace: Option<&'s Rtrace>,
     stem: &'s str,
-    document: Document,
+    document: SffDocument,
     font: Font,
-    /// Names of figures by their places in memory, which prisms share.
+    /// Names of figures by their addresses, which prisms share.
     glyphs: HashMap<*const Figure, String>,
-    /// How many objects the document has, members included.
+    /// The number of objects so far, members included.
     number: u32,
 }
 
-impl Writer<'_> {
+impl SffWriter<'_> {
     fn numbers_of_rtrace(&mut self, rtrace: &Rtrace) {
         let document = &mut self.document;
-        document.view = View {
+        document.view = SffView {
             eye: rtrace.eye,
-            look: rtrace.look,
+            target: rtrace.look,
             up: rtrace.up,
             angles: rtrace.half_angles.map(degrees),
-            place: Place::default(),
+            place: SffPosition::default(),
         };
         document.background = rtrace.background;
         document.ambient = rtrace.ambient;
@@ -118,8 +118,7 @@ impl Writer<'_> {
         }
     }
 
-    /// Solids in their order; prisms and patches of one material that follow each other are one
-    /// record.
+    /// Adds solids in their order; consecutive prisms or patches of one material form one record.
     fn solids(&mut self, solids: &[Solid]) {
         let together = |a: &Solid, b: &Solid| match (a, b) {
             (Solid::Prism(a), Solid::Prism(b)) => a.material == b.material,
@@ -134,14 +133,14 @@ impl Writer<'_> {
                 Solid::Mesh(mesh) => self.mesh(mesh),
                 Solid::Shell(pieces) => {
                     self.push(RecordKind::ListBegin {
-                        look: Look::default(),
+                        appearance: RecordAppearance::default(),
                     });
                     self.solids(pieces);
                     self.push(RecordKind::ListEnd);
                 }
                 Solid::Csg(csg) => {
                     self.push(RecordKind::CsgBegin {
-                        look: Look::default(),
+                        appearance: RecordAppearance::default(),
                         operation: csg.operation,
                     });
                     self.solids(&csg.left);
@@ -159,8 +158,8 @@ impl Writer<'_> {
             RecordKind::Object { .. } | RecordKind::CsgBegin { .. } | RecordKind::ListBegin { .. }
         );
         self.number += u32::from(begins);
-        let place = Place::default();
-        self.document.objects.push(Record { place, kind });
+        let place = SffPosition::default();
+        self.document.objects.push(SffRecord { place, kind });
     }
 
     fn transform(&mut self, map: &DAffine3) {
@@ -168,10 +167,13 @@ impl Writer<'_> {
         self.push(RecordKind::Transform { object: 0, matrix });
     }
 
-    /// A record of a material, with the textures of it.
-    fn leaf(&mut self, geometry: Geometry, material: MaterialId) {
-        let look = self.look(material);
-        self.push(RecordKind::Object { look, geometry });
+    /// Adds a record with a material and its textures.
+    fn leaf(&mut self, geometry: SffGeometry, material: MaterialId) {
+        let appearance = self.appearance(material);
+        self.push(RecordKind::Object {
+            appearance,
+            geometry,
+        });
         let Some(of_rtrace) = self.rtrace.and_then(|r| r.materials.get(material as usize)) else {
             return;
         };
@@ -180,27 +182,27 @@ impl Writer<'_> {
         }
         for texture in &of_rtrace.section_textures {
             let kind = RecordKind::Texture(texture_record(texture, self.number));
-            let place = Place::default();
-            self.document.textures.push(Record { place, kind });
+            let place = SffPosition::default();
+            self.document.textures.push(SffRecord { place, kind });
         }
     }
 
-    fn look(&self, material: MaterialId) -> Look {
+    fn appearance(&self, material: MaterialId) -> RecordAppearance {
         if let Some(rtrace) = self.rtrace {
             let known = rtrace.materials.get(material as usize);
             return known.map_or(
-                Look {
+                RecordAppearance {
                     surface: 1,
                     refraction: 1.0,
                 },
-                |m| Look {
+                |m| RecordAppearance {
                     surface: m.surface + 1,
                     refraction: m.ior,
                 },
             );
         }
         let glass = self.scene.materials[material as usize].dielectric;
-        Look {
+        RecordAppearance {
             surface: material + 1,
             refraction: glass.map_or(1.0, |g| g.ior.clamp(1.0, 300.0)),
         }
@@ -218,7 +220,7 @@ impl Writer<'_> {
                 } else {
                     (DVec3::ZERO, 1.0)
                 };
-                self.leaf(Geometry::Sphere { centre, radius }, p.material);
+                self.leaf(SffGeometry::Sphere { centre, radius }, p.material);
                 self.transform_unless(same && radius > 0.0, map);
             }
             PrimitiveKind::Cuboid => {
@@ -227,12 +229,12 @@ impl Writer<'_> {
                 let same = again == *map && half.min_element() > 0.0;
                 let unit = DVec3::splat(0.5);
                 let (centre, half) = if same { (t + half, half) } else { (unit, unit) };
-                self.leaf(Geometry::Cuboid { centre, half }, p.material);
+                self.leaf(SffGeometry::Cuboid { centre, half }, p.material);
                 self.transform_unless(same, map);
             }
             PrimitiveKind::Tube { top } => {
                 let (cone, same) = cone(p, top);
-                self.leaf(Geometry::Cone(cone), p.material);
+                self.leaf(SffGeometry::Cone(cone), p.material);
                 self.transform_unless(same, map);
             }
             PrimitiveKind::Cone { top } => self.closed_cone(p, top),
@@ -243,7 +245,7 @@ impl Writer<'_> {
                 faces.push(&[0, 1, 2, 3]);
                 let vertices = corners.to_vec();
                 let data = PolygonData { faces, vertices };
-                self.leaf(Geometry::Polygons(here(data)), p.material);
+                self.leaf(SffGeometry::Polygons(here(data)), p.material);
             }
         }
     }
@@ -254,14 +256,14 @@ impl Writer<'_> {
         }
     }
 
-    /// A list of the side and of flat cones over its ends.
+    /// Adds a list of the lateral surface and of flat cones over its ends.
     fn closed_cone(&mut self, p: &Primitive, top: f64) {
         let (side, same) = cone(p, top);
         self.push(RecordKind::ListBegin {
-            look: Look::default(),
+            appearance: RecordAppearance::default(),
         });
         self.transform_unless(same, &p.world_from_object);
-        self.leaf(Geometry::Cone(side), p.material);
+        self.leaf(SffGeometry::Cone(side), p.material);
         let axis = (side.apex - side.base).normalize_or_zero();
         let ends = [
             (side.base, side.base_radius, -axis),
@@ -271,13 +273,13 @@ impl Writer<'_> {
             if base_radius <= POINT * side.base_radius {
                 continue;
             }
-            let cap = Cone {
+            let cap = SffCone {
                 base,
                 base_radius,
                 apex: base + FLAT.min(0.01 * base_radius) * outward,
                 apex_radius: POINT * base_radius,
             };
-            self.leaf(Geometry::Cone(cap), p.material);
+            self.leaf(SffGeometry::Cone(cap), p.material);
         }
         self.push(RecordKind::ListEnd);
     }
@@ -299,7 +301,7 @@ impl Writer<'_> {
             }
         }
         if !data.patches.is_empty() {
-            self.leaf(Geometry::Patches(here(data)), material);
+            self.leaf(SffGeometry::Patches(here(data)), material);
         }
         if !others.is_empty() {
             let triangles = others.into_iter().flat_map(tessellated).collect();
@@ -310,10 +312,10 @@ impl Writer<'_> {
     fn triangles(&mut self, corners: Vec<[(DVec3, DVec3); 3]>, material: MaterialId) {
         let surfaces = Vec::new();
         let data = TriangleData { corners, surfaces };
-        self.leaf(Geometry::Triangles(here(data)), material);
+        self.leaf(SffGeometry::Triangles(here(data)), material);
     }
 
-    /// A mesh of one record for each of its materials.
+    /// Adds a mesh as one record per material.
     fn mesh(&mut self, mesh: &Mesh) {
         let mut materials = mesh.face_materials.clone();
         materials.sort_unstable();
@@ -328,13 +330,13 @@ impl Writer<'_> {
                 }
                 None => {
                     let data = polygons(mesh, &faces);
-                    self.leaf(Geometry::Polygons(here(data)), material);
+                    self.leaf(SffGeometry::Polygons(here(data)), material);
                 }
             }
         }
     }
 
-    /// Triangles with surfaces at their corners.
+    /// Adds triangles with surfaces at their corners.
     fn mixed(&mut self, mesh: &Mesh, corner_surfaces: &[[u32; 3]]) {
         let Some(normals) = &mesh.normals else {
             return self.mesh(mesh);
@@ -345,15 +347,15 @@ impl Writer<'_> {
             surfaces: corner_surfaces.iter().map(|s| s.map(|s| s + 1)).collect(),
         };
         let material = mesh.face_materials.first().copied().unwrap_or(0);
-        let geometry = Geometry::Triangles(here(data));
+        let geometry = SffGeometry::Triangles(here(data));
         let start = self.document.objects.len();
         self.leaf(geometry, material);
-        if let RecordKind::Object { look, .. } = &mut self.document.objects[start].kind {
-            look.surface = 0;
+        if let RecordKind::Object { appearance, .. } = &mut self.document.objects[start].kind {
+            appearance.surface = 0;
         }
     }
 
-    /// A text block of prisms, each at a place of its own.
+    /// Adds a text block of prisms, each at its own position.
     fn text(&mut self, group: &[Solid]) {
         let mut commands = vec![
             TextCommandKind::Spacing(0.0),
@@ -384,13 +386,13 @@ impl Writer<'_> {
         if commands.len() == settings {
             return;
         }
-        let place = Place::default();
+        let place = SffPosition::default();
         let placed = |kind| TextCommand { place, kind };
         let commands = commands.into_iter().map(placed).collect();
-        self.leaf(Geometry::Text(Data::Here(commands)), material);
+        self.leaf(SffGeometry::Text(RecordData::Here(commands)), material);
     }
 
-    /// The name of a prism's figure; `None` if it has no inside.
+    /// The glyph name of a prism's figure; `None` if the figure is empty.
     fn glyph(&mut self, prism: &Prism) -> Option<String> {
         let key = Arc::as_ptr(&prism.figure);
         if let Some(known) = self.glyphs.get(&key) {
@@ -408,20 +410,21 @@ impl Writer<'_> {
     }
 }
 
-fn here<T>(data: T) -> Box<Placed<T>> {
-    Box::new(Placed {
+fn here<T>(data: T) -> Box<PlacedData<T>> {
+    Box::new(PlacedData {
         origin: DVec3::ZERO,
         scale: DVec3::ONE,
-        data: Data::Here(data),
+        data: RecordData::Here(data),
     })
 }
 
-/// The record of a cone's side, and whether it stands where it is; a unit cone if it does not.
-fn cone(p: &Primitive, top: f64) -> (Cone, bool) {
+/// The record of a cone's lateral surface, and whether it is in its final position; otherwise it is
+/// a unit cone that needs a transform.
+fn cone(p: &Primitive, top: f64) -> (SffCone, bool) {
     let m = p.world_from_object.matrix3;
     let radius = m.x_axis.length();
     let base = p.world_from_object.translation;
-    let placed = Cone {
+    let placed = SffCone {
         base,
         base_radius: radius,
         apex: base + m.z_axis,
@@ -432,7 +435,7 @@ fn cone(p: &Primitive, top: f64) -> (Cone, bool) {
     if again.world_from_object == p.world_from_object && again.kind == p.kind {
         return (placed, true);
     }
-    let unit = Cone {
+    let unit = SffCone {
         base: DVec3::ZERO,
         base_radius: 1.0,
         apex: DVec3::Z,
@@ -444,7 +447,7 @@ fn cone(p: &Primitive, top: f64) -> (Cone, bool) {
 fn texture_record(texture: &RtraceTexture, object: u32) -> Box<TextureRecord> {
     let (number, values) = textures::numbers(&texture.kind);
     Box::new(TextureRecord {
-        place: Place::default(),
+        place: SffPosition::default(),
         object,
         matrix: texture.matrix,
         kind: TextureKind { number, values },
@@ -452,7 +455,7 @@ fn texture_record(texture: &RtraceTexture, object: u32) -> Box<TextureRecord> {
     })
 }
 
-/// Polygons over the vertices that they use, or over all if they use the last.
+/// Polygons with the vertices that they use, or with all if they use the last one.
 fn polygons(mesh: &Mesh, faces: &[usize]) -> PolygonData {
     let last = mesh.positions.len() as u32;
     let corners = || faces.iter().flat_map(|&f| mesh.faces.get(f));
@@ -499,10 +502,10 @@ fn fan(
     triangles.map(|t| t.map(|k| corner(k as usize))).collect()
 }
 
-/// How many cells along each side of a patch that SFF has no words for.
+/// Number of cells along each side of a patch that SFF cannot represent.
 const CELLS: u32 = 16;
 
-/// A patch as triangles with its own normals.
+/// A patch as triangles with its exact normals.
 fn tessellated(patch: &BicubicPatch) -> Vec<[(DVec3, DVec3); 3]> {
     let corner = |i: u32, j: u32| {
         let (u, v) = (
@@ -521,8 +524,8 @@ fn tessellated(patch: &BicubicPatch) -> Vec<[(DVec3, DVec3); 3]> {
     cells.flat_map(two).collect()
 }
 
-/// A view that shows a scene: its own first camera, or one from the front.
-fn view(scene: &Scene) -> View {
+/// A view of a scene: its first camera, or a front view.
+fn view(scene: &Scene) -> SffView {
     let framing = || {
         let bounds = if scene.objects.is_empty() {
             Aabb::around([DVec3::ZERO, DVec3::ONE])
@@ -535,16 +538,16 @@ fn view(scene: &Scene) -> View {
     let vertical = 0.5 * camera.vertical_fov;
     let (width, height) = camera.size.unwrap_or((1, 1));
     let horizontal = (vertical.tan() * f64::from(width) / f64::from(height)).atan();
-    View {
+    SffView {
         eye: camera.eye,
-        look: camera.target,
+        target: camera.target,
         up: camera.up,
         angles: [horizontal, vertical].map(|a| degrees(a).clamp(0.5, 89.5)),
-        place: Place::default(),
+        place: SffPosition::default(),
     }
 }
 
-/// A material as a surface: Kd and Ks are what it reflects, its colour is white or what it emits.
+/// A material as a surface: Kd and Ks are its reflectances, its colour is white or its emission.
 fn surface(material: &Material) -> SurfaceRecord {
     if let Some(strauss) = strauss(material) {
         return strauss;
@@ -562,7 +565,7 @@ fn surface(material: &Material) -> SurfaceRecord {
         is_unshadowed: false,
         source: RtraceSource::Phong {
             diffuse: material.diffuse,
-            // What glass mirrors depends on the angle: SFF's share does not.
+            // The reflectance of glass depends on the angle, SFF's share does not.
             specular: if glass.is_some() {
                 Rgb::grey(0.05)
             } else {
@@ -579,25 +582,25 @@ fn unit(color: Rgb) -> Rgb {
     color.map(|v| v.clamp(0.0, 1.0))
 }
 
-/// What a material mirrors, exactly or about: of a lobe along the normal, if it says so.
+/// The specular reflectance of a material, exact or approximate: for a lobe, at normal incidence.
 fn specular(material: &Material) -> Rgb {
     let lobe = model_of(material).filter(|m| m.name == "lewis");
     let ks = lobe.and_then(|m| color(m, "ks"));
     ks.unwrap_or_else(|| unit(material.mirror + material.mean_glossy()))
 }
 
-/// The exponent of a lobe about as wide as a material's.
+/// The exponent of a Phong lobe about as wide as a material's lobe.
 fn exponent(material: &Material) -> f64 {
     let Some(model) = model_of(material).filter(|_| material.glossy().is_some()) else {
         return 100.0;
     };
     let said = number(model, "n").filter(|_| model.name == "lewis");
-    // Angles to the mirrored light are about twice those to the half vector.
+    // Angles to the mirrored direction are about twice those to the half vector.
     let near = || 0.25 * (2.0 / slope(model).powi(2) - 2.0);
     said.unwrap_or_else(near).clamp(3.0, 300.0)
 }
 
-/// A surface of the second type, whose rule is Strauss' model.
+/// A surface of the second type, which uses Strauss' model.
 fn strauss(material: &Material) -> Option<SurfaceRecord> {
     let model = model_of(material).filter(|m| m.name == "strauss")?;
     let grey = |name: &str| Rgb::grey(number(model, name).unwrap_or(0.0));
@@ -613,7 +616,7 @@ fn strauss(material: &Material) -> Option<SurfaceRecord> {
     })
 }
 
-/// Degrees that are exactly this angle again, if there are any within rounding.
+/// Degrees that convert back to exactly this angle, if there are any within rounding.
 pub(super) fn degrees(radians: f64) -> f64 {
     let near = radians.to_degrees();
     let mut around = [near, near.next_up(), near.next_down()].into_iter();

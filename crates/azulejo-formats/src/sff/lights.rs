@@ -1,50 +1,50 @@
-//! RTRACE's lights as lights that fall with the square of the distance.
+//! Conversion between RTRACE's lights and lights that follow the inverse-square law.
 
-use super::document::View;
+use super::document::SffView;
 use azulejo_scene::rtrace::{RtraceLight, RtraceLightKind};
 use azulejo_scene::{Light, LightKind, Material, Primitive, Rgb};
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// A light that never fades is taken for one infinitely far away if it is farther than this many
-/// times the distance from the eye to the point looked at.
+/// A light without attenuation is taken as directional if it is farther than this multiple of the
+/// distance from the eye to the target.
 const FAR: f64 = 100.0;
 
-/// What a light becomes.
-pub(super) enum Lamp {
+/// The physical equivalent of a light.
+pub(super) enum SffLight {
     /// Lights without area.
     Lights(Vec<LightKind>),
-    /// A body that shines with this radiance.
+    /// An emitter with this radiance.
     Body(Primitive, Rgb),
 }
 
-/// A light as physics has it.
+/// The physical equivalent of an RTRACE light.
 ///
-/// RTRACE's lights fade as g / (g + d/4), where g is the distance from the eye to the point looked
-/// at, or not at all. A physical one is as bright there, falls with the square of the distance
-/// before and behind, and has area if RTRACE's has. `material` is what its body is made of.
-pub(super) fn physical(light: &RtraceLight, view: &View, material: u32) -> Lamp {
-    let gaze = view.eye.distance(view.look);
-    let offset = view.look - light.position;
+/// RTRACE's lights attenuate as g / (g + d/4), where g is the distance from the eye to the target,
+/// or not at all. The physical light gives the same irradiance at the target, follows the
+/// inverse-square law, and has area if RTRACE's has. `material` is the material of its emitter.
+pub(super) fn physical(light: &RtraceLight, view: &SffView, material: u32) -> SffLight {
+    let gaze = view.eye.distance(view.target);
+    let offset = view.target - light.position;
     let distance = offset.length().max(1e-3 * gaze);
     let fade = gaze / (gaze + 0.25 * distance);
     let arriving = Rgb::from([0, 1, 2].map(|k| {
         let share = if light.fades[k] { fade } else { 1.0 };
         light.brightness[k] * share
     }));
-    // RTRACE has no π in what surfaces reflect.
+    // RTRACE's reflection has no factor 1/π.
     let irradiance = arriving * PI;
     let intensity = irradiance * (distance * distance);
     let position = light.position;
     match light.kind {
         RtraceLightKind::Point if light.fades == [false; 3] && distance > FAR * gaze => {
             let direction = offset / distance;
-            Lamp::Lights(vec![LightKind::Directional {
+            SffLight::Lights(vec![LightKind::Directional {
                 direction,
                 irradiance,
             }])
         }
-        RtraceLightKind::Point => Lamp::Lights(vec![LightKind::Point {
+        RtraceLightKind::Point => SffLight::Lights(vec![LightKind::Point {
             position,
             intensity,
         }]),
@@ -52,7 +52,7 @@ pub(super) fn physical(light: &RtraceLight, view: &View, material: u32) -> Lamp 
             direction,
             half_angle,
             factor,
-        } => Lamp::Lights(vec![LightKind::Spot {
+        } => SffLight::Lights(vec![LightKind::Spot {
             position,
             direction,
             intensity,
@@ -61,32 +61,32 @@ pub(super) fn physical(light: &RtraceLight, view: &View, material: u32) -> Lamp 
         }]),
         RtraceLightKind::Extended { radius, .. } => {
             let body = Primitive::sphere(position, radius, material);
-            Lamp::Body(body, intensity / (PI * radius * radius))
+            SffLight::Body(body, intensity / (PI * radius * radius))
         }
         RtraceLightKind::Planar { edges, samples } => {
             let area = edges[0].cross(edges[1]).length();
             if area > 0.0 && area.is_normal() {
                 let corner = position - 0.5 * (edges[0] + edges[1]);
                 let body = Primitive::parallelogram(corner, edges[0], edges[1], material);
-                return Lamp::Body(body, intensity / area);
+                return SffLight::Body(body, intensity / area);
             }
             let count = samples[0].max(1);
             let point = |k: u32| LightKind::Point {
                 position: position + along(k, count) * edges[0],
                 intensity: intensity / f64::from(count),
             };
-            Lamp::Lights((0..count).map(point).collect())
+            SffLight::Lights((0..count).map(point).collect())
         }
     }
 }
 
-/// Where the `k`-th of `count` equal pieces has its middle, from −½ to ½.
+/// The centre of the `k`-th of `count` equal intervals of −½..½.
 fn along(k: u32, count: u32) -> f64 {
     (f64::from(k) + 0.5) / f64::from(count) - 0.5
 }
 
-/// Inside of which angle a spotlight shines in full, so that it is half as bright where RTRACE's
-/// is: where ((cos a − cos A) / (1 − cos A))^(1/factor) = ½.
+/// The inner angle of a spotlight that has half of its intensity where RTRACE's has: where ((cos a
+/// − cos A) / (1 − cos A))^(1/factor) = ½.
 fn full_angle(half_angle: f64, factor: f64) -> f64 {
     let edge = half_angle.cos();
     let middle = 0.5f64.powf(factor);
@@ -94,12 +94,12 @@ fn full_angle(half_angle: f64, factor: f64) -> f64 {
     full.clamp(-1.0, 1.0).acos().min(half_angle)
 }
 
-/// A light as RTRACE has it, which does not fade and is as bright where one looks; `None` for
-/// light from everywhere.
-pub(super) fn of_rtrace(light: &LightKind, view: &View) -> Option<RtraceLight> {
+/// A light as an RTRACE light without attenuation and with the same irradiance at the target;
+/// `None` for ambient light.
+pub(super) fn of_rtrace(light: &LightKind, view: &SffView) -> Option<RtraceLight> {
     let as_bright = |position: DVec3, intensity: Rgb| {
-        let distance = position.distance(view.look);
-        let distance = distance.max(1e-3 * view.eye.distance(view.look));
+        let distance = position.distance(view.target);
+        let distance = distance.max(1e-3 * view.eye.distance(view.target));
         intensity / (PI * distance * distance)
     };
     let (position, brightness, kind) = match *light {
@@ -128,7 +128,7 @@ pub(super) fn of_rtrace(light: &LightKind, view: &View) -> Option<RtraceLight> {
             direction,
             irradiance,
         } => {
-            let position = view.look - DISTANT * direction;
+            let position = view.target - DISTANT * direction;
             (position, irradiance / PI, RtraceLightKind::Point)
         }
         LightKind::Ambient { .. } => return None,
@@ -141,13 +141,13 @@ pub(super) fn of_rtrace(light: &LightKind, view: &View) -> Option<RtraceLight> {
     })
 }
 
-/// As far as coordinates go in SFF.
+/// The range of coordinates in SFF.
 const DISTANT: f64 = 90_000.0;
 
-/// The largest brightness in SFF.
+/// The greatest brightness in SFF.
 const BRIGHTEST: f64 = 300.0;
 
-/// The factor of a spotlight of RTRACE's that is half as bright where this one is.
+/// The factor of an RTRACE spotlight that has half of its intensity where this one has.
 fn factor(inner: f64, outer: f64) -> f64 {
     let edge = outer.cos();
     let middle = 0.5 * (inner.cos() - edge) / (1.0 - edge);
@@ -167,7 +167,7 @@ pub(super) fn named(number: usize, kind: LightKind) -> Light {
     }
 }
 
-/// What the body of a lamp is made of.
+/// The material of a light's emitter.
 pub(super) fn shining(number: usize, radiance: Rgb) -> Material {
     Material {
         emits_back: true,
@@ -175,7 +175,7 @@ pub(super) fn shining(number: usize, radiance: Rgb) -> Material {
     }
 }
 
-/// Whether a direction is not along another, and both are there.
+/// Whether two directions are non-zero and not parallel.
 pub(super) fn spans(gaze: DVec3, up: DVec3) -> bool {
     gaze.normalize_or_zero()
         .cross(up.normalize_or_zero())
@@ -187,11 +187,11 @@ pub(super) fn spans(gaze: DVec3, up: DVec3) -> bool {
 mod tests {
     use super::*;
 
-    fn view() -> View {
-        View {
+    fn view() -> SffView {
+        SffView {
             eye: DVec3::new(0.0, 0.0, 4.0),
-            look: DVec3::ZERO,
-            ..View::default()
+            target: DVec3::ZERO,
+            ..SffView::default()
         }
     }
 
@@ -204,11 +204,11 @@ mod tests {
         }
     }
 
-    /// What arrives at the point looked at, by the lamp, is what RTRACE has there times π.
+    /// Checks that the irradiance of the light at the target is RTRACE's times π.
     fn check(light: RtraceLight, expected: f64) {
         let found = match physical(&light, &view(), 0) {
-            Lamp::Lights(lights) => lights.iter().map(irradiance_at_look).sum(),
-            Lamp::Body(body, radiance) => {
+            SffLight::Lights(lights) => lights.iter().map(irradiance_at_look).sum(),
+            SffLight::Body(body, radiance) => {
                 let flat = match light.kind {
                     RtraceLightKind::Extended { radius, .. } => PI * radius * radius,
                     _ => body.area(),
@@ -217,7 +217,7 @@ mod tests {
             }
         };
         let relative: f64 = found / (PI * expected) - 1.0;
-        assert!(relative.abs() < 1e-3, "{found} for {expected}");
+        assert!(relative.abs() < 1e-3, "{found} instead of {expected}");
     }
 
     fn irradiance_at_look(light: &LightKind) -> f64 {

@@ -1,7 +1,7 @@
-//! SFF text: fields between blanks, records that end with their line, sections that end with an
-//! empty line.
+//! SFF text: fields separated by blanks, records that end with their line, sections that end with
+//! an empty line.
 
-use super::document::Place;
+use super::document::SffPosition;
 use crate::ReadError;
 use crate::reading::text::text;
 use crate::reading::warnings::Warnings;
@@ -9,11 +9,12 @@ use crate::reading::words::Words;
 use azulejo_scene::Rgb;
 use glam::{DMat4, DVec3};
 
-/// Largest magnitude of a coordinate: products of three stay finite. The original stops at 1e5.
+/// Largest magnitude of a coordinate, so that products of three stay finite. The original's limit
+/// is 1e5.
 const FARTHEST: f64 = 1e30;
 
-/// A place in the text of a file.
-pub(crate) struct Lines<'a, 'w> {
+/// A cursor in the text of a file.
+pub(crate) struct SffLines<'a, 'w> {
     words: Words<'a>,
     length: usize,
     file: u32,
@@ -21,10 +22,10 @@ pub(crate) struct Lines<'a, 'w> {
     pub warnings: &'w mut Warnings,
 }
 
-impl<'a, 'w> Lines<'a, 'w> {
-    /// The start of a text, which is number `file` of the [`Sources`].
+impl<'a, 'w> SffLines<'a, 'w> {
+    /// A cursor at the start of a text with index `file` in the [`SffSources`].
     pub fn new(bytes: &'a [u8], name: &'a str, file: u32, warnings: &'w mut Warnings) -> Self {
-        Lines {
+        SffLines {
             words: Words::new(bytes, name),
             length: bytes.len(),
             file,
@@ -33,45 +34,45 @@ impl<'a, 'w> Lines<'a, 'w> {
         }
     }
 
-    /// Where the next field stands.
-    pub fn place(&mut self) -> Place {
+    /// The position of the next field.
+    pub fn place(&mut self) -> SffPosition {
         self.words.skip_spaces();
-        Place {
+        SffPosition {
             file: self.file,
             offset: self.words.offset() as u32,
         }
     }
 
-    /// Bytes of the text that are left.
+    /// Remaining bytes of the text.
     pub fn bytes_left(&self) -> usize {
         self.length - self.words.offset()
     }
 
-    /// Whether the whole text is passed.
+    /// Whether the end of the text is reached.
     pub fn at_end(&self) -> bool {
         self.words.at_end()
     }
 
-    /// Whether nothing but blanks stands between here and the end of the line.
+    /// Whether the rest of the line is blank.
     pub fn rest_is_blank(&mut self) -> bool {
         self.words.skip_spaces();
         self.words.at_line_end()
     }
 
-    /// Passes the rest of the line, and lines behind it that begin with `#`.
+    /// Skips the rest of the line, and following lines that begin with `#`.
     pub fn end_record(&mut self) {
         self.words.rest_of_line();
         self.skip_remarks();
     }
 
-    /// Passes lines that begin with `#`.
+    /// Skips lines that begin with `#`.
     pub fn skip_remarks(&mut self) {
         while self.words.peek() == Some(b'#') {
             self.words.rest_of_line();
         }
     }
 
-    /// At the start of a line: whether the section or block ends here. Its empty line is passed.
+    /// At the start of a line: whether the section or block ends here. Its empty line is consumed.
     pub fn section_ends(&mut self) -> bool {
         let blank = self.rest_is_blank();
         if blank {
@@ -80,7 +81,7 @@ impl<'a, 'w> Lines<'a, 'w> {
         blank
     }
 
-    /// Passes over line ends before the next field, but not over an empty line.
+    /// Skips line ends before the next field, but not an empty line.
     ///
     /// # Errors
     /// The section ends before the field.
@@ -102,7 +103,7 @@ impl<'a, 'w> Lines<'a, 'w> {
         Ok(())
     }
 
-    /// The next field as a number of ordinary size.
+    /// The next field as a number within the allowed range.
     pub fn number(&mut self) -> Result<f64, ReadError> {
         self.number_of("a number")
     }
@@ -115,10 +116,12 @@ impl<'a, 'w> Lines<'a, 'w> {
         if value.abs() <= FARTHEST {
             return Ok(value);
         }
-        Err(self.words.error(start, "a number of at most 1e30"))
+        Err(self
+            .words
+            .error(start, "a number with a magnitude of at most 1e30"))
     }
 
-    /// Whether the next field on this line is a number; it is not passed.
+    /// Whether the next field on this line is a number; it is not consumed.
     pub fn number_follows(&mut self) -> bool {
         let mut ahead = self.words;
         ahead.skip_spaces();
@@ -138,14 +141,14 @@ impl<'a, 'w> Lines<'a, 'w> {
         }
     }
 
-    /// The next field as a whole number, rounded, as identifiers are read.
+    /// The next field as an integer, rounded, as the original reads identifiers.
     pub fn index(&mut self) -> Result<u32, ReadError> {
         let place = self.place();
-        let value = self.number_of("a whole number")?.round();
+        let value = self.number_of("an integer")?.round();
         if (0.0..4e9).contains(&value) {
             return Ok(value as u32);
         }
-        Err(self.error(place, format!("{value}"), "a whole number from 0 on"))
+        Err(self.error(place, format!("{value}"), "a non-negative integer"))
     }
 
     /// The next three numbers.
@@ -157,16 +160,16 @@ impl<'a, 'w> Lines<'a, 'w> {
     pub fn direction(&mut self) -> Result<DVec3, ReadError> {
         let place = self.place();
         let v = self.point()?;
-        let expected = "a direction, not all zero";
-        // A length of one is left to the bit, so that what is written is read again.
+        let expected = "a direction, not all zeros";
+        // A unit vector is kept bit by bit, so that written values are reproduced.
         if (v.length_squared() - 1.0).abs() <= 4.0 * f64::EPSILON {
             return Ok(v);
         }
         v.try_normalize()
-            .ok_or_else(|| self.error(place, "a direction of no length", expected))
+            .ok_or_else(|| self.error(place, "a direction of length 0", expected))
     }
 
-    /// The next number, brought into a range with a warning that names it.
+    /// The next number, clamped to a range with a warning that contains `what`.
     pub fn within(&mut self, low: f64, high: f64, what: &str) -> Result<f64, ReadError> {
         let place = self.place();
         let value = self.number()?;
@@ -174,18 +177,18 @@ impl<'a, 'w> Lines<'a, 'w> {
             return Ok(value);
         }
         let limited = value.clamp(low, high);
-        self.warn(place, format!("{what} outside of {low}..{high}: limited"));
+        self.warn(place, format!("{what} outside {low}..{high}: clamped"));
         Ok(limited)
     }
 
-    /// The next number, larger than zero.
+    /// The next number, which must be positive.
     pub fn positive(&mut self, what: &str) -> Result<f64, ReadError> {
         let place = self.place();
         let value = self.number()?;
         if value > 0.0 {
             return Ok(value);
         }
-        Err(self.error(place, format!("{what} {value}"), "a number > 0"))
+        Err(self.error(place, format!("{what} {value}"), "a positive number"))
     }
 
     /// The next three numbers as a colour in 0..=1.
@@ -211,17 +214,17 @@ impl<'a, 'w> Lines<'a, 'w> {
         self.words.word()
     }
 
-    /// The next field as the name of a file, `None` for `-`.
+    /// The next field as a file name, `None` for `-`.
     pub fn file_name(&mut self) -> Result<Option<String>, ReadError> {
-        self.reach_field("the name of a file, or -")?;
+        self.reach_field("a file name, or -")?;
         let word = self.words.word().unwrap_or_default();
         Ok((word != b"-").then(|| text(word).into_owned()))
     }
 
-    /// The title line of a section.
+    /// Reads the title line of a section.
     ///
-    /// Files mark sections by order alone, so any line is a title. An empty one is too, but only
-    /// if numbers follow it: a second empty line before a title is a slip.
+    /// Sections are identified by their order alone, so any line is a title. An empty one is, too,
+    /// but only if numbers follow it: a second empty line before a title is a mistake.
     pub fn title(&mut self) -> String {
         self.skip_remarks();
         let mut skipped = false;
@@ -235,7 +238,7 @@ impl<'a, 'w> Lines<'a, 'w> {
         }
         let place = self.place();
         if self.numbers_left_on_line() >= 2 {
-            let said = "a title line begins with numbers: nothing is read from it";
+            let said = "title line that begins with numbers: they are ignored";
             self.warn(place, said.into());
         }
         let title = text(self.words.rest_of_line()).into_owned();
@@ -243,17 +246,17 @@ impl<'a, 'w> Lines<'a, 'w> {
         title
     }
 
-    /// Warns of something at a place.
-    pub fn warn(&mut self, place: Place, message: String) {
+    /// Adds a warning at a position.
+    pub fn warn(&mut self, place: SffPosition, message: String) {
         let words = &self.words;
         let position = || words.position(place.offset as usize);
         self.warnings.add(self.name, message, position);
     }
 
-    /// An error at a place.
+    /// An error at a position.
     pub fn error(
         &self,
-        place: Place,
+        place: SffPosition,
         found: impl Into<String>,
         expected: impl Into<String>,
     ) -> ReadError {
@@ -261,7 +264,7 @@ impl<'a, 'w> Lines<'a, 'w> {
         self.words.error_saying(at, found, expected)
     }
 
-    /// The words themselves, for blocks with rules of their own.
+    /// The underlying words, for blocks with rules of their own.
     pub fn words(&mut self) -> &mut Words<'a> {
         &mut self.words
     }

@@ -1,9 +1,8 @@
-//! SFF, the scenes of the ray tracer RTRACE, and their text blocks.
+//! SFF, the scene format of the ray tracer RTRACE, and its text blocks.
 //!
-//! What is read: all of the format, with shapes kept exact. What only RTRACE's own shading
-//! understands stays beside the physical scene, in
-//! [`Scene::rtrace`](azulejo_scene::Scene::rtrace). `docs/formats/sff.md` says how every record is
-//! understood.
+//! The whole format is read, with exact shapes. Parameters that only RTRACE's own shading model
+//! uses are kept beside the physical scene, in [`Scene::rtrace`](azulejo_scene::Scene::rtrace).
+//! `docs/formats/sff.md` describes how every record is interpreted.
 
 mod block;
 mod coons;
@@ -30,17 +29,19 @@ use crate::reading::options::check_length;
 use crate::reading::text::decoded;
 use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions};
-use document::{Document, Sources};
-use lines::Lines;
+use document::{SffDocument, SffSources};
+use lines::SffLines;
 
 pub use write::{losses, write};
 
-/// Reads a scene; `name` stands in messages, `files` gives fonts, encodings, data, colour maps and
-/// pictures.
+/// The result of reading a part of a file.
+type SffResult<T> = Result<T, ReadError>;
+
+/// Reads a scene; `name` is used in messages, `files` provides fonts, encodings, data, colour maps
+/// and images.
 ///
 /// # Errors
-/// Records that are not as the format has them, objects that cannot be, and files of data, fonts
-/// and encodings that cannot be read.
+/// Malformed records, invalid objects, and files of data, fonts and encodings that cannot be read.
 pub fn read(
     bytes: &[u8],
     name: &str,
@@ -49,22 +50,26 @@ pub fn read(
 ) -> Result<Loaded, ReadError> {
     read_by(bytes, name, files, options, |text, sources, warnings| {
         let file = sources.add(name, text);
-        Document::parse(&mut Lines::new(text, name, file, warnings))
+        SffDocument::parse(&mut SffLines::new(text, name, file, warnings))
     })
 }
 
-/// Reads a scene whose text `parse` turns into records; the text is its first source.
+/// Reads a scene whose text `parse` converts to records; the text is its first source.
 pub(crate) fn read_by(
     bytes: &[u8],
     name: &str,
     files: &dyn Files,
     options: &ReadOptions,
-    parse: impl for<'t> FnOnce(&'t [u8], &mut Sources<'t>, &mut Warnings) -> Result<Document, ReadError>,
+    parse: impl for<'t> FnOnce(
+        &'t [u8],
+        &mut SffSources<'t>,
+        &mut Warnings,
+    ) -> Result<SffDocument, ReadError>,
 ) -> Result<Loaded, ReadError> {
     check_length(bytes, name)?;
     let bytes = decoded(bytes);
     let mut warnings = Warnings::default();
-    let mut sources = Sources::default();
+    let mut sources = SffSources::default();
     let document = parse(&bytes, &mut sources, &mut warnings)?;
     let scene = resolve::resolve(&document, &mut sources, files, options, &mut warnings)?;
     Ok(Loaded {

@@ -1,30 +1,28 @@
 //! The sections of a file in their order.
 
+use super::SffResult;
 use super::document::*;
-use super::lines::Lines;
+use super::lines::SffLines;
 use super::{data, record};
-use crate::ReadError;
 use azulejo_scene::Rgb;
 use azulejo_scene::rtrace::{RtraceLight, RtraceLightKind, RtraceSource};
 use glam::DVec3;
 
-type Read<T> = Result<T, ReadError>;
-
-impl Document {
-    /// Reads a whole file.
+impl SffDocument {
+    /// Parses a whole file.
     ///
     /// # Errors
-    /// The first record that is not as the format has it.
-    pub fn parse(lines: &mut Lines) -> Read<Document> {
+    /// The first malformed record.
+    pub fn parse(lines: &mut SffLines) -> SffResult<SffDocument> {
         let title = lines.title();
         let view = view(lines)?;
         lines.title();
-        let mut document = Document {
+        let mut document = SffDocument {
             is_translated: title.starts_with("+L"),
             view,
             background: colors(lines)?,
             ambient: colors(lines)?,
-            ..Document::default()
+            ..SffDocument::default()
         };
         lines.title();
         while !lines.section_ends() {
@@ -40,40 +38,40 @@ impl Document {
         while !lines.section_ends() {
             let place = lines.place();
             let kind = record::read(lines)?;
-            document.objects.push(Record { place, kind });
+            document.objects.push(SffRecord { place, kind });
         }
         document.textures = textures(lines);
         Ok(document)
     }
 }
 
-fn view(lines: &mut Lines) -> Read<View> {
+fn view(lines: &mut SffLines) -> SffResult<SffView> {
     let place = lines.place();
     let mut point = || {
         let p = lines.point();
         lines.end_record();
         p
     };
-    let (eye, look, up) = (point()?, point()?, point()?);
-    let mut angle = || lines.within(0.5, 89.5, "an angle of the view");
+    let (eye, target, up) = (point()?, point()?, point()?);
+    let mut angle = || lines.within(0.5, 89.5, "angle of view");
     let angles = [angle()?, angle()?];
     lines.end_record();
-    Ok(View {
+    Ok(SffView {
         eye,
-        look,
+        target,
         up,
         angles,
         place,
     })
 }
 
-fn colors(lines: &mut Lines) -> Read<Rgb> {
-    let color = lines.color("background or ambient light")?;
+fn colors(lines: &mut SffLines) -> SffResult<Rgb> {
+    let color = lines.color("background or ambient colour")?;
     lines.end_record();
     Ok(color)
 }
 
-fn light(lines: &mut Lines) -> Read<RtraceLight> {
+fn light(lines: &mut SffLines) -> SffResult<RtraceLight> {
     let place = lines.place();
     let kind = lines.index()?;
     let position = lines.point()?;
@@ -82,11 +80,11 @@ fn light(lines: &mut Lines) -> Read<RtraceLight> {
         1 => RtraceLightKind::Point,
         2 => RtraceLightKind::Spot {
             direction: lines.direction()?,
-            half_angle: (lines.within(0.0, 180.0, "the angle of a spotlight")?).to_radians(),
-            factor: lines.within(1.0, 300.0, "the factor of a spotlight")?,
+            half_angle: (lines.within(0.0, 180.0, "angle of a spotlight")?).to_radians(),
+            factor: lines.within(1.0, 300.0, "factor of a spotlight")?,
         },
         3 => RtraceLightKind::Extended {
-            radius: lines.positive("the radius of a light")?,
+            radius: lines.positive("radius of a light")?,
             samples: samples(lines, 1.0)?,
         },
         4 => RtraceLightKind::Planar {
@@ -106,23 +104,23 @@ fn light(lines: &mut Lines) -> Read<RtraceLight> {
     })
 }
 
-fn samples(lines: &mut Lines, least: f64) -> Read<u32> {
+fn samples(lines: &mut SffLines, least: f64) -> SffResult<u32> {
     Ok(lines
-        .within(least, 256.0, "the samples of a light")?
+        .within(least, 256.0, "number of samples of a light")?
         .round() as u32)
 }
 
-fn surface(lines: &mut Lines) -> Read<SurfaceRecord> {
+fn surface(lines: &mut SffLines) -> SffResult<SurfaceRecord> {
     let place = lines.place();
     let kind = lines.index()?;
-    let mut flagged = || lines.within(-1.0, 1.0, "a surface's number");
+    let mut flagged = || lines.within(-1.0, 1.0, "parameter of a surface");
     let (red, green) = (flagged()?, flagged()?);
     let color = Rgb::new(red.abs(), green.abs(), unit(lines)?);
     let source = match kind {
         1 => RtraceSource::Phong {
             diffuse: triple(lines)?,
             specular: triple(lines)?,
-            phong: lines.within(0.0, 300.0, "the exponent of a highlight")?,
+            phong: lines.within(0.0, 300.0, "exponent of a highlight")?,
             metal: unit(lines)?,
             transparency: triple(lines)?,
         },
@@ -144,16 +142,17 @@ fn surface(lines: &mut Lines) -> Read<SurfaceRecord> {
     })
 }
 
-fn unit(lines: &mut Lines) -> Read<f64> {
-    lines.within(0.0, 1.0, "a surface's number")
+fn unit(lines: &mut SffLines) -> SffResult<f64> {
+    lines.within(0.0, 1.0, "parameter of a surface")
 }
 
-fn triple(lines: &mut Lines) -> Read<Rgb> {
-    lines.color("a surface's number")
+fn triple(lines: &mut SffLines) -> SffResult<Rgb> {
+    lines.color("parameter of a surface")
 }
 
-/// The last section. Anything may stand behind the objects, so what is no texture ends it.
-fn textures(lines: &mut Lines) -> Vec<Record> {
+/// Reads the last section. Anything may follow the objects, so a record that is not a texture ends
+/// it.
+fn textures(lines: &mut SffLines) -> Vec<SffRecord> {
     let mut textures = Vec::new();
     lines.title();
     while lines.numbers_left_on_line() >= 2 {
@@ -161,12 +160,12 @@ fn textures(lines: &mut Lines) -> Vec<Record> {
         match record::texture(lines) {
             Ok(texture) => {
                 let kind = RecordKind::Texture(Box::new(texture));
-                textures.push(Record { place, kind });
+                textures.push(SffRecord { place, kind });
             }
             Err(e) => {
                 let (found, expected) = (e.found, e.expected);
                 let said = format!(
-                    "behind the objects: {found} where a texture has {expected}; nothing more is read"
+                    "after the objects: {found} instead of a texture with {expected}; the rest is ignored"
                 );
                 lines.warn(place, said);
                 break;
@@ -176,16 +175,16 @@ fn textures(lines: &mut Lines) -> Vec<Record> {
     textures
 }
 
-/// The shape's own data: where it stands in the file itself, it is read.
+/// Reads the transform and the data of a shape, if these are in the file itself.
 pub(super) fn placed<T>(
-    lines: &mut Lines,
-    read: impl FnOnce(&mut Lines) -> Read<T>,
-) -> Read<Box<Placed<T>>> {
+    lines: &mut SffLines,
+    read: impl FnOnce(&mut SffLines) -> SffResult<T>,
+) -> SffResult<Box<PlacedData<T>>> {
     let origin = lines.point()?;
-    let mut scale = || lines.within(0.0, f64::MAX, "the scale of a shape");
+    let mut scale = || lines.within(0.0, f64::MAX, "scale of a shape");
     let scale = DVec3::new(scale()?, scale()?, scale()?);
     let data = data::here_or_file(lines, read)?;
-    Ok(Box::new(Placed {
+    Ok(Box::new(PlacedData {
         origin,
         scale,
         data,

@@ -1,11 +1,11 @@
-//! RTRACE's pictures: PIC, which has no mark, and PPM; and colour maps.
+//! RTRACE's images: PIC, which has no magic number, and PPM; and colour maps.
 
 use crate::picture;
 use crate::reading::words::Words;
 use azulejo_scene::{Image, Rgb};
 
-/// Decodes a picture as RTRACE reads it: bytes divided by 255, without any gamma. Other pictures
-/// that azulejo knows are decoded as they say.
+/// Decodes an image as RTRACE reads it: bytes divided by 255, without gamma. Other formats known to
+/// azulejo are decoded as they specify.
 pub(super) fn decode(bytes: &[u8]) -> Result<Image, String> {
     let image = match bytes {
         [b'P', b'6', ..] => ppm(bytes)?,
@@ -15,14 +15,14 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Image, String> {
         },
     };
     if image.width < 2 || image.height < 2 {
-        return Err("the picture has one row or column, and two are needed".into());
+        return Err("the image has a single row or column, at least two are required".into());
     }
     Ok(image)
 }
 
-const UNKNOWN: &str = "it is none of PIC, PPM, PNG, JPEG and Radiance HDR";
+const UNKNOWN: &str = "it is neither PIC, PPM, PNG, JPEG nor Radiance HDR";
 
-/// Four bytes, width and height, and three for each pixel.
+/// PIC: four bytes with width and height, and three for each pixel.
 fn pic(bytes: &[u8]) -> Option<Image> {
     let (head, pixels) = bytes.split_first_chunk::<4>()?;
     let width = u32::from(u16::from_le_bytes([head[0], head[1]]));
@@ -44,7 +44,9 @@ fn ppm(bytes: &[u8]) -> Result<Image, String> {
     }
     let [width, height, most] = header;
     if most != 255 {
-        return Err(format!("its largest value is {most}, and 255 is read"));
+        return Err(format!(
+            "its maximum value is {most}, only 255 is supported"
+        ));
     }
     let pixels = bytes.get(words.offset() + 1..).unwrap_or_default();
     image(width, height, pixels).ok_or_else(|| "it ends before its last pixel".into())
@@ -71,7 +73,7 @@ pub(super) fn color_map(bytes: &[u8]) -> Result<[Rgb; 256], String> {
     for (line, color) in map.iter_mut().enumerate() {
         let mut channel = || {
             let value = words.number().ok().filter(|v| (0.0..=255.0).contains(v));
-            let wanted = || format!("color {line} of 256 is not three numbers from 0 to 255");
+            let wanted = || format!("colour {line} of 256 is not three numbers from 0 to 255");
             value.map(|v| v / 255.0).ok_or_else(wanted)
         };
         *color = Rgb::new(channel()?, channel()?, channel()?);
@@ -101,7 +103,7 @@ mod tests {
         check(&ppm[..30], Err("it ends before its last pixel"));
         check(
             b"P6 2 2 65535 ",
-            Err("its largest value is 65535, and 255 is read"),
+            Err("its maximum value is 65535, only 255 is supported"),
         );
         check(
             b"P6 2 two",
@@ -109,7 +111,7 @@ mod tests {
         );
         check(
             b"P6 1 1 255\nabc",
-            Err("the picture has one row or column, and two are needed"),
+            Err("the image has a single row or column, at least two are required"),
         );
     }
 
@@ -121,7 +123,7 @@ mod tests {
         let short = &text[..text.len() - 10];
         assert_eq!(
             color_map(short.as_bytes()),
-            Err("color 255 of 256 is not three numbers from 0 to 255".into())
+            Err("colour 255 of 256 is not three numbers from 0 to 255".into())
         );
     }
 }

@@ -1,4 +1,4 @@
-//! A document as text. Numbers are the shortest that read back to the same value.
+//! Writes a document as text. Numbers are the shortest that read back to the same value.
 
 use super::document::*;
 use azulejo_scene::rtrace::{RtraceLight, RtraceLightKind, RtraceSource};
@@ -6,26 +6,26 @@ use azulejo_scene::{Operation, Rgb};
 use glam::{DMat4, DVec3};
 use std::io::{self, Write};
 
-/// Least amount of a colour whose sign is a flag: zero has none.
+/// Smallest magnitude of a colour whose sign is a flag: zero cannot carry one.
 const FLAGGED: f64 = 0.001;
 
 /// Writes a document.
-pub(crate) fn print(document: &Document, out: &mut dyn Write) -> io::Result<()> {
-    let mut out = Printer { out };
+pub(crate) fn print(document: &SffDocument, out: &mut dyn Write) -> io::Result<()> {
+    let mut out = SffPrinter { out };
     out.document(document)
 }
 
-struct Printer<'w> {
+struct SffPrinter<'w> {
     out: &'w mut dyn Write,
 }
 
-type Done = io::Result<()>;
+type PrintResult = io::Result<()>;
 
-impl Printer<'_> {
-    fn document(&mut self, document: &Document) -> Done {
+impl SffPrinter<'_> {
+    fn document(&mut self, document: &SffDocument) -> PrintResult {
         let view = &document.view;
         writeln!(self.out, "view")?;
-        for point in [view.eye, view.look, view.up] {
+        for point in [view.eye, view.target, view.up] {
             self.line(&point.to_array())?;
         }
         self.line(&view.angles)?;
@@ -56,16 +56,16 @@ impl Printer<'_> {
         writeln!(self.out, "\nend")
     }
 
-    fn numbers(&mut self, numbers: &[f64]) -> Done {
+    fn numbers(&mut self, numbers: &[f64]) -> PrintResult {
         numbers.iter().try_for_each(|n| write!(self.out, " {n}"))
     }
 
-    fn end(&mut self) -> Done {
+    fn end(&mut self) -> PrintResult {
         writeln!(self.out)
     }
 
-    /// Numbers that begin a line.
-    fn line(&mut self, numbers: &[f64]) -> Done {
+    /// Writes numbers at the start of a line.
+    fn line(&mut self, numbers: &[f64]) -> PrintResult {
         if let Some((first, rest)) = numbers.split_first() {
             write!(self.out, "{first}")?;
             self.numbers(rest)?;
@@ -73,7 +73,7 @@ impl Printer<'_> {
         self.end()
     }
 
-    fn light(&mut self, light: &RtraceLight) -> Done {
+    fn light(&mut self, light: &RtraceLight) -> PrintResult {
         let number = match light.kind {
             RtraceLightKind::Point => 1,
             RtraceLightKind::Spot { .. } => 2,
@@ -82,9 +82,12 @@ impl Printer<'_> {
         };
         write!(self.out, "{number}")?;
         self.numbers(&light.position.to_array())?;
-        let signed = |k: usize| match light.fades[k] {
-            true => light.brightness[k],
-            false => -light.brightness[k],
+        let signed = |k: usize| {
+            if light.fades[k] {
+                light.brightness[k]
+            } else {
+                -light.brightness[k]
+            }
         };
         self.numbers(&[0, 1, 2].map(signed))?;
         match light.kind {
@@ -109,15 +112,12 @@ impl Printer<'_> {
         self.end()
     }
 
-    fn surface(&mut self, surface: &SurfaceRecord) -> Done {
+    fn surface(&mut self, surface: &SurfaceRecord) -> PrintResult {
         let kind = match surface.source {
             RtraceSource::Phong { .. } => 1,
             RtraceSource::Strauss { .. } => 2,
         };
-        let flagged = |amount: f64, flag: bool| match flag {
-            true => -amount.max(FLAGGED),
-            false => amount,
-        };
+        let flagged = |amount: f64, flag: bool| if flag { -amount.max(FLAGGED) } else { amount };
         let color = surface.color;
         let red = flagged(color.r, surface.is_emitter);
         let green = flagged(color.g, surface.is_unshadowed);
@@ -150,9 +150,12 @@ impl Printer<'_> {
         self.end()
     }
 
-    fn record(&mut self, kind: &RecordKind, depth: &mut usize) -> Done {
+    fn record(&mut self, kind: &RecordKind, depth: &mut usize) -> PrintResult {
         match kind {
-            RecordKind::Object { look, geometry } => self.object(look, geometry),
+            RecordKind::Object {
+                appearance,
+                geometry,
+            } => self.object(appearance, geometry),
             RecordKind::Texture(texture) => {
                 write!(self.out, "64 ")?;
                 self.texture(texture)
@@ -162,16 +165,19 @@ impl Printer<'_> {
                 self.matrix(matrix)?;
                 self.end()
             }
-            RecordKind::CsgBegin { look, operation } => {
+            RecordKind::CsgBegin {
+                appearance,
+                operation,
+            } => {
                 let operation = match operation {
                     Operation::Union => 0,
                     Operation::Difference => 1,
                     Operation::Intersection => 2,
                 };
-                let Look {
+                let RecordAppearance {
                     surface,
                     refraction,
-                } = look;
+                } = appearance;
                 writeln!(
                     self.out,
                     "66 0 {surface} {refraction} {operation} - csg begin {depth}"
@@ -187,70 +193,82 @@ impl Printer<'_> {
                 *depth = depth.saturating_sub(1);
                 writeln!(self.out, "66 2 - csg end {depth}")
             }
-            RecordKind::ListBegin { look } => {
-                let Look {
+            RecordKind::ListBegin { appearance } => {
+                let RecordAppearance {
                     surface,
                     refraction,
-                } = look;
+                } = appearance;
                 writeln!(self.out, "67 0 {surface} {refraction} - list begin 0")
             }
             RecordKind::ListEnd => writeln!(self.out, "67 1 - list end 0"),
         }
     }
 
-    fn object(&mut self, look: &Look, geometry: &Geometry) -> Done {
+    fn object(&mut self, appearance: &RecordAppearance, geometry: &SffGeometry) -> PrintResult {
         let number = match geometry {
-            Geometry::Sphere { .. } => 1,
-            Geometry::Cuboid { .. } => 2,
-            Geometry::Patches(_) => 3,
-            Geometry::Cone(_) => 4,
-            Geometry::Polygons(_) => 5,
-            Geometry::Triangles(_) => 6,
-            Geometry::Text(_) => 7,
+            SffGeometry::Sphere { .. } => 1,
+            SffGeometry::Cuboid { .. } => 2,
+            SffGeometry::Patches(_) => 3,
+            SffGeometry::Cone(_) => 4,
+            SffGeometry::Polygons(_) => 5,
+            SffGeometry::Triangles(_) => 6,
+            SffGeometry::Text(_) => 7,
         };
-        write!(self.out, "{number} {} {}", look.surface, look.refraction)?;
+        write!(
+            self.out,
+            "{number} {} {}",
+            appearance.surface, appearance.refraction
+        )?;
         match geometry {
-            Geometry::Sphere { centre, radius } => {
+            SffGeometry::Sphere { centre, radius } => {
                 self.numbers(&centre.to_array())?;
                 self.numbers(&[*radius])?;
                 self.end()
             }
-            Geometry::Cuboid { centre, half } => {
+            SffGeometry::Cuboid { centre, half } => {
                 self.numbers(&centre.to_array())?;
                 self.numbers(&half.to_array())?;
                 self.end()
             }
-            Geometry::Cone(cone) => {
+            SffGeometry::Cone(cone) => {
                 self.numbers(&cone.base.to_array())?;
                 self.numbers(&[cone.base_radius])?;
                 self.numbers(&cone.apex.to_array())?;
                 self.numbers(&[cone.apex_radius])?;
                 self.end()
             }
-            Geometry::Patches(placed) => self.placed(placed, Self::patches),
-            Geometry::Polygons(placed) => self.placed(placed, Self::polygons),
-            Geometry::Triangles(placed) => self.placed(placed, Self::triangles),
-            Geometry::Text(data) => self.data(data, |out, commands| out.text(commands)),
+            SffGeometry::Patches(placed) => self.placed(placed, Self::patches),
+            SffGeometry::Polygons(placed) => self.placed(placed, Self::polygons),
+            SffGeometry::Triangles(placed) => self.placed(placed, Self::triangles),
+            SffGeometry::Text(data) => self.data(data, |out, commands| out.text(commands)),
         }
     }
 
-    fn placed<T>(&mut self, placed: &Placed<T>, write: fn(&mut Self, &T) -> Done) -> Done {
+    fn placed<T>(
+        &mut self,
+        placed: &PlacedData<T>,
+        write: fn(&mut Self, &T) -> PrintResult,
+    ) -> PrintResult {
         self.numbers(&placed.origin.to_array())?;
         self.numbers(&placed.scale.to_array())?;
         self.data(&placed.data, write)
     }
 
-    fn data<T>(&mut self, data: &Data<T>, write: impl Fn(&mut Self, &T) -> Done) -> Done {
+    fn data<T>(
+        &mut self,
+        data: &RecordData<T>,
+        write: impl Fn(&mut Self, &T) -> PrintResult,
+    ) -> PrintResult {
         match data {
-            Data::File(name) => writeln!(self.out, " {name}"),
-            Data::Here(data) => {
+            RecordData::File(name) => writeln!(self.out, " {name}"),
+            RecordData::Here(data) => {
                 writeln!(self.out, " -")?;
                 write(self, data)
             }
         }
     }
 
-    fn patches(&mut self, data: &PatchData) -> Done {
+    fn patches(&mut self, data: &PatchData) -> PrintResult {
         for patch in &data.patches {
             self.line(&patch.map(|v| f64::from(v) + 1.0))?;
         }
@@ -258,7 +276,7 @@ impl Printer<'_> {
         self.vertices(&data.vertices)
     }
 
-    fn polygons(&mut self, data: &PolygonData) -> Done {
+    fn polygons(&mut self, data: &PolygonData) -> PrintResult {
         for face in data.faces.iter() {
             write!(self.out, "{}", face.len())?;
             face.iter()
@@ -269,14 +287,14 @@ impl Printer<'_> {
         self.vertices(&data.vertices)
     }
 
-    fn vertices(&mut self, vertices: &[DVec3]) -> Done {
+    fn vertices(&mut self, vertices: &[DVec3]) -> PrintResult {
         for vertex in vertices {
             self.line(&vertex.to_array())?;
         }
         self.end()
     }
 
-    fn triangles(&mut self, data: &TriangleData) -> Done {
+    fn triangles(&mut self, data: &TriangleData) -> PrintResult {
         for (k, corners) in data.corners.iter().enumerate() {
             for (corner, (position, normal)) in corners.iter().enumerate() {
                 let [x, y, z] = position.to_array();
@@ -292,7 +310,7 @@ impl Printer<'_> {
         self.end()
     }
 
-    fn text(&mut self, commands: &[TextCommand]) -> Done {
+    fn text(&mut self, commands: &[TextCommand]) -> PrintResult {
         for command in commands {
             match &command.kind {
                 TextCommandKind::Spacing(spacing) => write!(self.out, "SPACING {spacing}")?,
@@ -317,12 +335,12 @@ impl Printer<'_> {
         self.end()
     }
 
-    fn matrix(&mut self, matrix: &DMat4) -> Done {
+    fn matrix(&mut self, matrix: &DMat4) -> PrintResult {
         self.numbers(&matrix.transpose().to_cols_array())
     }
 
-    /// A texture behind its 64, if it has one.
-    fn texture(&mut self, texture: &TextureRecord) -> Done {
+    /// Writes a texture after its 64, if it has one.
+    fn texture(&mut self, texture: &TextureRecord) -> PrintResult {
         let number = texture.kind.number;
         write!(self.out, "{number} {}", texture.object)?;
         self.matrix(&texture.matrix)?;

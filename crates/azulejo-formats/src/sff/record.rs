@@ -1,20 +1,18 @@
 //! Records of the objects' section.
 
+use super::SffResult;
 use super::document::*;
-use super::lines::Lines;
+use super::lines::SffLines;
 use super::parse::placed;
 use super::{block, data};
-use crate::ReadError;
 use azulejo_scene::Operation;
 
-type Read<T> = Result<T, ReadError>;
-
-/// Numbers of the records.
+/// The description of valid record types.
 const EXPECTED: &str =
     "an object: 1 to 7, 64 (texture), 65 (transform), 66 (set operation) or 67 (list)";
 
-/// Reads a record and what belongs to it: its line's end, and data below it.
-pub(super) fn read(lines: &mut Lines) -> Read<RecordKind> {
+/// Reads a record up to the end of its line, and the data below it.
+pub(super) fn read(lines: &mut SffLines) -> SffResult<RecordKind> {
     let place = lines.place();
     let kind = match lines.index()? {
         number @ 1..=7 => return object(lines, number),
@@ -37,69 +35,72 @@ pub(super) fn read(lines: &mut Lines) -> Read<RecordKind> {
     Ok(kind)
 }
 
-fn look(lines: &mut Lines) -> Read<Look> {
-    Ok(Look {
+fn appearance(lines: &mut SffLines) -> SffResult<RecordAppearance> {
+    Ok(RecordAppearance {
         surface: lines.index()?,
         refraction: lines.number()?,
     })
 }
 
-fn object(lines: &mut Lines, number: u32) -> Read<RecordKind> {
+fn object(lines: &mut SffLines, number: u32) -> SffResult<RecordKind> {
     let place = lines.place();
-    let mut look = look(lines)?;
-    if look.refraction < 1.0 {
-        lines.warn(place, "an index of refraction below 1: taken as 1".into());
-        look.refraction = 1.0;
+    let mut appearance = appearance(lines)?;
+    if appearance.refraction < 1.0 {
+        lines.warn(place, "index of refraction below 1: taken as 1".into());
+        appearance.refraction = 1.0;
     }
     let geometry = match number {
-        1 => Geometry::Sphere {
+        1 => SffGeometry::Sphere {
             centre: lines.point()?,
-            radius: lines.positive("a radius of")?,
+            radius: lines.positive("radius")?,
         },
-        2 => Geometry::Cuboid {
+        2 => SffGeometry::Cuboid {
             centre: lines.point()?,
             half: glam::DVec3::new(
-                lines.positive("half a size of")?,
-                lines.positive("half a size of")?,
-                lines.positive("half a size of")?,
+                lines.positive("half size")?,
+                lines.positive("half size")?,
+                lines.positive("half size")?,
             ),
         },
-        3 => Geometry::Patches(placed(lines, data::patches)?),
-        4 => Geometry::Cone(cone(lines)?),
-        5 => Geometry::Polygons(placed(lines, data::polygons)?),
+        3 => SffGeometry::Patches(placed(lines, data::patches)?),
+        4 => SffGeometry::Cone(cone(lines)?),
+        5 => SffGeometry::Polygons(placed(lines, data::polygons)?),
         6 => {
-            let general = look.surface == 0;
-            Geometry::Triangles(placed(lines, |lines| data::triangles(lines, general))?)
+            let general = appearance.surface == 0;
+            SffGeometry::Triangles(placed(lines, |lines| data::triangles(lines, general))?)
         }
-        _ => Geometry::Text(data::here_or_file(lines, block::read)?),
+        _ => SffGeometry::Text(data::here_or_file(lines, block::read)?),
     };
     if matches!(number, 1 | 2 | 4) {
         lines.end_record();
     }
-    Ok(RecordKind::Object { look, geometry })
+    Ok(RecordKind::Object {
+        appearance,
+        geometry,
+    })
 }
 
-fn cone(lines: &mut Lines) -> Read<Cone> {
+fn cone(lines: &mut SffLines) -> SffResult<SffCone> {
     let place = lines.place();
-    let cone = Cone {
+    let cone = SffCone {
         base: lines.point()?,
-        base_radius: lines.within(0.0, f64::MAX, "a cone's radius")?,
+        base_radius: lines.within(0.0, f64::MAX, "radius of a cone")?,
         apex: lines.point()?,
-        apex_radius: lines.within(0.0, f64::MAX, "a cone's radius")?,
+        apex_radius: lines.within(0.0, f64::MAX, "radius of a cone")?,
     };
     if cone.base_radius.max(cone.apex_radius) == 0.0 || cone.base == cone.apex {
-        let found = "a cone without height or without radius";
-        let expected = "two different points, and a radius > 0";
+        let found = "a cone without height or radius";
+        let expected = "two different points, and a positive radius";
         return Err(lines.error(place, found, expected));
     }
     Ok(cone)
 }
 
-fn csg(lines: &mut Lines) -> Read<RecordKind> {
+fn csg(lines: &mut SffLines) -> SffResult<RecordKind> {
     let place = lines.place();
     match lines.index()? {
         0 => {
-            let look = look(lines)?;
+            let appearance = appearance(lines)?;
             let place = lines.place();
             let operation = match lines.index()? {
                 0 => Operation::Union,
@@ -111,7 +112,10 @@ fn csg(lines: &mut Lines) -> Read<RecordKind> {
                     return Err(lines.error(place, found, expected));
                 }
             };
-            Ok(RecordKind::CsgBegin { look, operation })
+            Ok(RecordKind::CsgBegin {
+                appearance,
+                operation,
+            })
         }
         1 => Ok(RecordKind::CsgNext),
         2 => Ok(RecordKind::CsgEnd),
@@ -122,10 +126,12 @@ fn csg(lines: &mut Lines) -> Read<RecordKind> {
     }
 }
 
-fn list(lines: &mut Lines) -> Read<RecordKind> {
+fn list(lines: &mut SffLines) -> SffResult<RecordKind> {
     let place = lines.place();
     match lines.index()? {
-        0 => Ok(RecordKind::ListBegin { look: look(lines)? }),
+        0 => Ok(RecordKind::ListBegin {
+            appearance: appearance(lines)?,
+        }),
         1 => Ok(RecordKind::ListEnd),
         other => {
             let expected = "67 0 (begin) or 67 1 (end)";
@@ -134,7 +140,7 @@ fn list(lines: &mut Lines) -> Read<RecordKind> {
     }
 }
 
-/// What stands behind the matrix of each kind of texture: how many numbers, and whether a file.
+/// The data after the matrix of each texture type: how many numbers, and whether a file name.
 const TEXTURES: [(usize, bool); 21] = [
     (0, false),
     (1, false),
@@ -159,13 +165,13 @@ const TEXTURES: [(usize, bool); 21] = [
     (2, false),
 ];
 
-/// Whether a kind of texture may name a colour map or picture.
+/// Whether a texture type may name a colour map or image.
 pub(super) fn has_file(number: u32) -> bool {
     TEXTURES.get(number as usize).is_some_and(|t| t.1)
 }
 
-/// Reads a texture behind its 64, which the last section leaves out, and the end of its line.
-pub(super) fn texture(lines: &mut Lines) -> Read<TextureRecord> {
+/// Reads a texture after its 64, which the last section omits, and the end of its line.
+pub(super) fn texture(lines: &mut SffLines) -> SffResult<TextureRecord> {
     let place = lines.place();
     let number = lines.index()?;
     let Some(&(count, has_file)) = TEXTURES.get(number as usize) else {
@@ -184,7 +190,7 @@ pub(super) fn texture(lines: &mut Lines) -> Read<TextureRecord> {
             }
         }
     }
-    // A missing name counts as a remark's dash, which the original takes for one.
+    // A missing name is the dash of a comment, which the original takes as the name.
     let file = (has_file.then(|| lines.word_on_line()).flatten()).filter(|w| *w != b"-");
     let file = file.map(|w| crate::reading::text::text(w).into_owned());
     lines.end_record();
@@ -197,8 +203,8 @@ pub(super) fn texture(lines: &mut Lines) -> Read<TextureRecord> {
     })
 }
 
-/// Manuals have four numbers, the program five: the third of five is omega.
-fn fbm_bump(lines: &mut Lines, values: &mut Vec<f64>) -> Read<()> {
+/// The manuals list four numbers, the program reads five: the third of them is omega.
+fn fbm_bump(lines: &mut SffLines, values: &mut Vec<f64>) -> SffResult<()> {
     let has_omega = lines.rest_is_blank() || lines.numbers_left_on_line() != 4;
     for k in 0..5 {
         let value = if k == 2 && !has_omega {
@@ -211,8 +217,8 @@ fn fbm_bump(lines: &mut Lines, values: &mut Vec<f64>) -> Read<()> {
     Ok(())
 }
 
-/// Three numbers, or −1 for the colour that it has by itself.
-fn wood(lines: &mut Lines, values: &mut Vec<f64>) -> Read<()> {
+/// Three numbers, or −1 for the default colour.
+fn wood(lines: &mut SffLines, values: &mut Vec<f64>) -> SffResult<()> {
     let red = lines.number()?;
     if red < 0.0 {
         values.extend([0.5, 0.5, 0.35]);

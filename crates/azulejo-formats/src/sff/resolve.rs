@@ -1,12 +1,13 @@
-//! A document as a scene.
+//! Converts a document to a scene.
 
+use super::SffResult;
 use super::document::*;
-use super::lights::{self, Lamp};
-use super::shapes::{self, Under};
-use super::textures::{Surroundings, TextureFiles};
-use super::tree::{Node, NodeKind, Tree};
-use super::typeset::{Desk, Typesetter};
-use super::{block, data, lines::Lines, surfaces};
+use super::lights::{self, SffLight};
+use super::shapes::{self, ScaleShift};
+use super::textures::{TextureContext, TextureFiles};
+use super::tree::{SffNode, SffNodeKind, SffTree};
+use super::typeset::{TypesetContext, Typesetter};
+use super::{block, data, lines::SffLines, surfaces};
 use crate::reading::files::open_beside;
 use crate::reading::options::Budget;
 use crate::reading::text::{into_decoded, shortened};
@@ -22,21 +23,19 @@ use glam::DAffine3;
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-type Read<T> = Result<T, ReadError>;
-
 /// The scene of a document, valid in the sense of [`Scene::validate`].
 ///
 /// # Errors
-/// Whatever a record says that cannot be, with its place.
+/// Invalid records, with their positions.
 pub(crate) fn resolve(
-    document: &Document,
-    sources: &mut Sources,
+    document: &SffDocument,
+    sources: &mut SffSources,
     files: &dyn Files,
     options: &ReadOptions,
     warnings: &mut Warnings,
-) -> Read<Scene> {
-    let tree = Tree::new(document, sources, warnings)?;
-    let mut resolver = Resolver {
+) -> SffResult<Scene> {
+    let tree = SffTree::new(document, sources, warnings)?;
+    let mut resolver = SffResolver {
         files,
         budget: Budget::new(options),
         sources,
@@ -44,7 +43,7 @@ pub(crate) fn resolve(
         surfaces: document.surfaces.iter().map(surfaces::derived).collect(),
         gloss: Gloss::default(),
         looks: HashMap::new(),
-        chains: Chains::default(),
+        chains: TextureChains::default(),
         typesetter: Typesetter::default(),
         texture_files: TextureFiles::default(),
         names: HashMap::new(),
@@ -60,7 +59,7 @@ pub(crate) fn resolve(
             &tree,
             root,
             DAffine3::IDENTITY,
-            Given::default().with(root, node),
+            InheritedAttributes::default().with(root, node),
         )?;
     }
     resolver.forgive_translated(document);
@@ -69,74 +68,78 @@ pub(crate) fn resolve(
     let scene = resolver.finish(document);
     match scene.validate() {
         Ok(()) => Ok(scene),
-        // What the checks on the way leave: numbers so large or small that they leave nothing.
+        // Remaining errors are numbers so large or small that the scene degenerates.
         Err(e) => Err(ReadError::whole(
             name,
             e.to_string(),
-            "numbers of ordinary size",
+            "numbers of ordinary magnitude",
         )),
     }
 }
 
-/// What the operations around an object decide for it: the outermost that says anything does.
+/// Attributes that enclosing operations set for an object: the outermost one takes precedence.
 #[derive(Clone, Copy, Default)]
-struct Given {
+struct InheritedAttributes {
     surface: Option<u32>,
     refraction: Option<f64>,
-    /// The object whose textures count.
+    /// The object whose textures apply.
     textured: Option<usize>,
 }
 
-impl Given {
-    fn with(self, index: usize, node: &Node) -> Given {
-        let look = node.look;
+impl InheritedAttributes {
+    fn with(self, index: usize, node: &SffNode) -> InheritedAttributes {
+        let appearance = node.appearance;
         let textured = !node.inline_textures.is_empty() || !node.section_textures.is_empty();
-        Given {
-            surface: self.surface.or((look.surface > 0).then_some(look.surface)),
-            refraction: (self.refraction).or((look.refraction > 0.0).then_some(look.refraction)),
+        InheritedAttributes {
+            surface: self
+                .surface
+                .or((appearance.surface > 0).then_some(appearance.surface)),
+            refraction: (self.refraction)
+                .or((appearance.refraction > 0.0).then_some(appearance.refraction)),
             textured: self.textured.or(textured.then_some(index)),
         }
     }
 }
 
-/// Everything that tells two materials apart: the surface, the bits of the index of refraction and
-/// the number of the textures.
-type LookKey = (u32, u64, Option<usize>);
+/// Everything that distinguishes two materials: the surface, the bits of the index of refraction
+/// and the index of the textures.
+type SffMaterialKey = (u32, u64, Option<usize>);
 
-/// A set operation or list whose members are being made.
-struct Frame {
+/// A set operation or list whose members are being converted.
+struct OpenOperation {
     node: usize,
     map: DAffine3,
-    given: Given,
+    given: InheritedAttributes,
     sides: [Vec<Solid>; 2],
 }
 
-struct Resolver<'r, 's> {
+struct SffResolver<'r, 's> {
     files: &'r dyn Files,
     budget: Budget,
-    sources: &'r mut Sources<'s>,
+    sources: &'r mut SffSources<'s>,
     warnings: &'r mut Warnings,
     surfaces: Vec<RtraceSurface>,
     gloss: Gloss,
-    looks: HashMap<LookKey, MaterialId>,
-    chains: Chains,
+    looks: HashMap<SffMaterialKey, MaterialId>,
+    chains: TextureChains,
     typesetter: Typesetter,
     texture_files: TextureFiles,
-    /// How many objects of each kind have a name.
+    /// The number of named objects of each type.
     names: HashMap<&'static str, usize>,
     scene: Scene,
     rtrace: Rtrace,
-    /// The surfaces at the corners of the mesh that was made last, if they differ.
+    /// The surfaces at the corners of the latest mesh, if they differ.
     corner_surfaces: Option<Vec<[u32; 3]>>,
 }
 
-impl Resolver<'_, '_> {
-    fn view(&mut self, document: &Document) -> Read<()> {
+impl SffResolver<'_, '_> {
+    fn view(&mut self, document: &SffDocument) -> SffResult<()> {
         let view = &document.view;
-        let gaze = view.look - view.eye;
+        let gaze = view.target - view.eye;
         if !lights::spans(gaze, view.up) {
-            let found = "an eye, a point to look at and an up that do not span a plane";
-            let expected = "two different points, and an up that is not along the view";
+            let found = "an eye, a target and an up vector that do not span a plane";
+            let expected =
+                "two different points, and an up vector that is not parallel to the view";
             return Err(self.sources.error(view.place, found, expected));
         }
         let [horizontal, vertical] = view.angles.map(f64::to_radians);
@@ -144,7 +147,7 @@ impl Resolver<'_, '_> {
         self.scene.cameras.push(Camera {
             name: String::new(),
             eye: view.eye,
-            target: view.look,
+            target: view.target,
             up: view.up,
             vertical_fov: 2.0 * vertical,
             size: Some(((256.0 * aspect).round().clamp(1.0, 16384.0) as u32, 256)),
@@ -154,28 +157,35 @@ impl Resolver<'_, '_> {
             self.scene.units.up = Up::Z;
         }
         self.rtrace.eye = view.eye;
-        self.rtrace.look = view.look;
+        self.rtrace.look = view.target;
         self.rtrace.up = view.up;
         self.rtrace.half_angles = [horizontal, vertical];
         Ok(())
     }
 
-    fn spend(&mut self, elements: usize, place: Place) -> Read<()> {
+    fn spend(&mut self, elements: usize, place: SffPosition) -> SffResult<()> {
         let name = self.sources.name(place.file);
         (self.budget.spend(elements as u64)).map_err(|e| e.error(name))
     }
 
-    fn warn(&mut self, place: Place, message: impl Into<String>) {
+    fn warn(&mut self, place: SffPosition, message: impl Into<String>) {
         let sources = &*self.sources;
         let position = || sources.position(place);
         self.warnings
             .add(sources.name(place.file), message.into(), position);
     }
 
-    /// Adds an object, or the members of a list, which is one object only to a set operation.
-    fn object(&mut self, tree: &Tree, index: usize, map: DAffine3, given: Given) -> Read<()> {
+    /// Adds an object, or the members of a list, which is a single object only within a set
+    /// operation.
+    fn object(
+        &mut self,
+        tree: &SffTree,
+        index: usize,
+        map: DAffine3,
+        given: InheritedAttributes,
+    ) -> SffResult<()> {
         let node = &tree.nodes[index];
-        if let NodeKind::List(members) = &node.kind
+        if let SffNodeKind::List(members) = &node.kind
             && self.closed_cone(tree, members, given)?.is_none()
         {
             let map = map * node.map;
@@ -187,13 +197,14 @@ impl Resolver<'_, '_> {
         }
         let mut solids = self.solids(tree, index, map, given)?;
         let is_exact = match &node.kind {
-            NodeKind::Leaf(Geometry::Text(_) | Geometry::Patches(_)) | NodeKind::Csg(..) => true,
-            NodeKind::Leaf(_) | NodeKind::List(_) => false,
+            SffNodeKind::Leaf(SffGeometry::Text(_) | SffGeometry::Patches(_))
+            | SffNodeKind::Csg(..) => true,
+            SffNodeKind::Leaf(_) | SffNodeKind::List(_) => false,
         };
         let kind = kind_of(node, &solids);
         let shape = match solids.pop() {
             None => {
-                self.warn(node.place, "an object without any shape: left out");
+                self.warn(node.place, "object without any shape: skipped");
                 return Ok(());
             }
             Some(Solid::Primitive(primitive)) if !is_exact => Shape::Primitive(primitive),
@@ -214,18 +225,18 @@ impl Resolver<'_, '_> {
         Ok(())
     }
 
-    /// The solids of an object, placed.
+    /// The solids of an object, transformed.
     ///
-    /// Members follow their operation, so that one pass over them is enough; what nests deeply
-    /// waits in a list of its own, not on the stack.
+    /// Members follow their operation, so that a single pass suffices; nested operations are kept
+    /// in an explicit stack.
     fn solids(
         &mut self,
-        tree: &Tree,
+        tree: &SffTree,
         root: usize,
         map: DAffine3,
-        given: Given,
-    ) -> Read<Vec<Solid>> {
-        let mut open: Vec<Frame> = Vec::new();
+        given: InheritedAttributes,
+    ) -> SffResult<Vec<Solid>> {
+        let mut open: Vec<OpenOperation> = Vec::new();
         let mut done = Vec::new();
         let mut index = root;
         loop {
@@ -256,7 +267,7 @@ impl Resolver<'_, '_> {
                     index = node.end;
                 }
                 None => {
-                    open.push(Frame {
+                    open.push(OpenOperation {
                         node: index,
                         map,
                         given,
@@ -268,24 +279,24 @@ impl Resolver<'_, '_> {
         }
     }
 
-    /// The solids of an object that can be made without its members.
+    /// The solids of an object that do not depend on its members.
     fn whole(
         &mut self,
-        tree: &Tree,
-        node: &Node,
+        tree: &SffTree,
+        node: &SffNode,
         map: &DAffine3,
-        given: Given,
-    ) -> Read<Option<Vec<Solid>>> {
+        given: InheritedAttributes,
+    ) -> SffResult<Option<Vec<Solid>>> {
         match &node.kind {
-            NodeKind::Leaf(geometry) => {
+            SffNodeKind::Leaf(geometry) => {
                 let mut solids = self.leaf(tree, node, geometry, map, given)?;
-                let is_placed = matches!(geometry, Geometry::Triangles(_));
+                let is_placed = matches!(geometry, SffGeometry::Triangles(_));
                 if *map != DAffine3::IDENTITY && !is_placed {
                     solids.iter_mut().for_each(|s| s.transform(map));
                 }
                 Ok(Some(solids))
             }
-            NodeKind::List(members) => {
+            SffNodeKind::List(members) => {
                 let cone = self.closed_cone(tree, members, given)?;
                 Ok(cone.map(|(cone, material)| {
                     let mut cone = shapes::cone(&cone, true, material);
@@ -293,47 +304,50 @@ impl Resolver<'_, '_> {
                     vec![Solid::Primitive(cone)]
                 }))
             }
-            NodeKind::Csg(..) => Ok(None),
+            SffNodeKind::Csg(..) => Ok(None),
         }
     }
 
-    /// Adds the solids of a member to what is around it.
+    /// Adds the solids of a member to the enclosing operation.
     fn join(
         &mut self,
-        tree: &Tree,
-        around: &mut Frame,
+        tree: &SffTree,
+        around: &mut OpenOperation,
         member: usize,
         solids: Vec<Solid>,
-    ) -> Read<()> {
+    ) -> SffResult<()> {
         let node = &tree.nodes[member];
         if self.corner_surfaces.take().is_some() {
-            let said = "a mesh of several surfaces inside of another object: one is used";
+            let said = "mesh with several surfaces inside another object: a single one is used";
             self.warn(node.place, said);
         }
-        let is_csg = matches!(tree.nodes[around.node].kind, NodeKind::Csg(..));
+        let is_csg = matches!(tree.nodes[around.node].kind, SffNodeKind::Csg(..));
         if is_csg && !solids.iter().all(is_closed) {
-            let found = "an open shape in a set operation: it has no inside";
-            let expected = "closed ones, or a list (67) of pieces that close it together";
+            let found = "an open shape in a set operation, which has no interior";
+            let expected = "closed shapes, or a list (67) of pieces that close it together";
             return Err(self.sources.error(node.place, found, expected));
         }
         around.sides[node.side].extend(solids);
         Ok(())
     }
 
-    /// What a set operation or list becomes when it has all of its members.
-    fn closed(&mut self, tree: &Tree, frame: Frame) -> Read<Vec<Solid>> {
+    /// The result of a set operation or list once all of its members are converted.
+    fn closed(&mut self, tree: &SffTree, frame: OpenOperation) -> SffResult<Vec<Solid>> {
         let node = &tree.nodes[frame.node];
         let [left, right] = frame.sides;
-        let NodeKind::Csg(operation, _) = node.kind else {
+        let SffNodeKind::Csg(operation, _) = node.kind else {
             let is_one = left.len() == 1 && is_closed(&left[0]);
-            return Ok(match left.is_empty() || is_one {
-                true => left,
-                false => vec![Solid::Shell(left)],
+            return Ok(if left.is_empty() || is_one {
+                left
+            } else {
+                vec![Solid::Shell(left)]
             });
         };
         if left.is_empty() || right.is_empty() {
-            let found = "a set operation with nothing on one side";
-            return Err(self.sources.error(node.place, found, "solids on both"));
+            let found = "a set operation with an empty side";
+            return Err(self
+                .sources
+                .error(node.place, found, "solids on both sides"));
         }
         let csg = Csg {
             operation,
@@ -343,17 +357,17 @@ impl Resolver<'_, '_> {
         Ok(vec![Solid::Csg(Box::new(csg))])
     }
 
-    /// The one cone or cylinder that the members of a list are together, and its material.
+    /// The single cone or cylinder that the members of a list form together, and its material.
     fn closed_cone(
         &mut self,
-        tree: &Tree,
+        tree: &SffTree,
         members: &[usize],
-        given: Given,
-    ) -> Read<Option<(Cone, MaterialId)>> {
+        given: InheritedAttributes,
+    ) -> SffResult<Option<(SffCone, MaterialId)>> {
         let nodes = || members.iter().map(|&m| (m, &tree.nodes[m]));
-        let cones: Option<Vec<Cone>> = nodes()
+        let cones: Option<Vec<SffCone>> = nodes()
             .map(|(_, node)| match node.kind {
-                NodeKind::Leaf(Geometry::Cone(cone)) if node.map == DAffine3::IDENTITY => {
+                SffNodeKind::Leaf(SffGeometry::Cone(cone)) if node.map == DAffine3::IDENTITY => {
                     Some(*cone)
                 }
                 _ => None,
@@ -372,17 +386,17 @@ impl Resolver<'_, '_> {
         Ok(material.map(|material| (cone, material)))
     }
 
-    /// The solids of one record. Triangles are placed by `map`, everything else is not yet.
+    /// The solids of one record. Triangles are transformed by `map`, everything else is not yet.
     fn leaf(
         &mut self,
-        tree: &Tree,
-        node: &Node,
-        geometry: &Geometry,
+        tree: &SffTree,
+        node: &SffNode,
+        geometry: &SffGeometry,
         map: &DAffine3,
-        given: Given,
-    ) -> Read<Vec<Solid>> {
+        given: InheritedAttributes,
+    ) -> SffResult<Vec<Solid>> {
         let place = node.place;
-        if let Geometry::Triangles(placed) = geometry
+        if let SffGeometry::Triangles(placed) = geometry
             && given.surface.is_none()
         {
             return self.mixed(tree, placed, map, given, place);
@@ -390,34 +404,35 @@ impl Resolver<'_, '_> {
         let material = self.material(tree, given, place)?;
         let primitive = |p: Primitive| vec![Solid::Primitive(p)];
         Ok(match geometry {
-            Geometry::Sphere { centre, radius } => {
+            SffGeometry::Sphere { centre, radius } => {
                 primitive(Primitive::sphere(*centre, *radius, material))
             }
-            Geometry::Cuboid { centre, half } => {
+            SffGeometry::Cuboid { centre, half } => {
                 primitive(shapes::cuboid(*centre, *half, material))
             }
-            Geometry::Cone(cone) => primitive(shapes::cone(cone, false, material)),
-            Geometry::Patches(placed) => {
+            SffGeometry::Cone(cone) => primitive(shapes::cone(cone, false, material)),
+            SffGeometry::Patches(placed) => {
                 let data = self.data(&placed.data, place, data::patches)?;
                 self.spend(8 * data.patches.len(), place)?;
                 let patches = shapes::patches(&data, under(placed), material);
                 patches.map(Solid::Patch).collect()
             }
-            Geometry::Polygons(placed) => {
+            SffGeometry::Polygons(placed) => {
                 let data = self.data(&placed.data, place, data::polygons)?;
                 self.spend(data.faces.corners.len() + data.vertices.len(), place)?;
                 let mesh = shapes::polygons(&data, under(placed), material);
                 some_faces(mesh)
             }
-            Geometry::Triangles(placed) => {
-                let read = |lines: &mut Lines| data::triangles(lines, node.look.surface == 0);
+            SffGeometry::Triangles(placed) => {
+                let read =
+                    |lines: &mut SffLines| data::triangles(lines, node.appearance.surface == 0);
                 let data = self.data(&placed.data, place, read)?;
                 self.spend(6 * data.corners.len(), place)?;
                 some_faces(shapes::triangles(&data, under(placed), map, material).0)
             }
-            Geometry::Text(data) => {
+            SffGeometry::Text(data) => {
                 let commands = self.commands(data, place)?;
-                let mut desk = Desk {
+                let mut desk = TypesetContext {
                     files: self.files,
                     sources: self.sources,
                     warnings: self.warnings,
@@ -429,16 +444,16 @@ impl Resolver<'_, '_> {
         })
     }
 
-    /// Triangles whose corners have surfaces of their own. What they reflect diffusely stands in
-    /// the colours of the vertices; what they mirror is the mean.
+    /// Triangles whose corners have surfaces of their own. Their diffuse reflectances become vertex
+    /// colours; specular ones are averaged.
     fn mixed(
         &mut self,
-        tree: &Tree,
-        placed: &Placed<TriangleData>,
+        tree: &SffTree,
+        placed: &PlacedData<TriangleData>,
         map: &DAffine3,
-        given: Given,
-        place: Place,
-    ) -> Read<Vec<Solid>> {
+        given: InheritedAttributes,
+        place: SffPosition,
+    ) -> SffResult<Vec<Solid>> {
         let data = self.data(&placed.data, place, |lines| data::triangles(lines, true))?;
         self.spend(6 * data.corners.len(), place)?;
         let used = || data.surfaces.iter().flatten();
@@ -453,7 +468,7 @@ impl Resolver<'_, '_> {
         let mirror: Rgb = used().map(|s| surfaces::mirror(surface(*s))).sum();
         let mirror = (mirror / used().count() as f64).map(|m| m.clamp(0.0, 1.0));
         let left = Rgb::WHITE - mirror;
-        let given = Given {
+        let given = InheritedAttributes {
             surface: Some(first),
             ..given
         };
@@ -483,63 +498,68 @@ impl Resolver<'_, '_> {
         Ok(vec![Solid::Mesh(mesh)])
     }
 
-    /// The data of a record, which may stand in a file of their own.
+    /// The data of a record, which may be in a separate file.
     fn data<'d, T: Clone>(
         &mut self,
-        data: &'d Data<T>,
-        place: Place,
-        read: impl FnOnce(&mut Lines) -> Read<T>,
-    ) -> Read<Cow<'d, T>> {
+        data: &'d RecordData<T>,
+        place: SffPosition,
+        read: impl FnOnce(&mut SffLines) -> SffResult<T>,
+    ) -> SffResult<Cow<'d, T>> {
         match data {
-            Data::Here(data) => Ok(Cow::Borrowed(data)),
-            Data::File(name) => {
+            RecordData::Here(data) => Ok(Cow::Borrowed(data)),
+            RecordData::File(name) => {
                 let (path, bytes) = self.open(name, place)?;
                 let file = self.sources.next();
-                let mut lines = Lines::new(&bytes, &path, file, self.warnings);
+                let mut lines = SffLines::new(&bytes, &path, file, self.warnings);
                 lines.skip_remarks();
                 read(&mut lines).map(Cow::Owned)
             }
         }
     }
 
-    /// The commands of a text block. Its file stays known for messages about its commands.
+    /// The commands of a text block. Its file is kept for messages about its commands.
     fn commands<'d>(
         &mut self,
-        data: &'d Data<Vec<TextCommand>>,
-        place: Place,
-    ) -> Read<Cow<'d, [TextCommand]>> {
+        data: &'d RecordData<Vec<TextCommand>>,
+        place: SffPosition,
+    ) -> SffResult<Cow<'d, [TextCommand]>> {
         match data {
-            Data::Here(commands) => Ok(Cow::Borrowed(commands)),
-            Data::File(name) => {
+            RecordData::Here(commands) => Ok(Cow::Borrowed(commands)),
+            RecordData::File(name) => {
                 let (path, bytes) = self.open(name, place)?;
                 let file = self.sources.next();
-                let commands = block::read(&mut Lines::new(&bytes, &path, file, self.warnings))?;
+                let commands = block::read(&mut SffLines::new(&bytes, &path, file, self.warnings))?;
                 self.sources.add(&path, bytes);
                 Ok(Cow::Owned(commands))
             }
         }
     }
 
-    fn open(&mut self, name: &str, place: Place) -> Read<(String, Vec<u8>)> {
+    fn open(&mut self, name: &str, place: SffPosition) -> SffResult<(String, Vec<u8>)> {
         let of = self.sources.name(place.file);
         let opened = open_beside(self.files, of, name).map_err(|e| {
             let found = format!("\"{}\", which cannot be read: {e}", shortened(name));
             self.sources.error(place, found, "a file beside the scene")
         })?;
-        // Many records may name one file.
+        // Many records may refer to one file.
         let (path, bytes) = opened;
         self.spend(bytes.len() / 16, place)?;
         Ok((path, into_decoded(bytes)))
     }
 
-    fn no_surface(&self, surface: u32, place: Place) -> ReadError {
+    fn no_surface(&self, surface: u32, place: SffPosition) -> ReadError {
         let expected = format!("one of the surfaces, 1 to {}", self.surfaces.len());
         self.sources
             .error(place, format!("surface {surface}"), expected)
     }
 
-    /// The material of a look; equal looks have one.
-    fn material(&mut self, tree: &Tree, given: Given, place: Place) -> Read<MaterialId> {
+    /// The material of an appearance; equal appearances share one.
+    fn material(
+        &mut self,
+        tree: &SffTree,
+        given: InheritedAttributes,
+        place: SffPosition,
+    ) -> SffResult<MaterialId> {
         let surface = given.surface.unwrap_or(0);
         let ior = given.refraction.unwrap_or(1.0).max(1.0);
         let Some(numbers) = (surface as usize).checked_sub(1) else {
@@ -554,7 +574,7 @@ impl Resolver<'_, '_> {
             return Ok(known);
         }
         if surfaces::is_dimmed(&numbers) {
-            let said = "a surface that lets less than half of the light through: opaque but for the look of RTRACE";
+            let said = "surface that transmits less than half of the light: opaque except in RTRACE's own shading";
             self.warn(place, said);
         }
         let of_rtrace = self.rtrace_material(tree, given, place)?;
@@ -573,7 +593,12 @@ impl Resolver<'_, '_> {
         self.scene.add_material(material)
     }
 
-    fn rtrace_material(&mut self, tree: &Tree, given: Given, place: Place) -> Read<RtraceMaterial> {
+    fn rtrace_material(
+        &mut self,
+        tree: &SffTree,
+        given: InheritedAttributes,
+        place: SffPosition,
+    ) -> SffResult<RtraceMaterial> {
         let mut material = RtraceMaterial {
             surface: given.surface.unwrap_or(1) - 1,
             ior: given.refraction.unwrap_or(1.0).max(1.0),
@@ -585,7 +610,7 @@ impl Resolver<'_, '_> {
         // Each is as large as a few vertices.
         let count = node.inline_textures.len() + node.section_textures.len();
         self.spend(4 * count, place)?;
-        let mut around = Surroundings {
+        let mut around = TextureContext {
             files: self.files,
             sources: self.sources,
             warnings: self.warnings,
@@ -600,12 +625,12 @@ impl Resolver<'_, '_> {
                 textures.extend(self.texture_files.texture(record, &mut around)?);
             }
         }
-        self.warn(place, "textures: only the look of RTRACE shows them");
+        self.warn(place, "textures: only visible in RTRACE's own shading");
         Ok(material)
     }
 
-    /// scn2sff wrote random flags onto surfaces that only textures name.
-    fn forgive_translated(&mut self, document: &Document) {
+    /// scn2sff wrote random flags for surfaces that only textures use.
+    fn forgive_translated(&mut self, document: &SffDocument) {
         if !document.is_translated {
             return;
         }
@@ -621,23 +646,22 @@ impl Resolver<'_, '_> {
         for (surface, _) in self.surfaces.iter_mut().zip(worn).filter(|(_, worn)| !worn) {
             if surface.is_emitter || surface.is_unshadowed {
                 (surface.is_emitter, surface.is_unshadowed) = (false, false);
-                let said =
-                    "signs of a surface that only textures name, which scn2sff made: left out";
+                let said = "signs written by scn2sff for a surface that only textures use: ignored";
                 self.warnings.add_whole(self.sources.name(0), said);
             }
         }
     }
 
-    /// Lights, and bodies in the place of those that have area; these stand last.
-    fn lamps(&mut self, document: &Document) {
+    /// Adds the lights, and emitters for those with area; these come last.
+    fn lamps(&mut self, document: &SffDocument) {
         for (k, light) in document.lights.iter().enumerate() {
             let material = self.scene.materials.len() as MaterialId;
             match lights::physical(light, &document.view, material) {
-                Lamp::Lights(kinds) => {
+                SffLight::Lights(kinds) => {
                     let lights = kinds.into_iter().map(|kind| lights::named(k + 1, kind));
                     self.scene.lights.extend(lights);
                 }
-                Lamp::Body(body, radiance) => {
+                SffLight::Body(body, radiance) => {
                     self.scene.add_material(lights::shining(k + 1, radiance));
                     let name = format!("light {}", k + 1);
                     let object = Object::new(name, Shape::Primitive(body));
@@ -647,7 +671,7 @@ impl Resolver<'_, '_> {
         }
     }
 
-    fn finish(self, document: &Document) -> Scene {
+    fn finish(self, document: &SffDocument) -> Scene {
         let mut scene = self.scene;
         scene.background = Some(document.background);
         if !document.ambient.is_black() {
@@ -669,7 +693,8 @@ impl Resolver<'_, '_> {
     }
 }
 
-/// A colour that, times what is left beside a mirror, is this reflectance or as near as can be.
+/// The colour whose product with `left`, the share beside the mirror, is closest to this
+/// reflectance.
 fn limited(reflectance: Rgb, left: Rgb) -> Rgb {
     let share = |k: usize| {
         let share = reflectance[k] / left[k].max(1e-9);
@@ -678,21 +703,22 @@ fn limited(reflectance: Rgb, left: Rgb) -> Rgb {
     Rgb::from([0, 1, 2].map(share))
 }
 
-fn under<T>(placed: &Placed<T>) -> Under {
-    Under {
+fn under<T>(placed: &PlacedData<T>) -> ScaleShift {
+    ScaleShift {
         origin: placed.origin,
         scale: placed.scale,
     }
 }
 
 fn some_faces(mesh: azulejo_scene::Mesh) -> Vec<Solid> {
-    match mesh.faces.is_empty() {
-        true => Vec::new(),
-        false => vec![Solid::Mesh(mesh)],
+    if mesh.faces.is_empty() {
+        Vec::new()
+    } else {
+        vec![Solid::Mesh(mesh)]
     }
 }
 
-/// Whether a solid has an inside.
+/// Whether a solid has an interior.
 fn is_closed(solid: &Solid) -> bool {
     match solid {
         Solid::Primitive(p) => {
@@ -704,13 +730,13 @@ fn is_closed(solid: &Solid) -> bool {
     }
 }
 
-/// The word in an object's name.
-fn kind_of(node: &Node, solids: &[Solid]) -> &'static str {
+/// The type in an object's name.
+fn kind_of(node: &SffNode, solids: &[Solid]) -> &'static str {
     match &node.kind {
-        NodeKind::Csg(..) => "csg",
-        NodeKind::Leaf(Geometry::Text(_)) => "text",
-        NodeKind::Leaf(Geometry::Patches(_)) => "patches",
-        NodeKind::Leaf(_) | NodeKind::List(_) => match solids {
+        SffNodeKind::Csg(..) => "csg",
+        SffNodeKind::Leaf(SffGeometry::Text(_)) => "text",
+        SffNodeKind::Leaf(SffGeometry::Patches(_)) => "patches",
+        SffNodeKind::Leaf(_) | SffNodeKind::List(_) => match solids {
             [Solid::Primitive(p)] => match p.kind {
                 PrimitiveKind::Sphere => "sphere",
                 PrimitiveKind::Cuboid => "box",
@@ -723,20 +749,20 @@ fn kind_of(node: &Node, solids: &[Solid]) -> &'static str {
     }
 }
 
-/// Everything that tells two lists of textures apart.
-type ChainKey = (Vec<u64>, Vec<String>);
+/// Everything that distinguishes two lists of textures.
+type TextureChainKey = (Vec<u64>, Vec<String>);
 
-/// The textures of objects, equal lists with one number.
+/// The textures of objects; equal lists share an index.
 #[derive(Default)]
-struct Chains {
+struct TextureChains {
     /// By the object that has them.
     of_nodes: HashMap<usize, usize>,
-    known: HashMap<ChainKey, usize>,
+    known: HashMap<TextureChainKey, usize>,
 }
 
-impl Chains {
-    /// The number of an object's textures.
-    fn number(&mut self, tree: &Tree, node: usize) -> usize {
+impl TextureChains {
+    /// The index of an object's textures.
+    fn number(&mut self, tree: &SffTree, node: usize) -> usize {
         if let Some(&known) = self.of_nodes.get(&node) {
             return known;
         }
@@ -748,7 +774,7 @@ impl Chains {
     }
 }
 
-fn chain_key(node: &Node) -> ChainKey {
+fn chain_key(node: &SffNode) -> TextureChainKey {
     let (mut numbers, mut files) = (Vec::new(), Vec::new());
     for records in [&node.inline_textures, &node.section_textures] {
         numbers.push(records.len() as u64);

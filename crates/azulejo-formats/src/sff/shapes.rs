@@ -1,13 +1,13 @@
-//! Shapes of records as exact shapes and meshes, before their transforms.
+//! Converts shapes of records to exact shapes and meshes, before their transforms.
 
 use super::coons;
-use super::document::{Cone, PatchData, PolygonData, TriangleData};
+use super::document::{PatchData, PolygonData, SffCone, TriangleData};
 use azulejo_scene::math::{Frame, normal_matrix};
 use azulejo_scene::{Attribute, BicubicPatch, MaterialId, Mesh, Primitive, PrimitiveKind};
 use glam::{DAffine3, DMat3, DVec3};
 use std::collections::HashMap;
 
-/// A box around its middle.
+/// A box around its centre.
 pub(super) fn cuboid(centre: DVec3, half: DVec3, material: MaterialId) -> Primitive {
     let map = DAffine3 {
         matrix3: DMat3::from_diagonal(2.0 * half),
@@ -16,8 +16,8 @@ pub(super) fn cuboid(centre: DVec3, half: DVec3, material: MaterialId) -> Primit
     Primitive::new(PrimitiveKind::Cuboid, map, material)
 }
 
-/// The side of a cone, or all of it if it is `closed`. The wider end is the base.
-pub(super) fn cone(cone: &Cone, closed: bool, material: MaterialId) -> Primitive {
+/// The lateral surface of a cone, or all of it if it is `closed`. The wider end is the base.
+pub(super) fn cone(cone: &SffCone, closed: bool, material: MaterialId) -> Primitive {
     let swapped = cone.apex_radius > cone.base_radius;
     let (base, wide, apex, narrow) = if swapped {
         (cone.apex, cone.apex_radius, cone.base, cone.base_radius)
@@ -31,37 +31,41 @@ pub(super) fn cone(cone: &Cone, closed: bool, material: MaterialId) -> Primitive
         translation: base,
     };
     let top = narrow / wide;
-    let kind = match closed {
-        false => PrimitiveKind::Tube { top },
-        true if top == 1.0 => PrimitiveKind::Cylinder,
-        true => PrimitiveKind::Cone { top },
+    let kind = if !closed {
+        PrimitiveKind::Tube { top }
+    } else if top == 1.0 {
+        PrimitiveKind::Cylinder
+    } else {
+        PrimitiveKind::Cone { top }
     };
     Primitive::new(kind, map, material)
 }
 
-/// A cone within this share of its radius is a cap: the original's flat cones are 0.001 high.
+/// A cone whose height is below this fraction of its radius is a cap: the original's flat cones are
+/// 0.001 high.
 const FLAT: f64 = 0.02;
 
-/// The original's height of a disc, which counts as flat on any radius.
+/// The original's height of a disc, which counts as flat for any radius.
 const DISC: f64 = 0.00101;
 
-/// How far the ends of a side and of its caps may be apart, as a share of the radius: files have
-/// six digits.
+/// How far the ends of a lateral surface and of its caps may be apart, relative to the radius:
+/// files have six digits.
 const APART: f64 = 1e-5;
 
-/// The one cone or cylinder whose side and caps these are; `None` if they are none.
+/// The single cone or cylinder with this lateral surface and these caps; `None` if the pieces do
+/// not form one.
 ///
-/// Caps are flat cones that end in a point, over the ends of the side.
-pub(super) fn closed_cone(pieces: &[Cone]) -> Option<Cone> {
+/// Caps are flat cones that end in a point, over the ends of the lateral surface.
+pub(super) fn closed_cone(pieces: &[SffCone]) -> Option<SffCone> {
     if !(2..=3).contains(&pieces.len()) {
         return None;
     }
-    let height = |c: &Cone| c.base.distance(c.apex);
+    let height = |c: &SffCone| c.base.distance(c.apex);
     let tallest = pieces
         .iter()
         .max_by(|a, b| height(a).total_cmp(&height(b)))?;
     let radius = tallest.base_radius.max(tallest.apex_radius);
-    let is_cap = |piece: &Cone, end: DVec3, end_radius: f64| {
+    let is_cap = |piece: &SffCone, end: DVec3, end_radius: f64| {
         let (base, wide, apex, narrow) = wide_end_first(piece);
         let axis = tallest.apex - tallest.base;
         base.distance(end) <= APART * radius
@@ -86,7 +90,7 @@ pub(super) fn closed_cone(pieces: &[Cone]) -> Option<Cone> {
     (closed && used + 1 == pieces.len()).then_some(*tallest)
 }
 
-fn wide_end_first(c: &Cone) -> (DVec3, f64, DVec3, f64) {
+fn wide_end_first(c: &SffCone) -> (DVec3, f64, DVec3, f64) {
     if c.apex_radius > c.base_radius {
         (c.apex, c.apex_radius, c.base, c.base_radius)
     } else {
@@ -94,14 +98,14 @@ fn wide_end_first(c: &Cone) -> (DVec3, f64, DVec3, f64) {
     }
 }
 
-/// A scale and a shift, as the data of a record stand under them.
+/// The scale and translation of the data of a record.
 #[derive(Clone, Copy)]
-pub(super) struct Under {
+pub(super) struct ScaleShift {
     pub origin: DVec3,
     pub scale: DVec3,
 }
 
-impl Under {
+impl ScaleShift {
     fn point(&self, p: DVec3) -> DVec3 {
         p * self.scale + self.origin
     }
@@ -110,7 +114,7 @@ impl Under {
 /// Bézier patches.
 pub(super) fn patches(
     data: &PatchData,
-    under: Under,
+    under: ScaleShift,
     material: MaterialId,
 ) -> impl Iterator<Item = BicubicPatch> + '_ {
     data.patches.iter().map(move |patch| {
@@ -119,8 +123,8 @@ pub(super) fn patches(
     })
 }
 
-/// Polygons, as the record lists them.
-pub(super) fn polygons(data: &PolygonData, under: Under, material: MaterialId) -> Mesh {
+/// Polygons as listed in the record.
+pub(super) fn polygons(data: &PolygonData, under: ScaleShift, material: MaterialId) -> Mesh {
     Mesh {
         positions: data.vertices.iter().map(|p| under.point(*p)).collect(),
         face_materials: vec![material; data.faces.len()],
@@ -129,12 +133,12 @@ pub(super) fn polygons(data: &PolygonData, under: Under, material: MaterialId) -
     }
 }
 
-/// Placed triangles over vertices that they share where position, normal and surface are equal. Corners
-/// run so that the normals are in front. Also returns the surfaces of the corners, from 0, for
-/// triangles that have them.
+/// Transformed triangles that share vertices with equal position, normal and surface. Corners are
+/// ordered so that the normals are in front. Also returns the surfaces of the corners, counted from
+/// 0, for triangles that have them.
 pub(super) fn triangles(
     data: &TriangleData,
-    under: Under,
+    under: ScaleShift,
     map: &DAffine3,
     material: MaterialId,
 ) -> (Mesh, Vec<[u32; 3]>) {
@@ -182,8 +186,8 @@ pub(super) fn triangles(
 mod tests {
     use super::*;
 
-    fn piece(base: f64, base_radius: f64, apex: f64, apex_radius: f64) -> Cone {
-        Cone {
+    fn piece(base: f64, base_radius: f64, apex: f64, apex_radius: f64) -> SffCone {
+        SffCone {
             base: base * DVec3::X,
             base_radius,
             apex: apex * DVec3::X,
@@ -204,7 +208,7 @@ mod tests {
 
     #[test]
     fn a_side_with_its_caps_is_closed() {
-        let check = |pieces: &[Cone], expected: Option<usize>| {
+        let check = |pieces: &[SffCone], expected: Option<usize>| {
             let found = closed_cone(pieces);
             assert_eq!(found, expected.map(|k| pieces[k]), "{pieces:?}");
         };

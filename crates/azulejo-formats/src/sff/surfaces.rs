@@ -7,15 +7,15 @@ use azulejo_scene::brdf::Description;
 use azulejo_scene::rtrace::{RtraceSource, RtraceSurface};
 use azulejo_scene::{Dielectric, Material, Rgb};
 
-/// More is never mirrored or let through.
+/// Upper limit of specular reflection and transmission.
 const MOST: f64 = 0.95;
 
-/// Each channel of several colours through `f`.
+/// Applies `f` to each channel of several colours.
 fn each<const N: usize>(colors: [Rgb; N], f: impl Fn([f64; N]) -> f64) -> Rgb {
     Rgb::from([0, 1, 2].map(|k| f(colors.map(|c| c[k]))))
 }
 
-/// A surface with the numbers that RTRACE derives from its record.
+/// A surface with the parameters that RTRACE derives from its record.
 pub(super) fn derived(record: &SurfaceRecord) -> RtraceSurface {
     let mut surface = RtraceSurface {
         color: record.color,
@@ -56,29 +56,29 @@ pub(super) fn derived(record: &SurfaceRecord) -> RtraceSurface {
     surface
 }
 
-/// What it mirrors straight on: Ks, which metals tint by their color.
+/// Specular reflectance at normal incidence: Ks, which metals tint by their colour.
 pub(super) fn mirror(surface: &RtraceSurface) -> Rgb {
     let colors = [surface.specular, surface.metal, surface.color];
     each(colors, |[k, metal, c]| k * (1.0 + metal * (c - 1.0)))
 }
 
-/// Whether it lets more than half of the light through.
+/// Whether it transmits more than half of the light.
 fn is_clear(surface: &RtraceSurface) -> bool {
     surface.transparency.mean() >= 0.5
 }
 
-/// Whether it lets light through that the material keeps.
+/// Whether it transmits light that the material absorbs.
 pub(super) fn is_dimmed(surface: &RtraceSurface) -> bool {
     !surface.is_emitter && !surface.transparency.is_black() && !is_clear(surface)
 }
 
-/// A surface as a material that makes no light of nothing.
+/// A surface as an energy-conserving material.
 ///
-/// An emitter shines with its colour from both sides; what lets half of the light through, or
-/// more, is clear glass tinted by Kt C; anything else is a model of [`reflection`].
+/// An emitter emits its colour from both sides; a surface that transmits half of the light or more
+/// is clear glass tinted by Kt C; anything else is a model of [`reflection`].
 ///
 /// # Errors
-/// Beside the material: a warning that the model is left out, and Ks is a mirror.
+/// Beside the material: a warning that the model is dropped, and Ks is a mirror.
 pub(super) fn material(
     surface: &RtraceSurface,
     ior: f64,
@@ -117,8 +117,8 @@ pub(super) fn material(
     (material, made)
 }
 
-/// The model of a surface of which a material already has the reflectances: Strauss' own where
-/// its numbers are the same in all channels, otherwise a lobe of RTRACE's exponent around the
+/// The model of a surface whose material already has the reflectances: Strauss' own if its
+/// parameters are equal in all channels, otherwise a lobe with RTRACE's exponent around the
 /// mirrored direction.
 fn reflection(surface: &RtraceSurface, material: &Material) -> Description {
     if let RtraceSource::Strauss {
@@ -139,10 +139,10 @@ fn reflection(surface: &RtraceSurface, material: &Material) -> Description {
     lobe(surface.phong, material.mirror, material.diffuse)
 }
 
-/// A lobe around the mirrored direction of light.
+/// A Phong lobe around the mirrored direction.
 pub(super) fn lobe(n: f64, ks: Rgb, kd: Rgb) -> Description {
     let [ks, kd] = [ks, kd].map(unit);
-    // The last bit of a sum must not refuse the model.
+    // Rounding of the sum must not make the model invalid.
     let ks = Rgb::from([0, 1, 2].map(|k| ks[k].min(1.0 - kd[k])));
     Highlight::mirrored(n, Rgb::BLACK).description(kd, ks)
 }

@@ -1,11 +1,11 @@
-//! Small scenes, what becomes of them, and what they say when they are wrong.
+//! Small scenes: conversion, and error messages.
 
 use crate::{Loaded, Memory, ReadOptions, sff};
 use azulejo_scene::rtrace::RtraceTextureKind;
 use azulejo_scene::{LightKind, PrimitiveKind, Scene, Shape, Solid};
 use glam::DVec3;
 
-/// Everything up to the objects: two surfaces, and a light of each kind.
+/// Everything up to the objects: two surfaces, and a light of each type.
 const HEAD: &str = "view\n0 0 10\n0 0 0\n0 1 0\n30 20\ncolors\n.1 .2 .3\n.1 .1 .1\nlights
 1 0 9 0 1 1 1
 2 0 9 0 -1 1 1 0 -2 0 33 2
@@ -49,7 +49,7 @@ fn read(objects: &str) -> Scene {
     load(objects).unwrap_or_else(|e| panic!("{e}")).scene
 }
 
-/// The scene written and read again.
+/// The scene after writing and reading it.
 fn again(scene: &Scene) -> Scene {
     let mut text = Vec::new();
     let beside = sff::write(scene, "b c", &mut text).expect("memory takes everything");
@@ -62,7 +62,7 @@ fn again(scene: &Scene) -> Scene {
         .scene
 }
 
-/// Prisms and patches come back but for rounding, everything else to the bit.
+/// Prisms and patches are preserved up to rounding, everything else bit by bit.
 fn assert_same(mut a: Scene, mut b: Scene) {
     let exact = |scene: &mut Scene| {
         let mut points = Vec::new();
@@ -218,8 +218,8 @@ fn the_outermost_surface_counts() {
     let Shape::Exact(csg) = &scene.objects[0].shape else {
         panic!("a set operation is exact");
     };
-    // The inner operation has a surface, but the outer one decides; indices of refraction are
-    // given by the inner one alone.
+    // The inner operation has a surface, but the outer one takes precedence; only the inner one has
+    // an index of refraction.
     let materials: Vec<u32> = csg.leaves().iter().map(|l| l.material()).collect();
     assert_eq!(materials, [0, 0, 1, 1]);
     let rtrace = scene.rtrace.unwrap();
@@ -249,7 +249,7 @@ fn mistakes_are_named_with_their_lines() {
         1,
         "found the end of the section, expected a number",
     );
-    check("1 1 1 0 0 0 -1", 1, "a number > 0");
+    check("1 1 1 0 0 0 -1", 1, "a positive number");
     check("1 1 1 0 x 0 1", 1, "found \"x\", expected a number");
     check(
         "1 4 1 0 0 0 1",
@@ -261,7 +261,7 @@ fn mistakes_are_named_with_their_lines() {
     check(
         "1 1 1 0 0 0 1\n65 3 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1",
         2,
-        "object 3, which is not there",
+        "object 3, which does not exist",
     );
     check(
         "65 0 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1",
@@ -277,7 +277,7 @@ fn mistakes_are_named_with_their_lines() {
     check(
         "5 1 1 0 0 0 1 1 1 -\n2 1 2\n\n0 0 0\n",
         2,
-        "a polygon of 2 vertices",
+        "a polygon with 2 vertices",
     );
     check(
         "5 1 1 0 0 0 1 1 1 -\n3 1 2 3\n\n0 0 0\n1 0 0\n\n",
@@ -294,11 +294,7 @@ fn mistakes_are_named_with_their_lines() {
         1,
         "\"no.dat\", which cannot be read",
     );
-    check(
-        "66 0 0 0 1\n1 1 1 0 0 0 1\n66 2\n",
-        3,
-        "66 2 out of its order",
-    );
+    check("66 0 0 0 1\n1 1 1 0 0 0 1\n66 2\n", 3, "66 2 out of order");
     check("66 0 0 0 1\n66 1\n", 2, "66 1 with nothing before it");
     check("66 1\n", 1, "66 1 outside");
     check(
@@ -359,7 +355,7 @@ fn mistakes_in_text_are_named_with_their_lines() {
     check(
         "SCALE 1 0 1",
         1,
-        "found SCALE 1 0 1, expected three numbers > 0",
+        "found SCALE 1 0 1, expected three positive numbers",
     );
     check("ORIENTATION 1 0 0 2 0 0 0 0 1", 1, "parallel");
     check("ORIENTATION 1 0 0 0 1 0 1 1 0", 1, "in one plane");
@@ -375,12 +371,12 @@ fn mistakes_in_text_are_named_with_their_lines() {
     check(
         &format!("{set}AT 0 0 0 \"A"),
         6,
-        "a string without its second quote",
+        "a string without its closing quote",
     );
     check(&format!("{set}AT 0 0 0 A"), 6, "AT without a string");
 }
 
-/// The two scenes of the paper, misprints and all.
+/// The two scenes of the paper, including misprints.
 #[test]
 fn the_papers_scenes() {
     let head = "SPACING 0.1  # espaco\nSCALE 3 3 3\n";
@@ -434,16 +430,16 @@ fn liberties() {
     check(
         "1 1 .5 0 0 0 1",
         1,
-        &["an index of refraction below 1: taken as 1"],
+        &["index of refraction below 1: taken as 1"],
     );
     let moved = "65 0 1 0 0 0 0 1 0 0 0 0 1 0 .1 0 0 1";
-    let perspective = "a transform with perspective: only its affine part is used";
+    let perspective = "transform with perspective: only its affine part is used";
     check(&format!("1 1 1 0 0 0 1\n{moved}"), 1, &[perspective]);
     check("1 1 1 0 0 0 1\n\nend\nDemo / 11-OCT-1989", 1, &[]);
     check(
         "5 1 1 0 0 0 1 1 1 -\n\n\n",
         0,
-        &["an object without any shape: left out"],
+        &["object without any shape: skipped"],
     );
 }
 
@@ -457,7 +453,7 @@ fn any_scene_is_written_as_far_as_it_goes() {
     assert!(!sff::losses(&scene).is_empty());
 }
 
-/// As deep as operations may nest, on the stack of a test.
+/// Operations at the maximum depth, on the stack of a test thread.
 #[test]
 fn deep_nests_are_read_and_written() {
     let mut objects = "66 0 0 0 1\n".repeat(255);
@@ -466,7 +462,7 @@ fn deep_nests_are_read_and_written() {
     round_trip(&objects);
 }
 
-/// Whatever is changed in a file, it is read or refused, and what is read is valid.
+/// Any modified file is read or rejected, and what is read is valid.
 #[test]
 fn damaged_files() {
     let set = "7 1 1 -\nSPACING .1 SCALE 2 3 .5 ORIENTATION 1 1 0 0 0 1 -1 1 .2\nFONT f.ppf ENCODING f.ppe\nAT 1 2 3 \"AB\"\n\n";
@@ -484,7 +480,7 @@ fn damaged_files() {
         }
     };
     let mut bytes = text.into_bytes();
-    // Steps that have no common factor with the lengths of lines meet every kind of field.
+    // Steps coprime to the lengths of lines reach every type of field.
     for at in (0..bytes.len()).step_by(13) {
         check(&bytes[..at]);
         let byte = bytes[at];

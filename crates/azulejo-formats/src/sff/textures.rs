@@ -1,6 +1,6 @@
-//! Texture records as RTRACE's textures, with their colour maps and pictures.
+//! Texture records as RTRACE's textures, with their colour maps and images.
 
-use super::document::Sources;
+use super::document::SffSources;
 use super::document::TextureRecord;
 use super::pictures;
 use crate::reading::files::open_beside;
@@ -13,37 +13,37 @@ use glam::{DMat4, DVec3};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Colour maps and pictures, each read once; `None` for those that cannot be had.
+/// Colour maps and images, each read once; `None` for those that cannot be read.
 #[derive(Default)]
 pub(super) struct TextureFiles {
     maps: HashMap<String, Option<ColorMap>>,
     images: HashMap<String, Option<Arc<Image>>>,
 }
 
-/// What reading a texture needs besides its record.
-pub(super) struct Surroundings<'r, 's> {
+/// What reading a texture requires besides its record.
+pub(super) struct TextureContext<'r, 's> {
     pub files: &'r dyn Files,
-    pub sources: &'r Sources<'s>,
+    pub sources: &'r SffSources<'s>,
     pub warnings: &'r mut Warnings,
     pub surfaces: u32,
 }
 
 impl TextureFiles {
-    /// The texture of a record; `None`, with a warning, if its picture cannot be had.
+    /// The texture of a record; `None`, with a warning, if its image cannot be read.
     ///
     /// # Errors
-    /// A matrix that cannot be undone, a surface that is not there, axes that are none.
+    /// A singular matrix, a surface that does not exist, invalid axes.
     pub fn texture(
         &mut self,
         record: &TextureRecord,
-        around: &mut Surroundings,
+        around: &mut TextureContext,
     ) -> Result<Option<RtraceTexture>, ReadError> {
         let fail = |found: String, expected: &str| {
             Err(around.sources.error(record.place, found, expected))
         };
         let Some(texture_from_point) = inverse(&record.matrix) else {
-            let expected = "one whose determinant is not zero, or all zero for none";
-            return fail("a texture's matrix that cannot be undone".into(), expected);
+            let expected = "a matrix whose determinant is not zero, or all zeros for none";
+            return fail("a singular texture matrix".into(), expected);
         };
         let v = &record.kind.values;
         let number = record.kind.number;
@@ -73,7 +73,7 @@ impl TextureFiles {
     fn kind(
         &mut self,
         record: &TextureRecord,
-        around: &mut Surroundings,
+        around: &mut TextureContext,
     ) -> Option<RtraceTextureKind> {
         use RtraceTextureKind::*;
         let v = record.kind.values.as_slice();
@@ -148,7 +148,7 @@ impl TextureFiles {
         })
     }
 
-    fn map(&mut self, record: &TextureRecord, around: &mut Surroundings) -> Option<ColorMap> {
+    fn map(&mut self, record: &TextureRecord, around: &mut TextureContext) -> Option<ColorMap> {
         if record.file.is_empty() {
             return None;
         }
@@ -160,7 +160,7 @@ impl TextureFiles {
             .clone()
     }
 
-    fn image(&mut self, record: &TextureRecord, around: &mut Surroundings) -> Option<Arc<Image>> {
+    fn image(&mut self, record: &TextureRecord, around: &mut TextureContext) -> Option<Arc<Image>> {
         let of = around.sources.name(record.place.file);
         let key = crate::reading::files::beside(of, &record.file);
         let known = self.images.entry(key);
@@ -170,10 +170,10 @@ impl TextureFiles {
     }
 }
 
-/// Reads the file of a texture; `None`, with a warning, if that cannot be.
+/// Reads the file of a texture; `None`, with a warning, if it cannot be read.
 fn read<T>(
     record: &TextureRecord,
-    around: &mut Surroundings,
+    around: &mut TextureContext,
     decode: impl FnOnce(&[u8]) -> Result<T, String>,
 ) -> Option<T> {
     let of = around.sources.name(record.place.file);
@@ -184,7 +184,7 @@ fn read<T>(
         Err(why) => why,
     };
     let said = format!(
-        "\"{}\" of a texture is not used: {why}",
+        "texture file \"{}\" skipped: {why}",
         shortened(&record.file)
     );
     let position = || around.sources.position(record.place);
@@ -192,7 +192,7 @@ fn read<T>(
     None
 }
 
-/// The inverse of a texture's matrix; all zero is none.
+/// The inverse of a texture's matrix; all zeros mean none.
 fn inverse(matrix: &DMat4) -> Option<DMat4> {
     if *matrix == DMat4::ZERO {
         return Some(DMat4::IDENTITY);
@@ -201,7 +201,7 @@ fn inverse(matrix: &DMat4) -> Option<DMat4> {
     let inverse = matrix.inverse();
     (size != 0.0 && inverse.is_finite()).then_some(inverse)
 }
-/// The number, the numbers behind the matrix and whether there may be a file, of a texture.
+/// The type of a texture, and the numbers after its matrix.
 pub(super) fn numbers(kind: &RtraceTextureKind) -> (u32, Vec<f64>) {
     use RtraceTextureKind::*;
     let surface = |s: &u32| f64::from(*s + 1);

@@ -1,5 +1,5 @@
-//! Records as a tree: set operations and lists with their members, and what later records say of
-//! each of them.
+//! Records as a tree: set operations and lists with their members, and the later records that apply
+//! to each of them.
 
 use super::document::*;
 use crate::ReadError;
@@ -7,69 +7,72 @@ use crate::reading::warnings::Warnings;
 use azulejo_scene::Operation;
 use glam::{DAffine3, DMat4};
 
-/// Set operations and lists nest no deeper, as in the original and in a valid scene.
+/// Maximum nesting of set operations and lists, as in the original and in a valid scene.
 const DEEPEST: usize = 256;
 
-/// All objects, members included, in the order that numbers them.
+/// All objects, members included, in the order of their numbers.
 #[derive(Debug, Default)]
-pub(super) struct Tree<'d> {
-    pub nodes: Vec<Node<'d>>,
-    /// Those that are members of none.
+pub(super) struct SffTree<'d> {
+    pub nodes: Vec<SffNode<'d>>,
+    /// The objects that are not members.
     pub roots: Vec<usize>,
 }
 
 /// One object.
 #[derive(Debug)]
-pub(super) struct Node<'d> {
-    pub place: Place,
-    pub look: Look,
-    pub kind: NodeKind<'d>,
-    /// Behind the last of its members, theirs included; the next one for what has none.
+pub(super) struct SffNode<'d> {
+    pub place: SffPosition,
+    pub appearance: RecordAppearance,
+    pub kind: SffNodeKind<'d>,
+    /// The index after the last of its descendants; the next one for an object without members.
     pub end: usize,
-    /// On which side of the set operation around it.
+    /// Its side in the enclosing set operation.
     pub side: usize,
-    /// All of its transforms, the first applied first.
+    /// The product of its transforms; the first one is applied first.
     pub map: DAffine3,
-    /// Textures that stand among the objects.
+    /// Textures among the objects.
     pub inline_textures: Vec<&'d TextureRecord>,
-    /// Textures of the section of their own.
+    /// Textures of the separate section.
     pub section_textures: Vec<&'d TextureRecord>,
 }
 
 #[derive(Debug)]
-pub(super) enum NodeKind<'d> {
-    Leaf(&'d Geometry),
+pub(super) enum SffNodeKind<'d> {
+    Leaf(&'d SffGeometry),
     Csg(Operation, [Vec<usize>; 2]),
     List(Vec<usize>),
 }
 
 /// A set operation or list that has not ended.
-struct Open {
+struct OpenNode {
     node: usize,
-    /// Which side of a set operation.
+    /// The current side of a set operation.
     side: usize,
 }
 
-impl<'d> Tree<'d> {
+impl<'d> SffTree<'d> {
     /// Builds the tree of a document.
     ///
     /// # Errors
-    /// Beginnings and ends that do not match, sides without members, transforms that cannot be
-    /// undone, numbers of objects that are not there.
+    /// Beginnings and ends that do not match, sides without members, singular transforms, numbers
+    /// of objects that do not exist.
     pub fn new(
-        document: &'d Document,
-        sources: &Sources,
+        document: &'d SffDocument,
+        sources: &SffSources,
         warnings: &mut Warnings,
-    ) -> Result<Tree<'d>, ReadError> {
-        let mut tree = Tree::default();
+    ) -> Result<SffTree<'d>, ReadError> {
+        let mut tree = SffTree::default();
         tree.nodes.reserve(document.objects.len());
-        let mut open: Vec<Open> = Vec::new();
+        let mut open: Vec<OpenNode> = Vec::new();
         for record in &document.objects {
             let place = record.place;
             let fail = |found: String, expected: &str| Err(sources.error(place, found, expected));
             match &record.kind {
-                RecordKind::Object { look, geometry } => {
-                    tree.add(place, *look, NodeKind::Leaf(geometry), &open);
+                RecordKind::Object {
+                    appearance,
+                    geometry,
+                } => {
+                    tree.add(place, *appearance, SffNodeKind::Leaf(geometry), &open);
                 }
                 RecordKind::Texture(texture) => match tree.find(texture.object) {
                     Some(node) => node.inline_textures.push(texture),
@@ -80,15 +83,15 @@ impl<'d> Tree<'d> {
                         return fail(no_object(*object), AN_OBJECT);
                     };
                     let Some(map) = affine(matrix, || {
-                        let said = "a transform with perspective: only its affine part is used";
+                        let said = "transform with perspective: only its affine part is used";
                         let position = || sources.position(place);
                         warnings.add(sources.name(place.file), said.into(), position);
                     }) else {
-                        return fail("a transform that cannot be undone".into(), A_MAP);
+                        return fail("a singular transform".into(), A_MAP);
                     };
                     node.map = map * node.map;
                     if !is_invertible(&node.map) {
-                        return fail("transforms that cannot be undone".into(), A_MAP);
+                        return fail("singular transforms".into(), A_MAP);
                     }
                 }
                 RecordKind::CsgBegin { .. } | RecordKind::ListBegin { .. }
@@ -97,14 +100,17 @@ impl<'d> Tree<'d> {
                     let found = format!("operations nested more than {DEEPEST} deep");
                     return fail(found, "fewer levels");
                 }
-                RecordKind::CsgBegin { look, operation } => {
-                    let kind = NodeKind::Csg(*operation, Default::default());
-                    let node = tree.add(place, *look, kind, &open);
-                    open.push(Open { node, side: 0 });
+                RecordKind::CsgBegin {
+                    appearance,
+                    operation,
+                } => {
+                    let kind = SffNodeKind::Csg(*operation, Default::default());
+                    let node = tree.add(place, *appearance, kind, &open);
+                    open.push(OpenNode { node, side: 0 });
                 }
-                RecordKind::ListBegin { look } => {
-                    let node = tree.add(place, *look, NodeKind::List(Vec::new()), &open);
-                    open.push(Open { node, side: 0 });
+                RecordKind::ListBegin { appearance } => {
+                    let node = tree.add(place, *appearance, SffNodeKind::List(Vec::new()), &open);
+                    open.push(OpenNode { node, side: 0 });
                 }
                 RecordKind::CsgNext => match open.last_mut() {
                     Some(open) if open.side == 0 && tree.has_members(open) && tree.is_csg(open) => {
@@ -134,11 +140,17 @@ impl<'d> Tree<'d> {
         Ok(tree)
     }
 
-    fn add(&mut self, place: Place, look: Look, kind: NodeKind<'d>, open: &[Open]) -> usize {
+    fn add(
+        &mut self,
+        place: SffPosition,
+        appearance: RecordAppearance,
+        kind: SffNodeKind<'d>,
+        open: &[OpenNode],
+    ) -> usize {
         let index = self.nodes.len();
-        self.nodes.push(Node {
+        self.nodes.push(SffNode {
             place,
-            look,
+            appearance,
             kind,
             end: index + 1,
             side: open.last().map_or(0, |o| o.side),
@@ -149,49 +161,53 @@ impl<'d> Tree<'d> {
         match open.last() {
             None => self.roots.push(index),
             Some(open) => match &mut self.nodes[open.node].kind {
-                NodeKind::Csg(_, sides) => sides[open.side].push(index),
-                NodeKind::List(members) => members.push(index),
-                NodeKind::Leaf(_) => {}
+                SffNodeKind::Csg(_, sides) => sides[open.side].push(index),
+                SffNodeKind::List(members) => members.push(index),
+                SffNodeKind::Leaf(_) => {}
             },
         }
         index
     }
 
-    /// Ends an operation or list behind the latest object.
-    fn close(&mut self, open: &Open) {
+    /// Ends an operation or list after the latest object.
+    fn close(&mut self, open: &OpenNode) {
         self.nodes[open.node].end = self.nodes.len();
     }
 
-    /// The object of a number, the latest for 0.
-    fn find(&mut self, number: u32) -> Option<&mut Node<'d>> {
+    /// The object with a number, the latest for 0.
+    fn find(&mut self, number: u32) -> Option<&mut SffNode<'d>> {
         match number {
             0 => self.nodes.last_mut(),
             _ => self.nodes.get_mut(number as usize - 1),
         }
     }
 
-    fn is_csg(&self, open: &Open) -> bool {
-        matches!(self.nodes[open.node].kind, NodeKind::Csg(..))
+    fn is_csg(&self, open: &OpenNode) -> bool {
+        matches!(self.nodes[open.node].kind, SffNodeKind::Csg(..))
     }
 
-    fn has_members(&self, open: &Open) -> bool {
+    fn has_members(&self, open: &OpenNode) -> bool {
         match &self.nodes[open.node].kind {
-            NodeKind::Csg(_, sides) => !sides[open.side].is_empty(),
-            NodeKind::List(members) => !members.is_empty(),
-            NodeKind::Leaf(_) => true,
+            SffNodeKind::Csg(_, sides) => !sides[open.side].is_empty(),
+            SffNodeKind::List(members) => !members.is_empty(),
+            SffNodeKind::Leaf(_) => true,
         }
     }
 
-    /// What is wrong with a record that divides or ends.
-    fn misplaced(&self, record: &str, open: Option<&Open>) -> String {
+    /// Describes a separator or end record in the wrong position.
+    fn misplaced(&self, record: &str, open: Option<&OpenNode>) -> String {
         match open {
             None => format!("{record} outside"),
             Some(open) if !self.has_members(open) => format!("{record} with nothing before it"),
-            Some(_) => format!("{record} out of its order"),
+            Some(_) => format!("{record} out of order"),
         }
     }
 
-    fn add_section(&mut self, document: &'d Document, sources: &Sources) -> Result<(), ReadError> {
+    fn add_section(
+        &mut self,
+        document: &'d SffDocument,
+        sources: &SffSources,
+    ) -> Result<(), ReadError> {
         for record in &document.textures {
             let RecordKind::Texture(texture) = &record.kind else {
                 continue;
@@ -208,7 +224,7 @@ impl<'d> Tree<'d> {
     }
 }
 
-const AN_OBJECT: &str = "the number of an object above, from 1 on, or 0 for the latest";
+const AN_OBJECT: &str = "the number of an object above, counted from 1, or 0 for the latest";
 const A_MAP: &str = "a matrix whose determinant is not zero";
 const NEXT: &str = "66 0, the left side, 66 1, the right side, 66 2";
 const END: &str = NEXT;
@@ -216,13 +232,13 @@ const LIST_END: &str = "67 0, the members, 67 1";
 
 fn no_object(number: u32) -> String {
     match number {
-        0 => "a record about the latest object before the first".to_owned(),
-        _ => format!("object {number}, which is not there"),
+        0 => "a record about the latest object before the first one".to_owned(),
+        _ => format!("object {number}, which does not exist"),
     }
 }
 
-/// The affine part of a matrix for column vectors, `None` if it cannot be undone. All zero means
-/// nothing is done.
+/// The affine part of a matrix for column vectors, `None` if it is singular. All zeros mean the
+/// identity.
 fn affine(matrix: &DMat4, warn: impl FnOnce()) -> Option<DAffine3> {
     if *matrix == DMat4::ZERO {
         return Some(DAffine3::IDENTITY);
@@ -232,12 +248,12 @@ fn affine(matrix: &DMat4, warn: impl FnOnce()) -> Option<DAffine3> {
     if last.truncate() != glam::DVec3::ZERO || last.w == 0.0 {
         warn();
     }
-    // A weight of one is the rule, and a division would not change a bit.
+    // A weight of one is the usual case, and dividing by it would not change a bit.
     let map = DAffine3::from_mat4(*matrix * (1.0 / weight));
     is_invertible(&map).then_some(map)
 }
 
-/// Whether a map has an inverse of finite numbers.
+/// Whether a map has a finite inverse.
 pub(super) fn is_invertible(map: &DAffine3) -> bool {
     let size = map.matrix3.determinant();
     map.is_finite() && size != 0.0 && size.is_finite() && map.inverse().is_finite()

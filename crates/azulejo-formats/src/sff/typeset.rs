@@ -1,6 +1,6 @@
-//! Text blocks as prisms.
+//! Converts text blocks to prisms.
 
-use super::document::{Place, Sources, TextCommand, TextCommandKind};
+use super::document::{SffPosition, SffSources, TextCommand, TextCommandKind};
 use crate::outline::{ppe, ppf};
 use crate::reading::files::open_beside;
 use crate::reading::options::Budget;
@@ -11,7 +11,7 @@ use glam::{DMat3, DVec3};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// What commands have set so far: it holds from one block to the next.
+/// The current settings, which persist from one block to the next.
 #[derive(Default)]
 pub(super) struct Typesetter {
     spacing: Option<f64>,
@@ -23,25 +23,25 @@ pub(super) struct Typesetter {
     encodings: HashMap<String, Arc<Encoding>>,
 }
 
-/// Where files come from, and where it is told what was wrong with them.
-pub(super) struct Desk<'r, 's> {
+/// The files, and the collectors of positions and warnings.
+pub(super) struct TypesetContext<'r, 's> {
     pub files: &'r dyn Files,
-    pub sources: &'r Sources<'s>,
+    pub sources: &'r SffSources<'s>,
     pub warnings: &'r mut Warnings,
     pub budget: &'r mut Budget,
 }
 
 impl Typesetter {
-    /// Carries out the commands of a block.
+    /// Executes the commands of a block.
     ///
     /// # Errors
-    /// Settings that are missing before the first string or cannot be used, files that cannot be
-    /// read, and characters without a glyph.
+    /// Settings that are missing before the first string or invalid, files that cannot be read, and
+    /// characters without a glyph.
     pub fn run(
         &mut self,
         commands: &[TextCommand],
         material: MaterialId,
-        desk: &mut Desk,
+        desk: &mut TypesetContext,
     ) -> Result<Vec<Prism>, ReadError> {
         let mut prisms = Vec::new();
         for command in commands {
@@ -53,7 +53,7 @@ impl Typesetter {
                 }
                 TextCommandKind::Scale(scale) => {
                     let found = format!("SCALE {} {} {}", scale.x, scale.y, scale.z);
-                    return Err(desk.sources.error(place, found, "three numbers > 0"));
+                    return Err(desk.sources.error(place, found, "three positive numbers"));
                 }
                 TextCommandKind::Orientation(axes) => {
                     self.orientation = Some(orientation(axes, place, desk)?);
@@ -83,8 +83,8 @@ impl Typesetter {
         origin: DVec3,
         text: &str,
         material: MaterialId,
-        place: Place,
-        sources: &Sources,
+        place: SffPosition,
+        sources: &SffSources,
     ) -> Result<Vec<Prism>, ReadError> {
         let missing = |name: &str| {
             let found = format!("AT before any {name}");
@@ -104,7 +104,7 @@ impl Typesetter {
             scale,
         };
         let placed = font.lay_out(text, encoding, spacing).map_err(|e| {
-            let expected = "characters and /names/ that ENCODING and FONT have";
+            let expected = "characters and /names/ that ENCODING and FONT define";
             sources.error(place, e.to_string(), expected)
         })?;
         Ok(frame.prisms(&placed, material))
@@ -112,7 +112,11 @@ impl Typesetter {
 }
 
 /// Unit directions that span space.
-fn orientation(axes: &[DVec3; 3], place: Place, desk: &Desk) -> Result<[DVec3; 3], ReadError> {
+fn orientation(
+    axes: &[DVec3; 3],
+    place: SffPosition,
+    desk: &TypesetContext,
+) -> Result<[DVec3; 3], ReadError> {
     let unit = axes.map(DVec3::normalize_or_zero);
     let volume = DMat3::from_cols(unit[0], unit[1], unit[2]).determinant();
     if volume.abs() > 1e-12 {
@@ -123,16 +127,16 @@ fn orientation(axes: &[DVec3; 3], place: Place, desk: &Desk) -> Result<[DVec3; 3
     Err(desk.sources.error(place, found, expected))
 }
 
-/// What reads a font or an encoding.
-type Reader<T> = fn(&[u8], &str) -> Result<(T, Vec<Warning>), ReadError>;
+/// Decodes a font or an encoding.
+type DecodeFn<T> = fn(&[u8], &str) -> Result<(T, Vec<Warning>), ReadError>;
 
-/// The font or encoding of a file, read once.
+/// The font or encoding in a file, read once.
 fn load<T>(
     known: &mut HashMap<String, Arc<T>>,
     name: &str,
-    place: Place,
-    desk: &mut Desk,
-    read: Reader<T>,
+    place: SffPosition,
+    desk: &mut TypesetContext,
+    read: DecodeFn<T>,
 ) -> Result<Arc<T>, ReadError> {
     let of = desk.sources.name(place.file);
     let key = crate::reading::files::beside(of, name);

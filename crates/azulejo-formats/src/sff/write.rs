@@ -1,4 +1,4 @@
-//! Scenes to SFF, with a font of the figures that they extrude.
+//! Writes scenes as SFF, with a font of the figures that they extrude.
 
 use super::from_scene::{self, is_lamp};
 use super::print::print;
@@ -9,20 +9,21 @@ use azulejo_scene::{
 };
 use std::io::{self, BufWriter, Write};
 
-/// Writes a scene, and returns the files that it names beside it, by name: if anything is extruded,
-/// the font `stem.ppf` and the encoding `stem.ppe` that goes with it.
+/// Writes a scene, and returns the files that it refers to, by name: if anything is extruded, the
+/// font `stem.ppf` and its encoding `stem.ppe`.
 ///
-/// A scene that was read from SFF or SCN keeps the numbers that RTRACE understands; of any other,
-/// materials become surfaces and lights are as bright where the camera looks. Numbers are the
-/// shortest that read back to the same value. [`losses`] says what does not fit into the format.
+/// A scene that was read from SFF or SCN keeps RTRACE's parameters; for any other scene, materials
+/// become surfaces, and lights are scaled to the same irradiance at the camera's target. Numbers
+/// are the shortest that read back to the same value. [`losses`] describes what the format cannot
+/// represent.
 ///
 /// # Errors
-/// What `out` says.
+/// Those of `out`.
 ///
 /// # Panics
 /// If the scene is not valid in the sense of [`Scene::validate`].
 pub fn write(scene: &Scene, stem: &str, out: &mut dyn Write) -> io::Result<Vec<(String, Vec<u8>)>> {
-    // Names end at a blank.
+    // File names end at a blank.
     let stem = stem.replace(char::is_whitespace, "_");
     let (document, font) = from_scene::document(scene, &stem);
     let mut out = BufWriter::new(out);
@@ -33,7 +34,7 @@ pub fn write(scene: &Scene, stem: &str, out: &mut dyn Write) -> io::Result<Vec<(
     };
     let (mut outlines, mut names) = (Vec::new(), Vec::new());
     ppf::write(&font, &mut outlines)?;
-    // Glyphs are named where they are used: RTRACE wants an encoding all the same.
+    // Glyphs are named where they are used, but RTRACE requires an encoding.
     let mut encoding = Encoding::default();
     encoding.names.insert(u32::from('A'), first.clone());
     ppe::write(&encoding, &mut names)?;
@@ -43,7 +44,7 @@ pub fn write(scene: &Scene, stem: &str, out: &mut dyn Write) -> io::Result<Vec<(
     ])
 }
 
-/// What [`write()`] would leave out of a scene, or change, in words: "2 cameras".
+/// Descriptions of what [`write()`] would omit from a scene, or change: "2 cameras".
 pub fn losses(scene: &Scene) -> Vec<String> {
     let shapes = || scene.objects.iter().filter(|o| !is_lamp(scene, &o.shape));
     let objects = |lost: &dyn Fn(&Object) -> bool| shapes().filter(|o| lost(o)).count();
@@ -57,11 +58,11 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         matches!(&o.shape, Shape::Mesh(m) if !m.colors.is_empty()) && !is_mixed(*k)
     };
     let mut counts = vec![
-        (objects(&is_lit), "objects whose irradiance is left out"),
+        (objects(&is_lit), "objects whose irradiance is omitted"),
         (objects(&is_square), "parallelograms that become polygons"),
         (
             objects(&overlaps),
-            "shapes whose figures may fill otherwise",
+            "shapes whose figures may be filled differently",
         ),
         (
             meshes(|m| m.uvs.is_some()),
@@ -80,25 +81,22 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         let lights = scene.lights.iter();
         let falling = lights.filter(|l| !matches!(l.kind, LightKind::Ambient { .. }));
         counts.extend([
-            (
-                falling.count(),
-                "lights that fall with the distance otherwise",
-            ),
+            (falling.count(), "lights with a different falloff"),
             (
                 materials(Material::is_emitter),
-                "emitters, which light nothing in RTRACE",
+                "emitters, which do not illuminate anything in RTRACE",
             ),
             (
                 materials(|m| m.dielectric.is_some()),
-                "dielectrics, which follow Fresnel",
+                "dielectrics, whose reflection follows Fresnel",
             ),
             (
                 materials(|m| !m.textures.is_empty()),
-                "materials with pictures",
+                "materials with textures",
             ),
             (
                 materials(|m| m.brdf.is_some() && !is_of_the_format(m)),
-                "reflection models that become a lobe about as wide",
+                "reflection models that become a lobe of similar width",
             ),
         ]);
     }
@@ -116,7 +114,7 @@ fn is_lit(object: &Object) -> bool {
     match &object.shape {
         Shape::Mesh(mesh) => !mesh.irradiance.is_empty(),
         Shape::Primitive(p) => p.light.is_some(),
-        Shape::Exact(exact) => exact.skin.is_some(),
+        Shape::Exact(exact) => exact.proxy.is_some(),
     }
 }
 
@@ -124,7 +122,7 @@ fn is_square(object: &Object) -> bool {
     matches!(&object.shape, Shape::Primitive(p) if p.kind == PrimitiveKind::Square)
 }
 
-/// Whether a figure is filled by a rule that the format does not have.
+/// Whether a figure uses a fill rule that the format does not have.
 fn overlaps(object: &Object) -> bool {
     let Shape::Exact(exact) = &object.shape else {
         return false;

@@ -1,6 +1,6 @@
-//! The text format.
+//! The ASCII format.
 
-use super::{Solid, default_material};
+use super::{StlSolid, default_material};
 use crate::ReadError;
 use crate::reading::text::{shortened, text};
 use crate::reading::warnings::Warnings;
@@ -8,12 +8,12 @@ use crate::reading::words::Words;
 use azulejo_scene::Scene;
 use glam::DVec3;
 
-/// Bytes of a facet as programs write it, at least: room is made for no more triangles.
+/// Minimum length in bytes of a facet as programs write it, which limits the reserved memory.
 const SHORTEST_FACET: usize = 90;
 
 /// Reads text that begins with `solid`.
 pub(super) fn read(bytes: &[u8], file: &str, warnings: &mut Warnings) -> Result<Scene, ReadError> {
-    let mut reader = Reader {
+    let mut reader = StlAsciiParser {
         words: Words::new(bytes, file),
         file,
         length: bytes.len(),
@@ -26,18 +26,18 @@ pub(super) fn read(bytes: &[u8], file: &str, warnings: &mut Warnings) -> Result<
     Ok(reader.scene)
 }
 
-struct Reader<'a> {
+struct StlAsciiParser<'a> {
     words: Words<'a>,
     file: &'a str,
     length: usize,
     warnings: &'a mut Warnings,
     scene: Scene,
-    solid: Option<Solid>,
+    solid: Option<StlSolid>,
     /// Vertices of the current facet.
     corners: Vec<DVec3>,
 }
 
-impl Reader<'_> {
+impl StlAsciiParser<'_> {
     fn statements(&mut self) -> Result<(), ReadError> {
         while let Some(word) = self.words.word() {
             match word {
@@ -50,7 +50,10 @@ impl Reader<'_> {
         }
         if self.solid.is_some() {
             let at = self.length;
-            self.warn_at(at, "the file ends inside a solid: what is there is kept");
+            self.warn_at(
+                at,
+                "the file ends inside a solid: what precedes the end is kept",
+            );
             self.end_solid();
         }
         if !self.scene.objects.is_empty() {
@@ -66,7 +69,7 @@ impl Reader<'_> {
             .add(self.file, message.into(), || words.position(at));
     }
 
-    /// What stands once in a solid, or in other capitals, or nowhere.
+    /// Handles statements that occur once per solid, with other capitals, or are unknown.
     fn rare(&mut self, word: &[u8]) -> Result<(), ReadError> {
         let at = self.words.offset() - word.len();
         match word.to_ascii_lowercase().as_slice() {
@@ -83,7 +86,7 @@ impl Reader<'_> {
                 let shown = shortened(&text(word));
                 self.warn_at(
                     at,
-                    format!("\"{shown}\" is no word of STL: skipped with its line"),
+                    format!("\"{shown}\" is not an STL keyword: line skipped"),
                 );
                 self.words.rest_of_line();
             }
@@ -102,12 +105,13 @@ impl Reader<'_> {
         }
         let name = text(self.words.rest_of_line()).into_owned();
         let left = self.length - self.words.offset();
-        // A file of many small solids must not get room for all of it in each of them.
-        let expected = match self.scene.objects.is_empty() {
-            true => left / (2 * SHORTEST_FACET),
-            false => 0,
+        // A file with many small solids must not reserve memory for the whole file in each of them.
+        let expected = if self.scene.objects.is_empty() {
+            left / (2 * SHORTEST_FACET)
+        } else {
+            0
         };
-        self.solid = Some(Solid::new(name, expected));
+        self.solid = Some(StlSolid::new(name, expected));
     }
 
     fn end_solid(&mut self) {
@@ -124,7 +128,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Normals follow from the vertices; writers leave them out, as zero or worse.
+    /// Normals are computed from the vertices; writers omit them, or write zeros or worse.
     fn normal(&mut self) {
         for _ in 0..3 {
             self.words.word();
@@ -145,7 +149,7 @@ impl Reader<'_> {
     fn end_loop(&mut self) {
         let solid = self
             .solid
-            .get_or_insert_with(|| Solid::new(String::new(), 0));
+            .get_or_insert_with(|| StlSolid::new(String::new(), 0));
         if let Err(problem) = solid.facet(&self.corners, 0) {
             let at = self.words.offset();
             self.warn_at(at, problem);

@@ -1,6 +1,6 @@
-//! The binary format: 80 bytes of anything, a count, and 50 bytes for each triangle.
+//! The binary format: 80 arbitrary bytes, a count, and 50 bytes for each triangle.
 
-use super::{Solid, default_material};
+use super::{StlSolid, default_material};
 use crate::reading::text::text;
 use crate::reading::warnings::Warnings;
 use crate::{Position, ReadError};
@@ -13,10 +13,10 @@ const HEADER: usize = 80;
 /// Bytes before the first triangle.
 const START: usize = HEADER + 4;
 
-/// A normal and three corners of three numbers each, and two bytes for extensions.
+/// A normal and three corners with three numbers each, and two bytes for extensions.
 const TRIANGLE: usize = 50;
 
-/// Whether the number of bytes is what the count of triangles says, in either byte order.
+/// Whether the number of bytes matches the count of triangles, in either byte order.
 pub(super) fn has_right_length(bytes: &[u8]) -> bool {
     let fits = |count: u32| START as u64 + TRIANGLE as u64 * u64::from(count) == bytes.len() as u64;
     let count = bytes.get(HEADER..START).and_then(|b| b.try_into().ok());
@@ -36,17 +36,18 @@ pub(super) fn read(bytes: &[u8], file: &str, warnings: &mut Warnings) -> Result<
     };
     let (triangles, is_big) = triangles(count, rest, &mut warn);
     let mut scene = Scene::default();
-    let mut colors = Colors::new(header, triangles);
+    let mut colors = FacetColors::new(header, triangles);
     if colors.are_odd {
-        let message = "bytes behind triangles that are no colours: skipped";
+        let message = "bytes after triangles that are not colours: ignored";
         warn(START + TRIANGLE - 2, message.into(), 1);
     }
-    let mut solid = Solid::new(name(header), triangles.len());
+    let mut solid = StlSolid::new(name(header), triangles.len());
     for (i, triangle) in triangles.iter().enumerate() {
         let material = colors.material(triangle, &mut scene);
-        let corners = match is_big {
-            true => corners(triangle, f32::from_be_bytes),
-            false => corners(triangle, f32::from_le_bytes),
+        let corners = if is_big {
+            corners(triangle, f32::from_be_bytes)
+        } else {
+            corners(triangle, f32::from_le_bytes)
         };
         if let Err(problem) = solid.facet(&corners, material) {
             warn(START + i * TRIANGLE, problem.into(), 1);
@@ -56,8 +57,8 @@ pub(super) fn read(bytes: &[u8], file: &str, warnings: &mut Warnings) -> Result<
     Ok(scene)
 }
 
-/// The triangles that are there, of as many as the four bytes of `count` promise, and whether
-/// they are big-endian: some old programs wrote in their machine's order, and the length tells.
+/// The triangles present, at most as many as `count` declares, and whether they are big-endian:
+/// some old programs wrote the native byte order, which the file length reveals.
 fn triangles<'a>(
     count: &[u8],
     rest: &'a [u8],
@@ -70,7 +71,7 @@ fn triangles<'a>(
     let promised = if is_big { big } else { little };
     let triangles = &triangles[..promised.min(triangles.len())];
     if is_big {
-        let message = "big-endian numbers, against the format: read as such";
+        let message = "big-endian numbers, which the format does not allow: read as such";
         warn(HEADER, message.into(), 1);
     }
     let lost = promised - triangles.len();
@@ -78,7 +79,7 @@ fn triangles<'a>(
     let message = "triangles missing from the end of the file";
     warn(START + rest.len(), message.into(), lost);
     if lost == 0 && behind > 0 {
-        let message = format!("{behind} bytes behind the last triangle: skipped");
+        let message = format!("{behind} bytes after the last triangle: skipped");
         warn(START + rest.len() - behind, message, 1);
     }
     (triangles, is_big)
@@ -88,41 +89,41 @@ fn triangles<'a>(
 fn corners(triangle: &[u8; TRIANGLE], number: fn([u8; 4]) -> f32) -> [DVec3; 3] {
     let (numbers, _) = triangle.as_chunks::<4>();
     let at = |i: usize| f64::from(number(numbers[i]));
-    // The first three are the normal, which follows from the corners.
+    // The first three are the normal, which is computed from the corners.
     [3, 6, 9].map(|i| DVec3::new(at(i), at(i + 1), at(i + 2)))
 }
 
-/// The text behind `solid` at the start of the header.
+/// The text after `solid` at the start of the header.
 fn name(header: &[u8]) -> String {
     let end = header.iter().position(|b| *b == 0).unwrap_or(HEADER);
     let name = header[..end].strip_prefix(b"solid ").unwrap_or_default();
     text(name.trim_ascii()).into_owned()
 }
 
-/// Colours in the two bytes behind each triangle, 5 bits for each channel.
-struct Colors {
-    /// Colour of the whole in the header of Magics.
+/// Colours in the two bytes after each triangle, 5 bits per channel.
+struct FacetColors {
+    /// Default colour in the header of Magics files.
     whole: Option<Rgb>,
-    /// Whether any triangle has a colour of its own.
+    /// Whether any triangle has its own colour.
     are_used: bool,
-    /// Whether the bytes say something else.
+    /// Whether the bytes have another meaning.
     are_odd: bool,
     /// By the bits of the colour.
     known: HashMap<Option<[u64; 3]>, MaterialId>,
-    /// The last triangle's bytes and material: neighbours are alike.
+    /// The last triangle's bytes and material: neighbours are often equal.
     last: Option<(u16, MaterialId)>,
 }
 
-/// The top bit of the two bytes: a colour for VisCAM, none for Magics.
+/// The top bit of the two bytes: colour present for VisCAM, absent for Magics.
 const FLAG: u16 = 0x8000;
 
-impl Colors {
-    fn new(header: &[u8], triangles: &[[u8; TRIANGLE]]) -> Colors {
+impl FacetColors {
+    fn new(header: &[u8], triangles: &[[u8; TRIANGLE]]) -> FacetColors {
         let whole = magics_color(header);
         let is_own = |bits: u16| (bits & FLAG == 0) == whole.is_some();
         let mut found = triangles.iter().map(extra);
         let are_used = found.clone().any(is_own);
-        Colors {
+        FacetColors {
             whole,
             are_used,
             are_odd: found.any(|bits| bits != 0 && !is_own(bits) && whole.is_none()),
@@ -170,7 +171,7 @@ fn painted(color: Rgb) -> Material {
     Material::diffuse(format!("#{r:02x}{g:02x}{b:02x}"), color)
 }
 
-/// What stands behind `COLOR=` in the header.
+/// The colour after `COLOR=` in the header.
 fn magics_color(header: &[u8]) -> Option<Rgb> {
     const MARK: &[u8] = b"COLOR=";
     let at = header.windows(MARK.len()).position(|w| w == MARK)?;

@@ -1,7 +1,7 @@
-//! Stereolithography, `.stl`, as text or binary.
+//! Stereolithography, `.stl`, ASCII or binary.
 //!
-//! What is read: solids of facets, each solid one object, its equal positions made one; colours
-//! of binary facets as VisCAM and Magics write them. `docs/formats/stl.md` says more.
+//! Each solid becomes one object, with equal positions merged; binary facets can have colours as
+//! written by VisCAM and Magics. `docs/formats/stl.md` has the details.
 
 mod ascii;
 mod binary;
@@ -19,10 +19,10 @@ use glam::DVec3;
 /// Reflectance of facets without a colour.
 const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
 
-/// Reads a model. `name` stands in messages; STL names no other files and takes no options.
+/// Reads a model. `name` is used in messages; STL refers to no other files and has no options.
 ///
 /// # Errors
-/// Text with a coordinate that is no number, and bytes too few for a binary file.
+/// Text with a coordinate that is not a number, and too few bytes for a binary file.
 pub fn read(
     bytes: &[u8],
     name: &str,
@@ -50,8 +50,8 @@ pub fn read(
     })
 }
 
-/// Whether bytes may be the text format. Binary files may begin with `solid` too, but have zeros
-/// behind it or the length that their count of triangles gives them.
+/// Whether this may be the ASCII format. Binary files may begin with `solid`, too, but then contain
+/// zeros, or their length matches their count of triangles.
 fn is_text(bytes: &[u8]) -> bool {
     let start = bytes.trim_ascii_start();
     let says_solid = start.len() >= 5 && start[..5].eq_ignore_ascii_case(b"solid");
@@ -60,33 +60,33 @@ fn is_text(bytes: &[u8]) -> bool {
 }
 
 /// A solid under construction.
-struct Solid {
+struct StlSolid {
     name: String,
     welder: Welder,
     faces: Faces,
     face_materials: Vec<MaterialId>,
 }
 
-impl Solid {
-    /// A solid with room for about so many triangles.
-    fn new(name: String, triangles: usize) -> Solid {
+impl StlSolid {
+    /// A solid with capacity for about this many triangles.
+    fn new(name: String, triangles: usize) -> StlSolid {
         let mut faces = Faces::default();
         faces.starts.reserve(triangles);
         faces.corners.reserve(3 * triangles);
-        Solid {
+        StlSolid {
             name,
-            // Around a vertex of a closed surface there are six triangles.
+            // Around a vertex of a closed surface there are six triangles on average.
             welder: Welder::new(triangles / 2),
             faces,
             face_materials: Vec::with_capacity(triangles),
         }
     }
 
-    /// Appends a polygon, or says why not.
+    /// Appends a polygon, or returns why it is skipped.
     #[inline]
     fn facet(&mut self, corners: &[DVec3], material: MaterialId) -> Result<(), &'static str> {
         if corners.len() < 3 {
-            return Err("facet of fewer than three vertices: skipped");
+            return Err("facet with fewer than three vertices: skipped");
         }
         if !corners.iter().all(|c| c.is_finite()) {
             return Err("facet with a vertex that is not finite: skipped");

@@ -90,10 +90,10 @@ fn text_with_flaws() {
         &load(flawed.as_bytes()),
         &[
             "a.stl:7:12: facet with a vertex that is not finite: skipped",
-            "a.stl:9:3: \"color\" is no word of STL: skipped with its line",
-            "a.stl:14:12: facet of fewer than three vertices: skipped",
-            "a.stl:16:2: \"a\" is no word of STL: skipped with its line",
-            "a.stl:17:1: the file ends inside a solid: what is there is kept",
+            "a.stl:9:3: \"color\" is not an STL keyword: line skipped",
+            "a.stl:14:12: facet with fewer than three vertices: skipped",
+            "a.stl:16:2: \"a\" is not an STL keyword: line skipped",
+            "a.stl:17:1: the file ends inside a solid: what precedes the end is kept",
             "a.stl:17:1: solid without facets: skipped",
             "a.stl: no facets: the scene is empty",
         ],
@@ -115,7 +115,7 @@ fn facets_outside_solids_are_an_object_too() {
     assert_eq!(mesh(&loaded, 0).faces.len(), 2);
     check_warnings(
         &loaded,
-        &["a.stl:1:1: \"solidus\" is no word of STL: skipped with its line"],
+        &["a.stl:1:1: \"solidus\" is not an STL keyword: line skipped"],
     );
 }
 
@@ -141,7 +141,7 @@ fn text_that_ends_too_soon_keeps_what_is_there() {
 
 const TRIANGLE: [[f32; 3]; 3] = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.]];
 
-/// A binary file, each triangle with its two bytes behind it.
+/// A binary file, with two extra bytes after each triangle.
 fn binary(header: &[u8], triangles: &[([[f32; 3]; 3], u16)]) -> Vec<u8> {
     let mut bytes = header.to_vec();
     bytes.resize(80, 0);
@@ -163,7 +163,7 @@ fn binary_with_a_misleading_start() {
     assert_eq!(loaded.scene.objects[0].name, "but not text");
     assert_eq!(mesh(&loaded, 0).faces.corners, [0, 1, 2, 0, 2, 3]);
     assert_eq!(mesh(&loaded, 0).positions[3], DVec3::Y);
-    // Also when it is cut.
+    // Also when truncated.
     let loaded = load(&bytes[..bytes.len() - 1]);
     assert_eq!(mesh(&loaded, 0).faces.len(), 1);
     check_warnings(
@@ -181,8 +181,8 @@ fn binary_with_flaws() {
     check_warnings(
         &load(&bytes),
         &[
-            "a.stl: byte 134 (0x86): 4 bytes behind the last triangle: skipped",
-            "a.stl: byte 132 (0x84): bytes behind triangles that are no colours: skipped",
+            "a.stl: byte 134 (0x86): 4 bytes after the last triangle: skipped",
+            "a.stl: byte 132 (0x84): bytes after triangles that are not colours: ignored",
             "a.stl: byte 84 (0x54): facet with a vertex that is not finite: skipped",
             "a.stl: no facets: the scene is empty",
         ],
@@ -202,12 +202,14 @@ fn big_endian_is_told_by_the_length() {
     assert_eq!(loaded.scene, load(&little).scene);
     check_warnings(
         &loaded,
-        &["a.stl: byte 80 (0x50): big-endian numbers, against the format: read as such"],
+        &[
+            "a.stl: byte 80 (0x50): big-endian numbers, which the format does not allow: read as such",
+        ],
     );
     assert_eq!(crate::detect(&big), Ok(crate::Format::Stl));
 }
 
-/// Expects these diffuse colours of the triangles of a file.
+/// Checks the diffuse colours of the triangles of a file.
 fn check_colors(header: &[u8], extras: &[u16], expected: &[Rgb]) {
     let triangles: Vec<_> = extras.iter().map(|&extra| (TRIANGLE, extra)).collect();
     let loaded = load(&binary(header, &triangles));

@@ -1,4 +1,4 @@
-//! Chunks: an id, a length, and bytes that may hold further chunks.
+//! Chunks: an id, a length, and content that may include further chunks.
 
 use crate::Position;
 use crate::reading::bytes::Bytes;
@@ -17,40 +17,39 @@ const HEADER: usize = 6;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Chunk<'a> {
     pub id: u16,
-    /// What follows the header: data, and chunks behind it.
+    /// What follows the header: data, then child chunks.
     pub body: Bytes<'a>,
     /// Offset of the header in the file.
     pub at: u64,
 }
 
-/// Walks through chunks and complains about what is wrong with them.
-pub(super) struct Walker<'w> {
+/// Traverses chunks and collects warnings about them.
+pub(super) struct ChunkWalker<'w> {
     pub file: &'w str,
     pub warnings: Warnings,
     pub gloss: Gloss,
 }
 
-impl<'a> Walker<'_> {
-    /// The next chunk of a body. One that claims more bytes than its parent has ends with it.
+impl<'a> ChunkWalker<'_> {
+    /// The next chunk of a body. One that exceeds its parent is truncated.
     pub fn next(&mut self, body: &mut Bytes<'a>) -> Option<Chunk<'a>> {
         let at = body.offset();
         if body.left() == 0 {
             return None;
         }
         let (Some(id), Some(length)) = (body.u16_le(), body.u32_le()) else {
-            self.warn(at, "a few bytes behind the last chunk: skipped");
+            self.warn(at, "stray bytes after the last chunk: skipped");
             return None;
         };
         let Some(wanted) = (length as usize).checked_sub(HEADER) else {
             let message = format!(
-                "chunk {id:04X} shorter than its own header: what follows it in its parent is lost"
+                "chunk {id:04X} shorter than its own header: the rest of its parent is skipped"
             );
             self.warn(at, message);
             return None;
         };
         if wanted > body.left() {
-            let message =
-                format!("chunk {id:04X} longer than the chunk or file that holds it: cut");
+            let message = format!("chunk {id:04X} longer than its parent: truncated");
             self.warn(at, message);
         }
         let body = body.piece(wanted.min(body.left()))?;
@@ -67,7 +66,7 @@ impl<'a> Walker<'_> {
             .add_many(self.file, message.into(), count, position);
     }
 
-    /// Says that a chunk was not used.
+    /// Warns about a chunk that is not used.
     pub fn skipped(&mut self, chunk: &Chunk<'_>, what: &str) {
         let blank = if what.is_empty() { "unknown" } else { what };
         self.warn(
@@ -76,7 +75,7 @@ impl<'a> Walker<'_> {
         );
     }
 
-    /// What `read` finds in a chunk's data; a warning if there are too few bytes.
+    /// The result of `read` on a chunk's data; a warning if there are too few bytes.
     pub fn data<T>(
         &mut self,
         chunk: &mut Chunk<'a>,
@@ -90,24 +89,24 @@ impl<'a> Walker<'_> {
         found
     }
 
-    /// Entries of `size` bytes behind their count, as many as are there.
+    /// Entries of `size` bytes after their count, as many as are present.
     pub fn list(&mut self, chunk: &mut Chunk<'a>, size: usize, what: &str) -> &'a [u8] {
         let Some(promised) = self.data(chunk, Bytes::u16_le).map(usize::from) else {
             return &[];
         };
         let there = promised.min(chunk.body.left() / size);
-        let message = format!("{what} missing from a list that ends too soon");
+        let message = format!("{what} missing from a truncated list");
         self.warn_many(chunk.at, message, promised - there);
         let list = chunk.body.take(there * size).unwrap_or_default();
         if there < promised {
-            // Half an entry is no chunk.
+            // An incomplete entry is not a chunk.
             let _ = chunk.body.skip(chunk.body.left());
         }
         list
     }
 
-    /// The colour among a chunk's children. Where a file gives one for the screen and one without
-    /// gamma, the latter is taken; one that is alone is linear too, as all readers have it.
+    /// The colour among a chunk's children. If a file has a gamma-corrected and a linear one, the
+    /// linear one is used; a single one is taken as linear, too, as in other readers.
     pub fn color(&mut self, chunk: &Chunk<'a>) -> Option<Rgb> {
         let (mut color, mut linear) = (None, None);
         let mut body = chunk.body;
@@ -121,7 +120,7 @@ impl<'a> Walker<'_> {
         linear.or(color)
     }
 
-    /// The colour that one of the chunks 0010 to 0013 holds.
+    /// The colour in one of the chunks 0010 to 0013.
     pub fn color_value(&mut self, chunk: &mut Chunk<'a>) -> Option<Rgb> {
         let color = match chunk.id {
             0x0010 | 0x0013 => self.data(chunk, vector).map(Rgb::from),
@@ -131,7 +130,7 @@ impl<'a> Walker<'_> {
         sound.map(|c| c.map(|x| x.max(0.0)))
     }
 
-    /// The share among a chunk's children, 0..=1.
+    /// The percentage among a chunk's children, as 0..=1.
     pub fn percent(&mut self, chunk: &Chunk<'a>) -> Option<f64> {
         let mut body = chunk.body;
         let mut child = self.next(&mut body)?;
@@ -160,7 +159,7 @@ fn bytes(bytes: &mut Bytes<'_>) -> Option<Rgb> {
     Some(Rgb::new(channel()?, channel()?, channel()?))
 }
 
-/// As many numbers as wanted, or none.
+/// Exactly `N` numbers, or none.
 pub(super) fn vector<const N: usize>(bytes: &mut Bytes<'_>) -> Option<[f64; N]> {
     let mut values = [0.0; N];
     for value in &mut values {

@@ -1,18 +1,18 @@
 //! Materials: chunk AFFF.
 
-use super::chunk::{Chunk, Walker, name, vector};
+use super::chunk::{Chunk, ChunkWalker, name, vector};
 use crate::reading::bytes::Bytes;
 use crate::reading::text::shortened;
 use crate::surface::phong::Highlight;
 use azulejo_scene::{Material, Rgb};
 use glam::{DAffine2, DMat2, DVec2};
 
-/// Reflectance of faces that have no material, or one without a colour.
+/// Reflectance of faces without a material, or with one without a colour.
 pub(super) const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
 
-/// What a material chunk says; `None` for what it does not say.
+/// The content of a material chunk; `None` for what is absent.
 #[derive(Debug, Default)]
-pub(super) struct Definition {
+pub(super) struct MaterialDefinition {
     pub name: String,
     pub at: u64,
     diffuse: Option<Rgb>,
@@ -22,15 +22,15 @@ pub(super) struct Definition {
     transparency: Option<f64>,
     self_illumination: Option<f64>,
     is_two_sided: bool,
-    /// Whether the program shades its faces flat, whatever their smoothing groups.
+    /// Whether faces are flat-shaded, whatever their smoothing groups.
     pub is_flat: bool,
-    /// The picture that replaces the diffuse colour.
-    pub map: Option<Map>,
+    /// The texture that replaces the diffuse colour.
+    pub map: Option<TextureMap>,
 }
 
-/// A picture on a surface.
+/// A texture map.
 #[derive(Debug)]
-pub(super) struct Map {
+pub(super) struct TextureMap {
     pub file: String,
     scale: DVec2,
     offset: DVec2,
@@ -38,12 +38,12 @@ pub(super) struct Map {
     rotation: f64,
 }
 
-impl Definition {
+impl MaterialDefinition {
     /// Reads a material chunk.
-    pub fn read<'a>(walker: &mut Walker<'_>, chunk: &Chunk<'a>) -> Definition {
-        let mut definition = Definition {
+    pub fn read<'a>(walker: &mut ChunkWalker<'_>, chunk: &Chunk<'a>) -> MaterialDefinition {
+        let mut definition = MaterialDefinition {
             at: chunk.at,
-            ..Definition::default()
+            ..MaterialDefinition::default()
         };
         let mut body = chunk.body;
         while let Some(child) = walker.next(&mut body) {
@@ -52,11 +52,11 @@ impl Definition {
         definition
     }
 
-    fn entry<'a>(&mut self, walker: &mut Walker<'_>, mut chunk: Chunk<'a>) {
+    fn entry<'a>(&mut self, walker: &mut ChunkWalker<'_>, mut chunk: Chunk<'a>) {
         match chunk.id {
             0xa000 => self.name = name(&mut chunk.body),
-            // The ambient colour stands for the light that azulejo computes; softened
-            // highlights and the size of wires change nothing that is kept.
+            // The ambient colour approximates light that azulejo computes; soft highlights and wire
+            // sizes do not affect what is kept.
             0xa010 | 0xa087 | 0xa08a | 0xa08c => {}
             0xa020 => self.diffuse = walker.color(&chunk),
             0xa030 => self.specular = walker.color(&chunk),
@@ -66,16 +66,16 @@ impl Definition {
             0xa080 => self.self_illumination = self.self_illumination.or(Some(1.0)),
             0xa081 => self.is_two_sided = true,
             0xa084 => self.self_illumination = walker.percent(&chunk),
-            0xa085 => walker.skipped(&chunk, "wire frame instead of surface"),
+            0xa085 => walker.skipped(&chunk, "wireframe material"),
             0xa100 => self.is_flat = walker.data(&mut chunk, Bytes::i16_le) == Some(1),
-            0xa200 => self.map = Map::read(walker, &chunk),
+            0xa200 => self.map = TextureMap::read(walker, &chunk),
             0xa052 | 0xa053 | 0xa083 => walker.see_through_detail(&chunk),
             _ => walker.skipped(&chunk, what(chunk.id)),
         }
     }
 
-    /// The material without its picture.
-    pub fn material(&self, walker: &mut Walker<'_>) -> Material {
+    /// The material without its texture.
+    pub fn material(&self, walker: &mut ChunkWalker<'_>) -> Material {
         let diffuse = self.diffuse.unwrap_or(DEFAULT_REFLECTANCE);
         let mut material = Material {
             emission: self.self_illumination.unwrap_or(0.0) * diffuse,
@@ -85,18 +85,18 @@ impl Definition {
         material.emits_back &= material.is_emitter();
         if !material.limit_reflectance() {
             let shown = shortened(&self.name);
-            let message = format!("material \"{shown}\" has a colour above 1: clamped");
+            let message = format!("material \"{shown}\" with a colour above 1: clamped");
             walker.warn(self.at, message);
         }
         if self.transparency.is_some_and(|t| t > 0.0) {
-            walker.warn(self.at, "see-through material (chunk A050): opaque");
+            walker.warn(self.at, "material with transparency (chunk A050): opaque");
         }
         self.highlight(&mut material, walker);
         material
     }
 
-    /// The highlight, with the exponent 2^(10 × shininess).
-    fn highlight(&self, material: &mut Material, walker: &mut Walker<'_>) {
+    /// The specular highlight, with the exponent 2^(10 × shininess).
+    fn highlight(&self, material: &mut Material, walker: &mut ChunkWalker<'_>) {
         let strength = self.strength.unwrap_or(1.0);
         let Some(shininess) = self.shininess.or(self.strength) else {
             return;
@@ -109,9 +109,9 @@ impl Definition {
     }
 }
 
-impl Walker<'_> {
-    /// Falloff of transparency and the like come with every material; they say something only
-    /// where they are not zero.
+impl ChunkWalker<'_> {
+    /// Transparency falloff and the like are present in every material; only non-zero values
+    /// matter.
     fn see_through_detail(&mut self, chunk: &Chunk<'_>) {
         if self.percent(chunk) != Some(0.0) {
             self.skipped(chunk, what(chunk.id));
@@ -119,9 +119,9 @@ impl Walker<'_> {
     }
 }
 
-impl Map {
-    fn read<'a>(walker: &mut Walker<'_>, chunk: &Chunk<'a>) -> Option<Map> {
-        let mut map = Map {
+impl TextureMap {
+    fn read<'a>(walker: &mut ChunkWalker<'_>, chunk: &Chunk<'a>) -> Option<TextureMap> {
+        let mut map = TextureMap {
             file: String::new(),
             scale: DVec2::ONE,
             offset: DVec2::ZERO,
@@ -132,13 +132,13 @@ impl Map {
             map.entry(walker, child);
         }
         if map.file.is_empty() {
-            walker.skipped(chunk, "picture without a file");
+            walker.skipped(chunk, "texture map without a file");
             return None;
         }
         Some(map)
     }
 
-    fn entry<'a>(&mut self, walker: &mut Walker<'_>, mut chunk: Chunk<'a>) {
+    fn entry<'a>(&mut self, walker: &mut ChunkWalker<'_>, mut chunk: Chunk<'a>) {
         match chunk.id {
             0x0030 | 0x0031 => self.strength(walker, chunk),
             0xa300 => self.file = name(&mut chunk.body),
@@ -147,7 +147,7 @@ impl Map {
                 if walker.data(&mut chunk, Bytes::u16_le).unwrap_or(0) & 0b1_1011 != 0 {
                     walker.skipped(
                         &chunk,
-                        "picture as decal, mirrored, negative or not repeated",
+                        "texture map as decal, mirrored, negative or not repeated",
                     );
                 }
             }
@@ -158,13 +158,13 @@ impl Map {
             0xa35a => self.offset.y = number(walker, chunk, 0.0),
             0xa35c => self.rotation = number(walker, chunk, 0.0),
             0xa360 | 0xa362 | 0xa364 | 0xa366 | 0xa368 => {
-                walker.skipped(&chunk, "tint of a picture")
+                walker.skipped(&chunk, "tint of a texture map")
             }
             _ => walker.skipped(&chunk, what(chunk.id)),
         }
     }
 
-    fn strength(&mut self, walker: &mut Walker<'_>, chunk: Chunk<'_>) {
+    fn strength(&mut self, walker: &mut ChunkWalker<'_>, chunk: Chunk<'_>) {
         let mut bytes = chunk.body;
         let full = match chunk.id {
             0x0030 => bytes.i16_le().map(f32::from) == Some(100.0),
@@ -173,16 +173,16 @@ impl Map {
         if !full {
             walker.warn(
                 chunk.at,
-                "picture at less than full strength: taken as full",
+                "texture map with a strength below 100 %: taken as 100 %",
             );
         }
     }
 
-    /// What the picture's own scale, offset and rotation make of texture coordinates; `None` if
-    /// nothing. All turn around the middle of the picture.
+    /// The map of texture coordinates by the texture's scale, offset and rotation about its centre;
+    /// `None` for the identity.
     pub fn transform(&self) -> Option<DAffine2> {
         let middle = DVec2::splat(0.5);
-        // The program's angles turn clockwise.
+        // 3D Studio's angles are clockwise.
         let matrix =
             DMat2::from_diagonal(self.scale) * DMat2::from_angle(-self.rotation.to_radians());
         let map = DAffine2::from_mat2_translation(matrix, middle - matrix * (middle + self.offset));
@@ -192,23 +192,23 @@ impl Map {
     }
 }
 
-fn number(walker: &mut Walker<'_>, mut chunk: Chunk<'_>, default: f64) -> f64 {
+fn number(walker: &mut ChunkWalker<'_>, mut chunk: Chunk<'_>, default: f64) -> f64 {
     let [value] = walker.data(&mut chunk, vector).unwrap_or([default]);
     if value.is_finite() { value } else { default }
 }
 
-/// Words for what is skipped in a material; empty for what is unknown.
+/// Description of a skipped chunk of a material; empty for an unknown one.
 fn what(id: u16) -> &'static str {
     match id {
-        0xa052 => "falloff of transparency",
-        0xa053 => "blur of reflections",
+        0xa052 => "transparency falloff",
+        0xa053 => "reflection blur",
         0xa083 => "additive transparency",
         0xa088 => "decal",
         0xa204 => "specular map",
         0xa210 => "opacity map",
         0xa220 | 0xa310 => "reflection map",
         0xa230 => "bump map",
-        0xa240 => "use of a map's alpha",
+        0xa240 => "alpha of a map",
         0xa250 | 0xa252 => "height of a bump map",
         0xa33a => "second texture",
         0xa33c => "shininess map",

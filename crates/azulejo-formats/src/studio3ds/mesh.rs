@@ -1,26 +1,26 @@
 //! One mesh, from the bytes of its lists.
 
-use super::chunk::Walker;
-use super::parse::{FaceList, RawMesh};
+use super::chunk::ChunkWalker;
+use super::parse::{MaterialFaces, RawMesh};
 use crate::surface::smooth;
 use azulejo_scene::{Attribute, Faces, MaterialId, Mesh};
 use glam::{DAffine2, DVec2, DVec3};
 use std::collections::HashMap;
 
-/// What faces need to know about the materials of the file.
+/// Material properties needed for faces.
 #[derive(Debug, Default)]
 pub(super) struct MaterialTable {
     pub by_name: HashMap<String, MaterialId>,
-    /// What happens to texture coordinates, by material.
+    /// The map of texture coordinates, by material.
     pub transforms: Vec<Option<DAffine2>>,
-    /// Whether faces are shaded flat, by material.
+    /// Whether faces are flat-shaded, by material.
     pub are_flat: Vec<bool>,
-    /// Of faces without a material.
+    /// The material of faces without one.
     pub default: MaterialId,
 }
 
-/// Builds a mesh where its file stores it, which is in the world.
-pub(super) fn mesh(raw: &RawMesh<'_>, table: &MaterialTable, walker: &mut Walker<'_>) -> Mesh {
+/// Builds a mesh as stored, in world coordinates.
+pub(super) fn mesh(raw: &RawMesh<'_>, table: &MaterialTable, walker: &mut ChunkWalker<'_>) -> Mesh {
     let mut mesh = Mesh {
         positions: positions(raw, walker),
         ..Mesh::default()
@@ -33,7 +33,7 @@ pub(super) fn mesh(raw: &RawMesh<'_>, table: &MaterialTable, walker: &mut Walker
     mesh
 }
 
-/// The little-endian numbers of a list, `N` for each entry.
+/// The little-endian numbers of a list, `N` per entry.
 fn floats<const N: usize>(bytes: &[u8]) -> impl Iterator<Item = [f64; N]> {
     let (numbers, _) = bytes.as_chunks::<4>();
     numbers.chunks_exact(N).map(|entry| {
@@ -50,21 +50,21 @@ fn indices(bytes: &[u8]) -> impl Iterator<Item = u16> {
     numbers.iter().map(|n| u16::from_le_bytes(*n))
 }
 
-fn positions(raw: &RawMesh<'_>, walker: &mut Walker<'_>) -> Vec<DVec3> {
+fn positions(raw: &RawMesh<'_>, walker: &mut ChunkWalker<'_>) -> Vec<DVec3> {
     let mut positions: Vec<DVec3> = floats::<3>(raw.vertices).map(DVec3::from).collect();
     for position in positions.iter_mut().filter(|p| !p.is_finite()) {
-        walker.warn(raw.at, "vertex that is not finite: at the origin");
+        walker.warn(raw.at, "vertex that is not finite: placed at the origin");
         *position = DVec3::ZERO;
     }
     positions
 }
 
-/// Appends the triangles that can be and returns their numbers in the file.
+/// Appends the valid triangles and returns their numbers in the file.
 fn faces(
     raw: &RawMesh<'_>,
     faces: &mut Faces,
     vertices: usize,
-    walker: &mut Walker<'_>,
+    walker: &mut ChunkWalker<'_>,
 ) -> Vec<u32> {
     let (entries, _) = raw.faces.as_chunks::<8>();
     let mut kept = Vec::with_capacity(entries.len());
@@ -81,7 +81,7 @@ fn faces(
     let lost = entries.len() - kept.len();
     walker.warn_many(
         raw.at,
-        "face with a vertex that does not exist: skipped",
+        "face with a vertex index out of range: skipped",
         lost,
     );
     kept
@@ -91,7 +91,7 @@ fn faces(
 fn face_materials(
     raw: &RawMesh<'_>,
     table: &MaterialTable,
-    walker: &mut Walker<'_>,
+    walker: &mut ChunkWalker<'_>,
 ) -> Vec<MaterialId> {
     let mut materials = vec![table.default; raw.faces.len() / 8];
     for list in &raw.face_materials {
@@ -103,10 +103,10 @@ fn face_materials(
 }
 
 fn assign(
-    list: &FaceList<'_>,
+    list: &MaterialFaces<'_>,
     material: MaterialId,
     materials: &mut [MaterialId],
-    walker: &mut Walker<'_>,
+    walker: &mut ChunkWalker<'_>,
 ) {
     let mut lost = 0;
     for face in indices(list.faces) {
@@ -117,17 +117,17 @@ fn assign(
     }
     walker.warn_many(
         list.at,
-        "material of a face that does not exist: skipped",
+        "material assigned to a face index out of range: skipped",
         lost,
     );
 }
 
-/// Texture coordinates, as the pictures of the faces' materials move them.
+/// Texture coordinates, transformed by the textures of the faces' materials.
 fn uvs(
     raw: &RawMesh<'_>,
     mesh: &Mesh,
     table: &MaterialTable,
-    walker: &mut Walker<'_>,
+    walker: &mut ChunkWalker<'_>,
 ) -> Option<Attribute<DVec2>> {
     let mut uvs: Vec<DVec2> = floats::<2>(raw.uvs).map(DVec2::from).collect();
     if uvs.is_empty() {
@@ -136,7 +136,7 @@ fn uvs(
     if uvs.len() != mesh.positions.len() {
         walker.warn(
             raw.at,
-            "mesh with more or fewer texture coordinates than vertices: cut, or (0, 0)",
+            "mesh with more or fewer texture coordinates than vertices: truncated, or (0, 0) used",
         );
         uvs.resize(mesh.positions.len(), DVec2::ZERO);
     }
@@ -160,7 +160,7 @@ fn uvs(
     Some(Attribute::per_vertex(uvs))
 }
 
-/// Where materials move texture coordinates differently, a vertex has one for each of them.
+/// If materials transform texture coordinates differently, a vertex gets one for each of them.
 fn moved_by_corner(
     uvs: &[DVec2],
     mesh: &Mesh,
@@ -184,8 +184,8 @@ fn moved_by_corner(
     }
 }
 
-/// Smoothing groups where one number for each face can say them: the passes know how to be
-/// smooth by groups. Otherwise the normals that the groups mean.
+/// Smoothing groups if a single number per face can represent them, as both passes smooth by
+/// groups; otherwise the equivalent normals.
 fn smooth(raw: &RawMesh<'_>, kept: &[u32], mesh: &mut Mesh, table: &MaterialTable) {
     let (numbers, _) = raw.smoothing.as_chunks::<4>();
     let given = |face: u32| {
@@ -208,8 +208,8 @@ fn smooth(raw: &RawMesh<'_>, kept: &[u32], mesh: &mut Mesh, table: &MaterialTabl
     }
 }
 
-/// Whether faces that share a bit share all of them: then the bits are as good as a number.
-/// Where they do not, one face can be smooth with two that are not smooth with each other.
+/// Whether faces that share a bit share all of them: then the masks are equivalent to numbers.
+/// Otherwise one face can be smooth with two that are not smooth with each other.
 fn are_groups(masks: &[u32]) -> bool {
     let mut owners = [0; 32];
     masks.iter().all(|&mask| {

@@ -1,15 +1,15 @@
 //! 3D Studio, `.3ds`.
 //!
-//! What is read: meshes with texture coordinates and smoothing groups, materials by face, lights,
-//! cameras, and where the keyframer puts all of them at its first frame. `docs/formats/3ds.md`
-//! says how every chunk is understood.
+//! Meshes with texture coordinates and smoothing groups, materials per face, lights and cameras are
+//! read, at the positions of the keyframer's first frame. `docs/formats/3ds.md` describes how every
+//! chunk is interpreted.
 
+mod build;
 mod chunk;
 mod keyframer;
 mod material;
 mod mesh;
 mod parse;
-mod place;
 #[cfg(test)]
 mod tests;
 
@@ -20,12 +20,12 @@ use crate::{Files, Loaded, ReadError, ReadOptions};
 /// The first chunk of a model.
 const MAIN: u16 = 0x4d4d;
 
-/// Reads a model. `name` stands in messages; `files` gives the pictures that it names, relative
-/// to its own folder.
+/// Reads a model. `name` is used in messages; `files` provides the textures that it refers to,
+/// relative to its own folder.
 ///
 /// # Errors
 /// Bytes that do not begin like a model, and instances that unfold to more than `options` allow.
-/// Everything else that is wrong with a file is a warning that counts what was lost.
+/// Any other error in a file is a warning that counts what was lost.
 pub fn read(
     bytes: &[u8],
     name: &str,
@@ -33,10 +33,10 @@ pub fn read(
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
     check_start(bytes, name)?;
-    let mut parser = parse::Parser::new(name);
+    let mut parser = parse::Studio3dsParser::new(name);
     parser.file(Bytes::new(bytes));
     let (model, walker) = parser.finish();
-    let mut builder = place::Builder {
+    let mut builder = build::Studio3dsBuilder {
         files,
         walker,
         budget: Budget::new(options),
@@ -48,7 +48,7 @@ pub fn read(
     })
 }
 
-/// Refuses what is no model before anything is made of it.
+/// Rejects files that are not models.
 fn check_start(bytes: &[u8], name: &str) -> Result<(), ReadError> {
     let expected = "a 3DS model, which begins with chunk 4D4D";
     let found = match Bytes::new(bytes).u16_le() {

@@ -1,27 +1,27 @@
-//! From chunks to lists of what is in the file.
+//! Parses chunks into lists of the file's content.
 
 use super::MAIN;
-use super::chunk::{Chunk, Walker, name, vector};
-use super::keyframer::{self, Node};
-use super::material::Definition;
+use super::chunk::{Chunk, ChunkWalker, name, vector};
+use super::keyframer::{self, KeyframerNode};
+use super::material::MaterialDefinition;
 use crate::reading::bytes::Bytes;
 use crate::reading::warnings::Warnings;
 use crate::surface::gloss::Gloss;
 use azulejo_scene::Rgb;
 use glam::DVec3;
 
-/// What a file holds, nothing placed yet.
+/// The content of a file, before objects are placed.
 #[derive(Debug, Default)]
-pub(super) struct Model<'a> {
-    pub materials: Vec<Definition>,
+pub(super) struct Studio3dsModel<'a> {
+    pub materials: Vec<MaterialDefinition>,
     pub meshes: Vec<RawMesh<'a>>,
     pub lights: Vec<RawLight>,
     pub cameras: Vec<RawCamera>,
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<KeyframerNode>,
     pub background: Option<Rgb>,
 }
 
-/// A mesh, its lists still bytes.
+/// A mesh whose lists are still bytes.
 #[derive(Debug, Default)]
 pub(super) struct RawMesh<'a> {
     pub name: String,
@@ -34,14 +34,14 @@ pub(super) struct RawMesh<'a> {
     pub faces: &'a [u8],
     /// 4 bytes for each face.
     pub smoothing: &'a [u8],
-    pub face_materials: Vec<FaceList<'a>>,
+    pub face_materials: Vec<MaterialFaces<'a>>,
     /// Three axes and an origin.
     pub frame: Option<[f64; 12]>,
 }
 
 /// The faces of one material.
 #[derive(Debug)]
-pub(super) struct FaceList<'a> {
+pub(super) struct MaterialFaces<'a> {
     pub material: String,
     /// 2 bytes each.
     pub faces: &'a [u8],
@@ -54,16 +54,16 @@ pub(super) struct RawLight {
     pub name: String,
     pub position: DVec3,
     pub intensity: Rgb,
-    pub spot: Option<Spot>,
+    pub spot: Option<SpotCone>,
 }
 
-/// What makes a light a spotlight.
+/// The cone of a spotlight.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Spot {
+pub(super) struct SpotCone {
     pub target: DVec3,
-    /// Full angle of full light, degrees.
+    /// Full angle of full intensity, degrees.
     pub hot_spot: f64,
-    /// Full angle of any light, degrees.
+    /// Full angle beyond which the intensity is zero, degrees.
     pub fall_off: f64,
 }
 
@@ -80,27 +80,26 @@ pub(super) struct RawCamera {
     pub lens: f64,
 }
 
-/// Reads a file.
-pub(super) struct Parser<'a, 'w> {
-    walker: Walker<'w>,
-    model: Model<'a>,
+pub(super) struct Studio3dsParser<'a, 'w> {
+    walker: ChunkWalker<'w>,
+    model: Studio3dsModel<'a>,
 }
 
-impl<'a, 'w> Parser<'a, 'w> {
-    /// A parser that has seen nothing. `file` stands in messages.
-    pub fn new(file: &'w str) -> Parser<'a, 'w> {
-        Parser {
-            walker: Walker {
+impl<'a, 'w> Studio3dsParser<'a, 'w> {
+    /// A parser in its initial state. `file` is the file's name in messages.
+    pub fn new(file: &'w str) -> Studio3dsParser<'a, 'w> {
+        Studio3dsParser {
+            walker: ChunkWalker {
                 file,
                 warnings: Warnings::default(),
                 gloss: Gloss::default(),
             },
-            model: Model::default(),
+            model: Studio3dsModel::default(),
         }
     }
 
-    /// What was read, and what was wrong with it.
-    pub fn finish(self) -> (Model<'a>, Walker<'w>) {
+    /// The content and the collected warnings.
+    pub fn finish(self) -> (Studio3dsModel<'a>, ChunkWalker<'w>) {
         (self.model, self.walker)
     }
 
@@ -110,14 +109,14 @@ impl<'a, 'w> Parser<'a, 'w> {
             return;
         };
         if bytes.left() > 0 {
-            let message = format!("{} bytes behind the model: skipped", bytes.left());
+            let message = format!("{} bytes after the model: skipped", bytes.left());
             self.walker.warn(bytes.offset(), message);
         }
         debug_assert_eq!(main.id, MAIN);
         let mut body = main.body;
         while let Some(chunk) = self.walker.next(&mut body) {
             match chunk.id {
-                // Versions say nothing that the chunks do not.
+                // Versions are redundant.
                 0x0002 | 0x0001 => {}
                 0x3d3d => self.editor(chunk),
                 0xb000 => {
@@ -135,10 +134,11 @@ impl<'a, 'w> Parser<'a, 'w> {
         while let Some(mut chunk) = self.walker.next(&mut body) {
             match chunk.id {
                 0xafff => {
-                    let definition = Definition::read(&mut self.walker, &chunk);
-                    match definition.name.is_empty() {
-                        true => self.walker.skipped(&chunk, "material without a name"),
-                        false => self.model.materials.push(definition),
+                    let definition = MaterialDefinition::read(&mut self.walker, &chunk);
+                    if definition.name.is_empty() {
+                        self.walker.skipped(&chunk, "material without a name")
+                    } else {
+                        self.model.materials.push(definition)
                     }
                 }
                 0x4000 => self.object(chunk),
@@ -152,11 +152,11 @@ impl<'a, 'w> Parser<'a, 'w> {
         self.model.background = background.filter(|_| is_used).or(self.model.background);
     }
 
-    /// The length of one unit, but of which measure no chunk says: nothing can be made of it.
+    /// Reads the length of one unit. No chunk states the measure, so it cannot be used.
     fn master_scale(&mut self, chunk: &mut Chunk<'a>) {
         let scale = self.walker.data(chunk, Bytes::f32_le);
         if scale.is_some_and(|s| s != 1.0) {
-            let message = "master scale other than 1 (chunk 0100), in no known unit: not used";
+            let message = "master scale other than 1 (chunk 0100), whose unit is unknown: ignored";
             self.walker.warn(chunk.at, message);
         }
     }
@@ -164,20 +164,21 @@ impl<'a, 'w> Parser<'a, 'w> {
     fn ambient_light(&mut self, chunk: &Chunk<'a>) {
         let color = self.walker.color(chunk);
         if color.is_some_and(|c| !c.is_black()) {
-            let what = "ambient light, which stands for the light that azulejo computes";
+            let what = "ambient light, which approximates light that azulejo computes";
             self.walker.skipped(chunk, what);
         }
     }
 
-    /// Settings of the editor that have no bearing on the scene, and those that would have.
+    /// Handles settings of the editor, which do not affect the scene, and unsupported settings that
+    /// would.
     fn setting(&mut self, chunk: &Chunk<'a>) {
         match chunk.id {
             // Mesh version, construction plane, shadow maps, viewports, and fog and backgrounds
-            // without the chunk that says that they are used.
+            // without the chunk that enables them.
             0x0001 | 0x3d3e | 0x1400..=0x1500 | 0x3000..=0x3090 | 0x7001..=0x7020 => {}
             0x1100 | 0x1300 | 0x2200 | 0x2300 | 0x2302 => {}
-            0x1101 => self.walker.skipped(chunk, "picture in the background"),
-            0x1301 => self.walker.skipped(chunk, "gradient in the background"),
+            0x1101 => self.walker.skipped(chunk, "background image"),
+            0x1301 => self.walker.skipped(chunk, "background gradient"),
             0x2201 => self.walker.skipped(chunk, "fog"),
             0x2301 => self.walker.skipped(chunk, "layered fog"),
             0x2303 => self.walker.skipped(chunk, "distance cue"),
@@ -185,7 +186,7 @@ impl<'a, 'w> Parser<'a, 'w> {
         }
     }
 
-    /// A named object: a mesh, a light or a camera, with switches.
+    /// Reads a named object: a mesh, a light or a camera, with flags.
     fn object(&mut self, mut chunk: Chunk<'a>) {
         let name = name(&mut chunk.body);
         let start = (self.model.meshes.len(), self.model.lights.len());
@@ -208,7 +209,7 @@ impl<'a, 'w> Parser<'a, 'w> {
             }
         }
         if is_hidden && start != (self.model.meshes.len(), self.model.lights.len()) {
-            self.walker.warn(chunk.at, "hidden object: left out");
+            self.walker.warn(chunk.at, "hidden object: skipped");
             self.model.meshes.truncate(start.0);
             self.model.lights.truncate(start.1);
         }
@@ -227,16 +228,17 @@ impl<'a, 'w> Parser<'a, 'w> {
                 0x4120 => self.faces(&mut mesh, chunk),
                 0x4140 => mesh.uvs = self.walker.list(&mut chunk, 8, "texture coordinates"),
                 0x4160 => mesh.frame = self.walker.data(&mut chunk, vector),
-                // Flags of vertices and the colour of wires are the editor's; how pictures were
-                // projected is in the texture coordinates.
+                // Vertex flags and wire colours belong to the editor; texture projections are
+                // contained in the texture coordinates.
                 0x4111 | 0x4165 | 0x4170 => {}
                 0x4181 | 0x4182 => self.walker.skipped(&chunk, "external process on a mesh"),
                 _ => self.walker.skipped(&chunk, ""),
             }
         }
-        match mesh.faces.is_empty() {
-            true => self.walker.warn(mesh.at, "mesh without faces: skipped"),
-            false => self.model.meshes.push(mesh),
+        if mesh.faces.is_empty() {
+            self.walker.warn(mesh.at, "mesh without faces: skipped")
+        } else {
+            self.model.meshes.push(mesh)
         }
     }
 
@@ -246,18 +248,18 @@ impl<'a, 'w> Parser<'a, 'w> {
         let mut body = chunk.body;
         while let Some(mut chunk) = self.walker.next(&mut body) {
             match chunk.id {
-                0x4130 => mesh.face_materials.push(FaceList {
+                0x4130 => mesh.face_materials.push(MaterialFaces {
                     material: name(&mut chunk.body),
                     faces: self.walker.list(&mut chunk, 2, "faces of a material"),
                     at: chunk.at,
                 }),
                 0x4150 => {
                     let there = count.min(chunk.body.left() / 4);
-                    let message = "smoothing groups missing from a list that ends too soon";
+                    let message = "smoothing groups missing from a truncated list";
                     self.walker.warn_many(chunk.at, message, count - there);
                     mesh.smoothing = chunk.body.take(4 * there).unwrap_or_default();
                 }
-                0x4190 => self.walker.skipped(&chunk, "box of materials"),
+                0x4190 => self.walker.skipped(&chunk, "box map of materials"),
                 _ => self.walker.skipped(&chunk, ""),
             }
         }
@@ -284,49 +286,45 @@ impl<'a, 'w> Parser<'a, 'w> {
                 0x4610 => light.spot = self.spot(entry),
                 0x4620 => is_off = true,
                 0x465b => multiplier = self.walker.data(&mut entry, Bytes::f32_le).unwrap_or(1.0),
-                // Light falls with the square of the distance and every light casts shadows.
+                // Light falls off with the square of the distance, and every light casts shadows.
                 0x4625 => self.walker.skipped(&entry, "range of a light"),
-                0x4654 => self
-                    .walker
-                    .skipped(&entry, "objects that a light leaves out"),
+                0x4654 => self.walker.skipped(&entry, "objects excluded from a light"),
                 0x4627..=0x4630 | 0x4641 | 0x4658..=0x465a => {}
                 _ => self.walker.skipped(&entry, ""),
             }
         }
         light.intensity *= f64::from(multiplier);
         if is_off {
-            self.walker.warn(chunk.at, "light that is off: left out");
+            self.walker.warn(chunk.at, "light that is off: skipped");
         } else if !(multiplier >= 0.0 && light.intensity.is_finite() && light.position.is_finite())
         {
             self.walker.warn(
                 chunk.at,
-                "light that takes light away or is nowhere: left out",
+                "light with a negative colour or a position that is not finite: skipped",
             );
         } else {
             self.model.lights.push(light);
         }
     }
 
-    fn spot(&mut self, mut chunk: Chunk<'a>) -> Option<Spot> {
+    fn spot(&mut self, mut chunk: Chunk<'a>) -> Option<SpotCone> {
         let [x, y, z, hot_spot, fall_off] = self.walker.data(&mut chunk, vector)?;
         let mut body = chunk.body;
         while let Some(chunk) = self.walker.next(&mut body) {
             match chunk.id {
                 0x4651 => self
                     .walker
-                    .skipped(&chunk, "rectangular spotlight, round instead"),
-                0x4652 => self
-                    .walker
-                    .skipped(&chunk, "light outside a spotlight's cone"),
+                    .skipped(&chunk, "rectangular spotlight, taken as round"),
+                0x4652 => self.walker.skipped(&chunk, "overshoot of a spotlight"),
                 0x4653 => self
                     .walker
-                    .skipped(&chunk, "picture that a spotlight projects"),
-                // How cones are shown, shadow maps, roll and aspect of rectangles.
+                    .skipped(&chunk, "image projected by a spotlight"),
+                // Display of cones, shadow maps, roll and aspect of rectangles.
                 0x4630 | 0x4641 | 0x4650 | 0x4656..=0x4658 => {}
                 _ => self.walker.skipped(&chunk, ""),
             }
         }
-        Some(Spot {
+        Some(SpotCone {
             target: DVec3::new(x, y, z),
             hot_spot,
             fall_off,

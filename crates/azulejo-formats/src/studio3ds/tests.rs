@@ -22,7 +22,7 @@ fn name(name: &str) -> Vec<u8> {
     [name.as_bytes(), b"\0"].concat()
 }
 
-/// A file whose editor holds these chunks, and what stands behind the editor.
+/// A file with these chunks in its editor section, followed by `rest`.
 fn file(editor: &[Vec<u8>], rest: &[Vec<u8>]) -> Vec<u8> {
     let editor = chunk(0x3d3d, &editor.concat());
     chunk(0x4d4d, &[editor, rest.concat()].concat())
@@ -65,7 +65,7 @@ fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
     }
 }
 
-/// Expects these warnings, with their counts.
+/// Checks the warnings and their counts.
 fn check_warnings(loaded: &Loaded, expected: &[(&str, usize)]) {
     let found = loaded.warnings.iter();
     let found: Vec<_> = found.map(|w| (w.message.as_str(), w.count)).collect();
@@ -135,27 +135,12 @@ fn a_file_that_ends_too_soon() {
     check_warnings(
         &loaded,
         &[
-            (
-                "chunk 4D4D longer than the chunk or file that holds it: cut",
-                1,
-            ),
-            (
-                "chunk 3D3D longer than the chunk or file that holds it: cut",
-                1,
-            ),
-            (
-                "chunk 4000 longer than the chunk or file that holds it: cut",
-                1,
-            ),
-            (
-                "chunk 4100 longer than the chunk or file that holds it: cut",
-                1,
-            ),
-            (
-                "chunk 4120 longer than the chunk or file that holds it: cut",
-                1,
-            ),
-            ("faces missing from a list that ends too soon", 2),
+            ("chunk 4D4D longer than its parent: truncated", 1),
+            ("chunk 3D3D longer than its parent: truncated", 1),
+            ("chunk 4000 longer than its parent: truncated", 1),
+            ("chunk 4100 longer than its parent: truncated", 1),
+            ("chunk 4120 longer than its parent: truncated", 1),
+            ("faces missing from a truncated list", 2),
             ("mesh without faces: skipped", 1),
         ],
     );
@@ -177,17 +162,14 @@ fn damaged_chunks() {
         &[
             ("unknown (chunk 1234): skipped", 1),
             (
-                "chunk 9999 shorter than its own header: what follows it in its parent is lost",
+                "chunk 9999 shorter than its own header: the rest of its parent is skipped",
                 1,
             ),
         ],
     );
     let mut trailing = file(&[square("floor")], &[]);
     trailing.extend(b"tail");
-    check_warnings(
-        &load(&trailing),
-        &[("4 bytes behind the model: skipped", 1)],
-    );
+    check_warnings(&load(&trailing), &[("4 bytes after the model: skipped", 1)]);
 }
 
 #[test]
@@ -203,7 +185,7 @@ fn faces_that_cannot_be_are_counted() {
     assert_eq!(mesh(&loaded, 0).faces.len(), 1);
     check_warnings(
         &loaded,
-        &[("face with a vertex that does not exist: skipped", 2)],
+        &[("face with a vertex index out of range: skipped", 2)],
     );
 }
 
@@ -228,7 +210,7 @@ fn of_material(material: &str, faces: &[u16]) -> Vec<u8> {
     chunk(0x4130, &[name(material), count, shorts(faces)].concat())
 }
 
-/// A square whose faces have these materials and texture coordinates like its positions.
+/// A square with these face materials, and texture coordinates equal to its positions.
 fn painted(lists: &[Vec<u8>]) -> Vec<u8> {
     let uvs = floats(&[0., 0., 1., 0., 1., 1., 0., 1.]);
     let uvs = chunk(0x4140, &[shorts(&[4]), uvs].concat());
@@ -261,11 +243,8 @@ fn materials_of_faces() {
     check_warnings(
         &loaded,
         &[
-            (
-                "material \"lost\" that is not defined: grey, reflectance 0.5",
-                1,
-            ),
-            ("material of a face that does not exist: skipped", 1),
+            ("undefined material \"lost\": grey with reflectance 0.5", 1),
+            ("material assigned to a face index out of range: skipped", 1),
         ],
     );
 }
@@ -293,12 +272,12 @@ fn gloss_glass_and_maps_are_said() {
         &loaded,
         &[
             ("bump map (chunk A230): skipped", 1),
-            ("see-through material (chunk A050): opaque", 1),
+            ("material with transparency (chunk A050): opaque", 1),
         ],
     );
 }
 
-/// A material whose picture is moved.
+/// A material with a transformed texture.
 fn pictured(called: &str, entries: &[Vec<u8>]) -> Vec<u8> {
     let file = chunk(0xa300, &name("C:\\MAPS\\WOOD.PNG"));
     let map = [chunk(0x0030, &shorts(&[100])), file, entries.concat()].concat();
@@ -376,7 +355,7 @@ fn smoothing_groups() {
         assert_eq!(mesh(&loaded, 0).smoothing, groups);
         assert!(mesh(&loaded, 0).normals.is_none());
     }
-    // Faces with one of several bits in common are smooth, and no single group.
+    // Faces with one of several bits in common are smooth, but not a single group.
     let shared = load(&file(&[folded([6, 2], &[])], &[]));
     let normals = mesh(&shared, 0).normals.as_ref().unwrap();
     assert_eq!(normals.at(0, 0), normals.at(3, 0));
@@ -395,7 +374,7 @@ fn track(id: u16, values: &[f32]) -> Vec<u8> {
     let mut body = vec![0; 10];
     body.extend(1u32.to_le_bytes());
     body.extend([0; 4]);
-    // Tension and bias stand before the value.
+    // Tension and bias precede the value.
     body.extend(shorts(&[0b101]));
     body.extend(floats(&[9.0, 9.0]));
     body.extend(floats(values));
@@ -423,7 +402,7 @@ fn instance(called: &str) -> Vec<u8> {
 #[test]
 fn instances_under_a_dummy() {
     let nodes = [
-        // A child may stand before its parent.
+        // A child may precede its parent.
         node(
             0xb002,
             5,
@@ -488,7 +467,7 @@ fn rotation_is_clockwise_and_scale_comes_first() {
     );
 }
 
-/// A square stored through a local frame, with a node that undoes and repeats it.
+/// A square stored through a local frame, with a node that inverts and repeats it.
 fn framed(frame: [f32; 12], position: [f32; 3], scale: [f32; 3]) -> Loaded {
     let lists = [
         vertices(&SQUARE),
@@ -534,7 +513,7 @@ fn a_flat_frame_leaves_what_is_stored() {
     assert_eq!(mesh(&loaded, 0).positions[1], DVec3::X);
     check_warnings(
         &loaded,
-        &[("mesh whose local frame has no inverse: placed as stored", 1)],
+        &[("mesh whose local frame is singular: placed as stored", 1)],
     );
 }
 
@@ -554,11 +533,11 @@ fn parents_in_a_circle_or_missing() {
         &loaded,
         &[
             (
-                "node of the keyframer whose parent is missing: at the root",
+                "keyframer node whose parent is missing: placed at the root",
                 1,
             ),
             (
-                "node of the keyframer that is its own ancestor: at the root",
+                "keyframer node that is its own ancestor: placed at the root",
                 1,
             ),
         ],
@@ -581,7 +560,7 @@ fn too_many_instances() {
 #[test]
 fn hidden_objects_and_nodes_are_left_out() {
     let mut hidden = node(0xb002, 0, "a", -1, &[]);
-    // The flags stand behind two headers, the id and the name.
+    // The flags follow two headers, the id and the name.
     let flags = 6 + 8 + 6 + 2;
     hidden[flags + 1] = 0x08;
     let mesh = [vertices(&SQUARE), faces(&HALVES, &[])].concat();
@@ -591,8 +570,8 @@ fn hidden_objects_and_nodes_are_left_out() {
     check_warnings(
         &loaded,
         &[
-            ("hidden object: left out", 1),
-            ("hidden node: left out", 1),
+            ("hidden object: skipped", 1),
+            ("hidden node: skipped", 1),
             ("no faces: the scene is empty", 1),
         ],
     );
@@ -631,8 +610,11 @@ fn lights() {
     check_warnings(
         &loaded,
         &[
-            ("light that is off: left out", 1),
-            ("light that takes light away or is nowhere: left out", 1),
+            ("light that is off: skipped", 1),
+            (
+                "light with a negative colour or a position that is not finite: skipped",
+                1,
+            ),
             ("range of a light (chunk 4625): skipped", 1),
         ],
     );
@@ -679,9 +661,12 @@ fn cameras() {
     );
     let horizontal = 2.0 * ((0.5 * plain.vertical_fov).tan() * 4.0 / 3.0).atan();
     assert!((horizontal.to_degrees() - 50.0).abs() < 1e-9);
-    // Clockwise as the camera sees it: what was up is now right.
+    // Clockwise as seen by the camera: up becomes right.
     assert!((banked.up - DVec3::X).length() < 1e-12, "{}", banked.up);
-    check_warnings(&loaded, &[("camera that looks nowhere: left out", 1)]);
+    check_warnings(
+        &loaded,
+        &[("camera without a viewing direction: skipped", 1)],
+    );
 }
 
 #[test]

@@ -27,10 +27,10 @@ pub(crate) fn mesh_of(object: &Object) -> Cow<'_, Mesh> {
 /// divided evenly: the solved values stay at their points, bilinear ones come between.
 pub(crate) fn lit_mesh_of(object: &Object) -> Cow<'_, Mesh> {
     if let Shape::Exact(Exact {
-        skin: Some(skin), ..
+        proxy: Some(proxy), ..
     }) = &object.shape
     {
-        return Cow::Borrowed(skin);
+        return Cow::Borrowed(proxy);
     }
     let (Shape::Primitive(primitive), Some(light)) = (&object.shape, light_of(object)) else {
         return mesh_of(object);

@@ -1,71 +1,75 @@
-//! What View3D asks of surfaces before it computes.
+//! View3D's requirements on surfaces.
 
-use super::document::{Document, Kind, Surface};
-use super::lines::Lines;
+use super::document::{SurfaceKind, View3dDocument, View3dSurface};
+use super::lines::View3dLines;
 use crate::ReadError;
 use azulejo_scene::math::area_vector;
 use glam::DVec3;
 
-/// Farther from their mean plane than this, over the radius, corners are no flat surface.
+/// Maximum distance of corners from their mean plane, relative to the radius; beyond it, the
+/// surface is rejected.
 const LARGEST_BEND: f64 = 3e-5;
-/// From here on it is said.
+/// The distance from which on a warning is given.
 const NOTED_BEND: f64 = 3e-6;
-/// How far from its base's plane and outline a surface may lie, over the base's size.
+/// Maximum distance of a surface from its base's plane and outline, relative to the base's size.
 const TOLERANCE: f64 = 1e-5;
 /// The cosine of the largest angle between a surface and its base.
 const PARALLEL: f64 = 0.999;
 
-/// Where the fields stand that can only be checked at the end.
+/// Positions of the fields that can only be checked at the end.
 #[derive(Default)]
-pub(super) struct Checker {
-    /// Base and combination of each surface that has these fields: all but obstructions, which
-    /// come last.
+pub(super) struct View3dChecker {
+    /// Base and combination of each surface with these fields: all but obstructions, which come
+    /// last.
     pub fields: Vec<[usize; 2]>,
 }
 
-type Check = Result<(), ReadError>;
+type CheckResult = Result<(), ReadError>;
 
-impl Checker {
-    /// Flat, convex, of some area.
-    pub fn outline(&self, document: &Document, index: usize, at: usize, lines: &Lines) -> Check {
+impl View3dChecker {
+    /// Checks that an outline is flat, convex, and has an area.
+    pub fn outline(
+        &self,
+        document: &View3dDocument,
+        index: usize,
+        at: usize,
+        lines: &View3dLines,
+    ) -> CheckResult {
         let corners = document.corners(&document.surfaces[index]);
         let number = index + 1;
         let refuse = |found: &str, expected: &str| {
             let found = format!("surface {number}, {found}");
             Err(lines.error(at, found, expected))
         };
-        let plane = Plane::of(&corners);
+        let plane = MeanPlane::of(&corners);
         if !corners.iter().all(|p| p.is_finite()) || !plane.radius.is_finite() {
             return refuse("which is too large", "coordinates below 1e150");
         }
         let has_area = plane.area > 1e-12 * plane.radius * plane.radius;
         if !has_area {
-            return refuse("which has no area", "corners that are not on one line");
+            return refuse("which has no area", "corners that are not collinear");
         }
         if plane.bend(&corners) > LARGEST_BEND {
-            return refuse(
-                "which is not flat",
-                "four corners in one plane, or triangles",
-            );
+            return refuse("which is not flat", "four coplanar corners, or triangles");
         }
         if !is_convex(&corners, plane.normal) {
             return refuse(
                 "which is not convex",
-                "convex surfaces; divide it and combine the parts",
+                "convex surfaces: divide it and combine the parts",
             );
         }
         Ok(())
     }
 
-    /// What is said of a surface that is not quite flat.
-    pub fn bend(&self, document: &Document, index: usize) -> Option<&'static str> {
+    /// The warning about a surface that is not quite flat.
+    pub fn bend(&self, document: &View3dDocument, index: usize) -> Option<&'static str> {
         let corners = document.corners(&document.surfaces[index]);
-        let is_bent = Plane::of(&corners).bend(&corners) > NOTED_BEND;
+        let is_bent = MeanPlane::of(&corners).bend(&corners) > NOTED_BEND;
         is_bent.then_some("surfaces that are not quite flat")
     }
 
-    /// Bases and combinations of all surfaces.
-    pub fn all(&self, document: &Document, lines: &Lines) -> Check {
+    /// Checks bases and combinations of all surfaces.
+    pub fn all(&self, document: &View3dDocument, lines: &View3dLines) -> CheckResult {
         for (index, &[at_base, at_combined]) in self.fields.iter().enumerate() {
             let surface = &document.surfaces[index];
             base(document, index, surface)
@@ -79,14 +83,14 @@ impl Checker {
 }
 
 /// What was found and what was expected.
-type Refused = (String, String);
+type Mismatch = (String, String);
 
-fn refused(found: impl Into<String>, expected: impl Into<String>) -> Result<(), Refused> {
+fn refused(found: impl Into<String>, expected: impl Into<String>) -> Result<(), Mismatch> {
     Err((found.into(), expected.into()))
 }
 
-fn base(document: &Document, index: usize, surface: &Surface) -> Result<(), Refused> {
-    use Kind::*;
+fn base(document: &View3dDocument, index: usize, surface: &View3dSurface) -> Result<(), Mismatch> {
+    use SurfaceKind::*;
     let base = surface.base as usize;
     if base == 0 {
         return match surface.kind {
@@ -116,23 +120,24 @@ fn base(document: &Document, index: usize, surface: &Surface) -> Result<(), Refu
     }
 }
 
-/// Whether a surface lies in its base, and faces as it should.
-fn within(document: &Document, surface: &Surface) -> Result<(), Refused> {
+/// Whether a surface lies in its base, and faces the right way.
+fn within(document: &View3dDocument, surface: &View3dSurface) -> Result<(), Mismatch> {
     if surface.base == 0 {
         return Ok(());
     }
     let number = surface.base;
     let outer = document.corners(&document.surfaces[number as usize - 1]);
     let inner = document.corners(surface);
-    let (plane, own) = (Plane::of(&outer), Plane::of(&inner));
+    let (plane, own) = (MeanPlane::of(&outer), MeanPlane::of(&inner));
     let size = 2.0 * plane.radius;
-    let same_way = surface.kind == Kind::Radiating;
+    let same_way = surface.kind == SurfaceKind::Radiating;
     let cosine = plane.normal.dot(own.normal) * if same_way { 1.0 } else { -1.0 };
     if cosine < PARALLEL {
-        let found = format!("a surface that looks another way than base {number}");
-        let expected = match same_way {
-            true => "one that faces the same way: turn its vertices around",
-            false => "one that faces its base: turn its vertices around",
+        let found = format!("a surface that does not face like base {number}");
+        let expected = if same_way {
+            "one that faces the same way: reverse its vertices"
+        } else {
+            "one that faces its base: reverse its vertices"
         };
         return refused(found, expected);
     }
@@ -141,8 +146,8 @@ fn within(document: &Document, surface: &Surface) -> Result<(), Refused> {
         .any(|&p| plane.height(p).abs() > TOLERANCE * size)
     {
         return refused(
-            format!("a surface beside the plane of base {number}"),
-            "one in it",
+            format!("a surface outside the plane of base {number}"),
+            "one in that plane",
         );
     }
     let is_inside = |&p: &DVec3| {
@@ -151,21 +156,26 @@ fn within(document: &Document, surface: &Surface) -> Result<(), Refused> {
             inward.dot(p - a) > -TOLERANCE * size
         })
     };
-    match inner.iter().all(is_inside) {
-        true => Ok(()),
-        false => refused(
-            format!("a surface that reaches out of base {number}"),
-            "one wholly inside",
-        ),
+    if inner.iter().all(is_inside) {
+        Ok(())
+    } else {
+        refused(
+            format!("a surface that extends beyond base {number}"),
+            "one that lies within it",
+        )
     }
 }
 
-fn combination(document: &Document, index: usize, surface: &Surface) -> Result<(), Refused> {
+fn combination(
+    document: &View3dDocument,
+    index: usize,
+    surface: &View3dSurface,
+) -> Result<(), Mismatch> {
     let first = surface.combined as usize;
     if first == 0 {
         return Ok(());
     }
-    if surface.kind != Kind::Radiating {
+    if surface.kind != SurfaceKind::Radiating {
         return refused("a mask that is combined", "0: only radiating surfaces are");
     }
     let Some(other) = document.surfaces[..index].get(first - 1) else {
@@ -175,20 +185,20 @@ fn combination(document: &Document, index: usize, surface: &Surface) -> Result<(
         );
     };
     match (other.kind, other.combined) {
-        (Kind::Radiating, 0) => Ok(()),
-        (Kind::Radiating, root) => refused(
-            format!("surface {first}, which is part of {root} itself"),
-            format!("{root}: all parts name the first"),
+        (SurfaceKind::Radiating, 0) => Ok(()),
+        (SurfaceKind::Radiating, root) => refused(
+            format!("surface {first}, which itself is part of {root}"),
+            format!("{root}: all parts refer to the first one"),
         ),
         _ => refused(
             format!("surface {first}, which does not radiate"),
-            "one that does",
+            "one that radiates",
         ),
     }
 }
 
 /// The mean plane of a polygon.
-pub(super) struct Plane {
+pub(super) struct MeanPlane {
     centre: DVec3,
     pub normal: DVec3,
     pub area: f64,
@@ -196,12 +206,12 @@ pub(super) struct Plane {
     pub radius: f64,
 }
 
-impl Plane {
-    pub fn of(corners: &[DVec3]) -> Plane {
+impl MeanPlane {
+    pub fn of(corners: &[DVec3]) -> MeanPlane {
         let area = area_vector(corners);
         let centre = corners.iter().sum::<DVec3>() / corners.len() as f64;
         let far = |r: f64, p: &DVec3| r.max(p.distance(centre));
-        Plane {
+        MeanPlane {
             centre,
             normal: area.normalize_or_zero(),
             area: area.length(),
@@ -209,9 +219,9 @@ impl Plane {
         }
     }
 
-    /// Whether a polygon is flat to a bend over its radius, and convex.
+    /// Whether a polygon is convex, and flat up to a bend relative to its radius.
     pub fn is_flat_and_convex(corners: &[DVec3], bend: f64) -> bool {
-        let plane = Plane::of(corners);
+        let plane = MeanPlane::of(corners);
         plane.bend(corners) <= bend && is_convex(corners, plane.normal)
     }
 
@@ -219,7 +229,7 @@ impl Plane {
         self.normal.dot(p - self.centre)
     }
 
-    /// The largest distance of a corner from the plane, over the radius.
+    /// The largest distance of a corner from the plane, relative to the radius.
     fn bend(&self, corners: &[DVec3]) -> f64 {
         let off = |m: f64, &p: &DVec3| m.max(self.height(p).abs());
         corners.iter().fold(0.0, off) / self.radius
@@ -232,7 +242,7 @@ pub(super) fn edges(corners: &[DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> {
     corners.iter().copied().zip(next.copied())
 }
 
-/// Whether the corners turn left all the way; straight on is no turn.
+/// Whether all corners turn left or are straight.
 fn is_convex(corners: &[DVec3], normal: DVec3) -> bool {
     let n = corners.len();
     (0..n).all(|k| {

@@ -1,33 +1,32 @@
-//! Polygons out of polygons.
+//! Subtracts polygons from polygons.
 
-use super::check::{Plane, edges};
+use super::check::{MeanPlane, edges};
 use azulejo_scene::math::Aabb;
 use glam::DVec3;
 
-/// Pieces smaller than this, over the area of the whole, are left out.
+/// Pieces smaller than this, relative to the whole area, are dropped.
 const SPECK: f64 = 1e-12;
 
-/// More polygons than this are not cut out of one: each is compared with all that is left.
+/// Maximum number of polygons subtracted from one: each is compared with everything that is left.
 pub(super) const MOST_HOLES: usize = 4_096;
 
-/// Pieces for each hole at most. Holes that do not overlap leave about four.
+/// Maximum number of pieces per hole. Holes that do not overlap leave about four.
 const MOST_PIECES: usize = 16;
 
-/// What is left of a convex polygon outside of others in its plane, in convex pieces that keep
-/// its front. Corners of the pieces are, where they can be, corners of what is given.
+/// The difference of a convex polygon and others in its plane, in convex pieces with the same
+/// orientation. Where possible, the pieces reuse the given corners.
 ///
-/// None if it comes to too much: there are more than [`MOST_HOLES`], or they overlap so much that
-/// they leave a sieve.
+/// `None` if it becomes too complex: more than [`MOST_HOLES`], or holes that overlap too much.
 pub(super) fn without(whole: &[DVec3], holes: &[Vec<DVec3>]) -> Option<Vec<Vec<DVec3>>> {
     if holes.len() > MOST_HOLES {
         return None;
     }
-    let plane = Plane::of(whole);
+    let plane = MeanPlane::of(whole);
     let mut pieces = vec![whole.to_vec()];
     for hole in holes {
         let turned = turned_like(hole, plane.normal);
         let corners: Vec<DVec3> = whole.iter().chain(&turned).copied().collect();
-        let cutter = Cutter {
+        let cutter = OverlapCutter {
             normal: plane.normal,
             area: plane.area,
             snap: 1e-9 * plane.radius,
@@ -43,27 +42,28 @@ pub(super) fn without(whole: &[DVec3], holes: &[Vec<DVec3>]) -> Option<Vec<Vec<D
     Some(pieces)
 }
 
-/// The polygon counter-clockwise about a normal.
+/// The polygon, counter-clockwise about a normal.
 fn turned_like(polygon: &[DVec3], normal: DVec3) -> Vec<DVec3> {
-    match Plane::of(polygon).normal.dot(normal) < 0.0 {
-        true => polygon.iter().rev().copied().collect(),
-        false => polygon.to_vec(),
+    if MeanPlane::of(polygon).normal.dot(normal) < 0.0 {
+        polygon.iter().rev().copied().collect()
+    } else {
+        polygon.to_vec()
     }
 }
 
-struct Cutter {
+struct OverlapCutter {
     normal: DVec3,
     area: f64,
-    /// What is closer than this to a corner is where the corner is.
+    /// Points closer than this to a corner are merged with it.
     snap: f64,
     corners: Vec<DVec3>,
-    /// The box around the hole.
+    /// The bounding box of the hole.
     bounds: Aabb,
 }
 
-impl Cutter {
-    /// The parts of a convex piece outside of a convex hole: beyond each of its edges in turn,
-    /// what the edges before have left.
+impl OverlapCutter {
+    /// The parts of a convex piece outside of a convex hole: for each of its edges in turn, the
+    /// part beyond it of what the previous edges have left.
     fn subtract(&self, piece: Vec<DVec3>, hole: &[DVec3]) -> Vec<Vec<DVec3>> {
         if self.is_beside(&piece) {
             return vec![piece];
@@ -75,14 +75,15 @@ impl Cutter {
             rest = self.clip(&rest, a, inward);
             outside.extend((!self.is_speck(&part)).then_some(part));
         }
-        // What the hole does not touch stays as it was.
-        match self.is_speck(&rest) {
-            true => vec![piece],
-            false => outside,
+        // A piece that the hole does not touch stays unchanged.
+        if self.is_speck(&rest) {
+            vec![piece]
+        } else {
+            outside
         }
     }
 
-    /// Whether boxes already show that the hole does not touch a piece.
+    /// Whether bounding boxes show that the hole does not touch a piece.
     fn is_beside(&self, piece: &[DVec3]) -> bool {
         let own = Aabb::around(piece.iter().copied());
         let apart = own.min.max(self.bounds.min) - own.max.min(self.bounds.max);
@@ -90,7 +91,7 @@ impl Cutter {
     }
 
     fn is_speck(&self, polygon: &[DVec3]) -> bool {
-        polygon.len() < 3 || Plane::of(polygon).area <= SPECK * self.area
+        polygon.len() < 3 || MeanPlane::of(polygon).area <= SPECK * self.area
     }
 
     /// The part of a convex polygon beyond a line (Sutherland and Hodgman 1974).
@@ -112,8 +113,8 @@ impl Cutter {
         kept
     }
 
-    /// The point with each coordinate that a corner nearly has made that of the corner: walls and
-    /// windows mostly stand along the axes, and stay there.
+    /// The point with each coordinate snapped to that of a nearby corner: walls and windows are
+    /// mostly axis-aligned, and remain so.
     fn snapped(&self, p: DVec3) -> DVec3 {
         let coordinate = |axis: usize| {
             let near = |c: &&DVec3| (c[axis] - p[axis]).abs() < self.snap;
@@ -137,9 +138,13 @@ mod tests {
     fn check(holes: &[Vec<DVec3>], pieces: usize, area: f64) {
         let found = without(&square(0.0, 0.0, 1.0), holes).unwrap();
         assert_eq!(found.len(), pieces, "{found:?}");
-        let left: f64 = found.iter().map(|p| Plane::of(p).area).sum();
+        let left: f64 = found.iter().map(|p| MeanPlane::of(p).area).sum();
         assert!((left - area).abs() < 1e-12, "{left}");
-        assert!(found.iter().all(|p| Plane::of(p).normal.z > 1.0 - 1e-12));
+        assert!(
+            found
+                .iter()
+                .all(|p| MeanPlane::of(p).normal.z > 1.0 - 1e-12)
+        );
     }
 
     #[test]
@@ -152,7 +157,7 @@ mod tests {
         check(&[square(0.0, 0.0, 0.5)], 2, 0.75);
         check(&[square(0.0, 0.0, 1.0)], 0, 0.0);
         check(&[square(0.1, 0.1, 0.2), square(0.6, 0.6, 0.3)], 7, 0.87);
-        // Twice the same takes nothing more away.
+        // Subtracting the same twice removes nothing more.
         check(&[window.clone(), window], 4, 0.75);
     }
 

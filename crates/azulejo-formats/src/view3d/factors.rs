@@ -1,14 +1,14 @@
-//! Matrices of view factors as View3D 4.0.0 writes them.
+//! View factor matrices in the formats of View3D 4.0.0.
 
-use super::document::Layout;
+use super::document::MatrixLayout;
 use std::io::{self, Write};
 
-/// What stands before a matrix.
+/// The header of a matrix.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FactorHeader {
     /// Text or binary.
-    pub layout: Layout,
-    /// Whether rows were made to sum to 1.
+    pub layout: MatrixLayout,
+    /// Whether rows were normalised to sum to 1.
     pub encl: bool,
     /// Whether it holds grey interchange factors.
     pub emit: bool,
@@ -17,7 +17,7 @@ pub struct FactorHeader {
 impl FactorHeader {
     /// 30 characters: six words, padded with blanks.
     fn words(self, rows: usize) -> String {
-        let out = u8::from(self.layout == Layout::Binary);
+        let out = u8::from(self.layout == MatrixLayout::Binary);
         let [encl, emit] = [self.encl, self.emit].map(u8::from);
         format!("{:30}", format!("View3D 4.0.0 {out} {encl} {emit} {rows}"))
     }
@@ -25,11 +25,11 @@ impl FactorHeader {
 
 /// Writes a matrix: its header, areas, rows in order, and emissivities.
 ///
-/// Text gives areas six digits, factors six decimals and emissivities three; binary is
-/// little-endian `f32`, as it is on the machines that View3D runs on.
+/// Text has six digits for areas, six decimals for factors and three for emissivities; binary is
+/// little-endian `f32`, as on the machines on which View3D runs.
 ///
 /// # Errors
-/// What `out` says, what the rows say, and rows of another length than `areas`.
+/// Those of `out` and of the rows, and rows whose length differs from that of `areas`.
 pub fn write_factors(
     header: FactorHeader,
     areas: &[f64],
@@ -42,12 +42,12 @@ pub fn write_factors(
     out.write_all(header.words(n).as_bytes())?;
     let mut list: fn(&[f64], &mut dyn Write) -> io::Result<()> = binary;
     match header.layout {
-        Layout::Text => {
+        MatrixLayout::Text => {
             writeln!(out)?;
             text(areas, general, &mut out)?;
             list = |row, out| text(row, |f| decimal(f, 6), out);
         }
-        Layout::Binary => {
+        MatrixLayout::Binary => {
             out.write_all(b"\r\n")?;
             binary(areas, &mut out)?;
         }
@@ -61,19 +61,18 @@ pub fn write_factors(
     }
     check(count, n)?;
     match header.layout {
-        Layout::Text => text(emissivities, |e| decimal(e, 3), &mut out)?,
-        Layout::Binary => binary(emissivities, &mut out)?,
+        MatrixLayout::Text => text(emissivities, |e| decimal(e, 3), &mut out)?,
+        MatrixLayout::Binary => binary(emissivities, &mut out)?,
     }
     out.flush()
 }
 
 fn check(found: usize, expected: usize) -> io::Result<()> {
-    match found == expected {
-        true => Ok(()),
-        false => {
-            let message = format!("{found} rows or columns where there should be {expected}");
-            Err(io::Error::new(io::ErrorKind::InvalidInput, message))
-        }
+    if found == expected {
+        Ok(())
+    } else {
+        let message = format!("{found} rows or columns instead of {expected}");
+        Err(io::Error::new(io::ErrorKind::InvalidInput, message))
     }
 }
 
@@ -99,7 +98,7 @@ fn decimal(x: f64, places: usize) -> String {
     }
 }
 
-/// C's `%g`: six digits, the shorter of the two notations, no zeros at the end.
+/// C's `%g`: six digits, the shorter of the two notations, no trailing zeros.
 fn general(x: f64) -> String {
     const DIGITS: i32 = 6;
     if x == 0.0 || !x.is_finite() {
@@ -115,11 +114,12 @@ fn general(x: f64) -> String {
     format!("{}e{sign}{:02}", bare(mantissa), exponent.abs())
 }
 
-/// Without the zeros behind its point.
+/// A decimal number without trailing zeros.
 fn bare(number: &str) -> &str {
-    match number.contains('.') {
-        true => number.trim_end_matches('0').trim_end_matches('.'),
-        false => number,
+    if number.contains('.') {
+        number.trim_end_matches('0').trim_end_matches('.')
+    } else {
+        number
     }
 }
 
@@ -147,12 +147,12 @@ mod tests {
         assert_eq!(decimal(-0.25, 2), "-0.25");
     }
 
-    fn two_squares(layout: Layout) -> Vec<u8> {
+    fn two_squares(layout: MatrixLayout) -> Vec<u8> {
         let header = FactorHeader {
             layout,
             ..FactorHeader::default()
         };
-        // As View3D found it, in single precision.
+        // A value computed by View3D in single precision.
         let f = f64::from(f32::from_bits(0x3e4c_9eea));
         let rows = [Ok(vec![0.0, f]), Ok(vec![f, 0.0])];
         let mut out = Vec::new();
@@ -165,14 +165,14 @@ mod tests {
         let expected = "View3D 4.0.0 0 0 0 2          \n1 1\n0.000000 0.199825\n\
                         0.199825 0.000000\n0.500 0.800\n";
         assert_eq!(
-            String::from_utf8(two_squares(Layout::Text)).unwrap(),
+            String::from_utf8(two_squares(MatrixLayout::Text)).unwrap(),
             expected
         );
     }
 
     #[test]
     fn binary_is_laid_out_as_view3d_does() {
-        let bytes = two_squares(Layout::Binary);
+        let bytes = two_squares(MatrixLayout::Binary);
         assert_eq!(bytes.len(), 32 + 4 * (4 + 4));
         assert_eq!(&bytes[..32], b"View3D 4.0.0 1 0 0 2          \r\n");
         assert_eq!(bytes[32..40], [0, 0, 0x80, 0x3f, 0, 0, 0x80, 0x3f]);

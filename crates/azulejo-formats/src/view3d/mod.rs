@@ -1,9 +1,9 @@
-//! View3D, `.vs3`: polygons whose view factors are wanted, and the matrices that come of them.
+//! View3D, `.vs3`: polygons for which view factors are computed, and the resulting matrices.
 //!
-//! [`Document::read`] gives what a file says, [`Model::new`] the polygons that are left when
-//! subsurfaces, masks and holes are cut out of what holds them, [`read`] a scene of those.
-//! [`write()`] makes a file of a scene, [`write_factors`] a matrix as View3D 4.0.0 lays it out.
-//! `docs/formats/view3d.md` says more.
+//! [`View3dDocument::read`] reads the content of a file, [`View3dModel::new`] computes the polygons
+//! that remain after subtracting subsurfaces, masks and holes from their bases, and [`read`]
+//! returns these as a scene. [`write()`] writes a scene as a View3D file, [`write_factors`] a
+//! matrix in the formats of View3D 4.0.0. `docs/formats/view3d.md` has the details.
 
 mod check;
 mod cut;
@@ -16,9 +16,12 @@ mod parse;
 mod tests;
 mod write;
 
-pub use document::{Controls, Document, Kind, Layout, Outline, PlacedShape, Surface};
+pub use document::{
+    MatrixLayout, PlanarShape, SurfaceKind, SurfaceOutline, View3dControls, View3dDocument,
+    View3dSurface,
+};
 pub use factors::{FactorHeader, write_factors};
-pub use model::{CoveringMask, Model};
+pub use model::{CoveringMask, View3dModel};
 pub use write::{losses, write};
 
 use crate::reading::gzip;
@@ -27,18 +30,18 @@ use crate::reading::text::decoded;
 use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions, Warning};
 
-/// Reads the polygons as a scene; View3D's files name no others.
+/// Reads the polygons as a scene; View3D files refer to no others.
 ///
 /// # Errors
-/// What [`Document::read`] and [`Model::new`] say.
+/// Those of [`View3dDocument::read`] and [`View3dModel::new`].
 pub fn read(
     bytes: &[u8],
     name: &str,
     _files: &dyn Files,
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
-    let (document, mut warnings) = Document::read(bytes, name, options)?;
-    let model = Model::new(&document, name)?;
+    let (document, mut warnings) = View3dDocument::read(bytes, name, options)?;
+    let model = View3dModel::new(&document, name)?;
     warnings.extend(model.warning(name));
     Ok(Loaded {
         scene: model.scene,
@@ -46,17 +49,18 @@ pub fn read(
     })
 }
 
-impl Document {
-    /// Reads a file, packed with gzip or not, and checks it as View3D does. `name` stands in messages.
+impl View3dDocument {
+    /// Reads a file, with or without gzip compression, and checks it as View3D does. `name` is used
+    /// in messages.
     ///
     /// # Errors
-    /// Words that are none of the format's, numbers out of sequence, surfaces that are not flat,
-    /// not convex or not within their bases: with the line.
+    /// Invalid words, numbers out of sequence, surfaces that are not flat, not convex or not within
+    /// their bases; with the line.
     pub fn read(
         bytes: &[u8],
         name: &str,
         options: &ReadOptions,
-    ) -> Result<(Document, Vec<Warning>), ReadError> {
+    ) -> Result<(View3dDocument, Vec<Warning>), ReadError> {
         let bytes = &*gzip::unpacked(bytes, name, options)?;
         let bytes = &*decoded(bytes);
         check_length(bytes, name)?;

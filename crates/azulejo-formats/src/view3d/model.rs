@@ -1,22 +1,22 @@
-//! The polygons that are left when everything is cut out of what holds it.
+//! The polygons that remain after subtracting subsurfaces from their bases.
 
-use super::check::Plane;
+use super::check::MeanPlane;
 use super::cut::{MOST_HOLES, without};
-use super::document::{Document, Kind, Surface};
+use super::document::{SurfaceKind, View3dDocument, View3dSurface};
 use crate::{Position, ReadError, Warning};
 use azulejo_scene::{Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, Units, Up};
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// A document as polygons that do not overlap, and the rows that View3D would give for it.
+/// A document as polygons that do not overlap, and the rows of View3D's matrix for it.
 ///
-/// Rows are the surfaces S and M, without those that are combined into others, in their order.
+/// Rows are the surfaces S and M in their order, except those that are combined with others.
 #[derive(Clone, Debug, Default)]
-pub struct Model {
-    /// The polygons, z up, without a unit. Surfaces of one name are one object; the last
-    /// object, `obstructions`, is black and holds what only blocks: O, and the places of M and N.
+pub struct View3dModel {
+    /// The polygons, z up, without a unit. Surfaces with the same name form one object; the last
+    /// object, `obstructions`, is black and contains what only blocks: O, and the areas of M and N.
     pub scene: Scene,
-    /// The row of each face of each object; none for what only blocks.
+    /// The row of each face of each object; `None` for what only blocks.
     pub rows: Vec<Vec<Option<u32>>>,
     /// The name of each row.
     pub names: Vec<String>,
@@ -28,29 +28,29 @@ pub struct Model {
     overlaps: Vec<u32>,
 }
 
-/// A mask: it sees nothing but what it covers.
+/// A mask: it sees only what it covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoveringMask {
     /// Its row.
     pub row: u32,
-    /// The row of what it covers.
+    /// The row of the surface that it covers.
     pub covers: u32,
     /// Its area.
     pub area: f64,
 }
 
-impl Model {
-    /// Cuts everything out of what holds it. `name` stands in messages.
+impl View3dModel {
+    /// Subtracts all subsurfaces from their bases. `name` is used in messages.
     ///
     /// # Errors
-    /// More than 4,096 surfaces in one base, or so many that overlap that it would fall to dust.
-    pub fn new(document: &Document, name: &str) -> Result<Model, ReadError> {
-        let row_of = Rows::new(document);
-        let mut builder = Builder::default();
-        let mut model = Model {
+    /// More than 4,096 surfaces in one base, or too many overlapping ones.
+    pub fn new(document: &View3dDocument, name: &str) -> Result<View3dModel, ReadError> {
+        let row_of = RowIndices::new(document);
+        let mut builder = View3dModelBuilder::default();
+        let mut model = View3dModel {
             names: row_of.each(document, |s| s.name.clone()),
             emissivities: row_of.each(document, |s| s.emissivity),
-            ..Model::default()
+            ..View3dModel::default()
         };
         let mut held: Vec<Vec<usize>> = vec![Vec::new(); document.surfaces.len()];
         for (k, surface) in document.surfaces.iter().enumerate() {
@@ -66,21 +66,21 @@ impl Model {
             if overlap(&corners, &holes, &pieces) {
                 model.overlaps.push(surface.line);
             }
-            if surface.kind == Kind::Mask {
+            if surface.kind == SurfaceKind::Mask {
                 model.masks.push(CoveringMask {
                     row: row_of.rows[k].unwrap_or_default(),
                     covers: row_of.rows[surface.base as usize - 1].unwrap_or_default(),
-                    area: Plane::of(&corners).area,
+                    area: MeanPlane::of(&corners).area,
                 });
             }
-            let row = row_of.rows[k].filter(|_| surface.kind == Kind::Radiating);
+            let row = row_of.rows[k].filter(|_| surface.kind == SurfaceKind::Radiating);
             pieces.iter().for_each(|p| builder.add(surface, row, p));
         }
         (model.scene, model.rows) = builder.finish();
         Ok(model)
     }
 
-    /// What is odd about it, if anything is; `file` stands in the message.
+    /// A warning about overlapping subsurfaces, if any; `file` is used in the message.
     pub fn warning(&self, file: &str) -> Option<Warning> {
         let message = "surfaces in one base overlap: their common part counts twice";
         self.overlaps.first().map(|&line| Warning {
@@ -92,11 +92,11 @@ impl Model {
     }
 }
 
-/// Why a surface cannot be cut.
-fn dust(surface: &Surface, holes: &[Vec<DVec3>], name: &str) -> ReadError {
+/// The error for a surface that is too complex.
+fn dust(surface: &View3dSurface, holes: &[Vec<DVec3>], name: &str) -> ReadError {
     let found = match holes.len() {
         n if n > MOST_HOLES => format!("{n} surfaces with this one as their base"),
-        n => format!("{n} surfaces in one base that overlap everywhere"),
+        n => format!("{n} surfaces in one base that overlap too much"),
     };
     let expected = format!("at most {MOST_HOLES}, side by side: divide the base");
     ReadError {
@@ -105,26 +105,28 @@ fn dust(surface: &Surface, holes: &[Vec<DVec3>], name: &str) -> ReadError {
     }
 }
 
-/// Whether holes take less away than they are large, by more than rounding and tolerances do.
+/// Whether the area removed by holes is smaller than their own, by more than rounding and
+/// tolerances.
 fn overlap(whole: &[DVec3], holes: &[Vec<DVec3>], pieces: &[Vec<DVec3>]) -> bool {
-    let area = |polygons: &[Vec<DVec3>]| polygons.iter().map(|p| Plane::of(p).area).sum::<f64>();
-    let whole = Plane::of(whole).area;
+    let area =
+        |polygons: &[Vec<DVec3>]| polygons.iter().map(|p| MeanPlane::of(p).area).sum::<f64>();
+    let whole = MeanPlane::of(whole).area;
     whole - area(pieces) < area(holes) - 1e-4 * whole
 }
 
-/// Which row each surface belongs to.
-struct Rows {
+/// The row of each surface.
+struct RowIndices {
     rows: Vec<Option<u32>>,
     /// The first surface of each row.
     first: Vec<usize>,
 }
 
-impl Rows {
-    fn new(document: &Document) -> Rows {
+impl RowIndices {
+    fn new(document: &View3dDocument) -> RowIndices {
         let (mut rows, mut first): (Vec<Option<u32>>, Vec<usize>) = Default::default();
         for (k, surface) in document.surfaces.iter().enumerate() {
             let row = match (surface.kind, surface.combined as usize) {
-                (Kind::Null | Kind::Obstruction, _) => None,
+                (SurfaceKind::Null | SurfaceKind::Obstruction, _) => None,
                 (_, 0) => {
                     first.push(k);
                     Some(first.len() as u32 - 1)
@@ -133,22 +135,22 @@ impl Rows {
             };
             rows.push(row);
         }
-        Rows { rows, first }
+        RowIndices { rows, first }
     }
 
-    fn each<T>(&self, document: &Document, of: impl Fn(&Surface) -> T) -> Vec<T> {
+    fn each<T>(&self, document: &View3dDocument, of: impl Fn(&View3dSurface) -> T) -> Vec<T> {
         let surfaces = self.first.iter().map(|&k| &document.surfaces[k]);
         surfaces.map(of).collect()
     }
 }
 
-/// The object of what has no name.
+/// The object of surfaces without a name.
 const UNNAMED: &str = "surfaces";
 /// The object of what only blocks.
 const BLOCKING: &str = "obstructions";
 
 #[derive(Default)]
-struct Builder {
+struct View3dModelBuilder {
     scene: Scene,
     rows: Vec<Vec<Option<u32>>>,
     /// Objects by name, and their vertices.
@@ -159,8 +161,8 @@ struct Builder {
     blocking: Vec<Vec<DVec3>>,
 }
 
-impl Builder {
-    fn add(&mut self, surface: &Surface, row: Option<u32>, corners: &[DVec3]) {
+impl View3dModelBuilder {
+    fn add(&mut self, surface: &View3dSurface, row: Option<u32>, corners: &[DVec3]) {
         if row.is_none() {
             self.blocking.push(corners.to_vec());
             return;
@@ -173,7 +175,7 @@ impl Builder {
         self.add_face(name, row, corners, material);
     }
 
-    /// Grey surfaces reflect what they do not absorb, and absorb what they emit (Kirchhoff).
+    /// Grey surfaces reflect what they do not absorb, and absorb as much as they emit (Kirchhoff).
     fn material(&mut self, emissivity: f64) -> MaterialId {
         let scene = &mut self.scene;
         let new = || {
@@ -218,7 +220,7 @@ impl Builder {
             let black = self
                 .scene
                 .add_material(Material::diffuse("obstruction", Rgb::BLACK));
-            // A surface may have the same name: then they are one object, which does no harm.
+            // A surface may have the same name; then both form one object, which is harmless.
             for corners in std::mem::take(&mut self.blocking) {
                 self.add_face(BLOCKING, None, &corners, black);
             }

@@ -1,8 +1,11 @@
-//! Records to a document.
+//! Parses records into a document.
 
-use super::check::Checker;
-use super::document::{Controls, Document, Kind, Layout, Outline, PlacedShape, Surface};
-use super::lines::{Lines, Word};
+use super::check::View3dChecker;
+use super::document::{
+    MatrixLayout, PlanarShape, SurfaceKind, SurfaceOutline, View3dControls, View3dDocument,
+    View3dSurface,
+};
+use super::lines::{LineWord, View3dLines};
 use crate::reading::number;
 use crate::reading::text::{shortened, text};
 use crate::reading::warnings::Warnings;
@@ -15,19 +18,19 @@ pub(super) fn read(
     bytes: &[u8],
     file: &str,
     warnings: &mut Warnings,
-) -> Result<Document, ReadError> {
-    let mut reader = Reader {
-        lines: Lines::new(bytes, file),
+) -> Result<View3dDocument, ReadError> {
+    let mut reader = View3dParser {
+        lines: View3dLines::new(bytes, file),
         file,
         warnings,
-        document: Document::default(),
+        document: View3dDocument::default(),
         is_placed: None,
         has_obstructions: false,
-        checker: Checker::default(),
+        checker: View3dChecker::default(),
     };
     reader.records()?;
-    let (line, count) = Lines::long_lines(bytes);
-    let message = "lines of more than 255 characters, which View3D does not read whole";
+    let (line, count) = View3dLines::long_lines(bytes);
+    let message = "lines with more than 255 characters, which View3D truncates";
     let place = || Position::Line(line, 256);
     reader
         .warnings
@@ -35,21 +38,21 @@ pub(super) fn read(
     Ok(reader.document)
 }
 
-struct Reader<'a> {
-    lines: Lines<'a>,
+struct View3dParser<'a> {
+    lines: View3dLines<'a>,
     file: &'a str,
     warnings: &'a mut Warnings,
-    document: Document,
-    /// Whether surfaces are given as F 3a; `None` until the file says it or has any.
+    document: View3dDocument,
+    /// Whether surfaces are given as F 3a; `None` until the file states it or contains one.
     is_placed: Option<bool>,
     has_obstructions: bool,
-    checker: Checker,
+    checker: View3dChecker,
 }
 
-/// Emissivities are kept between these.
+/// The range to which emissivities are clamped.
 const EMISSIVITIES: RangeInclusive<f64> = 0.001..=0.999;
 
-impl<'a> Reader<'a> {
+impl<'a> View3dParser<'a> {
     fn records(&mut self) -> Result<(), ReadError> {
         let mut next = self.lines.first_record();
         while let Some(word) = next {
@@ -58,17 +61,17 @@ impl<'a> Reader<'a> {
                 b'F' => self.geometry(word)?,
                 b'C' => self.controls()?,
                 b'V' => self.vertex(word)?,
-                b'S' => self.surface(word, Kind::Radiating)?,
-                b'M' => self.surface(word, Kind::Mask)?,
-                b'N' => self.surface(word, Kind::Null)?,
-                b'O' => self.surface(word, Kind::Obstruction)?,
-                b'X' => self.warn(word.at, "X is reserved: skipped with its line"),
+                b'S' => self.surface(word, SurfaceKind::Radiating)?,
+                b'M' => self.surface(word, SurfaceKind::Mask)?,
+                b'N' => self.surface(word, SurfaceKind::Null)?,
+                b'O' => self.surface(word, SurfaceKind::Obstruction)?,
+                b'X' => self.warn(word.at, "X is reserved: line skipped"),
                 b'E' | b'*' => break,
                 _ => {
                     let shown = shortened(&text(word.bytes));
                     self.warn(
                         word.at,
-                        format!("\"{shown}\" begins no record: skipped with its line"),
+                        format!("\"{shown}\" is not a record type: line skipped"),
                     );
                 }
             }
@@ -84,7 +87,7 @@ impl<'a> Reader<'a> {
             .add(self.file, message.into(), || lines.position(at));
     }
 
-    fn geometry(&mut self, record: Word<'a>) -> Result<(), ReadError> {
+    fn geometry(&mut self, record: LineWord<'a>) -> Result<(), ReadError> {
         let word = self.field("3 or 3a")?;
         let is_placed = match word.bytes {
             b"3" => false,
@@ -98,13 +101,13 @@ impl<'a> Reader<'a> {
         let late = !self.document.vertices.is_empty() || !self.document.surfaces.is_empty();
         if late && self.is_placed != Some(is_placed) {
             let expected = "F before all vertices and surfaces";
-            return Err(self.lines.error(record.at, "F behind them", expected));
+            return Err(self.lines.error(record.at, "F after them", expected));
         }
         self.is_placed = Some(is_placed);
         Ok(())
     }
 
-    /// `name=value`, separated by blanks or commas; a remark is none here.
+    /// Reads `name=value`, separated by blanks or commas; comments are not allowed here.
     fn controls(&mut self) -> Result<(), ReadError> {
         while let Some(word) = self.lines.plain_word() {
             let pair = text(word.bytes);
@@ -112,14 +115,14 @@ impl<'a> Reader<'a> {
                 Some((name, value)) if !name.is_empty() => self.control(word, name, value)?,
                 _ => self.warn(
                     word.at,
-                    "words that are no name=value on a control line: skipped",
+                    "words on a control line that are not name=value: skipped",
                 ),
             }
         }
         Ok(())
     }
 
-    fn control(&mut self, word: Word<'a>, name: &str, value: &str) -> Result<(), ReadError> {
+    fn control(&mut self, word: LineWord<'a>, name: &str, value: &str) -> Result<(), ReadError> {
         let mut controls = std::mem::take(&mut self.document.controls);
         let name = name.to_ascii_lowercase();
         let set = self.set(&mut controls, word, &name, value.as_bytes());
@@ -129,8 +132,8 @@ impl<'a> Reader<'a> {
 
     fn set(
         &mut self,
-        controls: &mut Controls,
-        word: Word<'a>,
+        controls: &mut View3dControls,
+        word: LineWord<'a>,
         name: &str,
         value: &[u8],
     ) -> Result<(), ReadError> {
@@ -139,7 +142,7 @@ impl<'a> Reader<'a> {
             "eps" => controls.eps = self.limit(word, value)?,
             "row" => controls.row = self.whole(word, value, 0..=MOST)? as u32,
             "col" => controls.column = self.whole(word, value, 0..=MOST)? as u32,
-            // As in View3D a 1 cannot be taken back.
+            // As in View3D, a 1 cannot be reset.
             "encl" => controls.encl |= self.whole(word, value, 0..=1)? == 1,
             "emit" => controls.emit = self.whole(word, value, 0..=1)? == 1,
             "out" => controls.out = self.layout(word, value)?,
@@ -159,52 +162,53 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// The value of a parameter that is a whole number.
+    /// The value of an integer parameter.
     fn whole(
         &self,
-        word: Word<'a>,
+        word: LineWord<'a>,
         value: &[u8],
         range: RangeInclusive<i64>,
     ) -> Result<i64, ReadError> {
         let within = integer(value).filter(|v| range.contains(v));
         within.ok_or_else(|| {
-            let expected = format!("a whole number from {} to {}", range.start(), range.end());
+            let expected = format!("an integer from {} to {}", range.start(), range.end());
             self.odd(word, expected)
         })
     }
 
-    fn limit(&mut self, word: Word<'a>, value: &[u8]) -> Result<f64, ReadError> {
+    fn limit(&mut self, word: LineWord<'a>, value: &[u8]) -> Result<f64, ReadError> {
         let Some(eps) = real(value).filter(|&e| e > 0.0) else {
-            return Err(self.odd(word, "eps=1e-4 or another number above 0"));
+            return Err(self.odd(word, "eps=1e-4 or another positive number"));
         };
         if !(1e-6..=1e-2).contains(&eps) {
-            self.warn(word.at, "eps is outside of 1e-6 to 1e-2");
+            self.warn(word.at, "eps is outside 1e-6 to 1e-2");
         }
         Ok(eps)
     }
 
-    fn layout(&mut self, word: Word<'a>, value: &[u8]) -> Result<Layout, ReadError> {
+    fn layout(&mut self, word: LineWord<'a>, value: &[u8]) -> Result<MatrixLayout, ReadError> {
         Ok(match self.whole(word, value, 0..=2)? {
-            0 => Layout::Text,
-            1 => Layout::Binary,
+            0 => MatrixLayout::Text,
+            1 => MatrixLayout::Binary,
             _ => {
                 self.warn(
                     word.at,
-                    "out=2 is a layout that View3D cannot write: taken as 0",
+                    "out=2 is a format that View3D cannot write: taken as 0",
                 );
-                Layout::Text
+                MatrixLayout::Text
             }
         })
     }
 
-    fn odd(&self, word: Word<'a>, expected: impl Into<String>) -> ReadError {
+    fn odd(&self, word: LineWord<'a>, expected: impl Into<String>) -> ReadError {
         let found = format!("\"{}\"", shortened(&text(word.bytes)));
         self.lines.error(word.at, found, expected)
     }
 
     /// The next field of a record.
-    fn field(&mut self, expected: &str) -> Result<Word<'a>, ReadError> {
-        let end = |lines: &Lines<'a>| lines.error(lines.end(), "the end of the file", expected);
+    fn field(&mut self, expected: &str) -> Result<LineWord<'a>, ReadError> {
+        let end =
+            |lines: &View3dLines<'a>| lines.error(lines.end(), "the end of the file", expected);
         self.lines.word().ok_or_else(|| end(&self.lines))
     }
 
@@ -221,28 +225,27 @@ impl<'a> Reader<'a> {
         Ok(numbers)
     }
 
-    /// The next field as a number from 0, and where it stands.
-    fn count(&mut self, expected: &str) -> Result<(u32, Word<'a>), ReadError> {
+    /// The next field as a non-negative integer, and its position.
+    fn count(&mut self, expected: &str) -> Result<(u32, LineWord<'a>), ReadError> {
         let word = self.field(expected)?;
         let count = integer(word.bytes).and_then(|v| u32::try_from(v).ok());
         let count = count.ok_or_else(|| self.odd(word, expected))?;
         Ok((count, word))
     }
 
-    /// Numbers of vertices and of surfaces follow each other without gaps.
+    /// Numbers of vertices and surfaces must be consecutive.
     fn next_number(&mut self, what: &str, known: usize) -> Result<(), ReadError> {
         let (n, word) = self.count(&format!("the number of the {what}"))?;
-        match n as usize == known + 1 {
-            true => Ok(()),
-            false => {
-                let found = format!("{what} {n}");
-                let expected = format!("{what} {}: they are numbered in sequence", known + 1);
-                Err(self.lines.error(word.at, found, expected))
-            }
+        if n as usize == known + 1 {
+            Ok(())
+        } else {
+            let found = format!("{what} {n}");
+            let expected = format!("{what} {}: they are numbered consecutively", known + 1);
+            Err(self.lines.error(word.at, found, expected))
         }
     }
 
-    fn vertex(&mut self, record: Word<'a>) -> Result<(), ReadError> {
+    fn vertex(&mut self, record: LineWord<'a>) -> Result<(), ReadError> {
         if *self.is_placed.get_or_insert(false) {
             let expected = "no vertices in an F 3a file";
             return Err(self.lines.error(record.at, "a vertex", expected));
@@ -253,27 +256,28 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    fn surface(&mut self, record: Word<'a>, kind: Kind) -> Result<(), ReadError> {
-        if self.has_obstructions && kind != Kind::Obstruction {
-            let expected = "all obstructions (O) behind all other surfaces";
+    fn surface(&mut self, record: LineWord<'a>, kind: SurfaceKind) -> Result<(), ReadError> {
+        if self.has_obstructions && kind != SurfaceKind::Obstruction {
+            let expected = "all obstructions (O) after all other surfaces";
             return Err(self
                 .lines
-                .error(record.at, "a surface behind one", expected));
+                .error(record.at, "a surface after an obstruction", expected));
         }
-        self.has_obstructions |= kind == Kind::Obstruction;
+        self.has_obstructions |= kind == SurfaceKind::Obstruction;
         self.next_number("surface", self.document.surfaces.len())?;
-        let blank = Surface {
+        let blank = View3dSurface {
             kind,
-            outline: Outline::Vertices(Vec::new()),
+            outline: SurfaceOutline::Vertices(Vec::new()),
             base: 0,
             combined: 0,
             emissivity: *EMISSIVITIES.end(),
             name: String::new(),
             line: record.line,
         };
-        let surface = match *self.is_placed.get_or_insert(false) {
-            true => self.placed(blank)?,
-            false => self.of_vertices(blank)?,
+        let surface = if *self.is_placed.get_or_insert(false) {
+            self.placed(blank)?
+        } else {
+            self.of_vertices(blank)?
         };
         self.document.surfaces.push(surface);
         let number = self.document.surfaces.len();
@@ -285,8 +289,8 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// The rest of an F 3 surface.
-    fn of_vertices(&mut self, mut surface: Surface) -> Result<Surface, ReadError> {
+    /// Reads the rest of an F 3 surface.
+    fn of_vertices(&mut self, mut surface: View3dSurface) -> Result<View3dSurface, ReadError> {
         let known = self.document.vertices.len();
         let mut numbers = Vec::with_capacity(4);
         for k in 0..4 {
@@ -303,15 +307,15 @@ impl<'a> Reader<'a> {
                 }
             }
         }
-        surface.outline = Outline::Vertices(numbers);
-        if surface.kind != Kind::Obstruction {
+        surface.outline = SurfaceOutline::Vertices(numbers);
+        if surface.kind != SurfaceKind::Obstruction {
             self.properties(&mut surface)?;
         }
         Ok(surface)
     }
 
-    /// The rest of an F 3a surface.
-    fn placed(&mut self, mut surface: Surface) -> Result<Surface, ReadError> {
+    /// Reads the rest of an F 3a surface.
+    fn placed(&mut self, mut surface: View3dSurface) -> Result<View3dSurface, ReadError> {
         let letter = self.field("the shape R, T or Q")?;
         let corners = match letter.bytes {
             b"R" | b"r" => 0,
@@ -319,21 +323,21 @@ impl<'a> Reader<'a> {
             b"Q" | b"q" => 4,
             _ => return Err(self.odd(letter, "the shape R, T or Q")),
         };
-        if surface.kind != Kind::Obstruction {
+        if surface.kind != SurfaceKind::Obstruction {
             self.properties(&mut surface)?;
         }
-        // What is left of the first line is a remark.
+        // The rest of the first line is a comment.
         self.lines.skip_line();
         let origin = self.numbers::<3>("a coordinate")?;
         let [azimuth, tilt] = self.numbers::<2>("an angle in degrees")?;
         let shape = match corners {
-            0 => PlacedShape::Rectangle(self.numbers::<2>("width and height")?),
+            0 => PlanarShape::Rectangle(self.numbers::<2>("width and height")?),
             _ => {
                 let corner = |_| self.numbers::<2>("a corner (u, v)");
-                PlacedShape::Polygon((0..corners).map(corner).collect::<Result<_, _>>()?)
+                PlanarShape::Polygon((0..corners).map(corner).collect::<Result<_, _>>()?)
             }
         };
-        surface.outline = Outline::Placed {
+        surface.outline = SurfaceOutline::Placed {
             shape,
             origin: position(origin),
             azimuth,
@@ -342,8 +346,8 @@ impl<'a> Reader<'a> {
         Ok(surface)
     }
 
-    /// Base, combination, emissivity and name.
-    fn properties(&mut self, surface: &mut Surface) -> Result<(), ReadError> {
+    /// Reads base, combination, emissivity and name.
+    fn properties(&mut self, surface: &mut View3dSurface) -> Result<(), ReadError> {
         let (base, at_base) = self.count("the number of a base surface, or 0")?;
         let (combined, at_combined) = self.count("the number of a surface to combine, or 0")?;
         (surface.base, surface.combined) = (base, combined);
@@ -352,20 +356,17 @@ impl<'a> Reader<'a> {
         let emissivity = real(word.bytes).ok_or_else(|| self.odd(word, "an emissivity"))?;
         surface.emissivity = emissivity.clamp(*EMISSIVITIES.start(), *EMISSIVITIES.end());
         if surface.emissivity != emissivity {
-            self.warn(
-                word.at,
-                "emissivities outside of 0.001 to 0.999: moved to the limit",
-            );
+            self.warn(word.at, "emissivities outside 0.001 to 0.999: clamped");
         }
         surface.name = self.name(word);
         Ok(())
     }
 
-    /// The name of a surface, on the same line or alone on the next.
+    /// Reads the name of a surface, on the same line or alone on the next.
     ///
-    /// View3D takes the next word whatever it is, and so loses the record behind a surface
-    /// without a name.
-    fn name(&mut self, before: Word<'a>) -> String {
+    /// View3D takes the next word, whatever it is, and so loses the record after a surface without
+    /// a name.
+    fn name(&mut self, before: LineWord<'a>) -> String {
         let on_line = self.lines.word_on_line();
         let word = on_line.or_else(|| {
             let next = self.lines.peek_record()?;
@@ -386,7 +387,7 @@ fn is_end(word: &[u8]) -> bool {
     word.eq_ignore_ascii_case(b"end")
 }
 
-/// A whole number as C reads it in base 0: `010` is eight, `0x10` sixteen.
+/// An integer as C parses it in base 0: `010` is eight, `0x10` sixteen.
 fn integer(word: &[u8]) -> Option<i64> {
     let text = std::str::from_utf8(word).ok()?;
     let (sign, digits) = match text.as_bytes().first()? {
@@ -399,13 +400,13 @@ fn integer(word: &[u8]) -> Option<i64> {
         [b'0', _, ..] => (8, &digits[1..]),
         _ => (10, digits),
     };
-    // A second sign is none of the digits.
+    // A second sign is not a digit.
     let plain = digits.bytes().all(|b| b.is_ascii_alphanumeric());
     let value = plain.then(|| i64::from_str_radix(digits, radix).ok())?;
     value.map(|v| sign * v)
 }
 
-/// A finite number that takes the whole word.
+/// A finite number that spans the whole word.
 fn real(word: &[u8]) -> Option<f64> {
     let number = number::parse(word)?;
     let is_whole = number.length == word.len() && !number.misplaced_sign;

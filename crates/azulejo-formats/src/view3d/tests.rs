@@ -1,11 +1,11 @@
-//! Files as people write them, well and badly.
+//! Typical files, valid and invalid.
 
 use super::*;
 use crate::{Format, Memory, detect};
 use azulejo_scene::synthetic::{CornellVariant, cornell_box, room_with_table};
 use azulejo_scene::{Mesh, Scene, Shape};
 
-/// A floor of 1 × 1 and a ceiling one above it that looks down, in halves that are combined.
+/// A 1 × 1 floor and a ceiling one unit above it that faces down, in two combined halves.
 const SQUARES: &str = "T two squares\nC eps=1e-5, out=1\nF 3\n\
     V 1 0 0 0\nV 2 1 0 0\nV 3 1 1 0\nV 4 0 1 0\n\
     V 5 0 0 1\nV 6 1 0 1\nV 7 1 1 1\nV 8 0 1 1\nV 9 .5 0 1\nV 10 .5 1 1\n\
@@ -13,7 +13,7 @@ const SQUARES: &str = "T two squares\nC eps=1e-5, out=1\nF 3\n\
     S 2 5 8 10 9 0 0 0.8 upA\n\
     S 3 9 10 7 6 0 2 0.8 upB\nEnd of data\n";
 
-/// The same floor and a window, mask or hole in its middle, `1 2 3 4` or turned around.
+/// The same floor with a window, mask or hole in its middle, `1 2 3 4` or reversed.
 fn floor_with(kind: &str, corners: &str, more: &str) -> String {
     format!(
         "F 3\nV 1 0 0 0\nV 2 1 0 0\nV 3 1 1 0\nV 4 0 1 0\n\
@@ -25,15 +25,15 @@ fn floor_with(kind: &str, corners: &str, more: &str) -> String {
 const WINDOW: &str = "5 6 7 8";
 const TURNED: &str = "8 7 6 5";
 
-fn mirrored(text: &str) -> Result<(Document, Vec<Warning>), ReadError> {
-    Document::read(text.as_bytes(), "a.vs3", &ReadOptions::default())
+fn mirrored(text: &str) -> Result<(View3dDocument, Vec<Warning>), ReadError> {
+    View3dDocument::read(text.as_bytes(), "a.vs3", &ReadOptions::default())
 }
 
-fn model_of(document: &Document) -> Model {
-    Model::new(document, "a.vs3").unwrap()
+fn model_of(document: &View3dDocument) -> View3dModel {
+    View3dModel::new(document, "a.vs3").unwrap()
 }
 
-fn document(text: &str) -> Document {
+fn document(text: &str) -> View3dDocument {
     mirrored(text).unwrap().0
 }
 
@@ -58,12 +58,15 @@ fn mesh(scene: &Scene, object: usize) -> &Mesh {
 fn a_file_is_mirrored() {
     let d = document(SQUARES);
     assert_eq!(d.title, "two squares");
-    assert_eq!((d.controls.eps, d.controls.out), (1e-5, Layout::Binary));
+    assert_eq!(
+        (d.controls.eps, d.controls.out),
+        (1e-5, MatrixLayout::Binary)
+    );
     assert_eq!((d.vertices.len(), d.surfaces.len()), (10, 3));
     let s = &d.surfaces[2];
     assert_eq!((s.base, s.combined, s.emissivity), (0, 2, 0.8));
     assert_eq!((s.name.as_str(), s.line), ("upB", 16));
-    assert_eq!(s.outline, Outline::Vertices(vec![9, 10, 7, 6]));
+    assert_eq!(s.outline, SurfaceOutline::Vertices(vec![9, 10, 7, 6]));
     assert_eq!(messages(SQUARES), [""; 0]);
 }
 
@@ -79,7 +82,7 @@ fn it_is_recognised_by_its_words() {
     check("v 0 0 0\nf 1 2 3\n", Some(Format::Obj));
     check("f 3 4 5\nv 1 0 0\n", Some(Format::Obj));
     check("c red =\nv a =\n", Some(Format::Mgf));
-    // Without F and C nothing tells but the name.
+    // Without F and C, only the file name identifies the format.
     let bare = "V 1 0 0 0\nV 2 1 0 0\nV 3 0 1 0\nS 1 1 2 3 0 0 0 .9 a\n";
     check(bare, Some(Format::Obj));
     let loaded = crate::read(bare.as_bytes(), "a.vs3", &Memory::new()).unwrap();
@@ -101,7 +104,7 @@ fn letters_numbers_and_ends_are_lenient_where_view3d_is() {
 
 #[test]
 fn placed_shapes_stand_where_their_angles_say() {
-    // Walls of a unit cube seen from inside: front in the south looks north, and so on round.
+    // Walls of a unit cube seen from inside: the southern one faces north, and so on.
     let d = document(
         "T cube\nF 3a\nS 1 R 0 0 .9 south width follows\n 1 0 0 0 90 1 1\n\
          S 2 R 0 0 .9 floor\n 0 0 0 180 0 1 1\n\
@@ -123,7 +126,7 @@ fn placed_shapes_stand_where_their_angles_say() {
     );
     assert_eq!(corners(2), [[1., 0., 1.], [0., 0., 1.], [0., 1., 1.]]);
     assert_eq!(corners(3)[1], [0.0, 0.6, 0.5]);
-    assert_eq!(d.surfaces[3].kind, Kind::Obstruction);
+    assert_eq!(d.surfaces[3].kind, SurfaceKind::Obstruction);
 }
 
 #[test]
@@ -143,10 +146,7 @@ fn odd_things_are_said() {
     check("C speed=3\n", "unknown control parameter \"speed\"");
     check("C out=2\n", "taken as 0");
     check("Q 1 2\n", "\"Q\" begins no record");
-    check(
-        "X a\nX b\n",
-        "X is reserved: skipped with its line (2 times)",
-    );
+    check("X a\nX b\n", "X is reserved: line skipped (2 times)");
     check(&SQUARES.replace("0.5 low", "1.5 low"), "moved to the limit");
     check(
         &SQUARES.replace("0.5 low", "0.5"),
@@ -190,12 +190,12 @@ fn what_view3d_refuses_is_refused_with_its_line() {
     check_error("F 2\n", "a.vs3:1:3: found geometry \"2\", expected 3");
     check_error(
         "C out=x\n",
-        "a.vs3:1:3: found \"out=x\", expected a whole number from 0 to 2",
+        "a.vs3:1:3: found \"out=x\", expected an integer from 0 to 2",
     );
     check_error("C maxU=40000\n", "a.vs3:1:3: found \"maxU=40000\"");
     check_error("C eps=-1\n", "a.vs3:1:3: found \"eps=-1\"");
     check_error("F 3a\nV 1 0 0 0\n", "a.vs3:2:1: found a vertex");
-    check_error("V 1 0 0 0\nF 3a\n", "a.vs3:2:1: found F behind them");
+    check_error("V 1 0 0 0\nF 3a\n", "a.vs3:2:1: found F after them");
     check_error(
         "V 2 0 0 0\n",
         "a.vs3:1:3: found vertex 2, expected vertex 1",
@@ -220,7 +220,7 @@ fn what_view3d_refuses_is_refused_with_its_line() {
     );
     check_error(
         &squares("End", "O 4 1 2 3 4\nS 5"),
-        "a.vs3:18:1: found a surface behind one",
+        "a.vs3:18:1: found a surface after an obstruction",
     );
     check_error(
         &squares("V 3 1 1 0", "V 3 .2 .2 0"),
@@ -263,14 +263,14 @@ fn bases_hold_what_lies_in_them() {
         .replace("V 7 .75", "V 7 1.75");
     check_error(
         &wide,
-        "a.vs3:11:13: found a surface that reaches out of base 1",
+        "a.vs3:11:13: found a surface that extends beyond base 1",
     );
     let high = parts("S", WINDOW)
         .replace(".25 0\n", ".25 .1\n")
         .replace(".75 0\n", ".75 .1\n");
     check_error(
         &high,
-        "a.vs3:11:13: found a surface beside the plane of base 1",
+        "a.vs3:11:13: found a surface outside the plane of base 1",
     );
     let later = parts("S", WINDOW).replace("S 1 1 2 3 4 0", "S 1 1 2 3 4 2");
     check_error(&later, "a.vs3:10:13: found base 2 of surface 1");
@@ -286,7 +286,7 @@ fn bases_hold_what_lies_in_them() {
     check_error(&mask, "a.vs3:12:13: found a mask for a base");
     let combined = parts("M", TURNED).replace("5 1 0", "5 1 1");
     check_error(&combined, "a.vs3:11:15: found a mask that is combined");
-    // An obstruction may hold what comes before it.
+    // An obstruction may be the base of an earlier surface.
     let pane = floor_with("S", WINDOW, "O 3 1 2 3 4\n").replace("8 1 0", "8 3 0");
     let model = model_of(&document(&pane));
     assert_eq!(model.rows, [vec![Some(0)], vec![Some(1)], vec![None; 4]]);
@@ -311,7 +311,7 @@ fn too_many_in_one_base_are_refused() {
         .map(|k| format!("S {k} 5 6 7 8 1 0 .9 a\n"))
         .collect();
     let text = floor_with("S", WINDOW, &more);
-    let error = Model::new(&document(&text), "a.vs3")
+    let error = View3dModel::new(&document(&text), "a.vs3")
         .unwrap_err()
         .to_string();
     assert!(
@@ -331,7 +331,7 @@ fn masks_and_holes_leave_a_place_that_blocks() {
         area: 0.25,
     };
     assert_eq!((model.names.len(), &model.masks[..]), (2, &[mask][..]));
-    // A hole leads to no wrong number behind it, as it does in View3D.
+    // A hole does not shift the numbers of later surfaces, as it does in View3D.
     let hole = floor_with(
         "N",
         TURNED,
@@ -356,10 +356,11 @@ fn a_window_may_hold_a_window() {
     }
 }
 
-fn written(scene: &Scene) -> Document {
+fn written(scene: &Scene) -> View3dDocument {
     let mut text = Vec::new();
     write(scene, &mut text).unwrap();
-    let (document, warnings) = Document::read(&text, "w.vs3", &ReadOptions::default()).unwrap();
+    let (document, warnings) =
+        View3dDocument::read(&text, "w.vs3", &ReadOptions::default()).unwrap();
     assert!(warnings.is_empty(), "{warnings:?}");
     document
 }

@@ -1,23 +1,23 @@
-//! Scenes to View3D.
+//! Writes scenes as View3D files.
 
-use super::check::Plane;
+use super::check::MeanPlane;
 use crate::surface::tessellate::{self, mesh_of};
 use azulejo_scene::{Material, Mesh, Scene};
 use glam::DVec3;
 use std::io::{self, BufWriter, Write};
 
-/// Corners farther from their plane than this, over the radius, are written as triangles.
+/// Corners farther from their plane than this, relative to the radius, are written as triangles.
 const FLAT: f64 = 1e-6;
 
-/// Writes a scene as an F 3 file: a surface for each face, with its object's name, one-sided.
+/// Writes a scene as an F 3 file: a one-sided surface for each face, with its object's name.
 ///
-/// Emissivity is what a material absorbs, 1 − ρ_d − ρ_s, the mean of the channels. Faces that are
-/// not flat and convex, or have more than four corners, are written as triangles that View3D
-/// combines; exact shapes become polygons, faces without area are left out. Coordinates are
-/// written so that they read back to the same value. [`losses`] says what the format does not hold.
+/// The emissivity is the absorptance of the material, 1 − ρ_d − ρ_s, averaged over the channels.
+/// Faces that are not flat and convex, or have more than four corners, are written as triangles
+/// that View3D combines; exact shapes become polygons, faces without area are omitted. Coordinates
+/// read back to the same values. [`losses`] describes what the format cannot represent.
 ///
 /// # Errors
-/// What `out` says.
+/// Those of `out`.
 pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
     let mut out = BufWriter::new(out);
     let surfaces = surfaces(scene);
@@ -28,7 +28,7 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "V {} {} {} {}", k + 1, p.x, p.y, p.z)?;
     }
     for (k, surface) in surfaces.list.iter().enumerate() {
-        let Written {
+        let WrittenSurface {
             corners: [a, b, c, d],
             combined,
             emissivity,
@@ -44,7 +44,7 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
     out.flush()
 }
 
-/// What [`write()`] would leave out of a scene, or change, in words.
+/// Descriptions of what [`write()`] would omit from a scene, or change.
 pub fn losses(scene: &Scene) -> Vec<String> {
     let materials =
         |lost: fn(&Material) -> bool| scene.materials.iter().filter(|m| lost(m)).count();
@@ -56,11 +56,11 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         (primitives + solids, "exact shapes that become polygons"),
         (
             materials(Material::is_emitter),
-            "materials that emit, of which only the emissivity is kept",
+            "emitting materials, of which only the emissivity is kept",
         ),
         (
             materials(Material::is_specular),
-            "materials that mirror or are clear, which become matt",
+            "mirrors and transparent materials, which become diffuse",
         ),
         (written.degenerate, "faces without area"),
         (
@@ -73,29 +73,29 @@ pub fn losses(scene: &Scene) -> Vec<String> {
 }
 
 /// A surface as it is written.
-struct Written {
-    /// Vertices from 1; the last 0 in a triangle.
+struct WrittenSurface {
+    /// Vertices from 1; the last is 0 in a triangle.
     corners: [u32; 4],
-    /// The surface that it is a part of, from 1, or 0.
+    /// The surface that it is combined with, from 1, or 0.
     combined: usize,
     emissivity: f64,
     name: String,
 }
 
 #[derive(Default)]
-struct Surfaces {
+struct WrittenSurfaces {
     vertices: Vec<DVec3>,
-    list: Vec<Written>,
-    /// How many are not parts of others.
+    list: Vec<WrittenSurface>,
+    /// The number of surfaces that are not parts of others.
     firsts: usize,
     degenerate: usize,
     divided: usize,
 }
 
-/// All surfaces: the first parts of all faces, then the others, because View3D numbers rows so
-/// that parts at the end change no number.
-fn surfaces(scene: &Scene) -> Surfaces {
-    let mut all = Surfaces::default();
+/// All surfaces: the first parts of all faces, then the others, because additional parts at the end
+/// do not change View3D's row numbers.
+fn surfaces(scene: &Scene) -> WrittenSurfaces {
+    let mut all = WrittenSurfaces::default();
     let mut parts = Vec::new();
     for object in &scene.objects {
         let mesh = mesh_of(object);
@@ -107,7 +107,7 @@ fn surfaces(scene: &Scene) -> Surfaces {
             let material = &scene.materials[mesh.face_materials[face] as usize];
             let surface = |piece: Vec<u32>, combined| {
                 let corner = |k: usize| piece.get(k).map_or(0, |v| first + v);
-                Written {
+                WrittenSurface {
                     corners: [0, 1, 2, 3].map(corner),
                     combined,
                     emissivity: emissivity(material),
@@ -130,15 +130,16 @@ fn surfaces(scene: &Scene) -> Surfaces {
     all
 }
 
-/// A face as triangles and quadrilaterals of some area that are flat and convex.
+/// A face as triangles and quadrilaterals that have an area and are flat and convex.
 fn pieces(mesh: &Mesh, face: usize) -> Vec<Vec<u32>> {
     let corners = mesh.faces.get(face);
     let at = |v: &[u32]| -> Vec<DVec3> { v.iter().map(|&v| mesh.positions[v as usize]).collect() };
     let has_area = |v: &[u32]| {
-        let plane = Plane::of(&at(v));
+        let plane = MeanPlane::of(&at(v));
         plane.area > 1e-10 * plane.radius * plane.radius
     };
-    if corners.len() <= 4 && has_area(corners) && Plane::is_flat_and_convex(&at(corners), FLAT) {
+    if corners.len() <= 4 && has_area(corners) && MeanPlane::is_flat_and_convex(&at(corners), FLAT)
+    {
         return vec![corners.to_vec()];
     }
     let triangles = mesh.triangulate(face).into_iter();
@@ -146,11 +147,11 @@ fn pieces(mesh: &Mesh, face: usize) -> Vec<Vec<u32>> {
     triangles.filter(|t| has_area(t)).collect()
 }
 
-/// What a grey surface absorbs and emits, within View3D's limits.
+/// The absorptance and emissivity of a grey surface, within View3D's limits.
 fn emissivity(material: &Material) -> f64 {
     let reflected = (0..3).map(|k| material.diffuse[k] + material.mirror[k]);
     let emissivity: f64 = 1.0 - reflected.sum::<f64>() / 3.0;
-    // Nobody measures more digits, and people read these files.
+    // More digits have no physical meaning, and the files should be readable.
     (emissivity.clamp(0.001, 0.999) * 1e6).round() / 1e6
 }
 
@@ -163,7 +164,7 @@ fn word(name: &str) -> String {
             '_'
         }
     };
-    // The end of a path says more than its beginning.
+    // The end of a path is more specific than its beginning.
     let last = name
         .rsplit('/')
         .find(|part| !part.is_empty())

@@ -1,35 +1,40 @@
 //! VRML97 and X3D in the classic encoding, as a tree of nodes.
 //!
-//! A grammar error costs the node around it and nothing else: the rest of that node is passed by
-//! its brackets, with a warning. A file that ends too soon keeps all that it has.
+//! A syntax error loses only the enclosing node: the rest of that node is skipped by matching
+//! brackets, with a warning. Of a truncated file, everything before the end is kept.
 
-use super::lexer::Lexer;
-use super::names::Names;
-use super::stage::{Source, Stage};
-use super::tree::{Document, Draft, Field, MOST_DEPTH, Node, Proto, Value, parsed_flag};
+use super::builder::{VrmlSceneBuilder, VrmlSource};
+use super::lexer::VrmlLexer;
+use super::names::NameScopes;
+use super::tree::{
+    FieldValue, MOST_DEPTH, NodeBuilder, Prototype, VrmlDocument, VrmlField, VrmlNode, parsed_flag,
+};
 use crate::ReadError;
 use crate::reading::text::{shortened, text};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Reads a file.
+/// Parses a file.
 ///
 /// # Errors
-/// There is no node in it, and something else is; or there are more nodes than the options allow.
-pub(super) fn parse(stage: &mut Stage, source: &Rc<Source>) -> Result<Document, ReadError> {
-    let mut parser = Parser {
-        lexer: Lexer::new(&source.bytes),
+/// The file has content but no node, or more nodes than the options allow.
+pub(super) fn parse(
+    builder: &mut VrmlSceneBuilder,
+    source: &Rc<VrmlSource>,
+) -> Result<VrmlDocument, ReadError> {
+    let mut parser = ClassicParser {
+        lexer: VrmlLexer::new(&source.bytes),
         source,
-        stage,
+        builder,
         known: HashMap::new(),
-        names: Names::new(),
+        names: NameScopes::new(),
         depth: 0,
         metres: None,
     };
     let mut roots = Vec::new();
     let start = parser.lexer;
     parser.statements(&mut roots)?;
-    let document = Document {
+    let document = VrmlDocument {
         roots,
         protos: parser.names.into_protos(),
         metres: parser.metres,
@@ -38,23 +43,23 @@ pub(super) fn parse(stage: &mut Stage, source: &Rc<Source>) -> Result<Document, 
     if holds_nothing && !start.clone().at_end() {
         return Err(start
             .clone()
-            .error(&source.name, "a node, as \"Group { }\""));
+            .error(&source.name, "a node such as \"Group { }\""));
     }
     Ok(document)
 }
 
-struct Parser<'a, 's, 'f> {
-    lexer: Lexer<'a>,
-    source: &'a Rc<Source>,
-    stage: &'s mut Stage<'f>,
-    /// Words that have been seen, so that all fields of a name share it.
+struct ClassicParser<'a, 's, 'f> {
+    lexer: VrmlLexer<'a>,
+    source: &'a Rc<VrmlSource>,
+    builder: &'s mut VrmlSceneBuilder<'f>,
+    /// Interned words, so that all fields of the same name share it.
     known: HashMap<&'a [u8], Rc<str>>,
-    names: Names,
+    names: NameScopes,
     depth: u32,
     metres: Option<f64>,
 }
 
-/// Words behind which a prototype or a script declares a field.
+/// Whether a word is an access type, which declares a field of a prototype or script.
 fn is_access(word: &[u8]) -> bool {
     matches!(
         word,
@@ -69,15 +74,15 @@ fn is_access(word: &[u8]) -> bool {
     )
 }
 
-/// Fields that hold integers, of which there may be many.
+/// Whether a field holds integers, of which there may be many.
 pub(super) fn holds_integers(field: &str) -> bool {
     field == "index" || field.ends_with("Index")
 }
 
-impl<'a> Parser<'a, '_, '_> {
+impl<'a> ClassicParser<'a, '_, '_> {
     #[cold]
     fn warn(&mut self, at: usize, message: impl Into<String>) {
-        self.stage.warn(self.source, at, message);
+        self.builder.warn(self.source, at, message);
     }
 
     fn intern(&mut self, word: &'a [u8]) -> Rc<str> {
@@ -85,7 +90,7 @@ impl<'a> Parser<'a, '_, '_> {
         known.or_insert_with(|| text(word).into()).clone()
     }
 
-    /// A name that must come next.
+    /// Reads a required name.
     fn name(&mut self) -> Option<Rc<str>> {
         match self.lexer.word() {
             Some(word) => Some(self.intern(word)),
@@ -102,7 +107,7 @@ impl<'a> Parser<'a, '_, '_> {
         self.warn(at, format!("found {found}, expected {expected}"));
     }
 
-    /// Takes a bracket that must come next.
+    /// Takes a required bracket.
     fn expect(&mut self, mark: u8) -> bool {
         let found = self.lexer.take(mark);
         if !found {
@@ -111,18 +116,18 @@ impl<'a> Parser<'a, '_, '_> {
         found
     }
 
-    /// Nodes and statements up to the end of the file.
-    fn statements(&mut self, into: &mut Vec<Rc<Node>>) -> Result<(), ReadError> {
+    /// Reads nodes and statements up to the end of the file.
+    fn statements(&mut self, into: &mut Vec<Rc<VrmlNode>>) -> Result<(), ReadError> {
         while let Some(next) = self.lexer.peek() {
             let at = self.lexer.offset();
             match next {
                 b'{' | b'[' => {
-                    self.warn(at, "bracket without a node: skipped with what is in it");
+                    self.warn(at, "bracket without a node: skipped with its content");
                     self.lexer.skip_token();
                     self.lexer.skip_to_close();
                 }
                 b'}' | b']' | b'"' => {
-                    self.warn(at, "bracket or string where a node is expected: skipped");
+                    self.warn(at, "bracket or string instead of a node: skipped");
                     self.lexer.skip_token();
                 }
                 _ => self.statement(into)?,
@@ -131,8 +136,9 @@ impl<'a> Parser<'a, '_, '_> {
         Ok(())
     }
 
-    /// A node, a reference to one, a prototype, or a statement about the file. A word comes next.
-    fn statement(&mut self, into: &mut Vec<Rc<Node>>) -> Result<(), ReadError> {
+    /// Reads a node, a reference to one, a prototype, or a statement about the file. A word comes
+    /// next.
+    fn statement(&mut self, into: &mut Vec<Rc<VrmlNode>>) -> Result<(), ReadError> {
         let at = self.lexer.offset();
         let word = self.lexer.word().unwrap_or_default();
         match word {
@@ -143,7 +149,7 @@ impl<'a> Parser<'a, '_, '_> {
                 let at = self.lexer.offset();
                 match self.lexer.word() {
                     Some(kind) => into.extend(self.node(kind, Some(name), at)?),
-                    None => self.unexpected("the type of a node"),
+                    None => self.unexpected("a node type"),
                 }
             }
             b"USE" => into.extend(self.reference()),
@@ -169,7 +175,7 @@ impl<'a> Parser<'a, '_, '_> {
         if self.lexer.take_word(b"TO") {
             self.lexer.word();
         }
-        self.warn(at, "ROUTE: skipped, nothing moves");
+        self.warn(at, "ROUTE: skipped, animation is not supported");
     }
 
     /// `category name factor`
@@ -191,32 +197,33 @@ impl<'a> Parser<'a, '_, '_> {
         self.warn(at, "IMPORT or EXPORT of a name: skipped");
     }
 
-    fn reference(&mut self) -> Option<Rc<Node>> {
+    fn reference(&mut self) -> Option<Rc<VrmlNode>> {
         let at = self.lexer.offset();
         let name = self.name()?;
         let node = self.names.node(&name);
         if node.is_none() {
             let name = shortened(&name);
-            let message = format!("USE of \"{name}\", which no whole node before it is: skipped");
+            let message =
+                format!("USE of \"{name}\", which no complete node before it defines: skipped");
             self.warn(at, message);
         }
         node
     }
 
-    /// The node whose type has been taken. `None`, with a warning, if it is none.
+    /// Reads the node whose type has been taken. `None`, with a warning, if it is not a node.
     fn node(
         &mut self,
         kind: &'a [u8],
         name: Option<Rc<str>>,
         at: usize,
-    ) -> Result<Option<Rc<Node>>, ReadError> {
+    ) -> Result<Option<Rc<VrmlNode>>, ReadError> {
         let kind = self.intern(kind);
         if !self.lexer.take(b'{') {
             let kind = shortened(&kind);
-            self.unexpected(&format!("\"{{\" behind \"{kind}\""));
+            self.unexpected(&format!("\"{{\" after \"{kind}\""));
             return Ok(None);
         }
-        self.stage.spend(1)?;
+        self.builder.spend(1)?;
         if self.depth == MOST_DEPTH {
             self.too_deep(at);
             self.lexer.skip_to_close();
@@ -225,7 +232,7 @@ impl<'a> Parser<'a, '_, '_> {
         self.depth += 1;
         let fields = self.body(&kind)?;
         self.depth -= 1;
-        let draft = Draft {
+        let draft = NodeBuilder {
             proto: self.names.proto(&kind),
             kind,
             name: name.clone(),
@@ -243,12 +250,12 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     fn too_deep(&mut self, at: usize) {
-        let message = format!("node deeper than {MOST_DEPTH} others: skipped");
+        let message = format!("node nested more than {MOST_DEPTH} deep: skipped");
         self.warn(at, message);
     }
 
-    /// The fields of a node, up to the bracket that closes it.
-    fn body(&mut self, kind: &str) -> Result<Vec<Field>, ReadError> {
+    /// Reads the fields of a node, up to its closing bracket.
+    fn body(&mut self, kind: &str) -> Result<Vec<VrmlField>, ReadError> {
         let mut fields = Vec::new();
         loop {
             match self.lexer.peek() {
@@ -256,7 +263,7 @@ impl<'a> Parser<'a, '_, '_> {
                     let at = self.lexer.offset();
                     self.warn(
                         at,
-                        "the file ends inside a node: what there is of it is read",
+                        "the file ends inside a node: what precedes the end is used",
                     );
                     return Ok(fields);
                 }
@@ -276,8 +283,9 @@ impl<'a> Parser<'a, '_, '_> {
         }
     }
 
-    /// A field with its value, or a statement, which may stand among fields. A word comes next.
-    fn field(&mut self, fields: &mut Vec<Field>) -> Result<(), ReadError> {
+    /// Reads a field with its value, or a statement, which may occur among fields. A word comes
+    /// next.
+    fn field(&mut self, fields: &mut Vec<VrmlField>) -> Result<(), ReadError> {
         let at = self.lexer.offset();
         let word = self.lexer.word().unwrap_or_default();
         match word {
@@ -288,15 +296,15 @@ impl<'a> Parser<'a, '_, '_> {
             _ => {
                 let name = self.intern(word);
                 let value = self.value(&name)?;
-                fields.extend(value.map(|value| Field { name, value }));
+                fields.extend(value.map(|value| VrmlField { name, value }));
             }
         }
         Ok(())
     }
 
-    /// A field of a prototype or of a script, behind the word that says how it is accessed.
-    fn declaration(&mut self, access: &[u8]) -> Result<Option<Field>, ReadError> {
-        // The type shows in the value.
+    /// Reads a field of a prototype or script, after its access type.
+    fn declaration(&mut self, access: &[u8]) -> Result<Option<VrmlField>, ReadError> {
+        // The type is evident from the value.
         self.lexer.word();
         let Some(name) = self.name() else {
             return Ok(None);
@@ -309,11 +317,11 @@ impl<'a> Parser<'a, '_, '_> {
             return Ok(None);
         }
         let value = self.value(&name)?;
-        Ok(value.map(|value| Field { name, value }))
+        Ok(value.map(|value| VrmlField { name, value }))
     }
 
-    /// The value of a field; `None` if there is none.
-    fn value(&mut self, field: &str) -> Result<Option<Value>, ReadError> {
+    /// Reads the value of a field; `None` if there is none.
+    fn value(&mut self, field: &str) -> Result<Option<FieldValue>, ReadError> {
         match self.lexer.peek() {
             Some(b'[') => {
                 self.lexer.take(b'[');
@@ -321,7 +329,9 @@ impl<'a> Parser<'a, '_, '_> {
             }
             Some(b'"') => {
                 let string = self.lexer.string().unwrap_or_default();
-                return Ok(Some(Value::Strings(Rc::new(vec![string.into_owned()]))));
+                return Ok(Some(FieldValue::Strings(Rc::new(vec![
+                    string.into_owned(),
+                ]))));
             }
             None | Some(b'{' | b'}' | b']') => return Ok(None),
             _ => {}
@@ -332,35 +342,35 @@ impl<'a> Parser<'a, '_, '_> {
         let word = self.lexer.peek_word().unwrap_or_default();
         if let Some(flag) = parsed_flag(word) {
             self.lexer.word();
-            return Ok(Some(Value::Flag(flag)));
+            return Ok(Some(FieldValue::Flag(flag)));
         }
         if word == b"IS" {
             self.lexer.word();
-            return Ok(self.name().map(Value::Is));
+            return Ok(self.name().map(FieldValue::Is));
         }
         let mut nodes = Vec::new();
         self.statement(&mut nodes)?;
-        Ok(Some(Value::Nodes(nodes)))
+        Ok(Some(FieldValue::Nodes(nodes)))
     }
 
-    /// The numbers that come next, without brackets; `None` if there are none.
-    fn numbers(&mut self, field: &str) -> Option<Value> {
+    /// Reads the numbers that come next, without brackets; `None` if there are none.
+    fn numbers(&mut self, field: &str) -> Option<FieldValue> {
         if holds_integers(field) {
             let mut integers = Vec::new();
             self.lexer.integers(&mut integers);
-            return (!integers.is_empty()).then(|| Value::Integers(Rc::new(integers)));
+            return (!integers.is_empty()).then(|| FieldValue::Integers(Rc::new(integers)));
         }
         let mut numbers = Vec::new();
         self.lexer.numbers(usize::MAX, &mut numbers);
-        (!numbers.is_empty()).then(|| Value::Numbers(Rc::new(numbers)))
+        (!numbers.is_empty()).then(|| FieldValue::Numbers(Rc::new(numbers)))
     }
 
-    /// The values up to the bracket that closes a list, whose opening one has been taken. The
-    /// first says of which sort they are.
-    fn list(&mut self, field: &str) -> Result<Value, ReadError> {
+    /// Reads the values up to the closing bracket of a list, whose opening bracket has been taken.
+    /// The first value determines their type.
+    fn list(&mut self, field: &str) -> Result<FieldValue, ReadError> {
         let value = match self.lexer.peek() {
             Some(b'"') => self.strings(),
-            Some(b']') => Value::Nodes(Vec::new()),
+            Some(b']') => FieldValue::Nodes(Vec::new()),
             _ => match self.number_list(field) {
                 Some(numbers) => numbers,
                 None => return self.node_list(),
@@ -370,16 +380,16 @@ impl<'a> Parser<'a, '_, '_> {
         Ok(value)
     }
 
-    fn strings(&mut self) -> Value {
+    fn strings(&mut self) -> FieldValue {
         let mut strings = Vec::new();
         while let Some(string) = self.lexer.string() {
             strings.push(string.into_owned());
         }
-        Value::Strings(Rc::new(strings))
+        FieldValue::Strings(Rc::new(strings))
     }
 
-    /// Numbers in brackets. A word among them is a number that is none.
-    fn number_list(&mut self, field: &str) -> Option<Value> {
+    /// Reads numbers in brackets. A word among them counts as NaN.
+    fn number_list(&mut self, field: &str) -> Option<FieldValue> {
         let mut value = self.numbers(field)?;
         loop {
             let at = self.lexer.offset();
@@ -387,31 +397,29 @@ impl<'a> Parser<'a, '_, '_> {
                 break;
             }
             self.lexer.skip_token();
-            self.warn(
-                at,
-                "word or string in a list of numbers: no number in its place",
-            );
+            self.warn(at, "word or string in a list of numbers: taken as NaN");
             match &mut value {
-                Value::Numbers(numbers) => {
+                FieldValue::Numbers(numbers) => {
                     let numbers = Rc::make_mut(numbers);
                     numbers.push(f64::NAN);
                     self.lexer.numbers(usize::MAX, numbers);
                 }
-                Value::Integers(integers) => self.lexer.integers(Rc::make_mut(integers)),
+                FieldValue::Integers(integers) => self.lexer.integers(Rc::make_mut(integers)),
                 _ => {}
             }
         }
-        // The lists are as long as the file, and stay until the scene is made.
+        // The lists can be as long as the file and live until the scene is built, so release spare
+        // capacity.
         match &mut value {
-            Value::Numbers(numbers) => Rc::make_mut(numbers).shrink_to_fit(),
-            Value::Integers(integers) => Rc::make_mut(integers).shrink_to_fit(),
+            FieldValue::Numbers(numbers) => Rc::make_mut(numbers).shrink_to_fit(),
+            FieldValue::Integers(integers) => Rc::make_mut(integers).shrink_to_fit(),
             _ => {}
         }
         Some(value)
     }
 
-    /// Nodes in brackets, or flags, of which the last counts.
-    fn node_list(&mut self) -> Result<Value, ReadError> {
+    /// Reads nodes in brackets, or flags, of which the last one counts.
+    fn node_list(&mut self) -> Result<FieldValue, ReadError> {
         let (mut nodes, mut flag) = (Vec::new(), None);
         loop {
             match self.lexer.peek() {
@@ -433,7 +441,7 @@ impl<'a> Parser<'a, '_, '_> {
                 },
             }
         }
-        Ok(flag.map_or(Value::Nodes(nodes), Value::Flag))
+        Ok(flag.map_or(FieldValue::Nodes(nodes), FieldValue::Flag))
     }
 
     /// `name [ interface ] { body }`
@@ -456,7 +464,7 @@ impl<'a> Parser<'a, '_, '_> {
         let body = self.proto_body()?;
         self.names.leave();
         self.depth -= 1;
-        self.names.define_proto(Proto {
+        self.names.define_proto(Prototype {
             name,
             interface,
             body,
@@ -465,7 +473,7 @@ impl<'a> Parser<'a, '_, '_> {
         Ok(())
     }
 
-    fn proto_body(&mut self) -> Result<Vec<Rc<Node>>, ReadError> {
+    fn proto_body(&mut self) -> Result<Vec<Rc<VrmlNode>>, ReadError> {
         let mut body = Vec::new();
         loop {
             match self.lexer.peek() {
@@ -489,13 +497,13 @@ impl<'a> Parser<'a, '_, '_> {
         let Some(name) = self.name() else {
             return Ok(());
         };
-        // The file that defines it also says what its fields are without a value.
+        // The defining file also gives the defaults of its fields.
         self.interface()?;
         let urls = match self.value("url")? {
-            Some(Value::Strings(urls)) => urls.to_vec(),
+            Some(FieldValue::Strings(urls)) => urls.to_vec(),
             _ => Vec::new(),
         };
-        self.names.define_proto(Proto {
+        self.names.define_proto(Prototype {
             name,
             interface: Vec::new(),
             body: Vec::new(),
@@ -505,7 +513,7 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     /// `[ access type name value … ]`
-    fn interface(&mut self) -> Result<Vec<Field>, ReadError> {
+    fn interface(&mut self) -> Result<Vec<VrmlField>, ReadError> {
         let mut fields = Vec::new();
         if !self.expect(b'[') {
             return Ok(fields);
@@ -532,8 +540,8 @@ impl<'a> Parser<'a, '_, '_> {
     }
 }
 
-/// Whether `type name` stands alone, as in the interface of an `EXTERNPROTO`.
-fn word_begins_external(mut ahead: Lexer) -> bool {
+/// Whether `type name` has no value, as in the interface of an `EXTERNPROTO`.
+fn word_begins_external(mut ahead: VrmlLexer) -> bool {
     ahead.word();
     ahead.word();
     match ahead.peek_word() {

@@ -1,20 +1,20 @@
-//! Heights over a grid.
+//! Height fields.
 
-use super::shape::{Pool, Surface, attributes};
-use super::stage::Stage;
-use super::tree::Node;
+use super::builder::VrmlSceneBuilder;
+use super::shape::{SurfaceFields, ValuePool, attributes};
+use super::tree::VrmlNode;
 use crate::ReadError;
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
 
-/// The quadrilaterals of a node `ElevationGrid`; `None` if it is less than one.
+/// The quadrilaterals of a node `ElevationGrid`; `None` if the grid has no cell.
 ///
 /// # Errors
 /// The model unfolds to more than the options allow.
 pub(super) fn surface<'n>(
-    stage: &mut Stage,
-    node: &'n Node,
-) -> Result<Option<Surface<'n>>, ReadError> {
+    builder: &mut VrmlSceneBuilder,
+    node: &'n VrmlNode,
+) -> Result<Option<SurfaceFields<'n>>, ReadError> {
     let heights = node.numbers("height");
     let size = |name: &str| node.number(name, 0.0).max(0.0) as usize;
     let (columns, wanted) = (size("xDimension"), size("zDimension"));
@@ -22,12 +22,12 @@ pub(super) fn surface<'n>(
         return Ok(None);
     }
     let rows = wanted.min(heights.len() / columns);
-    let message = "row of an ElevationGrid without its heights: skipped";
-    stage.warn_many(&node.source, node.at, message, wanted - rows);
+    let message = "incomplete row of an ElevationGrid: skipped";
+    builder.warn_many(&node.source, node.at, message, wanted - rows);
     if rows < 2 {
         return Ok(None);
     }
-    stage.spend(6 * (columns * rows) as u64)?;
+    builder.spend(6 * (columns * rows) as u64)?;
     let spacing = |name: &str| node.number(name, 1.0);
     let (dx, dz) = (spacing("xSpacing"), spacing("zSpacing"));
     let mut lost = 0;
@@ -38,17 +38,17 @@ pub(super) fn surface<'n>(
         let height = if height.is_finite() { height } else { 0.0 };
         positions.push(DVec3::new(dx * column, height, dz * row));
     }
-    let message = "height that is not a finite number: 0";
-    stage.warn_many(&node.source, node.at, message, lost);
-    let mut surface = Surface::new(node, positions, Cow::Owned(quads(columns, rows)));
-    attributes(stage, node, &mut surface)?;
+    let message = "height that is not finite: taken as 0";
+    builder.warn_many(&node.source, node.at, message, lost);
+    let mut surface = SurfaceFields::new(node, positions, Cow::Owned(quads(columns, rows)));
+    attributes(builder, node, &mut surface)?;
     if surface.uvs.is_none() {
-        surface.uvs = Some(Pool::per_vertex(mapping(columns, rows)));
+        surface.uvs = Some(ValuePool::per_vertex(mapping(columns, rows)));
     }
     Ok(Some(surface))
 }
 
-/// Corners of the cells, row by row, counter-clockwise from above.
+/// Corners of the cells, row by row, counter-clockwise as seen from above.
 fn quads(columns: usize, rows: usize) -> Vec<i32> {
     let mut index = Vec::with_capacity(5 * (columns - 1) * (rows - 1));
     for row in 0..rows - 1 {
@@ -60,7 +60,7 @@ fn quads(columns: usize, rows: usize) -> Vec<i32> {
     index
 }
 
-/// The whole grid is the whole picture: ISO/IEC 14772-1, 6.17.
+/// Texture coordinates that spread the texture over the whole grid: ISO/IEC 14772-1, 6.17.
 fn mapping(columns: usize, rows: usize) -> Vec<DVec2> {
     let share = |i: usize, n: usize| i as f64 / (n - 1) as f64;
     let uv = |i| DVec2::new(share(i % columns, columns), share(i / columns, rows));

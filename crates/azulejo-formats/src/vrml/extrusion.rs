@@ -1,8 +1,8 @@
-//! A cross-section along a spine.
+//! Extrusions: a cross-section swept along a spine.
 
-use super::shape::{Pool, Surface};
-use super::stage::Stage;
-use super::tree::{Node, triples};
+use super::builder::VrmlSceneBuilder;
+use super::shape::{SurfaceFields, ValuePool};
+use super::tree::{VrmlNode, triples};
 use super::world::rotation;
 use crate::ReadError;
 use glam::{DMat3, DQuat, DVec2, DVec3};
@@ -13,23 +13,23 @@ use std::borrow::Cow;
 /// # Errors
 /// The model unfolds to more than the options allow.
 pub(super) fn surface<'n>(
-    stage: &mut Stage,
-    node: &'n Node,
-) -> Result<Option<Surface<'n>>, ReadError> {
-    let form = Form::new(node);
+    builder: &mut VrmlSceneBuilder,
+    node: &'n VrmlNode,
+) -> Result<Option<SurfaceFields<'n>>, ReadError> {
+    let form = ExtrusionFields::new(node);
     if form.spine.len() < 2 || form.section.len() < 2 {
         return Ok(None);
     }
     let vertices = form.spine.len() as u64 * form.section.len() as u64;
-    stage.spend(12 * vertices)?;
+    builder.spend(12 * vertices)?;
     let numbers = [&*node.numbers("spine"), &*node.numbers("crossSection")];
     let lost = numbers
         .iter()
         .flat_map(|n| n.iter())
         .filter(|x| !x.is_finite());
-    let message = "number of an Extrusion that is not finite: its point is left out";
-    stage.warn_many(&node.source, node.at, message, lost.count());
-    let mut body = Body::new(&form);
+    let message = "Extrusion with a number that is not finite: its point is skipped";
+    builder.warn_many(&node.source, node.at, message, lost.count());
+    let mut body = ExtrusionFaces::new(&form);
     body.sides();
     if !form.is_ring() {
         if node.flag("beginCap", true) {
@@ -39,16 +39,16 @@ pub(super) fn surface<'n>(
             body.cap(form.spine.len() - 1);
         }
     }
-    let mut surface = Surface::new(node, body.positions, Cow::Owned(body.coord_index));
-    surface.uvs = Some(Pool {
+    let mut surface = SurfaceFields::new(node, body.positions, Cow::Owned(body.coord_index));
+    surface.uvs = Some(ValuePool {
         index: Some(Cow::Owned(body.uv_index)),
-        ..Pool::per_vertex(body.uvs)
+        ..ValuePool::per_vertex(body.uvs)
     });
     Ok(Some(surface))
 }
 
-/// What the node says.
-struct Form {
+/// The fields of the node.
+struct ExtrusionFields {
     spine: Vec<DVec3>,
     /// x and z of the cross-section.
     section: Vec<DVec2>,
@@ -65,8 +65,8 @@ const SQUARE: [[f64; 2]; 5] = [
     [1.0, 1.0],
 ];
 
-impl Form {
-    fn new(node: &Node) -> Form {
+impl ExtrusionFields {
+    fn new(node: &VrmlNode) -> ExtrusionFields {
         let mut spine = match node.value("spine") {
             Some(_) => triples(&node.numbers("spine")),
             None => vec![DVec3::ZERO, DVec3::Y],
@@ -83,7 +83,7 @@ impl Form {
             [x, y, z, angle] if t.iter().all(|x| x.is_finite()) => rotation([x, y, z, angle]),
             _ => DQuat::IDENTITY,
         };
-        Form {
+        ExtrusionFields {
             spine,
             section,
             scale: node.points2("scale").iter().map(finite).collect(),
@@ -91,28 +91,29 @@ impl Form {
         }
     }
 
-    /// Whether the spine ends where it begins.
+    /// Whether the spine is closed.
     fn is_ring(&self) -> bool {
         self.spine.len() > 2 && self.spine.first() == self.spine.last()
     }
 
-    /// Whether the cross-section ends where it begins.
+    /// Whether the cross-section is closed.
     fn is_tube(&self) -> bool {
         self.section.len() > 2 && self.section.first() == self.section.last()
     }
 
-    /// Points of the cross-section, each once.
+    /// Number of distinct points of the cross-section.
     fn around(&self) -> usize {
         self.section.len() - usize::from(self.is_tube())
     }
 }
 
-/// An entry of a list that has one for all or one for each; the last, where it is too short.
+/// Entry `i` of a list with one value for all or one for each; the last entry where the list is too
+/// short.
 fn entry<T: Copy>(list: &[T], i: usize) -> Option<T> {
     list.get(i).or(list.last()).copied()
 }
 
-/// The planes of the cross-sections: x, y, z of each, ISO/IEC 14772-1, 6.18.
+/// The planes of the cross-sections, as x, y and z axes: ISO/IEC 14772-1, 6.18.
 fn planes(spine: &[DVec3], is_ring: bool) -> Vec<DMat3> {
     let (ys, mut zs) = (tangents(spine, is_ring), bends(spine, is_ring));
     let Some(first) = zs.iter().copied().find(|z| *z != DVec3::ZERO) else {
@@ -129,13 +130,13 @@ fn planes(spine: &[DVec3], is_ring: bool) -> Vec<DMat3> {
     }
     let plane = |(y, z): (&DVec3, &DVec3)| {
         let x = y.cross(*z).normalize_or(DVec3::X);
-        // A bend taken over from elsewhere need not be square to this tangent.
+        // A bend copied from a neighbour need not be perpendicular to this tangent.
         DMat3::from_cols(x, *y, x.cross(*y))
     };
     ys.iter().zip(&zs).map(plane).collect()
 }
 
-/// The direction of the spine at each of its points.
+/// The tangent of the spine at each of its points.
 fn tangents(spine: &[DVec3], is_ring: bool) -> Vec<DVec3> {
     let last = spine.len() - 1;
     let tangent = |i: usize| {
@@ -147,7 +148,7 @@ fn tangents(spine: &[DVec3], is_ring: bool) -> Vec<DVec3> {
         (spine[behind] - spine[before]).normalize_or_zero()
     };
     let mut tangents: Vec<DVec3> = (0..=last).map(tangent).collect();
-    // Points that coincide have the direction of their neighbours.
+    // Coincident points take the direction of their neighbours.
     let known = tangents.iter().copied().find(|t| *t != DVec3::ZERO);
     let mut previous = known.unwrap_or(DVec3::Y);
     for tangent in &mut tangents {
@@ -165,7 +166,7 @@ fn bends(spine: &[DVec3], is_ring: bool) -> Vec<DVec3> {
     let bend = |before: usize, i: usize, behind: usize| {
         let (to, from) = (spine[behind] - spine[i], spine[before] - spine[i]);
         let axis = to.cross(from);
-        // Rounding bends what is straight.
+        // Rounding makes straight spines bend.
         let is_straight = axis.length() <= 1e-9 * to.length() * from.length();
         if is_straight {
             DVec3::ZERO
@@ -188,25 +189,25 @@ fn bends(spine: &[DVec3], is_ring: bool) -> Vec<DVec3> {
     bends
 }
 
-/// The planes along a straight spine: y of the model turned into its direction the short way.
+/// The planes along a straight spine: the smallest rotation of the model's y axis to its direction.
 fn straight(tangents: &[DVec3]) -> Vec<DMat3> {
     let turn = DMat3::from_quat(DQuat::from_rotation_arc(DVec3::Y, tangents[0]));
     let plane = |y: &DVec3| DMat3::from_cols(turn.x_axis, *y, turn.x_axis.cross(*y));
     tangents.iter().map(plane).collect()
 }
 
-/// The polygons.
-struct Body<'f> {
-    form: &'f Form,
+/// The polygons of an extrusion.
+struct ExtrusionFaces<'f> {
+    form: &'f ExtrusionFields,
     positions: Vec<DVec3>,
     coord_index: Vec<i32>,
     uvs: Vec<DVec2>,
     uv_index: Vec<i32>,
 }
 
-impl<'f> Body<'f> {
-    /// The cross-sections, placed along the spine, without faces.
-    fn new(form: &'f Form) -> Body<'f> {
+impl<'f> ExtrusionFaces<'f> {
+    /// The cross-sections placed along the spine, without faces.
+    fn new(form: &'f ExtrusionFields) -> ExtrusionFaces<'f> {
         let planes = planes(&form.spine, form.is_ring());
         let mut positions = Vec::with_capacity(form.spine.len() * form.around());
         for (i, (point, plane)) in form.spine.iter().zip(&planes).enumerate() {
@@ -216,7 +217,7 @@ impl<'f> Body<'f> {
             let place = |s: &DVec2| *point + matrix * DVec3::new(s.x * scale.x, 0.0, s.y * scale.y);
             positions.extend(form.section[..form.around()].iter().map(place));
         }
-        Body {
+        ExtrusionFaces {
             form,
             positions,
             coord_index: Vec::new(),
@@ -225,8 +226,8 @@ impl<'f> Body<'f> {
         }
     }
 
-    /// A quadrilateral between each two points of the spine and of the cross-section. Pictures
-    /// go along the cross-section and along the spine, by their lengths.
+    /// Adds a quadrilateral for each pair of adjacent spine and cross-section points. Texture
+    /// coordinates follow the arc lengths of both.
     fn sides(&mut self) {
         let (rings, points) = (self.form.spine.len(), self.form.section.len());
         let us = shares(&self.form.section, |a, b| a.distance(b));
@@ -248,7 +249,8 @@ impl<'f> Body<'f> {
         }
     }
 
-    /// The cross-section at one end of the spine as a face. Pictures lie on it undistorted.
+    /// Adds the cross-section at one end of the spine as a face, with undistorted texture
+    /// coordinates.
     fn cap(&mut self, ring: usize) {
         let around = self.form.around();
         if around < 3 {
@@ -281,7 +283,7 @@ impl<'f> Body<'f> {
     }
 }
 
-/// How far along a line its points are, 0 to 1; evenly if it has no length.
+/// Normalised arc length of each point, 0 to 1; evenly spaced if the line has no length.
 fn shares<T: Copy>(points: &[T], distance: impl Fn(T, T) -> f64) -> Vec<f64> {
     let mut sum = 0.0;
     let mut shares = vec![0.0];

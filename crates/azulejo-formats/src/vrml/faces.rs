@@ -1,4 +1,4 @@
-//! Polygons as VRML and X3D give them: pools of values, and lists of indices in which −1 ends a
+//! Polygons as VRML and X3D define them: pools of values, and lists of indices in which −1 ends a
 //! face.
 
 use crate::surface::smooth;
@@ -7,50 +7,50 @@ use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-/// Cosine of an angle that is nothing but rounding.
+/// Cosine of an angle that is due to rounding only.
 const FLAT: f64 = 1.0 - 1e-12;
 
-/// No value, among indices.
+/// Marks an index without a value.
 const NONE: u32 = u32::MAX;
 
-/// An IndexedFaceSet, whichever version of VRML it comes from.
+/// An IndexedFaceSet of any version of VRML.
 pub(super) struct FaceSet<'a> {
     /// The pool of vertices.
     pub positions: &'a [DVec3],
     /// Indices into `positions`; −1 ends a face, and the last face needs none.
     pub coord_index: &'a [i32],
-    /// Colours, or what else stands for a surface. By face they come back as
-    /// [`Built::face_values`], by vertex they become [`Mesh::colors`].
-    pub colors: Option<Bound<'a, Rgb>>,
-    /// Normals of any length; absent ones are made by `crease_angle`.
-    pub normals: Option<Bound<'a, DVec3>>,
+    /// Colours, or other per-surface values. Bound to faces they are returned as
+    /// [`BuiltFaceSet::face_values`], bound to vertices they become [`Mesh::colors`].
+    pub colors: Option<BoundPool<'a, Rgb>>,
+    /// Normals of any length; if absent, they are computed with `crease_angle`.
+    pub normals: Option<BoundPool<'a, DVec3>>,
     /// Texture coordinates.
-    pub uvs: Option<Bound<'a, DVec2>>,
-    /// Whether corners run counter-clockwise when the front is seen.
+    pub uvs: Option<BoundPool<'a, DVec2>>,
+    /// Whether corners run counter-clockwise as seen from the front.
     pub ccw: bool,
-    /// Faces whose normals differ by less are smooth where they meet, radians. With 0 the mesh
-    /// has no normals.
+    /// Faces whose normals differ by less than this are smoothed across their common edge, radians.
+    /// With 0 the mesh has no normals.
     pub crease_angle: f64,
-    /// Whether vertices without faces are left out, because other face sets share the pool.
+    /// Whether unused vertices are dropped, because other face sets share the pool.
     pub drop_unused: bool,
 }
 
-/// A pool of values and how it is bound to faces and corners.
+/// A pool of values and its binding to faces and corners.
 #[derive(Clone, Copy)]
-pub(super) struct Bound<'a, T> {
+pub(super) struct BoundPool<'a, T> {
     /// The pool.
     pub values: &'a [T],
-    /// The list that the `Indexed` bindings look into. Without one, vertices take
-    /// [`FaceSet::coord_index`] and faces the order of the pool.
+    /// The index list of the `Indexed` bindings. Without one, vertices use [`FaceSet::coord_index`]
+    /// and faces the order of the pool.
     pub index: Option<&'a [i32]>,
     /// What a value belongs to.
     pub binding: Binding,
 }
 
-/// What one value of a pool belongs to.
+/// The element that each value of a pool belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Binding {
-    /// Everything: the first value holds for all faces.
+    /// The whole set: the first value holds for all faces.
     Overall,
     /// A face, in the order of the faces.
     PerFace,
@@ -58,62 +58,62 @@ pub(super) enum Binding {
     PerFaceIndexed,
     /// A corner, in the order of all corners of all faces.
     PerVertex,
-    /// A corner; the index has its entry where `coord_index` has the corner.
+    /// A corner; the index has its entry at the same position as `coord_index`.
     PerVertexIndexed,
 }
 
-/// What became of a face set.
+/// The result of building a face set.
 #[derive(Debug, Default)]
-pub(super) struct Built {
-    /// The polygons, all of material 0, in the coordinates of `positions`.
+pub(super) struct BuiltFaceSet {
+    /// The polygons, all with material 0, in the coordinates of `positions`.
     pub mesh: Mesh,
-    /// The colour of each face as an index into [`FaceSet::colors`], when these are bound to
-    /// faces or to everything; otherwise empty.
+    /// The colour of each face as an index into [`FaceSet::colors`], if these are bound to faces or
+    /// to the whole set; otherwise empty.
     pub face_values: Vec<u32>,
-    /// What was wrong.
-    pub problems: Problems,
+    /// The problems that were repaired.
+    pub problems: FaceSetProblems,
 }
 
-/// What was wrong with a face set, counted.
+/// Problems of a face set, counted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Problems {
-    /// Faces of one or two corners, dropped.
+pub(super) struct FaceSetProblems {
+    /// Faces with one or two corners, dropped.
     pub slivers: usize,
-    /// Faces with a corner that no position is given for, or none that is finite, dropped.
+    /// Faces with a corner whose position is missing or not finite, dropped.
     pub stray_faces: usize,
-    /// Faces or corners without a colour: the last of the pool.
+    /// Faces or corners without a colour: the last of the pool is used.
     pub stray_colors: usize,
-    /// Corners without a normal: that of the face.
+    /// Corners without a normal: the normal of the face is used.
     pub stray_normals: usize,
-    /// Corners whose normal has no direction: that of the face.
+    /// Corners with a zero normal: the normal of the face is used.
     pub zero_normals: usize,
-    /// Corners without texture coordinates: (0, 0).
+    /// Corners without texture coordinates: (0, 0) is used.
     pub stray_uvs: usize,
 }
 
-impl Problems {
-    /// Each as a message and how often it happened, which may be 0.
+impl FaceSetProblems {
+    /// Each problem as a message with its count, which may be 0.
     pub fn messages(&self) -> [(&'static str, usize); 6] {
         [
             ("face with fewer than three corners: skipped", self.slivers),
             (
-                "face with a coordIndex beyond its coordinates: skipped",
+                "face with a coordIndex out of range: skipped",
                 self.stray_faces,
             ),
             (
-                "face or corner with an index beyond its colours or materials: the last one taken",
+                "face or corner with a colour or material index out of range: the last one is used",
                 self.stray_colors,
             ),
             (
-                "corner with an index beyond its normals: that of its face taken",
+                "corner with a normal index out of range: the face normal is used",
                 self.stray_normals,
             ),
             (
-                "corner with a normal without a direction: that of its face taken",
+                "corner with a zero normal: the face normal is used",
                 self.zero_normals,
             ),
             (
-                "corner with an index beyond its texture coordinates: (0, 0) taken",
+                "corner with a texture coordinate index out of range: (0, 0) is used",
                 self.stray_uvs,
             ),
         ]
@@ -121,7 +121,7 @@ impl Problems {
 }
 
 impl FaceSet<'_> {
-    /// How many elements the mesh takes at most, for a budget.
+    /// Upper bound of the number of elements of the mesh, for a budget.
     pub fn cost(&self) -> u64 {
         let pool = if self.drop_unused {
             0
@@ -132,9 +132,9 @@ impl FaceSet<'_> {
     }
 }
 
-/// Makes the mesh.
-pub(super) fn build(set: &FaceSet) -> Built {
-    let mut built = Built::default();
+/// Builds the mesh.
+pub(super) fn build(set: &FaceSet) -> BuiltFaceSet {
+    let mut built = BuiltFaceSet::default();
     let kept = faces(set, &mut built);
     color(set, &kept, &mut built);
     built.mesh.face_materials = vec![0; kept.len()];
@@ -157,14 +157,14 @@ pub(super) fn build(set: &FaceSet) -> Built {
     built
 }
 
-/// Texture coordinates of a face set that has none: the bounding box seen along its shortest
-/// side. `u` runs from 0 to 1 along the longest side, `v` along the second by the same measure.
+/// Texture coordinates of a face set without any: the bounding box projected along its shortest
+/// side. `u` runs from 0 to 1 along the longest side, `v` along the second at the same scale.
 pub(super) fn box_mapping(positions: &[DVec3]) -> Vec<DVec2> {
     let finite = positions.iter().copied().filter(|p| p.is_finite());
     let bounds = azulejo_scene::math::Aabb::around(finite);
     let size = bounds.size();
     let mut axes = [0, 1, 2];
-    // Equal sides keep the order x, y, z, as the standard asks: the sort is stable.
+    // Equal sides keep the order x, y, z, as the standard requires: the sort is stable.
     axes.sort_by(|&a, &b| size[b].total_cmp(&size[a]));
     let along = |p: &DVec3, axis: usize| {
         let share = (p[axis] - bounds.min[axis]) / size[axes[0]];
@@ -174,18 +174,18 @@ pub(super) fn box_mapping(positions: &[DVec3]) -> Vec<DVec2> {
     positions.iter().map(uv).collect()
 }
 
-/// A face that was kept, as it stands in the file.
-struct Kept {
-    /// Where its corners begin in `coord_index`.
+/// A valid face and its position in the file.
+struct KeptFace {
+    /// Index of its first corner in `coord_index`.
     start: u32,
-    /// How many corners stand before it.
+    /// Number of corners before it.
     corners_before: u32,
-    /// How many faces stand before it, those that were dropped included.
+    /// Number of faces before it, dropped ones included.
     ordinal: u32,
 }
 
-/// Puts the faces and the positions into the mesh and says which faces these are.
-fn faces(set: &FaceSet, built: &mut Built) -> Vec<Kept> {
+/// Adds the faces and positions to the mesh and returns which faces were kept.
+fn faces(set: &FaceSet, built: &mut BuiltFaceSet) -> Vec<KeptFace> {
     let mut kept = Vec::new();
     let mut corners = Vec::with_capacity(set.coord_index.len());
     let mut starts = vec![0];
@@ -202,7 +202,7 @@ fn faces(set: &FaceSet, built: &mut Built) -> Vec<Kept> {
         } else {
             corners.extend(polygon.iter().map(|i| *i as u32));
             starts.push(corners.len() as u32);
-            kept.push(Kept {
+            kept.push(KeptFace {
                 start,
                 corners_before,
                 ordinal,
@@ -218,7 +218,7 @@ fn faces(set: &FaceSet, built: &mut Built) -> Vec<Kept> {
         let used = renumber(&mut corners, set.positions.len());
         used.iter().map(|&i| set.positions[i as usize]).collect()
     } else {
-        // What no face can use is nowhere; a scene must not say so.
+        // A scene must not contain non-finite positions, even if no face uses them.
         let somewhere = |p: &DVec3| if p.is_finite() { *p } else { DVec3::ZERO };
         set.positions.iter().map(somewhere).collect()
     };
@@ -226,8 +226,9 @@ fn faces(set: &FaceSet, built: &mut Built) -> Vec<Kept> {
     kept
 }
 
-/// The indices that occur, in ascending order; each entry becomes its place among them.
-/// [`NONE`] stays what it is. Takes time by the number of entries, however large the pool is.
+/// The indices that occur, in ascending order; each entry is replaced by its position among them,
+/// except [`NONE`]. Takes time proportional to the number of entries, whatever the size of the
+/// pool.
 fn renumber(indices: &mut [u32], pool: usize) -> Vec<u32> {
     let mut used: Vec<u32>;
     if pool / 4 > indices.len() {
@@ -255,9 +256,9 @@ fn renumber(indices: &mut [u32], pool: usize) -> Vec<u32> {
     used
 }
 
-impl<T> Bound<'_, T> {
-    /// The value of a face, [`NONE`] if there is none.
-    fn of_face(&self, face: &Kept) -> u32 {
+impl<T> BoundPool<'_, T> {
+    /// The value of a face, or [`NONE`].
+    fn of_face(&self, face: &KeptFace) -> u32 {
         self.checked(match (self.binding, self.index) {
             (Binding::PerFaceIndexed, Some(index)) => entry(index, face.ordinal),
             (Binding::Overall, _) => 0,
@@ -265,8 +266,8 @@ impl<T> Bound<'_, T> {
         })
     }
 
-    /// The value of the `k`-th corner of a face, [`NONE`] if there is none.
-    fn of_corner(&self, coord_index: &[i32], face: &Kept, k: u32) -> u32 {
+    /// The value of the `k`-th corner of a face, or [`NONE`].
+    fn of_corner(&self, coord_index: &[i32], face: &KeptFace, k: u32) -> u32 {
         match self.binding {
             Binding::PerVertex => self.checked(face.corners_before + k),
             Binding::PerVertexIndexed => {
@@ -286,14 +287,14 @@ impl<T> Bound<'_, T> {
     }
 }
 
-/// An entry of an index, [`NONE`] where it has none or a negative one.
+/// An entry of an index, [`NONE`] if it is missing or negative.
 fn entry(index: &[i32], at: u32) -> u32 {
     let entry = index.get(at as usize).copied();
     entry.and_then(|i| u32::try_from(i).ok()).unwrap_or(NONE)
 }
 
-/// For each corner its value in the pool, [`NONE`] where there is none.
-fn corner_values<T>(set: &FaceSet, kept: &[Kept], bound: &Bound<T>) -> Vec<u32> {
+/// For each corner the index of its value in the pool, or [`NONE`].
+fn corner_values<T>(set: &FaceSet, kept: &[KeptFace], bound: &BoundPool<T>) -> Vec<u32> {
     let mut values = Vec::new();
     for face in kept {
         let rest = &set.coord_index[face.start as usize..];
@@ -303,8 +304,8 @@ fn corner_values<T>(set: &FaceSet, kept: &[Kept], bound: &Bound<T>) -> Vec<u32> 
     values
 }
 
-/// Gives faces or vertices their colours.
-fn color(set: &FaceSet, kept: &[Kept], built: &mut Built) {
+/// Assigns colours to faces or vertices.
+fn color(set: &FaceSet, kept: &[KeptFace], built: &mut BuiltFaceSet) {
     let Some(bound) = set.colors.filter(|c| !c.values.is_empty()) else {
         return;
     };
@@ -325,9 +326,9 @@ fn color(set: &FaceSet, kept: &[Kept], built: &mut Built) {
     }
 }
 
-/// Gives each vertex the colour of its corners; one whose corners differ in colour is parted.
+/// Gives each vertex the colour of its corners; a vertex whose corners differ in colour is split.
 fn color_vertices(mesh: &mut Mesh, pool: &[Rgb], corners: &[u32]) {
-    // Only colours that are used are looked at, because many face sets may share a large pool.
+    // Only colours that are used are compared, because many face sets may share a large pool.
     let color = |value: u32| super::tree::limited(pool[value as usize]);
     let mut of_vertex = vec![NONE; mesh.positions.len()];
     let mut parted = HashMap::new();
@@ -356,9 +357,9 @@ fn color_vertices(mesh: &mut Mesh, pool: &[Rgb], corners: &[u32]) {
 
 fn uv_attribute(
     mesh: &Mesh,
-    bound: &Bound<DVec2>,
+    bound: &BoundPool<DVec2>,
     mut corners: Vec<u32>,
-    problems: &mut Problems,
+    problems: &mut FaceSetProblems,
 ) -> Attribute<DVec2> {
     let used = renumber(&mut corners, bound.values.len());
     let finite = |i: &u32| Some(bound.values[*i as usize]).filter(|uv| uv.is_finite());
@@ -377,9 +378,9 @@ fn uv_attribute(
 fn normal_attribute(
     mesh: &Mesh,
     ccw: bool,
-    bound: &Bound<DVec3>,
+    bound: &BoundPool<DVec3>,
     mut corners: Vec<u32>,
-    problems: &mut Problems,
+    problems: &mut FaceSetProblems,
 ) -> Attribute<DVec3> {
     let used = renumber(&mut corners, bound.values.len());
     let unit = |i: &u32| bound.values[*i as usize].normalize_or_zero();
@@ -399,14 +400,14 @@ fn normal_attribute(
             });
         }
     }
-    // No corner has these any more; but no normal may be without a direction.
+    // No corner uses these any more, but a mesh must not contain zero normals.
     for value in values.iter_mut().filter(|v| **v == DVec3::ZERO) {
         *value = DVec3::Z;
     }
     attribute(mesh, values, corners, DVec3::Z)
 }
 
-/// Values per vertex when the corners of every vertex agree, else per corner. Vertices without
+/// Values per vertex if the corners of every vertex agree, otherwise per corner. Vertices without
 /// faces get `unused`.
 fn attribute<T: Copy>(mesh: &Mesh, values: Vec<T>, corners: Vec<u32>, unused: T) -> Attribute<T> {
     let mut of_vertex = vec![NONE; mesh.positions.len()];
@@ -427,12 +428,12 @@ fn attribute<T: Copy>(mesh: &Mesh, values: Vec<T>, corners: Vec<u32>, unused: T)
     }
 }
 
-/// Normals that are smooth across edges whose faces differ by less than the angle; none where
-/// that leaves all faces flat.
+/// Normals smoothed across edges whose faces differ by less than `angle`; `None` if all faces stay
+/// flat.
 fn creased(mesh: &Mesh, angle: f64) -> Option<Attribute<DVec3>> {
     let flat = (0..mesh.faces.len()).map(|f| mesh.face_area_vector(f).normalize_or_zero());
     let flat = Vec::from_iter(flat);
-    // All faces differ by half a turn at most, whatever rounding says.
+    // Normals differ by π at most, whatever the rounding.
     let cos = if angle < PI { angle.cos() } else { -2.0 };
     let normals = smooth::corner_normals(mesh, |f, g| smooth::within(flat[f], flat[g], cos));
     let is_flat = |face: usize| {
@@ -473,8 +474,12 @@ mod tests {
         }
     }
 
-    fn bound<'a, T>(values: &'a [T], index: Option<&'a [i32]>, binding: Binding) -> Bound<'a, T> {
-        Bound {
+    fn bound<'a, T>(
+        values: &'a [T],
+        index: Option<&'a [i32]>,
+        binding: Binding,
+    ) -> BoundPool<'a, T> {
+        BoundPool {
             values,
             index,
             binding,
@@ -485,10 +490,10 @@ mod tests {
     fn polygons_and_what_is_none() {
         let check = |index: &[i32], faces: usize, slivers: usize, stray_faces: usize| {
             let built = build(&plain(index));
-            let expected = Problems {
+            let expected = FaceSetProblems {
                 slivers,
                 stray_faces,
-                ..Problems::default()
+                ..FaceSetProblems::default()
             };
             assert_eq!(built.mesh.faces.len(), faces, "{index:?}");
             assert_eq!(built.mesh.face_materials.len(), faces, "{index:?}");

@@ -1,16 +1,16 @@
-//! X3D's flat geometry, in the plane z = 0.
+//! X3D's 2D geometry, in the plane z = 0.
 
-use super::shape::{Pool, Surface};
-use super::tree::Node;
+use super::shape::{SurfaceFields, ValuePool};
+use super::tree::VrmlNode;
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Sides of a circle: its chords are within a thousandth of the radius.
+/// Sides of a circle: the chord error is below a thousandth of the radius.
 const SIDES: usize = 72;
 
 /// The polygons of a node; `None` if it is of another type, or has none.
-pub(super) fn surface(node: &Node) -> Option<Surface<'_>> {
+pub(super) fn surface(node: &VrmlNode) -> Option<SurfaceFields<'_>> {
     let (points, corners) = match &*node.kind {
         "Rectangle2D" => rectangle(node.array("size", [2.0, 2.0]).into()),
         "Disk2D" => disk(node),
@@ -19,17 +19,17 @@ pub(super) fn surface(node: &Node) -> Option<Surface<'_>> {
         _ => return None,
     };
     let positions = points.iter().map(|p| p.extend(0.0)).collect();
-    let mut surface = Surface::new(node, positions, Cow::Owned(corners));
-    // Flat geometry has two sides unless it says otherwise: ISO/IEC 19775-1, 14.
+    let mut surface = SurfaceFields::new(node, positions, Cow::Owned(corners));
+    // 2D geometry is two-sided by default: ISO/IEC 19775-1, 14.
     surface.solid = node.flag("solid", false);
-    surface.uvs = Some(Pool::per_vertex(mapping(&points)));
+    surface.uvs = Some(ValuePool::per_vertex(mapping(&points)));
     Some(surface)
 }
 
 /// Points and corners.
-type Polygons = (Vec<DVec2>, Vec<i32>);
+type FlatPolygons = (Vec<DVec2>, Vec<i32>);
 
-fn rectangle(size: DVec2) -> Polygons {
+fn rectangle(size: DVec2) -> FlatPolygons {
     let corner = |x, y| 0.5 * size * DVec2::new(x, y);
     let points = vec![
         corner(-1.0, -1.0),
@@ -45,7 +45,7 @@ fn ring(radius: f64) -> impl Iterator<Item = DVec2> {
 }
 
 /// A disc, or a ring if it has an inner radius.
-fn disk(node: &Node) -> Polygons {
+fn disk(node: &VrmlNode) -> FlatPolygons {
     let inner = node.number("innerRadius", 0.0);
     let outer = node.number("outerRadius", 1.0);
     let sides = SIDES as i32;
@@ -60,8 +60,8 @@ fn disk(node: &Node) -> Polygons {
     (points, (0..sides).flat_map(side).collect())
 }
 
-/// A piece of pie, or what a chord cuts off.
-fn arc(node: &Node) -> Polygons {
+/// A circular sector or segment.
+fn arc(node: &VrmlNode) -> FlatPolygons {
     let radius = node.number("radius", 1.0);
     let start = node.number("startAngle", 0.0);
     let mut angle = node.number("endAngle", FRAC_PI_2) - start;
@@ -85,7 +85,7 @@ fn arc(node: &Node) -> Polygons {
     (points, corners)
 }
 
-fn triangles(node: &Node) -> Polygons {
+fn triangles(node: &VrmlNode) -> FlatPolygons {
     let mut points = node.points2("vertices");
     points.truncate(points.len() / 3 * 3);
     for point in points.iter_mut().filter(|p| !p.is_finite()) {
@@ -96,7 +96,7 @@ fn triangles(node: &Node) -> Polygons {
     (points, corners)
 }
 
-/// The box around the points is the picture.
+/// Texture coordinates that map the texture to the bounding box of the points.
 fn mapping(points: &[DVec2]) -> Vec<DVec2> {
     let solid = points.iter().map(|p| p.extend(0.0));
     let bounds = azulejo_scene::math::Aabb::around(solid);

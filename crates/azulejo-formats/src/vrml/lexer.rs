@@ -1,8 +1,9 @@
 //! Words, numbers and strings of VRML 1.0, VRML97 and classic X3D, over bytes.
 //!
-//! The three share their tokens: blanks, commas and comments part them, marks stand alone, and
-//! what begins like a number is one. Words are generous: files of all ages hold names with dots
-//! and signs that no grammar allows. A string or a comment that never ends, ends with the file.
+//! The three share their tokens: blanks, commas and comments separate them, brackets stand alone,
+//! and whatever begins like a number is one. Words are accepted liberally, because files of all
+//! ages contain names with dots and signs that no grammar allows. An unterminated string or comment
+//! ends with the file.
 
 use crate::ReadError;
 use crate::reading::cursor::TextCursor;
@@ -12,41 +13,41 @@ use std::borrow::Cow;
 
 /// A cursor over the tokens of a text.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Lexer<'a> {
+pub(super) struct VrmlLexer<'a> {
     text: TextCursor<'a>,
 }
 
-/// Blanks, and the comma, which is one everywhere; NUL, because old programs fill with it.
+/// Blanks; the comma, which is one everywhere; and NUL, which old programs use for padding.
 #[inline]
 fn is_blank(b: u8) -> bool {
     matches!(b, b' ' | b'\n' | b'\r' | b'\t' | b',' | 0x0b | 0x0c | 0)
 }
 
-/// Whether a word ends before this byte.
+/// Whether this byte terminates a word.
 #[inline]
 fn ends_word(b: u8) -> bool {
     is_blank(b) || matches!(b, b'{' | b'}' | b'[' | b']' | b'"' | b'#')
 }
 
-impl<'a> Lexer<'a> {
-    /// The start of a text. The header is a comment.
-    pub fn new(bytes: &'a [u8]) -> Lexer<'a> {
-        Lexer {
+impl<'a> VrmlLexer<'a> {
+    /// A cursor at the start of a text. The header is a comment.
+    pub fn new(bytes: &'a [u8]) -> VrmlLexer<'a> {
+        VrmlLexer {
             text: TextCursor::new(bytes),
         }
     }
 
-    /// Where it stands, for a position.
+    /// The current offset, for a position.
     pub fn offset(&self) -> usize {
         self.text.offset()
     }
 
-    /// The bytes that are left.
+    /// The remaining bytes.
     fn rest(&self) -> &'a [u8] {
         self.text.rest()
     }
 
-    /// Passes blanks, commas and comments.
+    /// Skips blanks, commas and comments.
     #[inline]
     pub fn skip_blanks(&mut self) {
         while let Some(b) = self.text.peek() {
@@ -62,14 +63,14 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// A comment of X3D 4.
+    /// Skips a block comment of X3D 4.
     fn skip_block(&mut self) {
         let rest = &self.rest()[2..];
         let end = rest.windows(2).position(|w| w == b"*/");
         self.text.advance(2 + end.map_or(rest.len(), |end| end + 2));
     }
 
-    /// The byte that begins the next token, which is not taken; `None` at the end.
+    /// The first byte of the next token, which is not consumed; `None` at the end.
     #[inline]
     pub fn peek(&mut self) -> Option<u8> {
         self.skip_blanks();
@@ -91,7 +92,7 @@ impl<'a> Lexer<'a> {
         self.word_until(|_| false)
     }
 
-    /// As [`Lexer::word`], but what `is_mark` says ends a word too.
+    /// Like [`VrmlLexer::word`], but bytes for which `is_mark` holds end a word, too.
     #[inline]
     pub fn word_until(&mut self, is_mark: impl Fn(u8) -> bool) -> Option<&'a [u8]> {
         self.skip_blanks();
@@ -102,7 +103,7 @@ impl<'a> Lexer<'a> {
         (!word.is_empty()).then_some(word)
     }
 
-    /// The next word, which is not taken.
+    /// The next word, which is not consumed.
     pub fn peek_word(&mut self) -> Option<&'a [u8]> {
         { *self }.word()
     }
@@ -123,7 +124,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// The next token as a number: decimal, `0x` hexadecimal, or NaN for what printing functions
-    /// make of a result that is no number (`nan`, `-1.#IND`, `inf`).
+    /// emit for invalid results (`nan`, `-1.#IND`, `inf`).
     #[inline]
     pub fn number(&mut self) -> Option<f64> {
         self.skip_blanks();
@@ -141,7 +142,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Digits behind `0x`, which stands in the `start` bytes before them.
+    /// Digits after `0x`, which ends `start` bytes into the rest.
     #[cold]
     fn hexadecimal(&mut self, start: usize) -> f64 {
         let digits = self.rest()[start..]
@@ -170,7 +171,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// `nan`, `inf` and their like as one number that is none.
+    /// `nan`, `inf` and the like, as NaN.
     #[cold]
     fn no_number(&mut self) -> Option<f64> {
         let word = self.peek_word()?;
@@ -183,7 +184,7 @@ impl<'a> Lexer<'a> {
         })
     }
 
-    /// All numbers up to the next token that is none, or up to `most`.
+    /// All numbers up to the next other token, or up to `most`.
     pub fn numbers(&mut self, most: usize, into: &mut Vec<f64>) {
         let most = into.len().saturating_add(most);
         while into.len() < most
@@ -193,8 +194,8 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// All numbers up to the next token that is none, as integers: cut towards zero, limited to
-    /// the range of the type, 0 for NaN.
+    /// All numbers up to the next other token, as integers: truncated towards zero, clamped to the
+    /// range of the type, 0 for NaN.
     pub fn integers(&mut self, into: &mut Vec<i32>) {
         while let Some(value) = self.integer() {
             into.push(value);
@@ -214,7 +215,7 @@ impl<'a> Lexer<'a> {
             value = 10 * value + i32::from(b - b'0');
             count += 1;
         }
-        // Whatever is longer or stranger than nine digits takes the long way.
+        // Anything longer or more complex than nine digits takes the general path.
         let plain = rest.get(start + count).is_none_or(|&b| ends_word(b));
         if count == 0 || !plain {
             return self.number().map(|value| value as i32);
@@ -223,8 +224,8 @@ impl<'a> Lexer<'a> {
         Some(if negative { -value } else { value })
     }
 
-    /// A string in double quotes; `None` if something else comes next. `\"` and `\\` stand for
-    /// the character behind the backslash.
+    /// A string in double quotes; `None` if something else comes next. `\"` and `\\` stand for the
+    /// escaped character.
     pub fn string(&mut self) -> Option<Cow<'a, str>> {
         if !self.take(b'"') {
             return None;
@@ -247,7 +248,7 @@ impl<'a> Lexer<'a> {
         Some(unescaped(inside))
     }
 
-    /// Passes the next token, whatever it is; `false` at the end.
+    /// Skips the next token, whatever it is; `false` at the end.
     pub fn skip_token(&mut self) -> bool {
         match self.peek() {
             None => return false,
@@ -258,8 +259,8 @@ impl<'a> Lexer<'a> {
         true
     }
 
-    /// Passes tokens to the bracket that closes what is open here, and takes it. `false` if the
-    /// file ends before.
+    /// Skips tokens up to and including the bracket that closes the current nesting level. `false`
+    /// if the file ends first.
     pub fn skip_to_close(&mut self) -> bool {
         let mut depth = 0u64;
         loop {
@@ -276,12 +277,12 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Whether nothing but blanks is left.
+    /// Whether only blanks are left.
     pub fn at_end(&mut self) -> bool {
         self.peek().is_none()
     }
 
-    /// What comes next, for a message.
+    /// A description of the next token, for messages.
     pub fn found(&self) -> String {
         let mut ahead = *self;
         match ahead.peek() {
@@ -297,7 +298,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// An error where the next token stands.
+    /// An error at the position of the next token.
     pub fn error(&mut self, file: &str, expected: &str) -> ReadError {
         let found = self.found();
         self.skip_blanks();
@@ -305,7 +306,7 @@ impl<'a> Lexer<'a> {
     }
 }
 
-/// A string without its backslashes.
+/// A string with its escapes resolved.
 fn unescaped(inside: &[u8]) -> Cow<'_, str> {
     if !inside.contains(&b'\\') {
         return text(inside);
@@ -325,7 +326,7 @@ mod tests {
 
     #[test]
     fn tokens() {
-        let mut l = Lexer::new(b"#VRML V2.0 utf8\r\nDEF a.b-1{x[,,1 -2,]/* * */}#end");
+        let mut l = VrmlLexer::new(b"#VRML V2.0 utf8\r\nDEF a.b-1{x[,,1 -2,]/* * */}#end");
         assert_eq!(l.word(), Some(&b"DEF"[..]));
         assert!(!l.take_word(b"a"));
         assert!(l.take_word(b"a.b-1"));
@@ -340,7 +341,7 @@ mod tests {
     #[test]
     fn numbers_of_every_kind() {
         let check = |text: &str, expected: Option<f64>| {
-            let found = Lexer::new(text.as_bytes()).number();
+            let found = VrmlLexer::new(text.as_bytes()).number();
             assert_eq!(
                 found.map(f64::to_bits),
                 expected.map(f64::to_bits),
@@ -361,7 +362,7 @@ mod tests {
     fn integers_of_every_kind() {
         let check = |text: &str, expected: &[i32]| {
             let mut found = Vec::new();
-            Lexer::new(text.as_bytes()).integers(&mut found);
+            VrmlLexer::new(text.as_bytes()).integers(&mut found);
             assert_eq!(found, expected, "{text}");
         };
         check("0 1,2 -1]", &[0, 1, 2, -1]);
@@ -376,7 +377,7 @@ mod tests {
     #[test]
     fn strings() {
         let check = |text: &str, expected: Option<&str>, rest: &str| {
-            let mut l = Lexer::new(text.as_bytes());
+            let mut l = VrmlLexer::new(text.as_bytes());
             assert_eq!(l.string().as_deref(), expected, "{text}");
             assert_eq!(l.rest(), rest.as_bytes(), "{text}");
         };
@@ -389,7 +390,7 @@ mod tests {
 
     #[test]
     fn closing_brackets_are_found_past_strings_and_comments() {
-        let mut l = Lexer::new(b"a [ b { \"}\" # }\n } ] } c");
+        let mut l = VrmlLexer::new(b"a [ b { \"}\" # }\n } ] } c");
         assert!(l.skip_to_close());
         assert_eq!(l.word(), Some(&b"c"[..]));
         assert!(!l.skip_to_close());
@@ -397,7 +398,7 @@ mod tests {
 
     #[test]
     fn an_error_shows_its_line() {
-        let mut l = Lexer::new(b"Group {\r  children ]\r}");
+        let mut l = VrmlLexer::new(b"Group {\r  children ]\r}");
         l.word();
         l.take(b'{');
         l.word();

@@ -1,23 +1,23 @@
 //! Lights without area.
 
-use super::stage::Stage;
-use super::tree::Node;
-use super::world::Place;
+use super::builder::VrmlSceneBuilder;
+use super::tree::VrmlNode;
+use super::world::NodePosition;
 use azulejo_scene::{Light, LightKind, Rgb};
 use glam::{DAffine3, DVec3};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-/// Puts a light into the scene.
-pub(super) fn place(stage: &mut Stage, node: &Node, place: &Place) {
+/// Adds a light to the scene.
+pub(super) fn place(builder: &mut VrmlSceneBuilder, node: &VrmlNode, place: &NodePosition) {
     if !node.flag("on", true) {
-        stage.warn(
+        builder.warn(
             &node.source,
             node.at,
-            format!("{} that is off: skipped", node.kind),
+            format!("{} with on FALSE: skipped", node.kind),
         );
         return;
     }
-    say_what_is_lost(stage, node, place);
+    say_what_is_lost(builder, node, place);
     let color = node.color("color", Rgb::WHITE);
     let light = color * node.number("intensity", 1.0).max(0.0);
     let kind = match &*node.kind {
@@ -26,59 +26,60 @@ pub(super) fn place(stage: &mut Stage, node: &Node, place: &Place) {
         _ => directional(node, &place.frame.world_from_object, light),
     };
     match kind {
-        Some(kind) => stage.scene.lights.push(Light {
+        Some(kind) => builder.scene.lights.push(Light {
             name: place.frame.name(node.name.as_deref()),
             kind,
         }),
         None => {
-            let message = format!("{} without a place or a direction: skipped", node.kind);
-            stage.warn(&node.source, node.at, message);
+            let message = format!(
+                "{} without a valid position or direction: skipped",
+                node.kind
+            );
+            builder.warn(&node.source, node.at, message);
         }
     }
 }
 
-fn say_what_is_lost(stage: &mut Stage, node: &Node, place: &Place) {
+fn say_what_is_lost(builder: &mut VrmlSceneBuilder, node: &VrmlNode, place: &NodePosition) {
     let directional = &*node.kind == "DirectionalLight";
     if node.number("ambientIntensity", 0.0) > 0.0 {
-        let message = "ambientIntensity of a light: not used, azulejo computes that light";
-        stage.warn(&node.source, node.at, message);
+        let message = "ambientIntensity of a light: ignored, azulejo computes indirect light";
+        builder.warn(&node.source, node.at, message);
     }
     if !directional {
-        let message = "attenuation and radius of lights: not used, light falls with the square of the distance";
-        stage.warn(&node.source, node.at, message);
+        let message = "attenuation and radius of lights: ignored, light falls off with the square of the distance";
+        builder.warn(&node.source, node.at, message);
     }
     if !node.flag("global", !directional || place.depth == 0) {
-        let message = format!(
-            "{} that lights its group alone: lights everything",
-            node.kind
-        );
-        stage.warn(&node.source, node.at, message);
+        let message = format!("{} limited to its group: lights the whole scene", node.kind);
+        builder.warn(&node.source, node.at, message);
     }
 }
 
-fn position(node: &Node, map: &DAffine3) -> Option<DVec3> {
+fn position(node: &VrmlNode, map: &DAffine3) -> Option<DVec3> {
     let position = map.transform_point3(node.vector("location", DVec3::ZERO));
     position.is_finite().then_some(position)
 }
 
-fn direction(node: &Node, map: &DAffine3) -> Option<DVec3> {
+fn direction(node: &VrmlNode, map: &DAffine3) -> Option<DVec3> {
     let direction = node.vector("direction", DVec3::NEG_Z);
     map.transform_vector3(direction).try_normalize()
 }
 
-fn point(node: &Node, map: &DAffine3, intensity: Rgb) -> Option<LightKind> {
+fn point(node: &VrmlNode, map: &DAffine3, intensity: Rgb) -> Option<LightKind> {
     Some(LightKind::Point {
         position: position(node, map)?,
         intensity,
     })
 }
 
-/// The two standards name the same defaults the other way round: VRML97 has no falloff, X3D has
-/// one from half of the cone on.
-fn spot(node: &Node, map: &DAffine3, intensity: Rgb) -> Option<LightKind> {
-    let (cut_off, beam) = match node.source.is_x3d() {
-        true => (FRAC_PI_2, FRAC_PI_4),
-        false => (FRAC_PI_4, FRAC_PI_2),
+/// The two standards give the same defaults in opposite roles: VRML97 has no falloff inside the
+/// cone, X3D has one from half of the cone angle outwards.
+fn spot(node: &VrmlNode, map: &DAffine3, intensity: Rgb) -> Option<LightKind> {
+    let (cut_off, beam) = if node.source.is_x3d() {
+        (FRAC_PI_2, FRAC_PI_4)
+    } else {
+        (FRAC_PI_4, FRAC_PI_2)
     };
     let outer = node.number("cutOffAngle", cut_off).clamp(0.0, PI);
     Some(LightKind::Spot {
@@ -90,7 +91,7 @@ fn spot(node: &Node, map: &DAffine3, intensity: Rgb) -> Option<LightKind> {
     })
 }
 
-fn directional(node: &Node, map: &DAffine3, irradiance: Rgb) -> Option<LightKind> {
+fn directional(node: &VrmlNode, map: &DAffine3, irradiance: Rgb) -> Option<LightKind> {
     Some(LightKind::Directional {
         direction: direction(node, map)?,
         irradiance,

@@ -1,58 +1,57 @@
-//! What names stand for in a file: nodes by `DEF`, prototypes by `PROTO`.
+//! Name scopes of a file: nodes by `DEF`, prototypes by `PROTO`.
 
-use super::tree::{Node, Proto};
+use super::tree::{Prototype, VrmlNode};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// The names of a file, and of the prototypes inside whose bodies a reader is.
+/// The names of a file, and of the prototypes whose bodies are being read.
 ///
-/// A later definition of a name hides an earlier one. The standard hides what is outside a
-/// prototype from its inside; here it is found if nothing inside has the name, as many files
-/// expect.
-pub(super) struct Names {
-    /// The file's own, then those of open prototypes, the innermost last.
-    scopes: Vec<Scope>,
+/// A later definition of a name hides an earlier one. In the standard, names outside of a prototype
+/// are invisible inside it; here they are found if no inner name matches, as many files expect.
+pub(super) struct NameScopes {
+    /// The file's own scope, then those of open prototypes, the innermost last.
+    scopes: Vec<NameScope>,
 }
 
 #[derive(Default)]
-struct Scope {
-    nodes: HashMap<Rc<str>, Rc<Node>>,
-    protos: HashMap<Rc<str>, Rc<Proto>>,
-    /// The same in the order of the file.
-    in_order: Vec<Rc<Proto>>,
+struct NameScope {
+    nodes: HashMap<Rc<str>, Rc<VrmlNode>>,
+    protos: HashMap<Rc<str>, Rc<Prototype>>,
+    /// The prototypes of the file in their order.
+    in_order: Vec<Rc<Prototype>>,
 }
 
-impl Names {
-    /// No names.
-    pub fn new() -> Names {
-        Names {
-            scopes: vec![Scope::default()],
+impl NameScopes {
+    /// Empty scopes.
+    pub fn new() -> NameScopes {
+        NameScopes {
+            scopes: vec![NameScope::default()],
         }
     }
 
-    /// Goes into the body of a prototype.
+    /// Enters the body of a prototype.
     pub fn enter(&mut self) {
-        self.scopes.push(Scope::default());
+        self.scopes.push(NameScope::default());
     }
 
-    /// Comes out of the body of a prototype, whose names are forgotten.
+    /// Leaves the body of a prototype and forgets its names.
     pub fn leave(&mut self) {
         self.scopes.pop();
     }
 
-    fn innermost(&mut self) -> Option<&mut Scope> {
+    fn innermost(&mut self) -> Option<&mut NameScope> {
         self.scopes.last_mut()
     }
 
     /// Names a node.
-    pub fn define(&mut self, name: Rc<str>, node: Rc<Node>) {
+    pub fn define(&mut self, name: Rc<str>, node: Rc<VrmlNode>) {
         if let Some(scope) = self.innermost() {
             scope.nodes.insert(name, node);
         }
     }
 
     /// Adds a prototype.
-    pub fn define_proto(&mut self, proto: Proto) {
+    pub fn define_proto(&mut self, proto: Prototype) {
         let proto = Rc::new(proto);
         if let Some(scope) = self.innermost() {
             scope.in_order.push(proto.clone());
@@ -61,19 +60,19 @@ impl Names {
     }
 
     /// The node of that name.
-    pub fn node(&self, name: &str) -> Option<Rc<Node>> {
+    pub fn node(&self, name: &str) -> Option<Rc<VrmlNode>> {
         let mut scopes = self.scopes.iter().rev();
         scopes.find_map(|scope| scope.nodes.get(name)).cloned()
     }
 
     /// The prototype of that name.
-    pub fn proto(&self, name: &str) -> Option<Rc<Proto>> {
+    pub fn proto(&self, name: &str) -> Option<Rc<Prototype>> {
         let mut scopes = self.scopes.iter().rev();
         scopes.find_map(|scope| scope.protos.get(name)).cloned()
     }
 
     /// The prototypes of the file, in its order.
-    pub fn into_protos(mut self) -> Vec<Rc<Proto>> {
+    pub fn into_protos(mut self) -> Vec<Rc<Prototype>> {
         self.scopes.swap_remove(0).in_order
     }
 }

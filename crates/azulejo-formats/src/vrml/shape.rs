@@ -1,9 +1,9 @@
-//! Shapes: which geometry they have, and how it becomes an object.
+//! Shapes: their geometry, and its conversion to an object.
 
-use super::faces::{Binding, Bound, FaceSet, box_mapping, build};
-use super::look::{self, Look};
-use super::stage::{Frame, Stage};
-use super::tree::{Node, limited, triples};
+use super::appearance::{self, ShapeAppearance};
+use super::builder::{VrmlPlacement, VrmlSceneBuilder};
+use super::faces::{Binding, BoundPool, FaceSet, box_mapping, build};
+use super::tree::{VrmlNode, limited, triples};
 use super::world::{child, report, skip};
 use super::{elevation, extrusion, flat, solids, triangles};
 use crate::ReadError;
@@ -12,48 +12,48 @@ use glam::{DVec2, DVec3};
 use std::borrow::Cow;
 use std::rc::Rc;
 
-/// Polygons before they are put together.
+/// Polygons with their attributes, before they are assembled into a mesh.
 #[derive(Debug)]
-pub(super) struct Surface<'n> {
+pub(super) struct SurfaceFields<'n> {
     /// The pool of vertices.
     pub positions: Vec<DVec3>,
     /// Corners; −1 ends a face.
     pub coord_index: Cow<'n, [i32]>,
-    pub colors: Option<Pool<'n, Rgb>>,
-    pub normals: Option<Pool<'n, DVec3>>,
-    pub uvs: Option<Pool<'n, DVec2>>,
-    /// Whether fronts are counter-clockwise.
+    pub colors: Option<ValuePool<'n, Rgb>>,
+    pub normals: Option<ValuePool<'n, DVec3>>,
+    pub uvs: Option<ValuePool<'n, DVec2>>,
+    /// Whether corners are counter-clockwise as seen from the front.
     pub ccw: bool,
-    /// Whether the back is never seen.
+    /// Whether the back is never visible.
     pub solid: bool,
-    /// Greatest angle between faces that are smooth where they meet, radians.
+    /// Greatest angle between faces that are smoothed across their common edge, radians.
     pub crease_angle: f64,
-    /// Whether other surfaces have the same pool.
+    /// Whether other surfaces share the pool.
     pub is_shared: bool,
 }
 
-/// Values, and to what they belong.
+/// Values and their binding.
 #[derive(Debug)]
-pub(super) struct Pool<'n, T> {
+pub(super) struct ValuePool<'n, T> {
     pub values: Vec<T>,
-    /// Absent or empty: vertices take that of the positions, faces their order.
+    /// Absent or empty: vertices use the index of the positions, faces their order.
     pub index: Option<Cow<'n, [i32]>>,
     pub binding: Binding,
 }
 
-impl<T> Pool<'_, T> {
-    /// A value per vertex.
+impl<T> ValuePool<'_, T> {
+    /// One value per vertex.
     pub fn per_vertex(values: Vec<T>) -> Self {
-        Pool {
+        ValuePool {
             values,
             index: None,
             binding: Binding::PerVertexIndexed,
         }
     }
 
-    fn bound(&self) -> Bound<'_, T> {
+    fn bound(&self) -> BoundPool<'_, T> {
         let index = self.index.as_deref();
-        Bound {
+        BoundPool {
             values: &self.values,
             index: index.filter(|index| !index.is_empty()),
             binding: self.binding,
@@ -61,10 +61,14 @@ impl<T> Pool<'_, T> {
     }
 }
 
-impl<'n> Surface<'n> {
-    /// Polygons of a node that says how they are seen, without anything else on them.
-    pub fn new(node: &Node, positions: Vec<DVec3>, coord_index: Cow<'n, [i32]>) -> Surface<'n> {
-        Surface {
+impl<'n> SurfaceFields<'n> {
+    /// Polygons with the node's `ccw`, `solid` and `creaseAngle`, without attributes.
+    pub fn new(
+        node: &VrmlNode,
+        positions: Vec<DVec3>,
+        coord_index: Cow<'n, [i32]>,
+    ) -> SurfaceFields<'n> {
+        SurfaceFields {
             positions,
             coord_index,
             colors: None,
@@ -78,47 +82,56 @@ impl<'n> Surface<'n> {
     }
 }
 
-/// Makes an object of a node `Shape`.
+/// Adds a node `Shape` as an object.
 ///
 /// # Errors
 /// The model unfolds to more than the options allow.
-pub(super) fn place(stage: &mut Stage, shape: &Node, frame: &Frame) -> Result<(), ReadError> {
-    let Some(geometry) = child(stage, shape, "geometry")? else {
-        stage.warn(&shape.source, shape.at, "Shape without geometry: skipped");
+pub(super) fn place(
+    builder: &mut VrmlSceneBuilder,
+    shape: &VrmlNode,
+    frame: &VrmlPlacement,
+) -> Result<(), ReadError> {
+    let Some(geometry) = child(builder, shape, "geometry")? else {
+        builder.warn(&shape.source, shape.at, "Shape without geometry: skipped");
         return Ok(());
     };
     let frame = &frame.named(shape.name.as_deref().or(geometry.name.as_deref()));
     if let Some(solid) = solids::solid(&geometry) {
-        return match look::of(stage, shape)? {
-            Some(look) => solids::place(stage, &geometry, &solid, frame, &look),
+        return match appearance::of(builder, shape)? {
+            Some(shape_appearance) => {
+                solids::place(builder, &geometry, &solid, frame, &shape_appearance)
+            }
             None => Ok(()),
         };
     }
     let surface = match &*geometry.kind {
-        "IndexedFaceSet" => Some(face_set(stage, &geometry)?),
-        "ElevationGrid" => elevation::surface(stage, &geometry)?,
-        "Extrusion" => extrusion::surface(stage, &geometry)?,
+        "IndexedFaceSet" => Some(face_set(builder, &geometry)?),
+        "ElevationGrid" => elevation::surface(builder, &geometry)?,
+        "Extrusion" => extrusion::surface(builder, &geometry)?,
         kind => match triangles::layout(kind) {
-            Some(layout) => Some(triangles::surface(stage, &geometry, layout)?),
+            Some(layout) => Some(triangles::surface(builder, &geometry, layout)?),
             None => flat::surface(&geometry),
         },
     };
     let Some(surface) = surface else {
-        skip(stage, &geometry);
+        skip(builder, &geometry);
         return Ok(());
     };
-    match look::of(stage, shape)? {
-        Some(look) => mesh(stage, &geometry, frame, surface, &look),
+    match appearance::of(builder, shape)? {
+        Some(shape_appearance) => mesh(builder, &geometry, frame, surface, &shape_appearance),
         None => Ok(()),
     }
 }
 
-fn face_set<'n>(stage: &mut Stage, node: &'n Node) -> Result<Surface<'n>, ReadError> {
-    let (positions, is_shared) = coordinates(stage, node)?;
-    let mut surface = Surface::new(node, positions, node.integers("coordIndex"));
+fn face_set<'n>(
+    builder: &mut VrmlSceneBuilder,
+    node: &'n VrmlNode,
+) -> Result<SurfaceFields<'n>, ReadError> {
+    let (positions, is_shared) = coordinates(builder, node)?;
+    let mut surface = SurfaceFields::new(node, positions, node.integers("coordIndex"));
     surface.is_shared = is_shared;
     let index = |name: &str| Some(node.integers(name)).filter(|i| !i.is_empty());
-    attributes(stage, node, &mut surface)?;
+    attributes(builder, node, &mut surface)?;
     let bind = |binding: &mut Binding, index: &Option<Cow<[i32]>>| {
         if *binding == Binding::PerFace && index.is_some() {
             *binding = Binding::PerFaceIndexed;
@@ -138,182 +151,188 @@ fn face_set<'n>(stage: &mut Stage, node: &'n Node) -> Result<Surface<'n>, ReadEr
     Ok(surface)
 }
 
-/// The positions in the field `coord`, and whether other geometries have the same.
-pub(super) fn coordinates(stage: &mut Stage, node: &Node) -> Result<(Vec<DVec3>, bool), ReadError> {
+/// The positions in the field `coord`, and whether other geometries share them.
+pub(super) fn coordinates(
+    builder: &mut VrmlSceneBuilder,
+    node: &VrmlNode,
+) -> Result<(Vec<DVec3>, bool), ReadError> {
     let is_shared = node
         .nodes("coord")
         .first()
         .is_some_and(|c| Rc::strong_count(c) > 1);
-    let Some(coord) = child(stage, node, "coord")? else {
+    let Some(coord) = child(builder, node, "coord")? else {
         return Ok((Vec::new(), false));
     };
     if !matches!(&*coord.kind, "Coordinate" | "CoordinateDouble") {
-        skip(stage, &coord);
+        skip(builder, &coord);
         return Ok((Vec::new(), false));
     }
     let numbers = coord.numbers("point");
-    // A large pool may serve many small geometries, and each looks through all of it.
-    stage.spend(numbers.len() as u64 / 8)?;
+    // A large pool may serve many small geometries, and each of them scans all of it.
+    builder.spend(numbers.len() as u64 / 8)?;
     let mut positions = triples(&numbers);
     let mut lost = usize::from(!numbers.len().is_multiple_of(3));
     for position in positions.iter_mut().filter(|p| !p.is_finite()) {
         *position = DVec3::ZERO;
         lost += 1;
     }
-    let message = "position that is not three finite numbers: 0 0 0, or left out at the end";
-    stage.warn_many(&coord.source, coord.at, message, lost);
+    let message = "position that is not three finite numbers: 0 0 0 is used, an incomplete last one is skipped";
+    builder.warn_many(&coord.source, coord.at, message, lost);
     Ok((positions, is_shared))
 }
 
-/// Colours, normals and texture coordinates, bound as most geometries bind them.
+/// Colours, normals and texture coordinates, with the bindings of most geometry nodes.
 pub(super) fn attributes(
-    stage: &mut Stage,
-    node: &Node,
-    surface: &mut Surface,
+    builder: &mut VrmlSceneBuilder,
+    node: &VrmlNode,
+    surface: &mut SurfaceFields,
 ) -> Result<(), ReadError> {
-    let binding = |name: &str| match node.flag(name, true) {
-        true => Binding::PerVertexIndexed,
-        false => Binding::PerFace,
+    let binding = |name: &str| {
+        if node.flag(name, true) {
+            Binding::PerVertexIndexed
+        } else {
+            Binding::PerFace
+        }
     };
-    if let Some(color) = child(stage, node, "color")? {
-        surface.colors = colors(stage, &color)?.map(|values| Pool {
+    if let Some(color) = child(builder, node, "color")? {
+        surface.colors = colors(builder, &color)?.map(|values| ValuePool {
             values,
             index: None,
             binding: binding("colorPerVertex"),
         });
     }
-    if let Some(normal) = child(stage, node, "normal")? {
+    if let Some(normal) = child(builder, node, "normal")? {
         let numbers = normal.numbers("vector");
-        stage.spend(numbers.len() as u64 / 8)?;
-        surface.normals = Some(Pool {
+        builder.spend(numbers.len() as u64 / 8)?;
+        surface.normals = Some(ValuePool {
             values: triples(&numbers),
             index: None,
             binding: binding("normalPerVertex"),
         });
     }
-    surface.uvs = uvs(stage, node)?.map(Pool::per_vertex);
-    // Fields of shaders and volumes, which azulejo has no use for.
+    surface.uvs = uvs(builder, node)?.map(ValuePool::per_vertex);
+    // Fields of shaders and volumes, which azulejo does not use.
     for field in ["attrib", "fogCoord"] {
         let lost = node.nodes(field).len();
-        stage.warn_many(&node.source, node.at, format!("{field}: skipped"), lost);
+        builder.warn_many(&node.source, node.at, format!("{field}: skipped"), lost);
     }
     Ok(())
 }
 
-fn colors(stage: &mut Stage, node: &Node) -> Result<Option<Vec<Rgb>>, ReadError> {
+fn colors(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Result<Option<Vec<Rgb>>, ReadError> {
     let numbers = node.numbers("color");
-    stage.spend(numbers.len() as u64 / 8)?;
+    builder.spend(numbers.len() as u64 / 8)?;
     let channels = match &*node.kind {
         "Color" => 3,
         "ColorRGBA" => 4,
         _ => {
-            skip(stage, node);
+            skip(builder, node);
             return Ok(None);
         }
     };
     let colors = numbers.chunks_exact(channels);
     if channels == 4 && colors.clone().any(|c| c[3] < 1.0) {
-        stage.warn(
+        builder.warn(
             &node.source,
             node.at,
-            "see-through colours (ColorRGBA): opaque",
+            "colours with alpha (ColorRGBA): opaque",
         );
     }
     let color = |c: &[f64]| limited(Rgb::new(c[0], c[1], c[2]));
     Ok(Some(colors.map(color).collect()))
 }
 
-/// The texture coordinates of a geometry: of several sets the first.
-fn uvs(stage: &mut Stage, node: &Node) -> Result<Option<Vec<DVec2>>, ReadError> {
-    let Some(mut node) = child(stage, node, "texCoord")? else {
+/// The texture coordinates of a geometry; of several sets, the first.
+fn uvs(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Result<Option<Vec<DVec2>>, ReadError> {
+    let Some(mut node) = child(builder, node, "texCoord")? else {
         return Ok(None);
     };
     if &*node.kind == "MultiTextureCoordinate" {
-        match child(stage, &node, "texCoord")? {
+        match child(builder, &node, "texCoord")? {
             Some(first) => node = first,
             None => return Ok(None),
         }
     }
     if &*node.kind != "TextureCoordinate" {
-        skip(stage, &node);
+        skip(builder, &node);
         return Ok(None);
     }
     let points = node.points2("point");
-    stage.spend(points.len() as u64 / 4)?;
+    builder.spend(points.len() as u64 / 4)?;
     Ok(Some(points).filter(|p| !p.is_empty()))
 }
 
-/// Makes an object of polygons.
+/// Adds polygons as an object.
 fn mesh(
-    stage: &mut Stage,
-    node: &Node,
-    frame: &Frame,
-    mut surface: Surface,
-    look: &Look,
+    builder: &mut VrmlSceneBuilder,
+    node: &VrmlNode,
+    frame: &VrmlPlacement,
+    mut surface: SurfaceFields,
+    shape_appearance: &ShapeAppearance,
 ) -> Result<(), ReadError> {
-    lay_picture(&mut surface, look);
+    lay_picture(&mut surface, shape_appearance);
     let set = FaceSet {
         positions: &surface.positions,
         coord_index: &surface.coord_index,
-        colors: surface.colors.as_ref().map(Pool::bound),
-        normals: surface.normals.as_ref().map(Pool::bound),
-        uvs: surface.uvs.as_ref().map(Pool::bound),
+        colors: surface.colors.as_ref().map(ValuePool::bound),
+        normals: surface.normals.as_ref().map(ValuePool::bound),
+        uvs: surface.uvs.as_ref().map(ValuePool::bound),
         ccw: surface.ccw,
         crease_angle: surface.crease_angle,
         drop_unused: surface.is_shared,
     };
-    stage.spend(set.cost())?;
+    builder.spend(set.cost())?;
     let mut built = build(&set);
     for (message, count) in built.problems.messages() {
-        stage.warn_many(&node.source, node.at, message, count);
+        builder.warn_many(&node.source, node.at, message, count);
     }
     let pool = surface.colors.as_ref().map_or(&[][..], |c| &c.values);
     paint(
-        stage,
+        builder,
         &mut built.mesh,
         &built.face_values,
         pool,
         &surface,
-        look,
+        shape_appearance,
     );
-    let placed = stage.place_mesh(frame, None, built.mesh);
-    report(stage, &node.source, node.at, &node.kind, placed);
+    let placed = builder.place_mesh(frame, None, built.mesh);
+    report(builder, &node.source, node.at, &node.kind, placed);
     Ok(())
 }
 
-/// Gives a surface with a picture the texture coordinates that it lacks, and moves them as the
-/// appearance says.
-fn lay_picture(surface: &mut Surface, look: &Look) {
-    if look.textures.is_empty() {
+/// Generates texture coordinates for a textured surface without any, and applies the texture
+/// transform of the appearance.
+fn lay_picture(surface: &mut SurfaceFields, shape_appearance: &ShapeAppearance) {
+    if shape_appearance.textures.is_empty() {
         return;
     }
     if surface.uvs.is_none() {
-        surface.uvs = Some(Pool::per_vertex(box_mapping(&surface.positions)));
+        surface.uvs = Some(ValuePool::per_vertex(box_mapping(&surface.positions)));
     }
-    if let (Some(map), Some(uvs)) = (look.picture_from_uv, &mut surface.uvs) {
+    if let (Some(map), Some(uvs)) = (shape_appearance.picture_from_uv, &mut surface.uvs) {
         for uv in &mut uvs.values {
             *uv = map.transform_point2(*uv);
         }
     }
 }
 
-/// Gives the faces their materials. `face_values` says which colour of `pool` each has, if they
-/// have colours of their own.
+/// Assigns materials to the faces. `face_values` holds the index of each face's colour in `pool`,
+/// if faces have colours of their own.
 fn paint(
-    stage: &mut Stage,
+    builder: &mut VrmlSceneBuilder,
     mesh: &mut Mesh,
     face_values: &[u32],
     pool: &[Rgb],
-    surface: &Surface,
-    look: &Look,
+    surface: &SurfaceFields,
+    shape_appearance: &ShapeAppearance,
 ) {
     let mut material = |color: Option<Rgb>| -> MaterialId {
-        let mut material = look.textured(color);
+        let mut material = shape_appearance.textured(color);
         material.emits_back = material.is_emitter() && !surface.solid;
-        stage.materials.index(material)
+        builder.materials.index(material)
     };
     if face_values.is_empty() {
-        // Colours of vertices replace the reflectance, and are multiplied with it here.
+        // Vertex colours replace the reflectance, but are multiplied with it here.
         let color = (!mesh.colors.is_empty()).then_some(Rgb::WHITE);
         mesh.face_materials.fill(material(color));
         return;

@@ -4,23 +4,23 @@ use azulejo_scene::{Attribute, MaterialId, Mesh, Primitive, PrimitiveKind};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// Chord error of solids that become polygons, relative to their size.
+/// Chord error of tessellated primitives, relative to their size.
 const CHORD_ERROR: f64 = 1e-3;
 
-/// A solid as the exact primitive that it is.
-pub(super) struct Solid {
+/// An exact primitive.
+pub(super) struct PlacedPrimitive {
     pub kind: PrimitiveKind,
-    /// Sizes it. The azimuth of round ones begins at the back, where VRML has the seam of
-    /// pictures.
+    /// Scales the unit primitive. The azimuth of round ones starts at the back, where VRML has the
+    /// texture seam.
     pub object_from_unit: DAffine3,
-    /// Whether each part of the primitive is there.
+    /// Whether each part of the primitive is present.
     pub parts: Vec<bool>,
 }
 
-impl Solid {
+impl PlacedPrimitive {
     /// A sphere.
-    pub fn sphere(radius: f64) -> Solid {
-        Solid {
+    pub fn sphere(radius: f64) -> PlacedPrimitive {
+        PlacedPrimitive {
             kind: PrimitiveKind::Sphere,
             object_from_unit: upright(radius, radius, 0.0),
             parts: vec![true],
@@ -28,8 +28,8 @@ impl Solid {
     }
 
     /// A box around the origin.
-    pub fn cuboid(size: DVec3) -> Solid {
-        Solid {
+    pub fn cuboid(size: DVec3) -> PlacedPrimitive {
+        PlacedPrimitive {
             kind: PrimitiveKind::Cuboid,
             object_from_unit: DAffine3 {
                 matrix3: DMat3::from_diagonal(size),
@@ -40,8 +40,14 @@ impl Solid {
     }
 
     /// A cylinder around the y axis.
-    pub fn cylinder(radius: f64, height: f64, side: bool, bottom: bool, top: bool) -> Solid {
-        Solid {
+    pub fn cylinder(
+        radius: f64,
+        height: f64,
+        side: bool,
+        bottom: bool,
+        top: bool,
+    ) -> PlacedPrimitive {
+        PlacedPrimitive {
             kind: PrimitiveKind::Cylinder,
             object_from_unit: upright(radius, height, -0.5 * height),
             parts: vec![side, bottom, top],
@@ -49,20 +55,21 @@ impl Solid {
     }
 
     /// A cone around the y axis.
-    pub fn cone(radius: f64, height: f64, side: bool, bottom: bool) -> Solid {
-        Solid {
+    pub fn cone(radius: f64, height: f64, side: bool, bottom: bool) -> PlacedPrimitive {
+        PlacedPrimitive {
             kind: PrimitiveKind::Cone { top: 0.0 },
             object_from_unit: upright(radius, height, -0.5 * height),
             parts: vec![side, bottom],
         }
     }
 
-    /// Whether all of its parts are there.
+    /// Whether all of its parts are present.
     pub fn is_closed(&self) -> bool {
         self.parts.iter().all(|is_there| *is_there)
     }
 
-    /// The polygons of the parts that are there, each of its material, with texture coordinates.
+    /// The polygons of the parts that are present, each with its material, with texture
+    /// coordinates.
     pub fn polygons(&self, materials: &[MaterialId]) -> Mesh {
         let primitive = Primitive::new(self.kind, self.object_from_unit, 0);
         let grids = primitive.grids(CHORD_ERROR * primitive.bounds().diagonal(), f64::INFINITY);
@@ -97,7 +104,7 @@ impl Solid {
                 mesh.push_face(&corners, materials[part]);
             }
         }
-        // Flat parts need no normals, and what has no size has none.
+        // Flat parts need no normals, and degenerate ones have none.
         let is_round = self.kind != PrimitiveKind::Cuboid;
         let are_unit = normals.iter().all(|n: &DVec3| n.is_normalized());
         mesh.normals = (is_round && are_unit).then(|| Attribute::per_vertex(normals));
@@ -106,7 +113,7 @@ impl Solid {
     }
 }
 
-/// The map that makes the z axis of a unit primitive the y axis of VRML, its azimuth 0 the back.
+/// The map from the z axis of a unit primitive to the y axis of VRML, with azimuth 0 at the back.
 fn upright(radius: f64, height: f64, bottom: f64) -> DAffine3 {
     DAffine3 {
         matrix3: DMat3::from_cols(
@@ -118,12 +125,12 @@ fn upright(radius: f64, height: f64, bottom: f64) -> DAffine3 {
     }
 }
 
-/// The point of the picture that a point of a part shows: pictures go once around what is round,
-/// once onto each side of a cube, and the disc in their middle onto the ends of what has ends.
+/// The texture coordinates of a point of a part: textures wrap once around round parts, cover each
+/// side of a cube, and show their central disc on end caps.
 fn picture_point(kind: PrimitiveKind, part: usize, u: f64, v: f64) -> DVec2 {
     let (sin, cos) = (TAU * u).sin_cos();
     let (x, y) = match (kind, part) {
-        // The part's own u and v, turned to stand upright when seen from outside.
+        // The part's own u and v, oriented upright as seen from outside.
         (PrimitiveKind::Cuboid, 1) => (1.0 - v, u),
         (PrimitiveKind::Cuboid, 3) => (v, 1.0 - u),
         (PrimitiveKind::Cuboid, 4) => (1.0 - v, u),

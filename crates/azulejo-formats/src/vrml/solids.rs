@@ -1,73 +1,86 @@
-//! The nodes Box, Sphere, Cylinder and Cone: exact, unless they are open, flattened or carry a
-//! picture.
+//! The nodes Box, Sphere, Cylinder and Cone: exact, unless they are open, flattened or textured.
 
-use super::look::Look;
-use super::solid::Solid;
-use super::stage::{Frame, Placed, Stage};
-use super::tree::Node;
+use super::appearance::ShapeAppearance;
+use super::builder::{ShapeOutcome, VrmlPlacement, VrmlSceneBuilder};
+use super::solid::PlacedPrimitive;
+use super::tree::VrmlNode;
 use super::world::report;
 use crate::ReadError;
 use azulejo_scene::{MaterialId, Mesh};
 use glam::DVec3;
 
-/// The solid of a node; `None` if it is of another type.
-pub(super) fn solid(node: &Node) -> Option<Solid> {
+/// The primitive of a node; `None` if it is of another type.
+pub(super) fn solid(node: &VrmlNode) -> Option<PlacedPrimitive> {
     let has = |part: &str| node.flag(part, true);
     let height = node.number("height", 2.0);
     Some(match &*node.kind {
-        "Box" => Solid::cuboid(node.vector("size", DVec3::splat(2.0))),
-        "Sphere" => Solid::sphere(node.number("radius", 1.0)),
+        "Box" => PlacedPrimitive::cuboid(node.vector("size", DVec3::splat(2.0))),
+        "Sphere" => PlacedPrimitive::sphere(node.number("radius", 1.0)),
         "Cylinder" => {
             let radius = node.number("radius", 1.0);
-            Solid::cylinder(radius, height, has("side"), has("bottom"), has("top"))
+            PlacedPrimitive::cylinder(radius, height, has("side"), has("bottom"), has("top"))
         }
         "Cone" => {
             let radius = node.number("bottomRadius", 1.0);
-            Solid::cone(radius, height, has("side"), has("bottom"))
+            PlacedPrimitive::cone(radius, height, has("side"), has("bottom"))
         }
         _ => return None,
     })
 }
 
-/// Makes an object of a solid.
+/// Adds a primitive as an object.
 ///
 /// # Errors
 /// The model unfolds to more than the options allow.
 pub(super) fn place(
-    stage: &mut Stage,
-    node: &Node,
-    solid: &Solid,
-    frame: &Frame,
-    look: &Look,
+    builder: &mut VrmlSceneBuilder,
+    node: &VrmlNode,
+    solid: &PlacedPrimitive,
+    frame: &VrmlPlacement,
+    shape_appearance: &ShapeAppearance,
 ) -> Result<(), ReadError> {
     let mut sizes = ["size", "radius", "bottomRadius", "height"].into_iter();
     if sizes.any(|size| node.numbers(size).iter().any(|x| *x <= 0.0)) {
-        report(stage, &node.source, node.at, &node.kind, Placed::Nowhere);
+        report(
+            builder,
+            &node.source,
+            node.at,
+            &node.kind,
+            ShapeOutcome::Nowhere,
+        );
         return Ok(());
     }
-    let is_textured = look.textures.iter().any(|t| stage.textures.is_loaded(*t));
-    let mut material = look.textured(None);
+    let is_textured = shape_appearance
+        .textures
+        .iter()
+        .any(|t| builder.textures.is_loaded(*t));
+    let mut material = shape_appearance.textured(None);
     material.emits_back = material.is_emitter() && !node.flag("solid", true);
-    let material = stage.materials.index(material);
+    let material = builder.materials.index(material);
     if solid.is_closed() && !is_textured {
         let map = solid.object_from_unit;
-        if stage.place_primitive(frame, None, solid.kind, map, material) == Placed::Object {
+        if builder.place_primitive(frame, None, solid.kind, map, material) == ShapeOutcome::Object {
             return Ok(());
         }
     }
-    let mesh = polygons(solid, material, look, is_textured);
-    stage.spend(mesh.positions.len() as u64)?;
-    let placed = stage.place_mesh(frame, None, mesh);
-    report(stage, &node.source, node.at, &node.kind, placed);
+    let mesh = polygons(solid, material, shape_appearance, is_textured);
+    builder.spend(mesh.positions.len() as u64)?;
+    let placed = builder.place_mesh(frame, None, mesh);
+    report(builder, &node.source, node.at, &node.kind, placed);
     Ok(())
 }
 
-fn polygons(solid: &Solid, material: MaterialId, look: &Look, is_textured: bool) -> Mesh {
+fn polygons(
+    solid: &PlacedPrimitive,
+    material: MaterialId,
+    shape_appearance: &ShapeAppearance,
+    is_textured: bool,
+) -> Mesh {
     let mut mesh = solid.polygons(&vec![material; solid.parts.len()]);
     if !is_textured {
         mesh.uvs = None;
     }
-    if let (Some(map), Some(uvs)) = (look.picture_from_uv, &mut mesh.uvs) {
+    if let (Some(map), Some(uvs)) = (shape_appearance.picture_from_uv, &mut mesh.uvs) {
         for uv in &mut uvs.values {
             let mapped = map.transform_point2(*uv);
             *uv = if mapped.is_finite() { mapped } else { *uv };

@@ -1,50 +1,48 @@
-//! The nodes of VRML97 and X3D, whichever encoding they come in.
+//! The nodes of VRML97 and X3D, in any encoding.
 //!
-//! Values have the types that their text shows, not those that the standard gives their fields:
-//! so nodes that nobody knows are read like all others, and are skipped by name when the scene
-//! is built.
+//! Values have the types that their text shows, not those that the standard gives their fields, so
+//! unknown nodes are read like all others, and are skipped by name when the scene is built.
 
-use super::lexer::Lexer;
-use super::stage::Source;
+use super::builder::VrmlSource;
+use super::lexer::VrmlLexer;
 use azulejo_scene::Rgb;
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
 use std::rc::Rc;
 
-/// How deep nodes may stand inside one another, `USE` and prototypes included.
+/// Maximum depth of nested nodes, `USE` and prototypes included.
 pub(super) const MOST_DEPTH: u32 = 200;
 
 /// A node with its fields.
 #[derive(Debug)]
-pub(super) struct Node {
+pub(super) struct VrmlNode {
     /// Its type: `Transform`, or the name of a prototype.
     pub kind: Rc<str>,
     /// Its name by `DEF`.
     pub name: Option<Rc<str>>,
     /// The prototype that it is an instance of.
-    pub proto: Option<Rc<Proto>>,
-    /// The file in which it stands, and at which byte.
-    pub source: Rc<Source>,
+    pub proto: Option<Rc<Prototype>>,
+    /// The file that contains it.
+    pub source: Rc<VrmlSource>,
     pub at: usize,
-    fields: Vec<Field>,
-    /// Levels of nodes from this one down, itself included.
+    fields: Vec<VrmlField>,
+    /// Height of the tree below this node, itself included.
     depth: u32,
-    /// Whether a field of this node, or of one below it, is to come from a prototype's instance.
+    /// Whether a field of this node, or of one below it, has an `IS` that an instance of the
+    /// prototype must resolve.
     is_open: bool,
 }
 
 /// A field of a node.
 #[derive(Clone, Debug)]
-pub(super) struct Field {
-    /// Its name.
+pub(super) struct VrmlField {
     pub name: Rc<str>,
-    /// What it holds.
-    pub value: Value,
+    pub value: FieldValue,
 }
 
-/// What a field holds. Large values are shared, because instances of prototypes copy fields.
+/// The value of a field. Large values are shared, because instances of prototypes copy fields.
 #[derive(Clone, Debug)]
-pub(super) enum Value {
+pub(super) enum FieldValue {
     /// One number or many.
     Numbers(Rc<Vec<f64>>),
     /// Indices.
@@ -53,58 +51,58 @@ pub(super) enum Value {
     Flag(bool),
     /// One string or many.
     Strings(Rc<Vec<String>>),
-    /// An attribute of XML, whose type only shows when someone asks.
+    /// An XML attribute, whose type is determined on access.
     Text(Rc<str>),
-    /// One node or many; none is `NULL`.
-    Nodes(Vec<Rc<Node>>),
-    /// What the instance of the prototype gives this field of its interface.
+    /// One node or many; `NULL` is an empty list.
+    Nodes(Vec<Rc<VrmlNode>>),
+    /// `IS`: the value that an instance of the prototype gives to this field of its interface.
     Is(Rc<str>),
 }
 
-/// A prototype: what an instance of it stands for.
+/// A prototype definition.
 #[derive(Debug)]
-pub(super) struct Proto {
+pub(super) struct Prototype {
     /// Its name.
     pub name: Rc<str>,
-    /// The fields of its instances, with their values where these say nothing.
-    pub interface: Vec<Field>,
-    /// Its nodes; the first is what an instance shows.
-    pub body: Vec<Rc<Node>>,
-    /// Where it is defined, if that is another file.
+    /// The fields of its instances, with their default values.
+    pub interface: Vec<VrmlField>,
+    /// Its nodes; the first one is displayed.
+    pub body: Vec<Rc<VrmlNode>>,
+    /// The URLs of its definition, if that is in another file.
     pub urls: Vec<String>,
 }
 
-/// A file, read.
+/// A parsed file.
 #[derive(Debug, Default)]
-pub(super) struct Document {
-    /// The nodes that stand in nothing else.
-    pub roots: Vec<Rc<Node>>,
-    /// The prototypes that do.
-    pub protos: Vec<Rc<Proto>>,
-    /// Length of the unit in metres.
+pub(super) struct VrmlDocument {
+    /// The top-level nodes.
+    pub roots: Vec<Rc<VrmlNode>>,
+    /// The top-level prototypes.
+    pub protos: Vec<Rc<Prototype>>,
+    /// Length of the unit in metres, if the file defines one.
     pub metres: Option<f64>,
 }
 
 /// A node under construction.
-pub(super) struct Draft {
+pub(super) struct NodeBuilder {
     pub kind: Rc<str>,
     pub name: Option<Rc<str>>,
-    pub proto: Option<Rc<Proto>>,
-    pub source: Rc<Source>,
+    pub proto: Option<Rc<Prototype>>,
+    pub source: Rc<VrmlSource>,
     pub at: usize,
-    pub fields: Vec<Field>,
+    pub fields: Vec<VrmlField>,
 }
 
-impl Draft {
-    /// The node; `None` if nodes are too deep in it.
-    pub fn finish(self) -> Option<Rc<Node>> {
+impl NodeBuilder {
+    /// The node; `None` if it is nested too deeply.
+    pub fn finish(self) -> Option<Rc<VrmlNode>> {
         let nodes = || self.fields.iter().flat_map(|f| f.value.nodes());
         let proto = self.proto.iter().flat_map(|proto| &proto.body);
         let depth = 1 + nodes().chain(proto).map(|n| n.depth).max().unwrap_or(0);
-        let is_field = |f: &Field| matches!(f.value, Value::Is(_));
+        let is_field = |f: &VrmlField| matches!(f.value, FieldValue::Is(_));
         let is_open = self.fields.iter().any(is_field) || nodes().any(|n| n.is_open);
         (depth <= MOST_DEPTH).then(|| {
-            Rc::new(Node {
+            Rc::new(VrmlNode {
                 kind: self.kind,
                 name: self.name,
                 proto: self.proto,
@@ -118,58 +116,60 @@ impl Draft {
     }
 }
 
-impl Value {
-    /// The nodes, if it holds any.
-    fn nodes(&self) -> &[Rc<Node>] {
+impl FieldValue {
+    /// The nodes, if the value consists of nodes.
+    fn nodes(&self) -> &[Rc<VrmlNode>] {
         match self {
-            Value::Nodes(nodes) => nodes,
+            FieldValue::Nodes(nodes) => nodes,
             _ => &[],
         }
     }
 
-    /// Whether it may hold nodes: an empty list has no type.
+    /// Whether the value may consist of nodes: an empty list has no type.
     pub fn is_nodes(&self) -> bool {
         match self {
-            Value::Nodes(_) => true,
-            Value::Text(text) => text.trim().is_empty(),
+            FieldValue::Nodes(_) => true,
+            FieldValue::Text(text) => text.trim().is_empty(),
             _ => false,
         }
     }
 
-    /// The numbers, if it holds any.
+    /// The numbers, if the value consists of numbers.
     pub fn numbers(&self) -> Option<Cow<'_, [f64]>> {
         match self {
-            Value::Numbers(numbers) => Some(Cow::Borrowed(numbers)),
-            Value::Integers(integers) => Some(integers.iter().map(|&i| f64::from(i)).collect()),
-            Value::Text(text) => Some(Cow::Owned(parsed_numbers(text))),
+            FieldValue::Numbers(numbers) => Some(Cow::Borrowed(numbers)),
+            FieldValue::Integers(integers) => {
+                Some(integers.iter().map(|&i| f64::from(i)).collect())
+            }
+            FieldValue::Text(text) => Some(Cow::Owned(parsed_numbers(text))),
             _ => None,
         }
     }
 
-    /// The integers, if it holds any.
+    /// The integers, if the value consists of integers.
     pub fn integers(&self) -> Option<Cow<'_, [i32]>> {
         match self {
-            Value::Numbers(numbers) => Some(numbers.iter().map(|&n| n as i32).collect()),
-            Value::Integers(integers) => Some(Cow::Borrowed(integers)),
-            Value::Text(text) => Some(Cow::Owned(parsed_integers(text))),
+            FieldValue::Numbers(numbers) => Some(numbers.iter().map(|&n| n as i32).collect()),
+            FieldValue::Integers(integers) => Some(Cow::Borrowed(integers)),
+            FieldValue::Text(text) => Some(Cow::Owned(parsed_integers(text))),
             _ => None,
         }
     }
 
-    /// The strings, if it holds any. In XML, one string may do without quotes.
+    /// The strings, if the value consists of strings. In XML, a single string may be unquoted.
     pub fn strings(&self) -> Option<Cow<'_, [String]>> {
         match self {
-            Value::Strings(strings) => Some(Cow::Borrowed(strings)),
-            Value::Text(text) => Some(Cow::Owned(parsed_strings(text))),
+            FieldValue::Strings(strings) => Some(Cow::Borrowed(strings)),
+            FieldValue::Text(text) => Some(Cow::Owned(parsed_strings(text))),
             _ => None,
         }
     }
 
-    /// True or false, if it is.
+    /// The flag, if the value is one.
     pub fn flag(&self) -> Option<bool> {
         match self {
-            Value::Flag(flag) => Some(*flag),
-            Value::Text(text) => parsed_flag(text.trim().as_bytes()),
+            FieldValue::Flag(flag) => Some(*flag),
+            FieldValue::Text(text) => parsed_flag(text.trim().as_bytes()),
             _ => None,
         }
     }
@@ -184,9 +184,9 @@ pub(super) fn parsed_flag(word: &[u8]) -> Option<bool> {
     }
 }
 
-/// The numbers in an attribute of XML; NaN for every word that is none.
+/// The numbers in an XML attribute; NaN for every word that is not a number.
 pub(super) fn parsed_numbers(text: &str) -> Vec<f64> {
-    let (mut lexer, mut numbers) = (Lexer::new(text.as_bytes()), Vec::new());
+    let (mut lexer, mut numbers) = (VrmlLexer::new(text.as_bytes()), Vec::new());
     loop {
         lexer.numbers(usize::MAX, &mut numbers);
         if !lexer.skip_token() {
@@ -196,9 +196,9 @@ pub(super) fn parsed_numbers(text: &str) -> Vec<f64> {
     }
 }
 
-/// The integers in an attribute of XML; words that are none are left out.
+/// The integers in an XML attribute; other words are skipped.
 pub(super) fn parsed_integers(text: &str) -> Vec<i32> {
-    let (mut lexer, mut integers) = (Lexer::new(text.as_bytes()), Vec::new());
+    let (mut lexer, mut integers) = (VrmlLexer::new(text.as_bytes()), Vec::new());
     loop {
         lexer.integers(&mut integers);
         if !lexer.skip_token() {
@@ -208,7 +208,7 @@ pub(super) fn parsed_integers(text: &str) -> Vec<i32> {
 }
 
 fn parsed_strings(text: &str) -> Vec<String> {
-    let mut lexer = Lexer::new(text.as_bytes());
+    let mut lexer = VrmlLexer::new(text.as_bytes());
     let mut strings = Vec::new();
     while let Some(string) = lexer.string() {
         strings.push(string.into_owned());
@@ -219,39 +219,39 @@ fn parsed_strings(text: &str) -> Vec<String> {
     strings
 }
 
-impl Node {
-    /// What a field holds; of two that have the name, the last.
-    pub fn value(&self, name: &str) -> Option<&Value> {
+impl VrmlNode {
+    /// The value of a field; of several with the same name, the last.
+    pub fn value(&self, name: &str) -> Option<&FieldValue> {
         let mut fields = self.fields.iter().rev();
         fields.find(|f| *f.name == *name).map(|f| &f.value)
     }
 
     /// All fields, in the order of the file.
-    pub fn fields(&self) -> &[Field] {
+    pub fn fields(&self) -> &[VrmlField] {
         &self.fields
     }
 
-    /// The numbers of a field; empty if it has none.
+    /// The numbers of a field; empty if absent.
     pub fn numbers(&self, name: &str) -> Cow<'_, [f64]> {
-        let numbers = self.value(name).and_then(Value::numbers);
+        let numbers = self.value(name).and_then(FieldValue::numbers);
         numbers.unwrap_or_default()
     }
 
-    /// The indices of a field; empty if it has none.
+    /// The indices of a field; empty if absent.
     pub fn integers(&self, name: &str) -> Cow<'_, [i32]> {
-        let integers = self.value(name).and_then(Value::integers);
+        let integers = self.value(name).and_then(FieldValue::integers);
         integers.unwrap_or_default()
     }
 
-    /// The strings of a field; empty if it has none.
+    /// The strings of a field; empty if absent.
     pub fn strings(&self, name: &str) -> Cow<'_, [String]> {
-        let strings = self.value(name).and_then(Value::strings);
+        let strings = self.value(name).and_then(FieldValue::strings);
         strings.unwrap_or_default()
     }
 
-    /// Whether a field is `TRUE`; `default` if it does not say.
+    /// Whether a field is `TRUE`; `default` if absent.
     pub fn flag(&self, name: &str, default: bool) -> bool {
-        let flag = self.value(name).and_then(Value::flag);
+        let flag = self.value(name).and_then(FieldValue::flag);
         flag.unwrap_or(default)
     }
 
@@ -263,41 +263,41 @@ impl Node {
         finite.unwrap_or(default)
     }
 
-    /// The one number of a field.
+    /// The number in a field.
     pub fn number(&self, name: &str, default: f64) -> f64 {
         let [number] = self.array(name, [default]);
         number
     }
 
-    /// The vector of a field.
+    /// The vector in a field.
     pub fn vector(&self, name: &str, default: DVec3) -> DVec3 {
         self.array(name, default.to_array()).into()
     }
 
-    /// The colour of a field, limited to 0..=1.
+    /// The colour in a field, clamped to 0..=1.
     pub fn color(&self, name: &str, default: Rgb) -> Rgb {
         Rgb::from(self.array(name, default.to_array())).map(|x| x.clamp(0.0, 1.0))
     }
 
-    /// The points in a plane of a field.
+    /// The 2D points in a field.
     pub fn points2(&self, name: &str) -> Vec<DVec2> {
         let numbers = self.numbers(name);
         numbers.chunks_exact(2).map(DVec2::from_slice).collect()
     }
 
-    /// The nodes of a field, as they stand: instances of prototypes are not unfolded.
-    pub fn nodes(&self, name: &str) -> &[Rc<Node>] {
-        self.value(name).map(Value::nodes).unwrap_or_default()
+    /// The nodes of a field as in the file: instances of prototypes are not unfolded.
+    pub fn nodes(&self, name: &str) -> &[Rc<VrmlNode>] {
+        self.value(name).map(FieldValue::nodes).unwrap_or_default()
     }
 
-    /// This node with every field that `value_of` knows in place of its `IS`; itself if there is
-    /// none in or below it. Counts the nodes that are made into `made`. `None` if nodes become
-    /// too deep.
+    /// This node with every `IS` for which `value_of` has a value replaced; the node itself if
+    /// there is no `IS` in or below it. Adds the number of new nodes to `made`. `None` if nodes
+    /// become nested too deeply.
     pub fn instance(
-        self: &Rc<Node>,
-        value_of: &dyn Fn(&str) -> Option<Value>,
+        self: &Rc<VrmlNode>,
+        value_of: &dyn Fn(&str) -> Option<FieldValue>,
         made: &mut u64,
-    ) -> Option<Rc<Node>> {
+    ) -> Option<Rc<VrmlNode>> {
         if !self.is_open {
             return Some(self.clone());
         }
@@ -305,17 +305,17 @@ impl Node {
         let mut fields = Vec::with_capacity(self.fields.len());
         for field in &self.fields {
             let value = match &field.value {
-                Value::Is(name) => value_of(name),
-                Value::Nodes(nodes) => {
+                FieldValue::Is(name) => value_of(name),
+                FieldValue::Nodes(nodes) => {
                     let instances = nodes.iter().map(|n| n.instance(value_of, made));
-                    Some(Value::Nodes(instances.collect::<Option<_>>()?))
+                    Some(FieldValue::Nodes(instances.collect::<Option<_>>()?))
                 }
                 value => Some(value.clone()),
             };
             let name = field.name.clone();
-            fields.extend(value.map(|value| Field { name, value }));
+            fields.extend(value.map(|value| VrmlField { name, value }));
         }
-        Draft {
+        NodeBuilder {
             kind: self.kind.clone(),
             name: self.name.clone(),
             proto: self.proto.clone(),
@@ -327,19 +327,19 @@ impl Node {
     }
 }
 
-/// Red, green and blue, limited to 0..=1; NaN becomes 0.
+/// Red, green and blue, clamped to 0..=1; NaN becomes 0.
 pub(super) fn limited(color: Rgb) -> Rgb {
     color.map(|x| if x > 0.0 { x.min(1.0) } else { 0.0 })
 }
 
-/// Numbers by threes.
+/// Numbers grouped by three.
 pub(super) fn triples(numbers: &[f64]) -> Vec<DVec3> {
     numbers.chunks_exact(3).map(DVec3::from_slice).collect()
 }
 
-impl Proto {
-    /// What an instance shows: the first node of the body, with the instance's fields in it.
-    pub fn unfold(&self, instance: &Node, made: &mut u64) -> Option<Rc<Node>> {
+impl Prototype {
+    /// The node that an instance displays: the first node of the body, with the instance's fields.
+    pub fn unfold(&self, instance: &VrmlNode, made: &mut u64) -> Option<Rc<VrmlNode>> {
         let value_of = |name: &str| {
             let default = || self.interface.iter().find(|f| *f.name == *name);
             let given = instance.value(name);

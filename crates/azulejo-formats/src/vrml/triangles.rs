@@ -1,46 +1,47 @@
 //! X3D's sets of triangles and quadrilaterals, with and without an index.
 
-use super::shape::{Surface, attributes, coordinates};
-use super::stage::Stage;
-use super::tree::Node;
+use super::builder::VrmlSceneBuilder;
+use super::shape::{SurfaceFields, attributes, coordinates};
+use super::tree::VrmlNode;
 use crate::ReadError;
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
-/// How corners follow each other.
+/// How corners form faces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Order {
-    /// Faces of so many corners each.
+enum CornerOrder {
+    /// Faces with this many corners each.
     Each(usize),
     /// Triangles around the first corner.
     Fan,
-    /// Triangles along a strip, every other one turned around.
+    /// A triangle strip, every second triangle reversed.
     Strip,
 }
 
-/// How a node's corners are to be read.
+/// How a node lists its corners.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Layout {
-    order: Order,
-    /// The field with the index, or for fans and strips without one the counts of their corners.
+pub(super) struct TriangleLayout {
+    order: CornerOrder,
+    /// The field with the index, or for fans and strips without one, the field with their corner
+    /// counts.
     list: Option<&'static str>,
     indexed: bool,
 }
 
-/// The layout of a type of node; `None` if it is none of these.
-pub(super) fn layout(kind: &str) -> Option<Layout> {
+/// The layout of a node type; `None` if it is not a triangle or quadrilateral set.
+pub(super) fn layout(kind: &str) -> Option<TriangleLayout> {
     let (order, list) = match kind {
-        "TriangleSet" => (Order::Each(3), None),
-        "QuadSet" => (Order::Each(4), None),
-        "TriangleFanSet" => (Order::Fan, Some("fanCount")),
-        "TriangleStripSet" => (Order::Strip, Some("stripCount")),
-        "IndexedTriangleSet" => (Order::Each(3), Some("index")),
-        "IndexedQuadSet" => (Order::Each(4), Some("index")),
-        "IndexedTriangleFanSet" => (Order::Fan, Some("index")),
-        "IndexedTriangleStripSet" => (Order::Strip, Some("index")),
+        "TriangleSet" => (CornerOrder::Each(3), None),
+        "QuadSet" => (CornerOrder::Each(4), None),
+        "TriangleFanSet" => (CornerOrder::Fan, Some("fanCount")),
+        "TriangleStripSet" => (CornerOrder::Strip, Some("stripCount")),
+        "IndexedTriangleSet" => (CornerOrder::Each(3), Some("index")),
+        "IndexedQuadSet" => (CornerOrder::Each(4), Some("index")),
+        "IndexedTriangleFanSet" => (CornerOrder::Fan, Some("index")),
+        "IndexedTriangleStripSet" => (CornerOrder::Strip, Some("index")),
         _ => return None,
     };
-    Some(Layout {
+    Some(TriangleLayout {
         order,
         list,
         indexed: kind.starts_with("Indexed"),
@@ -52,24 +53,25 @@ pub(super) fn layout(kind: &str) -> Option<Layout> {
 /// # Errors
 /// The model unfolds to more than the options allow.
 pub(super) fn surface<'n>(
-    stage: &mut Stage,
-    node: &'n Node,
-    layout: Layout,
-) -> Result<Surface<'n>, ReadError> {
-    let (positions, is_shared) = coordinates(stage, node)?;
+    builder: &mut VrmlSceneBuilder,
+    node: &'n VrmlNode,
+    layout: TriangleLayout,
+) -> Result<SurfaceFields<'n>, ReadError> {
+    let (positions, is_shared) = coordinates(builder, node)?;
     let list = layout.list.map(|field| node.integers(field));
     let list = list.unwrap_or_default();
-    // A strip has a triangle for each corner, an index three corners and an end for each of them.
+    // A strip has one triangle per corner, and an index has three corners and an end marker for
+    // each of them.
     let most = 4 * if layout.indexed {
         list.len()
     } else {
         positions.len()
     };
-    stage.spend(most as u64)?;
-    let mut faces = Faces::default();
+    builder.spend(most as u64)?;
+    let mut faces = TriangleCorners::default();
     match (layout.order, layout.indexed) {
-        (Order::Each(corners), true) => faces.each(&list, corners),
-        (Order::Each(corners), false) => faces.each(&counting(0, positions.len()), corners),
+        (CornerOrder::Each(corners), true) => faces.each(&list, corners),
+        (CornerOrder::Each(corners), false) => faces.each(&counting(0, positions.len()), corners),
         (order, true) => {
             for run in list.split(|i| *i < 0) {
                 faces.run(run, order);
@@ -78,29 +80,29 @@ pub(super) fn surface<'n>(
         (order, false) => faces.counted(&list, positions.len(), order),
     }
     let message = format!(
-        "corner of {} beyond the last whole face: skipped",
+        "corner of {} after the last complete face: skipped",
         node.kind
     );
-    stage.warn_many(&node.source, node.at, message, faces.lost);
-    let mut surface = Surface::new(node, positions, Cow::Owned(faces.coord_index));
+    builder.warn_many(&node.source, node.at, message, faces.lost);
+    let mut surface = SurfaceFields::new(node, positions, Cow::Owned(faces.coord_index));
     surface.is_shared = is_shared;
-    // These nodes have no creaseAngle: what shares a vertex is smooth.
-    let shares = layout.indexed || !matches!(layout.order, Order::Each(_));
+    // These nodes have no creaseAngle: faces that share a vertex are smooth.
+    let shares = layout.indexed || !matches!(layout.order, CornerOrder::Each(_));
     let smooth = shares && node.flag("normalPerVertex", true);
     surface.crease_angle = if smooth { PI } else { 0.0 };
-    attributes(stage, node, &mut surface)?;
+    attributes(builder, node, &mut surface)?;
     if let Some(colors) = &mut surface.colors {
-        // ISO/IEC 19775-1, 11.4: colorPerVertex is ignored, and always TRUE.
+        // ISO/IEC 19775-1, 11.4: colorPerVertex is ignored and always TRUE.
         colors.binding = super::faces::Binding::PerVertexIndexed;
     }
     Ok(surface)
 }
 
-/// Corners as they come out.
+/// The corners read so far.
 #[derive(Default)]
-struct Faces {
+struct TriangleCorners {
     coord_index: Vec<i32>,
-    /// Corners that make no face.
+    /// Number of corners that form no face.
     lost: usize,
 }
 
@@ -108,13 +110,13 @@ fn counting(start: usize, count: usize) -> Vec<i32> {
     (start..start + count).map(|i| i as i32).collect()
 }
 
-impl Faces {
+impl TriangleCorners {
     fn push(&mut self, face: &[i32]) {
         self.coord_index.extend_from_slice(face);
         self.coord_index.push(-1);
     }
 
-    /// Faces of equal length. What ends a face in other nodes has no place here, but is common.
+    /// Faces with a fixed number of corners. The end marker −1 is not allowed here, but common.
     fn each(&mut self, index: &[i32], corners: usize) {
         let index: Vec<i32> = index.iter().copied().filter(|i| *i >= 0).collect();
         let faces = index.chunks_exact(corners);
@@ -123,21 +125,21 @@ impl Faces {
     }
 
     /// A fan or a strip.
-    fn run(&mut self, run: &[i32], order: Order) {
+    fn run(&mut self, run: &[i32], order: CornerOrder) {
         if run.len() < 3 {
             self.lost += run.len();
         }
         for k in 2..run.len() {
             match order {
-                Order::Fan => self.push(&[run[0], run[k - 1], run[k]]),
+                CornerOrder::Fan => self.push(&[run[0], run[k - 1], run[k]]),
                 _ if k % 2 == 0 => self.push(&run[k - 2..=k]),
                 _ => self.push(&[run[k - 1], run[k - 2], run[k]]),
             }
         }
     }
 
-    /// Fans or strips of so many corners each, of all positions in their order.
-    fn counted(&mut self, counts: &[i32], positions: usize, order: Order) {
+    /// Fans or strips with the given corner counts, over all positions in their order.
+    fn counted(&mut self, counts: &[i32], positions: usize, order: CornerOrder) {
         let mut start = 0;
         for &count in counts {
             let count = usize::try_from(count).unwrap_or(0).min(positions - start);

@@ -1,167 +1,172 @@
-//! From the tree of nodes to the scene: groups, and what may stand in them.
+//! Converts the tree of nodes to a scene: groups and their children.
 
-use super::stage::{Frame, Opened, Placed, Source, Stage};
-use super::tree::{Document, Node};
-use super::{lights, shape, surroundings};
+use super::builder::{OpenedFile, ShapeOutcome, VrmlPlacement, VrmlSceneBuilder, VrmlSource};
+use super::tree::{VrmlDocument, VrmlNode};
+use super::{environment, lights, shape};
 use crate::reading::text::shortened;
 use crate::{Lod, ReadError};
 use glam::{DAffine3, DQuat, DVec3};
 use std::rc::Rc;
 
-/// How deep groups may stand inside one another once prototypes are unfolded.
+/// Maximum depth of nested groups once prototypes are unfolded.
 const MOST_DEPTH: u32 = 200;
 
-/// What a node costs of what a model may unfold to: many nodes may show nothing, but take time.
+/// What a node takes from the budget: many nodes may display nothing, but still take time.
 const NODE: u64 = 32;
 
-/// Where a node stands.
+/// The position of a node in the hierarchy.
 #[derive(Clone)]
-pub(super) struct Place {
-    /// Its frame in the world.
-    pub frame: Frame,
-    /// How many groups are around it.
+pub(super) struct NodePosition {
+    /// Its transformation and name path.
+    pub frame: VrmlPlacement,
+    /// The number of enclosing groups.
     pub depth: u32,
 }
 
-impl Place {
-    fn inside(&self, frame: Frame) -> Place {
-        Place {
+impl NodePosition {
+    fn inside(&self, frame: VrmlPlacement) -> NodePosition {
+        NodePosition {
             frame,
             depth: self.depth + 1,
         }
     }
 }
 
-/// Puts what a file holds under `frame`.
+/// Adds the content of a file under `frame`.
 ///
 /// # Errors
 /// The model unfolds to more than the options allow.
 pub(super) fn build(
-    stage: &mut Stage,
-    document: &Document,
-    frame: &Frame,
+    builder: &mut VrmlSceneBuilder,
+    document: &VrmlDocument,
+    frame: &VrmlPlacement,
 ) -> Result<(), ReadError> {
     let mut frame = frame.clone();
     if let Some(metres) = document.metres.filter(|m| *m > 0.0 && m.is_finite()) {
-        if stage.is_outermost() {
-            stage.scene.units.metres_per_unit = Some(metres);
+        if builder.is_outermost() {
+            builder.scene.units.metres_per_unit = Some(metres);
         } else {
-            // The file around this one has its own unit.
-            let scale = metres / stage.scene.units.metres();
+            // The enclosing file has a unit of its own.
+            let scale = metres / builder.scene.units.metres();
             frame = frame.moved(DAffine3::from_scale(DVec3::splat(scale)));
         }
     }
-    let place = Place { frame, depth: 0 };
+    let place = NodePosition { frame, depth: 0 };
     for node in &document.roots {
-        visit(stage, node, &place)?;
+        visit(builder, node, &place)?;
     }
     Ok(())
 }
 
-/// Puts a node into the scene, with all that is in it.
-fn visit(stage: &mut Stage, node: &Rc<Node>, place: &Place) -> Result<(), ReadError> {
-    stage.spend(NODE)?;
+/// Adds a node and everything below it to the scene.
+fn visit(
+    builder: &mut VrmlSceneBuilder,
+    node: &Rc<VrmlNode>,
+    place: &NodePosition,
+) -> Result<(), ReadError> {
+    builder.spend(NODE)?;
     if place.depth >= MOST_DEPTH {
-        let message = format!("group inside {MOST_DEPTH} others: skipped");
-        stage.warn(&node.source, node.at, message);
+        let message = format!("group nested more than {MOST_DEPTH} deep: skipped");
+        builder.warn(&node.source, node.at, message);
         return Ok(());
     }
     if node.proto.is_some() {
-        let Some(shown) = unfold(stage, node)? else {
+        let Some(shown) = unfold(builder, node)? else {
             return Ok(());
         };
         let frame = place.frame.named(node.name.as_deref());
-        return visit(stage, &shown, &place.inside(frame));
+        return visit(builder, &shown, &place.inside(frame));
     }
     match &*node.kind {
-        "Shape" => shape::place(stage, node, &place.frame),
-        "Inline" | "InlineLoadControl" => inline(stage, node, place),
+        "Shape" => shape::place(builder, node, &place.frame),
+        "Inline" | "InlineLoadControl" => inline(builder, node, place),
         "PointLight" | "SpotLight" | "DirectionalLight" => {
-            lights::place(stage, node, place);
+            lights::place(builder, node, place);
             Ok(())
         }
         "Viewpoint" | "Background" | "TextureBackground" | "Fog" | "NavigationInfo" => {
-            surroundings::place(stage, node, &place.frame);
+            environment::place(builder, node, &place.frame);
             Ok(())
         }
-        // They tell people and programs what azulejo has no use for.
+        // Metadata, which azulejo does not use.
         "WorldInfo" | "MetadataBoolean" | "MetadataDouble" | "MetadataFloat"
         | "MetadataInteger" | "MetadataSet" | "MetadataString" => Ok(()),
-        "Switch" => switch(stage, node, place),
-        "LOD" => levels(stage, node, place),
+        "Switch" => switch(builder, node, place),
+        "LOD" => levels(builder, node, place),
         _ => match groups(&node.kind) {
-            Some(fields) => group(stage, node, fields, place),
+            Some(fields) => group(builder, node, fields, place),
             None => {
-                skip(stage, node);
+                skip(builder, node);
                 Ok(())
             }
         },
     }
 }
 
-/// Counts a node that is not shown.
+/// Counts a node that is not supported.
 #[cold]
-pub(super) fn skip(stage: &mut Stage, node: &Node) {
+pub(super) fn skip(builder: &mut VrmlSceneBuilder, node: &VrmlNode) {
     let message = format!("node {}: skipped", shortened(&node.kind));
-    stage.warn(&node.source, node.at, message);
+    builder.warn(&node.source, node.at, message);
 }
 
-/// The node that an instance of a prototype stands for, and so on until it is none. `None`, with
-/// a warning, if there is no such node.
+/// The node that an instance of a prototype stands for, unfolded until it is not an instance.
+/// `None`, with a warning, if there is no such node.
 ///
 /// # Errors
 /// The model unfolds to more than the options allow.
 pub(super) fn unfold(
-    stage: &mut Stage,
-    instance: &Rc<Node>,
-) -> Result<Option<Rc<Node>>, ReadError> {
-    // Prototypes of other files may stand for each other in a circle.
+    builder: &mut VrmlSceneBuilder,
+    instance: &Rc<VrmlNode>,
+) -> Result<Option<Rc<VrmlNode>>, ReadError> {
+    // Prototypes of several files may refer to each other in a cycle.
     const MOST_UNFOLDED: usize = 32;
     let mut node = instance.clone();
     for _ in 0..MOST_UNFOLDED {
         let Some(proto) = node.proto.clone() else {
             return Ok(Some(node));
         };
-        let defined = match proto.urls.is_empty() {
-            true => Some(proto),
-            false => external(stage, &node, &proto.urls)?,
+        let defined = if proto.urls.is_empty() {
+            Some(proto)
+        } else {
+            external(builder, &node, &proto.urls)?
         };
         let mut made = 0;
         let shown = defined.and_then(|proto| proto.unfold(&node, &mut made));
-        stage.spend(NODE * (1 + made))?;
+        builder.spend(NODE * (1 + made))?;
         let Some(shown) = shown else {
             let kind = shortened(&node.kind);
-            let message = format!("{kind}, a prototype that stands for nothing: skipped");
-            stage.warn(&node.source, node.at, message);
+            let message = format!("instance of {kind}, a prototype without a body: skipped");
+            builder.warn(&node.source, node.at, message);
             return Ok(None);
         };
         node = shown;
     }
-    let message = "prototype that stands for itself: skipped";
-    stage.warn(&instance.source, instance.at, message);
+    let message = "prototype that refers to itself: skipped";
+    builder.warn(&instance.source, instance.at, message);
     Ok(None)
 }
 
-/// A prototype that another file defines: the one behind `#`, else the file's first.
+/// A prototype defined in another file: the one named after `#`, otherwise the file's first.
 fn external(
-    stage: &mut Stage,
-    node: &Node,
+    builder: &mut VrmlSceneBuilder,
+    node: &VrmlNode,
     urls: &[String],
-) -> Result<Option<Rc<super::tree::Proto>>, ReadError> {
+) -> Result<Option<Rc<super::tree::Prototype>>, ReadError> {
     let wanted = urls.iter().find_map(|url| url.split_once('#'));
-    let document = match stage.open(&node.source, node.at, urls) {
+    let document = match builder.open(&node.source, node.at, urls) {
         None => return Ok(None),
-        Some(Opened::Known(document)) => document,
-        Some(Opened::New(source)) => match super::document(stage, &source) {
+        Some(OpenedFile::Known(document)) => document,
+        Some(OpenedFile::New(source)) => match super::document(builder, &source) {
             Ok(document) => document,
             Err(e) => {
-                stage.close();
-                super::refuse(stage, &node.source, node.at, &source, e)?;
+                builder.close();
+                super::refuse(builder, &node.source, node.at, &source, e)?;
                 return Ok(None);
             }
         },
     };
-    stage.close();
+    builder.close();
     let mut protos = document.protos.iter();
     Ok(match wanted {
         Some((_, name)) => protos.rfind(|proto| *proto.name == *name),
@@ -170,11 +175,15 @@ fn external(
     .cloned())
 }
 
-/// The nodes of a field, with a warning if it holds something else.
-fn nodes<'n>(stage: &mut Stage, node: &'n Node, field: &str) -> &'n [Rc<Node>] {
+/// The nodes of a field, with a warning if it holds other values.
+fn nodes<'n>(
+    builder: &mut VrmlSceneBuilder,
+    node: &'n VrmlNode,
+    field: &str,
+) -> &'n [Rc<VrmlNode>] {
     if node.value(field).is_some_and(|value| !value.is_nodes()) {
-        let message = format!("{field} of {} that is no node: skipped", node.kind);
-        stage.warn(&node.source, node.at, message);
+        let message = format!("{field} of {} is not a node: skipped", node.kind);
+        builder.warn(&node.source, node.at, message);
     }
     node.nodes(field)
 }
@@ -184,17 +193,17 @@ fn nodes<'n>(stage: &mut Stage, node: &'n Node, field: &str) -> &'n [Rc<Node>] {
 /// # Errors
 /// The model unfolds to more than the options allow.
 pub(super) fn child(
-    stage: &mut Stage,
-    node: &Node,
+    builder: &mut VrmlSceneBuilder,
+    node: &VrmlNode,
     field: &str,
-) -> Result<Option<Rc<Node>>, ReadError> {
-    match nodes(stage, node, field).first() {
-        Some(child) => unfold(stage, child),
+) -> Result<Option<Rc<VrmlNode>>, ReadError> {
+    match nodes(builder, node, field).first() {
+        Some(child) => unfold(builder, child),
         None => Ok(None),
     }
 }
 
-/// The fields in which a group keeps its children; `None` for a node that is no group.
+/// The fields that hold the children of a group; `None` if the node is not a group.
 fn groups(kind: &str) -> Option<&'static [&'static str]> {
     Some(match kind {
         "Group" | "Transform" | "StaticGroup" | "Anchor" | "Billboard" | "Collision"
@@ -209,25 +218,33 @@ fn groups(kind: &str) -> Option<&'static [&'static str]> {
     })
 }
 
-fn group(stage: &mut Stage, node: &Node, fields: &[&str], place: &Place) -> Result<(), ReadError> {
+fn group(
+    builder: &mut VrmlSceneBuilder,
+    node: &VrmlNode,
+    fields: &[&str],
+    place: &NodePosition,
+) -> Result<(), ReadError> {
     let lost = match &*node.kind {
-        "Billboard" => Some("Billboard: stands as it is, and does not turn to the viewer"),
+        "Billboard" => {
+            Some("Billboard: kept in its original orientation, it does not turn to the viewer")
+        }
         "Collision" if !node.nodes("proxy").is_empty() => {
-            Some("proxy of a Collision, which is never seen: not shown")
+            Some("proxy of a Collision, which is never visible: skipped")
         }
         _ => None,
     };
     if let Some(message) = lost {
-        stage.warn(&node.source, node.at, message);
+        builder.warn(&node.source, node.at, message);
     }
     let frame = place.frame.named(node.name.as_deref());
-    let place = place.inside(match is_transformation(&node.kind) {
-        true => frame.moved(transformation(node)),
-        false => frame,
+    let place = place.inside(if is_transformation(&node.kind) {
+        frame.moved(transformation(node))
+    } else {
+        frame
     });
     for field in fields {
-        for child in nodes(stage, node, field) {
-            visit(stage, child, &place)?;
+        for child in nodes(builder, node, field) {
+            visit(builder, child, &place)?;
         }
     }
     Ok(())
@@ -241,7 +258,7 @@ fn is_transformation(kind: &str) -> bool {
 }
 
 /// T × C × R × SR × S × −SR × −C, ISO/IEC 14772-1, 6.52.
-fn transformation(node: &Node) -> DAffine3 {
+fn transformation(node: &VrmlNode) -> DAffine3 {
     let center = node.vector("center", DVec3::ZERO);
     let translation = node.vector("translation", DVec3::ZERO);
     let turn = rotation(node.array("rotation", [0.0, 0.0, 1.0, 0.0]));
@@ -254,7 +271,7 @@ fn transformation(node: &Node) -> DAffine3 {
         * DAffine3::from_translation(-center)
 }
 
-/// A turn about an axis of any length; about none it is none.
+/// A rotation about an axis of any length; the identity if the axis is zero.
 pub(super) fn rotation([x, y, z, angle]: [f64; 4]) -> DQuat {
     match DVec3::new(x, y, z).try_normalize() {
         Some(axis) => DQuat::from_axis_angle(axis, angle),
@@ -262,36 +279,48 @@ pub(super) fn rotation([x, y, z, angle]: [f64; 4]) -> DQuat {
     }
 }
 
-/// The children of a node that chooses among them: VRML97 has another name for them.
-fn choices<'n>(stage: &mut Stage, node: &'n Node, vrml97: &str) -> &'n [Rc<Node>] {
-    match nodes(stage, node, "children") {
-        [] => nodes(stage, node, vrml97),
+/// The children of a Switch or LOD: VRML97 has another name for them.
+fn choices<'n>(
+    builder: &mut VrmlSceneBuilder,
+    node: &'n VrmlNode,
+    vrml97: &str,
+) -> &'n [Rc<VrmlNode>] {
+    match nodes(builder, node, "children") {
+        [] => nodes(builder, node, vrml97),
         children => children,
     }
 }
 
-fn switch(stage: &mut Stage, node: &Node, place: &Place) -> Result<(), ReadError> {
-    let children = choices(stage, node, "choice");
+fn switch(
+    builder: &mut VrmlSceneBuilder,
+    node: &VrmlNode,
+    place: &NodePosition,
+) -> Result<(), ReadError> {
+    let children = choices(builder, node, "choice");
     let chosen = usize::try_from(node.number("whichChoice", -1.0) as i64).ok();
     let chosen = chosen.filter(|i| *i < children.len());
     let hidden = children.len() - usize::from(chosen.is_some());
-    let message = "child of a Switch that is not chosen: not shown";
-    stage.warn_many(&node.source, node.at, message, hidden);
+    let message = "child of a Switch that is not selected: skipped";
+    builder.warn_many(&node.source, node.at, message, hidden);
     let place = place.inside(place.frame.named(node.name.as_deref()));
     match chosen {
-        Some(i) => visit(stage, &children[i], &place),
+        Some(i) => visit(builder, &children[i], &place),
         None => Ok(()),
     }
 }
 
-fn levels(stage: &mut Stage, node: &Node, place: &Place) -> Result<(), ReadError> {
-    let children = choices(stage, node, "level");
+fn levels(
+    builder: &mut VrmlSceneBuilder,
+    node: &VrmlNode,
+    place: &NodePosition,
+) -> Result<(), ReadError> {
+    let children = choices(builder, node, "level");
     let place = place.inside(place.frame.named(node.name.as_deref()));
-    let level = match stage.options.lod {
+    let level = match builder.options.lod {
         Lod::Finest => 0,
         Lod::Coarsest => {
             let mut left = MOST_LOOKED_AT;
-            let shows = |n: &Rc<Node>| shows_something(n, &mut left);
+            let shows = |n: &Rc<VrmlNode>| shows_something(n, &mut left);
             children.iter().rposition(shows).unwrap_or(0)
         }
         Lod::Distance(distance) => {
@@ -301,25 +330,25 @@ fn levels(stage: &mut Stage, node: &Node, place: &Place) -> Result<(), ReadError
         }
         Lod::All => {
             for child in children {
-                visit(stage, child, &place)?;
+                visit(builder, child, &place)?;
             }
             return Ok(());
         }
     };
-    let message = "level of detail that is not the one asked for: not shown";
+    let message = "level of detail that is not the requested one: skipped";
     let hidden = children.len().saturating_sub(1);
-    stage.warn_many(&node.source, node.at, message, hidden);
+    builder.warn_many(&node.source, node.at, message, hidden);
     match children.get(level) {
-        Some(child) => visit(stage, child, &place),
+        Some(child) => visit(builder, child, &place),
         None => Ok(()),
     }
 }
 
-/// How many nodes are looked at for whether a level of detail is empty.
+/// Maximum number of nodes examined to decide whether a level of detail is empty.
 const MOST_LOOKED_AT: u32 = 10_000;
 
-/// Whether a node is likely to have a surface. Prototypes are believed to.
-fn shows_something(node: &Node, left: &mut u32) -> bool {
+/// Whether a node is likely to have a surface. Prototypes are assumed to have one.
+fn shows_something(node: &VrmlNode, left: &mut u32) -> bool {
     if *left == 0 || node.proto.is_some() || matches!(&*node.kind, "Shape" | "Inline") {
         return true;
     }
@@ -329,27 +358,33 @@ fn shows_something(node: &Node, left: &mut u32) -> bool {
     children().any(|child| shows_something(child, left))
 }
 
-fn inline(stage: &mut Stage, node: &Node, place: &Place) -> Result<(), ReadError> {
+fn inline(
+    builder: &mut VrmlSceneBuilder,
+    node: &VrmlNode,
+    place: &NodePosition,
+) -> Result<(), ReadError> {
     if !node.flag("load", true) {
-        stage.warn(
-            &node.source,
-            node.at,
-            "Inline that is not to be loaded: skipped",
-        );
+        builder.warn(&node.source, node.at, "Inline with load FALSE: skipped");
         return Ok(());
     }
     let frame = place.frame.named(node.name.as_deref());
     let urls = node.strings("url");
-    super::include(stage, &node.source, node.at, &urls, &frame)
+    super::include(builder, &node.source, node.at, &urls, &frame)
 }
 
-/// Says what became of an object.
-pub(super) fn report(stage: &mut Stage, source: &Source, at: usize, what: &str, placed: Placed) {
+/// Warns about an object that was not added.
+pub(super) fn report(
+    builder: &mut VrmlSceneBuilder,
+    source: &VrmlSource,
+    at: usize,
+    what: &str,
+    placed: ShapeOutcome,
+) {
     let why = match placed {
-        Placed::Object => return,
-        Placed::Nothing => "without faces",
-        Placed::Nowhere => "flattened to nothing, or beyond all numbers",
+        ShapeOutcome::Object => return,
+        ShapeOutcome::Nothing => "without faces",
+        ShapeOutcome::Nowhere => "with a singular or overflowing transformation",
     };
     let message = format!("{} {why}: skipped", shortened(what));
-    stage.warn(source, at, message);
+    builder.warn(source, at, message);
 }

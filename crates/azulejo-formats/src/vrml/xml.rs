@@ -1,14 +1,15 @@
 //! X3D in XML, as a tree of nodes.
 //!
-//! Elements become nodes, attributes fields; an element inside another is the value of the field
-//! that its `containerField` or its type says. The numbers of large fields are read at once,
-//! everything else keeps its text until someone asks for it.
+//! Elements become nodes, attributes fields; a child element is the value of the field named by its
+//! `containerField` or implied by its type. The numbers of large fields are parsed at once,
+//! everything else keeps its text until it is accessed.
 
+use super::builder::{VrmlSceneBuilder, VrmlSource};
 use super::classic::holds_integers;
-use super::names::Names;
-use super::stage::{Source, Stage};
+use super::names::NameScopes;
 use super::tree::{
-    Document, Draft, Field, MOST_DEPTH, Node, Proto, Value, parsed_integers, parsed_numbers,
+    FieldValue, MOST_DEPTH, NodeBuilder, Prototype, VrmlDocument, VrmlField, VrmlNode,
+    parsed_integers, parsed_numbers,
 };
 use crate::ReadError;
 use crate::reading::text::{shortened, text};
@@ -16,35 +17,38 @@ use roxmltree::{Node as Element, ParsingOptions};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// Reads a file.
+/// Parses a file.
 ///
 /// # Errors
-/// What is wrong with its XML, if not even the elements before that can be used; no element
-/// `Scene`; more nodes than the options allow.
-pub(super) fn parse(stage: &mut Stage, source: &Rc<Source>) -> Result<Document, ReadError> {
+/// Malformed XML, if not even the elements before the error can be used; no element `Scene`; more
+/// nodes than the options allow.
+pub(super) fn parse(
+    builder: &mut VrmlSceneBuilder,
+    source: &Rc<VrmlSource>,
+) -> Result<VrmlDocument, ReadError> {
     let text = text(&source.bytes);
     if let Some(at) = text.find("<!ENTITY") {
-        // One entity may stand for a megabyte, and be named a million times.
+        // One entity may expand to a megabyte and be referenced a million times.
         let name = &*source.name;
         let found = "XML that declares entities of its own";
         return Err(ReadError::at_byte(
             name,
             at as u64,
             found,
-            "X3D without them",
+            "X3D without entity declarations",
         ));
     }
     let whole = roxmltree::Document::parse_with_options(&text, options());
     let broken = match &whole {
-        Ok(xml) => return read(stage, source, xml),
-        Err(e) => Broken::new(&text, e),
+        Ok(xml) => return read(builder, source, xml),
+        Err(e) => XmlError::new(&text, e),
     };
     let mended = mended(&text[..broken.at]).unwrap_or_default();
     match roxmltree::Document::parse_with_options(&mended, options()) {
         Ok(xml) if scene(&xml).is_some() => {
-            let what = format!("{}: only what stands before is read", broken.what);
-            stage.warn(source, broken.at, what);
-            read(stage, source, &xml)
+            let what = format!("{}: only what precedes it is read", broken.what);
+            builder.warn(source, broken.at, what);
+            read(builder, source, &xml)
         }
         _ => Err(ReadError {
             position: source.position(broken.at),
@@ -59,12 +63,12 @@ fn scene<'a, 'i>(xml: &'a roxmltree::Document<'i>) -> Option<Element<'a, 'i>> {
     elements.find(|e| is(*e, "Scene"))
 }
 
-/// Whether an element has a name, in whatever name space.
+/// Whether an element has this local name, in any namespace.
 fn is(element: Element, name: &str) -> bool {
     element.is_element() && element.tag_name().name() == name
 }
 
-/// X3D files begin with a document type.
+/// X3D files begin with a document type declaration.
 fn options<'a>() -> ParsingOptions<'a> {
     ParsingOptions {
         allow_dtd: true,
@@ -72,31 +76,31 @@ fn options<'a>() -> ParsingOptions<'a> {
     }
 }
 
-/// What is wrong with XML.
-struct Broken {
-    /// At which byte.
+/// An XML syntax error.
+struct XmlError {
+    /// The byte offset.
     at: usize,
     what: String,
 }
 
-impl Broken {
-    fn new(text: &str, e: &roxmltree::Error) -> Broken {
+impl XmlError {
+    fn new(text: &str, e: &roxmltree::Error) -> XmlError {
         let said = e.to_string();
-        // The crate's own words end with the place; where the text just ends, it gives none.
+        // The crate's messages end with the position; at the end of the text they have none.
         let what = said.rsplit_once(" at ").map_or(&*said, |(what, _)| what);
         let place = e.pos();
         let at = match (place.row, place.col) {
             (1, 1) => text.len(),
             (row, column) => offset(text, row, column),
         };
-        Broken {
+        XmlError {
             at,
-            what: format!("XML that is not well-formed ({what})"),
+            what: format!("malformed XML ({what})"),
         }
     }
 }
 
-/// The byte at a line and column, both from 1.
+/// The byte offset of a line and column, both counted from 1.
 fn offset(text: &str, row: u32, column: u32) -> usize {
     let before: usize = text
         .split_inclusive('\n')
@@ -109,22 +113,22 @@ fn offset(text: &str, row: u32, column: u32) -> usize {
 }
 
 fn read(
-    stage: &mut Stage,
-    source: &Rc<Source>,
+    builder: &mut VrmlSceneBuilder,
+    source: &Rc<VrmlSource>,
     xml: &roxmltree::Document,
-) -> Result<Document, ReadError> {
+) -> Result<VrmlDocument, ReadError> {
     let Some(scene) = scene(xml) else {
         return Err(ReadError::whole(
             &*source.name,
-            "XML without a Scene",
-            "the element Scene of X3D",
+            "XML without a Scene element",
+            "the Scene element of X3D",
         ));
     };
-    let mut reader = Reader {
+    let mut reader = X3dParser {
         source,
-        stage,
+        builder,
         known: HashMap::new(),
-        names: Names::new(),
+        names: NameScopes::new(),
         depth: 0,
     };
     let mut roots = Vec::new();
@@ -134,29 +138,30 @@ fn read(
     let mut elements = xml.root_element().descendants();
     let unit = elements.find(|e| is(*e, "unit") && e.attribute("category") == Some("length"));
     let factor = unit.and_then(|e| e.attribute("conversionFactor"));
-    Ok(Document {
+    Ok(VrmlDocument {
         roots: roots.into_iter().map(|(_, node)| node).collect(),
         protos: reader.names.into_protos(),
         metres: factor.and_then(|f| parsed_numbers(f).first().copied()),
     })
 }
 
-struct Reader<'a, 's, 'f> {
-    source: &'a Rc<Source>,
-    stage: &'s mut Stage<'f>,
-    /// Words that have been seen, so that all fields of a name share it.
+struct X3dParser<'a, 's, 'f> {
+    source: &'a Rc<VrmlSource>,
+    builder: &'s mut VrmlSceneBuilder<'f>,
+    /// Interned words, so that all fields of the same name share it.
     known: HashMap<String, Rc<str>>,
-    names: Names,
+    names: NameScopes,
     depth: u32,
 }
 
-/// A node, and the field of its parent in which it stands.
-type Contained = (Rc<str>, Rc<Node>);
+/// A node, and the field of its parent that contains it.
+type ContainedNode = (Rc<str>, Rc<VrmlNode>);
 
-impl Reader<'_, '_, '_> {
+impl X3dParser<'_, '_, '_> {
     #[cold]
     fn warn(&mut self, element: Element, message: impl Into<String>) {
-        self.stage.warn(self.source, element.range().start, message);
+        self.builder
+            .warn(self.source, element.range().start, message);
     }
 
     fn intern(&mut self, word: &str) -> Rc<str> {
@@ -168,10 +173,10 @@ impl Reader<'_, '_, '_> {
         new
     }
 
-    /// A node, or something that is none.
-    fn statement(&mut self, element: Element) -> Result<Option<Contained>, ReadError> {
+    /// Reads a node or another statement.
+    fn statement(&mut self, element: Element) -> Result<Option<ContainedNode>, ReadError> {
         match element.tag_name().name() {
-            "ROUTE" => self.warn(element, "ROUTE: skipped, nothing moves"),
+            "ROUTE" => self.warn(element, "ROUTE: skipped, animation is not supported"),
             "IMPORT" | "EXPORT" => self.warn(element, "IMPORT or EXPORT of a name: skipped"),
             "ProtoDeclare" => self.proto(element)?,
             "ExternProtoDeclare" => self.extern_proto(element),
@@ -184,13 +189,13 @@ impl Reader<'_, '_, '_> {
         Ok(None)
     }
 
-    fn node(&mut self, element: Element, kind: &str) -> Result<Option<Contained>, ReadError> {
+    fn node(&mut self, element: Element, kind: &str) -> Result<Option<ContainedNode>, ReadError> {
         let field = element.attribute("containerField");
         let field = self.intern(field.unwrap_or(container(kind)));
         if let Some(name) = element.attribute("USE") {
             return Ok(self.reference(element, name).map(|node| (field, node)));
         }
-        self.stage.spend(1)?;
+        self.builder.spend(1)?;
         if self.depth == MOST_DEPTH {
             self.too_deep(element);
             return Ok(None);
@@ -201,7 +206,7 @@ impl Reader<'_, '_, '_> {
         self.depth -= 1;
         let name = element.attribute("DEF").map(|name| self.intern(name));
         let kind = self.intern(kind);
-        let draft = Draft {
+        let draft = NodeBuilder {
             proto: self.names.proto(&kind),
             kind,
             name: name.clone(),
@@ -220,21 +225,22 @@ impl Reader<'_, '_, '_> {
     }
 
     fn too_deep(&mut self, element: Element) {
-        let message = format!("node deeper than {MOST_DEPTH} others: skipped");
+        let message = format!("node nested more than {MOST_DEPTH} deep: skipped");
         self.warn(element, message);
     }
 
-    fn reference(&mut self, element: Element, name: &str) -> Option<Rc<Node>> {
+    fn reference(&mut self, element: Element, name: &str) -> Option<Rc<VrmlNode>> {
         let node = self.names.node(name);
         if node.is_none() {
             let name = shortened(name);
-            let message = format!("USE of \"{name}\", which no whole node before it is: skipped");
+            let message =
+                format!("USE of \"{name}\", which no complete node before it defines: skipped");
             self.warn(element, message);
         }
         node
     }
 
-    fn attributes(&mut self, element: Element) -> Vec<Field> {
+    fn attributes(&mut self, element: Element) -> Vec<VrmlField> {
         let is_field = |name: &str| {
             !matches!(
                 name,
@@ -242,16 +248,16 @@ impl Reader<'_, '_, '_> {
             )
         };
         let attributes = element.attributes().filter(|a| is_field(a.name()));
-        let fields = attributes.map(|a| Field {
+        let fields = attributes.map(|a| VrmlField {
             name: self.intern(a.name()),
             value: value(a.name(), a.value()),
         });
         fields.collect()
     }
 
-    /// The elements inside a node: nodes, and what a prototype has to do with it.
-    fn children(&mut self, element: Element, fields: &mut Vec<Field>) -> Result<(), ReadError> {
-        let mut nodes: Vec<Field> = Vec::new();
+    /// Reads the child elements of a node: nodes, and the parts of a prototype.
+    fn children(&mut self, element: Element, fields: &mut Vec<VrmlField>) -> Result<(), ReadError> {
+        let mut nodes: Vec<VrmlField> = Vec::new();
         for child in element.children().filter(Element::is_element) {
             match child.tag_name().name() {
                 "IS" => self.connections(child, fields),
@@ -268,28 +274,28 @@ impl Reader<'_, '_, '_> {
     }
 
     /// `<connect nodeField="…" protoField="…"/>`
-    fn connections(&mut self, element: Element, fields: &mut Vec<Field>) {
+    fn connections(&mut self, element: Element, fields: &mut Vec<VrmlField>) {
         for connect in element.children().filter(Element::is_element) {
             let ends = (
                 connect.attribute("nodeField"),
                 connect.attribute("protoField"),
             );
             if let (Some(name), Some(of)) = ends {
-                let value = Value::Is(self.intern(of));
+                let value = FieldValue::Is(self.intern(of));
                 let name = self.intern(name);
-                fields.push(Field { name, value });
+                fields.push(VrmlField { name, value });
             }
         }
     }
 
-    /// A field of a prototype or of its instance, with its value, if it has one.
-    fn given(&mut self, element: Element) -> Result<Option<Field>, ReadError> {
+    /// A field of a prototype or of its instance, with its value, if any.
+    fn given(&mut self, element: Element) -> Result<Option<VrmlField>, ReadError> {
         let Some(name) = element.attribute("name") else {
             return Ok(None);
         };
         let is_node = |e: Element| e.attribute("type").is_some_and(|t| t.ends_with("Node"));
         let value = match element.attribute("value") {
-            Some(text) => Value::Text(text.into()),
+            Some(text) => FieldValue::Text(text.into()),
             None => {
                 let mut nodes = Vec::new();
                 for child in element.children().filter(Element::is_element) {
@@ -298,11 +304,11 @@ impl Reader<'_, '_, '_> {
                 if nodes.is_empty() && !is_node(element) {
                     return Ok(None);
                 }
-                Value::Nodes(nodes)
+                FieldValue::Nodes(nodes)
             }
         };
         let name = self.intern(name);
-        Ok(Some(Field { name, value }))
+        Ok(Some(VrmlField { name, value }))
     }
 
     fn proto(&mut self, element: Element) -> Result<(), ReadError> {
@@ -328,7 +334,7 @@ impl Reader<'_, '_, '_> {
         self.names.leave();
         self.depth -= 1;
         let name = self.intern(element.attribute("name").unwrap_or_default());
-        self.names.define_proto(Proto {
+        self.names.define_proto(Prototype {
             name,
             interface,
             body,
@@ -339,9 +345,9 @@ impl Reader<'_, '_, '_> {
 
     fn extern_proto(&mut self, element: Element) {
         let urls = element.attribute("url").map(|url| value("url", url));
-        let urls = urls.as_ref().and_then(Value::strings);
+        let urls = urls.as_ref().and_then(FieldValue::strings);
         let name = self.intern(element.attribute("name").unwrap_or_default());
-        self.names.define_proto(Proto {
+        self.names.define_proto(Prototype {
             name,
             interface: Vec::new(),
             body: Vec::new(),
@@ -350,31 +356,31 @@ impl Reader<'_, '_, '_> {
     }
 }
 
-/// Adds a node to the field in which it stands.
-fn contain(fields: &mut Vec<Field>, name: Rc<str>, node: Rc<Node>) {
+/// Adds a node to the field that contains it.
+fn contain(fields: &mut Vec<VrmlField>, name: Rc<str>, node: Rc<VrmlNode>) {
     for field in fields.iter_mut() {
-        if let Value::Nodes(nodes) = &mut field.value
+        if let FieldValue::Nodes(nodes) = &mut field.value
             && field.name == name
         {
             return nodes.push(node);
         }
     }
-    let value = Value::Nodes(vec![node]);
-    fields.push(Field { name, value });
+    let value = FieldValue::Nodes(vec![node]);
+    fields.push(VrmlField { name, value });
 }
 
-/// The value of an attribute: numbers at once where there may be many.
-fn value(field: &str, text: &str) -> Value {
+/// The value of an attribute, parsed at once if it may hold many numbers.
+fn value(field: &str, text: &str) -> FieldValue {
     match field {
         "point" | "vector" | "color" | "height" | "spine" | "crossSection" | "image" => {
-            Value::Numbers(Rc::new(parsed_numbers(text)))
+            FieldValue::Numbers(Rc::new(parsed_numbers(text)))
         }
-        _ if holds_integers(field) => Value::Integers(Rc::new(parsed_integers(text))),
-        _ => Value::Text(text.into()),
+        _ if holds_integers(field) => FieldValue::Integers(Rc::new(parsed_integers(text))),
+        _ => FieldValue::Text(text.into()),
     }
 }
 
-/// The field in which a node stands that does not say: ISO/IEC 19776-1, 6.2.
+/// The default container field of a node: ISO/IEC 19776-1, 6.2.
 fn container(kind: &str) -> &'static str {
     match kind {
         "Appearance" => "appearance",
@@ -449,8 +455,8 @@ fn container(kind: &str) -> &'static str {
     }
 }
 
-/// A text that stops somewhere, without the tag in which it stops, and with the elements closed
-/// that are open there. `None` if there are none.
+/// A truncated text without its incomplete last tag and with the open elements closed. `None` if
+/// there are none.
 fn mended(text: &str) -> Option<String> {
     let (kept, open) = open_elements(text)?;
     let mut mended = text[..kept].to_owned();
@@ -462,7 +468,7 @@ fn mended(text: &str) -> Option<String> {
     Some(mended)
 }
 
-/// How far the tags of a text are whole, and the elements that are open there.
+/// The end of the last complete tag, and the elements that are open there.
 fn open_elements(text: &str) -> Option<(usize, Vec<&str>)> {
     let mut open = Vec::new();
     let (mut at, mut kept) = (0, 0);
@@ -486,7 +492,7 @@ fn open_elements(text: &str) -> Option<(usize, Vec<&str>)> {
     (!open.is_empty()).then_some((kept, open))
 }
 
-/// Bytes to the end of the tag, comment or section at the start of a text.
+/// Length in bytes of the tag, comment or section at the start of a text.
 fn tag_length(text: &str) -> Option<usize> {
     for (start, end) in [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>")] {
         if text.starts_with(start) {

@@ -1,22 +1,22 @@
-//! What can be counted in a scene.
+//! Counts of a scene's elements.
 
 use azulejo_scene::math::Aabb;
 use azulejo_scene::{Mesh, Scene, Shape};
 use std::collections::BTreeSet;
 
 /// azulejo's own convention, which the table prints: an object is a placed mesh or primitive; its
-/// vertices are those that its faces can name; faces are polygons; triangles are corners − 2 of
-/// each. Exact primitives have neither vertices nor faces.
+/// vertices are those that its faces can refer to; faces are polygons; each counts as corners − 2
+/// triangles. Exact primitives have neither vertices nor faces.
 pub struct Counts {
     pub objects: usize,
     pub vertices: usize,
     pub faces: usize,
     pub triangles: usize,
-    /// Pairs of an object and a material in it: what some programs call meshes.
+    /// Pairs of an object and a material in it, which some programs call meshes.
     pub parts: usize,
-    /// Distinct positions of each such part, as floats.
+    /// Distinct positions of each such part, in single precision.
     pub positions: usize,
-    /// Around the vertices of all faces, and all primitives.
+    /// Of the vertices of all faces, and of all primitives.
     pub bounds: Aabb,
 }
 
@@ -46,7 +46,7 @@ fn parts_and_positions(mesh: &Mesh) -> (usize, usize) {
     let mut positions = BTreeSet::new();
     for (face, &material) in mesh.face_materials.iter().enumerate() {
         for p in mesh.face_positions(face) {
-            // As floats, because that is how most programs tell them apart; and -0 is 0.
+            // Compared in single precision, as in most programs; and -0 equals 0.
             let bits = p.to_array().map(|x| (x as f32 + 0.0).to_bits());
             positions.insert((material, bits));
         }

@@ -1,10 +1,10 @@
-//! Every file of the corpus, read, and compared column by column with what other programs and
-//! plain counts found in it: `cargo test -p azulejo-formats --test corpus [-- PART-OF-A-PATH...]`.
+//! Reads every file of the corpus, and compares it column by column with counts from other programs
+//! and plain counts: `cargo test -p azulejo-formats --test corpus [-- PART-OF-A-PATH...]`.
 //!
-//! A program of its own and not part of `it`, because what it prints is as much its purpose as
-//! whether it fails: one table, a line per file. [`rules`] says which columns each format is
-//! compared with and where and why azulejo differs; a difference that no rule explains fails, and
-//! so does a rule that nothing needs any more.
+//! A program of its own and not part of `it`, because its output is as important as its result: one
+//! table with a line per file. [`rules`] defines which columns each format is compared with and
+//! where and why azulejo differs; a difference that no rule explains is a failure, and so is a rule
+//! that is no longer needed.
 
 #![allow(clippy::print_stdout, reason = "the table is what it is for")]
 
@@ -24,11 +24,10 @@ fn main() -> ExitCode {
     if words.iter().any(|w| w == "--list") {
         return ExitCode::SUCCESS;
     }
-    let Some(data) = std::env::var_os("AZULEJO_DATA") else {
-        println!("skipped: AZULEJO_DATA is not set");
+    let Some(data) = azulejo_testing::data() else {
         return ExitCode::SUCCESS;
     };
-    let corpus = Path::new(&data).join("corpus");
+    let corpus = data.join("corpus");
     let parts: Vec<&str> = words
         .iter()
         .map(String::as_str)
@@ -41,22 +40,23 @@ fn main() -> ExitCode {
         .filter_map(|row| Some(check(&corpus, row, rules::of(row.path())?)))
         .collect();
     print(&lines);
-    match lines.iter().all(|line| line.result != Outcome::Differs) {
-        true => ExitCode::SUCCESS,
-        false => ExitCode::FAILURE,
+    if lines.iter().all(|line| line.result != Outcome::Differs) {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
     }
 }
 
-/// What became of a file.
+/// The result for a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Outcome {
-    /// Every column compared is the same.
+    /// Every compared column agrees.
     Same,
-    /// Some are not, and a rule says why azulejo is right.
+    /// Some differ, and a rule explains why azulejo is right.
     Explained,
-    /// Refused, as it should be.
+    /// Rejected, as expected.
     Refused,
-    /// A difference that nobody has explained.
+    /// An unexplained difference.
     Differs,
 }
 
@@ -103,7 +103,7 @@ fn read(path: &Path, allowed: Option<std::path::PathBuf>) -> Result<RecognisedMo
 
 impl Line {
     fn say(&mut self, result: Outcome, reason: impl Into<String>) {
-        // One difference without a reason outweighs all that have one.
+        // One unexplained difference outweighs all explained ones.
         if self.result != Outcome::Differs {
             self.result = result;
         }

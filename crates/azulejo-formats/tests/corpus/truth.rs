@@ -1,4 +1,4 @@
-//! The table of what other programs found.
+//! The table of reference counts from other programs.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 /// All files, by path.
 pub struct Table(Vec<Row>);
 
-/// One file: cells by the name of their column, and what the manifest notes.
+/// One file: cells by column name, and the notes of the manifest.
 pub struct Row {
     cells: BTreeMap<String, String>,
     note: String,
@@ -54,7 +54,7 @@ impl Row {
         &self.cells["path"]
     }
 
-    /// Whether the file is damaged, so that it must be refused or warned about.
+    /// Whether the file is damaged, so that it must be rejected or warned about.
     pub fn is_invalid(&self) -> bool {
         self.note.contains("INVALID")
     }
@@ -64,7 +64,7 @@ impl Row {
         self.cells.get(column)?.parse().ok()
     }
 
-    /// A box: `column` is what stands before `_bbox_min` and `_bbox_max`.
+    /// A bounding box; `column` is the prefix of `_bbox_min` and `_bbox_max`.
     pub fn bounds(&self, column: &str) -> Option<[[f64; 3]; 2]> {
         let corner = |end: &str| -> Option<[f64; 3]> {
             let text = self.cells.get(&format!("{column}_bbox_{end}"))?;

@@ -10,12 +10,3 @@ mod table_1;
 mod tiny_font;
 #[cfg(feature = "fonts")]
 mod typeface;
-
-/// Where the shared models and scenes are, if this machine has them.
-fn data() -> Option<std::path::PathBuf> {
-    let folder = std::env::var_os("AZULEJO_DATA").map(Into::into);
-    if folder.is_none() {
-        eprintln!("skipped: AZULEJO_DATA is not set");
-    }
-    folder
-}

@@ -1,12 +1,12 @@
-//! MGF scenes that people have made: their light, and what they have of each kind.
+//! Real-world MGF scenes: their luminous flux, and counts of their elements.
 
-use crate::data;
 use azulejo_formats::{Folder, Loaded, Memory, ReadOptions, mgf};
 use azulejo_scene::{Material, MaterialId, PrimitiveKind, Scene, Shape};
+use azulejo_testing::data;
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// Reads a file of the corpus and the materials that stand beside its folder.
+/// Reads a file of the corpus with the materials next to its folder.
 fn read(data: &Path, path: &str) -> Loaded {
     let corpus = data.join("corpus/mgf");
     let path = corpus.join(path);
@@ -18,7 +18,7 @@ fn read(data: &Path, path: &str) -> Loaded {
     loaded
 }
 
-/// Light that leaves the fronts of all surfaces, lumens.
+/// Flux emitted from the fronts of all surfaces, lumens.
 fn lumens(scene: &Scene) -> f64 {
     let exitance = |m: MaterialId| PI * scene.materials[m as usize].emission.luminance();
     let shines = |m: MaterialId| Material::is_emitter(&scene.materials[m as usize]);
@@ -83,8 +83,8 @@ fn a_photometric_file_and_its_body() {
             .expect("a scene")
             .scene
     };
-    // Without its body the luminaire is two sheets of light, one down and one up, which together
-    // give what the candelas come to.
+    // Without its geometry the luminaire is two emitting sheets, one facing down and one up, whose
+    // total flux is that of the candelas.
     let alone = read(&files);
     assert_eq!(alone.objects.len(), 2);
     let found = lumens(&alone);
@@ -94,7 +94,7 @@ fn a_photometric_file_and_its_body() {
     assert_eq!(whole.objects.len(), 27);
 }
 
-/// The office, and what a converter has made of it in VRML 1.0: the same rooms, tables and lamps.
+/// The office, and its conversion to VRML 1.0: the same rooms, tables and lamps.
 #[test]
 fn the_office_and_its_twin() {
     let Some(data) = data() else { return };
@@ -106,7 +106,7 @@ fn the_office_and_its_twin() {
         .scene;
     let (found, expected) = (Measures::of(&office), Measures::of(&twin));
     assert_eq!((found.spheres, expected.spheres), (77, 77));
-    // Both have circles as polygons, of different numbers of sides.
+    // Both tessellate circles, with different numbers of sides.
     let close = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-3;
     assert!(close(found.area, expected.area), "{found:?} {expected:?}");
     assert!(
@@ -118,7 +118,7 @@ fn the_office_and_its_twin() {
     assert!(apart.max_element() < 1e-3, "{a:?} {b:?}");
 }
 
-/// What can be measured in a scene, whatever its objects are called and made of.
+/// Measures of a scene that do not depend on names and materials.
 #[derive(Debug, Default)]
 struct Measures {
     spheres: usize,

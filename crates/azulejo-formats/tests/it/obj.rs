@@ -1,8 +1,8 @@
-//! OBJ scenes whose content is known; `tests/corpus` compares the rest with other programs.
+//! OBJ scenes with known content; `tests/corpus` compares the others with other programs.
 
-use crate::data;
 use azulejo_formats::{Folder, ReadError, RecognisedModel, camera_json};
 use azulejo_scene::{LightKind, Mesh, Object, Rgb, Shape};
+use azulejo_testing::data;
 use std::path::Path;
 
 fn read(path: &Path) -> Result<RecognisedModel, ReadError> {

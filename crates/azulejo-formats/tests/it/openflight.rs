@@ -1,12 +1,12 @@
-//! OpenFlight files that people have made, at all levels of detail, against OpenSceneGraph, which
-//! imports all.
+//! Real-world OpenFlight files, at all levels of detail, compared with OpenSceneGraph, which
+//! imports all of them.
 
-use crate::data;
 use azulejo_formats::{Folder, Lod, ReadOptions, openflight};
 use azulejo_scene::Shape;
+use azulejo_testing::data;
 use std::path::Path;
 
-/// Path and number of triangles of each OpenFlight file in the table of what programs found.
+/// Path and number of triangles of each OpenFlight file in the reference table.
 fn rows(table: &str) -> Vec<(&str, usize)> {
     let mut lines = table
         .lines()

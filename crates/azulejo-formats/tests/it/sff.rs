@@ -1,11 +1,11 @@
-//! RTRACE's own scenes, with the files that they name.
+//! RTRACE's own scenes, with the files that they refer to.
 
-use crate::data;
 use azulejo_formats::{Memory, RecognisedModel, read, sff};
 use azulejo_scene::{Operation, PrimitiveKind, Scene, Shape, Solid};
+use azulejo_testing::data;
 use std::path::Path;
 
-/// The stock files under the names that the scenes have for them.
+/// The stock files, under the names used in the scenes.
 fn stock(folder: &Path) -> Memory {
     let file = |name: &str| std::fs::read(folder.join(name)).expect("a stock file");
     Memory::new()
@@ -65,7 +65,7 @@ fn set_operations_of_the_manual() {
     let [Solid::Csg(inner)] = &*outer.left else {
         panic!("another on its left");
     };
-    // A side and two discs are a cylinder.
+    // A lateral surface and two discs form a cylinder.
     let Solid::Primitive(cylinder) = &inner.right[1] else {
         panic!("a list that is closed");
     };
@@ -73,14 +73,14 @@ fn set_operations_of_the_manual() {
     let Shape::Exact(text) = &scene.objects[1].shape else {
         panic!("text is exact");
     };
-    // Blanks leave nothing, and /copyright/ is one glyph.
+    // Blanks have no outline, and /copyright/ is one glyph.
     assert_eq!(
         text.solids.len(),
         "AntonioCosta".len() + "c1992".len() + "INESCn".len()
     );
 }
 
-/// SCN says the same as what the original translated it to.
+/// SCN is equivalent to its translation by the original.
 #[test]
 fn both_languages_mean_the_same() {
     let Some(data) = data() else { return };
@@ -108,7 +108,7 @@ fn both_languages_mean_the_same() {
     }
 }
 
-/// Stock scenes come back as they were written, prisms but for rounding.
+/// Stock scenes are preserved by writing and reading, prisms up to rounding.
 #[test]
 fn stock_scenes_are_written_and_read_again() {
     let Some(data) = data() else { return };

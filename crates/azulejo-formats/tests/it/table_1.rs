@@ -1,9 +1,10 @@
-//! Table 1 of *Wannabe Amazing* (Montes, Ureña, Revelles, Lastra, 2001): the models of it that can
-//! still be had must have the counts that it prints, and become a GRF no larger than the paper's.
+//! Table 1 of *Wannabe Amazing* (Montes, Ureña, Revelles, Lastra, 2001): those of its models that
+//! are still available must have the printed counts, and result in a GRF no larger than the
+//! paper's.
 
-use crate::data;
 use azulejo_formats::{Folder, grf, read};
 use azulejo_scene::Shape;
+use azulejo_testing::data;
 
 fn check(path: &str, vertices: usize, faces: usize, kilobytes: usize) -> usize {
     let Some(data) = data() else { return 0 };
@@ -30,7 +31,7 @@ fn galleon() {
     assert!(objects == 133 || data().is_none(), "{objects}");
 }
 
-/// The paper counts a dummy of the keyframer as well, and so no objects are compared.
+/// The paper also counts a dummy of the keyframer, so objects are not compared.
 #[test]
 fn cart_wheel() {
     check("3ds/assimp/cart_wheel.3DS", 720, 1400, 91);

@@ -1,6 +1,6 @@
-//! A TrueType font of a few glyphs, made byte by byte.
+//! A TrueType font with a few glyphs, built byte by byte.
 
-/// Corners of a contour; whether the curve goes through them, or is drawn toward them.
+/// Points of a contour, and whether they are on the curve or control points.
 type Points = &'static [(i16, i16, bool)];
 
 const BOX: Points = &[
@@ -10,7 +10,7 @@ const BOX: Points = &[
     (450, 0, true),
 ];
 const TRIANGLE: Points = &[(0, 0, true), (300, 700, true), (600, 0, true)];
-/// Four points beside the curve: it goes through the middles between them.
+/// Four off-curve points: the curve passes through the midpoints between them.
 const ROUND: Points = &[
     (0, 0, false),
     (0, 600, false),
@@ -30,7 +30,7 @@ const SHIFTED_BOX: Points = &[
     (650, 100, true),
 ];
 
-/// Contours, advance and character of each glyph; the first stands for what is missing.
+/// Contours, advance and character of each glyph; the first is the missing glyph.
 const GLYPHS: [(&[Points], u16, char); 6] = [
     (&[BOX], 500, '\0'),
     (&[], 250, ' '),
@@ -40,7 +40,7 @@ const GLYPHS: [(&[Points], u16, char); 6] = [
     (&[BOX], 500, 'א'),
 ];
 
-/// `A` and `o` stand 100 units closer.
+/// `A` and `o` are 100 units closer.
 const KERNING: [(u16, u16, i16); 1] = [(2, 4, -100)];
 
 fn be16(values: &[u16]) -> Vec<u8> {

@@ -1,11 +1,10 @@
-//! Typefaces: outlines, shaping, conversion, and files that lie.
+//! Typefaces: outlines, shaping, conversion, and malformed files.
 
 use crate::tiny_font;
 use azulejo_formats::outline::typeface::{SettingError, Typeface};
 use azulejo_formats::outline::{ppe, ppf};
 use azulejo_scene::{FillRule, Line};
 use glam::DVec2;
-use std::path::Path;
 use std::sync::Arc;
 
 fn tiny() -> Typeface {
@@ -23,17 +22,10 @@ fn pens(line: &Line) -> Vec<f64> {
         .collect()
 }
 
-/// A typeface of the machine's, where it has it.
-#[allow(clippy::print_stderr)]
+/// An installed typeface, if the machine has it.
 fn installed(path: &str) -> Option<Typeface> {
-    let path = Path::new("/usr/share/fonts").join(path);
-    match std::fs::read(&path) {
-        Ok(bytes) => Some(Typeface::read(&bytes, &path.to_string_lossy(), 0).unwrap()),
-        Err(_) => {
-            eprintln!("skipped: there is no {}", path.display());
-            None
-        }
-    }
+    let bytes = azulejo_testing::font(path)?;
+    Some(Typeface::read(&bytes, path, 0).unwrap())
 }
 
 #[test]
@@ -42,7 +34,7 @@ fn outlines_are_exact() {
     let [a, o] = [0, 1].map(|i| &line.glyphs[i].figure);
     assert_eq!((a.rule, o.rule), (FillRule::NonZero, FillRule::NonZero));
     assert!((a.signed_area() + 0.5 * 0.6 * 0.7).abs() < 1e-12);
-    // Four parabolas through the middles of a square's sides: 5/6 of the square.
+    // Four parabolas through the midpoints of a square's sides: 5/6 of the square.
     let expected = -5.0 / 6.0 * (0.6 * 0.6 - 0.3 * 0.3);
     assert!(
         (o.signed_area() - expected).abs() < 1e-9,
@@ -91,7 +83,7 @@ fn glyphs_that_come_again_share_their_figure() {
 fn right_to_left_runs_stand_in_their_order() {
     let line = set(&tiny(), "Aאo");
     assert_eq!(pens(&line), [0.0, 0.6, 1.1]);
-    // The paragraph begins from the right: the letter that comes last stands at the left.
+    // The paragraph runs right to left: the last letter is on the left.
     let line = set(&tiny(), "אA");
     assert_eq!(line.glyphs[0].figure.curve_count(), 3);
 }
@@ -124,7 +116,7 @@ fn conversion_keeps_advances_and_names() {
     assert_eq!(typeface.characters(), [' ', 'A', 'X', 'o', 'א']);
     let converted = typeface.convert(" AoXB".chars()).unwrap();
     assert_eq!(converted.missing, ['B']);
-    // Two boxes of 0.28 and 0.16 that have 0.08 in common become one outline.
+    // Two boxes of 0.28 and 0.16 that overlap by 0.08 are merged into one outline.
     assert_eq!(converted.overlapping, Vec::<String>::new());
     let united = &converted.font.glyphs["X"].figure;
     assert_eq!((united.contours.len(), united.rule), (1, FillRule::EvenOdd));
@@ -132,7 +124,8 @@ fn conversion_keeps_advances_and_names() {
     let names: Vec<&String> = converted.font.glyphs.keys().collect();
     assert_eq!(names, ["A", "X", "o"]);
     assert_eq!(converted.encoding.names[&65], "A");
-    // The outline of `o` ends at 0.6 - 1/20 by its curve; what is behind goes before it.
+    // The outline of `o` ends at 0.6 - 1/20 because of its curve; spacing after the glyph does not
+    // matter.
     for (name, advance) in [("A", 0.6), ("o", 0.7)] {
         let found = converted.font.glyphs[name].advance;
         assert!((found - advance).abs() < 2e-6, "{name} {found}");
@@ -149,7 +142,7 @@ fn conversion_keeps_advances_and_names() {
     assert_eq!(ppe::read(&encoding, "a.ppe").unwrap().0, converted.encoding);
 }
 
-/// Reads and sets whatever comes; only panics are wrong.
+/// Reads and sets arbitrary bytes; only a panic is a failure.
 fn survives(bytes: &[u8]) {
     if let Ok(typeface) = Typeface::read(bytes, "a.ttf", 0) {
         let _ = typeface.setting().line("Ao Xא", 0.0);
@@ -178,7 +171,7 @@ fn ligatures_marks_and_arabic() {
         return;
     };
     assert_eq!(set(&typeface, "ffi").glyphs.len(), 1);
-    // An accent that follows is one glyph with its letter, or stands over it.
+    // A combining accent forms one glyph with its letter, or is placed over it.
     assert_eq!(set(&typeface, "e\u{301}"), set(&typeface, "é"));
     let marked = set(&typeface, "x\u{301}");
     let above = &marked.glyphs[1];
@@ -189,7 +182,7 @@ fn ligatures_marks_and_arabic() {
         0.5 * (letter.min.x + letter.max.x),
     );
     assert!((x - middle).abs() < 0.1, "{x} {middle}");
-    // Letters join: the same letter has other outlines at the beginning and at the end.
+    // Letters join: the same letter has different outlines at the beginning and at the end.
     let arabic = set(&typeface, "ببب");
     assert_eq!(arabic.glyphs.len(), 3);
     assert!(!Arc::ptr_eq(

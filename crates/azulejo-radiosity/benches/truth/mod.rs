@@ -1,12 +1,12 @@
-//! The truth by brute force: irradiance by path tracing that shares no code with azulejo but the
-//! scene's data: its own triangles, its own random numbers, its own mirror.
+//! Ground truth by brute force: path traced irradiance. Shares no code with azulejo except the
+//! scene's data: its own triangles, random numbers and mirrors.
 
 use azulejo_scene::{Rgb, Scene, Shape};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// A triangle with what light does to it.
+/// A triangle with its material.
 struct Tri {
     a: DVec3,
     e1: DVec3,
@@ -119,7 +119,7 @@ impl Brute {
         (mean, variance)
     }
 
-    /// One sample of irradiance: a lamp sampled at each diffuse point, and a path that goes on.
+    /// One sample of irradiance: a lamp sampled at each diffuse point, and a path that continues.
     fn path(&self, mut p: DVec3, mut n: DVec3, random: &mut Random) -> Rgb {
         let (mut found, mut weight) = (Rgb::BLACK, Rgb::WHITE);
         loop {
@@ -133,7 +133,7 @@ impl Brute {
                 };
                 let tri = &self.tris[t.0];
                 let facing = if tri.n.dot(d) < 0.0 { tri.n } else { -tri.n };
-                // Lamps met straight away were sampled; those in a mirror were not.
+                // Lamps hit directly were sampled; those in a mirror were not.
                 if by_mirror && tri.n.dot(d) < 0.0 {
                     found += weight * tri.emission * PI;
                 }

@@ -1,5 +1,5 @@
-//! What must not matter does not: the method, the side a face looks to, its division. And errors
-//! are what they are said to be.
+//! Invariance: results do not depend on the method, the orientation of faces, or their division.
+//! And errors are estimated correctly.
 
 use crate::rooms::*;
 use azulejo_radiosity::{
@@ -97,7 +97,7 @@ fn shooting_agrees_with_the_matrix() {
     }
 }
 
-/// Faces that look the wrong way are lit all the same.
+/// Faces with the wrong orientation are lit all the same.
 #[test]
 fn reversed_faces_receive_the_same_light() {
     let scene = cornell_box(CornellVariant::Diffuse);
@@ -215,7 +215,7 @@ fn penumbra() -> Scene {
     scene
 }
 
-/// Over the floor, in light, shadow and between.
+/// Points over the floor, in light, shadow and penumbra.
 fn penumbra_points(count: i32) -> Vec<PointNormal> {
     let along = |k: i32| f64::from(k) / f64::from(count);
     (0..count)
@@ -230,7 +230,7 @@ fn penumbra_points(count: i32) -> Vec<PointNormal> {
         .collect()
 }
 
-/// Lambert's formula for the lamp, less what of it the plate covers.
+/// Lambert's formula for the lamp, minus the part that the plate covers.
 fn penumbra_truth(p: &PointNormal) -> f64 {
     let corners = |x: f64, y: f64, side: f64, z: f64| {
         [
@@ -278,13 +278,13 @@ fn honesty(
     ((square / n).sqrt(), sum / n, f64::from(inside) / n)
 }
 
-/// Light of a lamp behind a plate is without bias, and its error is honest.
+/// The light of an occluded lamp is unbiased, and its error is estimated correctly.
 #[test]
 fn penumbras_are_honest() {
     let points = penumbra_points(40);
     let truth: Vec<f64> = points.iter().map(penumbra_truth).collect();
     let mut errors = Vec::new();
-    // With 64 rays a replicate has four to a lamp: too few to notice a hidden corner.
+    // With 64 rays a replicate has four per lamp: too few to notice a hidden corner.
     for (most, least) in [(64, 0.84), (256, 0.91), (1024, 0.92)] {
         let pass = FirstPass {
             bounces: Some(0),
@@ -305,7 +305,7 @@ fn penumbras_are_honest() {
     assert!(errors[0] > 4.0 * errors[2], "16 times the rays: {errors:?}");
 }
 
-/// A room with a lamp in a corner: mostly light that was reflected before.
+/// A room with a lamp in a corner: mostly indirect light.
 fn room() -> Scene {
     let mut scene = cube([0; 6].map(|_| surface(0.6, 0.0, 0.0)));
     add_sheet(
@@ -347,7 +347,7 @@ fn indirect_light_is_honest() {
     assert!(errors[0] > 4.0 * errors[1], "16 times the rays: {errors:?}");
 }
 
-/// The error of taking a patch's light as even falls with the patches: the lamp is half a coarse
+/// The error of constant radiosity per patch falls with the patch size: the lamp is half a coarse
 /// patch away from its wall.
 #[test]
 fn division_hardly_matters() {

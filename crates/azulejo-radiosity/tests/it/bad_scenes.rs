@@ -1,14 +1,14 @@
-//! Scenes that are odd or impossible: no panic, no hang, no value that is not a number.
+//! Odd and impossible scenes: no panic, no hang, no NaN.
 
 use crate::rooms::*;
-use azulejo_radiosity::{FirstPass, Light, PatchSize, SolveError, probe, solve};
+use azulejo_radiosity::{FirstPass, LightSolution, PatchSize, SolveError, probe, solve};
 use azulejo_scene::synthetic::{CornellVariant, cornell_box};
 use azulejo_scene::{LightKind, Mesh, Object, ObjectIrradiance, Primitive, Rgb, Scene, Shape};
 use azulejo_trace::{Progress, Tracer};
 use glam::{DAffine3, DVec3, dvec3};
 use std::time::{Duration, Instant};
 
-fn run(scene: &Scene, pass: &FirstPass) -> Result<Light, SolveError> {
+fn run(scene: &Scene, pass: &FirstPass) -> Result<LightSolution, SolveError> {
     solve(scene, &Tracer::new(scene), pass, &Progress::new())
 }
 
@@ -19,7 +19,7 @@ fn small() -> FirstPass {
     }
 }
 
-fn values(light: &Light) -> Vec<Rgb> {
+fn values(light: &LightSolution) -> Vec<Rgb> {
     let of = |o: &ObjectIrradiance| match o {
         ObjectIrradiance::Vertices { irradiance, error } => [&irradiance[..], error].concat(),
         ObjectIrradiance::Refined(mesh) => [&mesh.irradiance[..], &mesh.irradiance_error].concat(),
@@ -28,7 +28,7 @@ fn values(light: &Light) -> Vec<Rgb> {
     light.irradiance.objects.iter().flat_map(of).collect()
 }
 
-/// Solves in both ways; everything is a number and not negative.
+/// Solves by both methods; all values are finite and not negative.
 #[track_caller]
 fn check_sane(what: &str, scene: &Scene) {
     check_sane_with(what, scene, &small());
@@ -179,7 +179,7 @@ fn mirrors_and_glass_alone() {
     let mirrors = cube(std::array::from_fn(|k| {
         surface(0.0, 1.0, f64::from(k == 0))
     }));
-    // Every ray goes on to the limit of a thousand mirrors.
+    // Every ray continues to the limit of a thousand mirrors.
     check_sane_with("mirrors", &mirrors, &rays(16));
     let mut scene = Scene::default();
     let glass = scene.add_material(azulejo_scene::Material::dielectric("glass", 1.5));
@@ -218,7 +218,7 @@ fn black_surfaces_receive() {
     );
 }
 
-/// What leaves an open scene is said: a lamp over nothing loses all.
+/// What leaves an open scene is reported: a lamp over nothing loses everything.
 #[test]
 fn open_scenes_lose_light() {
     let mut scene = Scene::default();
@@ -240,7 +240,7 @@ fn open_scenes_lose_light() {
     }
 }
 
-/// In a closed room that absorbs nothing, light adds up forever: the solver gives up, and says
+/// In a closed room that absorbs nothing, light adds up forever: the solver gives up, and reports
 /// that it has not converged.
 #[test]
 fn rooms_that_absorb_nothing() {
@@ -268,7 +268,7 @@ fn rooms_that_absorb_nothing() {
     }
 }
 
-/// Points that are nowhere, or look nowhere, get an answer, if not a good one.
+/// Points far outside, or without a normal, get some answer.
 #[test]
 fn points_that_make_no_sense() {
     let scene = cornell_box(CornellVariant::Diffuse);
@@ -291,7 +291,7 @@ fn points_that_make_no_sense() {
     assert!(found.estimates[4].value.is_finite() && found.estimates[4].value.mean() > 0.0);
 }
 
-/// A mesh whose faces no light reaches, beside one that is lit.
+/// A mesh that no light reaches, beside one that is lit.
 #[test]
 fn a_mesh_in_the_dark() {
     let mut scene = cube([0; 6].map(|_| surface(0.5, 0.0, 1.0)));

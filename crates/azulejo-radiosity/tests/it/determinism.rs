@@ -1,7 +1,7 @@
-//! The same to the bit for any number of threads; ends when told to.
+//! Bit-identical results for any number of threads; cancellation and deadlines.
 
 use crate::rooms::*;
-use azulejo_radiosity::{Estimate, FirstPass, Light, PatchSize, SolveError, probe, solve};
+use azulejo_radiosity::{Estimate, FirstPass, LightSolution, PatchSize, SolveError, probe, solve};
 use azulejo_scene::Scene;
 use azulejo_scene::synthetic::{CornellVariant, cornell_box};
 use azulejo_trace::{Progress, Tracer};
@@ -14,7 +14,7 @@ fn pass() -> FirstPass {
     }
 }
 
-fn solved(scene: &Scene, pass: &FirstPass, threads: usize) -> Light {
+fn solved(scene: &Scene, pass: &FirstPass, threads: usize) -> LightSolution {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()
@@ -22,7 +22,7 @@ fn solved(scene: &Scene, pass: &FirstPass, threads: usize) -> Light {
     pool.install(|| solve(scene, &Tracer::new(scene), pass, &Progress::new()).unwrap())
 }
 
-/// Matrix and shooting, with rays given and with an error to reach.
+/// Matrix and shooting, with given rays and with an error to reach.
 #[test]
 fn threads_do_not_matter() {
     let scene = cornell_box(CornellVariant::MirrorBlock);
@@ -79,7 +79,7 @@ fn another_seed_is_other_noise() {
     assert!(a.irradiance != b.irradiance);
 }
 
-/// Far more work than anyone waits for.
+/// Far more work than a test can wait for.
 fn endless() -> FirstPass {
     FirstPass {
         size: PatchSize::Count(20_000),
@@ -111,7 +111,7 @@ fn cancelling_ends_at_once() {
     }
 }
 
-/// Out of time, the answer is rough, and says so.
+/// Out of time, the result is rough, and its error says so.
 #[test]
 fn a_deadline_ends_in_good_order() {
     let scene = cornell_box(CornellVariant::Diffuse);

@@ -1,10 +1,8 @@
 //! Exact shapes in the first pass: prisms, text, set operations.
 
 use crate::rooms::*;
-use azulejo_radiosity::{
-    FirstPass, FormFactorOptions, PatchSize, Patches, PointNormal, SolveError, faceted,
-    form_factors, probe, solve,
-};
+use azulejo_factors::{FormFactorOptions, faceted, form_factors};
+use azulejo_radiosity::{FirstPass, PatchSize, Patches, PointNormal, SolveError, probe, solve};
 use azulejo_scene::{
     Contour, Csg, Curve, Exact, Figure, FillRule, Material, Mesh, Object, Operation, Primitive,
     PrimitiveKind, Prism, Scene, Shape, Solid, TriangleTree,
@@ -65,7 +63,7 @@ fn add_exact(scene: &mut Scene, solids: Vec<Solid>) -> usize {
     scene.objects.len() - 1
 }
 
-/// A box with a dent that a ball left.
+/// A box with a spherical dent.
 fn dented(low: DVec3, size: f64, material: u32) -> Solid {
     let dent = Primitive::sphere(low + DVec3::splat(size), 0.6 * size, material);
     Solid::Csg(Box::new(Csg {
@@ -86,12 +84,12 @@ fn solved(scene: &mut Scene, pass: &FirstPass) -> azulejo_radiosity::Report {
 
 fn skin(scene: &Scene, object: usize) -> &Mesh {
     match &scene.objects[object].shape {
-        Shape::Exact(exact) => exact.skin.as_ref().expect("solved"),
+        Shape::Exact(exact) => exact.proxy.as_ref().expect("solved"),
         _ => panic!("object {object} is not exact"),
     }
 }
 
-/// What a mesh's irradiance is at a point of it, on whatever side that is known.
+/// The irradiance of a mesh at a point, on the side that has it.
 fn read(mesh: &Mesh, position: DVec3, normal: DVec3) -> f64 {
     let tree = TriangleTree::new(mesh);
     let near = [normal, -normal].map(|n| tree.nearest(position, n).unwrap());
@@ -104,7 +102,8 @@ fn read(mesh: &Mesh, position: DVec3, normal: DVec3) -> f64 {
     a + on.u * (b - a) + on.v * (c - a)
 }
 
-/// In a room of radiance 1 every point of a solid of radiance 1 receives π, dents and holes too.
+/// In a room of radiance 1 every point of a solid of radiance 1 receives π, also in dents and
+/// holes.
 #[test]
 fn furnaces_light_exact_shapes_evenly() {
     let mut scene = cube([0; 6].map(|_| surface(0.5, 0.0, 0.5 * PI)));
@@ -132,7 +131,7 @@ fn furnaces_light_exact_shapes_evenly() {
     }
 }
 
-/// A room with a lamp in its ceiling and a box, in one of three ways.
+/// A room with a ceiling lamp and a box, in one of three representations.
 fn box_in_room(shape: Shape) -> Scene {
     let mut scene = cube([0; 6].map(|_| surface(0.5, 0.0, 0.0)));
     let corner = dvec3(0.35, 0.35, 0.999);
@@ -170,7 +169,7 @@ fn a_square_prism_is_lit_as_a_box() {
         panic!("still a mesh")
     };
     assert_eq!(skin.irradiance.len(), mesh.irradiance.len());
-    // The same polygons; the mesh's bottom is turned to nothing, so that only fronts compare.
+    // The same polygons; the mesh's bottom is not reversed, so that only fronts are compared.
     for (k, (a, b)) in skin.irradiance.iter().zip(&mesh.irradiance).enumerate() {
         assert!((*a - *b).max_channel() < 1e-9, "{k}: {a:?} {b:?}");
     }
@@ -193,7 +192,7 @@ fn a_square_prism_is_lit_as_a_box() {
     assert!(reports.iter().all(|r| r.balance.error() < 1e-2));
 }
 
-/// Contacts: the floor below a letter that stands on it is dark to its outline.
+/// Contacts: the floor below a letter that stands on it is dark up to its outline.
 #[test]
 fn floors_are_cut_along_letters() {
     let letter = prism(letter_o(), dvec3(0.2, 0.2, 0.0), dvec3(0.6, 0.6, 0.2), 7);
@@ -226,7 +225,7 @@ fn floors_are_cut_along_letters() {
     }
 }
 
-/// What shines, mirrors or is glass does so as the polygons that stand for it.
+/// Emitting, mirroring and transparent shapes act as their proxy polygons.
 #[test]
 fn lamps_mirrors_and_glass_may_be_exact() {
     let glass = Material::dielectric("glass", 1.5);
@@ -286,7 +285,7 @@ fn a_line_of_text_stays_in_proportion() {
 }
 
 #[test]
-fn other_doors_take_exact_shapes_too() {
+fn other_functions_take_exact_shapes_too() {
     let low = dvec3(0.3, 0.3, 0.3);
     let solids = vec![prism(letter_o(), low, DVec3::splat(0.4), 7)];
     let scene = box_in_room(Shape::Exact(Exact::new(solids)));
@@ -301,7 +300,7 @@ fn other_doors_take_exact_shapes_too() {
     let divided = faceted(&scene, size);
     assert_eq!(factors.len(), Patches::new(&divided, size).len());
     assert!(factors.is_closed);
-    // Inside the ring, where the polygons' chords stand out by up to the chord error.
+    // Inside the ring, where the polygons' chords deviate by up to the chord error.
     let pass = FirstPass { size, ..rays(256) };
     let inner = |turn: u32| {
         let out = DVec2::from_angle(0.1 + f64::from(turn));

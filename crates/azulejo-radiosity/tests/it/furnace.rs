@@ -1,16 +1,12 @@
-//! Furnaces: closed rooms in which every point receives the same light, whatever the form
-//! factors are.
+//! Furnaces: closed rooms in which every point receives the same light, whatever the form factors.
 
 use crate::rooms::*;
-use azulejo_radiosity::patch::Patches;
-use azulejo_radiosity::rays::RayEstimator;
-use azulejo_radiosity::row::{Columns, Row, side};
 use azulejo_radiosity::{FirstPass, PatchSize, solve};
 use azulejo_scene::synthetic::displaced_sphere;
 use azulejo_scene::{
     Light, LightKind, Material, Object, ObjectIrradiance, Primitive, Rgb, Scene, Shape,
 };
-use azulejo_trace::{Gatherer, Progress, Surfaces, Tracer};
+use azulejo_trace::{Progress, Tracer};
 use glam::{DVec3, dvec3};
 use std::f64::consts::PI;
 
@@ -22,7 +18,7 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, f64::max)
 }
 
-/// B = M / (1 − ρ_d/(1 − ρ_s)) and so on: every patch has the same, from 16 rays on.
+/// B = M / (1 − ρ_d/(1 − ρ_s)): every patch has the same, from 16 rays on.
 #[track_caller]
 fn check_patches(scene: &Scene, rays_per_patch: u32, radiosity: f64, within: f64) {
     let pass = FirstPass {
@@ -54,8 +50,8 @@ fn mirroring_patches_glow_alike() {
     check_patches(&furnace(0.5, 0.3), 16, 3.5, 1e-4);
 }
 
-/// At points the formulas are exact, and so are rays that read equal radiosities; what is left
-/// is the light of corners too near for patches, which is gathered by chance.
+/// At points the formulas are exact, and so are rays that read equal radiosities; the rest is light
+/// of nearby corners, which final gathers sample.
 #[track_caller]
 fn check_points(scene: &Scene, size: PatchSize, truth: f64, rms: f64) {
     let points = points_on_cube(120);
@@ -130,85 +126,6 @@ fn vertices_receive_alike() {
     );
 }
 
-fn rows(scene: &Scene, size: PatchSize, rays: u32) -> (Patches, Vec<Row>) {
-    let tracer = Tracer::new(scene);
-    let patches = Patches::new(scene, size);
-    let gatherer = Gatherer::new(Surfaces::new(scene, &tracer));
-    let estimator = RayEstimator::new(&gatherer, &patches, rays, 1, Columns::All);
-    let rows = (0..patches.len() as u32)
-        .map(|p| estimator.row(side(p, true)))
-        .collect();
-    (patches, rows)
-}
-
-/// Every ray's weight is accounted for: what surfaces keep, reflect diffusely, let out or cut.
-#[test]
-fn rows_telescope() {
-    for (diffuse, mirror) in [(0.5, 0.0), (0.5, 0.3), (0.05, 0.95), (0.0, 1.0)] {
-        let (_, rows) = rows(&furnace(diffuse, mirror), PatchSize::Count(54), 64);
-        for row in &rows {
-            let sum: f64 = row
-                .entries
-                .iter()
-                .flatten()
-                .map(|e| e.weight.r)
-                .sum::<f64>()
-                / row.entries.len() as f64;
-            let all = (row.absorbed + row.all_escaped() + row.cut).mean() + sum * diffuse;
-            assert!(
-                (all - 1.0).abs() < 1e-11,
-                "ρ_d {diffuse}, ρ_s {mirror}: {all} of 1"
-            );
-            let identity = sum * (1.0 - mirror) + row.cut.mean();
-            assert!(
-                (identity - 1.0).abs() < 1e-11,
-                "ρ_s {mirror}: Σ X (1 − ρ_s) + cut = {identity}"
-            );
-        }
-    }
-}
-
-/// On the inside of a sphere F_ij = A_j / A for every pair.
-#[test]
-fn inside_of_a_sphere_sees_by_area() {
-    let mut scene = Scene::default();
-    let grey = scene.add_material(surface(0.5, 0.0, 0.0));
-    scene.objects.push(Object::new(
-        "sphere",
-        Shape::Primitive(Primitive::sphere(DVec3::ZERO, 1.0, grey)),
-    ));
-    let tracer = Tracer::new(&scene);
-    let patches = Patches::new(&scene, PatchSize::Count(60));
-    let gatherer = Gatherer::new(Surfaces::new(&scene, &tracer));
-    let rays = 1 << 14;
-    let estimator = RayEstimator::new(&gatherer, &patches, rays, 1, Columns::All);
-    let mut worst = 0f64;
-    for i in 0..patches.len() as u32 {
-        let row = estimator.row(side(i, false));
-        let mut factors = vec![0.0; 2 * patches.len()];
-        row.entries
-            .iter()
-            .flatten()
-            .for_each(|e| factors[e.side as usize] += e.weight.r / 4.0);
-        assert!(
-            (factors.iter().sum::<f64>() - 1.0).abs() < 1e-3,
-            "row {i} sums to {}",
-            factors.iter().sum::<f64>()
-        );
-        for j in 0..patches.len() {
-            let f = patches.area(j) / (4.0 * PI);
-            let sigma = (f * (1.0 - f) / f64::from(rays)).sqrt();
-            worst = worst.max((factors[2 * j + 1] - f).abs() / sigma);
-            assert_eq!(factors[2 * j], 0.0, "the inside sees no outside");
-        }
-    }
-    eprintln!(
-        "sphere of {} patches: worst entry {worst:.2} σ of random rays off",
-        patches.len()
-    );
-    assert!(worst < 4.5, "{worst} σ");
-}
-
 fn in_white_surroundings(mut scene: Scene) -> Scene {
     let kind = LightKind::Ambient {
         radiance: Rgb::WHITE,
@@ -220,8 +137,8 @@ fn in_white_surroundings(mut scene: Scene) -> Scene {
     scene
 }
 
-/// Whatever stands in uniform surroundings and absorbs nothing is invisible: every point
-/// receives π times their radiance.
+/// Objects that absorb nothing are invisible in uniform surroundings: every point receives π times
+/// their radiance.
 #[track_caller]
 fn check_white(what: &str, scene: &Scene, points: &[azulejo_radiosity::PointNormal], within: f64) {
     let found = irradiance(
@@ -238,7 +155,7 @@ fn check_white(what: &str, scene: &Scene, points: &[azulejo_radiosity::PointNorm
 }
 
 #[test]
-fn white_things_vanish_in_white_surroundings() {
+fn white_objects_vanish_in_white_surroundings() {
     let sheet = |material: Material| {
         let mut scene = in_white_surroundings(Scene::default());
         add_sheet(

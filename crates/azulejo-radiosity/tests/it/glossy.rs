@@ -1,8 +1,8 @@
-//! Rooms with glossy walls: every engine against the others, and against mirrors where gloss is
-//! nearly one.
+//! Rooms with glossy walls: every engine against the others, and narrow gloss against mirrors.
 
 use crate::rooms::*;
-use azulejo_radiosity::{Engine, FirstPass, Hemicube, PatchSize, PointNormal, probe, solve};
+use azulejo_factors::Hemicube;
+use azulejo_radiosity::{Engine, FirstPass, PatchSize, PointNormal, probe, solve};
 use azulejo_scene::brdf::{Brdf, Description};
 use azulejo_scene::{Light, LightKind, Material, Rgb, Scene};
 use azulejo_trace::{Progress, Tracer};
@@ -15,7 +15,7 @@ fn glossy(text: &str) -> Material {
     Material::with_brdf("glossy", Arc::new(brdf))
 }
 
-/// A cube whose floor shines, with that material on the walls x = 0 and y = 1.
+/// A cube whose floor emits, with that material on the walls x = 0 and y = 1.
 fn room(wall: &Material) -> Scene {
     let matt = |rho| surface(rho, 0.0, 0.0);
     let floor = surface(0.5, 0.0, 1.0);
@@ -84,7 +84,7 @@ fn all_engines_agree() {
     }
 }
 
-/// A lobe of two degrees is a mirror of its mean reflectance, nearly.
+/// A lobe of two degrees nearly equals a mirror of its mean reflectance.
 #[test]
 fn narrow_gloss_is_a_mirror() {
     let text = |m| format!("cook_torrance m = {m} kd = 0.1 F = 0.8");
@@ -99,7 +99,7 @@ fn narrow_gloss_is_a_mirror() {
     assert_alike(&wide, &narrow, 0.01, "two degrees");
 }
 
-/// Lights without area reach matt surfaces by way of glossy ones, in the matrix and without it.
+/// Lights without area reach matt surfaces by way of glossy ones, with and without the matrix.
 #[test]
 fn beams_by_way_of_gloss() {
     let mut scene = room(&glossy("lewis n = 8 ks = 0.9"));

@@ -1,4 +1,4 @@
-//! Lights without area, the surroundings, glass and crowds of lamps, against closed forms.
+//! Lights without area, the surroundings, glass and many lamps, against closed forms.
 
 use crate::rooms::*;
 use azulejo_radiosity::{Estimate, FirstPass, PatchSize, PointNormal, solve};
@@ -38,7 +38,7 @@ fn grid() -> Vec<PointNormal> {
         .collect()
 }
 
-/// Asserts that every point has exactly what `truth` says, with no error claimed.
+/// Asserts that every point has exactly the irradiance `truth`, with an error of zero.
 #[track_caller]
 fn check_exact(scene: &Scene, truth: impl Fn(DVec3) -> f64) {
     for (e, p) in irradiance(scene, &grid(), &rays(16)).iter().zip(&grid()) {
@@ -100,7 +100,7 @@ fn directional_light_is_exact() {
     check_exact(&lit_floor(kind), |_| 2.4);
 }
 
-/// A black plate at z = 1 over −1..1 throws a sharp shadow, twice as large, off the axis.
+/// A black plate at z = 1 over −1..1 casts a sharp shadow, twice as large, off the axis.
 #[test]
 fn shadows_are_sharp() {
     let mut scene = lit_floor(point_light());
@@ -158,7 +158,7 @@ fn open_floor_under_the_sky() {
     }
 }
 
-/// A point of a wall sees half of the sky but for what the floor hides beyond the horizon.
+/// A point of a wall sees half of the sky except what the floor hides beyond the horizon.
 #[test]
 fn a_wall_under_the_sky() {
     let mut scene = lit_floor(sky());
@@ -190,8 +190,8 @@ fn a_wall_under_the_sky() {
     }
 }
 
-/// A room of side 6 whose ceiling lamp, 1.2 wide, consists of `n` × `n` faces; a table, if wanted,
-/// stands between it and the floor.
+/// A room of side 6 whose ceiling lamp, 1.2 wide, consists of `n` × `n` faces; optionally with a
+/// table between it and the floor.
 fn lamp_room(n: u32, table: bool) -> Scene {
     let mut scene = Scene::default();
     let size = 6.0;
@@ -240,7 +240,7 @@ fn lamp_room(n: u32, table: bool) -> Scene {
 
 const LAMP_HEIGHT: f64 = 5.9;
 
-/// On the floor, and close beside the lamp: on its level, facing its edge, 0.007 below it.
+/// On the floor, and close to the lamp: on its level, facing its edge, 0.007 below it.
 fn beside_lamp() -> Vec<PointNormal> {
     let mut points: Vec<PointNormal> = (0..8)
         .map(|k| at(0.3 + 0.7 * f64::from(k), 3.1, 0.0, DVec3::Z))
@@ -294,9 +294,9 @@ fn check_crowd(n: u32, table: bool, most: u32, within: f64) {
     assert!(z < 8.0, "{z} standard errors off");
 }
 
-/// Few lamps by formula, a crowd by choice, a multitude by rays: the light is the same.
+/// Few lamps by formula, many by sampling, a multitude by rays: the light is the same.
 #[test]
-fn crowds_of_lamps() {
+fn many_lamps() {
     for table in [false, true] {
         check_crowd(3, table, 256, 1e-2);
         check_crowd(12, table, 256, 3e-2);
@@ -304,7 +304,7 @@ fn crowds_of_lamps() {
     }
 }
 
-/// In a lone lamp's light nothing is left to chance, however near the point.
+/// The light of a single lamp is not sampled, however near the point.
 #[test]
 fn a_near_lamp_is_exact() {
     let lamp = [
@@ -329,7 +329,7 @@ fn a_near_lamp_is_exact() {
     }
 }
 
-/// Light of a lamp through a glass body of parallel sides, index 1.5, over black surroundings.
+/// Light of a lamp through a plane-parallel glass body of index 1.5, in black surroundings.
 fn mean_through(scene: &Scene, points: &[PointNormal]) -> (f64, f64) {
     let pass = FirstPass {
         bounces: Some(0),
@@ -393,8 +393,8 @@ fn a_pane_passes_its_share() {
     );
 }
 
-/// A thin pane counts both its surfaces for either polarisation: the exact share passes, and the
-/// rest is mirrored.
+/// A thin pane treats both surfaces for either polarisation: the exact share passes, and the rest
+/// is reflected.
 #[test]
 fn a_thin_pane_passes_its_exact_share() {
     const THIN: f64 = 0.850938300896;
@@ -425,7 +425,7 @@ fn a_thin_pane_passes_its_exact_share() {
     }
 }
 
-/// What the pane does not pass it mirrors. The lamp is the floor itself.
+/// A pane reflects what it does not transmit. The lamp is the floor itself.
 #[test]
 fn a_pane_mirrors_the_rest() {
     let mut scene = Scene::default();
@@ -449,8 +449,8 @@ fn a_pane_mirrors_the_rest() {
     );
 }
 
-/// A solid body of glass reflects 0.0917779594 of diffuse light on its surface; what enters a
-/// slab with a black end stays there.
+/// A solid glass body reflects 0.0917779594 of diffuse light on its surface; a slab with a black
+/// end absorbs the rest.
 #[test]
 fn thick_glass_mirrors_its_share() {
     let mut scene = Scene::default();
@@ -515,7 +515,7 @@ fn a_glass_ball_in_a_furnace() {
     );
 }
 
-/// Light by lamps that stand in the file as a light, not as a surface, is in the balance too.
+/// Light sources of the file that are not surfaces are included in the energy balance.
 #[test]
 fn light_without_area_is_in_the_balance() {
     let mut scene = cube([0; 6].map(|_| surface(0.5, 0.0, 0.0)));
@@ -547,15 +547,16 @@ fn light_without_area_is_in_the_balance() {
     assert!(report.balance.error() < 1e-3, "{:?}", report.balance);
 }
 
-/// A plate that shines from both sides lights floor and ceiling alike, whichever way it is turned;
-/// each as the polygon's formula says.
+/// A two-sided emitting plate lights floor and ceiling alike, in either orientation; each by the
+/// polygon's formula.
 #[test]
 fn a_plate_may_emit_from_both_sides() {
     for turned in [false, true] {
         let mut scene = Scene::default();
-        let (a, b) = match turned {
-            false => (DVec3::X, DVec3::Y),
-            true => (DVec3::Y, DVec3::X),
+        let (a, b) = if turned {
+            (DVec3::Y, DVec3::X)
+        } else {
+            (DVec3::X, DVec3::Y)
         };
         let lamp = Material {
             emits_back: true,

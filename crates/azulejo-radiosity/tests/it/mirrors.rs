@@ -1,8 +1,8 @@
-//! Light by way of mirrors, plane and curved, one and many, against closed forms.
+//! Light by way of mirrors, plane and curved, single and many, against closed forms.
 
 use crate::rooms::*;
-use azulejo_radiosity::rays::RayEstimator;
-use azulejo_radiosity::row::{Columns, Entries, side};
+use azulejo_factors::rays::RayEstimator;
+use azulejo_factors::row::{Columns, Entries, side};
 use azulejo_radiosity::{FirstPass, PatchSize, Patches, PointNormal};
 use azulejo_scene::{Material, Object, Primitive, Scene, Shape};
 use azulejo_trace::lambert::{clip_to_window, mirror_polygon, point_to_polygon};
@@ -86,8 +86,8 @@ fn factor(scene: &Scene, from: usize, to: usize, rays: u32) -> (f64, f64) {
     spread(&row.entries.iter().map(of).collect::<Vec<f64>>())
 }
 
-/// A floor and a lamp of M = 1 over it, and the light that the floor gets: once by the rays of
-/// its row, once as the direct light, by formula, image and rays.
+/// A floor and a lamp of M = 1 over it, and the irradiance of the floor: once by the rays of its
+/// row, once as direct light, by formula, image and rays.
 #[track_caller]
 fn check_lit(what: &str, scene: &Scene, floor: usize, lamp: usize, truth: f64) {
     check(
@@ -103,7 +103,7 @@ fn check_lit(what: &str, scene: &Scene, floor: usize, lamp: usize, truth: f64) {
         ..rays(1 << 10)
     };
     let solved = Matrix::solve(scene, &fine);
-    let floor = solved.patches.patches_of_face(azulejo_radiosity::FaceId {
+    let floor = solved.patches.patches_of_face(azulejo_factors::FaceId {
         object: 0,
         face: floor as u32,
     });
@@ -179,7 +179,7 @@ fn window_scene() -> Scene {
     )
 }
 
-/// Coplanar squares that see each other by a ceiling mirror of 0.9 only.
+/// Coplanar squares that see each other only through a ceiling mirror of 0.9.
 fn corner_scene() -> Scene {
     let mirror = [dvec3(0.0, 0.0, 1.0), 3.0 * DVec3::X, DVec3::Y];
     with_sheet(
@@ -229,7 +229,7 @@ fn closed_form(scene: &Scene, point: &PointNormal) -> f64 {
         + reflectance * point_to_polygon(point.position, point.normal, &seen)
 }
 
-/// By formula the light of a lamp in a plane mirror has no error but that of visibility.
+/// By formula, the light of a lamp in a plane mirror has no error except that of visibility.
 #[test]
 fn images_are_exact_at_points() {
     for (what, scene) in [("window", window_scene()), ("corner", corner_scene())] {
@@ -240,8 +240,8 @@ fn images_are_exact_at_points() {
     }
 }
 
-/// Three hundred small mirrors out of sight: too many for images, so that rays find the lamp.
-/// Neither twice nor never.
+/// Three hundred small mirrors off the line of sight: too many for images, so rays find the lamp.
+/// It must count exactly once.
 #[test]
 fn rays_and_images_agree() {
     for (what, mut scene) in [("window", window_scene()), ("corner", corner_scene())] {
@@ -263,7 +263,7 @@ fn rays_and_images_agree() {
     }
 }
 
-/// A mirror in two flat halves, one tilted by nothing to speak of, gives the same light.
+/// A mirror in two flat halves, one tilted imperceptibly, gives the same light.
 #[test]
 fn a_mirror_in_pieces_is_one_mirror() {
     let whole = window_scene();

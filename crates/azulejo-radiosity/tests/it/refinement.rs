@@ -1,4 +1,4 @@
-//! Rows that matter get more rays, until the error of the radiosity is as small as asked.
+//! Adaptive refinement: rows that dominate the error get more rays, until it is reached.
 
 use crate::rooms::*;
 use azulejo_radiosity::{Engine, FirstPass, PatchRadiosity, PatchSize, radiosity};
@@ -21,8 +21,8 @@ fn asked(error: f64, seed: u64) -> FirstPass {
     }
 }
 
-/// Root mean square difference of the reflected light of two solutions over that of the second,
-/// and the share of patches that are within two of their common standard errors.
+/// Root mean square difference of the reflected light of two solutions relative to the second, and
+/// the share of patches within two of their common standard errors.
 fn compare(scene: &Scene, a: &PatchRadiosity, b: &PatchRadiosity) -> (f64, f64) {
     let patches = &a.patches;
     let is_lamp = |p: usize| scene.materials[patches.material(p) as usize].is_emitter();
@@ -59,7 +59,7 @@ fn check_error(name: &str, scene: &Scene, error: f64) {
 }
 
 #[test]
-fn the_error_asked_for_is_reached_and_told() {
+fn the_requested_error_is_reached_and_reported() {
     check_error("box", &cornell_box(CornellVariant::Diffuse), 0.005);
     check_error("mirror", &cornell_box(CornellVariant::MirrorBlock), 0.005);
 }
@@ -70,7 +70,7 @@ fn mirrors_in_a_crowd_are_refined_too() {
     check_error("panel of mirrors", &scene, 0.02);
 }
 
-/// In a furnace every row is exact, and refinement must not take anything from that.
+/// In a furnace every row is exact, and refinement must preserve that.
 #[test]
 fn a_furnace_stays_exact() {
     let scene = cube([0; 6].map(|_| surface(0.5, 0.3, 1.0)));

@@ -1,92 +1,17 @@
-//! Scenes with known answers, and the first pass run on them in parts.
+//! The first pass run in parts on scenes with known answers.
 
-use azulejo_radiosity::engine::Estimator;
-use azulejo_radiosity::light::reflectances;
-use azulejo_radiosity::row::Columns;
-use azulejo_radiosity::system::{Found, System};
+pub use crate::scenes::*;
+use azulejo_factors::engine::Estimator;
+use azulejo_factors::reflectances;
+use azulejo_factors::row::Columns;
+use azulejo_radiosity::system::{RadiositySolution, System};
 use azulejo_radiosity::{Estimate, FirstPass, PatchSize, Patches, PointNormal, probe};
-use azulejo_scene::synthetic::cube_room;
-use azulejo_scene::{Material, Mesh, Object, Rgb, Scene, Shape};
+use azulejo_scene::{Rgb, Scene};
 use azulejo_trace::sampling::uniform;
 use azulejo_trace::{Gatherer, Progress, Surfaces, Tracer};
 use glam::{DVec3, dvec3};
-use std::f64::consts::PI;
 
-/// A grey surface that reflects, mirrors and emits, the last as exitance in W/m².
-pub fn surface(diffuse: f64, mirror: f64, exitance: f64) -> Material {
-    Material {
-        diffuse: Rgb::grey(diffuse),
-        mirror: Rgb::grey(mirror),
-        emission: Rgb::grey(exitance / PI),
-        ..Material::default()
-    }
-}
-
-/// The unit cube seen from inside; materials of z = 0, z = 1, x = 0, x = 1, y = 0, y = 1.
-pub fn cube(materials: [Material; 6]) -> Scene {
-    let mut scene = cube_room();
-    scene.materials = materials.to_vec();
-    mesh_of(&mut scene, 0).face_materials = vec![2, 3, 4, 5, 0, 1];
-    scene
-}
-
-/// Face of the cube's mesh with the material of this number: see [`cube`].
-pub fn cube_face(material: usize) -> u32 {
-    [4, 5, 0, 1, 2, 3][material]
-}
-
-/// Adds a parallelogram whose front looks toward `edge1 × edge2`.
-pub fn add_sheet(scene: &mut Scene, corner: DVec3, edge1: DVec3, edge2: DVec3, material: Material) {
-    let material = scene.add_material(material);
-    let positions = vec![
-        corner,
-        corner + edge1,
-        corner + edge1 + edge2,
-        corner + edge2,
-    ];
-    let mut mesh = Mesh {
-        positions,
-        ..Mesh::default()
-    };
-    mesh.push_face(&[0, 1, 2, 3], material);
-    scene.objects.push(Object::new("sheet", Shape::Mesh(mesh)));
-}
-
-/// Adds a parallelogram cut into `n × n` faces.
-pub fn add_tiles(
-    scene: &mut Scene,
-    corner: DVec3,
-    edge1: DVec3,
-    edge2: DVec3,
-    n: u32,
-    material: Material,
-) {
-    let material = scene.add_material(material);
-    let at = |i: u32, j: u32| {
-        corner + edge1 * (f64::from(i) / f64::from(n)) + edge2 * (f64::from(j) / f64::from(n))
-    };
-    let mut mesh = Mesh::default();
-    for j in 0..=n {
-        mesh.positions.extend((0..=n).map(|i| at(i, j)));
-    }
-    for j in 0..n {
-        for i in 0..n {
-            let a = j * (n + 1) + i;
-            mesh.push_face(&[a, a + 1, a + n + 2, a + n + 1], material);
-        }
-    }
-    scene.objects.push(Object::new("tiles", Shape::Mesh(mesh)));
-}
-
-/// The mesh of an object that is one.
-pub fn mesh_of(scene: &mut Scene, object: usize) -> &mut Mesh {
-    match &mut scene.objects[object].shape {
-        Shape::Mesh(mesh) => mesh,
-        _ => panic!("object {object} is no mesh"),
-    }
-}
-
-/// `rays` a patch and a point, whole faces as patches.
+/// `rays` per patch and point, whole faces as patches.
 pub fn rays(rays: u32) -> FirstPass {
     FirstPass {
         rays: Some(rays),
@@ -98,7 +23,7 @@ pub fn rays(rays: u32) -> FirstPass {
 /// The patches of a scene and the light on them, by the matrix.
 pub struct Matrix {
     pub patches: Patches,
-    pub found: Found,
+    pub found: RadiositySolution,
     reflectance: Vec<Rgb>,
     exitance: Vec<f64>,
 }
@@ -166,8 +91,7 @@ impl Matrix {
 }
 
 /// Radiosity of the fronts of `patches` over 256 seeds, each with its standard error: where whole
-/// faces are patches, the few positions at which one seed finds direct light make most of the
-/// noise.
+/// faces are patches, the few positions of direct light per seed dominate the noise.
 pub fn radiosities(scene: &Scene, patches: &[usize], rays_per_patch: u32) -> Vec<(f64, f64)> {
     let solve = |seed| {
         Matrix::solve(
@@ -192,35 +116,11 @@ pub fn radiosities(scene: &Scene, patches: &[usize], rays_per_patch: u32) -> Vec
     patches.iter().map(of).collect()
 }
 
-/// Mean and standard error of independent estimates.
-pub fn spread(each: &[f64]) -> (f64, f64) {
-    let n = each.len() as f64;
-    let mean = each.iter().sum::<f64>() / n;
-    let square = each.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
-    (mean, (square / (n * (n - 1.0))).sqrt())
-}
-
 /// Irradiance at points.
 pub fn irradiance(scene: &Scene, points: &[PointNormal], pass: &FirstPass) -> Vec<Estimate> {
     probe(scene, &Tracer::new(scene), points, pass, &Progress::new())
         .unwrap()
         .estimates
-}
-
-/// Asserts that an estimate agrees with the truth within five standard errors of four
-/// replicates, and `tolerance` besides; no error is smaller than `floor`, the rounding.
-#[track_caller]
-pub fn check(what: &str, (value, error): (f64, f64), truth: f64, tolerance: f64, floor: f64) {
-    eprintln!("{what}: {value:.7} ± {error:.1e}, truth {truth:.7}");
-    let off = (value - truth).abs();
-    assert!(
-        off <= tolerance,
-        "{what}: {value} is {off:.2e} off {truth}, more than {tolerance:.1e}"
-    );
-    assert!(
-        off <= 5.0 * error + floor,
-        "{what}: {value} ± {error:.1e} claims too much: {truth}"
-    );
 }
 
 /// The grey value of an estimate with its raw standard error.
@@ -236,7 +136,7 @@ pub fn at(x: f64, y: f64, z: f64, normal: DVec3) -> PointNormal {
     }
 }
 
-/// Points spread over the six sides of the unit cube, away from its edges.
+/// Points distributed over the six sides of the unit cube, away from its edges.
 pub fn points_on_cube(count: u32) -> Vec<PointNormal> {
     let point = |k: u32| {
         let [a, b] = [0, 1].map(|d| 0.01 + 0.98 * f64::from(uniform(&[k, d])));

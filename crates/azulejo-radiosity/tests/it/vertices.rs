@@ -91,7 +91,8 @@ fn a_divided_mesh_gets_values_on_all_vertices() {
     scene.validate().unwrap();
 }
 
-/// A floor that looks down is turned to the light when it is divided; kept, it gets the light.
+/// A floor that faces down is reversed towards the light when it is divided; kept, it gets the
+/// light of its back.
 #[test]
 fn a_floor_upside_down() {
     let mut scene = bulb_over_floor();
@@ -163,7 +164,7 @@ fn primitives_carry_grids() {
     scene.validate().unwrap();
 }
 
-/// Colours of vertices multiply the reflectance, and the balance knows.
+/// Vertex colours multiply the reflectance, also in the energy balance.
 #[test]
 fn painted_walls() {
     let mut scene = cube([0; 6].map(|_| surface(1.0, 0.0, 1.0)));

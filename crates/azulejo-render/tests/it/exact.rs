@@ -58,7 +58,7 @@ fn lit(solids: Vec<Solid>, irradiance: impl Fn(DVec3) -> Rgb) -> Scene {
     let mut exact = Exact::new(solids);
     let mut skin = exact.tessellate(0.02);
     skin.irradiance = skin.positions.iter().map(|&p| irradiance(p)).collect();
-    exact.skin = Some(Box::new(skin));
+    exact.proxy = Some(Box::new(skin));
     scene
         .objects
         .push(Object::new("exact", Shape::Exact(exact)));
@@ -70,7 +70,7 @@ fn as_mesh(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     for object in &mut scene.objects {
         if let Shape::Exact(exact) = &object.shape {
-            object.shape = Shape::Mesh(Mesh::clone(exact.skin.as_ref().unwrap()));
+            object.shape = Shape::Mesh(Mesh::clone(exact.proxy.as_ref().unwrap()));
         }
     }
     scene
@@ -124,7 +124,7 @@ fn creases_keep_their_light_apart() {
         panic!("exact")
     };
     // A skin as the first pass leaves it: no vertex belongs to both a cap and a side.
-    let skin = exact.skin.as_mut().unwrap();
+    let skin = exact.proxy.as_mut().unwrap();
     let (faces, materials) = (skin.faces.clone(), skin.face_materials.clone());
     let mut split = Mesh::default();
     for (face, ring) in faces.iter().enumerate() {
@@ -159,7 +159,7 @@ fn unsolved_shapes_are_dark() {
     let Shape::Exact(exact) = &mut scene.objects[0].shape else {
         panic!("exact")
     };
-    exact.skin = None;
+    exact.proxy = None;
     let ray = [(dvec3(0.0, 0.8, 9.0), dvec3(0.0, 0.8, 0.0))];
     assert_eq!(look(&scene, &ray, &SecondPass::default()), [Rgb::BLACK]);
     scene.materials[0].emission = Rgb::grey(2.0);

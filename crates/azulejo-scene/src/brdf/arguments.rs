@@ -2,8 +2,8 @@
 
 use super::description::{Parameter, Value};
 use super::metals::find_metal;
-use super::models::{Info, Kind, ParameterInfo, nearest};
-use super::{Fresnel, Problem};
+use super::models::{ModelInfo, ParameterInfo, ParameterKind, nearest};
+use super::{BrdfError, Fresnel};
 use crate::Rgb;
 
 /// Rounding that sums of reflectances may exceed 1 by.
@@ -11,19 +11,22 @@ const ROUNDING: f64 = 1e-9;
 
 /// Parameters of known names, of the right kinds, within their ranges.
 pub(super) struct Arguments<'a> {
-    info: &'static Info,
+    info: &'static ModelInfo,
     given: Vec<(&'static ParameterInfo, &'a Value)>,
 }
 
 impl<'a> Arguments<'a> {
-    /// Checks all that is given, and that all is given that must be.
-    pub fn new(info: &'static Info, parameters: &'a [Parameter]) -> Result<Arguments<'a>, Problem> {
+    /// Checks the given parameters, and that required ones are given.
+    pub fn new(
+        info: &'static ModelInfo,
+        parameters: &'a [Parameter],
+    ) -> Result<Arguments<'a>, BrdfError> {
         let mut given: Vec<(&'static ParameterInfo, &Value)> = Vec::new();
         for Parameter { name, value } in parameters {
             let known = info.all_parameters().find(|p| p.is_called(name));
             let parameter = known.ok_or_else(|| unknown(info, name))?;
             if given.iter().any(|(p, _)| p.name == parameter.name) {
-                return Err(Problem::Twice {
+                return Err(BrdfError::Twice {
                     name: parameter.name,
                 });
             }
@@ -33,7 +36,7 @@ impl<'a> Arguments<'a> {
         let is_given = |p: &&ParameterInfo| given.iter().any(|(g, _)| g.name == p.name);
         let needed = |p: &&ParameterInfo| p.is_needed && !is_given(p);
         if let Some(missing) = info.parameters.iter().find(needed) {
-            return Err(Problem::Missing {
+            return Err(BrdfError::Missing {
                 model: info.name,
                 name: missing.name,
             });
@@ -69,19 +72,19 @@ impl<'a> Arguments<'a> {
     }
 
     /// Refuses two reflectances that together reflect more than arrives.
-    pub fn bounded_sum(&self, first: &str, second: &str) -> Result<(), Problem> {
+    pub fn bounded_sum(&self, first: &str, second: &str) -> Result<(), BrdfError> {
         let sum = (self.color(first) + self.color(second)).max_channel();
         if sum <= 1.0 + ROUNDING {
             return Ok(());
         }
-        Err(Problem::Energy {
+        Err(BrdfError::Energy {
             what: format!("{first} + {second} of `{}`", self.info.name),
             sum,
         })
     }
 
     /// The Fresnel term that is given; all light without any.
-    pub fn fresnel(&self) -> Result<Fresnel, Problem> {
+    pub fn fresnel(&self) -> Result<Fresnel, BrdfError> {
         let sets = [
             self.has("eta") || self.has("k"),
             self.has("metal"),
@@ -89,7 +92,7 @@ impl<'a> Arguments<'a> {
             self.has("F"),
         ];
         if sets.iter().filter(|given| **given).count() > 1 {
-            return Err(Problem::Other(format!(
+            return Err(BrdfError::Other(format!(
                 "`{}` takes one Fresnel term: eta and k, or metal, or f0, or F",
                 self.info.name
             )));
@@ -113,9 +116,9 @@ impl<'a> Arguments<'a> {
         }
     }
 
-    fn indices(&self) -> Result<Fresnel, Problem> {
+    fn indices(&self) -> Result<Fresnel, BrdfError> {
         if !self.has("eta") {
-            return Err(Problem::Missing {
+            return Err(BrdfError::Missing {
                 model: self.info.name,
                 name: "eta",
             });
@@ -127,10 +130,10 @@ impl<'a> Arguments<'a> {
         Ok(Fresnel::Conductor { eta, k })
     }
 
-    fn metal(&self) -> Result<Fresnel, Problem> {
+    fn metal(&self) -> Result<Fresnel, BrdfError> {
         match self.value("metal") {
             Some(Value::Word(name)) => Ok(find_metal(name)?.fresnel()),
-            _ => Err(Problem::Kind {
+            _ => Err(BrdfError::WrongKind {
                 name: "metal",
                 expected: "the name of a metal".to_owned(),
             }),
@@ -138,11 +141,11 @@ impl<'a> Arguments<'a> {
     }
 }
 
-fn unknown(info: &'static Info, name: &str) -> Problem {
+fn unknown(info: &'static ModelInfo, name: &str) -> BrdfError {
     let known: Vec<&'static str> = info.all_parameters().map(|p| p.name).collect();
     let names = info.all_parameters();
     let names = names.flat_map(|p| [p.name].into_iter().chain(p.aliases.iter().copied()));
-    Problem::UnknownParameter {
+    BrdfError::UnknownParameter {
         model: info.name,
         name: name.to_owned(),
         nearest: nearest(name, names),
@@ -150,25 +153,25 @@ fn unknown(info: &'static Info, name: &str) -> Problem {
     }
 }
 
-fn check(parameter: &'static ParameterInfo, value: &Value) -> Result<(), Problem> {
+fn check(parameter: &'static ParameterInfo, value: &Value) -> Result<(), BrdfError> {
     let name = parameter.name;
-    let expected = |what: &str| Problem::Kind {
+    let expected = |what: &str| BrdfError::WrongKind {
         name,
         expected: what.to_owned(),
     };
     let numbers = match (parameter.kind, value) {
-        (Kind::Word, Value::Word(_)) => return Ok(()),
-        (Kind::Word, _) => return Err(expected("a word")),
+        (ParameterKind::Word, Value::Word(_)) => return Ok(()),
+        (ParameterKind::Word, _) => return Err(expected("a word")),
         (_, Value::Number(number)) => [*number; 3],
-        (Kind::Color, Value::Color(color)) => color.to_array(),
-        (Kind::Color, _) => return Err(expected("a number or (r, g, b)")),
-        (Kind::Number, _) => return Err(expected("one number")),
+        (ParameterKind::Color, Value::Color(color)) => color.to_array(),
+        (ParameterKind::Color, _) => return Err(expected("a number or (r, g, b)")),
+        (ParameterKind::Number, _) => return Err(expected("one number")),
     };
     let (least, most) = (parameter.least, parameter.most);
     // NaN is in no range.
     let outside = numbers.into_iter().find(|n| !(least..=most).contains(n));
     outside.map_or(Ok(()), |value| {
-        Err(Problem::Range {
+        Err(BrdfError::Range {
             name,
             value,
             least,

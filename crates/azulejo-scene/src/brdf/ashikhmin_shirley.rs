@@ -7,13 +7,13 @@ use super::arguments::Arguments;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::matt::Matt;
 use super::microfacet::{half, mirrored_by};
-use super::models::{Info, KD, KS, ParameterInfo};
-use super::{Fresnel, Problem};
+use super::models::{KD, KS, ModelInfo, ParameterInfo};
+use super::{BrdfError, Fresnel};
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-pub(super) const INFO: Info = Info {
+pub(super) const INFO: ModelInfo = ModelInfo {
     name: "ashikhmin_shirley",
     aliases: &["shirley", "ashikhmin", "ashikhmin-shirley"],
     title: "Ashikhmin–Shirley",
@@ -35,7 +35,7 @@ pub(super) const INFO: Info = Info {
     make,
 };
 
-fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     let (kd, ks) = (arguments.color("kd"), arguments.color("ks"));
     let base = Lobe::AshikhminShirleyBase(AshikhminShirleyBase {
         scale: kd * (Rgb::WHITE - ks) * (28.0 / (23.0 * PI)),

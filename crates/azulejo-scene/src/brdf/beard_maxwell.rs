@@ -20,13 +20,13 @@ use super::lambert::Lambert;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::matt::Matt;
 use super::microfacet::{half, mirrored_by};
-use super::models::{Info, KD, ParameterInfo};
-use super::{Fresnel, Problem};
+use super::models::{KD, ModelInfo, ParameterInfo};
+use super::{BrdfError, Fresnel};
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::{LN_2, TAU};
 
-pub(super) const INFO: Info = Info {
+pub(super) const INFO: ModelInfo = ModelInfo {
     name: "beard_maxwell",
     aliases: &["beardmaxwell", "maxwell_beard", "beard-maxwell"],
     title: "Beard–Maxwell",
@@ -68,7 +68,7 @@ pub(super) const INFO: Info = Info {
     make,
 };
 
-fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     arguments.bounded_sum("kd", "kv")?;
     Ok(vec![
         Lobe::Lambert(Lambert {

@@ -1,7 +1,7 @@
-//! Facets whose slopes are Gaussian: Beckmann's distribution and how its normals are drawn.
+//! Facets whose slopes are Gaussian: Beckmann's distribution and how its normals are sampled.
 
 use super::lobe::Spread;
-use super::microfacet::{Half, mirrored_by};
+use super::microfacet::{HalfVector, mirrored_by};
 use glam::DVec3;
 use std::f64::consts::{LN_2, PI, TAU};
 
@@ -18,14 +18,14 @@ impl Beckmann {
     }
 
     /// exp of the half vector's slope, negative and squared, in units of the roughness.
-    pub fn exponential(&self, half: &Half) -> f64 {
+    pub fn exponential(&self, half: &HalfVector) -> f64 {
         let v = half.v;
         let (x, y) = (v.x / (self.ax * v.z), v.y / (self.ay * v.z));
         (-(x * x + y * y)).exp()
     }
 
     /// D: facets per solid angle of their normals, 1/sr; ∫ D cos θ = 1.
-    pub fn density(&self, half: &Half) -> f64 {
+    pub fn density(&self, half: &HalfVector) -> f64 {
         self.exponential(half) / (PI * self.ax * self.ay * half.cos_h().powi(4))
     }
 
@@ -44,7 +44,7 @@ impl Beckmann {
     }
 
     /// Density of [`sample`](Beckmann::sample), 1/sr.
-    pub fn pdf(&self, half: &Half) -> f64 {
+    pub fn pdf(&self, half: &HalfVector) -> f64 {
         half.reflected(self.density(half) * half.cos_h())
     }
 

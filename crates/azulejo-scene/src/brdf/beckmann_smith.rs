@@ -6,13 +6,13 @@
 use super::arguments::Arguments;
 use super::beckmann::Beckmann;
 use super::lobe::{Lobe, Reflect, Spread};
-use super::microfacet::{AX, AY, Half, over_base, roughness};
-use super::models::{Info, KD, KS};
-use super::{Fresnel, Problem};
+use super::microfacet::{AX, AY, HalfVector, over_base, roughness};
+use super::models::{KD, KS, ModelInfo};
+use super::{BrdfError, Fresnel};
 use crate::Rgb;
 use glam::DVec3;
 
-pub(super) const INFO: Info = Info {
+pub(super) const INFO: ModelInfo = ModelInfo {
     name: "beckmann_smith",
     aliases: &["beckmann"],
     title: "Beckmann",
@@ -29,7 +29,7 @@ pub(super) const INFO: Info = Info {
     make,
 };
 
-fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     let [ax, ay] = roughness(arguments);
     let lobe = Lobe::BeckmannSmith(BeckmannSmith {
         scale: arguments.color("ks"),
@@ -49,14 +49,14 @@ pub(super) struct BeckmannSmith {
 
 impl Reflect for BeckmannSmith {
     fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        let half = Half::new(wo, wi);
+        let half = HalfVector::new(wo, wi);
         let hidden = self.facets.hidden(wo) + self.facets.hidden(wi);
         let facets = self.facets.density(&half) / (4.0 * wo.z * wi.z * (1.0 + hidden));
         self.scale * self.fresnel.at(half.cos_d()) * facets
     }
 
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        self.facets.pdf(&Half::new(wo, wi))
+        self.facets.pdf(&HalfVector::new(wo, wi))
     }
 
     fn sample(&self, wo: DVec3, [u1, u2, _]: [f64; 3]) -> DVec3 {

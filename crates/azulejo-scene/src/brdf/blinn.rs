@@ -4,17 +4,17 @@
 //! The factor makes the lobe reflect exactly ks of what comes along the normal; (n + 8)/(8π),
 //! which is often found, is near it.
 
-use super::Problem;
+use super::BrdfError;
 use super::arguments::Arguments;
 use super::lambert::Lambert;
 use super::lobe::{Lobe, Reflect, Spread};
-use super::microfacet::{Half, mirrored_by};
-use super::models::{EXPONENT, Info, KD, KS};
+use super::microfacet::{HalfVector, mirrored_by};
+use super::models::{EXPONENT, KD, KS, ModelInfo};
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-pub(super) const INFO: Info = Info {
+pub(super) const INFO: ModelInfo = ModelInfo {
     name: "blinn",
     aliases: &["blinn_half", "blinn_phong"],
     title: "Blinn",
@@ -31,7 +31,7 @@ pub(super) const INFO: Info = Info {
     make,
 };
 
-fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     arguments.bounded_sum("kd", "ks")?;
     Ok(vec![
         Lobe::Lambert(Lambert {
@@ -69,12 +69,12 @@ pub(super) fn sample_half(n: f64, u: f64) -> f64 {
 
 impl Reflect for Blinn {
     fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        let cos = Half::new(wo, wi).cos_h();
+        let cos = HalfVector::new(wo, wi).cos_h();
         self.albedo * (normalisation(self.exponent) * cos.powf(self.exponent))
     }
 
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let half = Half::new(wo, wi);
+        let half = HalfVector::new(wo, wi);
         half.reflected(half_pdf(self.exponent, half.cos_h()))
     }
 

@@ -3,17 +3,17 @@
 //! B. Burley, *Physically-based shading at Disney*, SIGGRAPH 2012 courses, section 5.3. Rough
 //! white surfaces reflect more than arrives: 1.04 along the normal, 1.5 at grazing angles.
 
-use super::Problem;
+use super::BrdfError;
 use super::arguments::Arguments;
 use super::lobe::Lobe;
 use super::matt::Matt;
-use super::models::{Info, ParameterInfo};
+use super::models::{ModelInfo, ParameterInfo};
 use super::oren_nayar::RHO;
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
-pub(super) const INFO: Info = Info {
+pub(super) const INFO: ModelInfo = ModelInfo {
     name: "burley_diffuse",
     aliases: &["burley", "disney_diffuse"],
     title: "Burley (Disney) diffuse",
@@ -33,7 +33,7 @@ pub(super) const INFO: Info = Info {
     make,
 };
 
-fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     Ok(vec![Lobe::BurleyDiffuse(BurleyDiffuse {
         albedo: arguments.color("rho"),
         roughness: arguments.number("rough"),

@@ -7,13 +7,13 @@
 use super::arguments::Arguments;
 use super::beckmann::Beckmann;
 use super::lobe::{Lobe, Reflect, Spread};
-use super::microfacet::{Half, over_base, v_grooves};
-use super::models::{Info, KD, KS, ParameterInfo};
-use super::{Fresnel, Problem};
+use super::microfacet::{HalfVector, over_base, v_grooves};
+use super::models::{KD, KS, ModelInfo, ParameterInfo};
+use super::{BrdfError, Fresnel};
 use crate::Rgb;
 use glam::DVec3;
 
-pub(super) const INFO: Info = Info {
+pub(super) const INFO: ModelInfo = ModelInfo {
     name: "cook_torrance",
     aliases: &["torrance"],
     title: "Cook–Torrance",
@@ -39,7 +39,7 @@ pub(super) const INFO: Info = Info {
     make,
 };
 
-fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     let lobe = Lobe::CookTorrance(CookTorrance {
         scale: arguments.color("ks"),
         fresnel: arguments.fresnel()?,
@@ -58,13 +58,13 @@ pub(super) struct CookTorrance {
 
 impl Reflect for CookTorrance {
     fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        let half = Half::new(wo, wi);
+        let half = HalfVector::new(wo, wi);
         let facets = self.facets.density(&half) * v_grooves(&half, wo, wi);
         self.scale * self.fresnel.at(half.cos_d()) * (facets / (4.0 * wo.z * wi.z))
     }
 
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        self.facets.pdf(&Half::new(wo, wi))
+        self.facets.pdf(&HalfVector::new(wo, wi))
     }
 
     fn sample(&self, wo: DVec3, [u1, u2, _]: [f64; 3]) -> DVec3 {

@@ -1,15 +1,15 @@
-//! What a file says of a reflection model.
+//! Descriptions of reflection models, as files and the command line spell them.
 
 use super::arguments::Arguments;
 use super::lobe::Lobe;
 use super::measured::Table;
-use super::{Measured, Problem, models};
+use super::{BrdfError, Measured, models};
 use crate::Rgb;
 use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// A reflection model as a file says it, by the names of [`MODELS`](super::MODELS).
+/// A reflection model as a file describes it, by the names of [`MODELS`](super::MODELS).
 #[derive(Clone, Debug, PartialEq)]
 pub enum Description {
     /// One model with its parameters.
@@ -20,12 +20,12 @@ pub enum Description {
     File {
         /// The file's name as it stands, relative to the model.
         path: String,
-        /// What was read from it; `None` where it could not be found. It reflects nothing then.
+        /// Its content; `None` if it could not be found. The model then reflects nothing.
         content: Option<Arc<Content>>,
     },
 }
 
-/// What a file of a reflection model holds.
+/// The content of a file of a reflection model.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Content {
@@ -38,7 +38,7 @@ pub enum Content {
 /// A model with its parameters, as written.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Model {
-    /// A name of [`MODELS`](super::MODELS), or one that is not known.
+    /// A name of [`MODELS`](super::MODELS), or an unknown one.
     pub name: String,
     /// In the order of the file.
     pub parameters: Vec<Parameter>,
@@ -88,7 +88,7 @@ impl Model {
         found.map(|p| &p.value)
     }
 
-    fn lobes(&self) -> Result<Vec<Lobe>, Problem> {
+    fn lobes(&self) -> Result<Vec<Lobe>, BrdfError> {
         let info = models::find(&self.name)?;
         (info.make)(&Arguments::new(info, &self.parameters)?)
     }
@@ -101,7 +101,7 @@ impl Description {
     }
 
     /// Its lobes, each with its weight.
-    pub(super) fn lobes(&self) -> Result<Vec<(f64, Lobe)>, Problem> {
+    pub(super) fn lobes(&self) -> Result<Vec<(f64, Lobe)>, BrdfError> {
         match self {
             Description::Model(model) => Ok(model.lobes()?.into_iter().map(|l| (1.0, l)).collect()),
             Description::Combination(parts) => combination(parts),
@@ -119,13 +119,13 @@ impl Description {
     }
 }
 
-fn combination(parts: &[(f64, Model)]) -> Result<Vec<(f64, Lobe)>, Problem> {
+fn combination(parts: &[(f64, Model)]) -> Result<Vec<(f64, Lobe)>, BrdfError> {
     let mut sum = 0.0;
     let mut lobes = Vec::new();
     for (weight, model) in parts {
         // NaN is not at least 0 either.
         if !(*weight >= 0.0) {
-            return Err(Problem::Range {
+            return Err(BrdfError::Range {
                 name: "weight",
                 value: *weight,
                 least: 0.0,
@@ -136,7 +136,7 @@ fn combination(parts: &[(f64, Model)]) -> Result<Vec<(f64, Lobe)>, Problem> {
         lobes.extend(model.lobes()?.into_iter().map(|lobe| (*weight, lobe)));
     }
     if sum > 1.0 + 1e-9 {
-        return Err(Problem::Energy {
+        return Err(BrdfError::Energy {
             what: "the sum of the weights of a combination".to_owned(),
             sum,
         });
@@ -213,10 +213,10 @@ fn tokens(text: &str) -> Vec<&str> {
 }
 
 impl FromStr for Value {
-    type Err = Problem;
+    type Err = BrdfError;
 
     /// A number, three in brackets or with commas between them, or a word.
-    fn from_str(text: &str) -> Result<Value, Problem> {
+    fn from_str(text: &str) -> Result<Value, BrdfError> {
         let list = text.trim_start_matches('(').trim_end_matches(')');
         let numbers: Option<Vec<f64>> = list.split(',').map(|n| n.trim().parse().ok()).collect();
         match numbers.as_deref() {
@@ -225,7 +225,7 @@ impl FromStr for Value {
             None if text.starts_with(|c: char| c.is_alphabetic()) => {
                 Ok(Value::Word(text.to_owned()))
             }
-            _ => Err(Problem::Syntax {
+            _ => Err(BrdfError::Syntax {
                 found: format!("`{text}`"),
                 expected: "a number, (r, g, b), or a word",
             }),
@@ -234,13 +234,13 @@ impl FromStr for Value {
 }
 
 impl FromStr for Description {
-    type Err = Problem;
+    type Err = BrdfError;
 
     /// `name key = value ...`, or `combination weight = w name ... weight = w name ...`.
-    fn from_str(text: &str) -> Result<Description, Problem> {
+    fn from_str(text: &str) -> Result<Description, BrdfError> {
         let words = tokens(text);
         let [name, rest @ ..] = &words[..] else {
-            return Err(Problem::Syntax {
+            return Err(BrdfError::Syntax {
                 found: "nothing".to_owned(),
                 expected: "the name of a reflection model",
             });
@@ -251,7 +251,7 @@ impl FromStr for Description {
         let (model, rest) = model(name, rest)?;
         match rest {
             [] => Ok(Description::Model(model)),
-            [found, ..] => Err(Problem::Syntax {
+            [found, ..] => Err(BrdfError::Syntax {
                 found: format!("`{found}`"),
                 expected: "key = value",
             }),
@@ -260,7 +260,7 @@ impl FromStr for Description {
 }
 
 /// A model's parameters; what is no parameter is left.
-fn model<'a, 'b>(name: &str, mut rest: &'b [&'a str]) -> Result<(Model, &'b [&'a str]), Problem> {
+fn model<'a, 'b>(name: &str, mut rest: &'b [&'a str]) -> Result<(Model, &'b [&'a str]), BrdfError> {
     let mut model = Model {
         name: name.to_owned(),
         parameters: Vec::new(),
@@ -278,14 +278,14 @@ fn model<'a, 'b>(name: &str, mut rest: &'b [&'a str]) -> Result<(Model, &'b [&'a
     Ok((model, rest))
 }
 
-fn parts(mut rest: &[&str]) -> Result<Vec<(f64, Model)>, Problem> {
+fn parts(mut rest: &[&str]) -> Result<Vec<(f64, Model)>, BrdfError> {
     let (mut found, mut weight) = (Vec::new(), 1.0);
     loop {
         match rest {
             [] => return Ok(found),
             [key, "=", value, behind @ ..] if key.eq_ignore_ascii_case("weight") => {
                 let Value::Number(number) = value.parse()? else {
-                    return Err(Problem::Kind {
+                    return Err(BrdfError::WrongKind {
                         name: "weight",
                         expected: "one number".to_owned(),
                     });

@@ -4,17 +4,17 @@
 //! JCGT 14(1), 2025: Fujii's variant of Oren and Nayar's model, and what it loses of a white
 //! surface given back, tinted by each further reflection. The base of OpenPBR.
 
-use super::Problem;
+use super::BrdfError;
 use super::arguments::Arguments;
 use super::lobe::Lobe;
 use super::matt::{Matt, across};
-use super::models::{Info, ParameterInfo};
+use super::models::{ModelInfo, ParameterInfo};
 use super::oren_nayar::RHO;
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, PI};
 
-pub(super) const INFO: Info = Info {
+pub(super) const INFO: ModelInfo = ModelInfo {
     name: "eon",
     aliases: &["openpbr_diffuse"],
     title: "Energy-preserving Oren–Nayar",
@@ -35,7 +35,7 @@ pub(super) const INFO: Info = Info {
     make,
 };
 
-fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     Ok(vec![Lobe::Eon(Eon::new(
         arguments.color("rho"),
         arguments.number("r"),

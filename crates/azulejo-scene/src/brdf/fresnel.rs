@@ -1,4 +1,4 @@
-//! How much a smooth boundary mirrors, by the angle.
+//! Fresnel terms: the reflectance of a smooth boundary by angle.
 
 use crate::Rgb;
 

@@ -1,15 +1,15 @@
-//! GGX with what its facets reflect more than once: `ggx_ms`.
+//! GGX with multiple scattering between its facets: `ggx_ms`.
 //!
 //! C. Kulla, A. Conty, *Revisiting physically based shading at Imageworks*, SIGGRAPH 2017 course.
 //! What one reflection loses of white light comes back from a second lobe, the same around the
 //! normal, so that white facets reflect all light from every direction.
 
-use super::Problem;
+use super::BrdfError;
 use super::arguments::Arguments;
 use super::ggx_smith::GgxSmith;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::microfacet::{mirrored_by, over_base};
-use super::models::{Info, KD, KS, ParameterInfo};
+use super::models::{KD, KS, ModelInfo, ParameterInfo};
 use super::quadrature::{cosine_hemisphere, gauss_legendre, midpoints};
 use super::vndf::Ggx;
 use crate::Rgb;
@@ -17,7 +17,7 @@ use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 use std::sync::Arc;
 
-pub(super) const INFO: Info = Info {
+pub(super) const INFO: ModelInfo = ModelInfo {
     name: "ggx_ms",
     aliases: &[],
     title: "GGX with multiple reflections",
@@ -39,10 +39,10 @@ pub(super) const INFO: Info = Info {
     make,
 };
 
-fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     let alpha = arguments.number("ax");
     if arguments.has("ay") && arguments.number("ay") != alpha {
-        return Err(Problem::Other(
+        return Err(BrdfError::Other(
             "`ggx_ms` is the same along both axes: `ax` and `ay` must be equal, or `ggx_smith` \
              be used"
                 .to_owned(),
@@ -53,7 +53,7 @@ fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
         ax: alpha,
         ay: alpha,
     };
-    let multiple = GgxMultiple::new(scale, fresnel.mean(), Lost::new(facets));
+    let multiple = GgxMultiple::new(scale, fresnel.mean(), LostEnergy::new(facets));
     let once = GgxSmith {
         scale,
         fresnel,
@@ -70,12 +70,12 @@ fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
 pub(super) struct GgxMultiple {
     /// ks Fms/(π (1 − Ē)).
     scale: Rgb,
-    lost: Arc<Lost>,
+    lost: Arc<LostEnergy>,
 }
 
 impl GgxMultiple {
     /// `fresnel` is the mean of the Fresnel term: what is left after each reflection.
-    fn new(scale: Rgb, fresnel: Rgb, lost: Lost) -> GgxMultiple {
+    fn new(scale: Rgb, fresnel: Rgb, lost: LostEnergy) -> GgxMultiple {
         let once = 1.0 - lost.mean;
         let multiple = fresnel.map(|f| f * f * once / (1.0 - f * lost.mean));
         // Where facets are nearly flat nothing is lost, and nothing comes back.
@@ -105,12 +105,12 @@ impl Reflect for GgxMultiple {
     }
 }
 
-/// Intervals of the table of what is lost.
+/// Intervals of the table of lost energy.
 const INTERVALS: usize = 48;
 
-/// What white facets lose of light along a direction because it meets them again: 1 − E.
+/// Energy that single scattering loses at white facets, by direction: 1 − E.
 #[derive(Debug)]
-struct Lost {
+struct LostEnergy {
     alpha: f64,
     /// At equal steps of √ln(1 + μ/α) from the horizon to the normal, in which it is smooth for
     /// any roughness α, at the horizon, too; μ = cos θ.
@@ -121,15 +121,15 @@ struct Lost {
     mean: f64,
 }
 
-impl Lost {
-    fn new(facets: Ggx) -> Lost {
+impl LostEnergy {
+    fn new(facets: Ggx) -> LostEnergy {
         let alpha = facets.ax;
         let points = gauss_legendre(64);
         let end = (1.0 / alpha).ln_1p();
         let cosine = |t: f64| (alpha * (t * end).exp_m1()).min(1.0);
         let at = |k: usize| cosine((k as f64 / INTERVALS as f64).powi(2));
         let table = (0..=INTERVALS).map(|k| lost(facets, at(k)));
-        let mut lost = Lost {
+        let mut lost = LostEnergy {
             alpha,
             table: table.collect(),
             end,

@@ -1,19 +1,19 @@
 //! Trowbridge and Reitz's facets with Smith's shadows: `ggx_smith`.
 //!
 //! T. S. Trowbridge, K. P. Reitz, JOSA 65(5), 1975; B. Walter et al., EGSR 2007; shadows of both
-//! directions together, by height: E. Heitz, JCGT 3(2), 2014. What facets reflect more than once
-//! is lost; `ggx_ms` has it.
+//! directions together, by height: E. Heitz, JCGT 3(2), 2014. Multiple scattering
+//! is lost; `ggx_ms` includes it.
 
 use super::arguments::Arguments;
 use super::lobe::{Lobe, Reflect, Spread};
-use super::microfacet::{AX, AY, Half, mirrored_by, over_base, roughness};
-use super::models::{Info, KD, KS};
+use super::microfacet::{AX, AY, HalfVector, mirrored_by, over_base, roughness};
+use super::models::{KD, KS, ModelInfo};
 use super::vndf::Ggx;
-use super::{Fresnel, Problem};
+use super::{BrdfError, Fresnel};
 use crate::Rgb;
 use glam::DVec3;
 
-pub(super) const INFO: Info = Info {
+pub(super) const INFO: ModelInfo = ModelInfo {
     name: "ggx_smith",
     aliases: &["ggx"],
     title: "GGX",
@@ -31,7 +31,7 @@ pub(super) const INFO: Info = Info {
     make,
 };
 
-fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     let [ax, ay] = roughness(arguments);
     let lobe = Lobe::GgxSmith(GgxSmith {
         scale: arguments.color("ks"),
@@ -51,7 +51,7 @@ pub(super) struct GgxSmith {
 
 impl Reflect for GgxSmith {
     fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        let half = Half::new(wo, wi);
+        let half = HalfVector::new(wo, wi);
         // cos θi cos θo (1 + Λ(i) + Λ(o)), whose Λ are infinite at grazing angles.
         let seen = 0.5 * (wo.z * self.facets.stretch(wi) + wi.z * self.facets.stretch(wo));
         let density = self.facets.density(half.v.normalize());

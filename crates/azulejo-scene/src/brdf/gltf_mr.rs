@@ -8,15 +8,15 @@ use super::arguments::Arguments;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::matt::Matt;
 use super::microfacet::{half, mirrored_by};
-use super::models::{Info, ParameterInfo};
+use super::models::{ModelInfo, ParameterInfo};
 use super::smooth::Smooth;
 use super::vndf::Ggx;
-use super::{Fresnel, Problem};
+use super::{BrdfError, Fresnel};
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
-pub(super) const INFO: Info = Info {
+pub(super) const INFO: ModelInfo = ModelInfo {
     name: "gltf_mr",
     aliases: &["gltf", "metallic_roughness"],
     title: "glTF metallic-roughness",
@@ -52,7 +52,7 @@ const DIELECTRIC: f64 = 0.04;
 /// Slopes below this are a mirror's.
 const SMOOTH: f64 = 1e-4;
 
-fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     let (base, metallic) = (arguments.color("base"), arguments.number("metallic"));
     let fresnel = Fresnel::Schlick {
         f0: Rgb::grey(DIELECTRIC * (1.0 - metallic)) + base * metallic,

@@ -11,10 +11,10 @@ mod series;
 use super::arguments::Arguments;
 use super::beckmann::{Beckmann, hidden};
 use super::lobe::{Lobe, Reflect, Spread};
-use super::microfacet::{Half, over_base};
-use super::models::{Info, KD, KS, ParameterInfo};
+use super::microfacet::{HalfVector, over_base};
+use super::models::{KD, KS, ModelInfo, ParameterInfo};
 use super::quadrature::cosine_hemisphere;
-use super::{Fresnel, Problem, WAVELENGTHS};
+use super::{BrdfError, Fresnel, WAVELENGTHS};
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, LN_2, PI, TAU};
@@ -35,7 +35,7 @@ const PARAMETERS: &[ParameterInfo] = &[
     .in_unit("µm"),
 ];
 
-pub(super) const INFO: Info = Info {
+pub(super) const INFO: ModelInfo = ModelInfo {
     name: "he_torrance",
     aliases: &["he", "he_torrance_dd"],
     title: "He–Torrance–Sillion–Greenberg",
@@ -60,8 +60,8 @@ pub(super) const INFO: Info = Info {
     },
 };
 
-/// Only what is mirrored exactly.
-pub(super) const MIRROR: Info = Info {
+/// Only perfect specular reflection.
+pub(super) const MIRROR: ModelInfo = ModelInfo {
     name: "he_torrance_mirror",
     aliases: &["he_torrance_rho_s"],
     title: "He–Torrance–Sillion–Greenberg, the coherent part alone",
@@ -93,7 +93,7 @@ struct Slant {
 }
 
 impl Surface {
-    fn new(arguments: &Arguments) -> Result<Surface, Problem> {
+    fn new(arguments: &Arguments) -> Result<Surface, BrdfError> {
         let lambda = arguments.has("lambda").then(|| arguments.color("lambda"));
         Ok(Surface {
             scale: arguments.color("ks"),
@@ -193,7 +193,7 @@ impl HeTorrance {
 
 impl Reflect for HeTorrance {
     fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        let (surface, half) = (&self.surface, Half::new(wo, wi));
+        let (surface, half) = (&self.surface, HalfVector::new(wo, wi));
         let (i, o) = (surface.slant_of(wi), surface.slant_of(wo));
         let sigma = surface.apparent_roughness(i, o);
         let v = half.v;
@@ -211,7 +211,7 @@ impl Reflect for HeTorrance {
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         let facets = self.facets(wo);
         let wide = HeTorrance::wide(facets);
-        wide * wi.z * FRAC_1_PI + (1.0 - wide) * facets.pdf(&Half::new(wo, wi))
+        wide * wi.z * FRAC_1_PI + (1.0 - wide) * facets.pdf(&HalfVector::new(wo, wi))
     }
 
     fn sample(&self, wo: DVec3, [u1, u2, u3]: [f64; 3]) -> DVec3 {

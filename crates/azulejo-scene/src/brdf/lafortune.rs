@@ -8,8 +8,8 @@ use super::arguments::Arguments;
 use super::lambert::Lambert;
 use super::lewis::about;
 use super::lobe::{Lobe, Reflect, Spread};
-use super::models::{Info, KD, KS, ParameterInfo};
-use super::{NARROW, Problem};
+use super::models::{KD, KS, ModelInfo, ParameterInfo};
+use super::{BrdfError, NARROW};
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -19,7 +19,7 @@ const fn coefficient(name: &'static str, about: &'static str) -> ParameterInfo {
     ParameterInfo::color(name, [-2.0, 2.0], about)
 }
 
-pub(super) const INFO: Info = Info {
+pub(super) const INFO: ModelInfo = ModelInfo {
     name: "lafortune",
     aliases: &["generalized_cosine"],
     title: "Lafortune",
@@ -48,7 +48,7 @@ pub(super) const INFO: Info = Info {
 /// The highest reflectance of a lobe that may come of measurements of real surfaces.
 const PLAUSIBLE: f64 = 10.0;
 
-fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     let (cx, cy, cz) = (
         arguments.color("cx"),
         arguments.color("cy"),
@@ -64,7 +64,7 @@ fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
     };
     let most = lobe.most();
     if most > PLAUSIBLE {
-        return Err(Problem::Energy {
+        return Err(BrdfError::Energy {
             what: "the reflectance of `lafortune`, 2π ks max(cx, cy, cz)ⁿ/(n + 2),".to_owned(),
             sum: most,
         });

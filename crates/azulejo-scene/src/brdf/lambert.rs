@@ -1,15 +1,15 @@
 //! The same in all directions: `diffuse`.
 
-use super::Problem;
+use super::BrdfError;
 use super::arguments::Arguments;
 use super::lobe::{Lobe, Reflect, Spread};
-use super::models::{Info, KD};
+use super::models::{KD, ModelInfo};
 use super::quadrature::cosine_hemisphere;
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
-pub(super) const INFO: Info = Info {
+pub(super) const INFO: ModelInfo = ModelInfo {
     name: "diffuse",
     aliases: &["lambert"],
     title: "Lambert",
@@ -22,7 +22,7 @@ pub(super) const INFO: Info = Info {
     make,
 };
 
-fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     Ok(vec![Lobe::Lambert(Lambert {
         albedo: arguments.color("kd"),
     })])

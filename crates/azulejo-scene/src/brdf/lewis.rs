@@ -4,17 +4,17 @@
 //! sampling after Lafortune and Willems, *Using the modified Phong reflectance model for
 //! physically based rendering*, 1994.
 
-use super::Problem;
+use super::BrdfError;
 use super::arguments::Arguments;
 use super::lambert::Lambert;
 use super::lobe::{Lobe, Reflect, Spread};
-use super::models::{EXPONENT, Info, KD, KS};
+use super::models::{EXPONENT, KD, KS, ModelInfo};
 use crate::Rgb;
 use crate::math::Frame;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-pub(super) const INFO: Info = Info {
+pub(super) const INFO: ModelInfo = ModelInfo {
     name: "lewis",
     aliases: &["lewis_phong"],
     title: "Lewis (modified Phong)",
@@ -31,7 +31,7 @@ pub(super) const INFO: Info = Info {
     make,
 };
 
-fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     arguments.bounded_sum("kd", "ks")?;
     Ok(vec![
         Lobe::Lambert(Lambert {

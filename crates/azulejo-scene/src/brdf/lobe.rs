@@ -27,7 +27,7 @@ use super::ward::Ward;
 use crate::Rgb;
 use glam::DVec3;
 
-/// How widely a lobe spreads light.
+/// Angular width of a lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Spread {
     /// Over all of the hemisphere.
@@ -37,8 +37,8 @@ pub(super) enum Spread {
     Glossy(f64),
 }
 
-/// What each model of a lobe answers; directions as in the module above, with `wo.z` and
-/// `wi.z` above 0.
+/// The interface of each lobe model; directions as in the module above, with `wo.z` and `wi.z`
+/// above 0.
 pub(super) trait Reflect {
     /// f_r, 1/sr; finite.
     fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb;
@@ -56,11 +56,11 @@ pub(super) trait Reflect {
         Rgb::BLACK
     }
 
-    /// How widely it spreads light.
+    /// Angular width of the lobe.
     fn spread(&self) -> Spread;
 }
 
-/// Makes the enum of models, and hands every question on to the model.
+/// Makes the enum of models, whose methods dispatch to the model.
 macro_rules! lobes {
     ($($(#[$doc:meta])* $name:ident($model:ty),)*) => {
         /// One lobe: a model with its parameters. Tables are shared: a lobe is cheap to clone.

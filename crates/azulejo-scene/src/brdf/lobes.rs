@@ -11,15 +11,15 @@ const ANGLES: usize = 16;
 /// Samples of the albedo at each of them.
 const SAMPLES: usize = 256;
 
-/// Samples of an albedo that is asked for.
+/// Samples of an albedo that a caller requests.
 const FINE_SAMPLES: usize = 4096;
 
-/// A direction drawn from a BRDF.
+/// A direction sampled from a BRDF.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
-    /// Where light comes from, unit, above the surface.
+pub struct BrdfSample {
+    /// Direction toward the light, unit, above the surface.
     pub wi: DVec3,
-    /// f_r cos θi / pdf: what radiance from there is multiplied by.
+    /// f_r cos θi / pdf, the factor of the incident radiance.
     pub weight: Rgb,
     /// Density over solid angle, 1/sr.
     pub pdf: f64,
@@ -28,13 +28,13 @@ pub struct Sample {
 /// Lobes that are added, each with a weight.
 #[derive(Clone, Debug, Default)]
 pub struct Lobes {
-    parts: Vec<Part>,
+    parts: Vec<WeightedLobe>,
     mean_albedo: Rgb,
     mean_mirror: Rgb,
 }
 
 #[derive(Clone, Debug)]
-struct Part {
+struct WeightedLobe {
     lobe: Lobe,
     weight: f64,
     /// Mean over the channels of the albedo without what is mirrored, at the middles of equal
@@ -55,7 +55,7 @@ impl Lobes {
                 mean_albedo += scattered * share;
                 mean_mirror += lobe.mirror(cos) * (weight * share);
             }
-            parts.push(Part {
+            parts.push(WeightedLobe {
                 lobe,
                 weight,
                 likely,
@@ -73,34 +73,36 @@ impl Lobes {
         self.parts.is_empty()
     }
 
-    /// The sum of the lobes, 1/sr, without what is mirrored exactly.
+    /// The sum of the lobes, 1/sr, without perfect specular reflection.
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         if !(wo.z > 0.0 && wi.z > 0.0) {
             return Rgb::BLACK;
         }
-        let of = |p: &Part| p.lobe.eval(wo, wi) * p.weight;
+        let of = |p: &WeightedLobe| p.lobe.eval(wo, wi) * p.weight;
         self.parts.iter().map(of).sum()
     }
 
     /// What is mirrored exactly, for the cosine of the angle to the normal.
     pub fn mirror(&self, cos: f64) -> Rgb {
-        let of = |p: &Part| p.lobe.mirror(cos) * p.weight;
+        let of = |p: &WeightedLobe| p.lobe.mirror(cos) * p.weight;
         self.parts.iter().map(of).sum()
     }
 
     /// Share of the light along `wo` that the lobes reflect, mirrored included.
     pub fn albedo(&self, wo: DVec3) -> Rgb {
-        let of = |p: &Part| (scattered(&p.lobe, wo, FINE_SAMPLES) + p.lobe.mirror(wo.z)) * p.weight;
+        let of = |p: &WeightedLobe| {
+            (scattered(&p.lobe, wo, FINE_SAMPLES) + p.lobe.mirror(wo.z)) * p.weight
+        };
         self.parts.iter().map(of).sum()
     }
 
     /// Mean over directions, weighted by the cosine, of what is scattered: what is reflected of
-    /// even light, without what is mirrored exactly.
+    /// even light, without perfect specular reflection.
     pub fn mean_albedo(&self) -> Rgb {
         self.mean_albedo
     }
 
-    /// The same of what is mirrored exactly.
+    /// The same of perfect specular reflection.
     pub fn mean_mirror(&self) -> Rgb {
         self.mean_mirror
     }
@@ -130,14 +132,14 @@ impl Lobes {
     }
 
     /// A direction for three numbers in 0..1, as [`Brdf::sample`](super::Brdf::sample) gives.
-    pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample> {
+    pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BrdfSample> {
         if !(wo.z > 0.0) {
             return None;
         }
         let wi = self.direction(wo, u)?;
         let pdf = self.pdf(wo, wi);
         let weight = self.eval(wo, wi) * (wi.z / pdf);
-        (pdf > 0.0 && weight.is_finite()).then_some(Sample { wi, weight, pdf })
+        (pdf > 0.0 && weight.is_finite()).then_some(BrdfSample { wi, weight, pdf })
     }
 
     /// Density of [`sample`](Lobes::sample), 1/sr.
@@ -146,12 +148,12 @@ impl Lobes {
         if !(wo.z > 0.0 && wi.z > 0.0 && sum > 0.0) {
             return 0.0;
         }
-        let of = |p: &Part| p.likely(wo) * p.lobe.pdf(wo, wi);
+        let of = |p: &WeightedLobe| p.likely(wo) * p.lobe.pdf(wo, wi);
         self.parts.iter().map(of).sum::<f64>() / sum
     }
 }
 
-impl Part {
+impl WeightedLobe {
     fn likely(&self, wo: DVec3) -> f64 {
         let at = wo.z * ANGLES as f64 - 0.5;
         let low = (at.floor().max(0.0) as usize).min(ANGLES - 2);

@@ -1,7 +1,7 @@
 //! Complex indices of refraction of common metals, at the wavelengths of red, green and blue.
 
 use super::models::{is_called, nearest};
-use super::{Fresnel, Problem};
+use super::{BrdfError, Fresnel};
 use crate::Rgb;
 
 /// Wavelengths at which metals are given and wave optics is evaluated, in micrometres.
@@ -141,13 +141,13 @@ impl Metal {
 /// The metal of that name, or of that chemical symbol.
 ///
 /// # Errors
-/// [`Problem::UnknownMetal`], with the known name that is most like it.
-pub fn find_metal(name: &str) -> Result<&'static Metal, Problem> {
+/// [`BrdfError::UnknownMetal`], with the known name that is most like it.
+pub fn find_metal(name: &str) -> Result<&'static Metal, BrdfError> {
     let known = METALS.iter().find(|m| is_called(m.name, m.aliases, name));
     known.ok_or_else(|| {
         // Two letters are like many words; only names are suggested.
         let names = METALS.iter().map(|m| m.name);
-        Problem::UnknownMetal {
+        BrdfError::UnknownMetal {
             name: name.to_owned(),
             nearest: nearest(name, names).unwrap_or("silver"),
         }

@@ -1,6 +1,6 @@
-//! What models of small facets share: the half vector, V-grooves, a base below the facets.
+//! What microfacet models share: the half vector, V-grooves, a base below the facets.
 
-use super::Problem;
+use super::BrdfError;
 use super::arguments::Arguments;
 use super::lambert::Lambert;
 use super::lobe::Lobe;
@@ -28,18 +28,18 @@ pub(super) fn roughness(arguments: &Arguments) -> [f64; 2] {
 }
 
 /// The vector halfway between two directions: the normal of the facets that mirror one to the
-/// other. All that is asked of it is the same to the bit when the two change places.
+/// other. All its methods return the same bits when the two are exchanged.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Half {
+pub(super) struct HalfVector {
     /// The sum of the two.
     pub v: DVec3,
     length: f64,
 }
 
-impl Half {
-    pub fn new(wo: DVec3, wi: DVec3) -> Half {
+impl HalfVector {
+    pub fn new(wo: DVec3, wi: DVec3) -> HalfVector {
         let v = wo + wi;
-        Half {
+        HalfVector {
             v,
             length: v.length(),
         }
@@ -79,24 +79,27 @@ pub(super) fn mirrored_by(wo: DVec3, h: DVec3) -> DVec3 {
     h * (2.0 * wo.dot(h)) - wo
 }
 
-/// The share of facets that neither hide nor shade each other, if they form V-shaped grooves.
+/// Masking and shadowing by V-shaped grooves: the fraction of facets that are visible and lit.
 /// Torrance and Sparrow 1967.
-pub(super) fn v_grooves(half: &Half, wo: DVec3, wi: DVec3) -> f64 {
+pub(super) fn v_grooves(half: &HalfVector, wo: DVec3, wi: DVec3) -> f64 {
     (2.0 * half.cos_h() * wo.z.min(wi.z) / half.cos_d()).min(1.0)
 }
 
 /// Lobes of facets on top of a matt base of reflectance `kd`.
 ///
 /// # Errors
-/// [`Problem::Energy`] where base and lobes reflect more of even light than arrives. Where
+/// [`BrdfError::Energy`] where base and lobes reflect more of even light than arrives. Where
 /// `kd + ks` is at most 1, they never do.
-pub(super) fn over_base(arguments: &Arguments, mut lobes: Vec<Lobe>) -> Result<Vec<Lobe>, Problem> {
+pub(super) fn over_base(
+    arguments: &Arguments,
+    mut lobes: Vec<Lobe>,
+) -> Result<Vec<Lobe>, BrdfError> {
     let (kd, ks) = (arguments.color("kd"), arguments.color("ks"));
     if (kd + ks).max_channel() > 1.0 {
         let facets = Lobes::new(lobes.iter().map(|l| (1.0, l.clone())).collect());
         let sum = (kd + facets.mean_albedo() + facets.mean_mirror()).max_channel();
         if sum > 1.0 && !kd.is_black() {
-            return Err(Problem::Energy {
+            return Err(BrdfError::Energy {
                 what: "kd and what the facets reflect of even light".to_owned(),
                 sum,
             });

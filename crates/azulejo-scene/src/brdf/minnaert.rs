@@ -3,15 +3,15 @@
 //! M. Minnaert, *The reciprocity principle in lunar photometry*, Astrophysical Journal 93, 1941,
 //! in its reciprocal form.
 
-use super::Problem;
+use super::BrdfError;
 use super::arguments::Arguments;
 use super::lobe::{Lobe, Reflect, Spread};
-use super::models::{Info, ParameterInfo};
+use super::models::{ModelInfo, ParameterInfo};
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, TAU};
 
-pub(super) const INFO: Info = Info {
+pub(super) const INFO: ModelInfo = ModelInfo {
     name: "minnaert",
     aliases: &[],
     title: "Minnaert",
@@ -33,11 +33,11 @@ pub(super) const INFO: Info = Info {
 
 /// Refuses what reflects more than arrives of light from all directions. Below k = 1 the
 /// reflectance still has no bound towards the rim.
-fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     let (kd, k) = (arguments.color("kd"), arguments.number("k"));
     let mean = kd.max_channel() * 4.0 / (k + 1.0).powi(2);
     if mean > 1.0 + 1e-9 {
-        return Err(Problem::Energy {
+        return Err(BrdfError::Energy {
             what: format!("the mean reflectance 4 kd/(k + 1)² of `minnaert` with k = {k}"),
             sum: mean,
         });

@@ -1,7 +1,7 @@
 //! Reflection models: how much of the light from one direction a surface sends in another.
 //!
-//! A [`Description`] is what a file says, by the names of [`MODELS`]; a [`Brdf`] is what passes
-//! evaluate. `wo` points to where light is seen from, `wi` to where it comes from; both leave the
+//! A [`Description`] is the model as a file spells it, by the names of [`MODELS`]; a [`Brdf`] is
+//! what the passes evaluate. `wo` points to the viewer, `wi` to the light; both point away from the
 //! surface and are given in its own frame: tangent x, bitangent y, normal z. A BRDF is in 1/sr per
 //! channel, and nothing is reflected where `wo.z <= 0` or `wi.z <= 0`.
 //!
@@ -25,13 +25,13 @@
 mod arguments;
 pub mod check;
 mod description;
+mod error;
 mod fresnel;
 mod lobe;
 mod lobes;
 mod metals;
 mod microfacet;
 mod models;
-mod problem;
 mod quadrature;
 
 mod ashikhmin_shirley;
@@ -63,12 +63,12 @@ mod vndf;
 mod ward;
 
 pub use description::{Content, Description, Model, Parameter, Value};
+pub use error::BrdfError;
 pub use fresnel::Fresnel;
-pub use lobes::{Lobes, Sample};
+pub use lobes::{BrdfSample, Lobes};
 pub use measured::{Grid, HalfAngles, Measured, Merl, Rgl, RglTensors};
 pub use metals::{METALS, Metal, WAVELENGTHS, find_metal};
-pub use models::{FRESNEL, Info, Kind, MODELS, ParameterInfo, find};
-pub use problem::Problem;
+pub use models::{FRESNEL, MODELS, ModelInfo, ParameterInfo, ParameterKind, find};
 
 use crate::Rgb;
 use glam::DVec3;
@@ -84,8 +84,8 @@ pub const NARROW: f64 = 1.0;
 /// By how much a mean reflectance may exceed 1 because it was found by samples.
 const ROUNDING: f64 = 1e-3;
 
-/// A reflection model, ready to be evaluated: a sum of what is reflected in all directions alike
-/// and of [`Lobes`] of three kinds, which the passes treat differently.
+/// A reflection model, ready to be evaluated: the sum of a diffuse part and of [`Lobes`] of three
+/// kinds, which the passes treat differently.
 pub struct Brdf {
     description: Description,
     diffuse: Rgb,
@@ -98,13 +98,13 @@ impl Brdf {
     /// Makes a model of its description.
     ///
     /// # Errors
-    /// [`Problem`]: unknown names, numbers out of range, weights that create energy.
-    pub fn new(description: Description) -> Result<Brdf, Problem> {
+    /// [`BrdfError`]: unknown names, numbers out of range, weights that create energy.
+    pub fn new(description: Description) -> Result<Brdf, BrdfError> {
         Brdf::scaled(description, 1.0)
     }
 
-    /// The model itself, or, of one that reflects more of even light than arrives, as much less
-    /// of it as makes that possible: without it light between such surfaces would grow. The
+    /// The model itself or, if it reflects more of uniform light than it receives, the model scaled
+    /// down to an albedo of 1: otherwise light between such surfaces would grow without bound. The
     /// description stays.
     pub fn limited(self: Arc<Brdf>) -> Arc<Brdf> {
         let most = self.mean_reflectance().max_channel();
@@ -115,7 +115,7 @@ impl Brdf {
         scaled.map_or(self, Arc::new)
     }
 
-    fn scaled(description: Description, scale: f64) -> Result<Brdf, Problem> {
+    fn scaled(description: Description, scale: f64) -> Result<Brdf, BrdfError> {
         let mut diffuse = Rgb::BLACK;
         let [mut matt, mut glossy, mut narrow] = [const { Vec::new() }; 3];
         for (weight, lobe) in description.lobes()? {
@@ -138,18 +138,18 @@ impl Brdf {
         })
     }
 
-    /// What it was made from.
+    /// The description that it was made from.
     pub fn description(&self) -> &Description {
         &self.description
     }
 
-    /// Reflectance of the part that is the same in all directions, 0..=1.
+    /// Reflectance of the diffuse part, 0..=1.
     pub fn diffuse(&self) -> Rgb {
         self.diffuse
     }
 
-    /// Lobes about as wide as the hemisphere, such as Oren and Nayar's. Where direction is not
-    /// kept, [`Lobes::mean_albedo`] stands for them.
+    /// Lobes about as wide as the hemisphere, such as Oren and Nayar's. Passes that do not keep
+    /// directions use their [`Lobes::mean_albedo`].
     pub fn matt(&self) -> &Lobes {
         &self.matt
     }
@@ -170,12 +170,12 @@ impl Brdf {
         self.diffuse + self.matt.mean_albedo()
     }
 
-    /// Share of even light that is reflected in all; more than 1 for what creates energy.
+    /// Fraction of uniform light that is reflected; more than 1 for models that create energy.
     pub fn mean_reflectance(&self) -> Rgb {
         self.mean_diffuse() + self.mean_mirror() + self.glossy.mean_albedo()
     }
 
-    /// Mean reflectance of mirrors and nearly mirrors.
+    /// Mean reflectance of mirrors and near-mirrors.
     pub fn mean_mirror(&self) -> Rgb {
         let mirrors: Rgb = self.groups().iter().map(|l| l.mean_mirror()).sum();
         self.narrow.mean_albedo() + mirrors
@@ -185,7 +185,7 @@ impl Brdf {
         [&self.matt, &self.glossy, &self.narrow]
     }
 
-    /// The BRDF, 1/sr, without what is mirrored exactly ([`mirror`](Brdf::mirror)).
+    /// The BRDF, 1/sr, without perfect specular reflection ([`mirror`](Brdf::mirror)).
     pub fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         if !(wo.z > 0.0 && wi.z > 0.0) {
             return Rgb::BLACK;
@@ -194,13 +194,14 @@ impl Brdf {
         self.diffuse * FRAC_1_PI + lobes
     }
 
-    /// Reflectance of the part that is mirrored exactly, for the cosine of the angle to the normal.
+    /// Reflectance of the perfect specular part, for the cosine of the angle to the normal.
     pub fn mirror(&self, cos: f64) -> Rgb {
         self.groups().iter().map(|l| l.mirror(cos)).sum()
     }
 
-    /// Share of the light from `wo`'s direction that is reflected anywhere, mirrored included; by
-    /// reciprocity also what an even sky shows. From 4,096 evaluations.
+    /// Directional albedo: the fraction of the light from `wo`'s direction that is reflected in any
+    /// direction, perfect specular reflection included; by reciprocity also the radiance under a
+    /// uniform sky of radiance 1. From 4,096 evaluations.
     pub fn albedo(&self, wo: DVec3) -> Rgb {
         if !(wo.z > 0.0) {
             return Rgb::BLACK;
@@ -221,10 +222,10 @@ impl Brdf {
         }
     }
 
-    /// A direction that light comes from, with a density like what it contributes; `None` where
-    /// the sample falls below the surface or all is mirrored exactly. `u` are three numbers in
-    /// 0..1. The mean of the weights is the albedo without the mirrored part.
-    pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<Sample> {
+    /// Samples a direction `wi`, with a density about proportional to its contribution; `None` if
+    /// the sample falls below the surface or all reflection is perfectly specular. `u` are three
+    /// numbers in 0..1. The mean of the weights is the albedo without the specular part.
+    pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BrdfSample> {
         if !(wo.z > 0.0) {
             return None;
         }
@@ -245,7 +246,7 @@ impl Brdf {
         }?;
         let pdf = self.pdf(wo, wi);
         let weight = self.eval(wo, wi) * (wi.z / pdf);
-        (pdf > 0.0 && weight.is_finite()).then_some(Sample { wi, weight, pdf })
+        (pdf > 0.0 && weight.is_finite()).then_some(BrdfSample { wi, weight, pdf })
     }
 
     /// Density of [`sample`](Brdf::sample) over the solid angle of `wi`, 1/sr.

@@ -1,36 +1,36 @@
-//! The models by name, with what each takes: one table for readers, help, documents and editors.
+//! The table of models and their parameters, for readers, help, documentation and editors.
 
 use super::arguments::Arguments;
 use super::lobe::Lobe;
 use super::{
-    Problem, ashikhmin_shirley, beard_maxwell, beckmann_smith, blinn, burley_diffuse,
+    BrdfError, ashikhmin_shirley, beard_maxwell, beckmann_smith, blinn, burley_diffuse,
     cook_torrance, eon, ggx_ms, ggx_smith, gltf_mr, he_torrance, lafortune, lambert, lewis,
     minnaert, oren_nayar, phong, poulin_fournier, schlick, smooth, strauss, torrance_sparrow_gauss,
     ward,
 };
 
 /// A model that descriptions can name.
-pub struct Info {
+pub struct ModelInfo {
     /// Its name.
     pub name: &'static str,
     /// Other names that are read as this one.
     pub aliases: &'static [&'static str],
-    /// What people call it.
+    /// Its title, for documentation.
     pub title: &'static str,
-    /// Where it was published.
+    /// Its publication.
     pub paper: &'static str,
-    /// What it takes.
+    /// Its parameters.
     pub parameters: &'static [ParameterInfo],
-    /// Descriptions of it: for help, for documents, and what the checks of all models are run on.
+    /// Example descriptions, for help and documentation; the checks of all models use them.
     pub examples: &'static [&'static str],
-    /// Whether it also takes one of the sets of [`FRESNEL`]; without any of them all light is
-    /// reflected.
+    /// Whether it also takes one of the parameter sets of [`FRESNEL`]; without any the Fresnel
+    /// term is 1.
     pub has_fresnel: bool,
-    /// Whether light may be exchanged between the two directions.
+    /// Whether it is reciprocal: f(wo, wi) = f(wi, wo).
     pub is_reciprocal: bool,
     /// Whether, with parameters in range, it never reflects more than arrives.
     pub is_energy_safe: bool,
-    pub(super) make: fn(&Arguments) -> Result<Vec<Lobe>, Problem>,
+    pub(super) make: fn(&Arguments) -> Result<Vec<Lobe>, BrdfError>,
 }
 
 /// A parameter of a model.
@@ -39,25 +39,25 @@ pub struct ParameterInfo {
     pub name: &'static str,
     /// Other names that are read as this one.
     pub aliases: &'static [&'static str],
-    /// What its value is.
-    pub kind: Kind,
-    /// The value where none is given, unless [`about`](ParameterInfo::about) says another.
+    /// The type of its value.
+    pub kind: ParameterKind,
+    /// The default value, unless [`about`](ParameterInfo::about) states another.
     pub default: Option<f64>,
-    /// Whether one must be given.
+    /// Whether it must be given.
     pub is_needed: bool,
-    /// The least that is allowed, of each channel.
+    /// The smallest allowed value, of each channel.
     pub least: f64,
-    /// The most.
+    /// The largest allowed value, of each channel.
     pub most: f64,
     /// Unit; empty for plain numbers.
     pub unit: &'static str,
-    /// What it does.
+    /// A description for users.
     pub about: &'static str,
 }
 
-/// What a parameter's value is.
+/// The type of a parameter's value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ParameterKind {
     /// One number.
     Number,
     /// One number for all channels, or three.
@@ -72,7 +72,7 @@ impl ParameterInfo {
         ParameterInfo {
             name,
             aliases: &[],
-            kind: Kind::Number,
+            kind: ParameterKind::Number,
             default: None,
             is_needed: true,
             least: range[0],
@@ -85,7 +85,7 @@ impl ParameterInfo {
     /// A colour that must be given.
     pub(super) const fn color(name: &'static str, range: [f64; 2], about: &'static str) -> Self {
         ParameterInfo {
-            kind: Kind::Color,
+            kind: ParameterKind::Color,
             ..ParameterInfo::number(name, range, about)
         }
     }
@@ -123,13 +123,13 @@ impl ParameterInfo {
     }
 }
 
-impl Info {
+impl ModelInfo {
     /// Whether a name means this one; letters in upper or lower case.
     pub fn is_called(&self, name: &str) -> bool {
         is_called(self.name, self.aliases, name)
     }
 
-    /// All that it takes.
+    /// All its parameters.
     pub fn all_parameters(&self) -> impl Iterator<Item = &'static ParameterInfo> + use<> {
         let fresnel: &[_] = if self.has_fresnel { FRESNEL } else { &[] };
         self.parameters.iter().chain(fresnel)
@@ -167,7 +167,7 @@ pub const FRESNEL: &[ParameterInfo] = &[
         .also(&["nimag"])
         .optional(),
     ParameterInfo {
-        kind: Kind::Word,
+        kind: ParameterKind::Word,
         ..ParameterInfo::number("metal", [0.0, 0.0], "a metal of the table, by name").optional()
     },
     ParameterInfo::color("f0", [0.0, 1.0], "reflectance at normal incidence").optional(),
@@ -180,8 +180,8 @@ pub const FRESNEL: &[ParameterInfo] = &[
     ParameterInfo::color("F", [0.0, 1.0], "reflectance at all angles").optional(),
 ];
 
-/// Every model, in the order of the documents.
-pub static MODELS: &[&Info] = &[
+/// Every model, in the order of the documentation.
+pub static MODELS: &[&ModelInfo] = &[
     &lambert::INFO,
     &smooth::SPECULAR,
     &smooth::CONDUCTOR,
@@ -215,14 +215,14 @@ pub static MODELS: &[&Info] = &[
 /// The model of that name.
 ///
 /// # Errors
-/// [`Problem::UnknownModel`], with the known name that is most like it.
-pub fn find(name: &str) -> Result<&'static Info, Problem> {
+/// [`BrdfError::UnknownModel`], with the known name that is most like it.
+pub fn find(name: &str) -> Result<&'static ModelInfo, BrdfError> {
     let known = MODELS.iter().find(|m| m.is_called(name));
     known.copied().ok_or_else(|| {
         let names = MODELS
             .iter()
             .flat_map(|m| [m.name].into_iter().chain(m.aliases.iter().copied()));
-        Problem::UnknownModel {
+        BrdfError::UnknownModel {
             name: name.to_owned(),
             nearest: nearest(name, names).unwrap_or("diffuse"),
         }

@@ -5,16 +5,16 @@
 //! interreflections, are other models. White surfaces of σ about 10° reflect up to 1.4 % more than
 //! arrives at grazing angles; [`eon`](super::eon) does not.
 
-use super::Problem;
+use super::BrdfError;
 use super::arguments::Arguments;
 use super::lobe::Lobe;
 use super::matt::{Matt, across};
-use super::models::{Info, ParameterInfo};
+use super::models::{ModelInfo, ParameterInfo};
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
-pub(super) const INFO: Info = Info {
+pub(super) const INFO: ModelInfo = ModelInfo {
     name: "oren_nayar",
     aliases: &["oren_nayar_qual", "oren-nayar", "orennayar"],
     title: "Oren–Nayar",
@@ -43,7 +43,7 @@ pub(super) const INFO: Info = Info {
 pub(super) const RHO: ParameterInfo =
     ParameterInfo::color("rho", [0.0, 1.0], "reflectance of the material").also(&["kd", "rd"]);
 
-fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     let variance = arguments.number("sigma").to_radians().powi(2);
     Ok(vec![Lobe::OrenNayar(OrenNayar {
         albedo: arguments.color("rho"),

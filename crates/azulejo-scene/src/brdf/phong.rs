@@ -4,17 +4,17 @@
 //! radiance, ks cosⁿ α; divided by cos θi it is a BRDF that is not reciprocal and has no upper
 //! bound. For materials of old files only; `lewis` is the same lobe made possible.
 
-use super::Problem;
+use super::BrdfError;
 use super::arguments::Arguments;
 use super::lambert::Lambert;
 use super::lewis::{about, mirrored, power};
 use super::lobe::{Lobe, Reflect, Spread};
-use super::models::{EXPONENT, Info, KD, KS};
+use super::models::{EXPONENT, KD, KS, ModelInfo};
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-pub(super) const INFO: Info = Info {
+pub(super) const INFO: ModelInfo = ModelInfo {
     name: "phong",
     aliases: &["phong_original"],
     title: "Phong (original)",
@@ -30,7 +30,7 @@ pub(super) const INFO: Info = Info {
     make,
 };
 
-fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     Ok(vec![
         Lobe::Lambert(Lambert {
             albedo: arguments.color("kd"),

@@ -7,22 +7,22 @@
 
 mod profile;
 
-use super::Problem;
+use super::BrdfError;
 use super::arguments::Arguments;
 use super::blinn::{half_pdf, normalisation, sample_half};
 use super::lobe::{Lobe, Reflect, Spread};
 use super::lobes::median_angle;
-use super::microfacet::{Half, mirrored_by};
-use super::models::{EXPONENT, Info, KD, KS, ParameterInfo};
+use super::microfacet::{HalfVector, mirrored_by};
+use super::models::{EXPONENT, KD, KS, ModelInfo, ParameterInfo};
 use super::quadrature::{cosine_hemisphere, gauss_legendre};
 use crate::Rgb;
 use crate::math::Frame;
 use glam::DVec3;
-use profile::{Profile, Range, Seen};
+use profile::{Profile, Range, VisibleSection};
 use std::f64::consts::{FRAC_1_PI, TAU};
 use std::sync::Arc;
 
-pub(super) const INFO: Info = Info {
+pub(super) const INFO: ModelInfo = ModelInfo {
     name: "poulin_fournier",
     aliases: &["poulin"],
     title: "Poulin–Fournier",
@@ -49,7 +49,7 @@ pub(super) const INFO: Info = Info {
     make,
 };
 
-fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     arguments.bounded_sum("kd", "ks")?;
     let profile = Profile::new(arguments.number("d"), arguments.number("h"));
     let matt = MattCylinders {
@@ -129,7 +129,13 @@ impl ShinyCylinders {
 
     /// ∫ over what is `seen` of `term`(cosine between the normal and the half vector, normal).
     /// `term` falls with at least the exponent `n` of that cosine.
-    fn integral(&self, seen: &Seen, h: DVec3, n: f64, term: impl Fn(f64, DVec3) -> f64) -> f64 {
+    fn integral(
+        &self,
+        seen: &VisibleSection,
+        h: DVec3,
+        n: f64,
+        term: impl Fn(f64, DVec3) -> f64,
+    ) -> f64 {
         let middle = h.y.atan2(h.z);
         let reach = (-DEPTH / n.max(1e-3)).exp().acos();
         let arc = seen.arc.and(&Range::new(middle - reach, middle + reach));
@@ -159,7 +165,7 @@ impl Reflect for ShinyCylinders {
 
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         let n = self.exponent;
-        let (seen, half) = (self.profile.seen(wo), Half::new(wo, wi));
+        let (seen, half) = (self.profile.seen(wo), HalfVector::new(wo, wi));
         let h = half.v.normalize();
         let sum = self.integral(&seen, h, n + 1.0, |cos, normal| {
             half_pdf(n, cos) * normal.dot(wo).max(0.0)

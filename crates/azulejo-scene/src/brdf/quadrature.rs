@@ -27,24 +27,9 @@ pub(super) fn cosine_hemisphere(u1: f64, u2: f64) -> DVec3 {
     DVec3::new(r * cos, r * sin, (1.0 - u1).sqrt())
 }
 
-/// Gauss and Legendre's points and weights for 0..1: exact for polynomials up to degree
-/// 2 `count` − 1.
+/// The Gauss–Legendre rule on 0..1, nodes ascending.
 pub(super) fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
-    (0..count).map(|k| legendre_root(count, k)).collect()
-}
-
-/// The `k`-th root of the Legendre polynomial of degree `n`, by Newton's method, with its weight.
-fn legendre_root(n: usize, k: usize) -> (f64, f64) {
-    let mut x = (std::f64::consts::PI * (k as f64 + 0.75) / (n as f64 + 0.5)).cos();
-    let mut slope = 1.0;
-    for _ in 0..8 {
-        let (mut p, mut before) = (1.0, 0.0);
-        for j in 1..=n {
-            let j = j as f64;
-            (p, before) = (((2.0 * j - 1.0) * x * p - (j - 1.0) * before) / j, p);
-        }
-        slope = n as f64 * (x * p - before) / (x * x - 1.0);
-        x -= p / slope;
-    }
-    (0.5 * (1.0 - x), 1.0 / ((1.0 - x * x) * slope * slope))
+    let rule = crate::quadrature::gauss_legendre(count).into_iter();
+    rule.map(|(x, weight)| (0.5 * (1.0 - x), 0.5 * weight))
+        .collect()
 }

@@ -15,14 +15,14 @@ use super::arguments::Arguments;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::matt::Matt;
 use super::microfacet::{half, mirrored_by};
-use super::models::{Info, ParameterInfo};
+use super::models::{ModelInfo, ParameterInfo};
 use super::smooth::Smooth;
-use super::{Fresnel, Problem};
+use super::{BrdfError, Fresnel};
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
 
-pub(super) const INFO: Info = Info {
+pub(super) const INFO: ModelInfo = ModelInfo {
     name: "schlick",
     aliases: &[],
     title: "Schlick",
@@ -56,7 +56,7 @@ pub(super) const INFO: Info = Info {
 /// Roughness below this is none.
 const SMOOTH: f64 = 1e-8;
 
-fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     let fresnel = Fresnel::Schlick {
         f0: arguments.color("ks"),
         tint: Rgb::WHITE,

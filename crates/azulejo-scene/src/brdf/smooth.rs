@@ -2,12 +2,12 @@
 
 use super::arguments::Arguments;
 use super::lobe::{Lobe, Reflect, Spread};
-use super::models::{Info, KS};
-use super::{Fresnel, Problem};
+use super::models::{KS, ModelInfo};
+use super::{BrdfError, Fresnel};
 use crate::Rgb;
 use glam::DVec3;
 
-pub(super) const SPECULAR: Info = Info {
+pub(super) const SPECULAR: ModelInfo = ModelInfo {
     name: "specular",
     aliases: &["mirror"],
     title: "Mirror",
@@ -20,7 +20,7 @@ pub(super) const SPECULAR: Info = Info {
     make: |arguments| smooth(arguments.color("ks"), Fresnel::Constant(Rgb::WHITE)),
 };
 
-pub(super) const CONDUCTOR: Info = Info {
+pub(super) const CONDUCTOR: ModelInfo = ModelInfo {
     name: "fresnel_conductor",
     aliases: &["conductor"],
     title: "Smooth metal",
@@ -36,7 +36,7 @@ pub(super) const CONDUCTOR: Info = Info {
     make: fresnel,
 };
 
-pub(super) const DIELECTRIC: Info = Info {
+pub(super) const DIELECTRIC: ModelInfo = ModelInfo {
     name: "fresnel_dielectric",
     aliases: &["dielectric"],
     title: "Smooth varnish: what a dielectric's surface mirrors",
@@ -47,11 +47,11 @@ pub(super) const DIELECTRIC: Info = Info {
     ..CONDUCTOR
 };
 
-fn fresnel(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+fn fresnel(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     smooth(Rgb::WHITE, arguments.fresnel()?)
 }
 
-fn smooth(scale: Rgb, fresnel: Fresnel) -> Result<Vec<Lobe>, Problem> {
+fn smooth(scale: Rgb, fresnel: Fresnel) -> Result<Vec<Lobe>, BrdfError> {
     Ok(vec![Lobe::Smooth(Smooth { scale, fresnel })])
 }
 

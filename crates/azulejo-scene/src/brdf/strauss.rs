@@ -8,18 +8,18 @@
 //! them the model is reciprocal and bounded: the paper's constant 0.1 for edges adds 0.3 % at most
 //! to what a white surface may reflect.
 
-use super::Problem;
+use super::BrdfError;
 use super::arguments::Arguments;
 use super::lambert::Lambert;
 use super::lewis::Lewis;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::microfacet::half;
-use super::models::{Info, ParameterInfo};
+use super::models::{ModelInfo, ParameterInfo};
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::FRAC_2_PI;
 
-pub(super) const INFO: Info = Info {
+pub(super) const INFO: ModelInfo = ModelInfo {
     name: "strauss",
     aliases: &[],
     title: "Strauss",
@@ -59,7 +59,7 @@ pub(super) const INFO: Info = Info {
 /// The highest exponent of a highlight, where 3/(1 − s) has no bound.
 const SHARPEST: f64 = 1e6;
 
-fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     let color = arguments.color("color");
     let (s, m) = (
         arguments.number("smoothness"),

@@ -5,15 +5,15 @@
 
 use super::arguments::Arguments;
 use super::lobe::{Lobe, Reflect, Spread};
-use super::microfacet::{Half, mirrored_by, over_base, v_grooves};
-use super::models::{Info, KD, KS, ParameterInfo};
+use super::microfacet::{HalfVector, mirrored_by, over_base, v_grooves};
+use super::models::{KD, KS, ModelInfo, ParameterInfo};
 use super::quadrature::gauss_legendre;
-use super::{Fresnel, Problem};
+use super::{BrdfError, Fresnel};
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, LN_2, PI, TAU};
 
-pub(super) const INFO: Info = Info {
+pub(super) const INFO: ModelInfo = ModelInfo {
     name: "torrance_sparrow_gauss",
     aliases: &["torrance_sparrow"],
     title: "Torrance–Sparrow",
@@ -38,7 +38,7 @@ pub(super) const INFO: Info = Info {
     make,
 };
 
-fn make(arguments: &Arguments) -> Result<Vec<Lobe>, Problem> {
+fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     let c = arguments.number("c");
     let lobe = Lobe::TorranceSparrow(TorranceSparrow {
         scale: arguments.color("ks"),
@@ -78,14 +78,14 @@ impl TorranceSparrow {
 
 impl Reflect for TorranceSparrow {
     fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        let half = Half::new(wo, wi);
+        let half = HalfVector::new(wo, wi);
         let density = self.norm * (-(self.c * half.theta_h()).powi(2)).exp();
         let facets = density * v_grooves(&half, wo, wi) / (4.0 * wo.z * wi.z);
         self.scale * self.fresnel.at(half.cos_d()) * facets
     }
 
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let half = Half::new(wo, wi);
+        let half = HalfVector::new(wo, wi);
         let theta = half.theta_h();
         // θ over sin θ turns the plane's measure into the sphere's.
         let stretch = if theta > 1e-6 {

@@ -142,9 +142,12 @@ fn panel(mirrors: usize) -> Sheets {
     let mut back: Vec<Vec<DVec3>> = front.iter().map(behind).collect();
     let rim = between(&border(&back), &border(&front), 1);
     back.reverse();
-    sheets.sheet(&front, |i, j| match j * nx + i < mirrors {
-        true => Some(MIRROR),
-        false => Some(WHITE),
+    sheets.sheet(&front, |i, j| {
+        if j * nx + i < mirrors {
+            Some(MIRROR)
+        } else {
+            Some(WHITE)
+        }
     });
     sheets.sheet(&back, |_, _| Some(WHITE));
     sheets.sheet(&rim, |_, _| Some(WHITE));

@@ -25,8 +25,8 @@ pub fn furnished_room(target_triangles: usize) -> Scene {
     room(cell).scene()
 }
 
-/// A thing of the room, not yet divided.
-enum Thing {
+/// A box or ball of the room, not yet divided.
+enum Furnishing {
     /// Corners, and whether it is seen from inside.
     Box(DVec3, DVec3, bool),
     /// Centre, radius, seed.
@@ -35,7 +35,7 @@ enum Thing {
 
 struct Room {
     cell: f64,
-    things: Vec<(String, Thing, &'static str)>,
+    things: Vec<(String, Furnishing, &'static str)>,
 }
 
 fn room(cell: f64) -> Room {
@@ -44,7 +44,7 @@ fn room(cell: f64) -> Room {
         things: Vec::new(),
     };
     let p = DVec3::new;
-    let whole = Thing::Box(DVec3::ZERO, p(6.0, 5.0, 3.0), true);
+    let whole = Furnishing::Box(DVec3::ZERO, p(6.0, 5.0, 3.0), true);
     room.things.push(("walls".into(), whole, "plaster"));
     room.add_table();
     for (k, (x, y)) in [(1.7, 1.7), (3.1, 1.7), (1.7, 3.2), (3.1, 3.2)]
@@ -64,7 +64,7 @@ fn room(cell: f64) -> Room {
     .into_iter()
     .enumerate()
     {
-        let ball = Thing::Ball(p(x, y, 1.3 * r), r, k as u32);
+        let ball = Furnishing::Ball(p(x, y, 1.3 * r), r, k as u32);
         room.things.push((format!("ball{k}"), ball, "clay"));
     }
     room
@@ -73,7 +73,7 @@ fn room(cell: f64) -> Room {
 impl Room {
     fn add_box(&mut self, name: impl Into<String>, a: DVec3, b: DVec3, material: &'static str) {
         self.things
-            .push((name.into(), Thing::Box(a, b, false), material));
+            .push((name.into(), Furnishing::Box(a, b, false), material));
     }
 
     fn add_table(&mut self) {
@@ -127,7 +127,8 @@ impl Room {
                 let name = format!("thing{board}.{thing}");
                 if thing % 4 == 3 {
                     let r = 0.07;
-                    let ball = Thing::Ball(p(x + r, 4.8, z + 0.03 + 1.3 * r), r, board * 9 + thing);
+                    let ball =
+                        Furnishing::Ball(p(x + r, 4.8, z + 0.03 + 1.3 * r), r, board * 9 + thing);
                     self.things.push((name, ball, "clay"));
                     x += 0.19;
                 } else {
@@ -139,12 +140,12 @@ impl Room {
     }
 
     fn quads(&self) -> usize {
-        let count = |thing: &Thing| match *thing {
-            Thing::Box(a, b, _) => {
+        let count = |thing: &Furnishing| match *thing {
+            Furnishing::Box(a, b, _) => {
                 let [nx, ny, nz] = self.cells(b - a);
                 2 * (nx * ny + ny * nz + nz * nx) as usize
             }
-            Thing::Ball(_, radius, _) => 6 * (self.ball_cells(radius) as usize).pow(2),
+            Furnishing::Ball(_, radius, _) => 6 * (self.ball_cells(radius) as usize).pow(2),
         };
         self.things.iter().map(|(_, thing, _)| count(thing)).sum()
     }
@@ -175,8 +176,10 @@ impl Room {
             let id = scene.materials.iter().position(named).unwrap_or(0) as MaterialId;
             let mut mesh = Mesh::default();
             match *thing {
-                Thing::Box(a, b, inward) => add_box(&mut mesh, a, b, self.cells(b - a), inward, id),
-                Thing::Ball(centre, radius, seed) => {
+                Furnishing::Box(a, b, inward) => {
+                    add_box(&mut mesh, a, b, self.cells(b - a), inward, id)
+                }
+                Furnishing::Ball(centre, radius, seed) => {
                     add_ball(&mut mesh, centre, radius, self.ball_cells(radius), seed, id);
                 }
             }

@@ -135,9 +135,10 @@ impl Plan {
             let around = 2 * (nx + ny);
             let side = around * (self.rings(p) + self.rows(p.top));
             // A leg's two rings take the place of two fields; a box's top makes up for its own.
-            match p.is_leg {
-                true => side + around * self.rings(p) - 2 * nx * ny,
-                false => side,
+            if p.is_leg {
+                side + around * self.rings(p) - 2 * nx * ny
+            } else {
+                side
             }
         };
         room + table + PILLARS.iter().map(pillar).sum::<usize>()

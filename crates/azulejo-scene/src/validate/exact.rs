@@ -32,19 +32,19 @@ impl Checker {
         }
     }
 
-    /// Checks one shape and its skin.
+    /// Checks one shape and its proxy mesh.
     pub fn validate(&mut self, exact: &Exact) -> Check {
         self.validate_all(&exact.solids, 0)?;
-        match &exact.skin {
-            Some(skin) => inside(|| "skin".into(), self.validate_skin(skin, exact)),
+        match &exact.proxy {
+            Some(proxy) => inside(|| "proxy".into(), self.validate_proxy(proxy, exact)),
             None => Ok(()),
         }
     }
 
-    fn validate_skin(&self, skin: &Mesh, exact: &Exact) -> Check {
-        validate_mesh(skin, self.materials)?;
+    fn validate_proxy(&self, proxy: &Mesh, exact: &Exact) -> Check {
+        validate_mesh(proxy, self.materials)?;
         let solids: HashSet<MaterialId> = exact.leaves().iter().map(|l| l.material()).collect();
-        let strange = skin.face_materials.iter().find(|m| !solids.contains(m));
+        let strange = proxy.face_materials.iter().find(|m| !solids.contains(m));
         match strange {
             None => Ok(()),
             Some(m) => Err(Invalid {
@@ -241,7 +241,7 @@ mod tests {
         let sides = [Solid::Prism(prism()), Solid::Shell(open)];
         let [left, right] = sides.map(|s| vec![s]);
         let mut exact = Exact::new(vec![csg(left, right)]);
-        exact.skin = Some(Box::new(triangle(1)));
+        exact.proxy = Some(Box::new(triangle(1)));
         assert_eq!(validate(exact), Ok(()));
         assert_eq!(validate(Exact::default()), Ok(()));
     }
@@ -310,25 +310,28 @@ mod tests {
     }
 
     #[test]
-    fn meshes_and_skins() {
+    fn meshes_and_proxies() {
         let mut two = triangle(0);
         two.push_face(&[0, 2, 1], 1);
         check(
             Solid::Mesh(two),
             "mesh: several materials in a mesh that is a solid",
         );
-        let skinned = |skin: Mesh| {
+        let with_proxy = |proxy: Mesh| {
             let mut exact = Exact::new(vec![Solid::Prism(prism())]);
-            exact.skin = Some(Box::new(skin));
+            exact.proxy = Some(Box::new(proxy));
             validate(exact).unwrap_err()
         };
         assert_eq!(
-            skinned(triangle(1)),
-            "objects[0] \"o\": skin: mesh: material 1 is that of none of the solids"
+            with_proxy(triangle(1)),
+            "objects[0] \"o\": proxy: mesh: material 1 is that of none of the solids"
         );
         let mut dark = triangle(0);
         dark.irradiance = vec![Rgb::WHITE];
-        let said = skinned(dark);
-        assert!(said.starts_with("objects[0] \"o\": skin: mesh: "), "{said}");
+        let said = with_proxy(dark);
+        assert!(
+            said.starts_with("objects[0] \"o\": proxy: mesh: "),
+            "{said}"
+        );
     }
 }

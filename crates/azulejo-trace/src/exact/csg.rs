@@ -2,7 +2,7 @@
 //! Image Processing 18, 1982.
 
 use super::leaf::{Boundary, ExactLeaf};
-use crate::primitive::Line;
+use super::line::Line3;
 use azulejo_scene::Operation;
 use azulejo_scene::math::Aabb;
 use glam::DVec3;
@@ -11,10 +11,10 @@ use glam::DVec3;
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
     pub leaves: Vec<TreeLeaf>,
-    pub root: Node,
+    pub root: CsgNode,
 }
 
-/// A leaf, and whether what shows of it is turned inside out.
+/// A leaf, and whether its visible surface is turned inside out.
 #[derive(Clone, Debug)]
 pub(crate) struct TreeLeaf {
     pub shape: ExactLeaf,
@@ -23,46 +23,46 @@ pub(crate) struct TreeLeaf {
 
 /// A part of the tree with a box around it, in the tracer's own coordinates.
 #[derive(Clone, Debug)]
-pub(crate) struct Node {
+pub(crate) struct CsgNode {
     pub bounds: Aabb,
-    pub kind: NodeKind,
+    pub kind: CsgNodeKind,
 }
 
 #[derive(Clone, Debug)]
-pub(crate) enum NodeKind {
-    /// A closed shape, by its place among the leaves.
+pub(crate) enum CsgNodeKind {
+    /// A closed shape, by its index among the leaves.
     Leaf(u32),
     /// Pieces that close a volume together.
-    Shell(Vec<Node>),
+    Shell(Vec<CsgNode>),
     Csg {
         operation: Operation,
-        left: Box<Node>,
-        right: Box<Node>,
+        left: Box<CsgNode>,
+        right: Box<CsgNode>,
     },
 }
 
-impl Node {
+impl CsgNode {
     /// The union of several parts, halved again and again where they are far apart: a ray at a
-    /// page of letters looks at a few of them.
-    pub(crate) fn union(mut parts: Vec<Node>) -> Node {
+    /// page of letters visits a few of them.
+    pub(crate) fn union(mut parts: Vec<CsgNode>) -> CsgNode {
         let boxes = parts.iter().map(|n| n.bounds);
         let bounds = boxes.fold(Aabb::EMPTY, Aabb::union);
         if parts.len() < 2 {
-            let nothing = NodeKind::Shell(Vec::new());
+            let nothing = CsgNodeKind::Shell(Vec::new());
             let kind = parts.pop().map_or(nothing, |alone| alone.kind);
-            return Node { bounds, kind };
+            return CsgNode { bounds, kind };
         }
         let size = bounds.size();
         let axis = (0..3).fold(0, |best, k| if size[k] > size[best] { k } else { best });
-        let place = |n: &Node| n.bounds.centre()[axis];
+        let place = |n: &CsgNode| n.bounds.centre()[axis];
         parts.sort_by(|a, b| place(a).total_cmp(&place(b)));
         let right = parts.split_off(parts.len() / 2);
-        let kind = NodeKind::Csg {
+        let kind = CsgNodeKind::Csg {
             operation: Operation::Union,
-            left: Box::new(Node::union(parts)),
-            right: Box::new(Node::union(right)),
+            left: Box::new(CsgNode::union(parts)),
+            right: Box::new(CsgNode::union(right)),
         };
-        Node { bounds, kind }
+        CsgNode { bounds, kind }
     }
 }
 
@@ -70,14 +70,14 @@ impl Node {
 /// surfaces that should coincide. The scene is about 2 across.
 const SLIVER: f64 = 1e-9;
 
-/// Meetings of a shell with two of its pieces nearer together than this may be one, at a seam.
+/// Hits on two pieces of a shell nearer together than this may be one, at a seam.
 const SEAM: f64 = 1e-6;
 
 impl Tree {
     /// All boundaries of the solid on a line, in order, in and out by turns.
-    pub(crate) fn boundaries(&self, line: &Line) -> Vec<Boundary> {
+    pub(crate) fn boundaries(&self, line: &Line3) -> Vec<Boundary> {
         let mut out = Vec::new();
-        let pass = Pass {
+        let pass = LinePass {
             leaves: &self.leaves,
             line,
             inverse: line.direction.recip(),
@@ -90,22 +90,22 @@ impl Tree {
 
 /// One line on its way through the tree. Every function appends boundaries to a list, in order,
 /// in and out by turns, and leaves what was there.
-struct Pass<'a> {
+struct LinePass<'a> {
     leaves: &'a [TreeLeaf],
-    line: &'a Line,
+    line: &'a Line3,
     inverse: DVec3,
     sliver: f64,
 }
 
-impl Pass<'_> {
-    fn node(&self, node: &Node, out: &mut Vec<Boundary>) {
-        if !is_met(&node.bounds, self.line.origin, self.inverse) {
+impl LinePass<'_> {
+    fn node(&self, node: &CsgNode, out: &mut Vec<Boundary>) {
+        if !may_be_crossed(&node.bounds, self.line.origin, self.inverse) {
             return;
         }
         match &node.kind {
-            NodeKind::Leaf(leaf) => self.leaf(*leaf, out),
-            NodeKind::Shell(pieces) => self.shell(pieces, out),
-            NodeKind::Csg {
+            CsgNodeKind::Leaf(leaf) => self.leaf(*leaf, out),
+            CsgNodeKind::Shell(pieces) => self.shell(pieces, out),
+            CsgNodeKind::Csg {
                 operation,
                 left,
                 right,
@@ -126,31 +126,31 @@ impl Pass<'_> {
         self.leaves[leaf as usize].shape.all(self.line, leaf, out);
     }
 
-    /// Pairs the meetings with all pieces.
-    fn shell(&self, pieces: &[Node], out: &mut Vec<Boundary>) {
+    /// Pairs the hits with all pieces.
+    fn shell(&self, pieces: &[CsgNode], out: &mut Vec<Boundary>) {
         let first = out.len();
         for piece in pieces {
             self.node(piece, out);
         }
-        out[first..].sort_by(|a, b| a.meeting.t.total_cmp(&b.meeting.t));
+        out[first..].sort_by(|a, b| a.hit.t.total_cmp(&b.hit.t));
         if (out.len() - first) % 2 == 1 {
             let extra = self.doubled(&out[first..]).unwrap_or(out.len() - first - 1);
             out.remove(first + extra);
         }
         for (k, boundary) in out[first..].iter_mut().enumerate() {
-            boundary.meeting.enters = k % 2 == 0;
+            boundary.hit.enters = k % 2 == 0;
         }
     }
 
-    /// Which of a shell's meetings happened twice, in two pieces that touch.
-    fn doubled(&self, meetings: &[Boundary]) -> Option<usize> {
-        let gap = |k: &usize| meetings[*k].meeting.t - meetings[k - 1].meeting.t;
-        let seams = (1..meetings.len()).filter(|&k| meetings[k].leaf != meetings[k - 1].leaf);
+    /// Which of a shell's hits happened twice, in two pieces that touch.
+    fn doubled(&self, hits: &[Boundary]) -> Option<usize> {
+        let gap = |k: &usize| hits[*k].hit.t - hits[k - 1].hit.t;
+        let seams = (1..hits.len()).filter(|&k| hits[k].leaf != hits[k - 1].leaf);
         let nearest = seams.min_by(|a, b| gap(a).total_cmp(&gap(b)))?;
         (gap(&nearest) * self.line.direction.length() < SEAM).then_some(nearest)
     }
 
-    /// Replaces the lists from `first` and from `between` by what the operation makes of them.
+    /// Replaces the lists from `first` and from `between` by the operation's result.
     fn combine(&self, operation: Operation, first: usize, between: usize, out: &mut Vec<Boundary>) {
         if operation == Operation::Union && (first == between || between == out.len()) {
             return;
@@ -161,7 +161,7 @@ impl Pass<'_> {
         let mut inside = [false; 2];
         let mut is_in = false;
         loop {
-            let (ta, tb) = (a.peek().map(|m| m.meeting.t), b.peek().map(|m| m.meeting.t));
+            let (ta, tb) = (a.peek().map(|m| m.hit.t), b.peek().map(|m| m.hit.t));
             let side = match (ta, tb) {
                 (None, None) => break,
                 (Some(_), None) => 0,
@@ -186,7 +186,7 @@ impl Pass<'_> {
     /// Appends a boundary, or takes the last one away where the two enclose a sliver.
     fn push(&self, first: usize, boundary: &Boundary, out: &mut Vec<Boundary>) {
         let last = out[first..].last();
-        if last.is_some_and(|l| boundary.meeting.t - l.meeting.t <= self.sliver) {
+        if last.is_some_and(|l| boundary.hit.t - l.hit.t <= self.sliver) {
             out.pop();
         } else {
             out.push(*boundary);
@@ -194,8 +194,8 @@ impl Pass<'_> {
     }
 }
 
-/// Whether a line may meet a box, widened by far more than rounding.
-fn is_met(bounds: &Aabb, origin: DVec3, inverse: DVec3) -> bool {
+/// Whether a line may cross a box, widened by far more than rounding.
+fn may_be_crossed(bounds: &Aabb, origin: DVec3, inverse: DVec3) -> bool {
     let margin = DVec3::splat(1e-9 * (1.0 + origin.abs().max_element()));
     let (a, b) = (bounds.min - margin - origin, bounds.max + margin - origin);
     let (mut enter, mut leave) = (f64::NEG_INFINITY, f64::INFINITY);

@@ -1,9 +1,10 @@
-//! One exact shape that is not made of others, whatever its kind.
+//! A leaf of an exact shape: one that is not made of others.
 
+use super::line::Line3;
 use super::mesh::ExactMesh;
 use super::patch::ExactPatch;
+use super::primitive::ExactPrimitive;
 use super::prism::ExactPrism;
-use crate::primitive::{ExactPrimitive, Line};
 use azulejo_scene::math::normal_matrix;
 use glam::{DMat3, DVec3};
 
@@ -20,7 +21,7 @@ impl Span {
         last: f64::INFINITY,
     };
 
-    /// What is in both; `None` for nothing.
+    /// The intersection; `None` if it is empty.
     #[inline(always)]
     pub(crate) fn and(self, other: Span) -> Option<Span> {
         let both = Span {
@@ -35,32 +36,32 @@ impl Span {
     }
 }
 
-/// Where a line meets the surface of a leaf.
+/// A hit of a line on the surface of a leaf.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Meeting {
+pub(crate) struct LeafHit {
     pub t: f64,
     /// Which part of the surface: a plane or curve of a prism, a triangle, the part of a
     /// primitive. Less than 2^30.
     pub part: u32,
-    /// Where on the part, as far as that must be known to find the place again.
+    /// Where on the part, as far as it is needed to compute the point again.
     pub parameter: f32,
-    /// Whether the line comes in here; for an open surface, whether it meets the front.
+    /// Whether the line comes in here; for an open surface, whether it hits the front.
     pub enters: bool,
 }
 
-/// A meeting with one of several leaves.
+/// A hit with one of several leaves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Boundary {
-    pub meeting: Meeting,
+    pub hit: LeafHit,
     pub leaf: u32,
 }
 
-/// The surface point of a meeting, computed again.
-pub(crate) struct ResolvedLeaf {
+/// The surface point of a [`LeafHit`], computed again.
+pub(crate) struct LeafPoint {
     pub t: f64,
     pub u: f64,
     pub v: f64,
-    /// In the coordinates of the line that was asked about.
+    /// In the coordinates of the line.
     pub position: DVec3,
     /// Unit normal of the outside.
     pub normal: DVec3,
@@ -73,41 +74,40 @@ pub(crate) enum ExactLeaf {
     Prism(ExactPrism),
     Patch(ExactPatch),
     Mesh(ExactMesh),
-    /// What no ray can meet: a shape whose map does not invert in double precision.
+    /// What no ray can hit: a shape whose map does not invert in double precision.
     Nothing,
 }
 
 impl ExactLeaf {
-    /// The first meeting within `span`.
+    /// The first hit within `span`.
     #[inline]
-    pub(crate) fn first(&self, line: &Line, span: Span) -> Option<Meeting> {
+    pub(crate) fn first(&self, line: &Line3, span: Span) -> Option<LeafHit> {
         match self {
             ExactLeaf::Prism(prism) => prism.first(line, span),
             _ => self.first_of_all(line, span),
         }
     }
 
-    /// Whether there is any meeting within `span`.
+    /// Whether there is any hit within `span`.
     #[inline]
-    pub(crate) fn any(&self, line: &Line, span: Span) -> bool {
+    pub(crate) fn any(&self, line: &Line3, span: Span) -> bool {
         self.first(line, span).is_some()
     }
 
-    fn first_of_all(&self, line: &Line, span: Span) -> Option<Meeting> {
+    fn first_of_all(&self, line: &Line3, span: Span) -> Option<LeafHit> {
         let mut all = Vec::new();
         self.all(line, 0, &mut all);
-        let meetings = all.iter().map(|b| b.meeting);
-        meetings
-            .filter(|m| span.holds(m.t))
+        let hits = all.iter().map(|b| b.hit);
+        hits.filter(|m| span.holds(m.t))
             .reduce(|a, b| if b.t < a.t { b } else { a })
     }
 
-    /// All meetings on the line. Those with a closed shape come in order, in and out by turns.
-    pub(crate) fn all(&self, line: &Line, leaf: u32, out: &mut Vec<Boundary>) {
+    /// All hits on the line. Those with a closed shape come in order, in and out by turns.
+    pub(crate) fn all(&self, line: &Line3, leaf: u32, out: &mut Vec<Boundary>) {
         match self {
             ExactLeaf::Primitive(p) => {
-                let meetings = p.meetings(line).into_iter().flatten();
-                out.extend(meetings.map(|meeting| Boundary { meeting, leaf }));
+                let hits = p.hits(line).into_iter().flatten();
+                out.extend(hits.map(|hit| Boundary { hit, leaf }));
             }
             ExactLeaf::Prism(prism) => prism.all(line, leaf, out),
             ExactLeaf::Patch(patch) => patch.all(line, leaf, out),
@@ -116,38 +116,38 @@ impl ExactLeaf {
         }
     }
 
-    /// The part that a meeting names, for whoever asks about the hit.
-    pub(crate) fn part(&self, meeting: &Meeting) -> u32 {
+    /// The part that is reported for a hit.
+    pub(crate) fn part(&self, hit: &LeafHit) -> u32 {
         match self {
-            ExactLeaf::Prism(_) | ExactLeaf::Mesh(_) => meeting.part,
+            ExactLeaf::Prism(_) | ExactLeaf::Mesh(_) => hit.part,
             ExactLeaf::Primitive(_) | ExactLeaf::Patch(_) | ExactLeaf::Nothing => 0,
         }
     }
 
-    /// The surface point of a meeting on or, by rounding, near the line.
-    pub(crate) fn resolve(&self, line: &Line, meeting: &Meeting) -> ResolvedLeaf {
+    /// The surface point of a hit on or, by rounding, near the line.
+    pub(crate) fn resolve(&self, line: &Line3, hit: &LeafHit) -> LeafPoint {
         match self {
-            ExactLeaf::Primitive(p) => p.resolve_meeting(line, meeting),
-            ExactLeaf::Prism(prism) => prism.resolve(line, meeting),
-            ExactLeaf::Patch(patch) => patch.resolve(line, meeting),
-            ExactLeaf::Mesh(mesh) => mesh.resolve(line, meeting),
-            ExactLeaf::Nothing => ResolvedLeaf {
-                t: meeting.t,
+            ExactLeaf::Primitive(p) => p.resolve(line, hit),
+            ExactLeaf::Prism(prism) => prism.resolve(line, hit),
+            ExactLeaf::Patch(patch) => patch.resolve(line, hit),
+            ExactLeaf::Mesh(mesh) => mesh.resolve(line, hit),
+            ExactLeaf::Nothing => LeafPoint {
+                t: hit.t,
                 u: 0.0,
                 v: 0.0,
-                position: line.origin + meeting.t * line.direction,
+                position: line.origin + hit.t * line.direction,
                 normal: DVec3::ZERO,
             },
         }
     }
 }
 
-/// A normal of the outside, taken along by a map.
+/// A normal of the outside, transformed by a map.
 pub(crate) fn outward(map: DMat3, normal: DVec3) -> DVec3 {
     (normal_matrix(map) * normal).normalize_or_zero()
 }
 
-/// A normal or its opposite: the one that a line in `direction` meets from before if it `enters`.
+/// A normal or its opposite: the one that a line in `direction` arrives at if it `enters`.
 pub(crate) fn facing(normal: DVec3, direction: DVec3, enters: bool) -> DVec3 {
     if (normal.dot(direction) < 0.0) == enters {
         normal

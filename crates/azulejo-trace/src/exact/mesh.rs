@@ -1,14 +1,14 @@
-//! Rays against polygons that are a solid: all meetings, in and out by turns.
+//! Rays against polygons that are a solid: all hits, in and out by turns.
 
-use super::leaf::{Boundary, Meeting, ResolvedLeaf, facing};
-use crate::build::{BinaryNode, Reference, binary_tree};
-use crate::primitive::Line;
-use crate::triangle;
+use super::leaf::{Boundary, LeafHit, LeafPoint, facing};
+use super::line::Line3;
+use super::triangle::point_on_triangle;
+use crate::kernel::{BinaryNode, Reference, binary_tree};
 use azulejo_scene::Mesh;
 use azulejo_scene::math::Ray;
 use glam::{DVec2, DVec3};
 
-/// A mesh prepared for rays that ask for all meetings.
+/// A mesh prepared for rays of which all hits are wanted.
 #[derive(Clone, Debug)]
 pub(crate) struct ExactMesh {
     positions: Vec<DVec3>,
@@ -23,8 +23,8 @@ pub(crate) struct ExactMesh {
 /// Boxes are widened by this share of the coordinates at hand: far more than any rounding.
 const MARGIN: f64 = 1e-6;
 
-/// Sees the scene along a line: the line is the origin of a plane.
-struct View {
+/// The projection along a line onto a plane whose origin is the line.
+struct LineView {
     axes: [usize; 3],
     slope: DVec2,
     origin: DVec3,
@@ -32,15 +32,15 @@ struct View {
     scale: f64,
 }
 
-impl View {
+impl LineView {
     /// Woop, Benthin and Wald, *Watertight Ray/Triangle Intersection*, JCGT 2(1), 2013.
-    fn along(line: &Line) -> View {
+    fn along(line: &Line3) -> LineView {
         let size = line.direction.abs();
         let last = (0..3).fold(0, |best, k| if size[k] > size[best] { k } else { best });
         let axes = [(last + 1) % 3, (last + 2) % 3, last];
         let scale = 1.0 / line.direction[last];
         let slope = |k: usize| line.direction[axes[k]] * scale;
-        View {
+        LineView {
             axes,
             slope: DVec2::new(slope(0), slope(1)),
             origin: line.origin,
@@ -48,8 +48,8 @@ impl View {
         }
     }
 
-    /// A point as the line sees it, and its parameter along the line.
-    fn see(&self, p: DVec3) -> (DVec2, f64) {
+    /// A point projected along the line, and its parameter along it.
+    fn project(&self, p: DVec3) -> (DVec2, f64) {
         let p = p - self.origin;
         let z = p[self.axes[2]];
         let flat = DVec2::new(p[self.axes[0]], p[self.axes[1]]);
@@ -58,13 +58,13 @@ impl View {
 }
 
 /// Whether the edge between two points crosses the positive x axis, half-open: an edge gives the
-/// same answer to every triangle it bounds, so a line meets an even number of triangles of a mesh
+/// same answer to every triangle it bounds, so a line hits an even number of triangles of a mesh
 /// whose edges all have an even number.
 fn crosses(a: DVec2, b: DVec2) -> bool {
     if (a.y >= 0.0) == (b.y >= 0.0) {
         return false;
     }
-    // One order of the two, whichever triangle asks.
+    // One order of the two, whichever triangle the edge is taken from.
     let (low, high) = if a.y < b.y { (a, b) } else { (b, a) };
     low.perp_dot(high) > 0.0
 }
@@ -99,15 +99,15 @@ impl ExactMesh {
         }
     }
 
-    /// All meetings in order; with a closed mesh in and out by turns, with an open one by the
+    /// All hits in order; with a closed mesh in and out by turns, with an open one by the
     /// way its faces are turned.
-    pub(crate) fn all(&self, line: &Line, leaf: u32, out: &mut Vec<Boundary>) {
+    pub(crate) fn all(&self, line: &Line3, leaf: u32, out: &mut Vec<Boundary>) {
         let first = out.len();
-        let view = View::along(line);
+        let view = LineView::along(line);
         self.walk(line, |triangle| {
-            if let Some(t) = self.meet(&view, triangle) {
+            if let Some(t) = self.intersect(&view, triangle) {
                 out.push(Boundary {
-                    meeting: Meeting {
+                    hit: LeafHit {
                         t,
                         part: triangle,
                         parameter: 0.0,
@@ -123,19 +123,20 @@ impl ExactMesh {
         }
         let found = &mut out[first..];
         found.sort_by(|a, b| {
-            let order = a.meeting.t.total_cmp(&b.meeting.t);
-            order.then(a.meeting.part.cmp(&b.meeting.part))
+            let order = a.hit.t.total_cmp(&b.hit.t);
+            order.then(a.hit.part.cmp(&b.hit.part))
         });
         for (k, boundary) in found.iter_mut().enumerate() {
-            boundary.meeting.enters = match self.is_closed {
-                true => k % 2 == 0,
-                false => self.normal(boundary.meeting.part).dot(line.direction) < 0.0,
+            boundary.hit.enters = if self.is_closed {
+                k % 2 == 0
+            } else {
+                self.normal(boundary.hit.part).dot(line.direction) < 0.0
             };
         }
     }
 
-    /// Visits the triangles whose boxes the line may meet.
-    fn walk(&self, line: &Line, mut visit: impl FnMut(u32)) {
+    /// Visits the triangles whose boxes the line may cross.
+    fn walk(&self, line: &Line3, mut visit: impl FnMut(u32)) {
         let inverse = line.direction.recip();
         let reach = line.origin.abs().max_element() + 1.0;
         let mut waiting = Vec::with_capacity(64);
@@ -144,7 +145,7 @@ impl ExactMesh {
         }
         while let Some(index) = waiting.pop() {
             let node: &BinaryNode = &self.tree[index];
-            if !node.is_met(line.origin, inverse, reach * MARGIN) {
+            if !node.may_be_crossed(line.origin, inverse, reach * MARGIN) {
                 continue;
             }
             if node.is_leaf() {
@@ -156,8 +157,8 @@ impl ExactMesh {
         }
     }
 
-    fn meet(&self, view: &View, triangle: u32) -> Option<f64> {
-        let corners = self.corners(triangle).map(|p| view.see(p));
+    fn intersect(&self, view: &LineView, triangle: u32) -> Option<f64> {
+        let corners = self.corners(triangle).map(|p| view.project(p));
         let [(a, ta), (b, tb), (c, tc)] = corners;
         let odd = crosses(a, b) ^ crosses(b, c) ^ crosses(c, a);
         if !odd {
@@ -166,7 +167,7 @@ impl ExactMesh {
         let weights = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];
         let whole: f64 = weights.iter().sum();
         let t = (weights[0] * ta + weights[1] * tb + weights[2] * tc) / whole;
-        // Seen from its edge it is met between its nearest and farthest corner, anywhere.
+        // Seen from its edge it is hit anywhere between its nearest and farthest corner.
         let (low, high) = (ta.min(tb).min(tc), ta.max(tb).max(tc));
         Some(if t.is_finite() {
             t.max(low).min(high)
@@ -184,16 +185,16 @@ impl ExactMesh {
         self.triangles[triangle as usize].map(|v| self.positions[v as usize])
     }
 
-    /// The point of a triangle that the line meets or comes nearest to.
-    pub(crate) fn resolve(&self, line: &Line, meeting: &Meeting) -> ResolvedLeaf {
+    /// The point of a triangle that the line hits or comes nearest to.
+    pub(crate) fn resolve(&self, line: &Line3, hit: &LeafHit) -> LeafPoint {
         let ray = Ray::new(line.origin, line.direction);
-        let at = triangle::meet(self.corners(meeting.part), &ray, meeting.t);
-        ResolvedLeaf {
+        let at = point_on_triangle(self.corners(hit.part), &ray, hit.t);
+        LeafPoint {
             t: at.t,
             u: at.u,
             v: at.v,
             position: at.position,
-            normal: facing(at.normal, line.direction, meeting.enters),
+            normal: facing(at.normal, line.direction, hit.enters),
         }
     }
 }

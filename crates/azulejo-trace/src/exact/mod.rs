@@ -1,4 +1,4 @@
-//! Exact shapes: prisms, patches, meshes as solids, and what set operations make of them.
+//! Exact shapes: prisms, patches, meshes as solids, and the results of set operations on them.
 //!
 //! Everything here works in double precision in the tracer's own coordinates, in which the scene
 //! lies in −1..=1; [`resolve`](PlacedExact::resolve) does the same again along the ray as it was
@@ -6,25 +6,28 @@
 
 mod csg;
 mod leaf;
+mod line;
 mod mesh;
 mod outline;
 mod patch;
+mod primitive;
 mod prism;
+mod triangle;
 
-pub(crate) use leaf::{Meeting, ResolvedLeaf, facing};
-pub(crate) use outline::{Crossing, Line2, Outline};
+pub(crate) use line::Line3;
+pub(crate) use primitive::ExactPrimitive;
+pub(crate) use triangle::point_on_triangle;
 
-use crate::assemble::{LocalFrame, double};
-use crate::kernel::is_better;
-use crate::placed::ResolvedPoint;
-use crate::primitive::{ExactPrimitive, Line};
-use crate::ray::{KernelHit, KernelRay};
+use crate::frame::LocalFrame;
+use crate::hit::ResolvedPoint;
+use crate::kernel::{KernelHit, KernelRay, SolidPart};
 use azulejo_scene::figure::Rectangle;
 use azulejo_scene::math::{Aabb, Ray};
 use azulejo_scene::{BicubicPatch, Figure, Mesh, Operation, Primitive, Prism, Solid};
-use csg::{Node, NodeKind, Tree, TreeLeaf};
+use csg::{CsgNode, CsgNodeKind, Tree, TreeLeaf};
 use glam::DAffine3;
-use leaf::{Boundary, ExactLeaf, Span};
+use leaf::{Boundary, ExactLeaf, LeafHit, Span};
+use outline::Outline;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -33,7 +36,7 @@ use std::sync::Arc;
 pub(crate) struct PlacedExact {
     pub object: u32,
     pub first_item: u32,
-    /// The place of its first leaf among those of the object.
+    /// The index of its first leaf among those of the object.
     pub first_leaf: u32,
     solid: ExactSolid,
 }
@@ -50,22 +53,22 @@ enum ExactSolid {
 
 impl PlacedExact {
     pub(crate) fn closest(&self, ray: &KernelRay, hit: &mut KernelHit) {
-        let line = Line::of(ray);
+        let line = Line3::of(ray);
         let span = Span {
             first: f64::from(ray.t_min.max(0.0)),
             last: f64::from(hit.t),
         };
-        let Some(Boundary { meeting, leaf }) = self.solid.first(&line, span) else {
+        let Some(Boundary { hit: first, leaf }) = self.solid.first(&line, span) else {
             return;
         };
-        let (t, item) = (meeting.t as f32, self.first_item + leaf);
-        if is_better(t, item, hit) {
-            *hit = KernelHit {
-                t,
-                item,
-                u: f32::from_bits(meeting.part << 1 | u32::from(meeting.enters)),
-                v: meeting.parameter,
+        let (t, item) = (first.t as f32, self.first_item + leaf);
+        if hit.is_after(t, item) {
+            let at = SolidPart {
+                part: first.part,
+                parameter: first.parameter,
+                enters: first.enters,
             };
+            *hit = KernelHit::on_solid(t, item, at);
         }
     }
 
@@ -74,28 +77,32 @@ impl PlacedExact {
             first: f64::from(ray.t_min.max(0.0)),
             last: f64::from(t_max),
         };
-        self.solid.any(&Line::of(ray), span)
+        self.solid.any(&Line3::of(ray), span)
     }
 
     pub(crate) fn resolve(&self, frame: &LocalFrame, ray: &Ray, hit: &KernelHit) -> ResolvedPoint {
-        let line = Line {
+        let line = Line3 {
             origin: frame.point(ray.origin),
             direction: frame.vector(ray.direction),
         };
-        let packed = hit.u.to_bits();
-        let meeting = Meeting {
+        let SolidPart {
+            part,
+            parameter,
+            enters,
+        } = hit.solid_part();
+        let on_leaf = LeafHit {
             t: f64::from(hit.t),
-            part: packed >> 1,
-            parameter: hit.v,
-            enters: packed & 1 == 1,
+            part,
+            parameter,
+            enters,
         };
         let (leaf, is_turned) = self.solid.leaf(hit.item - self.first_item);
-        let at = leaf.resolve(&line, &meeting);
+        let at = leaf.resolve(&line, &on_leaf);
         ResolvedPoint {
             t: at.t,
             u: at.u,
             v: at.v,
-            part: leaf.part(&meeting),
+            part: leaf.part(&on_leaf),
             position: frame.world_point(at.position),
             normal: if is_turned { -at.normal } else { at.normal },
         }
@@ -103,20 +110,20 @@ impl PlacedExact {
 }
 
 impl ExactSolid {
-    fn first(&self, line: &Line, span: Span) -> Option<Boundary> {
+    fn first(&self, line: &Line3, span: Span) -> Option<Boundary> {
         match self {
             ExactSolid::Leaf(leaf) => {
-                let meeting = leaf.first(line, span)?;
-                Some(Boundary { meeting, leaf: 0 })
+                let hit = leaf.first(line, span)?;
+                Some(Boundary { hit, leaf: 0 })
             }
             ExactSolid::Tree(tree) => {
                 let boundaries = tree.boundaries(line);
-                boundaries.into_iter().find(|b| span.holds(b.meeting.t))
+                boundaries.into_iter().find(|b| span.holds(b.hit.t))
             }
         }
     }
 
-    fn any(&self, line: &Line, span: Span) -> bool {
+    fn any(&self, line: &Line3, span: Span) -> bool {
         match self {
             ExactSolid::Leaf(leaf) => leaf.any(line, span),
             ExactSolid::Tree(_) => self.first(line, span).is_some(),
@@ -135,16 +142,7 @@ impl ExactSolid {
     }
 }
 
-impl Line {
-    fn of(ray: &KernelRay) -> Line {
-        Line {
-            origin: double(ray.origin),
-            direction: double(ray.direction),
-        }
-    }
-}
-
-/// Figures made ready for rays, each once however many prisms share it.
+/// Figures prepared for rays, each once however many prisms share it.
 #[derive(Default)]
 pub(crate) struct Outlines(HashMap<*const Figure, Arc<Outline>>);
 
@@ -174,7 +172,7 @@ pub(crate) struct Prepared {
 }
 
 impl Preparation<'_> {
-    /// Appends what is made of `solid`, whose first leaf has the given numbers: one shape, or for
+    /// Appends the prepared form of `solid`, whose first leaf has the given numbers: one shape, or for
     /// open pieces outside of set operations one for each.
     pub(crate) fn add(
         &mut self,
@@ -253,7 +251,7 @@ impl Preparation<'_> {
         ExactLeaf::Mesh(mesh::ExactMesh::new(mesh, |p| self.frame.point(p)))
     }
 
-    fn node(&mut self, solid: &Solid, is_turned: bool, leaves: &mut Vec<TreeLeaf>) -> Node {
+    fn node(&mut self, solid: &Solid, is_turned: bool, leaves: &mut Vec<TreeLeaf>) -> CsgNode {
         let world = solid.bounds_by(&mut |figure| self.outlines.bounds(figure));
         let bounds = Aabb {
             min: self.frame.point(world.min),
@@ -261,25 +259,25 @@ impl Preparation<'_> {
         };
         if let Some(shape) = self.leaf(solid) {
             leaves.push(TreeLeaf { shape, is_turned });
-            let kind = NodeKind::Leaf(leaves.len() as u32 - 1);
-            return Node { bounds, kind };
+            let kind = CsgNodeKind::Leaf(leaves.len() as u32 - 1);
+            return CsgNode { bounds, kind };
         }
-        let mut nodes = |solids: &[Solid], is_turned: bool| -> Vec<Node> {
+        let mut nodes = |solids: &[Solid], is_turned: bool| -> Vec<CsgNode> {
             let node = |s: &Solid| self.node(s, is_turned, leaves);
             solids.iter().map(node).collect()
         };
         let kind = match solid {
-            Solid::Shell(pieces) => NodeKind::Shell(nodes(pieces, is_turned)),
-            Solid::Csg(csg) => NodeKind::Csg {
+            Solid::Shell(pieces) => CsgNodeKind::Shell(nodes(pieces, is_turned)),
+            Solid::Csg(csg) => CsgNodeKind::Csg {
                 operation: csg.operation,
-                left: Box::new(Node::union(nodes(&csg.left, is_turned))),
-                right: Box::new(Node::union(nodes(
+                left: Box::new(CsgNode::union(nodes(&csg.left, is_turned))),
+                right: Box::new(CsgNode::union(nodes(
                     &csg.right,
                     is_turned ^ (csg.operation == Operation::Difference),
                 ))),
             },
-            _ => NodeKind::Shell(Vec::new()),
+            _ => CsgNodeKind::Shell(Vec::new()),
         };
-        Node { bounds, kind }
+        CsgNode { bounds, kind }
     }
 }

@@ -1,7 +1,7 @@
-//! A plane figure made ready for lines: which of its curves does one cross, and how often do its
+//! A plane figure prepared for lines: which of its curves does one cross, and how often do its
 //! contours go around a point?
 
-use crate::simd;
+use crate::kernel::{Vectorised, vectorised};
 use azulejo_scene::figure::{Rectangle, Segment, bernstein, crossings};
 use azulejo_scene::{Contour, Figure, FillRule};
 use glam::DVec2;
@@ -9,7 +9,7 @@ use glam::DVec2;
 /// Children of one node.
 const WIDTH: usize = 4;
 
-/// Nodes that can wait: the tree's depth is at most 16 levels over the contours and 16 within
+/// Room for nodes on the stack: the tree's depth is at most 16 levels over the contours and 16 within
 /// one, and each level leaves [`WIDTH`] − 1 siblings.
 const STACK: usize = 2 * 16 * WIDTH;
 
@@ -21,7 +21,7 @@ const SLIVER: f64 = 1e-10;
 ///
 /// A line has two sides, and points on it belong to one of them. Whatever lies between the ends
 /// of a run, the contour crosses the line as often (counted by direction) as the sides of the
-/// run's two ends say; so a run that is wholly ahead of what matters need not be looked into.
+/// run's two ends tell; so a run that is wholly ahead of what matters need not be visited.
 /// Sides are taken at the joints of curves alone, by the one expression [`Line2::side`]: both
 /// neighbours agree on it, and all crossings of a closed contour add up to nothing whatever
 /// rounding does. A line that goes in comes out.
@@ -34,15 +34,15 @@ pub(crate) struct Outline {
     pub sliver: f64,
     /// Control points; those of a straight line divide it into thirds.
     curves: Vec<[DVec2; 4]>,
-    nodes: Vec<Node>,
+    nodes: Vec<RunNode>,
     /// What the figure is as a whole, if it has any curve.
     root: Option<u32>,
 }
 
-/// Four runs side by side. Those that are not there hold NaN, which no line meets.
+/// Four runs side by side. Those that are not there hold NaN, which no line crosses.
 #[repr(C, align(32))]
 #[derive(Clone, Copy, Debug)]
-struct Node {
+struct RunNode {
     /// Lowest and highest x, lowest and highest y.
     sides: [[f64; WIDTH]; 4],
     /// x and y of the runs' starts.
@@ -61,7 +61,7 @@ const INDEX: u32 = STRAIGHT - 1;
 
 /// One or more consecutive curves, or whole contours.
 #[derive(Clone, Copy)]
-struct Run {
+struct CurveRun {
     bounds: Rectangle,
     start: DVec2,
     end: DVec2,
@@ -122,9 +122,9 @@ impl Line2 {
     }
 }
 
-/// What a line does with the four runs of a node, one bit per run.
-struct Met {
-    /// Runs to look into.
+/// Which of the four runs of a node a line crosses, one bit per run.
+struct RunsCrossed {
+    /// Runs to visit.
     open: u32,
     /// Crossings, by direction, of the runs that are wholly ahead.
     beyond: i32,
@@ -155,12 +155,12 @@ impl Outline {
         &self.curves[curve as usize]
     }
 
-    fn add_contour(&mut self, contour: &Contour) -> Option<Run> {
+    fn add_contour(&mut self, contour: &Contour) -> Option<CurveRun> {
         let runs = contour.segments().map(|s| self.add_curve(s)).collect();
         self.pack(runs)
     }
 
-    fn add_curve(&mut self, segment: Segment) -> Run {
+    fn add_curve(&mut self, segment: Segment) -> CurveRun {
         let index = self.curves.len() as u32;
         assert!(index < INDEX, "a figure has at most 2^30 curves");
         let (points, child) = match segment {
@@ -171,7 +171,7 @@ impl Outline {
             Segment::Cubic(points) => (points, CUBIC | index),
         };
         self.curves.push(points);
-        Run {
+        CurveRun {
             bounds: segment.bounds(),
             start: points[0],
             end: points[3],
@@ -180,7 +180,7 @@ impl Outline {
     }
 
     /// Puts consecutive runs under one; `None` if there are none.
-    fn pack(&mut self, mut runs: Vec<Run>) -> Option<Run> {
+    fn pack(&mut self, mut runs: Vec<CurveRun>) -> Option<CurveRun> {
         while runs.len() > 1 {
             let groups = runs.len().div_ceil(WIDTH);
             let cut = |k: usize| k * runs.len() / groups;
@@ -190,44 +190,50 @@ impl Outline {
         runs.pop()
     }
 
-    fn add_node(&mut self, runs: &[Run]) -> Run {
+    fn add_node(&mut self, runs: &[CurveRun]) -> CurveRun {
         if let [alone] = runs {
             return *alone;
         }
-        let mut node = Node::EMPTY;
+        let mut node = RunNode::EMPTY;
         for (k, run) in runs.iter().enumerate() {
             node.set(k, run);
         }
         self.nodes.push(node);
-        Run {
+        CurveRun {
             bounds: (runs.iter()).fold(Rectangle::EMPTY, |b, r| b.union(r.bounds)),
             start: runs[0].start,
             // Several whole contours have no ends: what goes around comes back.
-            end: match runs.iter().all(|r| r.start == r.end) {
-                true => runs[0].start,
-                false => runs[runs.len() - 1].end,
+            end: if runs.iter().all(|r| r.start == r.end) {
+                runs[0].start
+            } else {
+                runs[runs.len() - 1].end
             },
             child: self.nodes.len() as u32 - 1,
         }
     }
 
     /// Visits the crossings between `s0` and `s1`, in any order. The visitor returns up to where
-    /// crossings still matter to it, or `None` to make an end.
+    /// crossings still matter to it, or `None` to stop.
     ///
     /// Returns how often the contours go around the point at `s0`, crossings at that very point
-    /// being ahead of it; a number without meaning if the visitor made an end.
+    /// being ahead of it; a number without meaning if the visitor stopped.
     pub(crate) fn cross(
         &self,
         line: &Line2,
         range: [f64; 2],
         visit: impl FnMut(Crossing) -> Option<f64>,
     ) -> i32 {
-        simd::cross(self, line, range, visit)
+        vectorised(CrossLine {
+            outline: self,
+            line,
+            range,
+            visit,
+        })
     }
 
     /// [`cross`](Outline::cross), for whichever instructions it is compiled with.
     #[inline(always)]
-    pub(crate) fn cross_here(
+    fn cross_here(
         &self,
         line: &Line2,
         [s0, mut s1]: [f64; 2],
@@ -298,7 +304,7 @@ impl Outline {
             return [Some(crossing(f64::INFINITY, 1.0, sense)), None, None];
         }
         if child & STRAIGHT != 0 {
-            // Its inner control points follow by rounding: the ends alone tell.
+            // Its inner control points follow by rounding: only the ends are exact.
             let sense = i32::from(sides[3]) - i32::from(sides[0]);
             let t = (d[0] / (d[0] - d[3])).clamp(0.0, 1.0);
             let at = crossing(s[0] + t * (s[3] - s[0]), t, sense);
@@ -309,15 +315,32 @@ impl Outline {
     }
 }
 
-impl Node {
-    const EMPTY: Node = Node {
+/// [`Outline::cross`] as work that gains from testing the four runs of a node side by side.
+struct CrossLine<'a, V> {
+    outline: &'a Outline,
+    line: &'a Line2,
+    range: [f64; 2],
+    visit: V,
+}
+
+impl<V: FnMut(Crossing) -> Option<f64>> Vectorised for CrossLine<'_, V> {
+    type Output = i32;
+
+    #[inline(always)]
+    fn run(self) -> i32 {
+        (self.outline).cross_here(self.line, self.range, self.visit)
+    }
+}
+
+impl RunNode {
+    const EMPTY: RunNode = RunNode {
         sides: [[f64::NAN; WIDTH]; 4],
         starts: [[f64::NAN; WIDTH]; 2],
         ends: [[f64::NAN; WIDTH]; 2],
         children: [0; WIDTH],
     };
 
-    fn set(&mut self, slot: usize, run: &Run) {
+    fn set(&mut self, slot: usize, run: &CurveRun) {
         let (min, max) = (run.bounds.min, run.bounds.max);
         for axis in 0..2 {
             self.sides[2 * axis][slot] = min[axis];
@@ -333,13 +356,13 @@ impl Node {
     /// The extremes of distance are those at two corners of the rectangle, by the expressions
     /// that points are measured with: no point of the run comes out beyond them.
     #[inline(always)]
-    fn meet(&self, line: &Line2, [s0, s1]: [f64; 2]) -> Met {
+    fn meet(&self, line: &Line2, [s0, s1]: [f64; 2]) -> RunsCrossed {
         let (n, u) = (line.normal, line.direction);
         let (nx, ny) = (usize::from(n.x < 0.0), usize::from(n.y < 0.0));
         let (ux, uy) = (usize::from(u.x < 0.0), usize::from(u.y < 0.0));
         let x = |side: usize| &self.sides[side];
         let y = |side: usize| &self.sides[2 + side];
-        let mut met = Met { open: 0, beyond: 0 };
+        let mut met = RunsCrossed { open: 0, beyond: 0 };
         let (mut open, mut ahead) = ([false; WIDTH], [false; WIDTH]);
         for k in 0..WIDTH {
             let low = n.x * x(nx)[k] + n.y * y(ny)[k] - line.offset;
@@ -406,9 +429,10 @@ mod tests {
             Some(f64::INFINITY)
         };
         let half = [0.0, f64::INFINITY];
-        match plain {
-            true => outline.cross_here(line, half, list),
-            false => outline.cross(line, half, list),
+        if plain {
+            outline.cross_here(line, half, list)
+        } else {
+            outline.cross(line, half, list)
         };
         found
     }

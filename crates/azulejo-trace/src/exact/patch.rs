@@ -1,7 +1,7 @@
 //! Rays against bicubic patches.
 
-use super::leaf::{Boundary, Meeting, ResolvedLeaf, facing};
-use crate::primitive::Line;
+use super::leaf::{Boundary, LeafHit, LeafPoint, facing};
+use super::line::Line3;
 use azulejo_scene::BicubicPatch;
 use azulejo_scene::math::Frame;
 use glam::{DVec2, DVec3};
@@ -15,11 +15,11 @@ pub(crate) struct ExactPatch {
 /// Halvings of one parameter after which a piece counts as a point.
 const FINEST: u32 = 12;
 
-/// Pieces looked at for one line: enough for any smooth patch; one that folds onto the line
+/// Pieces examined for one line: enough for any smooth patch; one that folds onto the line
 /// everywhere would have no end.
 const MOST_PIECES: usize = 2000;
 
-/// Meetings nearer together than this, in both parameters, are one.
+/// Hits nearer together than this, in both parameters, are one.
 const SAME: f64 = 1e-7;
 
 /// A Newton step shorter than this is the last.
@@ -28,7 +28,7 @@ const LAST_STEP: f64 = 1e-9;
 /// How far outside of 0..=1 a parameter may come out by rounding.
 const OVER: f64 = 1e-9;
 
-/// Control points as a line sees them: the line is the origin.
+/// Control points projected along a line: the line is the origin.
 type Net = [[DVec2; 4]; 4];
 
 /// A piece of the patch: its net, and where it lies among the parameters.
@@ -45,27 +45,27 @@ impl ExactPatch {
         ExactPatch { patch }
     }
 
-    /// All meetings, in no order.
-    pub(crate) fn all(&self, line: &Line, leaf: u32, out: &mut Vec<Boundary>) {
+    /// All hits, in no order.
+    pub(crate) fn all(&self, line: &Line3, leaf: u32, out: &mut Vec<Boundary>) {
         let mut found: Vec<DVec2> = Vec::new();
         self.search(line, &mut found);
         let length2 = line.direction.length_squared();
         out.extend(found.iter().map(|&at| {
             let (p, du, dv) = self.patch.at(at.x, at.y);
             let (part, parameter) = pack(at);
-            let meeting = Meeting {
+            let hit = LeafHit {
                 t: (p - line.origin).dot(line.direction) / length2,
                 part,
                 parameter,
                 enters: du.cross(dv).dot(line.direction) < 0.0,
             };
-            Boundary { meeting, leaf }
+            Boundary { hit, leaf }
         }));
     }
 
     /// Halves the patch where its net's box holds the line, until Newton's method is sure of
     /// what it finds.
-    fn search(&self, line: &Line, found: &mut Vec<DVec2>) {
+    fn search(&self, line: &Line3, found: &mut Vec<DVec2>) {
         let frame = Frame::from_normal(line.direction.normalize());
         let see = |p: DVec3| {
             let p = p - line.origin;
@@ -96,25 +96,25 @@ impl ExactPatch {
         }
     }
 
-    /// The surface point of a meeting.
-    pub(crate) fn resolve(&self, line: &Line, meeting: &Meeting) -> ResolvedLeaf {
-        let mut at = unpack(meeting.part, meeting.parameter);
+    /// The surface point of a hit.
+    pub(crate) fn resolve(&self, line: &Line3, hit: &LeafHit) -> LeafPoint {
+        let mut at = unpack(hit.part, hit.parameter);
         for _ in 0..4 {
             at = self.nearer(line, at);
         }
         let (position, du, dv) = self.patch.at(at.x, at.y);
         let t = (position - line.origin).dot(line.direction) / line.direction.length_squared();
-        ResolvedLeaf {
+        LeafPoint {
             t,
             u: at.x,
             v: at.y,
             position,
-            normal: facing(self.normal(at, du, dv), line.direction, meeting.enters),
+            normal: facing(self.normal(at, du, dv), line.direction, hit.enters),
         }
     }
 
     /// One Newton step toward the line, if it leads anywhere.
-    fn nearer(&self, line: &Line, at: DVec2) -> DVec2 {
+    fn nearer(&self, line: &Line3, at: DVec2) -> DVec2 {
         let (p, du, dv) = self.patch.at(at.x, at.y);
         let d = line.direction;
         // p + a du + b dv = origin + t d.
@@ -143,7 +143,7 @@ impl ExactPatch {
     }
 }
 
-/// Parameters as a meeting carries them: `u` in 30 bits, `v` as it is.
+/// Parameters as a hit carries them: `u` in 30 bits, `v` as it is.
 fn pack(at: DVec2) -> (u32, f32) {
     ((at.x * UNIT).round() as u32, at.y as f32)
 }

@@ -5,9 +5,9 @@
 //! whatever its extrusion: there a ray lies between the two planes for one interval, and over it
 //! the ray's shadow on the figure's plane crosses the contours.
 
-use super::leaf::{Boundary, Meeting, ResolvedLeaf, Span, outward};
+use super::leaf::{Boundary, LeafHit, LeafPoint, Span, outward};
+use super::line::Line3;
 use super::outline::{Crossing, Line2, Outline};
-use crate::primitive::Line;
 use azulejo_scene::figure::{Segment, bernstein, bernstein_slope};
 use glam::{DAffine3, DVec2, DVec3};
 use std::sync::Arc;
@@ -37,9 +37,9 @@ struct Passage {
     planes: [u32; 2],
 }
 
-/// What a line meets first of the contours.
+/// The first crossing of a line with the contours.
 struct Nearest {
-    /// How often they go around the place where it starts.
+    /// How often they go around the point where it starts.
     winding: i32,
     crossing: Option<Crossing>,
     /// Distance of the second crossing, if it is about as near as the first; else more.
@@ -49,7 +49,7 @@ struct Nearest {
 impl Passage {
     /// `None` for a line beside the planes.
     #[inline(always)]
-    fn new(line: &Line) -> Option<Passage> {
+    fn new(line: &Line3) -> Option<Passage> {
         let (o, d) = (line.origin, line.direction);
         let between = if d.z == 0.0 {
             (0.0..=1.0).contains(&o.z).then_some(Span::EVERYWHERE)?
@@ -95,8 +95,8 @@ impl Passage {
     }
 }
 
-fn at_curve(t: f64, crossing: &Crossing, enters: bool) -> Meeting {
-    Meeting {
+fn at_curve(t: f64, crossing: &Crossing, enters: bool) -> LeafHit {
+    LeafHit {
         t,
         part: CURVES + crossing.curve,
         parameter: crossing.parameter as f32,
@@ -104,8 +104,8 @@ fn at_curve(t: f64, crossing: &Crossing, enters: bool) -> Meeting {
     }
 }
 
-fn at_plane(t: f64, part: u32, enters: bool) -> Meeting {
-    Meeting {
+fn at_plane(t: f64, part: u32, enters: bool) -> LeafHit {
+    LeafHit {
         t,
         part,
         parameter: 0.0,
@@ -125,8 +125,8 @@ impl ExactPrism {
         })
     }
 
-    /// The first meeting within `span`.
-    pub(crate) fn first(&self, line: &Line, span: Span) -> Option<Meeting> {
+    /// The first hit within `span`.
+    pub(crate) fn first(&self, line: &Line3, span: Span) -> Option<LeafHit> {
         let passage = Passage::new(&line.mapped(&self.figure_from_local))?;
         let within = passage.between.and(span)?;
         let nearest = self.nearest(&passage, within);
@@ -175,31 +175,31 @@ impl ExactPrism {
     /// [`first`](ExactPrism::first) where not every crossing is a boundary: contours overlap, or
     /// run on top of each other.
     #[cold]
-    fn first_of_all(&self, passage: &Passage, within: Span, span: Span) -> Option<Meeting> {
+    fn first_of_all(&self, passage: &Passage, within: Span, span: Span) -> Option<LeafHit> {
         let mut first = None;
-        self.boundaries(passage, within, |meeting| {
-            // The ends of the range are meetings only where the planes are.
-            let is_plane = meeting.part < CURVES;
-            let comes_in = is_plane && meeting.enters && span.first <= passage.between.first;
-            let goes_out = is_plane && !meeting.enters && passage.between.last <= span.last;
+        self.boundaries(passage, within, |hit| {
+            // The ends of the range are hits only where the planes are.
+            let is_plane = hit.part < CURVES;
+            let comes_in = is_plane && hit.enters && span.first <= passage.between.first;
+            let goes_out = is_plane && !hit.enters && passage.between.last <= span.last;
             if first.is_none() && (!is_plane || comes_in || goes_out) {
-                first = Some(meeting);
+                first = Some(hit);
             }
         });
         first
     }
 
     /// All boundaries on the line, in order; an even number.
-    pub(crate) fn all(&self, line: &Line, leaf: u32, out: &mut Vec<Boundary>) {
+    pub(crate) fn all(&self, line: &Line3, leaf: u32, out: &mut Vec<Boundary>) {
         if let Some(passage) = Passage::new(&line.mapped(&self.figure_from_local)) {
-            self.boundaries(&passage, passage.between, |meeting| {
-                out.push(Boundary { meeting, leaf });
+            self.boundaries(&passage, passage.between, |hit| {
+                out.push(Boundary { hit, leaf });
             });
         }
     }
 
-    /// What the line meets within `within`, its ends being boundaries where they are inside.
-    fn boundaries(&self, passage: &Passage, within: Span, mut visit: impl FnMut(Meeting)) {
+    /// The boundaries on the line within `within`, its ends being boundaries where they are inside.
+    fn boundaries(&self, passage: &Passage, within: Span, mut visit: impl FnMut(LeafHit)) {
         let range = passage.shadow_span(within);
         let mut crossings = Vec::new();
         let winding = self.outline.cross(&passage.shadow, range, |crossing| {
@@ -243,27 +243,27 @@ impl ExactPrism {
         changes
     }
 
-    /// The surface point near where a meeting said, in double precision, with the parameter on
+    /// The surface point near a hit, in double precision, with the parameter on
     /// its curve and the height over the figure's plane.
-    pub(crate) fn resolve(&self, line: &Line, meeting: &Meeting) -> ResolvedLeaf {
+    pub(crate) fn resolve(&self, line: &Line3, hit: &LeafHit) -> LeafPoint {
         let own = line.mapped(&self.figure_from_local);
         let (o, d) = (own.origin, own.direction);
-        if meeting.part < CURVES {
-            let z = f64::from(meeting.part);
+        if hit.part < CURVES {
+            let z = f64::from(hit.part);
             let t = (z - o.z) / d.z;
-            let t = if t.is_finite() { t } else { meeting.t };
+            let t = if t.is_finite() { t } else { hit.t };
             let p = o + t * d;
             let normal = DVec3::new(0.0, 0.0, 2.0 * z - 1.0);
             return self.resolved(t, p.with_z(z), normal, [p.x, p.y]);
         }
-        let points = *self.outline.curve(meeting.part - CURVES);
+        let points = *self.outline.curve(hit.part - CURVES);
         let across = d.truncate();
-        let (t, parameter) = nearest_crossing(points, &own, meeting);
+        let (t, parameter) = nearest_crossing(points, &own, hit);
         let curve = Segment::Cubic(points);
         let z = (o.z + t * d.z).clamp(0.0, 1.0);
         let tangent = tangent(&curve, parameter);
         let normal = DVec2::new(tangent.y, -tangent.x);
-        let outward = if (normal.dot(across) < 0.0) == meeting.enters {
+        let outward = if (normal.dot(across) < 0.0) == hit.enters {
             normal
         } else {
             -normal
@@ -272,8 +272,8 @@ impl ExactPrism {
         self.resolved(t, p, outward.extend(0.0), [parameter, z])
     }
 
-    fn resolved(&self, t: f64, p: DVec3, normal: DVec3, [u, v]: [f64; 2]) -> ResolvedLeaf {
-        ResolvedLeaf {
+    fn resolved(&self, t: f64, p: DVec3, normal: DVec3, [u, v]: [f64; 2]) -> LeafPoint {
+        LeafPoint {
             t,
             u,
             v,
@@ -283,13 +283,13 @@ impl ExactPrism {
     }
 }
 
-/// Newton's method from the meeting's own parameter: where the line crosses the curve, or the
-/// place of the curve where it stops; `t` and the parameter.
-fn nearest_crossing(points: [DVec2; 4], line: &Line, meeting: &Meeting) -> (f64, f64) {
+/// Newton's method from the hit's own parameter: where the line crosses the curve, or the
+/// point of the curve where it stops; `t` and the parameter.
+fn nearest_crossing(points: [DVec2; 4], line: &Line3, hit: &LeafHit) -> (f64, f64) {
     let (origin, across) = (line.origin.truncate(), line.direction.truncate());
     let normal = across.perp();
     let height = points.map(|p| normal.dot(p - origin));
-    let start = f64::from(meeting.parameter).clamp(0.0, 1.0);
+    let start = f64::from(hit.parameter).clamp(0.0, 1.0);
     let mut t = start;
     for _ in 0..8 {
         let next = (t - bernstein(height, t) / bernstein_slope(height, t)).clamp(0.0, 1.0);
@@ -306,7 +306,7 @@ fn nearest_crossing(points: [DVec2; 4], line: &Line, meeting: &Meeting) -> (f64,
     }
     let p = Segment::Cubic(points).at(t) - origin;
     let along = p.dot(across) / across.length_squared();
-    (if along.is_finite() { along } else { meeting.t }, t)
+    (if along.is_finite() { along } else { hit.t }, t)
 }
 
 /// Direction of a curve, also where two control points are one.

@@ -1,4 +1,4 @@
-//! What the processor draws, against rays and closed forms.
+//! Item buffers of the processor, against rays and closed forms.
 
 use super::*;
 use crate::lambert::{point_to_polygon, polygon_vector};

@@ -1,9 +1,10 @@
-//! Item buffers drawn by the processor, in software: always there.
+//! Item buffers drawn by the processor, in software: always available.
 
+use super::face::Face;
+use super::prepared_world::LocalWorld;
 use super::raster::{Canvas, NOTHING, Region, draw};
-use super::sight::{Face, Sight};
 use super::tally::Tally;
-use super::world::{Kind, LocalWorld};
+use super::view::{HemicubeView, PatchOptics};
 use super::{
     Beyond, Device, DrawError, Hemicube, ItemBuffers, Seen, Settings, SpecularPixel, View, World,
 };
@@ -18,10 +19,10 @@ use std::sync::Mutex;
 /// Works in `f32` about the world's centre, planes in `f64`. Facets thinner than 1e-9 of their
 /// length, with corners that are not finite, or of patches that there are not are left out. Of
 /// facets in one plane (to 1e-8 of the world's size) the lowest patch is seen. What lies in the
-/// eye's own plane is not seen, and neither is, in a mirror, what is nearer to its plane than
-/// 1e-6 of the world's size. The memory of a thread is 8 bytes a pixel, up to 36 where no
-/// two neighbours show the same patch of a mirror, and 24 a patch, however many mirrors face each
-/// other.
+/// viewpoint's own plane is not seen, and neither is, in a mirror, what is nearer to its plane than
+/// 2e-6 of half the world's size or, if that is more, of the mirrored viewpoint's distance. The
+/// memory of a thread is 8 bytes a pixel, up to 36 where no two neighbours show the same patch of a
+/// mirror, and 24 a patch, however many mirrors face each other.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Processor;
 
@@ -49,7 +50,7 @@ pub struct ProcessorBuffers {
     beyond: Beyond,
     /// Centres of columns and rows, −1..1.
     centres: Vec<f32>,
-    /// Working memory that no thread uses now.
+    /// Working memory that no thread is using.
     idle: Mutex<Vec<Scratch>>,
 }
 
@@ -74,12 +75,12 @@ struct Scratch {
 
 /// Pixels side by side in one row of a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-struct Run {
+struct PixelRun {
     first: u32,
     count: u32,
 }
 
-impl Run {
+impl PixelRun {
     fn end(self) -> u32 {
         self.first + self.count
     }
@@ -91,17 +92,17 @@ impl Run {
 }
 
 /// Pixels that show one reflected world.
-struct Window {
-    sight: Sight,
+struct MirrorWindow {
+    view: HemicubeView,
     /// Its pixels, among the runs of the level, ascending.
     runs: Range<usize>,
 }
 
 /// All windows behind the same number of mirrors.
 #[derive(Default)]
-struct Level {
-    windows: Vec<Window>,
-    runs: Vec<Run>,
+struct WindowLevel {
+    windows: Vec<MirrorWindow>,
+    runs: Vec<PixelRun>,
 }
 
 impl ProcessorBuffers {
@@ -146,27 +147,27 @@ impl ProcessorBuffers {
         }
     }
 
-    /// Level by level: what is seen behind k mirrors is drawn once all that is behind fewer is
+    /// Level by level: what is seen behind k mirrors is drawn once everything behind fewer is
     /// known, into the pixels that show the last of them. Windows of one level never overlap.
     fn see_with(&self, view: &View, scratch: &mut Scratch) -> Seen {
         let mut seen = Seen::default();
         let count = self.side() as u32;
         let rows = (0..self.cube.pixels()).step_by(self.side());
-        let rows: Vec<Run> = rows.map(|first| Run { first, count }).collect();
-        let whole = Window {
-            sight: Sight::new(view, &self.world.local),
+        let rows: Vec<PixelRun> = rows.map(|first| PixelRun { first, count }).collect();
+        let whole = MirrorWindow {
+            view: HemicubeView::new(view, &self.world.local),
             runs: 0..rows.len(),
         };
-        let mut level = Level {
+        let mut level = WindowLevel {
             windows: vec![whole],
             runs: rows,
         };
         let mut depth = 0;
         while !level.windows.is_empty() {
-            let mut next = Level::default();
+            let mut next = WindowLevel::default();
             for window in &level.windows {
                 let runs = &level.runs[window.runs.clone()];
-                self.look(&window.sight, depth, runs, scratch, &mut seen, &mut next);
+                self.draw_view(&window.view, depth, runs, scratch, &mut seen, &mut next);
             }
             level = next;
             depth += 1;
@@ -176,41 +177,41 @@ impl ProcessorBuffers {
     }
 
     /// Draws what is seen in some pixels, sorted, and adds it up; mirrors are for the next level.
-    fn look(
+    fn draw_view(
         &self,
-        sight: &Sight,
+        view: &HemicubeView,
         depth: u32,
-        runs: &[Run],
+        runs: &[PixelRun],
         scratch: &mut Scratch,
         seen: &mut Seen,
-        next: &mut Level,
+        next: &mut WindowLevel,
     ) {
         let mut mirrored = Vec::new();
         for runs in runs.chunk_by(|a, b| self.face_of(a.first) == self.face_of(b.first)) {
             let number = self.face_of(runs[0].first);
-            let face = sight.face(number);
+            let face = Face::new(view, number);
             self.draw_face(number, &face, runs, scratch);
-            let found = Found {
-                drawing: self,
-                sight,
+            let drawn = DrawnFace {
+                buffers: self,
+                view,
                 face: &face,
                 depth,
             };
-            found.read(runs, scratch, seen, &mut mirrored);
+            drawn.read(runs, scratch, seen, &mut mirrored);
         }
         mirrored.sort_unstable();
         for group in mirrored.chunk_by(|a, b| a.0 == b.0) {
-            self.open(sight, depth, group, seen, next);
+            self.open(view, depth, group, seen, next);
         }
     }
 
     /// Draws the world into some pixels of a face.
-    fn draw_face(&self, number: usize, face: &Face, runs: &[Run], scratch: &mut Scratch) {
+    fn draw_face(&self, number: usize, face: &Face, runs: &[PixelRun], scratch: &mut Scratch) {
         let mut region = Region::EMPTY;
         for run in runs {
             scratch.nearness[run.pixels()].fill(0.0);
             scratch.sides[run.pixels()].fill(NOTHING);
-            let (column, row) = self.place(run.first);
+            let (column, row) = self.column_and_row(run.first);
             region.add(column..column + run.count as usize, row);
         }
         let range = self.pixels_of(number);
@@ -226,41 +227,42 @@ impl ProcessorBuffers {
     /// Opens a window for the pixels of one mirror, or counts them as cut.
     fn open(
         &self,
-        sight: &Sight,
+        view: &HemicubeView,
         depth: u32,
-        group: &[(u32, Run)],
+        group: &[(u32, PixelRun)],
         seen: &mut Seen,
-        next: &mut Level,
+        next: &mut WindowLevel,
     ) {
-        let sight = sight.behind(&self.world.mirrors[group[0].0 as usize]);
-        let strength = sight.tint.max_channel();
-        let goes_on = match self.beyond {
+        let number = group[0].0;
+        let view = view.behind(number, &self.world.mirrors[number as usize]);
+        let strength = view.tint.max_channel();
+        let continues = match self.beyond {
             Beyond::Windows { cut, depth: most } => strength >= f64::from(cut) && depth < most,
             Beyond::List => false,
         };
-        if !goes_on || strength <= 0.0 {
+        if !continues || strength <= 0.0 {
             let share: f64 = group.iter().map(|&(_, run)| self.weight(run)).sum();
-            seen.cut += sight.tint * share;
+            seen.cut += view.tint * share;
             return;
         }
         let first = next.runs.len();
         for &(_, run) in group {
             // Pieces of one mirror, side by side, are one run.
             match next.runs[first..].last_mut() {
-                Some(last) if last.end() == run.first && self.place(run.first).0 > 0 => {
+                Some(last) if last.end() == run.first && self.column_and_row(run.first).0 > 0 => {
                     last.count += run.count;
                 }
                 _ => next.runs.push(run),
             }
         }
-        next.windows.push(Window {
-            sight,
+        next.windows.push(MirrorWindow {
+            view,
             runs: first..next.runs.len(),
         });
     }
 
     /// What the pixels of a run carry before any mirror.
-    fn weight(&self, run: Run) -> f64 {
+    fn weight(&self, run: PixelRun) -> f64 {
         self.weights[run.pixels()].iter().sum()
     }
 
@@ -287,7 +289,7 @@ impl ProcessorBuffers {
     }
 
     /// Column and row of a pixel; rows of side faces begin at the horizon, in the middle.
-    fn place(&self, pixel: u32) -> (usize, usize) {
+    fn column_and_row(&self, pixel: u32) -> (usize, usize) {
         let (p, n) = (pixel as usize, self.side());
         match p.checked_sub(n * n) {
             None => (p % n, p / n),
@@ -296,41 +298,43 @@ impl ProcessorBuffers {
     }
 }
 
-/// What is in the pixels of a face once they are drawn.
-struct Found<'a> {
-    drawing: &'a ProcessorBuffers,
-    sight: &'a Sight,
+/// A face whose pixels have been drawn.
+struct DrawnFace<'a> {
+    buffers: &'a ProcessorBuffers,
+    view: &'a HemicubeView,
     face: &'a Face,
     /// Mirrors on the way.
     depth: u32,
 }
 
-impl Found<'_> {
-    /// Adds up the pixels, hands on those that show mirrors with the mirrors' numbers, and closes
+impl DrawnFace<'_> {
+    /// Adds up the pixels, collects those that show mirrors with the mirrors' numbers, and closes
     /// the pixels for what is drawn next.
     fn read(
         &self,
-        runs: &[Run],
+        runs: &[PixelRun],
         scratch: &mut Scratch,
         seen: &mut Seen,
-        mirrored: &mut Vec<(u32, Run)>,
+        mirrored: &mut Vec<(u32, PixelRun)>,
     ) {
         for run in runs {
             let mut first = run.first;
             for alike in scratch.sides[run.pixels()].chunk_by(|a, b| a == b) {
                 let count = alike.len() as u32;
-                let run = Run { first, count };
+                let run = PixelRun { first, count };
                 first += count;
                 if alike[0] == NOTHING {
                     self.escape(run, seen);
                     continue;
                 }
-                let share = self.sight.tint * self.drawing.weight(run);
+                let share = self.view.tint * self.buffers.weight(run);
                 let order = self.depth.min(2) as u8;
                 scratch.tally.add(alike[0], order, share);
-                match (self.drawing.world.kind(alike[0] / 2), self.drawing.beyond) {
-                    (Kind::Matt, _) => {}
-                    (Kind::Mirror(mirror), Beyond::Windows { .. }) => mirrored.push((mirror, run)),
+                match (self.buffers.world.optics(alike[0] / 2), self.buffers.beyond) {
+                    (PatchOptics::Diffuse, _) => {}
+                    (PatchOptics::Mirror(mirror), Beyond::Windows { .. }) => {
+                        mirrored.push((mirror, run))
+                    }
                     _ => {
                         let pixels = (run.first..run.end()).zip(&scratch.nearness[run.pixels()]);
                         let specular = pixels.map(|(p, &near)| self.specular(p, alike[0], near));
@@ -343,10 +347,10 @@ impl Found<'_> {
     }
 
     /// Adds pixels that show nothing to what leaves the world upwards and downwards.
-    fn escape(&self, run: Run, seen: &mut Seen) {
-        let up = self.face.components(self.drawing.world.up);
+    fn escape(&self, run: PixelRun, seen: &mut Seen) {
+        let up = self.face.components(self.buffers.world.up);
         for p in run.first..run.end() {
-            let (x, y) = self.picture(p);
+            let (x, y) = self.image_point(p);
             let is_up = x * up[0] + y * up[1] + up[2] >= 0.0;
             seen.escaped[usize::from(!is_up)] += self.share(p);
         }
@@ -354,28 +358,28 @@ impl Found<'_> {
 
     /// What a pixel carries.
     fn share(&self, pixel: u32) -> Rgb {
-        self.sight.tint * self.drawing.weights[pixel as usize]
+        self.view.tint * self.buffers.weights[pixel as usize]
     }
 
-    /// The point of the face's picture in the middle of a pixel.
-    fn picture(&self, pixel: u32) -> (f64, f64) {
-        let (column, row) = self.drawing.place(pixel);
-        let centre = |k: usize| f64::from(self.drawing.centres[k]);
+    /// The point of the face's image in the middle of a pixel.
+    fn image_point(&self, pixel: u32) -> (f64, f64) {
+        let (column, row) = self.buffers.column_and_row(pixel);
+        let centre = |k: usize| f64::from(self.buffers.centres[k]);
         (centre(column), centre(row))
     }
 
     fn specular(&self, pixel: u32, side: u32, nearness: f32) -> SpecularPixel {
-        let (x, y) = self.picture(pixel);
-        let local = &self.drawing.world.local;
+        let (x, y) = self.image_point(pixel);
+        let local = &self.buffers.world.local;
         let direction = self.face.direction(x, y);
         let along = 1.0 / f64::from(nearness);
-        // The leg begins where the sight leaves the last mirror.
+        // The leg begins where the view leaves the last mirror.
         let start = self.face.begin.as_ref().map_or(0.0, |begin| {
             let [a, b, c] = begin.nearness;
             (1.0 / (a * x + b * y + c)).min(along)
         });
         SpecularPixel {
-            origin: local.world_point(self.sight.eye + start * direction),
+            origin: local.world_point(self.view.eye + start * direction),
             direction: direction.normalize(),
             distance: (along - start) * direction.length() * local.reach,
             side,

@@ -1,7 +1,7 @@
 //! Draws facets into the pixels of one face.
 //!
-//! Nothing is clipped: a pixel's direction meets a facet if it is a combination of the directions
-//! to the corners with no negative weight, and the weights are linear in the picture wherever the
+//! Nothing is clipped: a pixel's direction hits a facet if it is a combination of the directions
+//! to the corners with no negative weight, and the weights are linear in the image wherever the
 //! corners are (Olano and Greer, *Triangle Scan Conversion using 2D Homogeneous Coordinates*,
 //! 1997). Two facets with a common edge compute its weight from the same products, so no pixel
 //! falls between them. What is kept as depth is 1/w, which is linear too; it belongs to the
@@ -12,8 +12,9 @@
     reason = "loops over lanes that the compiler turns into vector instructions"
 )]
 
-use super::sight::{Begin, Depth, Face};
-use super::world::{LANES, LocalWorld, Node, Packet, Plane, PlaneFacet};
+use super::face::{Begin, Depth, Face};
+use super::prepared_world::{FacetNode, FacetPacket, LANES, LocalWorld, PlaneFacet};
+use super::view::Plane;
 use std::ops::Range;
 
 /// The side that a pixel without one shows.
@@ -28,8 +29,8 @@ const ROUNDING: f32 = 8.0 * f32::EPSILON;
 /// Half-spaces that a [`Cone`] has room for.
 const PLANES: usize = 8;
 
-/// Nodes that wait while others are drawn: more than any tree is deep.
-const STACK: usize = crate::build::DEEPEST + 1;
+/// Room for nodes that are drawn later: more than the depth of any tree.
+const STACK: usize = crate::kernel::DEEPEST + 1;
 
 /// Columns and rows of a face that are drawn; rows count from below the horizon on side faces too.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -138,14 +139,14 @@ impl Cone {
 
     /// Whether a part of the box may lie in all of them.
     #[inline]
-    fn may_show(&self, node: &Node) -> bool {
+    fn may_show(&self, node: &FacetNode) -> bool {
         let mut is_outside = false;
         for k in 0..PLANES {
             let product = |n: &[[f32; PLANES]; 3], v: [f32; 3]| {
                 n[0][k] * v[0] + n[1][k] * v[1] + n[2][k] * v[2]
             };
             let middle = product(&self.normals, node.centre);
-            // Far eyes have large offsets, whose rounding must not hide a box.
+            // Far viewpoints have large offsets, whose rounding must not hide a box.
             let slack = product(&self.absolute, node.half) + 1e-6 * self.offsets[k].abs();
             is_outside |= middle + slack < self.offsets[k];
         }
@@ -160,13 +161,13 @@ struct Painter<'a, 'b> {
     region: &'a Region,
     /// Left, right, low and high ends of the region: centres of its outermost pixels.
     borders: [f32; 4],
-    /// Pixels per half the picture.
+    /// Pixels per half the image.
     half: f32,
     canvas: &'a mut Canvas<'b>,
 }
 
 /// Corners of a packet as the face sees them, `[3 * corner + axis][lane]`.
-type Seen = [[f32; LANES]; 9];
+type FaceCorners = [[f32; LANES]; 9];
 
 /// For the lanes of a packet the columns and rows between which pixels may lie, as whole numbers.
 struct Extents {
@@ -178,7 +179,7 @@ struct Extents {
     is_seen: [bool; LANES],
 }
 
-/// A facet ready to be filled in: functions of the picture as coefficients of x, y and 1.
+/// A facet ready to be filled in: functions of the image as coefficients of x, y and 1.
 struct Fill {
     /// Not negative in the pixels of the facet: its three edges, and what lies behind the mirror.
     inside: [[f32; 3]; 4],
@@ -226,7 +227,7 @@ impl<'a, 'b> Painter<'a, 'b> {
         c[0] * w[0] + c[1] * w[1] + c[2] * w[2]
     }
 
-    fn packet(&mut self, packet: &Packet) {
+    fn packet(&mut self, packet: &FacetPacket) {
         let seen = self.place(packet);
         let extents = self.extents(&seen);
         for lane in 0..LANES {
@@ -238,7 +239,7 @@ impl<'a, 'b> Painter<'a, 'b> {
 
     /// Corners relative to the eye, along the face's axes.
     #[inline]
-    fn place(&self, packet: &Packet) -> Seen {
+    fn place(&self, packet: &FacetPacket) -> FaceCorners {
         let Face {
             rows: m, high, low, ..
         } = self.face;
@@ -257,7 +258,7 @@ impl<'a, 'b> Painter<'a, 'b> {
     }
 
     #[inline]
-    fn extents(&self, seen: &Seen) -> Extents {
+    fn extents(&self, seen: &FaceCorners) -> Extents {
         let [left, right, low, high] = self.borders;
         let mut extents = Extents {
             columns: [[0.0; LANES]; 2],
@@ -303,7 +304,7 @@ impl<'a, 'b> Painter<'a, 'b> {
         extents
     }
 
-    fn facet(&mut self, packet: &Packet, lane: usize, seen: &Seen, extents: &Extents) {
+    fn facet(&mut self, packet: &FacetPacket, lane: usize, seen: &FaceCorners, extents: &Extents) {
         let facet = &packet.facets[lane];
         let Some(depth) = self.face.depth(&self.world.planes[facet.plane as usize]) else {
             return;
@@ -342,7 +343,7 @@ impl<'a, 'b> Painter<'a, 'b> {
                 (least, most) = (least.min(x), most.max(x));
             }
             if (a[2] > 0.0) != (b[2] > 0.0) {
-                // Towards the plane of the eye the edge runs off to one end of the picture.
+                // Towards the plane of the eye the edge runs off to one end of the image.
                 let x = a[axis] * b[2] - b[axis] * a[2];
                 let x = if a[2] > 0.0 { -x } else { x };
                 if x >= 0.0 {
@@ -405,7 +406,7 @@ impl<'a, 'b> Painter<'a, 'b> {
         }
     }
 
-    /// Fills rows between the columns where the edges meet them.
+    /// Fills rows between the columns where the edges cross them.
     fn fill_wide(&mut self, fill: &Fill, columns: Range<usize>, rows: Range<usize>) {
         let inverse = fill.inside.map(|e| 1.0 / e[0]);
         for row in rows {

@@ -3,14 +3,14 @@
 use super::Share;
 use azulejo_scene::Rgb;
 
-/// Orders told apart: straight, by one mirror, by more.
+/// Orders that are kept apart: without mirrors, by one mirror, by more.
 const ORDERS: usize = 3;
 const FREE: u32 = u32::MAX;
 
 /// Sums by side and order, in `f64`, in the order in which they are added.
 pub(super) struct Tally {
-    /// For each side and order, where its sum stands.
-    places: Vec<u32>,
+    /// For each side and order, the index of its sum.
+    slots: Vec<u32>,
     keys: Vec<u32>,
     sums: Vec<Rgb>,
 }
@@ -18,7 +18,7 @@ pub(super) struct Tally {
 impl Tally {
     pub fn new(patches: u32) -> Tally {
         Tally {
-            places: vec![FREE; 2 * patches as usize * ORDERS],
+            slots: vec![FREE; 2 * patches as usize * ORDERS],
             keys: Vec::new(),
             sums: Vec::new(),
         }
@@ -26,24 +26,24 @@ impl Tally {
 
     pub fn add(&mut self, side: u32, order: u8, share: Rgb) {
         let key = side * ORDERS as u32 + u32::from(order);
-        let place = &mut self.places[key as usize];
-        if *place == FREE {
-            *place = self.sums.len() as u32;
+        let slot = &mut self.slots[key as usize];
+        if *slot == FREE {
+            *slot = self.sums.len() as u32;
             self.keys.push(key);
             self.sums.push(Rgb::BLACK);
         }
-        self.sums[*place as usize] += share;
+        self.sums[*slot as usize] += share;
     }
 
     /// The sums, sorted by side and order; nothing is left.
     pub fn take(&mut self) -> Vec<Share> {
         self.keys.sort_unstable();
         let share = |&key: &u32| {
-            let place = std::mem::replace(&mut self.places[key as usize], FREE);
+            let slot = std::mem::replace(&mut self.slots[key as usize], FREE);
             Share {
                 side: key / ORDERS as u32,
                 order: (key % ORDERS as u32) as u8,
-                weight: self.sums[place as usize],
+                weight: self.sums[slot as usize],
             }
         };
         let shares = self.keys.iter().map(share).collect();

@@ -50,7 +50,7 @@ fn mesh_of(solid: &Solid) -> Solid {
 /// Negative inside; near a surface, the distance from it.
 type Distance = fn(DVec3) -> f64;
 
-/// All surfaces along a ray, each left as the tracer says.
+/// All surfaces along a ray, each left by [`Tracer::leaving`].
 fn surfaces(tracer: &Tracer, ray: &Ray) -> Vec<Hit> {
     let mut found: Vec<Hit> = Vec::new();
     let mut from = *ray;

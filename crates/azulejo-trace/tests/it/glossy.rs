@@ -25,7 +25,7 @@ const LAMP: [DVec3; 3] = [
 
 const RADIANCE: f64 = 3.0;
 
-/// A point above the floor that looks down at it, away from the lamp.
+/// A viewpoint above the floor that faces it, away from the lamp.
 const EYE: DVec3 = DVec3::new(-0.6, 0.1, 0.7);
 
 fn look() -> DVec3 {
@@ -55,7 +55,7 @@ impl DiffuseLight for Dark {
     }
 }
 
-/// Gathered irradiance at the eye and its standard error.
+/// Gathered irradiance at the viewpoint and its standard error.
 fn gathered(scene: &Scene) -> (f64, f64) {
     let tracer = Tracer::new(scene);
     let gatherer = Gatherer::new(Surfaces::new(scene, &tracer));
@@ -88,7 +88,8 @@ fn cells([corner, a, b]: [DVec3; 3], n: u32) -> (Vec<DVec3>, DVec3, f64) {
     (cells.collect(), across.normalize(), area)
 }
 
-/// Sum over the floor of what reaches the eye when `shine` tells a place's reflected radiance.
+/// Sum over the floor of what reaches the viewpoint, `shine` being the radiance that a point
+/// reflects.
 fn over_floor(n: u32, shine: impl Fn(DVec3, DVec3) -> f64) -> f64 {
     let (floor, normal, area) = cells(FLOOR, n);
     let term = |x: &DVec3| {
@@ -126,8 +127,8 @@ fn a_lamp_in_a_glossy_floor() {
     );
 }
 
-/// Looks at a lamp that shows nothing are followed by others: a second lamp whose dark side is
-/// all that the floor sees takes as many looks, and changes nothing.
+/// Light samples that contribute nothing are replaced by others: a second lamp whose dark side is
+/// all that the floor sees takes as many samples, and changes nothing.
 #[test]
 fn a_lamp_that_looks_away_changes_nothing() {
     let mut scene = Scene::default();
@@ -168,7 +169,7 @@ fn a_point_light_in_a_glossy_floor() {
         let wi = way.normalize();
         model.eval(wo, wi).g * wi.z * PI / way.length_squared()
     });
-    // What the eye sees of the light itself is above its horizon.
+    // What the viewpoint sees of the light itself is above its horizon.
     assert!((position - EYE).dot(look()) < 0.0);
     assert!(
         (mean - expected).abs() < 4.0 * error + 1e-3 * expected && error < 0.02 * expected,

@@ -28,17 +28,13 @@ fn triangle_mesh(triangles: &[[DVec3; 3]]) -> Shape {
     Shape::Mesh(mesh)
 }
 
-/// SplitMix64.
+/// Random numbers, from a seed.
 struct Random(u64);
 
 impl Random {
     /// In −1..1.
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+        2.0 * azulejo_scene::random::split_mix64(&mut self.0) - 1.0
     }
 
     /// In the cube −1..1.

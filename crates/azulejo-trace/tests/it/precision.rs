@@ -62,7 +62,7 @@ fn a_far_room_is_hit_where_the_near_one_is() {
     assert!(differing < 10, "{differing} of 20000");
 }
 
-/// Rays that leave a surface, from level to steep, must not meet the item that they leave.
+/// Rays that leave a surface, from level to steep, must not hit the item that they leave.
 fn check_leaving(tracer: &Tracer, hit_from: impl Fn(&mut Random) -> Ray, flat: bool) {
     let mut random = Random(21);
     let mut rays = Vec::new();
@@ -78,7 +78,7 @@ fn check_leaving(tracer: &Tracer, hit_from: impl Fn(&mut Random) -> Ray, flat: b
         };
         let inside = !flat && side.dot(hit.normal) < 0.0;
         if inside {
-            // From inside a ball every ray meets the ball again, and rightly.
+            // From inside a ball every ray rightly hits the ball again.
             continue;
         }
         let frame = Frame::from_normal(side);

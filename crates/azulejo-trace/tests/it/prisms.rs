@@ -217,7 +217,7 @@ fn what_enters_leaves() {
             for ray in rays(&tracer, 5000) {
                 let outside = ray.origin - bounds.diagonal() * 3.0 * ray.direction.normalize();
                 // Through a corner or tangent to a curve the surfaces are too near each other to
-                // be followed one by one; thousands of random rays meet none.
+                // be followed one by one; thousands of random rays hit none.
                 met += check_in_and_out(&tracer, &Ray::new(outside, ray.direction), false);
             }
             assert!(met > 2000, "{met}");
@@ -239,7 +239,7 @@ fn rays_through_joints_and_along_edges_keep_their_turns() {
             for z in [0.25, 0.5] {
                 let (a, b) = (a.extend(z), b.extend(z));
                 let from = a - 2.0 * (b - a);
-                // Whatever is met there, it is met by closest and by any alike.
+                // Whatever is hit there, it is hit by closest and by any alike.
                 let ray = Ray::new(from, b - a);
                 assert_eq!(tracer.hit(&ray).is_some(), tracer.occluded(&ray), "{ray:?}");
                 let beside = Ray::new(from + 1e-3 * random.point(), b - a);
@@ -295,7 +295,7 @@ fn rays_in_the_planes_meet_the_sides() {
 
 #[test]
 fn no_ray_leaves_the_hole_of_a_letter_but_through_its_planes() {
-    // From inside of the hole every ray that stays between the planes meets the letter.
+    // From inside of the hole every ray that stays between the planes hits the letter.
     let d = letter_d();
     let tracer = tracer(vec![prism(d.clone(), DAffine3::IDENTITY)]);
     let centre = DVec2::new(8.5, 10.0) / 23.0;
@@ -325,7 +325,7 @@ fn rays_that_leave_a_surface_do_not_meet_it_again() {
             let Some(hit) = tracer.hit(&ray) else {
                 continue;
             };
-            // Away from a convex place nothing is in the way for a tiny distance.
+            // Away from a convex point nothing is in the way for a tiny distance.
             let side = if hit.entering {
                 hit.normal
             } else {

@@ -1,9 +1,11 @@
-//! New things, put where they suit what is there.
+//! New shapes and lights, placed to suit the existing model.
 
-use super::{App, Level};
-use crate::command::Base;
-use crate::document::{Edit, Lettering, NewKind, NewLight, NewLightKind, NewShape, Outline};
-use crate::gpu::{Drawn, display_mesh, pick};
+use super::{App, Severity};
+use crate::command::PrismBase;
+use crate::document::{
+    Edit, NewLight, NewLightKind, NewShape, NewShapeKind, PrismOutline, TextLayout,
+};
+use crate::gpu::{MeshInstance, display_mesh, pick};
 use azulejo::scene::math::Ray;
 use azulejo::scene::{Mesh, Shape};
 use glam::DVec3;
@@ -11,11 +13,11 @@ use std::borrow::Cow;
 use std::path::PathBuf;
 
 impl App {
-    /// Adds a shape on the ground; a lamp under the ceiling, or above what has none.
-    pub(super) fn add_shape(&mut self, kind: NewKind) {
-        let size = self.usual_size();
+    /// Adds a shape on the ground, or an area light under the ceiling or above the model.
+    pub(super) fn add_shape(&mut self, kind: NewShapeKind) {
+        let size = self.default_size();
         let at = match kind {
-            NewKind::AreaLight => self.lamp_place(size),
+            NewShapeKind::AreaLight => self.lamp_position(size),
             _ => self.ground(),
         };
         let new = NewShape {
@@ -30,7 +32,7 @@ impl App {
     pub(super) fn add_light(&mut self, kind: NewLightKind) {
         let new = NewLight {
             kind,
-            at: self.lamp_place(self.usual_size()),
+            at: self.lamp_position(self.default_size()),
             toward: self.ground(),
         };
         self.edit(&Edit::AddLight(new), None);
@@ -41,91 +43,92 @@ impl App {
         let lettering = bytes.map_err(|e| e.to_string()).and_then(|bytes| {
             let name = font.as_deref().map(|p| p.to_string_lossy().into_owned());
             let named = bytes.as_deref().zip(name.as_deref());
-            Lettering::set(text, depth, named).map_err(|e| e.to_string())
+            TextLayout::set(text, depth, named).map_err(|e| e.to_string())
         });
         match lettering {
             Ok(lettering) => {
                 let new = NewShape {
-                    kind: NewKind::Text(lettering),
+                    kind: NewShapeKind::Text(lettering),
                     at: self.ground(),
                     size,
                     material: None,
                 };
                 self.edit(&Edit::AddShape(new), None);
             }
-            Err(why) => self.tell(Level::Error, why),
+            Err(why) => self.report(Severity::Error, why),
         }
     }
 
-    pub(super) fn add_prism(&mut self, base: &Base, size: f64, height: f64) {
+    pub(super) fn add_prism(&mut self, base: &PrismBase, size: f64, height: f64) {
         match self.outline(base, height / size) {
             Ok(outline) => {
                 let new = NewShape {
-                    kind: NewKind::Prism(outline),
+                    kind: NewShapeKind::Prism(outline),
                     at: self.ground(),
                     size,
                     material: None,
                 };
                 self.edit(&Edit::AddShape(new), None);
             }
-            Err(why) => self.tell(Level::Error, why),
+            Err(why) => self.report(Severity::Error, why),
         }
     }
 
-    /// What is to be extruded; `height` is in parts of its larger side.
-    fn outline(&mut self, base: &Base, height: f64) -> Result<Outline, String> {
+    /// The outline to extrude; `height` is relative to its larger side.
+    fn outline(&mut self, base: &PrismBase, height: f64) -> Result<PrismOutline, String> {
         let path = match base {
-            Base::Regular(sides) => {
-                return Outline::regular(*sides, height).map_err(|e| e.to_string());
+            PrismBase::Regular(sides) => {
+                return PrismOutline::regular(*sides, height).map_err(|e| e.to_string());
             }
-            Base::Drawing(path) => path,
+            PrismBase::Drawing(path) => path,
         };
         let bytes = azulejo::models::read_bytes(path).map_err(|e| e.to_string())?;
-        let drawing = Outline::drawing(&bytes, &path.to_string_lossy(), height);
+        let drawing = PrismOutline::drawing(&bytes, &path.to_string_lossy(), height);
         let (outline, warnings) = drawing.map_err(|e| e.to_string())?;
         for warning in warnings {
-            self.tell(Level::Warning, warning.to_string());
+            self.report(Severity::Warning, warning.to_string());
         }
         Ok(outline)
     }
 
-    /// The middle of the ground of what there is: where new things stand.
+    /// The middle of the model's ground, where new objects are placed.
     pub fn ground(&self) -> DVec3 {
         let bounds = self.document.bounds(None);
         let up = self.document.units.up.axis();
         bounds.centre() - up * (0.5 * bounds.size().dot(up))
     }
 
-    /// A size that suits what there is, world units.
-    pub fn usual_size(&self) -> f64 {
+    /// A default size for new objects, in world units.
+    pub fn default_size(&self) -> f64 {
         let bounds = self.document.bounds(None);
-        match bounds.is_empty() || bounds.diagonal() <= 0.0 {
-            true => 1.0,
-            false => 0.25 * bounds.diagonal(),
+        if bounds.is_empty() || bounds.diagonal() <= 0.0 {
+            1.0
+        } else {
+            0.25 * bounds.diagonal()
         }
     }
 
-    /// Where a lamp lights most: a little under the ceiling of a room, and well above what is no
-    /// room.
-    fn lamp_place(&self, size: f64) -> DVec3 {
+    /// Position of a new light: a little below the ceiling of a room, well above anything else.
+    fn lamp_position(&self, size: f64) -> DVec3 {
         let bounds = self.document.bounds(None);
         let up = self.document.units.up.axis();
         if bounds.is_empty() {
             return size * up;
         }
         let half = 0.5 * bounds.size().dot(up);
-        let height = match self.is_room() {
-            true => 0.96 * half,
-            false => half + size,
+        let height = if self.is_room() {
+            0.96 * half
+        } else {
+            half + size
         };
         bounds.centre() + height * up
     }
 
-    /// Whether one who floats in the middle of everything has a floor and a ceiling at the ends
-    /// of the model, and walls at most of its sides.
+    /// Whether the model is a room: from its centre, rays hit a floor and a ceiling at the ends of
+    /// the model, and walls on most sides.
     pub(super) fn is_room(&self) -> bool {
         let bounds = self.document.bounds(None);
-        let meshes: Vec<(Cow<Mesh>, glam::DAffine3)> = (self.document.items.iter())
+        let meshes: Vec<(Cow<Mesh>, glam::DAffine3)> = (self.document.objects.iter())
             .map(|item| {
                 let error = 0.02 * bounds.diagonal().max(f64::MIN_POSITIVE);
                 let mesh = match &*item.shape {
@@ -135,10 +138,10 @@ impl App {
                 (mesh, item.placement)
             })
             .collect();
-        let drawn: Vec<Drawn> = (meshes.iter())
-            .map(|(mesh, placement)| Drawn {
+        let drawn: Vec<MeshInstance> = (meshes.iter())
+            .map(|(mesh, placement)| MeshInstance {
                 world_from_object: *placement,
-                ..Drawn::new(0, mesh)
+                ..MeshInstance::new(0, mesh)
             })
             .collect();
         let up = self.document.units.up.axis();

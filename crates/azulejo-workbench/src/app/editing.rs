@@ -1,37 +1,37 @@
-//! Edits, what takes them back, and what is selected.
+//! Edits, undo and redo, and the selection.
 
-use super::{App, Level};
+use super::{App, Severity};
 use crate::command::Selection;
-use crate::document::{Document, Edit, Id};
-use crate::jobs::Kind;
+use crate::document::{Edit, ItemId, SceneDocument};
+use crate::jobs::JobKind;
 use azulejo::scene::{Material, Shape};
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Bytes that steps may hold beside the document: half a gigabyte. Of a document that is larger than
-/// half of that, they may hold twice its own size: otherwise what changes all of it could hardly be
-/// taken back.
+/// Memory that the undo history may use beside the document, in bytes: half a gigabyte. For a
+/// document larger than half of that, twice its own size; otherwise an edit of everything could
+/// hardly be undone.
 pub(super) const UNDO_BYTES: u64 = 512 << 20;
 
-/// What undo brings back.
+/// The state that undo restores.
 #[derive(Clone, Debug)]
-pub(super) struct Version {
-    document: Document,
-    selection: Vec<Id>,
+pub(super) struct UndoSnapshot {
+    document: SceneDocument,
+    selection: Vec<ItemId>,
     revision: u64,
 }
 
-impl Version {
-    /// What it holds that a document does not, bytes.
-    fn bytes_beyond(&self, document: &Document) -> u64 {
-        let selection = self.selection.capacity() * size_of::<Id>();
+impl UndoSnapshot {
+    /// Bytes that the snapshot holds and `document` does not.
+    fn bytes_beyond(&self, document: &SceneDocument) -> u64 {
+        let selection = self.selection.capacity() * size_of::<ItemId>();
         self.document.bytes_beyond(document) + selection as u64
     }
 }
 
 impl App {
-    fn version(&self) -> Version {
-        Version {
+    fn version(&self) -> UndoSnapshot {
+        UndoSnapshot {
             document: self.document.clone(),
             selection: self.selection.ids.clone(),
             revision: self.revision,
@@ -46,38 +46,40 @@ impl App {
         let material = self.chosen_material();
         match edit.apply(&mut self.document) {
             Ok(ids) => {
-                self.keep_step(edit.label(), before, gesture);
+                self.push_history(edit.label(), before, gesture);
                 self.changed();
                 self.select_after(edit, ids, material);
             }
             Err(refused) => {
-                let text = self.say(&refused.0).to_owned();
-                self.tell(Level::Error, text);
+                let text = self.tr(&refused.0).to_owned();
+                self.report(Severity::Error, text);
             }
         }
     }
 
-    /// Keeps what was before an edit that was made just now, and forgets what is too much.
-    fn keep_step(&mut self, label: &'static str, before: Version, gesture: Option<u64>) {
+    /// Records the state before the last edit, and drops old steps beyond the memory limit.
+    fn push_history(&mut self, label: &'static str, before: UndoSnapshot, gesture: Option<u64>) {
         let document = &self.document;
-        self.history.note(label, before, gesture);
-        self.history.weigh(|version| version.bytes_beyond(document));
-        // The document itself is weighed where that matters.
+        self.history.record(label, before, gesture);
+        self.history
+            .set_bytes(|version| version.bytes_beyond(document));
+        // Measuring the document takes time, so only do it when it matters.
         if self.history.bytes() > self.undo_bytes {
             let most = self.undo_bytes.max(2 * document.bytes());
-            self.history.forget_beyond(most);
+            self.history.limit_bytes(most);
         }
     }
 
-    /// Selects what an edit made, and forgets what it took away; `material` was edited before.
-    fn select_after(&mut self, edit: &Edit, ids: Vec<Id>, material: Option<Arc<Material>>) {
+    /// Selects what an edit created and deselects what it deleted; `material` is the one that was
+    /// being edited before.
+    fn select_after(&mut self, edit: &Edit, ids: Vec<ItemId>, material: Option<Arc<Material>>) {
         match edit {
             Edit::AddMaterial(_) => {
                 self.selection.material = Some((self.document.materials.len() - 1) as u32);
             }
             Edit::Delete(_) => {
                 self.selection.ids.retain(|&id| self.document.has(id));
-                // The same key again must not mean the material of what is gone.
+                // Pressing the same key again must not apply to the material of a deleted object.
                 if self.selection.ids.is_empty() {
                     self.selection.material = None;
                 }
@@ -94,27 +96,27 @@ impl App {
             }
             _ => {}
         }
-        self.mend_selection();
+        self.prune_selection();
     }
 
-    /// The document is another one now.
+    /// Updates everything that depends on which document is open.
     fn changed(&mut self) {
         self.revision = self.new_revision();
         self.edited();
     }
 
-    /// What follows from every change of the document.
+    /// Updates everything that depends on the content of the document.
     fn edited(&mut self) {
         self.changed_at.get_or_insert_with(Instant::now);
-        self.jobs.cancel_kind(Kind::FormFactors);
+        self.jobs.cancel_kind(JobKind::FormFactors);
         if self.lighting.document_changed(&self.document) {
             self.lit();
         }
         self.refresh_probes();
-        self.stop_picture();
+        self.stop_render();
     }
 
-    /// A number that no document had before.
+    /// Returns a revision number that no document has had before.
     pub(super) fn new_revision(&mut self) -> u64 {
         self.latest += 1;
         self.latest
@@ -134,7 +136,7 @@ impl App {
         }
     }
 
-    fn go_to(&mut self, version: Version) {
+    fn go_to(&mut self, version: UndoSnapshot) {
         let material = self.chosen_material();
         let loses_all = !self.selection.ids.is_empty() && version.selection.is_empty();
         self.document = version.document;
@@ -144,29 +146,29 @@ impl App {
         if loses_all {
             self.selection.material = None;
         }
-        self.mend_selection();
+        self.prune_selection();
         self.edited();
     }
 
     pub(super) fn select(&mut self, selection: Selection) {
         self.selection = selection;
         self.history.end_gesture();
-        self.mend_selection();
-        self.find_material();
+        self.prune_selection();
+        self.sync_material();
     }
 
     pub(super) fn select_all(&mut self) {
         let document = &self.document;
-        let items = document.items.iter().map(|i| i.id);
+        let items = document.objects.iter().map(|i| i.id);
         let lights = document.lights.iter().map(|l| l.id);
         let cameras = document.cameras.iter().map(|c| c.id);
         self.selection.ids = items.chain(lights).chain(cameras).collect();
         self.selection.faces = None;
-        self.find_material();
+        self.sync_material();
     }
 
-    /// The material of what is selected is the one that one wants to edit.
-    fn find_material(&mut self) {
+    /// Makes the material of the selected object the one being edited.
+    fn sync_material(&mut self) {
         let items = self.selection.ids.iter();
         let mut items = items.filter_map(|&id| self.document.item(id));
         if self.selection.material.is_none() {
@@ -175,15 +177,16 @@ impl App {
         }
     }
 
-    /// Forgets what is not there any more.
-    fn mend_selection(&mut self) {
+    /// Removes deleted objects, faces and materials from the selection.
+    fn prune_selection(&mut self) {
         let document = &self.document;
         let selection = &mut self.selection;
         selection.ids.retain(|&id| document.has(id));
-        let has_faces = |(id, faces): &(Id, Vec<u32>)| match document.item(*id).map(|i| &*i.shape) {
-            Some(Shape::Mesh(mesh)) => faces.iter().all(|&f| (f as usize) < mesh.faces.len()),
-            _ => false,
-        };
+        let has_faces =
+            |(id, faces): &(ItemId, Vec<u32>)| match document.item(*id).map(|i| &*i.shape) {
+                Some(Shape::Mesh(mesh)) => faces.iter().all(|&f| (f as usize) < mesh.faces.len()),
+                _ => false,
+            };
         selection.faces = selection.faces.take().filter(has_faces);
         if (selection.material).is_some_and(|m| m as usize >= document.materials.len()) {
             selection.material = None;

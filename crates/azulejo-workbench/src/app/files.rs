@@ -1,10 +1,10 @@
-//! Files on their way into the document.
+//! Loading files into the document.
 
-use super::saving::{OnDisk, Question};
-use super::{Agreed, App, Found, Level};
+use super::saving::{OnDisk, PendingQuestion};
+use super::{AcceptedLoss, App, JobResult, Severity};
 use crate::command::Command;
-use crate::document::{Branch, Document, Edit};
-use crate::jobs::{Job, Kind};
+use crate::document::{Edit, SceneDocument, SourceFile};
+use crate::jobs::{Job, JobKind};
 use crate::words::Language;
 use azulejo::formats::Warning;
 use azulejo::models;
@@ -13,31 +13,31 @@ use azulejo::trace::Progress;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// A model on its way into the document.
+/// A model that a job has read.
 pub struct LoadedModel {
     path: PathBuf,
     on_disk: OnDisk,
-    document: Document,
+    document: SceneDocument,
     warnings: Vec<Warning>,
     notes: Vec<String>,
 }
 
-/// Files on their way in.
+/// Files that are being loaded.
 pub(super) struct Loading {
-    /// Whether the first of them takes the place of the document.
+    /// Whether the first of them replaces the document.
     replaces: bool,
-    /// Whether it is what was written before a crash.
+    /// Whether it is a recovery copy.
     recovered: bool,
-    /// What was there when it began, which may be lost.
-    pub(super) agreed: Agreed,
-    /// What was asked for.
+    /// The state when loading began, whose loss the user has accepted.
+    pub(super) accepted: AcceptedLoss,
+    /// The command that started loading.
     command: Command,
-    /// What is to be added when these are there.
+    /// Files to add when these are loaded.
     then: Vec<PathBuf>,
 }
 
 impl App {
-    /// Reads files in the background. What is added waits for what is on its way.
+    /// Loads files in the background. Files to add wait for those already being loaded.
     pub(super) fn load(&mut self, paths: Vec<PathBuf>, replaces: bool) {
         if paths.is_empty() {
             return;
@@ -49,62 +49,68 @@ impl App {
         }
     }
 
-    /// What is opened takes the place of what would have come: that is told.
-    fn give_up_loading(&mut self) {
-        let job = self.jobs.of(Kind::Load).map(|job| job.title.clone());
+    /// Cancels the files being loaded because another one is opened, and reports it.
+    fn abandon_loading(&mut self) {
+        let job = self.jobs.of(JobKind::Load).map(|job| job.title.clone());
         let waiting = self.loading.take().map(|l| l.then).unwrap_or_default();
         let waiting = waiting.iter().map(|p| p.display().to_string());
         let all: Vec<String> = job.into_iter().chain(waiting).collect();
         if !all.is_empty() {
-            let said = self.say("given up for another file");
-            self.tell(Level::Warning, format!("{}: {said}", all.join(", ")));
+            let abandoned = self.tr("cancelled: another file was opened");
+            self.report(
+                Severity::Warning,
+                format!("{}: {abandoned}", all.join(", ")),
+            );
         }
-        self.jobs.cancel_kind(Kind::Load);
+        self.jobs.cancel_kind(JobKind::Load);
     }
 
     pub(super) fn begin_loading(&mut self, paths: Vec<PathBuf>, replaces: bool, recovered: bool) {
-        self.give_up_loading();
-        let command = match recovered {
-            true => Command::Recover(paths[0].clone()),
-            false => Command::Open(paths.clone()),
+        self.abandon_loading();
+        let command = if recovered {
+            Command::Recover(paths[0].clone())
+        } else {
+            Command::Open(paths.clone())
         };
-        // What waited for the same copy, which was asked about meanwhile.
+        // Files that were waiting for the same recovery copy, about which the user has been asked
+        // meanwhile.
         let waiting = self.after_recovery.take();
         let then = waiting.filter(|(copy, _)| recovered && *copy == paths[0]);
         self.loading = Some(Loading {
             replaces,
             recovered,
-            agreed: self.agreed(),
+            accepted: self.accept_loss(),
             command,
             then: then.map_or_else(Vec::new, |(_, then)| then),
         });
         let keeps = !replaces && !self.document.is_empty();
         let units = keeps.then_some(self.document.units);
-        let branches = self.document.branches.iter().map(|b| b.name.clone());
+        let source_files = self.document.source_files.iter().map(|b| b.name.clone());
         let taken: Vec<String> = if keeps {
-            branches.collect()
+            source_files.collect()
         } else {
             Vec::new()
         };
-        let copies = self.recovery.found().iter();
+        let copies = self.recovery.recoverable().iter();
         let copy = copies.filter(|_| recovered).find(|f| f.copy == paths[0]);
         let original = copy.and_then(|f| f.original.as_deref());
         let home = original.and_then(Path::parent).map(Path::to_owned);
         let title = match &paths[..] {
             [one] => one.display().to_string(),
-            several => format!("{} {}", several.len(), self.say("files")),
+            several => format!("{} {}", several.len(), self.tr("files")),
         };
-        self.jobs.start(Kind::Load, title, move |progress, outbox| {
-            let mut reader = Reader { units, taken, home };
-            for path in paths {
-                match reader.read(&path, progress) {
-                    Ok(model) => outbox.send(Found::Model(Box::new(model))),
-                    Err(models::ReadFailure::Cancelled) => return Ok(()),
-                    Err(failure) => outbox.send(Found::NoModel(path, failure.to_string())),
+        self.jobs
+            .start(JobKind::Load, title, move |progress, outbox| {
+                let mut reader = ModelReader { units, taken, home };
+                for path in paths {
+                    match reader.read(&path, progress) {
+                        Ok(model) => outbox.send(JobResult::Model(Box::new(model))),
+                        Err(models::ReadFailure::Cancelled) => return Ok(()),
+                        Err(failure) => outbox.send(JobResult::NoModel(path, failure.to_string())),
+                    }
                 }
-            }
-            Ok(())
-        });
+                Ok(())
+            });
     }
 
     pub(super) fn take_model(&mut self, job: &Job, model: LoadedModel) {
@@ -119,15 +125,15 @@ impl App {
             return;
         };
         let (replaces, recovered) = (loading.replaces, loading.recovered);
-        if replaces && self.loses_more(loading.agreed) {
-            // Nobody agreed to lose what was done while the file was read.
+        if replaces && self.loses_unaccepted(loading.accepted) {
+            // The user has not agreed to lose the changes made while the file was being read.
             self.jobs.cancel(job.id);
             return self.ask_again();
         }
         if let Some(loading) = &mut self.loading {
             loading.replaces = false;
         }
-        let before = self.document.items.len();
+        let before = self.document.objects.len();
         let summary = summary(
             &document,
             &path,
@@ -141,13 +147,13 @@ impl App {
                 self.adopt_recovered(&path);
             }
         } else {
-            let was_empty = self.document.items.is_empty();
-            let (document, changes) = self.in_units_of_now(document, &path);
+            let was_empty = self.document.objects.is_empty();
+            let (document, changes) = self.in_current_units(document, &path);
             notes.extend(changes);
             self.edit(&Edit::Append(Box::new(document)), None);
             if was_empty {
                 self.take_light_of_file();
-                self.look_at_all();
+                self.frame_all();
             }
         }
         if !recovered {
@@ -155,26 +161,33 @@ impl App {
             self.store_preferences();
         }
         let start = if replaces { 0 } else { before };
-        let items = self.document.items.get(start..).unwrap_or_default();
+        let items = self.document.objects.get(start..).unwrap_or_default();
         let ids: Vec<_> = items.iter().map(|i| i.id).collect();
-        self.tell_warnings(&warnings, &ids);
-        notes.into_iter().for_each(|n| self.tell(Level::Note, n));
-        self.tell(Level::Note, summary);
+        self.report_warnings(&warnings, &ids);
+        notes
+            .into_iter()
+            .for_each(|n| self.report(Severity::Note, n));
+        self.report(Severity::Note, summary);
     }
 
-    /// What was read in the units that held when reading began, in those that hold now; and what
-    /// that changes.
-    fn in_units_of_now(&self, document: Document, path: &Path) -> (Document, Vec<String>) {
+    /// Converts a document that was read in the units valid when reading began to the current
+    /// units; also returns messages on what changed.
+    fn in_current_units(
+        &self,
+        document: SceneDocument,
+        path: &Path,
+    ) -> (SceneDocument, Vec<String>) {
         if self.document.is_empty() {
             return (document, Vec::new());
         }
         let units = self.document.units;
         let changes = models::changes(document.units, units);
-        let said = changes.iter().map(|c| said(path, c)).collect();
-        (document.adapted(units), said)
+        let unit_change_text = changes.iter().map(|c| unit_change_text(path, c)).collect();
+        (document.adapted(units), unit_change_text)
     }
 
-    /// Asks whether what was done meanwhile may be lost too; what was asked for waits.
+    /// Asks whether the changes made while loading may be lost too; the command waits for the
+    /// answer.
     fn ask_again(&mut self) {
         let Some(loading) = self.loading.take() else {
             return;
@@ -185,19 +198,20 @@ impl App {
             Command::Recover(copy) => self.after_recovery = Some((copy.clone(), then)),
             _ => {}
         }
-        self.question = Some(Question::Unsaved(Box::new(command)));
+        self.question = Some(PendingQuestion::Unsaved(Box::new(command)));
     }
 
     pub(super) fn take_failure(&mut self, path: &Path, why: &str) {
         let named = why.contains(&*path.to_string_lossy());
-        let text = match named {
-            true => why.to_owned(),
-            false => format!("{}: {why}", path.display()),
+        let text = if named {
+            why.to_owned()
+        } else {
+            format!("{}: {why}", path.display())
         };
-        self.tell(Level::Error, text);
+        self.report(Severity::Error, text);
     }
 
-    /// These files are there, or given up; those that wait are next.
+    /// Ends loading, successfully or not, and starts on the files that are waiting.
     pub(super) fn end_loading(&mut self) {
         let then = self.loading.take().map(|loading| loading.then);
         self.load(then.unwrap_or_default(), false);
@@ -206,16 +220,16 @@ impl App {
     pub(super) fn load_backdrop(&mut self, path: PathBuf) {
         self.asking = None;
         let title = path.display().to_string();
-        self.jobs.start(Kind::Backdrop, title, move |_, outbox| {
+        self.jobs.start(JobKind::Backdrop, title, move |_, outbox| {
             let bytes = models::read_bytes(&path).map_err(|e| e.to_string())?;
             let image = azulejo::formats::read_picture(&bytes).map_err(|e| e.to_string())?;
-            outbox.send(Found::Backdrop(Box::new(image)));
+            outbox.send(JobResult::Backdrop(Box::new(image)));
             Ok(())
         });
     }
 }
 
-/// The path from the root: the next session may begin in another folder. `-` is no file.
+/// The absolute path, since the next session may start in another folder. `-` is not a file.
 pub(super) fn absolute(path: PathBuf) -> PathBuf {
     if path == Path::new("-") {
         return path;
@@ -223,45 +237,45 @@ pub(super) fn absolute(path: PathBuf) -> PathBuf {
     std::path::absolute(&path).unwrap_or(path)
 }
 
-/// What was read, for the list of messages.
-fn summary(document: &Document, path: &Path, time: Duration, language: Language) -> String {
+/// Summary of a loaded file for the message list.
+fn summary(document: &SceneDocument, path: &Path, time: Duration, language: Language) -> String {
     format!(
         "{}: {} {}, {} {}, {} {}, {} {}, {:.1} s",
         path.display(),
-        document.items.len(),
-        language.say("objects"),
+        document.objects.len(),
+        language.tr("objects"),
         document.face_count(),
-        language.say("faces"),
+        language.tr("faces"),
         document.materials.len(),
-        language.say("materials"),
+        language.tr("materials"),
         document.lights.len(),
-        language.say("lights"),
+        language.tr("lights"),
         time.as_secs_f64()
     )
 }
 
-/// What becomes of a file that has other units.
-fn said(path: &Path, change: &models::Change) -> String {
+/// Describes how a file in other units was converted.
+fn unit_change_text(path: &Path, change: &models::Change) -> String {
     format!("{}: {change}", path.display())
 }
 
-/// Reads one file after the other into one set of units.
-struct Reader {
-    /// Those of the document that files join; the first file's, where there is none.
+/// Reads several files into one set of units.
+struct ModelReader {
+    /// Units of the document that the files join; `None` takes those of the first file.
     units: Option<Units>,
-    /// Names of branches that are taken.
+    /// Names of source files that are taken.
     taken: Vec<String>,
-    /// Where a copy for recovery finds the pictures of its original.
+    /// Folder in which a recovery copy finds the textures of its original.
     home: Option<PathBuf>,
 }
 
-impl Reader {
+impl ModelReader {
     fn read(
         &mut self,
         path: &Path,
         progress: &Progress,
     ) -> Result<LoadedModel, models::ReadFailure> {
-        // As it is before it is read: what others write meanwhile is theirs.
+        // Taken before reading, so that later changes by other programs are detected.
         let on_disk = OnDisk::now(path);
         let reading = models::Reading {
             home: self.home.clone(),
@@ -277,16 +291,16 @@ impl Reader {
             models::name_branch(&mut scene, &name);
         }
         self.taken.push(name.clone());
-        let branch = Branch {
+        let source_file = SourceFile {
             name,
             path: path.to_owned(),
             format: Some(model.format),
         };
         Ok(LoadedModel {
-            notes: changes.iter().map(|c| said(path, c)).collect(),
+            notes: changes.iter().map(|c| unit_change_text(path, c)).collect(),
             path: path.to_owned(),
             on_disk,
-            document: Document::of_scene(scene, Some(branch)),
+            document: SceneDocument::of_scene(scene, Some(source_file)),
             warnings: model.warnings,
         })
     }

@@ -1,47 +1,48 @@
-//! The light: its solver, its moments, and whose light it is.
+//! The solved light of the document: its solver, its progress, and which document state it belongs
+//! to.
 
 #[cfg(test)]
 mod tests;
 
-use super::{App, Found, Level};
-use crate::command::PatchAt;
-use crate::document::{Document, Solution};
-use crate::jobs::{Job, Kind, on_own_threads};
-use crate::light::{LightSettings, SeenFromPatch, seen_from, solve_document};
+use super::{App, JobResult, Severity};
+use crate::command::SurfacePick;
+use crate::document::{SceneDocument, Solution};
+use crate::first_pass::{LightSettings, PatchFormFactors, patch_form_factors, solve_document};
+use crate::jobs::{Job, JobKind, in_thread_pool};
 use crate::view::Shading;
 use azulejo::scene::{Rgb, Shape};
 use azulejo::trace::Measured;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// The light of the document.
+/// The solved light and the state of the solver.
 #[derive(Clone, Debug, Default)]
 pub struct Lighting {
-    /// How it is to be solved.
+    /// Settings for the next solve.
     pub settings: LightSettings,
-    /// What was found last.
+    /// The latest solution.
     pub solution: Option<Arc<Solution>>,
-    /// Whether that is the light of the document as it is now.
+    /// Whether the solution belongs to the document in its current state.
     pub is_current: bool,
-    /// What the solver measured since it began.
+    /// Measures of convergence since the solver started.
     pub measures: Vec<Measured>,
-    /// When it began.
+    /// When the solver started.
     pub began: Option<Instant>,
-    /// Whether the solver rests.
+    /// Whether the solver is paused.
     pub is_paused: bool,
-    /// How long it worked.
-    pub watch: Stopwatch,
-    /// What it is at, and how long it had worked when it began that.
+    /// Time spent solving.
+    pub stopwatch: Stopwatch,
+    /// The current stage, and the solving time at which it began.
     pub stage: Option<(String, Duration)>,
-    /// Irradiance that is shown: least, most, and what nearly all is below.
-    pub range: Option<Range>,
-    /// What a picked patch sees.
-    pub seen: Option<SeenFromPatch>,
-    /// Light of another state than that which is shown, found while the shown one was true.
+    /// Range of the displayed irradiance.
+    pub range: Option<IrradianceRange>,
+    /// Form factors of the picked patch.
+    pub seen: Option<PatchFormFactors>,
+    /// A solution for another document state, which arrived while the displayed one was current.
     aside: Option<Arc<Solution>>,
 }
 
-/// The time that work took, without its rests.
+/// Measures working time, pauses excluded.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Stopwatch {
     runs_since: Option<Instant>,
@@ -49,46 +50,47 @@ pub struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// Runs from now on.
-    pub fn begin() -> Stopwatch {
+    /// Starts a stopwatch.
+    pub fn start() -> Stopwatch {
         Stopwatch {
             runs_since: Some(Instant::now()),
             before: Duration::ZERO,
         }
     }
 
-    /// Stands still.
-    pub fn hold(&mut self) {
+    /// Pauses it.
+    pub fn pause(&mut self) {
         self.before = self.elapsed();
         self.runs_since = None;
     }
 
-    /// Runs again.
-    pub fn go_on(&mut self) {
+    /// Resumes it.
+    pub fn resume(&mut self) {
         self.runs_since.get_or_insert_with(Instant::now);
     }
 
-    /// What it shows.
+    /// The time measured so far.
     pub fn elapsed(&self) -> Duration {
         self.before + self.runs_since.map_or(Duration::ZERO, |t| t.elapsed())
     }
 }
 
-/// Luminances of irradiance, W/m² or lux.
+/// Luminance of the irradiance over all vertices, W/m² or lux.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Range {
-    /// The least.
+pub struct IrradianceRange {
+    /// Minimum.
     pub low: f64,
-    /// The most.
+    /// Maximum.
     pub high: f64,
-    /// What 19 of 20 vertices are below.
+    /// The 95th percentile.
     pub usual: f64,
 }
 
 impl Lighting {
-    /// The document was edited: the light may be old now, or true again. Whether it is another
-    /// light now: the one that was found for this document while it was not there.
-    pub(super) fn document_changed(&mut self, document: &Document) -> bool {
+    /// Updates the solution after an edit: it may have become outdated, or current again. Returns
+    /// whether another solution, which had been set aside for this document state, is now
+    /// displayed.
+    pub(super) fn document_changed(&mut self, document: &SceneDocument) -> bool {
         self.is_current = self.solution.as_ref().is_some_and(|s| s.is_of(document));
         self.seen = None;
         let aside = self
@@ -102,8 +104,8 @@ impl Lighting {
         is_other
     }
 
-    /// There is another document.
-    pub(super) fn replaced(&mut self, document: &Document) {
+    /// Drops everything that belonged to the previous document.
+    pub(super) fn replaced(&mut self, document: &SceneDocument) {
         *self = Lighting {
             settings: self.settings,
             ..Lighting::default()
@@ -113,18 +115,19 @@ impl Lighting {
         }
     }
 
-    /// How long the stage will go on, if so much of it is done; a guess from the time it took.
+    /// Estimated time until the current stage ends, from the time it has taken so far and the share
+    /// that is done.
     pub fn time_left(&self, share: f64) -> Option<Duration> {
         const ENOUGH: f64 = 0.02;
         let (_, began) = self.stage.as_ref()?;
-        let took = self.watch.elapsed().saturating_sub(*began);
+        let took = self.stopwatch.elapsed().saturating_sub(*began);
         let left = took.as_secs_f64() * (1.0 - share.min(1.0)) / share;
         (share >= ENOUGH).then(|| Duration::try_from_secs_f64(left).ok())?
     }
 
-    /// Takes light in; whether it is shown. True light does not make room for that of another
-    /// state, which waits until that state is back.
-    pub(super) fn set(&mut self, solution: Solution, document: &Document) -> bool {
+    /// Takes a new solution; returns whether it is displayed. A solution for another state never
+    /// replaces a current one: it is set aside until that state is restored by undo or redo.
+    pub(super) fn set(&mut self, solution: Solution, document: &SceneDocument) -> bool {
         let solution = Arc::new(solution);
         if self.is_current && !solution.is_of(document) {
             self.aside = Some(solution);
@@ -134,22 +137,22 @@ impl Lighting {
         true
     }
 
-    fn show(&mut self, solution: Arc<Solution>, document: &Document) {
+    fn show(&mut self, solution: Arc<Solution>, document: &SceneDocument) {
         self.is_current = solution.is_of(document);
         self.range = range(document, &solution);
         self.solution = Some(solution);
     }
 }
 
-/// What irradiance there is on the front of things.
-fn range(document: &Document, solution: &Solution) -> Option<Range> {
+/// Range of the irradiance on the front sides of surfaces.
+fn range(document: &SceneDocument, solution: &Solution) -> Option<IrradianceRange> {
     let mut values: Vec<f64> = Vec::new();
     let mut push = |light: &[Rgb]| values.extend(light.iter().map(|e| e.luminance()));
-    for item in &document.items {
+    for item in &document.objects {
         match solution.shape(item.id).map(|s| &**s) {
             Some(Shape::Mesh(mesh)) => push(&mesh.irradiance),
             Some(Shape::Primitive(p)) => p.light.iter().for_each(|l| push(&l.irradiance)),
-            Some(Shape::Exact(exact)) => exact.skin.iter().for_each(|m| push(&m.irradiance)),
+            Some(Shape::Exact(exact)) => exact.proxy.iter().for_each(|m| push(&m.irradiance)),
             None => {}
         }
     }
@@ -161,10 +164,10 @@ fn range(document: &Document, solution: &Solution) -> Option<Range> {
         values.iter().fold(first, least),
         values.iter().fold(first, most),
     );
-    // Not all of them need be in order for one of them.
+    // Selecting one percentile does not require sorting all values.
     let at = values.len() * 19 / 20;
     let (_, usual, _) = values.select_nth_unstable_by(at, f64::total_cmp);
-    Some(Range {
+    Some(IrradianceRange {
         low,
         high,
         usual: *usual,
@@ -172,85 +175,83 @@ fn range(document: &Document, solution: &Solution) -> Option<Range> {
 }
 
 impl App {
-    /// Begins to solve the light of the document as it is.
+    /// Starts solving the document in its current state.
     pub(super) fn solve(&mut self) {
         if !self.document.has_light() {
-            let text = self.say("nothing shines: add a light, or give a material emission");
-            self.tell(Level::Error, text);
+            let text = self.tr("there is no light source: add a light or an emissive material");
+            self.report(Severity::Error, text);
             return;
         }
         if !self.view.shading.shows_light() {
-            // Whoever solves light wants to see it.
+            // Show the light that is about to be solved.
             self.view.shading = Shading::Irradiance;
         }
-        self.jobs.cancel_kind(Kind::Solve);
+        self.jobs.cancel_kind(JobKind::Solve);
         self.lighting.measures.clear();
         self.lighting.began = Some(Instant::now());
         self.lighting.is_paused = false;
-        self.lighting.watch = Stopwatch::begin();
+        self.lighting.stopwatch = Stopwatch::start();
         self.lighting.stage = None;
         let (document, settings) = (self.document.clone(), self.lighting.settings);
         let threads = self.preferences.threads;
-        let title = self.say("light");
+        let title = self.tr("light");
         self.jobs
-            .start(Kind::Solve, title, move |progress, outbox| {
-                on_own_threads(threads, || {
+            .start(JobKind::Solve, title, move |progress, outbox| {
+                in_thread_pool(threads, || {
                     solve_document(&document, &settings, progress, outbox)
                 })
             });
     }
 
     pub(super) fn pause(&mut self, rest: bool) {
-        let Some(job) = self.jobs.of(Kind::Solve) else {
+        let Some(job) = self.jobs.of(JobKind::Solve) else {
             return;
         };
-        match rest {
-            true => {
-                job.progress.pause();
-                self.lighting.watch.hold();
-            }
-            false => {
-                job.progress.resume();
-                self.lighting.watch.go_on();
-            }
+        if rest {
+            job.progress.pause();
+            self.lighting.stopwatch.pause();
+        } else {
+            job.progress.resume();
+            self.lighting.stopwatch.resume();
         }
         self.lighting.is_paused = rest;
     }
 
     pub(super) fn stop_solving(&mut self) {
-        self.jobs.cancel_kind(Kind::Solve);
+        self.jobs.cancel_kind(JobKind::Solve);
         self.end_solving();
     }
 
     pub(super) fn end_solving(&mut self) {
         self.lighting.is_paused = false;
-        self.lighting.watch.hold();
+        self.lighting.stopwatch.pause();
         self.lighting.stage = None;
     }
 
-    /// Takes in what the solver measured meanwhile.
+    /// Collects the measures that the solver has reported.
     pub(super) fn take_measures(&mut self) {
-        const MOST: usize = 100_000;
-        if let Some(job) = self.jobs.of(Kind::Solve) {
+        const MAX_MEASURES: usize = 100_000;
+        if let Some(job) = self.jobs.of(JobKind::Solve) {
             let new = job.progress.take_measures();
-            let room = MOST.saturating_sub(self.lighting.measures.len());
+            let room = MAX_MEASURES.saturating_sub(self.lighting.measures.len());
             self.lighting.measures.extend(new.into_iter().take(room));
             let stage = job.progress.stage();
             if self.lighting.stage.as_ref().is_none_or(|s| s.0 != stage) {
-                self.lighting.stage = Some((stage, self.lighting.watch.elapsed()));
+                self.lighting.stage = Some((stage, self.lighting.stopwatch.elapsed()));
             }
         }
     }
 
-    /// Takes in what a solver found. Who agreed to lose it has agreed to this too.
+    /// Takes a solution from the solver. The user who accepted losing its light has accepted this
+    /// as well.
     pub(super) fn take_light_of(&mut self, job: &Job, solution: Solution) {
         let before = self.state();
         self.take_light(solution);
         let now = self.state();
-        let loading = self.loading.as_mut().map(|l| &mut l.agreed);
-        for agreed in loading.into_iter().chain(&mut self.left) {
-            if agreed.solver == Some(job.id) && agreed.state == before {
-                agreed.state = now;
+        let loading = self.loading.as_mut().map(|l| &mut l.accepted);
+        for accepted in loading.into_iter().chain(&mut self.left) {
+            if accepted.solver == Some(job.id) && accepted.state == before {
+                accepted.state = now;
             }
         }
     }
@@ -262,19 +263,19 @@ impl App {
         }
     }
 
-    /// The light that came with files which were added to nothing.
+    /// Takes the light stored in files that were added to an empty document.
     pub(super) fn take_light_of_file(&mut self) {
         if let Some(solution) = Solution::of_file(&self.document) {
             self.take_light(solution);
         }
     }
 
-    /// The light is another one: what is on the disk is not all there is, and pictures are old.
+    /// Called when the light changes: the document has unsaved changes and renders are outdated.
     pub(super) fn lit(&mut self) {
         self.revision = self.new_revision();
         self.light = self.revision;
         self.changed_at.get_or_insert_with(Instant::now);
-        self.redraw_picture();
+        self.restart_render();
     }
 
     pub(super) fn drop_light(&mut self) {
@@ -289,19 +290,20 @@ impl App {
         }
     }
 
-    /// Finds what the patch at a place sees, with the patches that the solver would make.
-    pub(super) fn form_factors_from(&mut self, place: PatchAt) {
-        self.jobs.cancel_kind(Kind::FormFactors);
+    /// Computes the form factors of the patch at a picked point, with the patches that the solver
+    /// would use.
+    pub(super) fn form_factors_from(&mut self, pick: SurfacePick) {
+        self.jobs.cancel_kind(JobKind::FormFactors);
         let (document, settings) = (self.document.clone(), self.lighting.settings);
         let threads = self.preferences.threads;
-        let title = self.say("form factors");
+        let title = self.tr("form factors");
         self.jobs
-            .start(Kind::FormFactors, title, move |progress, outbox| {
-                let seen = on_own_threads(threads, || {
-                    seen_from(&document, &settings, &place, progress)
+            .start(JobKind::FormFactors, title, move |progress, outbox| {
+                let seen = in_thread_pool(threads, || {
+                    patch_form_factors(&document, &settings, &pick, progress)
                 })?;
                 if let Some(seen) = seen {
-                    outbox.send(Found::FormFactors(Box::new(seen)));
+                    outbox.send(JobResult::FormFactors(Box::new(seen)));
                 }
                 Ok(())
             });

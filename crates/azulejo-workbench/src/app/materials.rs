@@ -1,18 +1,18 @@
-//! The material that is edited, while others come and go.
+//! Keeps track of the material being edited while materials are added and removed.
 
 use super::App;
 use azulejo::scene::{Material, MaterialId};
 use std::sync::Arc;
 
 impl App {
-    /// The material that is edited.
+    /// The material being edited.
     pub(super) fn chosen_material(&self) -> Option<Arc<Material>> {
         let id = self.selection.material?;
         self.document.materials.get(id as usize).cloned()
     }
 
-    /// Goes on with the material that was edited before, by whatever number it has now; whether it
-    /// is still there.
+    /// Selects the material that was edited before, whatever its index is now; returns whether it
+    /// still exists.
     pub(super) fn follow_material(&mut self, before: Option<Arc<Material>>) -> bool {
         let (Some(before), Some(at)) = (before, self.selection.material) else {
             return false;

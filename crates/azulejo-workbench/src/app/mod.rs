@@ -1,32 +1,32 @@
-//! The state of the workbench, and what each command does to it.
+//! The state of the workbench, and the effect of each command on it.
 //!
-//! Nothing here knows windows: a test or a script executes [`Command`]s and calls
+//! This module is independent of the window: a test or a script executes [`Command`]s and calls
 //! [`App::poll`] until the jobs are done.
 
 mod adding;
-mod copies;
+mod autosave;
 mod editing;
 mod files;
 mod lighting;
 mod materials;
-mod picture;
 mod probes;
+mod render;
 mod saving;
 #[cfg(test)]
 mod tests;
 
 pub use lighting::{Lighting, Stopwatch};
-pub use picture::{Picture, shown};
-pub use probes::{Measurement, Probe, Site};
-pub use saving::{OnDisk, Question};
+pub use probes::{Probe, ProbeMeasurement, ProbeSurface};
+pub use render::{RenderedImage, shown};
+pub use saving::{OnDisk, PendingQuestion};
 
-use crate::command::{Ask, Command, Selection};
-use crate::document::{Document, Id};
+use crate::command::{Command, FileRequest, Selection};
+use crate::document::{ItemId, SceneDocument};
 use crate::history::History;
-use crate::jobs::{Job, Jobs, Kind, News, Wake};
+use crate::jobs::{Job, JobKind, JobMessage, Jobs, RepaintRequest};
 use crate::preferences::Preferences;
 use crate::recovery::Recovery;
-use crate::view::{Backdrop, View, sees_most, whole};
+use crate::view::{Backdrop, ModelView, sees_most, whole};
 use azulejo::formats::Warning;
 use azulejo::scene::Image;
 use std::collections::HashMap;
@@ -34,156 +34,157 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// What jobs find.
-pub enum Found {
-    /// A model from a file.
+/// A result sent by a job.
+pub enum JobResult {
+    /// A model read from a file.
     Model(Box<files::LoadedModel>),
     /// A file that could not be read; others may follow.
     NoModel(PathBuf, String),
-    /// The document is on the disk.
+    /// The document has been saved.
     Saved(saving::SavedModel),
-    /// A copy for recovery is on the disk.
+    /// A recovery copy of this revision has been written.
     Autosaved(u64),
-    /// Light, with more to come perhaps.
+    /// A light solution; more accurate ones may follow.
     Light(Box<crate::document::Solution>),
-    /// A picture with so many paths per pixel.
-    Picture(Box<Image>, u32),
-    /// A picture for the background.
+    /// A rendered image with its number of paths per pixel.
+    Render(Box<Image>, u32),
+    /// An image for the background.
     Backdrop(Box<Image>),
-    /// What a patch sees.
-    FormFactors(Box<crate::light::SeenFromPatch>),
-    /// Irradiance at probes.
-    Measured(Box<Measurement>),
-    /// Something to tell.
+    /// Form factors of a patch.
+    FormFactors(Box<crate::first_pass::PatchFormFactors>),
+    /// Irradiance measured at probes.
+    Measured(Box<ProbeMeasurement>),
+    /// A message for the user.
     Note(String),
 }
 
-/// How serious a message is.
+/// Severity of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Level {
-    /// Good to know.
+pub enum Severity {
+    /// Information.
     Note,
-    /// Something was skipped or mended.
+    /// Something was skipped or repaired.
     Warning,
-    /// Something was not done.
+    /// An operation failed.
     Error,
 }
 
-/// Something told.
+/// An entry of the message list.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Message {
-    /// How serious.
-    pub level: Level,
-    /// What.
+    /// Its severity.
+    pub level: Severity,
+    /// Its text in the language of the window.
     pub text: String,
-    /// The object it is about.
-    pub about: Option<Id>,
+    /// The object that it concerns.
+    pub about: Option<ItemId>,
 }
 
-/// Where a person's things are kept; nowhere in tests.
+/// Per-user files and folders; both are `None` in tests.
 #[derive(Clone, Debug, Default)]
-pub struct Places {
-    /// The file of preferences.
+pub struct UserDirs {
+    /// The preferences file.
     pub preferences: Option<PathBuf>,
-    /// The folder of copies for recovery.
+    /// The folder for recovery copies.
     pub recovery: Option<PathBuf>,
 }
 
-impl Places {
-    /// Where this system keeps such things.
-    pub fn of_system() -> Places {
-        let places = directories::ProjectDirs::from("", "", "azulejo");
-        Places {
-            preferences: (places.as_ref()).map(|p| p.config_dir().join("workbench.toml")),
-            recovery: places.map(|p| p.data_local_dir().join("recovery")),
+impl UserDirs {
+    /// The standard locations on this system.
+    pub fn of_system() -> UserDirs {
+        let dirs = directories::ProjectDirs::from("", "", "azulejo");
+        UserDirs {
+            preferences: (dirs.as_ref()).map(|p| p.config_dir().join("workbench.toml")),
+            recovery: dirs.map(|p| p.data_local_dir().join("recovery")),
         }
     }
 }
 
-/// Everything there is.
+/// The complete state of the workbench.
 pub struct App {
-    /// What is being worked on.
-    pub document: Document,
-    /// What further commands are about.
+    /// The document being edited.
+    pub document: SceneDocument,
+    /// The objects, faces or material that commands apply to.
     pub selection: Selection,
-    /// How it is looked at.
-    pub view: View,
-    /// The light, its solver and how it settles.
+    /// The camera and display settings of the viewport.
+    pub view: ModelView,
+    /// The light solution and its solver.
     pub lighting: Lighting,
-    /// Places whose light is watched, in the order of their numbers.
+    /// Pinned probes in the order of their numbers.
     pub probes: Vec<Probe>,
-    /// The picture that is being refined, if there is one.
-    pub picture: Option<Picture>,
-    /// Where the document is kept.
+    /// The image being rendered, if there is one.
+    pub render: Option<RenderedImage>,
+    /// The file of the document.
     pub file: Option<OnDisk>,
-    /// What was told, the last at the end.
+    /// The message list, oldest first.
     pub messages: Vec<Message>,
-    /// How many errors were told so far.
+    /// Number of errors reported so far.
     pub errors: u64,
-    /// A question that must be answered first.
-    pub question: Option<Question>,
-    /// A file that a dialog is asked for.
-    pub asking: Option<Ask>,
-    /// Choices that outlive the session.
+    /// A question that the user must answer first.
+    pub question: Option<PendingQuestion>,
+    /// The purpose of the open file dialog, if there is one.
+    pub asking: Option<FileRequest>,
+    /// Settings kept between sessions.
     pub preferences: Preferences,
     /// Whether the window should close.
     pub closing: bool,
-    /// Counts documents: whoever keeps something made from one keeps the number too.
+    /// Revision of the document: a new number for every change, restored by undo. Cached data
+    /// stores it as its key.
     revision: u64,
-    /// The number of the light that is on it.
+    /// Number of the light solution on the document.
     light: u64,
-    /// What is on the disk.
-    saved: State,
-    /// The revision with which this document began.
+    /// The state last saved.
+    saved: DocumentState,
+    /// The first revision of this document.
     began: u64,
-    history: History<editing::Version>,
-    /// Bytes that undo may hold; of a large document, more.
+    history: History<editing::UndoSnapshot>,
+    /// Memory limit of the undo history in bytes; larger documents get more.
     undo_bytes: u64,
-    /// The number that a document got last.
+    /// The highest revision assigned so far.
     latest: u64,
-    jobs: Jobs<Found>,
+    jobs: Jobs<JobResult>,
     recovery: Recovery,
     preferences_file: Option<PathBuf>,
     loading: Option<files::Loading>,
-    /// What is to be added to a copy for recovery, once it may be opened.
+    /// A recovery copy, and the files to add once the user has decided whether to open it.
     after_recovery: Option<(PathBuf, Vec<PathBuf>)>,
-    /// What is being written, by the numbers of the jobs.
+    /// Files being written, with the numbers of their jobs.
     saves: Vec<(u64, PathBuf)>,
-    /// What may be lost when the window closes.
-    left: Option<Agreed>,
+    /// What the user agreed to lose when the window closes.
+    left: Option<AcceptedLoss>,
     /// Number of the last probe.
     pinned: u64,
-    /// The document that probes were measured in.
-    measured_in: Option<Document>,
+    /// The document in which the probes were measured.
+    measured_in: Option<SceneDocument>,
     changed_at: Option<Instant>,
 }
 
-/// A revision of the document, and which light is on it: undo brings a revision back, but never
-/// an earlier light.
+/// Revision of the document and number of its light solution. Undo restores a revision, but never
+/// an earlier solution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-struct State {
+struct DocumentState {
     revision: u64,
     light: u64,
 }
 
-/// A state whose loss was agreed to, or that is safe; and the solver whose light may be lost with
-/// it.
+/// A state that is saved or whose loss was accepted, and the solver job whose light may be lost
+/// with it.
 #[derive(Clone, Copy, Debug)]
-struct Agreed {
-    state: State,
+struct AcceptedLoss {
+    state: DocumentState,
     solver: Option<u64>,
 }
 
 impl App {
-    /// Begins with nothing. `wake` asks for the window to be drawn.
-    pub fn new(preferences: Preferences, places: Places, wake: Wake) -> App {
+    /// Creates an empty document. `repaint` requests a repaint of the window.
+    pub fn new(preferences: Preferences, dirs: UserDirs, repaint: RepaintRequest) -> App {
         let mut app = App {
-            document: Document::default(),
+            document: SceneDocument::default(),
             selection: Selection::default(),
-            view: View::default(),
+            view: ModelView::default(),
             lighting: Lighting::default(),
             probes: Vec::new(),
-            picture: None,
+            render: None,
             file: None,
             messages: Vec::new(),
             errors: 0,
@@ -193,16 +194,14 @@ impl App {
             closing: false,
             revision: 0,
             light: 0,
-            saved: State::default(),
+            saved: DocumentState::default(),
             began: 0,
             history: History::default(),
             undo_bytes: editing::UNDO_BYTES,
             latest: 0,
-            jobs: Jobs::new(wake),
-            recovery: places
-                .recovery
-                .map_or_else(Recovery::nowhere, Recovery::new),
-            preferences_file: places.preferences,
+            jobs: Jobs::new(repaint),
+            recovery: dirs.recovery.map_or_else(Recovery::disabled, Recovery::new),
+            preferences_file: dirs.preferences,
             loading: None,
             after_recovery: None,
             saves: Vec::new(),
@@ -215,34 +214,34 @@ impl App {
         app
     }
 
-    /// An app for tests: English, nothing on the disk.
+    /// Creates an app for tests: in English, without files on disk.
     pub fn quiet() -> App {
         let preferences = Preferences {
             language: crate::words::Language::English,
             autosave: 0,
             ..Preferences::default()
         };
-        App::new(preferences, Places::default(), Arc::new(|| ()))
+        App::new(preferences, UserDirs::default(), Arc::new(|| ()))
     }
 
-    /// Another way of asking for the window to be drawn.
-    pub fn set_wake(&mut self, wake: Wake) {
-        self.jobs.set_wake(wake);
+    /// Replaces the function that requests a repaint.
+    pub fn set_repaint(&mut self, repaint: RepaintRequest) {
+        self.jobs.set_repaint(repaint);
     }
 
-    /// Does what is asked for. What cannot be done is told in [`App::messages`].
+    /// Executes a command. Failures are reported in [`App::messages`].
     pub fn execute(&mut self, command: Command) {
         match command {
             Command::New | Command::Open(_) | Command::Quit | Command::Recover(_)
                 if self.is_changed() =>
             {
-                self.question = Some(Question::Unsaved(Box::new(command)));
+                self.question = Some(PendingQuestion::Unsaved(Box::new(command)));
             }
             command => self.perform(command),
         }
     }
 
-    /// Does it, whatever is lost by it.
+    /// Executes a command without asking about unsaved changes.
     fn perform(&mut self, command: Command) {
         match command {
             Command::New => self.clear(),
@@ -252,14 +251,14 @@ impl App {
             Command::SaveAnyway => self.save(true),
             Command::SaveAs(path) => self.save_as(path),
             Command::Export(path) => self.export(path),
-            Command::SavePicture(path) => self.save_picture(path),
-            Command::Ask(what) => self.asking = Some(what),
-            Command::Answered => self.asking = None,
-            Command::Quit => self.leave(),
+            Command::SaveRender(path) => self.save_render(path),
+            Command::RequestFile(what) => self.asking = Some(what),
+            Command::DialogClosed => self.asking = None,
+            Command::Quit => self.allow_close(),
             Command::Discard => self.discard(),
-            Command::Dismiss => (self.question, self.asking) = (None, None),
+            Command::CancelPending => (self.question, self.asking) = (None, None),
             Command::Recover(path) => self.recover(path),
-            Command::Forget(path) => self.recovery.forget(&path),
+            Command::DeleteRecovery(path) => self.recovery.delete(&path),
             Command::Edit(edit, gesture) => self.edit(&edit, gesture),
             Command::AddShape(kind) => self.add_shape(kind),
             Command::AddLight(kind) => self.add_light(kind),
@@ -274,99 +273,102 @@ impl App {
             Command::Redo => self.redo(),
             Command::Select(selection) => self.select(selection),
             Command::SelectAll => self.select_all(),
-            Command::Look(view) => self.look(*view),
+            Command::SetView(view) => self.set_view(*view),
             Command::LoadBackdrop(path) => self.load_backdrop(path),
             Command::SetLight(settings) => self.lighting.settings = settings,
             Command::Solve => self.solve(),
             Command::Pause => self.pause(true),
             Command::Resume => self.pause(false),
             Command::StopSolving => self.stop_solving(),
-            Command::DropLight => self.drop_light(),
+            Command::ClearLight => self.drop_light(),
             Command::FormFactorsFrom(place) => self.form_factors_from(place),
-            Command::Pin(place) => self.pin(place),
-            Command::Unpin(number) => self.unpin(number),
+            Command::AddProbe(place) => self.pin(place),
+            Command::RemoveProbe(number) => self.unpin(number),
             Command::MeasureProbes => self.measure_probes(),
-            Command::Picture {
+            Command::Render {
                 width,
                 height,
                 paths,
             } => {
                 let most = paths.unwrap_or(self.preferences.picture_samples);
-                self.draw_picture((width, height), most);
+                self.start_render((width, height), most);
             }
-            Command::StopPicture => self.stop_picture(),
+            Command::StopRender => self.stop_render(),
             Command::Cancel(job) => self.cancel(job),
             Command::SetPreferences(preferences) => self.set_preferences(*preferences),
             Command::ClearMessages => self.messages.clear(),
         }
     }
 
-    /// Takes in what jobs found since the last time; whether there was anything. Called whenever
-    /// the window is drawn.
+    /// Processes the results of jobs since the last call; returns whether there were any. Called in
+    /// every frame.
     pub fn poll(&mut self) -> bool {
         let mut any = false;
         self.take_measures();
-        while let Some((job, news)) = self.jobs.next_news() {
+        while let Some((job, news)) = self.jobs.next_message() {
             any = true;
             match news {
-                News::Found(found) => self.take(&job, found),
-                News::Ended(failure) => self.end(&job, failure),
+                JobMessage::Output(found) => self.take(&job, found),
+                JobMessage::Ended(failure) => self.end(&job, failure),
             }
         }
         self.autosave();
         any
     }
 
-    fn take(&mut self, job: &Job, found: Found) {
+    fn take(&mut self, job: &Job, found: JobResult) {
         match found {
-            Found::Model(model) => self.take_model(job, *model),
-            Found::NoModel(path, why) => self.take_failure(&path, &why),
-            Found::Saved(saved) => self.take_saved(saved),
-            Found::Autosaved(revision) => self.recovery.done(revision),
-            Found::Light(solution) => self.take_light_of(job, *solution),
-            Found::Picture(image, samples) => self.take_picture(*image, samples),
-            Found::Backdrop(image) => self.take_backdrop(*image),
-            Found::FormFactors(seen) => self.lighting.seen = Some(*seen),
-            Found::Measured(measurement) => self.take_measurement(*measurement),
-            Found::Note(text) => self.tell(Level::Note, text),
+            JobResult::Model(model) => self.take_model(job, *model),
+            JobResult::NoModel(path, why) => self.take_failure(&path, &why),
+            JobResult::Saved(saved) => self.take_saved(saved),
+            JobResult::Autosaved(revision) => self.recovery.done(revision),
+            JobResult::Light(solution) => self.take_light_of(job, *solution),
+            JobResult::Render(image, samples) => self.take_render(*image, samples),
+            JobResult::Backdrop(image) => self.take_backdrop(*image),
+            JobResult::FormFactors(seen) => self.lighting.seen = Some(*seen),
+            JobResult::Measured(measurement) => self.take_measurement(*measurement),
+            JobResult::Note(text) => self.report(Severity::Note, text),
         }
     }
 
     fn end(&mut self, job: &Job, failure: Option<String>) {
         if let Some(why) = failure {
             match job.kind {
-                // The same words every few seconds help nobody.
-                Kind::Autosave => self.recovery.failed(),
-                Kind::Load | Kind::Save => {
-                    // Who wanted to leave wants to know this first.
+                // Repeating the same message every few seconds would not help.
+                JobKind::Autosave => self.recovery.failed(),
+                JobKind::Load | JobKind::Save => {
+                    // Keep the window open so that the user sees the error.
                     self.closing = false;
-                    self.question = self.question.take().filter(Question::outlives_failure);
+                    self.question = self
+                        .question
+                        .take()
+                        .filter(PendingQuestion::survives_job_failure);
                 }
                 _ => {}
             }
-            self.tell(Level::Error, format!("{}: {why}", job.title));
+            self.report(Severity::Error, format!("{}: {why}", job.title));
         }
         match job.kind {
-            Kind::Load => self.end_loading(),
-            Kind::Solve => self.end_solving(),
-            // Whatever became of it, what is changed waits for the next one.
-            Kind::Autosave if self.is_changed() => {
+            JobKind::Load => self.end_loading(),
+            JobKind::Solve => self.end_solving(),
+            // Whatever happened to this copy, remaining changes are written by the next one.
+            JobKind::Autosave if self.is_changed() => {
                 self.changed_at.get_or_insert_with(Instant::now);
             }
             _ => {}
         }
     }
 
-    /// `english` in the language of the window.
-    pub(crate) fn say<'s>(&self, english: &'s str) -> &'s str {
-        self.preferences.language.say(english)
+    /// Translates `english` to the language of the window.
+    pub(crate) fn tr<'s>(&self, english: &'s str) -> &'s str {
+        self.preferences.language.tr(english)
     }
 
-    /// Adds a message.
-    pub fn tell(&mut self, level: Level, text: impl Into<String>) {
-        const MOST: usize = 1_000;
-        self.errors += u64::from(level == Level::Error);
-        if self.messages.len() >= MOST {
+    /// Adds an entry to the message list.
+    pub fn report(&mut self, level: Severity, text: impl Into<String>) {
+        const MAX_MESSAGES: usize = 1_000;
+        self.errors += u64::from(level == Severity::Error);
+        if self.messages.len() >= MAX_MESSAGES {
             self.messages.remove(0);
         }
         self.messages.push(Message {
@@ -376,10 +378,10 @@ impl App {
         });
     }
 
-    /// Tells what was odd about a file that brought `items`: each warning leads to the first object
-    /// that it names in quotes. Most are about a file as a whole: those lead to its content.
-    fn tell_warnings(&mut self, warnings: &[Warning], items: &[Id]) {
-        let mut named: HashMap<String, Id> = HashMap::new();
+    /// Reports the warnings of a file that created `items`. A warning links to the first object
+    /// that it names in quotes, and otherwise to the whole content of the file.
+    fn report_warnings(&mut self, warnings: &[Warning], items: &[ItemId]) {
+        let mut named: HashMap<String, ItemId> = HashMap::new();
         for &id in items.iter().filter(|_| !warnings.is_empty()) {
             let name = self.document.name(id).unwrap_or_default();
             let last = name.rsplit('/').next().unwrap_or_default();
@@ -387,7 +389,7 @@ impl App {
         }
         named.remove("");
         for warning in warnings {
-            self.tell(Level::Warning, warning.to_string());
+            self.report(Severity::Warning, warning.to_string());
             let mut quoted = warning.message.split('"').skip(1).step_by(2);
             let about = quoted.find_map(|name| named.get(name).copied());
             if let Some(message) = self.messages.last_mut() {
@@ -396,80 +398,83 @@ impl App {
         }
     }
 
-    /// Whether there is something that is not on the disk.
+    /// Whether there are unsaved changes.
     pub fn is_changed(&self) -> bool {
         self.state() != self.saved
     }
 
-    /// Counts documents: changes whenever the document does, and back with undo.
+    /// Revision of the document: changes with every edit and is restored by undo.
     pub fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// The jobs that go on.
+    /// The running jobs.
     pub fn jobs(&self) -> &[Job] {
         self.jobs.running()
     }
 
-    /// Whether a job of this kind goes on.
-    pub fn is_busy(&self, kind: Kind) -> bool {
+    /// Whether a job of this kind is running.
+    pub fn is_busy(&self, kind: JobKind) -> bool {
         self.jobs.of(kind).is_some()
     }
 
-    /// What undo and redo would do.
+    /// Labels of the edits that undo and redo would apply.
     pub fn undo_labels(&self) -> (Option<&'static str>, Option<&'static str>) {
         (self.history.undo_label(), self.history.redo_label())
     }
 
-    /// What was written before a crash and waits for an answer.
+    /// Recovery copies about which the user has not decided yet.
     pub fn recoverable(&self) -> &[crate::recovery::Recoverable] {
-        self.recovery.found()
+        self.recovery.recoverable()
     }
 
-    fn state(&self) -> State {
-        State {
+    fn state(&self) -> DocumentState {
+        DocumentState {
             revision: self.revision,
             light: self.light,
         }
     }
 
-    /// What is there may be lost, whatever it is.
-    fn agreed(&self) -> Agreed {
-        let solver = self.jobs.of(Kind::Solve).filter(|_| self.is_changed());
-        Agreed {
+    /// Accepts the loss of the current state.
+    fn accept_loss(&self) -> AcceptedLoss {
+        let solver = self.jobs.of(JobKind::Solve).filter(|_| self.is_changed());
+        AcceptedLoss {
             state: self.state(),
             solver: solver.map(|job| job.id),
         }
     }
 
-    /// Whether there is more to lose than what was agreed to.
-    fn loses_more(&self, agreed: Agreed) -> bool {
-        self.is_changed() && self.state() != agreed.state
+    /// Whether more would be lost than the user has accepted.
+    fn loses_unaccepted(&self, accepted: AcceptedLoss) -> bool {
+        self.is_changed() && self.state() != accepted.state
     }
 
-    /// Whether closing the window would lose what nobody agreed to lose.
-    pub fn loses_by_closing(&self) -> bool {
+    /// Whether closing the window would lose changes without the user's consent.
+    pub fn close_loses_changes(&self) -> bool {
         let left = self.left.filter(|_| self.closing);
-        left.map_or(self.is_changed(), |agreed| self.loses_more(agreed))
+        left.map_or(self.is_changed(), |accepted| {
+            self.loses_unaccepted(accepted)
+        })
     }
 
-    fn look(&mut self, view: View) {
+    fn set_view(&mut self, view: ModelView) {
         let moved = view.camera != self.view.camera;
         let finite = {
             let (x, y, z) = view.camera.axes();
             x.is_finite() && y.is_finite() && z.is_finite() && view.camera.eye.is_finite()
         };
-        // A view without direction would show nothing ever after.
+        // A view without a direction would leave the viewport empty for good.
         if finite {
             self.view = view;
         }
         if moved {
-            self.redraw_picture();
+            self.restart_render();
         }
     }
 
-    /// Looks at all there is: by the file's own camera, if it shows the model, else by one that does.
-    fn look_at_all(&mut self) {
+    /// Shows the whole model: from the file's own camera if it sees most of the model, otherwise
+    /// from a default one.
+    fn frame_all(&mut self) {
         let bounds = self.document.bounds(None);
         let own = self.document.cameras.first().map(|c| c.camera.clone());
         let own = own.filter(|camera| sees_most(camera, bounds) || self.is_room());
@@ -486,9 +491,9 @@ impl App {
             .map(|j| j.kind);
         self.jobs.cancel(id);
         match kind {
-            Some(Kind::Load) => self.end_loading(),
-            Some(Kind::Solve) => self.end_solving(),
-            Some(Kind::Picture) => self.picture = None,
+            Some(JobKind::Load) => self.end_loading(),
+            Some(JobKind::Solve) => self.end_solving(),
+            Some(JobKind::Render) => self.render = None,
             _ => {}
         }
     }
@@ -501,7 +506,7 @@ impl App {
         self.preferences = preferences;
         self.store_preferences();
         if gathers {
-            self.redraw_picture();
+            self.restart_render();
         }
     }
 
@@ -510,7 +515,7 @@ impl App {
             return;
         };
         if let Err(why) = self.preferences.store(path) {
-            self.tell(Level::Warning, why);
+            self.report(Severity::Warning, why);
         }
     }
 
@@ -523,16 +528,16 @@ impl App {
     }
 
     fn clear(&mut self) {
-        self.jobs.cancel_kind(Kind::Load);
+        self.jobs.cancel_kind(JobKind::Load);
         (self.loading, self.after_recovery) = (None, None);
-        self.replace(Document::default(), None);
+        self.replace(SceneDocument::default(), None);
     }
 
-    /// Another document takes the place of this one, history and light included.
-    fn replace(&mut self, document: Document, file: Option<OnDisk>) {
+    /// Replaces the document together with its history and light.
+    fn replace(&mut self, document: SceneDocument, file: Option<OnDisk>) {
         self.stop_solving();
-        self.stop_picture();
-        self.jobs.cancel_kind(Kind::FormFactors);
+        self.stop_render();
+        self.jobs.cancel_kind(JobKind::FormFactors);
         self.drop_probes();
         self.document = document;
         self.file = file;
@@ -544,6 +549,6 @@ impl App {
         self.changed_at = None;
         self.forget_copy();
         self.lighting.replaced(&self.document);
-        self.look_at_all();
+        self.frame_all();
     }
 }

@@ -1,121 +1,121 @@
-//! Probes: places on surfaces whose light is watched.
+//! Probes: pinned surface points at which the light is displayed.
 
-use super::{App, Found, Level};
-use crate::command::PatchAt;
-use crate::document::{Document, Item, Paint, Solution, same_light};
+use super::{App, JobResult, Severity};
+use crate::command::SurfacePick;
+use crate::document::{SceneDocument, SceneObject, ShadingPoint, Solution, same_light};
+use crate::first_pass::measure;
 use crate::gpu::display_mesh;
-use crate::jobs::{Kind, on_own_threads};
-use crate::light::measure;
+use crate::jobs::{JobKind, in_thread_pool};
 use azulejo::radiosity::Estimate;
 use azulejo::scene::{Mesh, Rgb, Shape};
 use glam::DVec3;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A place whose light is watched.
+/// A pinned surface point.
 #[derive(Clone, Debug)]
 pub struct Probe {
-    /// Counts: no two probes of a session have the same.
+    /// Unique within the session.
     pub number: u64,
-    /// Where, and on which side.
-    pub place: PatchAt,
-    /// What is there now; `None` where the surface moved away or is gone.
-    pub site: Option<Site>,
-    /// Irradiance of the place itself, if it was asked for.
+    /// The point and the side of the surface.
+    pub pick: SurfacePick,
+    /// The surface at this point now; `None` if it was moved away or deleted.
+    pub site: Option<ProbeSurface>,
+    /// Irradiance measured at the point itself, if this was requested.
     pub measured: Option<Estimate>,
 }
 
 /// The surface under a probe.
 #[derive(Clone, Debug)]
-pub struct Site {
-    /// Face of the polygons that show the object.
+pub struct ProbeSurface {
+    /// Index of the face in the polygons that display the object.
     pub face: u32,
-    /// What it is made of, and whether the probe is in front of it: light is kept for the fronts of
-    /// surfaces alone.
-    pub paint: Paint,
-    /// Irradiance, interpolated between vertices, and its standard error where that is known.
+    /// Material and side of the surface; light is stored for front sides only.
+    pub paint: ShadingPoint,
+    /// Irradiance interpolated between the vertices, with its standard error where known.
     pub light: Option<(Rgb, Option<Rgb>)>,
-    /// The shape that this was read from.
+    /// The shape that these values were read from.
     shape: Arc<Shape>,
 }
 
-/// What was measured at probes, by their numbers, and in which document.
-pub struct Measurement {
-    of: Document,
+/// Irradiance measured at probes, by their numbers, and the document it was measured in.
+pub struct ProbeMeasurement {
+    of: SceneDocument,
     estimates: Vec<(u64, Estimate)>,
 }
 
 impl Probe {
-    /// Looks again at what is there, if that may have changed.
-    fn refresh(&mut self, document: &Document, solution: Option<&Solution>) {
-        let item = document.item(self.place.item);
+    /// Updates the probe if the surface or its light may have changed.
+    fn refresh(&mut self, document: &SceneDocument, solution: Option<&Solution>) {
+        let item = document.item(self.pick.item);
         let lit = item.and_then(|item| solution?.shown(item));
         let Some((item, shape)) = item.map(|item| (item, lit.unwrap_or(&item.shape))) else {
             self.site = None;
             return;
         };
-        // Whoever stands where it was lit has a shape of its own, in its place: then nothing moved.
-        let is_same = |site: &Site| lit.is_some() && Arc::ptr_eq(&site.shape, shape);
+        // An object that has not moved since it was solved has a lit shape of its own.
+        let is_same = |site: &ProbeSurface| lit.is_some() && Arc::ptr_eq(&site.shape, shape);
         if !self.site.as_ref().is_some_and(is_same) {
             let face = self.site.as_ref().map(|site| site.face);
-            self.site = site(&self.place, item, shape, lit.is_some(), face);
+            self.site = site(&self.pick, item, shape, lit.is_some(), face);
         }
     }
 }
 
-/// Finds the surface at a place: the nearest face, unless that is too far away to be meant. `face`
-/// is where it was found last, and is still the nearest as long as the place lies on it.
+/// Finds the surface at a point: the nearest face, unless it is too far away. `face` is the one
+/// found last time, which is still the nearest as long as the point lies on it.
 fn site(
-    place: &PatchAt,
-    item: &Item,
+    pick: &SurfacePick,
+    item: &SceneObject,
     shape: &Arc<Shape>,
     is_lit: bool,
     face: Option<u32>,
-) -> Option<Site> {
-    const FAR: f64 = 0.01;
+) -> Option<ProbeSurface> {
+    const MAX_DISTANCE: f64 = 0.01;
     const ON: f64 = 1e-7;
     let size = item.bounds().diagonal();
-    // Something that is dragged away is not searched through in every frame.
+    // Skip the search while an object is being dragged far away from the probe.
     let bounds = item.bounds();
-    let inside = place.position.clamp(bounds.min, bounds.max);
-    if bounds.is_empty() || place.position.distance(inside) > FAR * size {
+    let inside = pick.position.clamp(bounds.min, bounds.max);
+    if bounds.is_empty() || pick.position.distance(inside) > MAX_DISTANCE * size {
         return None;
     }
-    let local = match is_lit {
-        true => glam::DAffine3::IDENTITY,
-        false => item.placement.inverse(),
+    let local = if is_lit {
+        glam::DAffine3::IDENTITY
+    } else {
+        item.placement.inverse()
     };
     let scale = local.matrix3.determinant().abs().cbrt();
     let mesh = display_mesh(shape, (1e-3 * size * scale).max(f64::MIN_POSITIVE), is_lit);
-    let position = local.transform_point3(place.position);
+    let position = local.transform_point3(pick.position);
     let last = face.and_then(|f| nearest(&mesh, f as usize..(f as usize + 1), position));
     let last = last.filter(|found| found.distance <= ON * size * scale);
     let found = last.or_else(|| nearest(&mesh, 0..mesh.faces.len(), position))?;
-    if found.distance > FAR * size * scale {
+    if found.distance > MAX_DISTANCE * size * scale {
         return None;
     }
     let [a, b, c] = found.corners.map(|v| mesh.positions[v as usize]);
-    // Normals of the world are normals of the object times the transposed inverse placement.
+    // World normals are object normals times the inverse transpose of the placement.
     let normal = local.matrix3.transpose() * (b - a).cross(c - a);
-    let is_front = normal.dot(place.normal) > 0.0;
+    let is_front = normal.dot(pick.normal) > 0.0;
     let face = found.face as usize;
-    Some(Site {
+    Some(ProbeSurface {
         face: found.face,
-        paint: Paint::at(&mesh, face, found.corners, found.weights, is_front)?,
+        paint: ShadingPoint::at(&mesh, face, found.corners, found.weights, is_front)?,
         light: is_lit.then(|| found.light(&mesh)).flatten(),
         shape: Arc::clone(shape),
     })
 }
 
-/// A place on a mesh.
-struct Nearest {
+/// A point on a mesh.
+struct NearestPoint {
     face: u32,
     corners: [u32; 3],
     weights: [f64; 3],
     distance: f64,
 }
 
-impl Nearest {
+impl NearestPoint {
     fn light(&self, mesh: &Mesh) -> Option<(Rgb, Option<Rgb>)> {
         let mean = |values: &[Rgb]| {
             let mut sum = Rgb::BLACK;
@@ -129,9 +129,9 @@ impl Nearest {
     }
 }
 
-/// The place of some faces of a mesh, of those that there are, that is nearest to a point.
-fn nearest(mesh: &Mesh, faces: Range<usize>, point: DVec3) -> Option<Nearest> {
-    let mut best: Option<Nearest> = None;
+/// The point of the given faces of a mesh that is nearest to `point`.
+fn nearest(mesh: &Mesh, faces: Range<usize>, point: DVec3) -> Option<NearestPoint> {
+    let mut best: Option<NearestPoint> = None;
     let mut triangles = Vec::new();
     for face in faces.start..faces.end.min(mesh.faces.len()) {
         triangles.clear();
@@ -143,7 +143,7 @@ fn nearest(mesh: &Mesh, faces: Range<usize>, point: DVec3) -> Option<Nearest> {
             let there = weights[0] * p[0] + weights[1] * p[1] + weights[2] * p[2];
             let distance = there.distance(point);
             if best.as_ref().is_none_or(|b| distance < b.distance) {
-                best = Some(Nearest {
+                best = Some(NearestPoint {
                     face: face as u32,
                     corners,
                     weights,
@@ -155,7 +155,7 @@ fn nearest(mesh: &Mesh, faces: Range<usize>, point: DVec3) -> Option<Nearest> {
     best
 }
 
-/// Weights of a triangle's corners for its point nearest to `p` (Ericson 2005, section 5.1.5).
+/// Barycentric coordinates of the point of a triangle nearest to `p` (Ericson 2005, section 5.1.5).
 fn nearest_weights(p: DVec3, [a, b, c]: [DVec3; 3]) -> [f64; 3] {
     let (ab, ac) = (b - a, c - a);
     let (d1, d2) = (ab.dot(p - a), ac.dot(p - a));
@@ -191,18 +191,18 @@ fn nearest_weights(p: DVec3, [a, b, c]: [DVec3; 3]) -> [f64; 3] {
 }
 
 impl App {
-    /// Watches the light of a place.
-    pub(super) fn pin(&mut self, place: PatchAt) {
-        const MOST: usize = 100;
-        if self.probes.len() >= MOST {
-            let text = self.say("there are as many probes as there may be: remove some first");
-            self.tell(Level::Error, text);
+    /// Pins a probe at a picked point.
+    pub(super) fn pin(&mut self, pick: SurfacePick) {
+        const MAX_PROBES: usize = 100;
+        if self.probes.len() >= MAX_PROBES {
+            let text = self.tr("the maximum number of probes is reached: remove some first");
+            self.report(Severity::Error, text);
             return;
         }
         self.pinned += 1;
         self.probes.push(Probe {
             number: self.pinned,
-            place,
+            pick,
             site: None,
             measured: None,
         });
@@ -213,7 +213,8 @@ impl App {
         self.probes.retain(|p| p.number != number);
     }
 
-    /// The document or its light changed. What was measured is of one document.
+    /// Updates all probes after a change of the document or its light. Measurements are valid for
+    /// one document only.
     pub(super) fn refresh_probes(&mut self) {
         let solution = self.lighting.solution.as_deref();
         let document = &self.document;
@@ -227,35 +228,38 @@ impl App {
     }
 
     pub(super) fn drop_probes(&mut self) {
-        self.jobs.cancel_kind(Kind::Probe);
+        self.jobs.cancel_kind(JobKind::Probe);
         self.probes.clear();
         self.measured_in = None;
     }
 
-    /// Finds the irradiance at the probes themselves.
+    /// Measures the irradiance at all probes in the background.
     pub(super) fn measure_probes(&mut self) {
         if self.probes.is_empty() {
             return;
         }
-        self.jobs.cancel_kind(Kind::Probe);
+        self.jobs.cancel_kind(JobKind::Probe);
         let (of, settings) = (self.document.clone(), self.lighting.settings);
         let threads = self.preferences.threads;
-        let (numbers, places): (Vec<u64>, Vec<PatchAt>) =
-            self.probes.iter().map(|p| (p.number, p.place)).unzip();
-        let work = move |progress: &_, outbox: &crate::jobs::Outbox<Found>| {
-            let found = on_own_threads(threads, || measure(&of, &settings, &places, progress))?;
+        let (numbers, places): (Vec<u64>, Vec<SurfacePick>) =
+            self.probes.iter().map(|p| (p.number, p.pick)).unzip();
+        let work = move |progress: &_, outbox: &crate::jobs::JobSender<JobResult>| {
+            let found = in_thread_pool(threads, || measure(&of, &settings, &places, progress))?;
             let estimates = numbers.into_iter().zip(found).collect();
-            outbox.send(Found::Measured(Box::new(Measurement { of, estimates })));
+            outbox.send(JobResult::Measured(Box::new(ProbeMeasurement {
+                of,
+                estimates,
+            })));
             Ok(())
         };
-        let title = self.say("probes");
-        self.jobs.start(Kind::Probe, title, work);
+        let title = self.tr("probes");
+        self.jobs.start(JobKind::Probe, title, work);
     }
 
-    pub(super) fn take_measurement(&mut self, found: Measurement) {
+    pub(super) fn take_measurement(&mut self, found: ProbeMeasurement) {
         if !same_light(&found.of, &self.document) {
-            let text = self.say("the model changed while probes were measured: measure again");
-            self.tell(Level::Warning, text);
+            let text = self.tr("the model changed while the probes were measured: measure again");
+            self.report(Severity::Warning, text);
             return;
         }
         for probe in &mut self.probes {

@@ -1,107 +1,110 @@
-//! Saving, and what others write meanwhile.
+//! Saving, and detecting changes of the file by other programs.
 
 use super::files::absolute;
-use super::{App, Found, Level, State};
-use crate::command::{Ask, Command};
-use crate::jobs::{Kind, Outbox};
+use super::{App, DocumentState, JobResult, Severity};
+use crate::command::{Command, FileRequest};
+use crate::jobs::{JobKind, JobSender};
 use azulejo::models;
 use azulejo::output::Output;
 use azulejo::trace::Progress;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// Something that must be answered before anything else.
+/// A question that must be answered before anything else happens.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Question {
-    /// There are changes that would be lost by what was asked for.
+pub enum PendingQuestion {
+    /// The command would lose unsaved changes.
     Unsaved(Box<Command>),
-    /// Somebody else wrote the file since it was read.
+    /// Another program has changed the file since it was read.
     ChangedOnDisk(PathBuf),
 }
 
-impl Question {
-    /// Whether it still makes sense when a job failed: what waits for a save does not go on.
-    pub(super) fn outlives_failure(&self) -> bool {
-        matches!(self, Question::ChangedOnDisk(_))
+impl PendingQuestion {
+    /// Whether the question still makes sense after a job failed: a command that waits for a save
+    /// is dropped if the save fails.
+    pub(super) fn survives_job_failure(&self) -> bool {
+        matches!(self, PendingQuestion::ChangedOnDisk(_))
     }
 }
 
-/// A file, as it was when it was read or written last.
+/// A file and its state when it was last read or written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct OnDisk {
-    /// Where.
+    /// Its path.
     pub path: PathBuf,
-    /// Its time and length.
-    stamp: Stamp,
-    /// The same of what others wrote and a person was told of. Saving over it is still asked about.
-    told: Stamp,
+    /// Its modification time and length.
+    stamp: FileStamp,
+    /// The state after another program's change that the user has been told about. Overwriting it
+    /// still needs confirmation.
+    acknowledged: FileStamp,
 }
 
-/// When a file was written, and how long it is; `None` for one that is not there.
-type Stamp = Option<(SystemTime, u64)>;
+/// Modification time and length of a file; `None` if it does not exist.
+type FileStamp = Option<(SystemTime, u64)>;
 
 impl OnDisk {
-    /// The file as it is now.
+    /// The file in its current state on disk.
     pub fn now(path: &Path) -> OnDisk {
         let stamp = stamp(path);
         OnDisk {
             path: path.to_owned(),
             stamp,
-            told: stamp,
+            acknowledged: stamp,
         }
     }
 
-    /// A file that was never read or written here.
-    pub(super) fn unread(path: PathBuf) -> OnDisk {
+    /// A file that was never read or written in this session.
+    pub(super) fn never_read(path: PathBuf) -> OnDisk {
         OnDisk {
             path,
             stamp: None,
-            told: None,
+            acknowledged: None,
         }
     }
 
-    /// Whether it is the same file.
+    /// Whether `path` is the same file.
     fn is_at(&self, path: &Path) -> bool {
-        is_same_place(&self.path, path)
+        is_same_file(&self.path, path)
     }
 
-    /// Whether it was written or removed since, and nobody was told yet; now somebody is.
-    fn is_news(&mut self) -> bool {
+    /// Whether the file was changed or deleted since and the user has not been told; marks it as
+    /// told.
+    fn is_newly_changed(&mut self) -> bool {
         let now = stamp(&self.path);
-        std::mem::replace(&mut self.told, now) != now
+        std::mem::replace(&mut self.acknowledged, now) != now
     }
 
-    /// Whether it was written or removed since.
+    /// Whether the file was changed or deleted since.
     pub fn has_changed(&self) -> bool {
         stamp(&self.path) != self.stamp
     }
 }
 
-/// Whether two paths lead to one file, by whatever links.
-fn is_same_place(a: &Path, b: &Path) -> bool {
+/// Whether two paths refer to the same file, symbolic links included.
+fn is_same_file(a: &Path, b: &Path) -> bool {
     let real = |path: &Path| std::fs::canonicalize(path).ok();
     a == b || real(a).is_some_and(|a| Some(a) == real(b))
 }
 
-fn stamp(path: &Path) -> Stamp {
+fn stamp(path: &Path) -> FileStamp {
     let meta = std::fs::metadata(path).ok()?;
     Some((meta.modified().ok()?, meta.len()))
 }
 
 /// A document that was written.
 pub struct SavedModel {
-    /// The file, as it was left.
+    /// The file as it was written.
     on_disk: OnDisk,
     losses: Vec<String>,
-    /// What was written, if the path is now the document's own; else it was an export.
-    state: Option<State>,
+    /// The state that was written, if the file is now the document's own; `None` for an export.
+    state: Option<DocumentState>,
     lit: bool,
-    /// Whether some surfaces came with light that is not written.
-    forgets_light: bool,
+    /// Whether light that was loaded on some surfaces was not written.
+    drops_light: bool,
 }
 
 impl App {
-    /// Saves where the document came from, if its format keeps light.
+    /// Saves to the document's own file, if its format stores light.
     pub(super) fn save(&mut self, anyway: bool) {
         let known = self.file.clone();
         let writable = known.filter(|f| {
@@ -109,17 +112,17 @@ impl App {
             format.is_some_and(|format| format.extension == "grf")
         });
         match writable {
-            None => self.asking = Some(Ask::SaveAs),
+            None => self.asking = Some(FileRequest::SaveAs),
             Some(file) if file.has_changed() && file.path.exists() && !anyway => {
-                self.question = Some(Question::ChangedOnDisk(file.path));
+                self.question = Some(PendingQuestion::ChangedOnDisk(file.path));
             }
             Some(file) => self.save_as(file.path),
         }
     }
 
-    /// Saves under a name, which becomes the document's.
+    /// Saves under a name, which becomes the document's own.
     pub(super) fn save_as(&mut self, path: PathBuf) {
-        if let Some(Question::ChangedOnDisk(_)) = self.question {
+        if let Some(PendingQuestion::ChangedOnDisk(_)) = self.question {
             self.question = None;
         }
         self.asking = None;
@@ -127,62 +130,63 @@ impl App {
             Some(_) => absolute(path),
             None => absolute(path).with_extension("grf"),
         };
-        // Other formats forget lights and solved light: what is written there is not saved.
+        // Other formats store neither light sources nor solved light, so the document is not saved
+        // by writing them.
         let keeps_all = models::by_extension(&path).is_some_and(|f| f.extension == "grf");
         let state = keeps_all.then(|| self.state());
         self.write(path, state);
     }
 
-    /// Saves a copy; the document keeps its name.
+    /// Exports a copy; the document keeps its file.
     pub(super) fn export(&mut self, path: PathBuf) {
         self.asking = None;
         self.write(absolute(path), None);
     }
 
-    fn write(&mut self, path: PathBuf, state: Option<State>) {
+    fn write(&mut self, path: PathBuf, state: Option<DocumentState>) {
         let document = self.document.clone();
         let solution = self.lighting.solution.clone();
         self.start_saving(path.clone(), move |progress, outbox| {
             let (scene, lit) = document.lit_scene(solution.as_deref());
             let losses = models::write(&scene, &path, progress).map_err(|e| e.to_string())?;
-            outbox.send(Found::Saved(SavedModel {
-                // Now: what others write from here on is theirs.
+            outbox.send(JobResult::Saved(SavedModel {
+                // Taken now, so that later changes by other programs are detected.
                 on_disk: OnDisk::now(&path),
                 losses,
                 state,
                 lit,
-                forgets_light: !lit && solution.is_none() && document.brings_light(),
+                drops_light: !lit && solution.is_none() && document.brings_light(),
             }));
             Ok(())
         });
     }
 
-    /// Writes `path` in the background. What is being written there yet is given up: the later is
-    /// what a person wants there, however long either takes.
+    /// Writes `path` in the background. A write to the same path that is still running is
+    /// cancelled: the later one wins, however long either takes.
     pub(super) fn start_saving(
         &mut self,
         path: PathBuf,
-        work: impl FnOnce(&Progress, &Outbox<Found>) -> Result<(), String> + Send + 'static,
+        work: impl FnOnce(&Progress, &JobSender<JobResult>) -> Result<(), String> + Send + 'static,
     ) {
         let jobs = &mut self.jobs;
         self.saves.retain(|(id, other)| {
             let goes_on = jobs.running().iter().any(|job| job.id == *id);
-            if goes_on && is_same_place(other, &path) {
+            if goes_on && is_same_file(other, &path) {
                 jobs.cancel(*id);
                 return false;
             }
             goes_on
         });
-        let id = jobs.start(Kind::Save, path.display().to_string(), work);
+        let id = jobs.start(JobKind::Save, path.display().to_string(), work);
         self.saves.push((id, path));
     }
 
     pub(super) fn take_saved(&mut self, saved: SavedModel) {
         let path = saved.on_disk.path.clone();
-        self.tell_saved(&saved);
+        self.report_saved(&saved);
         self.preferences.note_recent(&path);
         self.store_preferences();
-        // What took this document's place meanwhile does not belong there.
+        // A document that was opened meanwhile does not belong to this file.
         let own = saved.state.filter(|s| s.revision >= self.began);
         match (own, &self.file) {
             (Some(state), _) => {
@@ -190,75 +194,78 @@ impl App {
                 self.saved = state;
                 if !self.is_changed() {
                     self.forget_copy();
-                    self.go_on_after_save();
+                    self.continue_after_save();
                 }
             }
-            // A copy over the document's own file was not written by others.
+            // An export over the document's own file is not a change by another program.
             (None, Some(file)) if file.is_at(&path) => self.file = Some(saved.on_disk),
             (None, _) => {}
         }
     }
 
-    fn tell_saved(&mut self, saved: &SavedModel) {
+    fn report_saved(&mut self, saved: &SavedModel) {
         let name = saved.on_disk.path.display();
         let said = match (saved.lit, &self.lighting.solution) {
-            (true, _) => self.say("saved with its light"),
+            (true, _) => self.tr("saved with its light"),
             (false, Some(_)) => {
-                self.say("saved without light: what is solved is of an earlier state")
+                self.tr("saved without light: the solution is for an earlier state")
             }
-            (false, None) if saved.forgets_light => self.say("saved without the light of the file"),
-            (false, None) => self.say("saved"),
+            (false, None) if saved.drops_light => {
+                self.tr("saved without the light stored in the file")
+            }
+            (false, None) => self.tr("saved"),
         };
-        self.tell(Level::Note, format!("{name}: {said}"));
+        self.report(Severity::Note, format!("{name}: {said}"));
         if !saved.losses.is_empty() {
             let losses = saved.losses.join(", ");
-            let said = self.say("this format does not keep all");
-            self.tell(Level::Warning, format!("{name}: {said}: {losses}"));
+            let said = self.tr("this format does not store everything");
+            self.report(Severity::Warning, format!("{name}: {said}: {losses}"));
         }
     }
 
-    /// What waited for the changes to be safe.
-    fn go_on_after_save(&mut self) {
-        if let Some(Question::Unsaved(command)) = self.question.take() {
+    /// Executes the command that was waiting for the save.
+    fn continue_after_save(&mut self) {
+        if let Some(PendingQuestion::Unsaved(command)) = self.question.take() {
             self.execute(*command);
         }
     }
 
-    /// Does what was asked for although changes are lost.
+    /// Executes the pending command although changes are lost.
     pub(super) fn discard(&mut self) {
         match self.question.take() {
-            // As long as the other document is not there, this one is not lost.
-            Some(Question::Unsaved(command)) => self.perform(*command),
-            Some(Question::ChangedOnDisk(path)) => self.load(vec![path], true),
+            // The current document is not lost until the other one is loaded.
+            Some(PendingQuestion::Unsaved(command)) => self.perform(*command),
+            Some(PendingQuestion::ChangedOnDisk(path)) => self.load(vec![path], true),
             None => {}
         }
     }
 
-    /// Asks what to do if somebody else wrote the file; called when the window is looked at again.
+    /// Asks what to do if another program has changed the file; called when the window gets the
+    /// focus.
     pub fn check_disk(&mut self) {
-        let is_occupied = self.question.is_some() || self.is_busy(Kind::Save);
+        let is_occupied = self.question.is_some() || self.is_busy(JobKind::Save);
         let Some(file) = &mut self.file else { return };
-        // One that was never read here is asked about when it is written.
+        // A file that was never read here is checked when it is written.
         let was_read = file.stamp.is_some();
-        if is_occupied || !was_read || !file.is_news() {
+        if is_occupied || !was_read || !file.is_newly_changed() {
             return;
         }
         let path = file.path.clone();
         if path.exists() {
-            self.question = Some(Question::ChangedOnDisk(path.clone()));
+            self.question = Some(PendingQuestion::ChangedOnDisk(path.clone()));
         } else {
-            let said = self.say("the file is gone; save to write it again");
+            let said = self.tr("the file no longer exists; save to write it again");
             let text = format!("{}: {said}", path.display());
-            self.tell(Level::Warning, text);
+            self.report(Severity::Warning, text);
         }
     }
 
-    /// Checks that a place can be written, and tells if not.
+    /// Opens the output file for writing; reports an error if it cannot be written.
     pub(super) fn output(&mut self, path: &Path) -> Option<Output> {
         match Output::check(path) {
             Ok(output) => Some(output),
             Err(failure) => {
-                self.tell(Level::Error, failure.to_string());
+                self.report(Severity::Error, failure.to_string());
                 None
             }
         }
@@ -280,7 +287,7 @@ mod tests {
             losses: Vec::new(),
             state: Some(app.state()),
             lit: false,
-            forgets_light: false,
+            drops_light: false,
         };
         std::fs::write(&path, "of others").unwrap();
         app.take_saved(saved);

@@ -1,4 +1,4 @@
-//! The app without a window.
+//! Tests of the app without a window.
 
 mod edits;
 mod files;
@@ -13,43 +13,43 @@ use crate::document::tests::{example, sample};
 use std::path::Path;
 use std::time::Duration;
 
-/// A folder that goes away with the test.
-struct Folder(PathBuf);
+/// A temporary folder, deleted at the end of the test.
+struct TestFolder(PathBuf);
 
-impl Folder {
-    fn new(name: &str) -> Folder {
+impl TestFolder {
+    fn new(name: &str) -> TestFolder {
         let own = format!("azulejo-app-{name}-{}", std::process::id());
         let path = std::env::temp_dir().join(own);
         let _ = std::fs::remove_dir_all(&path);
         std::fs::create_dir_all(&path).unwrap();
-        Folder(path)
+        TestFolder(path)
     }
 
     fn path(&self, name: &str) -> PathBuf {
         self.0.join(name)
     }
 
-    /// A copy of a model that comes with azulejo.
+    /// Copies one of azulejo's example models into the folder.
     fn copy(&self, name: &str) -> PathBuf {
         std::fs::copy(example(name), self.path(name)).unwrap();
         self.path(name)
     }
 }
 
-impl Drop for Folder {
+impl Drop for TestFolder {
     fn drop(&mut self) {
         let _ = std::fs::remove_dir_all(&self.0);
     }
 }
 
-/// An app with the sample in it, as if it was just opened.
+/// An app with the sample scene, as if it had just been opened.
 fn filled() -> App {
     let mut app = App::quiet();
     app.replace(sample(), None);
     app
 }
 
-/// Polls until no job goes on.
+/// Polls until no job is running.
 fn settle(app: &mut App) {
     let begin = Instant::now();
     app.poll();
@@ -63,7 +63,7 @@ fn settle(app: &mut App) {
     }
 }
 
-/// Executes a command and waits for all that it begins.
+/// Executes a command and waits for the jobs that it starts.
 fn run(app: &mut App, command: Command) {
     app.execute(command);
     settle(app);
@@ -73,13 +73,13 @@ fn edit(app: &mut App, edit: Edit) {
     app.execute(Command::Edit(edit, None));
 }
 
-/// The errors that were told.
+/// The errors reported so far.
 fn errors(app: &App) -> Vec<&str> {
-    let errors = app.messages.iter().filter(|m| m.level == Level::Error);
+    let errors = app.messages.iter().filter(|m| m.level == Severity::Error);
     errors.map(|m| m.text.as_str()).collect()
 }
 
-/// Tells an error that has this in it, and that alone.
+/// Asserts that exactly one error was reported and that it contains `said`.
 fn check_error(app: &App, said: &str) {
     let errors = errors(app);
     assert!(

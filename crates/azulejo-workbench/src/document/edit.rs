@@ -1,81 +1,81 @@
-//! All the ways in which a document changes.
+//! All edits of a document.
 
-mod copies;
+mod duplicate;
 mod materials;
 mod objects;
 
-use super::{Document, Id, Lamp, NewLight, NewShape, Viewpoint};
+use super::{ItemId, NewLight, NewShape, SceneCamera, SceneDocument, SceneLight};
 use azulejo::scene::{Camera, Fog, Light, Material, MaterialId, Rgb, Scene, Shape, Units};
 use glam::DAffine3;
 use std::collections::HashSet;
 use std::fmt;
 use std::sync::Arc;
 
-/// One change of a document.
+/// One edit of a document.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Edit {
-    /// Gives an object, a light or a camera another name.
-    Rename(Id, String),
-    /// Hides objects, and the signs of lights and cameras, from the viewport, or shows them.
-    Hide(Vec<Id>, bool),
-    /// Takes things away.
-    Delete(Vec<Id>),
-    /// Adds the same again, in the same place.
-    Duplicate(Vec<Id>),
-    /// Moves, turns or scales things, cameras and lights included.
-    Transform(Vec<Id>, DAffine3),
-    /// Says where an object stands.
-    Place(Id, DAffine3),
+    /// Renames an object, a light or a camera.
+    Rename(ItemId, String),
+    /// Hides objects and the markers of lights and cameras in the viewport, or shows them.
+    Hide(Vec<ItemId>, bool),
+    /// Deletes objects, lights and cameras.
+    Delete(Vec<ItemId>),
+    /// Duplicates them in place.
+    Duplicate(Vec<ItemId>),
+    /// Moves, rotates or scales objects, lights and cameras.
+    Transform(Vec<ItemId>, DAffine3),
+    /// Sets the placement of an object.
+    SetPlacement(ItemId, DAffine3),
     /// Adds a shape.
     AddShape(NewShape),
-    /// Puts another shape in the place of an object's.
-    SetShape(Id, Arc<Shape>),
+    /// Replaces the shape of an object.
+    SetShape(ItemId, Arc<Shape>),
     /// Adds a light.
     AddLight(NewLight),
     /// Changes a light.
-    SetLight(Id, Light),
-    /// Saves a viewpoint.
+    SetLight(ItemId, Light),
+    /// Adds a camera.
     AddCamera(Camera),
-    /// Changes a viewpoint.
-    SetCamera(Id, Camera),
+    /// Changes a camera.
+    SetCamera(ItemId, Camera),
     /// Adds a material.
     AddMaterial(Material),
     /// Changes a material.
     SetMaterial(MaterialId, Material),
-    /// Takes a material away that nothing is made of; those behind it move up by one number.
+    /// Deletes an unused material; the indices of later materials decrease by one.
     DeleteMaterial(MaterialId),
-    /// Takes all materials away that nothing is made of.
+    /// Deletes all unused materials.
     DeleteUnusedMaterials,
-    /// Gives objects a material.
-    Assign(Vec<Id>, MaterialId),
-    /// Gives some faces of a mesh a material.
-    AssignFaces(Id, Vec<u32>, MaterialId),
-    /// The radiance where there is no surface.
+    /// Assigns a material to objects.
+    Assign(Vec<ItemId>, MaterialId),
+    /// Assigns a material to faces of a mesh.
+    AssignFaces(ItemId, Vec<u32>, MaterialId),
+    /// Sets the radiance of the background.
     SetBackground(Option<Rgb>),
-    /// What hides far surfaces.
+    /// Sets the fog.
     SetFog(Option<Fog>),
-    /// What the numbers mean. Nothing is scaled.
+    /// Changes the units. Nothing is scaled.
     SetUnits(Units),
-    /// Adds another document's things, which has the same units; an empty one takes them over.
-    Append(Box<Document>),
+    /// Appends another document in the same units; an empty document takes over its units.
+    Append(Box<SceneDocument>),
 }
 
-/// Why an edit was not made: what was found, what was expected.
+/// Why an edit was rejected: what was found and what was expected.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Refused(pub String);
+pub struct EditError(pub String);
 
-impl fmt::Display for Refused {
+impl fmt::Display for EditError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0)
     }
 }
 
-impl std::error::Error for Refused {}
+impl std::error::Error for EditError {}
 
-pub(super) type Edited = Result<Vec<Id>, Refused>;
+pub(super) type Edited = Result<Vec<ItemId>, EditError>;
 
 impl Edit {
-    /// A few words for the menu: "Undo ...".
+    /// Short label for the menu entry "Undo ...".
     pub fn label(&self) -> &'static str {
         match self {
             Edit::Rename(..) => "rename",
@@ -83,7 +83,7 @@ impl Edit {
             Edit::Hide(_, false) => "show",
             Edit::Delete(_) => "delete",
             Edit::Duplicate(_) => "duplicate",
-            Edit::Transform(..) | Edit::Place(..) => "move",
+            Edit::Transform(..) | Edit::SetPlacement(..) => "move",
             Edit::AddShape(_) => "add a shape",
             Edit::SetShape(..) => "change a shape",
             Edit::AddLight(_) => "add a light",
@@ -102,12 +102,12 @@ impl Edit {
         }
     }
 
-    /// Whether anything is other than before when this is done. What hides what is hidden already, or
-    /// gives a thing the name that it has, is no step that one would want to take back.
-    pub fn changes(&self, document: &Document) -> bool {
+    /// Whether the edit would change anything. Hiding what is hidden or keeping a name is not worth
+    /// an undo step.
+    pub fn changes(&self, document: &SceneDocument) -> bool {
         match self {
             Edit::Hide(ids, hidden) => {
-                let is_other = |&id: &Id| document.is_hidden(id) == Some(!hidden);
+                let is_other = |&id: &ItemId| document.is_hidden(id) == Some(!hidden);
                 ids.iter().any(is_other)
             }
             Edit::Rename(id, name) => document.name(*id) != Some(name.trim()),
@@ -115,19 +115,21 @@ impl Edit {
         }
     }
 
-    /// Changes `document`; returns what should be selected then. A document that refuses is
-    /// unchanged.
+    /// Applies the edit to `document`; returns what should be selected afterwards. A rejected edit
+    /// leaves the document unchanged.
     ///
     /// # Errors
-    /// [`Refused`]: what is named does not exist, or the numbers make no valid scene.
-    pub fn apply(&self, document: &mut Document) -> Edited {
+    ///
+    /// [`EditError`] if something it refers to does not exist, or if the result is not a valid
+    /// scene.
+    pub fn apply(&self, document: &mut SceneDocument) -> Edited {
         match self {
             Edit::Rename(id, name) => document.rename(*id, name),
             Edit::Hide(ids, hidden) => Ok(document.hide(ids, *hidden)),
             Edit::Delete(ids) => document.delete(ids),
             Edit::Duplicate(ids) => document.duplicate(ids),
             Edit::Transform(ids, map) => document.transform(ids, map),
-            Edit::Place(id, placement) => document.place(*id, placement),
+            Edit::SetPlacement(id, placement) => document.place(*id, placement),
             Edit::AddShape(new) => document.add_shape(new),
             Edit::SetShape(id, shape) => document.set_shape(*id, shape),
             Edit::AddLight(new) => document.add_light(new),
@@ -148,43 +150,43 @@ impl Edit {
     }
 }
 
-fn refuse<T>(why: impl fmt::Display) -> Result<T, Refused> {
-    Err(Refused(why.to_string()))
+fn refuse<T>(why: impl fmt::Display) -> Result<T, EditError> {
+    Err(EditError(why.to_string()))
 }
 
-fn missing<T>(what: &str) -> Result<T, Refused> {
+fn missing<T>(what: &str) -> Result<T, EditError> {
     refuse(format_args!("there is no such {what} any more"))
 }
 
-/// Factors beyond this, or below its inverse, are of no unit of length.
-const MOST_SCALE: f64 = 1e12;
+/// No unit of length needs a larger factor, or a smaller one than its inverse.
+const MAX_SCALE: f64 = 1e12;
 
-/// Whether a map keeps shapes what they are: finite, flattening nothing, and no further from a
-/// turn than numbers can tell.
+/// Whether a map is a usable placement: finite, with sensible scales along its axes, and not nearly
+/// singular.
 fn is_placement(map: &DAffine3) -> bool {
     let m = &map.matrix3;
     let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(|axis| axis.length());
-    let sane = |length: f64| (1.0 / MOST_SCALE..=MOST_SCALE).contains(&length);
+    let sane = |length: f64| (1.0 / MAX_SCALE..=MAX_SCALE).contains(&length);
     let flatness = m.determinant().abs() / (x * y * z);
     map.is_finite() && [x, y, z].into_iter().all(sane) && flatness > 1e-9
 }
 
-impl Document {
+impl SceneDocument {
     fn add_light(&mut self, new: &NewLight) -> Edited {
         let mut light = new.make(self);
         light.name = self.fresh_name(&light.name);
         check_light(&light)?;
         let id = self.new_id();
-        self.lights.push(Lamp {
+        self.lights.push(SceneLight {
             id,
-            branch: None,
+            source_file: None,
             hidden: false,
             light,
         });
         Ok(vec![id])
     }
 
-    fn set_light(&mut self, id: Id, light: &Light) -> Edited {
+    fn set_light(&mut self, id: ItemId, light: &Light) -> Edited {
         check_light(light)?;
         match self.lights.iter_mut().find(|l| l.id == id) {
             Some(lamp) => lamp.light = light.clone(),
@@ -197,21 +199,22 @@ impl Document {
         check_camera(camera)?;
         let id = self.new_id();
         let mut camera = camera.clone();
-        let name = match camera.name.is_empty() {
-            true => "camera",
-            false => &camera.name,
+        let name = if camera.name.is_empty() {
+            "camera"
+        } else {
+            &camera.name
         };
         camera.name = self.fresh_name(name);
-        self.cameras.push(Viewpoint {
+        self.cameras.push(SceneCamera {
             id,
-            branch: None,
+            source_file: None,
             hidden: false,
             camera,
         });
         Ok(vec![id])
     }
 
-    fn set_camera(&mut self, id: Id, camera: &Camera) -> Edited {
+    fn set_camera(&mut self, id: ItemId, camera: &Camera) -> Edited {
         check_camera(camera)?;
         match self.cameras.iter_mut().find(|c| c.id == id) {
             Some(view) => view.camera = camera.clone(),
@@ -235,7 +238,7 @@ impl Document {
         Ok(Vec::new())
     }
 
-    fn check_material(&self, material: &Material) -> Result<(), Refused> {
+    fn check_material(&self, material: &Material) -> Result<(), EditError> {
         let count = self.textures.len();
         if let Some(t) = material.textures.iter().find(|&&t| t as usize >= count) {
             return refuse(format_args!("texture {t} of {count}"));
@@ -250,7 +253,7 @@ impl Document {
         alone.validate().or_else(|e| refuse(e.problem))
     }
 
-    fn known_material(&self, id: MaterialId) -> Result<(), Refused> {
+    fn known_material(&self, id: MaterialId) -> Result<(), EditError> {
         match self.materials.get(id as usize) {
             Some(_) => Ok(()),
             None => missing("material"),
@@ -279,11 +282,11 @@ impl Document {
     }
 }
 
-fn set(ids: &[Id]) -> HashSet<Id> {
+fn set(ids: &[ItemId]) -> HashSet<ItemId> {
     ids.iter().copied().collect()
 }
 
-fn check_light(light: &Light) -> Result<(), Refused> {
+fn check_light(light: &Light) -> Result<(), EditError> {
     let alone = Scene {
         lights: vec![light.clone()],
         ..Scene::default()
@@ -291,7 +294,7 @@ fn check_light(light: &Light) -> Result<(), Refused> {
     alone.validate().or_else(|e| refuse(e.problem))
 }
 
-fn check_camera(camera: &Camera) -> Result<(), Refused> {
+fn check_camera(camera: &Camera) -> Result<(), EditError> {
     let alone = Scene {
         cameras: vec![camera.clone()],
         ..Scene::default()

@@ -1,26 +1,26 @@
-//! What is being worked on, as plain data that is cheap to copy.
+//! The document being edited, as plain data that is cheap to clone.
 //!
-//! A [`Document`] holds what a [`Scene`] holds, but shares it: shapes and materials stand behind
-//! [`Arc`]s and an object keeps its placement beside its shape. So a copy of the whole document
-//! is a list of pointers, undo is the document before, and dragging an object moves one matrix
-//! however many triangles hang on it.
+//! A [`SceneDocument`] holds what a [`Scene`] holds, but shares it: shapes and materials are stored
+//! in [`Arc`]s, and an object stores its placement separately from its shape. A clone of the
+//! document is a list of pointers, undo keeps the previous document, and dragging an object changes
+//! one matrix, however many triangles it has.
 
+mod create;
 mod edit;
-mod make;
+mod marker_bounds;
+mod memory;
 mod outline;
-mod paint;
-mod places;
+mod shading_point;
 mod solution;
 #[cfg(test)]
 pub(crate) mod tests;
 mod units;
-mod weight;
 
-pub use edit::{Edit, Refused};
-pub use make::{Lettering, NewKind, NewLight, NewLightKind, NewShape};
-pub use outline::{Outline, SIDES};
-pub use paint::Paint;
-pub use places::light_place;
+pub use create::{NewLight, NewLightKind, NewShape, NewShapeKind, TextLayout};
+pub use edit::{Edit, EditError};
+pub use marker_bounds::light_position;
+pub use outline::{PrismOutline, SIDES};
+pub use shading_point::ShadingPoint;
 pub use solution::{Solution, same_light};
 
 use azulejo::formats::Format;
@@ -33,142 +33,144 @@ use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Names one thing of a document for as long as it exists, undo and redo included.
+/// Identifies an object, a light or a camera for the lifetime of the document, undo and redo
+/// included.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Id(pub u64);
+pub struct ItemId(pub u64);
 
-/// A model that is being lit.
+/// A scene being edited.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Document {
-    /// Where things come from; what is made by hand has none.
-    pub branches: Vec<Branch>,
-    /// What has a surface. Each stands behind a pointer of its own: of a thousand objects an edit
-    /// copies those that it changes.
-    pub items: Vec<Arc<Item>>,
-    /// What surfaces refer to by [`MaterialId`].
+pub struct SceneDocument {
+    /// The files that objects were loaded from.
+    pub source_files: Vec<SourceFile>,
+    /// Objects with surfaces. Each is in an `Arc` of its own, so that an edit copies only the
+    /// objects that it changes.
+    pub objects: Vec<Arc<SceneObject>>,
+    /// Surfaces refer to these by [`MaterialId`].
     pub materials: Vec<Arc<Material>>,
-    /// What materials refer to.
+    /// Materials refer to these.
     pub textures: Vec<Arc<Texture>>,
-    /// Lights without area.
-    pub lights: Vec<Lamp>,
-    /// Saved viewpoints.
-    pub cameras: Vec<Viewpoint>,
-    /// Radiance where there is no surface.
+    /// Light sources without area.
+    pub lights: Vec<SceneLight>,
+    /// Saved cameras.
+    pub cameras: Vec<SceneCamera>,
+    /// Radiance of the background.
     pub background: Option<Rgb>,
-    /// What hides far surfaces.
+    /// Fog in the viewport.
     pub fog: Option<Fog>,
-    /// What the numbers mean.
+    /// Units of length and light.
     pub units: Units,
-    /// RTRACE's numbers; they describe one file as it was and do not outlive other objects.
+    /// RTRACE settings of the file; dropped when other objects are added, since they describe one
+    /// file only.
     pub rtrace: Option<Arc<Rtrace>>,
-    /// The number of the next [`Id`].
+    /// The next free [`ItemId`].
     next: u64,
 }
 
-/// One file's content in a document.
+/// A file whose content is part of the document.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Branch {
-    /// What its objects' names begin with.
+pub struct SourceFile {
+    /// Prefix of the names of its objects.
     pub name: String,
-    /// The file.
+    /// Its path.
     pub path: PathBuf,
     /// Its format, if it was recognised.
     pub format: Option<Format>,
 }
 
-/// An object: a shape and where it stands.
+/// An object: a shape and its placement.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Item {
-    /// Its name for good.
-    pub id: Id,
-    /// Its name for people; groups of a file are parts of it, as in `house/kitchen/table`.
+pub struct SceneObject {
+    /// Its id.
+    pub id: ItemId,
+    /// Its name; groups of the file are path components, as in `house/kitchen/table`.
     pub name: String,
-    /// Index of its file in [`Document::branches`].
-    pub branch: Option<usize>,
-    /// Whether the viewport leaves it out. It goes on casting and receiving light.
+    /// Index of its file in [`SceneDocument::source_files`].
+    pub source_file: Option<usize>,
+    /// Whether the viewport omits it. It still casts and receives light.
     pub hidden: bool,
-    /// Its geometry before it is placed; [`Item::set_shape`] changes it.
+    /// Its geometry in object space; change it with [`SceneObject::set_shape`].
     pub shape: Arc<Shape>,
-    /// What is asked of the shape in every frame, found once.
-    facts: Arc<Facts>,
-    /// Where it stands; identity for what comes from a file.
+    /// Derived data needed in every frame, computed once.
+    facts: Arc<ShapeFacts>,
+    /// World from object; the identity for objects loaded from a file.
     pub placement: DAffine3,
 }
 
-/// A light without area.
+/// A light source without area.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Lamp {
-    /// Its name for good.
-    pub id: Id,
-    /// Index of its file in [`Document::branches`].
-    pub branch: Option<usize>,
-    /// Whether its sign is left out of the viewport. It goes on shining.
+pub struct SceneLight {
+    /// Its id.
+    pub id: ItemId,
+    /// Index of its file in [`SceneDocument::source_files`].
+    pub source_file: Option<usize>,
+    /// Whether its marker is hidden in the viewport. It still emits light.
     pub hidden: bool,
-    /// What it is.
+    /// The light source.
     pub light: Light,
 }
 
-/// A saved viewpoint.
+/// A saved camera.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Viewpoint {
-    /// Its name for good.
-    pub id: Id,
-    /// Index of its file in [`Document::branches`].
-    pub branch: Option<usize>,
-    /// Whether its sign is left out of the viewport.
+pub struct SceneCamera {
+    /// Its id.
+    pub id: ItemId,
+    /// Index of its file in [`SceneDocument::source_files`].
+    pub source_file: Option<usize>,
+    /// Whether its marker is hidden in the viewport.
     pub hidden: bool,
-    /// What it sees.
+    /// The camera.
     pub camera: Camera,
 }
 
-/// Finds a thing by its name for good: names count up, and what is added goes to the end.
-fn in_order<T>(things: &[T], id: Id, of: impl Fn(&T) -> Id) -> Option<&T> {
+/// Finds an element by its id with a binary search: ids increase, and new elements are appended.
+fn in_order<T>(things: &[T], id: ItemId, of: impl Fn(&T) -> ItemId) -> Option<&T> {
     let at = things.binary_search_by_key(&id, of).ok()?;
     things.get(at)
 }
 
-/// What takes a walk over all faces to find.
+/// Data derived from a shape by a pass over all its faces.
 #[derive(Debug, PartialEq)]
-struct Facts {
-    /// The box around the shape where it was made.
+struct ShapeFacts {
+    /// Bounding box in object space.
     bounds: Aabb,
-    /// Its materials, each once, in the order of its faces.
+    /// The materials used, without duplicates, in the order of the faces.
     materials: Vec<MaterialId>,
 }
 
-impl Facts {
-    fn of(shape: &Shape) -> Facts {
-        Facts {
+impl ShapeFacts {
+    fn of(shape: &Shape) -> ShapeFacts {
+        ShapeFacts {
             bounds: bounds_of(shape),
             materials: materials_of(shape),
         }
     }
 }
 
-impl Item {
-    /// The smallest box around it, in the world.
+impl SceneObject {
+    /// The bounding box in world space.
     pub fn bounds(&self) -> Aabb {
         placed_bounds(self.facts.bounds, &self.placement)
     }
 
-    /// Its materials, each once, in the order of its faces.
+    /// The materials used, without duplicates, in the order of the faces.
     pub fn materials(&self) -> &[MaterialId] {
         &self.facts.materials
     }
 
-    /// Gives it another shape.
+    /// Replaces the shape.
     pub fn set_shape(&mut self, shape: Arc<Shape>) {
-        self.facts = Arc::new(Facts::of(&shape));
+        self.facts = Arc::new(ShapeFacts::of(&shape));
         self.shape = shape;
     }
 
-    /// Changes its shape; a shape that others have too is copied first.
+    /// Modifies the shape, after cloning it if it is shared.
     fn change_shape(&mut self, change: impl FnOnce(&mut Shape)) {
         change(Arc::make_mut(&mut self.shape));
-        self.facts = Arc::new(Facts::of(&self.shape));
+        self.facts = Arc::new(ShapeFacts::of(&self.shape));
     }
 
-    /// The object as a scene has it: placed.
+    /// The object as part of a scene, with its placement applied.
     pub fn object(&self) -> Object {
         let mut shape = Shape::clone(&self.shape);
         if self.placement != DAffine3::IDENTITY {
@@ -182,7 +184,7 @@ impl Item {
     }
 }
 
-/// The materials of a shape, each once, in the order of its faces.
+/// The materials used by a shape, without duplicates, in the order of its faces.
 fn materials_of(shape: &Shape) -> Vec<MaterialId> {
     let (mut found, mut seen) = (Vec::new(), HashSet::new());
     let mut note = |m: MaterialId| {
@@ -192,7 +194,7 @@ fn materials_of(shape: &Shape) -> Vec<MaterialId> {
     };
     match shape {
         Shape::Mesh(mesh) => {
-            // Runs of faces share a material; each run is looked up once.
+            // Consecutive faces often share a material; look up each run once.
             let mut last = None;
             for &m in &mesh.face_materials {
                 if last != Some(m) {
@@ -207,7 +209,7 @@ fn materials_of(shape: &Shape) -> Vec<MaterialId> {
     found
 }
 
-/// The smallest box around a shape where it was made.
+/// The bounding box of a shape in object space.
 fn bounds_of(shape: &Shape) -> Aabb {
     match shape {
         Shape::Mesh(mesh) => mesh.bounds(),
@@ -216,7 +218,7 @@ fn bounds_of(shape: &Shape) -> Aabb {
     }
 }
 
-/// A box around a box under a map.
+/// The bounding box of a transformed box.
 fn placed_bounds(bounds: Aabb, map: &DAffine3) -> Aabb {
     if bounds.is_empty() || *map == DAffine3::IDENTITY {
         return bounds;
@@ -232,26 +234,26 @@ fn placed_bounds(bounds: Aabb, map: &DAffine3) -> Aabb {
     Aabb::around((0..8).map(corner))
 }
 
-impl Document {
-    /// A document of one scene. Nothing is copied.
-    pub fn of_scene(scene: Scene, branch: Option<Branch>) -> Document {
-        let mut document = Document {
+impl SceneDocument {
+    /// Creates a document from a scene without copying geometry.
+    pub fn of_scene(scene: Scene, source_file: Option<SourceFile>) -> SceneDocument {
+        let mut document = SceneDocument {
             units: scene.units,
             rtrace: None,
-            ..Document::default()
+            ..SceneDocument::default()
         };
         let rtrace = scene.rtrace.clone();
-        document.append(scene, branch);
+        document.append(scene, source_file);
         document.rtrace = rtrace.map(|numbers| Arc::new(*numbers));
         document
     }
 
-    /// Adds a scene that already has this document's units, as [`Scene::merge`] does; returns the
-    /// new objects.
-    pub fn append(&mut self, scene: Scene, branch: Option<Branch>) -> Vec<Id> {
-        let branch = branch.map(|b| {
-            self.branches.push(b);
-            self.branches.len() - 1
+    /// Appends a scene in the same units, as [`Scene::merge`] does; returns the ids of the new
+    /// objects.
+    pub fn append(&mut self, scene: Scene, source_file: Option<SourceFile>) -> Vec<ItemId> {
+        let source_file = source_file.map(|b| {
+            self.source_files.push(b);
+            self.source_files.len() - 1
         });
         let (materials, textures) = (self.materials.len() as u32, self.textures.len() as u32);
         self.rtrace = None;
@@ -266,22 +268,22 @@ impl Document {
             if materials > 0 {
                 map_materials(&mut object.shape, &mut |m| m + materials);
             }
-            ids.push(self.push_shape(object.name, object.shape, branch));
+            ids.push(self.push_shape(object.name, object.shape, source_file));
         }
         for light in scene.lights {
             let id = self.new_id();
-            self.lights.push(Lamp {
+            self.lights.push(SceneLight {
                 id,
-                branch,
+                source_file,
                 hidden: false,
                 light,
             });
         }
         for camera in scene.cameras {
             let id = self.new_id();
-            self.cameras.push(Viewpoint {
+            self.cameras.push(SceneCamera {
                 id,
-                branch,
+                source_file,
                 hidden: false,
                 camera,
             });
@@ -291,27 +293,27 @@ impl Document {
         ids
     }
 
-    /// Adds an object where it was made.
-    fn push_shape(&mut self, name: String, shape: Shape, branch: Option<usize>) -> Id {
+    /// Adds an object with the identity as its placement.
+    fn push_shape(&mut self, name: String, shape: Shape, source_file: Option<usize>) -> ItemId {
         let id = self.new_id();
-        self.items.push(Arc::new(Item {
+        self.objects.push(Arc::new(SceneObject {
             id,
             name,
-            branch,
+            source_file,
             hidden: false,
-            facts: Arc::new(Facts::of(&shape)),
+            facts: Arc::new(ShapeFacts::of(&shape)),
             shape: Arc::new(shape),
             placement: DAffine3::IDENTITY,
         }));
         id
     }
 
-    fn new_id(&mut self) -> Id {
+    fn new_id(&mut self) -> ItemId {
         self.next += 1;
-        Id(self.next)
+        ItemId(self.next)
     }
 
-    /// The scene that the passes read: everything, in its place, without light on it.
+    /// The complete scene with all placements applied and without solved light.
     pub fn scene(&self) -> Scene {
         self.scene_of(|item| {
             let mut object = item.object();
@@ -320,8 +322,8 @@ impl Document {
         })
     }
 
-    /// The scene with the light of a solution on it, if that is still this document's; whether
-    /// it was.
+    /// The scene with the light of a solution, if it is valid for this document; returns whether it
+    /// is.
     pub fn lit_scene(&self, solution: Option<&Solution>) -> (Scene, bool) {
         match solution.filter(|s| s.is_of(self)) {
             None => (self.scene(), false),
@@ -335,9 +337,9 @@ impl Document {
         }
     }
 
-    fn scene_of(&self, object: impl Fn(&Item) -> Object) -> Scene {
+    fn scene_of(&self, object: impl Fn(&SceneObject) -> Object) -> Scene {
         Scene {
-            objects: self.items.iter().map(|item| object(item)).collect(),
+            objects: self.objects.iter().map(|item| object(item)).collect(),
             materials: self.materials.iter().map(|m| Material::clone(m)).collect(),
             textures: self.textures.iter().map(|t| Texture::clone(t)).collect(),
             lights: self.lights.iter().map(|l| l.light.clone()).collect(),
@@ -349,16 +351,16 @@ impl Document {
         }
     }
 
-    /// The scene of what shines alone.
+    /// The scene reduced to its emitters.
     pub fn lamps_scene(&self) -> Scene {
         let mut lamps = self.clone();
         let shines = |m: MaterialId| {
             let material = self.materials.get(m as usize);
             material.is_some_and(|m| m.is_emitter())
         };
-        (lamps.items).retain(|item| item.materials().iter().any(|&m| shines(m)));
+        (lamps.objects).retain(|item| item.materials().iter().any(|&m| shines(m)));
         lamps.rtrace = None;
-        // Pictures on them do not shine, and are large.
+        // Textures do not affect emission, and they are large.
         lamps.textures.clear();
         for material in lamps
             .materials
@@ -370,68 +372,68 @@ impl Document {
         lamps.scene()
     }
 
-    /// Whether there is nothing in it that has a place.
+    /// Whether there are no objects, lights or cameras.
     pub fn is_empty(&self) -> bool {
-        self.items.is_empty() && self.lights.is_empty() && self.cameras.is_empty()
+        self.objects.is_empty() && self.lights.is_empty() && self.cameras.is_empty()
     }
 
-    /// Everything is as if it was made by hand.
+    /// Forgets which files the content came from.
     pub(crate) fn leave_files(&mut self) {
-        self.branches.clear();
-        (self.items.iter_mut()).for_each(|i| Arc::make_mut(i).branch = None);
-        self.lights.iter_mut().for_each(|l| l.branch = None);
-        self.cameras.iter_mut().for_each(|c| c.branch = None);
+        self.source_files.clear();
+        (self.objects.iter_mut()).for_each(|i| Arc::make_mut(i).source_file = None);
+        self.lights.iter_mut().for_each(|l| l.source_file = None);
+        self.cameras.iter_mut().for_each(|c| c.source_file = None);
     }
 
-    /// The object of this name for good.
-    pub fn item(&self, id: Id) -> Option<&Item> {
-        in_order(&self.items, id, |i| i.id).map(|item| &**item)
+    /// The object with this id.
+    pub fn item(&self, id: ItemId) -> Option<&SceneObject> {
+        in_order(&self.objects, id, |i| i.id).map(|item| &**item)
     }
 
-    /// The light of this name for good.
-    pub fn lamp(&self, id: Id) -> Option<&Lamp> {
+    /// The light with this id.
+    pub fn lamp(&self, id: ItemId) -> Option<&SceneLight> {
         in_order(&self.lights, id, |l| l.id)
     }
 
-    /// The viewpoint of this name for good.
-    pub fn viewpoint(&self, id: Id) -> Option<&Viewpoint> {
+    /// The camera with this id.
+    pub fn viewpoint(&self, id: ItemId) -> Option<&SceneCamera> {
         in_order(&self.cameras, id, |c| c.id)
     }
 
-    /// Whether anything of this document has the name for good.
-    pub fn has(&self, id: Id) -> bool {
+    /// Whether an object, light or camera has this id.
+    pub fn has(&self, id: ItemId) -> bool {
         self.item(id).is_some() || self.lamp(id).is_some() || self.viewpoint(id).is_some()
     }
 
-    /// Whether a thing is out of sight; `None` if there is no such thing.
-    pub fn is_hidden(&self, id: Id) -> Option<bool> {
+    /// Whether it is hidden; `None` if it does not exist.
+    pub fn is_hidden(&self, id: ItemId) -> Option<bool> {
         let item = self.item(id).map(|i| i.hidden);
         let lamp = || self.lamp(id).map(|l| l.hidden);
         let camera = || self.viewpoint(id).map(|c| c.hidden);
         item.or_else(lamp).or_else(camera)
     }
 
-    /// Everything that is out of sight.
-    pub fn hidden(&self) -> Vec<Id> {
-        let items = self.items.iter().filter(|i| i.hidden).map(|i| i.id);
+    /// All hidden objects, lights and cameras.
+    pub fn hidden(&self) -> Vec<ItemId> {
+        let items = self.objects.iter().filter(|i| i.hidden).map(|i| i.id);
         let lights = self.lights.iter().filter(|l| l.hidden).map(|l| l.id);
         let cameras = self.cameras.iter().filter(|c| c.hidden).map(|c| c.id);
         items.chain(lights).chain(cameras).collect()
     }
 
-    /// Its name for people.
-    pub fn name(&self, id: Id) -> Option<&str> {
+    /// Its name.
+    pub fn name(&self, id: ItemId) -> Option<&str> {
         let item = self.item(id).map(|i| i.name.as_str());
         let lamp = || self.lamp(id).map(|l| l.light.name.as_str());
         let camera = || self.viewpoint(id).map(|c| c.camera.name.as_str());
         item.or_else(lamp).or_else(camera)
     }
 
-    /// The smallest box around all objects, or around those of `ids`.
-    pub fn bounds(&self, ids: Option<&[Id]>) -> Aabb {
-        let around = |all: Aabb, item: &Item| all.union(item.bounds());
+    /// The bounding box of all objects, or of those in `ids`.
+    pub fn bounds(&self, ids: Option<&[ItemId]>) -> Aabb {
+        let around = |all: Aabb, item: &SceneObject| all.union(item.bounds());
         match ids {
-            None => (self.items.iter()).fold(Aabb::EMPTY, |all, item| around(all, item)),
+            None => (self.objects.iter()).fold(Aabb::EMPTY, |all, item| around(all, item)),
             Some(ids) => {
                 let items = ids.iter().filter_map(|&id| self.item(id));
                 items.fold(Aabb::EMPTY, around)
@@ -439,17 +441,17 @@ impl Document {
         }
     }
 
-    /// How many polygons its meshes have, and one for each exact shape.
+    /// Number of polygons, counting each exact shape as one.
     pub fn face_count(&self) -> usize {
-        let faces = |item: &Item| match &*item.shape {
+        let faces = |item: &SceneObject| match &*item.shape {
             Shape::Mesh(mesh) => mesh.faces.len(),
             Shape::Primitive(_) => 1,
             Shape::Exact(exact) => exact.leaves().len(),
         };
-        self.items.iter().map(|item| faces(item)).sum()
+        self.objects.iter().map(|item| faces(item)).sum()
     }
 
-    /// Whether anything shines.
+    /// Whether anything emits light.
     pub fn has_light(&self) -> bool {
         let shines = |m: MaterialId| {
             let material = self.materials.get(m as usize);
@@ -457,11 +459,11 @@ impl Document {
         };
         !self.lights.is_empty()
             || (self.materials.iter().any(|m| m.is_emitter())
-                && (self.items.iter()).any(|i| i.materials().iter().any(|&m| shines(m))))
+                && (self.objects.iter()).any(|i| i.materials().iter().any(|&m| shines(m))))
     }
 }
 
-/// Changes every material that a shape refers to.
+/// Applies `change` to every material index in a shape.
 fn map_materials(shape: &mut Shape, change: &mut impl FnMut(MaterialId) -> MaterialId) {
     match shape {
         Shape::Mesh(mesh) => mesh.face_materials.iter_mut().for_each(|m| *m = change(*m)),

@@ -1,6 +1,6 @@
-//! Outlines in a plane, to be extruded.
+//! Planar outlines to extrude.
 
-use super::Refused;
+use super::EditError;
 use azulejo::formats::{ReadOptions, Warning, read_drawing};
 use azulejo::scene::{Exact, Figure, MaterialId, Prism, Shape, Solid};
 use glam::{DAffine3, DMat3, DVec2, DVec3};
@@ -8,61 +8,62 @@ use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-/// How many sides a regular prism may have: with more it is a cylinder to the eye.
+/// Number of sides of a regular prism; with more it looks like a cylinder.
 pub const SIDES: RangeInclusive<u32> = 3..=64;
 
-/// What is extruded, and how far.
+/// An outline and the height of its extrusion.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Outline {
+pub struct PrismOutline {
     name: String,
     figures: Vec<Arc<Figure>>,
-    /// The middle of them all, and their larger side, in their own units.
+    /// Centre of the bounding box of all contours, and its larger side, in their own units.
     middle: DVec2,
     span: f64,
     height: f64,
 }
 
-impl Outline {
-    /// A regular polygon that turns a side to the viewer. `height` is that of the prism, in parts of
-    /// its larger side.
+impl PrismOutline {
+    /// A regular polygon with one side facing the viewer. `height` is relative to the larger side.
     ///
     /// # Errors
-    /// Sides beyond [`SIDES`], or no positive height.
-    pub fn regular(sides: u32, height: f64) -> Result<Outline, Refused> {
+    ///
+    /// The number of sides is outside [`SIDES`], or the height is not positive.
+    pub fn regular(sides: u32, height: f64) -> Result<PrismOutline, EditError> {
         if !SIDES.contains(&sides) {
             let (least, most) = (SIDES.start(), SIDES.end());
             let message = format!("a prism of {sides} sides, expected {least} to {most}");
-            return Err(Refused(message));
+            return Err(EditError(message));
         }
         let step = TAU / f64::from(sides);
         let corner = |k: u32| DVec2::from_angle((f64::from(k) + 0.5) * step - 0.25 * TAU);
         let figure = Figure::polygon((0..sides).map(corner));
-        Outline::of("prism".into(), vec![figure], height)
+        PrismOutline::of("prism".into(), vec![figure], height)
     }
 
-    /// The filled figures of an SVG or DXF drawing, with what is odd about it. `name` is that of the
-    /// file, and stands in messages.
+    /// The filled contours of an SVG or DXF drawing, and warnings. `name` is the file name used in
+    /// messages.
     ///
     /// # Errors
-    /// What cannot be read, has no figures, or has no positive height.
+    ///
+    /// The drawing cannot be read or has no filled contours, or the height is not positive.
     pub fn drawing(
         bytes: &[u8],
         name: &str,
         height: f64,
-    ) -> Result<(Outline, Vec<Warning>), Refused> {
+    ) -> Result<(PrismOutline, Vec<Warning>), EditError> {
         let drawing = read_drawing(bytes, name, &ReadOptions::default());
-        let drawing = drawing.map_err(|e| Refused(e.to_string()))?;
+        let drawing = drawing.map_err(|e| EditError(e.to_string()))?;
         let figures = drawing.shapes.into_iter().map(|shape| shape.figure);
         let stem = std::path::Path::new(name).file_stem().unwrap_or_default();
         let stem = stem.to_string_lossy().into_owned();
-        let outline = Outline::of(stem, figures.collect(), height)?;
+        let outline = PrismOutline::of(stem, figures.collect(), height)?;
         Ok((outline, drawing.warnings))
     }
 
-    fn of(name: String, figures: Vec<Figure>, height: f64) -> Result<Outline, Refused> {
+    fn of(name: String, figures: Vec<Figure>, height: f64) -> Result<PrismOutline, EditError> {
         if !(height > 0.0 && height.is_finite()) {
             let message = format!("a prism {height} high, expected more than 0");
-            return Err(Refused(message));
+            return Err(EditError(message));
         }
         let corners = figures.iter().map(Figure::bounds);
         let corners = corners.map(|around| (around.min, around.max));
@@ -70,9 +71,9 @@ impl Outline {
         let (min, max) = around.unwrap_or((DVec2::ZERO, DVec2::ZERO));
         let span = (max - min).max_element();
         if !(span > 0.0 && span.is_finite()) {
-            return Err(Refused(format!("{name}: no closed outlines to extrude")));
+            return Err(EditError(format!("{name}: no closed outlines to extrude")));
         }
-        Ok(Outline {
+        Ok(PrismOutline {
             name,
             figures: figures.into_iter().map(Arc::new).collect(),
             middle: 0.5 * (min + max),
@@ -81,13 +82,13 @@ impl Outline {
         })
     }
 
-    /// What it is called.
+    /// Base of the name of the new object.
     pub(super) fn name(&self) -> &str {
         &self.name
     }
 
     /// Exact prisms whose larger side is `size`, on the ground at `at`; `standing` maps z to the
-    /// world's up.
+    /// world's up axis.
     pub(super) fn prisms(
         &self,
         size: f64,
@@ -115,16 +116,16 @@ impl Outline {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::document::{Document, Edit, NewKind, NewShape};
+    use crate::document::{Edit, NewShape, NewShapeKind, SceneDocument};
 
     const DRAWING: &[u8] = br#"<svg xmlns="http://www.w3.org/2000/svg" width="4" height="2">
         <rect x="0" y="0" width="1" height="2"/><circle cx="3" cy="1" r="1"/></svg>"#;
 
-    /// The box around what is made of an outline, where the middle of the ground is (1, 2, 3).
-    fn added(outline: Outline, size: f64) -> (DVec3, DVec3) {
-        let mut document = Document::default();
+    /// Bounding box of the prism made from an outline with the centre of its base at (1, 2, 3).
+    fn added(outline: PrismOutline, size: f64) -> (DVec3, DVec3) {
+        let mut document = SceneDocument::default();
         let new = NewShape {
-            kind: NewKind::Prism(outline),
+            kind: NewShapeKind::Prism(outline),
             at: DVec3::new(1.0, 2.0, 3.0),
             size,
             material: None,
@@ -143,11 +144,11 @@ mod tests {
 
     #[test]
     fn a_prism_stands_on_the_ground_and_is_as_large_as_was_said() {
-        let cube = Outline::regular(4, 0.5).unwrap();
+        let cube = PrismOutline::regular(4, 0.5).unwrap();
         check(added(cube, 2.0), [0.0, 2.0, 2.0], [2.0, 3.0, 4.0]);
-        // Across its corners a hexagon is wider than across its sides.
+        // A hexagon is wider across its corners than across its sides.
         let low = 3f64.sqrt() / 2.0;
-        let nut = Outline::regular(6, 1.0).unwrap();
+        let nut = PrismOutline::regular(6, 1.0).unwrap();
         check(
             added(nut, 2.0),
             [0.0, 2.0, 3.0 - low],
@@ -157,7 +158,7 @@ mod tests {
 
     #[test]
     fn the_figures_of_a_drawing_keep_their_places() {
-        let (outline, warnings) = Outline::drawing(DRAWING, "/tmp/logo.svg", 0.25).unwrap();
+        let (outline, warnings) = PrismOutline::drawing(DRAWING, "/tmp/logo.svg", 0.25).unwrap();
         assert!(warnings.is_empty(), "{warnings:?}");
         assert_eq!(outline.name(), "logo");
         assert_eq!(outline.figures.len(), 2);
@@ -167,15 +168,15 @@ mod tests {
     #[test]
     fn what_makes_no_prism_is_refused() {
         for sides in [0, 2, 65] {
-            let said = Outline::regular(sides, 1.0).unwrap_err().to_string();
+            let said = PrismOutline::regular(sides, 1.0).unwrap_err().to_string();
             assert!(said.contains("expected 3 to 64"), "{said}");
         }
         for height in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            assert!(Outline::regular(5, height).is_err(), "{height}");
+            assert!(PrismOutline::regular(5, height).is_err(), "{height}");
         }
         let none = br#"<svg xmlns="http://www.w3.org/2000/svg" width="4" height="2"/>"#;
         for bytes in [&none[..], b"no drawing"] {
-            let said = Outline::drawing(bytes, "x.svg", 1.0).unwrap_err();
+            let said = PrismOutline::drawing(bytes, "x.svg", 1.0).unwrap_err();
             assert!(said.to_string().contains('x'), "{said}");
         }
     }

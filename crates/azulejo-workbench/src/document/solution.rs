@@ -1,35 +1,35 @@
-//! The light of a document, and of which document it is.
+//! The solved light of a document, and the document state it belongs to.
 
-use super::{Document, Id, Item};
+use super::{ItemId, SceneDocument, SceneObject};
 use azulejo::radiosity::Report;
 use azulejo::scene::{Irradiance, Material, Scene, Shape};
 use glam::DAffine3;
 use std::sync::Arc;
 
-/// Irradiance on the surfaces of a document as it was when the solver began.
+/// Irradiance on the surfaces of a document at the time the solver was started.
 ///
-/// Light stays beside the model and not in it: objects keep the faces that they came with, an
-/// edit makes the light old without losing it, and undoing the edit makes it true again.
+/// The solution is stored beside the model: objects keep their original faces, an edit makes the
+/// solution outdated without losing it, and undoing the edit makes it current again.
 #[derive(Clone, Debug)]
 pub struct Solution {
-    of: Document,
-    /// One placed, lit shape for each object of the document.
-    shapes: Vec<(Id, Arc<Shape>)>,
-    /// How it was found; `None` where it settles yet, or came with the file.
+    of: SceneDocument,
+    /// A placed shape with irradiance for each object of the document.
+    shapes: Vec<(ItemId, Arc<Shape>)>,
+    /// The solver's report; `None` while it is running or if the light came with the file.
     pub report: Option<Report>,
 }
 
 impl Solution {
-    /// What the first pass found for `scene`, which was made from `document`; with its report once
+    /// Result of the first pass for `scene`, which was created from `document`; with a report once
     /// it is done.
     pub fn new(
-        document: Document,
+        document: SceneDocument,
         mut scene: Scene,
         irradiance: Irradiance,
         report: Option<Report>,
     ) -> Solution {
         scene.set_irradiance(irradiance);
-        let ids = document.items.iter().map(|i| i.id);
+        let ids = document.objects.iter().map(|i| i.id);
         let shapes = scene.objects.into_iter().map(|o| Arc::new(o.shape));
         Solution {
             shapes: ids.zip(shapes).collect(),
@@ -38,16 +38,16 @@ impl Solution {
         }
     }
 
-    /// The light that a file brought, if every surface has some.
-    pub fn of_file(document: &Document) -> Option<Solution> {
-        let stands = |item: &Item| item.placement == DAffine3::IDENTITY;
-        let all = !document.items.is_empty()
+    /// The light stored in a file, if every surface has some.
+    pub fn of_file(document: &SceneDocument) -> Option<Solution> {
+        let stands = |item: &SceneObject| item.placement == DAffine3::IDENTITY;
+        let all = !document.objects.is_empty()
             && document
-                .items
+                .objects
                 .iter()
                 .all(|item| is_lit(item) && stands(item));
         all.then(|| Solution {
-            shapes: (document.items.iter())
+            shapes: (document.objects.iter())
                 .map(|i| (i.id, Arc::clone(&i.shape)))
                 .collect(),
             of: document.clone(),
@@ -55,64 +55,65 @@ impl Solution {
         })
     }
 
-    /// The placed, lit shape of an object, if the solver knew it.
-    pub fn shape(&self, id: Id) -> Option<&Arc<Shape>> {
+    /// The placed shape of an object with its irradiance, if the solver knew the object.
+    pub fn shape(&self, id: ItemId) -> Option<&Arc<Shape>> {
         super::in_order(&self.shapes, id, |(i, _)| *i).map(|(_, shape)| shape)
     }
 
-    /// The shape to show for an object: its lit one, as long as it stands where it was lit.
-    pub fn shown(&self, item: &Item) -> Option<&Arc<Shape>> {
+    /// The shape to display for an object: the lit one, as long as the object has not been moved
+    /// since.
+    pub fn shown(&self, item: &SceneObject) -> Option<&Arc<Shape>> {
         let then = self.of.item(item.id)?;
         let same = same_geometry(then, item);
         same.then(|| self.shape(item.id)).flatten()
     }
 
-    /// Whether the light of `document` is this: whether it has the same surfaces, materials and
-    /// lights. Names, viewpoints and what hides do not matter.
-    pub fn is_of(&self, document: &Document) -> bool {
+    /// Whether the solution is valid for `document`: the same surfaces, materials and lights.
+    /// Names, cameras and visibility do not matter.
+    pub fn is_of(&self, document: &SceneDocument) -> bool {
         same_light(&self.of, document)
     }
 }
 
-/// Whether an object came with light on all of it.
-fn is_lit(item: &Item) -> bool {
+/// Whether all surfaces of an object came with light.
+fn is_lit(item: &SceneObject) -> bool {
     match &*item.shape {
         Shape::Mesh(mesh) => mesh.faces.is_empty() || mesh.irradiance.len() == mesh.positions.len(),
         Shape::Primitive(p) => p.light.is_some(),
-        Shape::Exact(exact) => exact.skin.is_some(),
+        Shape::Exact(exact) => exact.proxy.is_some(),
     }
 }
 
-impl Document {
-    /// Whether some of its surfaces came with light, which [`Solution::of_file`] takes only where
-    /// all did.
+impl SceneDocument {
+    /// Whether some surfaces came with light, which [`Solution::of_file`] accepts only if all did.
     pub fn brings_light(&self) -> bool {
-        let has_faces = |item: &Item| match &*item.shape {
+        let has_faces = |item: &SceneObject| match &*item.shape {
             Shape::Mesh(mesh) => !mesh.faces.is_empty(),
             Shape::Primitive(_) | Shape::Exact(_) => true,
         };
-        self.items.iter().any(|i| has_faces(i) && is_lit(i))
+        self.objects.iter().any(|i| has_faces(i) && is_lit(i))
     }
 }
 
-/// Whether light that was found in one document is that of a later one: whether both have the
-/// same surfaces, materials and lights.
-pub fn same_light(then: &Document, now: &Document) -> bool {
-    let items = then.items.len() == now.items.len()
-        && (then.items.iter().zip(&now.items)).all(|(a, b)| a.id == b.id && same_geometry(a, b));
+/// Whether the light solved for one document is valid for a later one: whether both have the same
+/// surfaces, materials and lights.
+pub fn same_light(then: &SceneDocument, now: &SceneDocument) -> bool {
+    let items = then.objects.len() == now.objects.len()
+        && (then.objects.iter().zip(&now.objects))
+            .all(|(a, b)| a.id == b.id && same_geometry(a, b));
     let lights = then.lights.len() == now.lights.len()
         && (then.lights.iter().zip(&now.lights)).all(|(a, b)| a.light.kind == b.light.kind);
     items && lights && same_materials(then, now)
 }
 
-/// Materials that were added later are on no surface that was lit.
-fn same_materials(then: &Document, now: &Document) -> bool {
+/// Materials added later are not on any surface that was solved.
+fn same_materials(then: &SceneDocument, now: &SceneDocument) -> bool {
     let pairs = then.materials.iter().zip(&now.materials);
     then.materials.len() <= now.materials.len()
         && pairs.into_iter().all(|(a, b)| same_material(a, b))
 }
 
-fn same_geometry(a: &Item, b: &Item) -> bool {
+fn same_geometry(a: &SceneObject, b: &SceneObject) -> bool {
     Arc::ptr_eq(&a.shape, &b.shape) && a.placement == b.placement
 }
 
@@ -127,7 +128,7 @@ fn same_material(a: &Arc<Material>, b: &Arc<Material>) -> bool {
     unnamed(a) == unnamed(b)
 }
 
-/// Takes the light off a shape.
+/// Removes the irradiance from a shape.
 pub(super) fn strip(shape: &mut Shape) {
     match shape {
         Shape::Mesh(mesh) => {
@@ -135,6 +136,6 @@ pub(super) fn strip(shape: &mut Shape) {
             mesh.irradiance_error = Vec::new();
         }
         Shape::Primitive(p) => p.light = None,
-        Shape::Exact(exact) => exact.skin = None,
+        Shape::Exact(exact) => exact.proxy = None,
     }
 }

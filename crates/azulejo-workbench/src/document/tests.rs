@@ -1,7 +1,7 @@
-//! Documents and scenes, edits and what refuses them, light and whose it is.
+//! Documents and scenes, edits and their errors, and the validity of solutions.
 
 use super::*;
-use crate::light::LightSettings;
+use crate::first_pass::LightSettings;
 use azulejo::models::{self, Reading};
 use azulejo::radiosity::{Report, solve};
 use azulejo::scene::{
@@ -13,8 +13,8 @@ use std::collections::HashSet;
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// A small room of everything: a mesh of two materials, a ball, solid letters, a lamp, lights,
-/// a camera, a texture, fog.
+/// A small room with one of everything: a mesh with two materials, a sphere, solid text, an area
+/// light, lights, a camera, a texture, fog.
 pub(crate) fn sample_scene() -> Scene {
     let mut floor = Mesh {
         positions: [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)]
@@ -85,11 +85,11 @@ pub(crate) fn sample_scene() -> Scene {
 }
 
 /// The sample as a document: ids 1 to 4 are objects, 5 is the light, 6 the camera.
-pub(crate) fn sample() -> Document {
-    Document::of_scene(sample_scene(), None)
+pub(crate) fn sample() -> SceneDocument {
+    SceneDocument::of_scene(sample_scene(), None)
 }
 
-/// A model that comes with azulejo.
+/// The path of an example model.
 pub(crate) fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../examples")
@@ -102,7 +102,7 @@ fn read(name: &str) -> Scene {
 }
 
 /// A quick solve.
-pub(crate) fn light_of(document: &Document) -> (Irradiance, Report) {
+pub(crate) fn light_of(document: &SceneDocument) -> (Irradiance, Report) {
     let settings = LightSettings {
         patches: 30,
         error: 0.3,
@@ -114,7 +114,7 @@ pub(crate) fn light_of(document: &Document) -> (Irradiance, Report) {
     (light.irradiance, light.report)
 }
 
-pub(crate) fn solved(document: &Document) -> Solution {
+pub(crate) fn solved(document: &SceneDocument) -> Solution {
     let (irradiance, report) = light_of(document);
     Solution::new(document.clone(), document.scene(), irradiance, Some(report))
 }
@@ -123,7 +123,7 @@ pub(crate) fn solved(document: &Document) -> Solution {
 fn a_scene_comes_back_from_its_document() {
     let check = |scene: Scene| {
         scene.validate().unwrap();
-        let document = Document::of_scene(scene.clone(), None);
+        let document = SceneDocument::of_scene(scene.clone(), None);
         assert_eq!(document.scene(), scene);
     };
     check(Scene::default());
@@ -145,7 +145,7 @@ fn the_light_of_a_file_is_kept_beside_the_scene() {
     let (irradiance, _) = light_of(&document);
     let mut lit = document.scene();
     lit.set_irradiance(irradiance);
-    let again = Document::of_scene(lit.clone(), None);
+    let again = SceneDocument::of_scene(lit.clone(), None);
     let mut unlit = lit.clone();
     (unlit.objects.iter_mut()).for_each(|o| solution::strip(&mut o.shape));
     assert_eq!(again.scene(), unlit);
@@ -157,32 +157,35 @@ fn the_light_of_a_file_is_kept_beside_the_scene() {
 #[test]
 fn two_scenes_in_one_document_are_as_two_merged() {
     let (mut a, b) = (sample_scene(), read("shapes.grf"));
-    let mut document = Document::of_scene(a.clone(), None);
-    let branch = Branch {
+    let mut document = SceneDocument::of_scene(a.clone(), None);
+    let source_file = SourceFile {
         name: "shapes".into(),
         path: "shapes.grf".into(),
         format: None,
     };
-    let new = document.append(b.clone(), Some(branch.clone()));
+    let new = document.append(b.clone(), Some(source_file.clone()));
     let mut appended = sample();
-    Edit::Append(Box::new(Document::of_scene(b.clone(), Some(branch))))
-        .apply(&mut appended)
-        .unwrap();
+    Edit::Append(Box::new(SceneDocument::of_scene(
+        b.clone(),
+        Some(source_file),
+    )))
+    .apply(&mut appended)
+    .unwrap();
     a.merge(b);
     assert_eq!(document.scene(), a);
     assert_eq!(appended.scene(), a);
     document.scene().validate().unwrap();
     assert!(
         new.iter()
-            .all(|&id| document.item(id).unwrap().branch == Some(0))
+            .all(|&id| document.item(id).unwrap().source_file == Some(0))
     );
-    assert_eq!(document.items[0].branch, None);
+    assert_eq!(document.objects[0].source_file, None);
 }
 
 #[test]
 fn an_empty_document_takes_over_the_units_of_what_joins_it() {
-    let mut document = Document::default();
-    let cornell = Document::of_scene(read("cornell.grf"), None);
+    let mut document = SceneDocument::default();
+    let cornell = SceneDocument::of_scene(read("cornell.grf"), None);
     Edit::Append(Box::new(cornell.clone()))
         .apply(&mut document)
         .unwrap();
@@ -199,8 +202,8 @@ fn things_move_as_a_scene_does() {
     for map in maps {
         let mut scene = sample_scene();
         scene.fog = None;
-        let mut document = Document::of_scene(scene.clone(), None);
-        let all: Vec<Id> = (1..=6).map(Id).collect();
+        let mut document = SceneDocument::of_scene(scene.clone(), None);
+        let all: Vec<ItemId> = (1..=6).map(ItemId).collect();
         let bounds = scene.clone().transformed(&map).bounds();
         Edit::Transform(all, map).apply(&mut document).unwrap();
         assert_eq!(document.scene(), scene.transformed(&map), "{map:?}");
@@ -216,24 +219,24 @@ fn things_move_as_a_scene_does() {
 #[test]
 fn what_is_added_is_valid_in_every_kind_of_units() {
     let kinds = [
-        NewKind::Cuboid,
-        NewKind::Sphere,
-        NewKind::Cylinder,
-        NewKind::Cone,
-        NewKind::Square,
-        NewKind::AreaLight,
-        NewKind::Prism(Outline::regular(7, 0.5).unwrap()),
-        NewKind::Text(Lettering::set("Aç", 0.2, None).unwrap()),
+        NewShapeKind::Cuboid,
+        NewShapeKind::Sphere,
+        NewShapeKind::Cylinder,
+        NewShapeKind::Cone,
+        NewShapeKind::Square,
+        NewShapeKind::AreaLight,
+        NewShapeKind::Prism(PrismOutline::regular(7, 0.5).unwrap()),
+        NewShapeKind::Text(TextLayout::set("Aç", 0.2, None).unwrap()),
     ];
     use azulejo::scene::Up;
     for (up, photometric) in [(Up::Y, false), (Up::Z, true)] {
-        let mut document = Document {
+        let mut document = SceneDocument {
             units: Units {
                 up,
                 photometric,
                 ..Units::default()
             },
-            ..Document::default()
+            ..SceneDocument::default()
         };
         for kind in &kinds {
             let new = NewShape {
@@ -244,32 +247,32 @@ fn what_is_added_is_valid_in_every_kind_of_units() {
             };
             let ids = Edit::AddShape(new).apply(&mut document).unwrap();
             let bounds = document.bounds(Some(&ids));
-            if !matches!(kind, NewKind::Text(_)) {
+            if !matches!(kind, NewShapeKind::Text(_)) {
                 let side = bounds.size().max_element();
                 assert!((side - 2.0).abs() < 1e-9, "{kind:?} of {side}");
             }
-            // It stands on its ground, or hangs in its middle.
+            // It stands on its base or is centred at its position.
             let low = bounds.min.dot(up.axis()) - DVec3::new(1.0, 2.0, 3.0).dot(up.axis());
             assert!(low > -0.6, "{kind:?} goes {low} below its ground");
         }
         document.scene().validate().unwrap();
         assert!(document.has_light());
-        let names: HashSet<&str> = document.items.iter().map(|i| i.name.as_str()).collect();
+        let names: HashSet<&str> = document.objects.iter().map(|i| i.name.as_str()).collect();
         assert_eq!(names.len(), kinds.len());
     }
 }
 
 #[test]
 fn a_lamp_shines_downward() {
-    let mut document = Document::default();
+    let mut document = SceneDocument::default();
     let new = NewShape {
-        kind: NewKind::AreaLight,
+        kind: NewShapeKind::AreaLight,
         at: DVec3::Y,
         size: 1.0,
         material: None,
     };
     Edit::AddShape(new).apply(&mut document).unwrap();
-    let Shape::Primitive(square) = &*document.items[0].shape else {
+    let Shape::Primitive(square) = &*document.objects[0].shape else {
         unreachable!("a lamp is a square")
     };
     let mesh = square.tessellate(&[SurfaceGrid { nu: 1, nv: 1 }]);
@@ -278,7 +281,7 @@ fn a_lamp_shines_downward() {
     assert!(normal.normalize().dot(DVec3::NEG_Y) > 0.999, "{normal}");
 }
 
-/// The light of a document before and after an edit, and after its undoing.
+/// Checks the validity of a solution before and after an edit, and after undoing it.
 fn check_light(edit: Edit, stays: bool) {
     let document = sample();
     let solution = solved_without_solver(&document);
@@ -290,8 +293,8 @@ fn check_light(edit: Edit, stays: bool) {
     assert!(solution.is_of(&document));
 }
 
-/// Light whose values do not matter.
-fn solved_without_solver(document: &Document) -> Solution {
+/// A solution with arbitrary values.
+fn solved_without_solver(document: &SceneDocument) -> Solution {
     static LIGHT: std::sync::OnceLock<Irradiance> = std::sync::OnceLock::new();
     let light = LIGHT.get_or_init(|| light_of(&sample()).0);
     Solution::new(document.clone(), document.scene(), light.clone(), None)
@@ -300,7 +303,7 @@ fn solved_without_solver(document: &Document) -> Solution {
 #[test]
 fn light_is_old_after_edits_that_matter_and_only_those() {
     let document = sample();
-    let (floor, bulb, view) = (Id(1), Id(5), Id(6));
+    let (floor, bulb, view) = (ItemId(1), ItemId(5), ItemId(6));
     let red = Material::diffuse("red", Rgb::new(0.5, 0.1, 0.1));
     let other = Material {
         name: "other".into(),
@@ -314,11 +317,11 @@ fn light_is_old_after_edits_that_matter_and_only_those() {
     for edit in [
         Edit::Delete(vec![floor]),
         Edit::Delete(vec![bulb]),
-        Edit::Duplicate(vec![Id(3)]),
+        Edit::Duplicate(vec![ItemId(3)]),
         Edit::Transform(vec![floor], DAffine3::from_translation(DVec3::X)),
         Edit::Transform(vec![bulb], DAffine3::from_translation(DVec3::X)),
-        Edit::Place(Id(3), DAffine3::from_scale(DVec3::splat(2.0))),
-        Edit::SetShape(Id(3), Arc::new(Shape::Primitive(ball))),
+        Edit::SetPlacement(ItemId(3), DAffine3::from_scale(DVec3::splat(2.0))),
+        Edit::SetShape(ItemId(3), Arc::new(Shape::Primitive(ball))),
         Edit::SetLight(bulb, brighter),
         Edit::SetMaterial(1, red),
         Edit::Assign(vec![floor], 1),
@@ -344,7 +347,7 @@ fn light_is_old_after_edits_that_matter_and_only_those() {
 #[test]
 fn what_does_not_exist_refuses_to_change() {
     let document = sample();
-    let nowhere = Id(99);
+    let nowhere = ItemId(99);
     let camera = document.cameras[0].camera.clone();
     let wrong = Material::diffuse("bright", Rgb::grey(1.5));
     let mut far = Material::diffuse("far", Rgb::grey(0.5));
@@ -353,15 +356,18 @@ fn what_does_not_exist_refuses_to_change() {
     let ball = Shape::Primitive(Primitive::sphere(DVec3::ZERO, 1.0, 9));
     for (edit, said) in [
         (Edit::Rename(nowhere, "x".into()), "no such object"),
-        (Edit::Rename(Id(1), "a\nb".into()), "control characters"),
+        (Edit::Rename(ItemId(1), "a\nb".into()), "control characters"),
         (Edit::Delete(vec![nowhere]), "nothing is selected"),
         (Edit::Duplicate(vec![nowhere]), "nothing is selected"),
-        (Edit::Place(nowhere, DAffine3::IDENTITY), "no such object"),
-        (Edit::Place(Id(1), flat), "flattens"),
-        (Edit::Transform(vec![Id(1)], flat), "flattens"),
-        (Edit::SetShape(Id(1), Arc::new(ball)), "material 9 of 3"),
         (
-            Edit::SetLight(Id(1), document.lights[0].light.clone()),
+            Edit::SetPlacement(nowhere, DAffine3::IDENTITY),
+            "no such object",
+        ),
+        (Edit::SetPlacement(ItemId(1), flat), "flattens"),
+        (Edit::Transform(vec![ItemId(1)], flat), "flattens"),
+        (Edit::SetShape(ItemId(1), Arc::new(ball)), "material 9 of 3"),
+        (
+            Edit::SetLight(ItemId(1), document.lights[0].light.clone()),
             "no such light",
         ),
         (Edit::SetCamera(nowhere, camera.clone()), "no such camera"),
@@ -378,8 +384,8 @@ fn what_does_not_exist_refuses_to_change() {
             Edit::SetMaterial(9, Material::default()),
             "no such material",
         ),
-        (Edit::Assign(vec![Id(1)], 3), "no such material"),
-        (Edit::AssignFaces(Id(1), vec![2], 0), "no such face"),
+        (Edit::Assign(vec![ItemId(1)], 3), "no such material"),
+        (Edit::AssignFaces(ItemId(1), vec![2], 0), "no such face"),
         (Edit::SetBackground(Some(Rgb::grey(-1.0))), "background"),
     ] {
         let mut edited = document.clone();
@@ -397,22 +403,22 @@ fn letters_that_cannot_be_set_are_refused() {
         ("a", f64::NAN, None, "letters NaN deep"),
         ("a", 0.1, Some((&b"no font"[..], "x.ttf")), "x.ttf"),
     ] {
-        let refused = Lettering::set(text, depth, font).unwrap_err().to_string();
+        let refused = TextLayout::set(text, depth, font).unwrap_err().to_string();
         assert!(refused.contains(said), "{refused}");
     }
-    assert!(Lettering::set(&"a".repeat(20_000), 0.1, None).is_err());
+    assert!(TextLayout::set(&"a".repeat(20_000), 0.1, None).is_err());
 }
 
 #[test]
 fn copies_of_many_have_names_of_their_own() {
-    let mut document = Document::of_scene(sample_scene(), None);
-    let all: Vec<Id> = document.items.iter().map(|i| i.id).collect();
+    let mut document = SceneDocument::of_scene(sample_scene(), None);
+    let all: Vec<ItemId> = document.objects.iter().map(|i| i.id).collect();
     for _ in 0..3 {
         Edit::Duplicate(all.clone()).apply(&mut document).unwrap();
     }
-    // One more takes names where there is room, and of two that share a name each its own.
+    // A copy gets a free name, and of two objects with the same name each gets its own.
     let ball = document
-        .items
+        .objects
         .iter()
         .find(|i| i.name == "ball 3")
         .unwrap()
@@ -420,14 +426,14 @@ fn copies_of_many_have_names_of_their_own() {
     Edit::Rename(ball, "ball".into())
         .apply(&mut document)
         .unwrap();
-    let both: Vec<Id> = document
-        .items
+    let both: Vec<ItemId> = document
+        .objects
         .iter()
         .filter(|i| i.name == "ball")
         .map(|i| i.id)
         .collect();
     let copies = Edit::Duplicate(both).apply(&mut document).unwrap();
-    let name = |id: &Id| document.name(*id).unwrap().to_owned();
+    let name = |id: &ItemId| document.name(*id).unwrap().to_owned();
     assert_eq!(
         copies.iter().map(name).collect::<Vec<_>>(),
         ["ball 3", "ball 5"]
@@ -444,7 +450,7 @@ fn radiance_knows_colours_and_textures() {
         pixels: vec![[0.25; 3], [1.0; 3]],
     };
     scene.textures[0].image = Some(image);
-    let document = Document::of_scene(scene, None);
+    let document = SceneDocument::of_scene(scene, None);
     let mut mesh = Mesh {
         positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
         colors: vec![Rgb::WHITE, Rgb::grey(0.5), Rgb::grey(0.5)],
@@ -452,22 +458,26 @@ fn radiance_knows_colours_and_textures() {
     };
     mesh.push_face(&[0, 1, 2], 0);
     let radiance = |mesh: &Mesh, weights: [f64; 3]| {
-        let paint = Paint::at(mesh, 0, [0, 1, 2], weights, true).unwrap();
+        let paint = ShadingPoint::at(mesh, 0, [0, 1, 2], weights, true).unwrap();
         document.radiance(&paint, Rgb::grey(PI)).unwrap().r
     };
     let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
-    // Without coordinates a texture is not seen.
+    // A texture has no effect without texture coordinates.
     near(radiance(&mesh, [1.0, 0.0, 0.0]), 0.5);
     near(radiance(&mesh, [0.0, 1.0, 0.0]), 0.25);
     let uvs = [0.25, 0.75, 0.75].map(|u| DVec2::new(u, 0.5)).to_vec();
     mesh.uvs = Some(Attribute::per_vertex(uvs));
     near(radiance(&mesh, [1.0, 0.0, 0.0]), 0.125);
     near(radiance(&mesh, [0.0, 0.5, 0.5]), 0.25);
-    assert_eq!(Paint::at(&mesh, 1, [0, 1, 2], [1.0, 0.0, 0.0], true), None);
+    assert_eq!(
+        ShadingPoint::at(&mesh, 1, [0, 1, 2], [1.0, 0.0, 0.0], true),
+        None
+    );
 
-    // A lamp shines from its front.
+    // The emitter emits from its front side.
     mesh.face_materials = vec![2];
-    let paint = |is_front| Paint::at(&mesh, 0, [0, 1, 2], [1.0, 0.0, 0.0], is_front).unwrap();
+    let paint =
+        |is_front| ShadingPoint::at(&mesh, 0, [0, 1, 2], [1.0, 0.0, 0.0], is_front).unwrap();
     let own = |is_front| document.radiance(&paint(is_front), Rgb::BLACK);
     assert_eq!(own(true), Some(Rgb::grey(5.0)));
     assert_eq!(own(false), Some(Rgb::BLACK));

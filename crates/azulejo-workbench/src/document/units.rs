@@ -1,14 +1,14 @@
-//! A document in other units.
+//! Conversion of a document to other units.
 
-use super::Document;
+use super::SceneDocument;
 use azulejo::scene::{Primitive, PrimitiveKind, Scene, Shape, Units};
 use glam::DAffine3;
 use std::sync::Arc;
 
-impl Document {
-    /// The document in other units, as [`Scene::adapted`] has it; shapes stay what they are and
-    /// stand elsewhere.
-    pub fn adapted(mut self, units: Units) -> Document {
+impl SceneDocument {
+    /// Converts the document to other units, as [`Scene::adapted`] does; shapes stay as they are
+    /// and only placements change.
+    pub fn adapted(mut self, units: Units) -> SceneDocument {
         if self.units == units {
             return self;
         }
@@ -18,7 +18,7 @@ impl Document {
             _ => DAffine3::IDENTITY,
         };
         if map != DAffine3::IDENTITY {
-            for item in &mut self.items {
+            for item in &mut self.objects {
                 let item = Arc::make_mut(item);
                 item.placement = map * item.placement;
             }
@@ -33,8 +33,8 @@ impl Document {
         self
     }
 
-    /// What changes with the units beside objects, for which one at the origin stands: it goes where
-    /// they go.
+    /// Everything but the objects that depends on the units, with one object at the origin that
+    /// stands for them: its placement gives theirs.
     fn beside_objects(&self) -> Scene {
         let origin = Primitive::new(PrimitiveKind::Cuboid, DAffine3::IDENTITY, 0);
         Scene {
@@ -67,7 +67,7 @@ mod tests {
         };
         let scene = sample_scene();
         for units in [scene.units, centimetres, nobody_says] {
-            let document = Document::of_scene(scene.clone(), None).adapted(units);
+            let document = SceneDocument::of_scene(scene.clone(), None).adapted(units);
             assert_eq!(document.scene(), scene.clone().adapted(units), "{units:?}");
         }
     }

@@ -1,5 +1,5 @@
-//! Colours for numbers, in order of lightness, so that they can be told apart without colour
-//! vision and on paper.
+//! Colour maps with monotonic lightness, so that values can be distinguished with impaired
+//! colour vision and in greyscale prints.
 
 mod tables;
 
@@ -11,7 +11,7 @@ impl ColorMap {
         self.entry((t.clamp(0.0, 1.0) * 255.0).round() as u8)
     }
 
-    /// All 256 colours as RGBA, opaque.
+    /// All 256 colours as opaque RGBA.
     pub(super) fn texels(self) -> Vec<u8> {
         let texel = |i| {
             let [r, g, b] = self.entry(i);

@@ -1,4 +1,4 @@
-//! Opening a graphics card without a window, and hearing of its end.
+//! Opening a graphics device without a window, and detecting its loss.
 
 use super::GpuError;
 use std::future::Future;
@@ -6,25 +6,26 @@ use std::pin::pin;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::task::{Context, Poll, Waker};
 
-/// A card for pictures without a window.
+/// A device for rendering without a window.
 #[derive(Clone, Debug)]
-pub struct Headless {
-    /// Where things are made.
+pub struct HeadlessDevice {
+    /// Creates resources.
     pub device: wgpu::Device,
-    /// Where work is handed in.
+    /// Takes work for the GPU.
     pub queue: wgpu::Queue,
 }
 
-impl Headless {
-    /// Opens the best card for one of `backends`, hardware before software. `WGPU_BACKEND`
-    /// narrows them.
+impl HeadlessDevice {
+    /// Opens the best adapter of one of `backends`, hardware before software. `WGPU_BACKEND`
+    /// narrows the choice.
     ///
     /// # Errors
+    ///
     /// [`GpuError::Missing`] or [`GpuError::Refused`].
-    pub fn open(backends: wgpu::Backends) -> Result<Headless, GpuError> {
+    pub fn open(backends: wgpu::Backends) -> Result<HeadlessDevice, GpuError> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
             backends: wgpu::Backends::from_env().map_or(backends, |b| b & backends),
-            // Without validation: the layers are for developers, and slow.
+            // Without validation layers, which are for developers and slow.
             flags: wgpu::InstanceFlags::empty(),
             ..wgpu::InstanceDescriptor::new_without_display_handle()
         });
@@ -40,10 +41,10 @@ impl Headless {
             }
         }
         let (_, adapter) = best.ok_or(GpuError::Missing { found: names })?;
-        Headless::from_adapter(&adapter)
+        HeadlessDevice::from_adapter(&adapter)
     }
 
-    fn from_adapter(adapter: &wgpu::Adapter) -> Result<Headless, GpuError> {
+    fn from_adapter(adapter: &wgpu::Adapter) -> Result<HeadlessDevice, GpuError> {
         let info = adapter.get_info();
         let base = match info.backend {
             wgpu::Backend::Gl => wgpu::Limits::downlevel_webgl2_defaults(),
@@ -59,11 +60,11 @@ impl Headless {
             name: info.name,
             reason: e.to_string(),
         })?;
-        Ok(Headless { device, queue })
+        Ok(HeadlessDevice { device, queue })
     }
 }
 
-/// Hardware before software, Vulkan before OpenGL.
+/// Rank of an adapter: hardware before software, Vulkan before OpenGL.
 fn rank(info: &wgpu::AdapterInfo) -> u8 {
     let kind = match info.device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
@@ -82,15 +83,15 @@ fn can_draw(adapter: &wgpu::Adapter) -> bool {
         .all(|format| usages(format).contains(wgpu::TextureUsages::RENDER_ATTACHMENT))
 }
 
-/// Hears of the end of a device, and of errors that nobody caught; without it wgpu would panic.
+/// Records uncaptured errors and the loss of a device; without it wgpu would panic.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Listener {
+pub(super) struct DeviceErrors {
     first: Arc<Mutex<Option<GpuError>>>,
 }
 
-impl Listener {
-    pub fn new(device: &wgpu::Device) -> Listener {
-        let listener = Listener::default();
+impl DeviceErrors {
+    pub fn new(device: &wgpu::Device) -> DeviceErrors {
+        let listener = DeviceErrors::default();
         let ear = listener.clone();
         device.set_device_lost_callback(move |reason, message| {
             let reason = format!("{message} ({reason:?})");
@@ -103,7 +104,7 @@ impl Listener {
         listener
     }
 
-    /// Keeps the first error, but for the end of the device, which is the last word.
+    /// Keeps the first error; a device loss overrides any other.
     fn note(&self, error: GpuError) {
         let mut first = self.first.lock().unwrap_or_else(PoisonError::into_inner);
         if first.is_none() || matches!(error, GpuError::Lost { .. }) {
@@ -111,7 +112,7 @@ impl Listener {
         }
     }
 
-    /// The error that came since the last question; a lost device stays lost.
+    /// Returns and clears the error since the last call; a lost device stays lost.
     pub fn check(&self) -> Result<(), GpuError> {
         let mut first = self.first.lock().unwrap_or_else(PoisonError::into_inner);
         match &*first {
@@ -122,8 +123,8 @@ impl Listener {
     }
 }
 
-/// Does something with the device and returns the first error that it meets.
-pub(super) fn guarded<T>(
+/// Runs `work` on the device and returns the first error that it causes.
+pub(super) fn catch_errors<T>(
     device: &wgpu::Device,
     work: impl FnOnce() -> Result<T, GpuError>,
 ) -> Result<T, GpuError> {
@@ -134,7 +135,8 @@ pub(super) fn guarded<T>(
     ];
     let scopes = filters.map(|filter| device.push_error_scope(filter));
     let done = work();
-    // The innermost first: what lacks memory is invalid too, and the reason is the memory.
+    // Innermost scope first: a failed allocation also causes a validation error, and the memory is
+    // the actual reason.
     let mut first = None;
     for scope in scopes.into_iter().rev() {
         first = first.or(now(scope.pop()));
@@ -145,7 +147,7 @@ pub(super) fn guarded<T>(
     }
 }
 
-/// The result of a future that is ready, as wgpu's are on desktop systems.
+/// The result of a future that is ready immediately, as wgpu's are on desktop systems.
 fn now<T>(future: impl Future<Output = Option<T>>) -> Option<T> {
     let mut context = Context::from_waker(Waker::noop());
     match pin!(future).poll(&mut context) {

@@ -1,44 +1,44 @@
-// The viewport: surfaces in all modes, lines, points, background and what lies beside the model.
+// The viewport: surfaces in all shading modes, lines, points, background and overlay.
 //
-// Positions come relative to their object's origin and go straight to clip coordinates, so that
-// scenes far from the world's origin do not shake. The depth is reversed: near / distance.
-// Colours leave as sRGB, because egui shows the texture as it is.
+// Positions are relative to the object's origin and are transformed directly to clip space, so that
+// scenes far from the world origin do not jitter. Depth is reversed: near / distance. Output
+// colours are sRGB, because egui displays the texture as it is.
 
 struct Frame {
     size: vec2f,
     near: f32,
-    // 0 linear, 1 Reinhard, 2 film.
+    // 0 linear, 1 Reinhard, 2 filmic.
     tone: f32,
-    // Up in the space of the view.
+    // Up in view space.
     up: vec3f,
     exposure: f32,
-    // Background below and above, sRGB.
+    // Lower and upper background colours, sRGB.
     lower: vec3f,
-    // 0 gradient, 1 picture with borders, 2 picture once, 3 picture repeated.
+    // 0 gradient, 1 image with borders, 2 single image, 3 tiled image.
     backdrop: f32,
     upper: vec3f,
-    // The luminance that Reinhard's curve makes white.
+    // The luminance that Reinhard's curve maps to white.
     white: f32,
-    // From pixels to coordinates of the picture: factor, offset.
+    // Pixels to texture coordinates of the background image: factor, offset.
     picture: vec4f,
     fog: vec3f,
     // 0 none, 1 exponential, 2 linear.
     fog_kind: f32,
     visibility: f32,
-    // Ends of the scale; logarithms where it is logarithmic.
+    // Ends of the colour scale; their logarithms if it is logarithmic.
     low: f32,
     high: f32,
     bands: f32,
     line: vec4f,
     selection: vec4f,
-    // From the space of the view to directions of the world, columns.
+    // World from view for directions, columns.
     world_x: vec4f,
     world_y: vec4f,
     world_z: vec4f,
     is_logarithmic: f32,
-    // 1 for the luminance, 0 for the mean.
+    // 1 for the luminance, 0 for the mean of the channels.
     is_luminance: f32,
-    // Largest channel of the fog's colour: where light is not exposed, it is a colour.
+    // Largest channel of the fog's colour: without exposure, fog is a normalised colour.
     fog_scale: f32,
     unused: f32,
 }
@@ -46,9 +46,9 @@ struct Frame {
 struct Object {
     clip_from_object: mat4x4f,
     view_from_object: mat4x4f,
-    // The inverse transposed, for normals.
+    // The inverse transpose, for normals.
     view_from_normal: mat4x4f,
-    // sRGB and weight of what is selected.
+    // sRGB colour and weight of the selection tint.
     tint: vec4f,
     light_scale: f32,
     is_solved: f32,
@@ -77,7 +77,7 @@ struct Material {
 
 struct Varying {
     @builtin(position) @invariant clip: vec4f,
-    // In the space of the view.
+    // In view space.
     @location(0) place: vec3f,
     @location(1) normal: vec3f,
     @location(2) light: vec4f,
@@ -85,7 +85,7 @@ struct Varying {
     @location(4) uv: vec2f,
 }
 
-// ---------------------------------------------------------------- corners
+// ---------------------------------------------------------------- vertex shaders
 
 fn unfolded(e: vec2f) -> vec3f {
     let z = 1.0 - abs(e.x) - abs(e.y);
@@ -171,7 +171,7 @@ fn tone_mapped(radiance: vec3f) -> vec3f {
         return c;
     }
     if frame.tone < 1.5 {
-        // In this order nothing overflows.
+        // This order avoids overflow.
         let l = luminance(c);
         return c / (1.0 + l) + c * ((l / (1.0 + l)) / (frame.white * frame.white));
     }
@@ -191,7 +191,7 @@ fn is_front(front_facing: bool) -> bool {
     return front_facing != (object.is_mirrored > 0.5);
 }
 
-// The shading normal of the side that is seen.
+// The shading normal on the visible side.
 fn smooth_normal(in: Varying, front: bool) -> vec3f {
     let flat_normal = facet_normal(in.place);
     let length2 = dot(in.normal, in.normal);
@@ -214,7 +214,7 @@ fn transmittance(place: vec3f) -> f32 {
     return select(left / frame.visibility, exp(-distance / left), frame.fog_kind < 1.5);
 }
 
-// A colour in fog, where light is not exposed.
+// Blends a colour with fog, in modes without exposure.
 fn in_fog(color: vec3f, place: vec3f) -> vec3f {
     return mix(frame.fog / frame.fog_scale, color, transmittance(place));
 }
@@ -223,7 +223,7 @@ fn emitted(front: bool) -> vec3f {
     return select(vec3f(0.0), material.emission, front || material.emits_back > 0.5);
 }
 
-// What a mirror or a highlight would show under a pale sky.
+// What a mirror or a highlight would reflect under a pale sky.
 fn hint(n: vec3f, place: vec3f) -> vec3f {
     let v = normalize(-place);
     let away = reflect(-v, n);
@@ -232,8 +232,8 @@ fn hint(n: vec3f, place: vec3f) -> vec3f {
     return material.mirror * sky + vec3f(material.gloss * highlight);
 }
 
-// Linear colour under a lamp at the eye and a soft sky. The lamp hangs a little over the left
-// shoulder, so that faces which look at the eye differ.
+// Linear colour under a headlight and a soft sky. The headlight is a little above the left
+// shoulder, so that faces which face the camera differ in brightness.
 fn lamp_at_eye(base: vec3f, n: vec3f, place: vec3f, front: bool) -> vec3f {
     let lamp = normalize(normalize(-place) + vec3f(-0.35, 0.3, 0.0));
     let facing = max(dot(n, lamp), 0.0);
@@ -241,27 +241,27 @@ fn lamp_at_eye(base: vec3f, n: vec3f, place: vec3f, front: bool) -> vec3f {
     let e = material.emission;
     let most = max(e.r, max(e.g, e.b));
     let hue = e / max(most, 1e-30);
-    // The back of a lamp, and what is black, must still be found.
+    // The back of an emitter and black surfaces must remain visible.
     let matt = base + 0.1 * hue + 0.015;
     let c = matt * (0.12 + 0.28 * sky + 0.6 * facing) + hint(n, place);
     return select(c, hue, any(emitted(front) > vec3f(0.0)));
 }
 
-// Weakens what is not solved and hatches it.
+// Dims and hatches surfaces without a solution.
 fn hatched(color: vec3f, clip: vec4f) -> vec3f {
     let pale = mix(vec3f(luminance(color)), color, 0.35) * 0.7;
     let stripe = fract((clip.x + clip.y) / 10.0);
     return pale * select(1.0, 0.6, stripe < 0.25);
 }
 
-// What is selected: tinted, more at its outline.
+// Tints selected surfaces, more strongly near the silhouette.
 fn tinted(color: vec3f, n: vec3f, place: vec3f) -> vec4f {
     let rim = 1.0 - abs(dot(n, normalize(place)));
     let weight = object.tint.a * (0.3 + 0.7 * rim * rim);
     return vec4f(mix(color, object.tint.rgb, weight), material.opacity);
 }
 
-// Of what shows numbers, glass lets nothing through.
+// In modes that display values, glass is opaque.
 fn opaque(color: vec3f, n: vec3f, place: vec3f) -> vec4f {
     return vec4f(tinted(color, n, place).rgb, 1.0);
 }
@@ -271,7 +271,7 @@ fn number_of(light: vec3f) -> f32 {
     return select(mean, luminance(light), frame.is_luminance > 0.5);
 }
 
-// Place on the scale, not clamped.
+// Position on the colour scale, not clamped.
 fn place_on_scale(x: f32) -> f32 {
     let y = select(x, log(max(x, 1e-37)), frame.is_logarithmic > 0.5);
     return (y - frame.low) / max(frame.high - frame.low, 1e-37);
@@ -284,7 +284,7 @@ fn mapped(t: f32) -> vec3f {
 
 fn with_isolines(color: vec3f, t: f32) -> vec3f {
     let x = t * frame.bands;
-    // Screen pixels per unit of x give lines of one width.
+    // Dividing by the screen-space derivative of x gives lines of constant width.
     let width = max(fwidth(x), 1e-12);
     let distance = abs(x - round(x)) / width;
     let is_inside = frame.bands > 0.5 && x > 0.5 && x < frame.bands - 0.5;
@@ -293,11 +293,11 @@ fn with_isolines(color: vec3f, t: f32) -> vec3f {
     return mix(color, contrast, 0.8 * weight);
 }
 
-// ---------------------------------------------------------------- pixels
+// ---------------------------------------------------------------- fragment shaders
 
 fn background_at(pixel: vec2f) -> vec3f {
     let uv = pixel * frame.picture.xy + frame.picture.zw;
-    // What is not repeated must not mix its opposite edges.
+    // Without tiling, opposite edges must not blend.
     let half_texel = 0.5 / vec2f(textureDimensions(backdrop));
     let once = clamp(uv, half_texel, 1.0 - half_texel);
     let place = select(once, uv, frame.backdrop > 2.5);
@@ -337,7 +337,7 @@ fn textured(in: Varying, @builtin(front_facing) facing: bool) -> @location(0) ve
     return tinted(srgb(in_fog(c, in.place)), n, in.place);
 }
 
-// The light that leaves a matt surface, as a colour of the screen.
+// The display colour of the radiance leaving a matt surface.
 fn lit(in: Varying, paint: vec3f, n: vec3f, front: bool) -> vec3f {
     let rho = material.diffuse * in.color * paint;
     let radiance = emitted(front) + rho * in.light.rgb * 0.31830988618;
@@ -345,7 +345,7 @@ fn lit(in: Varying, paint: vec3f, n: vec3f, front: bool) -> vec3f {
     let c = tone_mapped(mix(frame.fog, radiance, through));
     let shown = srgb(max(c, through * 0.25 * hint(n, in.place)));
     let lamp = in_fog(lamp_at_eye(rho, n, in.place, front), in.place);
-    // Light is known on fronts; glass has none that could be shown, on either side.
+    // Irradiance is known on front sides; glass has none to display on either side.
     let has_side = front || material.opacity < 1.0;
     let known = object.is_solved > 0.5 && in.light.a > 0.5 && has_side;
     let shines = any(emitted(front) > vec3f(0.0));
@@ -360,7 +360,7 @@ fn irradiance(in: Varying, @builtin(front_facing) facing: bool) -> @location(0) 
     return tinted(lit(in, paint, n, front), n, in.place);
 }
 
-// Faces with light of their own: no normals, no textures.
+// Faces with one value each: no normals, no textures.
 @fragment
 fn patches(in: Varying, @builtin(front_facing) facing: bool) -> @location(0) vec4f {
     let n = facet_normal(in.place);
@@ -382,7 +382,7 @@ fn false_color(in: Varying, @builtin(front_facing) facing: bool) -> @location(0)
     return scaled(in, number_of(in.light.rgb), is_front(facing), true);
 }
 
-// Numbers of faces belong to both their sides.
+// Values of faces apply to both sides.
 @fragment
 fn face_number(in: Varying) -> @location(0) vec4f {
     return scaled(in, in.light.r, true, false);

@@ -1,45 +1,45 @@
-//! What can go wrong with a graphics card, and what to do then.
+//! Errors of the graphics device, and advice on what to do.
 
 use std::fmt;
 
-/// Why there is no picture.
+/// Why nothing can be drawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum GpuError {
-    /// There is no card and no driver that does without one.
+    /// There is neither a GPU nor a software driver.
     Missing {
-        /// Which adapters there are; none of them can draw this.
+        /// The adapters found; none of them is suitable.
         found: Vec<String>,
     },
-    /// The driver refuses to open the card.
+    /// The driver failed to open the adapter.
     Refused {
-        /// The card.
+        /// Name of the adapter.
         name: String,
-        /// What the driver says.
+        /// The driver's error message.
         reason: String,
     },
-    /// The card was unplugged, reset or hung up. A new device must be opened.
+    /// The GPU was unplugged or reset, or it hung. A new device must be opened.
     Lost {
-        /// What the driver says.
+        /// The driver's error message.
         reason: String,
     },
-    /// The card's memory does not suffice.
+    /// The GPU is out of memory.
     OutOfMemory,
-    /// A picture is larger than the card can make.
+    /// The requested image exceeds the limits of the GPU.
     TooLarge {
-        /// What was asked for, pixels.
+        /// Requested size, pixels.
         asked: [u32; 2],
-        /// The most that a side may have.
+        /// Maximum length of a side, pixels.
         most: u32,
     },
-    /// The driver did not take what it was given.
+    /// The driver rejected a call.
     Rejected {
-        /// What the driver says.
+        /// The driver's error message.
         reason: String,
     },
 }
 
-/// What to install where no driver is found.
+/// Advice for systems without a driver.
 const INSTALL: &str = "Install a graphics driver: the card's own, or Mesa's, which also draws on \
                        machines without a card (Debian and Ubuntu: apt install \
                        mesa-vulkan-drivers libvulkan1 libegl1 libgl1-mesa-dri)";

@@ -1,4 +1,4 @@
-//! What is to be drawn, as plain data.
+//! The input of the renderer, as plain data.
 
 use super::Overlay;
 use crate::view::{ColorMap, Fit, Shading};
@@ -8,52 +8,52 @@ use azulejo::scene::{Camera, Fog, Image, Material, Mesh};
 use glam::DAffine3;
 use serde::{Deserialize, Serialize};
 
-/// One picture of the viewport.
+/// One frame of the viewport.
 #[derive(Clone, Debug)]
-pub struct Frame<'a> {
-    /// Width and height, pixels; 0 counts as 1.
+pub struct ViewportFrame<'a> {
+    /// Width and height in pixels; 0 counts as 1.
     pub size: [u32; 2],
-    /// The view.
+    /// The camera.
     pub camera: &'a Camera,
-    /// How surfaces are shown.
+    /// The shading mode.
     pub shading: Shading,
-    /// What is there.
-    pub objects: &'a [Drawn<'a>],
-    /// What faces refer to; a face of a material that is not here is grey.
+    /// The objects to draw.
+    pub objects: &'a [MeshInstance<'a>],
+    /// Faces refer to these; a face with a missing material is grey.
     pub materials: &'a [&'a Material],
-    /// What materials refer to.
-    pub textures: &'a [Picture<'a>],
-    /// What is seen where there is no surface.
+    /// Materials refer to these.
+    pub textures: &'a [TextureSource<'a>],
+    /// The background.
     pub background: Background<'a>,
-    /// Hides what is far, in the modes that look like pictures.
+    /// Fog, applied in modes with realistic shading.
     pub fog: Option<Fog>,
-    /// Lines and triangles beside the model.
+    /// Lines and triangles drawn in addition to the model.
     pub overlay: &'a Overlay,
     /// Multiplies radiance before the tone curve.
     pub exposure: f64,
     /// The tone curve of [`Shading::Irradiance`] and [`Shading::Patches`].
     pub tone: Tone,
-    /// Scale of [`Shading::FalseColor`] and [`Shading::FormFactors`].
-    pub scale: Scale,
-    /// sRGB colour of lines and points.
+    /// The scale of [`Shading::FalseColor`] and [`Shading::FormFactors`].
+    pub scale: ColorScale,
+    /// sRGB colour of edges and points.
     pub line_color: [u8; 3],
-    /// sRGB colour of what is selected.
+    /// sRGB colour of the selection.
     pub selection_color: [u8; 3],
-    /// Whether edges are smoothed, where the driver can.
+    /// Whether edges are antialiased, if the driver supports it.
     pub antialiasing: bool,
-    /// Whether faces are left out that show their back: a look into rooms from outside.
+    /// Whether back faces are culled, which shows the inside of rooms from outside.
     pub hides_backs: bool,
 }
 
-impl<'a> Frame<'a> {
-    /// Objects before a plain background, shaded by Gouraud.
+impl<'a> ViewportFrame<'a> {
+    /// Objects with Gouraud shading in front of a plain background.
     pub fn new(
         size: [u32; 2],
         camera: &'a Camera,
-        objects: &'a [Drawn<'a>],
+        objects: &'a [MeshInstance<'a>],
         materials: &'a [&'a Material],
-    ) -> Frame<'a> {
-        Frame {
+    ) -> ViewportFrame<'a> {
+        ViewportFrame {
             size,
             camera,
             shading: Shading::Gouraud,
@@ -65,7 +65,7 @@ impl<'a> Frame<'a> {
             overlay: Overlay::none(),
             exposure: 1.0,
             tone: Tone::default(),
-            scale: Scale::default(),
+            scale: ColorScale::default(),
             line_color: [225, 228, 232],
             selection_color: [255, 150, 30],
             antialiasing: true,
@@ -76,31 +76,32 @@ impl<'a> Frame<'a> {
 
 /// A placed mesh.
 #[derive(Clone, Copy, Debug)]
-pub struct Drawn<'a> {
-    /// Identity and revision of everything in the mesh but its light. Geometry is uploaded when
-    /// its key is new, and freed when the key was not drawn for a while.
+pub struct MeshInstance<'a> {
+    /// Identity and revision of the mesh except for its irradiance. A new key uploads the geometry;
+    /// it is freed when the key has not been drawn for a while.
     pub key: u64,
     /// Revision of the irradiance.
     pub light_key: u64,
     /// Its polygons.
     pub mesh: &'a Mesh,
-    /// Its place: free to change, nothing is uploaded again.
+    /// Its placement; changing it uploads nothing.
     pub world_from_object: DAffine3,
-    /// A box around its polygons where they are not placed, if that is known: rays that pass by
-    /// ask no polygon.
+    /// Bounding box in object space, if known: picking skips the polygons of objects that the ray
+    /// misses.
     pub bounds: Option<Aabb>,
-    /// Whether it is selected as a whole.
+    /// Whether the whole object is selected.
     pub is_selected: bool,
     /// Selected faces.
     pub selected_faces: &'a [u32],
-    /// One number per face for [`Shading::FormFactors`].
+    /// One value per face for [`Shading::FormFactors`].
     pub face_values: Option<FaceValues<'a>>,
 }
 
-impl<'a> Drawn<'a> {
-    /// A mesh where it is, not selected. `key` counts for its light too.
-    pub fn new(key: u64, mesh: &'a Mesh) -> Drawn<'a> {
-        Drawn {
+impl<'a> MeshInstance<'a> {
+    /// An unselected mesh with the identity as its placement. `key` is also the revision of its
+    /// irradiance.
+    pub fn new(key: u64, mesh: &'a Mesh) -> MeshInstance<'a> {
+        MeshInstance {
             key,
             light_key: key,
             mesh,
@@ -113,28 +114,28 @@ impl<'a> Drawn<'a> {
     }
 }
 
-/// One number for each face.
+/// One value per face.
 #[derive(Clone, Copy, Debug)]
 pub struct FaceValues<'a> {
     /// Their revision.
     pub key: u64,
-    /// As many as faces, >= 0; what is missing or NaN is shown as not known.
+    /// One value for each face, >= 0; missing values and NaN are displayed as unknown.
     pub values: &'a [f32],
 }
 
-/// A picture to draw with.
+/// An image to upload as a texture.
 #[derive(Clone, Copy, Debug)]
-pub struct Picture<'a> {
+pub struct TextureSource<'a> {
     /// Its identity and revision.
     pub key: u64,
     /// Its pixels, if it could be loaded.
     pub image: Option<&'a Image>,
 }
 
-/// Which number of a colour counts.
+/// The scalar computed from a colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Quantity {
+pub enum ColorScalar {
     /// The mean of the channels.
     Mean,
     /// Relative luminance, ITU-R BT.709.
@@ -142,28 +143,28 @@ pub enum Quantity {
     Luminance,
 }
 
-/// How numbers become colours.
+/// A scale that maps values to colours.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Scale {
-    /// The colours.
+pub struct ColorScale {
+    /// The colour map.
     pub map: ColorMap,
-    /// Which number of the irradiance.
-    pub quantity: Quantity,
-    /// The number of the first colour, in the unit of what is shown.
+    /// The scalar computed from the irradiance.
+    pub quantity: ColorScalar,
+    /// The value at the lower end, in the unit of the displayed quantity.
     pub low: f64,
-    /// The number of the last colour.
+    /// The value at the upper end.
     pub high: f64,
-    /// Whether equal steps of colour are equal ratios. Needs 0 < low < high.
+    /// Whether the scale is logarithmic, which requires 0 < low < high.
     pub is_logarithmic: bool,
-    /// Into how many bands lines divide the scale; 0 for no lines.
+    /// Number of bands separated by isolines; 0 for no isolines.
     pub bands: u32,
 }
 
-impl Default for Scale {
-    fn default() -> Scale {
-        Scale {
+impl Default for ColorScale {
+    fn default() -> ColorScale {
+        ColorScale {
             map: ColorMap::default(),
-            quantity: Quantity::default(),
+            quantity: ColorScalar::default(),
             low: 0.0,
             high: 1.0,
             is_logarithmic: false,
@@ -172,9 +173,9 @@ impl Default for Scale {
     }
 }
 
-impl Scale {
-    /// Where `value` stands on the scale: 0 at `low`, 1 at `high`.
-    pub fn place(&self, value: f64) -> f64 {
+impl ColorScale {
+    /// Position of `value` on the scale: 0 at `low`, 1 at `high`.
+    pub fn fraction(&self, value: f64) -> f64 {
         let (a, b, x) = if self.is_logarithmic {
             (self.low.ln(), self.high.ln(), value.ln())
         } else {
@@ -183,7 +184,7 @@ impl Scale {
         if b > a { (x - a) / (b - a) } else { 0.0 }
     }
 
-    /// The number that stands at `place`: the inverse of [`place`](Scale::place).
+    /// The value at a position on the scale: the inverse of [`fraction`](ColorScale::fraction).
     pub fn value(&self, place: f64) -> f64 {
         if self.is_logarithmic {
             (self.low.ln() + place * (self.high / self.low).ln()).exp()
@@ -193,25 +194,25 @@ impl Scale {
     }
 }
 
-/// What is seen where there is no surface. Colours are sRGB.
+/// The background of the viewport. Colours are sRGB.
 #[derive(Clone, Copy, Debug)]
 pub enum Background<'a> {
-    /// One colour.
+    /// A single colour.
     Color([u8; 3]),
-    /// From the lower edge to the upper one.
+    /// A vertical gradient.
     Gradient {
-        /// At the lower edge.
+        /// Colour at the lower edge.
         lower: [u8; 3],
-        /// At the upper edge.
+        /// Colour at the upper edge.
         upper: [u8; 3],
     },
-    /// A picture.
+    /// An image.
     Image {
-        /// Its pixels.
-        picture: Picture<'a>,
-        /// How it fills the view.
+        /// The image.
+        picture: TextureSource<'a>,
+        /// How it fills the viewport.
         fit: Fit,
-        /// What is seen around it.
+        /// Colour around it.
         around: [u8; 3],
     },
 }

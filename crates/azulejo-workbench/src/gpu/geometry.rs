@@ -1,70 +1,69 @@
-//! Meshes in the card's memory.
+//! Meshes in GPU memory.
 //!
-//! What a mode of shading does not need is not there; what it needs is brought when it is first
-//! asked for.
+//! Only the vertex streams that the shading mode needs are uploaded, when they are first needed.
 
 use super::GpuError;
-use super::frame::{Drawn, FaceValues};
-use super::pipelines::Attributes;
-use super::walk::{Piece, walk};
+use super::frame::{FaceValues, MeshInstance};
+use super::mesh_pieces::{MeshPiece, for_each_piece};
+use super::pipelines::VertexAttributes;
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{MaterialId, Mesh, Rgb};
 use bytemuck::Pod;
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
-/// How much may be on its way to the card before it is waited for.
-const MOST_UNDER_WAY: u64 = 64 << 20;
-/// Most triangles of selected faces that are shown.
-const MOST_SELECTED: usize = 1 << 22;
-/// The largest number of light as it is stored: far below the largest half float, 65504.
+/// Limit on data in flight to the GPU before waiting for it, in bytes.
+const MAX_IN_FLIGHT: u64 = 64 << 20;
+/// Limit on the number of highlighted triangles.
+const MAX_SELECTED: usize = 1 << 22;
+/// The value stored for the largest irradiance: far below the largest half float, 65504.
 const BRIGHTEST: f64 = 16384.0;
 
-/// What vertices carry beside their positions, and what else is drawn of a mesh.
+/// The vertex streams that a shading mode needs beside positions, and its other geometry.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct Streams {
+pub struct VertexStreams {
     pub normals: bool,
     pub light: bool,
     pub colors: bool,
     pub uvs: bool,
     pub edges: bool,
-    /// Triangles that share no vertices, so that each face has numbers of its own.
-    pub facets: Facets,
+    /// Triangles that share no vertices, so that each face has a value of its own.
+    pub facets: FacetAttribute,
 }
 
-/// The numbers of faces.
+/// The source of per-face values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum Facets {
+pub enum FacetAttribute {
     #[default]
     None,
-    /// The mean irradiance of their corners.
+    /// The mean irradiance of the corners.
     Light,
-    /// What the frame brings.
+    /// The values in the frame.
     Values,
 }
 
-/// A mesh in the card's memory.
+/// A mesh in GPU memory.
 #[derive(Debug)]
-pub struct Geometry {
-    /// What positions are relative to.
+pub struct GpuMesh {
+    /// The origin that positions are relative to.
     pub origin: DVec3,
-    /// All positions are within it around the origin.
+    /// Radius of a bounding sphere around the origin.
     pub radius: f64,
-    pub pieces: Vec<Buffers>,
-    /// Irradiance of the light number 1; 0 for a mesh without light.
+    pub pieces: Vec<PieceBuffers>,
+    /// Irradiance that the stored value 1 stands for; 0 for a mesh without irradiance.
     pub light_scale: f64,
-    /// What the facet number 1 stands for.
+    /// Value that the stored facet value 1 stands for.
     pub facet_scale: f64,
-    pub selection: Option<Selection>,
-    /// The frame that drew it last.
+    pub selection: Option<SelectionBuffers>,
+    /// The frame in which it was last drawn.
     pub used: u64,
     light_key: Option<u64>,
-    facet_key: Option<(Facets, u64)>,
+    facet_key: Option<(FacetAttribute, u64)>,
 }
 
-/// A piece of a mesh in the card's memory.
+/// The buffers of a piece of a mesh.
 #[derive(Debug)]
-pub struct Buffers {
+pub struct PieceBuffers {
     pub centre: Vec3,
     pub radius: f32,
     pub ranges: Vec<(MaterialId, Range<u32>)>,
@@ -81,26 +80,26 @@ pub struct Buffers {
     pub facet_values: Option<wgpu::Buffer>,
 }
 
-/// Selected faces in the card's memory.
+/// The buffers of the selected faces.
 #[derive(Debug)]
-pub struct Selection {
+pub struct SelectionBuffers {
     pub positions: wgpu::Buffer,
     pub vertex_count: u32,
     faces: Vec<u32>,
 }
 
-/// The way to the card.
-pub struct Loader<'a> {
+/// Uploads data to the GPU.
+pub struct GpuUploader<'a> {
     pub device: &'a wgpu::Device,
     pub queue: &'a wgpu::Queue,
-    /// Bytes brought in all.
+    /// Bytes uploaded in total.
     pub bytes: u64,
     under_way: u64,
 }
 
-impl<'a> Loader<'a> {
-    pub fn new(device: &'a wgpu::Device, queue: &'a wgpu::Queue) -> Loader<'a> {
-        Loader {
+impl<'a> GpuUploader<'a> {
+    pub fn new(device: &'a wgpu::Device, queue: &'a wgpu::Queue) -> GpuUploader<'a> {
+        GpuUploader {
             device,
             queue,
             bytes: 0,
@@ -119,9 +118,9 @@ impl<'a> Loader<'a> {
         self.queue.write_buffer(&buffer, 0, bytes);
         self.bytes += bytes.len() as u64;
         self.under_way += bytes.len() as u64;
-        if self.under_way > MOST_UNDER_WAY {
+        if self.under_way > MAX_IN_FLIGHT {
             self.queue.submit([]);
-            // A lost device is heard of elsewhere.
+            // A lost device is detected elsewhere.
             let _ = self.device.poll(wgpu::PollType::wait_indefinitely());
             self.under_way = 0;
         }
@@ -133,11 +132,11 @@ impl<'a> Loader<'a> {
     }
 }
 
-impl Geometry {
-    /// An empty one for a mesh, to be loaded.
-    pub fn new(mesh: &Mesh) -> Geometry {
+impl GpuMesh {
+    /// Prepares a mesh without uploading anything.
+    pub fn new(mesh: &Mesh) -> GpuMesh {
         let bounds = mesh.bounds();
-        Geometry {
+        GpuMesh {
             origin: bounds.centre(),
             radius: 0.5 * bounds.diagonal(),
             pieces: Vec::new(),
@@ -150,15 +149,15 @@ impl Geometry {
         }
     }
 
-    /// Brings what `wanted` names and is not there, or is there of another revision.
-    pub fn hold(
+    /// Uploads the streams in `wanted` that are missing or out of date.
+    pub fn upload(
         &mut self,
-        drawn: &Drawn,
-        wanted: Streams,
-        loader: &mut Loader,
+        drawn: &MeshInstance,
+        wanted: VertexStreams,
+        loader: &mut GpuUploader,
     ) -> Result<(), GpuError> {
         let mesh = drawn.mesh;
-        let source = Source::new(drawn, wanted.facets);
+        let source = FacetSource::new(drawn, wanted.facets);
         if self.light_key != Some(drawn.light_key) {
             self.pieces.iter_mut().for_each(|p| p.light = None);
             self.light_key = Some(drawn.light_key);
@@ -170,7 +169,7 @@ impl Geometry {
             self.facet_key = facet_key;
             self.facet_scale = source.brightest() / BRIGHTEST;
         }
-        let wanted = Streams {
+        let wanted = VertexStreams {
             normals: wanted.normals && mesh.normals.is_some(),
             light: wanted.light && is_solved(mesh),
             colors: wanted.colors && mesh.colors.len() == mesh.positions.len(),
@@ -182,16 +181,16 @@ impl Geometry {
             return Ok(());
         }
         let mut number = 0;
-        walk(mesh, wanted.edges, |piece| {
+        for_each_piece(mesh, wanted.edges, |piece| {
             if number == self.pieces.len() {
-                let buffers = Buffers::new(mesh, self.origin, piece, loader);
+                let buffers = PieceBuffers::new(mesh, self.origin, piece, loader);
                 self.pieces.push(buffers);
             }
             let scales = [self.light_scale, self.facet_scale];
             let origin = self.origin;
             let buffers = &mut self.pieces[number];
             buffers.complete(mesh, piece, wanted, loader, scales[0]);
-            if wanted.facets != Facets::None {
+            if wanted.facets != FacetAttribute::None {
                 buffers.complete_facets(mesh, piece, origin, &source, scales[1], loader);
             }
             number += 1;
@@ -199,11 +198,11 @@ impl Geometry {
         })
     }
 
-    /// Which attributes have a value for each vertex.
-    pub fn attributes(&self) -> Attributes {
+    /// The attributes that have a value for each vertex.
+    pub fn attributes(&self) -> VertexAttributes {
         self.pieces
             .first()
-            .map_or(Attributes::default(), |p| Attributes {
+            .map_or(VertexAttributes::default(), |p| VertexAttributes {
                 normals: p.normals.is_some(),
                 light: p.light.is_some(),
                 colors: p.colors.is_some(),
@@ -211,7 +210,7 @@ impl Geometry {
             })
     }
 
-    /// Frees triangles that share no vertices: they are the largest thing that a mode asks for.
+    /// Frees the triangles that share no vertices, the largest data of any mode.
     pub fn drop_facets(&mut self) {
         for piece in &mut self.pieces {
             (piece.facets, piece.facet_values) = (None, None);
@@ -219,19 +218,29 @@ impl Geometry {
         self.facet_key = None;
     }
 
-    /// Brings the selected faces, if they changed.
-    pub fn select(&mut self, drawn: &Drawn, loader: &mut Loader) {
+    /// Uploads the selected faces if they have changed.
+    pub fn select(&mut self, drawn: &MeshInstance, loader: &mut GpuUploader) {
         let faces = drawn.selected_faces;
         if faces.is_empty() {
             self.selection = None;
         } else if self.selection.as_ref().is_none_or(|s| s.faces != faces) {
-            self.selection = Some(Selection::new(drawn.mesh, self.origin, faces, loader));
+            self.selection = Some(SelectionBuffers::new(
+                drawn.mesh,
+                self.origin,
+                faces,
+                loader,
+            ));
         }
     }
 }
 
-impl Selection {
-    fn new(mesh: &Mesh, origin: DVec3, faces: &[u32], loader: &mut Loader) -> Selection {
+impl SelectionBuffers {
+    fn new(
+        mesh: &Mesh,
+        origin: DVec3,
+        faces: &[u32],
+        loader: &mut GpuUploader,
+    ) -> SelectionBuffers {
         let mut corners: Vec<[f32; 3]> = Vec::new();
         let mut triangles = Vec::new();
         let known = faces.iter().map(|&f| f as usize);
@@ -241,11 +250,11 @@ impl Selection {
             let vertices = mesh.faces.get(face);
             let all = triangles.iter().flatten();
             corners.extend(all.map(|&k| relative(mesh, vertices[k as usize], origin)));
-            if corners.len() > 3 * MOST_SELECTED {
+            if corners.len() > 3 * MAX_SELECTED {
                 break;
             }
         }
-        Selection {
+        SelectionBuffers {
             vertex_count: corners.len() as u32,
             positions: loader.load(wgpu::BufferUsages::VERTEX, &corners),
             faces: faces.to_vec(),
@@ -253,12 +262,17 @@ impl Selection {
     }
 }
 
-impl Buffers {
-    fn new(mesh: &Mesh, origin: DVec3, piece: &Piece, loader: &mut Loader) -> Buffers {
+impl PieceBuffers {
+    fn new(
+        mesh: &Mesh,
+        origin: DVec3,
+        piece: &MeshPiece,
+        loader: &mut GpuUploader,
+    ) -> PieceBuffers {
         let at = |v: &[u32; 2]| relative(mesh, v[0], origin);
         let bounds = piece.vertices.iter().map(|v| mesh.positions[v[0] as usize]);
         let bounds = Aabb::around(bounds);
-        Buffers {
+        PieceBuffers {
             centre: (bounds.centre() - origin).as_vec3(),
             radius: (0.5 * bounds.diagonal()) as f32,
             ranges: piece.ranges.clone(),
@@ -276,22 +290,22 @@ impl Buffers {
         }
     }
 
-    fn has(&self, wanted: Streams) -> bool {
+    fn has(&self, wanted: VertexStreams) -> bool {
         let facets = self.facets.is_some() && self.facet_values.is_some();
         (!wanted.normals || self.normals.is_some())
             && (!wanted.light || self.light.is_some())
             && (!wanted.colors || self.colors.is_some())
             && (!wanted.uvs || self.uvs.is_some())
             && (!wanted.edges || self.edges.is_some())
-            && (wanted.facets == Facets::None || facets)
+            && (wanted.facets == FacetAttribute::None || facets)
     }
 
     fn complete(
         &mut self,
         mesh: &Mesh,
-        piece: &Piece,
-        wanted: Streams,
-        loader: &mut Loader,
+        piece: &MeshPiece,
+        wanted: VertexStreams,
+        loader: &mut GpuUploader,
         light_scale: f64,
     ) {
         let vertices = piece.vertices.iter();
@@ -320,11 +334,11 @@ impl Buffers {
     fn complete_facets(
         &mut self,
         mesh: &Mesh,
-        piece: &Piece,
+        piece: &MeshPiece,
         origin: DVec3,
-        source: &Source,
+        source: &FacetSource,
         scale: f64,
-        loader: &mut Loader,
+        loader: &mut GpuUploader,
     ) {
         if self.facets.is_none() {
             let corner = |&t: &u32| relative(mesh, piece.vertices[t as usize][0], origin);
@@ -337,53 +351,53 @@ impl Buffers {
     }
 }
 
-/// Where the numbers of faces come from.
-enum Source<'a> {
+/// Where facet values come from.
+enum FacetSource<'a> {
     None,
     Light(&'a Mesh),
     Values(FaceValues<'a>),
 }
 
-impl<'a> Source<'a> {
-    fn new(drawn: &Drawn<'a>, facets: Facets) -> Source<'a> {
+impl<'a> FacetSource<'a> {
+    fn new(drawn: &MeshInstance<'a>, facets: FacetAttribute) -> FacetSource<'a> {
         match (facets, drawn.face_values) {
-            (Facets::Light, _) if is_solved(drawn.mesh) => Source::Light(drawn.mesh),
-            (Facets::Values, Some(values)) => Source::Values(values),
-            _ => Source::None,
+            (FacetAttribute::Light, _) if is_solved(drawn.mesh) => FacetSource::Light(drawn.mesh),
+            (FacetAttribute::Values, Some(values)) => FacetSource::Values(values),
+            _ => FacetSource::None,
         }
     }
 
-    fn key(&self, drawn: &Drawn) -> Option<u64> {
+    fn key(&self, drawn: &MeshInstance) -> Option<u64> {
         match self {
-            // Where nothing is known, another mode's numbers must not stay.
-            Source::None => Some(u64::MAX),
-            Source::Light(_) => Some(drawn.light_key),
-            Source::Values(values) => Some(values.key),
+            // Without values, those of another mode must not remain.
+            FacetSource::None => Some(u64::MAX),
+            FacetSource::Light(_) => Some(drawn.light_key),
+            FacetSource::Values(values) => Some(values.key),
         }
     }
 
     fn brightest(&self) -> f64 {
         match self {
-            Source::None => 0.0,
-            Source::Light(mesh) => brightest(mesh),
-            Source::Values(values) => {
+            FacetSource::None => 0.0,
+            FacetSource::Light(mesh) => brightest(mesh),
+            FacetSource::Values(values) => {
                 let finite = values.values.iter().filter(|v| v.is_finite());
                 positive(f64::from(finite.fold(0f32, |most, &v| most.max(v))))
             }
         }
     }
 
-    /// The number of a face, and whether it is known.
+    /// The value of a face, and whether it is known.
     fn packed(&self, face: u32, scale: f64) -> [u16; 4] {
         let unknown = [0; 4];
         match self {
-            Source::None => unknown,
-            Source::Light(mesh) => {
+            FacetSource::None => unknown,
+            FacetSource::Light(mesh) => {
                 let corners = mesh.faces.get(face as usize);
                 let all = corners.iter().map(|&v| mesh.irradiance[v as usize]);
                 halves(all.sum::<Rgb>() / corners.len() as f64, scale)
             }
-            Source::Values(values) => match values.values.get(face as usize) {
+            FacetSource::Values(values) => match values.values.get(face as usize) {
                 Some(v) if v.is_finite() => halves(Rgb::grey(f64::from(*v)), scale),
                 _ => unknown,
             },
@@ -405,7 +419,7 @@ fn brightest(mesh: &Mesh) -> f64 {
     positive(most)
 }
 
-/// Darkness is a solution too: it is counted in ones.
+/// A solution may be completely dark; use 1 as its unit.
 fn positive(most: f64) -> f64 {
     if most > 0.0 { most } else { 1.0 }
 }
@@ -416,16 +430,16 @@ fn relative(mesh: &Mesh, vertex: u32, origin: DVec3) -> [f32; 3] {
         .to_array()
 }
 
-/// Light in units of `scale` as half floats; the fourth says that it is known.
+/// Irradiance in units of `scale` as half floats; the fourth component marks it as known.
 fn halves(light: Rgb, scale: f64) -> [u16; 4] {
     let part = |x: f64| half(if scale > 0.0 { (x / scale) as f32 } else { 0.0 });
     [part(light.r), part(light.g), part(light.b), half(1.0)]
 }
 
-/// The nearest half float of 0..=65504; 0 for what is less and for NaN.
+/// The nearest half float in 0..=65504; 0 for negative values and NaN.
 fn half(x: f32) -> u16 {
     let x = if x > 0.0 { x.min(65504.0) } else { 0.0 };
-    // 2^-112 takes the bias of the exponent from 127 to 15, and small numbers to subnormal ones.
+    // 2^-112 changes the exponent's bias from 127 to 15 and maps small values to subnormals.
     let bits = (x * f32::from_bits(0x0780_0000)).to_bits();
     ((bits + 0xfff + (bits >> 13 & 1)) >> 13) as u16
 }
@@ -435,8 +449,8 @@ fn bytes(color: Rgb) -> [u8; 4] {
     [byte(color.r), byte(color.g), byte(color.b), 255]
 }
 
-/// A unit vector as a point of the unfolded octahedron: Meyer et al., *On Floating-Point Normal
-/// Vectors*, EGSR 2010. Within 4e-5 rad.
+/// A unit vector in octahedral encoding: Meyer et al., *On Floating-Point Normal Vectors*, EGSR
+/// 2010. Accurate to 4e-5 rad.
 fn octahedral(n: DVec3) -> [i16; 2] {
     let p = n / (n.x.abs() + n.y.abs() + n.z.abs()).max(f64::MIN_POSITIVE);
     let fold = |x: f64, y: f64| (1.0 - y.abs()) * 1f64.copysign(x);

@@ -1,46 +1,48 @@
-//! Pictures of a scene by the graphics card, or by a driver that does without one.
+//! Drawing a scene with the GPU or a software driver.
 //!
-//! Data in, picture out: a [`Frame`] says what is to be seen and how, a [`Renderer`] draws it into
-//! a texture of its own, which egui shows and [`Renderer::read`] reads back. Nothing here knows
-//! the document or the window.
+//! Plain data in, pixels out: a [`ViewportFrame`] describes what to draw, a [`Renderer`] draws it
+//! into a texture of its own, which egui displays and [`Renderer::read`] reads back. Nothing here
+//! depends on the document or the window.
 //!
-//! | module | what it does |
+//! | module | purpose |
 //! |---|---|
-//! | `frame`, `overlay` | what is to be drawn, as plain data |
-//! | `projection` | from the world to the picture, in `f64` |
-//! | `walk`, `geometry` | polygons to vertices and triangles, and these to the card |
-//! | `pictures`, `blocks` | textures and numbers to the card |
-//! | `pipelines`, `draw.wgsl` | what the card runs |
-//! | `pass`, `renderer`, `target` | the order of drawing, and what is drawn into |
-//! | `display` | polygons of exact shapes, as fine as the view shows |
-//! | `pick` | what a ray or a rectangle meets |
-//! | `device`, `error` | opening a card, and what can go wrong |
+//! | `frame`, `overlay` | the input of the renderer, as plain data |
+//! | `projection` | from world space to pixels, in `f64` |
+//! | `mesh_pieces`, `geometry` | polygons to vertices and triangles, and their upload |
+//! | `textures`, `uniforms` | upload of textures and uniform data |
+//! | `pipelines`, `draw.wgsl` | pipelines and shaders |
+//! | `pass`, `renderer`, `target` | the render pass and its target |
+//! | `tessellate` | polygons of exact shapes, as fine as the view requires |
+//! | `pick` | intersection with a ray or a selection rectangle |
+//! | `device`, `error` | opening a device, and its errors |
 
-mod blocks;
 mod color_map;
 mod device;
-mod display;
 mod error;
 mod frame;
 mod geometry;
+mod mesh_pieces;
 mod overlay;
 mod pass;
 mod pick;
-mod pictures;
 mod pipelines;
 mod projection;
 mod renderer;
 mod target;
+mod tessellate;
 #[cfg(test)]
 mod tests;
-mod walk;
+mod textures;
+mod uniforms;
 
-pub use device::Headless;
-pub use display::{chord_error, display_mesh};
+pub use device::HeadlessDevice;
 pub use error::GpuError;
-pub use frame::{Background, Drawn, FaceValues, Frame, Picture, Quantity, Scale};
-pub use overlay::{Ink, Line, Overlay, Triangle};
-pub use pick::{Pick, pick, pick_rectangle};
+pub use frame::{
+    Background, ColorScalar, ColorScale, FaceValues, MeshInstance, TextureSource, ViewportFrame,
+};
+pub use overlay::{Overlay, OverlayLine, OverlayStyle, OverlayTriangle};
+pub use pick::{PickHit, pick, pick_rectangle};
 pub use projection::Projection;
-pub use renderer::{Renderer, Shown, Statistics};
-pub use target::Pixels;
+pub use renderer::{DrawnFrame, RenderStatistics, Renderer};
+pub use target::PixelBuffer;
+pub use tessellate::{chord_error, display_mesh};

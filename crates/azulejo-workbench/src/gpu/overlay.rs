@@ -1,76 +1,77 @@
-//! Lines and triangles beside the model: gizmos, lamps, cameras, marks.
+//! Lines and triangles drawn in addition to the model: gizmos, markers of lights and cameras,
+//! highlights.
 
 use super::projection::Projection;
 use azulejo::scene::math::Aabb;
 use glam::{DAffine3, DVec2, DVec3, DVec4};
 use std::f64::consts::TAU;
 
-/// By how much things that are tested for depth are drawn nearer, so that they lie on surfaces.
+/// Factor by which depth-tested overlays are drawn nearer, so that they are visible on surfaces.
 const NEARER: f64 = 1.0008;
-/// Pieces of a circle.
+/// Segments of a circle.
 const PIECES: u32 = 48;
 
-/// How something of an overlay looks.
+/// Colour and line style of an overlay element.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ink {
+pub struct OverlayStyle {
     /// sRGB and opacity.
     pub color: [u8; 4],
-    /// Width of lines, pixels.
+    /// Line width, pixels.
     pub width: f32,
-    /// Whether it shows through surfaces.
+    /// Whether it is visible through surfaces.
     pub on_top: bool,
 }
 
-impl Ink {
-    /// Opaque lines of some width that surfaces hide.
-    pub fn new([r, g, b]: [u8; 3], width: f32) -> Ink {
-        Ink {
+impl OverlayStyle {
+    /// Opaque lines of the given width that surfaces occlude.
+    pub fn new([r, g, b]: [u8; 3], width: f32) -> OverlayStyle {
+        OverlayStyle {
             color: [r, g, b, 255],
             width,
             on_top: false,
         }
     }
 
-    /// The same through surfaces.
-    pub fn on_top(self) -> Ink {
-        Ink {
+    /// The same style, visible through surfaces.
+    pub fn on_top(self) -> OverlayStyle {
+        OverlayStyle {
             on_top: true,
             ..self
         }
     }
 }
 
-/// A line in the world.
+/// A line segment in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Line {
-    /// One end.
+pub struct OverlayLine {
+    /// Start point.
     pub from: DVec3,
-    /// The other.
+    /// End point.
     pub to: DVec3,
-    /// How it looks.
-    pub ink: Ink,
+    /// Its style.
+    pub ink: OverlayStyle,
 }
 
-/// A triangle in the world, seen from both sides.
+/// A two-sided triangle in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Triangle {
-    /// Its corners.
+pub struct OverlayTriangle {
+    /// Its vertices.
     pub corners: [DVec3; 3],
-    /// How it looks.
-    pub ink: Ink,
+    /// Its style.
+    pub ink: OverlayStyle,
 }
 
-/// What is drawn beside the model.
+/// Everything drawn in addition to the model.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overlay {
-    /// Lines.
-    pub lines: Vec<Line>,
-    /// Triangles, drawn in their order, before the lines.
-    pub triangles: Vec<Triangle>,
+    /// Line segments.
+    pub lines: Vec<OverlayLine>,
+    /// Triangles, drawn in this order, before the lines.
+    pub triangles: Vec<OverlayTriangle>,
 }
 
 impl Overlay {
-    /// Nothing.
+    /// An empty overlay.
     pub fn none() -> &'static Overlay {
         const NONE: &Overlay = &Overlay {
             lines: Vec::new(),
@@ -79,33 +80,33 @@ impl Overlay {
         NONE
     }
 
-    /// A line.
-    pub fn line(&mut self, from: DVec3, to: DVec3, ink: Ink) {
-        self.lines.push(Line { from, to, ink });
+    /// Adds a line segment.
+    pub fn line(&mut self, from: DVec3, to: DVec3, ink: OverlayStyle) {
+        self.lines.push(OverlayLine { from, to, ink });
     }
 
-    /// Lines through points; back to the first if it is closed.
-    pub fn polyline(&mut self, points: &[DVec3], is_closed: bool, ink: Ink) {
+    /// Adds a polyline; closed back to the first point if `is_closed`.
+    pub fn polyline(&mut self, points: &[DVec3], is_closed: bool, ink: OverlayStyle) {
         points.windows(2).for_each(|w| self.line(w[0], w[1], ink));
         if let (true, [first, .., last]) = (is_closed, points) {
             self.line(*last, *first, ink);
         }
     }
 
-    /// A triangle.
-    pub fn triangle(&mut self, corners: [DVec3; 3], ink: Ink) {
-        self.triangles.push(Triangle { corners, ink });
+    /// Adds a triangle.
+    pub fn triangle(&mut self, corners: [DVec3; 3], ink: OverlayStyle) {
+        self.triangles.push(OverlayTriangle { corners, ink });
     }
 
-    /// A filled parallelogram.
-    pub fn parallelogram(&mut self, corner: DVec3, a: DVec3, b: DVec3, ink: Ink) {
+    /// Adds a filled parallelogram.
+    pub fn parallelogram(&mut self, corner: DVec3, a: DVec3, b: DVec3, ink: OverlayStyle) {
         let opposite = corner + a + b;
         self.triangle([corner, corner + a, opposite], ink);
         self.triangle([corner, opposite, corner + b], ink);
     }
 
-    /// A line with a filled head at its end, an eighth of its length.
-    pub fn arrow(&mut self, from: DVec3, to: DVec3, ink: Ink) {
+    /// Adds an arrow; its filled head is an eighth of its length.
+    pub fn arrow(&mut self, from: DVec3, to: DVec3, ink: OverlayStyle) {
         let along = to - from;
         let neck = to - 0.125 * along;
         self.line(from, neck, ink);
@@ -117,8 +118,8 @@ impl Overlay {
         }
     }
 
-    /// The edges of a placed box.
-    pub fn cuboid(&mut self, bounds: Aabb, world_from_object: DAffine3, ink: Ink) {
+    /// Adds the edges of a transformed box.
+    pub fn cuboid(&mut self, bounds: Aabb, world_from_object: DAffine3, ink: OverlayStyle) {
         if bounds.is_empty() {
             return;
         }
@@ -142,15 +143,15 @@ impl Overlay {
         }
     }
 
-    /// A circle around a normal of any length.
-    pub fn circle(&mut self, centre: DVec3, normal: DVec3, radius: f64, ink: Ink) {
+    /// Adds a circle around a normal of any length.
+    pub fn circle(&mut self, centre: DVec3, normal: DVec3, radius: f64, ink: OverlayStyle) {
         self.polyline(&ring(centre, normal, radius, PIECES), true, ink);
     }
 
-    /// The cone of a spot light: `half_angle` from its axis, radians, at most a right angle;
-    /// `along` reaches from the apex to its base.
-    pub fn cone(&mut self, apex: DVec3, along: DVec3, half_angle: f64, ink: Ink) {
-        // Towards a right angle the base would be infinite: there the rays have a fixed length.
+    /// Adds the cone of a spot light: `half_angle` from its axis in radians, at most a right angle;
+    /// `along` is the vector from the apex to the base.
+    pub fn cone(&mut self, apex: DVec3, along: DVec3, half_angle: f64, ink: OverlayStyle) {
+        // Near a right angle the base would become infinite; the slant height is fixed instead.
         let (sin, cos) = half_angle.clamp(0.0, 0.5 * TAU).sin_cos();
         let length = along.length();
         let base = ring(apex + cos * along, along, sin * length, PIECES);
@@ -160,21 +161,21 @@ impl Overlay {
         }
     }
 
-    /// Three lines along the axes through a point, each as long as `size`.
-    pub fn cross(&mut self, centre: DVec3, size: f64, ink: Ink) {
+    /// Adds three lines of length `size` along the axes through a point.
+    pub fn cross(&mut self, centre: DVec3, size: f64, ink: OverlayStyle) {
         for axis in DVec3::AXES {
             self.line(centre - 0.5 * size * axis, centre + 0.5 * size * axis, ink);
         }
     }
 
-    /// Centres and radii of spheres around all lines and triangles.
+    /// Bounding spheres (centre, radius) of all lines and triangles.
     pub(super) fn spheres(&self) -> impl Iterator<Item = (DVec3, f64)> {
         let lines = self.lines.iter().map(|l| around(&[l.from, l.to]));
         lines.chain(self.triangles.iter().map(|t| around(&t.corners)))
     }
 }
 
-/// Centre and radius of a sphere around points.
+/// A bounding sphere (centre, radius) of points.
 fn around(points: &[DVec3]) -> (DVec3, f64) {
     let centre = points.iter().sum::<DVec3>() / points.len() as f64;
     let distances = points.iter().map(|p| p.distance(centre));
@@ -192,8 +193,8 @@ fn ring(centre: DVec3, axis: DVec3, radius: f64, pieces: u32) -> Vec<DVec3> {
     (0..pieces).map(point).collect()
 }
 
-/// Corners of triangles in clip coordinates, five words each: four of the position, one of the
-/// colour. What surfaces hide comes first; also says how many corners these are.
+/// Triangle vertices in clip coordinates, five words each: four for the position, one for the
+/// colour. Occluded elements come first; also returns the number of their vertices.
 pub(super) fn corners(overlay: &Overlay, view: &Projection) -> (Vec<u32>, u32) {
     let mut words = Vec::new();
     let mut hidden = 0;
@@ -218,18 +219,18 @@ pub(super) fn corners(overlay: &Overlay, view: &Projection) -> (Vec<u32>, u32) {
     (words, hidden)
 }
 
-/// Words of a corner.
+/// Words per vertex.
 pub(super) const WORDS: usize = 5;
 
-fn push(words: &mut Vec<u32>, clip: DVec4, nearer: f64, ink: Ink) {
+fn push(words: &mut Vec<u32>, clip: DVec4, nearer: f64, ink: OverlayStyle) {
     let z = (clip.z * nearer).min(clip.w.max(clip.z));
     let place = DVec4::new(clip.x, clip.y, z, clip.w).as_vec4();
     words.extend(place.to_array().map(f32::to_bits));
     words.push(u32::from_le_bytes(ink.color));
 }
 
-/// The four corners of a line of some width; `None` behind the near plane.
-fn ribbon(line: &Line, view: &Projection) -> Option<[DVec4; 4]> {
+/// The four corners of a wide line; `None` if it is behind the near plane.
+fn ribbon(line: &OverlayLine, view: &Projection) -> Option<[DVec4; 4]> {
     let (mut a, mut b) = (view.to_view(line.from), view.to_view(line.to));
     let near = -view.near();
     if a.z > near && b.z > near || !(a + b).is_finite() {

@@ -1,77 +1,77 @@
 //! The order in which a frame is drawn.
 
-use super::blocks::{self, Blocks};
-use super::frame::{Drawn, Frame};
-use super::geometry::{Buffers, Facets, Geometry, Streams};
+use super::frame::{MeshInstance, ViewportFrame};
+use super::geometry::{FacetAttribute, GpuMesh, PieceBuffers, VertexStreams};
 use super::overlay::WORDS;
-use super::pictures::Pictures;
-use super::pipelines::{Attributes, Pipelines, Stage, Way};
+use super::pipelines::{DrawStage, PipelineKey, RenderPipelines, VertexAttributes};
 use super::projection::Projection;
-use super::renderer::Constants;
+use super::renderer::DefaultAttributes;
+use super::textures::TextureCache;
+use super::uniforms::{self, UniformBlocks};
 use crate::view::Shading;
 use glam::DAffine3;
 use std::collections::HashMap;
 
-/// What a mode of shading draws of each mesh.
+/// What a shading mode draws for each mesh.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Plan {
-    pub streams: Streams,
-    /// The function for the pixels of faces.
+pub struct DrawPlan {
+    pub streams: VertexStreams,
+    /// The fragment shader entry point for faces.
     shade: Option<&'static str>,
-    /// Whether faces hide lines and nothing else.
+    /// Whether faces only occlude edges.
     hides: bool,
     points: bool,
 }
 
-impl Plan {
-    pub fn of(shading: Shading) -> Plan {
-        let base = Streams {
+impl DrawPlan {
+    pub fn of(shading: Shading) -> DrawPlan {
+        let base = VertexStreams {
             colors: true,
-            ..Streams::default()
+            ..VertexStreams::default()
         };
-        let smooth = Streams {
+        let smooth = VertexStreams {
             normals: true,
             ..base
         };
-        let surface = |shade, streams| Plan {
+        let surface = |shade, streams| DrawPlan {
             streams,
             shade: Some(shade),
-            ..Plan::default()
+            ..DrawPlan::default()
         };
-        let edges = Streams {
+        let edges = VertexStreams {
             edges: true,
-            ..Streams::default()
+            ..VertexStreams::default()
         };
-        let facets = |facets, edges| Streams {
+        let facets = |facets, edges| VertexStreams {
             facets,
             edges,
-            ..Streams::default()
+            ..VertexStreams::default()
         };
         match shading {
-            Shading::Points => Plan {
+            Shading::Points => DrawPlan {
                 points: true,
-                ..Plan::default()
+                ..DrawPlan::default()
             },
-            Shading::Lines => Plan {
+            Shading::Lines => DrawPlan {
                 streams: edges,
-                ..Plan::default()
+                ..DrawPlan::default()
             },
-            Shading::HiddenLines => Plan {
+            Shading::HiddenLines => DrawPlan {
                 streams: edges,
                 hides: true,
-                ..Plan::default()
+                ..DrawPlan::default()
             },
             Shading::Flat => surface("flat_shade", base),
             Shading::Gouraud => surface("gouraud", smooth),
             Shading::Textured => surface(
                 "textured",
-                Streams {
+                VertexStreams {
                     uvs: true,
                     ..smooth
                 },
             ),
             Shading::Irradiance => {
-                let streams = Streams {
+                let streams = VertexStreams {
                     uvs: true,
                     light: true,
                     ..smooth
@@ -79,17 +79,17 @@ impl Plan {
                 surface("irradiance", streams)
             }
             Shading::FalseColor => {
-                let streams = Streams {
+                let streams = VertexStreams {
                     light: true,
-                    ..Streams::default()
+                    ..VertexStreams::default()
                 };
                 surface("false_color", streams)
             }
-            Shading::Patches => surface("patches", facets(Facets::Light, true)),
-            Shading::FormFactors => surface("face_number", facets(Facets::Values, false)),
+            Shading::Patches => surface("patches", facets(FacetAttribute::Light, true)),
+            Shading::FormFactors => surface("face_number", facets(FacetAttribute::Values, false)),
             Shading::Normals => surface(
                 "directions",
-                Streams {
+                VertexStreams {
                     colors: false,
                     ..smooth
                 },
@@ -98,54 +98,54 @@ impl Plan {
     }
 }
 
-/// An object that can be in the picture.
-pub struct Seen {
-    /// Its place among the frame's objects.
+/// An object that may be visible.
+pub struct VisibleObject {
+    /// Its index among the frame's objects.
     pub index: usize,
     pub view_from: DAffine3,
-    /// By how much its place makes lengths longer, at most.
+    /// Upper bound on how much its placement stretches lengths.
     pub stretch: f64,
 }
 
-/// All that a pass reads.
-pub struct Encoder<'a> {
-    pub frame: &'a Frame<'a>,
+/// Everything that a render pass reads.
+pub struct PassEncoder<'a> {
+    pub frame: &'a ViewportFrame<'a>,
     pub view: Projection,
-    pub plan: Plan,
+    pub plan: DrawPlan,
     pub device: &'a wgpu::Device,
-    pub pipelines: &'a mut Pipelines,
-    pub pictures: &'a Pictures,
-    pub geometries: &'a HashMap<u64, Geometry>,
-    pub objects: &'a Blocks,
-    pub materials: &'a Blocks,
-    pub constants: &'a Constants,
+    pub pipelines: &'a mut RenderPipelines,
+    pub texture_cache: &'a TextureCache,
+    pub geometries: &'a HashMap<u64, GpuMesh>,
+    pub objects: &'a UniformBlocks,
+    pub materials: &'a UniformBlocks,
+    pub constants: &'a DefaultAttributes,
     pub frame_group: &'a wgpu::BindGroup,
-    /// Of each material the key of its texture.
+    /// The texture key of each material.
     pub textures: &'a [Option<Vec<u64>>],
-    pub seen: &'a [Seen],
+    pub seen: &'a [VisibleObject],
     pub ink: &'a wgpu::Buffer,
-    /// How many corners of the ink surfaces can hide.
+    /// Number of overlay vertices that surfaces can occlude.
     pub hidden_ink: u32,
     pub samples: u32,
 }
 
-/// An object, what is drawn of it, and where its numbers are.
-struct One<'a> {
-    drawn: &'a Drawn<'a>,
-    geometry: &'a Geometry,
-    seen: &'a Seen,
+/// An object with its draw stages and the offset of its uniforms.
+struct ObjectDraw<'a> {
+    drawn: &'a MeshInstance<'a>,
+    geometry: &'a GpuMesh,
+    seen: &'a VisibleObject,
     number: u32,
     culled: Option<wgpu::Face>,
 }
 
-impl Encoder<'_> {
-    /// Makes the pipelines that are missing.
+impl PassEncoder<'_> {
+    /// Creates the missing pipelines.
     pub fn prepare(&mut self) {
         let mut ways = vec![
-            self.way(Stage::Background, None),
-            self.way(Stage::Ink { on_top: false }, None),
-            self.way(Stage::Ink { on_top: true }, None),
-            self.way(Stage::Chosen, None),
+            self.way(DrawStage::Background, None),
+            self.way(DrawStage::OverlayStyle { on_top: false }, None),
+            self.way(DrawStage::OverlayStyle { on_top: true }, None),
+            self.way(DrawStage::Chosen, None),
         ];
         for one in self.ones() {
             ways.extend(self.stages(&one).map(|stage| self.way(stage, one.culled)));
@@ -157,7 +157,7 @@ impl Encoder<'_> {
 
     pub fn encode(&self, mut pass: wgpu::RenderPass) {
         pass.set_bind_group(0, self.frame_group, &[]);
-        self.set(&mut pass, Stage::Background, None);
+        self.set(&mut pass, DrawStage::Background, None);
         pass.draw(0..3, 0..1);
         for glass in [false, true] {
             for one in self.ones() {
@@ -177,22 +177,23 @@ impl Encoder<'_> {
         ];
         for (on_top, range) in parts {
             if !range.is_empty() {
-                self.set(&mut pass, Stage::Ink { on_top }, None);
+                self.set(&mut pass, DrawStage::OverlayStyle { on_top }, None);
                 pass.set_vertex_buffer(0, self.ink.slice(..));
                 pass.draw(range, 0..1);
             }
         }
     }
 
-    fn ones(&self) -> impl Iterator<Item = One<'_>> {
+    fn ones(&self) -> impl Iterator<Item = ObjectDraw<'_>> {
         (0..).zip(self.seen).filter_map(|(number, seen)| {
             let drawn = &self.frame.objects[seen.index];
             let is_mirrored = seen.view_from.matrix3.determinant() < 0.0;
-            let culled = match is_mirrored {
-                true => wgpu::Face::Front,
-                false => wgpu::Face::Back,
+            let culled = if is_mirrored {
+                wgpu::Face::Front
+            } else {
+                wgpu::Face::Back
             };
-            Some(One {
+            Some(ObjectDraw {
                 drawn,
                 geometry: self.geometries.get(&drawn.key)?,
                 seen,
@@ -202,56 +203,59 @@ impl Encoder<'_> {
         })
     }
 
-    fn way(&self, stage: Stage, culled: Option<wgpu::Face>) -> Way {
+    fn way(&self, stage: DrawStage, culled: Option<wgpu::Face>) -> PipelineKey {
         let is_faces = !matches!(
             stage,
-            Stage::Background | Stage::Ink { .. } | Stage::Edges { .. } | Stage::Points
+            DrawStage::Background
+                | DrawStage::OverlayStyle { .. }
+                | DrawStage::Edges { .. }
+                | DrawStage::Points
         );
-        Way {
+        PipelineKey {
             stage,
             samples: self.samples,
-            culled: culled.filter(|_| is_faces && stage != Stage::Chosen),
+            culled: culled.filter(|_| is_faces && stage != DrawStage::Chosen),
         }
     }
 
-    /// All stages of an object.
-    fn stages(&self, one: &One) -> impl Iterator<Item = Stage> + use<> {
+    /// All draw stages of an object.
+    fn stages(&self, one: &ObjectDraw) -> impl Iterator<Item = DrawStage> + use<> {
         let has = one.geometry.attributes();
         let faces = [false, true].map(|glass| self.face_stage(has, glass));
         let plan = self.plan;
         let edges = plan.streams.edges.then(|| self.edge_stage());
-        let hides = plan.hides.then_some(Stage::Hiding);
-        let points = plan.points.then_some(Stage::Points);
+        let hides = plan.hides.then_some(DrawStage::Hiding);
+        let points = plan.points.then_some(DrawStage::Points);
         let others = [edges, hides, points];
         faces.into_iter().chain(others).flatten()
     }
 
-    fn face_stage(&self, has: Attributes, is_glass: bool) -> Option<Stage> {
+    fn face_stage(&self, has: VertexAttributes, is_glass: bool) -> Option<DrawStage> {
         let shade = self.plan.shade?;
         Some(match self.plan.streams.facets {
-            Facets::None => Stage::Surface {
+            FacetAttribute::None => DrawStage::Surface {
                 shade,
                 has,
                 is_glass,
             },
-            Facets::Light | Facets::Values => Stage::Facets { shade, is_glass },
+            FacetAttribute::Light | FacetAttribute::Values => DrawStage::Facets { shade, is_glass },
         })
     }
 
-    fn edge_stage(&self) -> Stage {
-        Stage::Edges {
+    fn edge_stage(&self) -> DrawStage {
+        DrawStage::Edges {
             is_faint: self.plan.shade.is_some(),
         }
     }
 
-    fn set(&self, pass: &mut wgpu::RenderPass, stage: Stage, culled: Option<wgpu::Face>) {
+    fn set(&self, pass: &mut wgpu::RenderPass, stage: DrawStage, culled: Option<wgpu::Face>) {
         if let Some(pipeline) = self.pipelines.get(self.way(stage, culled)) {
             pass.set_pipeline(pipeline);
         }
     }
 
-    /// The pieces of an object that can be in the picture.
-    fn pieces<'b>(&self, one: &One<'b>) -> impl Iterator<Item = &'b Buffers> {
+    /// The pieces of an object that may be visible.
+    fn pieces<'b>(&self, one: &ObjectDraw<'b>) -> impl Iterator<Item = &'b PieceBuffers> {
         let (view, seen) = (self.view, one.seen);
         one.geometry.pieces.iter().filter(move |piece| {
             let centre = seen.view_from.transform_point3(piece.centre.as_dvec3());
@@ -259,11 +263,11 @@ impl Encoder<'_> {
         })
     }
 
-    fn set_object(&self, pass: &mut wgpu::RenderPass, one: &One) {
+    fn set_object(&self, pass: &mut wgpu::RenderPass, one: &ObjectDraw) {
         pass.set_bind_group(1, &self.objects.group, &[self.objects.offset(one.number)]);
     }
 
-    fn faces(&self, pass: &mut wgpu::RenderPass, one: &One, glass: bool) {
+    fn faces(&self, pass: &mut wgpu::RenderPass, one: &ObjectDraw, glass: bool) {
         if self.plan.hides && !glass {
             self.hiding(pass, one);
         }
@@ -271,16 +275,17 @@ impl Encoder<'_> {
             return;
         };
         let is_wanted = |material: u32| self.is_glass(material) == glass;
-        let has_wanted = |p: &Buffers| p.ranges.iter().any(|r| is_wanted(r.0));
+        let has_wanted = |p: &PieceBuffers| p.ranges.iter().any(|r| is_wanted(r.0));
         for piece in self.pieces(one).filter(|p| has_wanted(p)) {
             self.set(pass, stage, one.culled);
             self.set_object(pass, one);
             let is_indexed = self.set_corners(pass, piece);
             for (material, range) in piece.ranges.iter().filter(|r| is_wanted(r.0)) {
                 self.set_material(pass, *material);
-                match is_indexed {
-                    true => pass.draw_indexed(range.clone(), 0, 0..1),
-                    false => pass.draw(range.clone(), 0..1),
+                if is_indexed {
+                    pass.draw_indexed(range.clone(), 0, 0..1)
+                } else {
+                    pass.draw(range.clone(), 0..1)
                 }
             }
         }
@@ -292,14 +297,14 @@ impl Encoder<'_> {
             self.frame.shading,
             Shading::Flat | Shading::Gouraud | Shading::Textured | Shading::Irradiance
         );
-        shows_matter && material.is_some_and(|m| blocks::is_glass(m))
+        shows_matter && material.is_some_and(|m| uniforms::is_glass(m))
     }
 
-    /// Says whether the triangles are named by indices.
-    fn set_corners(&self, pass: &mut wgpu::RenderPass, piece: &Buffers) -> bool {
+    /// Binds the vertex buffers; returns whether the triangles are indexed.
+    fn set_corners(&self, pass: &mut wgpu::RenderPass, piece: &PieceBuffers) -> bool {
         let (zeros, ones) = (&self.constants.zeros, &self.constants.ones);
         if let (Some(facets), Some(values)) = (&piece.facets, &piece.facet_values)
-            && self.plan.streams.facets != Facets::None
+            && self.plan.streams.facets != FacetAttribute::None
         {
             let buffers = [facets, zeros, values, ones, zeros];
             for (slot, buffer) in (0..).zip(buffers) {
@@ -322,16 +327,16 @@ impl Encoder<'_> {
     }
 
     fn set_material(&self, pass: &mut wgpu::RenderPass, material: u32) {
-        // The last block is for materials that are not there.
+        // The last block is for missing materials.
         let number = material.min(self.frame.materials.len() as u32);
         let offset = self.materials.offset(number);
         pass.set_bind_group(2, &self.materials.group, &[offset]);
         let key = self.textures.get(number as usize).and_then(Option::as_ref);
-        pass.set_bind_group(3, self.pictures.group(key), &[]);
+        pass.set_bind_group(3, self.texture_cache.group(key), &[]);
     }
 
-    fn hiding(&self, pass: &mut wgpu::RenderPass, one: &One) {
-        self.set(pass, Stage::Hiding, one.culled);
+    fn hiding(&self, pass: &mut wgpu::RenderPass, one: &ObjectDraw) {
+        self.set(pass, DrawStage::Hiding, one.culled);
         self.set_object(pass, one);
         for piece in self.pieces(one) {
             pass.set_vertex_buffer(0, piece.positions.slice(..));
@@ -342,10 +347,10 @@ impl Encoder<'_> {
         }
     }
 
-    fn lines_and_points(&self, pass: &mut wgpu::RenderPass, one: &One) {
+    fn lines_and_points(&self, pass: &mut wgpu::RenderPass, one: &ObjectDraw) {
         for piece in self.pieces(one) {
             if self.plan.points {
-                self.set(pass, Stage::Points, None);
+                self.set(pass, DrawStage::Points, None);
                 self.set_object(pass, one);
                 pass.set_vertex_buffer(0, piece.positions.slice(..));
                 pass.draw(0..4, 0..piece.vertex_count);
@@ -360,11 +365,11 @@ impl Encoder<'_> {
         }
     }
 
-    fn chosen(&self, pass: &mut wgpu::RenderPass, one: &One) {
+    fn chosen(&self, pass: &mut wgpu::RenderPass, one: &ObjectDraw) {
         if let (Some(chosen), false) =
             (&one.geometry.selection, one.drawn.selected_faces.is_empty())
         {
-            self.set(pass, Stage::Chosen, None);
+            self.set(pass, DrawStage::Chosen, None);
             self.set_object(pass, one);
             pass.set_vertex_buffer(0, chosen.positions.slice(..));
             pass.draw(0..chosen.vertex_count, 0..1);

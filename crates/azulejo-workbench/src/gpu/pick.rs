@@ -1,63 +1,62 @@
-//! What a ray or a rectangle of the picture meets, found on the processor in `f64`.
+//! Picking with a ray or a rectangle, on the CPU in `f64`.
 //!
-//! Every triangle is asked: no structure is kept that would have to follow every edit.
+//! All triangles are tested: no acceleration structure has to be updated after every edit.
 
-use super::frame::Drawn;
+use super::frame::MeshInstance;
 use super::projection::Projection;
 use azulejo::scene::Mesh;
 use azulejo::scene::math::{Aabb, Ray};
 use glam::{DAffine3, DVec2, DVec3};
 use rayon::prelude::*;
 
-/// Faces that one task asks.
+/// Number of faces per parallel task.
 const BLOCK: usize = 1 << 14;
 
-/// Where a ray meets the nearest face.
+/// The nearest intersection of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pick {
-    /// Its place among the objects.
+pub struct PickHit {
+    /// Index of the object.
     pub object: usize,
-    /// The face of its mesh.
+    /// Index of the face in its mesh.
     pub face: usize,
-    /// Parameter of the ray, in units of its direction's length.
+    /// Ray parameter, in units of the length of the ray's direction.
     pub distance: f64,
-    /// World position.
+    /// Position in world space.
     pub position: DVec3,
-    /// Vertices of the triangle of the face that is met.
+    /// Vertices of the triangle of the face that was hit.
     pub vertices: [u32; 3],
-    /// Weights of the vertices, which add up to 1.
+    /// Barycentric coordinates for these vertices.
     pub barycentric: DVec3,
-    /// Whether the face shows its front.
+    /// Whether the front side was hit.
     pub is_front: bool,
 }
 
-/// The nearest face that `ray` meets, or `None`. With `hides_backs` faces that show their back are
-/// passed.
-pub fn pick(objects: &[Drawn], ray: &Ray, hides_backs: bool) -> Option<Pick> {
-    let mut nearest: Option<Pick> = None;
+/// The nearest intersection with a face, or `None`. With `hides_backs`, back faces are ignored.
+pub fn pick(objects: &[MeshInstance], ray: &Ray, hides_backs: bool) -> Option<PickHit> {
+    let mut nearest: Option<PickHit> = None;
     for (object, drawn) in objects.iter().enumerate() {
         let mut own = *ray;
         own.t_max = nearest.map_or(ray.t_max, |n| n.distance);
         if let Some(pick) = pick_in(drawn, &own, hides_backs) {
-            nearest = Some(Pick { object, ..pick });
+            nearest = Some(PickHit { object, ..pick });
         }
     }
     nearest
 }
 
-fn pick_in(drawn: &Drawn, ray: &Ray, hides_backs: bool) -> Option<Pick> {
+fn pick_in(drawn: &MeshInstance, ray: &Ray, hides_backs: bool) -> Option<PickHit> {
     let place = drawn.world_from_object;
     let from_world = place.inverse();
     if !from_world.is_finite() {
         return None;
     }
-    // Parameters along the ray are the same in both spaces.
+    // Ray parameters are the same in both spaces.
     let local = Ray {
         origin: from_world.transform_point3(ray.origin),
         direction: from_world.transform_vector3(ray.direction),
         ..*ray
     };
-    if drawn.bounds.is_some_and(|bounds| !touches(bounds, &local)) {
+    if drawn.bounds.is_some_and(|bounds| !hits_box(bounds, &local)) {
         return None;
     }
     let mesh = drawn.mesh;
@@ -66,13 +65,13 @@ fn pick_in(drawn: &Drawn, ray: &Ray, hides_backs: bool) -> Option<Pick> {
         let faces = block * BLOCK..mesh.faces.len().min((block + 1) * BLOCK);
         pick_among(mesh, faces, &local, hides_backs)
     });
-    // Of two at the same distance the first face, however threads come along.
+    // Ties are broken by the face index, so that the result does not depend on the threads.
     let nearest = nearest.min_by(|a, b| {
         let by_distance = a.distance.total_cmp(&b.distance);
         by_distance.then(a.face.cmp(&b.face))
     })?;
     let position = place.transform_point3(local.at(nearest.distance));
-    Some(Pick {
+    Some(PickHit {
         position,
         ..nearest
     })
@@ -83,7 +82,7 @@ fn pick_among(
     faces: std::ops::Range<usize>,
     ray: &Ray,
     hides_backs: bool,
-) -> Option<Pick> {
+) -> Option<PickHit> {
     let mut ray = *ray;
     let mut nearest = None;
     let mut triangles = Vec::new();
@@ -92,18 +91,18 @@ fn pick_among(
         triangles.clear();
         match vertices.len() {
             3 => triangles.push([0, 1, 2]),
-            _ if !touches(around(mesh, vertices), &ray) => continue,
+            _ if !hits_box(around(mesh, vertices), &ray) => continue,
             _ => mesh.triangulate_into(face, &mut triangles),
         }
         for triangle in &triangles {
             let vertices = triangle.map(|k| vertices[k as usize]);
             let corners = vertices.map(|v| mesh.positions[v as usize]);
-            let Some((distance, barycentric, is_front)) = meet(&corners, &ray) else {
+            let Some((distance, barycentric, is_front)) = intersect(&corners, &ray) else {
                 continue;
             };
             if is_front || !hides_backs {
                 ray.t_max = distance;
-                nearest = Some(Pick {
+                nearest = Some(PickHit {
                     object: 0,
                     face,
                     distance,
@@ -122,30 +121,30 @@ fn around(mesh: &Mesh, vertices: &[u32]) -> Aabb {
     Aabb::around(vertices.iter().map(|&v| mesh.positions[v as usize]))
 }
 
-/// Whether a ray meets a box, somewhat widened.
-fn touches(bounds: Aabb, ray: &Ray) -> bool {
+/// Whether a ray hits a slightly enlarged box.
+fn hits_box(bounds: Aabb, ray: &Ray) -> bool {
     let margin = 1e-9 * bounds.diagonal();
     let (mut from, mut to) = (ray.t_min, ray.t_max);
     for axis in 0..3 {
         let inverse = 1.0 / ray.direction[axis];
         let a = (bounds.min[axis] - margin - ray.origin[axis]) * inverse;
         let b = (bounds.max[axis] + margin - ray.origin[axis]) * inverse;
-        // A ray within a plane of the box makes no number, which `max` and `min` leave out.
+        // A ray within a plane of the box yields NaN, which `max` and `min` ignore.
         from = from.max(a.min(b));
         to = to.min(a.max(b));
     }
     from <= to
 }
 
-/// Parameter, weights and whether the front is met: Möller and Trumbore, *Fast, Minimum Storage
-/// Ray/Triangle Intersection*, JGT 2(1), 1997.
-fn meet([a, b, c]: &[DVec3; 3], ray: &Ray) -> Option<(f64, DVec3, bool)> {
+/// Ray parameter, barycentric coordinates and whether the front was hit: Möller and Trumbore,
+/// *Fast, Minimum Storage Ray/Triangle Intersection*, JGT 2(1), 1997.
+fn intersect([a, b, c]: &[DVec3; 3], ray: &Ray) -> Option<(f64, DVec3, bool)> {
     let (ab, ac) = (*b - *a, *c - *a);
     let p = ray.direction.cross(ac);
     let determinant = ab.dot(p);
     let from_a = ray.origin - *a;
     let u = from_a.dot(p) / determinant;
-    // Written so that a triangle without area, which makes no number, is not met.
+    // Written so that a degenerate triangle, which yields NaN, is not hit.
     if !(0.0..=1.0).contains(&u) {
         return None;
     }
@@ -159,10 +158,10 @@ fn meet([a, b, c]: &[DVec3; 3], ray: &Ray) -> Option<(f64, DVec3, bool)> {
     is_within.then_some((t, DVec3::new(1.0 - u - v, u, v), determinant > 0.0))
 }
 
-/// The objects of which a corner lies in a rectangle of the picture, pixels from the upper left
-/// corner, whatever hides them.
+/// The objects with a vertex inside a rectangle of the image (pixels from the upper left corner),
+/// whether occluded or not.
 pub fn pick_rectangle(
-    objects: &[Drawn],
+    objects: &[MeshInstance],
     view: &Projection,
     corner: DVec2,
     opposite: DVec2,
@@ -172,13 +171,13 @@ pub fn pick_rectangle(
         let pixel = view.project(place.transform_point3(p));
         pixel.is_some_and(|q| q.cmpge(low).all() && q.cmple(high).all())
     };
-    let touches = |drawn: &Drawn| {
+    let is_touched = |drawn: &MeshInstance| {
         let mesh = drawn.mesh;
         let corners = mesh.faces.corners.par_iter();
         corners.any(|&v| is_inside(&drawn.world_from_object, mesh.positions[v as usize]))
     };
     let all = objects.iter().enumerate();
-    all.filter(|(_, d)| touches(d)).map(|(k, _)| k).collect()
+    all.filter(|(_, d)| is_touched(d)).map(|(k, _)| k).collect()
 }
 
 #[cfg(test)]
@@ -194,7 +193,7 @@ mod tests {
     #[test]
     fn the_nearest_of_all_is_picked() {
         let (near, far) = (ball(DVec3::Z), ball(-3.0 * DVec3::Z));
-        let objects = [Drawn::new(1, &far), Drawn::new(2, &near)];
+        let objects = [MeshInstance::new(1, &far), MeshInstance::new(2, &near)];
         let ray = Ray::new(DVec3::new(0.1, 0.2, 9.0), -2.0 * DVec3::Z);
         let hit = pick(&objects, &ray, false).expect("a ball");
         assert!(hit.object == 1 && hit.is_front);
@@ -215,12 +214,12 @@ mod tests {
         };
         flat.push_face(&[0, 1, 2], 0);
         for mesh in [mesh, flat, Mesh::default()] {
-            let mut drawn = Drawn::new(1, &mesh);
+            let mut drawn = MeshInstance::new(1, &mesh);
             drawn.world_from_object = DAffine3::from_rotation_translation(
                 glam::DQuat::from_rotation_z(0.4),
                 DVec3::new(5.0, 1.0, -2.0),
             );
-            let boxed = Drawn {
+            let boxed = MeshInstance {
                 bounds: Some(mesh.bounds()),
                 ..drawn
             };
@@ -237,7 +236,7 @@ mod tests {
     fn places_far_away_and_mirrored_count() {
         let mesh = ball(DVec3::ZERO);
         let offset = DVec3::new(3e6, -2e6, 1e6);
-        let mut drawn = Drawn::new(1, &mesh);
+        let mut drawn = MeshInstance::new(1, &mesh);
         drawn.world_from_object = DAffine3::from_scale_rotation_translation(
             DVec3::new(-2.0, 2.0, 2.0),
             glam::DQuat::from_rotation_x(0.3),
@@ -253,7 +252,7 @@ mod tests {
     #[test]
     fn backs_can_be_passed() {
         let mesh = ball(DVec3::ZERO);
-        let drawn = [Drawn::new(1, &mesh)];
+        let drawn = [MeshInstance::new(1, &mesh)];
         let from_inside = Ray::new(DVec3::ZERO, DVec3::new(0.3, 0.2, 1.0));
         let back = pick(&drawn, &from_inside, false).expect("the back");
         assert!(!back.is_front);
@@ -262,14 +261,14 @@ mod tests {
 
     #[test]
     fn polygons_are_met_where_they_are() {
-        // An L: its notch is not met.
+        // An L shape: its notch is not hit.
         let mut mesh = Mesh::default();
         let outline = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)];
         mesh.positions = outline
             .map(|(x, y)| DVec3::new(f64::from(x), f64::from(y), 0.0))
             .to_vec();
         mesh.push_face(&[0, 1, 2, 3, 4, 5], 0);
-        let drawn = [Drawn::new(1, &mesh)];
+        let drawn = [MeshInstance::new(1, &mesh)];
         let met = |x, y| {
             let ray = Ray::new(DVec3::new(x, y, 5.0), -DVec3::Z);
             pick(&drawn, &ray, false).is_some()
@@ -280,7 +279,7 @@ mod tests {
     #[test]
     fn a_rectangle_takes_what_it_touches() {
         let (left, right) = (ball(-2.0 * DVec3::X), ball(2.0 * DVec3::X));
-        let objects = [Drawn::new(1, &left), Drawn::new(2, &right)];
+        let objects = [MeshInstance::new(1, &left), MeshInstance::new(2, &right)];
         let camera = Camera {
             name: String::new(),
             eye: 10.0 * DVec3::Z,

@@ -1,69 +1,69 @@
-//! What the card runs: pipelines of draw.wgsl, each made when it is first wanted.
+//! Render pipelines of draw.wgsl, created on first use.
 
 use super::overlay::WORDS;
-use super::pictures::{sampler_binding, texture_binding};
 use super::target::{COLOR, DEPTH};
+use super::textures::{sampler_binding, texture_binding};
 use std::collections::HashMap;
 
-/// A pipeline by what it does.
+/// Identifies a pipeline by its state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Way {
-    pub stage: Stage,
+pub struct PipelineKey {
+    pub stage: DrawStage,
     pub samples: u32,
-    /// What is left out, seen from the card: with mirrored objects the fronts.
+    /// The culled side in GPU terms: for mirrored objects, the front.
     pub culled: Option<wgpu::Face>,
 }
 
 /// What is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Stage {
+pub enum DrawStage {
     Background,
-    /// Triangles over shared vertices, by the function for their pixels.
+    /// Triangles over shared vertices, with the fragment shader entry point.
     Surface {
         shade: &'static str,
-        has: Attributes,
+        has: VertexAttributes,
         is_glass: bool,
     },
-    /// Triangles of their own.
+    /// Triangles that share no vertices.
     Facets {
         shade: &'static str,
         is_glass: bool,
     },
-    /// Faces that only hide lines.
+    /// Faces that only write depth, to hide edges.
     Hiding,
-    /// Edges; faint ones in front of light.
+    /// Edges; faint over shaded surfaces.
     Edges {
         is_faint: bool,
     },
     Points,
     Chosen,
-    Ink {
+    OverlayStyle {
         on_top: bool,
     },
 }
 
-/// Which attributes have a value for each vertex; the others have one for all.
+/// Which attributes have a value for each vertex; the others are constant.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct Attributes {
+pub struct VertexAttributes {
     pub normals: bool,
     pub light: bool,
     pub colors: bool,
     pub uvs: bool,
 }
 
-pub struct Pipelines {
+pub struct RenderPipelines {
     shader: wgpu::ShaderModule,
     pub frame: wgpu::BindGroupLayout,
-    /// One number block at an offset: objects, and materials.
+    /// One uniform block at a dynamic offset: objects and materials.
     pub block: wgpu::BindGroupLayout,
     with_all: wgpu::PipelineLayout,
     with_object: wgpu::PipelineLayout,
     with_frame: wgpu::PipelineLayout,
-    made: HashMap<Way, wgpu::RenderPipeline>,
+    made: HashMap<PipelineKey, wgpu::RenderPipeline>,
 }
 
-impl Pipelines {
-    pub fn new(device: &wgpu::Device, picture: &wgpu::BindGroupLayout) -> Pipelines {
+impl RenderPipelines {
+    pub fn new(device: &wgpu::Device, picture: &wgpu::BindGroupLayout) -> RenderPipelines {
         let frame = frame_layout(device);
         let block = block_layout(device);
         let layout = |groups: &[Option<&wgpu::BindGroupLayout>]| {
@@ -72,7 +72,7 @@ impl Pipelines {
                 ..wgpu::PipelineLayoutDescriptor::default()
             })
         };
-        Pipelines {
+        RenderPipelines {
             shader: device.create_shader_module(wgpu::include_wgsl!("draw.wgsl")),
             with_all: layout(&[Some(&frame), Some(&block), Some(&block), Some(picture)]),
             with_object: layout(&[Some(&frame), Some(&block)]),
@@ -83,24 +83,24 @@ impl Pipelines {
         }
     }
 
-    /// Makes a pipeline that is not there yet.
-    pub fn prepare(&mut self, device: &wgpu::Device, way: Way) {
+    /// Creates a pipeline that does not exist yet.
+    pub fn prepare(&mut self, device: &wgpu::Device, way: PipelineKey) {
         if !self.made.contains_key(&way) {
             let pipeline = self.make(device, way);
             self.made.insert(way, pipeline);
         }
     }
 
-    /// A pipeline that was prepared.
-    pub fn get(&self, way: Way) -> Option<&wgpu::RenderPipeline> {
+    /// A pipeline created before.
+    pub fn get(&self, way: PipelineKey) -> Option<&wgpu::RenderPipeline> {
         self.made.get(&way)
     }
 
-    fn make(&self, device: &wgpu::Device, way: Way) -> wgpu::RenderPipeline {
-        let recipe = Recipe::of(way.stage);
+    fn make(&self, device: &wgpu::Device, way: PipelineKey) -> wgpu::RenderPipeline {
+        let recipe = PipelineState::of(way.stage);
         let layout = match way.stage {
-            Stage::Surface { .. } | Stage::Facets { .. } => &self.with_all,
-            Stage::Background | Stage::Ink { .. } => &self.with_frame,
+            DrawStage::Surface { .. } | DrawStage::Facets { .. } => &self.with_all,
+            DrawStage::Background | DrawStage::OverlayStyle { .. } => &self.with_frame,
             _ => &self.with_object,
         };
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
@@ -144,8 +144,8 @@ impl Pipelines {
     }
 }
 
-/// What stages differ in.
-struct Recipe {
+/// The state in which stages differ.
+struct PipelineState {
     corner: &'static str,
     shade: &'static str,
     buffers: Vec<Option<wgpu::VertexBufferLayout<'static>>>,
@@ -156,11 +156,11 @@ struct Recipe {
     bias: wgpu::DepthBiasState,
 }
 
-impl Recipe {
-    fn of(stage: Stage) -> Recipe {
+impl PipelineState {
+    fn of(stage: DrawStage) -> PipelineState {
         use wgpu::CompareFunction::{Always, Greater, GreaterEqual};
         use wgpu::PrimitiveTopology as Topology;
-        let usual = Recipe {
+        let usual = PipelineState {
             corner: "same_place",
             shade: "line",
             buffers: vec![Some(position(wgpu::VertexStepMode::Vertex))],
@@ -171,7 +171,7 @@ impl Recipe {
             bias: wgpu::DepthBiasState::default(),
         };
         match stage {
-            Stage::Background => Recipe {
+            DrawStage::Background => PipelineState {
                 corner: "whole_picture",
                 shade: "background",
                 buffers: Vec::new(),
@@ -179,11 +179,11 @@ impl Recipe {
                 writes_depth: false,
                 ..usual
             },
-            Stage::Surface {
+            DrawStage::Surface {
                 shade,
                 has,
                 is_glass,
-            } => Recipe {
+            } => PipelineState {
                 corner: "surface",
                 shade,
                 buffers: surface(has),
@@ -191,41 +191,42 @@ impl Recipe {
                 blends: is_glass,
                 ..usual
             },
-            Stage::Facets { shade, is_glass } => Recipe {
+            DrawStage::Facets { shade, is_glass } => PipelineState {
                 corner: "surface",
                 shade,
-                buffers: surface(Attributes {
+                buffers: surface(VertexAttributes {
                     light: true,
-                    ..Attributes::default()
+                    ..VertexAttributes::default()
                 }),
                 writes_depth: !is_glass,
                 blends: is_glass,
-                // Only where edges lie on them: at outlines it lets backs shine through.
+                // Only under edges that lie on the faces: at silhouettes it would let back faces
+                // show through.
                 bias: match shade {
                     "patches" => backward(),
                     _ => usual.bias,
                 },
                 ..usual
             },
-            Stage::Hiding => Recipe {
+            DrawStage::Hiding => PipelineState {
                 shade: "hidden",
                 bias: backward(),
                 ..usual
             },
-            Stage::Edges { is_faint } => Recipe {
+            DrawStage::Edges { is_faint } => PipelineState {
                 corner: "edge",
                 topology: Topology::LineList,
                 compare: GreaterEqual,
                 blends: is_faint,
                 ..usual
             },
-            Stage::Points => Recipe {
+            DrawStage::Points => PipelineState {
                 corner: "dot_corner",
                 topology: Topology::TriangleStrip,
                 buffers: vec![Some(position(wgpu::VertexStepMode::Instance))],
                 ..usual
             },
-            Stage::Chosen => Recipe {
+            DrawStage::Chosen => PipelineState {
                 corner: "edge",
                 shade: "chosen",
                 compare: GreaterEqual,
@@ -233,7 +234,7 @@ impl Recipe {
                 blends: true,
                 ..usual
             },
-            Stage::Ink { on_top } => Recipe {
+            DrawStage::OverlayStyle { on_top } => PipelineState {
                 corner: "inked",
                 shade: "ink",
                 buffers: vec![Some(inked())],
@@ -246,7 +247,8 @@ impl Recipe {
     }
 }
 
-/// Away from the eye, more on steep faces: their depth changes within the width of a line.
+/// Depth bias away from the camera, larger on steep faces, whose depth changes within the width of
+/// a line.
 fn backward() -> wgpu::DepthBiasState {
     wgpu::DepthBiasState {
         constant: -32,
@@ -271,14 +273,15 @@ fn inked() -> wgpu::VertexBufferLayout<'static> {
     }
 }
 
-/// Five buffers; those that are not there hold one value for all.
-fn surface(has: Attributes) -> Vec<Option<wgpu::VertexBufferLayout<'static>>> {
+/// Five vertex buffers; missing attributes have one constant value.
+fn surface(has: VertexAttributes) -> Vec<Option<wgpu::VertexBufferLayout<'static>>> {
     let optional = |is_there, array_stride, attributes| {
         Some(wgpu::VertexBufferLayout {
             array_stride,
-            step_mode: match is_there {
-                true => wgpu::VertexStepMode::Vertex,
-                false => wgpu::VertexStepMode::Instance,
+            step_mode: if is_there {
+                wgpu::VertexStepMode::Vertex
+            } else {
+                wgpu::VertexStepMode::Instance
             },
             attributes,
         })

@@ -1,31 +1,31 @@
-//! From the world to the picture, in `f64` until the last step.
+//! From world space to pixels, in `f64` until the last step.
 
 use azulejo::scene::Camera;
 use azulejo::scene::math::Ray;
 use glam::{DAffine3, DMat3, DVec2, DVec3, DVec4, Mat4};
 
-/// The nearest plane's share of the farthest distance at least: what the depth buffer of OpenGL,
-/// which is not a float to its last bit, can tell apart.
+/// Minimum ratio of near to far distance: the resolution of an OpenGL depth buffer, which is not a
+/// float to its last bit.
 const NEAREST_SHARE: f64 = 2e-5;
 
-/// A camera in front of a picture of known size.
+/// A camera with an image of known size.
 ///
-/// Space of the view: x right, y up, z backward, the eye at the origin. The depth is the near
-/// distance over the distance: 1 at the near plane, 0 infinitely far.
+/// View space: x right, y up, z backward, the camera at the origin. The depth is the near distance
+/// divided by the distance: 1 at the near plane, 0 at infinity.
 #[derive(Clone, Copy, Debug)]
 pub struct Projection {
     eye: DVec3,
     /// Rows: right, up, backward.
     view_from_world: DMat3,
     near: f64,
-    /// 1 over the half extents at distance 1.
+    /// Reciprocals of the half extents at distance 1.
     scale: DVec2,
     size: DVec2,
 }
 
 impl Projection {
-    /// The view of a camera. A camera that makes no sense (no direction, `up` along the view, no
-    /// field of view) is put right in some way.
+    /// The projection of a camera. Degenerate cameras (no direction, `up` parallel to the view, no
+    /// field of view) are corrected.
     pub fn new(camera: &Camera, size: [u32; 2]) -> Projection {
         let (forward, up) = (camera.target - camera.eye, camera.up);
         let forward = forward.try_normalize().unwrap_or(-DVec3::Z);
@@ -42,9 +42,9 @@ impl Projection {
         }
     }
 
-    /// The same view with its near plane as far as the spheres (centre, radius) of objects allow,
-    /// and those of marks. How far marks reach matters only where there is nothing else. The far
-    /// plane is infinitely far.
+    /// The same projection with the near plane as far away as the bounding spheres (centre, radius)
+    /// of objects and overlays allow. The extent of overlays matters only if there are no objects.
+    /// The far plane is at infinity.
     pub fn around(
         mut self,
         objects: impl IntoIterator<Item = (DVec3, f64)>,
@@ -60,7 +60,7 @@ impl Projection {
         self
     }
 
-    /// The least and the greatest depth of spheres that are not behind the eye.
+    /// The least and greatest depth of the spheres that are not behind the camera.
     fn depths(&self, spheres: impl IntoIterator<Item = (DVec3, f64)>) -> (f64, f64) {
         let (mut nearest, mut farthest) = (f64::INFINITY, 0f64);
         for (centre, radius) in spheres {
@@ -73,13 +73,12 @@ impl Projection {
         (nearest, farthest)
     }
 
-    /// A world position in the space of the view.
+    /// A world position in view space.
     pub fn to_view(&self, p: DVec3) -> DVec3 {
         self.view_from_world * (p - self.eye)
     }
 
-    /// Where a world position is in the picture, pixels from the upper left corner; `None` behind
-    /// the eye.
+    /// Pixel coordinates of a world position from the upper left corner; `None` behind the camera.
     pub fn project(&self, p: DVec3) -> Option<DVec2> {
         let v = self.to_view(p);
         let ndc = DVec2::new(v.x, v.y) * self.scale / -v.z;
@@ -87,8 +86,8 @@ impl Projection {
         (v.z < 0.0).then_some(unit * self.size)
     }
 
-    /// The ray through a point of the picture, pixels from the upper left corner; its direction
-    /// has length 1.
+    /// The ray through a point of the image, in pixels from the upper left corner; its direction is
+    /// normalised.
     pub fn ray(&self, pixel: DVec2) -> Ray {
         let unit = pixel / self.size;
         let ndc = DVec2::new(2.0 * unit.x - 1.0, 1.0 - 2.0 * unit.y);
@@ -96,7 +95,7 @@ impl Projection {
         Ray::new(self.eye, self.view_from_world.transpose() * direction)
     }
 
-    /// World units that a pixel spans at a point; the near distance is the least that counts.
+    /// Size of a pixel at a point in world units; distances below the near plane count as near.
     pub fn pixel_at(&self, p: DVec3) -> f64 {
         let depth = (-self.to_view(p).z).max(self.near);
         2.0 * depth / (self.scale.y * self.size.y)
@@ -110,12 +109,12 @@ impl Projection {
         self.size
     }
 
-    /// The world's axes in the space of the view, as columns.
+    /// The world axes in view space, as columns.
     pub(super) fn rotation(&self) -> DMat3 {
         self.view_from_world
     }
 
-    /// From the space of an object, moved by `origin`, to the space of the view.
+    /// From an object's space, translated by `origin`, to view space.
     pub(super) fn view_from(&self, world_from_object: &DAffine3, origin: DVec3) -> DAffine3 {
         let centre = world_from_object.transform_point3(origin);
         DAffine3 {
@@ -124,7 +123,7 @@ impl Projection {
         }
     }
 
-    /// A position in the space of the view as clip coordinates.
+    /// A view-space position in clip coordinates.
     pub(super) fn clip(&self, v: DVec3) -> DVec4 {
         DVec4::new(v.x * self.scale.x, v.y * self.scale.y, self.near, -v.z)
     }
@@ -141,10 +140,10 @@ impl Projection {
         )
     }
 
-    /// Whether a sphere in the space of the view can be in the picture.
+    /// Whether a sphere in view space may be visible.
     pub(super) fn sees(&self, centre: DVec3, radius: f64) -> bool {
         let beyond = |scale: f64, x: f64| {
-            // Distance to the plane |x| scale = -z, outside positive.
+            // Distance to the plane |x| scale = -z, positive outside.
             (x.abs() * scale + centre.z) / scale.hypot(1.0)
         };
         !(centre.z - radius > -self.near

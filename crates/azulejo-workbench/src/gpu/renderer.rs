@@ -1,86 +1,87 @@
-//! From a frame to its picture.
+//! Drawing a frame.
 
 use super::GpuError;
-use super::blocks::{self, Blocks};
-use super::device::{Listener, guarded};
-use super::frame::{Background, Drawn, Frame, Picture};
-use super::geometry::{Facets, Geometry, Loader};
+use super::device::{DeviceErrors, catch_errors};
+use super::frame::{Background, MeshInstance, TextureSource, ViewportFrame};
+use super::geometry::{FacetAttribute, GpuMesh, GpuUploader};
 use super::overlay;
-use super::pass::{Encoder, Plan, Seen};
-use super::pictures::Pictures;
-use super::pipelines::Pipelines;
+use super::pass::{DrawPlan, PassEncoder, VisibleObject};
+use super::pipelines::RenderPipelines;
 use super::projection::Projection;
-use super::target::{COLOR, Pixels, SAMPLES, Target};
+use super::target::{COLOR, PixelBuffer, RenderTarget, SAMPLES};
+use super::textures::TextureCache;
+use super::uniforms::{self, UniformBlocks};
 use crate::view::ColorMap;
 use std::collections::HashMap;
 
-/// Frames for which what is not drawn any more stays on the card: a light that settles brings
-/// another mesh each second.
+/// Frames after which an unused mesh is freed: while the solver runs, new meshes arrive every
+/// second.
 const PATIENCE: u64 = 2;
 
 /// Draws frames into a texture of its own.
 ///
-/// Meshes stay in the card's memory by their keys. After an error they are brought again by the
-/// next frame; after [`GpuError::Lost`] a new renderer with a new device is needed.
+/// Meshes stay in GPU memory under their keys. After an error they are uploaded again by the next
+/// frame; after [`GpuError::Lost`] a new renderer with a new device is needed.
 pub struct Renderer {
     device: wgpu::Device,
     queue: wgpu::Queue,
-    listener: Listener,
+    listener: DeviceErrors,
     can_smooth: bool,
-    pipelines: Pipelines,
-    pictures: Pictures,
-    geometries: HashMap<u64, Geometry>,
-    target: Option<Target>,
+    pipelines: RenderPipelines,
+    textures: TextureCache,
+    geometries: HashMap<u64, GpuMesh>,
+    target: Option<RenderTarget>,
     frame_block: wgpu::Buffer,
-    object_blocks: Blocks,
-    material_blocks: Blocks,
+    object_blocks: UniformBlocks,
+    material_blocks: UniformBlocks,
     color_map: (ColorMap, wgpu::TextureView),
-    constants: Constants,
+    constants: DefaultAttributes,
     number: u64,
-    statistics: Statistics,
+    statistics: RenderStatistics,
 }
 
-/// One value for all vertices of meshes that lack an attribute.
-pub struct Constants {
+/// Constant values for meshes that lack a vertex attribute.
+pub struct DefaultAttributes {
     pub zeros: wgpu::Buffer,
     pub ones: wgpu::Buffer,
 }
 
-/// The picture of a frame.
+/// The image of a frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Shown<'a> {
-    /// sRGB bytes in the format `Rgba8Unorm`, opaque, as egui takes them.
+pub struct DrawnFrame<'a> {
+    /// Opaque sRGB bytes in the format `Rgba8Unorm`, as egui expects.
     pub view: &'a wgpu::TextureView,
-    /// Whether the view is another one than that of the frame before, so that it must be
-    /// registered again.
+    /// Whether this is another view than that of the previous frame, so that it must be registered
+    /// again.
     pub is_new: bool,
 }
 
-/// What the last frame took.
+/// Costs of the last frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Statistics {
-    /// Objects that can be in the picture.
+pub struct RenderStatistics {
+    /// Number of objects that may be visible.
     pub objects: usize,
-    /// Bytes brought to the card for this frame, uniforms and overlay left out.
+    /// Bytes uploaded for this frame, uniforms and overlay excluded.
     pub bytes_loaded: u64,
-    /// Meshes in the card's memory.
+    /// Meshes in GPU memory.
     pub meshes_held: usize,
 }
 
 impl Renderer {
-    /// A renderer on a card. It listens to the device's end and to its errors, of which wgpu
-    /// would panic.
+    /// Creates a renderer on a device. It handles the device's loss and uncaptured errors, which
+    /// would make wgpu panic.
     ///
     /// # Errors
-    /// [`GpuError::Rejected`] if the driver does not take the shaders, [`GpuError::Lost`].
+    ///
+    /// [`GpuError::Rejected`] if the driver rejects the shaders, or [`GpuError::Lost`].
     pub fn new(device: wgpu::Device, queue: wgpu::Queue) -> Result<Renderer, GpuError> {
-        let listener = Listener::new(&device);
+        let listener = DeviceErrors::new(&device);
         listener.check()?;
-        let can_smooth = guarded(&device, || {
-            Target::new(&device, [4, 4], SAMPLES);
+        let can_smooth = catch_errors(&device, || {
+            RenderTarget::new(&device, [4, 4], SAMPLES);
             Ok(())
         });
-        guarded(&device.clone(), || {
+        catch_errors(&device.clone(), || {
             Ok(Renderer::build(device, queue, listener, can_smooth.is_ok()))
         })
     }
@@ -88,32 +89,32 @@ impl Renderer {
     fn build(
         device: wgpu::Device,
         queue: wgpu::Queue,
-        listener: Listener,
+        listener: DeviceErrors,
         can_smooth: bool,
     ) -> Renderer {
-        let pictures = Pictures::new(&device, &queue);
-        let pipelines = Pipelines::new(&device, pictures.layout());
+        let textures = TextureCache::new(&device, &queue);
+        let pipelines = RenderPipelines::new(&device, textures.layout());
         let frame_block = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("frame"),
-            size: 4 * blocks::FRAME_WORDS as u64,
+            size: 4 * uniforms::FRAME_WORDS as u64,
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
         Renderer {
-            object_blocks: Blocks::new(&device, &pipelines.block, 1),
-            material_blocks: Blocks::new(&device, &pipelines.block, 1),
+            object_blocks: UniformBlocks::new(&device, &pipelines.block, 1),
+            material_blocks: UniformBlocks::new(&device, &pipelines.block, 1),
             color_map: load_map(&device, &queue, ColorMap::default()),
-            constants: Constants::new(&device, &queue),
+            constants: DefaultAttributes::new(&device, &queue),
             geometries: HashMap::new(),
             target: None,
             number: 0,
-            statistics: Statistics::default(),
+            statistics: RenderStatistics::default(),
             device,
             queue,
             listener,
             can_smooth,
             pipelines,
-            pictures,
+            textures,
             frame_block,
         }
     }
@@ -121,9 +122,10 @@ impl Renderer {
     /// Draws a frame.
     ///
     /// # Errors
-    /// [`GpuError::TooLarge`], [`GpuError::OutOfMemory`] (after what is not in the frame was
-    /// freed), [`GpuError::Lost`], [`GpuError::Rejected`].
-    pub fn draw(&mut self, frame: &Frame) -> Result<Shown<'_>, GpuError> {
+    ///
+    /// [`GpuError::TooLarge`], [`GpuError::OutOfMemory`] (after freeing everything that the frame
+    /// does not need), [`GpuError::Lost`] or [`GpuError::Rejected`].
+    pub fn draw(&mut self, frame: &ViewportFrame) -> Result<DrawnFrame<'_>, GpuError> {
         self.listener.check()?;
         let size = frame.size.map(|n| n.max(1));
         let most = self.device.limits().max_texture_dimension_2d;
@@ -131,16 +133,16 @@ impl Renderer {
             return Err(GpuError::TooLarge { asked: size, most });
         }
         let device = self.device.clone();
-        let mut outcome = guarded(&device, || self.try_draw(frame, size));
+        let mut outcome = catch_errors(&device, || self.try_draw(frame, size));
         if outcome == Err(GpuError::OutOfMemory) {
-            // Once more with nothing in the card's memory but what this frame needs.
+            // Retry with nothing in GPU memory but what this frame needs.
             self.forget();
-            outcome = guarded(&device, || self.try_draw(frame, size));
+            outcome = catch_errors(&device, || self.try_draw(frame, size));
         }
         if outcome.is_err() {
             self.forget();
-            // If the device is lost, that is the reason for whatever else went wrong. It is told
-            // while polling, and polling a lost device says no more.
+            // If the device is lost, that is the cause of any other error. Polling reports the
+            // loss; polling a lost device returns nothing else.
             let _ = device.poll(wgpu::PollType::Poll);
             self.listener.check()?;
         }
@@ -148,23 +150,24 @@ impl Renderer {
         self.listener.check()?;
         let view = self.target.as_ref().map(|t| &t.view);
         let view = view.ok_or(GpuError::OutOfMemory)?;
-        Ok(Shown { view, is_new })
+        Ok(DrawnFrame { view, is_new })
     }
 
-    /// Reads the last picture back.
+    /// Reads the last image back.
     ///
     /// # Errors
-    /// [`GpuError::Rejected`] before the first picture, and the errors of [`draw`](Self::draw).
-    pub fn read(&self) -> Result<Pixels, GpuError> {
+    ///
+    /// [`GpuError::Rejected`] before the first frame, and the errors of [`draw`](Self::draw).
+    pub fn read(&self) -> Result<PixelBuffer, GpuError> {
         self.listener.check()?;
         let target = self.target.as_ref().ok_or_else(|| GpuError::Rejected {
             reason: "nothing was drawn yet".to_owned(),
         })?;
-        guarded(&self.device, || target.read(&self.device, &self.queue))
+        catch_errors(&self.device, || target.read(&self.device, &self.queue))
     }
 
-    /// Whether the card is the processor: then pictures without [`Frame::antialiasing`] come about
-    /// three times as fast.
+    /// Whether the adapter is a software rasteriser; frames without
+    /// [`ViewportFrame::antialiasing`] are then about three times as fast.
     pub fn is_software(&self) -> bool {
         let info = self.device.adapter_info();
         let name = info.name.to_lowercase();
@@ -172,39 +175,40 @@ impl Renderer {
         info.device_type == wgpu::DeviceType::Cpu || known.iter().any(|k| name.contains(k))
     }
 
-    /// Whether the card is still there.
+    /// Checks whether the device is still available.
     ///
     /// # Errors
+    ///
     /// [`GpuError::Lost`].
     pub fn check(&self) -> Result<(), GpuError> {
-        // What happened to the device is told when it is asked.
+        // Polling reports a lost device.
         let _ = self.device.poll(wgpu::PollType::Poll);
         self.listener.check()
     }
 
-    /// What the last frame took.
-    pub fn statistics(&self) -> Statistics {
+    /// Costs of the last frame.
+    pub fn statistics(&self) -> RenderStatistics {
         self.statistics
     }
 
-    /// Frees everything that comes with frames.
+    /// Frees all per-frame resources.
     pub fn forget(&mut self) {
         self.geometries.clear();
-        self.pictures.free_before(u64::MAX);
+        self.textures.free_before(u64::MAX);
         self.target = None;
     }
 
-    /// Ends the card as if it were unplugged.
+    /// Destroys the device as if the GPU had been unplugged.
     #[cfg(test)]
     pub(super) fn destroy(&self) {
         self.device.destroy();
     }
 
-    /// Whether the view is new.
-    fn try_draw(&mut self, frame: &Frame, size: [u32; 2]) -> Result<bool, GpuError> {
+    /// Returns whether the texture view is new.
+    fn try_draw(&mut self, frame: &ViewportFrame, size: [u32; 2]) -> Result<bool, GpuError> {
         self.number += 1;
         let is_new = self.resize(frame, size);
-        let plan = Plan::of(frame.shading);
+        let plan = DrawPlan::of(frame.shading);
         if self.color_map.0 != frame.scale.map {
             self.color_map = load_map(&self.device, &self.queue, frame.scale.map);
         }
@@ -213,14 +217,14 @@ impl Renderer {
         let textures = self.load_textures(frame, &plan);
         let backdrop = self.load_backdrop(frame);
         let objects = self.object_blocks(frame, &view, &seen, &plan);
-        let materials: Vec<_> = materials(frame).map(blocks::material).collect();
+        let materials: Vec<_> = materials(frame).map(uniforms::material).collect();
         let layout = &self.pipelines.block;
         self.object_blocks
             .write(&self.device, &self.queue, layout, &objects);
         self.material_blocks
             .write(&self.device, &self.queue, layout, &materials);
         let picture = backdrop.as_ref().and(background_size(&frame.background));
-        let block = blocks::frame(frame, &view, picture);
+        let block = uniforms::frame(frame, &view, picture);
         self.queue
             .write_buffer(&self.frame_block, 0, bytemuck::cast_slice(&block));
         let group = self.frame_group(backdrop.as_ref());
@@ -228,13 +232,13 @@ impl Renderer {
         let Some(target) = &self.target else {
             return Err(GpuError::OutOfMemory);
         };
-        let mut encoder = Encoder {
+        let mut encoder = PassEncoder {
             frame,
             view,
             plan,
             device: &self.device,
             pipelines: &mut self.pipelines,
-            pictures: &self.pictures,
+            texture_cache: &self.textures,
             geometries: &self.geometries,
             objects: &self.object_blocks,
             materials: &self.material_blocks,
@@ -254,44 +258,45 @@ impl Renderer {
         Ok(is_new)
     }
 
-    /// Makes textures of the right kind; says whether they are new.
-    fn resize(&mut self, frame: &Frame, size: [u32; 2]) -> bool {
-        let samples = match frame.antialiasing && self.can_smooth {
-            true => SAMPLES,
-            false => 1,
+    /// Creates the textures of the target; returns whether they are new.
+    fn resize(&mut self, frame: &ViewportFrame, size: [u32; 2]) -> bool {
+        let samples = if frame.antialiasing && self.can_smooth {
+            SAMPLES
+        } else {
+            1
         };
-        let fits = |t: &Target| t.size == size && t.samples == samples;
+        let fits = |t: &RenderTarget| t.size == size && t.samples == samples;
         let is_new = !self.target.as_ref().is_some_and(fits);
         if is_new {
-            // The old textures go first.
+            // Free the old textures first.
             self.target = None;
-            self.target = Some(Target::new(&self.device, size, samples));
+            self.target = Some(RenderTarget::new(&self.device, size, samples));
         }
         is_new
     }
 
-    fn view(&mut self, frame: &Frame, size: [u32; 2]) -> Projection {
+    fn view(&mut self, frame: &ViewportFrame, size: [u32; 2]) -> Projection {
         for drawn in frame.objects {
             let geometry = self.geometries.entry(drawn.key);
-            geometry.or_insert_with(|| Geometry::new(drawn.mesh)).used = self.number;
+            geometry.or_insert_with(|| GpuMesh::new(drawn.mesh)).used = self.number;
         }
         let objects = frame.objects.iter().filter_map(|drawn| {
             let geometry = self.geometries.get(&drawn.key)?;
             Some(sphere(drawn, geometry))
         });
         let view = Projection::new(frame.camera, size);
-        // Marks may stand far away, and must not push the near plane through the model.
+        // Overlays may be far away and must not push the near plane into the model.
         view.around(objects, frame.overlay.spheres())
     }
 
-    /// Brings what can be in the picture.
+    /// Uploads the objects that may be visible.
     fn load(
         &mut self,
-        frame: &Frame,
+        frame: &ViewportFrame,
         view: &Projection,
-        plan: &Plan,
-    ) -> Result<Vec<Seen>, GpuError> {
-        let mut loader = Loader::new(&self.device, &self.queue);
+        plan: &DrawPlan,
+    ) -> Result<Vec<VisibleObject>, GpuError> {
+        let mut loader = GpuUploader::new(&self.device, &self.queue);
         let mut seen = Vec::new();
         for (index, drawn) in frame.objects.iter().enumerate() {
             let Some(geometry) = self.geometries.get_mut(&drawn.key) else {
@@ -301,15 +306,15 @@ impl Renderer {
             if drawn.mesh.faces.is_empty() || !view.sees(view.to_view(centre), radius) {
                 continue;
             }
-            geometry.hold(drawn, plan.streams, &mut loader)?;
+            geometry.upload(drawn, plan.streams, &mut loader)?;
             geometry.select(drawn, &mut loader);
-            seen.push(Seen {
+            seen.push(VisibleObject {
                 index,
                 view_from: view.view_from(&drawn.world_from_object, geometry.origin),
                 stretch: stretch(drawn),
             });
         }
-        self.statistics = Statistics {
+        self.statistics = RenderStatistics {
             objects: seen.len(),
             bytes_loaded: loader.bytes,
             meshes_held: self.geometries.len(),
@@ -317,29 +322,29 @@ impl Renderer {
         Ok(seen)
     }
 
-    /// Of each material the key of its texture.
-    fn load_textures(&mut self, frame: &Frame, plan: &Plan) -> Vec<Option<Vec<u64>>> {
-        let pictures = &mut self.pictures;
+    /// The texture key of each material.
+    fn load_textures(&mut self, frame: &ViewportFrame, plan: &DrawPlan) -> Vec<Option<Vec<u64>>> {
+        let cache = &mut self.textures;
         let mut key = |textures: &[u32]| {
             let known = textures
                 .iter()
                 .filter_map(|&t| frame.textures.get(t as usize));
-            let used: Vec<Picture> = known.copied().collect();
-            pictures.hold(&self.device, &self.queue, &used, self.number)
+            let used: Vec<TextureSource> = known.copied().collect();
+            cache.upload(&self.device, &self.queue, &used, self.number)
         };
         let all = materials(frame).map(|m| m.filter(|_| plan.streams.uvs));
         all.map(|m| m.and_then(|m| key(&m.textures))).collect()
     }
 
-    fn load_backdrop(&mut self, frame: &Frame) -> Option<Vec<u64>> {
+    fn load_backdrop(&mut self, frame: &ViewportFrame) -> Option<Vec<u64>> {
         let Background::Image { picture, .. } = frame.background else {
             return None;
         };
-        self.pictures
-            .hold(&self.device, &self.queue, &[picture], self.number)
+        self.textures
+            .upload(&self.device, &self.queue, &[picture], self.number)
     }
 
-    fn load_overlay(&self, frame: &Frame, view: &Projection) -> (wgpu::Buffer, u32) {
+    fn load_overlay(&self, frame: &ViewportFrame, view: &Projection) -> (wgpu::Buffer, u32) {
         let (words, hidden) = overlay::corners(frame.overlay, view);
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("overlay"),
@@ -354,31 +359,31 @@ impl Renderer {
 
     fn object_blocks(
         &self,
-        frame: &Frame,
+        frame: &ViewportFrame,
         view: &Projection,
-        seen: &[Seen],
-        plan: &Plan,
-    ) -> Vec<[f32; blocks::WORDS]> {
+        seen: &[VisibleObject],
+        plan: &DrawPlan,
+    ) -> Vec<[f32; uniforms::WORDS]> {
         let [r, g, b] = frame.selection_color.map(|x| f32::from(x) / 255.0);
-        let block = |s: &Seen| {
+        let block = |s: &VisibleObject| {
             let drawn = &frame.objects[s.index];
             let geometry = self.geometries.get(&drawn.key)?;
             let tint = [r, g, b, f32::from(u8::from(drawn.is_selected))];
             let scale = match plan.streams.facets {
-                Facets::None => geometry.light_scale,
-                Facets::Light | Facets::Values => geometry.facet_scale,
+                FacetAttribute::None => geometry.light_scale,
+                FacetAttribute::Light | FacetAttribute::Values => geometry.facet_scale,
             };
-            Some(blocks::object(view, &s.view_from, geometry, tint, scale))
+            Some(uniforms::object(view, &s.view_from, geometry, tint, scale))
         };
-        let none = [0.0; blocks::WORDS];
+        let none = [0.0; uniforms::WORDS];
         seen.iter().map(|s| block(s).unwrap_or(none)).collect()
     }
 
     fn frame_group(&mut self, backdrop: Option<&Vec<u64>>) -> wgpu::BindGroup {
-        let sampler = wgpu::BindingResource::Sampler(self.pictures.sampler());
+        let sampler = wgpu::BindingResource::Sampler(self.textures.sampler());
         let resources = [
             self.frame_block.as_entire_binding(),
-            wgpu::BindingResource::TextureView(self.pictures.view(backdrop)),
+            wgpu::BindingResource::TextureView(self.textures.view(backdrop)),
             sampler.clone(),
             wgpu::BindingResource::TextureView(&self.color_map.1),
             sampler,
@@ -394,18 +399,18 @@ impl Renderer {
         })
     }
 
-    fn free(&mut self, plan: &Plan) {
+    fn free(&mut self, plan: &DrawPlan) {
         let oldest = self.number.saturating_sub(PATIENCE);
         self.geometries.retain(|_, g| g.used >= oldest);
-        self.pictures.free_before(oldest);
-        if plan.streams.facets == Facets::None {
-            self.geometries.values_mut().for_each(Geometry::drop_facets);
+        self.textures.free_before(oldest);
+        if plan.streams.facets == FacetAttribute::None {
+            self.geometries.values_mut().for_each(GpuMesh::drop_facets);
         }
     }
 }
 
-impl Constants {
-    fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> Constants {
+impl DefaultAttributes {
+    fn new(device: &wgpu::Device, queue: &wgpu::Queue) -> DefaultAttributes {
         let make = |bytes: [u8; 16]| {
             let buffer = device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("constant attribute"),
@@ -416,33 +421,33 @@ impl Constants {
             queue.write_buffer(&buffer, 0, &bytes);
             buffer
         };
-        Constants {
+        DefaultAttributes {
             zeros: make([0; 16]),
             ones: make([255; 16]),
         }
     }
 }
 
-/// The frame's materials, and last what stands for those that are not there.
+/// The frame's materials, followed by the one that replaces missing materials.
 fn materials<'a>(
-    frame: &'a Frame,
+    frame: &'a ViewportFrame,
 ) -> impl Iterator<Item = Option<&'a azulejo::scene::Material>> + use<'a> {
     frame.materials.iter().map(|&m| Some(m)).chain([None])
 }
 
-/// A sphere around a placed mesh.
-fn sphere(drawn: &Drawn, geometry: &Geometry) -> (glam::DVec3, f64) {
+/// A bounding sphere of a placed mesh.
+fn sphere(drawn: &MeshInstance, geometry: &GpuMesh) -> (glam::DVec3, f64) {
     let centre = drawn.world_from_object.transform_point3(geometry.origin);
     (centre, geometry.radius * stretch(drawn))
 }
 
-/// By how much an object's place makes lengths longer, at most.
-fn stretch(drawn: &Drawn) -> f64 {
+/// Upper bound on how much an object's placement stretches lengths.
+fn stretch(drawn: &MeshInstance) -> f64 {
     let m = drawn.world_from_object.matrix3;
     let columns = [m.x_axis, m.y_axis, m.z_axis];
     let is_rigid = columns.iter().all(|c| (c.length() - 1.0).abs() < 1e-6)
         && (m.determinant().abs() - 1.0).abs() < 1e-6;
-    // The longest image of a unit vector is no longer than the matrix's Frobenius norm.
+    // The image of a unit vector is no longer than the matrix's Frobenius norm.
     let norm = columns
         .iter()
         .map(|c| c.length_squared())

@@ -1,45 +1,46 @@
-//! What is drawn into, and the way back.
+//! The render target and its readback.
 
 use super::GpuError;
 use std::sync::mpsc::channel;
 
-/// What egui shows: bytes that are sRGB already.
+/// The format that egui displays: bytes that are already sRGB.
 pub const COLOR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 pub const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// Samples per pixel where edges are smoothed.
+/// Samples per pixel with antialiasing.
 pub const SAMPLES: u32 = 4;
 
-/// The pixels of a picture.
+/// The pixels of an image.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Pixels {
-    /// Columns.
+pub struct PixelBuffer {
+    /// Width.
     pub width: u32,
-    /// Rows.
+    /// Height.
     pub height: u32,
-    /// sRGB and opacity, which is 255, row by row from the upper left corner.
+    /// sRGB and opacity, which is always 255, row by row from the upper left corner.
     pub rgba: Vec<u8>,
 }
 
-impl Pixels {
+impl PixelBuffer {
     /// The sRGB colour in column `x`, row `y`.
     ///
     /// # Panics
-    /// Outside the picture.
+    ///
+    /// If the position is outside the image.
     pub fn color(&self, x: u32, y: u32) -> [u8; 3] {
         let start = 4 * (y as usize * self.width as usize + x as usize);
         [0, 1, 2].map(|k| self.rgba[start + k])
     }
 
-    /// Without the opacity: three bytes per pixel.
+    /// Without opacity: three bytes per pixel.
     pub fn rgb(&self) -> Vec<u8> {
         let pixels = self.rgba.chunks_exact(4);
         pixels.flat_map(|p| [p[0], p[1], p[2]]).collect()
     }
 }
 
-/// Textures of one size.
-pub struct Target {
+/// Textures of the same size.
+pub struct RenderTarget {
     pub size: [u32; 2],
     pub samples: u32,
     texture: wgpu::Texture,
@@ -48,8 +49,8 @@ pub struct Target {
     depth: wgpu::TextureView,
 }
 
-impl Target {
-    pub fn new(device: &wgpu::Device, size: [u32; 2], samples: u32) -> Target {
+impl RenderTarget {
+    pub fn new(device: &wgpu::Device, size: [u32; 2], samples: u32) -> RenderTarget {
         use wgpu::TextureUsages as Usage;
         let make = |format, samples, usage| {
             device.create_texture(&wgpu::TextureDescriptor {
@@ -67,7 +68,7 @@ impl Target {
         let drawn = Usage::RENDER_ATTACHMENT;
         let shown = Usage::TEXTURE_BINDING | Usage::COPY_SRC;
         let texture = make(COLOR, 1, drawn | shown);
-        Target {
+        RenderTarget {
             size,
             samples,
             view: view(&texture),
@@ -77,7 +78,7 @@ impl Target {
         }
     }
 
-    /// Begins a pass over empty pixels.
+    /// Begins a render pass that clears the target.
     pub fn begin<'a>(&self, encoder: &'a mut wgpu::CommandEncoder) -> wgpu::RenderPass<'a> {
         let (view, resolve_target, store) = match &self.many {
             Some(many) => (many, Some(&self.view), wgpu::StoreOp::Discard),
@@ -97,7 +98,7 @@ impl Target {
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: &self.depth,
                 depth_ops: Some(wgpu::Operations {
-                    // Infinitely far.
+                    // Infinitely far, since depth is reversed.
                     load: wgpu::LoadOp::Clear(0.0),
                     store: wgpu::StoreOp::Discard,
                 }),
@@ -107,8 +108,12 @@ impl Target {
         })
     }
 
-    /// Waits for the picture and copies it.
-    pub fn read(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<Pixels, GpuError> {
+    /// Waits for the image and copies it.
+    pub fn read(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+    ) -> Result<PixelBuffer, GpuError> {
         let [width, height] = self.size;
         let row = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let back = device.create_buffer(&wgpu::BufferDescriptor {
@@ -133,7 +138,7 @@ impl Target {
         queue.submit([encoder.finish()]);
         let rows = mapped(device, &back)?;
         let rgba = rows.chunks_exact(row as usize);
-        Ok(Pixels {
+        Ok(PixelBuffer {
             width,
             height,
             rgba: rgba
@@ -144,12 +149,12 @@ impl Target {
     }
 }
 
-/// The content of a buffer, once the card is done with it.
+/// The content of a buffer after the GPU has finished with it.
 fn mapped(device: &wgpu::Device, buffer: &wgpu::Buffer) -> Result<Vec<u8>, GpuError> {
     let lost = |reason: String| GpuError::Lost { reason };
     let (sender, outcome) = channel();
     buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-        // Nobody waits any more if another error came first.
+        // The receiver is gone if another error came first.
         let _ = sender.send(result);
     });
     let polled = device.poll(wgpu::PollType::wait_indefinitely());

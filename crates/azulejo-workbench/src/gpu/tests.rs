@@ -1,37 +1,37 @@
-//! Pictures, looked at pixel by pixel, on every driver that is there.
+//! Rendered images, checked by pixel on every installed driver.
 
 use super::*;
 use crate::view::{ColorMap, Fit, Shading};
 use azulejo::render::{Tone, srgb_from_linear};
 use azulejo::scene::{Attribute, Camera, Fog, Image, Material, Mesh, Primitive, Rgb, SurfaceGrid};
+use azulejo_testing::Need;
 use glam::{DAffine3, DVec2, DVec3};
 use std::sync::{Mutex, PoisonError};
 
-/// Drivers are tried one after the other: OpenGL's contexts do not like company.
+/// Drivers are tested one after the other: OpenGL contexts do not run well in parallel.
 static GATE: Mutex<()> = Mutex::new(());
 
-/// Runs a test on each interface that has a driver.
+/// Runs a test on each graphics API that has a driver.
 fn on_each_driver(test: impl Fn(&mut Renderer)) {
     let _gate = GATE.lock().unwrap_or_else(PoisonError::into_inner);
     let mut tried = 0;
     for backends in [wgpu::Backends::VULKAN, wgpu::Backends::GL] {
-        let Ok(card) = Headless::open(backends) else {
+        let Ok(card) = HeadlessDevice::open(backends) else {
             continue;
         };
         tried += 1;
         let mut renderer = Renderer::new(card.device, card.queue).expect("shaders are taken");
         test(&mut renderer);
     }
-    if tried == 0 {
-        // A test's output, which is seen where somebody asks for it.
-        #[allow(clippy::print_stderr)]
-        {
-            eprintln!("skipped: no graphics driver");
-        }
-    }
+    let found = if tried > 0 {
+        Ok(())
+    } else {
+        Err("no graphics driver")
+    };
+    let _ = azulejo_testing::require(Need::Gpu, found);
 }
 
-/// A camera on the z axis that looks down it; the picture spans 2 × 2 world units at z = 0.
+/// A camera on the z axis looking along it; the image spans 2 × 2 world units at z = 0.
 fn camera(distance: f64) -> Camera {
     Camera {
         name: String::new(),
@@ -69,21 +69,21 @@ fn sphere() -> Mesh {
 const BLACK: Background = Background::Color([0; 3]);
 const SIZE: [u32; 2] = [64, 64];
 
-fn draw(renderer: &mut Renderer, frame: &Frame) -> Pixels {
+fn draw(renderer: &mut Renderer, frame: &ViewportFrame) -> PixelBuffer {
     renderer.draw(frame).expect("a picture");
     renderer.read().expect("pixels")
 }
 
-/// Draws one mesh, seen from distance 4, after `change`.
+/// Draws one mesh from distance 4, after applying `change` to the frame.
 fn draw_one(
     renderer: &mut Renderer,
     mesh: &Mesh,
     materials: &[&Material],
-    change: impl Fn(&mut Frame),
-) -> Pixels {
-    let drawn = [Drawn::new(1, mesh)];
+    change: impl Fn(&mut ViewportFrame),
+) -> PixelBuffer {
+    let drawn = [MeshInstance::new(1, mesh)];
     let camera = camera(4.0);
-    let mut frame = Frame::new(SIZE, &camera, &drawn, materials);
+    let mut frame = ViewportFrame::new(SIZE, &camera, &drawn, materials);
     frame.background = BLACK;
     change(&mut frame);
     renderer.forget();
@@ -105,7 +105,7 @@ fn byte(linear: f64) -> u8 {
 #[test]
 fn a_sphere_covers_its_disc_in_all_modes_of_faces() {
     let white = Material::diffuse("", Rgb::grey(0.8));
-    // Half the apparent angle of the sphere, and half that of the picture.
+    // Ratio of half the apparent angle of the sphere to half the field of view.
     let apparent = (0.8f64 / 4.0).asin().tan() / 0.25;
     let expected = std::f64::consts::PI * (32.0 * apparent).powi(2);
     on_each_driver(|renderer| {
@@ -136,11 +136,14 @@ fn what_is_nearer_hides_what_is_farther_in_any_order() {
     let camera = camera(4.0);
     on_each_driver(|renderer| {
         for order in [[&near, &far], [&far, &near]] {
-            let drawn = [Drawn::new(1, order[0]), Drawn::new(2, order[1])];
+            let drawn = [
+                MeshInstance::new(1, order[0]),
+                MeshInstance::new(2, order[1]),
+            ];
             renderer.forget();
             let pixels = draw(
                 renderer,
-                &Frame::new(SIZE, &camera, &drawn, &[&red, &green]),
+                &ViewportFrame::new(SIZE, &camera, &drawn, &[&red, &green]),
             );
             assert_near(pixels.color(32, 32), [255, 0, 0], 1, "near");
             assert_near(pixels.color(12, 32), [0, 255, 0], 1, "far");
@@ -198,11 +201,11 @@ fn false_colours_are_those_of_the_map() {
     let white = Material::default();
     on_each_driver(|renderer| {
         for map in ColorMap::ALL {
-            let mut scale = Scale {
+            let mut scale = ColorScale {
                 map,
-                quantity: Quantity::Mean,
+                quantity: ColorScalar::Mean,
                 high: 40.0,
-                ..Scale::default()
+                ..ColorScale::default()
             };
             let linear = draw_one(renderer, &mesh, &[&white], |f| {
                 (f.shading, f.scale) = (Shading::FalseColor, scale);
@@ -231,9 +234,9 @@ fn false_colours_are_those_of_the_map() {
 fn isolines_lie_where_bands_meet() {
     let mut mesh = square(1.0, 0.0, 0);
     mesh.irradiance = [0.0, 1.0, 1.0, 0.0].map(Rgb::grey).to_vec();
-    let scale = Scale {
+    let scale = ColorScale {
         bands: 4,
-        ..Scale::default()
+        ..ColorScale::default()
     };
     on_each_driver(|renderer| {
         let pixels = draw_one(renderer, &mesh, &[], |f| {
@@ -265,7 +268,7 @@ fn hidden_lines_hide_and_lines_do_not() {
     mesh.positions.extend(&behind.positions);
     mesh.uvs = None;
     mesh.push_face(&[4, 5, 6, 7], 0);
-    let inked = |pixels: &Pixels| {
+    let inked = |pixels: &PixelBuffer| {
         let middle = (16..48).flat_map(|y| (16..48).map(move |x| (x, y)));
         middle.filter(|&(x, y)| pixels.color(x, y)[0] > 60).count()
     };
@@ -275,7 +278,7 @@ fn hidden_lines_hide_and_lines_do_not() {
         };
         assert!(count(renderer, Shading::Lines) > 60);
         assert_eq!(count(renderer, Shading::HiddenLines), 0);
-        // The four corners of the hidden one, three pixels wide.
+        // The four corners of the hidden square, three pixels wide.
         assert_eq!(count(renderer, Shading::Points), 4 * 9);
     });
 }
@@ -288,7 +291,7 @@ fn lines_are_seen_on_the_faces_that_they_bound() {
             f.size = [256, 256];
         });
         let bright = pixels.rgba.chunks(4).filter(|p| p[0] > 60).count();
-        // About a thousand edges of ten pixels are in front.
+        // About a thousand edges of ten pixels each are visible.
         assert!((5_000..25_000).contains(&bright), "{bright}");
     });
 }
@@ -305,22 +308,22 @@ fn far_from_the_origin_nothing_shakes() {
         let here = draw_one(renderer, &near, &[&white], |_| {});
         let mut there = camera(4.0);
         (there.eye, there.target) = (there.eye + offset, there.target + offset);
-        let drawn = [Drawn::new(7, &far)];
-        let mut frame = Frame::new(SIZE, &there, &drawn, &materials);
+        let drawn = [MeshInstance::new(7, &far)];
+        let mut frame = ViewportFrame::new(SIZE, &there, &drawn, &materials);
         frame.background = BLACK;
         assert_same(&draw(renderer, &frame), &here);
-        // The same by the object's place.
-        let mut placed = Drawn::new(8, &near);
+        // The same by the object's placement.
+        let mut placed = MeshInstance::new(8, &near);
         placed.world_from_object = DAffine3::from_translation(offset);
         let drawn = [placed];
-        let mut frame = Frame::new(SIZE, &there, &drawn, &materials);
+        let mut frame = ViewportFrame::new(SIZE, &there, &drawn, &materials);
         frame.background = BLACK;
         assert_same(&draw(renderer, &frame), &here);
     });
 }
 
-/// Pictures that differ by rounding alone.
-fn assert_same(a: &Pixels, b: &Pixels) {
+/// Images that differ only by rounding.
+fn assert_same(a: &PixelBuffer, b: &PixelBuffer) {
     let outliers = a
         .rgba
         .iter()
@@ -351,19 +354,19 @@ fn faces_show_numbers_of_their_own() {
     let values = [0.25, 0.75];
     let camera = camera(4.0);
     on_each_driver(|renderer| {
-        let mut drawn = Drawn::new(3, &mesh);
+        let mut drawn = MeshInstance::new(3, &mesh);
         drawn.face_values = Some(FaceValues {
             key: 1,
             values: &values,
         });
         let drawn = [drawn];
-        let mut frame = Frame::new(SIZE, &camera, &drawn, &[]);
+        let mut frame = ViewportFrame::new(SIZE, &camera, &drawn, &[]);
         frame.shading = Shading::FormFactors;
         let pixels = draw(renderer, &frame);
         let map = frame.scale.map;
         assert_near(pixels.color(16, 30), map.color(0.25), 2, "left");
         assert_near(pixels.color(48, 30), map.color(0.75), 2, "right");
-        // The light of faces, from the mean of their corners.
+        // The irradiance of faces is the mean of their corners.
         let mut lit = mesh.clone();
         lit.irradiance = [0.0, 1.0, 3.0, 3.0, 1.0, 0.0].map(Rgb::grey).to_vec();
         let white = Material::diffuse("", Rgb::WHITE);
@@ -414,7 +417,7 @@ fn fog_takes_its_share_at_a_distance() {
     });
 }
 
-/// Red above blue, the right half brighter in green.
+/// Red above blue, with more green in the right half.
 fn flag() -> Image {
     Image {
         width: 2,
@@ -433,16 +436,16 @@ fn textures_stand_upright() {
     let mut paper = Material::emitter("", Rgb::BLACK);
     (paper.diffuse, paper.textures) = (Rgb::WHITE, vec![0]);
     let flag = flag();
-    let textures = [Picture {
+    let textures = [TextureSource {
         key: 5,
         image: Some(&flag),
     }];
     let camera = camera(4.0);
     let mesh = square(0.8, 0.0, 0);
     on_each_driver(|renderer| {
-        let drawn = [Drawn::new(1, &mesh)];
+        let drawn = [MeshInstance::new(1, &mesh)];
         let materials = [&paper];
-        let mut frame = Frame::new(SIZE, &camera, &drawn, &materials);
+        let mut frame = ViewportFrame::new(SIZE, &camera, &drawn, &materials);
         (frame.shading, frame.textures) = (Shading::Textured, &textures);
         let pixels = draw(renderer, &frame);
         let bright = |x, y| pixels.color(x, y).map(|c| c > 128);
@@ -456,7 +459,7 @@ fn textures_stand_upright() {
 #[test]
 fn backgrounds_fill_the_picture_as_told() {
     let flag = flag();
-    let picture = Picture {
+    let picture = TextureSource {
         key: 9,
         image: Some(&flag),
     };
@@ -468,7 +471,7 @@ fn backgrounds_fill_the_picture_as_told() {
     let camera = camera(4.0);
     on_each_driver(|renderer| {
         let mut at = |background, x, y| {
-            let mut frame = Frame::new(SIZE, &camera, &[], &[]);
+            let mut frame = ViewportFrame::new(SIZE, &camera, &[], &[]);
             frame.background = background;
             draw(renderer, &frame).color(x, y)
         };
@@ -492,17 +495,17 @@ fn marks_lie_on_top_or_behind() {
     let white = Material::diffuse("", Rgb::WHITE);
     let mesh = square(0.9, 0.0, 0);
     let mut overlay = Overlay::default();
-    let ink = Ink::new([255, 0, 0], 6.0);
+    let ink = OverlayStyle::new([255, 0, 0], 6.0);
     let (left, right) = (DVec3::new(-0.8, 0.0, -0.5), DVec3::new(0.8, 0.0, -0.5));
     overlay.line(left, right, ink);
     let (up, down) = (DVec3::new(0.0, 0.8, -0.5), DVec3::new(0.0, -0.8, -0.5));
-    overlay.line(up, down, Ink::new([0, 0, 255], 6.0).on_top());
-    // From behind the eye to behind the square: clipped, not mirrored.
+    overlay.line(up, down, OverlayStyle::new([0, 0, 255], 6.0).on_top());
+    // From behind the camera to behind the square: clipped, not mirrored.
     overlay.line(DVec3::new(0.0, 0.5, 9.0), DVec3::new(0.0, 0.5, 0.1), ink);
     on_each_driver(|renderer| {
-        let drawn = [Drawn::new(1, &mesh)];
+        let drawn = [MeshInstance::new(1, &mesh)];
         let (camera, materials) = (camera(4.0), [&white]);
-        let mut frame = Frame::new(SIZE, &camera, &drawn, &materials);
+        let mut frame = ViewportFrame::new(SIZE, &camera, &drawn, &materials);
         frame.overlay = &overlay;
         let pixels = draw(renderer, &frame);
         assert_eq!(pixels.color(32, 40), [0, 0, 255]);
@@ -520,10 +523,10 @@ fn backs_are_red_or_left_out_also_in_a_mirror() {
     let turn = DAffine3::from_rotation_y(std::f64::consts::PI);
     on_each_driver(|renderer| {
         let mut shows = |place: DAffine3, hides_backs: bool| {
-            let mut drawn = Drawn::new(1, &mesh);
+            let mut drawn = MeshInstance::new(1, &mesh);
             drawn.world_from_object = place;
             let drawn = [drawn];
-            let mut frame = Frame::new(SIZE, &camera, &drawn, &[]);
+            let mut frame = ViewportFrame::new(SIZE, &camera, &drawn, &[]);
             (frame.shading, frame.background) = (Shading::Normals, BLACK);
             frame.hides_backs = hides_backs;
             let pixels = draw(renderer, &frame);
@@ -533,7 +536,7 @@ fn backs_are_red_or_left_out_also_in_a_mirror() {
         assert_near(shows(turn, true), [0; 3], 0, "turned away");
         let [r, g, _] = shows(turn, false);
         assert!(r > 150 && g < 50, "red");
-        // A mirrored object's front is where its normals point: away, here.
+        // The front of a mirrored object is where its normals point: away from the camera here.
         assert_near(shows(flip, true), [0; 3], 0, "mirrored");
         assert_near(
             shows(flip * turn, true),
@@ -551,10 +554,14 @@ fn what_is_selected_stands_out() {
     let camera = camera(4.0);
     on_each_driver(|renderer| {
         let mut centre = |selected: bool, faces: &[u32]| {
-            let mut drawn = Drawn::new(1, &mesh);
+            let mut drawn = MeshInstance::new(1, &mesh);
             (drawn.is_selected, drawn.selected_faces) = (selected, faces);
             let drawn = [drawn];
-            draw(renderer, &Frame::new(SIZE, &camera, &drawn, &[&white])).color(33, 33)
+            draw(
+                renderer,
+                &ViewportFrame::new(SIZE, &camera, &drawn, &[&white]),
+            )
+            .color(33, 33)
         };
         let all: Vec<u32> = (0..mesh.faces.len() as u32).collect();
         let [r, g, b] = centre(false, &[]);
@@ -562,7 +569,7 @@ fn what_is_selected_stands_out() {
         for [r, _, b] in [centre(true, &[]), centre(false, &all)] {
             assert!(r > b + 30, "{r} {b}");
         }
-        // Numbers that are no faces do no harm.
+        // Indices of missing faces are ignored.
         centre(false, &[u32::MAX]);
     });
 }
@@ -570,12 +577,12 @@ fn what_is_selected_stands_out() {
 #[test]
 fn both_drivers_draw_the_same() {
     let white = Material::diffuse("", Rgb::new(0.9, 0.6, 0.3));
-    let pictures = Mutex::new(Vec::new());
+    let textures = Mutex::new(Vec::new());
     on_each_driver(|renderer| {
         let pixels = draw_one(renderer, &sphere(), &[&white], |_| {});
-        pictures.lock().expect("one thread").push(pixels);
+        textures.lock().expect("one thread").push(pixels);
     });
-    if let [vulkan, gl] = &pictures.into_inner().expect("one thread")[..] {
+    if let [vulkan, gl] = &textures.into_inner().expect("one thread")[..] {
         let differ = vulkan
             .rgba
             .iter()
@@ -593,10 +600,10 @@ fn only_what_changed_is_brought_again() {
     let camera = camera(4.0);
     on_each_driver(|renderer| {
         let mut bytes = |shading, key, light_key| {
-            let mut drawn = Drawn::new(key, &mesh);
+            let mut drawn = MeshInstance::new(key, &mesh);
             drawn.light_key = light_key;
             let drawn = [drawn];
-            let mut frame = Frame::new(SIZE, &camera, &drawn, &[]);
+            let mut frame = ViewportFrame::new(SIZE, &camera, &drawn, &[]);
             frame.shading = shading;
             renderer.draw(&frame).expect("a picture");
             renderer.statistics().bytes_loaded
@@ -617,7 +624,7 @@ fn only_what_changed_is_brought_again() {
 fn errors_say_what_to_do_and_are_no_end() {
     let camera = camera(4.0);
     on_each_driver(|renderer| {
-        let too_large = Frame::new([1 << 20, 10], &camera, &[], &[]);
+        let too_large = ViewportFrame::new([1 << 20, 10], &camera, &[], &[]);
         let error = renderer.draw(&too_large).expect_err("too large");
         assert!(
             error
@@ -625,7 +632,7 @@ fn errors_say_what_to_do_and_are_no_end() {
                 .contains("1048576 x 10 pixels is too large"),
             "{error}"
         );
-        let fine = Frame::new([0, 0], &camera, &[], &[]);
+        let fine = ViewportFrame::new([0, 0], &camera, &[], &[]);
         renderer.draw(&fine).expect("one pixel");
         assert_eq!(renderer.read().map(|p| p.rgba.len()), Ok(4));
     });
@@ -638,7 +645,7 @@ fn a_lost_device_is_an_error() {
     let camera = camera(4.0);
     on_each_driver(|renderer| {
         renderer.destroy();
-        let frame = Frame::new(SIZE, &camera, &[], &[]);
+        let frame = ViewportFrame::new(SIZE, &camera, &[], &[]);
         let error = (0..3).find_map(|_| renderer.draw(&frame).err());
         assert!(matches!(error, Some(GpuError::Lost { .. })), "{error:?}");
     });

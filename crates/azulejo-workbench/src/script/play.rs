@@ -1,10 +1,10 @@
-//! Steps in a window, one after the other.
+//! Running a script in a window.
 
-use super::parse::Step;
-use crate::app::{App, Level};
+use super::parse::ScriptStep;
+use crate::app::{App, Severity};
 use crate::command::{Command, Selection};
-use crate::document::{Edit, Id};
-use crate::jobs::Kind;
+use crate::document::{Edit, ItemId};
+use crate::jobs::JobKind;
 use crate::ui::Workbench;
 use crate::ui::actions::ACTIONS;
 use crate::ui::brdf::with_description;
@@ -20,62 +20,62 @@ use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// Plays a script in a window.
-pub struct Player {
-    steps: VecDeque<(usize, Step)>,
+/// Runs a script in a window, step by step.
+pub struct ScriptPlayer {
+    steps: VecDeque<(usize, ScriptStep)>,
     name: String,
-    waits: Option<Wait>,
-    /// How many errors were told before the step.
-    told: u64,
+    waits: Option<WaitCondition>,
+    /// Number of errors reported before the step.
+    errors_before: u64,
     line: usize,
     outcome: Arc<Mutex<Option<Result<(), String>>>>,
 }
 
-/// What a step waits for.
-enum Wait {
-    /// So many frames more at least, until no job goes on but for a picture that refines itself.
+/// The condition that ends a step.
+enum WaitCondition {
+    /// At least this many more frames, and then until only a render is running.
     Jobs(u32),
-    /// So many frames more, in which the window settles.
+    /// This many more frames, in which the layout settles.
     Frames(u32),
-    /// A moment.
+    /// A point in time.
     Until(Instant),
-    /// So many paths per pixel.
+    /// This many paths per pixel.
     Samples(u32),
-    /// The picture of the window; asked for since then.
+    /// A screenshot for this file, requested at this time.
     Screenshot(PathBuf, Instant, Receiver<Arc<ColorImage>>),
 }
 
-/// Frames in which layout settles and threads deliver.
+/// Frames in which the layout settles and jobs deliver their results.
 const SETTLE: u32 = 4;
-/// How often it is asked whether what is waited for is there.
+/// Interval between checks of the condition.
 const REST: Duration = Duration::from_millis(30);
-/// A screenshot that does not come.
+/// Timeout of a screenshot.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-impl Player {
-    /// Plays `steps` of the script `name`, which stands in messages. Steps that are files are
-    /// relative to where the program runs.
-    pub fn new(steps: Vec<(usize, Step)>, name: &str) -> Player {
-        Player {
+impl ScriptPlayer {
+    /// Runs `steps` of the script `name`, which is used in messages. Relative paths start at the
+    /// current folder of the process.
+    pub fn new(steps: Vec<(usize, ScriptStep)>, name: &str) -> ScriptPlayer {
+        ScriptPlayer {
             steps: steps.into(),
             name: name.to_owned(),
-            waits: Some(Wait::Frames(SETTLE)),
-            told: 0,
+            waits: Some(WaitCondition::Frames(SETTLE)),
+            errors_before: 0,
             line: 0,
             outcome: Arc::default(),
         }
     }
 
-    /// Where the end of the script will stand: `Ok`, or why it failed.
+    /// Receives the outcome of the script: `Ok`, or an error message.
     pub fn outcome(&self) -> Arc<Mutex<Option<Result<(), String>>>> {
         Arc::clone(&self.outcome)
     }
 
-    /// How long the window may rest before the script is looked at again: while a job goes on,
-    /// drawing would take its processors.
+    /// How long the window may wait before the next check: while a job is running, drawing would
+    /// take its processors.
     pub fn rest(&self) -> Duration {
         match self.waits {
-            None | Some(Wait::Frames(_)) => Duration::ZERO,
+            None | Some(WaitCondition::Frames(_)) => Duration::ZERO,
             Some(_) => REST,
         }
     }
@@ -86,7 +86,7 @@ impl Player {
         outcome.is_ok_and(|o| matches!(*o, Some(Err(_))))
     }
 
-    /// Goes on as far as a frame allows; `false` at the end.
+    /// Runs the script as far as the frame allows; returns `false` at its end.
     pub fn step(&mut self, window: &mut Workbench, context: &egui::Context) -> bool {
         if let Some(why) = self.failure(&window.app) {
             return self.end(Err(why));
@@ -100,10 +100,10 @@ impl Player {
             return self.end(Ok(()));
         };
         self.line = line;
-        self.told = window.app.errors;
-        if step == Step::Quit {
+        self.errors_before = window.app.errors;
+        if step == ScriptStep::Quit {
             window.app.execute(Command::Discard);
-            window.app.leave();
+            window.app.allow_close();
             return self.end(Ok(()));
         }
         match self.begin(step, window, context) {
@@ -121,54 +121,54 @@ impl Player {
         false
     }
 
-    /// An error that was told since the step began.
+    /// The first error reported since the step began.
     fn failure(&self, app: &App) -> Option<String> {
         if app.question.is_some() {
-            return Some("a question came up, and a script has no answer: save first".into());
+            return Some("a question is open that a script cannot answer: save first".into());
         }
         if app.asking.is_some() {
-            return Some("a dialog came up, and a script has no answer".into());
+            return Some("a dialog is open that a script cannot answer".into());
         }
-        if app.errors == self.told {
+        if app.errors == self.errors_before {
             return None;
         }
         let errors = app
             .messages
             .iter()
             .rev()
-            .filter(|m| m.level == Level::Error);
+            .filter(|m| m.level == Severity::Error);
         let last = errors.map(|m| m.text.clone()).next();
-        Some(last.unwrap_or_else(|| "something failed".into()))
+        Some(last.unwrap_or_else(|| "a job failed".into()))
     }
 
     fn still_waits(&mut self, window: &Workbench) -> Result<bool, String> {
         let app = &window.app;
         Ok(match &mut self.waits {
             None => false,
-            // A picture refines itself for long, and nothing waits for it.
-            Some(Wait::Jobs(frames)) => {
+            // Nothing waits for a render, which may take long.
+            Some(WaitCondition::Jobs(frames)) => {
                 *frames = frames.saturating_sub(1);
-                *frames > 0 || app.jobs().iter().any(|j| j.kind != Kind::Picture)
+                *frames > 0 || app.jobs().iter().any(|j| j.kind != JobKind::Render)
             }
-            Some(Wait::Frames(left)) => {
+            Some(WaitCondition::Frames(left)) => {
                 *left = left.saturating_sub(1);
                 *left > 0
             }
-            Some(Wait::Until(moment)) => Instant::now() < *moment,
-            Some(Wait::Samples(wanted)) => {
-                let found = app.picture.as_ref().map_or(0, |p| p.samples);
-                if found < *wanted && !app.is_busy(Kind::Picture) {
+            Some(WaitCondition::Until(moment)) => Instant::now() < *moment,
+            Some(WaitCondition::Samples(wanted)) => {
+                let found = app.render.as_ref().map_or(0, |p| p.samples);
+                if found < *wanted && !app.is_busy(JobKind::Render) {
                     return Err(format!("{found} paths per pixel, expected {wanted}"));
                 }
                 found < *wanted
             }
-            Some(Wait::Screenshot(path, since, picture)) => match picture.try_recv() {
+            Some(WaitCondition::Screenshot(path, since, picture)) => match picture.try_recv() {
                 Ok(image) => {
                     write_png(path, &image)?;
                     false
                 }
                 Err(_) if since.elapsed() > PATIENCE => {
-                    return Err("the window gives no picture of itself".into());
+                    return Err("no screenshot was received".into());
                 }
                 Err(_) => true,
             },
@@ -177,46 +177,46 @@ impl Player {
 
     fn begin(
         &self,
-        step: Step,
+        step: ScriptStep,
         window: &mut Workbench,
         context: &egui::Context,
-    ) -> Result<Wait, String> {
-        let settle = Wait::Frames(SETTLE);
+    ) -> Result<WaitCondition, String> {
+        let settle = WaitCondition::Frames(SETTLE);
         match step {
-            Step::Size(w, h) => {
+            ScriptStep::Size(w, h) => {
                 context.send_viewport_cmd(ViewportCommand::InnerSize(egui::vec2(w, h)));
             }
-            Step::Screenshot(path) => {
+            ScriptStep::Screenshot(path) => {
                 let (send, picture) = channel();
                 let callback = ScreenshotCallback::new(move |image| {
                     // The script may have ended meanwhile.
                     let _ = send.send(image);
                 });
                 context.send_viewport_cmd(ViewportCommand::Screenshot(callback));
-                return Ok(Wait::Screenshot(path, Instant::now(), picture));
+                return Ok(WaitCondition::Screenshot(path, Instant::now(), picture));
             }
-            Step::Wait(None) => return Ok(Wait::Jobs(0)),
-            Step::Wait(Some(seconds)) => {
+            ScriptStep::Wait(None) => return Ok(WaitCondition::Jobs(0)),
+            ScriptStep::Wait(Some(seconds)) => {
                 let until = Instant::now() + Duration::from_secs_f64(seconds);
-                return Ok(Wait::Until(until));
+                return Ok(WaitCondition::Until(until));
             }
-            Step::Tab(tab) => window.tab = tab,
-            Step::Action(name) => {
+            ScriptStep::Tab(tab) => window.tab = tab,
+            ScriptStep::Action(name) => {
                 let action = ACTIONS.iter().find(|a| a.label == name);
-                let wish = action.and_then(|a| (a.wish)(&window.app));
-                let wish = wish.ok_or_else(|| format!("\"{name}\" makes no sense now"))?;
-                window.fulfil(wish);
-                // What it looks like is seen a few frames later, what it began when that is done.
-                return Ok(Wait::Jobs(SETTLE));
+                let target = action.and_then(|a| (a.target)(&window.app));
+                let target = target.ok_or_else(|| format!("\"{name}\" is not available now"))?;
+                window.run_action(target);
+                // Its effect is visible a few frames later; a job that it started takes longer.
+                return Ok(WaitCondition::Jobs(SETTLE));
             }
-            Step::Picture(samples) => {
+            ScriptStep::Render(samples) => {
                 let (width, height) = window.viewport_size();
-                window.app.execute(Command::Picture {
+                window.app.execute(Command::Render {
                     width,
                     height,
                     paths: Some(samples),
                 });
-                return Ok(Wait::Samples(samples));
+                return Ok(WaitCondition::Samples(samples));
             }
             other => return run(&mut window.app, other),
         }
@@ -224,34 +224,34 @@ impl Player {
     }
 }
 
-/// Steps that need no window.
-fn run(app: &mut App, step: Step) -> Result<Wait, String> {
-    let settle = Ok(Wait::Frames(SETTLE));
+/// Steps that do not need the window.
+fn run(app: &mut App, step: ScriptStep) -> Result<WaitCondition, String> {
+    let settle = Ok(WaitCondition::Frames(SETTLE));
     match step {
-        Step::Open(path) => {
+        ScriptStep::Open(path) => {
             app.execute(Command::Open(vec![path]));
-            return Ok(Wait::Jobs(0));
+            return Ok(WaitCondition::Jobs(0));
         }
-        Step::Add(path) => {
+        ScriptStep::Add(path) => {
             app.execute(Command::Add(vec![path]));
-            return Ok(Wait::Jobs(0));
+            return Ok(WaitCondition::Jobs(0));
         }
-        Step::Save(path) => {
+        ScriptStep::Save(path) => {
             app.execute(Command::SaveAs(path));
-            return Ok(Wait::Jobs(0));
+            return Ok(WaitCondition::Jobs(0));
         }
-        Step::Export(path) => {
+        ScriptStep::Export(path) => {
             app.execute(Command::Export(path));
-            return Ok(Wait::Jobs(0));
+            return Ok(WaitCondition::Jobs(0));
         }
-        Step::SavePicture(path) => {
-            app.execute(Command::SavePicture(path));
-            return Ok(Wait::Jobs(0));
+        ScriptStep::SaveRender(path) => {
+            app.execute(Command::SaveRender(path));
+            return Ok(WaitCondition::Jobs(0));
         }
-        Step::Solve(error) => {
+        ScriptStep::Solve(error) => {
             if let Some(error) = error {
-                // Who names an error wants that, however long it takes.
-                let settings = crate::light::LightSettings {
+                // A script that specifies an error wants it reached, however long it takes.
+                let settings = crate::first_pass::LightSettings {
                     error,
                     time: None,
                     ..app.lighting.settings
@@ -259,56 +259,56 @@ fn run(app: &mut App, step: Step) -> Result<Wait, String> {
                 app.execute(Command::SetLight(settings));
             }
             app.execute(Command::Solve);
-            return Ok(Wait::Jobs(0));
+            return Ok(WaitCondition::Jobs(0));
         }
-        Step::Patches(patches) => {
-            let settings = crate::light::LightSettings {
+        ScriptStep::Patches(patches) => {
+            let settings = crate::first_pass::LightSettings {
                 patches,
                 ..app.lighting.settings
             };
             app.execute(Command::SetLight(settings));
         }
-        Step::Select(name) => select(app, &name)?,
-        Step::Shading(shading) => look(app, |view| view.shading = shading),
-        Step::View(side) => {
+        ScriptStep::Select(name) => select(app, &name)?,
+        ScriptStep::Shading(shading) => change_view(app, |view| view.shading = shading),
+        ScriptStep::View(side) => {
             let (bounds, up) = (app.document.bounds(None), app.document.units.up);
-            look(app, |view| match side {
-                Some(side) => view.look_from(side, bounds, up),
+            change_view(app, |view| match side {
+                Some(side) => view.view_from(side, bounds, up),
                 None => view.frame(bounds),
             });
         }
-        Step::Camera(eye, target) => look(app, |view| {
+        ScriptStep::Camera(eye, target) => change_view(app, |view| {
             view.camera = Camera {
                 eye,
                 target,
                 ..view.camera.clone()
             };
         }),
-        other => return change(app, other).map(|()| Wait::Frames(SETTLE)),
+        other => return change(app, other).map(|()| WaitCondition::Frames(SETTLE)),
     }
     settle
 }
 
-/// Steps that change the document.
-fn change(app: &mut App, step: Step) -> Result<(), String> {
+/// Steps that edit the document.
+fn change(app: &mut App, step: ScriptStep) -> Result<(), String> {
     let ids = app.selection.ids.clone();
     let edit = match step {
-        Step::Rename(name) => match ids[..] {
+        ScriptStep::Rename(name) => match ids[..] {
             [id] => Edit::Rename(id, name),
-            _ => return Err(format!("{} things are selected, expected one", ids.len())),
+            _ => return Err(format!("{} items are selected, expected one", ids.len())),
         },
-        Step::Move(by) => Edit::Transform(some(ids)?, DAffine3::from_translation(by)),
-        Step::Scale(factor) => {
+        ScriptStep::Move(by) => Edit::Transform(some(ids)?, DAffine3::from_translation(by)),
+        ScriptStep::Scale(factor) => {
             let map = DAffine3::from_scale(DVec3::splat(factor));
             Edit::Transform(some(ids)?, about(app, map))
         }
-        Step::Turn(degrees) => {
+        ScriptStep::Turn(degrees) => {
             let [x, y, z] = degrees.to_array().map(f64::to_radians);
             let turn = DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y);
             let turn = turn * DMat3::from_rotation_x(x);
             Edit::Transform(some(ids)?, about(app, DAffine3::from_mat3(turn)))
         }
-        Step::MaterialNew(name) => {
+        ScriptStep::MaterialNew(name) => {
             let white = Material::diffuse(name, Rgb::grey(0.7));
             app.execute(Command::Edit(Edit::AddMaterial(white), None));
             let new = (app.document.materials.len() - 1) as u32;
@@ -320,13 +320,13 @@ fn change(app: &mut App, step: Step) -> Result<(), String> {
             }));
             return Ok(());
         }
-        Step::MaterialBrdf(text) => {
+        ScriptStep::MaterialBrdf(text) => {
             let description: Description = text.parse().map_err(|e| format!("{e}"))?;
             return set_material(app, |material| {
                 with_description(material, description).map_err(|e| e.to_string())
             });
         }
-        Step::MaterialColor(c) => {
+        ScriptStep::MaterialColor(c) => {
             return set_material(app, |m| {
                 Ok(Material {
                     emission: m.emission,
@@ -335,7 +335,7 @@ fn change(app: &mut App, step: Step) -> Result<(), String> {
                 })
             });
         }
-        Step::MaterialEmit(c) => {
+        ScriptStep::MaterialEmit(c) => {
             return set_material(app, |m| {
                 Ok(Material {
                     emission: Rgb::new(c.x, c.y, c.z),
@@ -343,20 +343,21 @@ fn change(app: &mut App, step: Step) -> Result<(), String> {
                 })
             });
         }
-        other => return Err(format!("{other:?} is not a step of the document")),
+        other => return Err(format!("{other:?} is not an edit of the document")),
     };
     app.execute(Command::Edit(edit, None));
     Ok(())
 }
 
-fn some(ids: Vec<Id>) -> Result<Vec<Id>, String> {
-    match ids.is_empty() {
-        true => Err("nothing is selected".into()),
-        false => Ok(ids),
+fn some(ids: Vec<ItemId>) -> Result<Vec<ItemId>, String> {
+    if ids.is_empty() {
+        Err("nothing is selected".into())
+    } else {
+        Ok(ids)
     }
 }
 
-/// A map about the middle of what is selected.
+/// Applies a map about the centre of the selection.
 fn about(app: &App, map: DAffine3) -> DAffine3 {
     let centre = app.document.bounds(Some(&app.selection.ids)).centre();
     DAffine3::from_translation(centre) * map * DAffine3::from_translation(-centre)
@@ -373,10 +374,10 @@ fn set_material(
     Ok(())
 }
 
-fn look(app: &mut App, change: impl FnOnce(&mut crate::view::View)) {
+fn change_view(app: &mut App, change: impl FnOnce(&mut crate::view::ModelView)) {
     let mut view = app.view.clone();
     change(&mut view);
-    app.execute(Command::Look(Box::new(view)));
+    app.execute(Command::SetView(Box::new(view)));
 }
 
 fn select(app: &mut App, name: &str) -> Result<(), String> {
@@ -386,7 +387,7 @@ fn select(app: &mut App, name: &str) -> Result<(), String> {
         name => {
             let ids = named(app, name);
             if ids.is_empty() {
-                return Err(format!("nothing is called \"{name}\""));
+                return Err(format!("nothing is named \"{name}\""));
             }
             app.execute(Command::Select(Selection {
                 ids,
@@ -397,10 +398,10 @@ fn select(app: &mut App, name: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Everything whose name, or the last part of it, is this.
-fn named(app: &App, name: &str) -> Vec<Id> {
+/// The objects, lights and cameras with this name, or with this last component of their name.
+fn named(app: &App, name: &str) -> Vec<ItemId> {
     let document = &app.document;
-    let items = document.items.iter().map(|i| (i.id, &i.name));
+    let items = document.objects.iter().map(|i| (i.id, &i.name));
     let lights = document.lights.iter().map(|l| (l.id, &l.light.name));
     let cameras = document.cameras.iter().map(|c| (c.id, &c.camera.name));
     let all = items.chain(lights).chain(cameras);

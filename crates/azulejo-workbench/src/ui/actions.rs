@@ -1,56 +1,56 @@
-//! What menus and keys can do: one table for both, and for the page that lists the keys.
+//! All actions of menus and keyboard shortcuts in one table, which the list of shortcuts uses too.
 
-use super::stock::duplicate;
+use super::material_actions::duplicate;
 use crate::app::App;
-use crate::command::{Ask, Command, Selection};
-use crate::document::{Edit, Id, NewKind, NewLightKind};
-use crate::jobs::Kind;
-use crate::view::{Shading, Side};
+use crate::command::{Command, FileRequest, Selection};
+use crate::document::{Edit, ItemId, NewLightKind, NewShapeKind};
+use crate::jobs::JobKind;
+use crate::view::{Shading, ViewDirection};
 use azulejo::scene::MaterialId;
 use egui::{Key, KeyboardShortcut, Modifiers};
 
-/// A wish with a name, perhaps a key, and a time when it makes sense.
+/// A menu entry with an optional shortcut.
 pub struct Action {
-    /// Where it stands.
+    /// The menu that contains it.
     pub menu: Menu,
-    /// Its English name.
+    /// Its English label.
     pub label: &'static str,
-    /// Its key.
+    /// Its shortcut.
     pub key: Option<KeyboardShortcut>,
-    /// What it does now; `None` where it makes no sense.
-    pub wish: fn(&App) -> Option<Wish>,
+    /// What it does in the current state; `None` if it is disabled.
+    pub target: fn(&App) -> Option<ActionTarget>,
 }
 
-/// What an action asks for.
+/// The target of an action.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Wish {
-    /// Of the app.
-    Do(Command),
-    /// Of the window alone.
-    Show(Panel),
+pub enum ActionTarget {
+    /// A command for the app.
+    Command(Command),
+    /// A function of the window.
+    Window(WindowAction),
 }
 
-/// What only the window knows of.
+/// Actions of the window itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Panel {
-    /// The keys.
+pub enum WindowAction {
+    /// Shows the shortcuts.
     Keys,
-    /// The preferences.
+    /// Opens the preferences.
     Preferences,
-    /// The dialog that asks for letters.
+    /// Opens the dialog for solid text.
     Text,
-    /// The dialog that asks for a prism.
+    /// Opens the dialog for a prism.
     Prism,
-    /// What azulejo is.
+    /// Shows information about azulejo.
     About,
-    /// The list of messages.
+    /// Shows or hides the message list.
     Messages,
-    /// The picture in the place of the viewport.
-    Picture,
-    /// The name of what is selected.
+    /// Renders the view, or returns to the viewport.
+    ToggleRender,
+    /// Renames the selection.
     Rename,
-    /// A place to watch: the one under the mouse, or else the next that is clicked.
-    Pin,
+    /// Pins a probe at the surface point under the mouse, or else at the next click.
+    AddProbe,
 }
 
 /// The menus.
@@ -58,22 +58,22 @@ pub enum Panel {
 pub enum Menu {
     /// Files.
     File,
-    /// Changes.
+    /// Edits.
     Edit,
-    /// New things.
+    /// New objects.
     Add,
-    /// Looks.
+    /// Camera and display settings.
     View,
-    /// What surfaces show.
+    /// Shading modes; a submenu of View.
     Shading,
-    /// Light.
+    /// The solver.
     Light,
     /// Help.
     Help,
 }
 
 impl Menu {
-    /// All of them, in the order of the bar; shadings stand in the menu of looks.
+    /// All menus in the order of the menu bar.
     pub const ALL: [Menu; 7] = [
         Menu::File,
         Menu::Edit,
@@ -84,16 +84,16 @@ impl Menu {
         Menu::Help,
     ];
 
-    /// Its English name.
+    /// Its label.
     pub fn label(self, language: crate::words::Language) -> &'static str {
         match self {
-            Menu::File => language.say("File"),
-            Menu::Edit => language.say("Edit"),
-            Menu::Add => language.say("Add"),
-            Menu::View => language.say("View"),
-            Menu::Shading => language.say("Shading"),
-            Menu::Light => language.say("Light"),
-            Menu::Help => language.say("Help"),
+            Menu::File => language.tr("File"),
+            Menu::Edit => language.tr("Edit"),
+            Menu::Add => language.tr("Add"),
+            Menu::View => language.tr("View"),
+            Menu::Shading => language.tr("Shading"),
+            Menu::Light => language.tr("Light"),
+            Menu::Help => language.tr("Help"),
         }
     }
 }
@@ -125,88 +125,94 @@ const fn action(
     menu: Menu,
     label: &'static str,
     key: Option<KeyboardShortcut>,
-    wish: fn(&App) -> Option<Wish>,
+    target: fn(&App) -> Option<ActionTarget>,
 ) -> Action {
     Action {
         menu,
         label,
         key,
-        wish,
+        target,
     }
 }
 
-fn done(command: Command) -> Option<Wish> {
-    Some(Wish::Do(command))
+fn done(command: Command) -> Option<ActionTarget> {
+    Some(ActionTarget::Command(command))
 }
 
-fn when(holds: bool, command: Command) -> Option<Wish> {
-    holds.then_some(Wish::Do(command))
+fn when(holds: bool, command: Command) -> Option<ActionTarget> {
+    holds.then_some(ActionTarget::Command(command))
 }
 
-fn edit(edit: Edit) -> Option<Wish> {
+fn edit(edit: Edit) -> Option<ActionTarget> {
     done(Command::Edit(edit, None))
 }
 
-fn selected(app: &App, make: impl Fn(Vec<Id>) -> Edit) -> Option<Wish> {
+fn selected(app: &App, make: impl Fn(Vec<ItemId>) -> Edit) -> Option<ActionTarget> {
     let ids = &app.selection.ids;
-    (!ids.is_empty()).then(|| Wish::Do(Command::Edit(make(ids.clone()), None)))
+    (!ids.is_empty()).then(|| ActionTarget::Command(Command::Edit(make(ids.clone()), None)))
 }
 
-fn hide(ids: Vec<Id>, hidden: bool) -> Option<Wish> {
+fn hide(ids: Vec<ItemId>, hidden: bool) -> Option<ActionTarget> {
     when(
         !ids.is_empty(),
         Command::Edit(Edit::Hide(ids, hidden), None),
     )
 }
 
-/// The material that is selected in the tree, where nothing else is: keys mean it then.
+/// The material selected in the tree, if nothing else is selected: shortcuts apply to it then.
 fn chosen_material(app: &App) -> Option<MaterialId> {
     let material = app.selection.material;
     material.filter(|_| app.selection.is_empty())
 }
 
-fn look(app: &App, change: impl FnOnce(&mut crate::view::View)) -> Option<Wish> {
+fn change_view(
+    app: &App,
+    change: impl FnOnce(&mut crate::view::ModelView),
+) -> Option<ActionTarget> {
     let mut view = app.view.clone();
     change(&mut view);
-    done(Command::Look(Box::new(view)))
+    done(Command::SetView(Box::new(view)))
 }
 
-fn shade(app: &App, shading: Shading) -> Option<Wish> {
-    look(app, |view| view.shading = shading)
+fn shade(app: &App, shading: Shading) -> Option<ActionTarget> {
+    change_view(app, |view| view.shading = shading)
 }
 
-fn from(app: &App, side: Side) -> Option<Wish> {
+fn from(app: &App, side: ViewDirection) -> Option<ActionTarget> {
     let bounds = app.document.bounds(None);
     let up = app.document.units.up;
-    look(app, |view| view.look_from(side, bounds, up))
+    change_view(app, |view| view.view_from(side, bounds, up))
 }
 
-/// All of them, in the order of the menus.
+/// All actions in the order of the menus.
 pub const ACTIONS: &[Action] = &[
     action(Menu::File, "New", ctrl(Key::N), |_| done(Command::New)),
     action(Menu::File, "Open…", ctrl(Key::O), |_| {
-        done(Command::Ask(Ask::Open))
+        done(Command::RequestFile(FileRequest::Open))
     }),
     action(Menu::File, "Add…", ctrl_shift(Key::O), |_| {
-        done(Command::Ask(Ask::Add))
+        done(Command::RequestFile(FileRequest::Add))
     }),
     action(Menu::File, "Save", ctrl(Key::S), |a| {
         when(
-            !a.document.items.is_empty() || a.is_changed(),
+            !a.document.objects.is_empty() || a.is_changed(),
             Command::Save,
         )
     }),
     action(Menu::File, "Save as…", ctrl_shift(Key::S), |_| {
-        done(Command::Ask(Ask::SaveAs))
+        done(Command::RequestFile(FileRequest::SaveAs))
     }),
     action(Menu::File, "Export…", ctrl(Key::E), |_| {
-        done(Command::Ask(Ask::Export))
+        done(Command::RequestFile(FileRequest::Export))
     }),
-    action(Menu::File, "Save picture…", ctrl_shift(Key::P), |a| {
-        when(a.picture.is_some(), Command::Ask(Ask::SavePicture))
+    action(Menu::File, "Save image…", ctrl_shift(Key::P), |a| {
+        when(
+            a.render.is_some(),
+            Command::RequestFile(FileRequest::SaveRender),
+        )
     }),
     action(Menu::File, "Preferences…", ctrl(Key::Comma), |_| {
-        Some(Wish::Show(Panel::Preferences))
+        Some(ActionTarget::Window(WindowAction::Preferences))
     }),
     action(Menu::File, "Quit", ctrl(Key::Q), |_| done(Command::Quit)),
     action(Menu::Edit, "Undo", ctrl(Key::Z), |a| {
@@ -218,7 +224,7 @@ pub const ACTIONS: &[Action] = &[
     action(Menu::Edit, "Select all", ctrl(Key::A), |_| {
         done(Command::SelectAll)
     }),
-    action(Menu::Edit, "Select nothing", ctrl_shift(Key::A), |_| {
+    action(Menu::Edit, "Select none", ctrl_shift(Key::A), |_| {
         done(Command::Select(Selection::default()))
     }),
     action(Menu::Edit, "Duplicate", ctrl(Key::D), |a| {
@@ -237,10 +243,10 @@ pub const ACTIONS: &[Action] = &[
         when(used < a.document.materials.len(), command)
     }),
     action(Menu::Edit, "Rename…", key(Key::F2), |a| {
-        (a.selection.ids.len() == 1).then_some(Wish::Show(Panel::Rename))
+        (a.selection.ids.len() == 1).then_some(ActionTarget::Window(WindowAction::Rename))
     }),
     action(Menu::Edit, "Hide", key(Key::H), |a| {
-        let shown = |id: &Id| a.document.is_hidden(*id) == Some(false);
+        let shown = |id: &ItemId| a.document.is_hidden(*id) == Some(false);
         let ids = a.selection.ids.iter().copied().filter(shown).collect();
         hide(ids, true)
     }),
@@ -248,28 +254,28 @@ pub const ACTIONS: &[Action] = &[
         hide(a.document.hidden(), false)
     }),
     action(Menu::Add, "Box", None, |_| {
-        done(Command::AddShape(NewKind::Cuboid))
+        done(Command::AddShape(NewShapeKind::Cuboid))
     }),
     action(Menu::Add, "Sphere", None, |_| {
-        done(Command::AddShape(NewKind::Sphere))
+        done(Command::AddShape(NewShapeKind::Sphere))
     }),
     action(Menu::Add, "Cylinder", None, |_| {
-        done(Command::AddShape(NewKind::Cylinder))
+        done(Command::AddShape(NewShapeKind::Cylinder))
     }),
     action(Menu::Add, "Cone", None, |_| {
-        done(Command::AddShape(NewKind::Cone))
+        done(Command::AddShape(NewShapeKind::Cone))
     }),
     action(Menu::Add, "Prism…", None, |_| {
-        Some(Wish::Show(Panel::Prism))
+        Some(ActionTarget::Window(WindowAction::Prism))
     }),
     action(Menu::Add, "Square", None, |_| {
-        done(Command::AddShape(NewKind::Square))
+        done(Command::AddShape(NewShapeKind::Square))
     }),
     action(Menu::Add, "Text…", None, |_| {
-        Some(Wish::Show(Panel::Text))
+        Some(ActionTarget::Window(WindowAction::Text))
     }),
     action(Menu::Add, "Area light", ctrl(Key::L), |_| {
-        done(Command::AddShape(NewKind::AreaLight))
+        done(Command::AddShape(NewShapeKind::AreaLight))
     }),
     action(Menu::Add, "Point light", None, |_| {
         done(Command::AddLight(NewLightKind::Point))
@@ -292,47 +298,48 @@ pub const ACTIONS: &[Action] = &[
     }),
     action(Menu::View, "Frame all", key(Key::Home), |a| {
         let bounds = a.document.bounds(None);
-        look(a, |view| view.frame(bounds))
+        change_view(a, |view| view.frame(bounds))
     }),
     action(Menu::View, "Frame selection", key(Key::Period), |a| {
         let bounds = a.document.frame_of(&a.selection.ids);
-        match bounds.is_empty() {
-            true => None,
-            false => look(a, |view| view.frame(bounds)),
+        if bounds.is_empty() {
+            None
+        } else {
+            change_view(a, |view| view.frame(bounds))
         }
     }),
     action(Menu::View, "From the front", key(Key::Num1), |a| {
-        from(a, Side::Front)
+        from(a, ViewDirection::Front)
     }),
     action(Menu::View, "From behind", alt(Key::Num1), |a| {
-        from(a, Side::Back)
+        from(a, ViewDirection::Back)
     }),
     action(Menu::View, "From the right", key(Key::Num3), |a| {
-        from(a, Side::Right)
+        from(a, ViewDirection::Right)
     }),
     action(Menu::View, "From the left", alt(Key::Num3), |a| {
-        from(a, Side::Left)
+        from(a, ViewDirection::Left)
     }),
     action(Menu::View, "From above", key(Key::Num7), |a| {
-        from(a, Side::Top)
+        from(a, ViewDirection::Top)
     }),
     action(Menu::View, "From below", alt(Key::Num7), |a| {
-        from(a, Side::Bottom)
+        from(a, ViewDirection::Bottom)
     }),
     action(Menu::View, "From the corner", key(Key::Num0), |a| {
-        from(a, Side::Corner)
+        from(a, ViewDirection::Corner)
     }),
     action(Menu::View, "Lights and cameras", key(Key::L), |a| {
-        look(a, |view| view.signs = !view.signs)
+        change_view(a, |view| view.shows_markers = !view.shows_markers)
     }),
     action(Menu::View, "Grid", key(Key::G), |a| {
-        look(a, |view| view.grid = !view.grid)
+        change_view(a, |view| view.shows_grid = !view.shows_grid)
     }),
     action(Menu::View, "Fog", None, |a| {
-        look(a, |view| view.fog = !view.fog)
+        change_view(a, |view| view.shows_fog = !view.shows_fog)
     }),
-    action(Menu::View, "Picture by rays", key(Key::F12), |_| {
-        Some(Wish::Show(Panel::Picture))
+    action(Menu::View, "Render image", key(Key::F12), |_| {
+        Some(ActionTarget::Window(WindowAction::ToggleRender))
     }),
     action(Menu::Shading, "Points", ctrl(Key::Num1), |a| {
         shade(a, Shading::Points)
@@ -367,62 +374,69 @@ pub const ACTIONS: &[Action] = &[
         ctrl(Key::Num0),
         |a| shade(a, Shading::FormFactors),
     ),
-    action(Menu::Shading, "Normals and backs", ctrl(Key::Minus), |a| {
-        shade(a, Shading::Normals)
-    }),
+    action(
+        Menu::Shading,
+        "Normals and back faces",
+        ctrl(Key::Minus),
+        |a| shade(a, Shading::Normals),
+    ),
     action(Menu::Light, "Solve", key(Key::F5), |a| {
-        when(!a.is_busy(Kind::Solve), Command::Solve)
+        when(!a.is_busy(JobKind::Solve), Command::Solve)
     }),
     action(Menu::Light, "Pause", key(Key::F6), |a| {
-        let runs = a.is_busy(Kind::Solve) && !a.lighting.is_paused;
+        let runs = a.is_busy(JobKind::Solve) && !a.lighting.is_paused;
         when(runs, Command::Pause)
     }),
-    action(Menu::Light, "Go on", shift(Key::F6), |a| {
-        let rests = a.is_busy(Kind::Solve) && a.lighting.is_paused;
+    action(Menu::Light, "Resume", shift(Key::F6), |a| {
+        let rests = a.is_busy(JobKind::Solve) && a.lighting.is_paused;
         when(rests, Command::Resume)
     }),
     action(Menu::Light, "Stop", key(Key::F7), |a| {
-        when(a.is_busy(Kind::Solve), Command::StopSolving)
+        when(a.is_busy(JobKind::Solve), Command::StopSolving)
     }),
     action(Menu::Light, "Pin a probe", key(Key::P), |a| {
-        (!a.document.items.is_empty()).then_some(Wish::Show(Panel::Pin))
+        (!a.document.objects.is_empty()).then_some(ActionTarget::Window(WindowAction::AddProbe))
     }),
     action(Menu::Light, "Measure the probes", None, |a| {
         when(!a.probes.is_empty(), Command::MeasureProbes)
     }),
-    action(Menu::Light, "Take the light off", None, |a| {
-        when(a.lighting.solution.is_some(), Command::DropLight)
+    action(Menu::Light, "Clear light", None, |a| {
+        when(a.lighting.solution.is_some(), Command::ClearLight)
     }),
-    action(Menu::Help, "Keys", key(Key::Questionmark), |_| {
-        Some(Wish::Show(Panel::Keys))
-    }),
+    action(
+        Menu::Help,
+        "Keyboard shortcuts",
+        key(Key::Questionmark),
+        |_| Some(ActionTarget::Window(WindowAction::Keys)),
+    ),
     action(Menu::Help, "Messages", key(Key::F8), |_| {
-        Some(Wish::Show(Panel::Messages))
+        Some(ActionTarget::Window(WindowAction::Messages))
     }),
     action(Menu::Help, "About azulejo", None, |_| {
-        Some(Wish::Show(Panel::About))
+        Some(ActionTarget::Window(WindowAction::About))
     }),
 ];
 
-/// The actions whose keys were pressed. Keys alone are for texts while one is being written.
-pub fn pressed(context: &egui::Context, app: &App) -> Vec<Wish> {
+/// The actions whose shortcuts were pressed. Shortcuts without modifiers are disabled while a text
+/// field has the focus.
+pub fn pressed(context: &egui::Context, app: &App) -> Vec<ActionTarget> {
     let writes = context.text_edit_focused();
-    let mut wishes = Vec::new();
-    // Keys with more modifiers first: Ctrl+Z would take Ctrl+Shift+Z too.
+    let mut commands = Vec::new();
+    // Shortcuts with more modifiers first: Ctrl+Z would match Ctrl+Shift+Z too.
     let mut keyed: Vec<(&Action, KeyboardShortcut)> =
         ACTIONS.iter().filter_map(|a| Some((a, a.key?))).collect();
     keyed.sort_by_key(|(_, k)| !(k.modifiers.shift || k.modifiers.alt));
     for (action, key) in keyed {
         let is_plain = !key.modifiers.command && !is_function(key.logical_key);
-        // A text has its own ways to select all and to undo.
+        // Text fields have their own select all and undo.
         if writes && (is_plain || action.menu == Menu::Edit) {
             continue;
         }
         if context.input_mut(|input| input.consume_shortcut(&key)) {
-            wishes.extend((action.wish)(app));
+            commands.extend((action.target)(app));
         }
     }
-    wishes
+    commands
 }
 
 fn is_function(key: Key) -> bool {
@@ -446,7 +460,7 @@ mod tests {
 
     #[test]
     fn no_key_is_a_digit_with_shift() {
-        // Keyboards send a sign then, another one in every country.
+        // With Shift, digit keys produce symbols that depend on the keyboard layout.
         let digits = Key::Num0..=Key::Num9;
         let keys = ACTIONS.iter().filter_map(|a| a.key);
         for key in keys.filter(|k| digits.contains(&k.logical_key)) {
@@ -459,31 +473,36 @@ mod tests {
         let app = App::quiet();
         let of = |label: &str| ACTIONS.iter().find(|a| a.label == label).unwrap();
         for label in ["Undo", "Redo", "Delete", "Pause", "Stop", "Show all"] {
-            assert_eq!((of(label).wish)(&app), None, "{label}");
+            assert_eq!((of(label).target)(&app), None, "{label}");
         }
-        assert!(ACTIONS.iter().any(|a| (a.wish)(&app).is_some()));
+        assert!(ACTIONS.iter().any(|a| (a.target)(&app).is_some()));
     }
 
     #[test]
     fn lights_and_cameras_are_hidden_and_framed() {
         let mut app = App::quiet();
         app.document = crate::document::tests::sample();
-        let wish = |app: &App, label: &str| {
+        let target = |app: &App, label: &str| {
             let action = ACTIONS.iter().find(|a| a.label == label).unwrap();
-            (action.wish)(app)
+            (action.target)(app)
         };
-        assert_eq!(wish(&app, "Frame selection"), None);
-        let (bulb, view) = (Id(5), Id(6));
+        assert_eq!(target(&app, "Frame selection"), None);
+        let (bulb, view) = (ItemId(5), ItemId(6));
         app.selection.ids = vec![bulb, view];
         app.document.cameras[0].hidden = true;
-        let hide =
-            |ids: Vec<Id>, hidden| Some(Wish::Do(Command::Edit(Edit::Hide(ids, hidden), None)));
-        assert_eq!(wish(&app, "Hide"), hide(vec![bulb], true));
-        assert_eq!(wish(&app, "Show all"), hide(vec![view], false));
+        let hide = |ids: Vec<ItemId>, hidden| {
+            Some(ActionTarget::Command(Command::Edit(
+                Edit::Hide(ids, hidden),
+                None,
+            )))
+        };
+        assert_eq!(target(&app, "Hide"), hide(vec![bulb], true));
+        assert_eq!(target(&app, "Show all"), hide(vec![view], false));
         app.document.lights[0].hidden = true;
-        assert_eq!(wish(&app, "Hide"), None);
+        assert_eq!(target(&app, "Hide"), None);
         app.selection.ids = vec![bulb];
-        let Some(Wish::Do(Command::Look(look))) = wish(&app, "Frame selection") else {
+        let Some(ActionTarget::Command(Command::SetView(look))) = target(&app, "Frame selection")
+        else {
             panic!("a light can be framed")
         };
         let middle = look.camera.target - glam::DVec3::new(0.0, 1.5, 0.0);

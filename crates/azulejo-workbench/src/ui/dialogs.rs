@@ -1,12 +1,12 @@
-//! Windows over the window: questions, files, letters, preferences, keys.
+//! Dialogs: questions, files, text, preferences, shortcuts.
 
 use super::actions::{ACTIONS, Menu};
-use super::all_files::AllFiles;
-use super::desk::Desk;
+use super::panel_context::PanelContext;
 use super::prism::PrismDialog;
-use crate::app::{App, Question};
-use crate::command::{Ask, Command};
-use crate::preferences::{MOST_GATHER, Preferences, Theme};
+use super::show_all_files::ShowAllFiles;
+use crate::app::{App, PendingQuestion};
+use crate::command::{Command, FileRequest};
+use crate::preferences::{MAX_GATHER, Preferences, Theme};
 use crate::view::ColorMap;
 use crate::words::Language;
 use egui::{DragValue, Grid, Id, Modal, Slider, Ui};
@@ -14,30 +14,30 @@ use egui_file::{FileDialog, State};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What dialogs remember while they are open.
+/// The state of open dialogs.
 #[derive(Default)]
 pub struct Dialogs {
-    files: Option<(Ask, FileDialog)>,
-    all_files: AllFiles,
-    /// A place to save at where there is a file already.
-    replacing: Option<(Ask, PathBuf)>,
-    /// The last folder that something was chosen in.
+    files: Option<(FileRequest, FileDialog)>,
+    all_files: ShowAllFiles,
+    /// An existing file that would be replaced, with the request it was chosen for.
+    replacing: Option<(FileRequest, PathBuf)>,
+    /// The folder of the last chosen file.
     folder: Option<PathBuf>,
-    /// The letters that are being asked for.
+    /// The dialog for solid text.
     pub text: Option<TextDialog>,
-    /// The prism that is being asked for.
+    /// The dialog for a prism.
     pub(super) prism: Option<PrismDialog>,
     /// Whether the preferences are open.
     pub preferences: bool,
-    /// Whether the keys are shown.
+    /// Whether the shortcuts are open.
     pub keys: bool,
-    /// Whether azulejo says what it is.
+    /// Whether the information about azulejo is open.
     pub about: bool,
-    /// Whether what a crash left was answered.
+    /// Whether the user has answered the question about recovery.
     asked_recovery: bool,
 }
 
-/// The letters that are being asked for.
+/// The dialog for solid text.
 #[derive(Clone, Debug)]
 pub struct TextDialog {
     text: String,
@@ -46,16 +46,16 @@ pub struct TextDialog {
     font: Option<PathBuf>,
 }
 
-/// What was chosen for whom the app does not serve itself.
-pub enum Chosen {
-    /// A reflection model to read.
+/// A file for a request that the app does not handle itself.
+pub enum BrdfFileChoice {
+    /// A reflection model to load.
     LoadBrdf(PathBuf),
-    /// Where a reflection model goes.
+    /// The file to save a reflection model to.
     SaveBrdf(PathBuf),
 }
 
 impl TextDialog {
-    /// Letters that suit the model.
+    /// Starts with a font size that suits the model.
     pub fn new(size: f64) -> TextDialog {
         TextDialog {
             text: String::new(),
@@ -66,26 +66,26 @@ impl TextDialog {
     }
 }
 
-/// Extensions of models that are read, for the dialog; content decides in the end.
+/// Extensions of readable models, for the file dialog; the format is detected from the content.
 const MODELS: [&str; 18] = [
     "3ds", "dxf", "obj", "flt", "wrl", "vrml", "x3d", "x3dv", "mgf", "gltf", "glb", "ply", "stl",
     "sff", "scn", "grf", "vs3", "gz",
 ];
 
 impl Dialogs {
-    /// Draws what is open; returns a file that was chosen for somebody else.
-    pub fn show(&mut self, ui: &mut Ui, desk: &mut Desk) -> Option<Chosen> {
-        self.question(ui, desk);
-        self.recovery(ui, desk);
-        self.ask_text(ui, desk);
-        self.ask_prism(ui, desk);
-        self.show_preferences(ui, desk);
-        self.show_keys(ui, desk);
-        self.show_about(ui, desk);
-        self.ask_file(ui, desk)
+    /// Draws the open dialogs; returns a file for a request that the app does not handle itself.
+    pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext) -> Option<BrdfFileChoice> {
+        self.question(ui, cx);
+        self.recovery(ui, cx);
+        self.ask_text(ui, cx);
+        self.ask_prism(ui, cx);
+        self.show_preferences(ui, cx);
+        self.show_keys(ui, cx);
+        self.show_about(ui, cx);
+        self.ask_file(ui, cx)
     }
 
-    /// Whether something is open that keys belong to, a question included.
+    /// Whether a dialog or question is open that takes the keyboard.
     pub fn is_open(&self, app: &App) -> bool {
         let asks_recovery = !self.asked_recovery && !app.recoverable().is_empty();
         asks_recovery
@@ -99,87 +99,87 @@ impl Dialogs {
             || self.about
     }
 
-    fn question(&mut self, ui: &mut Ui, desk: &mut Desk) {
-        let Some(question) = desk.app.question.clone() else {
+    fn question(&mut self, ui: &mut Ui, cx: &mut PanelContext) {
+        let Some(question) = cx.app.question.clone() else {
             return;
         };
-        // While a save goes on or its place is chosen the question waits.
-        if desk.app.is_busy(crate::jobs::Kind::Save) || desk.app.asking.is_some() {
+        // Hide the question while a save is running or its file is being chosen.
+        if cx.app.is_busy(crate::jobs::JobKind::Save) || cx.app.asking.is_some() {
             return;
         }
         let modal = Modal::new(Id::unique("question")).show(ui.ctx(), |ui| {
             ui.set_width(380.0);
             match &question {
-                Question::Unsaved(_) => {
-                    ui.heading(desk.say("Changes are not saved"));
-                    ui.label(desk.say("What you do next would lose them."));
+                PendingQuestion::Unsaved(_) => {
+                    ui.heading(cx.tr("Unsaved changes"));
+                    ui.label(cx.tr("If you continue, they will be lost."));
                     ui.horizontal(|ui| {
-                        if ui.button(desk.say("Save")).clicked() {
-                            desk.wish(Command::Save);
+                        if ui.button(cx.tr("Save")).clicked() {
+                            cx.send(Command::Save);
                         }
-                        if ui.button(desk.say("Lose the changes")).clicked() {
-                            desk.wish(Command::Discard);
+                        if ui.button(cx.tr("Discard changes")).clicked() {
+                            cx.send(Command::Discard);
                         }
-                        if ui.button(desk.say("Cancel")).clicked() {
-                            desk.wish(Command::Dismiss);
+                        if ui.button(cx.tr("Cancel")).clicked() {
+                            cx.send(Command::CancelPending);
                         }
                     });
                 }
-                Question::ChangedOnDisk(path) => {
-                    ui.heading(desk.say("The file has changed on the disk"));
+                PendingQuestion::ChangedOnDisk(path) => {
+                    ui.heading(cx.tr("The file has changed on disk"));
                     ui.label(path.display().to_string());
-                    ui.label(desk.say("Somebody wrote it since it was opened here."));
+                    ui.label(cx.tr("Another program has written it since it was opened here."));
                     ui.horizontal(|ui| {
-                        if ui.button(desk.say("Keep mine and write over it")).clicked() {
-                            desk.wish(Command::SaveAnyway);
+                        if ui.button(cx.tr("Overwrite with mine")).clicked() {
+                            cx.send(Command::SaveAnyway);
                         }
-                        if ui.button(desk.say("Read it again")).clicked() {
-                            desk.wish(Command::Discard);
+                        if ui.button(cx.tr("Reload")).clicked() {
+                            cx.send(Command::Discard);
                         }
-                        if ui.button(desk.say("Cancel")).clicked() {
-                            desk.wish(Command::Dismiss);
+                        if ui.button(cx.tr("Cancel")).clicked() {
+                            cx.send(Command::CancelPending);
                         }
                     });
                 }
             }
         });
         if modal.should_close() {
-            desk.wish(Command::Dismiss);
+            cx.send(Command::CancelPending);
         }
     }
 
-    fn recovery(&mut self, ui: &mut Ui, desk: &mut Desk) {
-        let found = desk.app.recoverable();
+    fn recovery(&mut self, ui: &mut Ui, cx: &mut PanelContext) {
+        let found = cx.app.recoverable();
         if self.asked_recovery || found.is_empty() {
             return;
         }
         let modal = Modal::new(Id::unique("recovery")).show(ui.ctx(), |ui| {
             ui.set_width(460.0);
-            ui.heading(desk.say("azulejo did not end well last time"));
-            ui.label(desk.say("What was being worked on was kept:"));
+            ui.heading(cx.tr("azulejo was not closed properly last time"));
+            ui.label(cx.tr("Unsaved work was kept:"));
             for one in found {
                 ui.horizontal(|ui| {
                     let name = one.original.as_deref().and_then(Path::file_name);
                     let name = name.map(|n| n.to_string_lossy().into_owned());
-                    ui.label(name.unwrap_or_else(|| desk.say("without name").into()));
-                    ui.weak(age(one.written, desk));
-                    if ui.button(desk.say("Recover")).clicked() {
-                        desk.wish(Command::Recover(one.copy.clone()));
+                    ui.label(name.unwrap_or_else(|| cx.tr("without name").into()));
+                    ui.weak(age(one.written, cx));
+                    if ui.button(cx.tr("Recover")).clicked() {
+                        cx.send(Command::Recover(one.copy.clone()));
                         self.asked_recovery = true;
                     }
-                    if ui.button(desk.say("Delete it")).clicked() {
-                        desk.wish(Command::Forget(one.copy.clone()));
+                    if ui.button(cx.tr("Delete it")).clicked() {
+                        cx.send(Command::DeleteRecovery(one.copy.clone()));
                     }
                 });
             }
-            if ui.button(desk.say("Ask me later")).clicked() {
+            if ui.button(cx.tr("Ask me later")).clicked() {
                 self.asked_recovery = true;
             }
         });
         self.asked_recovery |= modal.should_close();
     }
 
-    fn ask_text(&mut self, ui: &mut Ui, desk: &mut Desk) {
+    fn ask_text(&mut self, ui: &mut Ui, cx: &mut PanelContext) {
         if self.asks_file() {
             return;
         }
@@ -190,8 +190,8 @@ impl Dialogs {
         let mut asks_font = false;
         let modal = Modal::new(Id::unique("letters")).show(ui.ctx(), |ui| {
             ui.set_width(380.0);
-            ui.heading(desk.say("Solid letters"));
-            let label = ui.label(desk.say("Text"));
+            ui.heading(cx.tr("Solid text"));
+            let label = ui.label(cx.tr("Text"));
             ui.add(
                 egui::TextEdit::multiline(&mut dialog.text)
                     .desired_rows(2)
@@ -199,16 +199,16 @@ impl Dialogs {
             )
             .labelled_by(label.id);
             Grid::new("letters").num_columns(2).show(ui, |ui| {
-                let label = ui.label(desk.say("Size of an em"));
+                let label = ui.label(cx.tr("Font size (em)"));
                 let speed = 0.01 * dialog.size;
                 let drag = DragValue::new(&mut dialog.size).range(1e-9..=1e9);
                 ui.add(drag.speed(speed)).labelled_by(label.id);
                 ui.end_row();
-                let label = ui.label(desk.say("Depth, ems"));
+                let label = ui.label(cx.tr("Depth, ems"));
                 let drag = DragValue::new(&mut dialog.depth).range(1e-3..=1e3);
                 ui.add(drag.speed(0.01)).labelled_by(label.id);
                 ui.end_row();
-                ui.label(desk.say("Typeface"));
+                ui.label(cx.tr("Font"));
                 let name = dialog.font.as_deref().and_then(Path::file_name);
                 let name = name.map(|n| n.to_string_lossy().into_owned());
                 asks_font = ui
@@ -219,10 +219,10 @@ impl Dialogs {
             ui.horizontal(|ui| {
                 let ready = !dialog.text.trim().is_empty();
                 if ui
-                    .add_enabled(ready, egui::Button::new(desk.say("Add the letters")))
+                    .add_enabled(ready, egui::Button::new(cx.tr("Add text")))
                     .clicked()
                 {
-                    desk.wish(Command::AddText {
+                    cx.send(Command::AddText {
                         text: dialog.text.clone(),
                         size: dialog.size,
                         depth: dialog.depth,
@@ -230,73 +230,73 @@ impl Dialogs {
                     });
                     done = true;
                 }
-                done |= ui.button(desk.say("Cancel")).clicked();
+                done |= ui.button(cx.tr("Cancel")).clicked();
             });
         });
         if asks_font {
-            desk.wish(Command::Ask(Ask::Font));
+            cx.send(Command::RequestFile(FileRequest::Font));
         } else if done || modal.should_close() {
             self.text = None;
         }
     }
 
-    /// Whether a file is being asked for: what asks for it waits, and would lie over it else.
+    /// Whether the file dialog is open: the dialog that opened it hides, so as not to cover it.
     fn asks_file(&self) -> bool {
         self.files.is_some() || self.replacing.is_some()
     }
 
-    fn ask_prism(&mut self, ui: &Ui, desk: &mut Desk) {
+    fn ask_prism(&mut self, ui: &Ui, cx: &mut PanelContext) {
         if self.asks_file() {
             return;
         }
-        let is_done = self.prism.as_mut().map(|prism| prism.show(ui, desk));
+        let is_done = self.prism.as_mut().map(|prism| prism.show(ui, cx));
         if is_done == Some(true) {
             self.prism = None;
         }
     }
 
-    fn show_preferences(&mut self, ui: &mut Ui, desk: &mut Desk) {
+    fn show_preferences(&mut self, ui: &mut Ui, cx: &mut PanelContext) {
         if !self.preferences {
             return;
         }
-        let old = &desk.app.preferences;
+        let old = &cx.app.preferences;
         let mut new = old.clone();
         let mut is_done = false;
         let modal = Modal::new(Id::unique("preferences")).show(ui.ctx(), |ui| {
             ui.set_width(420.0);
-            ui.heading(desk.say("Preferences"));
+            ui.heading(cx.tr("Preferences"));
             Grid::new("preferences")
                 .num_columns(2)
                 .spacing([16.0, 6.0])
-                .show(ui, |ui| preference_rows(ui, desk, &mut new));
-            is_done = ui.button(desk.say("Close")).clicked();
+                .show(ui, |ui| preference_rows(ui, cx, &mut new));
+            is_done = ui.button(cx.tr("Close")).clicked();
         });
         if new != *old {
-            desk.wish(Command::SetPreferences(Box::new(new)));
+            cx.send(Command::SetPreferences(Box::new(new)));
         }
         self.preferences = !(is_done || modal.should_close());
     }
 
-    fn show_keys(&mut self, ui: &mut Ui, desk: &mut Desk) {
+    fn show_keys(&mut self, ui: &mut Ui, cx: &mut PanelContext) {
         if !self.keys {
             return;
         }
         let mut is_done = false;
         let modal = Modal::new(Id::unique("keys")).show(ui.ctx(), |ui| {
             ui.set_width(640.0);
-            ui.heading(desk.say("Keys and mouse"));
+            ui.heading(cx.tr("Keyboard and mouse"));
             egui::ScrollArea::vertical()
                 .max_height(460.0)
                 .show(ui, |ui| {
-                    mouse_help(ui, desk);
-                    key_help(ui, desk);
+                    mouse_help(ui, cx);
+                    key_help(ui, cx);
                 });
-            is_done = ui.button(desk.say("Close")).clicked();
+            is_done = ui.button(cx.tr("Close")).clicked();
         });
         self.keys = !(is_done || modal.should_close());
     }
 
-    fn show_about(&mut self, ui: &mut Ui, desk: &mut Desk) {
+    fn show_about(&mut self, ui: &mut Ui, cx: &mut PanelContext) {
         if !self.about {
             return;
         }
@@ -304,31 +304,31 @@ impl Dialogs {
         let modal = Modal::new(Id::unique("about")).show(ui.ctx(), |ui| {
             ui.set_width(380.0);
             ui.heading(format!("azulejo {}", env!("CARGO_PKG_VERSION")));
-            ui.label(desk.say("Global illumination for the models people already have."));
-            is_done = ui.button(desk.say("Close")).clicked();
+            ui.label(cx.tr("Global illumination for the models people already have."));
+            is_done = ui.button(cx.tr("Close")).clicked();
         });
         self.about = !(is_done || modal.should_close());
     }
 
-    fn ask_file(&mut self, ui: &mut Ui, desk: &mut Desk) -> Option<Chosen> {
-        if let Some(what) = desk.app.asking
+    fn ask_file(&mut self, ui: &mut Ui, cx: &mut PanelContext) -> Option<BrdfFileChoice> {
+        if let Some(what) = cx.app.asking
             && self.replacing.is_none()
             && self.files.as_ref().is_none_or(|(open, _)| *open != what)
         {
-            self.files = Some((what, self.open(what, desk)));
+            self.files = Some((what, self.open(what, cx)));
         }
-        if let Some(chosen) = self.ask_replace(ui, desk) {
+        if let Some(chosen) = self.ask_replace(ui, cx) {
             return Some(chosen);
         }
         let (what, dialog) = self.files.as_mut()?;
         let what = *what;
         dialog.show(ui.ctx());
         self.all_files
-            .show(ui.ctx(), desk, Id::unique("files"), dialog);
+            .show(ui.ctx(), cx, Id::unique("files"), dialog);
         let paths: Vec<PathBuf> = match dialog.state() {
             State::Open => return None,
             State::Selected => match dialog.selection() {
-                // A name that was typed is not one of the list.
+                // A typed name is not one of the list.
                 none if none.is_empty() => dialog.path().into_iter().map(Path::to_owned).collect(),
                 several => several.into_iter().map(Path::to_owned).collect(),
             },
@@ -344,39 +344,39 @@ impl Dialogs {
         self.folder = Some(dialog.directory().to_owned());
         self.files = None;
         let Some(mut first) = paths.first().cloned() else {
-            desk.wish(Command::Dismiss);
+            cx.send(Command::CancelPending);
             return None;
         };
-        if let (None, Some(extension)) = (first.extension(), usual_extension(what)) {
+        if let (None, Some(extension)) = (first.extension(), default_extension(what)) {
             first.set_extension(extension);
         }
-        // The document's own file is what one means to write over, if it is still as it was.
-        let own = desk
+        // Overwriting the document's own file needs no question, unless it has changed on disk.
+        let own = cx
             .app
             .file
             .as_ref()
-            .filter(|f| what == Ask::SaveAs && f.path == first);
+            .filter(|f| what == FileRequest::SaveAs && f.path == first);
         let is_meant = own.is_some_and(|f| !f.has_changed());
         if saves(what) && first.exists() && !is_meant {
             self.replacing = Some((what, first));
             return None;
         }
-        self.chosen(what, first, paths, desk)
+        self.chosen(what, first, paths, cx)
     }
 
-    /// Asks before a file is written over.
-    fn ask_replace(&mut self, ui: &mut Ui, desk: &mut Desk) -> Option<Chosen> {
+    /// Asks before a file is replaced.
+    fn ask_replace(&mut self, ui: &mut Ui, cx: &mut PanelContext) -> Option<BrdfFileChoice> {
         let (what, path) = self.replacing.clone()?;
         let mut answer = None;
         let modal = Modal::new(Id::unique("replace")).show(ui.ctx(), |ui| {
             ui.set_width(380.0);
-            ui.heading(desk.say("There is a file of this name"));
+            ui.heading(cx.tr("A file with this name already exists"));
             ui.label(path.display().to_string());
             ui.horizontal(|ui| {
-                if ui.button(desk.say("Replace it")).clicked() {
+                if ui.button(cx.tr("Replace")).clicked() {
                     answer = Some(true);
                 }
-                if ui.button(desk.say("Cancel")).clicked() {
+                if ui.button(cx.tr("Cancel")).clicked() {
                     answer = Some(false);
                 }
             });
@@ -386,152 +386,164 @@ impl Dialogs {
         }
         let replaces = answer?;
         self.replacing = None;
-        match replaces {
-            true => self.chosen(what, path.clone(), vec![path], desk),
-            false => {
-                desk.wish(Command::Dismiss);
-                None
-            }
+        if replaces {
+            self.chosen(what, path.clone(), vec![path], cx)
+        } else {
+            cx.send(Command::CancelPending);
+            None
         }
     }
 
     fn chosen(
         &mut self,
-        what: Ask,
+        what: FileRequest,
         first: PathBuf,
         all: Vec<PathBuf>,
-        desk: &mut Desk,
-    ) -> Option<Chosen> {
-        desk.wish(Command::Answered);
-        desk.wish(match what {
-            Ask::Open => Command::Open(all),
-            Ask::Add => Command::Add(all),
-            Ask::SaveAs => Command::SaveAs(first),
-            Ask::Export => Command::Export(first),
-            Ask::SavePicture => Command::SavePicture(first),
-            Ask::Backdrop => Command::LoadBackdrop(first),
-            Ask::Font => {
+        cx: &mut PanelContext,
+    ) -> Option<BrdfFileChoice> {
+        cx.send(Command::DialogClosed);
+        cx.send(match what {
+            FileRequest::Open => Command::Open(all),
+            FileRequest::Add => Command::Add(all),
+            FileRequest::SaveAs => Command::SaveAs(first),
+            FileRequest::Export => Command::Export(first),
+            FileRequest::SaveRender => Command::SaveRender(first),
+            FileRequest::Backdrop => Command::LoadBackdrop(first),
+            FileRequest::Font => {
                 if let Some(text) = &mut self.text {
                     text.font = Some(first);
                 }
                 return None;
             }
-            Ask::Outline => {
+            FileRequest::Outline => {
                 if let Some(prism) = &mut self.prism {
                     prism.drawing = Some(first);
                 }
                 return None;
             }
-            Ask::LoadBrdf => return Some(Chosen::LoadBrdf(first)),
-            Ask::SaveBrdf => return Some(Chosen::SaveBrdf(first)),
+            FileRequest::LoadBrdf => return Some(BrdfFileChoice::LoadBrdf(first)),
+            FileRequest::SaveBrdf => return Some(BrdfFileChoice::SaveBrdf(first)),
         });
         None
     }
 
-    /// The dialog for a file.
-    fn open(&self, what: Ask, desk: &Desk) -> FileDialog {
-        let file = desk.app.file.as_ref().map(|f| f.path.as_path());
-        let branch = desk.app.document.branches.first().map(|b| b.path.as_path());
-        let known = file.or(branch);
+    /// Creates the file dialog.
+    fn open(&self, what: FileRequest, cx: &PanelContext) -> FileDialog {
+        let file = cx.app.file.as_ref().map(|f| f.path.as_path());
+        let source_file = cx
+            .app
+            .document
+            .source_files
+            .first()
+            .map(|b| b.path.as_path());
+        let known = file.or(source_file);
         let folder = self.folder.clone();
         let folder = folder.or_else(|| known.and_then(Path::parent).map(Path::to_owned));
         let folder = folder.filter(|f| f.is_dir());
         let folder = folder.or_else(|| std::env::current_dir().ok());
         let stem = known.and_then(Path::file_stem).unwrap_or_default();
-        let stem = match stem.is_empty() {
-            true => "azulejo".to_owned(),
-            false => stem.to_string_lossy().into_owned(),
+        let stem = if stem.is_empty() {
+            "azulejo".to_owned()
+        } else {
+            stem.to_string_lossy().into_owned()
         };
         let dialog = match what {
-            Ask::Open | Ask::Add => FileDialog::open_file().multi_select(true),
-            Ask::Backdrop | Ask::Font | Ask::Outline | Ask::LoadBrdf => FileDialog::open_file(),
-            Ask::SaveAs => FileDialog::save_file().default_filename(format!("{stem}.grf")),
-            Ask::Export => FileDialog::save_file().default_filename(format!("{stem}.glb")),
-            Ask::SavePicture => FileDialog::save_file().default_filename(format!("{stem}.png")),
-            Ask::SaveBrdf => FileDialog::save_file().default_filename("material.brdf"),
+            FileRequest::Open | FileRequest::Add => FileDialog::open_file().multi_select(true),
+            FileRequest::Backdrop
+            | FileRequest::Font
+            | FileRequest::Outline
+            | FileRequest::LoadBrdf => FileDialog::open_file(),
+            FileRequest::SaveAs => FileDialog::save_file().default_filename(format!("{stem}.grf")),
+            FileRequest::Export => FileDialog::save_file().default_filename(format!("{stem}.glb")),
+            FileRequest::SaveRender => {
+                FileDialog::save_file().default_filename(format!("{stem}.png"))
+            }
+            FileRequest::SaveBrdf => FileDialog::save_file().default_filename("material.brdf"),
         };
         let mut dialog = dialog
             .id(Id::unique("files"))
             .initial_path(folder.unwrap_or_default())
-            .title(title(what, desk))
+            .title(title(what, cx))
             .default_size([640.0, 420.0])
             .anchor(egui::Align2::CENTER_CENTER, egui::Vec2::ZERO)
             .show_rename(false)
             .keep_on_top(true)
             .show_files_filter(self.all_files.filter(move |path| is_offered(what, path)))
-            .open_button_text(desk.say("Open").into())
-            .save_button_text(desk.say("Save").into())
-            .cancel_button_text(desk.say("Cancel").into())
-            .new_folder_button_text(desk.say("New folder").into())
-            .new_folder_name_text(desk.say("New folder").into())
-            .refresh_button_hover_text(desk.say("Look again").into())
-            .parent_folder_button_hover_text(desk.say("Folder above").into())
-            .file_label_text(desk.say("File:").into())
-            .show_hidden_checkbox_text(desk.say("Hidden ones too").into());
+            .open_button_text(cx.tr("Open").into())
+            .save_button_text(cx.tr("Save").into())
+            .cancel_button_text(cx.tr("Cancel").into())
+            .new_folder_button_text(cx.tr("New folder").into())
+            .new_folder_name_text(cx.tr("New folder").into())
+            .refresh_button_hover_text(cx.tr("Refresh").into())
+            .parent_folder_button_hover_text(cx.tr("Parent folder").into())
+            .file_label_text(cx.tr("File:").into())
+            .show_hidden_checkbox_text(cx.tr("Show hidden files").into());
         dialog.open();
         dialog
     }
 }
 
-/// What is put behind a name that says no kind of file.
-fn usual_extension(what: Ask) -> Option<&'static str> {
+/// The extension added to a name without one.
+fn default_extension(what: FileRequest) -> Option<&'static str> {
     match what {
-        Ask::SaveAs => Some("grf"),
-        Ask::SavePicture => Some("png"),
-        Ask::SaveBrdf => Some("brdf"),
+        FileRequest::SaveAs => Some("grf"),
+        FileRequest::SaveRender => Some("png"),
+        FileRequest::SaveBrdf => Some("brdf"),
         _ => None,
     }
 }
 
-fn saves(what: Ask) -> bool {
+fn saves(what: FileRequest) -> bool {
     matches!(
         what,
-        Ask::SaveAs | Ask::Export | Ask::SavePicture | Ask::SaveBrdf
+        FileRequest::SaveAs | FileRequest::Export | FileRequest::SaveRender | FileRequest::SaveBrdf
     )
 }
 
-/// Whether a file is worth a line in the dialog.
-fn is_offered(what: Ask, path: &Path) -> bool {
+/// Whether the file dialog lists a file.
+fn is_offered(what: FileRequest, path: &Path) -> bool {
     let extension = path.extension().unwrap_or_default().to_string_lossy();
     let extension = extension.to_ascii_lowercase();
     match what {
-        Ask::Open | Ask::Add | Ask::SaveAs | Ask::Export => MODELS.contains(&extension.as_str()),
-        Ask::Backdrop => ["png", "jpg", "jpeg", "hdr"].contains(&extension.as_str()),
-        Ask::SavePicture => ["png", "exr", "hdr"].contains(&extension.as_str()),
-        Ask::Outline => ["svg", "dxf"].contains(&extension.as_str()),
-        Ask::Font | Ask::LoadBrdf | Ask::SaveBrdf => true,
+        FileRequest::Open | FileRequest::Add | FileRequest::SaveAs | FileRequest::Export => {
+            MODELS.contains(&extension.as_str())
+        }
+        FileRequest::Backdrop => ["png", "jpg", "jpeg", "hdr"].contains(&extension.as_str()),
+        FileRequest::SaveRender => ["png", "exr", "hdr"].contains(&extension.as_str()),
+        FileRequest::Outline => ["svg", "dxf"].contains(&extension.as_str()),
+        FileRequest::Font | FileRequest::LoadBrdf | FileRequest::SaveBrdf => true,
     }
 }
 
-fn title(what: Ask, desk: &Desk) -> &'static str {
+fn title(what: FileRequest, cx: &PanelContext) -> &'static str {
     match what {
-        Ask::Open => desk.say("Open models"),
-        Ask::Add => desk.say("Add models"),
-        Ask::SaveAs => desk.say("Save as GRF"),
-        Ask::Export => desk.say("Export a copy"),
-        Ask::SavePicture => desk.say("Save the picture"),
-        Ask::Backdrop => desk.say("A picture for the background"),
-        Ask::Font => desk.say("A typeface"),
-        Ask::Outline => desk.say("A drawing to extrude"),
-        Ask::LoadBrdf => desk.say("Load a reflection model"),
-        Ask::SaveBrdf => desk.say("Save the reflection model"),
+        FileRequest::Open => cx.tr("Open models"),
+        FileRequest::Add => cx.tr("Add models"),
+        FileRequest::SaveAs => cx.tr("Save as GRF"),
+        FileRequest::Export => cx.tr("Export a copy"),
+        FileRequest::SaveRender => cx.tr("Save the image"),
+        FileRequest::Backdrop => cx.tr("Choose a background image"),
+        FileRequest::Font => cx.tr("Choose a font"),
+        FileRequest::Outline => cx.tr("Choose a drawing to extrude"),
+        FileRequest::LoadBrdf => cx.tr("Load a reflection model"),
+        FileRequest::SaveBrdf => cx.tr("Save the reflection model"),
     }
 }
 
-/// How long ago something was written.
-fn age(written: u64, desk: &Desk) -> String {
+/// How long ago a recovery copy was written.
+fn age(written: u64, cx: &PanelContext) -> String {
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH);
     let seconds = now.map_or(0, |d| d.as_secs().saturating_sub(written));
     match seconds {
         0..3_600 => format!("{} min", seconds / 60),
         3_600..86_400 => format!("{} h", seconds / 3_600),
-        _ => format!("{} {}", seconds / 86_400, desk.say("days")),
+        _ => format!("{} {}", seconds / 86_400, cx.tr("days")),
     }
 }
 
-fn preference_rows(ui: &mut Ui, desk: &Desk, new: &mut Preferences) {
-    let say = |text| desk.say(text);
-    let label = ui.label(say("Language"));
+fn preference_rows(ui: &mut Ui, cx: &PanelContext, new: &mut Preferences) {
+    let tr = |text| cx.tr(text);
+    let label = ui.label(tr("Language"));
     egui::ComboBox::new("language", "")
         .selected_text(new.language.name())
         .show_ui(ui, |ui| {
@@ -542,102 +554,93 @@ fn preference_rows(ui: &mut Ui, desk: &Desk, new: &mut Preferences) {
         .response
         .labelled_by(label.id);
     ui.end_row();
-    ui.label(say("Theme"));
+    ui.label(tr("Theme"));
     ui.horizontal(|ui| {
-        ui.selectable_value(&mut new.theme, Theme::System, say("as the desktop"));
-        ui.selectable_value(&mut new.theme, Theme::Light, say("bright"));
-        ui.selectable_value(&mut new.theme, Theme::Dark, say("dark"));
+        ui.selectable_value(&mut new.theme, Theme::System, tr("like the system"));
+        ui.selectable_value(&mut new.theme, Theme::Light, tr("bright"));
+        ui.selectable_value(&mut new.theme, Theme::Dark, tr("dark"));
     });
     ui.end_row();
-    let label = ui.label(say("Size of texts"));
+    let label = ui.label(tr("Text size"));
     let slider = Slider::new(&mut new.scale, 0.5..=3.0).step_by(0.1);
     ui.add(slider.update_while_editing(false))
         .labelled_by(label.id);
     ui.end_row();
-    let label = ui.label(say("Colour map"));
+    let label = ui.label(tr("Colour map"));
     egui::ComboBox::new("map", "")
-        .selected_text(map_name(new.color_map, desk))
+        .selected_text(map_name(new.color_map, cx))
         .show_ui(ui, |ui| {
             for map in ColorMap::ALL {
-                ui.selectable_value(&mut new.color_map, map, map_name(map, desk));
+                ui.selectable_value(&mut new.color_map, map, map_name(map, cx));
             }
         })
         .response
         .labelled_by(label.id);
     ui.end_row();
-    let label = ui.label(say("Copy for recovery after"));
+    let label = ui.label(tr("Recovery copy after"));
     let drag = DragValue::new(&mut new.autosave)
         .range(0..=3_600)
         .suffix(" s");
     ui.add(drag)
-        .on_hover_text(say("0 s: never"))
+        .on_hover_text(tr("0 s: never"))
         .labelled_by(label.id);
     ui.end_row();
-    let label = ui.label(say("Threads"));
+    let label = ui.label(tr("Threads"));
     let drag = DragValue::new(&mut new.threads).range(0..=256);
     ui.add(drag)
-        .on_hover_text(say("0: all but one, which the window keeps"))
+        .on_hover_text(tr("0: all but one, which is left to the window"))
         .labelled_by(label.id);
     ui.end_row();
-    let label = ui.label(say("Paths per pixel of a picture"));
+    let label = ui.label(tr("Paths per pixel of a render"));
     let drag = DragValue::new(&mut new.picture_samples).range(1..=65_536);
     ui.add(drag).labelled_by(label.id);
     ui.end_row();
-    let label = ui.label(say("Rays of its final gather"));
-    let drag = DragValue::new(&mut new.picture_gather).range(0..=MOST_GATHER);
-    let about = say("Sharpens shadows and hides patches, slowly; 0 for none.");
+    let label = ui.label(tr("Final gather rays"));
+    let drag = DragValue::new(&mut new.picture_gather).range(0..=MAX_GATHER);
+    let about = tr("Sharpens shadows and hides patches, slowly; 0 for none.");
     ui.add(drag).labelled_by(label.id).on_hover_text(about);
     ui.end_row();
 }
 
-/// Its name.
-pub fn map_name(map: ColorMap, desk: &Desk) -> &'static str {
+/// The name of a colour map.
+pub fn map_name(map: ColorMap, cx: &PanelContext) -> &'static str {
     match map {
         ColorMap::Viridis => "viridis",
         ColorMap::Cividis => "cividis",
         ColorMap::Magma => "magma",
-        ColorMap::Grey => desk.say("grey"),
+        ColorMap::Grey => cx.tr("grey"),
     }
 }
 
-fn mouse_help(ui: &mut Ui, desk: &Desk) {
+fn mouse_help(ui: &mut Ui, cx: &PanelContext) {
     let rows = [
+        (cx.tr("Drag"), cx.tr("orbit around the middle of the view")),
         (
-            desk.say("Drag"),
-            desk.say("turn around the middle of the view"),
+            cx.tr("Right or middle drag, or Shift and drag"),
+            cx.tr("pan the view"),
+        ),
+        (cx.tr("Wheel, or Ctrl and drag"), cx.tr("zoom")),
+        (
+            cx.tr("Click"),
+            cx.tr("select an object; with Ctrl, one more; with Alt, a face"),
+        ),
+        (cx.tr("Double click"), cx.tr("frame the object")),
+        (
+            cx.tr("W A S D, R F"),
+            cx.tr("fly forward, left, back, right, up, down"),
+        ),
+        (cx.tr("Drag while flying"), cx.tr("look around")),
+        (cx.tr("Arrows"), cx.tr("turn the camera")),
+        (cx.tr("Shift + arrows"), cx.tr("orbit around the model")),
+        (cx.tr("Ctrl + arrows"), cx.tr("pan the view")),
+        ("+ −", cx.tr("zoom")),
+        (
+            cx.tr("Enter, with the viewport in focus"),
+            cx.tr("a click in the middle of it; with Alt, on a face"),
         ),
         (
-            desk.say("Right or middle drag, or Shift and drag"),
-            desk.say("shift the view"),
-        ),
-        (
-            desk.say("Wheel, or Ctrl and drag"),
-            desk.say("nearer and further"),
-        ),
-        (
-            desk.say("Click"),
-            desk.say("select an object; with Ctrl, one more; with Alt, a face"),
-        ),
-        (desk.say("Double click"), desk.say("look at the object")),
-        (
-            desk.say("W A S D, R F"),
-            desk.say("fly forward, left, back, right, up, down"),
-        ),
-        (desk.say("Drag while flying"), desk.say("look around")),
-        (desk.say("Arrows"), desk.say("turn the head")),
-        (
-            desk.say("Shift + arrows"),
-            desk.say("turn around the model"),
-        ),
-        (desk.say("Ctrl + arrows"), desk.say("shift the view")),
-        ("+ −", desk.say("nearer and further")),
-        (
-            desk.say("Enter, with the viewport in focus"),
-            desk.say("a click in the middle of it; with Alt, on a face"),
-        ),
-        (
-            desk.say("Drag an arrow of the selection"),
-            desk.say("move it along the axis"),
+            cx.tr("Drag an arrow of the selection"),
+            cx.tr("move it along the axis"),
         ),
     ];
     Grid::new("mouse")
@@ -652,20 +655,20 @@ fn mouse_help(ui: &mut Ui, desk: &Desk) {
         });
 }
 
-/// Two columns of menus with their keys.
-fn key_help(ui: &mut Ui, desk: &Desk) {
+/// Two columns of menus with their shortcuts.
+fn key_help(ui: &mut Ui, cx: &PanelContext) {
     let half = Menu::ALL.len() / 2;
     ui.columns(2, |columns| {
         for (column, menus) in columns
             .iter_mut()
             .zip([&Menu::ALL[..half], &Menu::ALL[half..]])
         {
-            key_column(column, desk, menus);
+            key_column(column, cx, menus);
         }
     });
 }
 
-fn key_column(ui: &mut Ui, desk: &Desk, menus: &[Menu]) {
+fn key_column(ui: &mut Ui, cx: &PanelContext, menus: &[Menu]) {
     for &menu in menus {
         let keyed: Vec<_> = (ACTIONS.iter())
             .filter(|a| a.menu == menu && a.key.is_some())
@@ -674,22 +677,22 @@ fn key_column(ui: &mut Ui, desk: &Desk, menus: &[Menu]) {
             continue;
         }
         ui.add_space(8.0);
-        ui.strong(menu.label(desk.language));
-        Grid::new(("keys", menu.label(desk.language)))
+        ui.strong(menu.label(cx.language));
+        Grid::new(("keys", menu.label(cx.language)))
             .num_columns(2)
             .striped(true)
             .show(ui, |ui| {
                 for action in keyed {
                     let key = action.key.map(|k| ui.ctx().format_shortcut(&k));
                     ui.monospace(key.unwrap_or_default());
-                    ui.label(desk.say(action.label));
+                    ui.label(cx.tr(action.label));
                     ui.end_row();
                 }
             });
     }
 }
 
-/// A picture on the screen.
+/// An image as displayed by egui.
 pub fn pixels(image: &azulejo::scene::Image, exposure: Option<f64>) -> Arc<egui::ColorImage> {
     let bytes = crate::app::shown(image, exposure);
     let size = [image.width as usize, image.height as usize];

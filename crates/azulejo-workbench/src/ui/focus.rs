@@ -1,8 +1,8 @@
-//! Keys of what has the focus.
+//! Keyboard focus.
 
 use egui::{EventFilter, Response};
 
-/// Keeps the arrows for what has the focus: they do not go to another part of the window.
+/// Reserves the arrow keys for the focused widget: they do not move the focus.
 pub fn keep_arrows(response: &Response) {
     let filter = EventFilter {
         horizontal_arrows: true,

@@ -1,5 +1,4 @@
-//! Numbers and colours of the document, as a person changes them: what is only looked at stays
-//! exactly what it was.
+//! Input fields for numbers and colours of the document. Displaying a value never changes it.
 
 use azulejo::scene::Rgb;
 use egui::emath::format_with_decimals_in_range;
@@ -8,16 +7,16 @@ use std::cell::RefCell;
 use std::ops::RangeInclusive;
 use std::rc::Rc;
 
-/// Colours that differ less than this in every channel, linear and relative to the brightest if
-/// that is above 1, are the same to a picker: it converts to gamma and back in 32 bits, which some
-/// colours do not survive.
-const SAME: f64 = 1e-5;
+/// Tolerance per channel within which a colour counts as unchanged, linear and relative to the
+/// brightest channel if that is above 1: the colour picker converts to gamma and back in 32 bits,
+/// which does not preserve all colours.
+const TOLERANCE: f64 = 1e-5;
 
-/// A number that is dragged or typed, within `range`. A number beyond it stays until it is changed.
+/// A number field with `range`. A value outside the range stays until the user changes it.
 pub fn number(value: &mut f64, range: RangeInclusive<f64>) -> DragValue<'_> {
     let range = range.start().min(*value)..=range.end().max(*value);
-    let read = Shown::default();
-    let show = Shown(Rc::clone(&read.0));
+    let read = ShownNumber::default();
+    let show = ShownNumber(Rc::clone(&read.0));
     DragValue::new(value)
         .range(range)
         .update_while_editing(false)
@@ -27,20 +26,19 @@ pub fn number(value: &mut f64, range: RangeInclusive<f64>) -> DragValue<'_> {
 
 /// The same with a slider.
 pub fn slider(value: &mut f64, range: RangeInclusive<f64>) -> Slider<'_> {
-    let read = Shown::default();
-    let show = Shown(Rc::clone(&read.0));
+    let read = ShownNumber::default();
+    let show = ShownNumber(Rc::clone(&read.0));
     Slider::new(value, range)
         .update_while_editing(false)
         .custom_formatter(move |x, decimals| show.text(x, decimals))
         .custom_parser(move |text| read.number(text))
 }
 
-/// A number and the text that it was shown as: that text means the number, with all the digits
-/// that there was no room for.
+/// A number and the text that displayed it: the text stands for the number with all its digits.
 #[derive(Default)]
-struct Shown(Rc<RefCell<(f64, String)>>);
+struct ShownNumber(Rc<RefCell<(f64, String)>>);
 
-impl Shown {
+impl ShownNumber {
     fn text(&self, x: f64, decimals: RangeInclusive<usize>) -> String {
         let text = format_with_decimals_in_range(x, decimals);
         self.0.replace((x, text.clone()));
@@ -53,22 +51,22 @@ impl Shown {
     }
 }
 
-/// A number as people write it: with spaces between thousands, or a typographer's minus.
+/// Parses a number with spaces between thousands or a typographic minus sign.
 fn parse(text: &str) -> Option<f64> {
     let written = text.chars().filter(|c| !c.is_whitespace());
     let plain: String = written.map(|c| if c == '−' { '-' } else { c }).collect();
     plain.parse().ok()
 }
 
-/// What a picker showed last, and the colour that was made of it.
+/// The last colour of a picker, and the document's colour made from it.
 #[derive(Clone, Copy)]
-struct Picked {
+struct PickedColor {
     shown: [f32; 3],
     made: Rgb,
 }
 
-/// A button with a colour, which opens a picker; whether another was picked. `settle` makes the
-/// colour to keep of what was picked, or refuses it.
+/// A button that opens a colour picker; returns whether another colour was picked. `settle` maps
+/// the picked colour to the one to store, or rejects it.
 pub fn picked(
     ui: &mut Ui,
     name: &str,
@@ -76,8 +74,8 @@ pub fn picked(
     settle: impl Fn(Rgb) -> Option<Rgb>,
 ) -> bool {
     let id = ui.auto_id_with("picked");
-    // The picker knows the hue of a grey only by the very numbers that it left.
-    let last = ui.data(|d| d.get_temp::<Picked>(id));
+    // The hue of a grey survives only in the picker's own numbers.
+    let last = ui.data(|d| d.get_temp::<PickedColor>(id));
     let last = last.filter(|last| is_same(last.made, *color));
     let before = last.map_or_else(|| color.to_f32(), |last| last.shown);
     let mut now = before;
@@ -89,7 +87,7 @@ pub fn picked(
     let Some(made) = settle(linear) else {
         return false;
     };
-    ui.data_mut(|d| d.insert_temp(id, Picked { shown: now, made }));
+    ui.data_mut(|d| d.insert_temp(id, PickedColor { shown: now, made }));
     let is_new = !is_same(made, *color);
     if is_new {
         *color = made;
@@ -98,18 +96,18 @@ pub fn picked(
 }
 
 fn is_same(a: Rgb, b: Rgb) -> bool {
-    let most = SAME * a.max_channel().max(1.0);
+    let most = TOLERANCE * a.max_channel().max(1.0);
     (0..3).all(|channel| (a[channel] - b[channel]).abs() <= most)
 }
 
-/// A colour relative to its brightest channel: its strength is another number. Black has none.
+/// A colour relative to its brightest channel; its strength is stored separately. `None` for black.
 pub fn hue(color: Rgb) -> Option<Rgb> {
     let most = color.max_channel();
     (most > 0.0).then(|| color / most)
 }
 
-/// A strength and its colour, as [`hue`] has it. While the strength is 0 the colour is the last one
-/// that was seen under `id`.
+/// Strength and colour of a light, as defined by [`hue`]. While the strength is 0, the colour is
+/// the one last stored under `id`.
 pub fn parts(ui: &Ui, id: Id, light: Rgb) -> (f64, Rgb) {
     let kept = hue(light).or_else(|| ui.data(|d| d.get_temp(id)));
     let kept = kept.unwrap_or(Rgb::WHITE);
@@ -130,20 +128,20 @@ mod tests {
     use egui_kittest::Harness;
     use egui_kittest::kittest::Queryable;
 
-    /// A number and a colour, and how often they were changed.
-    struct Sheet {
+    /// A number and a colour, with counts of their changes.
+    struct InputFixture {
         number: f64,
         color: Rgb,
         changes: usize,
     }
 
-    fn sheet(number: f64, color: Rgb) -> Harness<'static, Sheet> {
-        let state = Sheet {
+    fn sheet(number: f64, color: Rgb) -> Harness<'static, InputFixture> {
+        let state = InputFixture {
             number,
             color,
             changes: 0,
         };
-        let show = |ui: &mut Ui, sheet: &mut Sheet| {
+        let show = |ui: &mut Ui, sheet: &mut InputFixture| {
             let drag = self::number(&mut sheet.number, -1.0..=1.0).max_decimals(4);
             let changed = ui.add(drag).accessible_name("number").changed();
             let old = sheet.color;
@@ -158,7 +156,7 @@ mod tests {
         harness
     }
 
-    fn enter(harness: &mut Harness<Sheet>, text: Option<&str>) {
+    fn enter(harness: &mut Harness<InputFixture>, text: Option<&str>) {
         harness
             .get_by_role_and_label(Role::SpinButton, "number")
             .focus();
@@ -197,7 +195,7 @@ mod tests {
         assert_eq!((harness.state().number, harness.state().changes), (4.0, 0));
     }
 
-    fn open(harness: &mut Harness<Sheet>) {
+    fn open(harness: &mut Harness<InputFixture>) {
         harness
             .get_by_role_and_label(Role::ColorWell, "colour")
             .click();

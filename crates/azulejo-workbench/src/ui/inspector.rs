@@ -1,41 +1,41 @@
-//! Numbers of what is selected.
+//! Properties of the selection.
 
-use super::desk::Desk;
-use super::{inputs, together};
+use super::panel_context::PanelContext;
+use super::{group_transform, inputs};
 use crate::command::{Command, Selection};
-use crate::document::{Document, Edit, Id, Item, Lamp, Viewpoint};
+use crate::document::{Edit, ItemId, SceneCamera, SceneDocument, SceneLight, SceneObject};
 use azulejo::scene::{Camera, Light, LightKind, MaterialId, PrimitiveKind, Rgb, Shape, Units};
 use egui::{Grid, Ui};
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use std::sync::Arc;
 
-/// Draws it.
-pub fn show(ui: &mut Ui, desk: &mut Desk) {
-    let app = desk.app;
+/// Draws the tab.
+pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
+    let app = cx.app;
     match &app.selection.ids[..] {
-        [] => nothing(ui, desk),
+        [] => nothing(ui, cx),
         [id] => {
             if let Some(item) = app.document.item(*id) {
-                object(ui, desk, item);
+                object(ui, cx, item);
             } else if let Some(lamp) = app.document.lamp(*id) {
-                lamp_numbers(ui, desk, lamp);
+                lamp_numbers(ui, cx, lamp);
             } else if let Some(view) = app.document.viewpoint(*id) {
-                camera_numbers(ui, desk, view);
+                camera_numbers(ui, cx, view);
             }
         }
         several => {
-            let text = desk.say("selected");
+            let text = cx.tr("selected");
             ui.label(format!("{} {text}", several.len()));
-            together::show(ui, desk);
-            assign(ui, desk);
+            group_transform::show(ui, cx);
+            assign(ui, cx);
         }
     }
 }
 
-/// What the scene is as a whole.
-fn nothing(ui: &mut Ui, desk: &mut Desk) {
-    let document = &desk.app.document;
-    ui.weak(desk.say("Nothing is selected: click an object, here or in the tree."));
+/// Properties of the scene, if nothing is selected.
+fn nothing(ui: &mut Ui, cx: &mut PanelContext) {
+    let document = &cx.app.document;
+    ui.weak(cx.tr("Nothing is selected: click an object, here or in the tree."));
     ui.add_space(6.0);
     Grid::new("scene").num_columns(2).show(ui, |ui| {
         let mut row = |name: &str, value: String| {
@@ -43,24 +43,24 @@ fn nothing(ui: &mut Ui, desk: &mut Desk) {
             ui.label(value);
             ui.end_row();
         };
-        row(desk.say("Objects"), document.items.len().to_string());
-        row(desk.say("Faces"), document.face_count().to_string());
-        row(desk.say("Lights"), document.lights.len().to_string());
+        row(cx.tr("Objects"), document.objects.len().to_string());
+        row(cx.tr("Faces"), document.face_count().to_string());
+        row(cx.tr("Lights"), document.lights.len().to_string());
         let size = document.bounds(None).size();
         row(
-            desk.say("Size"),
+            cx.tr("Size"),
             format!("{:.4} × {:.4} × {:.4}", size.x, size.y, size.z),
         );
     });
-    units(ui, desk);
+    units(ui, cx);
 }
 
-fn units(ui: &mut Ui, desk: &mut Desk) {
+fn units(ui: &mut Ui, cx: &mut PanelContext) {
     use azulejo::scene::Up;
-    let old = desk.app.document.units;
+    let old = cx.app.document.units;
     let mut units = old;
     ui.horizontal(|ui| {
-        ui.label(desk.say("One unit is"));
+        ui.label(cx.tr("One unit is"));
         let mut metres = units.metres();
         let speed = 0.01 * metres;
         let drag = inputs::number(&mut metres, 1e-9..=1e9).speed(speed);
@@ -69,31 +69,31 @@ fn units(ui: &mut Ui, desk: &mut Desk) {
         }
     });
     ui.horizontal(|ui| {
-        ui.label(desk.say("Up is"));
+        ui.label(cx.tr("Up is"));
         ui.selectable_value(&mut units.up, Up::Y, "y");
         ui.selectable_value(&mut units.up, Up::Z, "z");
     });
     ui.horizontal(|ui| {
-        ui.label(desk.say("Light is in"));
-        ui.selectable_value(&mut units.photometric, false, desk.say("watts"));
-        ui.selectable_value(&mut units.photometric, true, desk.say("lumens"));
+        ui.label(cx.tr("Light is in"));
+        ui.selectable_value(&mut units.photometric, false, cx.tr("watts"));
+        ui.selectable_value(&mut units.photometric, true, cx.tr("lumens"));
     });
     if units != old {
-        desk.edit(Edit::SetUnits(units));
+        cx.edit(Edit::SetUnits(units));
     }
 }
 
-fn object(ui: &mut Ui, desk: &mut Desk, item: &Item) {
-    name(ui, desk, item.id, &item.name);
-    let kind = kind_of(&item.shape, desk);
+fn object(ui: &mut Ui, cx: &mut PanelContext, item: &SceneObject) {
+    name(ui, cx, item.id, &item.name);
+    let kind = kind_of(&item.shape, cx);
     ui.weak(kind);
-    placement(ui, desk, item);
+    placement(ui, cx, item);
     if let Shape::Primitive(primitive) = &*item.shape
         && let PrimitiveKind::Cone { top } = primitive.kind
     {
         let mut new_top = top;
         ui.horizontal(|ui| {
-            let label = ui.label(desk.say("Radius at the top"));
+            let label = ui.label(cx.tr("Radius at the top"));
             let drag = inputs::number(&mut new_top, 0.0..=1.0).speed(0.01);
             ui.add(drag).labelled_by(label.id);
         });
@@ -101,46 +101,46 @@ fn object(ui: &mut Ui, desk: &mut Desk, item: &Item) {
             let mut cone = primitive.clone();
             cone.kind = PrimitiveKind::Cone { top: new_top };
             cone.light = None;
-            desk.edit(Edit::SetShape(item.id, Arc::new(Shape::Primitive(cone))));
+            cx.edit(Edit::SetShape(item.id, Arc::new(Shape::Primitive(cone))));
         }
     }
     ui.separator();
-    assign(ui, desk);
+    assign(ui, cx);
 }
 
-fn kind_of(shape: &Shape, desk: &Desk) -> String {
+fn kind_of(shape: &Shape, cx: &PanelContext) -> String {
     match shape {
         Shape::Mesh(mesh) => format!(
             "{}: {} {}, {} {}",
-            desk.say("mesh"),
+            cx.tr("mesh"),
             mesh.positions.len(),
-            desk.say("vertices"),
+            cx.tr("vertices"),
             mesh.faces.len(),
-            desk.say("faces")
+            cx.tr("faces")
         ),
         Shape::Primitive(p) => match p.kind {
-            PrimitiveKind::Sphere => desk.say("exact sphere").into(),
-            PrimitiveKind::Cylinder => desk.say("exact cylinder").into(),
-            PrimitiveKind::Cone { .. } => desk.say("exact cone").into(),
-            PrimitiveKind::Tube { .. } => desk.say("exact tube").into(),
-            PrimitiveKind::Cuboid => desk.say("exact box").into(),
-            PrimitiveKind::Square => desk.say("exact parallelogram").into(),
+            PrimitiveKind::Sphere => cx.tr("exact sphere").into(),
+            PrimitiveKind::Cylinder => cx.tr("exact cylinder").into(),
+            PrimitiveKind::Cone { .. } => cx.tr("exact cone").into(),
+            PrimitiveKind::Tube { .. } => cx.tr("exact tube").into(),
+            PrimitiveKind::Cuboid => cx.tr("exact box").into(),
+            PrimitiveKind::Square => cx.tr("exact parallelogram").into(),
         },
         Shape::Exact(exact) => {
-            let text = desk.say("exact solids");
+            let text = cx.tr("exact solids");
             format!("{}: {}", text, exact.leaves().len())
         }
     }
 }
 
-fn name(ui: &mut Ui, desk: &mut Desk, id: Id, name: &str) {
-    let label = ui.label(desk.say("Name"));
-    // A name has no space at its end, but who types two words passes there.
+fn name(ui: &mut Ui, cx: &mut PanelContext, id: ItemId, name: &str) {
+    let label = ui.label(cx.tr("Name"));
+    // Names are trimmed, but typing two words needs a space at the end for a moment.
     let draft = ui.scope_id().with(("name", id));
     let typed = ui.data(|d| d.get_temp::<String>(draft));
     let mut text = typed.unwrap_or_else(|| name.to_owned());
     let response = ui.text_edit_singleline(&mut text).labelled_by(label.id);
-    // Asked before: within, the context is locked.
+    // Queried first: inside the closure the context is locked.
     let has_focus = response.has_focus();
     ui.data_mut(|d| {
         d.remove::<String>(draft);
@@ -148,14 +148,14 @@ fn name(ui: &mut Ui, desk: &mut Desk, id: Id, name: &str) {
             d.insert_temp(draft, text.clone());
         }
     });
-    // Each letter is an edit; all that are typed without a pause elsewhere are one step.
+    // Each letter is an edit; those typed without interruption are one undo step.
     if response.changed() && text != name {
         let gesture = Some(response.id.value() ^ id.0);
-        desk.wish(Command::Edit(Edit::Rename(id, text), gesture));
+        cx.send(Command::Edit(Edit::Rename(id, text), gesture));
     }
 }
 
-/// Three numbers in a row.
+/// Three number fields in a row.
 pub(super) fn vector(ui: &mut Ui, name: &str, v: &mut DVec3, speed: f64) -> bool {
     ui.label(name);
     let mut changed = false;
@@ -179,14 +179,14 @@ pub(super) fn vector(ui: &mut Ui, name: &str, v: &mut DVec3, speed: f64) -> bool
     changed
 }
 
-/// How far a pixel of dragging goes.
-pub(super) fn speed(document: &Document) -> f64 {
+/// Change of a coordinate per pixel of dragging.
+pub(super) fn speed(document: &SceneDocument) -> f64 {
     (document.bounds(None).diagonal() * 1e-3).max(1e-6)
 }
 
-fn placement(ui: &mut Ui, desk: &mut Desk, item: &Item) {
+fn placement(ui: &mut Ui, cx: &mut PanelContext, item: &SceneObject) {
     let (mut scale, rotation, mut translation) = item.placement.to_scale_rotation_translation();
-    // Adding 0 takes the sign from a negative zero.
+    // Adding 0 removes the sign of a negative zero.
     let angles = DVec3::from(rotation.to_euler(EulerRot::XYZ)).map(|a| a.to_degrees() + 0.0);
     let mut turned = angles;
     let is_plain = {
@@ -195,39 +195,39 @@ fn placement(ui: &mut Ui, desk: &mut Desk, item: &Item) {
     };
     let mut changed = false;
     Grid::new("placement").num_columns(2).show(ui, |ui| {
-        let speed = speed(&desk.app.document);
-        changed |= vector(ui, desk.say("Position"), &mut translation, speed);
+        let speed = speed(&cx.app.document);
+        changed |= vector(ui, cx.tr("Position"), &mut translation, speed);
         if is_plain {
-            changed |= vector(ui, desk.say("Rotation °"), &mut turned, 0.5);
-            changed |= vector(ui, desk.say("Scale"), &mut scale, 0.01);
+            changed |= vector(ui, cx.tr("Rotation °"), &mut turned, 0.5);
+            changed |= vector(ui, cx.tr("Scale"), &mut scale, 0.01);
         }
     });
-    if ui.button(desk.say("Back to where it was made")).clicked() {
-        desk.edit(Edit::Place(item.id, DAffine3::IDENTITY));
+    if ui.button(cx.tr("Reset transform")).clicked() {
+        cx.edit(Edit::SetPlacement(item.id, DAffine3::IDENTITY));
     }
     if !changed {
         return;
     }
-    let placement = match is_plain {
-        false => DAffine3 {
+    let placement = if is_plain {
+        let t = turned.map(f64::to_radians);
+        let q = if turned == angles {
+            rotation
+        } else {
+            DQuat::from_euler(EulerRot::XYZ, t.x, t.y, t.z)
+        };
+        DAffine3::from_scale_rotation_translation(scale, q, translation)
+    } else {
+        DAffine3 {
             translation,
             ..item.placement
-        },
-        true => {
-            let t = turned.map(f64::to_radians);
-            let q = match turned == angles {
-                true => rotation,
-                false => DQuat::from_euler(EulerRot::XYZ, t.x, t.y, t.z),
-            };
-            DAffine3::from_scale_rotation_translation(scale, q, translation)
         }
     };
-    desk.edit(Edit::Place(item.id, placement));
+    cx.edit(Edit::SetPlacement(item.id, placement));
 }
 
-/// Materials of what is selected, and what else it could be made of.
-fn assign(ui: &mut Ui, desk: &mut Desk) {
-    let app = desk.app;
+/// The materials of the selection, and the choice of another.
+fn assign(ui: &mut Ui, cx: &mut PanelContext) {
+    let app = cx.app;
     let document = &app.document;
     let selection = &app.selection;
     let mut used: Vec<MaterialId> = Vec::new();
@@ -241,7 +241,7 @@ fn assign(ui: &mut Ui, desk: &mut Desk) {
     if used.is_empty() && selection.faces.is_none() {
         return;
     }
-    ui.label(desk.say("Materials"));
+    ui.label(cx.tr("Materials"));
     for &material in used.iter().take(20) {
         let is_it = selection.material == Some(material);
         if ui
@@ -250,18 +250,18 @@ fn assign(ui: &mut Ui, desk: &mut Desk) {
         {
             let mut selection = selection.clone();
             selection.material = Some(material);
-            desk.wish(Command::Select(selection));
+            cx.send(Command::Select(selection));
         }
     }
     let what = match &selection.faces {
-        Some((_, faces)) => format!("{} {}", faces.len(), desk.say("faces get")),
-        None => desk.say("Made of").to_owned(),
+        Some((_, faces)) => format!("{} {}", faces.len(), cx.tr("selected faces")),
+        None => cx.tr("Assigned material").to_owned(),
     };
     let mut chosen = None;
     egui::ComboBox::new("assign", what)
         .selected_text(match used[..] {
             [one] => named(document, one),
-            _ => desk.say("several").to_owned(),
+            _ => cx.tr("several").to_owned(),
         })
         .show_ui(ui, |ui| {
             for k in 0..document.materials.len() as MaterialId {
@@ -274,38 +274,39 @@ fn assign(ui: &mut Ui, desk: &mut Desk) {
             }
         });
     if let Some(material) = chosen {
-        desk.edit(match &selection.faces {
+        cx.edit(match &selection.faces {
             Some((id, faces)) => Edit::AssignFaces(*id, faces.clone(), material),
             None => Edit::Assign(selection.ids.clone(), material),
         });
-        desk.wish(Command::Select(Selection {
+        cx.send(Command::Select(Selection {
             material: Some(material),
             ..selection.clone()
         }));
     }
 }
 
-/// The name of a material, or its number.
-pub fn named(document: &Document, material: MaterialId) -> String {
+/// The name of a material, or its index.
+pub fn named(document: &SceneDocument, material: MaterialId) -> String {
     match document.materials.get(material as usize) {
         Some(m) if !m.name.is_empty() => m.name.clone(),
         _ => format!("#{material}"),
     }
 }
 
-/// A unit with what it is of.
+/// The unit of a quantity, radiometric or photometric.
 fn unit(units: Units, radiometric: &'static str, photometric: &'static str) -> &'static str {
-    match units.photometric {
-        true => photometric,
-        false => radiometric,
+    if units.photometric {
+        photometric
+    } else {
+        radiometric
     }
 }
 
 /// A row with strength and colour of a light; colours are relative to their brightest channel.
 fn light_color(
     ui: &mut Ui,
-    desk: &Desk,
-    lamp: Id,
+    cx: &PanelContext,
+    lamp: ItemId,
     name: &str,
     unit: &str,
     light: &mut Rgb,
@@ -315,7 +316,7 @@ fn light_color(
     let old = (strength, hue);
     ui.label(name);
     ui.horizontal(|ui| {
-        inputs::picked(ui, desk.say("Its colour"), &mut hue, inputs::hue);
+        inputs::picked(ui, cx.tr("Emission colour"), &mut hue, inputs::hue);
         let speed = (0.01 * strength).max(0.01);
         let drag = inputs::number(&mut strength, 0.0..=1e12)
             .speed(speed)
@@ -328,17 +329,17 @@ fn light_color(
     }
     inputs::keep_hue(ui, last, hue);
     let new = hue * strength;
-    // The colour of a light that is off is remembered, and no change of it.
+    // The colour of a light that is off is remembered without an edit.
     let changed = new != *light;
     *light = new;
     changed
 }
 
-fn lamp_numbers(ui: &mut Ui, desk: &mut Desk, lamp: &Lamp) {
-    name(ui, desk, lamp.id, &lamp.light.name);
+fn lamp_numbers(ui: &mut Ui, cx: &mut PanelContext, lamp: &SceneLight) {
+    name(ui, cx, lamp.id, &lamp.light.name);
     let mut light = lamp.light.clone();
-    let units = desk.app.document.units;
-    let step = speed(&desk.app.document);
+    let units = cx.app.document.units;
+    let step = speed(&cx.app.document);
     let mut changed = false;
     Grid::new("light")
         .num_columns(2)
@@ -347,9 +348,9 @@ fn lamp_numbers(ui: &mut Ui, desk: &mut Desk, lamp: &Lamp) {
                 position,
                 intensity,
             } => {
-                changed |= vector(ui, desk.say("Position"), position, step);
-                let (name, unit) = (desk.say("Intensity"), unit(units, "W/sr", "cd"));
-                changed |= light_color(ui, desk, lamp.id, name, unit, intensity);
+                changed |= vector(ui, cx.tr("Position"), position, step);
+                let (name, unit) = (cx.tr("Intensity"), unit(units, "W/sr", "cd"));
+                changed |= light_color(ui, cx, lamp.id, name, unit, intensity);
             }
             LightKind::Spot {
                 position,
@@ -358,43 +359,43 @@ fn lamp_numbers(ui: &mut Ui, desk: &mut Desk, lamp: &Lamp) {
                 inner,
                 outer,
             } => {
-                changed |= vector(ui, desk.say("Position"), position, step);
-                changed |= unit_vector(ui, desk.say("Direction"), direction);
-                let (name, unit) = (desk.say("Intensity"), unit(units, "W/sr", "cd"));
-                changed |= light_color(ui, desk, lamp.id, name, unit, intensity);
-                changed |= cone(ui, desk, inner, outer);
+                changed |= vector(ui, cx.tr("Position"), position, step);
+                changed |= unit_vector(ui, cx.tr("Direction"), direction);
+                let (name, unit) = (cx.tr("Intensity"), unit(units, "W/sr", "cd"));
+                changed |= light_color(ui, cx, lamp.id, name, unit, intensity);
+                changed |= cone(ui, cx, inner, outer);
             }
             LightKind::Directional {
                 direction,
                 irradiance,
             } => {
-                changed |= unit_vector(ui, desk.say("Direction"), direction);
-                let (name, unit) = (desk.say("Irradiance"), unit(units, "W/m²", "lx"));
-                changed |= light_color(ui, desk, lamp.id, name, unit, irradiance);
+                changed |= unit_vector(ui, cx.tr("Direction"), direction);
+                let (name, unit) = (cx.tr("Irradiance"), unit(units, "W/m²", "lx"));
+                changed |= light_color(ui, cx, lamp.id, name, unit, irradiance);
             }
             LightKind::Ambient { radiance } => {
-                let (name, unit) = (desk.say("Radiance"), unit(units, "W/(sr·m²)", "cd/m²"));
-                changed |= light_color(ui, desk, lamp.id, name, unit, radiance);
+                let (name, unit) = (cx.tr("Radiance"), unit(units, "W/(sr·m²)", "cd/m²"));
+                changed |= light_color(ui, cx, lamp.id, name, unit, radiance);
             }
         });
-    ui.weak(attenuation(&light, desk));
+    ui.weak(attenuation(&light, cx));
     if changed {
-        desk.edit(Edit::SetLight(lamp.id, light));
+        cx.edit(Edit::SetLight(lamp.id, light));
     }
 }
 
-/// How the light falls off, which is a matter of physics and not of taste.
-fn attenuation(light: &Light, desk: &Desk) -> &'static str {
+/// The attenuation of a light with distance, which follows from its type.
+fn attenuation(light: &Light, cx: &PanelContext) -> &'static str {
     match light.kind {
         LightKind::Point { .. } | LightKind::Spot { .. } => {
-            desk.say("Falls with the square of the distance.")
+            cx.tr("Falls off with the square of the distance.")
         }
-        LightKind::Directional { .. } => desk.say("The same at any distance."),
-        LightKind::Ambient { .. } => desk.say("The same from everywhere."),
+        LightKind::Directional { .. } => cx.tr("Independent of the distance."),
+        LightKind::Ambient { .. } => cx.tr("Uniform from all directions."),
     }
 }
 
-/// A direction; numbers that have none are not taken.
+/// A direction; vectors without a direction are rejected.
 fn unit_vector(ui: &mut Ui, name: &str, direction: &mut DVec3) -> bool {
     let mut typed = *direction;
     if !vector(ui, name, &mut typed, 0.01) {
@@ -409,9 +410,9 @@ fn unit_vector(ui: &mut Ui, name: &str, direction: &mut DVec3) -> bool {
     }
 }
 
-fn cone(ui: &mut Ui, desk: &Desk, inner: &mut f64, outer: &mut f64) -> bool {
+fn cone(ui: &mut Ui, cx: &PanelContext, inner: &mut f64, outer: &mut f64) -> bool {
     let mut degrees = [inner.to_degrees(), outer.to_degrees()];
-    let names = [desk.say("Full inside"), desk.say("None outside")];
+    let names = [cx.tr("Inner angle"), cx.tr("Outer angle")];
     let mut changed = false;
     for k in 0..2 {
         let label = ui.label(names[k]);
@@ -420,7 +421,7 @@ fn cone(ui: &mut Ui, desk: &Desk, inner: &mut f64, outer: &mut f64) -> bool {
             .suffix("°");
         if ui.add(drag).labelled_by(label.id).changed() {
             changed = true;
-            // The one that is moved pushes the other.
+            // The field being changed pushes the other one.
             match k {
                 0 => degrees[1] = degrees[1].max(degrees[0]),
                 _ => degrees[0] = degrees[0].min(degrees[1]),
@@ -434,16 +435,16 @@ fn cone(ui: &mut Ui, desk: &Desk, inner: &mut f64, outer: &mut f64) -> bool {
     changed
 }
 
-fn camera_numbers(ui: &mut Ui, desk: &mut Desk, view: &Viewpoint) {
-    name(ui, desk, view.id, &view.camera.name);
+fn camera_numbers(ui: &mut Ui, cx: &mut PanelContext, view: &SceneCamera) {
+    name(ui, cx, view.id, &view.camera.name);
     let mut camera = view.camera.clone();
-    let step = speed(&desk.app.document);
+    let step = speed(&cx.app.document);
     let mut changed = false;
     Grid::new("camera").num_columns(2).show(ui, |ui| {
-        changed |= vector(ui, desk.say("Eye"), &mut camera.eye, step);
-        changed |= vector(ui, desk.say("Looks at"), &mut camera.target, step);
-        changed |= vector(ui, desk.say("Up"), &mut camera.up, 0.01);
-        let label = ui.label(desk.say("Field of view"));
+        changed |= vector(ui, cx.tr("Viewpoint"), &mut camera.eye, step);
+        changed |= vector(ui, cx.tr("Target"), &mut camera.target, step);
+        changed |= vector(ui, cx.tr("Up"), &mut camera.up, 0.01);
+        let label = ui.label(cx.tr("Field of view"));
         let mut degrees = camera.vertical_fov.to_degrees();
         let drag = inputs::number(&mut degrees, 1.0..=170.0)
             .speed(0.25)
@@ -455,21 +456,21 @@ fn camera_numbers(ui: &mut Ui, desk: &mut Desk, view: &Viewpoint) {
         ui.end_row();
     });
     ui.horizontal(|ui| {
-        if ui.button(desk.say("Look through it")).clicked() {
-            let mut look = desk.app.view.clone();
+        if ui.button(cx.tr("View through camera")).clicked() {
+            let mut look = cx.app.view.clone();
             look.camera = view.camera.clone();
-            desk.wish(Command::Look(Box::new(look)));
+            cx.send(Command::SetView(Box::new(look)));
         }
-        if ui.button(desk.say("Take the view's place")).clicked() {
+        if ui.button(cx.tr("Move camera to view")).clicked() {
             camera = Camera {
                 name: view.camera.name.clone(),
                 size: view.camera.size,
-                ..desk.app.view.camera.clone()
+                ..cx.app.view.camera.clone()
             };
             changed = true;
         }
     });
     if changed {
-        desk.edit(Edit::SetCamera(view.id, camera));
+        cx.edit(Edit::SetCamera(view.id, camera));
     }
 }

@@ -1,150 +1,150 @@
-//! The menu bar and the bar of tools under it.
+//! The menu bar and the toolbar.
 
-use super::actions::{ACTIONS, Action, Menu, Wish};
-use super::desk::Desk;
+use super::actions::{ACTIONS, Action, ActionTarget, Menu};
+use super::panel_context::PanelContext;
 use crate::app::App;
 use crate::command::Command;
-use crate::jobs::Kind;
+use crate::jobs::JobKind;
 use egui::{Button, ComboBox, Ui};
 
-/// Draws the menus; returns what was chosen.
-pub fn show(ui: &mut Ui, desk: &mut Desk) -> Vec<Wish> {
-    let mut wishes = Vec::new();
+/// Draws the menus; returns the chosen actions.
+pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> Vec<ActionTarget> {
+    let mut targets = Vec::new();
     egui::MenuBar::new().ui(ui, |ui| {
         for menu in Menu::ALL {
             if menu == Menu::Shading {
                 continue;
             }
-            ui.menu_button(menu.label(desk.language), |ui| {
-                entries(ui, desk, menu, &mut wishes);
+            ui.menu_button(menu.label(cx.language), |ui| {
+                entries(ui, cx, menu, &mut targets);
                 if menu == Menu::File {
-                    recent(ui, desk);
+                    recent(ui, cx);
                 }
                 if menu == Menu::View {
-                    ui.menu_button(Menu::Shading.label(desk.language), |ui| {
-                        entries(ui, desk, Menu::Shading, &mut wishes);
+                    ui.menu_button(Menu::Shading.label(cx.language), |ui| {
+                        entries(ui, cx, Menu::Shading, &mut targets);
                     });
                 }
             });
         }
     });
-    wishes
+    targets
 }
 
-fn entries(ui: &mut Ui, desk: &Desk, menu: Menu, wishes: &mut Vec<Wish>) {
+fn entries(ui: &mut Ui, cx: &PanelContext, menu: Menu, targets: &mut Vec<ActionTarget>) {
     for action in ACTIONS.iter().filter(|a| a.menu == menu) {
-        wishes.extend(entry(ui, desk, action));
+        targets.extend(entry(ui, cx, action));
     }
 }
 
-fn entry(ui: &mut Ui, desk: &Desk, action: &Action) -> Option<Wish> {
-    let wish = (action.wish)(desk.app);
-    let label = label(desk, action);
+fn entry(ui: &mut Ui, cx: &PanelContext, action: &Action) -> Option<ActionTarget> {
+    let target = (action.target)(cx.app);
+    let label = label(cx, action);
     let mut button = Button::new(label);
     if let Some(key) = action.key {
         button = button.shortcut_text(ui.ctx().format_shortcut(&key));
     }
-    let clicked = ui.add_enabled(wish.is_some(), button).clicked();
+    let clicked = ui.add_enabled(target.is_some(), button).clicked();
     if clicked {
         ui.close();
     }
-    wish.filter(|_| clicked)
+    target.filter(|_| clicked)
 }
 
-/// The name of an action, and of what it is about.
-fn label(desk: &Desk, action: &Action) -> String {
-    let name = desk.say(action.label);
-    let (undo, redo) = desk.app.undo_labels();
+/// The label of an action, with the edit that undo or redo applies to.
+fn label(cx: &PanelContext, action: &Action) -> String {
+    let name = cx.tr(action.label);
+    let (undo, redo) = cx.app.undo_labels();
     match (action.label, undo, redo) {
         ("Undo", Some(what), _) | ("Redo", _, Some(what)) => {
-            format!("{name}: {}", desk.say(what))
+            format!("{name}: {}", cx.tr(what))
         }
         _ => name.to_owned(),
     }
 }
 
-fn recent(ui: &mut Ui, desk: &mut Desk) {
-    let files = desk.app.preferences.recent.clone();
+fn recent(ui: &mut Ui, cx: &mut PanelContext) {
+    let files = cx.app.preferences.recent.clone();
     ui.separator();
-    ui.menu_button(desk.say("Recent"), |ui| {
+    ui.menu_button(cx.tr("Recent"), |ui| {
         if files.is_empty() {
-            ui.weak(desk.say("nothing yet"));
+            ui.weak(cx.tr("nothing yet"));
         }
         for path in files {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             let folder = path.parent().unwrap_or(&path).display().to_string();
             if ui.button(&*name).on_hover_text(folder).clicked() {
-                desk.wish(Command::Open(vec![path.clone()]));
+                cx.send(Command::Open(vec![path.clone()]));
                 ui.close();
             }
         }
     });
 }
 
-/// Draws the tools that one wants all the time.
-pub fn tools(ui: &mut Ui, desk: &mut Desk) -> Vec<Wish> {
-    let mut wishes = Vec::new();
+/// Draws the toolbar; returns the chosen actions.
+pub fn tools(ui: &mut Ui, cx: &mut PanelContext) -> Vec<ActionTarget> {
+    let mut targets = Vec::new();
     ui.horizontal_wrapped(|ui| {
         for label in ["Open…", "Add…", "Save"] {
-            wishes.extend(tool(ui, desk, label));
+            targets.extend(tool(ui, cx, label));
         }
         ui.separator();
         for label in ["Undo", "Redo"] {
-            wishes.extend(tool(ui, desk, label));
+            targets.extend(tool(ui, cx, label));
         }
         ui.separator();
-        wishes.extend(tool(ui, desk, "Area light"));
+        targets.extend(tool(ui, cx, "Area light"));
         ui.separator();
-        shading(ui, desk, &mut wishes);
-        wishes.extend(tool(ui, desk, "Frame all"));
-        wishes.extend(tool(ui, desk, "Picture by rays"));
-        if desk.app.picture.is_some() {
-            wishes.extend(tool(ui, desk, "Save picture…"));
+        shading(ui, cx, &mut targets);
+        targets.extend(tool(ui, cx, "Frame all"));
+        targets.extend(tool(ui, cx, "Render image"));
+        if cx.app.render.is_some() {
+            targets.extend(tool(ui, cx, "Save image…"));
         }
         ui.separator();
-        let solver = match (desk.app.is_busy(Kind::Solve), desk.app.lighting.is_paused) {
+        let solver = match (cx.app.is_busy(JobKind::Solve), cx.app.lighting.is_paused) {
             (false, _) => &["Solve"][..],
             (true, false) => &["Pause", "Stop"],
-            (true, true) => &["Go on", "Stop"],
+            (true, true) => &["Resume", "Stop"],
         };
         for label in solver {
-            wishes.extend(tool(ui, desk, label));
+            targets.extend(tool(ui, cx, label));
         }
     });
-    wishes
+    targets
 }
 
-fn tool(ui: &mut Ui, desk: &Desk, label: &str) -> Option<Wish> {
+fn tool(ui: &mut Ui, cx: &PanelContext, label: &str) -> Option<ActionTarget> {
     let action = ACTIONS.iter().find(|a| a.label == label)?;
-    let wish = (action.wish)(desk.app);
-    let button = ui.add_enabled(wish.is_some(), Button::new(desk.say(action.label)));
+    let target = (action.target)(cx.app);
+    let button = ui.add_enabled(target.is_some(), Button::new(cx.tr(action.label)));
     let button = match action.key {
         Some(key) => button.on_hover_text(ui.ctx().format_shortcut(&key)),
         None => button,
     };
-    wish.filter(|_| button.clicked())
+    target.filter(|_| button.clicked())
 }
 
-fn shading(ui: &mut Ui, desk: &Desk, wishes: &mut Vec<Wish>) {
+fn shading(ui: &mut Ui, cx: &PanelContext, targets: &mut Vec<ActionTarget>) {
     ComboBox::new("shading", "")
-        .selected_text(current(desk.app).map_or("", |a| desk.say(a.label)))
+        .selected_text(current(cx.app).map_or("", |a| cx.tr(a.label)))
         .height(400.0)
         .show_ui(ui, |ui| {
             for action in ACTIONS.iter().filter(|a| a.menu == Menu::Shading) {
-                let is_it = current(desk.app).is_some_and(|c| c.label == action.label);
-                if ui.selectable_label(is_it, desk.say(action.label)).clicked() {
-                    wishes.extend((action.wish)(desk.app));
+                let is_it = current(cx.app).is_some_and(|c| c.label == action.label);
+                if ui.selectable_label(is_it, cx.tr(action.label)).clicked() {
+                    targets.extend((action.target)(cx.app));
                 }
             }
         })
         .response
-        .on_hover_text(desk.say("What surfaces show"));
+        .on_hover_text(cx.tr("Shading mode"));
 }
 
-/// The action of the shading that is on.
+/// The action of the current shading mode.
 fn current(app: &App) -> Option<&'static Action> {
     (ACTIONS.iter().filter(|a| a.menu == Menu::Shading)).find(|action| {
-        let wish = (action.wish)(app);
-        matches!(wish, Some(Wish::Do(Command::Look(view))) if view.shading == app.view.shading)
+        let target = (action.target)(app);
+        matches!(target, Some(ActionTarget::Command(Command::SetView(view))) if view.shading == app.view.shading)
     })
 }

@@ -1,23 +1,23 @@
-//! What was told, and what goes on.
+//! The message list and the status bar.
 
-use super::desk::Desk;
-use crate::app::Level;
+use super::panel_context::PanelContext;
+use crate::app::Severity;
 use crate::command::{Command, Selection};
-use crate::document::Id;
+use crate::document::ItemId;
 use egui::{
     Align, Align2, Color32, Layout, ProgressBar, Rect, RichText, Role, ScrollArea, Sense,
     TextStyle, Ui, Vec2, WidgetInfo, pos2,
 };
 use std::time::Duration;
 
-/// Draws the list of messages. One that is about an object leads there.
-pub fn show(ui: &mut Ui, desk: &mut Desk) {
-    let app = desk.app;
+/// Draws the message list. Clicking a message about an object selects that object.
+pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
+    let app = cx.app;
     ui.horizontal(|ui| {
-        ui.strong(desk.say("Messages"));
+        ui.strong(cx.tr("Messages"));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if ui.small_button(desk.say("Clear")).clicked() {
-                desk.wish(Command::ClearMessages);
+            if ui.small_button(cx.tr("Clear")).clicked() {
+                cx.send(Command::ClearMessages);
             }
         });
     });
@@ -41,7 +41,7 @@ pub fn show(ui: &mut Ui, desk: &mut Desk) {
                     Some(id) => {
                         let link = ui.add(egui::Link::new(text));
                         if link.on_hover_text(&message.text).clicked() {
-                            lead_to(desk, id);
+                            lead_to(cx, id);
                         }
                     }
                 }
@@ -49,57 +49,58 @@ pub fn show(ui: &mut Ui, desk: &mut Desk) {
         });
 }
 
-/// Selects a thing and looks at it.
-fn lead_to(desk: &mut Desk, id: Id) {
-    let mut view = desk.app.view.clone();
-    view.frame(desk.app.document.frame_of(&[id]));
-    desk.wish(Command::Select(Selection::one(id)));
-    desk.wish(Command::Look(Box::new(view)));
+/// Selects an item and frames it in the view.
+fn lead_to(cx: &mut PanelContext, id: ItemId) {
+    let mut view = cx.app.view.clone();
+    view.frame(cx.app.document.frame_of(&[id]));
+    cx.send(Command::Select(Selection::one(id)));
+    cx.send(Command::SetView(Box::new(view)));
 }
 
-fn color(level: Level, ui: &Ui) -> Option<Color32> {
+fn color(level: Severity, ui: &Ui) -> Option<Color32> {
     match level {
-        Level::Note => None,
-        Level::Warning => Some(ui.visuals().warn_fg_color),
-        Level::Error => Some(ui.visuals().error_fg_color),
+        Severity::Note => None,
+        Severity::Warning => Some(ui.visuals().warn_fg_color),
+        Severity::Error => Some(ui.visuals().error_fg_color),
     }
 }
 
-/// Draws the line at the bottom: jobs, the last message, `probe` of what is under the mouse.
-pub fn status(ui: &mut Ui, desk: &mut Desk, probe: Option<&str>) -> bool {
+/// Draws the status bar: jobs, the last message, and `probe`, the text for the point under the
+/// mouse. Returns whether the message list should be toggled.
+pub fn status(ui: &mut Ui, cx: &mut PanelContext, probe: Option<&str>) -> bool {
     let mut asks_messages = false;
     ui.horizontal(|ui| {
-        for job in desk.app.jobs() {
+        for job in cx.app.jobs() {
             let progress = &job.progress;
             let (done, total) = (progress.done(), progress.total());
             let stage = progress.stage();
             ui.label(short(&job.title));
             match total {
-                0 => unknown_share(ui, desk.stage(&stage), job.started.elapsed()),
+                0 => unknown_share(ui, cx.stage(&stage), job.started.elapsed()),
                 total => {
                     let share = (done as f32 / total as f32).min(1.0);
                     let bar = ProgressBar::new(share).desired_width(BAR);
-                    ui.add(bar.text(RichText::new(desk.stage(&stage)).small()));
+                    ui.add(bar.text(RichText::new(cx.stage(&stage)).small()));
                 }
             }
-            let cancel = ui.small_button("✖").on_hover_text(desk.say("Cancel"));
+            let cancel = ui.small_button("✖").on_hover_text(cx.tr("Cancel"));
             if cancel.clicked() {
-                desk.wish(Command::Cancel(job.id));
+                cx.send(Command::Cancel(job.id));
             }
             ui.separator();
         }
-        let problems = desk.app.messages.iter();
-        let problems = problems.filter(|m| m.level >= Level::Warning).count();
+        let problems = cx.app.messages.iter();
+        let problems = problems.filter(|m| m.level >= Severity::Warning).count();
         if problems > 0 {
             let text = format!("⚠ {problems}");
             let text = RichText::new(text).color(ui.visuals().warn_fg_color);
-            let hover = desk.say("Messages");
+            let hover = cx.tr("Messages");
             asks_messages = ui
                 .add(egui::Button::new(text).frame(false))
                 .on_hover_text(hover)
                 .clicked();
         }
-        match (probe, desk.app.messages.last()) {
+        match (probe, cx.app.messages.last()) {
             (Some(probe), _) => {
                 ui.label(probe);
             }
@@ -118,11 +119,11 @@ pub fn status(ui: &mut Ui, desk: &mut Desk, probe: Option<&str>) -> bool {
     asks_messages
 }
 
-/// Width of a bar of progress, points.
+/// Width of a progress bar, points.
 const BAR: f32 = 120.0;
 
-/// A bar of work that does not know how much it is: a block goes to and fro. It moves when the
-/// window is drawn anyway, as it is now and then while jobs go on.
+/// An indeterminate progress bar: a block moves to and fro. It moves when the window is repainted
+/// anyway, as it is while jobs run.
 fn unknown_share(ui: &mut Ui, stage: &str, time: Duration) {
     const PERIOD: f32 = 3.0;
     let height = ui.spacing().interact_size.y;
@@ -144,12 +145,16 @@ fn unknown_share(ui: &mut Ui, stage: &str, time: Duration) {
     painter.text(at, Align2::LEFT_CENTER, stage, font, color);
 }
 
-/// A title that leaves room for others: the end of a path says most.
+/// A title shortened at its start, since the end of a path says most.
 fn short(title: &str) -> String {
-    const MOST: usize = 32;
+    const MAX_CHARS: usize = 32;
     let count = title.chars().count();
-    match count > MOST {
-        true => format!("…{}", title.chars().skip(count - MOST).collect::<String>()),
-        false => title.to_owned(),
+    if count > MAX_CHARS {
+        format!(
+            "…{}",
+            title.chars().skip(count - MAX_CHARS).collect::<String>()
+        )
+    } else {
+        title.to_owned()
     }
 }

@@ -1,28 +1,29 @@
-//! The window's parts. Each shows state and returns commands.
+//! The parts of the window. Each displays state and issues commands.
 //!
-//! [`Workbench`] is all of them around one [`App`](crate::app::App): what eframe draws, what tests click, what
-//! scripts drive.
+//! [`Workbench`] combines them around an [`App`](crate::app::App): it is drawn by eframe, operated
+//! by
+//! tests and driven by scripts.
 
 pub mod actions;
-mod all_files;
 pub mod brdf;
-pub mod desk;
+pub mod colors;
 pub mod dialogs;
 mod focus;
+mod group_transform;
 mod inputs;
 pub mod inspector;
 pub mod light;
-pub mod looks;
 mod material;
+mod material_actions;
 pub mod menu;
 pub mod messages;
-pub mod paint;
+pub mod panel_context;
 mod prism;
-mod stock;
-mod together;
+mod show_all_files;
 pub mod tree;
+pub mod view_tab;
 pub mod viewport;
 mod workbench;
 
 pub use viewport::Viewport;
-pub use workbench::{Rescued, Tab, Workbench};
+pub use workbench::{PanelTab, Rescued, Workbench};

@@ -1,168 +1,177 @@
-//! The window: all its parts around one app.
+//! The window: all its parts around an app.
 
 mod closing;
 
-use super::actions::{self, Panel, Wish};
+use super::actions::{self, ActionTarget, WindowAction};
 use super::brdf::{apply_file, with_description};
-use super::desk::Desk;
-use super::dialogs::{Chosen, Dialogs, TextDialog};
-use super::material::Materials;
+use super::dialogs::{BrdfFileChoice, Dialogs, TextDialog};
+use super::material::MaterialPanel;
+use super::panel_context::PanelContext;
 use super::prism::PrismDialog;
-use super::tree::Tree;
-use super::viewport::{Loss, Viewport};
-use super::{inspector, light, looks, menu, messages};
-use crate::app::{App, Level};
+use super::tree::SceneTree;
+use super::viewport::{DeviceLost, Viewport};
+use super::{inspector, light, menu, messages, view_tab};
+use crate::app::{App, Severity};
 use crate::command::Command;
 use crate::document::Edit;
 use crate::preferences::Theme;
-use crate::script::Player;
+use crate::script::ScriptPlayer;
 use azulejo::output::Output;
 use azulejo::trace::Progress;
-use egui::{CentralPanel, Panel as Side, Ui, ViewportCommand};
+use egui::{CentralPanel, Panel, Ui, ViewportCommand};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::Duration;
 
-/// What the panel at the right shows.
+/// The tabs of the right panel.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Tab {
-    /// What is selected.
+pub enum PanelTab {
+    /// Properties of the selection.
     #[default]
     Object,
-    /// The material that is edited.
+    /// The material being edited.
     Material,
     /// The solver.
     Light,
-    /// The view.
+    /// Display settings.
     View,
 }
 
-impl Tab {
-    /// All of them.
-    pub const ALL: [Tab; 4] = [Tab::Object, Tab::Material, Tab::Light, Tab::View];
+impl PanelTab {
+    /// All tabs.
+    pub const ALL: [PanelTab; 4] = [
+        PanelTab::Object,
+        PanelTab::Material,
+        PanelTab::Light,
+        PanelTab::View,
+    ];
 }
 
 /// The window.
 pub struct Workbench {
-    /// What there is.
+    /// The app.
     pub app: App,
-    /// The panel at the right.
-    pub tab: Tab,
+    /// The active tab of the right panel.
+    pub tab: PanelTab,
     viewport: Viewport,
-    tree: Tree,
+    tree: SceneTree,
     dialogs: Dialogs,
-    materials: Materials,
+    materials: MaterialPanel,
     shows_messages: bool,
-    /// Counts presses of the mouse: each is one gesture.
+    /// Counts mouse presses: each is one gesture.
     press: u64,
-    player: Option<Player>,
+    player: Option<ScriptPlayer>,
     was_focused: bool,
     dressed: Option<(Theme, f32)>,
     title: String,
-    /// Whether the window closes because somebody wants it to.
-    leaves: bool,
-    /// Where the app goes when the window cannot stay.
+    /// Whether the window closes at the user's request.
+    is_leaving: bool,
+    /// Receives the app if the window cannot stay open.
     rescue: Option<Sender<Box<Rescued>>>,
 }
 
-/// What is left of a window that could not stay open.
+/// What is saved from a window that could not stay open.
 pub struct Rescued {
-    /// Everything that was worked on.
+    /// The app.
     pub app: App,
-    /// The script, as far as it came.
-    pub player: Option<Player>,
-    /// Why, if the window knew.
-    pub loss: Option<Loss>,
+    /// The script with its remaining steps.
+    pub player: Option<ScriptPlayer>,
+    /// The cause, if it was a lost device.
+    pub loss: Option<DeviceLost>,
 }
 
-/// A window that falls lets go of nothing: drivers and their libraries panic when a card is pulled
-/// out, and so may we.
+/// The app is saved even during a panic: drivers panic when a GPU is unplugged, and so may this
+/// code.
 impl Drop for Workbench {
     fn drop(&mut self) {
-        if !self.leaves {
+        if !self.is_leaving {
             self.hand_over(None);
         }
     }
 }
 
 impl Workbench {
-    /// A window without a graphics card: everything but the picture of the model.
+    /// Creates a window without a graphics device: everything but the image of the model works.
     pub fn new(app: App) -> Workbench {
         Workbench {
             app,
-            tab: Tab::default(),
+            tab: PanelTab::default(),
             viewport: Viewport::default(),
-            tree: Tree::default(),
+            tree: SceneTree::default(),
             dialogs: Dialogs::default(),
-            materials: Materials::default(),
+            materials: MaterialPanel::default(),
             shows_messages: false,
             press: 0,
             player: None,
             was_focused: true,
             dressed: None,
             title: String::new(),
-            leaves: false,
+            is_leaving: false,
             rescue: None,
         }
     }
 
-    /// A window of eframe around `viewport`, which was made on its card.
+    /// Creates a window of eframe around `viewport`, which uses the window's device.
     pub fn in_window(
         mut app: App,
         viewport: Viewport,
         context: &eframe::CreationContext<'_>,
     ) -> Workbench {
         let egui = context.egui_ctx.clone();
-        app.set_wake(Arc::new(move || egui.request_repaint()));
+        app.set_repaint(Arc::new(move || egui.request_repaint()));
         let mut window = Workbench::new(app);
         window.viewport = viewport;
         window
     }
 
-    /// Plays a script.
-    pub fn play(&mut self, player: Player) {
+    /// Runs a script.
+    pub fn play(&mut self, player: ScriptPlayer) {
         self.player = Some(player);
     }
 
-    /// Where the app goes when the graphics card is lost.
+    /// Sets the receiver of the app for the case that the device is lost.
     pub fn rescue_to(&mut self, rescue: Sender<Box<Rescued>>) {
         self.rescue = Some(rescue);
     }
 
-    /// The size of the viewport, pixels.
+    /// The size of the viewport in pixels.
     pub fn viewport_size(&self) -> (u32, u32) {
         self.viewport.size()
     }
 
-    /// One frame.
+    /// Runs one frame.
     pub fn show(&mut self, ui: &mut Ui) {
         if let Err(loss) = self.viewport.check() {
-            // Before anything is painted: egui cannot paint on what is gone, and would panic.
-            self.lose(ui.ctx(), loss);
+            // Before anything is painted: egui would panic on a lost device.
+            self.on_device_lost(ui.ctx(), loss);
             return;
         }
         self.app.poll();
         self.dress(ui.ctx());
         self.take_drops(ui.ctx());
-        let mut wishes = Vec::new();
+        let mut targets = Vec::new();
         if !self.dialogs.is_open(&self.app) {
-            wishes = actions::pressed(ui.ctx(), &self.app);
+            targets = actions::pressed(ui.ctx(), &self.app);
         }
-        let (commands, loss) = self.parts(ui, &mut wishes);
-        let acted = !commands.is_empty() || !wishes.is_empty();
+        let (commands, loss) = self.parts(ui, &mut targets);
+        let acted = !commands.is_empty() || !targets.is_empty();
         commands.into_iter().for_each(|c| self.app.execute(c));
-        wishes.into_iter().for_each(|w| self.fulfil(w));
+        targets.into_iter().for_each(|w| self.run_action(w));
         if let Some(loss) = loss {
-            self.lose(ui.ctx(), loss);
+            self.on_device_lost(ui.ctx(), loss);
         }
         self.step_script(ui.ctx());
-        self.keep_time(ui.ctx(), acted);
-        self.mind_window(ui.ctx());
+        self.schedule_repaint(ui.ctx(), acted);
+        self.update_window(ui.ctx());
     }
 
-    /// All parts of the window.
-    fn parts(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) -> (Vec<Command>, Option<Loss>) {
+    /// Draws all parts of the window; returns their commands, and a device loss.
+    fn parts(
+        &mut self,
+        ui: &mut Ui,
+        targets: &mut Vec<ActionTarget>,
+    ) -> (Vec<Command>, Option<DeviceLost>) {
         let Workbench {
             app,
             viewport,
@@ -171,45 +180,45 @@ impl Workbench {
             ..
         } = self;
         let (is_pressed, is_held) = ui.input(|i| {
-            // What changes as the button is let go belongs to the drag that ends.
+            // A change in the frame in which the button is released belongs to the drag.
             let is_held = i.pointer.any_down() || i.pointer.any_released();
             (i.pointer.any_pressed(), is_held)
         });
         let writes = ui.ctx().text_edit_focused();
         self.press += u64::from(is_pressed);
-        let mut desk = Desk {
+        let mut cx = PanelContext {
             language: app.preferences.language,
             gesture: is_held.then_some(self.press),
             is_covered: dialogs.is_open(app),
             app,
-            wishes: Vec::new(),
+            commands: Vec::new(),
         };
-        Side::top("menu").show(ui, |ui| {
-            wishes.extend(menu::show(ui, &mut desk));
-            wishes.extend(menu::tools(ui, &mut desk));
+        Panel::top("menu").show(ui, |ui| {
+            targets.extend(menu::show(ui, &mut cx));
+            targets.extend(menu::tools(ui, &mut cx));
         });
-        Side::bottom("status").show(ui, |ui| {
-            if messages::status(ui, &mut desk, viewport.probe()) {
-                wishes.push(Wish::Show(Panel::Messages));
+        Panel::bottom("status").show(ui, |ui| {
+            if messages::status(ui, &mut cx, viewport.probe()) {
+                targets.push(ActionTarget::Window(WindowAction::Messages));
             }
         });
         if self.shows_messages {
-            Side::bottom("messages")
+            Panel::bottom("messages")
                 .resizable(true)
                 .default_size(130.0)
-                .show(ui, |ui| messages::show(ui, &mut desk));
+                .show(ui, |ui| messages::show(ui, &mut cx));
         }
-        Side::left("tree")
+        Panel::left("tree")
             .resizable(true)
             .default_size(220.0)
-            .show(ui, |ui| tree.show(ui, &mut desk));
-        Side::right("panel")
+            .show(ui, |ui| tree.show(ui, &mut cx));
+        Panel::right("panel")
             .resizable(true)
             .default_size(380.0)
             .show(ui, |ui| {
                 ui.horizontal(|ui| {
-                    for tab in Tab::ALL {
-                        ui.selectable_value(&mut self.tab, tab, tab_name(tab, &desk));
+                    for tab in PanelTab::ALL {
+                        ui.selectable_value(&mut self.tab, tab, tab_name(tab, &cx));
                     }
                 });
                 ui.separator();
@@ -217,52 +226,54 @@ impl Workbench {
                     .id_salt(self.tab as u8)
                     .auto_shrink([false, false])
                     .show(ui, |ui| match self.tab {
-                        Tab::Object => inspector::show(ui, &mut desk),
-                        Tab::Material => self.materials.show(ui, &mut desk),
-                        Tab::Light => {
-                            if light::show(ui, &mut desk) {
-                                wishes.push(Wish::Show(Panel::Pin));
+                        PanelTab::Object => inspector::show(ui, &mut cx),
+                        PanelTab::Material => self.materials.show(ui, &mut cx),
+                        PanelTab::Light => {
+                            if light::show(ui, &mut cx) {
+                                targets.push(ActionTarget::Window(WindowAction::AddProbe));
                             }
                         }
-                        Tab::View => looks::show(ui, &mut desk),
+                        PanelTab::View => view_tab::show(ui, &mut cx),
                     });
             });
-        let shown = CentralPanel::no_frame().show(ui, |ui| viewport.show(ui, &mut desk));
-        let chosen = dialogs.show(ui, &mut desk);
-        let commands = desk.wishes;
-        // A press elsewhere ends what was being typed, which is no part of what the press begins.
+        let shown = CentralPanel::no_frame().show(ui, |ui| viewport.show(ui, &mut cx));
+        let chosen = dialogs.show(ui, &mut cx);
+        let commands = cx.commands;
+        // A press elsewhere ends typing, and is itself not part of it.
         self.press += u64::from(is_pressed && writes);
         if let Some(chosen) = chosen {
-            self.take_file(chosen);
+            self.use_brdf_file(chosen);
         }
         (commands, shown.inner.err())
     }
 
-    /// Does what an action asks for.
-    pub fn fulfil(&mut self, wish: Wish) {
-        match wish {
-            Wish::Do(command) => self.app.execute(command),
-            Wish::Show(Panel::Keys) => self.dialogs.keys = true,
-            Wish::Show(Panel::Preferences) => self.dialogs.preferences = true,
-            Wish::Show(Panel::About) => self.dialogs.about = true,
-            Wish::Show(Panel::Messages) => self.shows_messages = !self.shows_messages,
-            Wish::Show(Panel::Prism) => {
-                self.dialogs.prism = Some(PrismDialog::new(self.app.usual_size()));
+    /// Executes an action.
+    pub fn run_action(&mut self, target: ActionTarget) {
+        match target {
+            ActionTarget::Command(command) => self.app.execute(command),
+            ActionTarget::Window(WindowAction::Keys) => self.dialogs.keys = true,
+            ActionTarget::Window(WindowAction::Preferences) => self.dialogs.preferences = true,
+            ActionTarget::Window(WindowAction::About) => self.dialogs.about = true,
+            ActionTarget::Window(WindowAction::Messages) => {
+                self.shows_messages = !self.shows_messages
             }
-            Wish::Show(Panel::Text) => {
-                let size = 0.25 * self.app.usual_size();
+            ActionTarget::Window(WindowAction::Prism) => {
+                self.dialogs.prism = Some(PrismDialog::new(self.app.default_size()));
+            }
+            ActionTarget::Window(WindowAction::Text) => {
+                let size = 0.25 * self.app.default_size();
                 self.dialogs.text = Some(TextDialog::new(size));
             }
-            Wish::Show(Panel::Pin) => match self.viewport.pointed_place() {
-                Some(place) => self.app.execute(Command::Pin(place)),
+            ActionTarget::Window(WindowAction::AddProbe) => match self.viewport.pointed_place() {
+                Some(place) => self.app.execute(Command::AddProbe(place)),
                 None => self.viewport.pins_next = true,
             },
-            Wish::Show(Panel::Rename) => self.tree.begin_rename(&self.app),
-            Wish::Show(Panel::Picture) => {
+            ActionTarget::Window(WindowAction::Rename) => self.tree.begin_rename(&self.app),
+            ActionTarget::Window(WindowAction::ToggleRender) => {
                 let (width, height) = self.viewport.size();
-                self.app.execute(match self.app.picture {
-                    Some(_) => Command::StopPicture,
-                    None => Command::Picture {
+                self.app.execute(match self.app.render {
+                    Some(_) => Command::StopRender,
+                    None => Command::Render {
                         width,
                         height,
                         paths: None,
@@ -272,21 +283,22 @@ impl Workbench {
         }
     }
 
-    /// A file that was chosen for the editor of reflection models.
-    fn take_file(&mut self, chosen: Chosen) {
+    /// Loads or saves a reflection model.
+    fn use_brdf_file(&mut self, chosen: BrdfFileChoice) {
         let done = match chosen {
-            Chosen::LoadBrdf(path) => self.load_brdf(&path),
-            Chosen::SaveBrdf(path) => self.save_brdf(&path),
+            BrdfFileChoice::LoadBrdf(path) => self.load_brdf(&path),
+            BrdfFileChoice::SaveBrdf(path) => self.save_brdf(&path),
         };
         if let Err(why) = done {
-            self.app.tell(Level::Error, why);
+            self.app.report(Severity::Error, why);
         }
     }
 
-    /// Gives the selected material the reflection model of a file.
+    /// Loads a reflection model from a file into the selected material.
     ///
     /// # Errors
-    /// Why not, for people.
+    ///
+    /// A message with the reason.
     pub fn load_brdf(&mut self, path: &Path) -> Result<(), String> {
         let id = self.app.selection.material;
         let id = id.ok_or("no material is selected")?;
@@ -296,7 +308,7 @@ impl Workbench {
         let file = apply_file(&bytes, path)?;
         let new = with_description(material, file.description).map_err(|e| e.to_string())?;
         for warning in file.warnings {
-            self.app.tell(Level::Warning, warning);
+            self.app.report(Severity::Warning, warning);
         }
         let edit = Edit::SetMaterial(id, new);
         self.app.execute(Command::Edit(edit, None));
@@ -314,8 +326,8 @@ impl Workbench {
         output
             .write(&Progress::new(), |out| out.write_all(text.as_bytes()))
             .map_err(|e| e.to_string())?;
-        let note = format!("{}: {}", path.display(), self.app.say("saved"));
-        self.app.tell(Level::Note, note);
+        let note = format!("{}: {}", path.display(), self.app.tr("saved"));
+        self.app.report(Severity::Note, note);
         Ok(())
     }
 
@@ -325,10 +337,11 @@ impl Workbench {
         if paths.is_empty() {
             return;
         }
-        let is_empty = self.app.document.items.is_empty();
-        self.app.execute(match is_empty {
-            true => Command::Open(paths),
-            false => Command::Add(paths),
+        let is_empty = self.app.document.objects.is_empty();
+        self.app.execute(if is_empty {
+            Command::Open(paths)
+        } else {
+            Command::Add(paths)
         });
     }
 
@@ -343,19 +356,19 @@ impl Workbench {
             Theme::Dark => egui::ThemePreference::Dark,
         });
         context.set_zoom_factor(wanted.1);
-        // The preferences say how large texts are; Ctrl and digits are for shadings.
+        // The text size is set in the preferences; Ctrl with digits selects a shading mode.
         context.options_mut(|options| {
             options.zoom_with_keyboard = false;
-            // What was typed is taken before the click that leaves it does its work.
+            // Commit typed text before the click that leaves the field takes effect.
             options.input_options.surrender_focus_on = egui::SurrenderFocusOn::Presses;
         });
         self.dressed = Some(wanted);
     }
 
-    /// Gives the app to whoever opens another window, and closes this one.
-    fn lose(&mut self, context: &egui::Context, loss: Loss) {
+    /// Passes the app to the next window, and closes this one.
+    fn on_device_lost(&mut self, context: &egui::Context, loss: DeviceLost) {
         if self.rescue.is_none() {
-            self.app.tell(Level::Error, loss.0.to_string());
+            self.app.report(Severity::Error, loss.0.to_string());
             self.viewport = Viewport::default();
             return;
         }
@@ -363,8 +376,8 @@ impl Workbench {
         context.send_viewport_cmd(ViewportCommand::Close);
     }
 
-    /// Gives everything that was worked on to whoever opens the next window.
-    fn hand_over(&mut self, loss: Option<Loss>) {
+    /// Passes all state to the code that opens the next window.
+    fn hand_over(&mut self, loss: Option<DeviceLost>) {
         if let Some(rescue) = self.rescue.take() {
             let app = std::mem::replace(&mut self.app, App::quiet());
             let player = self.player.take();
@@ -379,21 +392,21 @@ impl Workbench {
             if goes_on {
                 self.player = Some(player);
             } else if player.has_failed() {
-                // Whoever started it waits for its status.
-                self.app.leave();
+                // The caller waits for the exit status.
+                self.app.allow_close();
             }
         }
     }
 
-    /// When the next frame is due: at once after a command, now and then while jobs go on.
-    fn keep_time(&mut self, context: &egui::Context, acted: bool) {
+    /// Schedules the next frame: at once after a command, periodically while jobs run.
+    fn schedule_repaint(&mut self, context: &egui::Context, acted: bool) {
         if acted {
             context.request_repaint();
         }
         if self.app.jobs().iter().any(|j| !j.progress.is_paused()) {
             context.request_repaint_after(Duration::from_millis(100));
         }
-        if let Some(rest) = self.app.wakes_in() {
+        if let Some(rest) = self.app.repaint_after() {
             context.request_repaint_after(rest);
         }
     }
@@ -404,7 +417,7 @@ impl eframe::App for Workbench {
         self.show(ui);
     }
 
-    /// A window that is hidden is not drawn, but its jobs go on.
+    /// A hidden window is not drawn, but its jobs continue.
     fn logic(&mut self, _: &egui::Context, _: &mut eframe::Frame) {
         self.app.poll();
     }
@@ -414,11 +427,11 @@ impl eframe::App for Workbench {
     }
 }
 
-fn tab_name(tab: Tab, desk: &Desk) -> &'static str {
+fn tab_name(tab: PanelTab, cx: &PanelContext) -> &'static str {
     match tab {
-        Tab::Object => desk.say("Object"),
-        Tab::Material => desk.say("Material"),
-        Tab::Light => desk.say("Light"),
-        Tab::View => desk.say("View"),
+        PanelTab::Object => cx.tr("Object"),
+        PanelTab::Material => cx.tr("Material"),
+        PanelTab::Light => cx.tr("Light"),
+        PanelTab::View => cx.tr("View"),
     }
 }

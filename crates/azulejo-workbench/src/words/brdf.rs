@@ -1,25 +1,25 @@
-//! Words of the editor of reflection models.
+//! Texts of the BRDF editor.
 
-use super::Entry;
+use super::Translation;
 
-pub const TABLE: &[Entry] = &[
+pub const TABLE: &[Translation] = &[
     ["reciprocal", "recíproco", "recíproco"],
     ["not reciprocal", "no recíproco", "não recíproco"],
     [
-        "Light and eye exchanged, for many pairs of directions: f differs by at most",
+        "With the directions of light and camera exchanged, for many pairs, f differs by at most",
         "Intercambiando luz y ojo, en muchos pares de direcciones: f cambia como mucho un",
         "Trocando luz e olho, em muitos pares de direções: f muda no máximo",
     ],
-    ["energy at most", "energía máxima", "energia máxima"],
+    ["albedo at most", "energía máxima", "energia máxima"],
     ["creates energy:", "crea energía:", "cria energia:"],
     ["at", "a", "a"],
     [
-        "Share of the light that is reflected, by its angle:",
+        "Albedo by angle of incidence:",
         "Fracción de la luz que se refleja, según su ángulo:",
         "Fração da luz que é refletida, segundo o seu ângulo:",
     ],
     [
-        "Lobe as a body; drag or use the arrow keys to turn it",
+        "Lobe in 3D; drag or use the arrow keys to rotate it",
         "Lóbulo como cuerpo; arrastre o use las flechas para girarlo",
         "Lóbulo como corpo; arraste ou use as setas para o rodar",
     ],
@@ -32,7 +32,7 @@ pub const TABLE: &[Entry] = &[
         "Ondas y cilindros",
         "Ondas e cilindros",
     ],
-    ["By impression", "Por impresión", "Por impressão"],
+    ["Artistic", "Por impresión", "Por impressão"],
     ["nothing", "nada", "nada"],
     [
         "Both are shown in the same plots; the second is dashed.",
@@ -47,17 +47,17 @@ pub const TABLE: &[Entry] = &[
     ],
     ["without name", "sin nombre", "sem nome"],
     [
-        "Share of light that is reflected, against its angle",
+        "Albedo as a function of the angle of incidence",
         "Fracción de luz que se refleja, según su ángulo",
         "Fração de luz que é refletida, segundo o seu ângulo",
     ],
     [
-        "The last possible model is kept.",
+        "The last valid model is kept.",
         "Se mantiene el último modelo posible.",
         "Mantém-se o último modelo possível.",
     ],
     [
-        "This model reflects more than arrives: of even light",
+        "This model reflects more than it receives: hemispherical albedo",
         "Este modelo refleja más de lo que llega: de una luz uniforme, el",
         "Este modelo reflete mais do que chega: de uma luz uniforme,",
     ],
@@ -67,7 +67,7 @@ pub const TABLE: &[Entry] = &[
     ["and", "y", "e"],
     ["Missing:", "Falta:", "Falta:"],
     [
-        "more than 1 would reflect more than arrives.",
+        "more than 1 would reflect more than it receives.",
         "más de 1 reflejaría más de lo que llega.",
         "mais de 1 refletiria mais do que chega.",
     ],
@@ -82,7 +82,7 @@ pub const TABLE: &[Entry] = &[
         "Uma soma ponderada de modelos: os pesos somam no máximo 1.",
     ],
     [
-        "Share of this model in the sum.",
+        "Weight of this model in the sum.",
         "Parte de este modelo en la suma.",
         "Parte deste modelo na soma.",
     ],
@@ -96,38 +96,38 @@ pub const TABLE: &[Entry] = &[
         "No se encontró el archivo: la superficie no refleja nada.",
         "O ficheiro não foi encontrado: a superfície não reflete nada.",
     ],
-    ["Change a copy", "Modificar una copia", "Alterar uma cópia"],
+    ["Edit a copy", "Modificar una copia", "Alterar uma cópia"],
     ["Measured", "Medido", "Medido"],
     ["angles", "ángulos", "ângulos"],
     [
-        "the same around the normal",
+        "isotropic",
         "igual alrededor de la normal",
         "igual em torno da normal",
     ],
     [
-        "different around the normal",
+        "anisotropic",
         "distinto alrededor de la normal",
         "diferente em torno da normal",
     ],
     [
-        "Given; otherwise the model has its own value.",
+        "Set; otherwise the model uses its default.",
         "Dado; si no, el modelo usa su propio valor.",
         "Dado; senão, o modelo usa o seu próprio valor.",
     ],
-    ["as the model has it", "el del modelo", "o do modelo"],
+    ["default", "el del modelo", "o do modelo"],
     [
         "One number for each of red, green and blue.",
         "Un número para cada uno de rojo, verde y azul.",
         "Um número para cada um de vermelho, verde e azul.",
     ],
     [
-        "How much the smooth boundary of a facet mirrors, by the angle.",
+        "Reflectance of a smooth facet as a function of the angle.",
         "Cuánto refleja el borde liso de una faceta, según el ángulo.",
         "Quanto espelha a fronteira lisa de uma faceta, segundo o ângulo.",
     ],
     ["Fresnel", "Fresnel", "Fresnel"],
     [
-        "Numbers of a metal",
+        "Values of a metal",
         "Números de un metal",
         "Números de um metal",
     ],
@@ -152,7 +152,7 @@ pub const TABLE: &[Entry] = &[
         "Schlick, a partir da normal",
     ],
     [
-        "the same at all angles",
+        "constant",
         "igual en todos los ángulos",
         "igual em todos os ângulos",
     ],
@@ -162,12 +162,12 @@ pub const TABLE: &[Entry] = &[
         "Lóbulos no plano de incidência",
     ],
     [
-        "Reflected share against the angle",
+        "Albedo against angle",
         "Fracción reflejada según el ángulo",
         "Fração refletida segundo o ângulo",
     ],
     [
-        "Being computed; until then the last result is shown.",
+        "Computing; meanwhile the last result is shown.",
         "Calculando; mientras, se muestra el último resultado.",
         "A calcular; entretanto, mostra-se o último resultado.",
     ],
@@ -176,7 +176,7 @@ pub const TABLE: &[Entry] = &[
         "Mayor diferencia:",
         "Maior diferença:",
     ],
-    ["reflected share", "fracción reflejada", "fração refletida"],
+    ["albedo", "fracción reflejada", "fração refletida"],
     ["1/sr", "1/sr", "1/sr"],
     ["linear", "lineal", "linear"],
     ["logarithmic", "logarítmica", "logarítmica"],
@@ -197,58 +197,58 @@ pub const TABLE: &[Entry] = &[
     ],
     ["Surface", "Superficie", "Superfície"],
     [
-        "What happens to light that arrives.",
+        "How the surface reflects light.",
         "Qué ocurre con la luz que llega.",
         "O que acontece à luz que chega.",
     ],
     [
-        "Share of light that is reflected in all directions alike; with what is mirrored at most 1.",
+        "Diffuse reflectance; together with mirror reflectance at most 1.",
         "Fracción de luz que se refleja por igual en todas direcciones; con la especular, como mucho 1.",
         "Fração de luz que é refletida por igual em todas as direções; com a espelhada, no máximo 1.",
     ],
     ["Diffuse", "Difusa", "Difusa"],
     [
-        "Share of light that is mirrored exactly; with what is diffuse at most 1.",
+        "Mirror reflectance; together with diffuse reflectance at most 1.",
         "Fracción de luz que se refleja como en un espejo; con la difusa, como mucho 1.",
         "Fração de luz que é espelhada exatamente; com a difusa, no máximo 1.",
     ],
-    ["Mirrored", "Especular", "Espelhada"],
+    ["Specular", "Especular", "Espelhada"],
     [
-        "Index of refraction of the body relative to what is outside: water 1.33, glass 1.5, diamond 2.4.",
+        "Index of refraction relative to the outside: water 1.33, glass 1.5, diamond 2.4.",
         "Índice de refracción del cuerpo respecto al exterior: agua 1,33, vidrio 1,5, diamante 2,4.",
         "Índice de refração do corpo em relação ao exterior: água 1,33, vidro 1,5, diamante 2,4.",
     ],
-    ["Refraction", "Refracción", "Refração"],
+    ["Refractive index", "Refracción", "Refração"],
     [
-        "Scales the light that passes; white for clear glass.",
+        "Scales the transmitted light; white for clear glass.",
         "Escala la luz que pasa; blanco para vidrio claro.",
         "Escala a luz que passa; branco para vidro claro.",
     ],
-    ["Passes", "Transmitida", "Transmitida"],
+    ["Transmission", "Transmitida", "Transmitida"],
     [
-        "Scales the light that is mirrored; white by Fresnel's equations.",
+        "Scales the reflected light; white for Fresnel's equations alone.",
         "Escala la luz que se refleja; blanco según las ecuaciones de Fresnel.",
         "Escala a luz que é espelhada; branco segundo as equações de Fresnel.",
     ],
     [
-        "A whole pane, both surfaces of it in one face.",
+        "A complete pane: both of its surfaces in one face.",
         "Una lámina entera, con sus dos superficies en una cara.",
         "Uma lâmina inteira, com as duas superfícies numa só face.",
     ],
     ["thin pane", "lámina fina", "lâmina fina"],
     [
-        "Radiance of the front, of the channel that is brightest; 0 for no light.",
+        "Radiance of the front in the brightest channel; 0 for no emission.",
         "Radiancia del anverso, del canal más brillante; 0 si no emite luz.",
         "Radiância da frente, do canal mais brilhante; 0 se não emite luz.",
     ],
     ["Emission", "Emisión", "Emissão"],
     ["from both sides", "por ambos lados", "pelos dois lados"],
     [
-        "Colour of the light that is emitted.",
+        "Colour of the emitted light.",
         "Color de la luz que se emite.",
         "Cor da luz que é emitida.",
     ],
-    ["Its colour", "Su color", "A sua cor"],
+    ["Emission colour", "Su color", "A sua cor"],
     ["Incidence", "Incidencia", "Incidência"],
     [
         "Angle between the light and the normal.",
@@ -263,7 +263,7 @@ pub const TABLE: &[Entry] = &[
     ],
     ["Radius", "Radio", "Raio"],
     [
-        "What the distance from the origin means.",
+        "Quantity plotted as the radius.",
         "Qué significa la distancia al origen.",
         "O que significa a distância à origem.",
     ],

@@ -1,47 +1,47 @@
-//! Words of the windows over the window.
+//! Texts of dialogs.
 
-use super::Entry;
+use super::Translation;
 
-pub const TABLE: &[Entry] = &[
+pub const TABLE: &[Translation] = &[
     [
-        "Changes are not saved",
+        "Unsaved changes",
         "Hay cambios sin guardar",
         "Há mudanças por guardar",
     ],
     [
-        "What you do next would lose them.",
+        "If you continue, they will be lost.",
         "Lo que va a hacer los perdería.",
         "O que vai fazer iria perdê-las.",
     ],
     [
-        "Lose the changes",
+        "Discard changes",
         "Perder los cambios",
         "Perder as mudanças",
     ],
     ["Cancel", "Cancelar", "Cancelar"],
     [
-        "The file has changed on the disk",
+        "The file has changed on disk",
         "El archivo ha cambiado en el disco",
         "O ficheiro mudou no disco",
     ],
     [
-        "Somebody wrote it since it was opened here.",
+        "Another program has written it since it was opened here.",
         "Alguien lo ha escrito desde que se abrió aquí.",
         "Alguém o escreveu desde que foi aberto aqui.",
     ],
     [
-        "Keep mine and write over it",
+        "Overwrite with mine",
         "Conservar lo mío y sobrescribirlo",
         "Manter o meu e escrever por cima",
     ],
-    ["Read it again", "Volver a leerlo", "Ler de novo"],
+    ["Reload", "Volver a leerlo", "Ler de novo"],
     [
-        "azulejo did not end well last time",
+        "azulejo was not closed properly last time",
         "azulejo no terminó bien la última vez",
         "O azulejo não terminou bem da última vez",
     ],
     [
-        "What was being worked on was kept:",
+        "Unsaved work was kept:",
         "Se ha conservado lo que se estaba haciendo:",
         "Conservou-se o que se estava a fazer:",
     ],
@@ -53,11 +53,11 @@ pub const TABLE: &[Entry] = &[
         "Perguntar mais tarde",
     ],
     ["days", "días", "dias"],
-    // Letters.
-    ["Solid letters", "Letras sólidas", "Letras sólidas"],
+    // Solid text.
+    ["Solid text", "Letras sólidas", "Letras sólidas"],
     ["Text", "Texto", "Texto"],
     [
-        "Size of an em",
+        "Font size (em)",
         "Tamaño de un cuadratín",
         "Tamanho de um quadratim",
     ],
@@ -66,16 +66,12 @@ pub const TABLE: &[Entry] = &[
         "Profundidad, cuadratines",
         "Profundidade, quadratins",
     ],
-    ["Typeface", "Tipo de letra", "Tipo de letra"],
-    [
-        "Add the letters",
-        "Añadir las letras",
-        "Adicionar as letras",
-    ],
+    ["Font", "Tipo de letra", "Tipo de letra"],
+    ["Add text", "Añadir las letras", "Adicionar as letras"],
     // Prisms.
-    ["A prism", "Un prisma", "Um prisma"],
+    ["Prism", "Un prisma", "Um prisma"],
     ["Outline", "Contorno", "Contorno"],
-    ["of a drawing…", "de un dibujo…", "de um desenho…"],
+    ["from a drawing…", "de un dibujo…", "de um desenho…"],
     [
         "Filled shapes of an SVG, or closed outlines of a DXF drawing",
         "Figuras rellenas de un SVG, o contornos cerrados de un dibujo DXF",
@@ -85,20 +81,20 @@ pub const TABLE: &[Entry] = &[
     ["Sides", "Lados", "Lados"],
     ["Larger side", "Lado mayor", "Lado maior"],
     ["Height", "Altura", "Altura"],
-    ["Add the prism", "Añadir el prisma", "Adicionar o prisma"],
+    ["Add prism", "Añadir el prisma", "Adicionar o prisma"],
     [
-        "A drawing to extrude",
+        "Choose a drawing to extrude",
         "Un dibujo para extruir",
         "Um desenho para extrudir",
     ],
     // Files.
     ["Open", "Abrir", "Abrir"],
     ["New folder", "Carpeta nueva", "Nova pasta"],
-    ["Look again", "Volver a mirar", "Ver de novo"],
-    ["Folder above", "Carpeta superior", "Pasta acima"],
+    ["Refresh", "Volver a mirar", "Ver de novo"],
+    ["Parent folder", "Carpeta superior", "Pasta acima"],
     ["File:", "Archivo:", "Ficheiro:"],
     [
-        "Hidden ones too",
+        "Show hidden files",
         "También los ocultos",
         "Também os ocultos",
     ],
@@ -107,13 +103,13 @@ pub const TABLE: &[Entry] = &[
     ["Add models", "Añadir modelos", "Adicionar modelos"],
     ["Save as GRF", "Guardar como GRF", "Guardar como GRF"],
     ["Export a copy", "Exportar una copia", "Exportar uma cópia"],
-    ["Save the picture", "Guardar la imagen", "Guardar a imagem"],
+    ["Save the image", "Guardar la imagen", "Guardar a imagem"],
     [
-        "A picture for the background",
+        "Choose a background image",
         "Una imagen para el fondo",
         "Uma imagem para o fundo",
     ],
-    ["A typeface", "Un tipo de letra", "Um tipo de letra"],
+    ["Choose a font", "Un tipo de letra", "Um tipo de letra"],
     [
         "Load a reflection model",
         "Cargar un modelo de reflexión",
@@ -125,43 +121,39 @@ pub const TABLE: &[Entry] = &[
         "Guardar o modelo de reflexão",
     ],
     [
-        "There is a file of this name",
+        "A file with this name already exists",
         "Ya hay un archivo con este nombre",
         "Já há um ficheiro com este nome",
     ],
-    ["Replace it", "Sustituirlo", "Substituí-lo"],
+    ["Replace", "Sustituirlo", "Substituí-lo"],
     // Preferences.
     ["Preferences", "Preferencias", "Preferências"],
     ["Close", "Cerrar", "Fechar"],
     ["Language", "Idioma", "Língua"],
     ["Theme", "Tema", "Tema"],
-    ["as the desktop", "como el escritorio", "como o ambiente"],
+    ["like the system", "como el escritorio", "como o ambiente"],
     ["bright", "claro", "claro"],
     ["dark", "oscuro", "escuro"],
+    ["Text size", "Tamaño de los textos", "Tamanho dos textos"],
     [
-        "Size of texts",
-        "Tamaño de los textos",
-        "Tamanho dos textos",
-    ],
-    [
-        "Copy for recovery after",
+        "Recovery copy after",
         "Copia de recuperación tras",
         "Cópia de recuperação após",
     ],
     ["0 s: never", "0 s: nunca", "0 s: nunca"],
     ["Threads", "Hilos", "Threads"],
     [
-        "0: all but one, which the window keeps",
+        "0: all but one, which is left to the window",
         "0: todos menos uno, que se queda la ventana",
         "0: todas menos uma, que fica para a janela",
     ],
     [
-        "Paths per pixel of a picture",
+        "Paths per pixel of a render",
         "Caminos por píxel de una imagen",
         "Caminhos por píxel de uma imagem",
     ],
     [
-        "Rays of its final gather",
+        "Final gather rays",
         "Rayos de su recogida final",
         "Raios da sua recolha final",
     ],
@@ -172,10 +164,10 @@ pub const TABLE: &[Entry] = &[
     ],
     ["grey", "gris", "cinzento"],
     // Keys and mouse.
-    ["Keys and mouse", "Teclas y ratón", "Teclas e rato"],
+    ["Keyboard and mouse", "Teclas y ratón", "Teclas e rato"],
     ["Drag", "Arrastrar", "Arrastar"],
     [
-        "turn around the middle of the view",
+        "orbit around the middle of the view",
         "girar alrededor del centro de la vista",
         "rodar em torno do centro da vista",
     ],
@@ -184,17 +176,13 @@ pub const TABLE: &[Entry] = &[
         "Arrastrar con el botón derecho o central, o con Mayús",
         "Arrastar com o botão direito ou do meio, ou com Shift",
     ],
-    ["shift the view", "desplazar la vista", "deslocar a vista"],
+    ["pan the view", "desplazar la vista", "deslocar a vista"],
     [
         "Wheel, or Ctrl and drag",
         "Rueda, o arrastrar con Ctrl",
         "Roda, ou arrastar com Ctrl",
     ],
-    [
-        "nearer and further",
-        "más cerca y más lejos",
-        "mais perto e mais longe",
-    ],
+    ["zoom", "más cerca y más lejos", "mais perto e mais longe"],
     ["Click", "Clic", "Clique"],
     [
         "select an object; with Ctrl, one more; with Alt, a face",
@@ -202,11 +190,7 @@ pub const TABLE: &[Entry] = &[
         "selecionar um objeto; com Ctrl, mais um; com Alt, uma face",
     ],
     ["Double click", "Doble clic", "Duplo clique"],
-    [
-        "look at the object",
-        "mirar el objeto",
-        "olhar para o objeto",
-    ],
+    ["frame the object", "mirar el objeto", "olhar para o objeto"],
     [
         "Drag while flying",
         "Arrastrar al volar",
@@ -215,12 +199,12 @@ pub const TABLE: &[Entry] = &[
     ["look around", "mirar alrededor", "olhar em volta"],
     ["Shift + arrows", "Mayús + flechas", "Shift + setas"],
     [
-        "turn around the model",
+        "orbit around the model",
         "girar alrededor del modelo",
         "girar em volta do modelo",
     ],
     ["Ctrl + arrows", "Ctrl + flechas", "Ctrl + setas"],
-    ["shift the view", "desplazar la vista", "deslocar a vista"],
+    ["pan the view", "desplazar la vista", "deslocar a vista"],
     [
         "Enter, with the viewport in focus",
         "Intro, con el foco en la vista",
@@ -238,7 +222,7 @@ pub const TABLE: &[Entry] = &[
         "voar em frente, esquerda, trás, direita, cima, baixo",
     ],
     ["Arrows", "Flechas", "Setas"],
-    ["turn the head", "girar la cabeza", "virar a cabeça"],
+    ["turn the camera", "girar la cabeza", "virar a cabeça"],
     [
         "Drag an arrow of the selection",
         "Arrastrar una flecha de la selección",

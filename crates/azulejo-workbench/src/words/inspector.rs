@@ -1,8 +1,8 @@
-//! Words of the numbers of what is selected.
+//! Texts of the Object tab.
 
-use super::Entry;
+use super::Translation;
 
-pub const TABLE: &[Entry] = &[
+pub const TABLE: &[Translation] = &[
     ["Object", "Objeto", "Objeto"],
     [
         "Select an object, or a material in the tree.",
@@ -43,48 +43,48 @@ pub const TABLE: &[Entry] = &[
     ["Rotation °", "Rotación °", "Rotação °"],
     ["Scale", "Escala", "Escala"],
     [
-        "Back to where it was made",
+        "Reset transform",
         "Volver a donde se hizo",
         "Voltar onde foi feito",
     ],
     ["Move by", "Mover", "Mover"],
-    ["Turn by °", "Girar °", "Rodar °"],
+    ["Rotate by °", "Girar °", "Rodar °"],
     ["Scale by", "Escalar por", "Escalar por"],
     ["Apply to all", "Aplicar a todos", "Aplicar a todos"],
-    ["faces get", "caras reciben", "faces recebem"],
-    ["Made of", "Hecho de", "Feito de"],
+    ["selected faces", "caras reciben", "faces recebem"],
+    ["Assigned material", "Hecho de", "Feito de"],
     ["several", "varios", "vários"],
     ["Intensity", "Intensidad", "Intensidade"],
     ["Direction", "Dirección", "Direção"],
     ["Radiance", "Radiancia", "Radiância"],
     [
-        "Falls with the square of the distance.",
+        "Falls off with the square of the distance.",
         "Disminuye con el cuadrado de la distancia.",
         "Diminui com o quadrado da distância.",
     ],
     [
-        "The same at any distance.",
+        "Independent of the distance.",
         "La misma a cualquier distancia.",
         "A mesma a qualquer distância.",
     ],
     [
-        "The same from everywhere.",
+        "Uniform from all directions.",
         "La misma desde todas partes.",
         "A mesma de todos os lados.",
     ],
-    ["Full inside", "Plena dentro de", "Plena dentro de"],
-    ["None outside", "Nula fuera de", "Nula fora de"],
-    ["Eye", "Ojo", "Olho"],
-    ["Looks at", "Mira a", "Olha para"],
+    ["Inner angle", "Plena dentro de", "Plena dentro de"],
+    ["Outer angle", "Nula fuera de", "Nula fora de"],
+    ["Viewpoint", "Ojo", "Olho"],
+    ["Target", "Mira a", "Olha para"],
     ["Up", "Arriba", "Cima"],
     ["Field of view", "Campo de visión", "Campo de visão"],
     [
-        "Look through it",
+        "View through camera",
         "Mirar a través de ella",
         "Olhar através dela",
     ],
     [
-        "Take the view's place",
+        "Move camera to view",
         "Ponerla donde está la vista",
         "Pô-la onde está a vista",
     ],

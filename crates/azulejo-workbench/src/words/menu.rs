@@ -1,8 +1,8 @@
-//! Words of the menus, of their entries, and of what undo takes back.
+//! Texts of the menus and their entries, and labels of undo.
 
-use super::Entry;
+use super::Translation;
 
-pub const TABLE: &[Entry] = &[
+pub const TABLE: &[Translation] = &[
     ["File", "Archivo", "Ficheiro"],
     ["Edit", "Edición", "Editar"],
     ["Add", "Añadir", "Adicionar"],
@@ -13,7 +13,7 @@ pub const TABLE: &[Entry] = &[
     ["Recent", "Recientes", "Recentes"],
     ["nothing yet", "nada todavía", "ainda nada"],
     [
-        "What surfaces show",
+        "Shading mode",
         "Lo que muestran las superficies",
         "O que as superfícies mostram",
     ],
@@ -24,18 +24,14 @@ pub const TABLE: &[Entry] = &[
     ["Save", "Guardar", "Guardar"],
     ["Save as…", "Guardar como…", "Guardar como…"],
     ["Export…", "Exportar…", "Exportar…"],
-    ["Save picture…", "Guardar la imagen…", "Guardar a imagem…"],
+    ["Save image…", "Guardar la imagen…", "Guardar a imagem…"],
     ["Preferences…", "Preferencias…", "Preferências…"],
     ["Quit", "Salir", "Sair"],
-    // Changes.
+    // Edits.
     ["Undo", "Deshacer", "Anular"],
     ["Redo", "Rehacer", "Refazer"],
     ["Select all", "Seleccionar todo", "Selecionar tudo"],
-    [
-        "Select nothing",
-        "No seleccionar nada",
-        "Não selecionar nada",
-    ],
+    ["Select none", "No seleccionar nada", "Não selecionar nada"],
     ["Duplicate", "Duplicar", "Duplicar"],
     ["Delete", "Eliminar", "Eliminar"],
     [
@@ -46,7 +42,7 @@ pub const TABLE: &[Entry] = &[
     ["Rename…", "Cambiar el nombre…", "Mudar o nome…"],
     ["Hide", "Ocultar", "Ocultar"],
     ["Show all", "Mostrar todo", "Mostrar tudo"],
-    // New things.
+    // New objects.
     ["Box", "Caja", "Caixa"],
     ["Sphere", "Esfera", "Esfera"],
     ["Cylinder", "Cilindro", "Cilindro"],
@@ -65,7 +61,7 @@ pub const TABLE: &[Entry] = &[
         "Câmara a partir desta vista",
     ],
     ["Material", "Material", "Material"],
-    // Looks.
+    // Camera and display.
     ["Frame all", "Encuadrar todo", "Enquadrar tudo"],
     [
         "Frame selection",
@@ -82,8 +78,8 @@ pub const TABLE: &[Entry] = &[
     ["Lights and cameras", "Luces y cámaras", "Luzes e câmaras"],
     ["Grid", "Cuadrícula", "Grelha"],
     ["Fog", "Niebla", "Nevoeiro"],
-    ["Picture by rays", "Imagen por rayos", "Imagem por raios"],
-    // What surfaces show.
+    ["Render image", "Imagen por rayos", "Imagem por raios"],
+    // Shading modes.
     ["Points", "Puntos", "Pontos"],
     ["Lines", "Líneas", "Linhas"],
     ["Hidden lines", "Líneas ocultas", "Linhas ocultas"],
@@ -99,21 +95,21 @@ pub const TABLE: &[Entry] = &[
         "Fatores de forma de uma parcela",
     ],
     [
-        "Normals and backs",
+        "Normals and back faces",
         "Normales y reversos",
         "Normais e reversos",
     ],
-    // Light.
+    // The solver.
     ["Solve", "Resolver", "Resolver"],
     ["Pause", "Pausar", "Pausar"],
-    ["Go on", "Continuar", "Continuar"],
+    ["Resume", "Continuar", "Continuar"],
     ["Stop", "Parar", "Parar"],
-    ["Take the light off", "Quitar la luz", "Retirar a luz"],
+    ["Clear light", "Quitar la luz", "Retirar a luz"],
     // Help.
-    ["Keys", "Teclas", "Teclas"],
+    ["Keyboard shortcuts", "Teclas", "Teclas"],
     ["Messages", "Mensajes", "Mensagens"],
     ["About azulejo", "Acerca de azulejo", "Acerca do azulejo"],
-    // What undo takes back.
+    // Labels of undo.
     ["rename", "cambiar el nombre", "mudar o nome"],
     ["hide", "ocultar", "ocultar"],
     ["show", "mostrar", "mostrar"],

@@ -1,4 +1,4 @@
-//! Every text of the window is in a table, and nothing else is.
+//! The tables contain exactly the texts of the window.
 
 use super::*;
 use crate::ui::actions::ACTIONS;
@@ -6,7 +6,7 @@ use crate::view::COLORS;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// The sources of the window, without the tables of words.
+/// The sources of the window, without the tables.
 fn sources() -> Vec<(PathBuf, String)> {
     let mut found = Vec::new();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
@@ -32,8 +32,7 @@ fn walk(folder: &Path, found: &mut Vec<(PathBuf, String)>) {
     }
 }
 
-/// The string literals of a source, each with the code that stands before it on the way from the
-/// last literal.
+/// The string literals of a source, each with the code between it and the previous literal.
 fn literals(source: &str) -> Vec<(&str, String)> {
     let mut found = Vec::new();
     let (mut at, mut code) = (0, 0);
@@ -54,7 +53,7 @@ fn literals(source: &str) -> Vec<(&str, String)> {
     found
 }
 
-/// The text of a literal at the start of `source`, and how long it is with its quotes.
+/// The text of the literal at the start of `source`, and its length with the quotes.
 fn literal(source: &str) -> (String, usize) {
     let mut text = String::new();
     let mut rest = source[1..].chars();
@@ -62,7 +61,7 @@ fn literal(source: &str) -> (String, usize) {
         match c {
             '"' => break,
             '\\' => match rest.next() {
-                // A line that goes on.
+                // A continued line.
                 Some('\n') => rest = rest.as_str().trim_start().chars(),
                 Some('n') => text.push('\n'),
                 Some(other) => text.push(other),
@@ -74,7 +73,7 @@ fn literal(source: &str) -> (String, usize) {
     (text, source.len() - rest.as_str().len())
 }
 
-/// How long a character literal at the start of `source` is, if it is no lifetime.
+/// Length of the character literal at the start of `source`; `None` for a lifetime.
 fn character(source: &str) -> Option<usize> {
     let inner = source.strip_prefix('\'')?;
     let end = match inner.strip_prefix('\\') {
@@ -84,21 +83,21 @@ fn character(source: &str) -> Option<usize> {
     (inner.get(end..)?.starts_with('\'')).then_some(end + 2)
 }
 
-fn table() -> BTreeMap<&'static str, &'static Entry> {
+fn table() -> BTreeMap<&'static str, &'static Translation> {
     let entries = TABLES.iter().flat_map(|t| t.iter());
     entries.map(|e| (e[0], e)).collect()
 }
 
 #[test]
 fn sources_are_understood() {
-    let source = r#"say("a\"b"); // "no"
-        let c = '"'; let d: &'static str = desk.say(
+    let source = r#"tr("a\"b"); // "no"
+        let c = '"'; let d: &'static str = cx.tr(
             "two \
              lines"); '\''; "end""#;
     let found = literals(source);
     let texts: Vec<&str> = found.iter().map(|(_, t)| t.as_str()).collect();
     assert_eq!(texts, ["a\"b", "two lines", "end"]);
-    assert!(found[1].0.ends_with("say("));
+    assert!(found[1].0.ends_with("tr("));
 }
 
 #[test]
@@ -108,7 +107,7 @@ fn every_text_of_the_window_is_in_a_table() {
     let mut said = 0;
     for (path, source) in sources() {
         for (code, text) in literals(&source) {
-            if code.ends_with("say(") {
+            if code.ends_with("tr(") {
                 said += 1;
                 if !table.contains_key(text.as_str()) {
                     missing.insert(format!("{}: {text}", path.display()));
@@ -140,7 +139,7 @@ fn what_undo_takes_back_is_in_a_table() {
 fn nothing_in_the_tables_is_without_use() {
     let mut used = BTreeSet::new();
     let mut all = sources();
-    // Models of reflection name themselves and their parameters.
+    // Reflection models contain their own names and those of their parameters.
     let brdf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../azulejo-scene/src/brdf");
     walk(&brdf, &mut all);
     for (_, source) in all {
@@ -152,7 +151,7 @@ fn nothing_in_the_tables_is_without_use() {
 
 #[test]
 fn a_text_has_one_translation() {
-    let mut known: BTreeMap<&str, &Entry> = BTreeMap::new();
+    let mut known: BTreeMap<&str, &Translation> = BTreeMap::new();
     for entry in TABLES.iter().flat_map(|t| t.iter()) {
         for text in entry {
             assert!(!text.trim().is_empty(), "{entry:?}");
@@ -164,7 +163,7 @@ fn a_text_has_one_translation() {
     }
 }
 
-/// Ellipses announce a dialog, colons a value, in every language.
+/// An ellipsis announces a dialog and a colon a value, in every language.
 #[test]
 fn translations_end_as_their_texts_do() {
     for entry in TABLES.iter().flat_map(|t| t.iter()) {
@@ -176,7 +175,7 @@ fn translations_end_as_their_texts_do() {
     }
 }
 
-/// A sentence that is the same in two languages was forgotten.
+/// A sentence that is the same in two languages has not been translated.
 #[test]
 fn sentences_are_translated() {
     for entry in TABLES.iter().flat_map(|t| t.iter()) {
@@ -188,7 +187,7 @@ fn sentences_are_translated() {
     }
 }
 
-/// Two entries of one menu must not look the same.
+/// Two entries of one menu must not have the same text.
 #[test]
 fn entries_of_a_menu_differ_in_every_language() {
     for language in Language::ALL {
@@ -196,7 +195,7 @@ fn entries_of_a_menu_differ_in_every_language() {
         for action in ACTIONS {
             let entry = (
                 action.menu.label(Language::English),
-                language.say(action.label),
+                language.tr(action.label),
             );
             assert!(seen.insert(entry), "{entry:?} in {language:?}");
         }
@@ -205,8 +204,8 @@ fn entries_of_a_menu_differ_in_every_language() {
 
 #[test]
 fn an_unknown_text_stays_as_it_is() {
-    assert_eq!(Language::Spanish.say("no such text"), "no such text");
-    assert_eq!(Language::Spanish.say("Undo"), "Deshacer");
-    assert_eq!(Language::Portuguese.say("Undo"), "Anular");
-    assert_eq!(Language::English.say("Undo"), "Undo");
+    assert_eq!(Language::Spanish.tr("no such text"), "no such text");
+    assert_eq!(Language::Spanish.tr("Undo"), "Deshacer");
+    assert_eq!(Language::Portuguese.tr("Undo"), "Anular");
+    assert_eq!(Language::English.tr("Undo"), "Undo");
 }

@@ -1,14 +1,14 @@
-//! Words of the tree of the scene.
+//! Texts of the tree of the scene.
 
-use super::Entry;
+use super::Translation;
 
-pub const TABLE: &[Entry] = &[
+pub const TABLE: &[Translation] = &[
     [
-        "Only where nothing is made of it.",
+        "Only if it is unused.",
         "Solo si no hay nada hecho de él.",
         "Só se não houver nada feito dele.",
     ],
-    ["made here", "hecho aquí", "feito aqui"],
+    ["created here", "hecho aquí", "feito aqui"],
     ["Lights", "Luces", "Luzes"],
     ["Cameras", "Cámaras", "Câmaras"],
     ["Materials", "Materiales", "Materiais"],
@@ -19,7 +19,7 @@ pub const TABLE: &[Entry] = &[
         "Largue aqui os ficheiros, ou abra-os (Ctrl+O).",
     ],
     [
-        "Hide: out of sight, but it casts and receives light as before",
+        "Hide in the viewport only: it still casts and receives light",
         "Ocultar: no se ve, pero da y recibe luz como antes",
         "Ocultar: não se vê, mas dá e recebe luz como antes",
     ],

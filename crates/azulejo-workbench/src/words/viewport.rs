@@ -1,11 +1,11 @@
-//! Words of the viewport, and of the line under it.
+//! Texts of the viewport and the status bar.
 
-use super::Entry;
+use super::Translation;
 
-pub const TABLE: &[Entry] = &[
+pub const TABLE: &[Translation] = &[
     ["Viewport", "Ventana del modelo", "Janela do modelo"],
     [
-        "Click a surface: its form factors become colours.",
+        "Click a surface to display its form factors.",
         "Haga clic en una superficie: sus factores de forma se verán como colores.",
         "Clique numa superfície: os seus fatores de forma passam a cores.",
     ],
@@ -15,12 +15,12 @@ pub const TABLE: &[Entry] = &[
         "Ainda por resolver: prima F5.",
     ],
     [
-        "This light is from before the last changes: press F5.",
+        "This light is outdated: press F5.",
         "Esta luz es anterior a los últimos cambios: pulse F5.",
         "Esta luz é anterior às últimas mudanças: prima F5.",
     ],
     ["Move", "Mover", "Mover"],
-    ["Turn", "Girar", "Rodar"],
+    ["Rotate", "Girar", "Rodar"],
     ["Resize", "Cambiar el tamaño", "Mudar o tamanho"],
     ["face", "cara", "face"],
     ["Clear", "Vaciar", "Limpar"],

@@ -1,7 +1,7 @@
-//! Windows over the window, and the list of messages.
+//! Dialogs and the message list.
 
 use crate::window::*;
-use azulejo_workbench::app::{App, Level};
+use azulejo_workbench::app::{App, Severity};
 use azulejo_workbench::words::Language;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
@@ -42,17 +42,17 @@ fn the_keys_are_listed_and_do_nothing_meanwhile() {
     let mut window = window(opened("shapes.grf"));
     press(&mut window, Modifiers::NONE, Key::Questionmark);
     for text in [
-        "Keys and mouse",
+        "Keyboard and mouse",
         "Ctrl+Shift+Z",
         "fly forward",
-        "Picture by rays",
+        "Render image",
     ] {
         assert!(says(&window, text), "{text}");
     }
     press(&mut window, Modifiers::COMMAND, Key::L);
     assert!(!window.state().app.is_changed());
     click_last(&mut window, "Close");
-    assert!(!says(&window, "Keys and mouse"));
+    assert!(!says(&window, "Keyboard and mouse"));
     press(&mut window, Modifiers::COMMAND, Key::L);
     assert!(window.state().app.is_changed());
 }
@@ -70,22 +70,22 @@ fn azulejo_says_what_it_is() {
 #[test]
 fn solid_letters_are_added() {
     let mut window = window(opened("cornell.grf"));
-    let many = window.state().app.document.items.len();
+    let many = window.state().app.document.objects.len();
     click(&mut window, "Add");
     click_last(&mut window, "Text…");
     write(&mut window, "", "Hola");
     set(&mut window, "Depth, ems", 0.5);
-    click_last(&mut window, "Add the letters");
+    click_last(&mut window, "Add text");
     check_no_error(&window);
     let document = &window.state().app.document;
-    assert_eq!(document.items.len(), many + 1);
-    assert_eq!(document.items[many].name, "Hola");
-    assert!(!says(&window, "Solid letters"));
+    assert_eq!(document.objects.len(), many + 1);
+    assert_eq!(document.objects[many].name, "Hola");
+    assert!(!says(&window, "Solid text"));
 }
 
 #[test]
 fn a_message_leads_to_what_it_is_about() {
-    let folder = Folder::new("messages");
+    let folder = TestFolder::new("messages");
     let path = folder.path("odd.obj");
     let text = "o roof\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl nowhere\nf 1 2 3\ncurv2 1 2\n\
                 o far\nv 9 9 9\nv 10 9 9\nv 9 10 9\nf 4 5 6\n";
@@ -95,7 +95,7 @@ fn a_message_leads_to_what_it_is_about() {
     let mut window = window(app);
     wait(&mut window);
     let warnings = window.state().app.messages.iter();
-    let warnings = warnings.filter(|m| m.level == Level::Warning).count();
+    let warnings = warnings.filter(|m| m.level == Severity::Warning).count();
     assert!(warnings > 0);
     click(&mut window, &format!("⚠ {warnings}"));
     window
@@ -105,8 +105,8 @@ fn a_message_leads_to_what_it_is_about() {
         .click();
     window.run();
     let app = &window.state().app;
-    assert_eq!(app.selection.ids, [app.document.items[0].id]);
-    // It is in the middle of what is seen.
+    assert_eq!(app.selection.ids, [app.document.objects[0].id]);
+    // It is in the centre of the view.
     let about = app.document.bounds(Some(&app.selection.ids)).centre();
     assert!((app.view.camera.target - about).length() < 1e-9);
     click(&mut window, "Clear");
@@ -139,26 +139,26 @@ fn an_idle_window_draws_nothing() {
 #[test]
 fn a_prism_is_added() {
     let mut window = window(opened("cornell.grf"));
-    let many = window.state().app.document.items.len();
+    let many = window.state().app.document.objects.len();
     click(&mut window, "Add");
     click_last(&mut window, "Prism…");
     set(&mut window, "Sides", 5.0);
     set(&mut window, "Larger side", 2.0);
     set(&mut window, "Height", 0.5);
-    click_last(&mut window, "Add the prism");
+    click_last(&mut window, "Add prism");
     check_no_error(&window);
     let app = &window.state().app;
-    assert_eq!(app.document.items[many].name, "prism");
+    assert_eq!(app.document.objects[many].name, "prism");
     let size = app.document.bounds(Some(&app.selection.ids)).size();
     assert!((size.x - 2.0).abs() < 1e-9, "{size}");
     assert!((size.y - 0.5).abs() < 1e-9, "{size}");
-    assert!(!says(&window, "A prism"));
+    assert!(!says(&window, "Prism"));
 }
 
 #[test]
 fn a_drawing_is_extruded_and_what_is_none_is_told() {
-    use azulejo_workbench::command::{Base, Command};
-    let folder = Folder::new("drawing");
+    use azulejo_workbench::command::{Command, PrismBase};
+    let folder = TestFolder::new("drawing");
     let (path, other) = (folder.path("logo.svg"), folder.path("no.svg"));
     let text = r#"<svg xmlns="http://www.w3.org/2000/svg" width="4" height="2">
         <circle cx="1" cy="1" r="1"/><path d="M2 0h2v2h-2z"/></svg>"#;
@@ -166,13 +166,13 @@ fn a_drawing_is_extruded_and_what_is_none_is_told() {
     std::fs::write(&other, "none").unwrap();
     let mut app = App::quiet();
     let add = |path| Command::AddPrism {
-        base: Base::Drawing(path),
+        base: PrismBase::Drawing(path),
         size: 8.0,
         height: 1.0,
     };
     app.execute(add(path));
     assert!(app.messages.is_empty(), "{:?}", app.messages);
-    assert_eq!(app.document.items[0].name, "logo");
+    assert_eq!(app.document.objects[0].name, "logo");
     let size = app.document.bounds(None).size();
     assert!(
         (size - glam::DVec3::new(8.0, 1.0, 4.0)).length() < 1e-9,
@@ -180,14 +180,19 @@ fn a_drawing_is_extruded_and_what_is_none_is_told() {
     );
     app.execute(add(other));
     assert_eq!(app.errors, 1);
-    assert_eq!(app.document.items.len(), 1);
+    assert_eq!(app.document.objects.len(), 1);
 }
 
 #[test]
 fn a_file_for_a_dialog_is_asked_for_and_left_again() {
     for (entry, button, title, back) in [
-        ("Prism…", "of a drawing…", "A drawing to extrude", "A prism"),
-        ("Text…", "DejaVu Serif", "A typeface", "Solid letters"),
+        (
+            "Prism…",
+            "from a drawing…",
+            "Choose a drawing to extrude",
+            "Prism",
+        ),
+        ("Text…", "DejaVu Serif", "Choose a font", "Solid text"),
     ] {
         let mut window = window_with_files(App::quiet());
         click(&mut window, "Add");

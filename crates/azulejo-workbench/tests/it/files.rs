@@ -1,19 +1,19 @@
-//! Files by dialogs, questions about changes, and a whole session.
+//! File dialogs, questions about unsaved changes, and a complete session.
 
 use crate::window::*;
-use azulejo_workbench::app::{App, Level};
+use azulejo_workbench::app::{App, Severity};
 use azulejo_workbench::command::Command;
-use azulejo_workbench::document::NewKind;
-use azulejo_workbench::light::LightSettings;
-use azulejo_workbench::script::Player;
-use azulejo_workbench::ui::Tab;
+use azulejo_workbench::document::NewShapeKind;
+use azulejo_workbench::first_pass::LightSettings;
+use azulejo_workbench::script::ScriptPlayer;
+use azulejo_workbench::ui::PanelTab;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::NodeT;
 use std::path::Path;
 
-/// The dialog shows the folder of what was opened last.
-fn dialog_in(folder: &Folder) -> Window {
+/// The dialog shows the folder of the last opened file.
+fn dialog_in(folder: &TestFolder) -> Window {
     let mut app = App::quiet();
     app.execute(Command::Open(vec![folder.copy("shapes.grf")]));
     let mut window = window_with_files(app);
@@ -33,7 +33,7 @@ fn change(window: &mut Window) {
 
 #[test]
 fn a_file_is_opened_by_its_name() {
-    let folder = Folder::new("typed");
+    let folder = TestFolder::new("typed");
     let mut window = dialog_in(&folder);
     let cornell = folder.copy("cornell.grf");
     press(&mut window, Modifiers::COMMAND, Key::O);
@@ -49,7 +49,7 @@ fn a_file_is_opened_by_its_name() {
 
 #[test]
 fn files_are_added_from_the_list_and_a_dialog_can_be_left() {
-    let folder = Folder::new("listed");
+    let folder = TestFolder::new("listed");
     folder.copy("cornell.grf");
     let mut window = dialog_in(&folder);
     let both = Modifiers::COMMAND | Modifiers::SHIFT;
@@ -61,14 +61,14 @@ fn files_are_added_from_the_list_and_a_dialog_can_be_left() {
     click_last(&mut window, "Open");
     wait(&mut window);
     check_no_error(&window);
-    let branches = &window.state().app.document.branches;
-    assert_eq!(branches.len(), 2);
+    let source_files = &window.state().app.document.source_files;
+    assert_eq!(source_files.len(), 2);
     assert!(!says(&window, "Add models"));
 }
 
 #[test]
 fn files_are_listed_whatever_their_names_if_one_wants() {
-    let folder = Folder::new("all-files");
+    let folder = TestFolder::new("all-files");
     let odd = folder.path("model.backup");
     std::fs::copy(example("cornell.grf"), &odd).unwrap();
     let mut window = dialog_in(&folder);
@@ -86,7 +86,7 @@ fn files_are_listed_whatever_their_names_if_one_wants() {
 
 #[test]
 fn a_file_is_not_written_over_without_asking() {
-    let folder = Folder::new("replace");
+    let folder = TestFolder::new("replace");
     let other = folder.copy("cornell.grf");
     let before = std::fs::read(&other).unwrap();
     let mut window = dialog_in(&folder);
@@ -94,7 +94,7 @@ fn a_file_is_not_written_over_without_asking() {
         press(window, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
         write(window, "shapes.grf", "cornell.grf");
         click_last(window, "Save");
-        assert!(says(window, "There is a file of this name"));
+        assert!(says(window, "A file with this name already exists"));
     };
     save_as(&mut window);
     click_last(&mut window, "Cancel");
@@ -102,7 +102,7 @@ fn a_file_is_not_written_over_without_asking() {
     assert_eq!(std::fs::read(&other).unwrap(), before);
     assert!(!says(&window, "Save as GRF") && window.state().app.asking.is_none());
     save_as(&mut window);
-    click_last(&mut window, "Replace it");
+    click_last(&mut window, "Replace");
     wait(&mut window);
     check_no_error(&window);
     assert_eq!(file_of(&window), Some(&*other));
@@ -111,20 +111,20 @@ fn a_file_is_not_written_over_without_asking() {
 
 #[test]
 fn the_question_about_changes_has_three_answers() {
-    let folder = Folder::new("question");
+    let folder = TestFolder::new("question");
     let mut window = dialog_in(&folder);
     change(&mut window);
     let ask = |window: &mut Window| {
         press(window, Modifiers::COMMAND, Key::Q);
-        assert!(says(window, "Changes are not saved"));
+        assert!(says(window, "Unsaved changes"));
         assert!(!window.state().app.closing);
     };
     ask(&mut window);
     click_last(&mut window, "Cancel");
-    assert!(!says(&window, "Changes are not saved"));
+    assert!(!says(&window, "Unsaved changes"));
     ask(&mut window);
     press(&mut window, Modifiers::NONE, Key::Escape);
-    assert!(!says(&window, "Changes are not saved"));
+    assert!(!says(&window, "Unsaved changes"));
     ask(&mut window);
     click_last(&mut window, "Save");
     wait(&mut window);
@@ -134,13 +134,13 @@ fn the_question_about_changes_has_three_answers() {
     let mut window = dialog_in(&folder);
     change(&mut window);
     press(&mut window, Modifiers::COMMAND, Key::N);
-    click_last(&mut window, "Lose the changes");
+    click_last(&mut window, "Discard changes");
     assert!(window.state().app.document.is_empty() && !window.state().app.is_changed());
 }
 
 #[test]
 fn a_file_that_others_wrote_is_asked_about_when_the_window_is_looked_at_again() {
-    let folder = Folder::new("others");
+    let folder = TestFolder::new("others");
     let mut window = dialog_in(&folder);
     let focus = |window: &mut Window, focused: bool| {
         let viewport = window.input_mut().viewports.values_mut().next().unwrap();
@@ -150,17 +150,17 @@ fn a_file_that_others_wrote_is_asked_about_when_the_window_is_looked_at_again() 
     focus(&mut window, false);
     std::fs::copy(example("csg.grf"), folder.path("shapes.grf")).unwrap();
     focus(&mut window, true);
-    assert!(says(&window, "The file has changed on the disk"));
-    let many = window.state().app.document.items.len();
-    click_last(&mut window, "Read it again");
+    assert!(says(&window, "The file has changed on disk"));
+    let many = window.state().app.document.objects.len();
+    click_last(&mut window, "Reload");
     wait(&mut window);
-    assert_ne!(window.state().app.document.items.len(), many);
-    assert!(!says(&window, "The file has changed on the disk"));
+    assert_ne!(window.state().app.document.objects.len(), many);
+    assert!(!says(&window, "The file has changed on disk"));
 }
 
 #[test]
 fn what_fails_is_told_and_the_work_stays() {
-    let folder = Folder::new("fails");
+    let folder = TestFolder::new("fails");
     let mut window = dialog_in(&folder);
     change(&mut window);
     let before = window.state().app.document.clone();
@@ -175,23 +175,23 @@ fn what_fails_is_told_and_the_work_stays() {
         .app
         .messages
         .iter()
-        .filter(|m| m.level == Level::Error);
+        .filter(|m| m.level == Severity::Error);
     assert_eq!(errors.count(), 1);
     assert_eq!(window.state().app.document, before);
 }
 
-/// A file that waits for somebody to write it: a pipe.
+/// A job that waits for its input: a pipe.
 #[cfg(unix)]
 #[test]
 fn work_that_does_not_know_how_much_it_is_shows_no_share() {
-    let folder = Folder::new("piped");
+    let folder = TestFolder::new("piped");
     let pipe = folder.path("pipe.grf");
     let made = std::process::Command::new("mkfifo").arg(&pipe).status();
     assert!(made.unwrap().success());
     let mut window = dialog_in(&folder);
     let open = Command::Open(vec![pipe.clone()]);
     window.state_mut().app.execute(open);
-    // The pipe is open at both ends from here on, and nothing is in it yet.
+    // Both ends of the pipe are open from here on, and it is empty.
     let mut writer = std::fs::File::options().write(true).open(pipe).unwrap();
     let is_reading = |window: &Window| {
         let jobs = window.state().app.jobs();
@@ -208,14 +208,14 @@ fn work_that_does_not_know_how_much_it_is_shows_no_share() {
     drop(writer);
     wait(&mut window);
     check_no_error(&window);
-    assert_eq!(window.state().app.document.branches[0].name, "pipe");
+    assert_eq!(window.state().app.document.source_files[0].name, "pipe");
 }
 
-/// A save that waits for somebody to read it: a pipe.
+/// A save that waits for its reader: a pipe.
 #[cfg(unix)]
 #[test]
 fn changes_made_while_a_window_waits_to_close_are_asked_about() {
-    let folder = Folder::new("closing");
+    let folder = TestFolder::new("closing");
     let pipe = folder.path("pipe.grf");
     let made = std::process::Command::new("mkfifo").arg(&pipe).status();
     assert!(made.unwrap().success());
@@ -228,31 +228,33 @@ fn changes_made_while_a_window_waits_to_close_are_asked_about() {
     window.state_mut().app.execute(Command::Quit);
     window.run_steps(3);
     assert!(window.state().app.closing, "it waits");
-    let shape = Command::AddShape(NewKind::Cuboid);
+    let shape = Command::AddShape(NewShapeKind::Cuboid);
     window.state_mut().app.execute(shape);
     let reader = std::thread::spawn(move || std::fs::read(pipe).unwrap());
     wait(&mut window);
     assert!(!reader.join().unwrap().is_empty());
-    assert!(says(&window, "Changes are not saved"));
+    assert!(says(&window, "Unsaved changes"));
     assert!(!window.state().app.closing);
-    click_last(&mut window, "Lose the changes");
+    click_last(&mut window, "Discard changes");
     assert!(window.state().app.closing);
 }
 
-/// What the workbench is for, from the first click to the last.
+/// A complete session, from the first click to the last.
 #[test]
 fn a_model_is_opened_lit_given_a_reflection_model_solved_saved_and_comes_back() {
-    let folder = Folder::new("session");
+    let folder = TestFolder::new("session");
     let mut window = dialog_in(&folder);
     press(&mut window, Modifiers::COMMAND, Key::L);
     find_material(&mut window);
     let steps = [(
         1,
-        azulejo_workbench::script::Step::MaterialBrdf(
+        azulejo_workbench::script::ScriptStep::MaterialBrdf(
             "ward_duer ks=0.3 kd=0.4 ax=0.1 ay=0.3".into(),
         ),
     )];
-    window.state_mut().play(Player::new(steps.into(), "test"));
+    window
+        .state_mut()
+        .play(ScriptPlayer::new(steps.into(), "test"));
     window.run_steps(12);
     window
         .state_mut()
@@ -262,7 +264,7 @@ fn a_model_is_opened_lit_given_a_reflection_model_solved_saved_and_comes_back() 
             error: 0.2,
             ..LightSettings::default()
         }));
-    window.state_mut().tab = Tab::Light;
+    window.state_mut().tab = PanelTab::Light;
     click(&mut window, "Solve");
     wait(&mut window);
     check_no_error(&window);

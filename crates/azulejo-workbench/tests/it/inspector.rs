@@ -1,17 +1,17 @@
-//! Numbers of what is selected.
+//! Properties of the selection.
 
 use crate::window::*;
 use azulejo::scene::{LightKind, Rgb, Shape};
 use azulejo_workbench::app::App;
 use azulejo_workbench::command::{Command, Selection};
-use azulejo_workbench::document::{Edit, NewKind, NewLightKind};
+use azulejo_workbench::document::{Edit, NewLightKind, NewShapeKind};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, vec2};
 use glam::DVec3;
 
 fn with_shape() -> Window {
     let mut app = App::quiet();
-    app.execute(Command::AddShape(NewKind::Cuboid));
+    app.execute(Command::AddShape(NewShapeKind::Cuboid));
     window(app)
 }
 
@@ -27,7 +27,7 @@ fn a_box_is_moved_turned_and_scaled_by_numbers() {
     set(&mut window, "Position x", 3.0);
     set(&mut window, "Rotation ° z", 90.0);
     set(&mut window, "Scale x", 2.0);
-    let placement = window.state().app.document.items[0].placement;
+    let placement = window.state().app.document.objects[0].placement;
     let moved = placement.transform_point3(DVec3::X);
     assert!(
         (moved - DVec3::new(3.0, 2.0, 0.0)).length() < 1e-9,
@@ -35,11 +35,11 @@ fn a_box_is_moved_turned_and_scaled_by_numbers() {
     );
     assert_eq!(window.state().app.undo_labels().0, Some("move"));
     set(&mut window, "Scale y", 0.0);
-    let after = window.state().app.document.items[0].placement;
+    let after = window.state().app.document.objects[0].placement;
     assert_eq!(after, placement, "what flattens is refused");
-    click(&mut window, "Back to where it was made");
+    click(&mut window, "Reset transform");
     assert_eq!(
-        window.state().app.document.items[0].placement,
+        window.state().app.document.objects[0].placement,
         glam::DAffine3::IDENTITY
     );
     for _ in 0..4 {
@@ -56,11 +56,11 @@ fn a_name_of_two_words_is_written() {
     window.run();
     window.event(egui::Event::Text("crate".into()));
     window.run();
-    assert_eq!(window.state().app.document.items[0].name, "my crate");
+    assert_eq!(window.state().app.document.objects[0].name, "my crate");
     press(&mut window, Modifiers::NONE, Key::Enter);
     press(&mut window, Modifiers::COMMAND, Key::Z);
     assert_eq!(
-        window.state().app.document.items[0].name,
+        window.state().app.document.objects[0].name,
         "box",
         "all letters are one step"
     );
@@ -70,7 +70,7 @@ fn a_name_of_two_words_is_written() {
 fn several_things_move_together() {
     let mut app = opened("shapes.grf");
     app.execute(Command::Select(Selection {
-        ids: app.document.items.iter().map(|i| i.id).collect(),
+        ids: app.document.objects.iter().map(|i| i.id).collect(),
         ..Selection::default()
     }));
     let before = app.document.bounds(None).centre();
@@ -98,7 +98,7 @@ fn several_things_move_together() {
 fn a_spot_has_all_its_properties() {
     let mut window = with_light(NewLightKind::Spot);
     set(&mut window, "Intensity", 12.0);
-    set(&mut window, "Full inside", 40.0);
+    set(&mut window, "Inner angle", 40.0);
     set(&mut window, "Position y", 2.0);
     set(&mut window, "Direction x", 1.0);
     let LightKind::Spot {
@@ -116,7 +116,7 @@ fn a_spot_has_all_its_properties() {
     assert!(outer >= inner, "the inner pushes the outer");
     assert_eq!(position.y, 2.0);
     assert!((direction.length() - 1.0).abs() < 1e-9 && direction.x > 0.5);
-    set(&mut window, "None outside", 10.0);
+    set(&mut window, "Outer angle", 10.0);
     window.state().app.document.scene().validate().unwrap();
     check_no_error(&window);
 }
@@ -133,7 +133,7 @@ fn the_other_lights_have_theirs() {
         shine(&mut window, amber * 2.0);
         set(&mut window, label, 7.0);
         check_shines(&window, amber * 7.0);
-        // Dark and bright again: the colour is not lost in between.
+        // Off and on again: the colour is not lost.
         set(&mut window, label, 0.0);
         check_shines(&window, Rgb::BLACK);
         set(&mut window, label, 5.0);
@@ -142,7 +142,7 @@ fn the_other_lights_have_theirs() {
     }
 }
 
-/// What the first light shines with.
+/// The radiometric quantity of the first light.
 fn shine_of(kind: &mut LightKind) -> &mut Rgb {
     match kind {
         LightKind::Point { intensity, .. } | LightKind::Spot { intensity, .. } => intensity,
@@ -151,7 +151,7 @@ fn shine_of(kind: &mut LightKind) -> &mut Rgb {
     }
 }
 
-/// Gives the first light a strength and a colour.
+/// Sets strength and colour of the first light.
 fn shine(window: &mut Window, color: Rgb) {
     let lamp = &window.state().app.document.lights[0];
     let (id, mut light) = (lamp.id, lamp.light.clone());
@@ -170,7 +170,7 @@ fn check_shines(window: &Window, expected: Rgb) {
     assert!(differs < 1e-5, "{found:?}, expected {expected:?}");
 }
 
-/// Opens a picker; returns where its square of shades begins.
+/// Opens a colour picker; returns the corner of its square of shades.
 fn open_picker(window: &mut Window, name: &str) -> egui::Pos2 {
     find(window, Role::ColorWell, name).click();
     window.run_steps(4);
@@ -183,7 +183,7 @@ fn a_colour_is_picked_and_the_strength_stays() {
     app.execute(Command::AddLight(NewLightKind::Point));
     let mut window = window_with_files(app);
     shine(&mut window, Rgb::new(8.0, 4.0, 2.0));
-    let square = open_picker(&mut window, "Its colour");
+    let square = open_picker(&mut window, "Emission colour");
     let shine = |window: &Window| {
         let mut kind = window.state().app.document.lights[0].light.kind;
         *shine_of(&mut kind)
@@ -193,7 +193,7 @@ fn a_colour_is_picked_and_the_strength_stays() {
         Rgb::new(8.0, 4.0, 2.0),
         "opened, not changed"
     );
-    // A dark shade, held: it says a colour, and no strength.
+    // A dark shade, held: it sets the hue and not the strength.
     window.drag_at(square + vec2(60.0, 200.0));
     window.run_steps(10);
     window.hover_at(square + vec2(240.0, 200.0));
@@ -201,7 +201,7 @@ fn a_colour_is_picked_and_the_strength_stays() {
     let picked = shine(&window);
     assert!((picked.max_channel() - 8.0).abs() < 1e-5, "{picked:?}");
     assert!(picked.b < 1.0, "a fuller colour than before: {picked:?}");
-    // The last of the drag comes as the button is let go, and is the same step.
+    // The last move of the drag arrives with the release, in the same undo step.
     window.event(egui::Event::PointerMoved(square + vec2(20.0, 200.0)));
     window.drop_at(square + vec2(20.0, 200.0));
     window.run();
@@ -219,15 +219,15 @@ fn what_is_typed_and_what_is_clicked_then_are_two_steps() {
     press(&mut window, Modifiers::COMMAND, Key::A);
     window.event(egui::Event::Text("3".into()));
     window.run();
-    // A real click: its press ends the typing.
-    let button = find(&window, Role::Button, "Back to where it was made")
+    // A real click: its press ends typing.
+    let button = find(&window, Role::Button, "Reset transform")
         .rect()
         .center();
     window.drag_at(button);
     window.step();
     window.drop_at(button);
     window.run();
-    let place = |window: &Window| window.state().app.document.items[0].placement;
+    let place = |window: &Window| window.state().app.document.objects[0].placement;
     assert_eq!(place(&window), glam::DAffine3::IDENTITY);
     press(&mut window, Modifiers::COMMAND, Key::Z);
     assert_eq!(place(&window).translation.x, 3.0);
@@ -262,25 +262,25 @@ fn looking_at_numbers_and_colours_changes_nothing() {
         "Position x",
         "Direction y",
         "Intensity",
-        "Full inside",
-        "None outside",
+        "Inner angle",
+        "Outer angle",
     ] {
         find(&window, Role::SpinButton, label).focus();
         window.run();
         press(&mut window, Modifiers::NONE, Key::Enter);
         assert_eq!(window.state().app.revision(), revision, "{label}");
     }
-    open_picker(&mut window, "Its colour");
+    open_picker(&mut window, "Emission colour");
     assert_eq!(window.state().app.revision(), revision);
 }
 
 #[test]
 fn numbers_of_cones_cameras_and_fog_are_typed_as_wholes() {
     let mut app = App::quiet();
-    app.execute(Command::AddShape(NewKind::Cone));
+    app.execute(Command::AddShape(NewShapeKind::Cone));
     let mut cone = window(app);
     type_slowly(&mut cone, "Radius at the top", "0.25");
-    let Shape::Primitive(p) = &*cone.state().app.document.items[0].shape else {
+    let Shape::Primitive(p) = &*cone.state().app.document.objects[0].shape else {
         panic!("a cone stays exact")
     };
     assert_eq!(p.kind, azulejo::scene::PrimitiveKind::Cone { top: 0.25 });
@@ -296,7 +296,7 @@ fn numbers_of_cones_cameras_and_fog_are_typed_as_wholes() {
     click_last(&mut camera, "View");
     find(&camera, Role::CheckBox, "Fog in the scene").click();
     camera.run();
-    type_slowly(&mut camera, "Nothing is seen beyond", "12.5");
+    type_slowly(&mut camera, "Nothing is visible beyond", "12.5");
     assert_eq!(camera.state().app.document.fog.unwrap().visibility, 12.5);
     press(&mut camera, Modifiers::COMMAND, Key::Z);
     press(&mut camera, Modifiers::COMMAND, Key::Z);
@@ -324,10 +324,10 @@ fn a_camera_is_looked_through_and_takes_the_views_place() {
     let camera = window.state().app.document.cameras[0].camera.clone();
     assert_eq!(camera.eye.x, 1.25);
     assert!((camera.vertical_fov.to_degrees() - 50.0).abs() < 1e-9);
-    click(&mut window, "Look through it");
+    click(&mut window, "View through camera");
     assert_eq!(window.state().app.view.camera.eye, camera.eye);
     press(&mut window, Modifiers::NONE, Key::Home);
-    click(&mut window, "Take the view's place");
+    click(&mut window, "Move camera to view");
     let app = &window.state().app;
     assert_eq!(app.document.cameras[0].camera.eye, app.view.camera.eye);
     assert_eq!(app.document.cameras[0].camera.name, "door");
@@ -337,11 +337,15 @@ fn a_camera_is_looked_through_and_takes_the_views_place() {
 fn a_material_is_assigned() {
     let mut window = window(opened("shapes.grf"));
     click(&mut window, "column");
-    find(&window, Role::ComboBox, "Made of").click();
+    find(&window, Role::ComboBox, "Assigned material").click();
     window.run();
     click_last(&mut window, "moss");
     let document = &window.state().app.document;
-    let column = document.items.iter().find(|i| i.name == "column").unwrap();
+    let column = document
+        .objects
+        .iter()
+        .find(|i| i.name == "column")
+        .unwrap();
     let material = column.materials()[0] as usize;
     assert_eq!(document.materials[material].name, "moss");
     assert!(matches!(&*column.shape, Shape::Primitive(_)));

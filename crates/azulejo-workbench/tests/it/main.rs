@@ -1,4 +1,4 @@
-//! The workbench from outside: windows without a screen, by role and label.
+//! Tests of the workbench from outside: windows without a screen, operated by role and label.
 
 mod dialogs;
 mod files;

@@ -1,4 +1,4 @@
-//! Menus, keys and the bar of tools.
+//! Menus, shortcuts and the toolbar.
 
 use crate::window::*;
 use azulejo_workbench::app::App;
@@ -9,7 +9,7 @@ use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::{NodeT, Queryable};
 
-/// Opens the menu in which an action stands.
+/// Opens the menu that contains an action.
 fn open_menu(window: &mut Window, menu: Menu) {
     let own = match menu {
         Menu::Shading => Menu::View,
@@ -21,7 +21,7 @@ fn open_menu(window: &mut Window, menu: Menu) {
     }
 }
 
-/// What the entry of an action says.
+/// The text of an action's menu entry.
 fn label(window: &Window, action: &Action) -> String {
     let name = match (action.label, window.state().app.undo_labels()) {
         ("Undo", (Some(what), _)) | ("Redo", (_, Some(what))) => {
@@ -35,12 +35,12 @@ fn label(window: &Window, action: &Action) -> String {
     }
 }
 
-/// Chooses every entry of every menu, one after the other; what makes no sense is grey.
+/// Chooses every entry of every menu in turn; those that do not apply are disabled.
 fn check_menus(app: impl Fn() -> App) {
     for action in ACTIONS {
         let mut window = window_with_files(app());
         open_menu(&mut window, action.menu);
-        let makes_sense = (action.wish)(&window.state().app).is_some();
+        let makes_sense = (action.target)(&window.state().app).is_some();
         let text = label(&window, action);
         let all = window.query_all_by_role_and_label(Role::Button, &text);
         let entry = all
@@ -48,7 +48,7 @@ fn check_menus(app: impl Fn() -> App) {
             .unwrap_or_else(|| panic!("no \"{text}\" in its menu"));
         assert_eq!(entry.accesskit_node().is_disabled(), !makes_sense, "{text}");
         entry.click();
-        // It may begin to solve, or to draw a picture: that is not waited for.
+        // It may start the solver or a render, which is not waited for.
         window.run_steps(4);
         let scene = window.state().app.document.scene();
         assert!(scene.validate().is_ok(), "after {text}");
@@ -76,9 +76,9 @@ fn every_key_does_what_its_entry_does() {
     assert_eq!(window.state().app.undo_labels().0, Some("add a shape"));
     press(&mut window, Modifiers::COMMAND, Key::D);
     assert_eq!(window.state().app.undo_labels().0, Some("duplicate"));
-    let many = window.state().app.document.items.len();
+    let many = window.state().app.document.objects.len();
     press(&mut window, Modifiers::NONE, Key::Delete);
-    assert_eq!(window.state().app.document.items.len(), many - 1);
+    assert_eq!(window.state().app.document.objects.len(), many - 1);
     for _ in 0..3 {
         press(&mut window, Modifiers::COMMAND, Key::Z);
     }
@@ -96,7 +96,7 @@ fn every_key_does_what_its_entry_does() {
 #[test]
 fn the_bar_of_tools_shows_what_surfaces_show() {
     let mut window = window(opened("cornell.grf"));
-    find(&window, Role::ComboBox, "What surfaces show").click();
+    find(&window, Role::ComboBox, "Shading mode").click();
     window.run();
     click_last(&mut window, "Hidden lines");
     let shading = window.state().app.view.shading;
@@ -107,7 +107,7 @@ fn the_bar_of_tools_shows_what_surfaces_show() {
 
 #[test]
 fn recent_files_are_opened_again() {
-    let folder = Folder::new("recent");
+    let folder = TestFolder::new("recent");
     let model = folder.copy("shapes.grf");
     let mut app = App::quiet();
     app.preferences.note_recent(&model);
@@ -117,5 +117,5 @@ fn recent_files_are_opened_again() {
     click_last(&mut window, "shapes.grf");
     wait(&mut window);
     check_no_error(&window);
-    assert_eq!(window.state().app.document.branches[0].path, model);
+    assert_eq!(window.state().app.document.source_files[0].path, model);
 }

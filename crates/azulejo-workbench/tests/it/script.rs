@@ -1,18 +1,18 @@
-//! Scripts, played in a window to their end.
+//! Scripts run in a window.
 
 use crate::window::*;
 use azulejo_workbench::app::App;
-use azulejo_workbench::script::{Player, parse};
+use azulejo_workbench::script::{ScriptPlayer, parse};
 use std::time::{Duration, Instant};
 
-/// Plays a script; its outcome, and the window after it.
+/// Runs a script; returns its outcome and the window.
 fn play(text: &str) -> (Result<(), String>, Window) {
     play_in(App::quiet(), text)
 }
 
 fn play_in(app: App, text: &str) -> (Result<(), String>, Window) {
     let steps = parse(text, "s.txt").unwrap();
-    let player = Player::new(steps, "s.txt");
+    let player = ScriptPlayer::new(steps, "s.txt");
     let outcome = player.outcome();
     let mut window = window_with_files(app);
     window.state_mut().play(player);
@@ -32,7 +32,7 @@ fn play_in(app: App, text: &str) -> (Result<(), String>, Window) {
 
 #[test]
 fn a_session_plays_to_its_end() {
-    let folder = Folder::new("script");
+    let folder = TestFolder::new("script");
     let model = folder.copy("shapes.grf");
     let (lit, copy, picture) = (
         folder.path("lit.grf"),
@@ -73,13 +73,18 @@ fn a_session_plays_to_its_end() {
     let app = &window.state().app;
     assert!(app.closing && app.lighting.is_current && !app.is_changed());
     assert!(lit.exists() && copy.exists() && picture.exists());
-    assert!(app.document.items.iter().any(|i| i.name == "lamp of mine"));
+    assert!(
+        app.document
+            .objects
+            .iter()
+            .any(|i| i.name == "lamp of mine")
+    );
     assert!(app.document.materials.iter().any(|m| m.name == "wood"));
 }
 
 #[test]
 fn an_action_waits_for_what_it_began_and_a_picture_for_its_paths() {
-    let folder = Folder::new("script-waits");
+    let folder = TestFolder::new("script-waits");
     let lit = folder.path("lit.grf");
     let text = format!(
         "open {}\nsolve 50%\nsave {}\naction Solve\naction Save\npicture 3\nquit\n",
@@ -92,7 +97,7 @@ fn an_action_waits_for_what_it_began_and_a_picture_for_its_paths() {
     assert_eq!(outcome, Ok(()));
     let app = &window.state().app;
     assert!(app.lighting.is_current && !app.is_changed());
-    assert!(app.picture.as_ref().is_some_and(|p| p.samples >= 3));
+    assert!(app.render.as_ref().is_some_and(|p| p.samples >= 3));
 }
 
 #[test]
@@ -108,7 +113,7 @@ fn a_step_that_fails_ends_the_script_with_its_line() {
         (
             format!("{open}\nselect nobody\nquit\n"),
             3,
-            "nothing is called \"nobody\"",
+            "nothing is named \"nobody\"",
         ),
         (format!("{open}move 1 0 0\n"), 2, "nothing is selected"),
         (
@@ -116,7 +121,7 @@ fn a_step_that_fails_ends_the_script_with_its_line() {
             2,
             "no material is selected",
         ),
-        (format!("{open}action Undo\n"), 2, "makes no sense now"),
+        (format!("{open}action Undo\n"), 2, "is not available now"),
         (format!("{open}select cone\nscale 0\n"), 3, "flattens"),
         (
             format!("{open}select cone\nmaterial brdf no_such_model\n"),

@@ -1,32 +1,27 @@
-//! Pictures of the whole window, as a driver without a screen draws them.
+//! Snapshots of the whole window, drawn by a driver without a screen.
 
 use crate::window::*;
+use azulejo_testing::Need;
 use azulejo_workbench::app::App;
 use azulejo_workbench::command::Command;
-use azulejo_workbench::gpu::Headless;
-use azulejo_workbench::light::{EngineName, LightSettings};
-use azulejo_workbench::ui::{Tab, Viewport, Workbench};
+use azulejo_workbench::first_pass::{EngineChoice, LightSettings};
+use azulejo_workbench::gpu::HeadlessDevice;
+use azulejo_workbench::ui::{PanelTab, Viewport, Workbench};
 use azulejo_workbench::view::Shading;
 use egui_kittest::{Harness, SnapshotOptions};
 
-/// Drivers round and blend in their own ways, and fonts' edges with them: this is a watch for
-/// what is missing, elsewhere or of another colour, not for a shade.
+/// Drivers and font rasterisers round and blend differently: this detects missing, displaced or
+/// recoloured parts, not shades.
 fn tolerance() -> SnapshotOptions {
     SnapshotOptions::new()
         .threshold(2.0)
         .max_failed_pixels(1_500usize)
 }
 
-/// A window with a card, or `None` where there is none.
+/// A window with a graphics device, or `None` without a driver.
 fn drawn(app: App) -> Option<Window> {
-    if Headless::open(wgpu::Backends::all()).is_err() {
-        // A test's output, which is seen where somebody asks for it.
-        #[allow(clippy::print_stderr)]
-        {
-            eprintln!("skipped: no graphics driver");
-        }
-        return None;
-    }
+    let card = HeadlessDevice::open(wgpu::Backends::all()).map_err(|_| "no graphics driver");
+    azulejo_testing::require(Need::Gpu, card)?;
     let mut window = Harness::builder()
         .with_size([800.0, 520.0])
         .with_max_steps(20)
@@ -43,7 +38,7 @@ fn drawn(app: App) -> Option<Window> {
 fn look(app: &mut App, shading: Shading) {
     let mut view = app.view.clone();
     view.shading = shading;
-    app.execute(Command::Look(Box::new(view)));
+    app.execute(Command::SetView(Box::new(view)));
 }
 
 #[test]
@@ -59,7 +54,7 @@ fn a_model_is_shown() {
 fn its_light_is_shown_in_false_colours_with_a_legend() {
     let mut app = opened("cornell.grf");
     app.execute(Command::SetLight(LightSettings {
-        engine: EngineName::Analytic,
+        engine: EngineChoice::Analytic,
         patches: 300,
         error: 0.1,
         ..LightSettings::default()
@@ -72,7 +67,7 @@ fn its_light_is_shown_in_false_colours_with_a_legend() {
     look(&mut app, Shading::FalseColor);
     app.view.false_color.range = Some((0.0, 4.0));
     if let Some(mut window) = drawn(app) {
-        window.state_mut().tab = Tab::View;
+        window.state_mut().tab = PanelTab::View;
         window.run();
         window.snapshot_options("false-colours", &tolerance());
     }

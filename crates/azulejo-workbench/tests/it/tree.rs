@@ -2,13 +2,13 @@
 
 use crate::window::*;
 use azulejo_workbench::command::{Command, Selection};
-use azulejo_workbench::document::Id;
+use azulejo_workbench::document::ItemId;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable;
 
-fn id_of(window: &Window, name: &str) -> Id {
-    let mut items = window.state().app.document.items.iter();
+fn id_of(window: &Window, name: &str) -> ItemId {
+    let mut items = window.state().app.document.objects.iter();
     items.find(|i| i.name == name).unwrap().id
 }
 
@@ -25,7 +25,7 @@ fn things_are_selected_one_by_one_and_by_groups() {
     click(&mut window, "shapes");
     assert_eq!(window.state().app.selection.ids.len(), 12);
     click(&mut window, "💡 spot");
-    assert!(says(&window, "Falls with the square of the distance."));
+    assert!(says(&window, "Falls off with the square of the distance."));
     click_last(&mut window, "moss");
     let app = &window.state().app;
     let material = app.selection.material.unwrap() as usize;
@@ -70,7 +70,7 @@ fn a_thing_is_renamed_in_its_row() {
 fn things_and_groups_are_hidden_and_shown() {
     let mut window = window(opened("shapes.grf"));
     let hidden = |window: &Window| {
-        let items = window.state().app.document.items.iter();
+        let items = window.state().app.document.objects.iter();
         items.filter(|i| i.hidden).count()
     };
     click(&mut window, "Hide: ceiling");
@@ -142,7 +142,7 @@ fn only_what_is_looked_for_is_shown() {
     }
     assert!(window.query_by_label("ceiling").is_none());
     assert!(window.query_by_label("💡 spot").is_none());
-    // What is written is not what keys mean: "h" hides nothing.
+    // Typing in the field triggers no shortcuts: "h" hides nothing.
     assert!(!window.state().app.is_changed());
     write(&mut window, "WALL", "no such thing");
     assert!(says(&window, "Drop files here"));
@@ -164,12 +164,12 @@ fn a_material_of_the_tree_is_copied_and_deleted_by_keys_where_nothing_else_is_se
     assert_eq!(materials(&window), before);
     check_no_error(&window);
     assert_eq!(window.state().app.selection.material, None);
-    // With an object the keys mean the object, and after it nothing more.
+    // With an object selected, shortcuts apply to it, and after its deletion to nothing.
     click(&mut window, "ceiling");
     press(&mut window, Modifiers::NONE, Key::Delete);
     press(&mut window, Modifiers::NONE, Key::Delete);
     assert_eq!(materials(&window), before);
-    assert_eq!(window.state().app.document.items.len(), 11);
+    assert_eq!(window.state().app.document.objects.len(), 11);
     check_no_error(&window);
 }
 

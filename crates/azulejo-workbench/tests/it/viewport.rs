@@ -1,7 +1,7 @@
-//! The model under mouse and keys.
+//! The viewport under mouse and keyboard.
 
 use crate::window::*;
-use azulejo_workbench::ui::actions::{Panel, Wish};
+use azulejo_workbench::ui::actions::{ActionTarget, WindowAction};
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers};
 use glam::DVec3;
@@ -10,7 +10,7 @@ fn viewport(window: &Window) -> egui_kittest::Node<'_> {
     find(window, Role::Canvas, "Viewport")
 }
 
-/// Where the camera is, and where it looks.
+/// Position and target of the camera.
 fn look(window: &Window) -> (DVec3, DVec3) {
     let camera = &window.state().app.view.camera;
     (camera.eye, camera.target)
@@ -38,7 +38,7 @@ fn one_flies_after_a_click_on_the_model_too() {
     assert!(!window.state().app.selection.ids.is_empty());
     hold(&mut window, Modifiers::NONE, Key::W);
     assert_ne!(look(&window).0, flown.0);
-    // Arrows turn the head and go to no other part of the window.
+    // Arrow keys turn the camera and do not move the focus.
     let (eye, target) = look(&window);
     hold(&mut window, Modifiers::NONE, Key::ArrowLeft);
     assert_eq!(look(&window).0, eye);
@@ -70,7 +70,9 @@ fn keys_turn_shift_and_bring_nearer() {
 fn keys_are_for_the_dialog_that_is_open() {
     let mut window = window(opened("cornell.grf"));
     let before = look(&window);
-    window.state_mut().fulfil(Wish::Show(Panel::Preferences));
+    window
+        .state_mut()
+        .run_action(ActionTarget::Window(WindowAction::Preferences));
     window.run();
     hold(&mut window, Modifiers::NONE, Key::W);
     assert_eq!(look(&window), before);
@@ -97,7 +99,9 @@ fn a_probe_that_waits_for_a_place_is_given_up_wherever_the_mouse_is() {
     let wait_for_place = |window: &mut Window| {
         window.hover_at(egui::pos2(5.0, 5.0));
         window.run();
-        window.state_mut().fulfil(Wish::Show(Panel::Pin));
+        window
+            .state_mut()
+            .run_action(ActionTarget::Window(WindowAction::AddProbe));
         window.run();
     };
     wait_for_place(&mut window);

@@ -1,6 +1,6 @@
-//! A window without a screen, and the hands and eyes of whoever sits before it.
+//! A window without a screen, and helpers to operate it.
 
-use azulejo_workbench::app::{App, Level};
+use azulejo_workbench::app::{App, Severity};
 use azulejo_workbench::command::Command;
 use azulejo_workbench::ui::Workbench;
 use egui::accesskit::Role;
@@ -10,10 +10,10 @@ use egui_kittest::{Harness, Node};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// A window that nobody sees. Every widget in it must have a name that a screen reader can say.
+/// A window without a screen. Every widget in it must have an accessible name.
 pub type Window = Harness<'static, Workbench>;
 
-/// Work that takes longer than this has come to a halt.
+/// A job that takes longer than this has stalled.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A window around an app.
@@ -21,7 +21,7 @@ pub fn window(app: App) -> Window {
     around(app, true)
 }
 
-/// A window for those who open the dialog for files, whose two fields have no names.
+/// A window for tests of the file dialog, which has two fields without names.
 pub fn window_with_files(app: App) -> Window {
     around(app, false)
 }
@@ -39,14 +39,14 @@ fn around(app: App, check_accessibility: bool) -> Window {
     window
 }
 
-/// A model that comes with azulejo.
+/// The path of an example model.
 pub fn example(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("../../examples")
         .join(name)
 }
 
-/// An app with a model in it.
+/// An app with a model.
 pub fn opened(name: &str) -> App {
     let mut app = App::quiet();
     app.execute(Command::Open(vec![example(name)]));
@@ -59,7 +59,7 @@ pub fn opened(name: &str) -> App {
     app
 }
 
-/// Draws frames until no job goes on.
+/// Runs frames until no job is running.
 pub fn wait(window: &mut Window) {
     let begin = Instant::now();
     window.run_steps(2);
@@ -68,11 +68,11 @@ pub fn wait(window: &mut Window) {
         std::thread::sleep(Duration::from_millis(1));
         window.step();
     }
-    // A window that closes is drawn until it is gone.
+    // A closing window runs until it is gone.
     window.run_ok();
 }
 
-/// The only widget of a role and a label, or the first of several.
+/// The only widget with a role and a label, or the first of several.
 pub fn find<'a>(window: &'a Window, role: Role, label: &'a str) -> Node<'a> {
     let mut all = window.query_all_by_role_and_label(role, label);
     let found = all.next();
@@ -92,7 +92,7 @@ pub fn labels(window: &Window) -> Vec<String> {
     .collect()
 }
 
-/// Whether this is written anywhere, as a label of something or as a text.
+/// Whether the text is displayed anywhere, as a label or as a value.
 pub fn says(window: &Window, text: &str) -> bool {
     let has = |n: &egui_kittest::kittest::AccessKitNode<'_>| {
         n.label().is_some_and(|l| l.contains(text)) || n.value().is_some_and(|v| v.contains(text))
@@ -100,20 +100,20 @@ pub fn says(window: &Window, text: &str) -> bool {
     window.query_all(by().predicate(has)).next().is_some()
 }
 
-/// Clicks the first button of a label.
+/// Clicks the first button with a label.
 pub fn click(window: &mut Window, label: &str) {
     find(window, Role::Button, label).click();
     window.run();
 }
 
-/// Clicks the last button of a label: the one that lies on top.
+/// Clicks the last button with a label: the topmost one.
 pub fn click_last(window: &mut Window, label: &str) {
     let last = window
         .query_all_by_role_and_label(Role::Button, label)
         .last();
     last.unwrap_or_else(|| panic!("no button \"{label}\""))
         .click();
-    // It may be the last click of all: a window that closes never rests.
+    // It may be the last click of all: a closing window never settles.
     window.run_ok();
 }
 
@@ -122,13 +122,13 @@ pub fn press(window: &mut Window, modifiers: Modifiers, key: Key) {
     window.run();
 }
 
-/// Writes a number where one is dragged or typed.
+/// Sets the value of a number field.
 pub fn set(window: &mut Window, label: &str, value: f64) {
     find(window, Role::SpinButton, label).set_value_accesskit(value);
     window.run();
 }
 
-/// Puts another text into the field that holds `old`.
+/// Replaces the text of the field that contains `old`.
 pub fn write(window: &mut Window, old: &str, new: &str) {
     field(window, old).focus();
     window.run();
@@ -146,40 +146,40 @@ fn field<'a>(window: &'a Window, text: &'a str) -> Node<'a> {
     last.unwrap_or_else(|| panic!("no field with \"{text}\""))
 }
 
-/// Nothing went wrong so far.
+/// Asserts that no error was reported.
 pub fn check_no_error(window: &Window) {
     let messages = &window.state().app.messages;
     let errors: Vec<_> = messages
         .iter()
-        .filter(|m| m.level == Level::Error)
+        .filter(|m| m.level == Severity::Error)
         .collect();
     assert!(errors.is_empty(), "{errors:?}");
 }
 
-/// A folder that goes away with the test.
-pub struct Folder(PathBuf);
+/// A temporary folder, deleted at the end of the test.
+pub struct TestFolder(PathBuf);
 
-impl Folder {
-    pub fn new(name: &str) -> Folder {
+impl TestFolder {
+    pub fn new(name: &str) -> TestFolder {
         let own = format!("azulejo-window-{name}-{}", std::process::id());
         let path = std::env::temp_dir().join(own);
         let _ = std::fs::remove_dir_all(&path);
         std::fs::create_dir_all(&path).unwrap();
-        Folder(path)
+        TestFolder(path)
     }
 
     pub fn path(&self, name: &str) -> PathBuf {
         self.0.join(name)
     }
 
-    /// A copy of a model that comes with azulejo.
+    /// Copies an example model into the folder.
     pub fn copy(&self, name: &str) -> PathBuf {
         std::fs::copy(example(name), self.path(name)).unwrap();
         self.path(name)
     }
 }
 
-impl Drop for Folder {
+impl Drop for TestFolder {
     fn drop(&mut self) {
         let _ = std::fs::remove_dir_all(&self.0);
     }

@@ -75,16 +75,12 @@ fn test(points: &[DVec2; 4], origin: DVec2, direction: DVec2, ends: &mut Ends) -
     crossings.map(|(t, _)| bernstein(along, t).max(0.0)).sum()
 }
 
-/// SplitMix64; numbers in 0..1.
+/// Random numbers in 0..1, from a seed.
 pub struct Random(pub u64);
 
 impl Random {
     /// The next number.
     pub fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+        azulejo::scene::random::split_mix64(&mut self.0)
     }
 }

@@ -12,8 +12,8 @@ use std::error::Error;
 
 /// The typeface that comes with the examples, and its encoding.
 fn typeface() -> Result<(Font, Encoding), ReadError> {
-    let font = include_bytes!("../../../../examples/fonts/dejavu-serif.ppf");
-    let encoding = include_bytes!("../../../../examples/fonts/latin.ppe");
+    let font = azulejo::typeface::DEJAVU_SERIF;
+    let encoding = azulejo::typeface::LATIN;
     let (font, _) = ppf::read(font, "dejavu-serif.ppf")?;
     let (encoding, _) = ppe::read(encoding, "latin.ppe")?;
     Ok((font, encoding))

@@ -1,33 +1,32 @@
-//! Several models in one scene: whose units hold, and whose names are whose.
+//! Merging of models: units and names.
 
 use azulejo_scene::{Scene, Units, Up};
 use std::fmt;
 use std::path::Path;
 
-/// What [`Scene::adapted`] does to a model that does not share the scene's units. `Display` says
-/// it to a person.
+/// A change that [`Scene::adapted`] makes to a model whose units differ from the scene's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Change {
-    /// Another of its axes is up now.
+    /// Rotated to another up axis.
     Turned {
-        /// Which was.
+        /// Its former up axis.
         from: Up,
-        /// Which is.
+        /// Its new up axis.
         to: Up,
     },
-    /// Its lengths are in another unit.
+    /// Scaled to another unit.
     Scaled {
-        /// Metres of its own unit.
+        /// Its former unit in metres.
         from: f64,
-        /// Metres of the new one.
+        /// Its new unit in metres.
         to: f64,
     },
-    /// It does not say its unit and is taken to have this one, metres.
+    /// The file specifies no unit; this one is assumed, in metres.
     UnitTaken(f64),
-    /// Its light keeps its numbers but is now in the other kind of units.
+    /// The values of its lights are unchanged, but in other units.
     LightTaken {
-        /// Whether it is photometric now (lm, lx); else radiometric (W, W/m²).
+        /// Whether the new units are photometric (lm, lx) or radiometric (W, W/m²).
         photometric: bool,
     },
 }
@@ -39,20 +38,20 @@ impl fmt::Display for Change {
             Change::Scaled { from, to } => {
                 write!(f, "scaled from units of {from} m to units of {to} m")
             }
-            Change::UnitTaken(unit) => write!(f, "does not say its unit; taken as {unit} m"),
+            Change::UnitTaken(unit) => write!(f, "no unit specified; {unit} m is assumed"),
             Change::LightTaken { photometric } => {
                 let say = |is: bool| if is { "photometric" } else { "radiometric" };
                 let (from, to) = (say(!photometric), say(photometric));
                 write!(
                     f,
-                    "its light is {from} and is taken as {to}, number for number"
+                    "its light is {from} and is taken as {to}, with unchanged values"
                 )
             }
         }
     }
 }
 
-/// What becomes of a model in units `from` that is [adapted](Scene::adapted) to units `to`.
+/// The changes to a model in units `from` that is [adapted](Scene::adapted) to units `to`.
 pub fn changes(from: Units, to: Units) -> Vec<Change> {
     let turned = (from.up != to.up).then_some(Change::Turned {
         from: from.up,
@@ -69,8 +68,7 @@ pub fn changes(from: Units, to: Units) -> Vec<Change> {
     [turned, unit, light].into_iter().flatten().collect()
 }
 
-/// The name of a model's branch: its file's without the extension, with a number behind where
-/// that is taken.
+/// The name of a model's branch: its file name without extension, with a number if that is taken.
 pub fn branch_name(path: &Path, is_taken: impl Fn(&str) -> bool) -> String {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let numbered = |n: u64| match n {
@@ -81,12 +79,13 @@ pub fn branch_name(path: &Path, is_taken: impl Fn(&str) -> bool) -> String {
     names.find(|name| !is_taken(name)).unwrap_or_default()
 }
 
-/// Puts everything that has a name under a branch: `table` becomes `branch/table`.
+/// Moves all names to a branch: `table` becomes `branch/table`.
 pub fn name_branch(scene: &mut Scene, branch: &str) {
     let under = |name: &mut String| {
-        let path = match name.is_empty() {
-            true => branch.to_owned(),
-            false => format!("{branch}/{name}"),
+        let path = if name.is_empty() {
+            branch.to_owned()
+        } else {
+            format!("{branch}/{name}")
         };
         *name = path;
     };
@@ -129,14 +128,14 @@ mod tests {
         };
         check(metres, metres, &[]);
         check(metres, silent, &[]);
-        check(silent, metres, &["does not say its unit; taken as 1 m"]);
+        check(silent, metres, &["no unit specified; 1 m is assumed"]);
         check(
             other,
             metres,
             &[
                 "turned from Z up to Y up",
                 "scaled from units of 0.01 m to units of 1 m",
-                "its light is photometric and is taken as radiometric, number for number",
+                "its light is photometric and is taken as radiometric, with unchanged values",
             ],
         );
     }

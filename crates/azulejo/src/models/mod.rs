@@ -1,10 +1,9 @@
-//! Models as files: from a path to a scene, several scenes to one, and back to files.
+//! Model files: reading, merging and writing.
 //!
-//! [`read`] reads one model of any format, with limits for what may be no model at all.
-//! [`changes`], [`branch_name`] and [`name_branch`] serve whoever puts several together: the first
-//! one's units become the whole's ([`Scene::adapted`](crate::scene::Scene::adapted)), and each
-//! gets a branch of its own in the tree of names. [`write()`] writes a scene whole or not at all, in
-//! one of [`FORMATS`].
+//! [`read`] reads a model of any format, with limits on its size. [`changes`], [`branch_name`] and
+//! [`name_branch`] are for merging several: the units of the first are those of the merged scene
+//! ([`Scene::adapted`](crate::scene::Scene::adapted)), and each model is a branch in the tree of
+//! names. [`write()`] writes a scene atomically in one of [`FORMATS`].
 //!
 //! ```
 //! use azulejo::{models, scene::synthetic::cube_room, trace::Progress};

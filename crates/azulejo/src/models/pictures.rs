@@ -1,4 +1,4 @@
-//! Pictures of a model that is written elsewhere than where they are.
+//! Textures of a model that is written to another folder.
 
 use azulejo_formats::picture::{hdr, png};
 use azulejo_formats::{Files, Folder, read_picture};
@@ -7,18 +7,18 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-/// How the textures of a model find their pictures from its folder.
+/// The image files of a model's textures, relative to its folder.
 pub(super) struct Pictures {
     /// The file of each texture.
     pub names: Vec<String>,
-    /// Those of them that are not there yet.
+    /// Those that must be written.
     pub new: Vec<(String, Vec<u8>)>,
 }
 
 impl Pictures {
-    /// For a model at `path`. Pictures that are found from the folder `home` stay where they are;
-    /// all others that were loaded are to be written beside the model, under names that begin with
-    /// its own and that no other file has.
+    /// For a model at `path`. Images that are found from the folder `home` remain where they are; all
+    /// other loaded images are to be written next to the model, under unique names that start with
+    /// its own.
     pub fn beside(path: &Path, home: Option<&Path>, scene: &Scene) -> io::Result<Pictures> {
         let mut pictures = Pictures {
             names: Vec::new(),
@@ -38,7 +38,7 @@ impl Pictures {
         Ok(pictures)
     }
 
-    /// Finds a name for a picture beside the model; one that was written there before has one.
+    /// A name for an image next to the model, or the one it has been written to before.
     fn place(&mut self, path: &Path, name: &str, extension: &str, bytes: Vec<u8>) -> String {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let mut number = 1;
@@ -66,14 +66,14 @@ impl Pictures {
     }
 }
 
-/// Whether the texture's name leads from a folder to its pixels.
+/// Whether the texture's path leads from a folder to its image.
 fn is_in(folder: &Folder, texture: &Texture, image: &Image) -> bool {
     let bytes = folder.read(&texture.path).ok();
     let there = bytes.and_then(|bytes| read_picture(&bytes).ok());
     there.is_some_and(|there| there == *image)
 }
 
-/// A picture as a file, and its extension: PNG, or HDR for what is brighter than white.
+/// An image as a file, and its extension: PNG, or HDR for values above 1.
 fn encoded(image: &Image) -> io::Result<(Vec<u8>, &'static str)> {
     let mut bytes = Vec::new();
     if image.pixels.iter().flatten().any(|&v| v > 1.0) {
@@ -84,14 +84,17 @@ fn encoded(image: &Image) -> io::Result<(Vec<u8>, &'static str)> {
     Ok((bytes, "png"))
 }
 
-/// A picture's own name without folders and extension, of characters that every system has.
+/// An image's name without folders and extension, of characters that are valid everywhere.
 fn plain_name(path: &str) -> String {
     const MOST: usize = 60;
     let file = path.rsplit(['/', '\\']).next().unwrap_or(path);
     let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
-    let plain = |c: char| match c.is_ascii_alphanumeric() || c == '_' {
-        true => c,
-        false => '-',
+    let plain = |c: char| {
+        if c.is_ascii_alphanumeric() || c == '_' {
+            c
+        } else {
+            '-'
+        }
     };
     let name: String = stem.chars().take(MOST).map(plain).collect();
     match name.trim_matches('-') {

@@ -1,4 +1,4 @@
-//! One model from its file.
+//! Reading of model files.
 
 use crate::files::Refused;
 use azulejo_formats::{FileError, Files, Folder, ReadError, ReadOptions, RecognisedModel};
@@ -8,35 +8,35 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-/// Largest file that is read, bytes.
+/// Size limit of files, bytes.
 pub const MAX_FILE: u64 = 4 << 30;
 
-/// The same for what has no length of its own: a pipe may never end.
+/// Size limit of streams, which may never end, bytes.
 pub const MAX_STREAM: u64 = 1 << 30;
 
-/// How a model is read.
+/// Options for reading a model.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reading {
-    /// Choices for the format's reader.
+    /// Options of the format's reader.
     pub options: ReadOptions,
-    /// Folders beside the model's own in which files that it names may lie.
+    /// Folders, other than the model's own, in which it may refer to files.
     pub allow: Vec<PathBuf>,
-    /// A folder in which files that it names are looked for when they are not in its own: that of
-    /// the model which this is a copy of.
+    /// A folder in which files are searched that are not in the model's own: that of the model of
+    /// which this is a copy.
     pub home: Option<PathBuf>,
 }
 
-/// Why there is no model, or no file to look for one in. `Display` says it to a person.
+/// Why a model could not be read.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum ReadFailure {
-    /// The caller cancelled.
+    /// Cancelled.
     Cancelled,
     /// The file could not be read, or is larger than [`MAX_FILE`] or [`MAX_STREAM`].
     File(Refused),
-    /// There is a directory of this name.
+    /// The path is a directory.
     Directory(PathBuf),
-    /// Its content is no model, or a damaged one.
+    /// The content is not a model, or is damaged.
     Content(ReadError),
 }
 
@@ -61,10 +61,10 @@ impl From<Cancelled> for ReadFailure {
     }
 }
 
-/// Reads one model, whatever its format; `-` is standard input.
+/// Reads a model of any format; `-` is standard input.
 ///
-/// The files that it names are looked for in its own folder and below, and where `reading` allows.
-/// Once `progress` is cancelled no further file is read, and what is parsed is parsed to its end.
+/// Files that it refers to are searched in its folder and below, and where `reading` allows. Once
+/// `progress` is cancelled no further file is read; a file that is being parsed is parsed to its end.
 ///
 /// # Errors
 /// [`ReadFailure`].
@@ -76,7 +76,7 @@ pub fn read(
     let bytes = read_file(path, progress)?;
     progress.begin("parsing", 0);
     progress.advance(0)?;
-    let around = Surroundings::of(path, reading, progress);
+    let around = CancellableFiles::of(path, reading, progress);
     let name = path.to_string_lossy();
     let read = azulejo_formats::read_with(&bytes, &name, &around, &reading.options);
     // What a reader makes of files that it was not given is no reason.
@@ -84,18 +84,18 @@ pub fn read(
     read.map_err(ReadFailure::Content)
 }
 
-/// The files around a model, as long as nobody cancels.
-struct Surroundings<'a> {
+/// The files around a model, with errors once the work is cancelled.
+struct CancellableFiles<'a> {
     own: Folder,
     home: Option<Folder>,
     progress: &'a Progress,
 }
 
-impl<'a> Surroundings<'a> {
-    fn of(path: &Path, reading: &Reading, progress: &'a Progress) -> Surroundings<'a> {
+impl<'a> CancellableFiles<'a> {
+    fn of(path: &Path, reading: &Reading, progress: &'a Progress) -> CancellableFiles<'a> {
         let own = Folder::of_model(path);
         let own = (reading.allow.iter()).fold(own, |folder, more| folder.allow(more));
-        Surroundings {
+        CancellableFiles {
             own,
             home: reading.home.as_ref().map(Folder::new),
             progress,
@@ -103,7 +103,7 @@ impl<'a> Surroundings<'a> {
     }
 }
 
-impl Files for Surroundings<'_> {
+impl Files for CancellableFiles<'_> {
     fn read(&self, name: &str) -> Result<Vec<u8>, FileError> {
         if self.progress.is_cancelled() {
             return Err(FileError::Io(io::ErrorKind::Interrupted.into()));
@@ -123,15 +123,18 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>, ReadFailure> {
     read_file(path, &Progress::new())
 }
 
-/// The same, told of in bytes and given up when it is cancelled.
+/// The same, with progress in bytes and cancellation.
 fn read_file(path: &Path, progress: &Progress) -> Result<Vec<u8>, ReadFailure> {
-    let failed = |error: io::Error| match progress.is_cancelled() {
-        true => ReadFailure::Cancelled,
-        false => ReadFailure::File(Refused {
-            deed: "read",
-            path: path.to_owned(),
-            error,
-        }),
+    let failed = |error: io::Error| {
+        if progress.is_cancelled() {
+            ReadFailure::Cancelled
+        } else {
+            ReadFailure::File(Refused {
+                deed: "read",
+                path: path.to_owned(),
+                error,
+            })
+        }
     };
     if path == Path::new("-") {
         return limited(io::stdin().lock(), 0, MAX_STREAM, progress).map_err(failed);
@@ -145,7 +148,7 @@ fn read_file(path: &Path, progress: &Progress) -> Result<Vec<u8>, ReadFailure> {
     limited(file, meta.len(), limit, progress).map_err(failed)
 }
 
-/// Reads to the end, but no more than `limit` bytes; `length` is what to expect.
+/// Reads to the end, at most `limit` bytes; `length` is the expected number.
 fn limited(
     mut source: impl Read,
     length: u64,
@@ -211,7 +214,7 @@ mod tests {
         assert!(progress.done() < 1 << 24 && progress.total() == 1 << 30);
         // No further file is read for a model that nobody waits for.
         let progress = Progress::new();
-        let around = Surroundings::of(Path::new("a.obj"), &Reading::default(), &progress);
+        let around = CancellableFiles::of(Path::new("a.obj"), &Reading::default(), &progress);
         progress.cancel();
         let read = around.read("a.mtl");
         assert!(matches!(read, Err(FileError::Io(_))), "{read:?}");

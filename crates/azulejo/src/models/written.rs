@@ -1,4 +1,4 @@
-//! Scenes to files: the format by the extension, whole or not at all.
+//! Writing of model files.
 
 use super::pictures::Pictures;
 use crate::output::{self, Draft, Output, OutputError};
@@ -9,98 +9,98 @@ use std::fmt;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// A format that scenes are written in.
+/// A format that scenes can be written in.
 #[derive(Debug)]
 pub struct WrittenFormat {
-    /// Its name for people.
+    /// Its name.
     pub name: &'static str,
-    /// The extension of its files, in small letters and without a dot.
+    /// Its extension in lower case, without the dot.
     pub extension: &'static str,
-    /// Whether it holds the irradiance on the vertices.
+    /// Whether it can store the irradiance on the vertices.
     pub keeps_light: bool,
-    writer: Writer,
+    writer: ModelWriter,
     losses: fn(&Scene) -> Vec<String>,
 }
 
 #[derive(Debug)]
-enum Writer {
+enum ModelWriter {
     /// One file.
     One(fn(&Scene, &mut dyn Write) -> io::Result<()>),
-    /// A file and one beside it, which has this extension and is named in the first.
+    /// A file and another with this extension, to which it refers.
     Two(
         &'static str,
         fn(&Scene, &str, &mut dyn Write, &mut dyn Write) -> io::Result<()>,
     ),
-    /// A file and those that it turns out to name, which begin with its own name.
+    /// A file and others to which it refers, whose names start with its own.
     Several(fn(&Scene, &str, &mut dyn Write) -> io::Result<NamedFiles>),
-    /// A file that names pictures, which must be found from its folder.
+    /// A file that refers to images, relative to its folder.
     Pictured(fn(&Scene, &[String], &mut dyn Write) -> io::Result<()>),
 }
 
 /// Files by name.
 type NamedFiles = Vec<(String, Vec<u8>)>;
 
-/// All of them; the first is what goes to standard output.
+/// All formats; the first is that of standard output.
 pub static FORMATS: [WrittenFormat; 7] = [
     WrittenFormat {
         name: "GRF",
         extension: "grf",
-        writer: Writer::Pictured(grf::write_with_pictures),
+        writer: ModelWriter::Pictured(grf::write_with_pictures),
         keeps_light: true,
         losses: grf::losses,
     },
     WrittenFormat {
         name: "OBJ",
         extension: "obj",
-        writer: Writer::Two("mtl", obj::write),
+        writer: ModelWriter::Two("mtl", obj::write),
         keeps_light: false,
         losses: obj::losses,
     },
     WrittenFormat {
         name: "glTF",
         extension: "glb",
-        writer: Writer::One(gltf::write),
+        writer: ModelWriter::One(gltf::write),
         keeps_light: true,
         losses: gltf::losses,
     },
     WrittenFormat {
         name: "glTF",
         extension: "gltf",
-        writer: Writer::Two("bin", gltf::write_json),
+        writer: ModelWriter::Two("bin", gltf::write_json),
         keeps_light: true,
         losses: gltf::losses,
     },
     WrittenFormat {
         name: "PLY",
         extension: "ply",
-        writer: Writer::One(ply::write),
+        writer: ModelWriter::One(ply::write),
         keeps_light: true,
         losses: ply::losses,
     },
     WrittenFormat {
         name: "SFF",
         extension: "sff",
-        writer: Writer::Several(sff::write),
+        writer: ModelWriter::Several(sff::write),
         keeps_light: false,
         losses: sff::losses,
     },
     WrittenFormat {
         name: "View3D",
         extension: "vs3",
-        writer: Writer::One(view3d::write),
+        writer: ModelWriter::One(view3d::write),
         keeps_light: false,
         losses: view3d::losses,
     },
 ];
 
 impl WrittenFormat {
-    /// What of a scene the format has no words for, each in words; empty if it keeps all.
+    /// What of a scene the format cannot represent, as text; empty if nothing is lost.
     pub fn losses(&self, scene: &Scene) -> Vec<String> {
         (self.losses)(scene)
     }
 }
 
-/// The format that goes with a path's extension, in whatever case; GRF for `-`, standard output.
+/// The format of a path's extension, regardless of case; GRF for `-`, standard output.
 pub fn by_extension(path: &Path) -> Option<&'static WrittenFormat> {
     match path.extension().and_then(|e| e.to_str()) {
         None if path == Path::new("-") => FORMATS.first(),
@@ -118,20 +118,20 @@ fn extensions(which: fn(&WrittenFormat) -> bool) -> String {
     names.join(", ")
 }
 
-/// Why a scene was not written. `Display` says it to a person.
+/// Why a scene was not written.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum WriteFailure {
-    /// No format goes with the path's extension.
+    /// The path's extension is not that of a format.
     UnknownKind(PathBuf),
-    /// The format cannot hold the light, which was to be kept.
+    /// The format cannot store irradiance, which is required.
     NoPlaceForLight {
-        /// Where it was to go.
+        /// The path.
         path: PathBuf,
         /// The name of the format.
         format: &'static str,
     },
-    /// The files could not be written, or the caller cancelled.
+    /// The files could not be written, or the work was cancelled.
     Output(OutputError),
 }
 
@@ -140,13 +140,13 @@ impl fmt::Display for WriteFailure {
         match self {
             WriteFailure::UnknownKind(path) => {
                 let (path, all) = (path.display(), extensions(|_| true));
-                write!(f, "{path}: unknown kind of model file, expected {all}")
+                write!(f, "{path}: unknown model format, expected {all}")
             }
             WriteFailure::NoPlaceForLight { path, format } => {
                 let (path, lit) = (path.display(), extensions(|f| f.keeps_light));
                 write!(
                     f,
-                    "{path}: {format} has no place for the light, expected {lit}"
+                    "{path}: {format} cannot store irradiance, expected {lit}"
                 )
             }
             WriteFailure::Output(error) => error.fmt(f),
@@ -162,18 +162,18 @@ impl From<OutputError> for WriteFailure {
     }
 }
 
-/// Writes a scene in the format of the path's extension, whole or not at all; returns what of it
-/// the format does not keep, in words.
+/// Writes a scene atomically in the format of the path's extension; returns what the format cannot
+/// represent, as text.
 ///
 /// # Errors
-/// [`WriteFailure`]; what was there before is then untouched.
+/// [`WriteFailure`]; an existing file is then unchanged.
 pub fn write(scene: &Scene, path: &Path, progress: &Progress) -> Result<Vec<String>, WriteFailure> {
     Ok(ModelOutput::check(path)?.write(scene, progress)?)
 }
 
 /// As [`write()`], for a copy that will be read with this [home](crate::models::Reading::home):
-/// pictures that are found from there stay where they are, and all others are written beside the
-/// copy, whose names they begin with.
+/// images that are found from there remain where they are, and all others are written next to the
+/// copy, under names that start with its own.
 ///
 /// # Errors
 /// As [`write()`].
@@ -186,7 +186,7 @@ pub fn write_copy(
     Ok(ModelOutput::check(path)?.write_with_home(scene, home, progress)?)
 }
 
-/// Where a scene goes, checked before the work begins.
+/// The output file of a scene, checked before the work begins.
 #[derive(Debug)]
 pub struct ModelOutput {
     format: &'static WrittenFormat,
@@ -194,14 +194,14 @@ pub struct ModelOutput {
 }
 
 impl ModelOutput {
-    /// Chooses the format by extension and checks that the place can be written.
+    /// Chooses the format by extension and checks that the file can be written.
     ///
     /// # Errors
     /// [`WriteFailure`].
     pub fn check(path: &Path) -> Result<ModelOutput, WriteFailure> {
         let format =
             by_extension(path).ok_or_else(|| WriteFailure::UnknownKind(path.to_owned()))?;
-        if let Writer::Two(extension, _) = format.writer {
+        if let ModelWriter::Two(extension, _) = format.writer {
             // Before the work begins; what is beside the model is written with it.
             Output::check(&path.with_extension(extension))?;
         }
@@ -211,22 +211,23 @@ impl ModelOutput {
         })
     }
 
-    /// As [`check`](ModelOutput::check), but only formats that hold the light.
+    /// As [`check`](ModelOutput::check), for formats that can store irradiance.
     ///
     /// # Errors
     /// [`WriteFailure`].
     pub fn check_lit(path: &Path) -> Result<ModelOutput, WriteFailure> {
         let output = ModelOutput::check(path)?;
-        match output.format.keeps_light {
-            true => Ok(output),
-            false => Err(WriteFailure::NoPlaceForLight {
+        if output.format.keeps_light {
+            Ok(output)
+        } else {
+            Err(WriteFailure::NoPlaceForLight {
                 path: path.to_owned(),
                 format: output.format.name,
-            }),
+            })
         }
     }
 
-    /// The format that was chosen.
+    /// The chosen format.
     pub fn format(&self) -> &'static WrittenFormat {
         self.format
     }
@@ -236,17 +237,17 @@ impl ModelOutput {
         self.model.is_stdout()
     }
 
-    /// Writes the scene whole or not at all, with the files that belong to it; returns what of it
-    /// the format does not keep, in words.
+    /// Writes the scene atomically, with the files that belong to it; returns what the format cannot
+    /// represent, as text.
     ///
     /// # Errors
-    /// [`OutputError`]; what was there before is then untouched.
+    /// [`OutputError`]; existing files are then unchanged.
     pub fn write(&self, scene: &Scene, progress: &Progress) -> Result<Vec<String>, OutputError> {
         let own = self.model.path().parent();
         self.write_with_home(scene, own, progress)
     }
 
-    /// Pictures that are found from `home` may stay where they are.
+    /// Images that are found from `home` remain where they are.
     fn write_with_home(
         &self,
         scene: &Scene,
@@ -255,20 +256,20 @@ impl ModelOutput {
     ) -> Result<Vec<String>, OutputError> {
         let mut losses = self.format.losses(scene);
         match &self.format.writer {
-            Writer::Pictured(write) if self.model.file().is_some() => {
+            ModelWriter::Pictured(write) if self.model.file().is_some() => {
                 self.write_pictured(*write, scene, home, progress)?;
             }
-            Writer::Pictured(write) => {
+            ModelWriter::Pictured(write) => {
                 // There is no place beside a pipe.
                 let names: Vec<String> = scene.textures.iter().map(|t| t.path.clone()).collect();
                 let write = |out: &mut dyn Write| write(scene, &names, out);
                 self.model.write(progress, write)?;
                 let loaded = scene.textures.iter().filter(|t| t.image.is_some()).count();
-                losses.extend((loaded > 0).then(|| format!("the pixels of {loaded} pictures")));
+                losses.extend((loaded > 0).then(|| format!("the pixels of {loaded} images")));
             }
-            Writer::One(write) => self.model.write(progress, |out| write(scene, out))?,
-            Writer::Several(write) => self.write_several(*write, scene, progress)?,
-            Writer::Two(extension, write) => {
+            ModelWriter::One(write) => self.model.write(progress, |out| write(scene, out))?,
+            ModelWriter::Several(write) => self.write_several(*write, scene, progress)?,
+            ModelWriter::Two(extension, write) => {
                 let companion = Output::check(&self.model.path().with_extension(extension))?;
                 let name = companion.path().file_name().unwrap_or_default();
                 let (mut first, mut second) = (self.model.draft()?, companion.draft()?);
@@ -280,7 +281,7 @@ impl ModelOutput {
         Ok(losses)
     }
 
-    /// Writes a model and the pictures that it would not find from where it is.
+    /// Writes a model and the images that it would not find from its folder.
     fn write_pictured(
         &self,
         write: fn(&Scene, &[String], &mut dyn Write) -> io::Result<()>,
@@ -295,7 +296,7 @@ impl ModelOutput {
         self.commit_with(model, pictures.new, progress)
     }
 
-    /// Writes a model and the files that it names, all of them or none.
+    /// Writes a model and the files that it refers to, all of them or none.
     fn write_several(
         &self,
         write: fn(&Scene, &str, &mut dyn Write) -> io::Result<NamedFiles>,
@@ -309,7 +310,7 @@ impl ModelOutput {
         self.commit_with(model, named, progress)
     }
 
-    /// Puts a model in its place, with files beside it.
+    /// Moves a model and its files into place.
     fn commit_with(
         &self,
         model: Draft,
@@ -388,7 +389,7 @@ mod tests {
         assert!(said.contains("expected .grf, .obj, .glb"), "{said}");
         let unlit = ModelOutput::check_lit(&folder.join("a.obj")).unwrap_err();
         let said = unlit.to_string();
-        assert!(said.contains("OBJ has no place for the light"), "{said}");
+        assert!(said.contains("OBJ cannot store irradiance"), "{said}");
         assert!(said.contains("expected .grf, .glb, .gltf, .ply"), "{said}");
         fs::remove_dir_all(folder).unwrap();
     }

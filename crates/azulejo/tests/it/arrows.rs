@@ -6,12 +6,17 @@ use std::path::Path;
 
 /// Each crate and the crates of ours that it may use. What is not here is forbidden; above all,
 /// radiosity and render do not know each other: they meet in data, irradiance on vertices.
-const ARROWS: [(&str, &[&str]); 8] = [
+const ARROWS: [(&str, &[&str]); 11] = [
+    ("azulejo-testing", &[]),
     ("azulejo-scene", &[]),
     ("azulejo-formats", &["azulejo-scene"]),
     ("azulejo-trace", &["azulejo-scene"]),
     ("azulejo-gpu", &["azulejo-scene", "azulejo-trace"]),
-    ("azulejo-radiosity", &["azulejo-scene", "azulejo-trace"]),
+    ("azulejo-factors", &["azulejo-scene", "azulejo-trace"]),
+    (
+        "azulejo-radiosity",
+        &["azulejo-scene", "azulejo-trace", "azulejo-factors"],
+    ),
     ("azulejo-render", &["azulejo-scene", "azulejo-trace"]),
     (
         "azulejo",
@@ -20,6 +25,20 @@ const ARROWS: [(&str, &[&str]); 8] = [
             "azulejo-formats",
             "azulejo-trace",
             "azulejo-gpu",
+            "azulejo-factors",
+            "azulejo-radiosity",
+            "azulejo-render",
+        ],
+    ),
+    (
+        "azulejo-cli",
+        &[
+            "azulejo",
+            "azulejo-scene",
+            "azulejo-formats",
+            "azulejo-trace",
+            "azulejo-gpu",
+            "azulejo-factors",
             "azulejo-radiosity",
             "azulejo-render",
         ],
@@ -32,6 +51,7 @@ const ARROWS: [(&str, &[&str]); 8] = [
             "azulejo-formats",
             "azulejo-trace",
             "azulejo-gpu",
+            "azulejo-factors",
             "azulejo-radiosity",
             "azulejo-render",
         ],

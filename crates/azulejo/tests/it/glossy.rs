@@ -1,6 +1,5 @@
 //! Reflection models from file to picture: two passes against brute force.
 
-use crate::support::{Folder, project};
 use azulejo::radiosity::{self, FirstPass};
 use azulejo::render::{self, ReferencePass, SecondPass};
 use azulejo::scene::synthetic::{CornellVariant, cornell_box};
@@ -13,7 +12,7 @@ fn two_passes(scene: &Scene) -> Image {
     let mut lit = scene.clone();
     let progress = Progress::new();
     let first = FirstPass {
-        size: radiosity::PatchSize::Count(1_500),
+        size: azulejo::factors::PatchSize::Count(1_500),
         ..FirstPass::default()
     };
     let light = radiosity::solve(&lit, &Tracer::new(&lit), &first, &progress).unwrap();
@@ -58,28 +57,4 @@ fn two_passes_show_what_brute_force_shows() {
     let rmse = render::relative_rmse(&found, &truth.image);
     let known = truth.relative_error();
     assert!(rmse < 0.1 + 2.0 * known, "{rmse}, known to {known}");
-}
-
-#[test]
-fn references_are_written_with_their_errors() {
-    let folder = Folder::with_room();
-    let scene = std::fs::read(project().join("examples/cornell.grf")).unwrap();
-    folder.write("box.grf", scene);
-    let command = "render box.grf --reference --spp 64 --size 12x9 -o room.exr --error-image e.hdr";
-    let report = folder.json(command);
-    let error = report["error"].as_f64();
-    assert!(error.is_some_and(|e| e > 0.0 && e < 1.0), "{report}");
-    assert!(!folder.read("e.hdr").is_empty() && !folder.read("room.exr").is_empty());
-    folder.fails(
-        "render room.obj -o x.png --error-image e.exr",
-        2,
-        "--reference",
-    );
-    let png = "render room.obj --reference -o x.png --error-image e.png";
-    folder.fails(png, 2, "expected .exr or .hdr");
-    folder.fails(
-        "render room.obj --reference --gather 8 -o x.png",
-        2,
-        "--gather",
-    );
 }

@@ -1,26 +1,26 @@
 //! `ext figure`: contours of lines and cubic curves.
 
-use super::super::document::{BlockKind, Fail, Kind};
-use super::super::entries::Entries;
-use super::super::parse::Ending;
-use super::super::parser::{Parsed, Parser};
-use super::super::write::{Out, pair};
+use super::super::document::{BlockKind, BoxedError, NameKind};
+use super::super::entries::ExtensionEntries;
+use super::super::parse::BlockEnd;
+use super::super::parser::{GrfParser, ParseResult};
+use super::super::write::{GrfOutput, pair};
 use super::FigureBlock;
 use azulejo_scene::{Contour, Curve, Figure, FillRule};
 use std::io::{self, Write};
 use std::sync::Arc;
 
-const CONTOUR: Ending = Ending::required(&["contour"]);
-const EXTENSION: Ending = Ending::required(&["ext"]);
+const CONTOUR: BlockEnd = BlockEnd::required(&["contour"]);
+const EXTENSION: BlockEnd = BlockEnd::required(&["ext"]);
 
-impl<'a> Parser<'a, '_, '_> {
-    /// `ext figure begin` was read.
-    pub fn figure(&mut self, offset: usize) -> Parsed<BlockKind> {
-        let mut entries = Entries::new("`ext figure`", offset);
+impl<'a> GrfParser<'a, '_, '_> {
+    /// Reads a figure, after `ext figure begin`.
+    pub fn figure(&mut self, offset: usize) -> ParseResult<BlockKind> {
+        let mut entries = ExtensionEntries::new("`ext figure`", offset);
         let mut contours = Vec::new();
         self.entries_and(&mut entries, |parser| parser.contour(&mut contours))?;
         self.end(offset, &EXTENSION)?;
-        let name = self.defined_name(&mut entries, Kind::Figure)?;
+        let name = self.defined_name(&mut entries, NameKind::Figure)?;
         let rule = match self.take_word(&mut entries, "rule")? {
             None | Some(("even_odd", _)) => FillRule::EvenOdd,
             Some(("non_zero", _)) => FillRule::NonZero,
@@ -36,8 +36,8 @@ impl<'a> Parser<'a, '_, '_> {
         }))
     }
 
-    /// `contour begin ... end contour`, if that comes next.
-    fn contour(&mut self, contours: &mut Vec<Contour>) -> Parsed<bool> {
+    /// Reads `contour begin ... end contour`, if that comes next.
+    fn contour(&mut self, contours: &mut Vec<Contour>) -> ParseResult<bool> {
         let offset = self.lexer.skip_blank();
         if !self.lexer.eat_word("contour") {
             return Ok(false);
@@ -67,7 +67,7 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     #[cold]
-    fn not_a_curve(&mut self) -> Fail {
+    fn not_a_curve(&mut self) -> BoxedError {
         self.unexpected(
             "`line (x, y)`, `cubic` with its start and two control points, or `end contour`",
         )
@@ -75,7 +75,7 @@ impl<'a> Parser<'a, '_, '_> {
 }
 
 /// Writes a figure, one curve per line.
-pub(in crate::grf) fn figure(out: &mut Out<'_>, block: &FigureBlock) -> io::Result<()> {
+pub(in crate::grf) fn figure(out: &mut GrfOutput<'_>, block: &FigureBlock) -> io::Result<()> {
     write!(out, "ext figure begin name = {}", block.name)?;
     if block.figure.rule == FillRule::NonZero {
         out.write_all(b" rule = non_zero")?;
@@ -89,7 +89,7 @@ pub(in crate::grf) fn figure(out: &mut Out<'_>, block: &FigureBlock) -> io::Resu
     out.write_all(b"end ext\n")
 }
 
-fn curve(out: &mut Out<'_>, curve: &Curve) -> io::Result<()> {
+fn curve(out: &mut GrfOutput<'_>, curve: &Curve) -> io::Result<()> {
     match *curve {
         Curve::Line { start } => writeln!(out, "line {}", pair(start)),
         Curve::Cubic {

@@ -1,24 +1,26 @@
-//! From exact shapes to the blocks that say them shortest.
+//! Converts exact shapes to the most compact blocks.
 
-use super::super::document::{Name, ObjectNotes, Place};
+use super::super::document::{GrfName, ObjectNotes, SourcePosition};
 use super::skin::{mesh_block, skin_block};
-use super::{CsgBlock, ExactBlock, FigureBlock, GlyphBlock, Pen, SolidBlock, SolidKind, TextBlock};
+use super::{
+    CsgBlock, ExactBlock, FigureBlock, GlyphBlock, GlyphOrigin, SolidBlock, SolidKind, TextBlock,
+};
 use azulejo_scene::{Exact, Figure, MaterialId, Prism, Scene, Shape, Solid};
 use glam::{DAffine3, DVec2, DVec3};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// The names of a scene's figures. Prisms that share a figure name one; figures that are alike
-/// and not shared stay apart.
+/// The names of a scene's figures. Prisms that share a figure share its name; equal figures that
+/// are not shared stay separate.
 #[derive(Debug, Default)]
 pub(in crate::grf) struct Figures {
-    names: HashMap<*const Figure, Name>,
-    /// In the order in which the scene's objects first name them.
+    names: HashMap<*const Figure, GrfName>,
+    /// In the order of their first use by the scene's objects.
     pub blocks: Vec<FigureBlock>,
 }
 
 impl Figures {
-    /// Those of all objects.
+    /// The figures of all objects.
     pub fn of(scene: &Scene) -> Figures {
         let mut figures = Figures::default();
         for object in &scene.objects {
@@ -44,16 +46,16 @@ impl Figures {
     fn add(&mut self, figure: &Arc<Figure>) {
         let number = self.blocks.len();
         self.names.entry(Arc::as_ptr(figure)).or_insert_with(|| {
-            let name = Name::from(format!("f{number}"));
+            let name = GrfName::from(format!("f{number}"));
             self.blocks.push(FigureBlock {
-                name: Name::clone(&name),
+                name: GrfName::clone(&name),
                 figure: Arc::clone(figure),
             });
             name
         });
     }
 
-    fn name(&self, figure: &Arc<Figure>) -> Name {
+    fn name(&self, figure: &Arc<Figure>) -> GrfName {
         self.names[&Arc::as_ptr(figure)].clone()
     }
 }
@@ -62,10 +64,10 @@ impl Figures {
 pub(in crate::grf) fn exact_block(
     exact: &Exact,
     figures: &Figures,
-    materials: &[Name],
+    materials: &[GrfName],
     notes: ObjectNotes,
 ) -> ExactBlock {
-    let writer = Writer { figures, materials };
+    let writer = SolidWriter { figures, materials };
     let common = exact.solids.iter().find_map(material);
     ExactBlock {
         solids: writer.blocks(&exact.solids, common),
@@ -89,20 +91,20 @@ fn material(solid: &Solid) -> Option<MaterialId> {
     }
 }
 
-struct Writer<'s> {
+struct SolidWriter<'s> {
     figures: &'s Figures,
-    materials: &'s [Name],
+    materials: &'s [GrfName],
 }
 
-impl Writer<'_> {
-    /// Blocks inside of one whose material is `around`. Prisms that follow each other and differ
-    /// only in their place are a text.
+impl SolidWriter<'_> {
+    /// Blocks inside one with the material `around`. Consecutive prisms that differ only in
+    /// position form a text.
     fn blocks(&self, solids: &[Solid], around: Option<MaterialId>) -> Vec<SolidBlock> {
         let runs = solids.chunk_by(are_glyphs);
         let block = |run: &[Solid]| {
             let own = material(&run[0]);
             SolidBlock {
-                place: Place::default(),
+                place: SourcePosition::default(),
                 material: (own.filter(|_| own != around))
                     .map(|m| self.materials[m as usize].clone()),
                 kind: self.kind(run, own.or(around)),
@@ -164,9 +166,9 @@ fn are_glyphs(a: &Solid, b: &Solid) -> bool {
     a.material == b.material && a.world_from_figure.matrix3 == b.world_from_figure.matrix3
 }
 
-/// The pen that leads exactly to a place: in the text's own two numbers if some give the same
-/// bits, short ones preferred.
-fn pen(text: &TextBlock, place: DVec3) -> Pen {
+/// The glyph origin that reproduces a position exactly: two coordinates along the text if some give
+/// the same bits, short ones preferred.
+fn pen(text: &TextBlock, place: DVec3) -> GlyphOrigin {
     let (across, up) = (text.map.matrix3.x_axis, text.map.matrix3.y_axis);
     let way = place - text.map.translation;
     // The normal equations of two unknowns.
@@ -175,17 +177,17 @@ fn pen(text: &TextBlock, place: DVec3) -> Pen {
     let size = aa * uu - au * au;
     let near = DVec2::new(wa * uu - wu * au, wu * aa - wa * au) / size;
     if !near.is_finite() {
-        return Pen::At(place);
+        return GlyphOrigin::At(place);
     }
     for x in candidates(near.x) {
         for y in candidates(near.y) {
-            let pen = Pen::Along(DVec2::new(x, y));
+            let pen = GlyphOrigin::Along(DVec2::new(x, y));
             if text.map_at(pen).translation == place {
                 return pen;
             }
         }
     }
-    Pen::At(place)
+    GlyphOrigin::At(place)
 }
 
 /// A number rounded to few digits, to more, and its neighbours.

@@ -1,4 +1,4 @@
-//! Exact shapes: figures, and the solids that extensions nest inside each other.
+//! Exact shapes: figures, and the nested solids of extensions.
 
 mod figure;
 mod from_scene;
@@ -14,27 +14,26 @@ pub(super) use resolve::Defined;
 pub(super) use skin::skin_block;
 pub(super) use write::{define, exact};
 
-use super::document::{MeshBlock, Name, ObjectNotes, Place};
+use super::document::{GrfName, MeshBlock, ObjectNotes, SourcePosition};
 use azulejo_scene::{Figure, Operation, PrimitiveKind};
 use glam::{DAffine3, DVec2, DVec3};
 use std::sync::Arc;
 
-/// Solids inside each other, definitions that contain instances included: as many as a scene
-/// may nest.
+/// Maximum depth of nested solids, including definitions that contain instances: that of a scene.
 const DEEPEST: usize = 256;
 
-/// `ext figure`: an outline that prisms and texts name.
+/// `ext figure`: an outline that prisms and texts refer to.
 #[derive(Clone, Debug)]
 pub(super) struct FigureBlock {
-    pub name: Name,
+    pub name: GrfName,
     pub figure: Arc<Figure>,
 }
 
-/// `ext define`: solids that instances name.
+/// `ext define`: solids that instances refer to.
 #[derive(Clone, Debug)]
 pub(super) struct SolidDefinition {
-    pub name: Name,
-    pub material: Option<Name>,
+    pub name: GrfName,
+    pub material: Option<GrfName>,
     pub solids: Vec<SolidBlock>,
 }
 
@@ -42,43 +41,43 @@ pub(super) struct SolidDefinition {
 #[derive(Clone, Debug)]
 pub(super) struct ExactBlock {
     pub solids: Vec<SolidBlock>,
-    /// `ext skin` behind it.
+    /// The `ext skin` after it.
     pub skin: Option<Box<SkinBlock>>,
     pub notes: ObjectNotes,
 }
 
-/// `ext skin`: the polygons that stood for an exact shape when it was solved.
+/// `ext skin`: the proxy mesh that represented an exact shape when it was solved.
 #[derive(Clone, Debug)]
 pub(super) struct SkinBlock {
-    /// Vertices, faces, smoothing and errors; no looks.
+    /// Vertices, faces, smoothing and errors; no appearance.
     pub mesh: MeshBlock,
     /// For each face, the solid from which it has its material: an index into
     /// [`Exact::leaves`](azulejo_scene::Exact::leaves). Empty if it is the first for all.
     pub leaves: Vec<u32>,
 }
 
-/// A solid and where it begins.
+/// A solid and its position.
 #[derive(Clone, Debug)]
 pub(super) struct SolidBlock {
-    pub place: Place,
-    /// That of the block around it if there is none.
-    pub material: Option<Name>,
+    pub place: SourcePosition,
+    /// `None` for that of the enclosing block.
+    pub material: Option<GrfName>,
     pub kind: SolidKind,
 }
 
 #[derive(Clone, Debug)]
 pub(super) enum SolidKind {
     Primitive(PrimitiveKind, Box<DAffine3>),
-    Prism(Name, Box<DAffine3>),
+    Prism(GrfName, Box<DAffine3>),
     Text(Box<TextBlock>),
-    /// Sixteen control points, row after row.
+    /// Sixteen control points, row by row.
     Patch(Box<[[DVec3; 4]; 4]>),
-    /// Without looks.
+    /// Without appearance.
     Mesh(Box<MeshBlock>),
     Shell(Vec<SolidBlock>),
     Csg(Box<CsgBlock>),
-    /// A copy of defined solids, under a map if there is one.
-    Instance(Name, Option<Box<DAffine3>>),
+    /// A copy of defined solids, optionally transformed.
+    Instance(GrfName, Option<Box<DAffine3>>),
 }
 
 #[derive(Clone, Debug)]
@@ -91,35 +90,37 @@ pub(super) struct CsgBlock {
 /// `text`: prisms of many figures under one map.
 #[derive(Clone, Debug)]
 pub(super) struct TextBlock {
-    /// What it says, for people.
+    /// The text in plain characters, for reference only.
     pub string: Option<String>,
-    /// The images of the glyphs' x, y and z axes and of the origin of the pen.
+    /// The images of the glyphs' x, y and z axes and of the first glyph origin.
     pub map: DAffine3,
     pub glyphs: Vec<GlyphBlock>,
 }
 
 #[derive(Clone, Debug)]
 pub(super) struct GlyphBlock {
-    pub figure: Name,
-    pub pen: Pen,
+    pub figure: GrfName,
+    pub pen: GlyphOrigin,
 }
 
-/// Where a glyph's origin goes.
+/// The origin of a glyph.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Pen {
-    /// On the line of the text, in the units of its figures.
+pub(super) enum GlyphOrigin {
+    /// In the plane of the text, in the units of its figures.
     Along(DVec2),
-    /// In the space around the text.
+    /// In object coordinates.
     At(DVec3),
 }
 
 impl TextBlock {
     /// The map of a glyph's prism.
-    pub fn map_at(&self, pen: Pen) -> DAffine3 {
+    pub fn map_at(&self, pen: GlyphOrigin) -> DAffine3 {
         let axes = self.map.matrix3;
         let translation = match pen {
-            Pen::At(place) => place,
-            Pen::Along(pen) => self.map.translation + pen.x * axes.x_axis + pen.y * axes.y_axis,
+            GlyphOrigin::At(place) => place,
+            GlyphOrigin::Along(pen) => {
+                self.map.translation + pen.x * axes.x_axis + pen.y * axes.y_axis
+            }
         };
         DAffine3 {
             matrix3: axes,
@@ -128,7 +129,7 @@ impl TextBlock {
     }
 }
 
-/// Whether a map takes space onto space, so that there is a way back.
+/// Whether a map is invertible.
 pub(super) fn has_inverse(map: &DAffine3) -> bool {
     let size = map.matrix3.determinant();
     map.is_finite() && size != 0.0 && size.is_finite() && map.inverse().is_finite()

@@ -1,24 +1,24 @@
-//! Solids as text: extensions whose members stand inside each other.
+//! Parses solids: extensions with nested members.
 
-use super::super::document::{BlockKind, Fail, Kind, MeshBlock, Name, ObjectNotes};
-use super::super::entries::{Entries, Value};
-use super::super::mesh::Largest;
-use super::super::parse::Ending;
-use super::super::parser::{Parsed, Parser};
+use super::super::document::{BlockKind, BoxedError, GrfName, MeshBlock, NameKind, ObjectNotes};
+use super::super::entries::{EntryValue, ExtensionEntries};
+use super::super::mesh::LargestIndex;
+use super::super::parse::BlockEnd;
+use super::super::parser::{GrfParser, ParseResult};
 use super::{
-    CsgBlock, DEEPEST, ExactBlock, GlyphBlock, Pen, SolidBlock, SolidDefinition, SolidKind,
+    CsgBlock, DEEPEST, ExactBlock, GlyphBlock, GlyphOrigin, SolidBlock, SolidDefinition, SolidKind,
     TextBlock, has_inverse,
 };
 use azulejo_scene::{Attribute, Operation, TextFrame};
 use glam::{DAffine3, DVec2, DVec3};
 
-const EXTENSION: Ending = Ending::required(&["ext"]);
-const LEFT: Ending = Ending::required(&["left"]);
-const RIGHT: Ending = Ending::required(&["right"]);
+const EXTENSION: BlockEnd = BlockEnd::required(&["ext"]);
+const LEFT: BlockEnd = BlockEnd::required(&["left"]);
+const RIGHT: BlockEnd = BlockEnd::required(&["right"]);
 
-/// The kinds of solid.
+/// The solid keywords.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Form {
+enum SolidKeyword {
     Primitive,
     Prism,
     Text,
@@ -29,50 +29,55 @@ enum Form {
     Instance,
 }
 
-/// Their words, and how they end. The word behind `end` is needed: it may begin the next member.
-const FORMS: [(&str, Form, Ending); 8] = [
+/// The keywords and ends of solids. The word after `end` is required, because it might begin the
+/// next member.
+const FORMS: [(&str, SolidKeyword, BlockEnd); 8] = [
     (
         "primitive",
-        Form::Primitive,
-        Ending::required(&["primitive"]),
+        SolidKeyword::Primitive,
+        BlockEnd::required(&["primitive"]),
     ),
-    ("prism", Form::Prism, Ending::required(&["prism"])),
-    ("text", Form::Text, Ending::required(&["text"])),
-    ("patch", Form::Patch, Ending::required(&["patch"])),
-    ("mesh", Form::Mesh, Ending::required(&["mesh"])),
-    ("shell", Form::Shell, Ending::required(&["shell"])),
-    ("csg", Form::Csg, Ending::required(&["csg"])),
-    ("instance", Form::Instance, Ending::required(&["instance"])),
+    ("prism", SolidKeyword::Prism, BlockEnd::required(&["prism"])),
+    ("text", SolidKeyword::Text, BlockEnd::required(&["text"])),
+    ("patch", SolidKeyword::Patch, BlockEnd::required(&["patch"])),
+    ("mesh", SolidKeyword::Mesh, BlockEnd::required(&["mesh"])),
+    ("shell", SolidKeyword::Shell, BlockEnd::required(&["shell"])),
+    ("csg", SolidKeyword::Csg, BlockEnd::required(&["csg"])),
+    (
+        "instance",
+        SolidKeyword::Instance,
+        BlockEnd::required(&["instance"]),
+    ),
 ];
 
-/// The solids that are extensions of their own. Primitives and meshes are objects of other kinds.
+/// The solids that can be extensions of their own. Primitives and meshes are objects of other
+/// types.
 const EXTENSIONS: [&str; 6] = ["prism", "text", "patch", "shell", "csg", "instance"];
 
-/// Whether an extension of this name, in small letters, is one solid or a list of them.
+/// Whether an extension with this lower-case name is one solid or a list of them.
 pub(in crate::grf) fn is_solid(extension: &str) -> bool {
     extension == "solids" || EXTENSIONS.contains(&extension)
 }
 
-fn form(word: &str) -> Option<&'static (&'static str, Form, Ending)> {
+fn form(word: &str) -> Option<&'static (&'static str, SolidKeyword, BlockEnd)> {
     FORMS
         .iter()
         .find(|(name, ..)| word.eq_ignore_ascii_case(name))
 }
 
-/// What extensions hold.
-impl<'a> Parser<'a, '_, '_> {
-    /// `ext name begin` was read, of a name that [`is_solid`].
-    pub fn exact(&mut self, name: &str, offset: usize) -> Parsed<BlockKind> {
+impl<'a> GrfParser<'a, '_, '_> {
+    /// Reads `ext name begin`, for a name with [`is_solid`].
+    pub fn exact(&mut self, name: &str, offset: usize) -> ParseResult<BlockKind> {
         let mut notes = ObjectNotes::default();
         let solids = match form(name) {
             Some((_, form, _)) => {
-                let entries = Entries::new(format!("`ext {name}`"), offset);
+                let entries = ExtensionEntries::new(format!("`ext {name}`"), offset);
                 vec![self.solid(*form, entries, &EXTENSION)?]
             }
             None => {
-                let mut entries = Entries::new("`ext solids`", offset);
+                let mut entries = ExtensionEntries::new("`ext solids`", offset);
                 let solids = self.members(&mut entries, &EXTENSION)?;
-                notes.material = self.take_name(&mut entries, "material", Kind::Brdf)?;
+                notes.material = self.take_name(&mut entries, "material", NameKind::Brdf)?;
                 self.warn_of_rest(&entries);
                 solids
             }
@@ -84,12 +89,12 @@ impl<'a> Parser<'a, '_, '_> {
         })))
     }
 
-    /// `ext define begin` was read.
-    pub fn solid_definition(&mut self, offset: usize) -> Parsed<BlockKind> {
-        let mut entries = Entries::new("`ext define`", offset);
+    /// Reads a definition, after `ext define begin`.
+    pub fn solid_definition(&mut self, offset: usize) -> ParseResult<BlockKind> {
+        let mut entries = ExtensionEntries::new("`ext define`", offset);
         let solids = self.members(&mut entries, &EXTENSION)?;
-        let name = self.defined_name(&mut entries, Kind::Solid)?;
-        let material = self.take_name(&mut entries, "material", Kind::Brdf)?;
+        let name = self.defined_name(&mut entries, NameKind::Solid)?;
+        let material = self.take_name(&mut entries, "material", NameKind::Brdf)?;
         self.warn_of_rest(&entries);
         Ok(BlockKind::Define(Box::new(SolidDefinition {
             name,
@@ -98,16 +103,20 @@ impl<'a> Parser<'a, '_, '_> {
         })))
     }
 
-    /// Keys, solids, and the end.
-    fn members(&mut self, entries: &mut Entries<'a>, ending: &Ending) -> Parsed<Vec<SolidBlock>> {
+    /// Reads keys, solids, and the end.
+    fn members(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+        ending: &BlockEnd,
+    ) -> ParseResult<Vec<SolidBlock>> {
         let mut solids = Vec::new();
         self.entries_and(entries, |parser| parser.member(&mut solids))?;
         self.end(entries.offset, ending)?;
         Ok(solids)
     }
 
-    /// `kind begin ... end kind`, if that comes next.
-    fn member(&mut self, solids: &mut Vec<SolidBlock>) -> Parsed<bool> {
+    /// Reads `kind begin ... end kind`, if that comes next.
+    fn member(&mut self, solids: &mut Vec<SolidBlock>) -> ParseResult<bool> {
         let offset = self.lexer.skip_blank();
         let Some((name, form, ending)) = self.lexer.peek_word().and_then(form) else {
             return Ok(false);
@@ -118,36 +127,39 @@ impl<'a> Parser<'a, '_, '_> {
         if self.shared.solid_depth > DEEPEST {
             return Err(self.fail(
                 offset,
-                "one more solid inside a solid",
-                format!("at most {DEEPEST} inside each other"),
+                "one more nested solid",
+                format!("at most {DEEPEST} nested levels"),
             ));
         }
-        let entries = Entries::new(format!("`{name}`"), offset);
+        let entries = ExtensionEntries::new(format!("`{name}`"), offset);
         solids.push(self.solid(*form, entries, ending)?);
         self.shared.solid_depth -= 1;
         Ok(true)
     }
 
-    /// The inside of a solid and its end.
+    /// Reads the content of a solid and its end.
     fn solid(
         &mut self,
-        form: Form,
-        mut entries: Entries<'a>,
-        ending: &Ending,
-    ) -> Parsed<SolidBlock> {
+        form: SolidKeyword,
+        mut entries: ExtensionEntries<'a>,
+        ending: &BlockEnd,
+    ) -> ParseResult<SolidBlock> {
         let place = self.place(entries.offset);
         let kind = match form {
-            Form::Shell => SolidKind::Shell(self.members(&mut entries, ending)?),
-            Form::Csg => self.csg(&mut entries, ending)?,
-            Form::Text => self.text(&mut entries, ending)?,
-            Form::Mesh => SolidKind::Mesh(self.polygons(&mut entries, ending)?),
-            Form::Primitive | Form::Prism | Form::Patch | Form::Instance => {
+            SolidKeyword::Shell => SolidKind::Shell(self.members(&mut entries, ending)?),
+            SolidKeyword::Csg => self.csg(&mut entries, ending)?,
+            SolidKeyword::Text => self.text(&mut entries, ending)?,
+            SolidKeyword::Mesh => SolidKind::Mesh(self.polygons(&mut entries, ending)?),
+            SolidKeyword::Primitive
+            | SolidKeyword::Prism
+            | SolidKeyword::Patch
+            | SolidKeyword::Instance => {
                 self.entries_and(&mut entries, |_| Ok(false))?;
                 self.end(entries.offset, ending)?;
                 self.simple(form, &mut entries)?
             }
         };
-        let material = self.take_name(&mut entries, "material", Kind::Brdf)?;
+        let material = self.take_name(&mut entries, "material", NameKind::Brdf)?;
         self.warn_of_rest(&entries);
         Ok(SolidBlock {
             place,
@@ -157,20 +169,23 @@ impl<'a> Parser<'a, '_, '_> {
     }
 }
 
-/// Solids that are keys and values alone.
-impl<'a> Parser<'a, '_, '_> {
-    fn simple(&mut self, form: Form, entries: &mut Entries<'a>) -> Parsed<SolidKind> {
+impl<'a> GrfParser<'a, '_, '_> {
+    fn simple(
+        &mut self,
+        form: SolidKeyword,
+        entries: &mut ExtensionEntries<'a>,
+    ) -> ParseResult<SolidKind> {
         match form {
-            Form::Prism => {
-                let figure = self.take_name(entries, "figure", Kind::Figure)?;
+            SolidKeyword::Prism => {
+                let figure = self.take_name(entries, "figure", NameKind::Figure)?;
                 let figure = self.required(entries, "figure", figure)?;
                 let map = self.take_map(entries)?;
                 let map = self.required(entries, "map", map)?;
                 Ok(SolidKind::Prism(figure, Box::new(map)))
             }
-            Form::Patch => self.patch(entries),
-            Form::Instance => {
-                let of = self.take_name(entries, "of", Kind::Solid)?;
+            SolidKeyword::Patch => self.patch(entries),
+            SolidKeyword::Instance => {
+                let of = self.take_name(entries, "of", NameKind::Solid)?;
                 let of = self.required(entries, "of", of)?;
                 let map = self.take_map(entries)?;
                 Ok(SolidKind::Instance(of, map.map(Box::new)))
@@ -182,21 +197,21 @@ impl<'a> Parser<'a, '_, '_> {
         }
     }
 
-    fn patch(&mut self, entries: &mut Entries<'a>) -> Parsed<SolidKind> {
+    fn patch(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<SolidKind> {
         let entry = entries.take("points");
         let entry = self.required(entries, "points", entry)?;
         match &entry.value {
-            Value::Vectors(list) if list.len() == 16 => {
+            EntryValue::Vectors(list) if list.len() == 16 => {
                 let point = |k: usize| DVec3::from_array(list[k]);
                 let row = |r: usize| std::array::from_fn(|c| point(4 * r + c));
                 Ok(SolidKind::Patch(Box::new(std::array::from_fn(row))))
             }
-            _ => Err(self.wrong(&entry, "16 control points (x, y, z), row after row")),
+            _ => Err(self.wrong(&entry, "16 control points (x, y, z), row by row")),
         }
     }
 
-    /// `map = ...`, which must have an inverse.
-    fn take_map(&mut self, entries: &mut Entries<'a>) -> Parsed<Option<DAffine3>> {
+    /// `map = ...`, which must be invertible.
+    fn take_map(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Option<DAffine3>> {
         let Some(entry) = entries.take("map") else {
             return Ok(None);
         };
@@ -207,9 +222,12 @@ impl<'a> Parser<'a, '_, '_> {
     }
 }
 
-/// Set operations.
-impl<'a> Parser<'a, '_, '_> {
-    fn csg(&mut self, entries: &mut Entries<'a>, ending: &Ending) -> Parsed<SolidKind> {
+impl<'a> GrfParser<'a, '_, '_> {
+    fn csg(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+        ending: &BlockEnd,
+    ) -> ParseResult<SolidKind> {
         let (mut left, mut right) = (Vec::new(), Vec::new());
         self.entries_and(entries, |parser| {
             Ok(parser.side(&LEFT, &mut left)? || parser.side(&RIGHT, &mut right)?)
@@ -228,7 +246,7 @@ impl<'a> Parser<'a, '_, '_> {
         })))
     }
 
-    fn operation(&mut self, entries: &mut Entries<'a>) -> Parsed<Operation> {
+    fn operation(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Operation> {
         let word = self.take_word(entries, "operation")?;
         let (word, offset) = self.required(entries, "operation", word)?;
         match word {
@@ -244,7 +262,7 @@ impl<'a> Parser<'a, '_, '_> {
     }
 
     #[cold]
-    fn without_side(&mut self, entries: &Entries<'_>, side: &str) -> Fail {
+    fn without_side(&mut self, entries: &ExtensionEntries<'_>, side: &str) -> BoxedError {
         self.fail(
             entries.offset,
             format!("{} without a solid on its {side} side", entries.title),
@@ -252,8 +270,8 @@ impl<'a> Parser<'a, '_, '_> {
         )
     }
 
-    /// `left begin ... end left`, if that comes next.
-    fn side(&mut self, ending: &Ending, solids: &mut Vec<SolidBlock>) -> Parsed<bool> {
+    /// Reads `left begin ... end left`, if that comes next.
+    fn side(&mut self, ending: &BlockEnd, solids: &mut Vec<SolidBlock>) -> ParseResult<bool> {
         let offset = self.lexer.skip_blank();
         if !self.lexer.eat_word(ending.words[0]) {
             return Ok(false);
@@ -265,9 +283,12 @@ impl<'a> Parser<'a, '_, '_> {
     }
 }
 
-/// Text.
-impl<'a> Parser<'a, '_, '_> {
-    fn text(&mut self, entries: &mut Entries<'a>, ending: &Ending) -> Parsed<SolidKind> {
+impl<'a> GrfParser<'a, '_, '_> {
+    fn text(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+        ending: &BlockEnd,
+    ) -> ParseResult<SolidKind> {
         let mut glyphs = Vec::new();
         self.entries_and(entries, |parser| parser.glyph(&mut glyphs))?;
         self.end(entries.offset, ending)?;
@@ -283,23 +304,23 @@ impl<'a> Parser<'a, '_, '_> {
         })))
     }
 
-    /// `figure (x, y)` or `figure (x, y, z)`, if a name and a bracket come next.
-    fn glyph(&mut self, glyphs: &mut Vec<GlyphBlock>) -> Parsed<bool> {
+    /// Reads `figure (x, y)` or `figure (x, y, z)`, if a name and a bracket come next.
+    fn glyph(&mut self, glyphs: &mut Vec<GlyphBlock>) -> ParseResult<bool> {
         let mut ahead = self.lexer;
         if ahead.word().is_none() || !ahead.eat(b'(') {
             return Ok(false);
         }
-        let figure = self.used(Kind::Figure)?;
+        let figure = self.used(NameKind::Figure)?;
         let pen = match self.vector2_or_3()? {
-            (pen, None) => Pen::Along(pen),
-            (pen, Some(z)) => Pen::At(pen.extend(z)),
+            (pen, None) => GlyphOrigin::Along(pen),
+            (pen, Some(z)) => GlyphOrigin::At(pen.extend(z)),
         };
         glyphs.push(GlyphBlock { figure, pen });
         Ok(true)
     }
 
-    /// The map that the keys of a [`TextFrame`] say.
-    fn frame(&mut self, entries: &mut Entries<'a>) -> Parsed<DAffine3> {
+    /// The map given by the keys of a [`TextFrame`].
+    fn frame(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<DAffine3> {
         let origin = self.take_point(entries, "origin")?;
         let frame = TextFrame {
             origin: origin.unwrap_or_default(),
@@ -314,49 +335,48 @@ impl<'a> Parser<'a, '_, '_> {
         }
         Err(self.fail(
             entries.offset,
-            "a text whose letters have no room",
+            "a text with a singular frame",
             "`progression`, `up` and `extrusion` in three directions, and a `scale` without 0",
         ))
     }
 
     fn take_direction(
         &mut self,
-        entries: &mut Entries<'a>,
+        entries: &mut ExtensionEntries<'a>,
         key: &str,
         default: DVec3,
-    ) -> Parsed<DVec3> {
+    ) -> ParseResult<DVec3> {
         let direction = self.take_point(entries, key)?.unwrap_or(default);
         match super::super::unit(direction) {
             Some(unit) => Ok(unit),
             None => Err(self.fail(
                 entries.offset,
-                format!("`{key}` without length"),
-                "a vector that is not 0",
+                format!("`{key}` of length 0"),
+                "a non-zero vector",
             )),
         }
     }
 
-    /// One size for all directions, or one for each.
-    fn take_scale(&mut self, entries: &mut Entries<'a>) -> Parsed<DVec3> {
+    /// One scale for all directions, or one for each.
+    fn take_scale(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<DVec3> {
         let Some(entry) = entries.take("scale") else {
             return Ok(DVec3::ONE);
         };
         match &entry.value {
-            Value::Numbers(n) if n.len() == 1 => Ok(DVec3::splat(n[0])),
-            Value::Vectors(v) if v.len() == 1 => Ok(DVec3::from_array(v[0])),
+            EntryValue::Numbers(n) if n.len() == 1 => Ok(DVec3::splat(n[0])),
+            EntryValue::Vectors(v) if v.len() == 1 => Ok(DVec3::from_array(v[0])),
             _ => Err(self.wrong(&entry, "one number or (x, y, z)")),
         }
     }
 }
 
-/// Polygons.
-impl<'a> Parser<'a, '_, '_> {
-    /// Vertices and faces without looks, and the keys that say more about them.
+impl<'a> GrfParser<'a, '_, '_> {
+    /// Vertices and faces without appearance, and the keys that describe them further.
     pub fn polygons(
         &mut self,
-        entries: &mut Entries<'a>,
-        ending: &Ending,
-    ) -> Parsed<Box<MeshBlock>> {
+        entries: &mut ExtensionEntries<'a>,
+        ending: &BlockEnd,
+    ) -> ParseResult<Box<MeshBlock>> {
         let mut mesh = Box::<MeshBlock>::default();
         let mut largest = None;
         self.entries_and(entries, |parser| parser.list(&mut mesh, &mut largest))?;
@@ -365,8 +385,8 @@ impl<'a> Parser<'a, '_, '_> {
         if !mesh.changes.is_empty() {
             return Err(self.fail(
                 entries.offset,
-                format!("{} with looks before its faces", entries.title),
-                "vertices and faces alone: its material stands outside of them",
+                format!("{} with appearances before its faces", entries.title),
+                "vertices and faces only: its material is given outside of them",
             ));
         }
         let (vertices, faces) = (mesh.vertices.positions.len(), mesh.faces.len());
@@ -383,24 +403,20 @@ impl<'a> Parser<'a, '_, '_> {
         Ok(mesh)
     }
 
-    /// `normals`, a list, and `corners`, which of them each corner has.
+    /// `normals`, a list, and `corners`, the index of each corner's normal.
     fn corner_normals(
         &mut self,
-        entries: &mut Entries<'a>,
+        entries: &mut ExtensionEntries<'a>,
         corners: usize,
-    ) -> Parsed<Attribute<DVec3>> {
+    ) -> ParseResult<Attribute<DVec3>> {
         let entry = entries.take("normals");
         let entry = self.required(entries, "normals", entry)?;
-        let Value::Vectors(list) = &entry.value else {
+        let EntryValue::Vectors(list) = &entry.value else {
             return Err(self.wrong(&entry, "vectors (x, y, z)"));
         };
         let unit = |v: &[f64; 3]| super::super::unit(DVec3::from_array(*v));
         let Some(values) = list.iter().map(unit).collect::<Option<Vec<_>>>() else {
-            return Err(self.fail(
-                entry.offset,
-                "a normal without length",
-                "vectors that are not 0",
-            ));
+            return Err(self.fail(entry.offset, "a normal of length 0", "non-zero vectors"));
         };
         let at = entry.offset;
         let indices = self.counts(entries, "corners", (corners, "corner"))?;
@@ -408,7 +424,7 @@ impl<'a> Parser<'a, '_, '_> {
             return Err(self.fail(
                 at,
                 format!("normal {index} of {}", values.len()),
-                "as many normals as `corners` counts",
+                "an index of one of the `normals`",
             ));
         }
         Ok(Attribute {
@@ -417,7 +433,7 @@ impl<'a> Parser<'a, '_, '_> {
         })
     }
 
-    fn list(&mut self, mesh: &mut MeshBlock, largest: &mut Largest) -> Parsed<bool> {
+    fn list(&mut self, mesh: &mut MeshBlock, largest: &mut LargestIndex) -> ParseResult<bool> {
         if !self.lexer.eat_word("begin") {
             return Ok(false);
         }
@@ -425,8 +441,12 @@ impl<'a> Parser<'a, '_, '_> {
         Ok(true)
     }
 
-    /// The name that an extension gives to what it defines.
-    pub fn defined_name(&mut self, entries: &mut Entries<'a>, kind: Kind) -> Parsed<Name> {
+    /// The name that an extension defines.
+    pub fn defined_name(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+        kind: NameKind,
+    ) -> ParseResult<GrfName> {
         let word = self.take_word(entries, "name")?;
         let (word, offset) = self.required(entries, "name", word)?;
         let name = self.shared.intern(word);

@@ -1,8 +1,8 @@
-//! From blocks to solids: figures and definitions by their names, instances as copies.
+//! Converts blocks to solids: resolves figures and definitions by name, and copies instances.
 
-use super::super::document::{Block, BlockKind, Kind, MeshBlock, Name, Place};
-use super::super::placement::Outer;
-use super::super::resolve::{Resolved, Resolver};
+use super::super::document::{BlockKind, GrfBlock, GrfName, MeshBlock, NameKind, SourcePosition};
+use super::super::placement::OuterTransform;
+use super::super::resolve::{GrfResolver, ResolveResult};
 use super::{
     CsgBlock, DEEPEST, ExactBlock, SolidBlock, SolidDefinition, SolidKind, TextBlock, has_inverse,
 };
@@ -13,28 +13,27 @@ use glam::DAffine3;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Solids, and how deep they nest.
+/// Solids, and the depth of their nesting.
 #[derive(Debug, Default)]
 pub(in crate::grf) struct Made {
     solids: Vec<Solid>,
     depth: usize,
 }
 
-/// What an `ext define` stands for.
+/// The state of an `ext define`.
 #[derive(Debug)]
 pub(in crate::grf) enum Defined<'d> {
-    /// Not looked at yet.
-    Open(&'d SolidDefinition, Place),
-    /// Being made: who needs it now is inside of it.
+    /// Not converted yet.
+    Open(&'d SolidDefinition, SourcePosition),
+    /// Being converted: needing it now means that it contains itself.
     Busy,
     Done(Rc<Made>),
 }
 
-/// Definitions.
-impl<'d> Resolver<'d> {
-    /// Makes the solids of all definitions of a list of blocks, before any block can name one:
-    /// the names in them mean what they mean where they are defined.
-    pub fn make_definitions(&mut self, blocks: &'d [Block]) -> Resolved<()> {
+impl<'d> GrfResolver<'d> {
+    /// Converts all definitions of a list of blocks, before any block can refer to one: their names
+    /// are resolved where they are defined.
+    pub fn make_definitions(&mut self, blocks: &'d [GrfBlock]) -> ResolveResult<()> {
         for block in blocks {
             match &block.kind {
                 BlockKind::Include { blocks, .. } => self.make_definitions(blocks)?,
@@ -47,12 +46,12 @@ impl<'d> Resolver<'d> {
         Ok(())
     }
 
-    fn defined(&mut self, name: &'d Name, place: Place) -> Resolved<Rc<Made>> {
+    fn defined(&mut self, name: &'d GrfName, place: SourcePosition) -> ResolveResult<Rc<Made>> {
         let name: &'d str = name;
         let mut scopes = self.scopes.iter_mut().enumerate().rev();
         let found = scopes.find_map(|(level, s)| Some((level, s.solids.get_mut(name)?)));
         let Some((level, slot)) = found else {
-            return Err(self.undefined(Kind::Solid, name, place));
+            return Err(self.undefined(NameKind::Solid, name, place));
         };
         let (definition, at) = match slot {
             Defined::Done(made) => return Ok(Rc::clone(made)),
@@ -61,7 +60,7 @@ impl<'d> Resolver<'d> {
                 return Err(self.fail(
                     place,
                     format!("an instance of `{name}` inside of `{name}`"),
-                    "instances that do not go round in a circle",
+                    "instances without a cycle",
                 ));
             }
         };
@@ -77,34 +76,38 @@ impl<'d> Resolver<'d> {
         Ok(made)
     }
 
-    fn deeper(&mut self, place: Place) -> Resolved<()> {
+    fn deeper(&mut self, place: SourcePosition) -> ResolveResult<()> {
         self.depth += 1;
         self.check_depth(self.depth - 1, place)
     }
 
-    /// Refuses one more solid around solids that nest so deep.
-    fn check_depth(&self, depth: usize, place: Place) -> Resolved<()> {
+    /// Rejects one more level around solids that are nested this deep.
+    fn check_depth(&self, depth: usize, place: SourcePosition) -> ResolveResult<()> {
         if depth <= DEEPEST {
             return Ok(());
         }
         Err(self.fail(
             place,
-            "one more solid or definition around others",
-            &format!("at most {DEEPEST} inside each other, instances included"),
+            "one more level of solids or definitions",
+            &format!("at most {DEEPEST} nested levels, instances included"),
         ))
     }
 
-    fn figure_named(&self, name: &Name, place: Place) -> Resolved<Arc<Figure>> {
+    fn figure_named(&self, name: &GrfName, place: SourcePosition) -> ResolveResult<Arc<Figure>> {
         let scopes = self.scopes.iter().rev();
         let found = scopes.filter_map(|s| s.figures.get(&**name)).next();
         let found = found.map(|&figure| Arc::clone(figure));
-        found.ok_or_else(|| self.undefined(Kind::Figure, name, place))
+        found.ok_or_else(|| self.undefined(NameKind::Figure, name, place))
     }
 }
 
-/// Objects.
-impl<'d> Resolver<'d> {
-    pub fn exact(&mut self, block: &'d ExactBlock, place: Place, outer: Outer) -> Resolved<()> {
+impl<'d> GrfResolver<'d> {
+    pub fn exact(
+        &mut self,
+        block: &'d ExactBlock,
+        place: SourcePosition,
+        outer: OuterTransform,
+    ) -> ResolveResult<()> {
         let mut made = Made::default();
         self.solids(&block.solids, block.notes.material.as_ref(), &mut made)?;
         let mut exact = Exact::new(made.solids);
@@ -114,14 +117,14 @@ impl<'d> Resolver<'d> {
         if !exact.solids.iter().all(is_placed) {
             return Err(self.fail(
                 place,
-                "a shape that transforms flatten or carry out of range",
-                "transforms that keep it",
+                "a shape that transforms flatten, or that overflows",
+                "invertible transforms",
             ));
         }
         if let Some(skin) = &block.skin {
             let materials = self.skin_materials(skin, &exact, place)?;
             let mesh = self.built_mesh(&skin.mesh, materials, place, outer)?;
-            exact.skin = Some(Box::new(mesh));
+            exact.proxy = Some(Box::new(mesh));
         }
         let shape = Shape::Exact(exact);
         self.scene
@@ -130,14 +133,14 @@ impl<'d> Resolver<'d> {
         Ok(())
     }
 
-    /// Adds what blocks describe; `around` is the brdf of what stands around them.
+    /// Adds the solids of blocks; `around` is the brdf of the enclosing block.
     fn solids(
         &mut self,
         blocks: &'d [SolidBlock],
-        around: Option<&'d Name>,
+        around: Option<&'d GrfName>,
         made: &mut Made,
-    ) -> Resolved<()> {
-        // Blocks that make one solid are most, and a definition keeps its list.
+    ) -> ResolveResult<()> {
+        // Most blocks make one solid, and a definition keeps its list.
         made.solids.reserve_exact(blocks.len());
         for block in blocks {
             let brdf = block.material.as_ref().or(around);
@@ -149,9 +152,9 @@ impl<'d> Resolver<'d> {
     fn solid(
         &mut self,
         block: &'d SolidBlock,
-        brdf: Option<&'d Name>,
+        brdf: Option<&'d GrfName>,
         made: &mut Made,
-    ) -> Resolved<()> {
+    ) -> ResolveResult<()> {
         let place = block.place;
         match &block.kind {
             SolidKind::Text(text) => self.text(text, brdf, place, made),
@@ -166,13 +169,13 @@ impl<'d> Resolver<'d> {
         }
     }
 
-    /// A solid that is not made of others.
+    /// A solid that does not consist of others.
     fn leaf(
         &mut self,
         block: &'d SolidBlock,
-        brdf: Option<&'d Name>,
+        brdf: Option<&'d GrfName>,
         made: &mut Made,
-    ) -> Resolved<()> {
+    ) -> ResolveResult<()> {
         let place = block.place;
         let solid = match &block.kind {
             SolidKind::Primitive(kind, map) => {
@@ -195,14 +198,14 @@ impl<'d> Resolver<'d> {
         Ok(())
     }
 
-    /// Solids one level deeper; `depth` is that of the whole they are put into.
+    /// Solids one level deeper; `depth` is that of the whole to which they are added.
     fn operand(
         &mut self,
         blocks: &'d [SolidBlock],
-        brdf: Option<&'d Name>,
-        place: Place,
+        brdf: Option<&'d GrfName>,
+        place: SourcePosition,
         depth: &mut usize,
-    ) -> Resolved<Vec<Solid>> {
+    ) -> ResolveResult<Vec<Solid>> {
         let mut made = Made::default();
         self.deeper(place)?;
         self.solids(blocks, brdf, &mut made)?;
@@ -215,10 +218,10 @@ impl<'d> Resolver<'d> {
     fn csg(
         &mut self,
         block: &'d CsgBlock,
-        brdf: Option<&'d Name>,
-        place: Place,
+        brdf: Option<&'d GrfName>,
+        place: SourcePosition,
         made: &mut Made,
-    ) -> Resolved<()> {
+    ) -> ResolveResult<()> {
         let left = self.operand(&block.left, brdf, place, &mut made.depth)?;
         let right = self.operand(&block.right, brdf, place, &mut made.depth)?;
         self.check_operand(&left, &block.left)?;
@@ -231,18 +234,21 @@ impl<'d> Resolver<'d> {
         Ok(())
     }
 
-    /// Refuses sides of a set operation that hold nothing, or something without an inside.
-    fn check_operand(&self, solids: &[Solid], blocks: &[SolidBlock]) -> Resolved<()> {
-        let place = blocks.first().map_or(Place::default(), |b| b.place);
+    /// Rejects sides of a set operation that are empty or have no interior.
+    fn check_operand(&self, solids: &[Solid], blocks: &[SolidBlock]) -> ResolveResult<()> {
+        let place = blocks
+            .first()
+            .map_or(SourcePosition::default(), |b| b.place);
         if solids.is_empty() {
-            let found = "nothing on one side of a set operation: texts or instances without solids";
+            let found = "an empty side of a set operation: texts or instances without solids";
             return Err(self.fail(place, found, "solids on both sides"));
         }
         let Some(problem) = solids.iter().find_map(Solid::open_part) else {
             return Ok(());
         };
-        // Texts and instances make several solids of one block: then it is the first one's place.
-        let found = format!("{problem} in a set operation, which is open: it has no inside");
+        // Texts and instances make several solids from one block: then the first one's position is
+        // used.
+        let found = format!("{problem} in a set operation, which is open and has no interior");
         let is_one_each = solids.len() == blocks.len();
         let open = solids.iter().position(|s| s.open_part().is_some());
         let block = open.filter(|_| is_one_each).and_then(|i| blocks.get(i));
@@ -257,10 +263,10 @@ impl<'d> Resolver<'d> {
     fn text(
         &mut self,
         text: &'d TextBlock,
-        brdf: Option<&'d Name>,
-        place: Place,
+        brdf: Option<&'d GrfName>,
+        place: SourcePosition,
         made: &mut Made,
-    ) -> Resolved<()> {
+    ) -> ResolveResult<()> {
         made.solids.reserve_exact(text.glyphs.len());
         let material = self.named_material(brdf, None, place)?;
         for glyph in &text.glyphs {
@@ -274,13 +280,13 @@ impl<'d> Resolver<'d> {
         Ok(())
     }
 
-    /// A mesh of one material, which its faces do not say.
+    /// A mesh with a single material.
     fn solid_mesh(
         &mut self,
         mesh: &'d MeshBlock,
-        brdf: Option<&'d Name>,
-        place: Place,
-    ) -> Resolved<Mesh> {
+        brdf: Option<&'d GrfName>,
+        place: SourcePosition,
+    ) -> ResolveResult<Mesh> {
         let faces = mesh.faces.len();
         let materials = match faces {
             0 => Vec::new(),
@@ -291,11 +297,11 @@ impl<'d> Resolver<'d> {
 
     fn instance(
         &mut self,
-        of: &'d Name,
+        of: &'d GrfName,
         map: Option<&DAffine3>,
-        place: Place,
+        place: SourcePosition,
         made: &mut Made,
-    ) -> Resolved<()> {
+    ) -> ResolveResult<()> {
         let defined = self.defined(of, place)?;
         let elements = defined.solids.iter().map(elements).sum();
         if let Err(exhausted) = self.instances.spend(elements) {
@@ -319,28 +325,29 @@ impl<'d> Resolver<'d> {
         &self,
         skin: &super::SkinBlock,
         exact: &Exact,
-        place: Place,
-    ) -> Resolved<Vec<MaterialId>> {
+        place: SourcePosition,
+    ) -> ResolveResult<Vec<MaterialId>> {
         let leaves = exact.leaves();
         let material = |leaf: u32| match leaves.get(leaf as usize) {
             Some(leaf) => Ok(leaf.material()),
             None => Err(self.fail(
                 place,
                 format!(
-                    "a skin of solid {leaf} on a shape of {} solids",
+                    "a skin with solid {leaf} on a shape with {} solids",
                     leaves.len()
                 ),
-                "a solid that is there",
+                "the index of an existing solid",
             )),
         };
-        match skin.leaves.is_empty() {
-            true => (0..skin.mesh.faces.len()).map(|_| material(0)).collect(),
-            false => skin.leaves.iter().map(|&leaf| material(leaf)).collect(),
+        if skin.leaves.is_empty() {
+            (0..skin.mesh.faces.len()).map(|_| material(0)).collect()
+        } else {
+            skin.leaves.iter().map(|&leaf| material(leaf)).collect()
         }
     }
 }
 
-/// What a copy of a solid costs, in vertices and corners.
+/// The cost of copying a solid, in vertices and corners.
 fn elements(solid: &Solid) -> u64 {
     let all = |solids: &[Solid]| solids.iter().map(elements).sum::<u64>();
     // A solid takes as much memory as three vertices, a patch as much as seven.
@@ -353,7 +360,7 @@ fn elements(solid: &Solid) -> u64 {
     }
 }
 
-/// Whether a solid can be met where transforms put it.
+/// Whether rays can hit a transformed solid.
 fn is_placed(solid: &Solid) -> bool {
     match solid {
         Solid::Primitive(p) => super::super::is_invertible(p.kind, &p.world_from_object),

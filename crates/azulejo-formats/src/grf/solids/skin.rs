@@ -1,12 +1,12 @@
-//! `ext skin`: what stood for an exact shape in the first pass, with the light on it.
+//! `ext skin`: the proxy mesh of an exact shape in the first pass, with its irradiance.
 
-use super::super::document::{Block, BlockKind, MeshBlock, ObjectNotes};
-use super::super::entries::Entries;
+use super::super::document::{BlockKind, GrfBlock, MeshBlock, ObjectNotes};
+use super::super::entries::ExtensionEntries;
 use super::super::from_scene::polygons;
-use super::super::parse::Ending;
-use super::super::parser::{Parsed, Parser};
-use super::super::placement::Outer;
-use super::super::write::{Out, faces, point, rgb_list, vertices};
+use super::super::parse::BlockEnd;
+use super::super::parser::{GrfParser, ParseResult};
+use super::super::placement::OuterTransform;
+use super::super::write::{GrfOutput, faces, point, rgb_list, vertices};
 use super::SkinBlock;
 use azulejo_scene::{Exact, MaterialId, Mesh};
 use std::borrow::Cow;
@@ -14,23 +14,24 @@ use std::collections::HashMap;
 use std::fmt::Display;
 use std::io::{self, Write};
 
-const EXTENSION: Ending = Ending::required(&["ext"]);
+const EXTENSION: BlockEnd = BlockEnd::required(&["ext"]);
 
-impl Parser<'_, '_, '_> {
-    /// `ext skin begin` was read; the exact shape is the block `before`.
-    pub fn skin(&mut self, offset: usize, before: Option<&mut Block>) -> Parsed<()> {
-        let mut entries = Entries::new("`ext skin`", offset);
+impl GrfParser<'_, '_, '_> {
+    /// Reads a skin, after `ext skin begin`; the exact shape is the block `before`.
+    pub fn skin(&mut self, offset: usize, before: Option<&mut GrfBlock>) -> ParseResult<()> {
+        let mut entries = ExtensionEntries::new("`ext skin`", offset);
         let mesh = self.polygons(&mut entries, &EXTENSION)?;
-        let leaves = match entries.has("leaves") {
-            true => self.counts(&mut entries, "leaves", (mesh.faces.len(), "face"))?,
-            false => Vec::new(),
+        let leaves = if entries.has("leaves") {
+            self.counts(&mut entries, "leaves", (mesh.faces.len(), "face"))?
+        } else {
+            Vec::new()
         };
         self.warn_of_rest(&entries);
         let Some(BlockKind::Exact(exact)) = before.map(|block| &mut block.kind) else {
             return Err(self.fail(
                 offset,
                 "`ext skin`",
-                "the exact shape that it is about right before it",
+                "its exact shape immediately before it",
             ));
         };
         exact.skin = Some(Box::new(SkinBlock {
@@ -42,15 +43,15 @@ impl Parser<'_, '_, '_> {
 }
 
 /// Writes a skin.
-pub(super) fn skin(out: &mut Out<'_>, skin: &SkinBlock) -> io::Result<()> {
+pub(super) fn skin(out: &mut GrfOutput<'_>, skin: &SkinBlock) -> io::Result<()> {
     out.write_all(b"ext skin begin\n")?;
     counts(out, "leaves", &skin.leaves)?;
     polygons_without_looks(out, &skin.mesh)?;
     out.write_all(b"end ext\n")
 }
 
-/// The keys and lists of a mesh that has no looks.
-pub(super) fn polygons_without_looks(out: &mut Out<'_>, mesh: &MeshBlock) -> io::Result<()> {
+/// Writes the keys and lists of a mesh without appearance.
+pub(super) fn polygons_without_looks(out: &mut GrfOutput<'_>, mesh: &MeshBlock) -> io::Result<()> {
     counts(out, "smoothing", &mesh.notes.smoothing)?;
     if !mesh.notes.irradiance_error.is_empty() {
         rgb_list(out, "irad_error", &mesh.notes.irradiance_error)?;
@@ -73,7 +74,7 @@ pub(super) fn polygons_without_looks(out: &mut Out<'_>, mesh: &MeshBlock) -> io:
     faces(out, mesh)
 }
 
-fn counts<T: Display>(out: &mut Out<'_>, key: &str, counts: &[T]) -> io::Result<()> {
+fn counts<T: Display>(out: &mut GrfOutput<'_>, key: &str, counts: &[T]) -> io::Result<()> {
     if counts.is_empty() {
         return Ok(());
     }
@@ -82,9 +83,9 @@ fn counts<T: Display>(out: &mut Out<'_>, key: &str, counts: &[T]) -> io::Result<
     out.write_all(b"\n")
 }
 
-/// The block of a solved shape's skin, in the space inside of the transforms `outer`.
-pub(in crate::grf) fn skin_block(exact: &Exact, outer: Outer) -> Option<Box<SkinBlock>> {
-    let mut skin = Mesh::clone(exact.skin.as_ref()?);
+/// The block of a solved shape's proxy mesh, in the coordinates inside the transforms `outer`.
+pub(in crate::grf) fn skin_block(exact: &Exact, outer: OuterTransform) -> Option<Box<SkinBlock>> {
+    let mut skin = Mesh::clone(exact.proxy.as_ref()?);
     if let Some(map) = outer {
         skin.transform(&map.inverse());
     }
@@ -92,7 +93,7 @@ pub(in crate::grf) fn skin_block(exact: &Exact, outer: Outer) -> Option<Box<Skin
     for (index, leaf) in exact.leaves().iter().enumerate() {
         first.entry(leaf.material()).or_insert(index as u32);
     }
-    // A scene promises that each face has the material of a solid.
+    // A valid scene gives each face the material of one of the solids.
     let leaf = |m: &MaterialId| first.get(m).copied().unwrap_or(0);
     let mut leaves: Vec<u32> = skin.face_materials.iter().map(leaf).collect();
     if leaves.iter().all(|&leaf| leaf == 0) {
@@ -104,7 +105,7 @@ pub(in crate::grf) fn skin_block(exact: &Exact, outer: Outer) -> Option<Box<Skin
     }))
 }
 
-/// The block of a mesh without looks. Normals stay at corners, which need no split vertices here.
+/// The block of a mesh without appearance. Normals stay per corner, so no vertices are split.
 pub(super) fn mesh_block(mut mesh: Mesh) -> MeshBlock {
     let normals = mesh.normals.take_if(|n| n.corners.is_some());
     let notes = ObjectNotes {

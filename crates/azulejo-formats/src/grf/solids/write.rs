@@ -1,16 +1,17 @@
-//! From solids to text.
+//! Writes solids as text.
 
-use super::super::document::Name;
-use super::super::write::{Out, Quoted, affine_map, object, pair, point, unit_primitive};
+use super::super::document::GrfName;
+use super::super::write::{GrfOutput, Quoted, affine_map, object, pair, point, unit_primitive};
 use super::skin::{polygons_without_looks, skin};
 use super::{
-    CsgBlock, ExactBlock, GlyphBlock, Pen, SolidBlock, SolidDefinition, SolidKind, TextBlock,
+    CsgBlock, ExactBlock, GlyphBlock, GlyphOrigin, SolidBlock, SolidDefinition, SolidKind,
+    TextBlock,
 };
 use azulejo_scene::Operation;
 use std::io::{self, Write};
 
-/// Writes an object: a solid that is alone as an extension of its own, if there is one for it.
-pub(in crate::grf) fn exact(out: &mut Out<'_>, block: &ExactBlock) -> io::Result<()> {
+/// Writes an object: a single solid as an extension of its own, if there is one for it.
+pub(in crate::grf) fn exact(out: &mut GrfOutput<'_>, block: &ExactBlock) -> io::Result<()> {
     object(out, &block.notes, None)?;
     let around = block.notes.material.as_ref();
     match &block.solids[..] {
@@ -30,7 +31,7 @@ pub(in crate::grf) fn exact(out: &mut Out<'_>, block: &ExactBlock) -> io::Result
 }
 
 /// Writes a definition.
-pub(in crate::grf) fn define(out: &mut Out<'_>, block: &SolidDefinition) -> io::Result<()> {
+pub(in crate::grf) fn define(out: &mut GrfOutput<'_>, block: &SolidDefinition) -> io::Result<()> {
     write!(out, "ext define begin name = {}", block.name)?;
     material(out, block.material.as_ref())?;
     out.write_all(b"\n")?;
@@ -38,7 +39,7 @@ pub(in crate::grf) fn define(out: &mut Out<'_>, block: &SolidDefinition) -> io::
     out.write_all(b"end ext\n")
 }
 
-fn members(out: &mut Out<'_>, solids: &[SolidBlock]) -> io::Result<()> {
+fn members(out: &mut GrfOutput<'_>, solids: &[SolidBlock]) -> io::Result<()> {
     solids.iter().try_for_each(|solid| {
         let word = word(&solid.kind);
         write!(out, "{word} begin")?;
@@ -60,15 +61,15 @@ fn word(kind: &SolidKind) -> &'static str {
     }
 }
 
-fn material(out: &mut Out<'_>, name: Option<&Name>) -> io::Result<()> {
+fn material(out: &mut GrfOutput<'_>, name: Option<&GrfName>) -> io::Result<()> {
     match name {
         Some(name) => write!(out, " material = {name}"),
         None => Ok(()),
     }
 }
 
-/// What stands between `begin` and `end`; short solids stay on one line.
-fn inside(out: &mut Out<'_>, solid: &SolidBlock, brdf: Option<&Name>) -> io::Result<()> {
+/// Writes what is between `begin` and `end`; short solids stay on one line.
+fn inside(out: &mut GrfOutput<'_>, solid: &SolidBlock, brdf: Option<&GrfName>) -> io::Result<()> {
     match &solid.kind {
         SolidKind::Primitive(kind, map) => unit_primitive(out, *kind, map)?,
         SolidKind::Prism(figure, map) => {
@@ -121,7 +122,7 @@ fn operation(operation: Operation) -> &'static str {
     }
 }
 
-fn sides(out: &mut Out<'_>, csg: &CsgBlock) -> io::Result<()> {
+fn sides(out: &mut GrfOutput<'_>, csg: &CsgBlock) -> io::Result<()> {
     for (side, solids) in [("left", &csg.left), ("right", &csg.right)] {
         writeln!(out, "{side} begin")?;
         members(out, solids)?;
@@ -130,16 +131,16 @@ fn sides(out: &mut Out<'_>, csg: &CsgBlock) -> io::Result<()> {
     Ok(())
 }
 
-fn text_keys(out: &mut Out<'_>, text: &TextBlock) -> io::Result<()> {
+fn text_keys(out: &mut GrfOutput<'_>, text: &TextBlock) -> io::Result<()> {
     if let Some(string) = &text.string {
         write!(out, " string = {}", Quoted(string))?;
     }
     affine_map(out, &text.map)
 }
 
-fn glyph(out: &mut Out<'_>, glyph: &GlyphBlock) -> io::Result<()> {
+fn glyph(out: &mut GrfOutput<'_>, glyph: &GlyphBlock) -> io::Result<()> {
     match glyph.pen {
-        Pen::Along(pen) => writeln!(out, "{} {}", glyph.figure, pair(pen)),
-        Pen::At(place) => writeln!(out, "{} {}", glyph.figure, point(place)),
+        GlyphOrigin::Along(pen) => writeln!(out, "{} {}", glyph.figure, pair(pen)),
+        GlyphOrigin::At(place) => writeln!(out, "{} {}", glyph.figure, point(place)),
     }
 }

@@ -15,7 +15,7 @@ fn text_of(material: &Material) -> String {
         .unwrap_or_default()
 }
 
-/// What is said of a brdf that stands alone in the second line.
+/// Checks the error for a brdf alone on the second line.
 #[track_caller]
 fn must_fail(brdf: &str, expected: &str) {
     let text = format!("def a =\nbrdf {brdf}\n");
@@ -67,7 +67,7 @@ fn colours_multiply_what_is_diffuse() {
     let lewis = "brdf lewis n = 20 ks = 0.25 kd = 0.5";
     let red = material(&format!("rgb (0.5, 0, 0) {lewis}"));
     assert_eq!(red.diffuse, Rgb::new(0.25, 0.0, 0.0));
-    // What a brdf does not say, a colour does.
+    // A colour sets what the brdf leaves undefined.
     let red = material("rgb (0.5, 0, 0) brdf lewis n = 20 ks = 0.25");
     assert_eq!(red.diffuse, Rgb::new(0.5, 0.0, 0.0));
     let said = "def a = brdf lewis n = 20 ks = 0.25 kd = 0.5 begin \
@@ -82,11 +82,11 @@ fn colours_multiply_what_is_diffuse() {
 fn errors_say_where_and_what_is_nearest() {
     must_fail(
         "wardd ax = 0.1",
-        "6: found the reflection model `wardd`, expected a known one; the nearest name is `ward`",
+        "6: found the reflection model `wardd`, expected a known one: the nearest name is `ward`",
     );
     must_fail(
         "lewis n = 3 kss = 1",
-        "18: found the parameter `kss` of `lewis`, expected kd, ks, n; the nearest name is `ks`",
+        "18: found the parameter `kss` of `lewis`, expected kd, ks, n: the nearest name is `ks`",
     );
     must_fail(
         "lewis n = -1",
@@ -99,7 +99,7 @@ fn errors_say_where_and_what_is_nearest() {
     );
     must_fail(
         "lewis n = (1, 2, 3)",
-        "12: found another kind of value for `n`, expected one number",
+        "12: found another type of value for `n`, expected one number",
     );
     must_fail(
         "lewis n = (1, 2)",
@@ -111,7 +111,7 @@ fn errors_say_where_and_what_is_nearest() {
     );
     must_fail(
         "combination weight = 0.7 diffuse kd = 1 weight = 0.7 specular ks = 1",
-        "6: found a reflectance of 1.4, expected at most 1: more would reflect more than arrives",
+        "6: found a reflectance of 1.4, expected at most 1, for energy conservation",
     );
     must_fail(
         "combination weight = -1 diffuse kd = 1",
@@ -169,7 +169,7 @@ fn files_that_are_missing_or_wrong() {
     assert_eq!(
         warnings(&text),
         [
-            "test.grf:2:81: the brdf \"gone.brdf\" is left out, its surface is matt: there is no such file"
+            "test.grf:2:81: brdf \"gone.brdf\" skipped, its surface is diffuse: there is no such file"
         ]
     );
     assert_eq!(scene(&text).materials[0].diffuse, Rgb::grey(0.5));
@@ -207,5 +207,5 @@ fn hostile_models() {
         .collect();
     let error = read(triangle(&faces).as_bytes(), "test.grf", &Memory::new());
     let said = error.map(|l| l.scene).unwrap_err().to_string();
-    assert!(said.contains("at most 4096 different ones"), "{said}");
+    assert!(said.contains("at most 4096 distinct ones"), "{said}");
 }

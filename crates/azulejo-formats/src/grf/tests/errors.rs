@@ -1,4 +1,4 @@
-//! What people are told when a file is wrong.
+//! Error messages for invalid files.
 
 use super::*;
 use crate::FileError;
@@ -57,23 +57,23 @@ fn numbers() {
 fn faces() {
     check(
         &triangle("(0, 1, 3)"),
-        "test.grf:1:83: found vertex 3 of a mesh of 3 vertices, expected an index from 0 to 2",
+        "test.grf:1:83: found vertex 3 of a mesh with 3 vertices, expected an index from 0 to 2",
     );
     check(
         &triangle("(0, 1)"),
-        "test.grf:1:76: found a face of 2 corners, expected a face of 3 corners or more",
+        "test.grf:1:76: found a face of 2 corners, expected a face with at least 3 corners",
     );
     check(
         &triangle("2 0 1"),
-        "test.grf:1:76: found a face of 2 corners, expected a face of 3 corners or more",
+        "test.grf:1:76: found a face of 2 corners, expected a face with at least 3 corners",
     );
     check(
         &triangle("(0, 1, 2.5)"),
-        "test.grf:1:83: found the number `2.5`, expected the index of a vertex, a whole number from 0",
+        "test.grf:1:83: found the number `2.5`, expected the index of a vertex, an integer from 0",
     );
     check(
         &triangle("(0, 1, 99999999999)"),
-        "test.grf:1:83: found the number `99999999999`, expected the index of a vertex, a whole number from 0 that is not so large",
+        "test.grf:1:83: found the number `99999999999`, expected the index of a vertex, an integer from 0 that is not so large",
     );
 }
 
@@ -81,19 +81,19 @@ fn faces() {
 fn names() {
     check(
         &triangle("use color nowhere"),
-        "test.grf:1:86: found `nowhere`, which no `def` around it makes a color, expected a color that is defined in this block or around it",
+        "test.grf:1:86: found `nowhere`, which no enclosing `def` defines as a color, expected a color that is defined in this block or an enclosing one",
     );
-    // A definition of another kind, or in another block, is none.
+    // A definition of another type, or in another block, does not count.
     check(
         &format!(
             "def c = rgb (1,1,1) begin end def\n{}",
             triangle("use color c")
         ),
-        "test.grf:2:86: found `c`, which no `def` around it makes a color, expected a color that is defined in this block or around it",
+        "test.grf:2:86: found `c`, which no enclosing `def` defines as a color, expected a color that is defined in this block or an enclosing one",
     );
     check(
         &format!("def c = rgb (1,1,1) begin {} end", triangle("use brdf c")),
-        "test.grf:1:111: found `c`, which no `def` around it makes a brdf, expected a brdf that is defined in this block or around it",
+        "test.grf:1:111: found `c`, which no enclosing `def` defines as a brdf, expected a brdf that is defined in this block or an enclosing one",
     );
 }
 
@@ -137,11 +137,11 @@ fn extensions() {
     );
     check(
         "ext units begin metres_per_unit = 0 end ext",
-        "test.grf:1:35: found 0 metres per unit, expected a length above 0",
+        "test.grf:1:35: found 0 metres per unit, expected a positive length",
     );
     check(
         "ext smoothing begin groups = 1 end ext",
-        "test.grf:1:1: found `ext smoothing`, expected the block that it is about right before it",
+        "test.grf:1:1: found `ext smoothing`, expected its object immediately before it",
     );
     check(
         &format!(
@@ -164,7 +164,7 @@ fn includes() {
         .with("bad.grf", "begin mesh use color x end mesh");
     assert_eq!(
         error_with("include \"a.grf\"", &files),
-        "b.grf:3:10: found an include of \"a.grf\", which leads here, expected includes that do not go round in a circle\n   |\n 3 |  include \"a.grf\"\n   |          ^\n  included from a.grf:2\n  included from test.grf:1"
+        "b.grf:3:10: found an include of \"a.grf\", which is being included already, expected includes without a cycle\n   |\n 3 |  include \"a.grf\"\n   |          ^\n  included from a.grf:2\n  included from test.grf:1"
     );
     assert_eq!(
         error_with("\ninclude \"c.grf\"", &files),
@@ -172,7 +172,7 @@ fn includes() {
     );
     assert_eq!(
         error_with("\ninclude \"bad.grf\"", &files),
-        "bad.grf:1:22: found `x`, which no `def` around it makes a color, expected a color that is defined in this block or around it\n   |\n 1 | begin mesh use color x end mesh\n   |                      ^\n  included from test.grf:2"
+        "bad.grf:1:22: found `x`, which no enclosing `def` defines as a color, expected a color that is defined in this block or an enclosing one\n   |\n 1 | begin mesh use color x end mesh\n   |                      ^\n  included from test.grf:2"
     );
     assert!(error_with("include \"test.grf\"", &files).contains("circle"));
 }

@@ -1,4 +1,4 @@
-//! Any exact shape that keeps a scene's promises.
+//! Strategies for arbitrary valid exact shapes.
 
 use super::round_trip::{a_mesh, direction, number, primitive_kind, small_point};
 use super::*;
@@ -12,7 +12,7 @@ use proptest::option;
 use proptest::prelude::*;
 use std::sync::Arc;
 
-/// For each prism of a scene, which figure it has, numbered as they come.
+/// For each prism of a scene, the index of its figure, in order of first use.
 pub(super) fn shared_figures(scene: &Scene) -> Vec<usize> {
     let mut known: Vec<*const Figure> = Vec::new();
     let mut numbers = Vec::new();
@@ -54,9 +54,10 @@ fn curve() -> impl Strategy<Value = Curve> {
 fn figure() -> impl Strategy<Value = Arc<Figure>> {
     let contour = vec(curve(), 0..5).prop_map(|curves| Contour { curves });
     (vec(contour, 0..3), any::<bool>()).prop_map(|(contours, winds)| {
-        let rule = match winds {
-            true => FillRule::NonZero,
-            false => FillRule::EvenOdd,
+        let rule = if winds {
+            FillRule::NonZero
+        } else {
+            FillRule::EvenOdd
         };
         Arc::new(Figure { contours, rule })
     })
@@ -71,7 +72,7 @@ fn map() -> impl Strategy<Value = DAffine3> {
         .prop_filter("flat", super::super::solids::has_inverse)
 }
 
-/// Frames along the axes, as most are, and any.
+/// Mostly axis-aligned frames, and arbitrary ones.
 fn frame() -> impl Strategy<Value = TextFrame> {
     let plain = Just((DVec3::X, DVec3::Y, DVec3::NEG_Z));
     let axes = prop_oneof![plain, (direction(), direction(), direction())];
@@ -102,7 +103,7 @@ fn prism(figures: Figures, materials: u32) -> impl Strategy<Value = Solid> {
     )
 }
 
-/// Letters of one line, with pens as people have them.
+/// Glyphs of one line, with typical origins.
 fn text(figures: Figures, materials: u32) -> impl Strategy<Value = Vec<Solid>> {
     let pen = [-900..9000i32, -3..3i32].prop_map(|p| DVec2::from(p.map(|n| f64::from(n) / 100.0)));
     let glyphs = vec((any::<prop::sample::Index>(), pen), 1..6);
@@ -154,7 +155,7 @@ fn any_mesh(materials: u32) -> impl Strategy<Value = Solid> {
     })
 }
 
-/// A mesh whose normals may belong to corners.
+/// A mesh whose normals may be stored per corner.
 fn mesh_of(materials: u32) -> impl Strategy<Value = Mesh> {
     let normals = vec(direction(), 1..5);
     let index = any::<prop::sample::Index>();
@@ -176,7 +177,7 @@ fn mesh_of(materials: u32) -> impl Strategy<Value = Mesh> {
     )
 }
 
-/// Solids that set operations take, several at a time.
+/// Closed solids for set operations, several at a time.
 fn closed(figures: Figures, materials: u32) -> BoxedStrategy<Vec<Solid>> {
     let is_closed = |solid: &Solid| solid.open_part().is_none();
     let primitive = primitive(materials).prop_filter("open", is_closed);
@@ -234,7 +235,7 @@ impl At for PrimitiveKind {
     }
 }
 
-/// A shape and perhaps its skin, of the materials that its solids have.
+/// A shape, possibly with a skin, with the materials of its solids.
 pub(super) fn exact(materials: u32) -> impl Strategy<Value = Shape> {
     (solids(materials), option::of(mesh_of(materials))).prop_map(|(solids, skin)| {
         let mut exact = Exact::new(solids);
@@ -243,7 +244,7 @@ pub(super) fn exact(materials: u32) -> impl Strategy<Value = Shape> {
             for m in &mut skin.face_materials {
                 *m = materials[*m as usize % materials.len()];
             }
-            exact.skin = Some(Box::new(skin));
+            exact.proxy = Some(Box::new(skin));
         }
         Shape::Exact(exact)
     })

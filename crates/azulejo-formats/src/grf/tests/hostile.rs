@@ -1,4 +1,4 @@
-//! Files that mean harm: none may panic, hang or eat memory.
+//! Hostile files: none may cause a panic, hang or exhaust memory.
 
 use super::solids::{FIGURES, SOLIDS};
 use super::*;
@@ -13,7 +13,7 @@ fn must_fail(text: &str, files: &Memory, reason: &str) {
 #[test]
 fn a_million_nested_blocks() {
     let none = Memory::new();
-    let reason = "at most 256 inside each other";
+    let reason = "at most 256 nested levels";
     must_fail(&"begin ".repeat(1_000_000), &none, reason);
     must_fail(
         &"transform scale (1,1,1) begin ".repeat(1_000_000),
@@ -61,7 +61,7 @@ fn a_tower_of_includes() {
     let files = (0..100).fold(Memory::new(), |files, k| {
         files.with(format!("{k}.grf"), format!("include {}.grf", k + 1))
     });
-    must_fail("include 0.grf", &files, "at most 64 inside each other");
+    must_fail("include 0.grf", &files, "at most 64 nested levels");
 }
 
 #[test]
@@ -72,8 +72,8 @@ fn counts_reserve_nothing() {
     must_fail(grids, &Memory::new(), "4295098369 triples");
 }
 
-/// One line of a megabyte, in which every name is unknown: line and column must not be counted
-/// from the start each time, nor the line be kept for each.
+/// One line of a megabyte with unknown names: line and column must not be counted from the start
+/// each time, nor the line be kept for each.
 #[test]
 fn one_long_line_of_names() {
     let uses: String = (0..60_000).map(|k| format!("use color c{k} ")).collect();
@@ -132,17 +132,14 @@ proptest! {
         edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
         solids in any::<bool>()
     ) {
-        let text = match solids {
-            true => format!("{FIGURES}{SOLIDS}end def"),
-            false => EVERYTHING.to_owned(),
-        };
+        let text = if solids { format!("{FIGURES}{SOLIDS}end def") } else { EVERYTHING.to_owned() };
         let mut bytes = text.into_bytes();
         for (at, byte) in edits {
             let at = at.index(bytes.len());
             bytes[at] = byte;
         }
         if let Ok(loaded) = read(&bytes, "test.grf", &Memory::new()) {
-            // What was read can be written and is the same then.
+            // What was read can be written, and reads back the same.
             prop_assert_eq!(loaded.scene.validate(), Ok(()));
             prop_assert_eq!(scene(&written(&loaded.scene)), loaded.scene);
         }

@@ -1,11 +1,11 @@
-//! Light put back into a document.
+//! Irradiance stored in a document.
 
 use super::solids::{FIGURES, SOLIDS};
 use super::*;
 use azulejo_scene::{Rgb, SurfaceGrid, SurfaceLight};
 use glam::DVec3;
 
-/// Gives every object of a scene some light.
+/// Gives every object of a scene some irradiance.
 fn lit(mut scene: Scene) -> Scene {
     for object in &mut scene.objects {
         match &mut object.shape {
@@ -32,7 +32,7 @@ fn lit(mut scene: Scene) -> Scene {
                 for material in materials {
                     skin.push_face(&[0, 1, 2], material);
                 }
-                exact.skin = Some(Box::new(skin));
+                exact.proxy = Some(Box::new(skin));
             }
         }
     }
@@ -52,7 +52,7 @@ fn a_solved_scene_goes_back_into_its_document() {
 
 fn skin(scene: &Scene, object: usize) -> &Mesh {
     match &scene.objects[object].shape {
-        Shape::Exact(exact) => exact.skin.as_ref().unwrap(),
+        Shape::Exact(exact) => exact.proxy.as_ref().unwrap(),
         _ => panic!("object {object} is not exact"),
     }
 }
@@ -69,14 +69,14 @@ fn exact_shapes_take_their_skins_along() {
     assert!(solved.is_solved() && again.is_solved());
     for object in 0..solved.objects.len() {
         let (before, after) = (skin(&solved, object), skin(&again, object));
-        // Transforms around a shape are undone and done again, which may round.
+        // Transforms around a shape are inverted and applied again, which may round.
         let near = |(a, b): (&DVec3, &DVec3)| (*a - *b).length() < 1e-14;
         assert!(before.positions.iter().zip(&after.positions).all(near));
         assert_eq!(before.irradiance, after.irradiance);
         assert_eq!(before.face_materials, after.face_materials);
         assert_eq!(before.faces, after.faces);
     }
-    // Where nothing stands around, every bit is kept.
+    // Without enclosing transforms, every bit is kept.
     assert_eq!(again.objects[0], solved.objects[0]);
     assert_eq!(scene(&written(&solved)), solved);
 }
@@ -85,7 +85,7 @@ fn exact_shapes_take_their_skins_along() {
 fn included_objects_become_part_of_the_document() {
     let files = Memory::new().with("cube.grf", CUBE);
     let text = "transform scale (2, 2, 2) begin include \"cube.grf\" end";
-    let (mut document, _) = Document::parse(text.as_bytes(), "test.grf", &files).unwrap();
+    let (mut document, _) = GrfDocument::parse(text.as_bytes(), "test.grf", &files).unwrap();
     let solved = lit(document.resolve().unwrap().scene);
     assert!(document_text(&document).contains("include"));
     assert!(document.set_irradiance(&solved));

@@ -9,12 +9,12 @@ mod round_trip;
 mod rules;
 mod solids;
 
-use super::{Document, read, write};
+use super::{GrfDocument, read, write};
 use crate::{Loaded, Memory};
 use azulejo_scene::{Mesh, Scene, Shape};
 
-/// The cube as the original paper describes its files: a header of comments, a list that opens
-/// as `vertexs` and closes as `vertices`, faces of four corners. Its numbers are our own.
+/// A cube in the style of the original paper: a header of comments, a list that opens as `vertexs`
+/// and closes as `vertices`, faces with four corners. The numbers are our own.
 const CUBE: &str = "\
 // Wannabe Amazing 1.0, 21/11/2001
 // Canvas: 640 x 480, background (0.0, 0.0, 0.0)
@@ -46,7 +46,7 @@ begin mesh
 end mesh
 ";
 
-/// A file that has every block and statement of the format.
+/// A file with every block and statement of the format.
 const EVERYTHING: &str = r#"// A head.
 params begin view (0, 0, 1) dependent 3 end params
 ext units begin metres_per_unit = 0.01 photometric = true end ext
@@ -101,7 +101,7 @@ fn mesh(scene: &Scene, object: usize) -> &Mesh {
     }
 }
 
-/// A mesh of one triangle around what stands before its face.
+/// A mesh with one triangle, with `before_face` before its face.
 fn triangle(before_face: &str) -> String {
     format!(
         "begin mesh begin vertices (0,0,0) (1,0,0) (0,1,0) end vertices \
@@ -115,13 +115,13 @@ fn written(scene: &Scene) -> String {
     String::from_utf8(out).unwrap()
 }
 
-fn document(text: &str) -> Document {
-    Document::parse(text.as_bytes(), "test.grf", &Memory::new())
+fn document(text: &str) -> GrfDocument {
+    GrfDocument::parse(text.as_bytes(), "test.grf", &Memory::new())
         .unwrap_or_else(|e| panic!("{e}"))
         .0
 }
 
-fn document_text(document: &Document) -> String {
+fn document_text(document: &GrfDocument) -> String {
     let mut out = Vec::new();
     document.write(&mut out).unwrap();
     String::from_utf8(out).unwrap()

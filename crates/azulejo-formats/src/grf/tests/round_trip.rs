@@ -1,4 +1,4 @@
-//! What is written is read back, to the bit.
+//! Written scenes and documents read back bit by bit.
 
 use super::exact_shapes::{exact, shared_figures};
 use super::*;
@@ -13,7 +13,7 @@ use proptest::option;
 use proptest::prelude::*;
 use std::sync::Arc;
 
-/// Writing a document and reading it changes neither its text nor its scene.
+/// Checks that writing and reading a document preserves its text and its scene.
 fn check_document(text: &str) {
     let once = document_text(&document(text));
     assert_eq!(document_text(&document(&once)), once);
@@ -97,15 +97,13 @@ fn corners_that_disagree_split_their_vertex() {
     assert_eq!(mesh.irradiance[5], Rgb::grey(0.0));
 }
 
-/// Models that people made: as GRF they keep their faces, and from then on every bit.
+/// Third-party models: converted to GRF they keep their faces, and from then on every bit.
 #[test]
-#[allow(clippy::print_stderr)]
 fn models_from_elsewhere() {
-    let Some(data) = std::env::var_os("AZULEJO_DATA") else {
-        eprintln!("skipped: AZULEJO_DATA is not set");
+    let Some(data) = azulejo_testing::data() else {
         return;
     };
-    let folders = ["scenes", "corpus/obj"].map(|f| std::path::Path::new(&data).join(f));
+    let folders = ["scenes", "corpus/obj"].map(|f| data.join(f));
     let mut count = 0;
     for folder in folders {
         let files = crate::Folder::new(&folder);
@@ -170,7 +168,7 @@ fn share() -> impl Strategy<Value = Rgb> {
     ]
 }
 
-/// Names that people give, and names that only a fuzzer gives.
+/// Typical names, and arbitrary ones.
 fn name() -> impl Strategy<Value = String> {
     prop_oneof![
         Just(String::new()),
@@ -313,9 +311,10 @@ fn primitive(materials: u32) -> impl Strategy<Value = Shape> {
                 matrix3: DMat3::from_cols(x, y, z),
                 translation: at,
             };
-            match is_plain {
-                true => Primitive::parallelogram(at, x, y, material),
-                false => Primitive::new(kind, map, material),
+            if is_plain {
+                Primitive::parallelogram(at, x, y, material)
+            } else {
+                Primitive::new(kind, map, material)
             }
         })
         .prop_filter("flat", |p| {

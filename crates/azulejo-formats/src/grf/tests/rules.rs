@@ -33,7 +33,7 @@ fn the_cube() {
     assert_eq!(mesh.irradiance[4], Rgb::new(1.0, 0.75, 0.5));
     assert_eq!(mesh.face_materials, [0, 0, 1, 1, 1, 1]);
     assert_eq!(loaded.scene.materials[1].diffuse, Rgb::new(0.0, 0.0, 1.0));
-    // Every face looks outside.
+    // Every face points outwards.
     for face in 0..6 {
         let middle: DVec3 = mesh.face_positions(face).into_iter().sum();
         assert!(mesh.face_area_vector(face).dot(middle) > 0.0);
@@ -78,7 +78,7 @@ fn transforms_act_in_the_order_written() {
         "transform rotation (0,0,90) begin",
         DVec3::new(-2.0, 1.0, 3.0),
     );
-    // About x first: y goes to z, then about y: z goes to x.
+    // About x first: y to z, then about y: z to x.
     check_point(
         "transform rotation (90,90,0) begin",
         DVec3::new(2.0, -3.0, -1.0),
@@ -223,7 +223,7 @@ fn brdf_models() {
     assert_eq!(made.diffuse, Rgb::grey(0.1));
 }
 
-/// The writer says a matt mirror as the sum of two models with weights of 1.
+/// The writer represents a diffuse mirror as a sum of two models with weights of 1.
 #[test]
 fn a_matt_mirror_is_plain() {
     let text = "brdf combination weight = 1 diffuse kd = 0.75 weight = 1 specular ks = 0.25";
@@ -327,8 +327,8 @@ fn small_liberties_are_warned_of_once() {
     assert_eq!(
         warnings(&text),
         [
-            "test.grf:1:30: a comma is missing between two numbers (4 times)",
-            "test.grf:1:104: a lone `.` was skipped",
+            "test.grf:1:30: missing comma between two numbers (4 times)",
+            "test.grf:1:104: single `.`: skipped",
         ]
     );
     let text = triangle("").replace("(0,0,0)", "irad (1,-1,1) (0,0,0)");
@@ -341,7 +341,7 @@ fn small_liberties_are_warned_of_once() {
     let flat = triangle("(0, 0, 1) (1, 2, 1)");
     assert_eq!(
         warnings(&flat),
-        ["test.grf:1:1: a face has no area; kept (2 times)"]
+        ["test.grf:1:1: face without area: kept (2 times)"]
     );
     assert_eq!(mesh(&scene(&flat), 0).faces.len(), 3);
 }

@@ -1,4 +1,4 @@
-//! Exact shapes: what they mean, what people are told, what hostile files get.
+//! Exact shapes: semantics, error messages, hostile files.
 
 use super::*;
 use crate::ReadOptions;
@@ -16,7 +16,7 @@ contour begin cubic (0, 0) (0.2, 0.5) (0.8, 0.5) cubic (1, 0) (0.8, -0.5) (0.2, 
 end ext
 ";
 
-/// Every kind of solid, and every way to say it.
+/// Every type of solid, in every syntax.
 pub(super) const SOLIDS: &str = r#"def gold = brdf diffuse kd = (0.8, 0.6, 0.2) stone = brdf diffuse kd = 0.5
 begin
 ext define begin name = stud material = stone
@@ -119,7 +119,7 @@ fn glyphs_stand_where_their_pens_are() {
         Leaf::Prism(p) => p.world_from_figure.transform_point3(DVec3::ONE),
         _ => panic!("a prism"),
     });
-    // The letters are twice their size and reach half a unit away from the viewer.
+    // The letters are scaled by two and extend half a unit away from the viewer.
     let expected = [(3.0, 4.0, 2.5), (5.5, 4.0, 2.5), (3.0, 3.0, 0.5)];
     assert_eq!(corners.collect::<Vec<_>>(), expected.map(DVec3::from));
 }
@@ -148,7 +148,7 @@ fn materials_come_from_around() {
     };
     assert_eq!(names(0), ["gold"; 3]);
     assert_eq!(names(1), [""]);
-    // The studs bring theirs along, and the ball on them has none.
+    // The studs have their own material, and the ball on them has none.
     assert_eq!(
         names(2),
         ["stone", "gold", "gold", "stone", "", "stone", "stone"]
@@ -160,13 +160,13 @@ fn materials_come_from_around() {
 fn a_skin_is_light() {
     let scene = scene(&sample());
     let shape = exact(&scene, 4);
-    let skin = shape.skin.as_ref().unwrap();
+    let skin = shape.proxy.as_ref().unwrap();
     assert_eq!(skin.irradiance, [Rgb::new(1.0, 2.0, 3.0); 3]);
     assert_eq!(
         skin.face_materials,
         [1, 0].map(|l| shape.leaves()[l].material())
     );
-    assert!(exact(&scene, 0).skin.is_none() && !scene.is_solved());
+    assert!(exact(&scene, 0).proxy.is_none() && !scene.is_solved());
 }
 
 #[test]
@@ -234,19 +234,19 @@ fn names_that_lead_nowhere() {
     check(
         "ext prism begin figure = disc map = 1 0 0 0 1 0 0 0 1 0 0 0 end ext",
         &format!(
-            "{AT}:26: found `disc`, which no `ext figure` around it makes a figure, expected a figure that is defined in this block or around it"
+            "{AT}:26: found `disc`, which no enclosing `ext figure` defines as a figure, expected a figure that is defined in this block or an enclosing one"
         ),
     );
     check(
         "ext text begin square (0, 0) disc (1, 0) end ext",
         &format!(
-            "{AT}:30: found `disc`, which no `ext figure` around it makes a figure, expected a figure that is defined in this block or around it"
+            "{AT}:30: found `disc`, which no enclosing `ext figure` defines as a figure, expected a figure that is defined in this block or an enclosing one"
         ),
     );
     check(
         "ext instance begin of = stud end ext",
         &format!(
-            "{AT}:25: found `stud`, which no `ext define` around it makes a solid, expected a solid that is defined in this block or around it"
+            "{AT}:25: found `stud`, which no enclosing `ext define` defines as a solid, expected a solid that is defined in this block or an enclosing one"
         ),
     );
     check(
@@ -263,12 +263,12 @@ fn instances_in_a_circle() {
     let circle = [("a", "b"), ("b", "c"), ("c", "a")].map(|(n, of)| define(n, of));
     check(
         &circle.concat(),
-        "test.grf:9:27: found an instance of `a` inside of `a`, expected instances that do not go round in a circle",
+        "test.grf:9:27: found an instance of `a` inside of `a`, expected instances without a cycle",
     );
     check(
         &define("a", "a"),
         &format!(
-            "{AT}:27: found an instance of `a` inside of `a`, expected instances that do not go round in a circle"
+            "{AT}:27: found an instance of `a` inside of `a`, expected instances without a cycle"
         ),
     );
 }
@@ -291,41 +291,41 @@ fn shapes_that_cannot_be() {
     check(
         &csg(tube, sphere),
         &format!(
-            "{AT}:44: found a tube in a set operation, which is open: it has no inside, expected closed solids; open pieces that close together are a `shell`"
+            "{AT}:44: found a tube in a set operation, which is open and has no interior, expected closed solids; open pieces that close together are a `shell`"
         ),
     );
     check(
         &csg("text begin end text", sphere),
         &format!(
-            "{AT}:44: found nothing on one side of a set operation: texts or instances without solids, expected solids on both sides"
+            "{AT}:44: found an empty side of a set operation: texts or instances without solids, expected solids on both sides"
         ),
     );
     check(
         "ext prism begin figure = lens map = 1 0 0 0 1 0 1 0 0 0 0 0 end ext",
         &format!(
-            "{AT}:37: found `map` of 12 numbers, expected 12 numbers, the images of the x, y and z axes and of the origin, that map space onto space"
+            "{AT}:37: found `map` of 12 numbers, expected 12 numbers, the images of the x, y and z axes and of the origin, that form an invertible map"
         ),
     );
     check(
         "ext text begin scale = 0 lens (0, 0) end ext",
         &format!(
-            "{AT}:1: found a text whose letters have no room, expected `progression`, `up` and `extrusion` in three directions, and a `scale` without 0"
+            "{AT}:1: found a text with a singular frame, expected `progression`, `up` and `extrusion` in three directions, and a `scale` without 0"
         ),
     );
     check(
         "ext text begin up = (0, 0, 0) lens (0, 0) end ext",
-        &format!("{AT}:1: found `up` without length, expected a vector that is not 0"),
+        &format!("{AT}:1: found `up` of length 0, expected a non-zero vector"),
     );
     check(
         &format!("transform scale (1, 0, 1) begin ext solids begin {sphere} end ext end"),
         &format!(
-            "{AT}:33: found a shape that transforms flatten or carry out of range, expected transforms that keep it"
+            "{AT}:33: found a shape that transforms flatten, or that overflows, expected invertible transforms"
         ),
     );
     check(
         "ext patch begin points = (0, 0, 0) end ext",
         &format!(
-            "{AT}:26: found `points` of 1 triple, expected 16 control points (x, y, z), row after row"
+            "{AT}:26: found `points` of 1 triple, expected 16 control points (x, y, z), row by row"
         ),
     );
 }
@@ -351,22 +351,20 @@ fn figures_and_skins_that_cannot_be() {
     check(
         &skin("leaves = 1"),
         &format!(
-            "{AT}:1: found a skin of solid 1 on a shape of 1 solids, expected a solid that is there"
+            "{AT}:1: found a skin with solid 1 on a shape with 1 solids, expected the index of an existing solid"
         ),
     );
     check(
         &skin("leaves = 0 0"),
-        "test.grf:8:25: found `leaves` of 2 numbers, expected 1 whole numbers, one per face",
+        "test.grf:8:25: found `leaves` of 2 numbers, expected 1 integers, one per face",
     );
     check(
         &skin("normals = (0, 0, 1) corners = 0 1 0"),
-        "test.grf:8:26: found normal 1 of 1, expected as many normals as `corners` counts",
+        "test.grf:8:26: found normal 1 of 1, expected an index of one of the `normals`",
     );
     check(
         "ext skin begin end ext",
-        &format!(
-            "{AT}:1: found `ext skin`, expected the exact shape that it is about right before it"
-        ),
+        &format!("{AT}:1: found `ext skin`, expected its exact shape immediately before it"),
     );
 }
 
@@ -375,7 +373,7 @@ fn what_is_not_understood_is_named() {
     let text = "ext prism begin figure = lens colour = red map = 1 0 0 0 1 0 0 0 1 0 0 0 end ext";
     assert_eq!(
         warnings(&with_figures(text)),
-        ["test.grf:7:40: `ext prism` has no key `colour`; skipped"]
+        ["test.grf:7:40: `ext prism` has no key `colour`: skipped"]
     );
     check(
         "ext shell begin lamp begin end lamp end ext",
@@ -385,7 +383,7 @@ fn what_is_not_understood_is_named() {
     );
 }
 
-/// `depth` set operations, one inside the other.
+/// `depth` nested set operations.
 fn nest(depth: usize) -> String {
     let sphere = "primitive begin kind = sphere map = 1 0 0 0 1 0 0 0 1 0 0 0 end primitive";
     let open = format!("csg begin operation = union right begin {sphere} end right left begin ");
@@ -403,7 +401,7 @@ fn the_deepest_nesting_is_read_and_written() {
     let scene = scene(&text);
     assert_eq!(exact(&scene, 0).leaves().len(), 256);
     assert_eq!(super::scene(&written(&scene)), scene);
-    let reason = "at most 256 inside each other";
+    let reason = "at most 256 nested levels";
     check_hostile(&nest(300), reason);
     check_hostile(&nest(100_000), reason);
     check_hostile(&"ext csg begin left begin ".repeat(100_000), "expected");
@@ -430,7 +428,8 @@ fn instances_that_double() {
     );
 }
 
-/// A chain of definitions, the last first: each is made while the one before waits for it.
+/// A chain of definitions, in reverse order: each one is converted while the previous one waits for
+/// it.
 #[test]
 fn a_chain_of_definitions() {
     let chain: String = (0..20_000)
@@ -442,7 +441,7 @@ fn a_chain_of_definitions() {
         })
         .collect();
     let end = "ext define begin name = d20000 end ext";
-    check_hostile(&format!("{chain}{end}"), "at most 256 inside each other");
+    check_hostile(&format!("{chain}{end}"), "at most 256 nested levels");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Files that are damaged, or made to do harm.
+//! Damaged and hostile files.
 
 use super::super::opcode::*;
 use super::super::read;
@@ -31,15 +31,15 @@ fn it_must_begin_with_a_header() {
     check(b"", "the end of the file");
     check(b"\0\x01\0", "the end of the file");
     check(&group("g").0, "opcode 2 and length 44");
-    check(&Record::new(HEADER, 12).0, "opcode 1 and length 12");
-    check(&header(1600).0[..100], "a header of 324 bytes, cut short");
+    check(&FltRecord::new(HEADER, 12).0, "opcode 1 and length 12");
+    check(&header(1600).0[..100], "a header of 324 bytes, truncated");
 }
 
 #[test]
 fn damage_ends_the_reading_and_is_said() {
     let drawn: &[(&str, &[[f64; 3]])] = &[("o", &[ORIGIN])];
     let good = Flt::new().node(object("o"), &[]);
-    let cut = good.clone().add(Record(group("g").0[..40].to_vec()));
+    let cut = good.clone().add(FltRecord(group("g").0[..40].to_vec()));
     check_warned(
         cut,
         drawn,
@@ -57,20 +57,20 @@ fn damage_ends_the_reading_and_is_said() {
             1,
         )],
     );
-    let ragged = good.clone().add(Record(vec![1, 2, 3]));
+    let ragged = good.clone().add(FltRecord(vec![1, 2, 3]));
     check_warned(
         ragged,
         drawn,
         &[("3 bytes after the last record: skipped", 1)],
     );
-    let padded = good.add(Record(vec![0; 999]));
+    let padded = good.add(FltRecord(vec![0; 999]));
     check_warned(padded, drawn, &[]);
 }
 
 #[test]
 fn levels_are_mended() {
-    let push = || Record::new(PUSH, 4);
-    let pop = || Record::new(POP, 4);
+    let push = || FltRecord::new(PUSH, 4);
+    let pop = || FltRecord::new(POP, 4);
     let open = Flt::new()
         .add(push())
         .add(object("o"))
@@ -79,7 +79,7 @@ fn levels_are_mended() {
     check_warned(
         open,
         &[("o", &[ORIGIN])],
-        &[("the file ends within 2 levels: closed", 1)],
+        &[("the file ends inside 2 nested levels: closed", 1)],
     );
     let closed = Flt::new()
         .add(pop())
@@ -122,7 +122,10 @@ fn corners_that_are_no_vertices_are_left_out() {
         flt,
         &[("", &[ORIGIN])],
         &[
-            ("corner that is no vertex of the palette: left out", 3),
+            (
+                "corner that does not refer to a vertex of the palette: skipped",
+                3,
+            ),
             ("face with fewer than three corners: skipped", 1),
         ],
     );
@@ -132,11 +135,11 @@ fn corners_that_are_no_vertices_are_left_out() {
 fn palettes_are_checked() {
     let stray = Flt::of(header(1600)).add(vertex([0.0; 3], 0)).square();
     let flt = stray
-        .add(Record::new(MATERIAL_PALETTE, 40))
-        .add(Record::new(VERTEX_PALETTE, 8))
+        .add(FltRecord::new(MATERIAL_PALETTE, 40))
+        .add(FltRecord::new(VERTEX_PALETTE, 8))
         .add(vertex([0.0; 3], 0))
         .face(face());
-    let outside = "vertex outside of the vertex palette: skipped";
+    let outside = "vertex outside the vertex palette: skipped";
     check_warned(
         flt,
         &[("", &[ORIGIN])],
@@ -154,25 +157,24 @@ fn a_matrix_of_no_numbers_is_left_out() {
     check_warned(
         Flt::new().node(object("o"), &[matrix]),
         &[("o", &[ORIGIN])],
-        &[(
-            "matrix that is too short, or of what is no number: left out",
-            1,
-        )],
+        &[("matrix that is too short or not finite: ignored", 1)],
     );
-    // What a matrix moves out of the world is no vertex any more.
+    // A vertex whose transformed position overflows is dropped.
     let far = translation(f32::MAX, 0.0, 0.0);
     let row = f32::MAX;
     let huge = matrix_of(row);
     let nested = |f: Flt| {
         (0..12).fold(f, |f, _| {
-            f.add(group("")).add(huge.clone()).add(Record::new(PUSH, 4))
+            f.add(group(""))
+                .add(huge.clone())
+                .add(FltRecord::new(PUSH, 4))
         })
     };
     let loaded = load(nested(Flt::new()).node(object("o"), &[far]));
     assert_eq!(loaded.scene.objects.len(), 0);
 }
 
-fn matrix_of(scale: f32) -> Record {
+fn matrix_of(scale: f32) -> FltRecord {
     matrix([
         [scale, 0.0, 0.0],
         [0.0, scale, 0.0],
@@ -191,13 +193,13 @@ fn old_revisions_are_said() {
     let loaded = load(
         Flt::of(header(12))
             .add(face())
-            .with(|f| f.add(Record::new(7, 16))),
+            .with(|f| f.add(FltRecord::new(7, 16))),
     );
     let said: Vec<&str> = loaded.warnings.iter().map(|w| &*w.message).collect();
     assert_eq!(
         said,
         [
-            "revision 12: before 14, colours and vertices had other forms, which are not read",
+            "revision 12: colours and vertices before revision 14 have other formats, which are not supported",
             "absolute vertex (before revision 13) (opcode 7): skipped",
             "face without corners: skipped",
             "no faces: the scene is empty",
@@ -208,11 +210,13 @@ fn old_revisions_are_said() {
 #[test]
 fn levels_end() {
     let deep = (0..200).fold(Flt::new(), |f, _| {
-        f.add(group("")).add(Record::new(PUSH, 4))
+        f.add(group("")).add(FltRecord::new(PUSH, 4))
     });
     let said = error(&deep.0, &ReadOptions::default());
     assert!(said.contains("more than 128 levels of nodes"), "{said}");
-    let faces = (0..200).fold(Flt::new(), |f, _| f.add(face()).add(Record::new(PUSH, 4)));
+    let faces = (0..200).fold(Flt::new(), |f, _| {
+        f.add(face()).add(FltRecord::new(PUSH, 4))
+    });
     let said = error(&faces.0, &ReadOptions::default());
     assert!(said.contains("more than 128 levels of nodes"), "{said}");
 }
@@ -220,7 +224,7 @@ fn levels_end() {
 /// Instances of instances: 16 of each in the next, ten levels.
 #[test]
 fn instances_are_limited() {
-    let number = |opcode, k| Record::new(opcode, 8).u16(6, k);
+    let number = |opcode, k| FltRecord::new(opcode, 8).u16(6, k);
     let flt = (1..=10).fold(Flt::new(), |f, k| {
         f.add(number(INSTANCE_DEFINITION, k)).with(|f| {
             (0..16).fold(f.face(face()), |f, _| {
@@ -232,25 +236,25 @@ fn instances_are_limited() {
     check_budget(&flt.0);
 }
 
-/// A name of a hundred thousand bytes above as many objects as a small file has room for.
+/// A name of a hundred thousand bytes above as many objects as a small file can hold.
 #[test]
 fn names_are_limited() {
-    let name = Record::new(LONG_ID, 60_000).bytes(4, &[b'n'; 59_996]);
+    let name = FltRecord::new(LONG_ID, 60_000).bytes(4, &[b'n'; 59_996]);
     let objects = |f| (0..200).fold(f, |f: Flt, _| f.node(object(""), &[]));
-    let more = Record::new(CONTINUATION, 40_000).bytes(4, &[b'n'; 39_996]);
+    let more = FltRecord::new(CONTINUATION, 40_000).bytes(4, &[b'n'; 39_996]);
     let flt = Flt::new().add(group("")).add(name).add(more).with(objects);
     check_budget(&flt.0);
 }
 
-/// Replicated groups inside each other.
+/// Nested replicated groups.
 #[test]
 fn replication_is_limited() {
     let flt = (0..10).fold(Flt::new(), |f, _| {
-        let replicate = Record::new(REPLICATE, 8).u16(4, i16::MAX as u16);
+        let replicate = FltRecord::new(REPLICATE, 8).u16(4, i16::MAX as u16);
         f.add(group(""))
             .add(replicate)
             .add(translation(1.0, 0.0, 0.0))
-            .add(Record::new(PUSH, 4))
+            .add(FltRecord::new(PUSH, 4))
     });
     check_budget(&flt.face(face()).0);
 }
@@ -264,8 +268,8 @@ fn check_budget(bytes: &[u8]) {
     assert!(said.contains("unfold to more than 100000"), "{said}");
 }
 
-/// Cuts a file at every byte and changes every byte: it must be read or refused, and what comes
-/// out must be valid.
+/// Truncates a file at every byte and changes every byte: it must be read or rejected, and any
+/// result must be valid.
 #[test]
 fn any_damage_is_survived() {
     let part = Flt::new().node(object("p"), &[]).0;
@@ -294,24 +298,24 @@ fn any_damage_is_survived() {
     }
 }
 
-/// A file with a node of most kinds.
+/// A file with most types of nodes.
 fn everything() -> Flt {
-    let reference = Record::new(EXTERNAL_REFERENCE, 216).text(4, "b.flt");
-    let replicate = Record::new(REPLICATE, 8).u16(4, 2);
-    let instance = |opcode| Record::new(opcode, 8).u16(6, 1);
-    let pool = Record::new(LOCAL_VERTEX_POOL, 12 + 72)
+    let reference = FltRecord::new(EXTERNAL_REFERENCE, 216).text(4, "b.flt");
+    let replicate = FltRecord::new(REPLICATE, 8).u16(4, 2);
+    let instance = |opcode| FltRecord::new(opcode, 8).u16(6, 1);
+    let pool = FltRecord::new(LOCAL_VERTEX_POOL, 12 + 72)
         .u32(4, 3)
         .u32(8, 1 << 31);
-    let primitive = Record::new(MESH_PRIMITIVE, 16)
+    let primitive = FltRecord::new(MESH_PRIMITIVE, 16)
         .u16(4, 1)
         .u16(6, 1)
         .u32(8, 3);
-    Flt::of(Record::new(HEADER, 128).u32(12, 1600))
+    Flt::of(FltRecord::new(HEADER, 128).u32(12, 1600))
         .square()
-        .add(Record::new(MATERIAL_PALETTE, 84).singles(76, &[1.0]))
-        .add(Record::new(COLOR_PALETTE, 140).u32(132, 0xff00_ffff))
+        .add(FltRecord::new(MATERIAL_PALETTE, 84).singles(76, &[1.0]))
+        .add(FltRecord::new(COLOR_PALETTE, 140).u32(132, 0xff00_ffff))
         .with(|f| {
-            f.add(Record::new(LOD, 80).named("l"))
+            f.add(FltRecord::new(LOD, 80).named("l"))
                 .add(replicate)
                 .add(translation(1.0, 2.0, 3.0))
                 .with(|f| f.face(face().u8(48, 3)).face(face().u16(30, 0).u8(48, 2)))
@@ -323,7 +327,7 @@ fn everything() -> Flt {
                 })
                 .add(instance(INSTANCE_REFERENCE))
                 .add(reference)
-                .add(Record::new(SWITCH, 32).u32(20, 1).u32(24, 1).u8(31, 1))
-                .with(|f| f.add(Record::new(DOF, 384)).with(|f| f.face(face())))
+                .add(FltRecord::new(SWITCH, 32).u32(20, 1).u32(24, 1).u8(31, 1))
+                .with(|f| f.add(FltRecord::new(DOF, 384)).with(|f| f.face(face())))
         })
 }

@@ -1,4 +1,4 @@
-//! Nodes: names, places, and which of them are drawn.
+//! Nodes: names, transforms, and selection.
 
 use super::super::opcode::*;
 use super::writer::*;
@@ -9,12 +9,12 @@ use glam::DVec3;
 
 const ORIGIN: [f64; 3] = [0.0; 3];
 
-fn long_id(name: &str) -> Record {
-    Record::new(LONG_ID, 4).more(name.as_bytes()).more(&[0])
+fn long_id(name: &str) -> FltRecord {
+    FltRecord::new(LONG_ID, 4).more(name.as_bytes()).more(&[0])
 }
 
-fn replicate(copies: u16) -> Record {
-    Record::new(REPLICATE, 8).u16(4, copies)
+fn replicate(copies: u16) -> FltRecord {
+    FltRecord::new(REPLICATE, 8).u16(4, copies)
 }
 
 #[test]
@@ -59,7 +59,7 @@ fn faces_below_a_group_are_one_object() {
 
 #[test]
 fn matrices_multiply() {
-    // x → y → −x, then moved.
+    // x → y → −x, then translated.
     let turn = matrix([
         [0.0, 1.0, 0.0],
         [-1.0, 0.0, 0.0],
@@ -68,7 +68,7 @@ fn matrices_multiply() {
     ]);
     let flt = Flt::new().with(|f| {
         f.add(group("g"))
-            .add(Record::new(78, 56))
+            .add(FltRecord::new(78, 56))
             .add(turn)
             .with(|f| f.node(object("o"), &[translation(1.0, 2.0, 3.0)]))
     });
@@ -109,7 +109,7 @@ fn replication_repeats_the_matrix() {
         Flt::new().node(object("o"), &[replicate(9)]),
         &[("o", &[ORIGIN])],
         &[(
-            "replication without a matrix: left out, all copies would coincide",
+            "replication without a matrix: ignored, all copies would coincide",
             1,
         )],
     );
@@ -117,7 +117,7 @@ fn replication_repeats_the_matrix() {
 
 #[test]
 fn a_degree_of_freedom_stands_at_its_current_values() {
-    let mut current = Record::new(DOF, 384).named("door");
+    let mut current = FltRecord::new(DOF, 384).named("door");
     let axes = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     current = current.doubles(16, &axes).doubles(88 + 2 * 32 + 16, &[7.0]);
     check(
@@ -125,24 +125,27 @@ fn a_degree_of_freedom_stands_at_its_current_values() {
         &[("door", &[[7.0, 0.0, 0.0]])],
     );
     check_warned(
-        Flt::new().node(Record::new(DOF, 80).named("door"), &[]),
+        Flt::new().node(FltRecord::new(DOF, 80).named("door"), &[]),
         &[("door", &[ORIGIN])],
         &[(
-            "degree of freedom that is too short, or of what is no number: stands still",
+            "degree of freedom that is too short or not finite: ignored",
             1,
         )],
     );
 }
 
-/// A level of detail with the distances between which it is seen.
-fn lod(name: &str, switch_in: f64, switch_out: f64) -> Record {
-    Record::new(LOD, 80)
+/// A level of detail with its switch distances.
+fn lod(name: &str, switch_in: f64, switch_out: f64) -> FltRecord {
+    FltRecord::new(LOD, 80)
         .named(name)
         .doubles(16, &[switch_in, switch_out])
 }
 
 fn check_lod(lod_asked: Lod, expected: &[&str]) {
-    let old = Record::new(OLD_LOD, 40).named("old").u32(12, 10).u32(16, 0);
+    let old = FltRecord::new(OLD_LOD, 40)
+        .named("old")
+        .u32(12, 10)
+        .u32(16, 0);
     let flt = Flt::new().with(|f| {
         f.node(lod("near", 10.0, 0.0), &[])
             .node(lod("mid", 20.0, 10.0), &[])
@@ -159,7 +162,7 @@ fn check_lod(lod_asked: Lod, expected: &[&str]) {
     let names: Vec<&str> = loaded.scene.objects.iter().map(|o| &*o.name).collect();
     assert_eq!(names, expected, "{lod_asked:?}");
     let left_out: usize = loaded.warnings.iter().map(|w| w.count).sum();
-    // The empty one makes no object, but is left out all the same.
+    // The empty one makes no object, but is counted as skipped all the same.
     let empty = usize::from(lod_asked != Lod::All);
     assert_eq!(left_out, 5 - expected.len() + empty, "{lod_asked:?}");
 }
@@ -178,7 +181,7 @@ fn levels_of_detail_are_chosen() {
 fn switches_show_their_current_mask() {
     let switch = |current: u32, masks: &[u32]| {
         let words: Vec<u8> = masks.iter().flat_map(|m| m.to_be_bytes()).collect();
-        Record::new(SWITCH, 28)
+        FltRecord::new(SWITCH, 28)
             .named("s")
             .u32(16, current)
             .u32(20, masks.len() as u32 / 2)
@@ -191,7 +194,7 @@ fn switches_show_their_current_mask() {
             .add(long_id("lamp"))
             .with(|f| (0..34).fold(f, |f, k| f.node(object(&k.to_string()), &[])))
     };
-    let off = "node that its switch has turned off: left out";
+    let off = "node that its switch disables: skipped";
     check_warned(
         file(switch(1, &[0, 0, 1 << 31 | 1, 2])),
         &[
@@ -203,7 +206,7 @@ fn switches_show_their_current_mask() {
     );
     let loaded = load(file(switch(2, &[0, 0, 0, 0])));
     assert_eq!(loaded.scene.objects.len(), 34);
-    let warning = "switch without its current mask: all below it is drawn";
+    let warning = "switch without its current mask: all children are used";
     assert_eq!(super::said(&loaded), [(warning, 1)]);
 }
 
@@ -214,7 +217,7 @@ fn an_animation_stands_at_its_first_frame() {
         flt.add(group("g").u32(16, flags))
             .with(|f| f.node(object("1"), &[]).node(object("2"), &[]))
     };
-    let left_out = &[("frame of an animation behind the first: left out", 1)];
+    let left_out = &[("frame of an animation after the first: skipped", 1)];
     for (revision, flags) in [(1600, 1 << 30), (1600, 1 << 25), (1570, 1 << 29)] {
         check_warned(animated(revision, flags), &[("g/1", &[ORIGIN])], left_out);
     }
@@ -225,8 +228,8 @@ fn an_animation_stands_at_its_first_frame() {
 
 #[test]
 fn instances_are_drawn_where_they_are_referred_to() {
-    let definition = Record::new(INSTANCE_DEFINITION, 8).u16(6, 3);
-    let reference = |number| Record::new(INSTANCE_REFERENCE, 8).u16(6, number);
+    let definition = FltRecord::new(INSTANCE_DEFINITION, 8).u16(6, 3);
+    let reference = |number| FltRecord::new(INSTANCE_REFERENCE, 8).u16(6, number);
     let flt = Flt::new().with(|f| {
         f.add(definition.clone())
             .add(translation(0.0, 0.0, 1.0))
@@ -239,7 +242,7 @@ fn instances_are_drawn_where_they_are_referred_to() {
     check_warned(
         flt,
         &[("g/o", &[[2.0, 0.0, 1.0]]), ("o", &[[0.0, 0.0, 1.0]])],
-        &[("reference to instance 4, which is not defined: left out", 1)],
+        &[("reference to instance 4, which is not defined: skipped", 1)],
     );
     let inside_itself = Flt::new()
         .add(definition)
@@ -248,7 +251,7 @@ fn instances_are_drawn_where_they_are_referred_to() {
     check_warned(
         inside_itself,
         &[("o", &[ORIGIN])],
-        &[("instance 3 inside itself: left out", 1)],
+        &[("instance 3 inside itself: skipped", 1)],
     );
 }
 
@@ -258,14 +261,14 @@ fn what_is_no_surface_is_named() {
     let others = [50, 52, 83, 88, 90, 93, 97, 112, 114, 125, 128, 133, 9999];
     let silent = [31, 74, 76, 82, 94, 105, 110, 119, 132];
     let flt = nodes.iter().fold(Flt::new(), |f, &opcode| {
-        f.node(Record::new(opcode, 16).named(&opcode.to_string()), &[])
+        f.node(FltRecord::new(opcode, 16).named(&opcode.to_string()), &[])
     });
     let flt = others
         .iter()
         .chain(&silent)
-        .fold(flt, |f, &opcode| f.add(Record::new(opcode, 8)));
+        .fold(flt, |f, &opcode| f.add(FltRecord::new(opcode, 8)));
     let loaded = load(flt.node(object("last"), &[]));
-    // Roads and clip regions hold ordinary geometry.
+    // Roads and clip regions contain ordinary geometry.
     let names: Vec<&str> = loaded.scene.objects.iter().map(|o| &*o.name).collect();
     assert_eq!(names, ["87", "98", "127", "last"]);
     let named = |opcode: &&u16| {
@@ -286,8 +289,8 @@ fn what_is_no_surface_is_named() {
 }
 
 /// An entry of the light source palette.
-fn light(index: u32, kind: u32) -> Record {
-    Record::new(LIGHT_SOURCE_PALETTE, 240)
+fn light(index: u32, kind: u32) -> FltRecord {
+    FltRecord::new(LIGHT_SOURCE_PALETTE, 240)
         .u32(4, index)
         .text(16, "lamp")
         .singles(56, &[1.0, 0.5, 0.25, 1.0])
@@ -297,8 +300,8 @@ fn light(index: u32, kind: u32) -> Record {
 }
 
 /// A light source node that is on, at (0, 0, 5).
-fn source(name: &str, index: u32, yaw: f32, pitch: f32) -> Record {
-    Record::new(LIGHT_SOURCE, 64)
+fn source(name: &str, index: u32, yaw: f32, pitch: f32) -> FltRecord {
+    FltRecord::new(LIGHT_SOURCE, 64)
         .named(name)
         .u32(16, index)
         .u32(24, 3 << 30)
@@ -356,12 +359,12 @@ fn what_lights_lose_is_said() {
     let loaded = load(flt);
     assert_eq!(loaded.scene.lights.len(), 1);
     let warnings = [
-        "light source for what is below it alone: lights all",
-        "attenuation of a light source: not used, light falls with the square of the distance",
-        "exponent of a spot light: fades from its axis to its edge instead",
-        "light source that is turned off: left out",
-        "light source of unknown kind, without a place, or of what is no number: left out",
-        "light source that the palette lacks: left out",
+        "light source limited to its descendants: lights the whole scene",
+        "attenuation of a light source: ignored, light falls off with the square of the distance",
+        "exponent of a spot light: replaced by a smooth falloff from its axis to its edge",
+        "light source that is disabled: skipped",
+        "light source of unknown type, without a position, or with invalid numbers: skipped",
+        "light source without a palette entry: skipped",
     ];
     check_loaded(&loaded, &[("", &[ORIGIN])], &warnings.map(|w| (w, 1)));
 }

@@ -1,4 +1,4 @@
-//! Rules of OpenFlight, each by a small file.
+//! Tests of OpenFlight's rules with small files.
 
 mod damage;
 mod hierarchy;
@@ -29,7 +29,7 @@ fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
     }
 }
 
-/// The mesh of a file that has one, without warnings.
+/// The single mesh of a file, which must be read without warnings.
 fn only_mesh(flt: Flt) -> Mesh {
     let loaded = load(flt);
     assert_eq!(loaded.warnings, []);
@@ -53,12 +53,12 @@ fn said(loaded: &Loaded) -> Vec<(&str, usize)> {
     said.map(|w| (w.message.as_str(), w.count)).collect()
 }
 
-/// What is drawn of a file, without warnings.
+/// Checks the objects of a file without warnings.
 fn check(flt: Flt, expected: &[(&str, &[[f64; 3]])]) {
     check_warned(flt, expected, &[]);
 }
 
-/// What is drawn of a file, and what is warned of.
+/// Checks the objects and the warnings of a file.
 fn check_warned(flt: Flt, expected: &[(&str, &[[f64; 3]])], warnings: &[(&str, usize)]) {
     check_loaded(&load(flt), expected, warnings);
 }

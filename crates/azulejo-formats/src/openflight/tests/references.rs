@@ -1,4 +1,4 @@
-//! External references: where files are found, and what they bring.
+//! External references: file lookup and content.
 
 use super::super::opcode::*;
 use super::writer::*;
@@ -9,8 +9,8 @@ use azulejo_scene::{Rgb, Up};
 const ORIGIN: [f64; 3] = [0.0; 3];
 const OWN: u32 = u32::MAX;
 
-fn reference(name: &str, flags: u32) -> Record {
-    Record::new(EXTERNAL_REFERENCE, 216)
+fn reference(name: &str, flags: u32) -> FltRecord {
+    FltRecord::new(EXTERNAL_REFERENCE, 216)
         .text(4, name)
         .u32(208, flags)
 }
@@ -57,9 +57,9 @@ fn what_is_missing_is_said() {
         &load(referring(&["gone.flt", "notes.flt", "gone.flt"]), &files),
         &[],
         &[
-            ("\"gone.flt\" is left out: there is no such file", 2),
+            ("file \"gone.flt\" skipped: there is no such file", 2),
             (
-                "\"notes.flt\" is left out: notes.flt: byte 0 (0x0): found opcode 28271 and \
+                "file \"notes.flt\" skipped: notes.flt: byte 0 (0x0): found opcode 28271 and \
                  length 8301, expected a header record: opcode 1 and a length of at least 16",
                 1,
             ),
@@ -79,8 +79,8 @@ fn cycles_are_refused() {
     assert_eq!(
         said,
         [
-            "\"A.FLT\" is left out: it refers to itself",
-            "\"./self.flt\" is left out: it refers to itself",
+            "file \"A.FLT\" skipped: it refers to itself",
+            "file \"./self.flt\" skipped: it refers to itself",
             "no faces: the scene is empty"
         ]
     );
@@ -94,10 +94,7 @@ fn chains_end() {
     });
     let loaded = load(referring(&["0.flt"]), &files);
     let said = &loaded.warnings[0].message;
-    assert!(
-        said.contains("more than 16 files inside each other"),
-        "{said}"
-    );
+    assert!(said.contains("files nested more than 16 deep"), "{said}");
 }
 
 #[test]
@@ -127,7 +124,7 @@ fn one_node_can_be_asked_for() {
             ("g/door", &[[1.0, 0.0, 0.0]]),
             ("g/wall/door", &[[1.0, 0.0, 0.0]]),
         ],
-        &[("no node of the name \"cat\": left out", 1)],
+        &[("no node named \"cat\": skipped", 1)],
     );
 }
 
@@ -158,16 +155,13 @@ fn units_become_those_of_the_root() {
             ("km", &[[5.0, 0.0, 2000.0]]),
             ("?", &[[1.0, 0.0, 0.0]]),
         ],
-        &[(
-            "unit of length that is none of the known: taken as unknown",
-            1,
-        )],
+        &[("unknown unit of length: not used", 1)],
     );
 }
 
 /// A colour palette whose first colour is `abgr`.
-fn colors(abgr: u32) -> Record {
-    Record::new(COLOR_PALETTE, 132 + 8).u32(132, abgr)
+fn colors(abgr: u32) -> FltRecord {
+    FltRecord::new(COLOR_PALETTE, 132 + 8).u32(132, abgr)
 }
 
 #[test]
@@ -177,9 +171,10 @@ fn palettes_are_the_files_own_or_the_referring_files() {
             .add(colors(0xff00_ff00))
             .face(face().u32(44, 0).u32(68, 127));
         let root = Flt::of(header(revision)).square();
-        let root = match with_palette {
-            true => root.add(colors(0xff00_00ff)),
-            false => root,
+        let root = if with_palette {
+            root.add(colors(0xff00_00ff))
+        } else {
+            root
         };
         let files = Memory::new().with("b.flt", part.0);
         let loaded = load(root.add(reference("b.flt", flags)), &files);

@@ -13,7 +13,7 @@ const ORIGIN: [f64; 3] = [0.0; 3];
 const WHITE: u32 = 0xffff_ffff;
 
 /// A triangle of three vertex records, which are `size` bytes each.
-fn triangle(vertices: [Record; 3]) -> Flt {
+fn triangle(vertices: [FltRecord; 3]) -> Flt {
     let size = vertices[0].0.len() as u32;
     Flt::of(header(1600))
         .palette(vertices.to_vec())
@@ -23,11 +23,11 @@ fn triangle(vertices: [Record; 3]) -> Flt {
 
 #[test]
 fn vertices_of_every_kind() {
-    let at = |opcode, length| move |x, y| Record::new(opcode, length).doubles(8, &[x, y, 0.0]);
-    let of = |make: &dyn Fn(f64, f64) -> Record| {
+    let at = |opcode, length| move |x, y| FltRecord::new(opcode, length).doubles(8, &[x, y, 0.0]);
+    let of = |make: &dyn Fn(f64, f64) -> FltRecord| {
         only_mesh(triangle([make(0.0, 0.0), make(1.0, 0.0), make(0.0, 1.0)]))
     };
-    let normal = |r: Record| r.singles(32, &[0.0, 3.0, 4.0]);
+    let normal = |r: FltRecord| r.singles(32, &[0.0, 3.0, 4.0]);
     let up = DVec3::new(0.0, 0.6, 0.8);
 
     let c = of(&at(VERTEX_C, 40));
@@ -45,7 +45,7 @@ fn vertices_of_every_kind() {
 
 #[test]
 fn vertices_without_a_normal_get_the_faces() {
-    let with_normal = |x: f64| Record::new(VERTEX_CN, 56).doubles(8, &[x, x * x, 0.0]);
+    let with_normal = |x: f64| FltRecord::new(VERTEX_CN, 56).doubles(8, &[x, x * x, 0.0]);
     let tilted = with_normal(1.0).singles(32, &[1.0, 0.0, 0.0]);
     let broken = with_normal(2.0).singles(32, &[f32::NAN, 0.0, 0.0]);
     let mesh = only_mesh(triangle([with_normal(0.0), tilted, broken]));
@@ -70,7 +70,7 @@ fn vertices_are_shared_within_an_object() {
 fn morphs_stand_at_their_start() {
     let pairs = vertex_list(&[8, 128, 48, 128, 88, 128]).u16(0, MORPH_VERTEX_LIST);
     let flt = Flt::new().add(face()).with(|f| f.add(pairs));
-    let warning = ("morph vertex list: its state at 0 % is taken", 1);
+    let warning = ("morph vertex list: its state at 0 % is used", 1);
     check_warned(flt.clone(), &[("", &[ORIGIN])], &[warning]);
     assert_eq!(
         super::mesh(&load(flt), 0).positions[2],
@@ -97,7 +97,7 @@ fn faces_that_are_no_surfaces_are_left_out() {
             ("face drawn as a wireframe: skipped", 2),
             ("face drawn as light points: skipped", 1),
             ("hidden face: skipped", 1),
-            ("wholly transparent face: skipped", 1),
+            ("fully transparent face: skipped", 1),
             ("face without corners: skipped", 1),
             ("face with fewer than three corners: skipped", 1),
         ],
@@ -107,35 +107,32 @@ fn faces_that_are_no_surfaces_are_left_out() {
 #[test]
 fn sub_faces_are_kept() {
     let decal = |f: Flt| {
-        f.add(Record::new(PUSH_SUBFACE, 4))
+        f.add(FltRecord::new(PUSH_SUBFACE, 4))
             .face(face())
-            .add(Record::new(POP_SUBFACE, 4))
+            .add(FltRecord::new(POP_SUBFACE, 4))
     };
     let behind = decal(
         Flt::new()
             .add(object("o"))
-            .add(Record::new(PUSH, 4))
+            .add(FltRecord::new(PUSH, 4))
             .face(face()),
     );
     let inside = Flt::new()
         .add(object("o"))
-        .add(Record::new(PUSH, 4))
+        .add(FltRecord::new(PUSH, 4))
         .add(face())
         .with(|f| f.add(vertex_list(&CORNERS)).face(face()));
-    let warning = (
-        "sub-face, in the plane of the face below it: both are kept",
-        1,
-    );
+    let warning = ("sub-face, coplanar with its parent face: both are kept", 1);
     for flt in [behind, inside] {
-        let flt = flt.face(face()).add(Record::new(POP, 4));
+        let flt = flt.face(face()).add(FltRecord::new(POP, 4));
         check_warned(flt, &[("o", &[ORIGIN, ORIGIN, ORIGIN])], &[warning]);
     }
 }
 
 /// The one material of a face, and the warnings.
 fn check_material(
-    palettes: &[Record],
-    face: Record,
+    palettes: &[FltRecord],
+    face: FltRecord,
     expected: Material,
     warnings: &[(&str, usize)],
 ) {
@@ -143,9 +140,9 @@ fn check_material(
 }
 
 fn check_material_of(
-    header: Record,
-    palettes: &[Record],
-    face: Record,
+    header: FltRecord,
+    palettes: &[FltRecord],
+    face: FltRecord,
     expected: Material,
     warnings: &[(&str, usize)],
 ) {
@@ -173,8 +170,8 @@ fn matt(r: f64, g: f64, b: f64) -> Material {
 }
 
 /// A palette of two colours.
-fn colors() -> Record {
-    Record::new(COLOR_PALETTE, 140)
+fn colors() -> FltRecord {
+    FltRecord::new(COLOR_PALETTE, 140)
         .u32(132, 0xff00_00ff)
         .u32(136, 0xff00_ff80)
 }
@@ -213,7 +210,7 @@ fn colors_of_faces() {
         &[colors()],
         plain.clone().u32(68, 9 << 7),
         matt(1.0, 1.0, 1.0),
-        &[("face whose colour is beyond the palette: white", 1)],
+        &[("face with a colour index beyond the palette: white", 1)],
     );
     // Packed, by the face's flag or the header's.
     let packed = plain.clone().u32(56, 0x0000_00ff);
@@ -226,20 +223,20 @@ fn colors_of_faces() {
     );
     check_material_of(header(1600).u32(64, 1 << 30), &[], packed, red.clone(), &[]);
     check_material(&[colors()], face().u32(68, 127), matt(1.0, 1.0, 1.0), &[]);
-    // Revision 15.0: index and brightness in the field that names colours later.
+    // Revision 15.0: index and intensity in the field that later holds the colour name index.
     let old = plain.u16(20, 1 << 7 | 127).u32(68, 127);
     check_material_of(header(1500), &[colors()], old, green, &[]);
 }
 
-fn material() -> Record {
-    Record::new(MATERIAL_PALETTE, 84)
+fn material() -> FltRecord {
+    FltRecord::new(MATERIAL_PALETTE, 84)
         .u32(4, 2)
         .text(8, "brick")
         .singles(36, &[0.5, 0.25, 1.0])
         .singles(76, &[1.0])
 }
 
-fn lit() -> Record {
+fn lit() -> FltRecord {
     face().u16(30, 2).u8(48, 2)
 }
 
@@ -257,17 +254,14 @@ fn materials_multiply_the_colours_of_lit_faces() {
         &[],
         lit(),
         matt(1.0, 1.0, 1.0),
-        &[("material that the palette lacks: white", 1)],
+        &[("material index that is not in the palette: white", 1)],
     );
     let wrong = material().singles(36, &[2.0, f32::NAN, -1.0]);
     check_material(
         &[wrong],
         lit(),
         brick(1.0, 0.0, 0.0),
-        &[(
-            "material that reflects more than it gets, or less than nothing: clamped",
-            1,
-        )],
+        &[("material with a reflectance outside 0..1: clamped", 1)],
     );
 }
 
@@ -280,7 +274,7 @@ fn materials_glow_and_shine() {
         emits_back: true,
         ..matt(0.5, 0.25, 1.0)
     };
-    let warning = "material that emits less than nothing: clamped to 0";
+    let warning = "material with negative emission: clamped to 0";
     check_material(&[glowing], lit().u8(18, 1), expected, &[(warning, 1)]);
     let glossy = material()
         .singles(48, &[1.0, 0.5, 0.25])
@@ -300,7 +294,7 @@ fn materials_glow_and_shine() {
 #[test]
 fn the_old_material_palette_has_all_in_one() {
     let at = 4 + 184 * 3;
-    let old = Record::new(OLD_MATERIAL_PALETTE, 4 + 184 * 64)
+    let old = FltRecord::new(OLD_MATERIAL_PALETTE, 4 + 184 * 64)
         .singles(at + 12, &[0.5, 0.25, 1.0])
         .singles(at + 52, &[1.0])
         .text(at + 60, "clay");
@@ -319,7 +313,7 @@ fn the_old_material_palette_has_all_in_one() {
 
 #[test]
 fn transparency_is_opaque() {
-    let warning = &[("see-through face: opaque", 1)];
+    let warning = &[("face with transparency: opaque", 1)];
     let half = 1 << 15;
     let white = || matt(1.0, 1.0, 1.0);
     check_material(&[], face().u16(40, half), white(), warning);
@@ -331,14 +325,14 @@ fn transparency_is_opaque() {
     check_material(&[clear], lit(), brick, warning);
     let glass = object("o").u16(18, half);
     check_warned(Flt::new().node(glass, &[]), &[("o", &[ORIGIN])], warning);
-    let billboard = &[("face that turns to the viewer: kept as it stands", 1)];
+    let billboard = &[("billboard face: kept in its original orientation", 1)];
     check_material(&[], face().u8(25, 2), white(), billboard);
 }
 
 #[test]
 fn pictures_are_named() {
     let texture = |index, name: &str| {
-        Record::new(TEXTURE_PALETTE, 216)
+        FltRecord::new(TEXTURE_PALETTE, 216)
             .text(4, name)
             .u32(204, index)
     };
@@ -363,8 +357,8 @@ fn pictures_are_named() {
         messages,
         [
             "picture \"C:/art/brick.rgb\" is not shown: there is no such file",
-            "face with a picture, but without texture coordinates",
-            "texture that the palette lacks: not shown",
+            "face with a texture, but without texture coordinates",
+            "texture index that is not in the palette: ignored",
         ]
     );
 }
@@ -405,20 +399,20 @@ fn colours_of_vertices() {
 }
 
 impl Flt {
-    fn with_face(self, face: Record, list: &Record) -> Flt {
+    fn with_face(self, face: FltRecord, list: &FltRecord) -> Flt {
         self.add(face).with(|f| f.add(list.clone()))
     }
 }
 
 /// A pool of `count` vertices with all attributes, on a parabola.
-fn pool(count: u32) -> Record {
+fn pool(count: u32) -> FltRecord {
     let attributes = 0b1111_1100 << 24;
-    let record = Record::new(LOCAL_VERTEX_POOL, 12)
+    let record = FltRecord::new(LOCAL_VERTEX_POOL, 12)
         .u32(4, count)
         .u32(8, attributes);
     (0..count).fold(record, |record, k| {
         let x = f64::from(k);
-        let vertex = Record::new(0, 60)
+        let vertex = FltRecord::new(0, 60)
             .doubles(0, &[x, x * x, 0.0])
             .u32(24, 127)
             .u32(28, 0xff00_0000 | k)
@@ -428,8 +422,8 @@ fn pool(count: u32) -> Record {
     })
 }
 
-fn primitive(kind: u16, size: u16, indices: &[u32]) -> Record {
-    let record = Record::new(MESH_PRIMITIVE, 12)
+fn primitive(kind: u16, size: u16, indices: &[u32]) -> FltRecord {
+    let record = FltRecord::new(MESH_PRIMITIVE, 12)
         .u16(4, kind)
         .u16(6, size)
         .u32(8, indices.len() as u32);
@@ -438,14 +432,14 @@ fn primitive(kind: u16, size: u16, indices: &[u32]) -> Record {
     })
 }
 
-fn check_mesh(primitives: &[Record], expected: &[&[u32]]) {
+fn check_mesh(primitives: &[FltRecord], expected: &[&[u32]]) {
     let flt = Flt::new().add(object("o")).with(|f| {
         f.add(mesh())
             .add(pool(6))
             .with(|f| primitives.iter().cloned().fold(f, Flt::add))
     });
     let mesh = only_mesh(flt);
-    // A vertex's place says its number.
+    // The position of a vertex encodes its number.
     let numbers = |face: &[u32]| -> Vec<u32> {
         let number = |&v: &u32| mesh.positions[v as usize].x as u32;
         face.iter().map(number).collect()
@@ -485,10 +479,14 @@ fn meshes_have_attributes() {
 
 #[test]
 fn a_pool_may_have_positions_alone() {
-    let record = Record::new(LOCAL_VERTEX_POOL, 12).u32(4, 3).u32(8, 1 << 31);
+    let record = FltRecord::new(LOCAL_VERTEX_POOL, 12)
+        .u32(4, 3)
+        .u32(8, 1 << 31);
     let pool = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
         .iter()
-        .fold(record, |r, p| r.more(&Record::new(0, 24).doubles(0, p).0));
+        .fold(record, |r, p| {
+            r.more(&FltRecord::new(0, 24).doubles(0, p).0)
+        });
     let flt = Flt::new()
         .add(mesh())
         .add(pool)
@@ -501,7 +499,7 @@ fn a_pool_may_have_positions_alone() {
 #[test]
 fn damaged_meshes_are_said() {
     let promising = pool(3).u32(4, 9);
-    let colours_only = Record::new(LOCAL_VERTEX_POOL, 12).u32(8, 1 << 30);
+    let colours_only = FltRecord::new(LOCAL_VERTEX_POOL, 12).u32(8, 1 << 30);
     let flt = Flt::new()
         .add(mesh())
         .add(promising)
@@ -518,11 +516,14 @@ fn damaged_meshes_are_said() {
         flt,
         &[("", &[ORIGIN, ORIGIN])],
         &[
-            ("mesh of 9 vertices with only 3 of them", 1),
-            ("polygon of a mesh with a vertex that it lacks: skipped", 1),
-            ("mesh primitive with fewer indices than it promises", 2),
-            ("mesh primitive of unknown kind: skipped", 1),
-            ("mesh without positions of vertices: skipped", 2),
+            ("mesh that declares 9 vertices, but has 3", 1),
+            (
+                "polygon of a mesh with a vertex index out of range: skipped",
+                1,
+            ),
+            ("mesh primitive with fewer indices than declared", 2),
+            ("mesh primitive of unknown type: skipped", 1),
+            ("mesh without vertex positions: skipped", 2),
         ],
     );
 }
@@ -532,10 +533,10 @@ fn continuations_join() {
     let whole = pool(6);
     let (first, second) = whole.0.split_at(100);
     let (second, third) = second.split_at(60);
-    let piece = |bytes: &[u8]| Record::new(CONTINUATION, 4).more(bytes);
+    let piece = |bytes: &[u8]| FltRecord::new(CONTINUATION, 4).more(bytes);
     let flt = Flt::new()
         .add(mesh())
-        .add(Record(first.to_vec()).u16(2, 100))
+        .add(FltRecord(first.to_vec()).u16(2, 100))
         .add(piece(second))
         .add(piece(third))
         .with(|f| f.add(primitive(4, 1, &[0, 1, 2, 3, 4, 5])));

@@ -1,4 +1,4 @@
-//! Files that are damaged, strange or hostile.
+//! Damaged, unusual and hostile files.
 
 use super::*;
 
@@ -23,9 +23,9 @@ fn a_file_that_ends_too_soon_keeps_what_it_has() {
     let cut = &whole[..whole.len() - 7];
     let (scene, warnings) = load(cut);
     assert_eq!(scene.objects.len(), 2);
-    let warning = "the file ends inside a node: what there is of it is read";
+    let warning = "the file ends inside a node: what precedes the end is used";
     assert!(warnings.iter().any(|w| w.contains(warning)), "{warnings:?}");
-    // However much is cut, nothing worse happens.
+    // Any truncation is handled.
     for end in 0..whole.len() {
         let text = format!("#VRML V2.0 utf8\n{}", &whole[..end]);
         let read = super::super::read(
@@ -87,7 +87,7 @@ fn nothing_usable_is_an_error() {
         "model.wrl:2:2: found \"]\", expected a node",
     );
     check("Group { }", "found \"Group\", expected \"#VRML V");
-    check("<X3D><head/></X3D>", "found XML without a Scene");
+    check("<X3D><head/></X3D>", "found XML without a Scene element");
     check("<X3D>\n <Scene", "found XML that is not well-formed");
     check(
         "<!DOCTYPE X3D [<!ENTITY a 'b'>]><X3D/>",
@@ -97,10 +97,10 @@ fn nothing_usable_is_an_error() {
 
 #[test]
 fn no_geometry_is_said() {
-    check_lossy("", &[], &[": there is no geometry"]);
+    check_lossy("", &[], &[": the model contains no geometry"]);
     let warnings = [
         ":2:1: choice of Switch that is no node",
-        ": there is no geometry",
+        ": the model contains no geometry",
     ];
     check_lossy("Switch { choice [ 0 ] }", &[], &warnings);
 }
@@ -141,7 +141,7 @@ fn nodes_may_not_be_too_deep() {
     );
     let (_, warnings) = load(&xml);
     assert!(warnings[0].contains("deeper than 200"), "{warnings:?}");
-    // The same by names, which stand beside each other.
+    // The same by names at one level.
     let chain: String = (0..1_000)
         .map(|i| format!("DEF g{} Group {{ children USE g{i} }}\n", i + 1))
         .collect();
@@ -186,7 +186,7 @@ fn what_unfolds_without_end_is_refused() {
         &[
             ":2:66: row of an ElevationGrid",
             ":2:66: node ElevationGrid: skipped",
-            ": there is no geometry",
+            ": the model contains no geometry",
         ],
     );
 }

@@ -1,4 +1,4 @@
-//! Groups, names, files inside files, and what stands in groups besides shapes.
+//! Groups, names, nested files, and nodes other than shapes in groups.
 
 use super::*;
 use azulejo_scene::{LightKind, Rgb};
@@ -46,7 +46,7 @@ fn the_latest_definition_of_a_name_counts() {
 #[test]
 fn a_node_is_not_inside_itself() {
     let text = format!("DEF a Group {{ children [ {BOX} USE a ] }}");
-    let warning = ":2:104: USE of \"a\", which no whole node before it is: skipped";
+    let warning = ":2:104: USE of \"a\", which no complete node before it defines: skipped";
     check_lossy(&text, &["a: Cuboid, -1 -1 -1 to 1 1 1"], &[warning]);
 }
 
@@ -58,7 +58,7 @@ fn switches_show_what_they_choose() {
             shape("Sphere { }")
         )
     };
-    let hidden = ":2:1: child of a Switch that is not chosen: not shown";
+    let hidden = ":2:1: child of a Switch that is not selected: skipped";
     check_lossy(&text(1), &[": Sphere, -1 -1 -1 to 1 1 1"], &[hidden]);
     let (scene, warnings) = load(&text(-1));
     assert!(
@@ -100,7 +100,7 @@ fn files_inside_files() {
     ];
     assert_eq!(described(&scene), [half, half].concat());
     assert!(
-        warnings[1].contains("\"../model.wrl\": the file is inside itself (2 times)"),
+        warnings[1].contains("\"../model.wrl\": the file includes itself (2 times)"),
         "{warnings:?}"
     );
 }
@@ -169,7 +169,7 @@ fn lights() {
             ":5:9: ambientIntensity of a light",
             ":5:9: DirectionalLight that lights its group alone",
             ":5:51: PointLight that is off",
-            ": there is no geometry",
+            ": the model contains no geometry",
         ],
     );
 }
@@ -196,7 +196,7 @@ fn viewpoints_background_and_fog() {
         &warnings,
         &[
             ":6:9: sky of several colours",
-            ":6:9: picture of a background: skipped",
+            ":6:9: background texture: skipped",
             ":6:80: Background behind the first",
             ":7:9: headlight of NavigationInfo",
         ],

@@ -1,8 +1,8 @@
-//! VRML97 and X3D, by small files of our own.
+//! VRML97 and X3D, tested with small files.
 
+mod appearances;
 mod broken;
 mod groups;
-mod looks;
 mod prototypes;
 mod shapes;
 
@@ -10,7 +10,7 @@ use crate::{Files, Lod, Memory, ReadOptions};
 use azulejo_scene::{Mesh, Scene, Shape};
 use glam::DVec3;
 
-/// Reads a model that must be readable, and valid.
+/// Reads a model, which must be readable and valid.
 fn load_with(text: &str, files: &dyn Files, options: &ReadOptions) -> (Scene, Vec<String>) {
     let loaded = super::read(text.as_bytes(), "model.wrl", files, options).unwrap();
     loaded.scene.validate().unwrap();
@@ -18,21 +18,22 @@ fn load_with(text: &str, files: &dyn Files, options: &ReadOptions) -> (Scene, Ve
     (loaded.scene, warnings.collect())
 }
 
-/// Reads what stands behind the header of VRML97, or a whole file.
+/// Reads the text after the header of VRML97, or a whole file.
 fn load(text: &str) -> (Scene, Vec<String>) {
-    let header = match text.starts_with(['#', '<']) {
-        true => "",
-        false => "#VRML V2.0 utf8\n",
+    let header = if text.starts_with(['#', '<']) {
+        ""
+    } else {
+        "#VRML V2.0 utf8\n"
     };
     let files = Memory::new();
     load_with(&format!("{header}{text}"), &files, &ReadOptions::default())
 }
 
-/// Objects in a line each: name, vertices and faces or the kind of an exact shape, and the box,
-/// rounded to thousandths.
+/// One line per object: name, vertices and faces or the type of an exact shape, and the bounding
+/// box, rounded to thousandths.
 fn described(scene: &Scene) -> Vec<String> {
     let round = |v: DVec3| {
-        // Adding zero makes of −0 a 0.
+        // Adding zero turns −0 into 0.
         let rounded = v.to_array().map(|x| (x * 1e3).round() / 1e3 + 0.0);
         format!("{} {} {}", rounded[0], rounded[1], rounded[2])
     };
@@ -53,12 +54,12 @@ fn described(scene: &Scene) -> Vec<String> {
     scene.objects.iter().map(describe).collect()
 }
 
-/// Expects these objects and no warnings.
+/// Checks the objects, and that there are no warnings.
 fn check(text: &str, objects: &[&str]) {
     check_lossy(text, objects, &[]);
 }
 
-/// Expects these objects, and a warning that begins with each of these behind the file's name.
+/// Checks the objects and the beginnings of the warnings after the file name.
 fn check_lossy(text: &str, objects: &[&str], warnings: &[&str]) {
     let (scene, found) = load(text);
     assert_eq!(described(&scene), objects, "{text}");
@@ -85,7 +86,7 @@ fn mesh(text: &str) -> Mesh {
     }
 }
 
-/// Six times what a mesh holds, positive if its fronts look outside.
+/// Six times the volume of a mesh, positive if its faces point outwards.
 fn volume(mesh: &Mesh) -> f64 {
     let part = |f: usize| mesh.face_area_vector(f).dot(mesh.face_positions(f)[0]) / 3.0;
     (0..mesh.faces.len()).map(part).sum()

@@ -83,7 +83,7 @@ fn in_xml() {
         ": Sphere, -3 -3 -3 to 3 3 3",
     ];
     let warnings = [
-        ":15:9: a file is not there: \"gone.x3d\"",
+        ":15:9: file cannot be read: \"gone.x3d\"",
         ":15:9: Gone, a prototype that stands for nothing",
     ];
     check_lossy(text, &objects, &warnings);

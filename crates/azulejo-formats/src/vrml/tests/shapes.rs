@@ -65,7 +65,7 @@ fn solids_that_show_a_picture_are_polygons() {
     assert!((volume(&ball) / (4.0 / 3.0 * PI) - 1.0).abs() < 0.02);
     let uvs = ball.uvs.unwrap().values;
     for (p, uv) in ball.positions.iter().zip(uvs) {
-        // The picture begins at the back and goes around to the left, as seen from the front.
+        // The texture begins at the back and wraps to the left, as seen from the front.
         let (sin, cos) = (2.0 * PI * (uv.x - 3.0)).sin_cos();
         let expected = p.x.hypot(p.z) * DVec2::new(-sin, -cos);
         assert!(
@@ -213,7 +213,7 @@ fn extrusions_are_closed_and_look_outside() {
     check("scale 2 3", 24.0, 6);
     check("orientation [ 0 1 0 0.5 ]", 4.0, 6);
     check("ccw FALSE", -4.0, 6);
-    // A ring of square cross-section, in the plane y = 0; and one that bends back.
+    // A ring with a square cross-section, in the plane y = 0; and one that bends back.
     let ring = format!("{square} spine [ 4 0 4, 4 0 -4, -4 0 -4, -4 0 4, 4 0 4 ]");
     let mesh_of_ring = mesh(&shape(&format!("Extrusion {{ {ring} }}")));
     assert_eq!(mesh_of_ring.faces.len(), 16);
@@ -221,7 +221,7 @@ fn extrusions_are_closed_and_look_outside() {
     let bent = format!("{square} spine [ 0 0 0, 0 4 0, 4 4 0, 4 8 0 ] beginCap FALSE endCap FALSE");
     let bent = mesh(&shape(&format!("Extrusion {{ {bent} }}")));
     assert_eq!((bent.positions.len(), bent.faces.len()), (16, 12));
-    // Nothing is twisted: opposite edges of each side run alike.
+    // There is no twist: opposite edges of each side are parallel.
     for face in 0..bent.faces.len() {
         let p = bent.face_positions(face);
         assert!((p[1] - p[0]).dot(p[2] - p[3]) > 0.0, "{p:?}");

@@ -1,15 +1,15 @@
 //! Lights without area, and cameras.
 
-use super::node::Node;
+use super::node::V1Node;
 use super::state::rotation;
 use azulejo_scene::{Camera, LightKind, Rgb};
 use glam::{DAffine3, DVec3};
 use std::f64::consts::{FRAC_PI_4, PI};
 
-/// A light in the world: colour × intensity is taken as W/sr, or W/m² of a directional light.
-/// `None` if its place or direction is lost.
-pub(super) fn light(node: &Node, world_from_node: &DAffine3) -> Option<LightKind> {
-    use super::node::Kind;
+/// A light in world coordinates: colour × intensity is taken as W/sr, for a directional light as
+/// W/m². `None` if its position or direction is not finite.
+pub(super) fn light(node: &V1Node, world_from_node: &DAffine3) -> Option<LightKind> {
+    use super::node::V1NodeKind;
     let color = node.colors("color").and_then(|c| c.first().copied());
     let light = color.unwrap_or(Rgb::WHITE) * node.number("intensity", 1.0);
     let light = light.map(|c| if c.is_finite() { c.max(0.0) } else { 0.0 });
@@ -17,12 +17,12 @@ pub(super) fn light(node: &Node, world_from_node: &DAffine3) -> Option<LightKind
     let direction = node.vector("direction", DVec3::NEG_Z);
     let direction = (world_from_node.matrix3 * direction).try_normalize();
     match node.kind {
-        Kind::DirectionalLight => Some(LightKind::Directional {
+        V1NodeKind::DirectionalLight => Some(LightKind::Directional {
             direction: direction?,
             irradiance: light,
         }),
         _ if !position.is_finite() => None,
-        Kind::SpotLight => {
+        V1NodeKind::SpotLight => {
             let cut_off = node.number("cutOffAngle", FRAC_PI_4).clamp(0.0, PI);
             let drop_off = node.number("dropOffRate", 0.0);
             let (inner, outer) = cone(cut_off, drop_off);
@@ -41,16 +41,16 @@ pub(super) fn light(node: &Node, world_from_node: &DAffine3) -> Option<LightKind
     }
 }
 
-/// Half angles of full and of no light.
+/// Half angles of full and of no intensity.
 ///
-/// Browsers let the intensity fall with the power 128 `drop_off` of the cosine. azulejo's spot
-/// has half of it at the same angle, and none beyond the same edge.
+/// Browsers let the intensity fall off with the power 128 `drop_off` of the cosine. The spot light
+/// of azulejo has half of the intensity at the same angle, and none beyond the same edge.
 fn cone(cut_off: f64, drop_off: f64) -> (f64, f64) {
     let exponent = 128.0 * drop_off.clamp(0.0, 1.0);
     if exponent == 0.0 {
         return (cut_off, cut_off);
     }
-    // Half of the light is where the cosine is the mean of those of the two angles.
+    // The intensity is one half where the cosine is the mean of the cosines of the two angles.
     let half = 0.5f64.powf(1.0 / exponent);
     let inner = 2.0 * half - cut_off.cos();
     if inner <= 1.0 {
@@ -61,8 +61,8 @@ fn cone(cut_off: f64, drop_off: f64) -> (f64, f64) {
     }
 }
 
-/// A camera in the world, without its name; `None` if it would see nothing.
-pub(super) fn camera(node: &Node, world_from_node: &DAffine3) -> Option<Camera> {
+/// A camera in world coordinates, without its name; `None` if its view is degenerate.
+pub(super) fn camera(node: &V1Node, world_from_node: &DAffine3) -> Option<Camera> {
     let turn = rotation(node.exactly("orientation"));
     let forward = (world_from_node.matrix3 * (turn * DVec3::NEG_Z)).try_normalize()?;
     let up = (world_from_node.matrix3 * (turn * DVec3::Y)).try_normalize()?;

@@ -1,13 +1,13 @@
-//! VRML 1.0, and of Open Inventor's text files the nodes that VRML 1.0 has from it.
+//! VRML 1.0, and the nodes of Open Inventor's ASCII files from which VRML 1.0 is derived.
 //!
-//! A file is a stream of nodes: some change a state (where, what colour, which points), the
-//! shapes take what the state is when they come, and separators bring back what it was before.
-//! [`parse`] makes nodes of the text; [`walk`] follows the stream; [`shapes`], [`solids`],
-//! [`looks`] and [`lights`] turn what it meets into objects, materials, and lights and cameras.
-//! `docs/formats/vrml1.md` says how every node is understood.
+//! A file is a stream of nodes: property nodes change the traversal state (transformation,
+//! material, coordinates), shapes use the current state, and separators restore the previous one.
+//! [`parse`] turns the text into nodes; [`walk`] traverses them; [`shapes`], [`solids`],
+//! [`materials`] and [`lights`] convert them to objects, materials, and lights and cameras.
+//! `docs/formats/vrml1.md` describes how every node is interpreted.
 
 mod lights;
-mod looks;
+mod materials;
 mod node;
 mod parse;
 mod shapes;
@@ -17,35 +17,35 @@ mod state;
 mod tests;
 mod walk;
 
-use super::stage::{Frame, Source, Stage};
+use super::builder::{VrmlPlacement, VrmlSceneBuilder, VrmlSource};
 use crate::ReadError;
 
-/// Whether a text is one that [`read_into`] reads, by its header.
+/// Whether [`read_into`] can read this text, by its header.
 pub(super) fn is_meant(text: &[u8]) -> bool {
     text.starts_with(b"#VRML V1.") || is_inventor(text)
 }
 
-/// Inventor's files are text or binary, as their header says.
+/// Whether this is an Inventor file; these are ASCII or binary, as their header states.
 fn is_inventor(text: &[u8]) -> bool {
     let header = text.split(|b| matches!(b, b'\n' | b'\r')).next();
     header.is_some_and(|h| h.starts_with(b"#Inventor V") && h.windows(5).any(|w| w == b"ascii"))
 }
 
-/// Reads a file and puts what it holds under `frame`.
+/// Reads a file and adds its content under `frame`.
 ///
 /// # Errors
-/// Text without a node, nodes nested too deep, and a model that unfolds to more than the options
+/// Text without a node, nodes nested too deeply, and a model that unfolds to more than the options
 /// allow.
 pub(super) fn read_into(
-    stage: &mut Stage,
-    source: &Source,
-    frame: &Frame,
+    builder: &mut VrmlSceneBuilder,
+    source: &VrmlSource,
+    frame: &VrmlPlacement,
 ) -> Result<(), ReadError> {
-    let document = parse::parse(stage, source)?;
+    let document = parse::parse(builder, source)?;
     let inventor = is_inventor(&source.bytes);
-    if inventor && stage.is_outermost() {
-        // VRML 1.0 counts in metres, Inventor does not say.
-        stage.scene.units.metres_per_unit = None;
+    if inventor && builder.is_outermost() {
+        // VRML 1.0 uses metres, Inventor does not define a unit.
+        builder.scene.units.metres_per_unit = None;
     }
-    walk::walk(stage, source, &document, frame, inventor)
+    walk::walk(builder, source, &document, frame, inventor)
 }

@@ -1,44 +1,43 @@
-//! Nodes as they stand in the file, and what fields each kind has.
+//! Nodes as they appear in the file, and the fields of each kind.
 
 use azulejo_scene::Rgb;
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
 
-/// Index of a node in [`Document::nodes`].
+/// Index of a node in [`V1Document::nodes`].
 pub(super) type NodeId = u32;
 
-/// The nodes of a file. Children stand before their parents, so no node is inside itself.
+/// The nodes of a file. Children precede their parents, so no node contains itself.
 #[derive(Debug, Default)]
-pub(super) struct Document<'a> {
+pub(super) struct V1Document<'a> {
     /// All nodes.
-    pub nodes: Vec<Node<'a>>,
-    /// Those that are in no other.
+    pub nodes: Vec<V1Node<'a>>,
+    /// The top-level nodes.
     pub roots: Vec<NodeId>,
 }
 
 /// A node.
 #[derive(Debug)]
-pub(super) struct Node<'a> {
-    /// What it is.
-    pub kind: Kind,
-    /// The word by which the file calls its kind.
+pub(super) struct V1Node<'a> {
+    pub kind: V1NodeKind,
+    /// The type name in the file.
     pub type_name: &'a [u8],
-    /// Its name, if it has a DEF.
+    /// Its name by DEF.
     pub name: Option<Cow<'a, str>>,
-    /// The byte where it begins.
+    /// The offset of its first byte.
     pub at: usize,
-    /// The fields that the file gives; of one that is given twice, the last.
-    pub fields: Vec<(&'static str, Value<'a>)>,
+    /// The fields given in the file; of a repeated one, the last.
+    pub fields: Vec<(&'static str, V1Value<'a>)>,
     /// The nodes inside it, in order.
     pub children: Vec<NodeId>,
-    /// Whether it is or holds a shape or another file.
+    /// Whether it is or contains a shape or a nested file.
     pub has_shapes: bool,
 }
 
 /// The value of a field.
 #[derive(Debug)]
-pub(super) enum Value<'a> {
-    /// Numbers, a picture's included.
+pub(super) enum V1Value<'a> {
+    /// Numbers, including those of an image.
     Numbers(Vec<f64>),
     /// Indices.
     Integers(Vec<i32>),
@@ -52,10 +51,10 @@ pub(super) enum Value<'a> {
     Words(Vec<Cow<'a, str>>),
 }
 
-/// How the value of a field is written.
+/// The syntax of a field's value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Form {
-    /// So many numbers.
+pub(super) enum V1FieldType {
+    /// Exactly this many numbers.
     Exactly(usize),
     /// A list of numbers.
     Numbers,
@@ -73,12 +72,12 @@ pub(super) enum Form {
     Image,
 }
 
-/// A field that is known: its name, and how its value is written.
-pub(super) type Field = (&'static str, Form);
+/// A known field: its name and the syntax of its value.
+pub(super) type V1FieldSpec = (&'static str, V1FieldType);
 
-/// What a node is.
+/// The type of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum V1NodeKind {
     Separator,
     TransformSeparator,
     Group,
@@ -109,57 +108,57 @@ pub(super) enum Kind {
     DirectionalLight,
     PerspectiveCamera,
     Info,
-    /// Lines, points and writing: shapes without a surface.
+    /// Lines, points and text: shapes without a surface.
     NoSurface,
     /// A camera without perspective.
     OrthographicCamera,
-    /// What only matters to shapes that are not read.
+    /// Nodes that only affect shapes that are not read.
     Silent,
-    /// None of VRML 1.0. What is inside stands as in a [`Kind::Separator`].
+    /// Not a node of VRML 1.0. Its children are read as in a [`V1NodeKind::Separator`].
     Unknown,
 }
 
-impl Kind {
-    /// Whether nodes inside it are meant to be there.
+impl V1NodeKind {
+    /// Whether it may contain nodes.
     pub fn is_group(self) -> bool {
         matches!(
             self,
-            Kind::Separator
-                | Kind::TransformSeparator
-                | Kind::Group
-                | Kind::Switch
-                | Kind::Lod
-                | Kind::Unknown
+            V1NodeKind::Separator
+                | V1NodeKind::TransformSeparator
+                | V1NodeKind::Group
+                | V1NodeKind::Switch
+                | V1NodeKind::Lod
+                | V1NodeKind::Unknown
         )
     }
 
-    /// Whether it shows something by itself.
+    /// Whether it displays something itself.
     pub fn is_shape(self) -> bool {
         matches!(
             self,
-            Kind::IndexedFaceSet
-                | Kind::Cube
-                | Kind::Sphere
-                | Kind::Cylinder
-                | Kind::Cone
-                | Kind::Inline
+            V1NodeKind::IndexedFaceSet
+                | V1NodeKind::Cube
+                | V1NodeKind::Sphere
+                | V1NodeKind::Cylinder
+                | V1NodeKind::Cone
+                | V1NodeKind::Inline
         )
     }
 
     /// The fields that are read.
-    pub fn fields(self) -> &'static [Field] {
+    pub fn fields(self) -> &'static [V1FieldSpec] {
         let known = TYPES.iter().find(|known| known.1 == self);
         known.map_or(&[], |known| known.2)
     }
 
-    /// The kind of that name, [`Kind::Unknown`] if it is none.
-    pub fn named(name: &[u8]) -> Kind {
+    /// The kind of that name, [`V1NodeKind::Unknown`] if it is none.
+    pub fn named(name: &[u8]) -> V1NodeKind {
         let known = TYPES.iter().find(|known| known.0.as_bytes() == name);
-        known.map_or(Kind::Unknown, |known| known.1)
+        known.map_or(V1NodeKind::Unknown, |known| known.1)
     }
 }
 
-/// Fields that say how to draw or to pick, not what is there.
+/// Fields that concern rendering hints or picking, not the scene.
 pub(super) const IGNORED_FIELDS: [&[u8]; 4] = [
     b"renderCulling",
     b"renderCaching",
@@ -167,208 +166,221 @@ pub(super) const IGNORED_FIELDS: [&[u8]; 4] = [
     b"pickCulling",
 ];
 
-const NUMBER: Form = Form::Exactly(1);
-const TRIPLE: Form = Form::Exactly(3);
+const NUMBER: V1FieldType = V1FieldType::Exactly(1);
+const TRIPLE: V1FieldType = V1FieldType::Exactly(3);
 
-/// Kinds by name, with their fields. Of two names for a kind, the first has the fields of both.
-const TYPES: &[(&str, Kind, &[Field])] = &[
-    ("Separator", Kind::Separator, ANCHOR),
-    ("WWWAnchor", Kind::Separator, ANCHOR),
-    ("TransformSeparator", Kind::TransformSeparator, &[]),
-    ("Group", Kind::Group, &[]),
-    ("Switch", Kind::Switch, &[("whichChild", NUMBER)]),
-    ("LOD", Kind::Lod, LOD),
-    ("LevelOfDetail", Kind::Lod, LOD),
-    ("WWWInline", Kind::Inline, INLINE),
+/// Kinds by name, with their fields. If a kind has two names, the fields of the first hold for
+/// both.
+const TYPES: &[(&str, V1NodeKind, &[V1FieldSpec])] = &[
+    ("Separator", V1NodeKind::Separator, ANCHOR),
+    ("WWWAnchor", V1NodeKind::Separator, ANCHOR),
+    ("TransformSeparator", V1NodeKind::TransformSeparator, &[]),
+    ("Group", V1NodeKind::Group, &[]),
+    ("Switch", V1NodeKind::Switch, &[("whichChild", NUMBER)]),
+    ("LOD", V1NodeKind::Lod, LOD),
+    ("LevelOfDetail", V1NodeKind::Lod, LOD),
+    ("WWWInline", V1NodeKind::Inline, INLINE),
     (
         "Coordinate3",
-        Kind::Coordinate3,
-        &[("point", Form::Vectors)],
+        V1NodeKind::Coordinate3,
+        &[("point", V1FieldType::Vectors)],
     ),
-    ("Normal", Kind::Normal, &[("vector", Form::Vectors)]),
-    ("NormalBinding", Kind::NormalBinding, BINDING),
-    ("Material", Kind::Material, MATERIAL),
-    ("MaterialBinding", Kind::MaterialBinding, BINDING),
-    ("Texture2", Kind::Texture2, TEXTURE),
+    (
+        "Normal",
+        V1NodeKind::Normal,
+        &[("vector", V1FieldType::Vectors)],
+    ),
+    ("NormalBinding", V1NodeKind::NormalBinding, BINDING),
+    ("Material", V1NodeKind::Material, MATERIAL),
+    ("MaterialBinding", V1NodeKind::MaterialBinding, BINDING),
+    ("Texture2", V1NodeKind::Texture2, TEXTURE),
     (
         "Texture2Transform",
-        Kind::Texture2Transform,
+        V1NodeKind::Texture2Transform,
         TEXTURE_TRANSFORM,
     ),
     (
         "TextureCoordinate2",
-        Kind::TextureCoordinate2,
-        &[("point", Form::Vectors2)],
+        V1NodeKind::TextureCoordinate2,
+        &[("point", V1FieldType::Vectors2)],
     ),
-    ("ShapeHints", Kind::ShapeHints, HINTS),
-    ("Transform", Kind::Transform, TRANSFORM),
-    ("Translation", Kind::Translation, &[("translation", TRIPLE)]),
+    ("ShapeHints", V1NodeKind::ShapeHints, HINTS),
+    ("Transform", V1NodeKind::Transform, TRANSFORM),
+    (
+        "Translation",
+        V1NodeKind::Translation,
+        &[("translation", TRIPLE)],
+    ),
     (
         "Rotation",
-        Kind::Rotation,
-        &[("rotation", Form::Exactly(4))],
+        V1NodeKind::Rotation,
+        &[("rotation", V1FieldType::Exactly(4))],
     ),
-    ("Scale", Kind::Scale, &[("scaleFactor", TRIPLE)]),
+    ("Scale", V1NodeKind::Scale, &[("scaleFactor", TRIPLE)]),
     (
         "MatrixTransform",
-        Kind::MatrixTransform,
-        &[("matrix", Form::Exactly(16))],
+        V1NodeKind::MatrixTransform,
+        &[("matrix", V1FieldType::Exactly(16))],
     ),
-    ("IndexedFaceSet", Kind::IndexedFaceSet, FACE_SET),
+    ("IndexedFaceSet", V1NodeKind::IndexedFaceSet, FACE_SET),
     (
         "Cube",
-        Kind::Cube,
+        V1NodeKind::Cube,
         &[("width", NUMBER), ("height", NUMBER), ("depth", NUMBER)],
     ),
-    ("Sphere", Kind::Sphere, &[("radius", NUMBER)]),
+    ("Sphere", V1NodeKind::Sphere, &[("radius", NUMBER)]),
     (
         "Cylinder",
-        Kind::Cylinder,
+        V1NodeKind::Cylinder,
         &[
-            ("parts", Form::Words),
+            ("parts", V1FieldType::Words),
             ("radius", NUMBER),
             ("height", NUMBER),
         ],
     ),
     (
         "Cone",
-        Kind::Cone,
+        V1NodeKind::Cone,
         &[
-            ("parts", Form::Words),
+            ("parts", V1FieldType::Words),
             ("bottomRadius", NUMBER),
             ("height", NUMBER),
         ],
     ),
-    ("PointLight", Kind::PointLight, LIGHT),
-    ("SpotLight", Kind::SpotLight, LIGHT),
-    ("DirectionalLight", Kind::DirectionalLight, LIGHT),
-    ("PerspectiveCamera", Kind::PerspectiveCamera, CAMERA),
-    ("OrthographicCamera", Kind::OrthographicCamera, ORTHOGRAPHIC),
-    ("Info", Kind::Info, &[("string", Form::Words)]),
-    ("AsciiText", Kind::NoSurface, NO_SURFACE),
-    ("IndexedLineSet", Kind::NoSurface, NO_SURFACE),
-    ("PointSet", Kind::NoSurface, NO_SURFACE),
-    ("FontStyle", Kind::Silent, FONT),
+    ("PointLight", V1NodeKind::PointLight, LIGHT),
+    ("SpotLight", V1NodeKind::SpotLight, LIGHT),
+    ("DirectionalLight", V1NodeKind::DirectionalLight, LIGHT),
+    ("PerspectiveCamera", V1NodeKind::PerspectiveCamera, CAMERA),
+    (
+        "OrthographicCamera",
+        V1NodeKind::OrthographicCamera,
+        ORTHOGRAPHIC,
+    ),
+    ("Info", V1NodeKind::Info, &[("string", V1FieldType::Words)]),
+    ("AsciiText", V1NodeKind::NoSurface, NO_SURFACE),
+    ("IndexedLineSet", V1NodeKind::NoSurface, NO_SURFACE),
+    ("PointSet", V1NodeKind::NoSurface, NO_SURFACE),
+    ("FontStyle", V1NodeKind::Silent, FONT),
 ];
 
-const ANCHOR: &[Field] = &[
-    ("name", Form::Words),
-    ("description", Form::Words),
-    ("map", Form::Words),
+const ANCHOR: &[V1FieldSpec] = &[
+    ("name", V1FieldType::Words),
+    ("description", V1FieldType::Words),
+    ("map", V1FieldType::Words),
 ];
-const LOD: &[Field] = &[
-    ("range", Form::Numbers),
+const LOD: &[V1FieldSpec] = &[
+    ("range", V1FieldType::Numbers),
     ("center", TRIPLE),
-    ("screenArea", Form::Numbers),
+    ("screenArea", V1FieldType::Numbers),
 ];
-const INLINE: &[Field] = &[
-    ("name", Form::Words),
+const INLINE: &[V1FieldSpec] = &[
+    ("name", V1FieldType::Words),
     ("bboxSize", TRIPLE),
     ("bboxCenter", TRIPLE),
 ];
-const BINDING: &[Field] = &[("value", Form::Words)];
-const MATERIAL: &[Field] = &[
-    ("ambientColor", Form::Colors),
-    ("diffuseColor", Form::Colors),
-    ("specularColor", Form::Colors),
-    ("emissiveColor", Form::Colors),
-    ("shininess", Form::Numbers),
-    ("transparency", Form::Numbers),
-    ("mirror", Form::Numbers),
+const BINDING: &[V1FieldSpec] = &[("value", V1FieldType::Words)];
+const MATERIAL: &[V1FieldSpec] = &[
+    ("ambientColor", V1FieldType::Colors),
+    ("diffuseColor", V1FieldType::Colors),
+    ("specularColor", V1FieldType::Colors),
+    ("emissiveColor", V1FieldType::Colors),
+    ("shininess", V1FieldType::Numbers),
+    ("transparency", V1FieldType::Numbers),
+    ("mirror", V1FieldType::Numbers),
 ];
-const TEXTURE: &[Field] = &[
-    ("filename", Form::Words),
-    ("image", Form::Image),
-    ("wrapS", Form::Words),
-    ("wrapT", Form::Words),
+const TEXTURE: &[V1FieldSpec] = &[
+    ("filename", V1FieldType::Words),
+    ("image", V1FieldType::Image),
+    ("wrapS", V1FieldType::Words),
+    ("wrapT", V1FieldType::Words),
 ];
-const TEXTURE_TRANSFORM: &[Field] = &[
-    ("translation", Form::Exactly(2)),
+const TEXTURE_TRANSFORM: &[V1FieldSpec] = &[
+    ("translation", V1FieldType::Exactly(2)),
     ("rotation", NUMBER),
-    ("scaleFactor", Form::Exactly(2)),
-    ("center", Form::Exactly(2)),
+    ("scaleFactor", V1FieldType::Exactly(2)),
+    ("center", V1FieldType::Exactly(2)),
 ];
-const HINTS: &[Field] = &[
-    ("vertexOrdering", Form::Words),
-    ("shapeType", Form::Words),
-    ("faceType", Form::Words),
+const HINTS: &[V1FieldSpec] = &[
+    ("vertexOrdering", V1FieldType::Words),
+    ("shapeType", V1FieldType::Words),
+    ("faceType", V1FieldType::Words),
     ("creaseAngle", NUMBER),
 ];
-const TRANSFORM: &[Field] = &[
+const TRANSFORM: &[V1FieldSpec] = &[
     ("translation", TRIPLE),
-    ("rotation", Form::Exactly(4)),
+    ("rotation", V1FieldType::Exactly(4)),
     ("scaleFactor", TRIPLE),
-    ("scaleOrientation", Form::Exactly(4)),
+    ("scaleOrientation", V1FieldType::Exactly(4)),
     ("center", TRIPLE),
 ];
-const FACE_SET: &[Field] = &[
-    ("coordIndex", Form::Integers),
-    ("materialIndex", Form::Integers),
-    ("normalIndex", Form::Integers),
-    ("textureCoordIndex", Form::Integers),
+const FACE_SET: &[V1FieldSpec] = &[
+    ("coordIndex", V1FieldType::Integers),
+    ("materialIndex", V1FieldType::Integers),
+    ("normalIndex", V1FieldType::Integers),
+    ("textureCoordIndex", V1FieldType::Integers),
 ];
-const LIGHT: &[Field] = &[
-    ("on", Form::Words),
+const LIGHT: &[V1FieldSpec] = &[
+    ("on", V1FieldType::Words),
     ("intensity", NUMBER),
-    ("color", Form::Colors),
+    ("color", V1FieldType::Colors),
     ("location", TRIPLE),
     ("direction", TRIPLE),
     ("dropOffRate", NUMBER),
     ("cutOffAngle", NUMBER),
 ];
-const CAMERA: &[Field] = &[
+const CAMERA: &[V1FieldSpec] = &[
     ("position", TRIPLE),
-    ("orientation", Form::Exactly(4)),
+    ("orientation", V1FieldType::Exactly(4)),
     ("focalDistance", NUMBER),
     ("heightAngle", NUMBER),
     ("nearDistance", NUMBER),
     ("farDistance", NUMBER),
     ("aspectRatio", NUMBER),
-    ("viewportMapping", Form::Words),
+    ("viewportMapping", V1FieldType::Words),
 ];
-const ORTHOGRAPHIC: &[Field] = &[
+const ORTHOGRAPHIC: &[V1FieldSpec] = &[
     ("position", TRIPLE),
-    ("orientation", Form::Exactly(4)),
+    ("orientation", V1FieldType::Exactly(4)),
     ("focalDistance", NUMBER),
     ("height", NUMBER),
     ("nearDistance", NUMBER),
     ("farDistance", NUMBER),
     ("aspectRatio", NUMBER),
-    ("viewportMapping", Form::Words),
+    ("viewportMapping", V1FieldType::Words),
 ];
-const NO_SURFACE: &[Field] = &[
-    ("coordIndex", Form::Integers),
-    ("materialIndex", Form::Integers),
-    ("normalIndex", Form::Integers),
-    ("textureCoordIndex", Form::Integers),
+const NO_SURFACE: &[V1FieldSpec] = &[
+    ("coordIndex", V1FieldType::Integers),
+    ("materialIndex", V1FieldType::Integers),
+    ("normalIndex", V1FieldType::Integers),
+    ("textureCoordIndex", V1FieldType::Integers),
     ("startIndex", NUMBER),
     ("numPoints", NUMBER),
-    ("string", Form::Words),
+    ("string", V1FieldType::Words),
     ("spacing", NUMBER),
-    ("justification", Form::Words),
-    ("width", Form::Numbers),
+    ("justification", V1FieldType::Words),
+    ("width", V1FieldType::Numbers),
 ];
-const FONT: &[Field] = &[
+const FONT: &[V1FieldSpec] = &[
     ("size", NUMBER),
-    ("family", Form::Words),
-    ("style", Form::Words),
+    ("family", V1FieldType::Words),
+    ("style", V1FieldType::Words),
 ];
 
-impl Node<'_> {
-    fn value(&self, field: &str) -> Option<&Value<'_>> {
+impl V1Node<'_> {
+    fn value(&self, field: &str) -> Option<&V1Value<'_>> {
         let given = self.fields.iter().find(|(name, _)| *name == field);
         given.map(|(_, value)| value)
     }
 
-    /// The numbers of a field, if it is given.
+    /// The numbers of a field, if present.
     pub fn numbers(&self, field: &str) -> Option<&[f64]> {
         match self.value(field)? {
-            Value::Numbers(list) => Some(list),
+            V1Value::Numbers(list) => Some(list),
             _ => None,
         }
     }
 
-    /// The `N` numbers of a field, if it is given and they are finite.
+    /// The `N` numbers of a field, if present and finite.
     pub fn exactly<const N: usize>(&self, field: &str) -> Option<[f64; N]> {
         let numbers: [f64; N] = self.numbers(field)?.try_into().ok()?;
         numbers.iter().all(|n| n.is_finite()).then_some(numbers)
@@ -387,7 +399,7 @@ impl Node<'_> {
     /// The vectors of a field.
     pub fn vectors(&self, field: &str) -> Option<&[DVec3]> {
         match self.value(field)? {
-            Value::Vectors(list) => Some(list),
+            V1Value::Vectors(list) => Some(list),
             _ => None,
         }
     }
@@ -395,23 +407,23 @@ impl Node<'_> {
     /// The pairs of a field.
     pub fn vectors2(&self, field: &str) -> Option<&[DVec2]> {
         match self.value(field)? {
-            Value::Vectors2(list) => Some(list),
+            V1Value::Vectors2(list) => Some(list),
             _ => None,
         }
     }
 
-    /// The colours of a field, if it is given.
+    /// The colours of a field, if present.
     pub fn colors(&self, field: &str) -> Option<&[Rgb]> {
         match self.value(field)? {
-            Value::Colors(list) => Some(list),
+            V1Value::Colors(list) => Some(list),
             _ => None,
         }
     }
 
-    /// The indices of a field; `None` if it is not given, or with the −1 that says as much.
+    /// The indices of a field; `None` if it is absent or the −1 that means the same.
     pub fn index(&self, field: &str) -> Option<&[i32]> {
         match self.value(field)? {
-            Value::Integers(list) if !matches!(**list, [] | [-1]) => Some(list),
+            V1Value::Integers(list) if !matches!(**list, [] | [-1]) => Some(list),
             _ => None,
         }
     }
@@ -419,17 +431,17 @@ impl Node<'_> {
     /// The words of a field.
     pub fn words(&self, field: &str) -> &[Cow<'_, str>] {
         match self.value(field) {
-            Some(Value::Words(list)) => list,
+            Some(V1Value::Words(list)) => list,
             _ => &[],
         }
     }
 
-    /// The first word of a field; empty if there is none.
+    /// The first word of a field; empty if absent.
     pub fn word(&self, field: &str) -> &str {
         self.words(field).first().map_or("", |word| word)
     }
 
-    /// Whether a flag is not off.
+    /// Whether a flag is not explicitly off.
     pub fn is_on(&self, field: &str) -> bool {
         !matches!(self.word(field), "FALSE" | "false" | "0")
     }
@@ -441,12 +453,12 @@ mod tests {
 
     #[test]
     fn names_find_their_fields() {
-        assert_eq!(Kind::named(b"WWWAnchor"), Kind::Separator);
-        assert_eq!(Kind::named(b"Cubist"), Kind::Unknown);
-        assert_eq!(Kind::Sphere.fields(), [("radius", NUMBER)]);
-        assert!(Kind::Unknown.fields().is_empty());
+        assert_eq!(V1NodeKind::named(b"WWWAnchor"), V1NodeKind::Separator);
+        assert_eq!(V1NodeKind::named(b"Cubist"), V1NodeKind::Unknown);
+        assert_eq!(V1NodeKind::Sphere.fields(), [("radius", NUMBER)]);
+        assert!(V1NodeKind::Unknown.fields().is_empty());
         for (name, kind, _) in TYPES {
-            assert_eq!(Kind::named(name.as_bytes()), *kind);
+            assert_eq!(V1NodeKind::named(name.as_bytes()), *kind);
         }
     }
 }

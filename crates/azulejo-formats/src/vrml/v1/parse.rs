@@ -1,56 +1,59 @@
-//! Text to nodes.
+//! Parses text into nodes.
 
-use super::node::{Document, Form, IGNORED_FIELDS, Kind, Node, NodeId, Value};
+use super::node::{IGNORED_FIELDS, NodeId, V1Document, V1FieldType, V1Node, V1NodeKind, V1Value};
 use crate::ReadError;
 use crate::reading::text::{shortened, text};
-use crate::vrml::lexer::Lexer;
-use crate::vrml::stage::{Source, Stage};
+use crate::vrml::builder::{VrmlSceneBuilder, VrmlSource};
+use crate::vrml::lexer::VrmlLexer;
 use azulejo_scene::Rgb;
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-/// How deep nodes may stand inside one another.
+/// Maximum depth of nested nodes.
 const MOST_NESTED: usize = 256;
 
-/// Reads all nodes of a file.
+/// Parses all nodes of a file.
 ///
 /// # Errors
-/// Text without a single node, and nodes nested too deep.
-pub(super) fn parse<'a>(stage: &mut Stage, source: &'a Source) -> Result<Document<'a>, ReadError> {
-    let mut parser = Parser {
-        lexer: Lexer::new(&source.bytes),
+/// Text without a single node, and nodes nested too deeply.
+pub(super) fn parse<'a>(
+    builder: &mut VrmlSceneBuilder,
+    source: &'a VrmlSource,
+) -> Result<V1Document<'a>, ReadError> {
+    let mut parser = V1Parser {
+        lexer: VrmlLexer::new(&source.bytes),
         source,
-        stage,
+        builder,
         nodes: Vec::new(),
         names: HashMap::new(),
         open: Vec::new(),
     };
     let roots = parser.roots()?;
-    Ok(Document {
+    Ok(V1Document {
         nodes: parser.nodes,
         roots,
     })
 }
 
-struct Parser<'a, 's, 'f> {
-    lexer: Lexer<'a>,
-    source: &'a Source,
-    stage: &'s mut Stage<'f>,
-    nodes: Vec<Node<'a>>,
-    /// The latest node of each name, once it has ended: a node cannot be used inside itself.
+struct V1Parser<'a, 's, 'f> {
+    lexer: VrmlLexer<'a>,
+    source: &'a VrmlSource,
+    builder: &'s mut VrmlSceneBuilder<'f>,
+    nodes: Vec<V1Node<'a>>,
+    /// The latest node of each name, once it is complete: a node cannot be used inside itself.
     names: HashMap<&'a [u8], NodeId>,
-    /// The nodes around the place that is read, each with its name.
+    /// The enclosing nodes, each with its name.
     open: Vec<Option<&'a [u8]>>,
 }
 
-impl<'a> Parser<'a, '_, '_> {
+impl<'a> V1Parser<'a, '_, '_> {
     #[cold]
     fn warn(&mut self, at: usize, message: impl Into<String>) {
-        self.stage.warn(self.source, at, message);
+        self.builder.warn(self.source, at, message);
     }
 
-    /// Where the next token begins.
+    /// The offset of the next token.
     fn here(&mut self) -> usize {
         self.lexer.skip_blanks();
         self.lexer.offset()
@@ -71,16 +74,17 @@ impl<'a> Parser<'a, '_, '_> {
                 }
             }
         }
-        match roots.is_empty() {
-            true => Err(start.clone().error(&self.source.name, "a node")),
-            false => Ok(roots),
+        if roots.is_empty() {
+            Err(start.clone().error(&self.source.name, "a node"))
+        } else {
+            Ok(roots)
         }
     }
 
     #[cold]
     fn stray(&mut self, at: usize, word: &[u8]) {
         let word = shortened(&text(word));
-        self.warn(at, format!("\"{word}\" where a node could be: skipped"));
+        self.warn(at, format!("\"{word}\" instead of a node: skipped"));
     }
 
     /// Whether a word that has been taken begins a node.
@@ -88,8 +92,8 @@ impl<'a> Parser<'a, '_, '_> {
         matches!(word, b"DEF" | b"USE") || self.lexer.peek() == Some(b'{')
     }
 
-    /// The rest of a node that begins with `word` at `at`; `None`, with a warning, if it turns
-    /// out to be none.
+    /// Reads the rest of a node that begins with `word` at `at`; `None`, with a warning, if it is
+    /// not a node.
     fn node(&mut self, at: usize, word: &'a [u8]) -> Result<Option<NodeId>, ReadError> {
         match word {
             b"USE" => Ok(self.used(at)),
@@ -99,7 +103,7 @@ impl<'a> Parser<'a, '_, '_> {
                     return Ok(None);
                 };
                 if type_name == b"USE" {
-                    // Not allowed, but it is clear what is meant.
+                    // Not allowed, but the meaning is clear.
                     let known = self.used(at);
                     self.names.extend(known.map(|known| (name, known)));
                     return Ok(known);
@@ -112,22 +116,23 @@ impl<'a> Parser<'a, '_, '_> {
         }
     }
 
-    /// The node that USE names.
+    /// The node that USE refers to.
     fn used(&mut self, at: usize) -> Option<NodeId> {
         let name = self.lexer.word().unwrap_or_default();
         if let Some(&known) = self.names.get(name) {
             return Some(known);
         }
         let shown = shortened(&text(name));
-        let why = match self.open.contains(&Some(name)) {
-            true => "stands inside the node of that name",
-            false => "names no node before it",
+        let why = if self.open.contains(&Some(name)) {
+            "refers to the node that contains it"
+        } else {
+            "refers to no node before it"
         };
         self.warn(at, format!("USE {shown} {why}: skipped"));
         None
     }
 
-    /// A node from its `{` on.
+    /// Reads a node from its `{` on.
     fn define(
         &mut self,
         at: usize,
@@ -142,8 +147,8 @@ impl<'a> Parser<'a, '_, '_> {
             let expected = format!("nodes nested at most {MOST_NESTED} deep");
             return Err(self.lexer.error(&self.source.name, &expected));
         }
-        let mut node = Node {
-            kind: Kind::named(type_name),
+        let mut node = V1Node {
+            kind: V1NodeKind::named(type_name),
             type_name,
             name: name.map(text),
             at,
@@ -163,22 +168,23 @@ impl<'a> Parser<'a, '_, '_> {
         Ok(Some(self.nodes.len() as NodeId - 1))
     }
 
-    /// Says what will become of a node that is not understood.
-    fn judge(&mut self, node: &Node) {
+    /// Warns about a node that is not supported.
+    fn judge(&mut self, node: &V1Node) {
         let name = shortened(&text(node.type_name));
-        if node.kind == Kind::Unknown {
-            let what = match node.children.is_empty() {
-                true => "skipped",
-                false => "what is inside is read as in a Separator",
+        if node.kind == V1NodeKind::Unknown {
+            let what = if node.children.is_empty() {
+                "skipped"
+            } else {
+                "its content is read as in a Separator"
             };
-            self.warn(node.at, format!("node {name} is not known: {what}"));
+            self.warn(node.at, format!("unknown node {name}: {what}"));
         } else if !node.kind.is_group() && !node.children.is_empty() {
             self.warn(node.at, format!("nodes inside {name}: skipped"));
         }
     }
 
-    /// Fields and nodes up to the `}`.
-    fn body(&mut self, node: &mut Node<'a>) -> Result<(), ReadError> {
+    /// Reads fields and nodes up to the `}`.
+    fn body(&mut self, node: &mut V1Node<'a>) -> Result<(), ReadError> {
         loop {
             let at = self.here();
             if self.lexer.take(b'}') {
@@ -191,23 +197,23 @@ impl<'a> Parser<'a, '_, '_> {
                 return Ok(());
             } else {
                 let found = self.lexer.found();
-                self.warn(at, format!("{found} where a field could be: skipped"));
+                self.warn(at, format!("{found} instead of a field: skipped"));
                 self.lexer.skip_token();
             }
         }
     }
 
-    /// A field or a node inside a node, behind its first word.
+    /// Reads a field or a child node, after its first word.
     fn statement(
         &mut self,
         at: usize,
         word: &'a [u8],
-        node: &mut Node<'a>,
+        node: &mut V1Node<'a>,
     ) -> Result<(), ReadError> {
         let mut known = node.kind.fields().iter();
         if let Some(&(name, form)) = known.find(|(name, _)| name.as_bytes() == word) {
             let value = self.value(name, form);
-            // Inventor marks values that are not to be used.
+            // Inventor marks values that are to be ignored.
             if !self.lexer.take_word(b"~") {
                 node.fields.retain(|(other, _)| *other != name);
                 node.fields.push((name, value));
@@ -215,33 +221,33 @@ impl<'a> Parser<'a, '_, '_> {
         } else if self.begins_node(word) {
             node.children.extend(self.node(at, word)?);
         } else if word == b"fields" && self.lexer.take(b'[') {
-            // The values say themselves what type they are of.
+            // The type is evident from the values.
             self.lexer.skip_to_close();
         } else if word == b"isA" {
             let names = self.words();
-            if node.kind == Kind::Unknown {
-                let kinds = names.iter().map(|name| Kind::named(name.as_bytes()));
+            if node.kind == V1NodeKind::Unknown {
+                let kinds = names.iter().map(|name| V1NodeKind::named(name.as_bytes()));
                 node.kind = kinds
                     .into_iter()
-                    .find(|k| *k != Kind::Unknown)
+                    .find(|k| *k != V1NodeKind::Unknown)
                     .unwrap_or(node.kind);
             }
-        } else if word == b"alternateRep" && node.kind == Kind::Unknown {
-            // The value is a node, which the next turn finds.
+        } else if word == b"alternateRep" && node.kind == V1NodeKind::Unknown {
+            // The value is a node, which the next iteration reads.
         } else {
             self.skip_field(at, word, node);
         }
         Ok(())
     }
 
-    /// Passes the value of a field that is not known. Without its type only its look helps: all
+    /// Skips the value of an unknown field. Its type is unknown, too, so the tokens decide: all
     /// numbers, or one of anything else.
-    fn skip_field(&mut self, at: usize, word: &[u8], node: &Node) {
-        // The fields of an unknown node are not worth a warning each.
-        if node.kind != Kind::Unknown && !IGNORED_FIELDS.contains(&word) {
+    fn skip_field(&mut self, at: usize, word: &[u8], node: &V1Node) {
+        // The fields of an unknown node do not deserve a warning each.
+        if node.kind != V1NodeKind::Unknown && !IGNORED_FIELDS.contains(&word) {
             let (node, field) = (text(node.type_name), text(word));
             let shown = shortened(&format!("{node}.{field}"));
-            self.warn(at, format!("field {shown} is not used"));
+            self.warn(at, format!("field {shown} is ignored"));
         }
         match self.lexer.peek() {
             Some(b'[') => {
@@ -271,24 +277,24 @@ impl<'a> Parser<'a, '_, '_> {
         }
     }
 
-    fn value(&mut self, name: &str, form: Form) -> Value<'a> {
+    fn value(&mut self, name: &str, form: V1FieldType) -> V1Value<'a> {
         match form {
-            Form::Exactly(count) => Value::Numbers(self.exactly(name, count)),
-            Form::Numbers => {
+            V1FieldType::Exactly(count) => V1Value::Numbers(self.exactly(name, count)),
+            V1FieldType::Numbers => {
                 let mut list = self.list(name, |[x]| x);
                 keep_one_of_equals(&mut list);
-                Value::Numbers(list)
+                V1Value::Numbers(list)
             }
-            Form::Integers => Value::Integers(self.integers(name)),
-            Form::Vectors => Value::Vectors(self.list(name, DVec3::from_array)),
-            Form::Vectors2 => Value::Vectors2(self.list(name, DVec2::from_array)),
-            Form::Colors => {
+            V1FieldType::Integers => V1Value::Integers(self.integers(name)),
+            V1FieldType::Vectors => V1Value::Vectors(self.list(name, DVec3::from_array)),
+            V1FieldType::Vectors2 => V1Value::Vectors2(self.list(name, DVec2::from_array)),
+            V1FieldType::Colors => {
                 let mut list = self.list(name, |[r, g, b]| Rgb::new(r, g, b).map(finite));
                 keep_one_of_equals(&mut list);
-                Value::Colors(list)
+                V1Value::Colors(list)
             }
-            Form::Words => Value::Words(self.words()),
-            Form::Image => Value::Numbers(self.image()),
+            V1FieldType::Words => V1Value::Words(self.words()),
+            V1FieldType::Image => V1Value::Numbers(self.image()),
         }
     }
 
@@ -298,9 +304,9 @@ impl<'a> Parser<'a, '_, '_> {
         let mut numbers = Vec::with_capacity(count);
         self.lexer.numbers(count, &mut numbers);
         if numbers.len() < count {
-            self.warn(at, format!("{name} with too few numbers: not used"));
+            self.warn(at, format!("{name} with too few numbers: ignored"));
         } else if numbers.iter().any(|n| !n.is_finite()) {
-            self.warn(at, format!("{name} with a number that is none: not used"));
+            self.warn(at, format!("{name} with an invalid number: ignored"));
         }
         if in_brackets {
             self.lexer.skip_to_close();
@@ -308,7 +314,7 @@ impl<'a> Parser<'a, '_, '_> {
         numbers
     }
 
-    /// One value of `N` numbers, or any number of them in brackets.
+    /// One tuple of `N` numbers, or any number of them in brackets.
     fn list<const N: usize, T>(&mut self, name: &str, make: impl Fn([f64; N]) -> T) -> Vec<T> {
         let mut list = Vec::new();
         let in_brackets = self.lexer.take(b'[');
@@ -326,7 +332,7 @@ impl<'a> Parser<'a, '_, '_> {
         }
     }
 
-    /// `N` numbers; `None` if none comes next or they end too early.
+    /// `N` numbers; `None` if none comes next or there are too few.
     #[inline]
     fn tuple<const N: usize>(&mut self, name: &str) -> Option<[f64; N]> {
         let mut tuple = [0.0; N];
@@ -336,10 +342,7 @@ impl<'a> Parser<'a, '_, '_> {
                 None => {
                     if k > 0 {
                         let at = self.here();
-                        self.warn(
-                            at,
-                            format!("the last value of {name} is cut short: skipped"),
-                        );
+                        self.warn(at, format!("incomplete last value of {name}: skipped"));
                     }
                     return None;
                 }
@@ -363,14 +366,14 @@ impl<'a> Parser<'a, '_, '_> {
         }
     }
 
-    /// Whether a list ends here; otherwise passes what does not belong into it.
+    /// Whether a list ends here; otherwise skips what does not belong in it.
     fn closes(&mut self, name: &str) -> bool {
         let at = self.here();
         match self.lexer.peek() {
             Some(b']') => self.lexer.take(b']'),
-            // A bracket was forgotten, or the file ends.
+            // The closing bracket is missing, or the file ends.
             Some(b'}') | None => {
-                self.warn(at, format!("{name} has no end"));
+                self.warn(at, format!("{name} without a closing bracket"));
                 true
             }
             Some(_) => {
@@ -420,7 +423,7 @@ impl<'a> Parser<'a, '_, '_> {
     fn image(&mut self) -> Vec<f64> {
         let mut numbers = self.exactly("image", 3);
         if let [width, height, _] = *numbers {
-            // Negative sizes become 0, and no file has room for the largest.
+            // Negative sizes become 0, and the largest exceed any file.
             let pixels = (width as usize).saturating_mul(height as usize);
             self.lexer.numbers(pixels, &mut numbers);
         }
@@ -428,7 +431,7 @@ impl<'a> Parser<'a, '_, '_> {
     }
 }
 
-/// A list of equal values says no more than one of them, and costs more wherever it is used.
+/// A list of equal values means the same as one of them, and costs more wherever it is used.
 fn keep_one_of_equals<T: PartialEq>(list: &mut Vec<T>) {
     if list.windows(2).all(|pair| pair[0] == pair[1]) {
         list.truncate(1);

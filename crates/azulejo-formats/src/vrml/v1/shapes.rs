@@ -1,18 +1,18 @@
-//! Face sets, and where shapes of all kinds go.
+//! Face sets, and the common path of all shapes into the scene.
 
-use super::looks;
-use super::node::Node;
-use super::walk::Walk;
+use super::materials;
+use super::node::V1Node;
+use super::walk::V1Traversal;
 use crate::ReadError;
-use crate::vrml::faces::{self, Binding, Bound, Built, FaceSet};
-use crate::vrml::stage::Placed;
+use crate::vrml::builder::ShapeOutcome;
+use crate::vrml::faces::{self, Binding, BoundPool, BuiltFaceSet, FaceSet};
 use azulejo_scene::{Attribute, Mesh, Rgb};
 use glam::DVec3;
 use std::borrow::Cow;
 
-impl<'d> Walk<'d, '_, '_> {
-    /// An IndexedFaceSet over the current points.
-    pub fn face_set(&mut self, node: &'d Node<'d>) -> Result<(), ReadError> {
+impl<'d> V1Traversal<'d, '_, '_> {
+    /// An IndexedFaceSet over the current coordinates.
+    pub fn face_set(&mut self, node: &'d V1Node<'d>) -> Result<(), ReadError> {
         let state = self.state;
         let palette = self.palette()?;
         let set = FaceSet {
@@ -20,7 +20,7 @@ impl<'d> Walk<'d, '_, '_> {
             coord_index: node.index("coordIndex").unwrap_or(&[]),
             colors: self.bound_colors(&palette, node),
             normals: self.bound_normals(node),
-            uvs: (state.texture.is_some() && !state.uvs.is_empty()).then_some(Bound {
+            uvs: (state.texture.is_some() && !state.uvs.is_empty()).then_some(BoundPool {
                 values: state.uvs,
                 index: node.index("textureCoordIndex"),
                 binding: Binding::PerVertexIndexed,
@@ -29,10 +29,10 @@ impl<'d> Walk<'d, '_, '_> {
             crease_angle: state.hints.crease_angle,
             drop_unused: true,
         };
-        self.stage.spend(set.cost())?;
+        self.builder.spend(set.cost())?;
         let mut built = self.build(node, set);
         for (message, count) in built.problems.messages() {
-            self.stage.warn_many(self.source, node.at, message, count);
+            self.builder.warn_many(self.source, node.at, message, count);
         }
         self.map_texture(&mut built.mesh);
         self.paint(node, &mut built);
@@ -45,12 +45,12 @@ impl<'d> Walk<'d, '_, '_> {
         let Some(material) = self.state.material else {
             return Ok(Cow::Borrowed(&[]));
         };
-        let count = looks::count(material);
+        let count = materials::count(material);
         match material.colors("diffuseColor") {
             Some(diffuse) if diffuse.len() == count => Ok(Cow::Borrowed(diffuse)),
-            // Materials that differ in something else still have to be told apart.
+            // Materials that differ in other fields still have to be distinguished.
             diffuse => {
-                self.stage.spend(count as u64)?;
+                self.builder.spend(count as u64)?;
                 let mut palette = diffuse.unwrap_or_default().to_vec();
                 palette.resize(count, palette.last().copied().unwrap_or_default());
                 Ok(Cow::Owned(palette))
@@ -58,49 +58,52 @@ impl<'d> Walk<'d, '_, '_> {
         }
     }
 
-    /// The current materials as the faces or corners of a set take them; `None` if one holds for
-    /// the whole set.
-    fn bound_colors<'b>(&self, palette: &'b [Rgb], node: &'b Node) -> Option<Bound<'b, Rgb>> {
+    /// The current materials bound to the faces or corners of a set; `None` if one holds for the
+    /// whole set.
+    fn bound_colors<'b>(&self, palette: &'b [Rgb], node: &'b V1Node) -> Option<BoundPool<'b, Rgb>> {
         let binding = self.state.material_binding.of_faces(Binding::Overall);
-        (palette.len() > 1 && binding != Binding::Overall).then_some(Bound {
+        (palette.len() > 1 && binding != Binding::Overall).then_some(BoundPool {
             values: palette,
             index: node.index("materialIndex"),
             binding,
         })
     }
 
-    fn bound_normals(&self, node: &'d Node<'d>) -> Option<Bound<'d, DVec3>> {
+    fn bound_normals(&self, node: &'d V1Node<'d>) -> Option<BoundPool<'d, DVec3>> {
         let binding = self
             .state
             .normal_binding
             .of_faces(Binding::PerVertexIndexed);
-        (!self.state.normals.is_empty()).then_some(Bound {
+        (!self.state.normals.is_empty()).then_some(BoundPool {
             values: self.state.normals,
             index: node.index("normalIndex"),
             binding,
         })
     }
 
-    /// Makes the mesh; where the current normals do not suffice, with normals of its own faces.
-    fn build(&mut self, node: &Node, set: FaceSet) -> Built {
+    /// Builds the mesh; if there are too few current normals, with computed ones.
+    fn build(&mut self, node: &V1Node, set: FaceSet) -> BuiltFaceSet {
         let built = faces::build(&set);
         if built.problems.stray_normals == 0 {
             return built;
         }
-        self.warn(node, "too few normals for a face set: made from its faces");
+        self.warn(
+            node,
+            "too few normals for a face set: computed from its faces",
+        );
         faces::build(&FaceSet {
             normals: None,
             ..set
         })
     }
 
-    /// Brings texture coordinates under the current Texture2Transform, and makes them where a
-    /// picture has none.
+    /// Applies the current Texture2Transform to the texture coordinates, and generates them for a
+    /// texture without any.
     pub fn map_texture(&mut self, mesh: &mut Mesh) {
         let Some(texture) = self.state.texture else {
             return;
         };
-        if mesh.uvs.is_none() && self.stage.textures.is_loaded(texture) {
+        if mesh.uvs.is_none() && self.builder.textures.is_loaded(texture) {
             mesh.uvs = Some(Attribute::per_vertex(faces::box_mapping(&mesh.positions)));
         }
         if let Some(uvs) = &mut mesh.uvs {
@@ -111,8 +114,8 @@ impl<'d> Walk<'d, '_, '_> {
         }
     }
 
-    /// Gives the faces of a set their materials.
-    fn paint(&mut self, node: &Node, built: &mut Built) {
+    /// Assigns materials to the faces of a set.
+    fn paint(&mut self, node: &V1Node, built: &mut BuiltFaceSet) {
         let mesh = &mut built.mesh;
         let is_open = !self.state.hints.has_inside;
         if built.face_values.is_empty() {
@@ -121,9 +124,9 @@ impl<'d> Walk<'d, '_, '_> {
             let differ = self
                 .state
                 .material
-                .is_some_and(looks::differ_beyond_diffuse);
+                .is_some_and(materials::differ_beyond_diffuse);
             if !mesh.colors.is_empty() && differ {
-                self.warn(node, "materials of vertices that differ in more than diffuseColor: those of the first taken");
+                self.warn(node, "vertex materials that differ in more than diffuseColor: those of the first are used");
             }
         }
         for (material, &value) in mesh.face_materials.iter_mut().zip(&built.face_values) {
@@ -131,15 +134,18 @@ impl<'d> Walk<'d, '_, '_> {
         }
     }
 
-    /// Makes an object of a mesh in the coordinates of its node.
-    pub fn put(&mut self, node: &Node, mesh: Mesh) {
+    /// Adds a mesh in node coordinates as an object.
+    pub fn put(&mut self, node: &V1Node, mesh: Mesh) {
         let placed = self
-            .stage
+            .builder
             .place_mesh(&self.frame(), node.name.as_deref(), mesh);
         match placed {
-            Placed::Object => {}
-            Placed::Nothing => self.warn(node, "shape without faces: skipped"),
-            Placed::Nowhere => self.warn(node, "shape that lies beyond the numbers: skipped"),
+            ShapeOutcome::Object => {}
+            ShapeOutcome::Nothing => self.warn(node, "shape without faces: skipped"),
+            ShapeOutcome::Nowhere => self.warn(
+                node,
+                "shape with a singular or overflowing transformation: skipped",
+            ),
         }
     }
 }

@@ -1,50 +1,50 @@
-//! What shapes find when they come: the state that other nodes change.
+//! The traversal state, which property nodes change and shapes use.
 
-use super::node::Node;
+use super::node::V1Node;
 use crate::vrml::faces::Binding;
 use azulejo_scene::TextureId;
 use glam::{DAffine2, DAffine3, DMat3, DQuat, DVec2, DVec3};
 
-/// The state between two nodes.
+/// The traversal state between two nodes.
 #[derive(Clone, Copy)]
-pub(super) struct State<'d> {
-    /// From the coordinates of shapes to those of the file.
+pub(super) struct TraversalState<'d> {
+    /// From object coordinates to those of the file.
     pub matrix: DAffine3,
-    /// What texture coordinates go through.
+    /// The texture coordinate transformation.
     pub uv_matrix: DAffine2,
-    /// The current points.
+    /// The current coordinates.
     pub points: &'d [DVec3],
     /// The current normals.
     pub normals: &'d [DVec3],
     /// The current texture coordinates.
     pub uvs: &'d [DVec2],
-    /// The current materials: a node Material.
-    pub material: Option<&'d Node<'d>>,
+    /// The current Material node.
+    pub material: Option<&'d V1Node<'d>>,
     /// What each of the materials belongs to.
-    pub material_binding: Per,
+    pub material_binding: V1Binding,
     /// What each of the normals belongs to.
-    pub normal_binding: Per,
-    /// The current picture.
+    pub normal_binding: V1Binding,
+    /// The current texture.
     pub texture: Option<TextureId>,
-    /// What is known about surfaces.
-    pub hints: Hints,
+    /// The current shape hints.
+    pub hints: ShapeHints,
 }
 
-impl State<'_> {
+impl TraversalState<'_> {
     /// The state at the start of a file.
     pub fn new(inventor: bool) -> Self {
-        State {
+        TraversalState {
             matrix: DAffine3::IDENTITY,
             uv_matrix: DAffine2::IDENTITY,
-            // A Coordinate3 that says nothing holds one point.
+            // The default Coordinate3 holds one point.
             points: &[DVec3::ZERO],
             normals: &[],
             uvs: &[],
             material: None,
-            material_binding: Per::Default,
-            normal_binding: Per::Default,
+            material_binding: V1Binding::Default,
+            normal_binding: V1Binding::Default,
             texture: None,
-            hints: Hints {
+            hints: ShapeHints {
                 clockwise: false,
                 has_inside: false,
                 crease_angle: default_crease_angle(inventor),
@@ -58,23 +58,23 @@ fn default_crease_angle(inventor: bool) -> f64 {
     if inventor { 0.0 } else { 0.5 }
 }
 
-/// What ShapeHints says.
+/// The content of a ShapeHints node.
 #[derive(Clone, Copy)]
-pub(super) struct Hints {
-    /// Whether the front shows its corners clockwise.
+pub(super) struct ShapeHints {
+    /// Whether vertices are clockwise as seen from the front.
     pub clockwise: bool,
-    /// Whether shapes are solid and their fronts known, so that backs are never seen.
+    /// Whether shapes are solid with known fronts, so that backs are never visible.
     pub has_inside: bool,
-    /// Greatest angle between faces that are smooth where they meet, radians.
+    /// Greatest angle between faces that are smoothed across their common edge, radians.
     pub crease_angle: f64,
 }
 
-impl Hints {
-    /// The hints of a node, which replaces all of them.
-    pub fn of(node: &Node, inventor: bool) -> Hints {
+impl ShapeHints {
+    /// The hints of a node, which replace all previous ones.
+    pub fn of(node: &V1Node, inventor: bool) -> ShapeHints {
         let ordering = node.word("vertexOrdering");
         let default = default_crease_angle(inventor);
-        Hints {
+        ShapeHints {
             clockwise: ordering == "CLOCKWISE",
             has_inside: matches!(ordering, "CLOCKWISE" | "COUNTERCLOCKWISE")
                 && node.word("shapeType") == "SOLID",
@@ -85,8 +85,8 @@ impl Hints {
 
 /// A value of MaterialBinding or NormalBinding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Per {
-    /// What suits the shape best.
+pub(super) enum V1Binding {
+    /// The natural binding of the shape.
     Default,
     Overall,
     Part,
@@ -97,49 +97,49 @@ pub(super) enum Per {
     VertexIndexed,
 }
 
-impl Per {
+impl V1Binding {
     /// The value of that name; `None` if there is none.
-    pub fn named(word: &str) -> Option<Per> {
+    pub fn named(word: &str) -> Option<V1Binding> {
         Some(match word {
-            "" | "DEFAULT" => Per::Default,
-            "OVERALL" | "NONE" => Per::Overall,
-            "PER_PART" => Per::Part,
-            "PER_PART_INDEXED" => Per::PartIndexed,
-            "PER_FACE" => Per::Face,
-            "PER_FACE_INDEXED" => Per::FaceIndexed,
-            "PER_VERTEX" => Per::Vertex,
-            "PER_VERTEX_INDEXED" => Per::VertexIndexed,
+            "" | "DEFAULT" => V1Binding::Default,
+            "OVERALL" | "NONE" => V1Binding::Overall,
+            "PER_PART" => V1Binding::Part,
+            "PER_PART_INDEXED" => V1Binding::PartIndexed,
+            "PER_FACE" => V1Binding::Face,
+            "PER_FACE_INDEXED" => V1Binding::FaceIndexed,
+            "PER_VERTEX" => V1Binding::Vertex,
+            "PER_VERTEX_INDEXED" => V1Binding::VertexIndexed,
             _ => return None,
         })
     }
 
-    /// How the faces of a set take values of this binding; the parts of a set are its faces.
+    /// How the faces of a set use values with this binding; the parts of a set are its faces.
     pub fn of_faces(self, default: Binding) -> Binding {
         match self {
-            Per::Default => default,
-            Per::Overall => Binding::Overall,
-            Per::Part | Per::Face => Binding::PerFace,
-            Per::PartIndexed | Per::FaceIndexed => Binding::PerFaceIndexed,
-            Per::Vertex => Binding::PerVertex,
-            Per::VertexIndexed => Binding::PerVertexIndexed,
+            V1Binding::Default => default,
+            V1Binding::Overall => Binding::Overall,
+            V1Binding::Part | V1Binding::Face => Binding::PerFace,
+            V1Binding::PartIndexed | V1Binding::FaceIndexed => Binding::PerFaceIndexed,
+            V1Binding::Vertex => Binding::PerVertex,
+            V1Binding::VertexIndexed => Binding::PerVertexIndexed,
         }
     }
 
-    /// Whether the parts of a sphere, cube, cylinder or cone have materials of their own.
+    /// Whether the parts of a sphere, cube, cylinder or cone have separate materials.
     pub fn is_per_part(self) -> bool {
-        matches!(self, Per::Part | Per::PartIndexed)
+        matches!(self, V1Binding::Part | V1Binding::PartIndexed)
     }
 }
 
-/// The rotation of four numbers, an axis and an angle; none if the axis has no direction.
+/// The rotation given by an axis and an angle; the identity if the axis is zero.
 pub(super) fn rotation(numbers: Option<[f64; 4]>) -> DQuat {
     let [x, y, z, angle] = numbers.unwrap_or([0.0, 0.0, 1.0, 0.0]);
     let axis = DVec3::new(x, y, z).try_normalize();
     axis.map_or(DQuat::IDENTITY, |axis| DQuat::from_axis_angle(axis, angle))
 }
 
-/// The map of a Transform: scaled along turned axes, turned and moved, about a centre.
-pub(super) fn transform(node: &Node) -> DAffine3 {
+/// The map of a Transform: scale along rotated axes, rotation and translation, about a centre.
+pub(super) fn transform(node: &V1Node) -> DAffine3 {
     let centre = node.vector("center", DVec3::ZERO);
     let turned = DAffine3::from_quat(rotation(node.exactly("scaleOrientation")));
     DAffine3::from_translation(node.vector("translation", DVec3::ZERO) + centre)
@@ -150,9 +150,9 @@ pub(super) fn transform(node: &Node) -> DAffine3 {
         * DAffine3::from_translation(-centre)
 }
 
-/// The map of a MatrixTransform, whose rows are what points, standing before it, go through:
-/// the last row moves. `None` if it is not affine.
-pub(super) fn matrix_transform(node: &Node) -> Option<DAffine3> {
+/// The map of a MatrixTransform. Points are row vectors multiplied from the left, so the last row
+/// is the translation. `None` if it is not affine.
+pub(super) fn matrix_transform(node: &V1Node) -> Option<DAffine3> {
     let Some(m) = node.exactly::<16>("matrix") else {
         return Some(DAffine3::IDENTITY);
     };
@@ -164,8 +164,8 @@ pub(super) fn matrix_transform(node: &Node) -> Option<DAffine3> {
     ([m[3], m[7], m[11]] == [0.0; 3] && map.is_finite()).then_some(map)
 }
 
-/// The map of a Texture2Transform: scaled and turned about a centre, then moved.
-pub(super) fn uv_transform(node: &Node) -> DAffine2 {
+/// The map of a Texture2Transform: scale and rotation about a centre, then translation.
+pub(super) fn uv_transform(node: &V1Node) -> DAffine2 {
     let pair = |field, default| node.exactly(field).map_or(default, DVec2::from_array);
     let centre = pair("center", DVec2::ZERO);
     DAffine2::from_translation(pair("translation", DVec2::ZERO) + centre)

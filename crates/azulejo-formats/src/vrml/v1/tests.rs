@@ -1,4 +1,4 @@
-//! VRML 1.0 as a whole.
+//! Tests of VRML 1.0.
 
 use crate::surface::phong::{Angle, Highlight};
 use crate::vrml::read;
@@ -27,7 +27,7 @@ fn summary(object: &Object) -> String {
     };
     let bounds = object.bounds();
     let point = |p: DVec3| {
-        // Adding zero makes -0 and 0 look the same.
+        // Adding zero turns -0 into 0.
         let [x, y, z] = p.to_array().map(|x| (x * 100.0).round() / 100.0 + 0.0);
         format!("{x} {y} {z}")
     };
@@ -35,7 +35,7 @@ fn summary(object: &Object) -> String {
     format!("{}: {kind} from {min} to {max}", object.name)
 }
 
-/// Reads nodes: expects these objects and no warnings.
+/// Checks the objects of some nodes, without warnings.
 fn check(body: &str, expected: &[&str]) {
     let loaded = loaded(body);
     let found: Vec<String> = loaded.scene.objects.iter().map(summary).collect();
@@ -43,7 +43,7 @@ fn check(body: &str, expected: &[&str]) {
     assert_eq!(loaded.warnings, [], "{body}");
 }
 
-/// Reads nodes: expects that some warning says so, so many times.
+/// Checks that some warning of these nodes contains a text, with its count.
 fn check_warning(body: &str, expected: &str, count: usize) {
     let warnings = loaded(body).warnings;
     let found = warnings.iter().find(|w| w.message.contains(expected));
@@ -87,7 +87,7 @@ fn solids_are_exact() {
             ": Cone { top: 0.0 } from -2 -1 -2 to 2 1 2",
         ],
     );
-    // Negative lengths are lengths all the same.
+    // Negative lengths are taken as positive.
     check(
         "Cube { depth -3 }",
         &[": Cuboid from -1 -1 -1.5 to 1 1 1.5"],
@@ -117,7 +117,7 @@ fn open_and_flat_solids_are_polygons() {
     }));
     assert_eq!(mesh(&loaded, 2).bounds().max.y, -1.0);
     assert_eq!(mesh(&loaded, 3).faces.len(), 6);
-    // What is open is seen from both sides and shines from both.
+    // Open shapes are visible from both sides and emit from both.
     assert!(material(&loaded, 0, 0).emits_back && !material(&loaded, 4, 0).emits_back);
 }
 
@@ -226,7 +226,7 @@ fn transformations() {
         "Scale { scaleFactor 2 3 -4 } Translation { translation 1 1 1 } Cube {}",
         &[": Cuboid from 0 0 -8 to 4 6 0"],
     );
-    // The last row of a matrix moves, and rows take the coordinates.
+    // The last row of a matrix is the translation, and rows apply to the coordinates.
     check(
         "MatrixTransform { matrix 1 0.5 0 0  0 1 0 0  0 0 1 0  3 0 0 1 } Cube {}",
         &[": Cuboid from 2 -1.5 -1 to 4 1.5 1"],
@@ -301,13 +301,13 @@ fn materials_of_vertices() {
     assert_eq!(mesh_of(&indexed).colors[5].to_array(), [0.0, 1.0, 1.0]);
     assert_eq!(mesh_of(&indexed).positions.len(), 6);
     assert_eq!(material(&indexed, 0, 0).diffuse, Rgb::WHITE);
-    // In the order of the corners there are eight colours wanted, and shared points differ.
+    // In the order of the corners eight colours are needed, and shared points differ.
     let in_order = loaded(&body("PER_VERTEX"));
     assert_eq!(mesh_of(&in_order).positions.len(), 8);
     assert_eq!(in_order.warnings[0].count, 2);
     let more = body("PER_VERTEX_INDEXED").replace("} Mat", "transparency [ 0 0.5 ] } Mat");
     check_warning(&more, "in more than diffuseColor", 1);
-    // Colours that are all the same are one.
+    // Equal colours are merged.
     let same = body("PER_VERTEX_INDEXED")
         .replace("1 0 0, 0 1 0, 0 0 1, 1 1 0, 1 0 1, 0 1 1", "1 0 0, 1 0 0");
     let same = loaded(&same);
@@ -431,7 +431,7 @@ fn pictures() {
         2,
         DVec2::new(0.0, 1.0),
     );
-    // The front of a cube stands upright, and so does the picture around a cylinder.
+    // The front of a cube is upright, and so is the texture around a cylinder.
     let cube = loaded(&format!("{picture} Cube {{}}"));
     let mesh = mesh(&cube, 0);
     for (p, uv) in mesh
@@ -461,7 +461,7 @@ fn pictures_that_are_not_there() {
         "fewer pixels than it says",
         1,
     );
-    // One node is one picture, however often it is used.
+    // One node is one texture, however often it is used.
     let body = "DEF t Texture2 { image 1 1 1 255 } Cube {} USE t Cube {}";
     assert_eq!(loaded(body).scene.textures.len(), 1);
 }
@@ -507,8 +507,8 @@ fn lights_and_cameras() {
     assert_eq!(
         said,
         [
-            "light that is off: skipped",
-            "OrthographicCamera is not read: skipped"
+            "light with on FALSE: skipped",
+            "OrthographicCamera is not supported: skipped"
         ]
     );
 }
@@ -523,7 +523,7 @@ fn nodes_are_used_again() {
             "b: Cuboid from -1 -1 -1 to 1 1 1",
         ],
     );
-    // The latest definition before the use counts.
+    // The latest definition before the use applies.
     check(
         "Switch { DEF c Info {} } DEF c Sphere {} USE c",
         &["c: Sphere from -1 -1 -1 to 1 1 1"; 2],
@@ -578,7 +578,7 @@ fn unknown_nodes_and_fields() {
             found.warnings
         );
     };
-    let inside = "node Selection is not known: what is inside is read as in a Separator";
+    let inside = "unknown node Selection: its content is read as in a Separator";
     check(
         "Selection { policy SINGLE Translation { translation 5 0 0 } } Cube {}",
         inside,
@@ -586,7 +586,7 @@ fn unknown_nodes_and_fields() {
     check("Selection { Cube {} }", inside);
     check(
         "Wheel { a 1 2 3 b [ 1 ] c \"}\" d TRUE e Disc { x 1 } f (A | B) } Cube {}",
-        "node Wheel is not known: skipped",
+        "unknown node Wheel: skipped",
     );
     check("Odd { alternateRep Cube {} }", "Odd");
     check(
@@ -667,7 +667,7 @@ fn what_cannot_be_read() {
     );
     let deep = format!("#VRML V1.0 ascii\n{}", "Group {".repeat(300));
     check(&deep, "nested at most 256 deep");
-    // Each group shows the one before twice: a billion cubes, from thirty lines.
+    // Each group contains the previous one twice: a billion cubes from thirty lines.
     let doubled = (1..30).map(|i| format!("DEF g{i} Group {{ USE g{0} USE g{0} }}", i - 1));
     let doubled: String = doubled.collect();
     let text = format!("#VRML V1.0 ascii\nSwitch {{ DEF g0 Cube {{}} {doubled} }} USE g29");

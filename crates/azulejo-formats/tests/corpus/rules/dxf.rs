@@ -1,4 +1,4 @@
-//! DXF: faces and the box as ezdxf has them, with blocks unfolded.
+//! DXF: faces and bounding box from ezdxf, with blocks expanded.
 
 use super::Quantity::{Bounds, Faces, Triangles};
 use super::{Exception, Expected, Rules};

@@ -1,5 +1,5 @@
-//! glTF: triangles and the box as assimp has them. Vertices are not compared: the plain counts
-//! take those that several primitives share once for each of them, azulejo takes them once.
+//! glTF: triangles and bounding box from assimp. Vertices are not compared: the plain counts
+//! include vertices shared by several primitives once for each of them, azulejo includes them once.
 
 use super::Quantity::{Bounds, Triangles};
 use super::{Exception, Expected, Rules};

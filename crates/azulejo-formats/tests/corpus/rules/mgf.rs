@@ -1,5 +1,5 @@
-//! MGF: what the lines of the file itself say. They count what stands there once, so files that
-//! are read more than once, by arrays or by other files, and surfaces that become polygons, differ.
+//! MGF: counts of the statements in the file itself. Each is counted once, so files read several
+//! times, by arrays or by other files, and tessellated surfaces differ.
 
 use super::Quantity::Faces;
 use super::{Exception, Expected, Rules};

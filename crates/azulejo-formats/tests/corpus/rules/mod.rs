@@ -1,4 +1,4 @@
-//! Which columns each format is compared with, and where azulejo differs and why.
+//! The columns compared for each format, and where and why azulejo differs.
 //!
 //! One file per format with `pub const RULES: Rules`; [`ALL`] lists them.
 
@@ -32,7 +32,7 @@ const ALL: &[&Rules] = &[
     &x3d::RULES,
 ];
 
-/// The rules for a file of the corpus, by its folder; the first that has it.
+/// The rules for a file of the corpus, by its folder; the first match applies.
 pub fn of(path: &str) -> Option<&'static Rules> {
     let has = |rules: &&&Rules| rules.folders.iter().any(|f| path.starts_with(f));
     ALL.iter().find(has).copied()
@@ -40,58 +40,58 @@ pub fn of(path: &str) -> Option<&'static Rules> {
 
 /// What is compared in the files of a format.
 pub struct Rules {
-    /// How paths begin to which the rules apply: `"3ds/"`.
+    /// Path prefixes to which the rules apply: `"3ds/"`.
     pub folders: &'static [&'static str],
-    /// Quantities, each with the columns of the truth that it must equal: the first that is not
-    /// empty in the file's row counts; when all are empty, nothing is compared.
+    /// Quantities, each with the columns of the reference table that it must equal: the first
+    /// non-empty one in the file's row is used; if all are empty, nothing is compared.
     pub compared: &'static [(Quantity, &'static [&'static str])],
-    /// Files whose folder is not enough for the files that they name, with the folder of the
-    /// corpus that is allowed besides.
+    /// Files that refer to files outside their folder, with the additional folder of the corpus
+    /// that is allowed.
     pub allowed: &'static [(&'static str, &'static str)],
     /// Where azulejo differs.
     pub exceptions: &'static [Exception],
 }
 
-/// What can be compared.
+/// Quantities that can be compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Placed meshes and primitives.
     Objects,
     /// Sum of the objects' vertices.
     Vertices,
-    /// Distinct positions of each object and material; compared only where there are as many
-    /// pairs of them as the column `assimp_meshes` says.
+    /// Distinct positions of each object and material; compared only if there are as many such
+    /// pairs as the column `assimp_meshes` states.
     Positions,
     /// Polygons.
     Faces,
-    /// Triangles that the polygons make.
+    /// Triangles after triangulation of the polygons.
     Triangles,
-    /// The box around all, to 1e-4 of its size. Columns are `assimp`, `second` or `third`; with
-    /// ` turned` behind, a file with z up that the program has turned to y up.
+    /// The bounding box of everything, to 1e-4 of its size. Columns are `assimp`, `second` or
+    /// `third`; with the suffix ` turned`, a file with z up that the program has rotated to y up.
     Bounds,
 }
 
-/// One quantity of one file that is not what the columns say.
+/// One quantity of one file that differs from the columns.
 pub struct Exception {
     pub path: &'static str,
     pub quantity: Quantity,
     pub expected: Expected,
-    /// Why azulejo is right, or whom it follows.
+    /// Why azulejo is right, or which reference it follows.
     pub why: &'static str,
 }
 
-/// What is right instead.
+/// The correct result.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Expected {
     /// This count.
     Count(usize),
-    /// What another column says.
+    /// The value of another column.
     Column(&'static str),
-    /// This box: least and greatest corner.
+    /// This bounding box: least and greatest corner.
     Box([f64; 3], [f64; 3]),
-    /// The file is refused, whatever the quantity.
+    /// The file is rejected, whatever the quantity.
     Refused,
-    /// There are no surfaces, and a warning says so.
+    /// There are no surfaces, and a warning reports it.
     Nothing,
 }
 
@@ -101,7 +101,7 @@ impl Rules {
         self.exceptions.iter().filter(move |e| e.path == path)
     }
 
-    /// A folder that a file may read from besides its own.
+    /// A folder from which a file may read besides its own.
     pub fn allowed(&self, path: &str) -> Option<&'static str> {
         let entry = self.allowed.iter().find(|(file, _)| *file == path);
         entry.map(|(_, folder)| *folder)
@@ -109,7 +109,7 @@ impl Rules {
 }
 
 impl Exception {
-    /// Whether what is expected instead is there.
+    /// Whether the expected result holds.
     pub fn holds(&self, counts: &Counts, row: &Row) -> Result<(), String> {
         match self.expected {
             Expected::Count(n) => equal(self.quantity, counts.get(self.quantity), n, "the rule"),
@@ -135,10 +135,10 @@ impl Counts {
     }
 }
 
-/// Compares a quantity with the first of some columns that says anything.
+/// Compares a quantity with the first non-empty column.
 ///
 /// # Errors
-/// The difference in words.
+/// A description of the difference.
 pub fn agrees(
     counts: &Counts,
     row: &Row,
@@ -163,16 +163,15 @@ pub fn agrees(
 }
 
 fn equal(quantity: Quantity, found: usize, expected: usize, source: &str) -> Result<(), String> {
-    match found == expected {
-        true => Ok(()),
-        false => {
-            let name = format!("{quantity:?}").to_lowercase();
-            Err(format!("{name} {found}, {source} says {expected}"))
-        }
+    if found == expected {
+        Ok(())
+    } else {
+        let name = format!("{quantity:?}").to_lowercase();
+        Err(format!("{name} {found}, {source} says {expected}"))
     }
 }
 
-/// The box that a column has; `None` if it has none.
+/// The bounding box in a column; `None` if it is empty.
 fn row_box(row: &Row, column: &str) -> Option<[[f64; 3]; 2]> {
     let Some(column) = column.strip_suffix(" turned") else {
         return row.bounds(column);
@@ -187,8 +186,9 @@ fn same_box(counts: &Counts, expected: [[f64; 3]; 2], source: &str) -> Result<()
     let size = counts.bounds.diagonal();
     let near = |a: f64, b: f64| (a - b).abs() <= 1e-4 * size + 1e-5 * a.abs();
     let pairs = found.iter().flatten().zip(expected.iter().flatten());
-    match !counts.bounds.is_empty() && pairs.into_iter().all(|(&a, &b)| near(a, b)) {
-        true => Ok(()),
-        false => Err(format!("bounds {found:?}, {source} says {expected:?}")),
+    if !counts.bounds.is_empty() && pairs.into_iter().all(|(&a, &b)| near(a, b)) {
+        Ok(())
+    } else {
+        Err(format!("bounds {found:?}, {source} says {expected:?}"))
     }
 }

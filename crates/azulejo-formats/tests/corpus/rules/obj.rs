@@ -1,5 +1,5 @@
-//! Wavefront OBJ: polygons by the plain count of the file's own lines; triangles, positions and
-//! the box by assimp.
+//! Wavefront OBJ: polygons from plain counts of the file's lines; triangles, positions and bounding
+//! box from assimp.
 
 use super::Quantity::{Bounds, Faces, Positions, Triangles};
 use super::{Exception, Expected, Rules};

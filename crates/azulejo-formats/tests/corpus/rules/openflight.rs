@@ -1,4 +1,4 @@
-//! OpenFlight: what the records say; triangles and box as OpenSceneGraph has them.
+//! OpenFlight: counts of the records; triangles and bounding box from OpenSceneGraph.
 
 use super::Quantity::{Bounds, Faces, Triangles, Vertices};
 use super::{Exception, Expected, Rules};

@@ -1,4 +1,4 @@
-//! PLY: what the header says.
+//! PLY: counts in the header.
 
 use super::Quantity::{Bounds, Faces, Objects, Triangles, Vertices};
 use super::{Exception, Expected, Quantity, Rules};

@@ -1,4 +1,4 @@
-//! STL: solids and triangles as the file has them, positions and box as assimp does.
+//! STL: solids and triangles in the file, positions and bounding box from assimp.
 
 use super::Quantity::{Bounds, Objects, Positions, Triangles};
 use super::{Exception, Expected, Rules};

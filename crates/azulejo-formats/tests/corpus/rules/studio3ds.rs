@@ -1,4 +1,4 @@
-//! 3D Studio: what the chunks say, and the box as OpenSceneGraph has it, which keeps z up.
+//! 3D Studio: counts of the chunks, and the bounding box from OpenSceneGraph, which keeps z up.
 
 use super::Quantity::{Bounds, Faces, Objects, Triangles, Vertices};
 use super::{Exception, Expected, Rules};

@@ -1,4 +1,4 @@
-//! VRML97: triangles and box as Coin or MeshLab have them.
+//! VRML97: triangles and bounding box from Coin or MeshLab.
 
 use super::Quantity::{Bounds, Triangles};
 use super::{Exception, Expected, Rules};

@@ -1,4 +1,4 @@
-//! VRML 1.0: triangles and box as Coin has them.
+//! VRML 1.0: triangles and bounding box from Coin.
 
 use super::Quantity::{Bounds, Triangles};
 use super::{Exception, Expected, Rules};
@@ -35,7 +35,7 @@ pub const RULES: Rules = Rules {
             path: "wrl/castle/vrml_1/kings_head.wrl",
             quantity: Triangles,
             expected: Expected::Count(76),
-            why: "spheres are exact; the tube, which has no ends, is a polygon of 38 sides",
+            why: "spheres are exact; the tube, which without a closing brackets, is a polygon of 38 sides",
         },
         Exception {
             path: "wrl/castle/vrml_1/kings_head.wrl",

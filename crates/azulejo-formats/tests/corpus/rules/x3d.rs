@@ -1,4 +1,4 @@
-//! X3D: triangles and box as MeshLab or assimp have them.
+//! X3D: triangles and bounding box from MeshLab or assimp.
 
 use super::Quantity::{Bounds, Triangles};
 use super::{Exception, Expected, Rules};

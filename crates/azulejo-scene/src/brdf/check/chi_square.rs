@@ -21,7 +21,7 @@ const FIRST: u32 = 3;
 /// Pearson's test of samples against their density.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChiSquare {
-    /// How many samples there were, lost ones included.
+    /// Number of samples, lost ones included.
     pub samples: u32,
     /// Share of them that was lost below the surface.
     pub lost: f64,
@@ -37,8 +37,8 @@ pub struct ChiSquare {
 }
 
 /// A cell with its quarters, or what is counted in it.
-enum Node {
-    Divided(Cell, Box<[Node; 4]>),
+enum CellTree {
+    Divided(Cell, Box<[CellTree; 4]>),
     Count { expected: f64, found: u32 },
 }
 
@@ -46,7 +46,7 @@ enum Node {
 pub fn chi_square(brdf: &Brdf, wo: DVec3, samples: u32) -> ChiSquare {
     let density = |wi: DVec3| Rgb::grey(brdf.pdf(wo, wi));
     let mass = |cell: &Cell| cell.integral(wo, &density).r;
-    let mut tree = Node::new(Cell::HEMISPHERE, &mass, 0);
+    let mut tree = CellTree::new(Cell::HEMISPHERE, &mass, 0);
     let (mut random, mut lost) = (Random::new(3), 0);
     for _ in 0..samples {
         match brdf.sample(wo, random.numbers()) {
@@ -70,29 +70,29 @@ pub fn chi_square(brdf: &Brdf, wo: DVec3, samples: u32) -> ChiSquare {
     }
 }
 
-impl Node {
-    fn new(cell: Cell, mass: &dyn Fn(&Cell) -> f64, depth: u32) -> Node {
+impl CellTree {
+    fn new(cell: Cell, mass: &dyn Fn(&Cell) -> f64, depth: u32) -> CellTree {
         if depth >= FIRST {
             let expected = mass(&cell);
             if expected <= SHARE || depth == DEPTH {
-                return Node::Count { expected, found: 0 };
+                return CellTree::Count { expected, found: 0 };
             }
         }
-        let node = |quarter: Cell| Node::new(quarter, mass, depth + 1);
-        Node::Divided(cell, Box::new(cell.quarters().map(node)))
+        let node = |quarter: Cell| CellTree::new(quarter, mass, depth + 1);
+        CellTree::Divided(cell, Box::new(cell.quarters().map(node)))
     }
 
     fn count(&mut self, wi: DVec3) {
         match self {
-            Node::Divided(cell, quarters) => quarters[cell.quarter_of(wi)].count(wi),
-            Node::Count { found, .. } => *found += 1,
+            CellTree::Divided(cell, quarters) => quarters[cell.quarter_of(wi)].count(wi),
+            CellTree::Count { found, .. } => *found += 1,
         }
     }
 
     fn collect(&self, cells: &mut Vec<(f64, u32)>) {
         match self {
-            Node::Divided(_, quarters) => quarters.iter().for_each(|q| q.collect(cells)),
-            Node::Count { expected, found } => cells.push((*expected, *found)),
+            CellTree::Divided(_, quarters) => quarters.iter().for_each(|q| q.collect(cells)),
+            CellTree::Count { expected, found } => cells.push((*expected, *found)),
         }
     }
 }
@@ -175,13 +175,13 @@ mod tests {
 
     #[test]
     fn a_wrong_density_is_found() {
-        // A lobe whose samples are drawn for another exponent.
+        // A lobe sampled with another exponent.
         let made = |text: &str| Brdf::new(text.parse().unwrap()).unwrap();
         let (narrow, wide) = (made("lewis n = 22"), made("lewis n = 20"));
         let wo = super::super::direction(40.0, 20.0);
         assert!(chi_square(&narrow, wo, 50_000).probability > 1e-3);
         let density = |cell: &Cell| cell.integral(wo, &|wi| Rgb::grey(wide.pdf(wo, wi))).r;
-        let mut tree = Node::new(Cell::HEMISPHERE, &density, 0);
+        let mut tree = CellTree::new(Cell::HEMISPHERE, &density, 0);
         let mut random = Random::new(4);
         for _ in 0..50_000 {
             if let Some(sample) = narrow.sample(wo, random.numbers()) {

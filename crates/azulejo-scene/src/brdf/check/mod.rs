@@ -1,5 +1,5 @@
-//! Whether a reflection model is what it says: reciprocal, no brighter than its light, sampled
-//! as its density tells. Numbers, not verdicts; the same for the same model every time.
+//! Checks of reflection models: reciprocity, energy conservation, and whether samples follow their
+//! density. They return numbers, not verdicts, and the same ones for the same model every time.
 //!
 //! ```
 //! use azulejo_scene::brdf::{Brdf, check};
@@ -23,13 +23,13 @@ use cells::Cell;
 use glam::DVec3;
 use random::Random;
 
-/// Angles to the normal at which [`check`] looks, in degrees.
+/// Angles to the normal that [`check`] tests, in degrees.
 pub const ANGLES: [f64; 8] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0, 89.0];
 
-/// The azimuth at which [`check`] looks, in degrees: on no axis of a model.
+/// The azimuth that [`check`] tests, in degrees: on no axis of a model.
 pub const AZIMUTH: f64 = 20.0;
 
-/// How much [`check`] does.
+/// Sample counts of [`check`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
     /// Pairs of directions that are exchanged.
@@ -47,25 +47,25 @@ impl Default for Effort {
     }
 }
 
-/// All that is checked of a model.
+/// The results of [`check`] for one model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
-    /// What changes when light runs backwards.
+    /// Deviation from reciprocity.
     pub reciprocity: Reciprocity,
     /// At each of [`ANGLES`].
     pub angles: Vec<Angle>,
 }
 
-/// What is found for one direction.
+/// The results for one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Angle {
     /// Angle to the normal, in degrees.
     pub theta: f64,
-    /// Share of light that is reflected in all, by quadrature; what is mirrored exactly included.
+    /// Directional albedo by quadrature, perfect specular reflection included.
     pub albedo: Rgb,
     /// Whether samples lie where the density says.
     pub sampling: ChiSquare,
-    /// What samples weigh.
+    /// Statistics of the sample weights.
     pub weights: Weights,
 }
 
@@ -93,10 +93,10 @@ pub struct Reciprocity {
     pub wi: DVec3,
 }
 
-/// What the samples of one direction weigh.
+/// Statistics of the sample weights of one direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
-    /// How many there were, lost ones included.
+    /// Number of samples, lost ones included.
     pub samples: u32,
     /// Their mean: what is scattered in all. With what is mirrored exactly it is what the surface
     /// shows in a white furnace, under light of radiance 1 from everywhere.
@@ -105,7 +105,7 @@ pub struct Weights {
     pub standard_error: Rgb,
     /// The largest weight of a channel.
     pub largest: f64,
-    /// What the mean should be, by quadrature.
+    /// The expected mean, by quadrature.
     pub expected: Rgb,
 }
 
@@ -128,7 +128,7 @@ pub fn direction(theta: f64, phi: f64) -> DVec3 {
     DVec3::new(st * cp, st * sp, ct)
 }
 
-/// Checks all, at [`ANGLES`].
+/// Runs all checks, at [`ANGLES`].
 pub fn check(brdf: &Brdf, effort: Effort) -> Report {
     let angle = |theta: f64| {
         let wo = direction(theta, AZIMUTH);
@@ -146,7 +146,7 @@ pub fn check(brdf: &Brdf, effort: Effort) -> Report {
     }
 }
 
-/// Exchanges light and eye for pairs of directions: half of them at random, half near the
+/// Exchanges light and viewer for pairs of directions: half of them at random, half near the
 /// mirrored direction, where lobes are steep.
 pub fn reciprocity(brdf: &Brdf, pairs: u32) -> Reciprocity {
     let mut random = Random::new(1);

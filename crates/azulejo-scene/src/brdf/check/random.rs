@@ -1,9 +1,10 @@
-//! Numbers for checks, the same every time.
+//! Random numbers for checks, the same every time.
 
 use crate::brdf::quadrature::cosine_hemisphere;
+use crate::random::split_mix64;
 use glam::DVec3;
 
-/// Steele, Lea and Flood's SplitMix64, *Fast splittable pseudorandom number generators*, 2014.
+/// Random numbers and directions, from a seed.
 pub(super) struct Random {
     state: u64,
 }
@@ -15,11 +16,7 @@ impl Random {
 
     /// In 0..1.
     pub fn number(&mut self) -> f64 {
-        self.state = self.state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+        split_mix64(&mut self.state)
     }
 
     /// Three of them.

@@ -1,7 +1,7 @@
 //! Tables in the angles of half vector and difference, as the MERL database has them.
 
 use super::super::lobe::{Reflect, Spread};
-use super::super::microfacet::Half;
+use super::super::microfacet::HalfVector;
 use super::super::quadrature::cosine_hemisphere;
 use super::square;
 use super::warp::{Mix, Tables, Warp, mix};
@@ -36,10 +36,10 @@ pub struct HalfAngles {
 impl HalfAngles {
     /// Of two directions; which is which makes no difference.
     pub fn new(wo: DVec3, wi: DVec3) -> HalfAngles {
-        HalfAngles::of(&Half::new(wo, wi), wi - wo)
+        HalfAngles::of(&HalfVector::new(wo, wi), wi - wo)
     }
 
-    fn of(half: &Half, across: DVec3) -> HalfAngles {
+    fn of(half: &HalfVector, across: DVec3) -> HalfAngles {
         let h = half.v.normalize_or(DVec3::Z);
         let around = DVec2::new(h.x, h.y).normalize_or_zero();
         let bitangent = DVec3::new(-around.y, around.x, 0.0);
@@ -47,12 +47,12 @@ impl HalfAngles {
         HalfAngles {
             theta_h: half.theta_h(),
             theta_d: half.cos_d().acos(),
-            // Light and eye may change places, which turns this by π.
+            // Light and viewer may be exchanged, which turns this by π.
             phi_d: if y < 0.0 { (-y).atan2(-x) } else { y.atan2(x) },
         }
     }
 
-    /// Two directions, eye and light, that have these angles, the half vector above the tangent.
+    /// Two directions, viewer and light, that have these angles, the half vector above the tangent.
     pub fn directions(&self) -> [DVec3; 2] {
         let (sin_h, cos_h) = self.theta_h.sin_cos();
         let (sin_d, cos_d) = self.theta_d.sin_cos();
@@ -66,12 +66,12 @@ impl HalfAngles {
 /// The sizes of the tables of the database.
 const DATABASE: [usize; 3] = [90, 90, 180];
 
-/// Of the densities: angles of the eye, and nodes of the half vector's place.
+/// Sizes of the densities: angles of the viewer, and nodes of the half vector's position.
 const EYES: usize = 16;
 const WIDTH: usize = 64;
 const HEIGHT: usize = 33;
 
-/// Share of samples that go the way of a matt surface, for what the densities miss.
+/// Fraction of samples from a cosine distribution, for what the densities miss.
 const EVEN: f64 = 0.15;
 
 impl Merl {
@@ -98,8 +98,8 @@ impl Merl {
         Some(merl)
     }
 
-    /// A table of a function of two directions, eye and light, as if it had been measured.
-    /// Nothing is seen below the surface. `None` as [`new`](Merl::new).
+    /// Tabulates a function of two directions, viewer and light, as if it had been measured. It is
+    /// zero below the surface. `None` as [`new`](Merl::new).
     pub fn tabulated(sizes: [usize; 3], of: impl Fn(DVec3, DVec3) -> Rgb) -> Option<Merl> {
         let [h, d, p] = sizes;
         let count = h.checked_mul(d)?.checked_mul(p)?;
@@ -144,7 +144,7 @@ impl Merl {
         sum
     }
 
-    /// For each angle of the eye, what is seen of light by way of each place of half vectors.
+    /// For each angle of the viewer, the reflected light by position of the half vector.
     fn importance(&self) -> Option<Tables> {
         let mut values = Vec::with_capacity(EYES * WIDTH * HEIGHT);
         for eye in 0..EYES {
@@ -164,7 +164,7 @@ impl Merl {
         if wi.z <= 0.0 {
             return 0.0;
         }
-        let seen = self.eval(wo, wi).mean() * wi.z * square::solid_angle(&Half::new(wo, wi));
+        let seen = self.eval(wo, wi).mean() * wi.z * square::solid_angle(&HalfVector::new(wo, wi));
         seen.min(f64::from(f32::MAX))
     }
 
@@ -173,7 +173,7 @@ impl Merl {
     }
 }
 
-/// Angle of an eye of the densities to the normal.
+/// Angle to the normal of a viewer of the densities.
 fn eye_angle(eye: usize) -> f64 {
     f64::from(EYE_ANGLES[eye])
 }
@@ -222,7 +222,7 @@ impl Reflect for Merl {
     }
 
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let half = Half::new(wo, wi);
+        let half = HalfVector::new(wo, wi);
         let place = square::place(&half, square::azimuth(wo));
         let density = self.density.density(&self.mix(wo), place) / square::solid_angle(&half);
         EVEN * wi.z * FRAC_1_PI + (1.0 - EVEN) * density

@@ -16,8 +16,8 @@ use glam::DVec3;
 use std::fmt;
 use std::sync::Arc;
 
-/// A measured BRDF. It is seen from above only; light and eye are taken as the measurement has
-/// them.
+/// A measured BRDF, for directions above the surface only; light and viewer are used in the roles
+/// that they had in the measurement.
 #[derive(Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Measured {

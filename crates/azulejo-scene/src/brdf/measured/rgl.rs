@@ -1,8 +1,8 @@
 //! Tables on grids that follow the material, as the RGL database has them.
 
-use super::super::Problem;
+use super::super::BrdfError;
 use super::super::lobe::{Reflect, Spread};
-use super::super::microfacet::Half;
+use super::super::microfacet::HalfVector;
 use super::super::quadrature::cosine_hemisphere;
 use super::square;
 use super::warp::{Mix, Tables, Warp, mix};
@@ -13,13 +13,13 @@ use std::f64::consts::{FRAC_1_PI, TAU};
 /// A BRDF measured on a grid warped by the distribution of its facets' visible normals.
 ///
 /// J. Dupuy, W. Jakob, *An adaptive parameterization for efficient material acquisition and
-/// rendering*, SIGGRAPH Asia 2018. The file's θi and φi are those of the eye here: materials do not
-/// mind, measurements nearly not.
+/// rendering*, SIGGRAPH Asia 2018. The file's θi and φi are used for the viewer here; by reciprocity
+/// this is the same for materials, and nearly the same for measurements.
 #[derive(Clone, PartialEq)]
 pub struct Rgl {
     theta: Vec<f32>,
     phi: Vec<f32>,
-    /// Into how many equal parts symmetry divides the whole turn: 1, 2 or 4.
+    /// Number of equal parts into which symmetry divides the whole turn: 1, 2 or 4.
     parts: u8,
     facets: Option<[Tables; 2]>,
     visible: Warp,
@@ -28,7 +28,7 @@ pub struct Rgl {
     rgb: Tables,
 }
 
-/// What a file of the RGL database holds, tensors row by row.
+/// The content of a file of the RGL database, tensors row by row.
 #[derive(Clone, Debug, Default)]
 pub struct RglTensors {
     /// Angles to the normal, radians, rising.
@@ -60,7 +60,7 @@ pub struct Grid {
     pub values: Vec<f32>,
 }
 
-/// Share of samples that go the way of a matt surface, for what the tables miss.
+/// Fraction of samples from a cosine distribution, for what the tables miss.
 const EVEN: f64 = 0.1;
 
 /// Cosines and areas below this count as this, so that nothing is divided by 0.
@@ -70,9 +70,9 @@ impl Rgl {
     /// Checks sizes and values and builds the tables.
     ///
     /// # Errors
-    /// [`Problem::Other`] where sizes do not go together, angles do not rise, or values are not
+    /// [`BrdfError::Other`] where sizes do not go together, angles do not rise, or values are not
     /// finite or negative.
-    pub fn new(tensors: RglTensors) -> Result<Rgl, Problem> {
+    pub fn new(tensors: RglTensors) -> Result<Rgl, BrdfError> {
         let RglTensors { theta_i, phi_i, .. } = &tensors;
         for (name, angles) in [("theta_i", theta_i), ("phi_i", phi_i)] {
             let rises = angles.windows(2).all(|pair| pair[0] < pair[1]);
@@ -100,7 +100,7 @@ impl Rgl {
         self.phi.len() <= 2
     }
 
-    /// The tables for an eye in the measured part of the turn.
+    /// The tables for a viewer in the measured range of azimuths.
     fn mix(&self, wo: DVec3) -> Mix {
         let phi = if self.is_isotropic() {
             f64::from(self.phi[0])
@@ -119,7 +119,7 @@ impl Rgl {
         }
     }
 
-    /// Signs that bring an eye to the measured part of the turn by symmetry.
+    /// Signs that bring a viewer to the measured range of azimuths by symmetry.
     fn symmetry(&self, wo: DVec3) -> DVec3 {
         let sign = |x: f64| if x < 0.0 { -1.0 } else { 1.0 };
         match self.parts {
@@ -130,15 +130,15 @@ impl Rgl {
     }
 }
 
-fn ensure(holds: bool, otherwise: impl FnOnce() -> String) -> Result<(), Problem> {
+fn ensure(holds: bool, otherwise: impl FnOnce() -> String) -> Result<(), BrdfError> {
     if holds {
         Ok(())
     } else {
-        Err(Problem::Other(otherwise()))
+        Err(BrdfError::Other(otherwise()))
     }
 }
 
-fn tables(name: &str, grid: Grid, count: usize) -> Result<Tables, Problem> {
+fn tables(name: &str, grid: Grid, count: usize) -> Result<Tables, BrdfError> {
     let is_good = grid.values.iter().all(|v| v.is_finite() && *v >= 0.0);
     ensure(is_good, || {
         format!("`{name}` has values that are negative or no numbers")
@@ -146,14 +146,14 @@ fn tables(name: &str, grid: Grid, count: usize) -> Result<Tables, Problem> {
     let tables = Tables::new(grid.width, grid.height, grid.values);
     let fits = tables.filter(|tables| tables.count() == count);
     fits.ok_or_else(|| {
-        Problem::Other(format!(
+        BrdfError::Other(format!(
             "`{name}` must be {count} tables of at least 2 × 2 values"
         ))
     })
 }
 
 /// Into how many parts symmetry divides the turn.
-fn parts(phi: &[f32]) -> Result<u8, Problem> {
+fn parts(phi: &[f32]) -> Result<u8, BrdfError> {
     let [first, .., last] = phi else { return Ok(1) };
     if phi.len() <= 2 {
         return Ok(1);
@@ -163,7 +163,7 @@ fn parts(phi: &[f32]) -> Result<u8, Problem> {
         1.0 => Ok(1),
         2.0 => Ok(2),
         4.0 => Ok(4),
-        _ => Err(Problem::Other(
+        _ => Err(BrdfError::Other(
             "`phi_i` must span a whole turn, a half or a quarter".to_owned(),
         )),
     }
@@ -178,7 +178,7 @@ impl Reflect for Rgl {
     fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         let symmetry = self.symmetry(wo);
         let (wo, wi) = (wo * symmetry, wi * symmetry);
-        let (half, mix) = (Half::new(wo, wi), self.mix(wo));
+        let (half, mix) = (HalfVector::new(wo, wi), self.mix(wo));
         let place = square::place(&half, self.turn(wo));
         let warped = self.visible.invert(&mix, place);
         let of = |c: usize| self.rgb.at(&channel(&mix, c), warped);
@@ -197,7 +197,7 @@ impl Reflect for Rgl {
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         let symmetry = self.symmetry(wo);
         let (wo, wi) = (wo * symmetry, wi * symmetry);
-        let (half, mix) = (Half::new(wo, wi), self.mix(wo));
+        let (half, mix) = (HalfVector::new(wo, wi), self.mix(wo));
         let place = square::place(&half, self.turn(wo));
         let warped = self.visible.invert(&mix, place);
         let density = self.visible.density(&mix, place) * self.luminance.density(&mix, warped);

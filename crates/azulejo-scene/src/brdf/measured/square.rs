@@ -1,6 +1,6 @@
-//! Directions of half vectors as places in the unit square, finer towards the normal.
+//! Directions of half vectors as positions in the unit square, finer towards the normal.
 
-use super::super::microfacet::{Half, mirrored_by};
+use super::super::microfacet::{HalfVector, mirrored_by};
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -25,12 +25,12 @@ pub(super) fn polar(w: DVec3) -> f64 {
     w.x.hypot(w.y).atan2(w.z)
 }
 
-/// The place of the half vector of two directions, turned back by `turn`.
-pub(super) fn place(half: &Half, turn: f64) -> [f64; 2] {
+/// Position of the half vector of two directions, rotated back by `turn`.
+pub(super) fn place(half: &HalfVector, turn: f64) -> [f64; 2] {
     [of_polar(half.theta_h()), of_azimuth(azimuth(half.v) - turn)]
 }
 
-/// The direction that the facet of a place mirrors `wo` to.
+/// The direction to which the facet of a position reflects `wo`.
 pub(super) fn mirrored_at([x, y]: [f64; 2], turn: f64, wo: DVec3) -> DVec3 {
     let (sin, cos) = (x * x * FRAC_PI_2).sin_cos();
     let (sin_phi, cos_phi) = (TAU * y - PI + turn).sin_cos();
@@ -38,7 +38,7 @@ pub(super) fn mirrored_at([x, y]: [f64; 2], turn: f64, wo: DVec3) -> DVec3 {
 }
 
 /// Solid angle of mirrored directions per area of the square, sr.
-pub(super) fn solid_angle(half: &Half) -> f64 {
+pub(super) fn solid_angle(half: &HalfVector) -> f64 {
     let theta = half.theta_h();
     // dω of the half vector is sin θ dθ dφ, and θ = x² π/2.
     let of_half = 2.0 * PI * PI * of_polar(theta) * theta.sin();

@@ -66,7 +66,7 @@ impl Tables {
         mix.iter().map(|&(table, weight)| weight * at(table)).sum()
     }
 
-    /// The cell of a place, and where in it the place is.
+    /// The cell of a position, and the position within it.
     fn cell(&self, [x, y]: [f64; 2]) -> ([usize; 2], [f64; 2]) {
         let split = |x: f64, nodes: usize| {
             let x = x.clamp(0.0, 1.0) * (nodes - 1) as f64;
@@ -83,7 +83,7 @@ impl Tables {
         [side(i), side(i + 1)]
     }
 
-    /// The value at a place in the unit square.
+    /// The value at a position in the unit square.
     pub fn at(&self, mix: &Mix, place: [f64; 2]) -> f64 {
         let (cell, [s, t]) = self.cell(place);
         let [left, right] = self.sides(mix, cell, t);
@@ -91,8 +91,8 @@ impl Tables {
     }
 }
 
-/// Densities on the unit square in proportion to tables. Rows are chosen first, then the place
-/// in them. After the marginal-conditional warps of Dupuy and Jakob, *An adaptive parameterization
+/// Densities on the unit square in proportion to tables. Rows are chosen first, then the
+/// position in them. After the marginal-conditional warps of Dupuy and Jakob, *An adaptive parameterization
 /// for efficient material acquisition and rendering*, SIGGRAPH Asia 2018.
 #[derive(Clone, PartialEq)]
 pub(super) struct Warp {
@@ -104,7 +104,7 @@ pub(super) struct Warp {
 }
 
 impl Warp {
-    /// Scales each table to an integral of 1; where it is 0, all places are alike.
+    /// Scales each table to an integral of 1; where it is 0, the density is uniform.
     pub fn new(mut tables: Tables) -> Warp {
         let (w, h) = (tables.width, tables.height);
         let (mut in_row, mut below) = (Vec::new(), Vec::new());
@@ -153,12 +153,12 @@ impl Warp {
         ((self.tables.width - 1) * (self.tables.height - 1)) as f64 / self.all(mix)
     }
 
-    /// The density at a place.
+    /// The density at a position.
     pub fn density(&self, mix: &Mix, place: [f64; 2]) -> f64 {
         self.tables.at(mix, place) * self.scale(mix)
     }
 
-    /// The place for two numbers in 0..1.
+    /// The position for two numbers in 0..1.
     pub fn sample(&self, mix: &Mix, [u, v]: [f64; 2]) -> [f64; 2] {
         let (w, h) = (self.tables.width, self.tables.height);
         let wanted = v.clamp(0.0, 1.0) * self.all(mix);
@@ -176,7 +176,7 @@ impl Warp {
         ]
     }
 
-    /// The numbers that [`sample`](Warp::sample) makes a place of.
+    /// The numbers of which [`sample`](Warp::sample) makes a position.
     pub fn invert(&self, mix: &Mix, place: [f64; 2]) -> [f64; 2] {
         let w = self.tables.width;
         let ([column, row], [s, t]) = self.tables.cell(place);

@@ -48,7 +48,7 @@ impl Range {
 /// Points of the section: angles of the arc, and y along the floor from the axis at 0 to the one
 /// at `d`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Seen {
+pub(super) struct VisibleSection {
     pub arc: Range,
     pub floor: Range,
 }
@@ -78,8 +78,8 @@ impl Profile {
     }
 
     /// What can be seen from `w`, over the horizon.
-    pub fn seen(&self, w: DVec3) -> Seen {
-        let everything = Seen {
+    pub fn seen(&self, w: DVec3) -> VisibleSection {
+        let everything = VisibleSection {
             arc: Range(-self.arc, self.arc),
             floor: self.floor,
         };
@@ -91,33 +91,33 @@ impl Profile {
         let (sin, cos) = slope.sin_cos();
         let shaded = (1.0 - self.d * sin).clamp(-1.0, 1.0).acos() - slope;
         let edge = self.d - (1.0 - self.h * cos) / sin;
-        let seen = Seen {
+        let seen = VisibleSection {
             arc: everything.arc.and(&Range(-slope, shaded)),
             floor: everything.floor.and(&Range(f64::NEG_INFINITY, edge)),
         };
         if w.y >= 0.0 {
             return seen;
         }
-        Seen {
+        VisibleSection {
             arc: seen.arc.mirrored(0.0),
             floor: seen.floor.mirrored(self.d),
         }
     }
 
     /// What faces `w`, in the shade or not.
-    pub fn facing(&self, w: DVec3) -> Seen {
+    pub fn facing(&self, w: DVec3) -> VisibleSection {
         let e = elevation(w);
-        Seen {
+        VisibleSection {
             arc: Range(-e, std::f64::consts::PI - e),
             floor: self.floor,
         }
     }
 }
 
-impl Seen {
+impl VisibleSection {
     /// What is seen from both.
-    pub fn and(&self, other: &Seen) -> Seen {
-        Seen {
+    pub fn and(&self, other: &VisibleSection) -> VisibleSection {
+        VisibleSection {
             arc: self.arc.and(&other.arc),
             floor: self.floor.and(&other.floor),
         }

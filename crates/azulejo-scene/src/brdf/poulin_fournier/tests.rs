@@ -133,6 +133,6 @@ fn what_is_seen_fills_the_view() {
 fn far_apart_cylinders_are_their_floor() {
     let shiny = ShinyCylinders::new(Rgb::WHITE, 20.0, Profile::new(1e6, 0.5));
     let (wo, wi) = (direction(40.0, 170.0), direction(30.0, 0.0));
-    let floor = normalisation(20.0) * Half::new(wo, wi).cos_h().powf(20.0);
+    let floor = normalisation(20.0) * HalfVector::new(wo, wi).cos_h().powf(20.0);
     assert!((shiny.eval(wo, wi).r / floor - 1.0).abs() < 1e-5);
 }

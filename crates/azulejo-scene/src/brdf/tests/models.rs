@@ -4,7 +4,7 @@ use super::*;
 use check::{Effort, direction};
 
 /// Each example of each model.
-fn each(of: impl Fn(&'static Info, &str, &Brdf)) {
+fn each(of: impl Fn(&'static ModelInfo, &str, &Brdf)) {
     for info in MODELS {
         assert!(!info.examples.is_empty(), "{} has no example", info.name);
         for text in info.examples {

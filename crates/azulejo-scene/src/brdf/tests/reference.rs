@@ -1,7 +1,6 @@
 //! A table of values that another program calculated, if it is there.
 
 use super::{brdf, direction};
-use std::path::Path;
 
 /// What a row says, compared with what its model gives.
 fn check(row: &str) {
@@ -32,13 +31,11 @@ fn check(row: &str) {
 }
 
 #[test]
-#[allow(clippy::print_stderr, reason = "says that it was skipped")]
 fn the_table_of_values_is_kept() {
-    let Ok(data) = std::env::var("AZULEJO_DATA") else {
-        eprintln!("skipped: AZULEJO_DATA is not set");
+    let Some(data) = azulejo_testing::data() else {
         return;
     };
-    let path = Path::new(&data).join("reference/brdf_values.tsv");
+    let path = data.join("reference/brdf_values.tsv");
     let table = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path:?}: {e}"));
     let rows = table.lines().filter(|l| !l.starts_with('#')).skip(1);
     rows.for_each(check);

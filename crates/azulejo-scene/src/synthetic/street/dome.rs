@@ -98,9 +98,10 @@ impl Dome {
     /// become circles, whichever is larger, and the other number the place on that circle.
     fn in_lozenge(&self, [i, j]: [usize; 2], [a, b]: [usize; 2], first: usize) -> DVec3 {
         let ratio = |p: usize, q: usize| p as f64 / q.max(1) as f64;
-        let (circle, step) = match i * b >= j * a {
-            true => (ratio(i, a), ratio(j * a, i)),
-            false => (ratio(j, b), (a + b) as f64 - ratio(i * b, j)),
+        let (circle, step) = if i * b >= j * a {
+            (ratio(i, a), ratio(j * a, i))
+        } else {
+            (ratio(j, b), (a + b) as f64 - ratio(i * b, j))
         };
         let sine = self.top_sine();
         let radius = RADIUS * (1.0 - sine * sine).sqrt();

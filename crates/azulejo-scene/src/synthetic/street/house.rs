@@ -98,9 +98,10 @@ impl House {
         };
         let (row, column) = (j * 5 * self.storeys / self.rows, along * 15 / wide);
         let (storey, bay) = (row / 5, column / 4);
-        match bay < 3 && column % 4 >= 2 && matches!(row % 5, 2 | 3) {
-            true => windows[storey * 6 + side * 3 + bay],
-            false => self.plaster,
+        if bay < 3 && column % 4 >= 2 && matches!(row % 5, 2 | 3) {
+            windows[storey * 6 + side * 3 + bay]
+        } else {
+            self.plaster
         }
     }
 

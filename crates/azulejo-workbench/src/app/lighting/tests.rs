@@ -1,17 +1,17 @@
 use super::*;
-use crate::command::{Command, PatchAt};
+use crate::command::{Command, SurfacePick};
 use crate::document::Edit;
 use azulejo::scene::Material;
 use azulejo::scene::synthetic::{CornellVariant, cornell_box};
 use azulejo::trace::Measure;
 use glam::{DAffine3, DVec3};
 
-/// Longer than any job of a test takes, on a busy machine too.
+/// Longer than any job of a test takes, even on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 fn cornell() -> App {
     let mut app = App::quiet();
-    app.document = Document::of_scene(cornell_box(CornellVariant::Diffuse), None);
+    app.document = SceneDocument::of_scene(cornell_box(CornellVariant::Diffuse), None);
     app.execute(Command::SetLight(LightSettings {
         patches: 200,
         error: 0.2,
@@ -38,12 +38,16 @@ fn solve(app: &mut App) {
     assert_eq!(app.messages, []);
 }
 
-/// A place of the floor that the lamp sees, from above.
-fn on_the_floor(app: &App) -> PatchAt {
+/// A point of the floor that the lamp illuminates, seen from above.
+fn on_the_floor(app: &App) -> SurfacePick {
     let bounds = app.document.bounds(None);
-    let floor = app.document.items.iter().find(|i| i.name.contains("floor"));
+    let floor = app
+        .document
+        .objects
+        .iter()
+        .find(|i| i.name.contains("floor"));
     let up = app.document.units.up.axis();
-    PatchAt {
+    SurfacePick {
         item: floor.expect("a Cornell box has a floor").id,
         position: bounds.min + bounds.size() * DVec3::new(0.8, 0.0, 0.2),
         normal: up,
@@ -62,18 +66,18 @@ fn light_arrives_with_its_measures() {
     let has = |wanted: fn(&Measure) -> bool| lighting.measures.iter().any(|m| wanted(&m.measure));
     assert!(has(|m| matches!(m, Measure::Residual { .. })));
     assert!(has(|m| matches!(m, Measure::Error(_))));
-    let took = lighting.watch.elapsed();
+    let took = lighting.stopwatch.elapsed();
     assert!(took > Duration::ZERO && took <= PATIENCE);
-    assert_eq!(took, app.lighting.watch.elapsed(), "the watch goes on");
+    assert_eq!(took, app.lighting.stopwatch.elapsed(), "the watch goes on");
 }
 
 #[test]
 fn an_edit_makes_light_old_and_undo_makes_it_true_again() {
     let mut app = cornell();
     solve(&mut app);
-    let first = app.document.items[0].id;
+    let first = app.document.objects[0].id;
     let shift = DAffine3::from_translation(DVec3::X);
-    app.execute(Command::Edit(Edit::Place(first, shift), None));
+    app.execute(Command::Edit(Edit::SetPlacement(first, shift), None));
     assert!(!app.lighting.is_current && app.lighting.solution.is_some());
     app.execute(Command::Undo);
     assert!(app.lighting.is_current);
@@ -92,16 +96,16 @@ fn the_solver_rests_goes_on_and_stops() {
     wait_until(&mut app, "it does not begin", works);
     app.execute(Command::Pause);
     assert!(app.lighting.is_paused && app.jobs()[0].progress.is_paused());
-    let held = app.lighting.watch.elapsed();
+    let held = app.lighting.stopwatch.elapsed();
     std::thread::sleep(Duration::from_millis(20));
     app.poll();
-    assert_eq!(app.lighting.watch.elapsed(), held);
-    assert!(app.is_busy(Kind::Solve));
+    assert_eq!(app.lighting.stopwatch.elapsed(), held);
+    assert!(app.is_busy(JobKind::Solve));
     app.execute(Command::Resume);
     assert!(!app.lighting.is_paused && !app.jobs()[0].progress.is_paused());
     app.execute(Command::Pause);
     app.execute(Command::StopSolving);
-    assert!(!app.is_busy(Kind::Solve) && !app.lighting.is_paused);
+    assert!(!app.is_busy(JobKind::Solve) && !app.lighting.is_paused);
     assert_eq!(app.messages, []);
 }
 
@@ -110,7 +114,7 @@ fn time_left_is_guessed_from_the_share_that_is_done() {
     let mut lighting = Lighting::default();
     assert_eq!(lighting.time_left(0.5), None);
     lighting.stage = Some(("bounces".into(), Duration::ZERO));
-    lighting.watch.before = Duration::from_secs(6);
+    lighting.stopwatch.before = Duration::from_secs(6);
     assert_eq!(lighting.time_left(0.0), None);
     assert_eq!(lighting.time_left(f64::NAN), None);
     assert_eq!(lighting.time_left(0.75), Some(Duration::from_secs(2)));
@@ -127,8 +131,8 @@ fn what_cannot_be_lit_is_a_message() {
     app.execute(Command::Solve);
     assert!(app.jobs().is_empty());
     let last = app.messages.last().expect("a message");
-    assert!(last.level == Level::Error && last.text.contains("nothing shines"));
-    // What only the solver finds out comes as its message.
+    assert!(last.level == Severity::Error && last.text.contains("nothing shines"));
+    // Errors that only the solver detects arrive as messages of its job.
     let mut app = App::quiet();
     let material = Material::emitter("lamp", Rgb::WHITE);
     app.document.materials.push(Arc::new(material));
@@ -149,8 +153,8 @@ fn what_cannot_be_lit_is_a_message() {
 #[test]
 fn probes_read_the_solution_and_measure_the_place_itself() {
     let mut app = cornell();
-    let place = on_the_floor(&app);
-    app.execute(Command::Pin(place));
+    let pick = on_the_floor(&app);
+    app.execute(Command::AddProbe(pick));
     let site = app.probes[0].site.clone().expect("the floor is there");
     assert!(site.paint.is_front && site.light.is_none());
     solve(&mut app);
@@ -162,9 +166,9 @@ fn probes_read_the_solution_and_measure_the_place_itself() {
     let measured = app.probes[0].measured.expect("an estimate").value;
     let ratio = measured.luminance() / light.luminance();
     assert!((0.6..1.6).contains(&ratio), "{ratio}");
-    // A move takes the surface away, and what was measured is of another model.
+    // The move takes the surface away from the probe and invalidates the measurement.
     let away = DAffine3::from_translation(DVec3::splat(1e4));
-    app.execute(Command::Edit(Edit::Place(place.item, away), None));
+    app.execute(Command::Edit(Edit::SetPlacement(pick.item, away), None));
     assert!(app.probes[0].site.is_none() && app.probes[0].measured.is_none());
     app.execute(Command::Undo);
     assert!(
@@ -173,15 +177,15 @@ fn probes_read_the_solution_and_measure_the_place_itself() {
             .as_ref()
             .is_some_and(|s| s.light.is_some())
     );
-    app.execute(Command::Unpin(app.probes[0].number));
+    app.execute(Command::RemoveProbe(app.probes[0].number));
     assert!(app.probes.is_empty());
 }
 
 #[test]
 fn another_document_has_no_probes() {
     let mut app = cornell();
-    let place = on_the_floor(&app);
-    app.execute(Command::Pin(place));
+    let pick = on_the_floor(&app);
+    app.execute(Command::AddProbe(pick));
     app.execute(Command::New);
     app.execute(Command::Discard);
     assert!(app.probes.is_empty());
@@ -191,10 +195,10 @@ fn another_document_has_no_probes() {
 fn the_back_of_a_surface_has_no_light_of_its_own() {
     let mut app = cornell();
     solve(&mut app);
-    let place = on_the_floor(&app);
-    app.execute(Command::Pin(PatchAt {
-        normal: -place.normal,
-        ..place
+    let pick = on_the_floor(&app);
+    app.execute(Command::AddProbe(SurfacePick {
+        normal: -pick.normal,
+        ..pick
     }));
     assert!(
         app.probes[0]
@@ -207,8 +211,8 @@ fn the_back_of_a_surface_has_no_light_of_its_own() {
 #[test]
 fn what_a_patch_sees_is_summed_by_object() {
     let mut app = cornell();
-    let place = on_the_floor(&app);
-    app.execute(Command::FormFactorsFrom(place));
+    let pick = on_the_floor(&app);
+    app.execute(Command::FormFactorsFrom(pick));
     wait_until(&mut app, "it sees nothing", |a| a.jobs().is_empty());
     let seen = app.lighting.seen.as_ref().expect("form factors");
     let sum: f64 = seen.objects.iter().map(|o| o.1).sum();

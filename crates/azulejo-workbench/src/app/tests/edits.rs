@@ -1,7 +1,7 @@
-//! Any sequence of edits can be taken back.
+//! Any sequence of edits can be undone.
 
 use super::*;
-use crate::document::{Lettering, NewKind, NewLight, NewLightKind, NewShape, Outline};
+use crate::document::{NewLight, NewLightKind, NewShape, NewShapeKind, PrismOutline, TextLayout};
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{
     Camera, Fog, Light, LightKind, Material, Mesh, Primitive, PrimitiveKind, Rgb, Shape, Units, Up,
@@ -10,7 +10,7 @@ use glam::{DAffine3, DMat3, DVec3};
 use proptest::prelude::*;
 use proptest::sample::select;
 
-/// Numbers, mostly sane.
+/// Numbers, mostly reasonable ones.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         12 => -10.0..10.0,
@@ -43,12 +43,12 @@ fn map() -> impl Strategy<Value = DAffine3> {
     ]
 }
 
-/// Things that are there, and some that are not: the sample ends at 6.
-fn id() -> impl Strategy<Value = Id> {
-    (1..12u64).prop_map(Id)
+/// Ids that exist, and some that do not: those of the sample end at 6.
+fn id() -> impl Strategy<Value = ItemId> {
+    (1..12u64).prop_map(ItemId)
 }
 
-fn ids() -> impl Strategy<Value = Vec<Id>> {
+fn ids() -> impl Strategy<Value = Vec<ItemId>> {
     prop::collection::vec(id(), 0..4)
 }
 
@@ -89,14 +89,14 @@ fn shape() -> impl Strategy<Value = Shape> {
 
 fn new_shape() -> impl Strategy<Value = NewShape> {
     let kinds = select(vec![
-        NewKind::Cuboid,
-        NewKind::Sphere,
-        NewKind::Cylinder,
-        NewKind::Cone,
-        NewKind::Square,
-        NewKind::AreaLight,
-        NewKind::Prism(Outline::regular(5, 0.5).unwrap()),
-        NewKind::Text(Lettering::set("i", 0.2, None).unwrap()),
+        NewShapeKind::Cuboid,
+        NewShapeKind::Sphere,
+        NewShapeKind::Cylinder,
+        NewShapeKind::Cone,
+        NewShapeKind::Square,
+        NewShapeKind::AreaLight,
+        NewShapeKind::Prism(PrismOutline::regular(5, 0.5).unwrap()),
+        NewShapeKind::Text(TextLayout::set("i", 0.2, None).unwrap()),
     ]);
     let material = prop::option::of(0..5u32);
     (kinds, vector(), number(), material).prop_map(|(kind, at, size, material)| NewShape {
@@ -176,7 +176,7 @@ fn any_edit() -> impl Strategy<Value = Edit> {
         ids().prop_map(Edit::Delete),
         ids().prop_map(Edit::Duplicate),
         (ids(), map()).prop_map(|(ids, map)| Edit::Transform(ids, map)),
-        (id(), map()).prop_map(|(id, map)| Edit::Place(id, map)),
+        (id(), map()).prop_map(|(id, map)| Edit::SetPlacement(id, map)),
         new_shape().prop_map(Edit::AddShape),
         (id(), shape()).prop_map(|(id, shape)| Edit::SetShape(id, Arc::new(shape))),
         new_light().prop_map(Edit::AddLight),
@@ -196,16 +196,16 @@ fn any_edit() -> impl Strategy<Value = Edit> {
     ]
 }
 
-/// What else happens between edits.
+/// Other actions between edits.
 #[derive(Clone, Debug)]
-enum Act {
+enum TestAction {
     Edit(Edit, Option<u64>),
     Undo,
     Redo,
     Select(Selection),
 }
 
-fn act() -> impl Strategy<Value = Act> {
+fn act() -> impl Strategy<Value = TestAction> {
     let faces = prop::option::of((id(), prop::collection::vec(0..4u32, 0..3)));
     let selection =
         (ids(), faces, prop::option::of(0..6u32)).prop_map(|(ids, faces, material)| Selection {
@@ -214,14 +214,14 @@ fn act() -> impl Strategy<Value = Act> {
             material,
         });
     prop_oneof![
-        8 => (any_edit(), prop::option::of(0..2u64)).prop_map(|(e, gesture)| Act::Edit(e, gesture)),
-        2 => Just(Act::Undo),
-        1 => Just(Act::Redo),
-        1 => selection.prop_map(Act::Select),
+        8 => (any_edit(), prop::option::of(0..2u64)).prop_map(|(e, gesture)| TestAction::Edit(e, gesture)),
+        2 => Just(TestAction::Undo),
+        1 => Just(TestAction::Redo),
+        1 => selection.prop_map(TestAction::Select),
     ]
 }
 
-/// What must hold at any time.
+/// Invariants that hold at any time.
 fn check_app(app: &App) {
     let scene = app.document.scene();
     let valid = scene.validate();
@@ -253,12 +253,12 @@ fn check_app(app: &App) {
     );
 }
 
-fn perform(app: &mut App, act: Act) {
+fn perform(app: &mut App, act: TestAction) {
     match act {
-        Act::Undo => app.execute(Command::Undo),
-        Act::Redo => app.execute(Command::Redo),
-        Act::Select(selection) => app.execute(Command::Select(selection)),
-        Act::Edit(edit, gesture) => {
+        TestAction::Undo => app.execute(Command::Undo),
+        TestAction::Redo => app.execute(Command::Redo),
+        TestAction::Select(selection) => app.execute(Command::Select(selection)),
+        TestAction::Edit(edit, gesture) => {
             let (before, revision) = (app.document.clone(), app.revision());
             app.messages.clear();
             let is_idle = !edit.changes(&before);
@@ -318,10 +318,10 @@ fn a_gesture_is_one_step_however_many_edits_it_has() {
     let first = app.document.clone();
     for k in 0..10 {
         let shift = DAffine3::from_translation(DVec3::X * f64::from(k));
-        let drag = Edit::Transform(vec![Id(3)], shift);
+        let drag = Edit::Transform(vec![ItemId(3)], shift);
         app.execute(Command::Edit(drag, Some(4)));
     }
-    edit(&mut app, Edit::Rename(Id(3), "marble".into()));
+    edit(&mut app, Edit::Rename(ItemId(3), "marble".into()));
     assert_eq!(app.undo_labels().0, Some("rename"));
     app.execute(Command::Undo);
     assert_eq!(app.undo_labels().0, Some("move"));
@@ -333,26 +333,29 @@ fn a_gesture_is_one_step_however_many_edits_it_has() {
 #[test]
 fn what_is_made_is_selected_and_undo_selects_what_was() {
     let mut app = filled();
-    app.execute(Command::Select(Selection::one(Id(3))));
+    app.execute(Command::Select(Selection::one(ItemId(3))));
     assert_eq!(app.selection.material, Some(1));
-    edit(&mut app, Edit::Duplicate(vec![Id(3)]));
+    edit(&mut app, Edit::Duplicate(vec![ItemId(3)]));
     let copy = app.selection.ids[0];
     assert_eq!(app.document.name(copy), Some("ball 2"));
     app.execute(Command::Undo);
-    assert_eq!(app.selection.ids, [Id(3)]);
+    assert_eq!(app.selection.ids, [ItemId(3)]);
     app.execute(Command::SelectAll);
-    assert_eq!(app.selection.ids, (1..=6).map(Id).collect::<Vec<_>>());
+    assert_eq!(app.selection.ids, (1..=6).map(ItemId).collect::<Vec<_>>());
 }
 
-/// A floor of ten thousand vertices and more.
+/// A floor of more than ten thousand vertices.
 fn large() -> App {
     let mut app = filled();
-    let Shape::Mesh(mesh) = &*app.document.items[0].shape else {
+    let Shape::Mesh(mesh) = &*app.document.objects[0].shape else {
         panic!("the floor is a mesh")
     };
     let mut mesh = mesh.clone();
     mesh.positions.resize(10_000, DVec3::ZERO);
-    edit(&mut app, Edit::SetShape(Id(1), Arc::new(Shape::Mesh(mesh))));
+    edit(
+        &mut app,
+        Edit::SetShape(ItemId(1), Arc::new(Shape::Mesh(mesh))),
+    );
     app
 }
 
@@ -370,17 +373,17 @@ fn undo_holds_twice_a_large_document_and_forgets_the_rest() {
     let mut app = large();
     app.undo_bytes = 1_000;
     for k in 0..60 {
-        edit(&mut app, Edit::AssignFaces(Id(1), vec![0], k % 2));
+        edit(&mut app, Edit::AssignFaces(ItemId(1), vec![0], k % 2));
         // Each of them copies the floor.
         assert!(app.history.bytes() <= 5 * app.document.bytes());
     }
     assert!(app.history.bytes() > 240_000, "{}", app.history.bytes());
     assert_eq!(count_undo(&mut app), 4);
 
-    // With room for all of them, all of them stay.
+    // With enough memory all steps are kept.
     let mut app = large();
     for k in 0..60 {
-        edit(&mut app, Edit::AssignFaces(Id(1), vec![0], k % 2));
+        edit(&mut app, Edit::AssignFaces(ItemId(1), vec![0], k % 2));
     }
     assert!((60 * 240_000..61 * 260_000).contains(&app.history.bytes()));
     assert_eq!(count_undo(&mut app), 61);
@@ -390,17 +393,17 @@ fn undo_holds_twice_a_large_document_and_forgets_the_rest() {
 fn a_step_holds_the_objects_that_it_changes() {
     let mut app = filled();
     for _ in 0..9 {
-        let all = app.document.items.iter().map(|i| i.id).collect();
+        let all = app.document.objects.iter().map(|i| i.id).collect();
         edit(&mut app, Edit::Duplicate(all));
     }
-    let count = app.document.items.len() as u64;
+    let count = app.document.objects.len() as u64;
     assert_eq!(count, 2_048);
-    app.execute(Command::Select(Selection::one(Id(3))));
+    app.execute(Command::Select(Selection::one(ItemId(3))));
     let before = app.history.bytes();
     for k in 0..100 {
         let by = DVec3::X * f64::from(k);
         let drag = DAffine3::from_translation(by);
-        edit(&mut app, Edit::Transform(vec![Id(3)], drag));
+        edit(&mut app, Edit::Transform(vec![ItemId(3)], drag));
     }
     let step = (app.history.bytes() - before) / 100;
     // A pointer for each object, and one object.
@@ -410,14 +413,20 @@ fn a_step_holds_the_objects_that_it_changes() {
 #[test]
 fn what_changes_nothing_is_no_step() {
     let mut app = filled();
-    edit(&mut app, Edit::Hide(vec![Id(1), Id(5), Id(6)], false));
-    edit(&mut app, Edit::Hide(vec![Id(99)], true));
-    edit(&mut app, Edit::Rename(Id(3), "ball ".into()));
+    edit(
+        &mut app,
+        Edit::Hide(vec![ItemId(1), ItemId(5), ItemId(6)], false),
+    );
+    edit(&mut app, Edit::Hide(vec![ItemId(99)], true));
+    edit(&mut app, Edit::Rename(ItemId(3), "ball ".into()));
     assert_eq!(app.undo_labels().0, None);
     assert!(!app.is_changed());
     check_no_error(&app);
-    edit(&mut app, Edit::Hide(vec![Id(1), Id(5), Id(6)], true));
-    assert_eq!(app.document.hidden(), [1, 5, 6].map(Id));
+    edit(
+        &mut app,
+        Edit::Hide(vec![ItemId(1), ItemId(5), ItemId(6)], true),
+    );
+    assert_eq!(app.document.hidden(), [1, 5, 6].map(ItemId));
     assert!(app.document.has_light() && app.document.scene().lights.len() == 1);
     app.execute(Command::Undo);
     assert!(app.document.hidden().is_empty());
@@ -427,14 +436,14 @@ fn what_changes_nothing_is_no_step() {
 fn faces_of_another_shape_are_not_selected_any_more() {
     let mut app = filled();
     app.execute(Command::Select(Selection {
-        faces: Some((Id(1), vec![0, 1])),
-        ..Selection::one(Id(1))
+        faces: Some((ItemId(1), vec![0, 1])),
+        ..Selection::one(ItemId(1))
     }));
     assert!(app.selection.faces.is_some());
     let ball = Primitive::sphere(DVec3::ZERO, 1.0, 0);
     edit(
         &mut app,
-        Edit::SetShape(Id(1), Arc::new(Shape::Primitive(ball))),
+        Edit::SetShape(ItemId(1), Arc::new(Shape::Primitive(ball))),
     );
     assert_eq!(app.selection.faces, None);
 }
@@ -450,13 +459,13 @@ fn letters_are_added_and_nonsense_is_told() {
     };
     app.execute(text("Olé", 1.0, None));
     check_no_error(&app);
-    assert_eq!(app.document.items.last().unwrap().name, "Olé");
+    assert_eq!(app.document.objects.last().unwrap().name, "Olé");
     check_app(&app);
     app.execute(text("a", -1.0, None));
     app.execute(text("a", 1.0, Some("/nowhere/font.ttf".into())));
     app.execute(text("a", 1.0, Some(example("cornell.grf"))));
     assert_eq!(errors(&app).len(), 3, "{:?}", app.messages);
-    assert_eq!(app.document.items.len(), 5);
+    assert_eq!(app.document.objects.len(), 5);
 }
 
 #[test]
@@ -465,11 +474,11 @@ fn a_view_without_direction_is_not_taken() {
     let good = app.view.clone();
     let mut bad = good.clone();
     bad.camera.eye = bad.camera.target;
-    app.execute(Command::Look(Box::new(bad)));
+    app.execute(Command::SetView(Box::new(bad)));
     assert_eq!(app.view, good);
 }
 
-/// The sample with two more materials: one that a ball is made of, and one of nothing.
+/// The sample with two more materials: one used by a sphere, one unused.
 fn with_materials() -> App {
     let mut app = filled();
     for name in ["spare", "used"] {
@@ -479,7 +488,7 @@ fn with_materials() -> App {
         );
     }
     let used = (app.document.materials.len() - 1) as u32;
-    edit(&mut app, Edit::Assign(vec![Id(3)], used));
+    edit(&mut app, Edit::Assign(vec![ItemId(3)], used));
     app
 }
 
@@ -488,7 +497,7 @@ fn number_of(app: &App, name: &str) -> u32 {
     materials.position(|m| m.name == name).unwrap() as u32
 }
 
-fn material_of(app: &App, id: Id) -> &str {
+fn material_of(app: &App, id: ItemId) -> &str {
     let material = app.document.item(id).unwrap().materials()[0];
     &app.document.materials[material as usize].name
 }
@@ -506,7 +515,7 @@ fn a_material_goes_and_those_behind_it_move_up() {
     check_no_error(&app);
     check_app(&app);
     assert_eq!(app.document.materials.len(), before.materials.len() - 1);
-    assert_eq!(material_of(&app, Id(3)), "used");
+    assert_eq!(material_of(&app, ItemId(3)), "used");
     assert_eq!(app.selection.material, Some(used - 1), "still the same one");
     app.execute(Command::Undo);
     assert_eq!(app.document, before);
@@ -530,7 +539,7 @@ fn a_material_that_is_used_stays_and_it_is_said_by_whom() {
 #[test]
 fn copies_of_a_shape_share_it_after_materials_went() {
     let mut app = with_materials();
-    edit(&mut app, Edit::Duplicate(vec![Id(3)]));
+    edit(&mut app, Edit::Duplicate(vec![ItemId(3)]));
     let copy = app.selection.ids[0];
     edit(&mut app, Edit::DeleteUnusedMaterials);
     check_no_error(&app);
@@ -538,7 +547,7 @@ fn copies_of_a_shape_share_it_after_materials_went() {
     let used = app.document.used_materials();
     assert_eq!(used.len(), app.document.materials.len());
     let shape = |id| &app.document.item(id).unwrap().shape;
-    assert!(Arc::ptr_eq(shape(Id(3)), shape(copy)));
+    assert!(Arc::ptr_eq(shape(ItemId(3)), shape(copy)));
     assert_eq!(material_of(&app, copy), "used");
     edit(&mut app, Edit::DeleteUnusedMaterials);
     assert_eq!(errors(&app), ["every material is used"]);

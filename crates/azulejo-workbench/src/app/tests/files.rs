@@ -1,4 +1,4 @@
-//! Files: opened, added, saved, exported, changed by others.
+//! Opening, adding, saving and exporting files, and changes by other programs.
 
 use super::*;
 use crate::document::tests::solved;
@@ -8,13 +8,13 @@ fn file_of(app: &App) -> Option<&Path> {
     app.file.as_ref().map(|f| f.path.as_path())
 }
 
-/// An app with a copy of the Cornell box open, and a change.
-fn changed(folder: &Folder) -> App {
+/// An app with a copy of the Cornell box and an unsaved change.
+fn changed(folder: &TestFolder) -> App {
     let mut app = App::quiet();
     let model = folder.copy("cornell.grf");
     run(&mut app, Command::Open(vec![model]));
     check_no_error(&app);
-    let first = app.document.items[0].id;
+    let first = app.document.objects[0].id;
     edit(&mut app, Edit::Rename(first, "ground".into()));
     assert!(app.is_changed());
     app
@@ -22,16 +22,16 @@ fn changed(folder: &Folder) -> App {
 
 #[test]
 fn a_file_is_opened_and_others_join_it_under_their_names() {
-    let folder = Folder::new("open");
+    let folder = TestFolder::new("open");
     let mut app = App::quiet();
     let cornell = folder.copy("cornell.grf");
     run(&mut app, Command::Open(vec![cornell.clone()]));
     assert_eq!(file_of(&app), Some(&*cornell));
     assert!(!app.is_changed() && app.undo_labels().0.is_none());
     assert_eq!(app.preferences.recent, std::slice::from_ref(&cornell));
-    let (count, units) = (app.document.items.len(), app.document.units);
-    assert_eq!(app.document.items[0].name, "floor");
-    // It looks through the file's own camera.
+    let (count, units) = (app.document.objects.len(), app.document.units);
+    assert_eq!(app.document.objects[0].name, "floor");
+    // The view uses the file's own camera.
     assert_eq!(app.view.camera, app.document.cameras[0].camera);
 
     run(&mut app, Command::Add(vec![folder.copy("shapes.grf")]));
@@ -39,21 +39,21 @@ fn a_file_is_opened_and_others_join_it_under_their_names() {
     assert!(app.is_changed());
     assert_eq!(file_of(&app), Some(&*cornell));
     assert_eq!(app.document.units, units);
-    let new = &app.document.items[count..];
-    assert!(!new.is_empty() && new.iter().all(|i| i.branch == Some(1)));
+    let new = &app.document.objects[count..];
+    assert!(!new.is_empty() && new.iter().all(|i| i.source_file == Some(1)));
     assert!(
         new.iter().all(|i| i.name.starts_with("shapes")),
         "{:?}",
         new[0].name
     );
     app.execute(Command::Undo);
-    assert_eq!(app.document.items.len(), count);
+    assert_eq!(app.document.objects.len(), count);
     assert!(!app.is_changed());
 }
 
 #[test]
 fn a_file_that_fails_changes_nothing_and_is_told() {
-    let folder = Folder::new("fails");
+    let folder = TestFolder::new("fails");
     let mut app = changed(&folder);
     let before = app.document.clone();
     let broken = folder.path("broken.grf");
@@ -65,7 +65,7 @@ fn a_file_that_fails_changes_nothing_and_is_told() {
     check_error(&app, "missing.obj");
     assert_eq!(app.document, before);
 
-    // Even one that was to take its place, after the changes were given up.
+    // Even a file that was to replace the document after its changes were discarded.
     app.messages.clear();
     app.execute(Command::Open(vec![broken]));
     run(&mut app, Command::Discard);
@@ -79,7 +79,7 @@ fn a_file_that_fails_changes_nothing_and_is_told() {
 
 #[test]
 fn of_several_files_those_that_can_be_read_are_opened() {
-    let folder = Folder::new("several");
+    let folder = TestFolder::new("several");
     let broken = folder.path("broken.obj");
     std::fs::write(&broken, "f 1 2 3").unwrap();
     let mut app = App::quiet();
@@ -89,18 +89,18 @@ fn of_several_files_those_that_can_be_read_are_opened() {
     check_two_of_three(&app, &a);
 }
 
-/// Shapes and what was cut out of them are open, and one file failed.
+/// Asserts that shapes and CSG models are open and that one file failed.
 fn check_two_of_three(app: &App, first: &Path) {
     assert_eq!(errors(app).len(), 1, "{:?}", errors(app));
     assert_eq!(file_of(app), Some(first));
-    let names: Vec<&str> = app.document.branches.iter().map(|b| &*b.name).collect();
+    let names: Vec<&str> = app.document.source_files.iter().map(|b| &*b.name).collect();
     assert_eq!(names, ["shapes", "csg"]);
     assert!(app.loading.is_none());
 }
 
 #[test]
 fn files_that_are_added_wait_for_those_on_their_way() {
-    let folder = Folder::new("queue");
+    let folder = TestFolder::new("queue");
     let (a, b) = (folder.copy("shapes.grf"), folder.copy("csg.grf"));
     let mut app = App::quiet();
     app.execute(Command::Open(vec![a.clone()]));
@@ -111,38 +111,38 @@ fn files_that_are_added_wait_for_those_on_their_way() {
 
 #[test]
 fn what_waits_to_be_added_to_a_file_waits_for_the_answer_about_it() {
-    let folder = Folder::new("queue-asked");
+    let folder = TestFolder::new("queue-asked");
     let (a, b) = (folder.copy("shapes.grf"), folder.copy("csg.grf"));
     let mut app = filled();
     app.execute(Command::Open(vec![a.clone()]));
     app.execute(Command::Add(vec![b.clone()]));
-    edit(&mut app, Edit::Rename(Id(3), "marble".into()));
+    edit(&mut app, Edit::Rename(ItemId(3), "marble".into()));
     settle(&mut app);
-    let asked = Question::Unsaved(Box::new(Command::Open(vec![a, b])));
+    let asked = PendingQuestion::Unsaved(Box::new(Command::Open(vec![a, b])));
     assert_eq!(app.question, Some(asked));
     run(&mut app, Command::Discard);
-    assert_eq!(app.document.branches.len(), 2);
+    assert_eq!(app.document.source_files.len(), 2);
 }
 
 #[test]
 fn files_that_are_given_up_for_another_are_named() {
-    let folder = Folder::new("given-up");
+    let folder = TestFolder::new("given-up");
     let (a, b) = (folder.copy("shapes.grf"), folder.copy("csg.grf"));
     let mut app = App::quiet();
     app.execute(Command::Open(vec![a]));
     app.execute(Command::Add(vec![b]));
     run(&mut app, Command::Open(vec![folder.copy("cornell.grf")]));
-    let given_up = app.messages.iter().find(|m| m.level == Level::Warning);
+    let given_up = app.messages.iter().find(|m| m.level == Severity::Warning);
     let text = &given_up.expect("a warning").text;
     assert!(text.contains("shapes.grf") && text.contains("csg.grf"));
-    assert_eq!(app.document.branches.len(), 1);
+    assert_eq!(app.document.source_files.len(), 1);
 }
 
 #[test]
 fn what_is_saved_comes_back_equal() {
-    let folder = Folder::new("save");
+    let folder = TestFolder::new("save");
     let mut app = filled();
-    edit(&mut app, Edit::Rename(Id(3), "marble".into()));
+    edit(&mut app, Edit::Rename(ItemId(3), "marble".into()));
     let path = folder.path("unlit.grf");
     run(&mut app, Command::SaveAs(folder.path("unlit")));
     check_no_error(&app);
@@ -156,7 +156,7 @@ fn what_is_saved_comes_back_equal() {
 
 #[test]
 fn light_is_saved_and_comes_back() {
-    let folder = Folder::new("lit");
+    let folder = TestFolder::new("lit");
     let mut app = filled();
     app.take_light(solved(&app.document));
     assert!(app.is_changed());
@@ -180,8 +180,8 @@ fn light_is_saved_and_comes_back() {
     let (reread, _) = again.document.lit_scene(again.lighting.solution.as_deref());
     assert_eq!(reread, lit);
 
-    // Light of an earlier state is not written onto another one.
-    edit(&mut app, Edit::Delete(vec![Id(3)]));
+    // Light of an earlier state is not written to a later one.
+    edit(&mut app, Edit::Delete(vec![ItemId(3)]));
     run(&mut app, Command::Save);
     assert!(app.messages.last().unwrap().text.contains("without light"));
     run(&mut again, Command::Open(vec![path]));
@@ -190,7 +190,7 @@ fn light_is_saved_and_comes_back() {
 
 #[test]
 fn what_cannot_be_written_is_told_and_stays_a_change() {
-    let folder = Folder::new("refused");
+    let folder = TestFolder::new("refused");
     let mut app = changed(&folder);
     let own = app.file.clone();
     let file = folder.path("file");
@@ -211,11 +211,11 @@ fn what_cannot_be_written_is_told_and_stays_a_change() {
     }
 }
 
-/// A device that is always full, behind a name that says GRF.
+/// A device that is always full, behind a name with the extension GRF.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_is_told_and_what_waited_for_the_save_does_not_go_on() {
-    let folder = Folder::new("full");
+    let folder = TestFolder::new("full");
     let mut app = changed(&folder);
     let full = folder.path("full.grf");
     std::os::unix::fs::symlink("/dev/full", &full).unwrap();
@@ -223,12 +223,12 @@ fn a_full_disk_is_told_and_what_waited_for_the_save_does_not_go_on() {
     run(&mut app, Command::SaveAs(full));
     check_error(&app, "full.grf");
     assert!(app.is_changed() && !app.closing && app.question.is_none());
-    assert_eq!(app.document.items[0].name, "ground");
+    assert_eq!(app.document.objects[0].name, "ground");
 }
 
 #[test]
 fn a_file_that_others_wrote_is_asked_about() {
-    let folder = Folder::new("others");
+    let folder = TestFolder::new("others");
     let mut app = changed(&folder);
     let path = folder.path("cornell.grf");
     app.check_disk();
@@ -236,8 +236,11 @@ fn a_file_that_others_wrote_is_asked_about() {
     let others = std::fs::read_to_string(example("shapes.grf")).unwrap();
     std::fs::write(&path, &others).unwrap();
     run(&mut app, Command::Save);
-    assert_eq!(app.question, Some(Question::ChangedOnDisk(path.clone())));
-    app.execute(Command::Dismiss);
+    assert_eq!(
+        app.question,
+        Some(PendingQuestion::ChangedOnDisk(path.clone()))
+    );
+    app.execute(Command::CancelPending);
     assert_eq!(std::fs::read_to_string(&path).unwrap(), others);
     assert!(app.is_changed());
 
@@ -246,19 +249,25 @@ fn a_file_that_others_wrote_is_asked_about() {
     assert_eq!((app.question.clone(), app.is_changed()), (None, false));
     assert_ne!(std::fs::read_to_string(&path).unwrap(), others);
 
-    // When the window is looked at again; once, and again before it is written over.
+    // Once when the window gets the focus, and once more before the file is overwritten.
     std::fs::write(&path, &others).unwrap();
     app.check_disk();
-    assert_eq!(app.question, Some(Question::ChangedOnDisk(path.clone())));
-    app.execute(Command::Dismiss);
+    assert_eq!(
+        app.question,
+        Some(PendingQuestion::ChangedOnDisk(path.clone()))
+    );
+    app.execute(Command::CancelPending);
     app.check_disk();
     assert_eq!(app.question, None);
     run(&mut app, Command::Save);
-    assert_eq!(app.question, Some(Question::ChangedOnDisk(path.clone())));
+    assert_eq!(
+        app.question,
+        Some(PendingQuestion::ChangedOnDisk(path.clone()))
+    );
     run(&mut app, Command::Discard);
     check_no_error(&app);
-    assert_eq!(app.document.branches[0].name, "cornell");
-    assert!(!app.document.items.iter().any(|i| i.name == "ground"));
+    assert_eq!(app.document.source_files[0].name, "cornell");
+    assert!(!app.document.objects.iter().any(|i| i.name == "ground"));
     app.check_disk();
     assert_eq!(app.question, None);
 
@@ -273,20 +282,20 @@ fn a_file_that_others_wrote_is_asked_about() {
 
 #[test]
 fn changes_are_not_lost_without_asking() {
-    let folder = Folder::new("guard");
+    let folder = TestFolder::new("guard");
     let other = folder.copy("shapes.grf");
     for command in [Command::New, Command::Open(vec![other]), Command::Quit] {
         let mut app = changed(&folder);
         let before = app.document.clone();
         let ask = |app: &mut App| {
             app.execute(command.clone());
-            let question = Question::Unsaved(Box::new(command.clone()));
+            let question = PendingQuestion::Unsaved(Box::new(command.clone()));
             assert_eq!(app.question.as_ref(), Some(&question));
             assert_eq!(app.document, before);
         };
         let is_done = |app: &App| app.closing || app.document != before;
         ask(&mut app);
-        run(&mut app, Command::Dismiss);
+        run(&mut app, Command::CancelPending);
         assert!(!is_done(&app) && app.is_changed());
         ask(&mut app);
         run(&mut app, Command::Discard);
@@ -305,23 +314,23 @@ fn changes_are_not_lost_without_asking() {
 
 #[test]
 fn a_document_without_a_place_asks_for_one_before_it_goes() {
-    let folder = Folder::new("place");
+    let folder = TestFolder::new("place");
     let mut app = filled();
-    edit(&mut app, Edit::Delete(vec![Id(3)]));
+    edit(&mut app, Edit::Delete(vec![ItemId(3)]));
     app.execute(Command::Quit);
     app.execute(Command::Save);
-    assert_eq!(app.asking, Some(Ask::SaveAs));
-    app.execute(Command::Answered);
+    assert_eq!(app.asking, Some(FileRequest::SaveAs));
+    app.execute(Command::DialogClosed);
     run(&mut app, Command::SaveAs(folder.path("a.grf")));
     assert!(app.closing && app.asking.is_none());
 
-    // A format that keeps no light is not written over: a place is asked for.
+    // A format that stores no light is not overwritten: the user is asked for a file.
     let mut app = App::quiet();
     run(&mut app, Command::Open(vec![folder.copy("box.vs3")]));
     check_no_error(&app);
     app.execute(Command::Save);
-    assert_eq!(app.asking, Some(Ask::SaveAs));
-    app.execute(Command::Dismiss);
+    assert_eq!(app.asking, Some(FileRequest::SaveAs));
+    app.execute(Command::CancelPending);
     assert_eq!(app.asking, None);
 }
 
@@ -330,18 +339,18 @@ fn edits_made_while_a_file_is_read_are_not_lost() {
     let mut app = filled();
     let shapes = example("shapes.grf");
     app.execute(Command::Open(vec![shapes.clone()]));
-    edit(&mut app, Edit::Rename(Id(3), "marble".into()));
+    edit(&mut app, Edit::Rename(ItemId(3), "marble".into()));
     settle(&mut app);
-    let question = Question::Unsaved(Box::new(Command::Open(vec![shapes.clone()])));
+    let question = PendingQuestion::Unsaved(Box::new(Command::Open(vec![shapes.clone()])));
     assert_eq!(app.question, Some(question));
-    assert_eq!(app.document.name(Id(3)), Some("marble"));
+    assert_eq!(app.document.name(ItemId(3)), Some("marble"));
     run(&mut app, Command::Discard);
     assert_eq!(file_of(&app), Some(&*shapes));
 }
 
 #[test]
 fn a_save_that_ends_late_is_not_of_the_next_document() {
-    let folder = Folder::new("late");
+    let folder = TestFolder::new("late");
     let mut app = filled();
     let path = folder.path("late.grf");
     app.execute(Command::SaveAs(path.clone()));
@@ -363,7 +372,7 @@ fn a_new_document_is_not_replaced_by_a_file_on_its_way() {
 
 #[test]
 fn copies_are_exported_in_every_format() {
-    let folder = Folder::new("export");
+    let folder = TestFolder::new("export");
     let mut app = changed(&folder);
     let own = app.file.clone();
     for format in &FORMATS {
@@ -381,7 +390,7 @@ fn copies_are_exported_in_every_format() {
 
 #[test]
 fn warnings_lead_to_what_they_are_about() {
-    let folder = Folder::new("warnings");
+    let folder = TestFolder::new("warnings");
     let path = folder.path("odd.obj");
     let text = "o roof\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nusemtl nowhere\ncurv2 1 2\n";
     std::fs::write(&path, text).unwrap();
@@ -391,7 +400,7 @@ fn warnings_lead_to_what_they_are_about() {
     let warnings: Vec<_> = app
         .messages
         .iter()
-        .filter(|m| m.level == Level::Warning)
+        .filter(|m| m.level == Severity::Warning)
         .collect();
     assert!(!warnings.is_empty());
     assert!(
@@ -417,17 +426,17 @@ fn a_job_is_cancelled() {
 #[test]
 fn messages_are_not_kept_for_ever() {
     let mut app = App::quiet();
-    (0..1_500).for_each(|k| app.tell(Level::Note, k.to_string()));
+    (0..1_500).for_each(|k| app.report(Severity::Note, k.to_string()));
     assert_eq!(app.messages.len(), 1_000);
     assert_eq!(app.messages.last().unwrap().text, "1499");
 }
 
 #[test]
 fn what_forgets_lights_is_not_saved_under_that_name() {
-    let folder = Folder::new("lossy");
+    let folder = TestFolder::new("lossy");
     let mut app = App::quiet();
     run(&mut app, Command::Open(vec![folder.copy("cornell.grf")]));
-    let first = app.document.items[0].id;
+    let first = app.document.objects[0].id;
     edit(&mut app, Edit::Rename(first, "ground".into()));
     app.execute(Command::Quit);
     run(&mut app, Command::SaveAs(folder.path("room.obj")));

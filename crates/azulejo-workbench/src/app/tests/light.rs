@@ -1,11 +1,11 @@
-//! The light of the app's document, and the pictures of it.
+//! The light of the document, and renders of it.
 
 use super::*;
 use crate::document::tests::solved;
-use crate::light::LightSettings;
+use crate::first_pass::LightSettings;
 use azulejo::formats::read_picture;
 
-/// The sample, solved at a pinch.
+/// The sample, solved with minimal effort.
 fn lit() -> App {
     let mut app = filled();
     app.execute(Command::SetLight(LightSettings {
@@ -26,20 +26,20 @@ fn solving_lights_the_document_and_edits_make_it_old() {
     assert!(range.high > 0.0 && range.low <= range.usual && range.usual <= range.high);
     let solution = app.lighting.solution.as_ref().unwrap();
     assert!(solution.report.is_some());
-    edit(&mut app, Edit::Hide(vec![Id(1)], true));
+    edit(&mut app, Edit::Hide(vec![ItemId(1)], true));
     assert!(app.lighting.is_current);
-    edit(&mut app, Edit::Delete(vec![Id(3)]));
+    edit(&mut app, Edit::Delete(vec![ItemId(3)]));
     assert!(!app.lighting.is_current);
     app.execute(Command::Undo);
     assert!(app.lighting.is_current);
-    app.execute(Command::DropLight);
+    app.execute(Command::ClearLight);
     assert!(app.lighting.solution.is_none() && !app.lighting.is_current);
 }
 
 #[test]
 fn light_that_is_not_saved_is_a_change_though_the_edits_are_undone() {
     let mut app = filled();
-    edit(&mut app, Edit::Hide(vec![Id(1)], true));
+    edit(&mut app, Edit::Hide(vec![ItemId(1)], true));
     let solution = solved(&app.document);
     app.take_light(solution);
     app.execute(Command::Undo);
@@ -51,13 +51,14 @@ fn light_of_another_state_does_not_take_the_place_of_true_light() {
     let mut app = filled();
     app.take_light(solved(&app.document));
     let first = app.lighting.solution.clone().unwrap();
-    edit(&mut app, Edit::Delete(vec![Id(3)]));
+    edit(&mut app, Edit::Delete(vec![ItemId(3)]));
     let second = solved(&app.document);
     app.execute(Command::Undo);
     app.take_light(second);
     assert!(app.lighting.is_current);
     assert!(Arc::ptr_eq(app.lighting.solution.as_ref().unwrap(), &first));
-    // Nor is it lost: its state may come back, and then it is another light than before.
+    // Nor is it lost: its state may be restored, and then it counts as another solution than
+    // before.
     let before = app.state();
     app.execute(Command::Redo);
     assert!(app.lighting.is_current && app.is_changed());
@@ -67,7 +68,7 @@ fn light_of_another_state_does_not_take_the_place_of_true_light() {
     assert!(Arc::ptr_eq(app.lighting.solution.as_ref().unwrap(), &first));
 }
 
-/// A file on its way when light comes.
+/// Starts loading a file, calls `light` meanwhile, and returns the path.
 fn loading(app: &mut App, light: impl FnOnce(&mut App)) -> PathBuf {
     let shapes = example("shapes.grf");
     app.execute(Command::Open(vec![shapes.clone()]));
@@ -81,7 +82,7 @@ fn loading(app: &mut App, light: impl FnOnce(&mut App)) -> PathBuf {
 fn light_that_comes_while_a_file_is_read_is_not_lost() {
     let mut app = filled();
     let shapes = loading(&mut app, |app| app.take_light(solved(&app.document)));
-    let question = Question::Unsaved(Box::new(Command::Open(vec![shapes])));
+    let question = PendingQuestion::Unsaved(Box::new(Command::Open(vec![shapes])));
     assert_eq!(app.question, Some(question));
     assert!(app.lighting.is_current);
 }
@@ -89,12 +90,12 @@ fn light_that_comes_while_a_file_is_read_is_not_lost() {
 #[test]
 fn who_gives_up_what_is_being_solved_is_not_asked_for_each_preview() {
     let mut app = filled();
-    edit(&mut app, Edit::Rename(Id(3), "marble".into()));
+    edit(&mut app, Edit::Rename(ItemId(3), "marble".into()));
     app.execute(Command::Solve);
     app.execute(Command::Pause);
     let job = Job {
         id: app.jobs()[0].id,
-        kind: Kind::Solve,
+        kind: JobKind::Solve,
         title: String::new(),
         progress: Arc::default(),
         started: Instant::now(),
@@ -124,7 +125,7 @@ fn a_solver_rests_goes_on_and_ends() {
     }));
     app.execute(Command::Solve);
     app.execute(Command::Pause);
-    assert!(app.lighting.is_paused && app.is_busy(Kind::Solve));
+    assert!(app.lighting.is_paused && app.is_busy(JobKind::Solve));
     app.execute(Command::Resume);
     assert!(!app.lighting.is_paused);
     app.execute(Command::Solve);
@@ -144,21 +145,21 @@ fn a_solver_rests_goes_on_and_ends() {
 #[test]
 fn form_factors_are_found_and_forgotten_with_an_edit() {
     let mut app = lit();
-    let place = crate::command::PatchAt {
-        item: Id(1),
+    let pick = crate::command::SurfacePick {
+        item: ItemId(1),
         position: glam::DVec3::new(1.5, 0.0, -1.5),
         normal: glam::DVec3::Y,
     };
-    run(&mut app, Command::FormFactorsFrom(place));
+    run(&mut app, Command::FormFactorsFrom(pick));
     check_no_error(&app);
     let seen = app.lighting.seen.as_ref().expect("factors");
     assert!(seen.sum > 0.0 && seen.sum <= 1.0 + 1e-6, "{}", seen.sum);
     assert_eq!(seen.patches.faces.len(), seen.factors.len());
-    edit(&mut app, Edit::Rename(Id(1), "ground".into()));
+    edit(&mut app, Edit::Rename(ItemId(1), "ground".into()));
     assert!(app.lighting.seen.is_none());
-    let nowhere = crate::command::PatchAt {
+    let nowhere = crate::command::SurfacePick {
         position: glam::DVec3::splat(1e3),
-        ..place
+        ..pick
     };
     run(&mut app, Command::FormFactorsFrom(nowhere));
     check_error(&app, "no patch at that place");
@@ -166,24 +167,24 @@ fn form_factors_are_found_and_forgotten_with_an_edit() {
 
 #[test]
 fn pictures_are_drawn_refined_and_written_in_three_formats() {
-    let folder = Folder::new("pictures");
+    let folder = TestFolder::new("pictures");
     let mut app = filled();
-    app.execute(Command::SavePicture(folder.path("early.png")));
+    app.execute(Command::SaveRender(folder.path("early.png")));
     check_error(&app, "there is no picture yet");
     app.messages.clear();
     app.preferences.picture_samples = 2;
     run(
         &mut app,
-        Command::Picture {
+        Command::Render {
             width: 24,
             height: 16,
             paths: None,
         },
     );
-    let picture = app.picture.clone().expect("a picture");
-    assert_eq!((picture.samples, picture.size), (2, (24, 16)));
+    let render = app.render.clone().expect("a picture");
+    assert_eq!((render.samples, render.size), (2, (24, 16)));
     for name in ["a.png", "a.hdr", "a.exr", "bare"] {
-        run(&mut app, Command::SavePicture(folder.path(name)));
+        run(&mut app, Command::SaveRender(folder.path(name)));
     }
     check_no_error(&app);
     for name in ["a.png", "a.hdr", "bare.png"] {
@@ -192,12 +193,12 @@ fn pictures_are_drawn_refined_and_written_in_three_formats() {
         assert_eq!((image.width, image.height), (24, 16), "{name}");
     }
     assert!(folder.path("a.exr").exists());
-    run(&mut app, Command::SavePicture(folder.path("a.webp")));
+    run(&mut app, Command::SaveRender(folder.path("a.webp")));
     check_error(&app, "unknown kind of picture");
-    edit(&mut app, Edit::Delete(vec![Id(3)]));
-    assert!(app.picture.is_none(), "a picture of what is gone");
+    edit(&mut app, Edit::Delete(vec![ItemId(3)]));
+    assert!(app.render.is_none(), "a picture of what is gone");
     app.messages.clear();
-    app.execute(Command::Picture {
+    app.execute(Command::Render {
         width: 0,
         height: 5,
         paths: None,
@@ -209,37 +210,37 @@ fn pictures_are_drawn_refined_and_written_in_three_formats() {
 fn a_final_gather_draws_the_picture_anew() {
     let mut app = filled();
     app.take_light(solved(&app.document));
-    let small = Command::Picture {
+    let small = Command::Render {
         width: 12,
         height: 8,
         paths: Some(1),
     };
     run(&mut app, small);
-    let plain = app.picture.clone().expect("a picture");
+    let plain = app.render.clone().expect("a picture");
     let preferences = Preferences {
         picture_gather: 4,
         ..app.preferences.clone()
     };
     run(&mut app, Command::SetPreferences(Box::new(preferences)));
-    let gathered = app.picture.clone().expect("a picture");
+    let gathered = app.render.clone().expect("a picture");
     assert_eq!((gathered.samples, gathered.most), (1, 1));
     assert_ne!(gathered.image, plain.image);
 }
 
 #[test]
 fn a_backdrop_is_read_and_does_not_disturb_a_model_on_its_way() {
-    let folder = Folder::new("backdrop");
+    let folder = TestFolder::new("backdrop");
     let mut app = filled();
     app.preferences.picture_samples = 1;
     run(
         &mut app,
-        Command::Picture {
+        Command::Render {
             width: 8,
             height: 8,
             paths: None,
         },
     );
-    run(&mut app, Command::SavePicture(folder.path("sky.png")));
+    run(&mut app, Command::SaveRender(folder.path("sky.png")));
     let other = folder.copy("shapes.grf");
     app.execute(Command::Open(vec![other.clone()]));
     run(&mut app, Command::LoadBackdrop(folder.path("sky.png")));

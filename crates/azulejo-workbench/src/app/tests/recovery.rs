@@ -1,32 +1,32 @@
-//! What survives a crash, and what a person chose once.
+//! Recovery after a crash, and preferences.
 
 use super::*;
 use crate::words::Language;
 
-fn places(folder: &Folder) -> Places {
-    Places {
+fn dirs(folder: &TestFolder) -> UserDirs {
+    UserDirs {
         preferences: Some(folder.path("preferences.toml")),
         recovery: Some(folder.path("recovery")),
     }
 }
 
-fn app_in(folder: &Folder, autosave: u32) -> App {
+fn app_in(folder: &TestFolder, autosave: u32) -> App {
     let preferences = Preferences {
         language: Language::English,
         autosave,
         ..Preferences::default()
     };
-    App::new(preferences, places(folder), Arc::new(|| ()))
+    App::new(preferences, dirs(folder), Arc::new(|| ()))
 }
 
-/// The change was made so many seconds ago.
+/// Pretends that the change was made this many seconds ago.
 fn let_pass(app: &mut App, seconds: u64) {
     app.changed_at = app
         .changed_at
         .and_then(|t| t.checked_sub(Duration::from_secs(seconds)));
 }
 
-fn copies(folder: &Folder) -> Vec<PathBuf> {
+fn copies(folder: &TestFolder) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder.path("recovery"))
         .into_iter()
         .flatten();
@@ -36,10 +36,10 @@ fn copies(folder: &Folder) -> Vec<PathBuf> {
         .collect()
 }
 
-/// The folders of a session that is no more: what it wrote without the locks that it held.
-fn after_a_crash(folder: &Folder, app: App) -> Folder {
+/// The folders of a crashed session: its files without its locks.
+fn after_a_crash(folder: &TestFolder, app: App) -> TestFolder {
     let name = folder.0.file_name().unwrap().to_string_lossy().into_owned();
-    let next = Folder::new(&format!("{name}-next"));
+    let next = TestFolder::new(&format!("{name}-next"));
     std::fs::create_dir(next.path("recovery")).unwrap();
     for entry in std::fs::read_dir(folder.path("recovery")).unwrap() {
         let entry = entry.unwrap();
@@ -51,17 +51,20 @@ fn after_a_crash(folder: &Folder, app: App) -> Folder {
 
 #[test]
 fn a_copy_is_written_after_a_while_and_only_of_changes() {
-    let folder = Folder::new("autosave");
+    let folder = TestFolder::new("autosave");
     let mut app = app_in(&folder, 20);
     run(&mut app, Command::Open(vec![example("shapes.grf")]));
     settle(&mut app);
     assert!(copies(&folder).is_empty());
-    assert_eq!(app.wakes_in(), None);
+    assert_eq!(app.repaint_after(), None);
 
-    edit(&mut app, Edit::Rename(Id(1), "renamed".into()));
+    edit(&mut app, Edit::Rename(ItemId(1), "renamed".into()));
     settle(&mut app);
     assert!(copies(&folder).is_empty());
-    assert!(app.wakes_in().is_some_and(|t| t <= Duration::from_secs(20)));
+    assert!(
+        app.repaint_after()
+            .is_some_and(|t| t <= Duration::from_secs(20))
+    );
     let_pass(&mut app, 21);
     settle(&mut app);
     assert_eq!(copies(&folder).len(), 1);
@@ -71,7 +74,7 @@ fn a_copy_is_written_after_a_while_and_only_of_changes() {
         .unwrap();
     settle(&mut app);
     let_pass(&mut app, 21);
-    assert_eq!(app.wakes_in(), None, "there is nothing to wake for");
+    assert_eq!(app.repaint_after(), None, "there is nothing to wake for");
     let again = std::fs::metadata(&copies(&folder)[0])
         .unwrap()
         .modified()
@@ -84,21 +87,21 @@ fn a_copy_is_written_after_a_while_and_only_of_changes() {
 
 #[test]
 fn no_copy_is_written_where_none_is_wanted() {
-    let folder = Folder::new("never");
+    let folder = TestFolder::new("never");
     let mut app = app_in(&folder, 0);
     edit(&mut app, Edit::Append(Box::new(sample())));
     let_pass(&mut app, 1_000);
     settle(&mut app);
-    assert!(copies(&folder).is_empty() && app.wakes_in().is_none());
+    assert!(copies(&folder).is_empty() && app.repaint_after().is_none());
 }
 
 #[test]
 fn what_a_crash_left_is_recovered_with_its_name() {
-    let folder = Folder::new("crash");
+    let folder = TestFolder::new("crash");
     let mut app = app_in(&folder, 1);
     let model = folder.copy("cornell.grf");
     run(&mut app, Command::Open(vec![model.clone()]));
-    let first = app.document.items[0].id;
+    let first = app.document.objects[0].id;
     edit(&mut app, Edit::Rename(first, "ground".into()));
     let_pass(&mut app, 2);
     settle(&mut app);
@@ -116,15 +119,18 @@ fn what_a_crash_left_is_recovered_with_its_name() {
     check_no_error(&app);
     assert_eq!(app.document.scene(), scene);
     assert_eq!(app.file.as_ref().map(|f| &*f.path), Some(&*model));
-    assert_eq!(app.document.branches[0].path, model);
+    assert_eq!(app.document.source_files[0].path, model);
     assert!(app.is_changed() && app.recoverable().is_empty());
     assert!(copy.exists(), "another crash would take the only copy");
-    // It was not recovered because somebody wrote it: there is nothing to ask.
+    // It was not recovered because of another program's change: there is nothing to ask.
     app.check_disk();
     assert_eq!(app.question, None);
-    // But what is on the disk is not what was recovered.
+    // But the file on disk differs from the recovered document.
     app.execute(Command::Save);
-    assert_eq!(app.question, Some(Question::ChangedOnDisk(model.clone())));
+    assert_eq!(
+        app.question,
+        Some(PendingQuestion::ChangedOnDisk(model.clone()))
+    );
     run(&mut app, Command::SaveAnyway);
     assert!(!app.is_changed() && !copy.exists());
     assert!(std::fs::read_to_string(model).unwrap().contains("ground"));
@@ -132,7 +138,7 @@ fn what_a_crash_left_is_recovered_with_its_name() {
 
 #[test]
 fn what_had_no_name_has_none_after_a_crash() {
-    let folder = Folder::new("nameless");
+    let folder = TestFolder::new("nameless");
     let mut app = app_in(&folder, 1);
     edit(&mut app, Edit::Append(Box::new(sample())));
     let_pass(&mut app, 2);
@@ -142,15 +148,15 @@ fn what_had_no_name_has_none_after_a_crash() {
     let copy = app.recoverable()[0].copy.clone();
     run(&mut app, Command::Recover(copy));
     check_no_error(&app);
-    assert!(app.file.is_none() && app.document.branches.is_empty());
+    assert!(app.file.is_none() && app.document.source_files.is_empty());
     assert_eq!(app.document.scene(), sample().scene());
     app.execute(Command::Save);
-    assert_eq!(app.asking, Some(Ask::SaveAs));
+    assert_eq!(app.asking, Some(FileRequest::SaveAs));
 }
 
 #[test]
 fn what_a_crash_left_can_be_deleted_or_be_broken() {
-    let folder = Folder::new("broken");
+    let folder = TestFolder::new("broken");
     let mut app = app_in(&folder, 1);
     edit(&mut app, Edit::Append(Box::new(sample())));
     let_pass(&mut app, 2);
@@ -162,11 +168,11 @@ fn what_a_crash_left_can_be_deleted_or_be_broken() {
     run(&mut app, Command::Recover(copy.clone()));
     assert_eq!(errors(&app).len(), 1);
     assert!(app.document.is_empty() && app.recoverable().len() == 1);
-    app.execute(Command::Forget(copy.clone()));
+    app.execute(Command::DeleteRecovery(copy.clone()));
     assert!(app.recoverable().is_empty() && !copy.exists());
 }
 
-/// A path that leads to a file from the folder of this process.
+/// A relative path to a file from the current folder of the process.
 #[cfg(unix)]
 fn from_here(path: &Path) -> PathBuf {
     let here = std::env::current_dir().unwrap();
@@ -177,7 +183,7 @@ fn from_here(path: &Path) -> PathBuf {
 #[cfg(unix)]
 #[test]
 fn files_are_known_wherever_the_next_session_begins() {
-    let folder = Folder::new("relative");
+    let folder = TestFolder::new("relative");
     let mut app = app_in(&folder, 1);
     let model = from_here(&folder.copy("shapes.grf"));
     assert!(model.is_relative());
@@ -191,7 +197,7 @@ fn files_are_known_wherever_the_next_session_begins() {
     let recent = &app.preferences.recent;
     assert_eq!(recent.len(), 3);
     assert!(recent.iter().all(|p| p.is_absolute()), "{recent:?}");
-    edit(&mut app, Edit::Rename(Id(1), "renamed".into()));
+    edit(&mut app, Edit::Rename(ItemId(1), "renamed".into()));
     let_pass(&mut app, 2);
     settle(&mut app);
     let next = after_a_crash(&folder, app);
@@ -204,17 +210,17 @@ fn files_are_known_wherever_the_next_session_begins() {
 #[test]
 fn a_name_that_is_no_text_survives_a_crash_and_keeps_no_preferences_away() {
     use std::os::unix::ffi::OsStrExt;
-    let folder = Folder::new("bytes");
+    let folder = TestFolder::new("bytes");
     let mut app = app_in(&folder, 1);
     let odd = folder.0.join(std::ffi::OsStr::from_bytes(b"caf\xe9.grf"));
     std::fs::copy(example("shapes.grf"), &odd).unwrap();
     run(&mut app, Command::Open(vec![folder.copy("csg.grf")]));
     run(&mut app, Command::Open(vec![odd.clone()]));
-    assert!(app.messages.iter().all(|m| m.level == Level::Note));
+    assert!(app.messages.iter().all(|m| m.level == Severity::Note));
     assert_eq!(app.preferences.recent.len(), 2);
     let (kept, _) = Preferences::load(&folder.path("preferences.toml"));
     assert_eq!(kept.recent, [folder.path("csg.grf")]);
-    edit(&mut app, Edit::Rename(Id(1), "renamed".into()));
+    edit(&mut app, Edit::Rename(ItemId(1), "renamed".into()));
     let_pass(&mut app, 2);
     settle(&mut app);
     let next = after_a_crash(&folder, app);
@@ -225,12 +231,12 @@ fn a_name_that_is_no_text_survives_a_crash_and_keeps_no_preferences_away() {
 #[test]
 fn pictures_survive_a_crash_with_the_model_and_go_with_the_copy() {
     use azulejo::formats::{picture::png, read_picture};
-    let folder = Folder::new("textures");
+    let folder = TestFolder::new("textures");
     let mut file = Vec::new();
     png::write(1, 2, &[9, 99, 200, 0, 50, 255], &mut file).unwrap();
     std::fs::write(folder.path("wood.png"), &file).unwrap();
     let mut scene = sample().scene();
-    // The one lies beside the model, the other in the model's own file.
+    // One texture is a file beside the model, the other is embedded in the model file.
     for path in ["wood.png", "inside"] {
         scene.textures.push(azulejo::scene::Texture {
             path: path.into(),
@@ -241,7 +247,7 @@ fn pictures_survive_a_crash_with_the_model_and_go_with_the_copy() {
     std::fs::copy(example("shapes.grf"), &model).unwrap();
     let mut app = app_in(&folder, 1);
     run(&mut app, Command::Open(vec![model]));
-    let document = Document::of_scene(scene, None);
+    let document = SceneDocument::of_scene(scene, None);
     edit(&mut app, Edit::Append(Box::new(document)));
     let_pass(&mut app, 2);
     settle(&mut app);
@@ -282,7 +288,7 @@ fn pictures_survive_a_crash_with_the_model_and_go_with_the_copy() {
 
 #[test]
 fn what_waits_for_a_copy_waits_for_the_answer_too() {
-    let folder = Folder::new("waits");
+    let folder = TestFolder::new("waits");
     let mut app = app_in(&folder, 1);
     edit(&mut app, Edit::Append(Box::new(sample())));
     let_pass(&mut app, 2);
@@ -294,28 +300,31 @@ fn what_waits_for_a_copy_waits_for_the_answer_too() {
     app.execute(Command::Add(vec![example("shapes.grf")]));
     edit(&mut app, Edit::Append(Box::new(sample())));
     settle(&mut app);
-    let question = Question::Unsaved(Box::new(Command::Recover(copy)));
+    let question = PendingQuestion::Unsaved(Box::new(Command::Recover(copy)));
     assert_eq!(app.question, Some(question));
     run(&mut app, Command::Discard);
     check_no_error(&app);
-    assert_eq!(app.document.branches.len(), 1);
-    assert!(app.document.items.len() > sample().items.len());
+    assert_eq!(app.document.source_files.len(), 1);
+    assert!(app.document.objects.len() > sample().objects.len());
 }
 
 #[test]
 fn a_copy_that_failed_is_tried_again_though_nothing_happens() {
-    let folder = Folder::new("again");
+    let folder = TestFolder::new("again");
     std::fs::write(folder.path("recovery"), "no folder").unwrap();
     let mut app = app_in(&folder, 1);
     edit(&mut app, Edit::Append(Box::new(sample())));
     let_pass(&mut app, 2);
     settle(&mut app);
-    assert!(app.wakes_in().is_some_and(|t| t > Duration::from_secs(60)));
+    assert!(
+        app.repaint_after()
+            .is_some_and(|t| t > Duration::from_secs(60))
+    );
 }
 
 #[test]
 fn a_copy_that_cannot_be_written_is_told_once() {
-    let folder = Folder::new("unwritable");
+    let folder = TestFolder::new("unwritable");
     std::fs::write(folder.path("recovery"), "no folder").unwrap();
     let mut app = app_in(&folder, 1);
     edit(&mut app, Edit::Append(Box::new(sample())));
@@ -323,12 +332,12 @@ fn a_copy_that_cannot_be_written_is_told_once() {
     settle(&mut app);
     settle(&mut app);
     assert!(errors(&app).len() <= 1, "{:?}", errors(&app));
-    assert_eq!(app.document.items.len(), 4);
+    assert_eq!(app.document.objects.len(), 4);
 }
 
 #[test]
 fn preferences_are_kept() {
-    let folder = Folder::new("preferences");
+    let folder = TestFolder::new("preferences");
     let mut app = app_in(&folder, 7);
     let mut mine = app.preferences.clone();
     mine.language = Language::Portuguese;
@@ -341,10 +350,10 @@ fn preferences_are_kept() {
     assert_eq!(kept.recent, [example("shapes.grf")]);
     assert_eq!(kept.language, Language::Portuguese);
 
-    // Where they cannot be kept it is told, and they hold for now.
+    // Where preferences cannot be stored this is reported, and they apply to this session.
     let mut app = App::new(
         mine,
-        Places {
+        UserDirs {
             preferences: Some(PathBuf::from("/proc/none/preferences.toml")),
             recovery: None,
         },
@@ -354,5 +363,5 @@ fn preferences_are_kept() {
     other.language = Language::Spanish;
     app.execute(Command::SetPreferences(Box::new(other)));
     assert_eq!(app.preferences.language, Language::Spanish);
-    assert_eq!(app.messages.last().unwrap().level, Level::Warning);
+    assert_eq!(app.messages.last().unwrap().level, Severity::Warning);
 }

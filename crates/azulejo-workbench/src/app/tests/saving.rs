@@ -1,4 +1,4 @@
-//! What is written: the later of two, its light, and files over each other.
+//! Saving: the later of two saves wins, light is written, files are overwritten.
 
 use super::*;
 use crate::document::tests::solved;
@@ -12,11 +12,11 @@ fn last(app: &App) -> &str {
 
 #[test]
 fn the_later_of_two_saves_is_what_stays() {
-    let folder = Folder::new("twice");
+    let folder = TestFolder::new("twice");
     let path = folder.path("a.grf");
     let mut app = filled();
     app.execute(Command::SaveAs(path.clone()));
-    edit(&mut app, Edit::Rename(Id(3), "marble".into()));
+    edit(&mut app, Edit::Rename(ItemId(3), "marble".into()));
     app.execute(Command::SaveAs(folder.path("b.grf")));
     app.execute(Command::SaveAs(path.clone()));
     assert_eq!(app.jobs().len(), 2, "the first is given up");
@@ -29,11 +29,11 @@ fn the_later_of_two_saves_is_what_stays() {
 
 #[test]
 fn a_copy_over_the_own_file_was_not_written_by_others() {
-    let folder = Folder::new("own-copy");
+    let folder = TestFolder::new("own-copy");
     let path = folder.copy("shapes.grf");
     let mut app = App::quiet();
     run(&mut app, Command::Open(vec![path.clone()]));
-    let first = app.document.items[0].id;
+    let first = app.document.objects[0].id;
     edit(&mut app, Edit::Rename(first, "renamed".into()));
     run(&mut app, Command::Export(path));
     app.check_disk();
@@ -41,7 +41,7 @@ fn a_copy_over_the_own_file_was_not_written_by_others() {
     assert!(app.is_changed());
 }
 
-/// Writes the sample with light on it; on all of it but the first object, if not `whole`.
+/// Writes the sample with light on all surfaces, or on all but the first object if not `whole`.
 fn lit_file(path: &Path, whole: bool) {
     let document = sample();
     let (mut scene, _) = document.lit_scene(Some(&solved(&document)));
@@ -54,7 +54,7 @@ fn lit_file(path: &Path, whole: bool) {
 
 #[test]
 fn light_of_what_is_added_to_nothing_is_kept() {
-    let folder = Folder::new("added-light");
+    let folder = TestFolder::new("added-light");
     let path = folder.path("lit.grf");
     lit_file(&path, true);
     let mut app = App::quiet();
@@ -67,7 +67,7 @@ fn light_of_what_is_added_to_nothing_is_kept() {
 
 #[test]
 fn light_of_a_part_is_not_lost_without_a_word() {
-    let folder = Folder::new("part-light");
+    let folder = TestFolder::new("part-light");
     let path = folder.path("part.grf");
     lit_file(&path, false);
     let mut app = App::quiet();
@@ -75,6 +75,6 @@ fn light_of_a_part_is_not_lost_without_a_word() {
     check_no_error(&app);
     assert!(app.lighting.solution.is_none());
     run(&mut app, Command::SaveAs(folder.path("b.grf")));
-    let said = "saved without the light of the file";
+    let said = "saved without the light stored in the file";
     assert!(last(&app).ends_with(said), "{}", last(&app));
 }

@@ -1,10 +1,10 @@
-//! Files whose numbers mean something else than the document's.
+//! Loading files in other units than the document's.
 
 use super::*;
 use azulejo::scene::{Units, Up};
 
 /// Writes the sample in other units.
-fn write_in(folder: &Folder, name: &str, up: Up, metres: f64) -> PathBuf {
+fn write_in(folder: &TestFolder, name: &str, up: Up, metres: f64) -> PathBuf {
     let mut scene = sample().scene();
     scene.units.up = up;
     scene.units.metres_per_unit = Some(metres);
@@ -15,7 +15,7 @@ fn write_in(folder: &Folder, name: &str, up: Up, metres: f64) -> PathBuf {
 
 #[test]
 fn what_is_done_while_a_file_is_read_gives_the_units() {
-    let folder = Folder::new("late-units");
+    let folder = TestFolder::new("late-units");
     let path = write_in(&folder, "cm.grf", Up::Z, 0.01);
     let add = |meanwhile: &[Command]| {
         let mut app = App::quiet();
@@ -26,13 +26,18 @@ fn what_is_done_while_a_file_is_read_gives_the_units() {
         app
     };
     let size = |app: &App, name: &str| {
-        let item = app.document.items.iter().find(|i| i.name == name).unwrap();
+        let item = app
+            .document
+            .objects
+            .iter()
+            .find(|i| i.name == name)
+            .unwrap();
         item.bounds().size()
     };
     let alone = add(&[]);
     assert_eq!(alone.document.units.up, Up::Z);
     let meanwhile = add(&[
-        Command::AddShape(crate::document::NewKind::Cuboid),
+        Command::AddShape(crate::document::NewShapeKind::Cuboid),
         Command::Edit(
             Edit::SetUnits(Units {
                 metres_per_unit: Some(1.0),
@@ -54,20 +59,20 @@ fn what_is_done_while_a_file_is_read_gives_the_units() {
 
 #[test]
 fn units_of_what_joins_are_adapted() {
-    let folder = Folder::new("units");
+    let folder = TestFolder::new("units");
     let write = |name: &str, up: Up, metres: f64| write_in(&folder, name, up, metres);
     let (metres, inches) = (write("m.grf", Up::Y, 1.0), write("in.grf", Up::Z, 0.0254));
     let mut app = App::quiet();
     run(&mut app, Command::Open(vec![metres, inches]));
     check_no_error(&app);
-    let (a, b) = (&app.document.items[0], &app.document.items[4]);
+    let (a, b) = (&app.document.objects[0], &app.document.objects[4]);
     assert_eq!(b.name, format!("in/{}", a.name));
     let (a, b) = (a.bounds(), b.bounds());
     assert!(
         (b.size().x - 0.0254 * a.size().x).abs() < 1e-9,
         "{a:?} {b:?}"
     );
-    // What was up along z stands up along y.
+    // What was up along z is now up along y.
     assert!(
         (b.size().y - 0.0254 * a.size().z).abs() < 1e-9,
         "{a:?} {b:?}"

@@ -1,56 +1,56 @@
-//! Materials that come and go. Surfaces know theirs by number, so that the others move up.
+//! Adding and deleting materials. Surfaces refer to materials by index, so later indices shift.
 
-use super::copies::Names;
-use super::{Edited, Refused};
-use crate::document::{Document, Facts, Item, map_materials};
+use super::duplicate::UniqueNames;
+use super::{EditError, Edited};
+use crate::document::{SceneDocument, SceneObject, ShapeFacts, map_materials};
 use azulejo::scene::{MaterialId, Shape};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-/// So many names of those who use a material fit into a message.
+/// Number of object names listed in a message.
 const NAMED: usize = 3;
 
-/// A shape with its materials' new numbers.
-struct Renumbered {
-    /// Kept as long as it is looked up by its place: another could come to lie there.
+/// A shape with remapped material indices.
+struct RenumberedShape {
+    /// Kept alive while it is looked up by address, which could be reused otherwise.
     _old: Arc<Shape>,
     shape: Arc<Shape>,
-    facts: Arc<Facts>,
+    facts: Arc<ShapeFacts>,
 }
 
-impl Renumbered {
-    fn new(old: &Arc<Shape>, numbers: &[MaterialId]) -> Renumbered {
+impl RenumberedShape {
+    fn new(old: &Arc<Shape>, numbers: &[MaterialId]) -> RenumberedShape {
         let mut shape = Shape::clone(old);
         map_materials(&mut shape, &mut |m| numbers[m as usize]);
-        Renumbered {
+        RenumberedShape {
             _old: Arc::clone(old),
-            facts: Arc::new(Facts::of(&shape)),
+            facts: Arc::new(ShapeFacts::of(&shape)),
             shape: Arc::new(shape),
         }
     }
 }
 
-impl Document {
-    /// `name` with the first number behind it that no material has.
+impl SceneDocument {
+    /// `name` with the first number that makes it unique among materials.
     pub fn fresh_material_name(&self, name: &str) -> String {
-        Names::among(self.materials.iter().map(|m| &m.name)).fresh(name)
+        UniqueNames::among(self.materials.iter().map(|m| &m.name)).fresh(name)
     }
 
-    /// The materials that are on some surface.
+    /// Materials used by at least one surface.
     pub fn used_materials(&self) -> HashSet<MaterialId> {
-        let items = self.items.iter();
+        let items = self.objects.iter();
         items.flat_map(|i| i.materials().iter().copied()).collect()
     }
 
     pub(super) fn delete_material(&mut self, id: MaterialId) -> Edited {
         let Some(material) = self.materials.get(id as usize) else {
-            return Err(Refused("there is no such material any more".into()));
+            return Err(EditError("the material no longer exists".into()));
         };
-        let items = self.items.iter().map(|item| &**item);
-        let users: Vec<&Item> = items.filter(|i| i.materials().contains(&id)).collect();
+        let items = self.objects.iter().map(|item| &**item);
+        let users: Vec<&SceneObject> = items.filter(|i| i.materials().contains(&id)).collect();
         if !users.is_empty() {
             let why = format!("{} is used by {}", quoted(&material.name), listed(&users));
-            return Err(Refused(why));
+            return Err(EditError(why));
         }
         self.keep_materials(|m| m != id);
         Ok(Vec::new())
@@ -59,13 +59,13 @@ impl Document {
     pub(super) fn delete_unused_materials(&mut self) -> Edited {
         let used = self.used_materials();
         if used.len() == self.materials.len() {
-            return Err(Refused("every material is used".into()));
+            return Err(EditError("every material is used".into()));
         }
         self.keep_materials(|m| used.contains(&m));
         Ok(Vec::new())
     }
 
-    /// Forgets the other materials, which nothing uses.
+    /// Deletes the materials for which `keep` returns false; they must be unused.
     fn keep_materials(&mut self, keep: impl Fn(MaterialId) -> bool) {
         let mut numbers: Vec<MaterialId> = Vec::new();
         let mut kept = Vec::new();
@@ -80,17 +80,18 @@ impl Document {
         self.rtrace = None;
     }
 
-    /// Gives surfaces the new numbers of their materials. Objects that share a shape go on sharing.
+    /// Remaps the material indices of all surfaces. Objects that share a shape continue to share
+    /// it.
     fn renumber(&mut self, numbers: &[MaterialId]) {
-        let mut done: HashMap<*const Shape, Renumbered> = HashMap::new();
+        let mut done: HashMap<*const Shape, RenumberedShape> = HashMap::new();
         let moved = |m: &MaterialId| numbers[*m as usize] != *m;
-        for item in &mut self.items {
+        for item in &mut self.objects {
             if !item.materials().iter().any(moved) {
                 continue;
             }
             let new = done
                 .entry(Arc::as_ptr(&item.shape))
-                .or_insert_with(|| Renumbered::new(&item.shape, numbers));
+                .or_insert_with(|| RenumberedShape::new(&item.shape, numbers));
             let item = Arc::make_mut(item);
             (item.shape, item.facts) = (Arc::clone(&new.shape), Arc::clone(&new.facts));
         }
@@ -104,8 +105,8 @@ fn quoted(name: &str) -> String {
     }
 }
 
-/// The first names, and how many there are more.
-fn listed(users: &[&Item]) -> String {
+/// The first few names, and the number of the others.
+fn listed(users: &[&SceneObject]) -> String {
     let names = users.iter().take(NAMED).map(|i| format!("\"{}\"", i.name));
     let names = names.collect::<Vec<_>>().join(", ");
     match users.len().saturating_sub(NAMED) {

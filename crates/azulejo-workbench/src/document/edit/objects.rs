@@ -1,22 +1,22 @@
-//! Objects: what they are called, where they stand, what they are made of.
+//! Edits of objects: names, placements and materials.
 
-use super::{Edited, Refused, is_placement, missing, refuse, set};
-use crate::document::{Document, Facts, Id, Item, NewShape, map_materials};
+use super::{EditError, Edited, is_placement, missing, refuse, set};
+use crate::document::{ItemId, NewShape, SceneDocument, SceneObject, ShapeFacts, map_materials};
 use azulejo::scene::{Material, MaterialId, Object, Scene, Shape};
 use glam::DAffine3;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-impl Document {
-    pub(super) fn item_mut(&mut self, id: Id) -> Option<&mut Item> {
-        let at = self.items.binary_search_by_key(&id, |i| i.id).ok()?;
-        self.items.get_mut(at).map(Arc::make_mut)
+impl SceneDocument {
+    pub(super) fn item_mut(&mut self, id: ItemId) -> Option<&mut SceneObject> {
+        let at = self.objects.binary_search_by_key(&id, |i| i.id).ok()?;
+        self.objects.get_mut(at).map(Arc::make_mut)
     }
 
-    pub(super) fn rename(&mut self, id: Id, name: &str) -> Edited {
+    pub(super) fn rename(&mut self, id: ItemId, name: &str) -> Edited {
         let name = name.trim().to_owned();
         if name.chars().any(char::is_control) {
-            return refuse("a name holds control characters, expected one line of text");
+            return refuse("the name contains control characters, expected one line of text");
         }
         if let Some(item) = self.item_mut(id) {
             item.name = name;
@@ -30,10 +30,10 @@ impl Document {
         Ok(vec![id])
     }
 
-    pub(super) fn hide(&mut self, ids: &[Id], hidden: bool) -> Vec<Id> {
+    pub(super) fn hide(&mut self, ids: &[ItemId], hidden: bool) -> Vec<ItemId> {
         let chosen = set(ids);
-        let named = self.items.iter_mut().filter(|i| chosen.contains(&i.id));
-        // What is so already is not copied.
+        let named = self.objects.iter_mut().filter(|i| chosen.contains(&i.id));
+        // Do not copy an object that already has this visibility.
         let others = named.filter(|i| i.hidden != hidden);
         others.for_each(|item| Arc::make_mut(item).hidden = hidden);
         let lights = self.lights.iter_mut().filter(|l| chosen.contains(&l.id));
@@ -43,42 +43,42 @@ impl Document {
         ids.to_vec()
     }
 
-    pub(super) fn delete(&mut self, ids: &[Id]) -> Edited {
+    pub(super) fn delete(&mut self, ids: &[ItemId]) -> Edited {
         if !ids.iter().any(|&id| self.has(id)) {
             return refuse("nothing is selected, select what to delete");
         }
         let chosen = set(ids);
-        self.items.retain(|i| !chosen.contains(&i.id));
+        self.objects.retain(|i| !chosen.contains(&i.id));
         self.lights.retain(|l| !chosen.contains(&l.id));
         self.cameras.retain(|c| !chosen.contains(&c.id));
         self.rtrace = None;
         Ok(Vec::new())
     }
 
-    pub(super) fn transform(&mut self, ids: &[Id], map: &DAffine3) -> Edited {
+    pub(super) fn transform(&mut self, ids: &[ItemId], map: &DAffine3) -> Edited {
         if !is_placement(map) {
-            return refuse("the transform flattens what it moves, expected factors other than 0");
+            return refuse("the transform is singular, expected factors other than 0");
         }
         let mut moved = self.clone();
         moved.transform_items(ids, map)?;
-        moved.transform_signs(ids, map)?;
+        moved.transform_markers(ids, map)?;
         moved.rtrace = None;
         *self = moved;
         Ok(ids.to_vec())
     }
 
-    fn transform_items(&mut self, ids: &[Id], map: &DAffine3) -> Result<(), Refused> {
+    fn transform_items(&mut self, ids: &[ItemId], map: &DAffine3) -> Result<(), EditError> {
         let chosen = set(ids);
-        for item in self.items.iter_mut().filter(|i| chosen.contains(&i.id)) {
+        for item in self.objects.iter_mut().filter(|i| chosen.contains(&i.id)) {
             let item = Arc::make_mut(item);
             item.placement = *map * item.placement;
         }
-        let items = self.items.iter().filter(|i| chosen.contains(&i.id));
+        let items = self.objects.iter().filter(|i| chosen.contains(&i.id));
         self.check_placed(items.map(|item| &**item))
     }
 
-    /// Lights and cameras know themselves how they move.
-    fn transform_signs(&mut self, ids: &[Id], map: &DAffine3) -> Result<(), Refused> {
+    /// Lights and cameras transform themselves.
+    fn transform_markers(&mut self, ids: &[ItemId], map: &DAffine3) -> Result<(), EditError> {
         let chosen = set(ids);
         let lights = self.lights.iter().filter(|l| chosen.contains(&l.id));
         let cameras = self.cameras.iter().filter(|c| chosen.contains(&c.id));
@@ -100,9 +100,9 @@ impl Document {
         Ok(())
     }
 
-    pub(super) fn place(&mut self, id: Id, placement: &DAffine3) -> Edited {
+    pub(super) fn place(&mut self, id: ItemId, placement: &DAffine3) -> Edited {
         if !is_placement(placement) {
-            return refuse("the transform flattens the object, expected factors other than 0");
+            return refuse("the object's transform is singular, expected factors other than 0");
         }
         let Some(mut item) = self.item(id).cloned() else {
             return missing("object");
@@ -111,8 +111,8 @@ impl Document {
         self.replace_item(item)
     }
 
-    /// Puts an object in the place of the one of its name for good.
-    fn replace_item(&mut self, item: Item) -> Edited {
+    /// Replaces the object with the same id.
+    fn replace_item(&mut self, item: SceneObject) -> Edited {
         self.check_placed([&item])?;
         let id = item.id;
         if let Some(old) = self.item_mut(id) {
@@ -122,26 +122,30 @@ impl Document {
         Ok(vec![id])
     }
 
-    /// Whether numbers can tell where objects stand, and what they are there.
-    fn check_placed<'a>(&self, items: impl IntoIterator<Item = &'a Item>) -> Result<(), Refused> {
+    /// Checks that the objects are valid at their placements and that coordinates remain precise
+    /// enough.
+    fn check_placed<'a>(
+        &self,
+        items: impl IntoIterator<Item = &'a SceneObject>,
+    ) -> Result<(), EditError> {
         let alone = self.placed_alone(items)?;
         alone.validate().or_else(|e| refuse(e.problem))
     }
 
-    /// The scene that says whether objects are valid where they stand: one for all of them, since
-    /// it needs as many materials as there are.
+    /// A scene with just these objects, for validation. One scene serves all of them, since
+    /// building it takes time in proportion to the number of materials.
     fn placed_alone<'a>(
         &self,
-        items: impl IntoIterator<Item = &'a Item>,
-    ) -> Result<Scene, Refused> {
+        items: impl IntoIterator<Item = &'a SceneObject>,
+    ) -> Result<Scene, EditError> {
         let mut objects = Vec::new();
         for item in items {
             let bounds = item.bounds();
             let is_there = bounds.is_empty() || (bounds.min.is_finite() && bounds.max.is_finite());
             if !is_placement(&item.placement) || !is_there {
-                return refuse("the object leaves the range of numbers");
+                return refuse("the object exceeds the range of coordinates");
             }
-            // A mesh that is finite, at a place that is, is what it was.
+            // A finite mesh at a finite placement stays valid.
             if !matches!(&*item.shape, Shape::Mesh(_)) {
                 objects.push(item.object());
             }
@@ -149,7 +153,7 @@ impl Document {
         Ok(self.with_any_materials(objects))
     }
 
-    /// A scene of objects whose materials are there, whatever they look like.
+    /// A scene of these objects with as many default materials as they refer to.
     fn with_any_materials(&self, objects: Vec<Object>) -> Scene {
         let count = if objects.is_empty() {
             0
@@ -174,7 +178,7 @@ impl Document {
         Ok(vec![id])
     }
 
-    pub(super) fn set_shape(&mut self, id: Id, shape: &Arc<Shape>) -> Edited {
+    pub(super) fn set_shape(&mut self, id: ItemId, shape: &Arc<Shape>) -> Edited {
         let Some(mut item) = self.item(id).cloned() else {
             return missing("object");
         };
@@ -184,12 +188,12 @@ impl Document {
         self.replace_item(item)
     }
 
-    /// Objects that shared a shape share it again.
-    pub(super) fn assign(&mut self, ids: &[Id], material: MaterialId) -> Edited {
+    /// Objects that shared a shape share the changed one.
+    pub(super) fn assign(&mut self, ids: &[ItemId], material: MaterialId) -> Edited {
         self.known_material(material)?;
         let chosen = set(ids);
-        let mut made: HashMap<*const Shape, (Arc<Shape>, Arc<Facts>)> = HashMap::new();
-        for item in self.items.iter_mut().filter(|i| chosen.contains(&i.id)) {
+        let mut made: HashMap<*const Shape, (Arc<Shape>, Arc<ShapeFacts>)> = HashMap::new();
+        for item in self.objects.iter_mut().filter(|i| chosen.contains(&i.id)) {
             let item = Arc::make_mut(item);
             let old = Arc::clone(&item.shape);
             match made.get(&Arc::as_ptr(&old)) {
@@ -208,7 +212,12 @@ impl Document {
         Ok(ids.to_vec())
     }
 
-    pub(super) fn assign_faces(&mut self, id: Id, faces: &[u32], material: MaterialId) -> Edited {
+    pub(super) fn assign_faces(
+        &mut self,
+        id: ItemId,
+        faces: &[u32],
+        material: MaterialId,
+    ) -> Edited {
         self.known_material(material)?;
         let Some(item) = self.item(id) else {
             return missing("object");
@@ -236,23 +245,23 @@ impl Document {
 #[cfg(test)]
 mod tests {
     use crate::document::tests::sample;
-    use crate::document::{Document, Edit, Id};
+    use crate::document::{Edit, ItemId, SceneDocument};
     use azulejo::scene::Material;
     use glam::{DAffine3, DVec3};
     use std::sync::Arc;
 
-    /// Forty balls, fifty materials.
-    fn crowd() -> (Document, Vec<Id>) {
+    /// Forty spheres, fifty materials.
+    fn crowd() -> (SceneDocument, Vec<ItemId>) {
         let mut document = sample();
         let white = Arc::new(Material::default());
         document.materials.resize(50, white);
         for _ in 0..39 {
-            let ball = vec![Id(3)];
+            let ball = vec![ItemId(3)];
             Edit::Duplicate(ball).apply(&mut document).unwrap();
         }
-        let ids = (document.items.iter())
+        let ids = (document.objects.iter())
             .map(|i| i.id)
-            .filter(|id| *id != Id(4));
+            .filter(|id| *id != ItemId(4));
         let ids = ids.collect();
         (document, ids)
     }
@@ -262,9 +271,9 @@ mod tests {
         let (mut document, ids) = crowd();
         let moved = ids.iter().filter_map(|&id| document.item(id));
         let alone = document.placed_alone(moved).unwrap();
-        // The two meshes need no more than their boxes.
+        // The two meshes are represented by their bounding boxes.
         assert_eq!((alone.objects.len(), alone.materials.len()), (40, 50));
-        let meshes = [Id(1), Id(2)].into_iter();
+        let meshes = [ItemId(1), ItemId(2)].into_iter();
         let meshes = meshes.filter_map(|id| document.item(id));
         assert_eq!(document.placed_alone(meshes).unwrap(), Default::default());
 
@@ -291,11 +300,11 @@ mod tests {
         Edit::Transform(ids, DAffine3::from_translation(DVec3::X))
             .apply(&mut document)
             .unwrap();
-        let pairs = before.items.iter().zip(&document.items);
-        let shared: Vec<Id> = pairs
+        let pairs = before.objects.iter().zip(&document.objects);
+        let shared: Vec<ItemId> = pairs
             .filter(|(a, b)| Arc::ptr_eq(a, b))
             .map(|(a, _)| a.id)
             .collect();
-        assert_eq!(shared, [Id(4)]);
+        assert_eq!(shared, [ItemId(4)]);
     }
 }

@@ -1,4 +1,4 @@
-//! Tables of 256 colours, sRGB as `0xRRGGBB`, read out of matplotlib 3.11.
+//! Tables of 256 colours, sRGB as `0xRRGGBB`, exported from matplotlib 3.11.
 
 /// Viridis: Smith and van der Walt 2015, CC0.
 #[rustfmt::skip]

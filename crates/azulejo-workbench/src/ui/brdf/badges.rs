@@ -1,6 +1,6 @@
-//! What a model keeps of what nature does, measured: reciprocity and energy.
+//! Badges for reciprocity and energy conservation, both measured numerically.
 
-use super::optics::Optics;
+use super::reflection::MaterialReflection;
 use super::theme::mark;
 use crate::words::Language;
 use azulejo::scene::Rgb;
@@ -8,26 +8,26 @@ use azulejo::scene::brdf::check::{self, ANGLES, AZIMUTH};
 use azulejo::trace::{Cancelled, Progress};
 use egui::{Color32, RichText, Ui};
 
-/// Pairs of directions that are exchanged, and how many at a time.
+/// Number of exchanged pairs of directions, in total and per block.
 const PAIRS: u32 = 2_000;
 
-/// Larger relative differences are not rounding.
-const SAME: f64 = 1e-9;
+/// Larger relative differences are not rounding errors.
+const TOLERANCE: f64 = 1e-9;
 
-/// What quadrature may leave of an albedo of 1.
+/// Tolerance of the quadrature for an albedo of 1.
 const BRIGHT: f64 = 1.0 + 1e-3;
 
-/// What was measured.
+/// The measured values.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Measures {
-    /// The largest relative difference when light and eye are exchanged.
+pub(super) struct ModelChecks {
+    /// Largest relative difference after exchanging the directions of light and camera.
     pub exchanged: f64,
-    /// Angles in degrees, each with the share that is reflected by the channel that reflects most.
+    /// Angles in degrees with the albedo of the channel that reflects most.
     pub albedos: Vec<(f64, f64)>,
 }
 
-impl Measures {
-    /// The most that is reflected, with the angle in degrees.
+impl ModelChecks {
+    /// The largest albedo, and its angle in degrees.
     fn most(&self) -> (f64, f64) {
         let all = self.albedos.iter().map(|&(angle, albedo)| (albedo, angle));
         all.fold(
@@ -37,11 +37,11 @@ impl Measures {
     }
 }
 
-/// Measures a surface.
+/// Measures a material.
 pub(super) fn measure(
-    optics: &Optics,
+    optics: &MaterialReflection,
     progress: &Progress,
-    show: &mut dyn FnMut(Measures),
+    show: &mut dyn FnMut(ModelChecks),
 ) -> Result<(), Cancelled> {
     let reflector = optics.reflector();
     let mut exchanged = 0f64;
@@ -59,45 +59,46 @@ pub(super) fn measure(
         }
         albedos.push((angle, sum.max_channel()));
     }
-    show(Measures { exchanged, albedos });
+    show(ModelChecks { exchanged, albedos });
     Ok(())
 }
 
-/// Shows both badges.
-pub(super) fn badges(ui: &mut Ui, language: Language, measures: &Measures) {
+/// Draws both badges.
+pub(super) fn badges(ui: &mut Ui, language: Language, measures: &ModelChecks) {
     reciprocity(ui, language, measures);
     energy(ui, language, measures);
 }
 
-fn reciprocity(ui: &mut Ui, language: Language, measures: &Measures) {
-    let holds = measures.exchanged <= SAME;
-    let words = match holds {
-        true => language.say("reciprocal"),
-        false => language.say("not reciprocal"),
+fn reciprocity(ui: &mut Ui, language: Language, measures: &ModelChecks) {
+    let holds = measures.exchanged <= TOLERANCE;
+    let words = if holds {
+        language.tr("reciprocal")
+    } else {
+        language.tr("not reciprocal")
     };
-    let about =
-        language.say("Light and eye exchanged, for many pairs of directions: f differs by at most");
+    let about = language.tr(
+        "With the directions of light and camera exchanged, for many pairs, f differs by at most",
+    );
     badge(ui, holds, words).on_hover_text(format!("{about} {:.2} %", 100.0 * measures.exchanged));
 }
 
-fn energy(ui: &mut Ui, language: Language, measures: &Measures) {
+fn energy(ui: &mut Ui, language: Language, measures: &ModelChecks) {
     let (most, angle) = measures.most();
     let holds = most <= BRIGHT;
-    let words = match holds {
-        true => language.say("energy at most"),
-        false => language.say("creates energy:"),
+    let words = if holds {
+        language.tr("albedo at most")
+    } else {
+        language.tr("creates energy:")
     };
-    let at = language.say("at");
-    let mut about = language
-        .say("Share of the light that is reflected, by its angle:")
-        .to_owned();
+    let at = language.tr("at");
+    let mut about = language.tr("Albedo by angle of incidence:").to_owned();
     for (angle, albedo) in &measures.albedos {
         about += &format!("\n{angle}°  {albedo:.4}");
     }
     badge(ui, holds, &format!("{words} {most:.2} {at} {angle}°")).on_hover_text(about);
 }
 
-/// A mark and words: colour says nothing that they do not.
+/// A symbol and a text, so that the colour carries no information of its own.
 fn badge(ui: &mut Ui, holds: bool, words: &str) -> egui::Response {
     let [r, g, b] = match (holds, ui.visuals().dark_mode) {
         (true, true) => [0, 70, 105],
@@ -126,16 +127,18 @@ mod tests {
     use azulejo::scene::{Brdf, Material};
     use std::sync::Arc;
 
-    fn measured(text: &str) -> Measures {
+    fn measured(text: &str) -> ModelChecks {
         let brdf = Arc::new(Brdf::new(text.parse().unwrap()).unwrap());
         let material = Material {
             brdf: Some(brdf),
             ..Material::default()
         };
         let mut found = None;
-        measure(&Optics::of(&material), &Progress::new(), &mut |m| {
-            found = Some(m)
-        })
+        measure(
+            &MaterialReflection::of(&material),
+            &Progress::new(),
+            &mut |m| found = Some(m),
+        )
         .unwrap();
         found.unwrap()
     }
@@ -144,10 +147,12 @@ mod tests {
     fn measures_tell_models_apart() {
         let lewis = measured("lewis kd = 0.3 ks = 0.6 n = 20");
         assert!(
-            lewis.exchanged <= SAME && lewis.most().0 <= BRIGHT,
+            lewis.exchanged <= TOLERANCE && lewis.most().0 <= BRIGHT,
             "{lewis:?}"
         );
         assert!(measured("phong kd = 0.3 ks = 0.4 n = 10").exchanged > 0.1);
-        assert!(measured("lafortune ks = 0.5 cx = 0.9 cy = 0.8 cz = 0.7 n = 5").exchanged <= SAME);
+        assert!(
+            measured("lafortune ks = 0.5 cx = 0.9 cy = 0.8 cz = 0.7 n = 5").exchanged <= TOLERANCE
+        );
     }
 }

@@ -1,33 +1,34 @@
-//! The models in the order in which people choose, and what becomes of parameters then.
+//! The reflection models in groups, and conversion of parameters between models.
 
 use crate::words::Language;
 use azulejo::scene::brdf::{
-    Description, FRESNEL, Info, MODELS, Model, Parameter, ParameterInfo, Value, WAVELENGTHS, find,
+    Description, FRESNEL, MODELS, Model, ModelInfo, Parameter, ParameterInfo, Value, WAVELENGTHS,
+    find,
 };
 use azulejo::scene::{Brdf, Rgb};
 
-/// Models that are alike.
-pub(super) struct Group {
+/// A group of similar models.
+pub(super) struct ModelGroup {
     pub title: fn(Language) -> &'static str,
     names: &'static [&'static str],
 }
 
-/// All groups; the last takes what is in no other.
-pub(super) const GROUPS: [Group; 6] = [
-    Group {
-        title: |l| l.say("Matt"),
+/// All groups; the last one contains the models in no other group.
+pub(super) const GROUPS: [ModelGroup; 6] = [
+    ModelGroup {
+        title: |l| l.tr("Matt"),
         names: &["diffuse", "oren_nayar", "eon", "burley_diffuse", "minnaert"],
     },
-    Group {
-        title: |l| l.say("Smooth"),
+    ModelGroup {
+        title: |l| l.tr("Smooth"),
         names: &["specular", "fresnel_conductor", "fresnel_dielectric"],
     },
-    Group {
-        title: |l| l.say("Cosine lobes"),
+    ModelGroup {
+        title: |l| l.tr("Cosine lobes"),
         names: &["phong", "lewis", "blinn", "ashikhmin_shirley", "lafortune"],
     },
-    Group {
-        title: |l| l.say("Microfacets"),
+    ModelGroup {
+        title: |l| l.tr("Microfacets"),
         names: &[
             "ggx_smith",
             "ggx_ms",
@@ -40,19 +41,19 @@ pub(super) const GROUPS: [Group; 6] = [
             "beard_maxwell",
         ],
     },
-    Group {
-        title: |l| l.say("Waves and cylinders"),
+    ModelGroup {
+        title: |l| l.tr("Waves and cylinders"),
         names: &["he_torrance", "he_torrance_mirror", "poulin_fournier"],
     },
-    Group {
-        title: |l| l.say("By impression"),
+    ModelGroup {
+        title: |l| l.tr("Artistic"),
         names: &[],
     },
 ];
 
-impl Group {
+impl ModelGroup {
     /// Its models.
-    pub fn models(&self) -> impl Iterator<Item = &'static Info> {
+    pub fn models(&self) -> impl Iterator<Item = &'static ModelInfo> {
         let is_last = self.names.is_empty();
         let named = |name: &str| GROUPS.iter().any(|g| g.names.contains(&name));
         let rest = MODELS
@@ -66,22 +67,22 @@ impl Group {
     }
 }
 
-/// An example of a model; the first always is there.
-pub(super) fn example(info: &Info, k: usize) -> Option<Model> {
+/// An example of a model; the first one always exists.
+pub(super) fn example(info: &ModelInfo, k: usize) -> Option<Model> {
     match info.examples.get(k)?.parse() {
         Ok(Description::Model(model)) => Some(model),
         _ => None,
     }
 }
 
-/// Another model with the parameters of the old one as far as both have them and they make sense;
-/// what else it needs comes from its first example.
-pub(super) fn switched(old: &Model, info: &'static Info) -> Model {
+/// Another model with the parameters that both have, where valid; the others come from its first
+/// example.
+pub(super) fn switched(old: &Model, info: &'static ModelInfo) -> Model {
     let example = example(info, 0).unwrap_or_default();
     let old_info = find(&old.name).ok();
     let mut model = example.clone();
     for parameter in info.all_parameters() {
-        // The same letter may mean something else; the same words do not.
+        // The same letter may mean something else; the same description does not.
         let is_same = |p: &ParameterInfo| p.name == parameter.name && p.about == parameter.about;
         let had = old_info.is_some_and(|i| i.all_parameters().any(is_same));
         if let (true, Some(value)) = (had, old.value(parameter.name)) {
@@ -94,7 +95,7 @@ pub(super) fn switched(old: &Model, info: &'static Info) -> Model {
     }
 }
 
-/// Gives a parameter a value, or takes it away.
+/// Sets a parameter, or removes it.
 pub(super) fn set(model: &mut Model, info: &ParameterInfo, value: Option<Value>) {
     let at = model
         .parameters
@@ -111,7 +112,7 @@ pub(super) fn set(model: &mut Model, info: &ParameterInfo, value: Option<Value>)
     }
 }
 
-/// The value that a parameter has where none is given.
+/// The default value of a parameter.
 pub(super) fn fallback(model: &Model, info: &ParameterInfo) -> Value {
     let exemplary = || {
         let models = find(&model.name).ok()?;
@@ -128,51 +129,51 @@ pub(super) fn fallback(model: &Model, info: &ParameterInfo) -> Value {
     }
 }
 
-/// A term of Fresnel's, as a model is told of it.
+/// The kinds of Fresnel terms in a description.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Term {
-    /// All light is reflected.
+pub(super) enum FresnelChoice {
+    /// None: all light is reflected.
     None,
-    /// By the name of a metal.
+    /// A metal by name.
     Metal,
-    /// By indices of refraction.
+    /// Indices of refraction.
     Index,
-    /// By the reflectance at normal incidence.
+    /// Reflectance at normal incidence, Schlick's approximation.
     Schlick,
-    /// The same at all angles.
+    /// Constant.
     Constant,
 }
 
-impl Term {
-    pub const ALL: [Term; 5] = [
-        Term::None,
-        Term::Metal,
-        Term::Index,
-        Term::Schlick,
-        Term::Constant,
+impl FresnelChoice {
+    pub const ALL: [FresnelChoice; 5] = [
+        FresnelChoice::None,
+        FresnelChoice::Metal,
+        FresnelChoice::Index,
+        FresnelChoice::Schlick,
+        FresnelChoice::Constant,
     ];
 
-    /// The one that a model has.
-    pub fn of(model: &Model) -> Term {
+    /// The kind that a model uses.
+    pub fn of(model: &Model) -> FresnelChoice {
         let has = |names: &[&str]| names.iter().any(|n| given(model, n).is_some());
         match () {
-            () if has(&["metal"]) => Term::Metal,
-            () if has(&["eta", "k"]) => Term::Index,
-            () if has(&["f0", "tint"]) => Term::Schlick,
-            () if has(&["F"]) => Term::Constant,
-            () => Term::None,
+            () if has(&["metal"]) => FresnelChoice::Metal,
+            () if has(&["eta", "k"]) => FresnelChoice::Index,
+            () if has(&["f0", "tint"]) => FresnelChoice::Schlick,
+            () if has(&["F"]) => FresnelChoice::Constant,
+            () => FresnelChoice::None,
         }
     }
 
-    /// Gives a model this one instead of its own.
+    /// Replaces the Fresnel term of a model.
     pub fn choose(self, model: &mut Model) {
         FRESNEL.iter().for_each(|info| set(model, info, None));
         let (name, value) = match self {
-            Term::None => return,
-            Term::Metal => ("metal", Value::Word("gold".to_owned())),
-            Term::Index => ("eta", Value::Number(1.5)),
-            Term::Schlick => ("f0", Value::Number(0.04)),
-            Term::Constant => ("F", Value::Number(1.0)),
+            FresnelChoice::None => return,
+            FresnelChoice::Metal => ("metal", Value::Word("gold".to_owned())),
+            FresnelChoice::Index => ("eta", Value::Number(1.5)),
+            FresnelChoice::Schlick => ("f0", Value::Number(0.04)),
+            FresnelChoice::Constant => ("F", Value::Number(1.0)),
         };
         if let Some(info) = fresnel(name) {
             set(model, info, Some(value));
@@ -180,12 +181,12 @@ impl Term {
     }
 }
 
-/// A parameter of Fresnel's terms.
+/// A parameter of Fresnel terms.
 pub(super) fn fresnel(name: &str) -> Option<&'static ParameterInfo> {
     FRESNEL.iter().find(|p| p.name == name)
 }
 
-/// The value that a model gives to a parameter of Fresnel's terms.
+/// The value of a Fresnel parameter in a model.
 fn given<'a>(model: &'a Model, name: &str) -> Option<&'a Value> {
     let info = fresnel(name)?;
     let found = model.parameters.iter().find(|p| info.is_called(&p.name));
@@ -246,7 +247,7 @@ mod tests {
             "beckmann_smith",
             "beckmann_smith ax = 0.3 ay = 0.4 metal = gold",
         );
-        // k of Minnaert is no index of refraction.
+        // Minnaert's k is not an index of refraction.
         check(
             "minnaert kd = 0.5 k = 7",
             "fresnel_conductor",
@@ -257,10 +258,10 @@ mod tests {
     #[test]
     fn terms_replace_each_other() {
         let mut model = example(find("ggx_smith").unwrap(), 0).unwrap();
-        assert_eq!(Term::of(&model), Term::Metal);
-        for term in Term::ALL {
+        assert_eq!(FresnelChoice::of(&model), FresnelChoice::Metal);
+        for term in FresnelChoice::ALL {
             term.choose(&mut model);
-            assert_eq!(Term::of(&model), term);
+            assert_eq!(FresnelChoice::of(&model), term);
             assert!(Brdf::new(Description::Model(model.clone())).is_ok());
         }
         let gltf = example(find("gltf_mr").unwrap(), 1).unwrap();

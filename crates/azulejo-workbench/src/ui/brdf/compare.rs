@@ -1,33 +1,33 @@
-//! What a material is compared with.
+//! Choosing a material to compare with.
 
 use super::catalog::{GROUPS, example};
 use super::file::with_description;
 use super::theme::row;
 use crate::words::Language;
 use azulejo::scene::Material;
-use azulejo::scene::brdf::{Description, Info, find};
+use azulejo::scene::brdf::{Description, ModelInfo, find};
 use egui::{ComboBox, RichText, Ui};
 use std::sync::Arc;
 
-/// The other side.
-pub(super) struct Compared {
+/// The other material.
+pub(super) struct ComparedMaterial {
     name: String,
     material: Arc<Material>,
-    /// Where it is among the scene's materials, unless it is the example of a model.
+    /// Its index among the scene's materials; `None` for an example of a model.
     index: Option<usize>,
 }
 
-/// Lets a person choose.
+/// Draws the choice.
 pub(super) fn choose(
     ui: &mut Ui,
     language: Language,
-    compared: &mut Option<Compared>,
+    compared: &mut Option<ComparedMaterial>,
     others: &[Arc<Material>],
 ) {
-    let none = language.say("nothing");
+    let none = language.tr("nothing");
     let chosen = compared.as_ref().map_or(none, |c| &c.name).to_owned();
-    let about = language.say("Both are shown in the same plots; the second is dashed.");
-    row(ui, language.say("Compare with"), about, |ui, label| {
+    let about = language.tr("Both are shown in the same plots; the second is dashed.");
+    row(ui, language.tr("Compare with"), about, |ui, label| {
         let combo = ComboBox::from_id_salt("compare")
             .selected_text(&chosen)
             .width(220.0)
@@ -46,10 +46,10 @@ pub(super) fn choose(
 }
 
 /// Materials of the scene, and the first example of each model.
-fn entries(ui: &mut Ui, language: Language, others: &[Arc<Material>]) -> Option<Compared> {
+fn entries(ui: &mut Ui, language: Language, others: &[Arc<Material>]) -> Option<ComparedMaterial> {
     let mut chosen = None;
     if !others.is_empty() {
-        ui.label(RichText::new(language.say("Materials of the scene")).strong());
+        ui.label(RichText::new(language.tr("Materials of the scene")).strong());
     }
     for (index, material) in others.iter().enumerate() {
         let name = name(language, material);
@@ -58,7 +58,7 @@ fn entries(ui: &mut Ui, language: Language, others: &[Arc<Material>]) -> Option<
             .inner
             .clicked()
         {
-            chosen = Some(Compared {
+            chosen = Some(ComparedMaterial {
                 name,
                 material: material.clone(),
                 index: Some(index),
@@ -68,7 +68,7 @@ fn entries(ui: &mut Ui, language: Language, others: &[Arc<Material>]) -> Option<
     for group in &GROUPS {
         ui.label(RichText::new((group.title)(language)).strong());
         for info in group.models() {
-            let entry = ui.selectable_label(false, format!("   {}", language.say(info.title)));
+            let entry = ui.selectable_label(false, format!("   {}", language.tr(info.title)));
             let about = info.examples.first().copied().unwrap_or_default();
             if entry.on_hover_text(about).clicked() {
                 chosen = exemplary(language, info);
@@ -78,19 +78,20 @@ fn entries(ui: &mut Ui, language: Language, others: &[Arc<Material>]) -> Option<
     chosen
 }
 
-fn exemplary(language: Language, info: &'static Info) -> Option<Compared> {
+fn exemplary(language: Language, info: &'static ModelInfo) -> Option<ComparedMaterial> {
     let description = Description::Model(example(info, 0)?);
     let material = with_description(&Material::default(), description).ok()?;
-    Some(Compared {
-        name: language.say(info.title).to_owned(),
+    Some(ComparedMaterial {
+        name: language.tr(info.title).to_owned(),
         material: Arc::new(material),
         index: None,
     })
 }
 
-/// The other side as it is now: a material of the scene may have changed, or gone.
+/// The other material in its current state: a material of the scene may have been changed or
+/// deleted.
 pub(super) fn current<'a>(
-    compared: &'a mut Option<Compared>,
+    compared: &'a mut Option<ComparedMaterial>,
     others: &[Arc<Material>],
 ) -> Option<(&'a str, &'a Material)> {
     let compared = compared.as_mut()?;
@@ -101,16 +102,16 @@ pub(super) fn current<'a>(
     Some((&compared.name, &compared.material))
 }
 
-/// What a material is called: its name, or that of its model.
+/// The name of a material, or that of its model.
 pub(super) fn name(language: Language, material: &Material) -> String {
     if !material.name.is_empty() {
         return material.name.clone();
     }
     match material.brdf.as_ref().map(|brdf| brdf.description()) {
         Some(Description::Model(model)) => find(&model.name).map_or(model.name.clone(), |info| {
-            language.say(info.title).to_owned()
+            language.tr(info.title).to_owned()
         }),
         Some(Description::File { path, .. }) => path.clone(),
-        _ => language.say("without name").to_owned(),
+        _ => language.tr("without name").to_owned(),
     }
 }

@@ -1,17 +1,17 @@
-//! What is reflected in all, against the angle.
+//! Albedo as a function of the angle of incidence.
 
-use super::shapes::Curve;
+use super::lobes::AlbedoCurve;
 use super::theme::{brightness, channels, grid, short};
 use crate::words::Language;
 use azulejo::scene::Rgb;
 use egui::{Color32, Ui};
 use egui_plot::{GridMark, HLine, HoverPosition, Line, LineStyle, Plot, PlotPoints, PlotUi};
 
-/// Channels that differ by less are one line.
-const NEAR: f64 = 0.005;
+/// Channels that differ by less are drawn as one line.
+const MERGE_TOLERANCE: f64 = 0.005;
 
 /// Draws the curves of one model, or of two: the second is dashed.
-pub(super) fn draw(ui: &mut Ui, language: Language, curves: &[&Curve]) {
+pub(super) fn draw(ui: &mut Ui, language: Language, curves: &[&AlbedoCurve]) {
     let all = curves
         .iter()
         .flat_map(|c| c.iter().map(|p| p.1.max_channel()));
@@ -53,12 +53,12 @@ pub(super) fn draw(ui: &mut Ui, language: Language, curves: &[&Curve]) {
             lines(plot, curve, is_dashed, colors, ink);
         }
     });
-    let words = language.say("Share of light that is reflected, against its angle");
+    let words = language.tr("Albedo as a function of the angle of incidence");
     let info = || egui::WidgetInfo::labeled(egui::accesskit::Role::Image, true, words);
     shown.response.widget_info(info);
 }
 
-/// Marks of the share: a few round ones.
+/// Grid marks of the albedo: a few round values.
 fn shares(most: f64) -> Vec<GridMark> {
     let step = if most > 3.0 { 1.0 } else { 0.25 };
     let count = (most / step) as i32;
@@ -70,13 +70,21 @@ fn shares(most: f64) -> Vec<GridMark> {
 }
 
 /// One line, or three where the channels differ.
-fn lines(plot: &mut PlotUi, curve: &Curve, is_dashed: bool, colors: [Color32; 3], ink: Color32) {
-    let is_colored = |(_, a): &(f64, Rgb)| (0..3).any(|c| (a[c] - a.mean()).abs() > NEAR);
+fn lines(
+    plot: &mut PlotUi,
+    curve: &AlbedoCurve,
+    is_dashed: bool,
+    colors: [Color32; 3],
+    ink: Color32,
+) {
+    let is_colored =
+        |(_, a): &(f64, Rgb)| (0..3).any(|c| (a[c] - a.mean()).abs() > MERGE_TOLERANCE);
     let mut line = |name: &str, color: Color32, width: f32, of: &dyn Fn(Rgb) -> f64| {
         let points: Vec<[f64; 2]> = curve.iter().map(|&(angle, a)| [angle, of(a)]).collect();
-        let style = match is_dashed {
-            true => LineStyle::dashed_dense(),
-            false => LineStyle::Solid,
+        let style = if is_dashed {
+            LineStyle::dashed_dense()
+        } else {
+            LineStyle::Solid
         };
         let line = Line::new(name, PlotPoints::from(points)).id((name, is_dashed));
         plot.line(line.color(color).width(width).style(style));
@@ -84,7 +92,7 @@ fn lines(plot: &mut PlotUi, curve: &Curve, is_dashed: bool, colors: [Color32; 3]
     if !curve.iter().any(is_colored) {
         return line("ρ", ink, 2.0, &brightness);
     }
-    // Widths tell the channels apart where colours do not.
+    // Line widths distinguish the channels without relying on colour.
     for (k, (name, width)) in [("R", 2.6), ("G", 1.9), ("B", 1.2)].into_iter().enumerate() {
         line(name, colors[k], width, &|a: Rgb| a[k]);
     }

@@ -1,79 +1,79 @@
-//! A description while it is changed, and the model that is made of it in the background.
+//! A description being edited, and the model built from it in the background.
 
-use super::latest::{Latest, Worker};
-use super::optics::{Optics, is_same_description, is_same_model};
+use super::background::{BackgroundWorker, LatestResult};
+use super::reflection::{MaterialReflection, is_same_description, is_same_model};
 use super::theme::{notice, problem};
 use crate::words::Language;
-use azulejo::scene::brdf::{Description, Problem};
+use azulejo::scene::brdf::{BrdfError, Description};
 use azulejo::scene::{Brdf, Material};
 use azulejo::trace::{Cancelled, Progress};
 use egui::{Context, Ui};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A frame waits as long for a model, so that most changes are there at once.
+/// A frame waits this long for a model, so that most changes appear at once.
 const WAIT: Duration = Duration::from_millis(12);
 
-/// What a person makes of a model.
-pub(super) struct Draft {
-    /// May be impossible; the document then keeps the last one that was not.
+/// A description being edited.
+pub(super) struct ModelDraft {
+    /// It may be invalid; the document then keeps the last valid one.
     pub description: Description,
-    /// The model that the document has.
+    /// The model in the document.
     taken: Arc<Brdf>,
-    making: Latest<Key, Result<Made, Problem>>,
-    worker: Worker,
+    making: LatestResult<DraftKey, Result<BuiltModel, BrdfError>>,
+    worker: BackgroundWorker,
 }
 
-/// A model that reflects no more than arrives, and what it was before.
+/// A model limited to reflect no more than it receives, and its albedo before that.
 #[derive(Clone)]
-struct Made {
+struct BuiltModel {
     brdf: Arc<Brdf>,
-    /// Share of even light that the description reflects, of the channel that reflects most.
+    /// Largest hemispherical albedo of the description over the channels.
     reflected: f64,
 }
 
 #[derive(Clone)]
-struct Key(Description);
+struct DraftKey(Description);
 
-impl PartialEq for Key {
-    fn eq(&self, other: &Key) -> bool {
+impl PartialEq for DraftKey {
+    fn eq(&self, other: &DraftKey) -> bool {
         is_same_description(&self.0, &other.0)
     }
 }
 
 fn make(
-    key: &Key,
+    key: &DraftKey,
     _: &Progress,
-    show: &mut dyn FnMut(Result<Made, Problem>),
+    show: &mut dyn FnMut(Result<BuiltModel, BrdfError>),
 ) -> Result<(), Cancelled> {
-    show(Brdf::new(key.0.clone()).map(|brdf| Made {
+    show(Brdf::new(key.0.clone()).map(|brdf| BuiltModel {
         reflected: brdf.mean_reflectance().max_channel(),
         brdf: Arc::new(brdf).limited(),
     }));
     Ok(())
 }
 
-impl Draft {
-    pub fn new(taken: Arc<Brdf>) -> Draft {
-        Draft {
+impl ModelDraft {
+    pub fn new(taken: Arc<Brdf>) -> ModelDraft {
+        ModelDraft {
             description: taken.description().clone(),
             taken,
-            making: Latest::default(),
-            worker: Worker::new("brdf model"),
+            making: LatestResult::default(),
+            worker: BackgroundWorker::new("brdf model"),
         }
     }
 
-    /// Whether it is a draft of what the document has, and not of what it had.
+    /// Whether this is a draft of the model in the document, rather than of an earlier one.
     pub fn is_of(&self, brdf: &Arc<Brdf>) -> bool {
         is_same_model(Some(&self.taken), Some(brdf))
     }
 
-    /// A model that the document does not have yet.
+    /// A new model that the document does not have yet.
     pub fn made(&mut self, ctx: &Context) -> Option<Arc<Brdf>> {
-        let key = Key(self.description.clone());
+        let key = DraftKey(self.description.clone());
         self.making.ask(&key, make, &self.worker, ctx);
         self.making.wait(WAIT);
-        let (Key(made_of), made) = self.making.found()?;
+        let (DraftKey(made_of), made) = self.making.found()?;
         let made = made.as_ref().ok()?;
         if is_same_description(made_of, self.taken.description()) {
             return None;
@@ -82,24 +82,27 @@ impl Draft {
         Some(made.brdf.clone())
     }
 
-    /// Whether what becomes of the description is not known yet.
+    /// Whether the model is still being built.
     pub fn is_busy(&self) -> bool {
-        self.making.of(&Key(self.description.clone())).is_none()
+        self.making
+            .of(&DraftKey(self.description.clone()))
+            .is_none()
     }
 
-    /// Says what is wrong with the description, or what becomes of it.
-    pub fn say(&self, ui: &mut Ui, language: Language) {
-        match self.making.of(&Key(self.description.clone())) {
+    /// Displays an error of the description, or a notice about its limitation.
+    pub fn show_status(&self, ui: &mut Ui, language: Language) {
+        match self.making.of(&DraftKey(self.description.clone())) {
             None => {
                 ui.spinner();
             }
             Some(Err(wrong)) => {
-                let kept = language.say("The last possible model is kept.");
+                let kept = language.tr("The last valid model is kept.");
                 problem(ui, &format!("{} {kept}", problem_words(language, wrong)));
             }
             Some(Ok(made)) if made.reflected > 1.0 + 1e-3 => {
-                let words = language.say("This model reflects more than arrives: of even light");
-                let scaled = language.say("scaled down to");
+                let words =
+                    language.tr("This model reflects more than it receives: hemispherical albedo");
+                let scaled = language.tr("scaled down to");
                 let share = 100.0 / made.reflected;
                 notice(
                     ui,
@@ -114,32 +117,32 @@ impl Draft {
     }
 }
 
-/// What is wrong, in the person's language as far as it is common.
-fn problem_words(language: Language, problem: &Problem) -> String {
+/// The error in the language of the window, as far as it is translated.
+fn problem_words(language: Language, problem: &BrdfError) -> String {
     match problem {
-        Problem::Range {
+        BrdfError::Range {
             name,
             value,
             least,
             most,
         } => {
-            let (is, between) = (language.say("is"), language.say("it must be between"));
-            let and = language.say("and");
+            let (is, between) = (language.tr("is"), language.tr("it must be between"));
+            let and = language.tr("and");
             format!("{name} {is} {value}; {between} {least} {and} {most}.")
         }
-        Problem::Missing { name, .. } => format!("{} {name}.", language.say("Missing:")),
-        Problem::Energy { what, sum } => {
-            let more = language.say("more than 1 would reflect more than arrives.");
+        BrdfError::Missing { name, .. } => format!("{} {name}.", language.tr("Missing:")),
+        BrdfError::Energy { what, sum } => {
+            let more = language.tr("more than 1 would reflect more than it receives.");
             format!("{what} = {}: {more}", (1e6 * sum).round() / 1e6)
         }
         other => format!("{other}."),
     }
 }
 
-/// Whether two materials are the same; models by what they are in memory.
+/// Whether two materials are the same; models are compared by address.
 pub(super) fn is_same_material(a: &Material, b: &Material) -> bool {
     let rest = |m: &Material| (m.emission, m.emits_back);
-    Optics::of(a) == Optics::of(b)
+    MaterialReflection::of(a) == MaterialReflection::of(b)
         && rest(a) == rest(b)
         && a.name == b.name
         && a.textures == b.textures

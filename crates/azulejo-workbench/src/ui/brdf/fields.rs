@@ -1,48 +1,49 @@
-//! Fields for numbers and colours.
+//! Input fields for numbers and colours.
 
 use super::super::inputs;
 use super::theme::row;
 use azulejo::scene::Rgb;
 use egui::{SliderClamping, Ui, vec2};
 
-/// Numbers that a field takes.
+/// The range of a number field.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Span<'a> {
-    /// The least that is possible.
+pub(super) struct NumberRange<'a> {
+    /// Minimum.
     pub least: f64,
-    /// The most.
+    /// Maximum.
     pub most: f64,
-    /// Empty for plain numbers.
+    /// Unit; empty for plain numbers.
     pub unit: &'a str,
-    /// Whether a typed number outside is put back; otherwise it stays, and somebody must say that
-    /// it is impossible.
+    /// Whether a number typed outside the range is clamped; otherwise it stays, and the caller must
+    /// report it.
     pub is_strict: bool,
 }
 
-/// Shares of light.
-pub(super) const SHARE: Span = Span {
+/// A fraction of light, 0 to 1.
+pub(super) const SHARE: NumberRange = NumberRange {
     least: 0.0,
     most: 1.0,
     unit: "",
     is_strict: true,
 };
 
-impl Span<'_> {
-    /// The same up to another number.
+impl NumberRange<'_> {
+    /// The same range with another maximum.
     pub fn up_to(self, most: f64) -> Self {
-        Span { most, ..self }
+        NumberRange { most, ..self }
     }
 
     fn range(&self) -> std::ops::RangeInclusive<f64> {
         self.least..=self.most
     }
 
-    /// Whether steps grow with the number: over the whole range most numbers would be out of
-    /// reach else.
+    /// Whether the slider is logarithmic, because a linear one would not reach most values of a
+    /// wide range.
     fn is_logarithmic(&self) -> bool {
-        match self.least > 0.0 {
-            true => self.most > 20.0 * self.least,
-            false => self.least == 0.0 && self.most > 90.0,
+        if self.least > 0.0 {
+            self.most > 20.0 * self.least
+        } else {
+            self.least == 0.0 && self.most > 90.0
         }
     }
 
@@ -55,11 +56,12 @@ impl Span<'_> {
     }
 }
 
-/// A slider with a number behind it, called `name`.
-pub(super) fn number(ui: &mut Ui, name: &str, span: Span, value: &mut f64) {
-    let clamping = match span.is_strict {
-        true => SliderClamping::Always,
-        false => SliderClamping::Never,
+/// A slider with a number field, labelled `name`.
+pub(super) fn number(ui: &mut Ui, name: &str, span: NumberRange, value: &mut f64) {
+    let clamping = if span.is_strict {
+        SliderClamping::Always
+    } else {
+        SliderClamping::Never
     };
     let slider = inputs::slider(value, span.range())
         .logarithmic(span.is_logarithmic())
@@ -70,36 +72,37 @@ pub(super) fn number(ui: &mut Ui, name: &str, span: Span, value: &mut f64) {
     ui.add(slider).accessible_name(name);
 }
 
-/// A row of a number.
-pub(super) fn number_row(ui: &mut Ui, name: &str, about: &str, span: Span, value: &mut f64) {
+/// A row with a number field.
+pub(super) fn number_row(ui: &mut Ui, name: &str, about: &str, span: NumberRange, value: &mut f64) {
     row(ui, name, about, |ui, name| number(ui, name, span, value));
 }
 
-/// A button with the colour, and three numbers.
-pub(super) fn color(ui: &mut Ui, name: &str, span: Span, color: &mut Rgb) {
+/// A colour button and three numbers.
+pub(super) fn color(ui: &mut Ui, name: &str, span: NumberRange, color: &mut Rgb) {
     if span.least >= 0.0 && span.most <= 1.0 {
         swatch(ui, name, color);
     }
     channels(ui, name, span, color);
 }
 
-/// The colour, which opens a picker.
+/// A button with the colour, which opens a colour picker.
 pub(super) fn swatch(ui: &mut Ui, name: &str, color: &mut Rgb) {
     inputs::picked(ui, name, color, |picked| Some(picked.map(rounded)));
 }
 
-/// Pickers know 256 steps; more digits say nothing.
+/// Colour pickers have 256 steps; more digits are meaningless.
 fn rounded(x: f64) -> f64 {
     (1e4 * x).round() / 1e4
 }
 
 /// Three numbers.
-fn channels(ui: &mut Ui, name: &str, span: Span, color: &mut Rgb) {
+fn channels(ui: &mut Ui, name: &str, span: NumberRange, color: &mut Rgb) {
     for (channel, letter) in ["R", "G", "B"].into_iter().enumerate() {
         let value = &mut color[channel];
-        let range = match span.is_strict {
-            true => span.range(),
-            false => f64::NEG_INFINITY..=f64::INFINITY,
+        let range = if span.is_strict {
+            span.range()
+        } else {
+            f64::NEG_INFINITY..=f64::INFINITY
         };
         let drag = inputs::number(value, range)
             .speed(0.002 * (span.most - span.least).min(1.0))
@@ -114,7 +117,7 @@ fn channels(ui: &mut Ui, name: &str, span: Span, color: &mut Rgb) {
     }
 }
 
-/// A row of a colour.
-pub(super) fn color_row(ui: &mut Ui, name: &str, about: &str, span: Span, value: &mut Rgb) {
+/// A row with a colour.
+pub(super) fn color_row(ui: &mut Ui, name: &str, about: &str, span: NumberRange, value: &mut Rgb) {
     row(ui, name, about, |ui, name| color(ui, name, span, value));
 }

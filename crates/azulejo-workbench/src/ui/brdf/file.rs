@@ -1,26 +1,27 @@
-//! Files of reflection models: what is read becomes a description, and a description a text.
+//! Reading and writing files of reflection models.
 
 use azulejo::formats::brdf::{self, text};
 use azulejo::formats::{Files, Folder};
-use azulejo::scene::brdf::{Content, Description, Problem};
+use azulejo::scene::brdf::{BrdfError, Content, Description};
 use azulejo::scene::{Brdf, Material};
 use std::path::Path;
 use std::sync::Arc;
 
-/// A file of a reflection model that was read.
+/// A reflection model read from a file.
 #[derive(Clone, Debug)]
 pub struct ModelFile {
-    /// What it says; measured data stays with the file's name.
+    /// Its description; measured data keep the name of the file.
     pub description: Description,
-    /// What was skipped or is doubtful in it.
+    /// Warnings.
     pub warnings: Vec<String>,
 }
 
-/// Understands the bytes of a file at `path`: azulejo's text form, a line of GRF, or measured data
-/// of MERL or RGL. Other files that it names are looked for beside it.
+/// Parses the bytes of a file at `path`: azulejo's text format, a GRF line, or measured data of
+/// MERL or RGL. Files that it refers to are searched beside it.
 ///
 /// # Errors
-/// What was found and what was expected, with its place.
+///
+/// What was found and what was expected, with the position.
 pub fn apply_file(bytes: &[u8], path: &Path) -> Result<ModelFile, String> {
     let name = path.file_name().unwrap_or(path.as_os_str());
     let files: &dyn Files = &Folder::of_model(path);
@@ -39,20 +40,20 @@ pub fn apply_file(bytes: &[u8], path: &Path) -> Result<ModelFile, String> {
     })
 }
 
-/// A material that reflects by a description instead of what it did; its name, textures and
-/// emission stay.
+/// The material with another reflection model; its name, textures and emission stay.
 ///
 /// # Errors
-/// Why the description makes no model.
+///
+/// Why the description is not a valid model.
 pub fn with_description(
     material: &Material,
     description: Description,
-) -> Result<Material, Problem> {
+) -> Result<Material, BrdfError> {
     let brdf = Brdf::new(description)?;
     Ok(with_brdf(material, Arc::new(brdf)))
 }
 
-/// The same of a model that is made.
+/// The material with a reflection model that has been built.
 pub(super) fn with_brdf(material: &Material, brdf: Arc<Brdf>) -> Material {
     Material {
         emission: material.emission,
@@ -62,10 +63,11 @@ pub(super) fn with_brdf(material: &Material, brdf: Arc<Brdf>) -> Material {
     }
 }
 
-/// A description as a file.
+/// A description in the text format.
 ///
 /// # Errors
-/// Why it cannot be written as one.
+///
+/// Why it cannot be written in that format.
 pub(super) fn saved(description: &Description) -> Result<String, String> {
     let mut bytes = Vec::new();
     text::write(description, &mut bytes).map_err(|error| error.to_string())?;

@@ -1,38 +1,38 @@
-//! The light that the preview sphere stands in.
+//! The lighting of the preview sphere.
 
 use azulejo::scene::{Light, LightKind, Material, Object, PrimitiveKind, Rgb, Scene, Shape, Up};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// The most lamps that are kept; the others become ambient light.
-const MOST: usize = 6;
+/// Limit on the number of lamps; the others are replaced by ambient light.
+const MAX_LAMPS: usize = 6;
 
-/// What shines on the preview sphere: a scene's lights as they are seen from one place, or a
-/// studio. The axis y points up.
+/// The lighting of the preview sphere: the lights of a scene as seen from one point, or a studio.
+/// The y axis points up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PreviewLight {
-    /// Lamps, far away.
-    pub lamps: Vec<Lamp>,
-    /// Radiance from everywhere else, W/(sr·m²).
+    /// Distant lamps.
+    pub lamps: Vec<PreviewLamp>,
+    /// Radiance from all other directions, W/(sr·m²).
     pub ambient: Rgb,
 }
 
-/// A lamp far away.
+/// A distant disc-shaped lamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lamp {
-    /// Unit vector to it.
+pub struct PreviewLamp {
+    /// Unit vector toward it.
     pub toward: DVec3,
     /// Irradiance on a surface that faces it, W/m².
     pub irradiance: Rgb,
-    /// Half the angle under which it is seen, radians; 0 for lights without area.
+    /// Half its apparent angle, radians; 0 for lights without area.
     pub half_angle: f64,
 }
 
 impl PreviewLight {
-    /// A large lamp from the left and a dim sky.
+    /// A large lamp on the left and a dim sky.
     pub fn studio() -> PreviewLight {
         PreviewLight {
-            lamps: vec![Lamp {
+            lamps: vec![PreviewLamp {
                 toward: DVec3::new(-0.5, 0.75, 0.6).normalize(),
                 irradiance: Rgb::grey(PI),
                 half_angle: 0.2,
@@ -41,9 +41,8 @@ impl PreviewLight {
         }
     }
 
-    /// The lights of a scene as they are seen from `at`: lights without area, and what shines by
-    /// itself, each object as one lamp. What stands between is not looked at. Goes through all
-    /// faces of the scene once: to be kept as long as the scene stays.
+    /// The lights of a scene as seen from `at`: lights without area, and emissive objects as one
+    /// lamp each, without occlusion. Visits all faces of the scene, so the result should be cached.
     pub fn of_scene(scene: &Scene, at: DVec3) -> PreviewLight {
         let mut light = PreviewLight {
             lamps: Vec::new(),
@@ -80,30 +79,30 @@ impl PreviewLight {
                 (toward, light.kind.intensity_toward(-toward) / square)
             }
         };
-        self.lamps.push(Lamp {
+        self.lamps.push(PreviewLamp {
             toward,
             irradiance,
             half_angle: 0.0,
         });
     }
 
-    /// The brightest lamps; the light of the others comes from everywhere.
+    /// Keeps the brightest lamps; the others become ambient light.
     fn reduced(mut self) -> PreviewLight {
-        let brightness = |l: &Lamp| l.irradiance.luminance();
+        let brightness = |l: &PreviewLamp| l.irradiance.luminance();
         self.lamps
             .sort_by(|a, b| brightness(b).total_cmp(&brightness(a)));
-        let rest = self.lamps.split_off(self.lamps.len().min(MOST));
+        let rest = self.lamps.split_off(self.lamps.len().min(MAX_LAMPS));
         self.ambient += rest.iter().map(|l| l.irradiance).sum::<Rgb>() / (4.0 * PI);
         self
     }
 
-    /// Whether there is none.
+    /// Whether there is no light.
     pub fn is_dark(&self) -> bool {
         let has_light = self.strength() > 0.0;
         !has_light
     }
 
-    /// Irradiance on a surface that faces all of it, luminance, W/m².
+    /// Luminance of the irradiance on a surface that faces all lamps, W/m².
     pub(super) fn strength(&self) -> f64 {
         let lamps: Rgb = self.lamps.iter().map(|l| l.irradiance).sum();
         (lamps + self.ambient * PI).luminance()
@@ -114,28 +113,28 @@ fn y_up(v: DVec3) -> DVec3 {
     DVec3::new(v.x, v.z, -v.y)
 }
 
-/// Light of an object from one place: area over square of the distance, summed over its parts.
+/// Light from an object at a point: area over squared distance, summed over its parts.
 #[derive(Default)]
-struct Sum {
+struct LampSum {
     irradiance: Rgb,
-    /// Directions, weighted with solid angles.
+    /// Directions weighted with solid angles.
     toward: DVec3,
     /// Solid angle, sr.
     angle: f64,
 }
 
-impl Sum {
-    /// Adds an area that is seen under `angle`, sr.
+impl LampSum {
+    /// Adds an area of solid angle `angle`, sr.
     fn add(&mut self, toward: DVec3, angle: f64, radiance: Rgb) {
         self.irradiance += radiance * angle;
         self.toward += toward * angle;
         self.angle += angle;
     }
 
-    fn lamp(self) -> Option<Lamp> {
+    fn lamp(self) -> Option<PreviewLamp> {
         let toward = self.toward.try_normalize()?;
         let cos = 1.0 - self.angle.min(TAU) / TAU;
-        Some(Lamp {
+        Some(PreviewLamp {
             toward,
             irradiance: self.irradiance,
             half_angle: cos.acos(),
@@ -143,9 +142,9 @@ impl Sum {
     }
 }
 
-fn emitter(scene: &Scene, object: &Object, at: DVec3) -> Option<Lamp> {
+fn emitter(scene: &Scene, object: &Object, at: DVec3) -> Option<PreviewLamp> {
     let material = |id: u32| scene.materials.get(id as usize).filter(|m| m.is_emitter());
-    let mut sum = Sum::default();
+    let mut sum = LampSum::default();
     match &object.shape {
         Shape::Mesh(mesh) => {
             for (face, &id) in mesh.face_materials.iter().enumerate() {
@@ -173,8 +172,8 @@ fn emitter(scene: &Scene, object: &Object, at: DVec3) -> Option<Lamp> {
     sum.lamp()
 }
 
-/// A flat part, `away` from the place, with its area as the length of its normal.
-fn flat(sum: &mut Sum, away: DVec3, area: DVec3, material: &Material) {
+/// Adds a flat part at `away` relative to the point; the length of `area` is its area.
+fn flat(sum: &mut LampSum, away: DVec3, area: DVec3, material: &Material) {
     let square = away.length_squared().max(area.length() / TAU);
     let toward = away.normalize_or(DVec3::Y);
     let facing = -toward.dot(area);
@@ -187,8 +186,8 @@ fn flat(sum: &mut Sum, away: DVec3, area: DVec3, material: &Material) {
     }
 }
 
-/// A body about as wide as its box.
-fn round(sum: &mut Sum, object: &Object, at: DVec3, material: &Material) {
+/// Adds a body about as wide as its bounding box.
+fn round(sum: &mut LampSum, object: &Object, at: DVec3, material: &Material) {
     let bounds = object.bounds();
     let radius = bounds.diagonal() / 12f64.sqrt();
     let away = bounds.centre() - at;
@@ -225,7 +224,7 @@ mod tests {
             ..Scene::default()
         };
         let found = PreviewLight::of_scene(&scene, DVec3::ZERO);
-        let lamp = Lamp {
+        let lamp = PreviewLamp {
             toward: DVec3::Y,
             irradiance: Rgb::grey(2.0),
             half_angle: 0.0,
@@ -242,7 +241,7 @@ mod tests {
         );
     }
 
-    /// A square of side 1, 10 above the place, facing down, as a primitive or a mesh.
+    /// A square of side 1, 10 above the point, facing down, as a primitive or a mesh.
     fn under(shape: Shape, up: Up) -> PreviewLight {
         let mut scene = Scene {
             objects: vec![Object::new("lamp", shape)],
@@ -276,7 +275,7 @@ mod tests {
             };
             assert!((lamp.irradiance.r - 0.5).abs() < 1e-3, "{lamp:?}");
             assert!((lamp.toward - DVec3::Y).length() < 1e-9);
-            // Where z is up, what lies in y is in front.
+            // Where z is up, what is along y is in front.
             let turned = under(shape, Up::Z).lamps[0].toward;
             assert!((turned - DVec3::NEG_Z).length() < 1e-9);
         }
@@ -300,7 +299,7 @@ mod tests {
         );
         assert_eq!(
             (found.lamps.len(), found.lamps[0].irradiance.r),
-            (MOST, 8.0)
+            (MAX_LAMPS, 8.0)
         );
         assert!((found.ambient.r - 3.0 / (4.0 * PI)).abs() < 1e-12);
     }

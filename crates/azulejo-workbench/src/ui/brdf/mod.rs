@@ -1,50 +1,52 @@
-//! The editor of reflection models: what a surface does with light, in numbers and in pictures.
+//! The BRDF editor: the reflection of a material in numbers and plots.
 //!
-//! It has no maths of its own: it evaluates [`azulejo::scene::brdf`] and draws what comes out.
-//! What takes longer than a frame is found in threads of the editor's own; meanwhile the last
-//! result stays. An [`Editor`] holds no part of the document: it is shown a material and answers
-//! with another, or asks for a file.
+//! It has no mathematics of its own: it evaluates [`azulejo::scene::brdf`] and draws the results.
+//! Slow computations run in threads of the editor; until they finish, the last result is displayed.
+//! A [`BrdfEditor`] holds no part of the document: it receives a material and responds with a
+//! changed
+//! one, or requests a file.
 //!
 //! ```no_run
-//! use azulejo_workbench::ui::brdf::{Answer, Editor, PreviewLight, Shown};
+//! use azulejo_workbench::ui::brdf::{BrdfEditor, EditorInput, EditorResponse, PreviewLight};
 //! use azulejo_workbench::words::Language;
 //! use std::sync::Arc;
 //!
 //! let light = PreviewLight::studio();
-//! let (mut editor, material) = (Editor::default(), Arc::default());
+//! let (mut editor, material) = (BrdfEditor::default(), Arc::default());
 //! let mut panel = |ui: &mut egui::Ui| {
-//!     let shown = Shown { key: 7, material: &material, others: &[], light: &light, is_photometric: false };
-//!     for answer in editor.ui(ui, Language::English, &shown) {
-//!         match answer {
-//!             // All changes up to one that is finished are one step of undo.
-//!             Answer::Change { material, is_finished } => {}
+//!     let input = EditorInput { key: 7, material: &material, others: &[], light: &light,
+//! is_photometric: false };
+//!     for response in editor.ui(ui, Language::English, &input) {
+//!         match response {
+//!             // All changes up to a finished one are one undo step.
+//!             EditorResponse::Change { material, is_finished } => {}
 //!             // Ask for a file, then `apply_file` and `with_description`.
-//!             Answer::Load => {}
-//!             Answer::Save(text) => {}
+//!             EditorResponse::Load => {}
+//!             EditorResponse::Save(text) => {}
 //!         }
 //!     }
 //! };
 //! ```
 
+mod background;
 mod badges;
-mod body;
 mod catalog;
 mod compare;
 mod curve;
 mod draft;
 mod fields;
 mod file;
-mod latest;
 mod light;
+mod lobe_solid;
+mod lobes;
 mod model;
-mod optics;
 mod parameter;
 mod plots;
 mod polar;
-mod shapes;
-mod side;
+mod reflection;
 mod sphere;
 mod surface;
+mod surface_plots;
 mod theme;
 mod view;
 
@@ -52,78 +54,78 @@ mod view;
 mod tests;
 
 pub use file::{ModelFile, apply_file, with_description};
-pub use light::{Lamp, PreviewLight};
+pub use light::{PreviewLamp, PreviewLight};
 
 use crate::words::Language;
 use azulejo::scene::brdf::{Description, Value};
 use azulejo::scene::{Material, Rgb};
-use compare::Compared;
-use draft::Draft;
+use compare::ComparedMaterial;
+use draft::ModelDraft;
 use egui::{TextEdit, Ui};
-use side::{Side, Workers};
 use std::sync::Arc;
-use surface::Kind;
-use view::View;
+use surface::SurfaceKind;
+use surface_plots::{BackgroundWorkers, SurfacePlots};
+use view::LobeView;
 
-/// What the editor is shown.
+/// The input of the editor.
 #[derive(Clone, Copy)]
-pub struct Shown<'a> {
-    /// Which material it is. What is half typed is forgotten where another comes.
+pub struct EditorInput<'a> {
+    /// Identifies the material. Partial input is dropped when it changes.
     pub key: u64,
-    /// The material as the document has it.
+    /// The material in the document.
     pub material: &'a Arc<Material>,
-    /// What it may be compared with.
+    /// Materials to compare with.
     pub others: &'a [Arc<Material>],
-    /// What shines on the preview sphere.
+    /// The lighting of the preview sphere.
     pub light: &'a PreviewLight,
-    /// Whether light is in cd/m² instead of W/(sr·m²).
+    /// Whether emission is in cd/m² instead of W/(sr·m²).
     pub is_photometric: bool,
 }
 
-/// What a person did.
+/// A response of the editor.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Answer {
-    /// The material changed.
+pub enum EditorResponse {
+    /// The material was changed.
     Change {
-        /// What it is now; possible in every scene.
+        /// The new material; valid in every scene.
         material: Material,
-        /// Whether the change is done. Where it is not (a slider is being dragged), others
-        /// follow, the last of them finished: all of them together are one step of undo.
+        /// Whether the change is complete. While a slider is being dragged, changes follow each
+        /// other and only the last one is finished: together they are one undo step.
         is_finished: bool,
     },
     /// A file of a reflection model is to be loaded.
     Load,
-    /// This text is to be saved as one.
+    /// This text is to be saved as a reflection model.
     Save(String),
 }
 
-/// The editor: what a person has chosen to see, and what was found in the background.
-pub struct Editor {
+/// The editor: display settings, and results of background computations.
+pub struct BrdfEditor {
     key: Option<u64>,
-    /// The kind that was chosen last: a black surface may be any.
-    kind: Kind,
-    /// The name while it is typed.
+    /// The kind of surface chosen last: a black surface may be any.
+    kind: SurfaceKind,
+    /// The name being typed.
     name: Option<String>,
-    /// The colour of what emits nothing at the moment.
+    /// The colour of a light that is currently off.
     emitted: Rgb,
-    draft: Option<Draft>,
-    /// A description that was left for another kind of surface, to come back to.
+    draft: Option<ModelDraft>,
+    /// The description to restore when the user returns from another kind of surface.
     left: Option<Description>,
-    /// Whether an unfinished change was answered.
+    /// Whether a change is unfinished.
     is_open: bool,
     /// Why the model cannot be saved.
     trouble: Option<String>,
-    compared: Option<Compared>,
-    view: View,
-    sides: [Side; 2],
-    workers: Workers,
+    compared: Option<ComparedMaterial>,
+    view: LobeView,
+    sides: [SurfacePlots; 2],
+    workers: BackgroundWorkers,
 }
 
-impl Default for Editor {
-    fn default() -> Editor {
-        Editor {
+impl Default for BrdfEditor {
+    fn default() -> BrdfEditor {
+        BrdfEditor {
             key: None,
-            kind: Kind::Matt,
+            kind: SurfaceKind::Matt,
             name: None,
             emitted: Rgb::WHITE,
             draft: None,
@@ -131,25 +133,30 @@ impl Default for Editor {
             is_open: false,
             trouble: None,
             compared: None,
-            view: View::default(),
+            view: LobeView::default(),
             sides: Default::default(),
-            workers: Workers::default(),
+            workers: BackgroundWorkers::default(),
         }
     }
 }
 
-impl Editor {
-    /// Shows a material; answers with what a person did, mostly nothing.
+impl BrdfEditor {
+    /// Draws the editor; returns what the user did, usually nothing.
     ///
-    /// Expects the document to have taken the change of the frame before: where it has not, the
-    /// document wins.
-    pub fn ui(&mut self, ui: &mut Ui, language: Language, shown: &Shown) -> Vec<Answer> {
+    /// Expects the document to have applied the change of the previous frame; otherwise the
+    /// document's version takes precedence.
+    pub fn ui(
+        &mut self,
+        ui: &mut Ui,
+        language: Language,
+        shown: &EditorInput,
+    ) -> Vec<EditorResponse> {
         self.follow(shown);
         let mut material = Material::clone(shown.material);
         self.head(ui, language, &mut material);
         let asked = self.files(ui, language, shown);
         match self.kind {
-            Kind::Model => self.model(ui, language, &mut material),
+            SurfaceKind::Model => self.model(ui, language, &mut material),
             kind => surface::fields(ui, language, kind, &mut material),
         }
         surface::emission(
@@ -165,36 +172,36 @@ impl Editor {
         asked.into_iter().chain(changed).collect()
     }
 
-    /// Whether something that is shown is still being computed.
+    /// Whether something displayed is still being computed.
     pub fn is_busy(&self) -> bool {
         let count = 1 + usize::from(self.compared.is_some());
-        let draft = self.draft.as_ref().is_some_and(Draft::is_busy);
-        draft || self.sides[..count].iter().any(Side::is_busy)
+        let draft = self.draft.as_ref().is_some_and(ModelDraft::is_busy);
+        draft || self.sides[..count].iter().any(SurfacePlots::is_busy)
     }
 
-    /// Takes notice of another material, or of one that others changed.
-    fn follow(&mut self, shown: &Shown) {
+    /// Detects another material, or changes made elsewhere.
+    fn follow(&mut self, shown: &EditorInput) {
         if self.key != Some(shown.key) {
-            *self = Editor {
+            *self = BrdfEditor {
                 key: Some(shown.key),
                 compared: self.compared.take(),
                 view: self.view.clone(),
                 sides: std::mem::take(&mut self.sides),
                 workers: std::mem::take(&mut self.workers),
-                ..Editor::default()
+                ..BrdfEditor::default()
             };
         }
         if !self.kind.suits(shown.material) {
-            self.kind = Kind::of(shown.material);
+            self.kind = SurfaceKind::of(shown.material);
         }
         match &shown.material.brdf {
             None => self.draft = None,
             Some(brdf) if self.draft.as_ref().is_some_and(|d| d.is_of(brdf)) => {}
-            Some(brdf) => self.draft = Some(Draft::new(brdf.clone())),
+            Some(brdf) => self.draft = Some(ModelDraft::new(brdf.clone())),
         }
     }
 
-    /// Name and kind.
+    /// Name and kind of surface.
     fn head(&mut self, ui: &mut Ui, language: Language, material: &mut Material) {
         self.name_field(ui, language, material);
         let kind = self.kind.choose(ui, language);
@@ -203,27 +210,32 @@ impl Editor {
         }
     }
 
-    /// Files of reflection models.
-    fn files(&mut self, ui: &mut Ui, language: Language, shown: &Shown) -> Option<Answer> {
+    /// Loading and saving reflection models.
+    fn files(
+        &mut self,
+        ui: &mut Ui,
+        language: Language,
+        shown: &EditorInput,
+    ) -> Option<EditorResponse> {
         let brdf = shown.material.brdf.as_deref();
-        let [load, save] = theme::row(ui, language.say("Model file"), "", |ui, _| {
-            let load = ui.button(language.say("Load…"));
-            let save = egui::Button::new(language.say("Save…"));
+        let [load, save] = theme::row(ui, language.tr("Model file"), "", |ui, _| {
+            let load = ui.button(language.tr("Load…"));
+            let save = egui::Button::new(language.tr("Save…"));
             [load, ui.add_enabled(brdf.is_some(), save)].map(|button| button.clicked())
         });
         if let Some(brdf) = brdf.filter(|_| save) {
             let saved = file::saved(brdf.description());
             self.trouble = saved.as_ref().err().cloned();
-            return saved.ok().map(Answer::Save);
+            return saved.ok().map(EditorResponse::Save);
         }
         if let Some(trouble) = &self.trouble {
             theme::problem(ui, trouble);
         }
-        load.then_some(Answer::Load)
+        load.then_some(EditorResponse::Load)
     }
 
     fn name_field(&mut self, ui: &mut Ui, language: Language, material: &mut Material) {
-        theme::row(ui, language.say("Name"), "", |ui, label| {
+        theme::row(ui, language.tr("Name"), "", |ui, label| {
             let mut name = self.name.take().unwrap_or_else(|| material.name.clone());
             let field = TextEdit::singleline(&mut name).desired_width(ui.available_width());
             let response = ui.add(field).accessible_name(label);
@@ -235,12 +247,12 @@ impl Editor {
         });
     }
 
-    fn become_kind(&mut self, kind: Kind, material: &mut Material) {
+    fn become_kind(&mut self, kind: SurfaceKind, material: &mut Material) {
         if let Some(draft) = self.draft.take() {
             self.left = Some(draft.description);
         }
         kind.give(material);
-        if kind == Kind::Model {
+        if kind == SurfaceKind::Model {
             let matt = Value::from(material.diffuse);
             let matt = || Description::model("diffuse", [("kd", matt)]);
             let description = self.left.take().unwrap_or_else(matt);
@@ -248,7 +260,7 @@ impl Editor {
                 *material = model;
             }
         }
-        self.kind = Kind::of(material);
+        self.kind = SurfaceKind::of(material);
     }
 
     fn model(&mut self, ui: &mut Ui, language: Language, material: &mut Material) {
@@ -257,17 +269,22 @@ impl Editor {
             if let Some(brdf) = draft.made(ui.ctx()) {
                 *material = file::with_brdf(material, brdf);
             }
-            draft.say(ui, language);
+            draft.show_status(ui, language);
         }
     }
 
-    /// The answer, if the material is another than before.
-    fn changed(&mut self, ui: &Ui, shown: &Shown, material: Material) -> Option<Answer> {
-        let is_busy = self.draft.as_ref().is_some_and(Draft::is_busy);
+    /// The response if the material differs from before.
+    fn changed(
+        &mut self,
+        ui: &Ui,
+        shown: &EditorInput,
+        material: Material,
+    ) -> Option<EditorResponse> {
+        let is_busy = self.draft.as_ref().is_some_and(ModelDraft::is_busy);
         let is_finished = !is_busy && !ui.input(|i| i.pointer.any_down());
         if !draft::is_same_material(&material, shown.material) {
             self.is_open = !is_finished;
-            return Some(Answer::Change {
+            return Some(EditorResponse::Change {
                 material,
                 is_finished,
             });
@@ -276,13 +293,13 @@ impl Editor {
             return None;
         }
         self.is_open = false;
-        Some(Answer::Change {
+        Some(EditorResponse::Change {
             material,
             is_finished,
         })
     }
 
-    fn pictures(&mut self, ui: &mut Ui, language: Language, shown: &Shown) {
+    fn pictures(&mut self, ui: &mut Ui, language: Language, shown: &EditorInput) {
         compare::choose(ui, language, &mut self.compared, shown.others);
         let other = compare::current(&mut self.compared, shown.others);
         let first = shown.material;

@@ -1,14 +1,14 @@
-//! A description: which models it is made of, and their parameters.
+//! A description: its models and their parameters.
 
 use super::catalog::{GROUPS, example, switched};
-use super::fields::{SHARE, Span, number};
+use super::fields::{NumberRange, SHARE, number};
 use super::parameter::parameters;
 use super::theme::{notice, row};
 use crate::words::Language;
 use azulejo::scene::brdf::{Content, Description, MODELS, Measured, Model, find};
 use egui::{ComboBox, RichText, Ui};
 
-/// Shows a description and changes it.
+/// Draws and edits a description.
 pub(super) fn description(ui: &mut Ui, language: Language, description: &mut Description) {
     match description {
         Description::Model(model) => single(ui, language, model),
@@ -26,15 +26,15 @@ pub(super) fn description(ui: &mut Ui, language: Language, description: &mut Des
         }
     }
     if ui
-        .button(language.say("Add a model"))
-        .on_hover_text(language.say("A weighted sum of models: the weights add up to at most 1."))
+        .button(language.tr("Add a model"))
+        .on_hover_text(language.tr("A weighted sum of models: the weights add up to at most 1."))
         .clicked()
     {
         *description = added(description);
     }
 }
 
-/// One more model, with what is left of the weights, or half of all.
+/// Adds a model with the remaining weight, or half of the total.
 fn added(description: &Description) -> Description {
     let mut parts = match description {
         Description::Model(model) => vec![(1.0, model.clone())],
@@ -51,23 +51,23 @@ fn added(description: &Description) -> Description {
     Description::Combination(parts)
 }
 
-/// The models of a sum; the last of them if no other is left.
+/// The models of a sum; returns the last one if no other is left.
 fn combination(ui: &mut Ui, language: Language, parts: &mut Vec<(f64, Model)>) -> Option<Model> {
     let (mut removed, count) = (None, parts.len());
     for (k, (weight, model)) in parts.iter_mut().enumerate() {
         ui.push_id(k, |ui| {
             egui::Frame::group(ui.style()).show(ui, |ui| {
                 ui.set_min_width(ui.available_width());
-                let about = language.say("Share of this model in the sum.");
-                let span = Span {
+                let about = language.tr("Weight of this model in the sum.");
+                let span = NumberRange {
                     is_strict: false,
                     ..SHARE
                 };
-                row(ui, language.say("Weight"), about, |ui, name| {
+                row(ui, language.tr("Weight"), about, |ui, name| {
                     let name = format!("{name} {}", k + 1);
                     ui.spacing_mut().slider_width -= 34.0;
                     number(ui, &name, span, weight);
-                    let label = format!("{} {}", language.say("Remove model"), k + 1);
+                    let label = format!("{} {}", language.tr("Remove model"), k + 1);
                     let button = ui.add_enabled(count > 1, egui::Button::new("×"));
                     if button
                         .on_hover_text(&label)
@@ -88,14 +88,14 @@ fn combination(ui: &mut Ui, language: Language, parts: &mut Vec<(f64, Model)>) -
     }
 }
 
-/// One model: which it is, examples, and its parameters.
+/// One model: its type, examples and parameters.
 fn single(ui: &mut Ui, language: Language, model: &mut Model) {
     let known = find(&model.name).ok();
     let title = known
-        .map_or(&*model.name, |info| language.say(info.title))
+        .map_or(&*model.name, |info| language.tr(info.title))
         .to_owned();
     let about = known.map_or("", |info| info.paper);
-    row(ui, language.say("Model"), about, |ui, name| {
+    row(ui, language.tr("Model"), about, |ui, name| {
         let combo = ComboBox::from_id_salt("model")
             .selected_text(title)
             .width(200.0)
@@ -117,7 +117,7 @@ fn choices(ui: &mut Ui, language: Language, model: &mut Model) {
         for info in group.models() {
             let entry = ui.selectable_label(
                 info.is_called(&old.name),
-                format!("   {}", language.say(info.title)),
+                format!("   {}", language.tr(info.title)),
             );
             let entry = entry.accessible_name(info.title);
             let about = format!("{}\n{}", info.name, info.paper);
@@ -128,12 +128,12 @@ fn choices(ui: &mut Ui, language: Language, model: &mut Model) {
     }
 }
 
-/// Descriptions of the same model, to begin with.
+/// Example descriptions of the same model.
 fn examples(ui: &mut Ui, language: Language, model: &mut Model) {
     let Ok(info) = find(&model.name) else {
         return;
     };
-    ui.menu_button(language.say("Examples"), |ui| {
+    ui.menu_button(language.tr("Examples"), |ui| {
         for (k, words) in info.examples.iter().enumerate() {
             if ui.button(*words).clicked() {
                 if let Some(example) = example(info, k) {
@@ -145,36 +145,36 @@ fn examples(ui: &mut Ui, language: Language, model: &mut Model) {
     });
 }
 
-/// A model that a file holds; the description in it, if a person wants to change it.
+/// A model from a file; returns its description if the user wants to edit it.
 fn file(
     ui: &mut Ui,
     language: Language,
     path: &str,
     content: Option<&Content>,
 ) -> Option<Description> {
-    row(ui, language.say("File"), path, |ui, _| {
+    row(ui, language.tr("File"), path, |ui, _| {
         ui.add(egui::Label::new(RichText::new(path).monospace()).truncate())
     });
     match content {
         None => {
             notice(
                 ui,
-                language.say("The file could not be found: the surface reflects nothing."),
+                language.tr("The file could not be found: the surface reflects nothing."),
             );
             None
         }
         Some(Content::Text(description)) => {
             ui.label(RichText::new(description.to_string()).small());
-            let words = language.say("Change a copy");
+            let words = language.tr("Edit a copy");
             ui.button(words).clicked().then(|| description.clone())
         }
         Some(Content::Measured(measured)) => {
-            row(ui, language.say("Measured"), "", |ui, _| {
+            row(ui, language.tr("Measured"), "", |ui, _| {
                 ui.label(measured_words(language, measured))
             });
             None
         }
-        // Whatever else a file may hold one day has nothing to set.
+        // Any other content of a file has no parameters.
         Some(_) => None,
     }
 }
@@ -183,12 +183,12 @@ fn measured_words(language: Language, measured: &Measured) -> String {
     match measured {
         Measured::Merl(merl) => {
             let [a, b, c] = merl.sizes();
-            format!("MERL, {a} × {b} × {c} {}", language.say("angles"))
+            format!("MERL, {a} × {b} × {c} {}", language.tr("angles"))
         }
         Measured::Rgl(rgl) if rgl.is_isotropic() => {
-            format!("RGL, {}", language.say("the same around the normal"))
+            format!("RGL, {}", language.tr("isotropic"))
         }
-        Measured::Rgl(_) => format!("RGL, {}", language.say("different around the normal")),
+        Measured::Rgl(_) => format!("RGL, {}", language.tr("anisotropic")),
         other => format!("{other:?}"),
     }
 }

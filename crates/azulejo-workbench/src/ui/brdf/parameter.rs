@@ -1,13 +1,15 @@
-//! The parameters of one model.
+//! The parameters of a model.
 
-use super::catalog::{self, Term, as_color, fallback, set};
-use super::fields::{Span, color, number};
+use super::catalog::{self, FresnelChoice, as_color, fallback, set};
+use super::fields::{NumberRange, color, number};
 use super::theme::row;
 use crate::words::Language;
-use azulejo::scene::brdf::{Info, Kind, METALS, Model, ParameterInfo, Value, find, find_metal};
+use azulejo::scene::brdf::{
+    METALS, Model, ModelInfo, ParameterInfo, ParameterKind, Value, find, find_metal,
+};
 use egui::{ComboBox, Ui};
 
-/// Shows all parameters of a model that is known.
+/// Draws all parameters of a known model.
 pub(super) fn parameters(ui: &mut Ui, language: Language, model: &mut Model) {
     let Ok(info) = find(&model.name) else {
         return;
@@ -20,12 +22,12 @@ pub(super) fn parameters(ui: &mut Ui, language: Language, model: &mut Model) {
     }
 }
 
-/// What a parameter does, in which range.
+/// Description and range of a parameter.
 fn about(language: Language, info: &ParameterInfo) -> String {
-    let words = language.say(info.about);
-    let (from, to, unit) = (info.least, info.most, language.say(info.unit));
+    let words = language.tr(info.about);
+    let (from, to, unit) = (info.least, info.most, language.tr(info.unit));
     match info.kind {
-        Kind::Word => words.to_owned(),
+        ParameterKind::Word => words.to_owned(),
         _ => format!("{words}\n{from} … {to} {unit}"),
     }
 }
@@ -36,53 +38,54 @@ fn one(ui: &mut Ui, language: Language, model: &mut Model, info: &'static Parame
         let is_optional = !info.is_needed && info.default.is_none();
         let mut is_given = given.is_some();
         if is_optional {
-            let words = language.say("Given; otherwise the model has its own value.");
+            let words = language.tr("Set; otherwise the model uses its default.");
             let check = ui.checkbox(&mut is_given, "").on_hover_text(words);
             check.accessible_name(format!("{name} ?"));
             if !is_given {
-                ui.weak(language.say("as the model has it"));
+                ui.weak(language.tr("default"));
                 return set(model, info, None);
             }
         }
         let old = given.clone().unwrap_or_else(|| fallback(model, info));
         let mut new = old.clone();
         value(ui, language, name, info, &mut new);
-        // A default that nobody touches is not written.
+        // Defaults that were not changed are not written.
         if new != old || (is_optional && given.is_none()) {
             set(model, info, Some(new));
         }
     });
 }
 
-/// The fields of a value.
+/// The input fields of a value.
 fn value(ui: &mut Ui, language: Language, name: &str, info: &ParameterInfo, value: &mut Value) {
-    let span = Span {
+    let span = NumberRange {
         least: info.least,
         most: info.most,
-        unit: language.say(info.unit),
+        unit: language.tr(info.unit),
         is_strict: false,
     };
     match (info.kind, &mut *value) {
-        (Kind::Word, Value::Word(word)) => metal(ui, name, word),
-        (Kind::Number, Value::Number(x)) => number(ui, name, span, x),
-        (Kind::Color, _) => shade(ui, language, name, span, value),
-        // Of another kind than the model takes: a fresh value of the right one.
-        (Kind::Word, _) => *value = Value::Word("gold".to_owned()),
-        (Kind::Number, _) => *value = Value::Number(as_color(value).r),
+        (ParameterKind::Word, Value::Word(word)) => metal(ui, name, word),
+        (ParameterKind::Number, Value::Number(x)) => number(ui, name, span, x),
+        (ParameterKind::Color, _) => shade(ui, language, name, span, value),
+        // The value has the wrong type for the model: replace it with a valid one.
+        (ParameterKind::Word, _) => *value = Value::Word("gold".to_owned()),
+        (ParameterKind::Number, _) => *value = Value::Number(as_color(value).r),
     }
 }
 
 /// One number for all channels, or three.
-fn shade(ui: &mut Ui, language: Language, name: &str, span: Span, value: &mut Value) {
+fn shade(ui: &mut Ui, language: Language, name: &str, span: NumberRange, value: &mut Value) {
     let mut is_color = matches!(value, Value::Color(_));
-    let words = language.say("One number for each of red, green and blue.");
+    let words = language.tr("One number for each of red, green and blue.");
     let toggle = ui.toggle_value(&mut is_color, "RGB").on_hover_text(words);
     let toggle = toggle.accessible_name(format!("{name} RGB"));
     let shown = as_color(value);
     if toggle.changed() {
-        *value = match is_color {
-            true => Value::Color(shown),
-            false => Value::Number(shown.mean()),
+        *value = if is_color {
+            Value::Color(shown)
+        } else {
+            Value::Number(shown.mean())
         };
         return;
     }
@@ -114,17 +117,17 @@ fn metal(ui: &mut Ui, name: &str, word: &mut String) {
 }
 
 /// The Fresnel term.
-fn fresnel(ui: &mut Ui, language: Language, info: &Info, model: &mut Model) {
-    let term = Term::of(model);
-    let about = language.say("How much the smooth boundary of a facet mirrors, by the angle.");
+fn fresnel(ui: &mut Ui, language: Language, info: &ModelInfo, model: &mut Model) {
+    let term = FresnelChoice::of(model);
+    let about = language.tr("Reflectance of a smooth facet as a function of the angle.");
     let mut chosen = term;
-    row(ui, language.say("Fresnel"), about, |ui, name| {
+    row(ui, language.tr("Fresnel"), about, |ui, name| {
         let words = |t| term_words(language, t);
         let combo = ComboBox::from_id_salt(("fresnel", info.name))
             .selected_text(words(term))
             .width(210.0);
         let shown = combo.show_ui(ui, |ui| {
-            for t in Term::ALL {
+            for t in FresnelChoice::ALL {
                 ui.selectable_value(&mut chosen, t, words(t));
             }
         });
@@ -134,21 +137,24 @@ fn fresnel(ui: &mut Ui, language: Language, info: &Info, model: &mut Model) {
         return chosen.choose(model);
     }
     let names: &[&str] = match term {
-        Term::None => &[],
-        Term::Metal => &["metal"],
-        Term::Index => &["eta", "k"],
-        Term::Schlick => &["f0", "tint"],
-        Term::Constant => &["F"],
+        FresnelChoice::None => &[],
+        FresnelChoice::Metal => &["metal"],
+        FresnelChoice::Index => &["eta", "k"],
+        FresnelChoice::Schlick => &["f0", "tint"],
+        FresnelChoice::Constant => &["F"],
     };
     for info in names.iter().filter_map(|name| catalog::fresnel(name)) {
-        // What stands for a term is needed, the others may be left out.
+        // The parameter that identifies the term is required, the others are optional.
         let is_first = names.first() == Some(&info.name);
-        ui.push_id(info.name, |ui| match is_first {
-            true => needed(ui, language, model, info),
-            false => one(ui, language, model, info),
+        ui.push_id(info.name, |ui| {
+            if is_first {
+                needed(ui, language, model, info)
+            } else {
+                one(ui, language, model, info)
+            }
         });
     }
-    if term == Term::Index {
+    if term == FresnelChoice::Index {
         copied(ui, language, model);
     }
 }
@@ -167,10 +173,10 @@ fn needed(ui: &mut Ui, language: Language, model: &mut Model, info: &'static Par
     }
 }
 
-/// The numbers of a metal of the table, to begin with.
+/// Copies the values of a metal from the table as a starting point.
 fn copied(ui: &mut Ui, language: Language, model: &mut Model) {
     row(ui, "", "", |ui, _| {
-        ui.menu_button(language.say("Numbers of a metal"), |ui| {
+        ui.menu_button(language.tr("Values of a metal"), |ui| {
             for metal in METALS {
                 let entry = ui.button(metal.name).on_hover_text(metal.source);
                 if entry.clicked() {
@@ -186,12 +192,12 @@ fn copied(ui: &mut Ui, language: Language, model: &mut Model) {
     });
 }
 
-fn term_words(language: Language, term: Term) -> &'static str {
+fn term_words(language: Language, term: FresnelChoice) -> &'static str {
     match term {
-        Term::None => language.say("all light is reflected"),
-        Term::Metal => language.say("a metal by name"),
-        Term::Index => language.say("indices of refraction"),
-        Term::Schlick => language.say("Schlick, from normal incidence"),
-        Term::Constant => language.say("the same at all angles"),
+        FresnelChoice::None => language.tr("all light is reflected"),
+        FresnelChoice::Metal => language.tr("a metal by name"),
+        FresnelChoice::Index => language.tr("indices of refraction"),
+        FresnelChoice::Schlick => language.tr("Schlick, from normal incidence"),
+        FresnelChoice::Constant => language.tr("constant"),
     }
 }

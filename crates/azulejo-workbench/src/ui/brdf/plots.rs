@@ -1,27 +1,27 @@
-//! All pictures of one surface, or of two beside each other.
+//! All plots of one material, or of two for comparison.
 
 use super::badges::badges;
-use super::body;
 use super::curve;
+use super::lobe_solid;
+use super::lobes::{AlbedoCurve, SampledLobes, largest_albedo_difference, largest_difference};
 use super::polar;
-use super::shapes::{Curve, Lobes, largest_albedo_difference, largest_difference};
-use super::side::Side;
+use super::surface_plots::SurfacePlots;
 use super::theme::{lines, short};
-use super::view::View;
+use super::view::LobeView;
 use crate::words::Language;
 use egui::{Color32, Sense, Shape, Stroke, Ui, vec2};
 
-/// Shows what is known; `names` are those of the sides that are compared.
+/// Draws the available results; `names` are those of the compared materials.
 pub(super) fn show(
     ui: &mut Ui,
     language: Language,
-    view: &mut View,
-    sides: &mut [Side],
+    view: &mut LobeView,
+    sides: &mut [SurfacePlots],
     names: &[String],
 ) {
-    // Of one scale, so that the larger of two is drawn larger.
+    // With a common scale the larger of two lobes is drawn larger.
     let bodies = sides.iter().filter_map(|s| s.lobes.found());
-    let top = bodies.map(|(_, lobes)| body::top(view, &lobes.body));
+    let top = bodies.map(|(_, lobes)| lobe_solid::top(view, &lobes.body));
     let top = top.fold(f64::MIN_POSITIVE, f64::max);
     for (k, side) in sides.iter_mut().enumerate() {
         if names.len() > 1 {
@@ -31,18 +31,18 @@ pub(super) fn show(
         pictures(ui, language, view, side, (k, top));
     }
     ui.add_space(4.0);
-    let lobes: Vec<&Lobes> = sides
+    let lobes: Vec<&SampledLobes> = sides
         .iter()
         .filter_map(|s| s.lobes.found())
         .map(|f| &f.1)
         .collect();
-    ui.strong(language.say("Lobes in the plane of incidence"));
+    ui.strong(language.tr("Lobes in the plane of incidence"));
     let slices: Vec<_> = lobes.iter().map(|l| &l.slices[..]).collect();
     polar::draw(ui, language, view, &slices);
     view.ui(ui, language);
     ui.add_space(4.0);
-    ui.strong(language.say("Reflected share against the angle"));
-    let curves: Vec<&Curve> = sides
+    ui.strong(language.tr("Albedo against angle"));
+    let curves: Vec<&AlbedoCurve> = sides
         .iter()
         .filter_map(|s| s.albedo.found())
         .map(|f| &f.1)
@@ -51,7 +51,7 @@ pub(super) fn show(
     difference(ui, language, &lobes, &curves);
 }
 
-/// A model's name with the line that it has in the plots.
+/// The name of a model with its line style in the plots.
 fn name(ui: &mut Ui, index: usize, name: &str) {
     ui.horizontal(|ui| {
         let (place, _) = ui.allocate_exact_size(vec2(30.0, 10.0), Sense::hover());
@@ -67,28 +67,27 @@ fn name(ui: &mut Ui, index: usize, name: &str) {
     });
 }
 
-/// Badges, and a sign that more is to come.
-fn marks(ui: &mut Ui, language: Language, side: &Side) {
+/// Badges, and a spinner while results are missing.
+fn marks(ui: &mut Ui, language: Language, side: &SurfacePlots) {
     ui.horizontal_wrapped(|ui| {
         if let Some((_, measures)) = side.measures.found() {
             badges(ui, language, measures);
         }
         if side.is_behind() {
-            ui.add(egui::Spinner::new().size(14.0)).on_hover_text(
-                language.say("Being computed; until then the last result is shown."),
-            );
+            ui.add(egui::Spinner::new().size(14.0))
+                .on_hover_text(language.tr("Computing; meanwhile the last result is shown."));
         }
-        // As high as badges, so that nothing moves when they come.
+        // As high as the badges, so that the layout does not jump.
         ui.allocate_exact_size(vec2(0.0, 22.0), Sense::hover());
     });
 }
 
-/// The sphere, and the lobe as a body.
+/// The sphere and the lobe.
 fn pictures(
     ui: &mut Ui,
     language: Language,
-    view: &mut View,
-    side: &mut Side,
+    view: &mut LobeView,
+    side: &mut SurfacePlots,
     (index, top): (usize, f64),
 ) {
     ui.horizontal(|ui| {
@@ -98,26 +97,26 @@ fn pictures(
         let color = lines(ui)[index];
         match side.lobes.found() {
             Some((_, lobes)) => {
-                let stage = body::Stage { size, top, color };
-                body::draw(ui, language, view, &lobes.body, stage);
+                let stage = lobe_solid::LobeViewport { size, top, color };
+                lobe_solid::draw(ui, language, view, &lobes.body, stage);
             }
             None => drop(ui.allocate_exact_size(size, Sense::hover())),
         }
     });
 }
 
-/// How far two models are from each other.
-fn difference(ui: &mut Ui, language: Language, lobes: &[&Lobes], curves: &[&Curve]) {
+/// The difference between two models.
+fn difference(ui: &mut Ui, language: Language, lobes: &[&SampledLobes], curves: &[&AlbedoCurve]) {
     let ([a, b], [c, d]) = (lobes, curves) else {
         return;
     };
     let [lobe, lobe_at] = <[f64; 2]>::from(largest_difference(&a.body, &b.body));
     let [share, share_at] = <[f64; 2]>::from(largest_albedo_difference(c, d));
-    let at = language.say("at");
+    let at = language.tr("at");
     let (words, reflected, unit) = (
-        language.say("Largest difference:"),
-        language.say("reflected share"),
-        language.say("1/sr"),
+        language.tr("Largest difference:"),
+        language.tr("albedo"),
+        language.tr("1/sr"),
     );
     let color: Color32 = lines(ui)[1];
     ui.colored_label(color, format!("{words} f·cos θ {} {unit} {at} {lobe_at:.0}°, {reflected} {share:.3} {at} {share_at:.0}°", short(lobe)));

@@ -1,29 +1,29 @@
-//! Lobes in the plane of incidence.
+//! Polar plot of lobes in the plane of incidence.
 
-use super::shapes::Slice;
+use super::lobes::LobeSlice;
 use super::theme::{brightness, grid, lines, short};
-use super::view::{Quantity, Scale, View};
+use super::view::{LobeQuantity, LobeView, RadialScale};
 use crate::words::Language;
 use egui::{Align2, Color32, Ui};
 use egui_plot::{HoverPosition, Line, LineStyle, Plot, PlotPoint, PlotPoints, PlotUi, Text};
 
-/// Shares below are not worth a line.
+/// Smaller fractions of the radius are not drawn.
 const SEEN: f64 = 5e-4;
 
 /// Draws the lobes of one model, or of two: the second is dashed.
-pub(super) fn draw(ui: &mut Ui, language: Language, view: &View, models: &[&[Slice]]) {
+pub(super) fn draw(ui: &mut Ui, language: Language, view: &LobeView, models: &[&[LobeSlice]]) {
     let values = models
         .iter()
         .flat_map(|slices| slices.iter().flat_map(|s| drawn(view, s)));
     let top = values.map(|v| v.1).fold(0.0, f64::max);
-    let dial = Dial {
+    let dial = PolarAxes {
         view,
         top: if top > 0.0 { top } else { 1.0 },
         grid: grid(ui),
         ink: ui.visuals().weak_text_color(),
         colors: lines(ui),
     };
-    let (name, unit) = (quantity(view), language.say("1/sr"));
+    let (name, unit) = (quantity(view), language.tr("1/sr"));
     let height = (0.56 * ui.available_width()).clamp(120.0, 230.0);
     let plot = Plot::new("polar")
         .height(height)
@@ -51,26 +51,26 @@ pub(super) fn draw(ui: &mut Ui, language: Language, view: &View, models: &[&[Sli
             }
         }
     });
-    let words = language.say("Lobes in the plane of incidence");
+    let words = language.tr("Lobes in the plane of incidence");
     let scale = match view.scale {
-        Scale::Linear => language.say("linear"),
-        Scale::Logarithmic => language.say("logarithmic"),
+        RadialScale::Linear => language.tr("linear"),
+        RadialScale::Logarithmic => language.tr("logarithmic"),
     };
     let words = format!("{words}: {name}, {unit}, {scale}");
     let info = || egui::WidgetInfo::labeled(egui::accesskit::Role::Image, true, &words);
     shown.response.widget_info(info);
 }
 
-/// What the radius is.
-pub(super) fn quantity(view: &View) -> &'static str {
+/// Label of the radial quantity.
+pub(super) fn quantity(view: &LobeView) -> &'static str {
     match view.quantity {
-        Quantity::WithCosine => "f·cos θ",
-        Quantity::Alone => "f",
+        LobeQuantity::WithCosine => "f·cos θ",
+        LobeQuantity::Alone => "f",
     }
 }
 
-/// Angles with the values that are drawn there.
-fn drawn(view: &View, slice: &Slice) -> impl Iterator<Item = (f64, f64)> {
+/// Angles with the values plotted there.
+fn drawn(view: &LobeView, slice: &LobeSlice) -> impl Iterator<Item = (f64, f64)> {
     let value = |&(angle, f): &(f64, _)| {
         let cos = angle.to_radians().cos();
         (angle, view.value(brightness(f), cos))
@@ -78,23 +78,23 @@ fn drawn(view: &View, slice: &Slice) -> impl Iterator<Item = (f64, f64)> {
     slice.points.iter().map(value)
 }
 
-/// The half circle, and what its radius means.
-struct Dial<'a> {
-    view: &'a View,
-    /// The value at the radius.
+/// The axes of the half circle.
+struct PolarAxes<'a> {
+    view: &'a LobeView,
+    /// The value at radius 1.
     top: f64,
     grid: Color32,
     ink: Color32,
     colors: [Color32; 5],
 }
 
-/// A place at an angle to the normal in degrees, at a share of the radius.
+/// The position at an angle to the normal in degrees and a fraction of the radius.
 fn at(degrees: f64, share: f64) -> [f64; 2] {
     let (sin, cos) = degrees.to_radians().sin_cos();
     [share * sin, share * cos]
 }
 
-impl Dial<'_> {
+impl PolarAxes<'_> {
     fn line(&self, plot: &mut PlotUi, points: Vec<[f64; 2]>, color: Color32) {
         let line = Line::new("", PlotPoints::from(points))
             .color(color)
@@ -105,15 +105,15 @@ impl Dial<'_> {
     fn text(
         &self,
         plot: &mut PlotUi,
-        place: [f64; 2],
+        position: [f64; 2],
         words: &str,
         color: Color32,
         anchor: Align2,
     ) {
         let text = egui::RichText::new(words).size(10.0);
-        let place = PlotPoint::new(place[0], place[1]);
+        let position = PlotPoint::new(position[0], position[1]);
         plot.text(
-            Text::new("", place, text)
+            Text::new("", position, text)
                 .color(color)
                 .anchor(anchor)
                 .allow_hover(false),
@@ -144,18 +144,19 @@ impl Dial<'_> {
         self.line(plot, vec![[-1.05, 0.0], [1.05, 0.0]], self.ink);
     }
 
-    /// One lobe, with where its light comes from.
-    fn slice(&self, plot: &mut PlotUi, slice: &Slice, k: usize, is_dashed: bool) {
+    /// One lobe, with its direction of incidence.
+    fn slice(&self, plot: &mut PlotUi, slice: &LobeSlice, k: usize, is_dashed: bool) {
         let color = self.colors[k % self.colors.len()];
-        let style = match is_dashed {
-            true => LineStyle::dashed_dense(),
-            false => LineStyle::Solid,
+        let style = if is_dashed {
+            LineStyle::dashed_dense()
+        } else {
+            LineStyle::Solid
         };
-        let place = |(angle, value)| at(angle, self.view.share(value, self.top));
+        let position = |(angle, value)| at(angle, self.view.share(value, self.top));
         let ends = std::iter::once([0.0; 2]);
         let points = ends
             .clone()
-            .chain(drawn(self.view, slice).map(place))
+            .chain(drawn(self.view, slice).map(position))
             .chain(ends);
         let width = if k == 0 { 2.4 } else { 1.2 };
         let name = format!("{}°", short(slice.incidence));
@@ -184,14 +185,14 @@ impl Dial<'_> {
             self.light(plot, slice.incidence, &name, color, width);
             if mirrored > SEEN {
                 let words = format!("{:.1} %", 100.0 * mirrored);
-                // Beside the ray, where the angle of the light is not.
-                let place = at(slice.incidence.max(3.0), 1.03);
-                self.text(plot, place, &words, color, Align2::LEFT_CENTER);
+                // Beside the ray, away from the label of its angle.
+                let position = at(slice.incidence.max(3.0), 1.03);
+                self.text(plot, position, &words, color, Align2::LEFT_CENTER);
             }
         }
     }
 
-    /// Where light comes from, and its angle.
+    /// A direction of incidence with its angle.
     fn light(&self, plot: &mut PlotUi, incidence: f64, name: &str, color: Color32, width: f32) {
         let points = PlotPoints::from(vec![at(-incidence, 1.02), at(-incidence, 1.09)]);
         plot.line(
@@ -208,7 +209,7 @@ impl Dial<'_> {
         self.text(plot, at(-incidence, 1.09), name, color, anchor);
     }
 
-    /// What is at the pointer.
+    /// Text for the point under the mouse.
     fn words(&self, position: &HoverPosition, quantity: &str, unit: &str) -> Option<String> {
         let HoverPosition::NearDataPoint {
             plot_name,

@@ -1,7 +1,7 @@
-//! A sphere of the material on a floor of tiles, drawn in the background, better and better.
+//! A sphere of the material on a tiled floor, rendered progressively in the background.
 
-use super::light::{Lamp, PreviewLight};
-use super::optics::Optics;
+use super::light::{PreviewLamp, PreviewLight};
+use super::reflection::MaterialReflection;
 use azulejo::render::{ReferencePass, Tone, reference, tone_map};
 use azulejo::scene::{
     Camera, Image, Light, LightKind, Material, Mesh, Object, Primitive, PrimitiveKind, Rgb, Scene,
@@ -11,46 +11,47 @@ use azulejo::trace::{Cancelled, Progress, Tracer};
 use glam::{DAffine3, DMat3, DVec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Paths for each pixel of one picture after the other; the pictures are averaged.
+/// Paths per pixel of successive passes; the images are averaged.
 const PASSES: [u32; 6] = [2, 2, 4, 8, 16, 32];
 
-/// How far away lamps are, in radii of the sphere.
-const FAR: f64 = 40.0;
+/// Distance of the lamps in radii of the sphere.
+const LAMP_DISTANCE: f64 = 40.0;
 
-/// Lamps are seen under half an angle between these, in radians: a point would not show in a
-/// mirror, and a square that is far away is no sky.
+/// Range of half the apparent angle of lamps, radians: a point would be invisible in a mirror, and
+/// a distant square cannot fill the sky.
 const ANGLES: [f64; 2] = [0.035, 0.8];
 
-/// What a picture is asked for.
+/// Identifies an image of the sphere.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SphereKey {
-    optics: Optics,
+    optics: MaterialReflection,
     emission: Rgb,
     light: PreviewLight,
-    /// Pixels on each side.
+    /// Width and height, pixels.
     side: u32,
 }
 
-/// A picture of the sphere.
+/// An image of the sphere.
 #[derive(Clone, Debug)]
-pub(super) struct Picture {
-    /// Pixels on each side.
+pub(super) struct SphereImage {
+    /// Width and height, pixels.
     pub side: usize,
     /// sRGB, rows from the top.
     pub rgb: Vec<u8>,
-    /// Paths for each pixel so far.
+    /// Paths per pixel so far.
     pub samples: u32,
 }
 
 impl SphereKey {
-    /// Where there is no light at all, that of a studio.
+    /// Without any light, that of a studio is used.
     pub fn new(material: &Material, light: &PreviewLight, side: u32) -> SphereKey {
-        let light = match light.is_dark() {
-            true => PreviewLight::studio(),
-            false => light.clone(),
+        let light = if light.is_dark() {
+            PreviewLight::studio()
+        } else {
+            light.clone()
         };
         SphereKey {
-            optics: Optics::of(material),
+            optics: MaterialReflection::of(material),
             emission: material.emission,
             light,
             side,
@@ -58,11 +59,11 @@ impl SphereKey {
     }
 }
 
-/// Draws the sphere.
+/// Renders the sphere.
 pub(super) fn draw(
     key: &SphereKey,
     progress: &Progress,
-    show: &mut dyn FnMut(Picture),
+    show: &mut dyn FnMut(SphereImage),
 ) -> Result<(), Cancelled> {
     let scene = scene(key);
     let tracer = Tracer::new(&scene);
@@ -82,7 +83,7 @@ pub(super) fn draw(
         samples += count;
         // A white surface that faces all lamps is nearly white.
         let exposure = 1.1 * PI / key.light.strength() / f64::from(samples);
-        show(Picture {
+        show(SphereImage {
             side: key.side as usize,
             rgb: tone_map(&sum, exposure, Tone::Filmic),
             samples,
@@ -156,16 +157,16 @@ fn floor(tiles: [u32; 2]) -> Mesh {
     mesh
 }
 
-/// A square that faces the sphere, as bright as the lamp.
-fn add_lamp(scene: &mut Scene, lamp: &Lamp) {
+/// A square that faces the sphere, with the lamp's radiance.
+fn add_lamp(scene: &mut Scene, lamp: &PreviewLamp) {
     let angle = lamp.half_angle.clamp(ANGLES[0], ANGLES[1]);
     let solid = TAU * (1.0 - angle.cos());
     let material = scene.add_material(Material::emitter("lamp", lamp.irradiance / solid));
-    let side = FAR * solid.sqrt();
+    let side = LAMP_DISTANCE * solid.sqrt();
     let front = -lamp.toward;
     let across = front.any_orthonormal_vector();
     let matrix = DMat3::from_cols(across * side, front.cross(across) * side, front);
-    let corner = DVec3::Y + lamp.toward * FAR - 0.5 * (matrix.x_axis + matrix.y_axis);
+    let corner = DVec3::Y + lamp.toward * LAMP_DISTANCE - 0.5 * (matrix.x_axis + matrix.y_axis);
     let place = DAffine3::from_mat3_translation(matrix, corner);
     let shape = primitive(PrimitiveKind::Square, place, material);
     scene.objects.push(Object::new("lamp", shape));
@@ -175,7 +176,7 @@ fn add_lamp(scene: &mut Scene, lamp: &Lamp) {
 mod tests {
     use super::*;
 
-    fn first(material: &Material, light: &PreviewLight) -> Picture {
+    fn first(material: &Material, light: &PreviewLight) -> SphereImage {
         let (progress, mut found) = (Progress::new(), None);
         let key = SphereKey::new(material, light, 48);
         let stopped = draw(&key, &progress, &mut |picture| {
@@ -186,8 +187,8 @@ mod tests {
         found.unwrap()
     }
 
-    /// The middle of the sphere.
-    fn middle(picture: &Picture) -> [u8; 3] {
+    /// The centre of the sphere.
+    fn middle(picture: &SphereImage) -> [u8; 3] {
         let at = 3 * (picture.side / 2 * picture.side + picture.side / 2);
         [0, 1, 2].map(|c| picture.rgb[at + c])
     }
@@ -198,7 +199,7 @@ mod tests {
         let mut light = PreviewLight::studio();
         let [r, g, _] = middle(&first(&red, &light));
         assert!(r > 80 && r > 2 * g, "{r} {g}");
-        // A thousand times as much light is exposed a thousand times less.
+        // A thousand times the light gets a thousandth of the exposure.
         light.ambient *= 1000.0;
         light.lamps[0].irradiance *= 1000.0;
         let [bright, _, _] = middle(&first(&red, &light));

@@ -1,7 +1,7 @@
-//! What kind of surface a material is, and the numbers of each kind.
+//! The kind of surface of a material, and the parameters of each kind.
 
 use super::super::inputs;
-use super::fields::{SHARE, Span, color_row, number_row};
+use super::fields::{NumberRange, SHARE, color_row, number_row};
 use super::theme::row;
 use crate::words::Language;
 use azulejo::scene::{Dielectric, Material, Rgb};
@@ -9,7 +9,7 @@ use egui::{ComboBox, Ui};
 
 /// Kinds of surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum SurfaceKind {
     Matt,
     Mirror,
     MattAndMirror,
@@ -17,84 +17,84 @@ pub(super) enum Kind {
     Model,
 }
 
-impl Kind {
-    const ALL: [Kind; 5] = [
-        Kind::Matt,
-        Kind::Mirror,
-        Kind::MattAndMirror,
-        Kind::Glass,
-        Kind::Model,
+impl SurfaceKind {
+    const ALL: [SurfaceKind; 5] = [
+        SurfaceKind::Matt,
+        SurfaceKind::Mirror,
+        SurfaceKind::MattAndMirror,
+        SurfaceKind::Glass,
+        SurfaceKind::Model,
     ];
 
-    /// What a material is.
-    pub fn of(material: &Material) -> Kind {
+    /// The kind of a material.
+    pub fn of(material: &Material) -> SurfaceKind {
         match (&material.dielectric, &material.brdf) {
-            (Some(_), _) => Kind::Glass,
-            (None, Some(_)) => Kind::Model,
-            _ if material.mirror.is_black() => Kind::Matt,
-            _ if material.diffuse.is_black() => Kind::Mirror,
-            _ => Kind::MattAndMirror,
+            (Some(_), _) => SurfaceKind::Glass,
+            (None, Some(_)) => SurfaceKind::Model,
+            _ if material.mirror.is_black() => SurfaceKind::Matt,
+            _ if material.diffuse.is_black() => SurfaceKind::Mirror,
+            _ => SurfaceKind::MattAndMirror,
         }
     }
 
-    /// Whether a material may be shown as this kind: a black one is a dark mirror as well as a
-    /// dark wall, and its fields must not change while a person drags them to zero.
+    /// Whether a material may be edited as this kind: a black one is a dark mirror as well as a
+    /// dark wall, and the fields must not change while a value is dragged to zero.
     pub fn suits(self, material: &Material) -> bool {
         let plain = material.dielectric.is_none() && material.brdf.is_none();
         match self {
-            Kind::Matt => plain && material.mirror.is_black(),
-            Kind::Mirror => plain && material.diffuse.is_black(),
-            Kind::MattAndMirror => plain,
-            Kind::Glass | Kind::Model => Kind::of(material) == self,
+            SurfaceKind::Matt => plain && material.mirror.is_black(),
+            SurfaceKind::Mirror => plain && material.diffuse.is_black(),
+            SurfaceKind::MattAndMirror => plain,
+            SurfaceKind::Glass | SurfaceKind::Model => SurfaceKind::of(material) == self,
         }
     }
 
     fn words(self, language: Language) -> &'static str {
         match self {
-            Kind::Matt => language.say("Matt surface"),
-            Kind::Mirror => language.say("Mirror"),
-            Kind::MattAndMirror => language.say("Matt and mirror"),
-            Kind::Glass => language.say("Glass"),
-            Kind::Model => language.say("Reflection model"),
+            SurfaceKind::Matt => language.tr("Matt surface"),
+            SurfaceKind::Mirror => language.tr("Mirror"),
+            SurfaceKind::MattAndMirror => language.tr("Matt and mirror"),
+            SurfaceKind::Glass => language.tr("Glass"),
+            SurfaceKind::Model => language.tr("Reflection model"),
         }
     }
 
-    /// Makes a material this kind, as much like what it was as can be; a model is left to the
-    /// caller.
+    /// Converts a material to this kind, keeping as much as possible; a reflection model is left to
+    /// the caller.
     pub fn give(self, material: &mut Material) {
         let color = |c: Rgb, other: f64| if c.is_black() { Rgb::grey(other) } else { c };
         let (diffuse, mirror) = (material.diffuse, material.mirror);
         (material.dielectric, material.brdf) = (None, None);
         (material.diffuse, material.mirror) = match self {
-            Kind::Matt | Kind::Model => (color(diffuse, 0.5), Rgb::BLACK),
-            Kind::Mirror => (Rgb::BLACK, color(mirror, 0.9)),
-            Kind::MattAndMirror => (color(diffuse, 0.5) * 0.9, color(mirror, 1.0) * 0.1),
-            Kind::Glass => (Rgb::BLACK, Rgb::WHITE),
+            SurfaceKind::Matt | SurfaceKind::Model => (color(diffuse, 0.5), Rgb::BLACK),
+            SurfaceKind::Mirror => (Rgb::BLACK, color(mirror, 0.9)),
+            SurfaceKind::MattAndMirror => (color(diffuse, 0.5) * 0.9, color(mirror, 1.0) * 0.1),
+            SurfaceKind::Glass => (Rgb::BLACK, Rgb::WHITE),
         };
-        if self == Kind::Glass {
+        if self == SurfaceKind::Glass {
             material.dielectric = Some(Dielectric {
                 ior: 1.5,
                 transmittance: Rgb::WHITE,
                 thin: false,
             });
         }
-        // Halves that together reflect too much are what a model may leave.
+        // A reflection model may leave parts that together reflect too much.
         material.limit_reflectance();
     }
 
-    /// Lets a person choose another.
-    pub fn choose(self, ui: &mut Ui, language: Language) -> Kind {
+    /// Draws the choice of kinds.
+    pub fn choose(self, ui: &mut Ui, language: Language) -> SurfaceKind {
         let mut chosen = self;
         row(
             ui,
-            language.say("Surface"),
-            language.say("What happens to light that arrives."),
+            language.tr("Surface"),
+            language.tr("How the surface reflects light."),
             |ui, name| {
                 let combo = ComboBox::from_id_salt("kind")
                     .selected_text(self.words(language))
                     .width(170.0);
                 let shown = combo.show_ui(ui, |ui| {
-                    for kind in Kind::ALL {
+                    for kind in SurfaceKind::ALL {
                         ui.selectable_value(&mut chosen, kind, kind.words(language));
                     }
                 });
@@ -105,27 +105,26 @@ impl Kind {
     }
 }
 
-/// The numbers of what is no model.
-pub(super) fn fields(ui: &mut Ui, language: Language, kind: Kind, material: &mut Material) {
+/// The parameters of kinds without a reflection model.
+pub(super) fn fields(ui: &mut Ui, language: Language, kind: SurfaceKind, material: &mut Material) {
     let room = |other: Rgb| 1.0 - other.max_channel();
-    if matches!(kind, Kind::Matt | Kind::MattAndMirror) {
-        let about = language.say("Share of light that is reflected in all directions alike; with what is mirrored at most 1.");
+    if matches!(kind, SurfaceKind::Matt | SurfaceKind::MattAndMirror) {
+        let about = language.tr("Diffuse reflectance; together with mirror reflectance at most 1.");
         let span = SHARE.up_to(room(material.mirror));
         color_row(
             ui,
-            language.say("Diffuse"),
+            language.tr("Diffuse"),
             about,
             span,
             &mut material.diffuse,
         );
     }
-    if matches!(kind, Kind::Mirror | Kind::MattAndMirror) {
-        let about = language
-            .say("Share of light that is mirrored exactly; with what is diffuse at most 1.");
+    if matches!(kind, SurfaceKind::Mirror | SurfaceKind::MattAndMirror) {
+        let about = language.tr("Mirror reflectance; together with diffuse reflectance at most 1.");
         let span = SHARE.up_to(room(material.diffuse));
         color_row(
             ui,
-            language.say("Mirrored"),
+            language.tr("Specular"),
             about,
             span,
             &mut material.mirror,
@@ -134,38 +133,45 @@ pub(super) fn fields(ui: &mut Ui, language: Language, kind: Kind, material: &mut
     if let Some(glass) = &mut material.dielectric {
         glass_fields(ui, language, glass, &mut material.mirror);
     }
-    if kind != Kind::Model {
+    if kind != SurfaceKind::Model {
         material.diffuse = material.diffuse.map(|x| x.clamp(0.0, 1.0));
         material.mirror = material.mirror.map(|x| x.clamp(0.0, 1.0));
     }
 }
 
 fn glass_fields(ui: &mut Ui, language: Language, glass: &mut Dielectric, mirror: &mut Rgb) {
-    let about = language.say("Index of refraction of the body relative to what is outside: water 1.33, glass 1.5, diamond 2.4.");
-    let span = Span {
+    let about = language
+        .tr("Index of refraction relative to the outside: water 1.33, glass 1.5, diamond 2.4.");
+    let span = NumberRange {
         least: 0.3,
         most: 4.0,
         ..SHARE
     };
-    number_row(ui, language.say("Refraction"), about, span, &mut glass.ior);
-    let about = language.say("Scales the light that passes; white for clear glass.");
+    number_row(
+        ui,
+        language.tr("Refractive index"),
+        about,
+        span,
+        &mut glass.ior,
+    );
+    let about = language.tr("Scales the transmitted light; white for clear glass.");
     color_row(
         ui,
-        language.say("Passes"),
+        language.tr("Transmission"),
         about,
         SHARE,
         &mut glass.transmittance,
     );
-    let about = language.say("Scales the light that is mirrored; white by Fresnel's equations.");
-    color_row(ui, language.say("Mirrored"), about, SHARE, mirror);
-    let about = language.say("A whole pane, both surfaces of it in one face.");
+    let about = language.tr("Scales the reflected light; white for Fresnel's equations alone.");
+    color_row(ui, language.tr("Specular"), about, SHARE, mirror);
+    let about = language.tr("A complete pane: both of its surfaces in one face.");
     row(ui, "", "", |ui, _| {
-        ui.checkbox(&mut glass.thin, language.say("thin pane"))
+        ui.checkbox(&mut glass.thin, language.tr("thin pane"))
             .on_hover_text(about)
     });
 }
 
-/// What a surface emits: a strength and a colour; `last` is the colour while the strength is zero.
+/// Emission as a strength and a colour; `last` is the colour while the strength is zero.
 pub(super) fn emission(
     ui: &mut Ui,
     language: Language,
@@ -179,13 +185,13 @@ pub(super) fn emission(
     }
     let old = (strength, *last);
     let mut shade = *last;
-    let unit = match is_photometric {
-        true => " cd/m²",
-        false => " W/(sr·m²)",
+    let unit = if is_photometric {
+        " cd/m²"
+    } else {
+        " W/(sr·m²)"
     };
-    let about =
-        language.say("Radiance of the front, of the channel that is brightest; 0 for no light.");
-    row(ui, language.say("Emission"), about, |ui, name| {
+    let about = language.tr("Radiance of the front in the brightest channel; 0 for no emission.");
+    row(ui, language.tr("Emission"), about, |ui, name| {
         let speed = (0.01 * strength).max(0.01);
         let drag = inputs::number(&mut strength, 0.0..=1e12)
             .speed(speed)
@@ -193,17 +199,17 @@ pub(super) fn emission(
             .suffix(unit);
         ui.add(drag).accessible_name(name);
         if strength > 0.0 {
-            ui.checkbox(&mut material.emits_back, language.say("from both sides"));
+            ui.checkbox(&mut material.emits_back, language.tr("from both sides"));
         }
     });
     if strength > 0.0 {
-        let about = language.say("Colour of the light that is emitted.");
-        color_row(ui, language.say("Its colour"), about, SHARE, &mut shade);
+        let about = language.tr("Colour of the emitted light.");
+        color_row(ui, language.tr("Emission colour"), about, SHARE, &mut shade);
     }
     if (strength, shade) == old {
         return;
     }
-    // Black is no colour of light: the last one stays.
+    // Black has no hue: keep the last one.
     *last = inputs::hue(shade).unwrap_or(*last);
     material.emission = *last * strength;
 }
@@ -230,10 +236,15 @@ mod tests {
             model,
         ];
         for material in start {
-            for kind in [Kind::Matt, Kind::Mirror, Kind::MattAndMirror, Kind::Glass] {
+            for kind in [
+                SurfaceKind::Matt,
+                SurfaceKind::Mirror,
+                SurfaceKind::MattAndMirror,
+                SurfaceKind::Glass,
+            ] {
                 let mut material = material.clone();
                 kind.give(&mut material);
-                assert_eq!(Kind::of(&material), kind);
+                assert_eq!(SurfaceKind::of(&material), kind);
                 assert!(kind.suits(&material));
                 assert!(material.limit_reflectance(), "{kind:?} of {material:?}");
             }
@@ -243,7 +254,7 @@ mod tests {
     #[test]
     fn a_dark_mirror_stays_one() {
         let black = Material::default();
-        assert!(Kind::Mirror.suits(&black) && Kind::Matt.suits(&black));
-        assert!(!Kind::Mirror.suits(&Material::diffuse("", Rgb::WHITE)));
+        assert!(SurfaceKind::Mirror.suits(&black) && SurfaceKind::Matt.suits(&black));
+        assert!(!SurfaceKind::Mirror.suits(&Material::diffuse("", Rgb::WHITE)));
     }
 }

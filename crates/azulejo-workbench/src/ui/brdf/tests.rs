@@ -1,28 +1,29 @@
-//! The editor as a person meets it: by the roles and names of its widgets.
+//! The editor as the user operates it: by roles and labels of its widgets.
 
 use super::*;
 use azulejo::scene::Brdf;
 use azulejo::scene::brdf::MODELS;
+use azulejo_testing::Need;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use std::time::{Duration, Instant};
 
-/// A document of one material, and all answers that changed it.
-struct Bench {
-    editor: Editor,
+/// A document with one material, and all responses that changed it.
+struct EditorFixture {
+    editor: BrdfEditor,
     material: Arc<Material>,
     others: Vec<Arc<Material>>,
     light: PreviewLight,
     language: Language,
-    answers: Vec<Answer>,
+    answers: Vec<EditorResponse>,
 }
 
-impl Bench {
-    fn new(material: Material) -> Bench {
-        Bench {
-            editor: Editor::default(),
+impl EditorFixture {
+    fn new(material: Material) -> EditorFixture {
+        EditorFixture {
+            editor: BrdfEditor::default(),
             material: Arc::new(material),
             others: Vec::new(),
             light: PreviewLight::studio(),
@@ -32,7 +33,7 @@ impl Bench {
     }
 
     fn ui(&mut self, ui: &mut Ui) {
-        let shown = Shown {
+        let shown = EditorInput {
             key: 1,
             material: &self.material,
             others: &self.others,
@@ -41,14 +42,14 @@ impl Bench {
         };
         let answers = self.editor.ui(ui, self.language, &shown);
         for answer in &answers {
-            if let Answer::Change { material, .. } = answer {
+            if let EditorResponse::Change { material, .. } = answer {
                 self.material = Arc::new(material.clone());
             }
         }
         self.answers.extend(answers);
     }
 
-    /// The description that the document has.
+    /// The description in the document.
     fn text(&self) -> String {
         self.material
             .brdf
@@ -57,8 +58,8 @@ impl Bench {
     }
 
     fn finished(&self) -> Vec<bool> {
-        let finished = |a: &Answer| match a {
-            Answer::Change { is_finished, .. } => Some(*is_finished),
+        let finished = |a: &EditorResponse| match a {
+            EditorResponse::Change { is_finished, .. } => Some(*is_finished),
             _ => None,
         };
         self.answers.iter().filter_map(finished).collect()
@@ -70,18 +71,18 @@ fn of_model(text: &str) -> Material {
     Material::with_brdf("subject", Arc::new(brdf))
 }
 
-fn harness(bench: Bench) -> Harness<'static, Bench> {
+fn harness(bench: EditorFixture) -> Harness<'static, EditorFixture> {
     Harness::builder()
         .with_size(egui::vec2(420.0, 1400.0))
         .with_max_steps(16)
-        .build_ui_state(|ui, bench: &mut Bench| bench.ui(ui), bench)
+        .build_ui_state(|ui, bench: &mut EditorFixture| bench.ui(ui), bench)
 }
 
-/// Steps until something holds; the editor's threads may be slow.
+/// Runs frames until a condition holds; the editor's threads may be slow.
 fn until(
-    harness: &mut Harness<'static, Bench>,
+    harness: &mut Harness<'static, EditorFixture>,
     what: &str,
-    mut holds: impl FnMut(&Harness<'static, Bench>) -> bool,
+    mut holds: impl FnMut(&Harness<'static, EditorFixture>) -> bool,
 ) {
     let start = Instant::now();
     while !holds(harness) {
@@ -91,8 +92,8 @@ fn until(
     }
 }
 
-/// Opens a list and chooses from it.
-fn choose(harness: &mut Harness<'static, Bench>, list: &str, entry: &str) {
+/// Opens a list and chooses an entry.
+fn choose(harness: &mut Harness<'static, EditorFixture>, list: &str, entry: &str) {
     harness.get_by_role_and_label(Role::ComboBox, list).click();
     harness.run_steps(3);
     harness.get_by_role_and_label(Role::Button, entry).click();
@@ -100,7 +101,7 @@ fn choose(harness: &mut Harness<'static, Bench>, list: &str, entry: &str) {
 }
 
 /// Types a number into a field.
-fn enter(harness: &mut Harness<'static, Bench>, field: &str, number: &str) {
+fn enter(harness: &mut Harness<'static, EditorFixture>, field: &str, number: &str) {
     harness
         .get_by_role_and_label(Role::SpinButton, field)
         .focus();
@@ -114,7 +115,9 @@ fn enter(harness: &mut Harness<'static, Bench>, field: &str, number: &str) {
 
 #[test]
 fn another_model_keeps_what_both_have() {
-    let mut harness = harness(Bench::new(of_model("blinn kd = 0.1 ks = 0.5 n = 30")));
+    let mut harness = harness(EditorFixture::new(of_model(
+        "blinn kd = 0.1 ks = 0.5 n = 30",
+    )));
     harness.run_steps(3);
     choose(&mut harness, "Model", "Lewis (modified Phong)");
     until(&mut harness, "Lewis", |h| {
@@ -126,7 +129,7 @@ fn another_model_keeps_what_both_have() {
 
 #[test]
 fn a_kind_of_surface_becomes_another() {
-    let mut harness = harness(Bench::new(Material::diffuse(
+    let mut harness = harness(EditorFixture::new(Material::diffuse(
         "wall",
         Rgb::new(0.8, 0.4, 0.2),
     )));
@@ -135,7 +138,7 @@ fn a_kind_of_surface_becomes_another() {
     assert_eq!(harness.state().text(), "diffuse kd = (0.8, 0.4, 0.2)");
     choose(&mut harness, "Surface", "Glass");
     assert!(harness.state().material.dielectric.is_some());
-    enter(&mut harness, "Refraction", "2.4");
+    enter(&mut harness, "Refractive index", "2.4");
     assert_eq!(
         harness.state().material.dielectric.map(|g| g.ior),
         Some(2.4)
@@ -160,7 +163,9 @@ fn a_kind_of_surface_becomes_another() {
 
 #[test]
 fn a_slider_moves_by_keyboard() {
-    let mut harness = harness(Bench::new(of_model("gltf_mr base = 0.5 roughness = 0.5")));
+    let mut harness = harness(EditorFixture::new(of_model(
+        "gltf_mr base = 0.5 roughness = 0.5",
+    )));
     harness.run_steps(3);
     harness
         .get_by_role_and_label(Role::Slider, "metallic")
@@ -177,13 +182,13 @@ fn a_slider_moves_by_keyboard() {
 
 #[test]
 fn numbers_are_typed() {
-    let mut harness = harness(Bench::new(of_model("lewis ks = 0.5 n = 20")));
+    let mut harness = harness(EditorFixture::new(of_model("lewis ks = 0.5 n = 20")));
     harness.run_steps(3);
     enter(&mut harness, "n", "123.5");
     until(&mut harness, "the number", |h| {
         h.state().text() == "lewis ks = 0.5 n = 123.5"
     });
-    // Defaults that nobody touched are not written.
+    // Defaults that were not changed are not written.
     assert_eq!(
         harness.state().answers.len(),
         1,
@@ -194,7 +199,7 @@ fn numbers_are_typed() {
 
 #[test]
 fn what_is_impossible_is_said_and_the_last_good_model_stays() {
-    let mut harness = harness(Bench::new(of_model("lewis ks = 0.5 n = 20")));
+    let mut harness = harness(EditorFixture::new(of_model("lewis ks = 0.5 n = 20")));
     harness.run_steps(3);
     enter(&mut harness, "ks", "1.5");
     let error = "ks is 1.5; it must be between 0 and 1.";
@@ -212,7 +217,9 @@ fn what_is_impossible_is_said_and_the_last_good_model_stays() {
 
 #[test]
 fn a_drag_is_one_step() {
-    let mut harness = harness(Bench::new(of_model("gltf_mr base = 0.5 roughness = 0.5")));
+    let mut harness = harness(EditorFixture::new(of_model(
+        "gltf_mr base = 0.5 roughness = 0.5",
+    )));
     harness.run_steps(3);
     let slider = harness
         .get_by_role_and_label(Role::Slider, "roughness")
@@ -238,7 +245,7 @@ fn a_drag_is_one_step() {
 
 #[test]
 fn the_document_wins_over_the_editor() {
-    let mut harness = harness(Bench::new(of_model("lewis ks = 0.5 n = 20")));
+    let mut harness = harness(EditorFixture::new(of_model("lewis ks = 0.5 n = 20")));
     harness.run_steps(3);
     enter(&mut harness, "n", "-3");
     harness.state_mut().material = Arc::new(of_model("blinn ks = 0.5 n = 8"));
@@ -249,7 +256,7 @@ fn the_document_wins_over_the_editor() {
 
 #[test]
 fn models_are_added_and_removed() {
-    let mut harness = harness(Bench::new(of_model("lewis ks = 0.5 n = 20")));
+    let mut harness = harness(EditorFixture::new(of_model("lewis ks = 0.5 n = 20")));
     harness.run_steps(3);
     harness.get_by_label("Add a model").click();
     harness.run_steps(3);
@@ -273,13 +280,13 @@ fn models_are_added_and_removed() {
 
 #[test]
 fn files_are_asked_for() {
-    let mut harness = harness(Bench::new(of_model("lewis ks = 0.5 n = 20")));
+    let mut harness = harness(EditorFixture::new(of_model("lewis ks = 0.5 n = 20")));
     harness.run_steps(3);
     harness.get_by_label("Load…").click();
     harness.run_steps(2);
     harness.get_by_label("Save…").click();
     harness.run_steps(2);
-    let [Answer::Load, Answer::Save(text)] = &harness.state().answers[..] else {
+    let [EditorResponse::Load, EditorResponse::Save(text)] = &harness.state().answers[..] else {
         panic!("{:?}", harness.state().answers);
     };
     let read = apply_file(text.as_bytes(), std::path::Path::new("a.brdf")).unwrap();
@@ -288,7 +295,7 @@ fn files_are_asked_for() {
 
 #[test]
 fn metals_are_chosen_by_name() {
-    let mut harness = harness(Bench::new(of_model("ggx_smith ax = 0.2 eta = 1.5")));
+    let mut harness = harness(EditorFixture::new(of_model("ggx_smith ax = 0.2 eta = 1.5")));
     harness.run_steps(3);
     choose(&mut harness, "Fresnel", "a metal by name");
     until(&mut harness, "gold", |h| {
@@ -302,7 +309,7 @@ fn metals_are_chosen_by_name() {
 
 #[test]
 fn two_models_are_compared() {
-    let mut bench = Bench::new(of_model("lewis ks = 0.5 n = 20"));
+    let mut bench = EditorFixture::new(of_model("lewis ks = 0.5 n = 20"));
     bench.others = vec![
         bench.material.clone(),
         Arc::new(Material::diffuse("plaster", Rgb::grey(0.8))),
@@ -324,7 +331,7 @@ fn two_models_are_compared() {
 #[test]
 fn badges_say_what_models_keep() {
     let check = |model: &str, expected: [&str; 2]| {
-        let mut harness = harness(Bench::new(of_model(model)));
+        let mut harness = harness(EditorFixture::new(of_model(model)));
         for words in expected {
             until(&mut harness, words, |h| {
                 h.query_by_label_contains(words).is_some()
@@ -333,7 +340,7 @@ fn badges_say_what_models_keep() {
     };
     check(
         "lewis kd = 0.5 ks = 0.5 n = 20",
-        ["reciprocal", "energy at most"],
+        ["reciprocal", "albedo at most"],
     );
     check(
         "phong kd = 0.3 ks = 0.4 n = 10",
@@ -343,7 +350,10 @@ fn badges_say_what_models_keep() {
 
 #[test]
 fn light_is_given_and_coloured() {
-    let mut harness = harness(Bench::new(Material::diffuse("lamp", Rgb::grey(0.5))));
+    let mut harness = harness(EditorFixture::new(Material::diffuse(
+        "lamp",
+        Rgb::grey(0.5),
+    )));
     harness.run_steps(3);
     enter(&mut harness, "Emission", "10");
     assert_eq!(harness.state().material.emission, Rgb::grey(10.0));
@@ -362,7 +372,7 @@ fn light_is_given_and_coloured() {
 fn every_model_is_shown_and_stays_as_it_is() {
     for model in MODELS {
         for example in model.examples {
-            let mut harness = harness(Bench::new(of_model(example)));
+            let mut harness = harness(EditorFixture::new(of_model(example)));
             harness.run_steps(3);
             assert!(
                 harness.state().answers.is_empty(),
@@ -384,34 +394,29 @@ fn all_words_of_the_models_are_translated() {
         for parameter in model.all_parameters() {
             for words in [parameter.about, parameter.unit] {
                 let is_symbol = words.len() < 6 && words != "radii";
-                let said = Language::Spanish.say(words);
+                let said = Language::Spanish.tr(words);
                 assert!(is_symbol || said != words, "{words:?} has no translation");
             }
         }
     }
 }
 
-/// Whether pictures of the window can be drawn here.
-#[allow(clippy::print_stdout, reason = "a test that does nothing says so")]
+/// Whether images of the window can be drawn here.
 fn has_driver() -> bool {
     use azulejo::gpu::{Backend, Card};
-    let found = [Backend::Vulkan, Backend::Gl]
-        .into_iter()
-        .any(|b| Card::open(b).is_ok());
-    if !found {
-        println!("skipped: no graphics driver");
-    }
-    found
+    let card = Card::open(Backend::Vulkan).or_else(|_| Card::open(Backend::Gl));
+    let card = card.map_err(|_| "no graphics driver");
+    azulejo_testing::require(Need::Gpu, card).is_some()
 }
 
-/// The editor when all is found, in a panel of a window.
-fn drawn(bench: Bench, theme: egui::Theme, height: f32) -> Harness<'static, Bench> {
+/// The editor with all results, in a panel of a window.
+fn drawn(bench: EditorFixture, theme: egui::Theme, height: f32) -> Harness<'static, EditorFixture> {
     let mut harness = Harness::builder()
         .with_size(egui::vec2(420.0, height))
         .with_theme(theme)
         .with_max_steps(16)
         .wgpu()
-        .build_ui_state(|ui, bench: &mut Bench| bench.ui(ui), bench);
+        .build_ui_state(|ui, bench: &mut EditorFixture| bench.ui(ui), bench);
     harness.run_steps(3);
     until(&mut harness, "the end of all work", |h| {
         !h.state().editor.is_busy()
@@ -425,13 +430,13 @@ fn the_editor_looks_as_it_did() {
     if !has_driver() {
         return;
     }
-    let mut bench = Bench::new(of_model(
+    let mut bench = EditorFixture::new(of_model(
         "cook_torrance kd = 0.1 ks = 0.6 m = 0.3 metal = copper",
     ));
     bench.others = vec![Arc::new(Material::diffuse("plaster", Rgb::grey(0.8)))];
     bench.editor.view.has_others = false;
     let mut harness = drawn(bench, egui::Theme::Dark, 980.0);
-    // What chance draws is no more than noise to a file.
+    // Monte Carlo noise does not belong in a snapshot.
     let sphere = harness
         .get_by_label_contains("Sphere of the material")
         .rect();

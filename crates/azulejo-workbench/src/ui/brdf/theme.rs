@@ -1,29 +1,29 @@
-//! Colours and rows that all parts of the editor share.
+//! Colours and rows shared by all parts of the editor.
 
-pub(super) use crate::ui::paint::lines;
+pub(super) use crate::ui::colors::lines;
 use azulejo::scene::Rgb;
 use egui::{Align, Color32, Layout, RichText, Sense, Stroke, Ui, vec2};
 
-/// Width of the names before the fields.
+/// Width of the labels.
 const NAMES: f32 = 84.0;
 
-/// Lines of red, green and blue; they are also drawn in different ways.
+/// Line colours of red, green and blue; the line widths differ as well.
 pub(super) fn channels(ui: &Ui) -> [Color32; 3] {
     let [blue, orange, green, ..] = lines(ui);
     [orange, green, blue]
 }
 
-/// Lines of a plot that are not its subject.
+/// Colour of grid lines.
 pub(super) fn grid(ui: &Ui) -> Color32 {
     ui.visuals().weak_text_color().gamma_multiply(0.45)
 }
 
-/// What is drawn of a colour.
+/// The scalar that is plotted for a colour.
 pub(super) fn brightness(value: Rgb) -> f64 {
     value.luminance()
 }
 
-/// A number of three digits for an axis.
+/// A number with three digits for an axis.
 pub(super) fn short(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),
@@ -31,16 +31,16 @@ pub(super) fn short(value: f64) -> String {
         x => {
             let digits = (2 - x.log10().floor() as i32).clamp(0, 5) as usize;
             let text = format!("{value:.digits$}");
-            match text.contains('.') {
-                true => text.trim_end_matches('0').trim_end_matches('.').to_owned(),
-                false => text,
+            if text.contains('.') {
+                text.trim_end_matches('0').trim_end_matches('.').to_owned()
+            } else {
+                text
             }
         }
     }
 }
 
-/// A name with words about it, and its fields behind; they get the name for those who cannot see
-/// it beside them.
+/// A label with a tooltip, followed by its fields, which get the label as their accessible name.
 pub(super) fn row<R>(
     ui: &mut Ui,
     name: &str,
@@ -67,15 +67,16 @@ pub(super) fn mark(ui: &mut Ui, is_good: bool, color: Color32) {
     let (place, _) = ui.allocate_exact_size(vec2(13.0, 13.0), Sense::hover());
     let at = |x: f32, y: f32| place.lerp_inside(vec2(x, y));
     let stroke = Stroke::new(1.8, color);
-    let (line, others) = match is_good {
-        true => (vec![at(0.1, 0.55), at(0.4, 0.85), at(0.9, 0.2)], vec![]),
-        false => (
+    let (line, others) = if is_good {
+        (vec![at(0.1, 0.55), at(0.4, 0.85), at(0.9, 0.2)], vec![])
+    } else {
+        (
             vec![at(0.5, 0.0), at(1.0, 0.95), at(0.0, 0.95), at(0.5, 0.0)],
             vec![
                 [at(0.5, 0.35), at(0.5, 0.62)],
                 [at(0.5, 0.72), at(0.5, 0.82)],
             ],
-        ),
+        )
     };
     ui.painter().line(line, stroke);
     for ends in others {
@@ -83,12 +84,12 @@ pub(super) fn mark(ui: &mut Ui, is_good: bool, color: Color32) {
     }
 }
 
-/// What is wrong.
+/// An error.
 pub(super) fn problem(ui: &mut Ui, words: &str) {
     marked(ui, words, ui.visuals().error_fg_color);
 }
 
-/// What should be known.
+/// A notice.
 pub(super) fn notice(ui: &mut Ui, words: &str) {
     marked(ui, words, ui.visuals().warn_fg_color);
 }

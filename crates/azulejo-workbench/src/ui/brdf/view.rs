@@ -1,51 +1,51 @@
-//! How lobes are looked at: the person's choices, kept while the editor lives.
+//! Display settings of the lobes, kept while the editor exists.
 
 use super::theme;
 use crate::words::Language;
 use egui::{ComboBox, Slider, Ui};
 
-/// The angles beside the chosen one, in degrees.
+/// Further angles of incidence, degrees.
 const OTHERS: [f64; 4] = [0.0, 30.0, 60.0, 80.0];
 
-/// What the distance from the origin means.
+/// The meaning of the radius.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Quantity {
-    /// What goes there: bounded for models that keep their energy.
+pub(super) enum LobeQuantity {
+    /// f_r cos θ: bounded for models that conserve energy.
     WithCosine,
-    /// The model alone.
+    /// f_r alone.
     Alone,
 }
 
-/// How it grows.
+/// The scale of the radius.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Scale {
+pub(super) enum RadialScale {
     Linear,
     Logarithmic,
 }
 
-/// The choices.
+/// The display settings.
 #[derive(Clone, Debug)]
-pub(super) struct View {
+pub(super) struct LobeView {
     /// Angle of incidence, degrees.
     pub incidence: f64,
     /// Azimuth of the plane of incidence, degrees.
     pub azimuth: f64,
-    /// Whether lobes of other angles are shown, too.
+    /// Whether lobes for other angles are drawn too.
     pub has_others: bool,
-    pub quantity: Quantity,
-    pub scale: Scale,
-    /// Where the viewer of the body is: about the normal and above the surface, degrees.
+    pub quantity: LobeQuantity,
+    pub scale: RadialScale,
+    /// Azimuth and elevation of the camera for the lobe in space, degrees.
     pub orbit: [f32; 2],
 }
 
-impl Default for View {
-    fn default() -> View {
-        View {
+impl Default for LobeView {
+    fn default() -> LobeView {
+        LobeView {
             incidence: 45.0,
             azimuth: 0.0,
             has_others: true,
-            quantity: Quantity::WithCosine,
-            scale: Scale::Linear,
+            quantity: LobeQuantity::WithCosine,
+            scale: RadialScale::Linear,
             orbit: [-106.0, 24.0],
         }
     }
@@ -54,8 +54,8 @@ impl Default for View {
 /// Decades that a logarithmic radius spans.
 const DECADES: f64 = 4.0;
 
-impl View {
-    /// The chosen angle, and then the others.
+impl LobeView {
+    /// The chosen angle, followed by the others.
     pub fn incidences(&self) -> Vec<f64> {
         let others = OTHERS
             .into_iter()
@@ -63,41 +63,41 @@ impl View {
         std::iter::once(self.incidence).chain(others).collect()
     }
 
-    /// What is drawn of f_r at a cosine to the normal.
+    /// The plotted value for f_r at a cosine to the normal.
     pub fn value(&self, f: f64, cos: f64) -> f64 {
         match self.quantity {
-            Quantity::WithCosine => f * cos,
-            Quantity::Alone => f,
+            LobeQuantity::WithCosine => f * cos,
+            LobeQuantity::Alone => f,
         }
     }
 
-    /// Share of the radius for a value, where `top` is at 1.
+    /// Fraction of the radius for a value, where `top` is at 1.
     pub fn share(&self, value: f64, top: f64) -> f64 {
         let ratio = value / top;
         match self.scale {
-            // What is no number has no place.
+            // NaN has no position.
             _ if ratio.is_nan() || ratio <= 0.0 => 0.0,
-            Scale::Linear => ratio.min(1.0),
-            Scale::Logarithmic => (1.0 + ratio.log10() / DECADES).clamp(0.0, 1.0),
+            RadialScale::Linear => ratio.min(1.0),
+            RadialScale::Logarithmic => (1.0 + ratio.log10() / DECADES).clamp(0.0, 1.0),
         }
     }
 
-    /// The value at a share of the radius.
+    /// The value at a fraction of the radius: the inverse of `share`.
     pub fn unshare(&self, share: f64, top: f64) -> f64 {
         match self.scale {
-            Scale::Linear => share * top,
-            Scale::Logarithmic => top * 10f64.powf((share - 1.0) * DECADES),
+            RadialScale::Linear => share * top,
+            RadialScale::Logarithmic => top * 10f64.powf((share - 1.0) * DECADES),
         }
     }
 
-    /// Values that deserve a ring, from the outermost.
+    /// Values of the rings, from the outermost.
     pub fn rings(&self, top: f64) -> Vec<f64> {
         let decade = 10f64.powf(top.log10().floor());
         match self.scale {
-            Scale::Logarithmic => (0..DECADES as i32)
+            RadialScale::Logarithmic => (0..DECADES as i32)
                 .map(|k| decade / 10f64.powi(k))
                 .collect(),
-            Scale::Linear => {
+            RadialScale::Linear => {
                 let steps = [0.2, 0.5, 1.0, 2.0].map(|s| s * decade);
                 let step = steps.into_iter().find(|s| top / s <= 5.0).unwrap_or(decade);
                 (1..=5)
@@ -109,12 +109,12 @@ impl View {
         }
     }
 
-    /// The choices as widgets.
+    /// Draws the settings.
     pub fn ui(&mut self, ui: &mut Ui, language: Language) {
         theme::row(
             ui,
-            language.say("Incidence"),
-            language.say("Angle between the light and the normal."),
+            language.tr("Incidence"),
+            language.tr("Angle between the light and the normal."),
             |ui, name| {
                 ui.add(
                     Slider::new(&mut self.incidence, 0.0..=89.0)
@@ -126,8 +126,8 @@ impl View {
         );
         theme::row(
             ui,
-            language.say("Azimuth"),
-            language.say("Angle between the plane of incidence and the tangent."),
+            language.tr("Azimuth"),
+            language.tr("Angle between the plane of incidence and the tangent."),
             |ui, name| {
                 ui.add(
                     Slider::new(&mut self.azimuth, 0.0..=180.0)
@@ -139,37 +139,37 @@ impl View {
         );
         theme::row(
             ui,
-            language.say("Radius"),
-            language.say("What the distance from the origin means."),
+            language.tr("Radius"),
+            language.tr("Quantity plotted as the radius."),
             |ui, name| {
                 let quantity = |q| match q {
-                    Quantity::WithCosine => "f·cos θ",
-                    Quantity::Alone => "f",
+                    LobeQuantity::WithCosine => "f·cos θ",
+                    LobeQuantity::Alone => "f",
                 };
                 let chosen = quantity(self.quantity);
                 let combo = ComboBox::from_id_salt("quantity")
                     .selected_text(chosen)
                     .width(70.0);
                 let shown = combo.show_ui(ui, |ui| {
-                    for q in [Quantity::WithCosine, Quantity::Alone] {
+                    for q in [LobeQuantity::WithCosine, LobeQuantity::Alone] {
                         ui.selectable_value(&mut self.quantity, q, quantity(q));
                     }
                 });
                 shown.response.accessible_name(name);
                 let scale = |s| match s {
-                    Scale::Linear => language.say("linear"),
-                    Scale::Logarithmic => language.say("logarithmic"),
+                    RadialScale::Linear => language.tr("linear"),
+                    RadialScale::Logarithmic => language.tr("logarithmic"),
                 };
                 let combo = ComboBox::from_id_salt("scale")
                     .selected_text(scale(self.scale))
                     .width(96.0);
                 let shown = combo.show_ui(ui, |ui| {
-                    for s in [Scale::Linear, Scale::Logarithmic] {
+                    for s in [RadialScale::Linear, RadialScale::Logarithmic] {
                         ui.selectable_value(&mut self.scale, s, scale(s));
                     }
                 });
-                shown.response.accessible_name(language.say("Scale"));
-                ui.checkbox(&mut self.has_others, language.say("more angles"));
+                shown.response.accessible_name(language.tr("Scale"));
+                ui.checkbox(&mut self.has_others, language.tr("more angles"));
             },
         );
     }
@@ -182,25 +182,25 @@ mod tests {
     #[test]
     fn radii_grow_as_they_say() {
         let check = |scale, value: f64, expected: f64| {
-            let view = View {
+            let view = LobeView {
                 scale,
-                ..View::default()
+                ..LobeView::default()
             };
             let found = view.share(value, 10.0);
             assert!((found - expected).abs() < 1e-12, "{found} {expected}");
         };
-        check(Scale::Linear, 5.0, 0.5);
-        check(Scale::Logarithmic, 0.1, 0.5);
-        check(Scale::Logarithmic, 1e-9, 0.0);
-        check(Scale::Linear, f64::NAN, 0.0);
+        check(RadialScale::Linear, 5.0, 0.5);
+        check(RadialScale::Logarithmic, 0.1, 0.5);
+        check(RadialScale::Logarithmic, 1e-9, 0.0);
+        check(RadialScale::Linear, f64::NAN, 0.0);
     }
 
     #[test]
     fn rings_are_few_and_round() {
-        for scale in [Scale::Linear, Scale::Logarithmic] {
-            let view = View {
+        for scale in [RadialScale::Linear, RadialScale::Logarithmic] {
+            let view = LobeView {
                 scale,
-                ..View::default()
+                ..LobeView::default()
             };
             for top in [0.013, 0.33, 1.0, 7.7, 4.2e5] {
                 let rings = view.rings(top);

@@ -1,37 +1,37 @@
-//! What a picked patch sees.
+//! Form factors of the picked patch.
 
-use super::super::desk::Desk;
+use super::super::panel_context::PanelContext;
 use super::percent;
-use crate::light::SeenFromPatch;
+use crate::first_pass::PatchFormFactors;
 use egui::{Grid, ProgressBar, Ui};
 
-/// Objects that are listed.
-const MOST: usize = 12;
+/// Number of objects listed.
+const MAX_OBJECTS: usize = 12;
 
-/// Draws the sum, and the objects that take most of the patch's light.
-pub fn show(ui: &mut Ui, desk: &mut Desk, seen: &SeenFromPatch) {
-    let app = desk.app;
+/// Draws the sum, and the objects with the largest form factors.
+pub fn show(ui: &mut Ui, cx: &mut PanelContext, seen: &PatchFormFactors) {
+    let app = cx.app;
     let name = app.document.name(seen.item).unwrap_or_default();
-    ui.label(format!("{} {name}", desk.say("A patch of")));
+    ui.label(format!("{} {name}", cx.tr("Patch of")));
     let outside = (1.0 - seen.sum).max(0.0);
-    let (sum, rest) = (desk.say("Sum"), desk.say("goes outside"));
+    let (sum, rest) = (cx.tr("Sum"), cx.tr("leaves the scene"));
     let text = format!("{sum} {:.4}; {} {rest}", seen.sum, percent(outside));
     ui.label(text).on_hover_text(
-        desk.say("Shares of the light that leaves the patch. In a closed room they sum up to 1."),
+        cx.tr("Fractions of the light leaving the patch. In a closed scene they sum to 1."),
     );
     let grid = Grid::new("form factors").num_columns(3).striped(true);
     grid.show(ui, |ui| {
-        ui.weak(desk.say("Object"));
+        ui.weak(cx.tr("Object"));
         ui.weak("F");
         ui.end_row();
-        for &(id, factor) in seen.objects.iter().take(MOST) {
+        for &(id, factor) in seen.objects.iter().take(MAX_OBJECTS) {
             let name = app.document.name(id).unwrap_or_default();
             if ui
                 .link(super::probes::shortened(name))
                 .on_hover_text(name)
                 .clicked()
             {
-                desk.select(id, false);
+                cx.select(id, false);
             }
             ui.label(format!("{factor:.4}"));
             let bar = ProgressBar::new(factor.clamp(0.0, 1.0) as f32);
@@ -43,7 +43,12 @@ pub fn show(ui: &mut Ui, desk: &mut Desk, seen: &SeenFromPatch) {
             ui.end_row();
         }
     });
-    if let Some(more) = seen.objects.len().checked_sub(MOST).filter(|n| *n > 0) {
-        ui.weak(format!("+ {more} {}", desk.say("more objects")));
+    if let Some(more) = seen
+        .objects
+        .len()
+        .checked_sub(MAX_OBJECTS)
+        .filter(|n| *n > 0)
+    {
+        ui.weak(format!("+ {more} {}", cx.tr("more objects")));
     }
 }

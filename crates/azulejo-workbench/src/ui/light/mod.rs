@@ -1,53 +1,51 @@
-//! The solver: what it should do, how far it is, and what it found.
+//! The Light tab: settings, progress and results of the solver.
 
-mod balance;
 mod control;
+mod energy;
 mod factors;
-mod found;
 mod plot;
 mod probes;
+mod report;
 mod series;
 mod settings;
 #[cfg(test)]
 mod tests;
 
-use super::desk::Desk;
+use super::panel_context::PanelContext;
 use egui::{CollapsingHeader, RichText, Ui};
 
-/// Draws the tab; whether a probe is to be pinned.
-pub fn show(ui: &mut Ui, desk: &mut Desk) -> bool {
-    settings::show(ui, desk);
+/// Draws the tab; returns whether the user wants to pin a probe.
+pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> bool {
+    settings::show(ui, cx);
     ui.add_space(6.0);
-    control::show(ui, desk);
+    control::show(ui, cx);
     ui.add_space(2.0);
-    if !desk.app.lighting.measures.is_empty() {
-        section(ui, desk.say("Convergence"), |ui| plot::show(ui, desk));
+    if !cx.app.lighting.measures.is_empty() {
+        section(ui, cx.tr("Convergence"), |ui| plot::show(ui, cx));
     }
-    let report = desk.app.lighting.solution.as_ref();
+    let report = cx.app.lighting.solution.as_ref();
     if let Some(report) = report.and_then(|s| s.report.as_ref()) {
-        section(ui, desk.say("Energy"), |ui| {
-            balance::show(ui, desk, &report.balance)
+        section(ui, cx.tr("Energy"), |ui| {
+            energy::show(ui, cx, &report.balance)
         });
-        section(ui, desk.say("How it was found"), |ui| {
-            found::show(ui, desk, report)
-        });
+        section(ui, cx.tr("Statistics"), |ui| report::show(ui, cx, report));
     }
-    let pins = section(ui, desk.say("Probes"), |ui| probes::show(ui, desk));
-    if let Some(seen) = &desk.app.lighting.seen {
-        section(ui, desk.say("Form factors of a patch"), |ui| {
-            factors::show(ui, desk, seen)
+    let pins = section(ui, cx.tr("Probes"), |ui| probes::show(ui, cx));
+    if let Some(seen) = &cx.app.lighting.seen {
+        section(ui, cx.tr("Form factors of a patch"), |ui| {
+            factors::show(ui, cx, seen)
         });
     }
     pins.unwrap_or(false)
 }
 
-/// A part of the tab that can be folded away.
+/// A collapsible section.
 fn section<R>(ui: &mut Ui, name: &str, body: impl FnOnce(&mut Ui) -> R) -> Option<R> {
     let header = CollapsingHeader::new(RichText::new(name).strong()).default_open(true);
     header.show_unindented(ui, body).body_returned
 }
 
-/// A name and a value in a grid of two columns.
+/// A name and a value in a grid with two columns.
 fn row(ui: &mut Ui, name: &str, about: &str, value: String) {
     let label = ui.label(name);
     if !about.is_empty() {
@@ -57,7 +55,7 @@ fn row(ui: &mut Ui, name: &str, about: &str, value: String) {
     ui.end_row();
 }
 
-/// A share in hundredths, with no more digits than it is worth.
+/// A percentage with a suitable number of digits.
 fn percent(share: f64) -> String {
     let hundredths = 100.0 * share;
     let digits = match hundredths.abs() {

@@ -1,9 +1,9 @@
-//! How the light settles, as curves.
+//! Plots of the convergence.
 
-use super::super::desk::Desk;
-use super::super::paint::lines;
+use super::super::colors::lines;
+use super::super::panel_context::PanelContext;
 use super::percent;
-use super::series::Curves;
+use super::series::ConvergenceCurves;
 use crate::ui::viewport::number;
 use azulejo::trace::Measure;
 use egui::{Color32, Grid, Ui, WidgetInfo};
@@ -12,23 +12,23 @@ use egui_plot::{
 };
 use std::time::Instant;
 
-/// Draws the last measures as numbers, and all of them as curves.
-pub fn show(ui: &mut Ui, desk: &Desk) {
-    let lighting = &desk.app.lighting;
+/// Draws the latest measures as numbers, and all of them as curves.
+pub fn show(ui: &mut Ui, cx: &PanelContext) {
+    let lighting = &cx.app.lighting;
     let began = lighting.began.unwrap_or_else(Instant::now);
-    let curves = Curves::new(&lighting.measures, began);
-    numbers(ui, desk);
+    let curves = ConvergenceCurves::new(&lighting.measures, began);
+    numbers(ui, cx);
     if !curves.residuals.is_empty() {
-        residuals(ui, desk, &curves);
+        residuals(ui, cx, &curves);
     }
     if !curves.errors.is_empty() || !curves.patch_errors.is_empty() {
-        errors(ui, desk, &curves);
+        errors(ui, cx, &curves);
     }
 }
 
-/// The last measures, for whom a curve says too little.
-fn numbers(ui: &mut Ui, desk: &Desk) {
-    let lighting = &desk.app.lighting;
+/// The latest measures as numbers.
+fn numbers(ui: &mut Ui, cx: &PanelContext) {
+    let lighting = &cx.app.lighting;
     let measures = || lighting.measures.iter().rev().map(|m| m.measure);
     let residual = measures().find_map(|m| match m {
         Measure::Residual {
@@ -42,21 +42,21 @@ fn numbers(ui: &mut Ui, desk: &Desk) {
     });
     Grid::new("last measures").num_columns(2).show(ui, |ui| {
         if let Some((iteration, value)) = residual {
-            let after = desk.say("after so many bounces:");
+            let after = cx.tr("after this many bounces:");
             let value = format!("{} {after} {iteration}", number(value));
-            super::row(ui, desk.say("Residual"), "", value);
+            super::row(ui, cx.tr("Residual"), "", value);
         }
         if let Some(error) = error {
             let aim = percent(lighting.settings.error);
-            let value = format!("{}, {} {aim}", percent(error), desk.say("aimed at"));
-            super::row(ui, desk.say("Estimated error"), "", value);
+            let value = format!("{}, {} {aim}", percent(error), cx.tr("target"));
+            super::row(ui, cx.tr("Estimated error"), "", value);
         }
     });
 }
 
-fn residuals(ui: &mut Ui, desk: &Desk, curves: &Curves) {
+fn residuals(ui: &mut Ui, cx: &PanelContext, curves: &ConvergenceCurves) {
     let colors = lines(ui);
-    let (replicate, bounces) = (desk.say("replicate"), desk.say("bounces"));
+    let (replicate, bounces) = (cx.tr("replicate"), cx.tr("bounces"));
     let ys = curves.residuals.iter().flat_map(|c| &c.points);
     let plot = framed("residuals", Corner::RightTop, ys.map(|p| p[1]))
         .x_axis_label(bounces)
@@ -79,19 +79,19 @@ fn residuals(ui: &mut Ui, desk: &Desk, curves: &Curves) {
             );
         }
     });
-    let words = desk.say("Residual against bounces");
+    let words = cx.tr("Residual against bounces");
     shown
         .response
         .widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, words));
 }
 
-fn errors(ui: &mut Ui, desk: &Desk, curves: &Curves) {
+fn errors(ui: &mut Ui, cx: &PanelContext, curves: &ConvergenceCurves) {
     let [blue, orange, ..] = lines(ui);
     let ink = ui.visuals().strong_text_color();
-    let aim = desk.app.lighting.settings.error.max(1e-9).log10();
+    let aim = cx.app.lighting.settings.error.max(1e-9).log10();
     let ys = curves.errors.iter().chain(&curves.patch_errors);
     let plot = framed("errors", Corner::RightBottom, ys.map(|p| p[1]).chain([aim]))
-        .x_axis_label(desk.say("seconds"))
+        .x_axis_label(cx.tr("seconds"))
         .x_grid_spacer(decades)
         .x_axis_formatter(|mark, _| plain(mark.value))
         .y_axis_formatter(|mark, _| format!("{} %", plain(mark.value + 2.0)))
@@ -103,8 +103,8 @@ fn errors(ui: &mut Ui, desk: &Desk, curves: &Curves) {
                 number(10f64.powf(x))
             ))
         });
-    let (of_light, of_patches) = (desk.say("irradiance"), desk.say("patches"));
-    let aimed = desk.say("aimed at");
+    let (of_light, of_patches) = (cx.tr("irradiance"), cx.tr("patches"));
+    let aimed = cx.tr("target");
     let shown = plot.show(ui, |plot| {
         let line = HLine::new(aimed, aim)
             .color(ink.gamma_multiply(0.7))
@@ -124,13 +124,13 @@ fn errors(ui: &mut Ui, desk: &Desk, curves: &Curves) {
             }
         }
     });
-    let words = desk.say("Estimated error against seconds");
+    let words = cx.tr("Estimated error against seconds");
     shown
         .response
         .widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, words));
 }
 
-/// A plot that stays where it is, around whole decades of what it shows.
+/// A fixed plot whose range is rounded to whole decades.
 fn framed<'a>(name: &str, legend: Corner, ys: impl Iterator<Item = f64>) -> Plot<'a> {
     let (low, high) = ys.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), y| {
         (low.min(y), high.max(y))
@@ -157,17 +157,18 @@ fn framed<'a>(name: &str, legend: Corner, ys: impl Iterator<Item = f64>) -> Plot
 }
 
 fn faded(color: Color32, is_superseded: bool) -> Color32 {
-    match is_superseded {
-        true => color.gamma_multiply(0.45),
-        false => color,
+    if is_superseded {
+        color.gamma_multiply(0.45)
+    } else {
+        color
     }
 }
 
-/// Marks at powers of ten, so few that their names have room; also at 2 and 5 times those, where
-/// there is.
+/// Grid marks at powers of ten, few enough for their labels; also at 2 and 5 times those where
+/// there is space.
 fn decades(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
-    // What has a logarithm lies within these.
+    // Logarithms of finite numbers lie within this range.
     let (low, high) = (low.max(-330.0), high.min(330.0));
     let mark = |value: f64, step_size: f64| GridMark { value, step_size };
     let step = ((high - low) / 4.0).ceil().max(1.0);
@@ -184,7 +185,7 @@ fn decades(input: GridInput) -> Vec<GridMark> {
     marks
 }
 
-/// Marks at whole numbers, a dozen at most.
+/// Grid marks at whole numbers, at most a dozen.
 fn whole(input: GridInput) -> Vec<GridMark> {
     let (low, high) = (input.bounds.0.max(0.0), input.bounds.1.min(1e9));
     let rough = ((high - low) / 12.0).max(1.0);
@@ -200,12 +201,12 @@ fn whole(input: GridInput) -> Vec<GridMark> {
     (first..=last).map(value).collect()
 }
 
-/// 10^`exponent` as a power of ten: "1e-3", "2e-3".
+/// 10^`exponent` in scientific notation: "1e-3", "2e-3".
 fn short(exponent: f64) -> String {
     format!("{:.0e}", 10f64.powf(exponent))
 }
 
-/// 10^`exponent` as people write it.
+/// 10^`exponent` in decimal notation.
 fn plain(exponent: f64) -> String {
     match exponent {
         e if (-3.5..=4.5).contains(&e) => {

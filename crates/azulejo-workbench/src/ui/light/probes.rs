@@ -1,65 +1,64 @@
-//! The table of pinned probes.
+//! The table of probes.
 
-use super::super::desk::Desk;
-use crate::app::{Probe, Site};
+use super::super::panel_context::PanelContext;
+use crate::app::{Probe, ProbeSurface};
 use crate::command::Command;
-use crate::jobs::Kind;
+use crate::jobs::JobKind;
 use crate::ui::inspector::named;
 use crate::ui::viewport::{irradiance_unit, number, radiance_unit, value};
 use azulejo::scene::Rgb;
 use egui::{Grid, Ui};
 
-/// Draws the table; whether one more is to be pinned.
-pub fn show(ui: &mut Ui, desk: &mut Desk) -> bool {
-    let app = desk.app;
+/// Draws the table; returns whether the user wants to pin another probe.
+pub fn show(ui: &mut Ui, cx: &mut PanelContext) -> bool {
+    let app = cx.app;
     let mut pins = false;
     ui.horizontal(|ui| {
-        let about = desk.say("Then click a surface; or press P over it.");
-        let button = egui::Button::new(desk.say("Pin a probe"));
-        let button = ui.add_enabled(!app.document.items.is_empty(), button);
+        let about = cx.tr("Click here and then a surface, or press P over a surface.");
+        let button = egui::Button::new(cx.tr("Pin a probe"));
+        let button = ui.add_enabled(!app.document.objects.is_empty(), button);
         pins = button.on_hover_text(about).clicked();
-        let measures = app.is_busy(Kind::Probe);
-        let about = desk.say(
-            "Solves the light anew, with the settings above, and gathers it at the probes \
-             themselves instead of between vertices.",
+        let measures = app.is_busy(JobKind::Probe);
+        let about = cx.tr(
+            "Solves the light again with the settings above, and gathers it at the probes instead of interpolating between vertices.",
         );
-        let button = egui::Button::new(desk.say("Measure exactly"));
+        let button = egui::Button::new(cx.tr("Measure exactly"));
         let makes_sense = !app.probes.is_empty() && !measures && app.document.has_light();
         let button = ui.add_enabled(makes_sense, button).on_hover_text(about);
         if button.clicked() {
-            desk.wish(Command::MeasureProbes);
+            cx.send(Command::MeasureProbes);
         }
         if measures {
             ui.spinner();
         }
     });
     if app.probes.is_empty() {
-        ui.weak(desk.say("None yet: press P over a surface to watch its light."));
+        ui.weak(cx.tr("No probes yet: press P over a surface to pin one."));
         return pins;
     }
     let grid = Grid::new("probes").num_columns(5).striped(true);
     grid.spacing([8.0, 4.0]).show(ui, |ui| {
         ui.weak("#");
-        ui.weak(desk.say("Place"));
+        ui.weak(cx.tr("Point"));
         let unit = irradiance_unit(app);
         ui.weak(format!("E, {unit}"));
-        ui.weak(format!("{}, {unit}", desk.say("exactly")));
+        ui.weak(format!("{}, {unit}", cx.tr("measured")));
         ui.end_row();
         for probe in &app.probes {
-            row(ui, desk, probe);
+            row(ui, cx, probe);
         }
     });
     pins
 }
 
-fn row(ui: &mut Ui, desk: &mut Desk, probe: &Probe) {
-    let app = desk.app;
-    let name = app.document.name(probe.place.item);
+fn row(ui: &mut Ui, cx: &mut PanelContext, probe: &Probe) {
+    let app = cx.app;
+    let name = app.document.name(probe.pick.item);
     ui.label(probe.number.to_string());
     ui.vertical(|ui| {
         let link = ui.link(shortened(name.unwrap_or("–")));
-        if link.on_hover_text(about(desk, probe)).clicked() && name.is_some() {
-            desk.select(probe.place.item, false);
+        if link.on_hover_text(about(cx, probe)).clicked() && name.is_some() {
+            cx.select(probe.pick.item, false);
         }
         if let Some(site) = &probe.site {
             ui.weak(shortened(&named(&app.document, site.paint.material)));
@@ -67,25 +66,25 @@ fn row(ui: &mut Ui, desk: &mut Desk, probe: &Probe) {
     });
     let front = probe.site.as_ref().filter(|s| s.paint.is_front);
     let light = front.and_then(|s| s.light);
-    ui.vertical(|ui| cell(ui, desk, probe.site.as_ref(), light, why_not(desk, probe)));
+    ui.vertical(|ui| cell(ui, cx, probe.site.as_ref(), light, why_not(cx, probe)));
     let measured = probe.measured.map(|m| (m.value, Some(m.error)));
-    let hint = desk.say("Not measured yet.");
-    ui.vertical(|ui| cell(ui, desk, probe.site.as_ref(), measured, hint));
+    let hint = cx.tr("Not measured yet.");
+    ui.vertical(|ui| cell(ui, cx, probe.site.as_ref(), measured, hint));
     let remove = ui.small_button("✖");
-    let words = format!("{} {}", desk.say("Remove probe"), probe.number);
+    let words = format!("{} {}", cx.tr("Remove probe"), probe.number);
     let remove = remove.on_hover_text(&words);
     remove.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, true, words.clone()));
     if remove.clicked() {
-        desk.wish(Command::Unpin(probe.number));
+        cx.send(Command::RemoveProbe(probe.number));
     }
     ui.end_row();
 }
 
-/// Irradiance with its standard error, and the radiance that it makes.
+/// Irradiance with its standard error, and the diffuse radiance that results from it.
 fn cell(
     ui: &mut Ui,
-    desk: &Desk,
-    site: Option<&Site>,
+    cx: &PanelContext,
+    site: Option<&ProbeSurface>,
     light: Option<(Rgb, Option<Rgb>)>,
     why_not: &str,
 ) {
@@ -102,56 +101,57 @@ fn cell(
             "E = {} ± {} {}",
             value(irradiance),
             error.map_or("?".into(), value),
-            irradiance_unit(desk.app)
+            irradiance_unit(cx.app)
         ));
-    let radiance = site.and_then(|s| desk.app.document.radiance(&s.paint, irradiance));
+    let radiance = site.and_then(|s| cx.app.document.radiance(&s.paint, irradiance));
     if let Some(radiance) = radiance {
-        let unit = radiance_unit(desk.app);
-        let about = desk.say("Radiance that leaves it evenly to all sides:");
+        let unit = radiance_unit(cx.app);
+        let about = cx.tr("Diffuse radiance leaving it:");
         let text = egui::RichText::new(format!("L = {}", number(radiance.luminance())));
         ui.add(egui::Label::new(text.weak()).extend())
             .on_hover_text(format!("{about} {} {unit}", value(radiance)));
     }
 }
 
-/// Why a probe shows no light.
-fn why_not(desk: &Desk, probe: &Probe) -> &'static str {
+/// Why a probe has no values.
+fn why_not(cx: &PanelContext, probe: &Probe) -> &'static str {
     match &probe.site {
-        None => desk.say("There is no surface at this place any more."),
+        None => cx.tr("There is no surface at this point any more."),
         Some(site) if !site.paint.is_front => {
-            desk.say("This is the back of a surface, and light is kept for its front: measure it.")
+            cx.tr("This is the back of a surface, and light is stored for fronts only: measure it.")
         }
-        Some(_) => desk.say("Not solved yet: press F5."),
+        Some(_) => cx.tr("Not solved yet: press F5."),
     }
 }
 
-/// All that there is to know of a place.
-fn about(desk: &Desk, probe: &Probe) -> String {
-    let place = &probe.place;
-    let name = desk.app.document.name(place.item).unwrap_or("–");
+/// The details of a probe for its tooltip.
+fn about(cx: &PanelContext, probe: &Probe) -> String {
+    let pick = &probe.pick;
+    let name = cx.app.document.name(pick.item).unwrap_or("–");
     let three = |v: glam::DVec3| format!("({}, {}, {})", number(v.x), number(v.y), number(v.z));
-    let mut text = format!("{name} (#{})\n", place.item.0);
+    let mut text = format!("{name} (#{})\n", pick.item.0);
     if let Some(site) = &probe.site {
-        let material = named(&desk.app.document, site.paint.material);
-        text += &format!("{} {}\n", desk.say("face"), site.face);
+        let material = named(&cx.app.document, site.paint.material);
+        text += &format!("{} {}\n", cx.tr("face"), site.face);
         text += &format!(
             "{} {material} (#{})\n",
-            desk.say("material"),
+            cx.tr("material"),
             site.paint.material
         );
     }
-    text + &format!("{}, n = {}", three(place.position), three(place.normal))
+    text + &format!("{}, n = {}", three(pick.position), three(pick.normal))
 }
 
-/// A name that leaves room for numbers: its end says most.
+/// A name shortened at its start, since its end says most.
 pub fn shortened(name: &str) -> String {
-    const MOST: usize = 14;
+    const MAX_CHARS: usize = 14;
     let count = name.chars().count();
-    match count > MOST {
-        true => format!(
+    if count > MAX_CHARS {
+        format!(
             "…{}",
-            name.chars().skip(count + 1 - MOST).collect::<String>()
-        ),
-        false => name.to_owned(),
+            name.chars().skip(count + 1 - MAX_CHARS).collect::<String>()
+        )
+    } else {
+        name.to_owned()
     }
 }

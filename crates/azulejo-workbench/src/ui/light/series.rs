@@ -1,17 +1,17 @@
-//! Measures of the solver as curves.
+//! Convergence measures as curves.
 
 use azulejo::trace::{Measure, Measured};
 use std::time::Instant;
 
-/// Points of a curve that are drawn at most: more than a panel has pixels help nobody.
-const MOST_POINTS: usize = 400;
-/// Curves that are drawn at most; the last ones tell.
-const MOST_CURVES: usize = 16;
+/// Limit on the points of a curve: more than a panel has pixels.
+const MAX_POINTS: usize = 400;
+/// Limit on the number of curves; the latest are kept.
+const MAX_CURVES: usize = 16;
 
-/// How the light of one replicate came into balance.
+/// Residual of one replicate over the bounces.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Residual {
-    /// Which of the independent replicates, from 0.
+pub struct ResidualCurve {
+    /// Index of the independent replicate.
     pub replicate: u32,
     /// Bounces, and log₁₀ of the residual.
     pub points: Vec<[f64; 2]>,
@@ -21,20 +21,19 @@ pub struct Residual {
 
 /// All curves.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Curves {
-    /// Residuals; one curve for each time that a replicate was solved.
-    pub residuals: Vec<Residual>,
-    /// log₁₀ of seconds since the solver began, log₁₀ of the estimated error of irradiance.
+pub struct ConvergenceCurves {
+    /// Residuals; one curve for each time a replicate was solved.
+    pub residuals: Vec<ResidualCurve>,
+    /// log₁₀ of seconds since the solver started, log₁₀ of the estimated error of the irradiance.
     pub errors: Vec<[f64; 2]>,
-    /// The same of the patches' radiosity.
+    /// The same for the radiosity of the patches.
     pub patch_errors: Vec<[f64; 2]>,
 }
 
-impl Curves {
-    /// Sorts measures into curves, each no longer than can be seen. What has no logarithm is
-    /// left out.
-    pub fn new(measures: &[Measured], began: Instant) -> Curves {
-        let mut curves = Curves::default();
+impl ConvergenceCurves {
+    /// Sorts measures into curves and thins them. Values without a logarithm are skipped.
+    pub fn new(measures: &[Measured], began: Instant) -> ConvergenceCurves {
+        let mut curves = ConvergenceCurves::default();
         let mut bounces = Vec::new();
         for measured in measures {
             let after = measured.at.saturating_duration_since(began).as_secs_f64();
@@ -50,7 +49,7 @@ impl Curves {
                 _ => {}
             }
         }
-        bounces.drain(..bounces.len().saturating_sub(MOST_CURVES));
+        bounces.drain(..bounces.len().saturating_sub(MAX_CURVES));
         curves.residuals = bounces;
         for curve in &mut curves.residuals {
             thin(&mut curve.points);
@@ -61,11 +60,11 @@ impl Curves {
     }
 }
 
-fn residual(curves: &mut Vec<Residual>, replicate: u32, iteration: u32, value: f64) {
+fn residual(curves: &mut Vec<ResidualCurve>, replicate: u32, iteration: u32, value: f64) {
     let x = f64::from(iteration);
     let latest = curves.iter_mut().rev().find(|c| c.replicate == replicate);
     match latest {
-        // Counted on: the same solution.
+        // Continues the same solution.
         Some(curve) if curve.points.last().is_some_and(|p| p[0] < x) => {
             push(&mut curve.points, x, value);
         }
@@ -78,7 +77,7 @@ fn residual(curves: &mut Vec<Residual>, replicate: u32, iteration: u32, value: f
             if let Some(curve) = latest {
                 curve.is_superseded = true;
             }
-            curves.push(Residual {
+            curves.push(ResidualCurve {
                 replicate,
                 points,
                 is_superseded: false,
@@ -94,9 +93,9 @@ fn push(points: &mut Vec<[f64; 2]>, x: f64, value: f64) {
     }
 }
 
-/// Keeps each so many, and always the last.
+/// Keeps every n-th point, and always the last one.
 fn thin(points: &mut Vec<[f64; 2]>) {
-    let step = points.len().div_ceil(MOST_POINTS).max(1);
+    let step = points.len().div_ceil(MAX_POINTS).max(1);
     let last = points.len().saturating_sub(1);
     let mut index = 0;
     points.retain(|_| {
@@ -111,14 +110,14 @@ mod tests {
     use super::*;
     use std::time::Duration;
 
-    fn curves(measures: &[Measure]) -> Curves {
+    fn curves(measures: &[Measure]) -> ConvergenceCurves {
         let began = Instant::now();
         let at = |(k, &measure): (usize, &Measure)| Measured {
             at: began + Duration::from_secs(1 + k as u64),
             measure,
         };
         let measured: Vec<Measured> = measures.iter().enumerate().map(at).collect();
-        Curves::new(&measured, began)
+        ConvergenceCurves::new(&measured, began)
     }
 
     fn bounce(replicate: u32, iteration: u32, value: f64) -> Measure {
@@ -152,7 +151,7 @@ mod tests {
                 Measure::Error(value),
                 Measure::PatchError(value),
             ]);
-            assert_eq!(found, Curves::default(), "{value}");
+            assert_eq!(found, ConvergenceCurves::default(), "{value}");
         }
     }
 
@@ -162,7 +161,7 @@ mod tests {
             .map(|k| Measure::Error(1.0 / f64::from(k)))
             .collect();
         let found = curves(&measures).errors;
-        assert!(found.len() <= MOST_POINTS + 1, "{}", found.len());
+        assert!(found.len() <= MAX_POINTS + 1, "{}", found.len());
         assert_eq!(found.first(), Some(&[0.0, 0.0]));
         assert_eq!(found.last().map(|p| p[1]), Some(1e-5f64.log10()));
     }
@@ -171,7 +170,7 @@ mod tests {
     fn of_many_curves_the_last_are_kept() {
         let many: Vec<Measure> = (0..1_000).map(|_| bounce(0, 1, 1.0)).collect();
         let found = curves(&many).residuals;
-        assert_eq!(found.len(), MOST_CURVES);
+        assert_eq!(found.len(), MAX_CURVES);
         assert!(!found.last().unwrap().is_superseded);
     }
 }

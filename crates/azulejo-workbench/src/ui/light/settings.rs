@@ -1,79 +1,78 @@
-//! What the solver should do.
+//! Solver settings.
 
-use super::super::desk::Desk;
+use super::super::panel_context::PanelContext;
 use crate::command::Command;
-use crate::light::{EngineName, LightSettings, USUAL_TIME};
+use crate::first_pass::{DEFAULT_TIME, EngineChoice, LightSettings};
 use egui::{ComboBox, DragValue, Grid, Ui};
 
-/// Bounces that are offered when they are to be counted.
-const USUAL_BOUNCES: u32 = 3;
+/// Number of bounces when the limit is switched on.
+const DEFAULT_BOUNCES: u32 = 3;
 
 /// Draws the fields.
-pub fn show(ui: &mut Ui, desk: &mut Desk) {
-    let old = desk.app.lighting.settings;
+pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
+    let old = cx.app.lighting.settings;
     let mut new = old;
     let grid = Grid::new("light settings").num_columns(2);
     grid.spacing([12.0, 5.0]).show(ui, |ui| {
-        engine(ui, desk, &mut new);
-        patches(ui, desk, &mut new);
-        error(ui, desk, &mut new);
-        time(ui, desk, &mut new);
-        bounces(ui, desk, &mut new);
+        engine(ui, cx, &mut new);
+        patches(ui, cx, &mut new);
+        error(ui, cx, &mut new);
+        time(ui, cx, &mut new);
+        bounces(ui, cx, &mut new);
     });
     if new != old {
-        desk.wish(Command::SetLight(new));
+        cx.send(Command::SetLight(new));
     }
 }
 
-fn engine(ui: &mut Ui, desk: &Desk, settings: &mut LightSettings) {
-    let about = desk.say("Who computes the form factors between patches.");
-    let label = ui.label(desk.say("Engine")).on_hover_text(about);
+fn engine(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
+    let about = cx.tr("Method for computing form factors between patches.");
+    let label = ui.label(cx.tr("Engine")).on_hover_text(about);
     ComboBox::from_id_salt("engine")
         .width(170.0)
-        .selected_text(name(settings.engine, desk))
+        .selected_text(name(settings.engine, cx))
         .show_ui(ui, |ui| {
-            for engine in EngineName::ALL {
+            for engine in EngineChoice::ALL {
                 let value = &mut settings.engine;
-                ui.selectable_value(value, engine, name(engine, desk))
-                    .on_hover_text(what(engine, desk));
+                ui.selectable_value(value, engine, name(engine, cx))
+                    .on_hover_text(what(engine, cx));
             }
         })
         .response
         .labelled_by(label.id)
-        .on_hover_text(what(settings.engine, desk));
+        .on_hover_text(what(settings.engine, cx));
     ui.end_row();
 }
 
-fn name(engine: EngineName, desk: &Desk) -> &'static str {
+fn name(engine: EngineChoice, cx: &PanelContext) -> &'static str {
     match engine {
-        EngineName::Auto => desk.say("by itself"),
-        EngineName::Rays => desk.say("rays"),
-        EngineName::Hemicube => desk.say("hemicubes"),
-        EngineName::Hybrid => desk.say("hemicubes and rays"),
-        EngineName::Analytic => desk.say("formulas"),
+        EngineChoice::Auto => cx.tr("auto"),
+        EngineChoice::Rays => cx.tr("rays"),
+        EngineChoice::Hemicube => cx.tr("hemicubes"),
+        EngineChoice::Hybrid => cx.tr("hemicubes and rays"),
+        EngineChoice::Analytic => cx.tr("formulas"),
     }
 }
 
-fn what(engine: EngineName, desk: &Desk) -> &'static str {
+fn what(engine: EngineChoice, cx: &PanelContext) -> &'static str {
     match engine {
-        EngineName::Auto => {
-            desk.say("Formulas where surfaces are flat and few enough to pair, else rays.")
+        EngineChoice::Auto => {
+            cx.tr("Closed-form expressions for planar surfaces if there are few enough pairs, otherwise rays.")
         }
-        EngineName::Rays => desk.say("Rays from all over each patch, through mirrors and glass."),
-        EngineName::Hemicube => desk.say("Pictures of what each patch sees."),
-        EngineName::Hybrid => {
-            desk.say("Pictures for what is seen straight, rays for what mirrors and glass show.")
+        EngineChoice::Rays => cx.tr("Rays from points all over each patch, including mirrors and glass."),
+        EngineChoice::Hemicube => cx.tr("Item buffers rendered from each patch."),
+        EngineChoice::Hybrid => {
+            cx.tr("Item buffers for direct visibility, rays for mirrors and glass.")
         }
-        EngineName::Analytic => desk.say("Formulas for pairs of polygons, with exact shadows."),
+        EngineChoice::Analytic => cx.tr("Closed-form expressions for pairs of polygons, with exact shadows."),
     }
 }
 
-fn patches(ui: &mut Ui, desk: &Desk, settings: &mut LightSettings) {
-    let about = desk.say(
-        "About how many pieces the surfaces are divided into. More show finer shadows; twice as \
-         many take up to four times the time.",
+fn patches(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
+    let about = cx.tr(
+        "Approximate number of patches. More patches show finer shadows; twice as many take up to four times as long.",
     );
-    let label = ui.label(desk.say("Patches")).on_hover_text(about);
+    let label = ui.label(cx.tr("Patches")).on_hover_text(about);
     let speed = (0.01 * f64::from(settings.patches)).max(1.0);
     let drag = DragValue::new(&mut settings.patches)
         .range(1..=10_000_000)
@@ -83,12 +82,11 @@ fn patches(ui: &mut Ui, desk: &Desk, settings: &mut LightSettings) {
     ui.end_row();
 }
 
-fn error(ui: &mut Ui, desk: &Desk, settings: &mut LightSettings) {
-    let about = desk.say(
-        "Estimated relative error at which the solver rests. Half the error takes about four \
-         times the time.",
+fn error(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
+    let about = cx.tr(
+        "Estimated relative error at which the solver stops. Half the error takes about four times as long.",
     );
-    let label = ui.label(desk.say("Error aimed at")).on_hover_text(about);
+    let label = ui.label(cx.tr("Target error")).on_hover_text(about);
     let mut percent = 100.0 * settings.error;
     let drag = DragValue::new(&mut percent)
         .range(0.1..=100.0)
@@ -103,20 +101,18 @@ fn error(ui: &mut Ui, desk: &Desk, settings: &mut LightSettings) {
     ui.end_row();
 }
 
-fn time(ui: &mut Ui, desk: &Desk, settings: &mut LightSettings) {
-    let about = desk.say(
-        "After this time the solver ends with what it has, and says how good that is. Rests do \
-         not count.",
-    );
+fn time(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
+    let about = cx
+        .tr("The solver stops after this time and reports the error reached. Pauses do not count.");
     let mut limited = settings.time.is_some();
-    let words = desk.say("Time limit");
+    let words = cx.tr("Time limit");
     let check = ui.checkbox(&mut limited, words).on_hover_text(about);
     if check.changed() {
-        settings.time = limited.then_some(USUAL_TIME);
+        settings.time = limited.then_some(DEFAULT_TIME);
     }
     match &mut settings.time {
         None => {
-            ui.weak(desk.say("no limit"));
+            ui.weak(cx.tr("no limit"));
         }
         Some(seconds) => {
             let drag = DragValue::new(seconds)
@@ -131,20 +127,19 @@ fn time(ui: &mut Ui, desk: &Desk, settings: &mut LightSettings) {
     ui.end_row();
 }
 
-fn bounces(ui: &mut Ui, desk: &Desk, settings: &mut LightSettings) {
-    let about = desk.say(
-        "Light is reflected from surface to surface until next to nothing is left, or so many \
-         times: 0 is direct light alone.",
+fn bounces(ui: &mut Ui, cx: &PanelContext, settings: &mut LightSettings) {
+    let about = cx.tr(
+        "Maximum number of diffuse bounces; without a limit, until the remaining light is negligible. 0 is direct light only.",
     );
     let mut counted = settings.bounces.is_some();
-    let words = desk.say("Count bounces");
+    let words = cx.tr("Limit bounces");
     let check = ui.checkbox(&mut counted, words).on_hover_text(about);
     if check.changed() {
-        settings.bounces = counted.then_some(USUAL_BOUNCES);
+        settings.bounces = counted.then_some(DEFAULT_BOUNCES);
     }
     match &mut settings.bounces {
         None => {
-            ui.weak(desk.say("until little is left"));
+            ui.weak(cx.tr("unlimited"));
         }
         Some(bounces) => {
             let drag = DragValue::new(bounces)

@@ -1,11 +1,12 @@
 use super::*;
 use crate::app::App;
-use crate::command::{Command, PatchAt};
-use crate::document::{Document, Solution};
-use crate::jobs::Kind;
-use crate::light::{EngineName, LightSettings, SeenFromPatch};
+use crate::command::{Command, SurfacePick};
+use crate::document::{SceneDocument, Solution};
+use crate::first_pass::{EngineChoice, LightSettings, PatchFormFactors};
+use crate::jobs::JobKind;
 use crate::words::Language;
-use azulejo::radiosity::{Balance, Method, Ran, Report};
+use azulejo::factors::EngineUsed;
+use azulejo::radiosity::{EnergyBalance, Method, Report};
 use azulejo::scene::synthetic::{CornellVariant, cornell_box};
 use azulejo::scene::{Irradiance, Mesh, ObjectIrradiance, Rgb, Shape};
 use azulejo::trace::{Measure, Measured};
@@ -16,8 +17,8 @@ use glam::DVec3;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// The tab alone, and what it asked for.
-struct Bench {
+/// The tab alone, with the commands it issued.
+struct LightTabFixture {
     app: App,
     asked: Vec<Command>,
     pins: bool,
@@ -25,30 +26,30 @@ struct Bench {
 
 fn cornell() -> App {
     let mut app = App::quiet();
-    app.document = Document::of_scene(cornell_box(CornellVariant::Diffuse), None);
+    app.document = SceneDocument::of_scene(cornell_box(CornellVariant::Diffuse), None);
     app
 }
 
-fn bench(app: App) -> Harness<'static, Bench> {
-    let bench = Bench {
+fn bench(app: App) -> Harness<'static, LightTabFixture> {
+    let bench = LightTabFixture {
         app,
         asked: Vec::new(),
         pins: false,
     };
-    let draw = |ui: &mut Ui, bench: &mut Bench| {
+    let draw = |ui: &mut Ui, bench: &mut LightTabFixture| {
         bench.app.poll();
-        let mut desk = Desk {
+        let mut cx = PanelContext {
             is_covered: false,
             app: &bench.app,
             language: bench.app.preferences.language,
             gesture: None,
-            wishes: Vec::new(),
+            commands: Vec::new(),
         };
-        bench.pins |= show(ui, &mut desk);
-        let wishes = desk.wishes;
-        for wish in wishes {
-            bench.asked.push(wish.clone());
-            bench.app.execute(wish);
+        bench.pins |= show(ui, &mut cx);
+        let commands = cx.commands;
+        for target in commands {
+            bench.asked.push(target.clone());
+            bench.app.execute(target);
         }
     };
     Harness::builder()
@@ -56,12 +57,12 @@ fn bench(app: App) -> Harness<'static, Bench> {
         .build_ui_state(draw, bench)
 }
 
-/// A light with a report, as if it had been solved.
-fn solved(app: &mut App, balance: Balance) {
+/// Adds a solution with a report, as if it had been solved.
+fn solved(app: &mut App, balance: EnergyBalance) {
     let report = Report {
         method: Method::Matrix,
-        ran: Ran {
-            engine: "rays".into(),
+        engine_used: EngineUsed {
+            name: "rays".into(),
             device: "own kernel".into(),
             notes: vec!["glass bends light".into()],
         },
@@ -101,8 +102,8 @@ fn positions(shape: &Shape) -> usize {
     }
 }
 
-fn balance(absorbed: f64) -> Balance {
-    Balance {
+fn balance(absorbed: f64) -> EnergyBalance {
+    EnergyBalance {
         emitted: Rgb::grey(100.0),
         absorbed: Rgb::grey(absorbed),
         escaped: Rgb::grey(8.0),
@@ -110,7 +111,7 @@ fn balance(absorbed: f64) -> Balance {
     }
 }
 
-/// Three measures of each kind, with these values.
+/// Adds three measures of each kind with these values.
 fn measured(app: &mut App, values: [f64; 3]) {
     let began = Instant::now();
     app.lighting.began = Some(began);
@@ -127,7 +128,7 @@ fn measured(app: &mut App, values: [f64; 3]) {
     }
 }
 
-fn type_into(harness: &mut Harness<Bench>, field: &str, text: &str) {
+fn type_into(harness: &mut Harness<LightTabFixture>, field: &str, text: &str) {
     harness
         .get_by_role_and_label(Role::SpinButton, field)
         .focus();
@@ -140,7 +141,7 @@ fn type_into(harness: &mut Harness<Bench>, field: &str, text: &str) {
     harness.run_ok();
 }
 
-fn click(harness: &mut Harness<Bench>, role: Role, name: &str) {
+fn click(harness: &mut Harness<LightTabFixture>, role: Role, name: &str) {
     harness.get_by_role_and_label(role, name).click();
     harness.run_steps(3);
 }
@@ -149,14 +150,14 @@ fn click(harness: &mut Harness<Bench>, role: Role, name: &str) {
 fn settings_are_typed() {
     let mut harness = bench(cornell());
     type_into(&mut harness, "Patches", "321");
-    type_into(&mut harness, "Error aimed at", "12.5");
+    type_into(&mut harness, "Target error", "12.5");
     type_into(&mut harness, "Time limit", "7.5");
-    click(&mut harness, Role::CheckBox, "Count bounces");
-    type_into(&mut harness, "Count bounces", "5");
+    click(&mut harness, Role::CheckBox, "Limit bounces");
+    type_into(&mut harness, "Limit bounces", "5");
     click(&mut harness, Role::ComboBox, "Engine");
     click(&mut harness, Role::Button, "rays");
     let expected = LightSettings {
-        engine: EngineName::Rays,
+        engine: EngineChoice::Rays,
         patches: 321,
         error: 0.125,
         time: Some(7.5),
@@ -164,7 +165,7 @@ fn settings_are_typed() {
     };
     assert_eq!(harness.state().app.lighting.settings, expected);
     click(&mut harness, Role::CheckBox, "Time limit");
-    click(&mut harness, Role::CheckBox, "Count bounces");
+    click(&mut harness, Role::CheckBox, "Limit bounces");
     let settings = harness.state().app.lighting.settings;
     assert_eq!((settings.time, settings.bounces), (None, None));
 }
@@ -177,13 +178,13 @@ fn the_solver_is_started_held_and_stopped() {
     let mut harness = bench(app);
     harness.get_by_label("Not solved yet.");
     for (name, state) in [
-        ("Start", "The light is settling:"),
-        ("Pause", "The solver rests; it worked"),
-        ("Go on", "The light is settling:"),
-        ("Stop", "Stopped before the end: a first impression."),
+        ("Start", "Converging:"),
+        ("Pause", "Paused after"),
+        ("Resume", "Converging:"),
+        ("Stop", "Stopped early: a rough solution."),
     ] {
         click(&mut harness, Role::Button, name);
-        // Without a moment's light there is nothing to show yet.
+        // Without a first solution there is nothing to display yet.
         let is_dark = harness.state().app.lighting.solution.is_none();
         let state = if name == "Stop" && is_dark {
             "Not solved yet."
@@ -200,7 +201,7 @@ fn the_solver_is_started_held_and_stopped() {
         Command::StopSolving,
     ];
     assert_eq!(*asked, expected);
-    assert!(!harness.state().app.is_busy(Kind::Solve));
+    assert!(!harness.state().app.is_busy(JobKind::Solve));
 }
 
 #[test]
@@ -277,11 +278,11 @@ fn old_light_says_so() {
 #[test]
 fn probes_are_pinned_measured_and_removed() {
     let mut app = cornell();
-    let item = app.document.items[0].id;
+    let item = app.document.objects[0].id;
     for _ in 0..2 {
-        app.execute(Command::Pin(PatchAt {
+        app.execute(Command::AddProbe(SurfacePick {
             item,
-            position: app.document.items[0].bounds().centre(),
+            position: app.document.objects[0].bounds().centre(),
             normal: DVec3::Y,
         }));
     }
@@ -296,7 +297,7 @@ fn probes_are_pinned_measured_and_removed() {
     click(&mut harness, Role::Button, "Measure exactly");
     assert_eq!(
         harness.state().asked,
-        [Command::Unpin(1), Command::MeasureProbes]
+        [Command::RemoveProbe(1), Command::MeasureProbes]
     );
     click(&mut harness, Role::Button, "Remove probe 2");
     harness.get_by_label_contains("None yet");
@@ -305,8 +306,8 @@ fn probes_are_pinned_measured_and_removed() {
 #[test]
 fn form_factors_are_listed_by_object() {
     let mut app = cornell();
-    let ids: Vec<_> = app.document.items.iter().map(|i| i.id).collect();
-    app.lighting.seen = Some(SeenFromPatch {
+    let ids: Vec<_> = app.document.objects.iter().map(|i| i.id).collect();
+    app.lighting.seen = Some(PatchFormFactors {
         number: 1,
         item: ids[0],
         patches: Arc::new(Mesh::default()),

@@ -1,37 +1,37 @@
-//! What several things of a document share: shapes, outlines, pictures.
+//! Definitions that several objects share: shapes, outlines, textures.
 
-use super::rows::{Leaf, Thing};
-use crate::document::{Document, Id};
+use super::rows::{TreeItem, TreeLeaf};
+use crate::document::{ItemId, SceneDocument};
 use crate::words::Language;
 use azulejo::scene::{Figure, Leaf as Solid, Shape, Texture};
 use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
 use std::sync::Arc;
 
-/// Things by what they share, in the order in which they were met.
-struct Shared<K> {
+/// Uses of definitions, in the order of their first occurrence.
+struct SharedUses<K> {
     places: HashMap<K, usize>,
     uses: Vec<Uses<K>>,
 }
 
-/// Who shares something.
+/// The users of a definition.
 struct Uses<K> {
     what: K,
-    /// How often it is used.
+    /// Number of uses.
     count: usize,
-    /// The objects that do, each once.
-    users: Vec<Id>,
+    /// The objects that use it, without duplicates.
+    users: Vec<ItemId>,
 }
 
-impl<K: Copy + Eq + Hash> Shared<K> {
-    fn new() -> Shared<K> {
-        Shared {
+impl<K: Copy + Eq + Hash> SharedUses<K> {
+    fn new() -> SharedUses<K> {
+        SharedUses {
             places: HashMap::new(),
             uses: Vec::new(),
         }
     }
 
-    fn note(&mut self, what: K, user: Id, times: usize) {
+    fn note(&mut self, what: K, user: ItemId, times: usize) {
         let uses = &mut self.uses;
         let at = *self.places.entry(what).or_insert_with(|| {
             uses.push(Uses {
@@ -49,36 +49,39 @@ impl<K: Copy + Eq + Hash> Shared<K> {
     }
 }
 
-/// What is shared, by kinds; kinds of which there is nothing are empty.
-pub(super) fn of(document: &Document, language: Language) -> [(&'static str, Vec<Thing>); 3] {
+/// The shared definitions by kind; kinds without any are empty.
+pub(super) fn of(
+    document: &SceneDocument,
+    language: Language,
+) -> [(&'static str, Vec<TreeItem>); 3] {
     [
-        (language.say("Shapes"), shapes(document, language)),
-        (language.say("Outlines"), outlines(document, language)),
-        (language.say("Textures"), textures(document, language)),
+        (language.tr("Shapes"), shapes(document, language)),
+        (language.tr("Outlines"), outlines(document, language)),
+        (language.tr("Textures"), textures(document, language)),
     ]
 }
 
-fn definition(name: &str, count: usize, users: Vec<Id>) -> Thing {
-    Thing {
+fn definition(name: &str, count: usize, users: Vec<ItemId>) -> TreeItem {
+    TreeItem {
         label: format!("{name} × {count}"),
-        leaf: Leaf::Definition(users),
+        leaf: TreeLeaf::Definition(users),
         shown: None,
     }
 }
 
-/// The name of the first object that has it, its groups left out.
-fn name_of<'a>(document: &'a Document, users: &[Id], language: Language) -> &'a str {
+/// The name of the first object that uses a definition, without its groups.
+fn name_of<'a>(document: &'a SceneDocument, users: &[ItemId], language: Language) -> &'a str {
     let name = users.first().and_then(|&id| document.name(id));
     let last = name.and_then(|name| name.rsplit('/').next());
     let known = last.filter(|name| !name.is_empty());
-    known.unwrap_or(language.say("without name"))
+    known.unwrap_or(language.tr("without name"))
 }
 
-/// Shapes that stand in several places. Undo holds them as well: pointers say who shares, counts of
-/// references do not.
-fn shapes(document: &Document, language: Language) -> Vec<Thing> {
-    let mut shared: Shared<*const Shape> = Shared::new();
-    for item in &document.items {
+/// Shapes used by several objects. The undo history holds references as well, so addresses are
+/// compared instead of reference counts.
+fn shapes(document: &SceneDocument, language: Language) -> Vec<TreeItem> {
+    let mut shared: SharedUses<*const Shape> = SharedUses::new();
+    for item in &document.objects {
         shared.note(Arc::as_ptr(&item.shape), item.id, 1);
     }
     let several = shared.uses.into_iter().filter(|u| u.count > 1);
@@ -90,12 +93,12 @@ fn shapes(document: &Document, language: Language) -> Vec<Thing> {
         .collect()
 }
 
-/// Outlines that several prisms are drawn out of. A shape that stands in several places is one.
-fn outlines(document: &Document, language: Language) -> Vec<Thing> {
-    let mut shared: Shared<*const Figure> = Shared::new();
+/// Outlines used by several prisms. A shape used several times counts once.
+fn outlines(document: &SceneDocument, language: Language) -> Vec<TreeItem> {
+    let mut shared: SharedUses<*const Figure> = SharedUses::new();
     let mut seen: HashSet<*const Shape> = HashSet::new();
     let mut curves: HashMap<*const Figure, usize> = HashMap::new();
-    for item in &document.items {
+    for item in &document.objects {
         let Shape::Exact(exact) = &*item.shape else {
             continue;
         };
@@ -114,16 +117,16 @@ fn outlines(document: &Document, language: Language) -> Vec<Thing> {
         .map(|u| {
             let name = name_of(document, &u.users, language);
             let count = curves.get(&u.what).copied().unwrap_or_default();
-            let name = format!("{name} ({count} {})", language.say("curves"));
+            let name = format!("{name} ({count} {})", language.tr("curves"));
             definition(&name, u.count, u.users)
         })
         .collect()
 }
 
-/// Textures, by the objects that have them.
-fn textures(document: &Document, language: Language) -> Vec<Thing> {
+/// Textures with the objects that use them.
+fn textures(document: &SceneDocument, language: Language) -> Vec<TreeItem> {
     let mut users = vec![Vec::new(); document.textures.len()];
-    for item in &document.items {
+    for item in &document.objects {
         let materials = item.materials().iter();
         let materials = materials.filter_map(|&m| document.materials.get(m as usize));
         for &texture in materials.flat_map(|m| &m.textures) {
@@ -140,16 +143,16 @@ fn textures(document: &Document, language: Language) -> Vec<Thing> {
         .collect()
 }
 
-/// The name of a texture's file, and how many pixels it has.
+/// The file name of a texture, and its size in pixels.
 fn picture(texture: &Texture, language: Language) -> String {
     let name = texture.path.rsplit(['/', '\\']).next().unwrap_or_default();
     let name = match name {
-        "" => language.say("without name"),
+        "" => language.tr("without name"),
         known => known,
     };
     match &texture.image {
         Some(image) => format!("{name} ({} × {})", image.width, image.height),
-        None => format!("{name} ({})", language.say("not found")),
+        None => format!("{name} ({})", language.tr("not found")),
     }
 }
 
@@ -157,16 +160,16 @@ fn picture(texture: &Texture, language: Language) -> String {
 mod tests {
     use super::*;
     use crate::document::tests::sample;
-    use crate::document::{Edit, Lettering, NewKind, NewShape};
+    use crate::document::{Edit, NewShape, NewShapeKind, TextLayout};
     use azulejo::scene::Image;
     use glam::DVec3;
 
     /// Labels and users.
-    fn of(document: &Document) -> Vec<(String, Vec<u64>)> {
+    fn of(document: &SceneDocument) -> Vec<(String, Vec<u64>)> {
         let all = super::of(document, Language::English);
         let things = all.into_iter().flat_map(|(_, things)| things);
-        let ids = |leaf: Leaf| match leaf {
-            Leaf::Definition(users) => users.iter().map(|id| id.0).collect(),
+        let ids = |leaf: TreeLeaf| match leaf {
+            TreeLeaf::Definition(users) => users.iter().map(|id| id.0).collect(),
             _ => panic!("{leaf:?}"),
         };
         things.map(|t| (t.label, ids(t.leaf))).collect()
@@ -174,7 +177,7 @@ mod tests {
 
     #[test]
     fn what_nobody_shares_is_no_definition() {
-        assert!(of(&Document::default()).is_empty());
+        assert!(of(&SceneDocument::default()).is_empty());
         let mut document = sample();
         document.textures.clear();
         assert_eq!(of(&document), []);
@@ -184,23 +187,23 @@ mod tests {
     fn shapes_in_several_places_are_found_whatever_undo_holds() {
         let mut document = sample();
         document.textures.clear();
-        let ball = Id(3);
+        let ball = ItemId(3);
         let copies = Edit::Duplicate(vec![ball]).apply(&mut document).unwrap();
         let before = document.clone();
         Edit::Duplicate(copies).apply(&mut document).unwrap();
         assert_eq!(of(&document), [("ball × 3".to_owned(), vec![3, 7, 8])]);
         assert_eq!(of(&before), [("ball × 2".to_owned(), vec![3, 7])]);
-        // They share it in another material too.
-        let all = [3, 7, 8].map(Id).to_vec();
+        // They share it even with another material.
+        let all = [3, 7, 8].map(ItemId).to_vec();
         Edit::Assign(all, 0).apply(&mut document).unwrap();
         assert_eq!(of(&document), [("ball × 3".to_owned(), vec![3, 7, 8])]);
     }
 
     #[test]
     fn outlines_of_letters_are_counted() {
-        let mut document = Document::default();
+        let mut document = SceneDocument::default();
         let text = NewShape {
-            kind: NewKind::Text(Lettering::set("pop", 0.2, None).unwrap()),
+            kind: NewShapeKind::Text(TextLayout::set("pop", 0.2, None).unwrap()),
             at: DVec3::ZERO,
             size: 1.0,
             material: None,
@@ -211,9 +214,9 @@ mod tests {
             panic!("one letter comes twice: {found:?}")
         };
         assert!(label.starts_with("pop (") && label.ends_with("curves) × 2"));
-        let id = document.items[0].id;
+        let id = document.objects[0].id;
         assert_eq!(*users, [id.0]);
-        // The same text elsewhere has no more prisms.
+        // A duplicate of the text has no more prisms.
         Edit::Duplicate(vec![id]).apply(&mut document).unwrap();
         let found = of(&document);
         assert_eq!(found[0], ("pop × 2".to_owned(), vec![id.0, id.0 + 1]));

@@ -1,39 +1,40 @@
-//! Rows that are kept from frame to frame: a mouse that moves asks none of a hundred thousand.
+//! The rows of the tree, cached between frames: moving the mouse does not visit a hundred thousand
+//! rows.
 
-use super::rows::{Leaf, Row, chosen, rows, visible};
+use super::rows::{TreeLeaf, TreeRow, chosen, rows, visible};
 use crate::app::App;
-use crate::document::{Document, Id, Item};
+use crate::document::{ItemId, SceneDocument, SceneObject};
 use crate::words::Language;
 use std::collections::HashSet;
 use std::sync::Arc;
 
-/// All rows, and what is asked of them in every frame.
+/// All rows, with data derived from them.
 #[derive(Default)]
-pub(super) struct List {
-    rows: Vec<Row>,
-    made_of: Option<MadeOf>,
-    /// Groups that are closed, by their numbers.
+pub(super) struct TreeList {
+    rows: Vec<TreeRow>,
+    made_of: Option<ListKey>,
+    /// Collapsed groups, by their keys.
     closed: HashSet<u64>,
-    /// The rows that no closed group holds.
+    /// Indices of the rows outside of collapsed groups.
     visible: Vec<usize>,
-    /// Which rows are selected, and the selection that this is of.
+    /// Which rows are selected, and for which selection.
     chosen: Vec<bool>,
-    selected: Vec<Id>,
-    /// How often the rows were made.
+    selected: Vec<ItemId>,
+    /// How often the rows were rebuilt.
     #[cfg(test)]
     makings: usize,
 }
 
-/// What rows say.
-struct MadeOf {
-    document: Document,
+/// Everything that the rows depend on.
+struct ListKey {
+    document: SceneDocument,
     revision: u64,
     filter: String,
     language: Language,
 }
 
-impl List {
-    /// Brings the rows up to what there is.
+impl TreeList {
+    /// Updates the rows to the state of the app.
     pub fn follow(&mut self, app: &App, filter: &str, language: Language) {
         let is_new = self.follow_document(app, filter, language);
         if is_new {
@@ -51,7 +52,7 @@ impl List {
         }
     }
 
-    /// Whether other rows are needed.
+    /// Rebuilds the rows if necessary; returns whether it did.
     fn follow_document(&mut self, app: &App, filter: &str, language: Language) -> bool {
         let mut is_new = true;
         if let Some(of) = &self.made_of
@@ -63,7 +64,7 @@ impl List {
             }
             is_new = !reads_alike(&of.document, &app.document);
         }
-        self.made_of = Some(MadeOf {
+        self.made_of = Some(ListKey {
             document: app.document.clone(),
             revision: app.revision(),
             filter: filter.to_owned(),
@@ -72,11 +73,11 @@ impl List {
         is_new
     }
 
-    pub fn row(&self, at: usize) -> &Row {
+    pub fn row(&self, at: usize) -> &TreeRow {
         &self.rows[at]
     }
 
-    /// The rows that no closed group holds.
+    /// The rows outside of collapsed groups.
     pub fn visible(&self) -> &[usize] {
         &self.visible
     }
@@ -89,7 +90,7 @@ impl List {
         !self.closed.contains(&group)
     }
 
-    /// Opens a group, or closes it.
+    /// Expands or collapses a group.
     pub fn toggle(&mut self, group: u64) {
         if !self.closed.remove(&group) {
             self.closed.insert(group);
@@ -97,14 +98,14 @@ impl List {
         self.visible = visible(&self.rows, &self.closed);
     }
 
-    /// Opens all groups around a thing; its place among the visible rows.
-    pub fn reveal(&mut self, id: Id) -> Option<usize> {
+    /// Expands all groups that contain an item; returns its position among the visible rows.
+    pub fn reveal(&mut self, id: ItemId) -> Option<usize> {
         let at = self.rows.iter().position(|r| r.leaf.id() == Some(id))?;
         let mut opened = false;
         let mut row = &self.rows[at];
         while let Some(parent) = row.parent {
             row = &self.rows[parent];
-            if let Leaf::Group(key) = &row.leaf {
+            if let TreeLeaf::Group(key) = &row.leaf {
                 opened |= self.closed.remove(key);
             }
         }
@@ -114,16 +115,16 @@ impl List {
         self.visible.binary_search(&at).ok()
     }
 
-    /// The things that a group holds.
-    pub fn ids(&self, group: usize) -> Vec<Id> {
+    /// The items in a group.
+    pub fn ids(&self, group: usize) -> Vec<ItemId> {
         let within = &self.rows[group..self.rows[group].end];
         within.iter().filter_map(|row| row.leaf.id()).collect()
     }
 }
 
-/// Whether two documents have the same rows. Dragging an object changes the document with every
-/// move of the mouse, and no row.
-fn reads_alike(a: &Document, b: &Document) -> bool {
+/// Whether two documents have the same rows. Dragging an object changes the document in every
+/// frame, but no row.
+fn reads_alike(a: &SceneDocument, b: &SceneDocument) -> bool {
     let materials = all(&a.materials, &b.materials, |a, b| {
         Arc::ptr_eq(a, b) || (&a.name, &a.textures) == (&b.name, &b.textures)
     });
@@ -136,15 +137,15 @@ fn reads_alike(a: &Document, b: &Document) -> bool {
     materials
         && lights
         && cameras
-        && all(&a.branches, &b.branches, |a, b| a.name == b.name)
+        && all(&a.source_files, &b.source_files, |a, b| a.name == b.name)
         && all(&a.textures, &b.textures, Arc::ptr_eq)
-        && all(&a.items, &b.items, |a, b| {
+        && all(&a.objects, &b.objects, |a, b| {
             Arc::ptr_eq(a, b) || is_same_row(a, b)
         })
 }
 
-fn is_same_row(a: &Item, b: &Item) -> bool {
-    let key = |i: &Item| (i.id, i.branch, i.hidden);
+fn is_same_row(a: &SceneObject, b: &SceneObject) -> bool {
+    let key = |i: &SceneObject| (i.id, i.source_file, i.hidden);
     key(a) == key(b) && a.name == b.name && Arc::ptr_eq(&a.shape, &b.shape)
 }
 
@@ -161,15 +162,15 @@ mod tests {
     use azulejo::scene::Texture;
     use glam::{DAffine3, DVec3};
 
-    fn filled() -> (App, List) {
+    fn filled() -> (App, TreeList) {
         let mut app = App::quiet();
         app.execute(Command::Edit(Edit::Append(Box::new(sample())), None));
-        let mut list = List::default();
+        let mut list = TreeList::default();
         list.follow(&app, "", Language::English);
         (app, list)
     }
 
-    fn makings(app: &mut App, list: &mut List, edit: Edit) -> usize {
+    fn makings(app: &mut App, list: &mut TreeList, edit: Edit) -> usize {
         let before = list.makings;
         app.execute(Command::Edit(edit, None));
         list.follow(app, "", Language::English);
@@ -181,8 +182,8 @@ mod tests {
         let (mut app, mut list) = filled();
         list.follow(&app, "", Language::English);
         assert_eq!(list.makings, 1);
-        let ball = Id(3);
-        let drag = Edit::Transform(vec![ball, Id(5)], DAffine3::from_translation(DVec3::X));
+        let ball = ItemId(3);
+        let drag = Edit::Transform(vec![ball, ItemId(5)], DAffine3::from_translation(DVec3::X));
         assert_eq!(makings(&mut app, &mut list, drag), 0);
         let mut white = app.document.materials[1].as_ref().clone();
         white.diffuse *= 0.5;
@@ -225,21 +226,21 @@ mod tests {
     fn what_is_looked_for_is_opened_and_found() {
         let (mut app, mut list) = filled();
         let rows = list.visible().len();
-        let Leaf::Group(top) = list.row(0).leaf else {
+        let TreeLeaf::Group(top) = list.row(0).leaf else {
             panic!("the first row is a group")
         };
         list.toggle(top);
         assert!(!list.is_open(top) && list.visible().len() < rows);
-        let floor = Id(1);
+        let floor = ItemId(1);
         let at = list.reveal(floor).unwrap();
-        assert_eq!(list.row(list.visible()[at]).leaf, Leaf::Item(floor));
+        assert_eq!(list.row(list.visible()[at]).leaf, TreeLeaf::Item(floor));
         assert!(list.is_open(top) && list.visible().len() == rows);
-        assert_eq!(list.reveal(Id(99)), None);
+        assert_eq!(list.reveal(ItemId(99)), None);
 
         app.execute(Command::Select(Selection::one(floor)));
         list.follow(&app, "", Language::English);
         assert!(list.is_chosen(list.visible()[at]) && !list.is_chosen(0));
-        assert_eq!(list.ids(0), [1, 2, 3, 4].map(Id));
+        assert_eq!(list.ids(0), [1, 2, 3, 4].map(ItemId));
         assert_eq!(list.makings, 1);
     }
 }

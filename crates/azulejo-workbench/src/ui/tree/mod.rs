@@ -1,42 +1,43 @@
-//! The tree: files, their groups and objects, lights, cameras, materials, and what they share.
+//! The tree of the scene: files with their groups and objects, lights, cameras, materials and
+//! definitions.
 
 mod definitions;
 mod list;
 mod rows;
 
-use super::desk::Desk;
+use super::panel_context::PanelContext;
 use crate::app::App;
 use crate::command::{Command, Selection};
-use crate::document::{Edit, Id};
+use crate::document::{Edit, ItemId};
 use azulejo::scene::MaterialId;
 use egui::{Align, Layout, RichText, ScrollArea, Sense, Ui};
-use list::List;
-use rows::{Leaf, Row};
+use list::TreeList;
+use rows::{TreeLeaf, TreeRow};
 
-/// What the tree remembers between frames.
+/// The state of the tree between frames.
 #[derive(Default)]
-pub struct Tree {
-    /// Only what has this in its name is shown.
+pub struct SceneTree {
+    /// Only rows whose name contains this are displayed.
     filter: String,
-    list: List,
-    rename: Rename,
-    /// What the rows should be scrolled to.
-    reveal: Option<Id>,
-    last_selected: Option<Id>,
+    list: TreeList,
+    rename: RenameField,
+    /// The item to scroll to.
+    reveal: Option<ItemId>,
+    last_selected: Option<ItemId>,
 }
 
-/// What is being renamed, and its name so far.
+/// The item being renamed, and its name so far.
 #[derive(Default)]
-struct Rename(Option<(Id, String)>);
+struct RenameField(Option<(ItemId, String)>);
 
-impl Rename {
-    fn begin(&mut self, app: &App, id: Id) {
+impl RenameField {
+    fn begin(&mut self, app: &App, id: ItemId) {
         self.0 = app.document.name(id).map(|name| (id, name.to_owned()));
     }
 }
 
-impl Tree {
-    /// Renames what is selected, in its row.
+impl SceneTree {
+    /// Renames the selection in its row.
     pub fn begin_rename(&mut self, app: &App) {
         if let [id] = app.selection.ids[..] {
             self.rename.begin(app, id);
@@ -45,19 +46,19 @@ impl Tree {
     }
 
     /// Draws the tree.
-    pub fn show(&mut self, ui: &mut Ui, desk: &mut Desk) {
-        let hint = desk.say("Search");
+    pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext) {
+        let hint = cx.tr("Search");
         ui.add(
             egui::TextEdit::singleline(&mut self.filter)
                 .hint_text(hint)
                 .desired_width(f32::INFINITY),
         );
-        self.list.follow(desk.app, &self.filter, desk.language);
-        self.follow_selection(desk.app);
+        self.list.follow(cx.app, &self.filter, cx.language);
+        self.follow_selection(cx.app);
         let target = self.reveal.take().and_then(|id| self.list.reveal(id));
         let visible = self.list.visible();
         if visible.is_empty() {
-            let text = desk.say("Drop files here, or open them (Ctrl+O).");
+            let text = cx.tr("Drop files here, or open them (Ctrl+O).");
             ui.weak(text);
             return;
         }
@@ -72,7 +73,7 @@ impl Tree {
         let rename = &mut self.rename;
         area.show_rows(ui, height, visible.len(), |ui, range| {
             for &at in &visible[range] {
-                let clicked = row(ui, desk, &self.list, at, rename);
+                let clicked = row(ui, cx, &self.list, at, rename);
                 toggled = toggled.or(clicked);
             }
         });
@@ -81,7 +82,7 @@ impl Tree {
         }
     }
 
-    /// What was picked in the viewport is shown here too.
+    /// Scrolls to what was picked in the viewport.
     fn follow_selection(&mut self, app: &App) {
         let last = app.selection.ids.last().copied();
         if last != self.last_selected {
@@ -91,17 +92,23 @@ impl Tree {
     }
 }
 
-/// Draws one row; the group that should be opened or closed.
-fn row(ui: &mut Ui, desk: &mut Desk, list: &List, at: usize, rename: &mut Rename) -> Option<u64> {
+/// Draws one row; returns the group to expand or collapse.
+fn row(
+    ui: &mut Ui,
+    cx: &mut PanelContext,
+    list: &TreeList,
+    at: usize,
+    rename: &mut RenameField,
+) -> Option<u64> {
     let row = list.row(at);
     let draw = |ui: &mut Ui| {
         ui.add_space(14.0 * row.depth as f32);
         match &row.leaf {
-            Leaf::Group(key) => return group(ui, desk, list, at, *key),
-            Leaf::Material(id) => material(ui, desk, &row.label, *id),
-            Leaf::Definition(users) => definition(ui, desk, &row.label, users),
-            Leaf::Item(id) | Leaf::Light(id) | Leaf::Camera(id) => {
-                thing(ui, desk, row, *id, list.is_chosen(at), rename);
+            TreeLeaf::Group(key) => return group(ui, cx, list, at, *key),
+            TreeLeaf::Material(id) => material(ui, cx, &row.label, *id),
+            TreeLeaf::Definition(users) => definition(ui, cx, &row.label, users),
+            TreeLeaf::Item(id) | TreeLeaf::Light(id) | TreeLeaf::Camera(id) => {
+                thing(ui, cx, row, *id, list.is_chosen(at), rename);
             }
         }
         None
@@ -109,7 +116,7 @@ fn row(ui: &mut Ui, desk: &mut Desk, list: &List, at: usize, rename: &mut Rename
     ui.push_id(at, |ui| ui.horizontal(draw).inner).inner
 }
 
-fn group(ui: &mut Ui, desk: &mut Desk, list: &List, at: usize, key: u64) -> Option<u64> {
+fn group(ui: &mut Ui, cx: &mut PanelContext, list: &TreeList, at: usize, key: u64) -> Option<u64> {
     let row = list.row(at);
     let (label, is_open) = (&row.label, list.is_open(key));
     let arrow = if is_open { "⏷" } else { "⏵" };
@@ -122,36 +129,33 @@ fn group(ui: &mut Ui, desk: &mut Desk, list: &List, at: usize, key: u64) -> Opti
     if ui.selectable_label(list.is_chosen(at), text).clicked() {
         let ids = list.ids(at);
         if !ids.is_empty() {
-            desk.wish(Command::Select(Selection {
+            cx.send(Command::Select(Selection {
                 ids,
                 ..Selection::default()
             }));
         }
     }
     if let Some(shown) = row.shown
-        && eye(ui, desk, label, shown)
+        && eye(ui, cx, label, shown)
     {
-        desk.edit(Edit::Hide(list.ids(at), shown));
+        cx.edit(Edit::Hide(list.ids(at), shown));
     }
     toggle.clicked().then_some(key)
 }
 
-/// Shows and hides; whether it was asked to.
-fn eye(ui: &mut Ui, desk: &Desk, name: &str, shown: bool) -> bool {
+/// The visibility button; returns whether it was clicked.
+fn eye(ui: &mut Ui, cx: &PanelContext, name: &str, shown: bool) -> bool {
     let draw = |ui: &mut Ui| {
         let sign = if shown { "👁" } else { "–" };
         let button = ui.add(egui::Button::new(sign).small().frame(false));
         button.widget_info(|| {
-            let does = if shown {
-                desk.say("Hide")
-            } else {
-                desk.say("Show")
-            };
+            let does = if shown { cx.tr("Hide") } else { cx.tr("Show") };
             egui::WidgetInfo::labeled(egui::Role::Button, true, format!("{does}: {name}"))
         });
-        let what = match shown {
-            true => desk.say("Hide: out of sight, but it casts and receives light as before"),
-            false => desk.say("Show"),
+        let what = if shown {
+            cx.tr("Hide in the viewport only: it still casts and receives light")
+        } else {
+            cx.tr("Show")
         };
         button.on_hover_text(what).clicked()
     };
@@ -159,86 +163,93 @@ fn eye(ui: &mut Ui, desk: &Desk, name: &str, shown: bool) -> bool {
     ui.with_layout(place, draw).inner
 }
 
-fn material(ui: &mut Ui, desk: &mut Desk, label: &str, material: MaterialId) {
-    let known = desk.app.document.materials.get(material as usize);
+fn material(ui: &mut Ui, cx: &mut PanelContext, label: &str, material: MaterialId) {
+    let known = cx.app.document.materials.get(material as usize);
     if let Some(known) = known {
-        let color = super::paint::swatch(known);
+        let color = super::colors::swatch(known);
         let (rect, _) = ui.allocate_exact_size(egui::vec2(10.0, 10.0), Sense::hover());
         ui.painter().rect_filled(rect, 2.0, color);
     }
-    let is_selected = desk.app.selection.material == Some(material);
+    let is_selected = cx.app.selection.material == Some(material);
     let label = match label {
-        "" => desk.say("without name"),
+        "" => cx.tr("without name"),
         other => other,
     };
     let response = ui.selectable_label(is_selected, label);
-    response.context_menu(|ui| super::stock::buttons(ui, desk, material));
+    response.context_menu(|ui| super::material_actions::buttons(ui, cx, material));
     if response.clicked() {
-        let mut selection = desk.app.selection.clone();
+        let mut selection = cx.app.selection.clone();
         selection.material = Some(material);
-        desk.wish(Command::Select(selection));
+        cx.send(Command::Select(selection));
     }
 }
 
-fn definition(ui: &mut Ui, desk: &mut Desk, label: &str, users: &[Id]) {
+fn definition(ui: &mut Ui, cx: &mut PanelContext, label: &str, users: &[ItemId]) {
     let response = ui.selectable_label(false, label);
-    let what = desk.say("Click to select the objects that share it");
+    let what = cx.tr("Click to select the objects that share it");
     if response.on_hover_text(what).clicked() && !users.is_empty() {
-        desk.wish(Command::Select(Selection {
+        cx.send(Command::Select(Selection {
             ids: users.to_vec(),
             ..Selection::default()
         }));
     }
 }
 
-fn thing(ui: &mut Ui, desk: &mut Desk, row: &Row, id: Id, is_chosen: bool, rename: &mut Rename) {
+fn thing(
+    ui: &mut Ui,
+    cx: &mut PanelContext,
+    row: &TreeRow,
+    id: ItemId,
+    is_chosen: bool,
+    rename: &mut RenameField,
+) {
     if let Some((renamed, name)) = &mut rename.0
         && *renamed == id
     {
-        if name_field(ui, desk, id, name) {
+        if name_field(ui, cx, id, name) {
             rename.0 = None;
         }
         return;
     }
     let sign = match row.leaf {
-        Leaf::Light(_) => "💡 ",
-        Leaf::Camera(_) => "📷 ",
+        TreeLeaf::Light(_) => "💡 ",
+        TreeLeaf::Camera(_) => "📷 ",
         _ => "",
     };
     let label = match row.label.as_str() {
-        "" => format!("{sign}{}", desk.say("without name")),
+        "" => format!("{sign}{}", cx.tr("without name")),
         name => format!("{sign}{name}"),
     };
     let response = ui.selectable_label(is_chosen, label);
     if response.double_clicked() {
-        match desk.app.document.viewpoint(id) {
+        match cx.app.document.viewpoint(id) {
             Some(view) => {
-                let mut look = desk.app.view.clone();
+                let mut look = cx.app.view.clone();
                 look.camera = view.camera.clone();
-                desk.wish(Command::Look(Box::new(look)));
+                cx.send(Command::SetView(Box::new(look)));
             }
-            None => rename.begin(desk.app, id),
+            None => rename.begin(cx.app, id),
         }
     } else if response.clicked() {
-        desk.select(id, ui.input(|i| i.modifiers.command || i.modifiers.shift));
+        cx.select(id, ui.input(|i| i.modifiers.command || i.modifiers.shift));
     }
     if let Some(shown) = row.shown
-        && eye(ui, desk, &row.label, shown)
+        && eye(ui, cx, &row.label, shown)
     {
-        desk.edit(Edit::Hide(vec![id], shown));
+        cx.edit(Edit::Hide(vec![id], shown));
     }
 }
 
-/// The field of a name in its row; whether it is done with.
-fn name_field(ui: &mut Ui, desk: &mut Desk, id: Id, name: &mut String) -> bool {
-    let field = egui::TextEdit::singleline(name).hint_text(desk.say("Name"));
+/// The name field of a row; returns whether editing has ended.
+fn name_field(ui: &mut Ui, cx: &mut PanelContext, id: ItemId, name: &mut String) -> bool {
+    let field = egui::TextEdit::singleline(name).hint_text(cx.tr("Name"));
     let response = ui.add(field);
     response.request_focus();
     let enter = ui.input(|i| i.key_pressed(egui::Key::Enter));
     let escape = ui.input(|i| i.key_pressed(egui::Key::Escape));
     let is_done = enter || escape || response.clicked_elsewhere();
     if is_done && !escape {
-        desk.edit(Edit::Rename(id, name.clone()));
+        cx.edit(Edit::Rename(id, name.clone()));
     }
     is_done
 }

@@ -1,80 +1,80 @@
-//! The lines of the tree, as they follow from a document.
+//! Building the rows of the tree from a document.
 
 use super::definitions;
-use crate::document::{Document, Id};
+use crate::document::{ItemId, SceneDocument};
 use crate::words::Language;
 use azulejo::scene::MaterialId;
 use std::collections::hash_map::DefaultHasher;
 use std::collections::{BTreeMap, HashSet};
 use std::hash::{Hash, Hasher};
 
-/// Groups within groups that are shown as such: deeper ones are part of the label. Nobody nests as
-/// deep by hand, but a file can.
-const DEEPEST: usize = 64;
-/// Characters of a label; a name may be as long as its file.
-const LONGEST: usize = 200;
+/// Limit on nested groups: deeper ones become part of the label. A file may nest them without
+/// limit.
+const MAX_DEPTH: usize = 64;
+/// Limit on the length of a label in characters; a name may be as long as its file.
+const MAX_LABEL_CHARS: usize = 200;
 
-/// One line of the tree.
+/// A row of the tree.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Row {
+pub(super) struct TreeRow {
     pub depth: usize,
     pub label: String,
-    pub leaf: Leaf,
-    /// The row of the group that holds it.
+    pub leaf: TreeLeaf,
+    /// Index of the row of the enclosing group.
     pub parent: Option<usize>,
-    /// Behind the last row that it holds.
+    /// Index after the last row of its content.
     pub end: usize,
-    /// Whether anything of it is shown; `None` for what cannot be hidden.
+    /// Whether any of its content is visible; `None` for rows that cannot be hidden.
     pub shown: Option<bool>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Leaf {
-    /// A group, by a number that outlives the rows.
+pub(super) enum TreeLeaf {
+    /// A group, by a key that survives rebuilding.
     Group(u64),
-    Item(Id),
-    Light(Id),
-    Camera(Id),
+    Item(ItemId),
+    Light(ItemId),
+    Camera(ItemId),
     Material(MaterialId),
-    /// What several things share: the objects that do.
-    Definition(Vec<Id>),
+    /// A definition, with the objects that use it.
+    Definition(Vec<ItemId>),
 }
 
-impl Leaf {
-    /// The one thing that it stands for.
-    pub fn id(&self) -> Option<Id> {
+impl TreeLeaf {
+    /// The item in this row.
+    pub fn id(&self) -> Option<ItemId> {
         match self {
-            Leaf::Item(id) | Leaf::Light(id) | Leaf::Camera(id) => Some(*id),
-            Leaf::Group(_) | Leaf::Material(_) | Leaf::Definition(_) => None,
+            TreeLeaf::Item(id) | TreeLeaf::Light(id) | TreeLeaf::Camera(id) => Some(*id),
+            TreeLeaf::Group(_) | TreeLeaf::Material(_) | TreeLeaf::Definition(_) => None,
         }
     }
 }
 
-/// A leaf while the tree is built.
-pub(super) struct Thing {
+/// A row of an item, while the tree is built.
+pub(super) struct TreeItem {
     pub label: String,
-    pub leaf: Leaf,
+    pub leaf: TreeLeaf,
     pub shown: Option<bool>,
 }
 
-/// The tree while it is built: groups by name, in the order of names, then things in their own.
+/// The tree while it is built: groups sorted by name, followed by items in their own order.
 #[derive(Default)]
-struct Node {
-    groups: BTreeMap<String, Node>,
-    things: Vec<Thing>,
+struct GroupNode {
+    groups: BTreeMap<String, GroupNode>,
+    things: Vec<TreeItem>,
 }
 
-/// Where rows go.
-struct Place {
+/// The position at which rows are inserted.
+struct ListPosition {
     parent: Option<usize>,
     depth: usize,
-    /// The number of the group.
+    /// Key of the group.
     key: u64,
 }
 
-impl Node {
-    fn of(things: Vec<Thing>) -> Node {
-        Node {
+impl GroupNode {
+    fn of(things: Vec<TreeItem>) -> GroupNode {
+        GroupNode {
             groups: BTreeMap::new(),
             things,
         }
@@ -84,10 +84,10 @@ impl Node {
         self.groups.is_empty() && self.things.is_empty()
     }
 
-    /// Puts a thing where its path leads.
-    fn insert(&mut self, path: &str, leaf: Leaf, shown: bool) {
+    /// Inserts an item at its path.
+    fn insert(&mut self, path: &str, leaf: TreeLeaf, shown: bool) {
         let (mut node, mut rest) = (self, path);
-        for _ in 0..DEEPEST {
+        for _ in 0..MAX_DEPTH {
             match rest.split_once('/') {
                 Some((group, inner)) if !group.is_empty() && !inner.is_empty() => {
                     node = node.groups.entry(group.to_owned()).or_default();
@@ -96,26 +96,26 @@ impl Node {
                 _ => break,
             }
         }
-        node.things.push(Thing {
+        node.things.push(TreeItem {
             label: rest.to_owned(),
             leaf,
             shown: Some(shown),
         });
     }
 
-    /// Lists what it holds; whether anything of that is shown.
-    fn list(self, place: &Place, rows: &mut Vec<Row>) -> Option<bool> {
+    /// Appends the rows of its content; returns whether any of it is visible.
+    fn list(self, position: &ListPosition, rows: &mut Vec<TreeRow>) -> Option<bool> {
         let mut shown = None;
         for (name, node) in self.groups {
-            shown = either(shown, node.list_as(&name, place, rows));
+            shown = either(shown, node.list_as(&name, position, rows));
         }
         for thing in self.things {
             shown = either(shown, thing.shown);
-            rows.push(Row {
-                depth: place.depth,
+            rows.push(TreeRow {
+                depth: position.depth,
                 label: short(&thing.label),
                 leaf: thing.leaf,
-                parent: place.parent,
+                parent: position.parent,
                 end: rows.len() + 1,
                 shown: thing.shown,
             });
@@ -123,20 +123,20 @@ impl Node {
         shown
     }
 
-    /// Lists it as a group.
-    fn list_as(self, name: &str, place: &Place, rows: &mut Vec<Row>) -> Option<bool> {
-        let (at, key) = (rows.len(), key(place.key, name));
-        rows.push(Row {
-            depth: place.depth,
+    /// Appends its rows as a group.
+    fn list_as(self, name: &str, position: &ListPosition, rows: &mut Vec<TreeRow>) -> Option<bool> {
+        let (at, key) = (rows.len(), key(position.key, name));
+        rows.push(TreeRow {
+            depth: position.depth,
             label: short(name),
-            leaf: Leaf::Group(key),
-            parent: place.parent,
+            leaf: TreeLeaf::Group(key),
+            parent: position.parent,
             end: at,
             shown: None,
         });
-        let within = Place {
+        let within = ListPosition {
             parent: Some(at),
-            depth: place.depth + 1,
+            depth: position.depth + 1,
             key,
         };
         let shown = self.list(&within, rows);
@@ -152,7 +152,7 @@ fn either(a: Option<bool>, b: Option<bool>) -> Option<bool> {
     }
 }
 
-/// The number of a group: it stays closed when the rows are made anew.
+/// The key of a group: it stays collapsed when the rows are rebuilt.
 fn key(parent: u64, name: &str) -> u64 {
     let mut hasher = DefaultHasher::new();
     (parent, name).hash(&mut hasher);
@@ -160,18 +160,18 @@ fn key(parent: u64, name: &str) -> u64 {
 }
 
 fn short(name: &str) -> String {
-    match name.char_indices().nth(LONGEST) {
+    match name.char_indices().nth(MAX_LABEL_CHARS) {
         Some((end, _)) => format!("{}…", &name[..end]),
         None => name.to_owned(),
     }
 }
 
-/// All rows of a document, groups open, that match a filter.
-pub(super) fn rows(document: &Document, filter: &str, language: Language) -> Vec<Row> {
+/// All rows of a document that match a filter, with groups expanded.
+pub(super) fn rows(document: &SceneDocument, filter: &str, language: Language) -> Vec<TreeRow> {
     let filter = filter.to_lowercase();
     let matches = |name: &str| filter.is_empty() || name.to_lowercase().contains(&filter);
     let mut rows = Vec::new();
-    let files = Place {
+    let files = ListPosition {
         parent: None,
         depth: 0,
         key: 0,
@@ -180,97 +180,105 @@ pub(super) fn rows(document: &Document, filter: &str, language: Language) -> Vec
     for (title, node) in own.into_iter().filter(|(_, node)| !node.is_empty()) {
         node.list_as(title, &files, &mut rows);
     }
-    // Behind the files, whatever their names, and closed or open whatever theirs are.
-    let behind = Place { key: 1, ..files };
+    // After the files whatever their names are, and independent of which of those are collapsed.
+    let behind = ListPosition { key: 1, ..files };
     let mut lists = lists(document, &matches, language);
     lists.sort_by_key(|(title, _)| *title);
     let shared = definitions::of(document, language);
     let shared = shared.into_iter().map(|(title, mut things)| {
         things.retain(|thing| matches(&thing.label));
-        (title.to_owned(), Node::of(things))
+        (title.to_owned(), GroupNode::of(things))
     });
-    let shared = Node {
+    let shared = GroupNode {
         groups: shared.filter(|(_, node)| !node.is_empty()).collect(),
         things: Vec::new(),
     };
-    lists.push((language.say("Definitions"), shared));
+    lists.push((language.tr("Definitions"), shared));
     for (title, node) in lists.into_iter().filter(|(_, node)| !node.is_empty()) {
         node.list_as(title, &behind, &mut rows);
     }
     rows
 }
 
-/// Files in the order in which they came, each with its groups; then what was made here.
+/// Files in the order in which they were added, each with its groups; then objects created here.
 fn objects<'d>(
-    document: &'d Document,
+    document: &'d SceneDocument,
     matches: &impl Fn(&str) -> bool,
     language: Language,
-) -> Vec<(&'d str, Node)> {
-    let names = document.branches.iter().map(|b| b.name.as_str());
-    let titles = names.chain([language.say("made here")]);
-    let mut files: Vec<(&str, Node)> = titles.map(|title| (title, Node::default())).collect();
-    let made_here = document.branches.len();
-    for item in document.items.iter().filter(|i| matches(&i.name)) {
-        let file = item.branch.unwrap_or(made_here).min(made_here);
+) -> Vec<(&'d str, GroupNode)> {
+    let names = document.source_files.iter().map(|b| b.name.as_str());
+    let titles = names.chain([language.tr("created here")]);
+    let mut files: Vec<(&str, GroupNode)> =
+        titles.map(|title| (title, GroupNode::default())).collect();
+    let made_here = document.source_files.len();
+    for item in document.objects.iter().filter(|i| matches(&i.name)) {
+        let file = item.source_file.unwrap_or(made_here).min(made_here);
         let (title, node) = &mut files[file];
-        node.insert(inside(&item.name, title), Leaf::Item(item.id), !item.hidden);
+        node.insert(
+            inside(&item.name, title),
+            TreeLeaf::Item(item.id),
+            !item.hidden,
+        );
     }
     files
 }
 
-/// What stands behind the files, by titles.
+/// Lights, cameras, materials and definitions, with their titles.
 fn lists(
-    document: &Document,
+    document: &SceneDocument,
     matches: &impl Fn(&str) -> bool,
     language: Language,
-) -> Vec<(&'static str, Node)> {
-    let thing = |name: &str, leaf: Leaf, shown: Option<bool>| {
-        matches(name).then(|| Thing {
+) -> Vec<(&'static str, GroupNode)> {
+    let thing = |name: &str, leaf: TreeLeaf, shown: Option<bool>| {
+        matches(name).then(|| TreeItem {
             label: name.to_owned(),
             leaf,
             shown,
         })
     };
     let lights = document.lights.iter();
-    let lights = lights.filter_map(|l| thing(&l.light.name, Leaf::Light(l.id), Some(!l.hidden)));
+    let lights =
+        lights.filter_map(|l| thing(&l.light.name, TreeLeaf::Light(l.id), Some(!l.hidden)));
     let cameras = document.cameras.iter();
     let cameras =
-        cameras.filter_map(|c| thing(&c.camera.name, Leaf::Camera(c.id), Some(!c.hidden)));
+        cameras.filter_map(|c| thing(&c.camera.name, TreeLeaf::Camera(c.id), Some(!c.hidden)));
     let materials = (0..).zip(&document.materials);
-    let materials = materials.filter_map(|(k, m)| thing(&m.name, Leaf::Material(k), None));
+    let materials = materials.filter_map(|(k, m)| thing(&m.name, TreeLeaf::Material(k), None));
     vec![
-        (language.say("Lights"), Node::of(lights.collect())),
-        (language.say("Cameras"), Node::of(cameras.collect())),
-        (language.say("Materials"), Node::of(materials.collect())),
+        (language.tr("Lights"), GroupNode::of(lights.collect())),
+        (language.tr("Cameras"), GroupNode::of(cameras.collect())),
+        (language.tr("Materials"), GroupNode::of(materials.collect())),
     ]
 }
 
-/// A name without the branch in front of it, which stands above it already.
-fn inside<'a>(name: &'a str, branch: &str) -> &'a str {
-    let rest = name.strip_prefix(branch).and_then(|r| r.strip_prefix('/'));
+/// A name without the prefix of its file, whose row is above it.
+fn inside<'a>(name: &'a str, source_file: &str) -> &'a str {
+    let rest = name
+        .strip_prefix(source_file)
+        .and_then(|r| r.strip_prefix('/'));
     rest.unwrap_or(name)
 }
 
-/// The rows that no closed group holds.
-pub(super) fn visible(rows: &[Row], closed: &HashSet<u64>) -> Vec<usize> {
+/// The rows outside of collapsed groups.
+pub(super) fn visible(rows: &[TreeRow], closed: &HashSet<u64>) -> Vec<usize> {
     let mut visible = Vec::new();
     let mut at = 0;
     while let Some(row) = rows.get(at) {
         visible.push(at);
         at = match &row.leaf {
-            Leaf::Group(key) if closed.contains(key) => row.end,
+            TreeLeaf::Group(key) if closed.contains(key) => row.end,
             _ => at + 1,
         };
     }
     visible
 }
 
-/// Which rows are selected: groups are where all that they hold is.
-pub(super) fn chosen(rows: &[Row], selected: &HashSet<Id>) -> Vec<bool> {
+/// Which rows are selected: a group is if all of its content is.
+pub(super) fn chosen(rows: &[TreeRow], selected: &HashSet<ItemId>) -> Vec<bool> {
     let mut chosen = vec![false; rows.len()];
-    // Of what each group holds: how many there are, and how many of them are not selected.
+    // For each group: its number of items, and how many of them are not selected.
     let mut counts = vec![(0_usize, 0_usize); rows.len()];
-    // What a group holds comes behind it.
+    // The content of a group follows its row.
     for (at, row) in rows.iter().enumerate().rev() {
         let (all, others) = match row.leaf.id() {
             Some(id) => (1, usize::from(!selected.contains(&id))),
@@ -291,33 +299,35 @@ mod tests {
     use crate::document::tests::sample;
     use std::sync::Arc;
 
-    fn named(name: &str) -> Vec<Row> {
+    fn named(name: &str) -> Vec<TreeRow> {
         let mut document = sample();
-        document.items.truncate(1);
-        Arc::make_mut(&mut document.items[0]).name = name.into();
+        document.objects.truncate(1);
+        Arc::make_mut(&mut document.objects[0]).name = name.into();
         let mut rows = rows(&document, "", Language::English);
         rows.truncate(rows[0].end);
         rows
     }
 
-    /// What rows keep: their own texts.
-    fn bytes(rows: &[Row]) -> usize {
-        let text = |row: &Row| row.label.capacity();
-        rows.iter().map(|row| size_of::<Row>() + text(row)).sum()
+    /// Memory used by the texts of rows.
+    fn bytes(rows: &[TreeRow]) -> usize {
+        let text = |row: &TreeRow| row.label.capacity();
+        rows.iter()
+            .map(|row| size_of::<TreeRow>() + text(row))
+            .sum()
     }
 
     #[test]
     fn a_name_of_many_groups_is_not_many_rows() {
         let shallow = named("a/b/c");
         let labels: Vec<&str> = shallow.iter().map(|r| r.label.as_str()).collect();
-        assert_eq!(labels, ["made here", "a", "b", "c"]);
+        assert_eq!(labels, ["created here", "a", "b", "c"]);
         let parents: Vec<_> = shallow.iter().map(|r| r.parent).collect();
         assert_eq!(parents, [None, Some(0), Some(1), Some(2)]);
         for levels in [4_000, 50_000] {
             let deep = named(&"a/".repeat(levels));
-            assert_eq!(deep.len(), DEEPEST + 2);
+            assert_eq!(deep.len(), MAX_DEPTH + 2);
             assert!(bytes(&deep) < 100_000, "{} bytes", bytes(&deep));
-            let last = &deep[DEEPEST + 1];
+            let last = &deep[MAX_DEPTH + 1];
             assert!(last.label.starts_with("a/a/") && last.label.ends_with('…'));
         }
         assert_eq!(named("//a")[1].label, "//a");
@@ -327,7 +337,7 @@ mod tests {
     fn closed_groups_show_nothing_of_what_they_hold() {
         let rows = rows(&sample(), "", Language::English);
         let room = rows.iter().position(|r| r.label == "room").unwrap();
-        let Leaf::Group(key) = rows[room].leaf else {
+        let TreeLeaf::Group(key) = rows[room].leaf else {
             panic!("room is a group")
         };
         assert_eq!(visible(&rows, &HashSet::new()).len(), rows.len());
@@ -340,26 +350,26 @@ mod tests {
     #[test]
     fn files_come_in_their_order_and_what_was_made_here_behind_them() {
         let mut document = sample();
-        let branch = |name: &str| crate::document::Branch {
+        let source_file = |name: &str| crate::document::SourceFile {
             name: name.into(),
             path: name.into(),
             format: None,
         };
-        document.branches = vec![branch("z"), branch("a")];
-        for (item, branch) in document.items.iter_mut().zip([None, Some(1), Some(0)]) {
-            Arc::make_mut(item).branch = branch;
+        document.source_files = vec![source_file("z"), source_file("a")];
+        for (item, source_file) in document.objects.iter_mut().zip([None, Some(1), Some(0)]) {
+            Arc::make_mut(item).source_file = source_file;
         }
         let rows = rows(&document, "", Language::English);
         let top = rows.iter().filter(|r| r.parent.is_none());
         let labels: Vec<&str> = top.map(|r| r.label.as_str()).take(3).collect();
-        assert_eq!(labels, ["z", "a", "made here"]);
+        assert_eq!(labels, ["z", "a", "created here"]);
     }
 
     #[test]
     fn a_group_is_selected_where_all_in_it_is() {
         let rows = rows(&sample(), "", Language::English);
         let of = |ids: &[u64]| {
-            let chosen = chosen(&rows, &ids.iter().map(|&id| Id(id)).collect());
+            let chosen = chosen(&rows, &ids.iter().map(|&id| ItemId(id)).collect());
             let labels = rows.iter().zip(chosen).filter(|(_, is)| *is);
             labels.map(|(r, _)| r.label.clone()).collect::<Vec<_>>()
         };
@@ -368,23 +378,23 @@ mod tests {
         assert_eq!(of(&[1, 2]), ["room", "floor", "lamp"]);
         assert_eq!(of(&[5]), ["Lights", "bulb"]);
         let all = of(&[1, 2, 3, 4]);
-        assert_eq!(all[0], "made here");
+        assert_eq!(all[0], "created here");
         assert!(!all.iter().any(|l| l == "Materials"), "{all:?}");
     }
 
     #[test]
     fn a_group_is_hidden_where_all_in_it_is() {
         let mut document = sample();
-        let shown = |document: &Document, label: &str| {
+        let shown = |document: &SceneDocument, label: &str| {
             let rows = rows(document, "", Language::English);
             rows.iter().find(|r| r.label == label).unwrap().shown
         };
         assert_eq!(shown(&document, "room"), Some(true));
-        Arc::make_mut(&mut document.items[0]).hidden = true;
+        Arc::make_mut(&mut document.objects[0]).hidden = true;
         assert_eq!(shown(&document, "room"), Some(true));
-        Arc::make_mut(&mut document.items[1]).hidden = true;
+        Arc::make_mut(&mut document.objects[1]).hidden = true;
         assert_eq!(shown(&document, "room"), Some(false));
-        assert_eq!(shown(&document, "made here"), Some(true));
+        assert_eq!(shown(&document, "created here"), Some(true));
         assert_eq!(shown(&document, "Cameras"), Some(true));
         assert_eq!(shown(&document, "Materials"), None);
     }

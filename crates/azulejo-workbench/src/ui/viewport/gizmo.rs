@@ -1,4 +1,4 @@
-//! Handles that move, turn and scale what is selected.
+//! The transform gizmo: handles that move, rotate and scale the selection.
 
 use crate::gpu::Projection;
 use egui::{Color32, Painter, Pos2, Rect, Stroke, Vec2};
@@ -6,49 +6,49 @@ use glam::{DAffine3, DVec2, DVec3};
 
 /// What the handles do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Mode {
-    /// Along an axis.
+pub enum GizmoMode {
+    /// Move along an axis.
     #[default]
     Move,
-    /// About an axis.
-    Turn,
-    /// Along an axis, or in the middle in all directions.
+    /// Rotate about an axis.
+    Rotate,
+    /// Scale along an axis, or uniformly with the handle in the middle.
     Scale,
 }
 
-/// A handle that is held.
+/// A handle being dragged.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Grip {
-    mode: Mode,
-    /// 0, 1, 2 for the axes; 3 for all of them.
+pub struct GizmoHandle {
+    mode: GizmoMode,
+    /// 0, 1, 2 for the axes; 3 for uniform scaling.
     axis: usize,
     centre: DVec3,
-    /// Where the mouse was when it was taken into account last.
+    /// The mouse position at the last update.
     last: Pos2,
 }
 
 /// Length of an axis on the screen, points.
 const LENGTH: f64 = 80.0;
-/// How near the mouse must be, points.
-const NEAR: f32 = 8.0;
+/// Picking distance from a handle, points.
+const PICK_RADIUS: f32 = 8.0;
 const AXES: [DVec3; 3] = [DVec3::X, DVec3::Y, DVec3::Z];
-/// Red, green and blue that differ in brightness too.
+/// Red, green and blue that also differ in brightness.
 const COLORS: [Color32; 3] = [
     Color32::from_rgb(224, 82, 74),
     Color32::from_rgb(130, 196, 72),
     Color32::from_rgb(84, 146, 236),
 ];
 
-/// The handles of a selection whose middle is `centre`, in a viewport.
+/// The gizmo of a selection in a viewport.
 pub struct Gizmo<'a> {
-    /// The view, in points of the viewport.
+    /// The projection, in points of the viewport.
     pub view: &'a Projection,
-    /// Where the viewport is on the screen.
+    /// The rectangle of the viewport on the screen.
     pub rect: Rect,
-    /// The middle of what is selected.
+    /// The centre of the selection.
     pub centre: DVec3,
     /// What the handles do.
-    pub mode: Mode,
+    pub mode: GizmoMode,
 }
 
 impl Gizmo<'_> {
@@ -57,16 +57,16 @@ impl Gizmo<'_> {
         Some(self.rect.min + Vec2::new(p.x as f32, p.y as f32))
     }
 
-    /// World length of a handle.
+    /// Length of a handle in world units.
     fn reach(&self) -> f64 {
         LENGTH * self.view.pixel_at(self.centre)
     }
 
-    /// The lines of a handle on the screen.
+    /// The polyline of a handle on the screen.
     fn lines(&self, axis: usize) -> Vec<Pos2> {
         let reach = self.reach();
         match self.mode {
-            Mode::Turn => {
+            GizmoMode::Rotate => {
                 let (u, v) = AXES[axis].any_orthonormal_pair();
                 let at = |k: i32| {
                     let (s, c) = (std::f64::consts::TAU * f64::from(k) / 48.0).sin_cos();
@@ -74,7 +74,7 @@ impl Gizmo<'_> {
                 };
                 (0..=48).filter_map(|k| self.on_screen(at(k))).collect()
             }
-            Mode::Move | Mode::Scale => [self.centre, self.centre + reach * AXES[axis]]
+            GizmoMode::Move | GizmoMode::Scale => [self.centre, self.centre + reach * AXES[axis]]
                 .into_iter()
                 .filter_map(|p| self.on_screen(p))
                 .collect(),
@@ -82,15 +82,15 @@ impl Gizmo<'_> {
     }
 
     /// The handle under the mouse.
-    pub fn grip_at(&self, mouse: Pos2) -> Option<Grip> {
-        let grip = |axis| Grip {
+    pub fn grip_at(&self, mouse: Pos2) -> Option<GizmoHandle> {
+        let grip = |axis| GizmoHandle {
             mode: self.mode,
             axis,
             centre: self.centre,
             last: mouse,
         };
         let middle = self.on_screen(self.centre)?;
-        if self.mode == Mode::Scale && middle.distance(mouse) < NEAR {
+        if self.mode == GizmoMode::Scale && middle.distance(mouse) < PICK_RADIUS {
             return Some(grip(3));
         }
         let distance = |axis: usize| {
@@ -101,17 +101,16 @@ impl Gizmo<'_> {
         let nearest = (0..3)
             .map(|k| (k, distance(k)))
             .min_by(|a, b| a.1.total_cmp(&b.1));
-        nearest.filter(|(_, d)| *d < NEAR).map(|(k, _)| grip(k))
+        nearest
+            .filter(|(_, d)| *d < PICK_RADIUS)
+            .map(|(k, _)| grip(k))
     }
 
-    /// Draws the handles; the one that is held or under the mouse is bright.
-    pub fn paint(&self, painter: &Painter, lit: Option<&Grip>) {
+    /// Draws the handles; the active one is highlighted.
+    pub fn paint(&self, painter: &Painter, lit: Option<&GizmoHandle>) {
         for (axis, own) in COLORS.into_iter().enumerate() {
             let is_lit = lit.is_some_and(|g| g.axis == axis || g.axis == 3);
-            let color = match is_lit {
-                true => Color32::WHITE,
-                false => own,
-            };
+            let color = if is_lit { Color32::WHITE } else { own };
             let lines = self.lines(axis);
             let stroke = Stroke::new(if is_lit { 3.5 } else { 2.5 }, color);
             lines.windows(2).for_each(|w| {
@@ -121,32 +120,32 @@ impl Gizmo<'_> {
                 continue;
             };
             match self.mode {
-                Mode::Scale => {
+                GizmoMode::Scale => {
                     painter.rect_filled(Rect::from_center_size(end, Vec2::splat(9.0)), 1.0, color);
                 }
                 _ => tip(painter, lines[0], end, color),
             }
         }
-        if let (Mode::Scale, Some(middle)) = (self.mode, self.on_screen(self.centre)) {
+        if let (GizmoMode::Scale, Some(middle)) = (self.mode, self.on_screen(self.centre)) {
             let square = Rect::from_center_size(middle, Vec2::splat(10.0));
             painter.rect_filled(square, 1.0, Color32::LIGHT_GRAY);
         }
     }
 
-    /// What dragging a handle to `mouse` does to the selection, in the world. The grip remembers
-    /// how far it has come.
-    pub fn drag(&self, grip: &mut Grip, mouse: Pos2) -> Option<DAffine3> {
+    /// The world-space transform for dragging a handle to `mouse`. Updates the handle's last
+    /// position.
+    pub fn drag(&self, grip: &mut GizmoHandle, mouse: Pos2) -> Option<DAffine3> {
         let map = match grip.mode {
-            Mode::Move => {
+            GizmoMode::Move => {
                 let axis = AXES[grip.axis];
                 let by = self.along(grip, axis, mouse)? - self.along(grip, axis, grip.last)?;
                 DAffine3::from_translation(by * axis)
             }
-            Mode::Turn => {
+            GizmoMode::Rotate => {
                 let by = self.around(grip, mouse)? - self.around(grip, grip.last)?;
                 about(grip.centre, DAffine3::from_axis_angle(AXES[grip.axis], by))
             }
-            Mode::Scale => {
+            GizmoMode::Scale => {
                 let factor = self.factor(grip, mouse)?;
                 let mut scale = DVec3::ONE;
                 match grip.axis {
@@ -157,24 +156,24 @@ impl Gizmo<'_> {
             }
         };
         grip.last = mouse;
-        if grip.mode == Mode::Move {
+        if grip.mode == GizmoMode::Move {
             grip.centre = map.transform_point3(grip.centre);
         }
         map.is_finite().then_some(map)
     }
 
-    /// How far along an axis the mouse is: where the axis comes nearest to its ray.
-    fn along(&self, grip: &Grip, axis: DVec3, mouse: Pos2) -> Option<f64> {
+    /// Position of the mouse along an axis: the point of the axis nearest to the mouse ray.
+    fn along(&self, grip: &GizmoHandle, axis: DVec3, mouse: Pos2) -> Option<f64> {
         let ray = self.view.ray(in_view(mouse, self.rect));
         let (d, w) = (ray.direction.normalize(), ray.origin - grip.centre);
         let b = d.dot(axis);
         let parallel = 1.0 - b * b;
-        // An axis that points at the eye cannot be followed.
+        // An axis that points at the camera has no such point.
         (parallel > 1e-4).then(|| (w.dot(axis) - b * w.dot(d)) / parallel)
     }
 
-    /// The angle of the mouse about the middle, as the axis sees it.
-    fn around(&self, grip: &Grip, mouse: Pos2) -> Option<f64> {
+    /// The angle of the mouse about the centre, as seen along the axis.
+    fn around(&self, grip: &GizmoHandle, mouse: Pos2) -> Option<f64> {
         let middle = self.on_screen(grip.centre)?;
         let v = mouse - middle;
         let toward_eye = self
@@ -183,11 +182,11 @@ impl Gizmo<'_> {
             .direction
             .dot(AXES[grip.axis]);
         let angle = f64::from(v.y).atan2(f64::from(v.x));
-        // Angles on the screen run clockwise; seen from behind, the axis turns the other way.
+        // Screen angles run clockwise; seen from behind, the axis turns the other way.
         Some(if toward_eye < 0.0 { -angle } else { angle })
     }
 
-    fn factor(&self, grip: &Grip, mouse: Pos2) -> Option<f64> {
+    fn factor(&self, grip: &GizmoHandle, mouse: Pos2) -> Option<f64> {
         let distance = |p: Pos2| match grip.axis {
             3 => Some(100.0 + f64::from(p.x - grip.last.x) - f64::from(p.y - grip.last.y)),
             axis => self.along(grip, AXES[axis], p),
@@ -202,7 +201,7 @@ fn in_view(p: Pos2, rect: Rect) -> DVec2 {
     DVec2::new(f64::from(p.x), f64::from(p.y))
 }
 
-/// A map about another point than the origin.
+/// A linear map about another point than the origin.
 fn about(centre: DVec3, map: DAffine3) -> DAffine3 {
     DAffine3::from_translation(centre) * map * DAffine3::from_translation(-centre)
 }
@@ -237,7 +236,7 @@ mod tests {
         Projection::new(&camera, [400, 400])
     }
 
-    fn gizmo(view: &Projection, mode: Mode) -> Gizmo<'_> {
+    fn gizmo(view: &Projection, mode: GizmoMode) -> Gizmo<'_> {
         Gizmo {
             view,
             rect: Rect::from_min_size(Pos2::new(50.0, 20.0), Vec2::splat(400.0)),
@@ -249,7 +248,7 @@ mod tests {
     #[test]
     fn an_axis_follows_the_mouse() {
         let view = view();
-        let gizmo = gizmo(&view, Mode::Move);
+        let gizmo = gizmo(&view, GizmoMode::Move);
         let to = |p: DVec3| gizmo.on_screen(p).unwrap();
         let start = to(DVec3::new(0.5, 0.0, 0.0));
         let mut grip = gizmo.grip_at(start).unwrap();
@@ -269,7 +268,7 @@ mod tests {
     #[test]
     fn rings_turn_as_the_mouse_does() {
         let view = view();
-        let gizmo = gizmo(&view, Mode::Turn);
+        let gizmo = gizmo(&view, GizmoMode::Rotate);
         let at = |degrees: f64| {
             let (s, c) = degrees.to_radians().sin_cos();
             gizmo
@@ -289,7 +288,7 @@ mod tests {
     #[test]
     fn scaling_leaves_the_middle_where_it_is() {
         let view = view();
-        let mut gizmo = gizmo(&view, Mode::Scale);
+        let mut gizmo = gizmo(&view, GizmoMode::Scale);
         gizmo.centre = DVec3::new(1.0, 0.0, 0.0);
         let to = |p: DVec3| gizmo.on_screen(p).unwrap();
         let mut grip = gizmo.grip_at(to(DVec3::new(1.0, 0.5, 0.0))).unwrap();
@@ -304,7 +303,7 @@ mod tests {
     #[test]
     fn far_from_all_handles_there_is_none() {
         let view = view();
-        for mode in [Mode::Move, Mode::Turn, Mode::Scale] {
+        for mode in [GizmoMode::Move, GizmoMode::Rotate, GizmoMode::Scale] {
             assert_eq!(gizmo(&view, mode).grip_at(Pos2::new(60.0, 30.0)), None);
         }
     }

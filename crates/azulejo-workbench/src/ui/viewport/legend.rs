@@ -1,10 +1,10 @@
-//! The colours of a scale, with their numbers.
+//! The legend of a colour scale.
 
-use crate::gpu::Scale;
+use crate::gpu::ColorScale;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, Vec2};
 
-/// Paints a bar of colours with numbers beside it, in the lower left corner of `rect`.
-pub fn paint(painter: &Painter, rect: Rect, scale: &Scale, unit: &str) {
+/// Draws a colour bar with its values in the lower left corner of `rect`.
+pub fn paint(painter: &Painter, rect: Rect, scale: &ColorScale, unit: &str) {
     let height = (0.5 * rect.height()).clamp(80.0, 240.0);
     let bar = Rect::from_min_size(
         Pos2::new(rect.min.x + 12.0, rect.max.y - height - 14.0),
@@ -46,7 +46,7 @@ pub fn paint(painter: &Painter, rect: Rect, scale: &Scale, unit: &str) {
         let tick = [Pos2::new(bar.max.x, y), Pos2::new(bar.max.x + 5.0, y)];
         painter.line_segment(tick, Stroke::new(1.0, white));
     }
-    // The isolines, where they lie on the bar.
+    // The positions of the isolines on the bar.
     for k in 1..scale.bands {
         let y = bar.max.y - k as f32 / scale.bands as f32 * height;
         let line = [Pos2::new(bar.min.x, y), Pos2::new(bar.max.x, y)];
@@ -54,7 +54,7 @@ pub fn paint(painter: &Painter, rect: Rect, scale: &Scale, unit: &str) {
     }
 }
 
-/// Three digits, whatever the size.
+/// A number with three significant digits.
 pub fn number(x: f64) -> String {
     let size = x.abs();
     if size == 0.0 {

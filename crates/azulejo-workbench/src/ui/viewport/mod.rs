@@ -1,161 +1,166 @@
-//! The model: drawn, moved around, picked.
+//! The viewport: drawing, navigation and picking.
 
+mod cache;
 mod gizmo;
+mod hover;
 mod legend;
+mod markers;
 mod navigate;
 mod picking;
-mod picture;
-mod pins;
-mod probe;
-mod screen;
-mod signs;
-mod stage;
+mod probe_markers;
+mod rendered;
+mod texture;
 
-pub(super) use signs::middle;
+pub(super) use markers::middle;
 
-pub use gizmo::Mode;
+pub use gizmo::GizmoMode;
+pub use hover::{radiance_unit, value};
 pub use legend::number;
-pub use probe::{radiance_unit, value};
 
-use super::desk::Desk;
+use super::panel_context::PanelContext;
 use crate::app::App;
-use crate::command::{Command, PatchAt};
+use crate::command::{Command, SurfacePick};
 use crate::document::Edit;
-use crate::gpu::{Background, Frame, Picture, Projection, Quantity, Scale};
-use crate::view::{Backdrop, Shading, View};
+use crate::gpu::{Background, ColorScalar, ColorScale, Projection, TextureSource, ViewportFrame};
+use crate::view::{Backdrop, ModelView, Shading};
 use azulejo::render::Tone;
 use azulejo::scene::math::Ray;
 use azulejo::scene::{Camera, Material};
+use cache::ViewportCache;
 use egui::{Color32, CursorIcon, Pos2, Rect, Response, Sense, Ui, Vec2};
-use gizmo::{Gizmo, Grip};
+use gizmo::{Gizmo, GizmoHandle};
 use glam::DAffine3;
-use screen::{Screen, Stamp};
-use stage::Stage;
+use texture::{DrawStamp, ViewportTexture};
 
-pub use screen::Loss;
+pub use texture::DeviceLost;
 
-/// The viewport's own state.
+/// The state of the viewport.
 #[derive(Default)]
 pub struct Viewport {
-    stage: Stage,
-    screen: Option<Screen>,
-    picture: picture::Shown,
-    /// What the handles of the selection do.
-    pub mode: Mode,
-    grip: Option<Grip>,
-    /// What is under the mouse.
-    probe: Option<String>,
+    cache: ViewportCache,
+    screen: Option<ViewportTexture>,
+    rendered: rendered::RenderTexture,
+    /// The mode of the gizmo.
+    pub mode: GizmoMode,
+    grip: Option<GizmoHandle>,
+    /// The text for the point under the mouse.
+    hover_text: Option<String>,
     probed_at: Option<(Pos2, u64, Camera, Shading)>,
-    /// What is pointed at, as a ray: by the mouse, or by keys the middle.
+    /// The ray of the mouse, or of the centre of the view when the keyboard is used.
     pointed: Option<Ray>,
-    /// Whether keys moved the view last: then they point at its middle.
+    /// Whether the view was last moved with the keyboard: then its centre is the pointer.
     by_keys: bool,
     /// Whether the next click pins a probe.
     pub pins_next: bool,
-    /// Pixels.
+    /// Size in pixels.
     size: [u32; 2],
 }
 
-/// Exposure that shows the usual irradiance on a grey surface as a bright middle.
+/// The exposure at which typical irradiance on a grey surface appears as a bright mid-tone.
 pub fn auto_exposure(app: &App) -> f64 {
     let usual = app.lighting.range.map_or(0.0, |r| r.usual);
-    match usual > 0.0 {
-        true => 0.6 * std::f64::consts::PI / (0.5 * usual),
-        false => 1.0,
+    if usual > 0.0 {
+        0.6 * std::f64::consts::PI / (0.5 * usual)
+    } else {
+        1.0
     }
 }
 
-/// Exposure of the light modes.
-fn exposure(app: &App, view: &View) -> f64 {
+/// The exposure of the modes that display light.
+fn exposure(app: &App, view: &ModelView) -> f64 {
     view.exposure.unwrap_or_else(|| auto_exposure(app))
 }
 
 /// The unit of irradiance.
 pub fn irradiance_unit(app: &App) -> &'static str {
-    match app.document.units.photometric {
-        true => "lx",
-        false => "W/m²",
+    if app.document.units.photometric {
+        "lx"
+    } else {
+        "W/m²"
     }
 }
 
 impl Viewport {
-    /// On the card of a window, if it has one.
+    /// Creates a viewport on the device of a window, if it has one.
     ///
     /// # Errors
-    /// [`Loss`]: the card cannot draw.
-    pub fn of_window(context: &eframe::CreationContext<'_>) -> Result<Viewport, Loss> {
+    ///
+    /// [`DeviceLost`] if the device cannot be used.
+    pub fn of_window(context: &eframe::CreationContext<'_>) -> Result<Viewport, DeviceLost> {
         let card = context.wgpu_render_state.as_ref();
         card.map_or_else(|| Ok(Viewport::default()), Viewport::on)
     }
 
-    /// With a graphics card to draw on.
-    fn on(state: &eframe::egui_wgpu::RenderState) -> Result<Viewport, Loss> {
+    /// Creates a viewport on a graphics device.
+    fn on(state: &eframe::egui_wgpu::RenderState) -> Result<Viewport, DeviceLost> {
         Ok(Viewport {
-            screen: Some(Screen::new(state)?),
+            screen: Some(ViewportTexture::new(state)?),
             ..Viewport::default()
         })
     }
 
-    /// Whether there is a card, or none was expected.
+    /// Checks that the device is available, if there should be one.
     ///
     /// # Errors
-    /// [`Loss`].
-    pub fn check(&self) -> Result<(), Loss> {
-        self.screen.as_ref().map_or(Ok(()), Screen::check)
+    ///
+    /// [`DeviceLost`].
+    pub fn check(&self) -> Result<(), DeviceLost> {
+        self.screen.as_ref().map_or(Ok(()), ViewportTexture::check)
     }
 
-    /// What is under the mouse.
+    /// The text for the point under the mouse.
     pub fn probe(&self) -> Option<&str> {
-        self.probe.as_deref()
+        self.hover_text.as_deref()
     }
 
-    /// The place of a surface that is pointed at.
-    pub fn pointed_place(&self) -> Option<PatchAt> {
+    /// The surface point under the pointer.
+    pub fn pointed_place(&self) -> Option<SurfacePick> {
         self.patch_at(&self.pointed?)
     }
 
-    /// The size of the viewport, pixels.
+    /// The size of the viewport in pixels.
     pub fn size(&self) -> (u32, u32) {
         (self.size[0].max(1), self.size[1].max(1))
     }
 
-    /// Draws the model, or the picture by rays in its place; takes the mouse and the keys.
+    /// Draws the model or the rendered image; handles the mouse and the keyboard.
     ///
     /// # Errors
-    /// [`Loss`]: the graphics card is gone. The window has to be opened again.
-    pub fn show(&mut self, ui: &mut Ui, desk: &mut Desk) -> Result<(), Loss> {
+    ///
+    /// [`DeviceLost`] if the graphics device is lost. The window has to be opened again.
+    pub fn show(&mut self, ui: &mut Ui, cx: &mut PanelContext) -> Result<(), DeviceLost> {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
-        let name = desk.say("Viewport");
+        let name = cx.tr("Viewport");
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, name));
         let pixels = rect.size() * ui.ctx().pixels_per_point();
         self.size = [pixels.x.round() as u32, pixels.y.round() as u32];
-        let view = self.view(ui, &response, desk);
-        self.stage
-            .update(desk.app, &Projection::new(&view.camera, self.size));
-        // A picture that was begun at another size fills a part of the place.
-        let seen = match &desk.app.picture {
-            Some(shown) => picture::place(rect, shown.size),
+        let view = self.view(ui, &response, cx);
+        self.cache
+            .update(cx.app, &Projection::new(&view.camera, self.size));
+        // An image rendered at another size covers only a part of the viewport.
+        let seen = match &cx.app.render {
+            Some(shown) => rendered::fit(rect, shown.size),
             None => rect,
         };
         let points = Projection::new(&view.camera, [seen.width() as u32, seen.height() as u32]);
-        if desk.app.picture.is_some() {
-            self.picture.show(ui, rect, desk.app);
+        if cx.app.render.is_some() {
+            self.rendered.show(ui, rect, cx.app);
         } else {
-            self.draw(ui, rect, desk, &view)?;
-            self.handles(ui, rect, &response, &points, desk);
+            self.draw(ui, rect, cx, &view)?;
+            self.handles(ui, rect, &response, &points, cx);
         }
-        self.point(ui, seen, &response, &points, desk);
-        pins::paint(ui, seen, &points, desk);
-        self.decorate(ui, rect, desk);
+        self.point(ui, seen, &response, &points, cx);
+        probe_markers::paint(ui, seen, &points, cx);
+        self.decorate(ui, rect, cx);
         Ok(())
     }
 
-    /// The view after this frame's mouse and keys.
-    fn view(&mut self, ui: &Ui, response: &Response, desk: &mut Desk) -> View {
-        let app = desk.app;
-        // Where a drag begins is found out below: on a handle, it does not turn the view.
-        if self.grip.is_some() || response.drag_started() || desk.is_covered {
+    /// The view after this frame's input.
+    fn view(&mut self, ui: &Ui, response: &Response, cx: &mut PanelContext) -> ModelView {
+        let app = cx.app;
+        // Whether a drag starts on a handle is decided below; if so, it does not rotate the view.
+        if self.grip.is_some() || response.drag_started() || cx.is_covered {
             return app.view.clone();
         }
         let (view, is_held) = navigate::navigate(ui, response, app);
@@ -164,19 +169,25 @@ impl Viewport {
             ui.ctx().request_repaint();
         }
         if view != app.view {
-            desk.wish(Command::Look(Box::new(view.clone())));
+            cx.send(Command::SetView(Box::new(view.clone())));
         }
         view
     }
 
-    fn draw(&mut self, ui: &Ui, rect: Rect, desk: &Desk, view: &View) -> Result<(), Loss> {
+    fn draw(
+        &mut self,
+        ui: &Ui,
+        rect: Rect,
+        cx: &PanelContext,
+        view: &ModelView,
+    ) -> Result<(), DeviceLost> {
         let Some(screen) = &mut self.screen else {
             ui.painter().rect_filled(rect, 0.0, Color32::from_gray(40));
             return Ok(());
         };
-        let app = desk.app;
+        let app = cx.app;
         let scale = scale(app);
-        let stamp = Stamp {
+        let stamp = DrawStamp {
             view: view.clone(),
             size: self.size,
             revision: app.revision(),
@@ -185,41 +196,41 @@ impl Viewport {
             scale,
         };
         let materials: Vec<&Material> = app.document.materials.iter().map(|m| &**m).collect();
-        let backdrop = self.stage.backdrop_key(&view.backdrop);
-        let stage = &self.stage;
+        let backdrop = self.cache.backdrop_key(&view.backdrop);
+        let cache = &self.cache;
         let textures = app.document.textures.iter();
-        let textures: Vec<Picture> = textures
-            .map(|t| Picture {
-                key: stage.texture_key(t),
+        let textures: Vec<TextureSource> = textures
+            .map(|t| TextureSource {
+                key: cache.texture_key(t),
                 image: t.image.as_ref(),
             })
             .collect();
         let shows_factors = view.shading == Shading::FormFactors;
-        let drawn = stage.drawn(app, shows_factors);
-        let overlay = signs::overlay(app);
-        let frame = Frame {
+        let drawn = cache.drawn(app, shows_factors);
+        let overlay = markers::overlay(app);
+        let frame = ViewportFrame {
             shading: view.shading,
             textures: &textures,
             background: background(app, view, backdrop, ui.visuals().dark_mode),
-            fog: app.document.fog.filter(|_| view.fog),
+            fog: app.document.fog.filter(|_| view.shows_fog),
             overlay: &overlay,
             exposure: exposure(app, view),
             scale,
-            ..Frame::new(self.size, &view.camera, &drawn, &materials)
+            ..ViewportFrame::new(self.size, &view.camera, &drawn, &materials)
         };
         screen.draw(ui, rect, stamp, &frame)
     }
 
-    /// The handles of what is selected.
+    /// The gizmo of the selection.
     fn handles(
         &mut self,
         ui: &Ui,
         rect: Rect,
         response: &Response,
         view: &Projection,
-        desk: &mut Desk,
+        cx: &mut PanelContext,
     ) {
-        let Some(centre) = middle(desk.app) else {
+        let Some(centre) = middle(cx.app) else {
             self.grip = None;
             return;
         };
@@ -232,7 +243,7 @@ impl Viewport {
         let mouse = response.hover_pos().or(response.interact_pointer_pos());
         let under = mouse.and_then(|p| gizmo.grip_at(p));
         if response.drag_started_by(egui::PointerButton::Primary) {
-            // The press was a little before the drag began.
+            // The button was pressed slightly before the drag was detected.
             let press = ui.input(|i| i.pointer.press_origin());
             self.grip = press.and_then(|p| gizmo.grip_at(p));
         }
@@ -241,8 +252,8 @@ impl Viewport {
             && let Some(map) = gizmo.drag(grip, mouse)
             && map != DAffine3::IDENTITY
         {
-            let ids = desk.app.selection.ids.clone();
-            desk.edit(Edit::Transform(ids, map));
+            let ids = cx.app.selection.ids.clone();
+            cx.edit(Edit::Transform(ids, map));
         }
         if !response.dragged() {
             self.grip = None;
@@ -253,13 +264,13 @@ impl Viewport {
         gizmo.paint(ui.painter(), self.grip.as_ref().or(under.as_ref()));
     }
 
-    /// What is painted over the model: legends and buttons.
-    fn decorate(&mut self, ui: &mut Ui, rect: Rect, desk: &Desk) {
-        let app = desk.app;
+    /// Draws legends and buttons over the model.
+    fn decorate(&mut self, ui: &mut Ui, rect: Rect, cx: &PanelContext) {
+        let app = cx.app;
         if self.by_keys {
-            pins::cross(ui.painter(), rect.center(), "", 1.0);
+            probe_markers::cross(ui.painter(), rect.center(), "", 1.0);
         }
-        if app.picture.is_none() {
+        if app.render.is_none() {
             match app.view.shading {
                 Shading::FalseColor if app.lighting.solution.is_some() => {
                     legend::paint(ui.painter(), rect, &scale(app), irradiance_unit(app));
@@ -270,7 +281,7 @@ impl Viewport {
                 _ => {}
             }
         }
-        if let Some(hint) = self.hint(desk) {
+        if let Some(hint) = self.hint(cx) {
             let at = rect.center_top() + Vec2::new(0.0, 10.0);
             let font = egui::FontId::proportional(13.0);
             let galley = ui
@@ -282,36 +293,36 @@ impl Viewport {
             ui.painter().rect_filled(place.expand(5.0), 4.0, back);
             ui.painter().galley(place.min, galley, Color32::WHITE);
         }
-        if app.picture.is_none() && !app.selection.ids.is_empty() {
-            self.mode_buttons(ui, rect, desk);
+        if app.render.is_none() && !app.selection.ids.is_empty() {
+            self.mode_buttons(ui, rect, cx);
         }
     }
 
-    /// What one should know of what is shown.
-    fn hint(&self, desk: &Desk) -> Option<&'static str> {
-        let app = desk.app;
+    /// A hint about the displayed state.
+    fn hint(&self, cx: &PanelContext) -> Option<&'static str> {
+        let app = cx.app;
         let lighting = &app.lighting;
         let shading = app.view.shading;
-        if app.document.items.is_empty() {
+        if app.document.objects.is_empty() {
             None
         } else if self.pins_next {
-            Some(desk.say("Click the place to watch; Escape for none."))
+            Some(cx.tr("Click the point to pin a probe at; Escape cancels."))
         } else if shading == Shading::FormFactors && lighting.seen.is_none() {
-            Some(desk.say("Click a surface: its form factors become colours."))
+            Some(cx.tr("Click a surface to display its form factors."))
         } else if shading.shows_light() && lighting.solution.is_none() {
-            Some(desk.say("Not solved yet: press F5."))
+            Some(cx.tr("Not solved yet: press F5."))
         } else if shading.shows_light() && !lighting.is_current {
-            Some(desk.say("This light is from before the last changes: press F5."))
+            Some(cx.tr("This light is outdated: press F5."))
         } else {
             None
         }
     }
 
-    fn mode_buttons(&mut self, ui: &mut Ui, rect: Rect, desk: &Desk) {
+    fn mode_buttons(&mut self, ui: &mut Ui, rect: Rect, cx: &PanelContext) {
         let modes = [
-            (Mode::Move, desk.say("Move")),
-            (Mode::Turn, desk.say("Turn")),
-            (Mode::Scale, desk.say("Resize")),
+            (GizmoMode::Move, cx.tr("Move")),
+            (GizmoMode::Rotate, cx.tr("Rotate")),
+            (GizmoMode::Scale, cx.tr("Resize")),
         ];
         let place = Rect::from_min_size(rect.min + Vec2::splat(8.0), Vec2::new(240.0, 24.0));
         ui.scope_builder(egui::UiBuilder::new().max_rect(place), |ui| {
@@ -324,19 +335,19 @@ impl Viewport {
     }
 }
 
-/// How numbers become colours now.
-fn scale(app: &App) -> Scale {
+/// The current colour scale.
+fn scale(app: &App) -> ColorScale {
     let colors = &app.view.false_color;
     if app.view.shading == Shading::FormFactors {
         let factors = app.lighting.seen.iter().flat_map(|s| s.factors.iter());
         let high = factors.fold(0.0, |a: f64, &b| a.max(b)).max(1e-9);
-        return Scale {
+        return ColorScale {
             map: colors.map,
             low: if colors.logarithmic { 1e-4 * high } else { 0.0 },
             high,
             is_logarithmic: colors.logarithmic,
             bands: 0,
-            quantity: Quantity::default(),
+            quantity: ColorScalar::default(),
         };
     }
     let found = app.lighting.range;
@@ -346,22 +357,22 @@ fn scale(app: &App) -> Scale {
         high = high.max(1e-9);
         low = low.clamp(1e-4 * high, high);
     }
-    Scale {
+    ColorScale {
         map: colors.map,
         low,
         high: if high > low { high } else { low + 1.0 },
         is_logarithmic: colors.logarithmic,
         bands: colors.isolines,
-        quantity: Quantity::default(),
+        quantity: ColorScalar::default(),
     }
 }
 
-/// What is behind the model.
-fn background<'a>(app: &App, view: &'a View, key: u64, is_dark: bool) -> Background<'a> {
+/// The background of the viewport.
+fn background<'a>(app: &App, view: &'a ModelView, key: u64, is_dark: bool) -> Background<'a> {
     match &view.backdrop {
         Backdrop::Color(color) => Background::Color(*color),
         Backdrop::Image(image, fit) => Background::Image {
-            picture: Picture {
+            picture: TextureSource {
                 key,
                 image: Some(&**image),
             },
@@ -370,14 +381,14 @@ fn background<'a>(app: &App, view: &'a View, key: u64, is_dark: bool) -> Backgro
         },
         Backdrop::Scene => match app.document.background {
             Some(radiance) => {
-                // Where surfaces show their light, it is exposed as they are.
+                // In modes that display light, the background is exposed like the surfaces.
                 let shown = match view.shading {
                     Shading::Irradiance | Shading::Patches => {
                         Tone::default().map(exposure(app, view) * radiance)
                     }
                     _ => radiance,
                 };
-                let [r, g, b, _] = super::paint::color(shown).to_array();
+                let [r, g, b, _] = super::colors::color(shown).to_array();
                 Background::Color([r, g, b])
             }
             None if is_dark => Background::Gradient {

@@ -1,29 +1,28 @@
-//! Mouse and keys that move the view.
+//! Navigation with mouse and keyboard.
 
 use crate::app::App;
 use crate::ui::focus::keep_arrows;
-use crate::view::View;
+use crate::view::ModelView;
 use egui::{Key, Modifiers, PointerButton, Response, Ui};
 use glam::DVec3;
 
 /// Radians per point of dragging.
 const TURN: f64 = 0.008;
-/// Share of the model that is flown in a second.
+/// Flying speed in sizes of the model per second.
 const FLIGHT: f64 = 0.25;
-/// Radians per second of turning the head.
+/// Turning speed in radians per second.
 const HEAD: f64 = 1.0;
 
-/// Shares of the view's height per second of shifting by keys.
+/// Panning speed by keyboard, in heights of the view per second.
 const SHIFT: f64 = 0.5;
-/// By what a second of a key brings nearer.
+/// Change of the distance per second of zooming by keyboard.
 const NEARER: f64 = 0.4;
 
-/// The view after this frame's mouse and keys; whether it must be drawn again at once because a
-/// key is held.
-pub fn navigate(ui: &Ui, response: &Response, app: &App) -> (View, bool) {
+/// The view after this frame's input; also whether to repaint at once because a key is held.
+pub fn navigate(ui: &Ui, response: &Response, app: &App) -> (ModelView, bool) {
     let mut view = app.view.clone();
     let up = app.document.units.up.axis();
-    let held = Held::now(ui, response);
+    let held = HeldKeys::now(ui, response);
     drag(ui, response, &mut view, up, held.flies());
     wheel(ui, response, &mut view);
     let is_held = held.any();
@@ -34,7 +33,7 @@ pub fn navigate(ui: &Ui, response: &Response, app: &App) -> (View, bool) {
     (view, is_held)
 }
 
-fn drag(ui: &Ui, response: &Response, view: &mut View, up: DVec3, flies: bool) {
+fn drag(ui: &Ui, response: &Response, view: &mut ModelView, up: DVec3, flies: bool) {
     let by = response.drag_delta();
     if by == egui::Vec2::ZERO {
         return;
@@ -46,7 +45,7 @@ fn drag(ui: &Ui, response: &Response, view: &mut View, up: DVec3, flies: bool) {
         || response.dragged_by(PointerButton::Middle)
         || modifiers.shift;
     if flies {
-        // Who flies looks around with the mouse.
+        // While flying, the mouse looks around.
         view.fly(DVec3::ZERO, TURN * dx, -TURN * dy, up);
     } else if shifts {
         view.pan(-dx / height, dy / height);
@@ -57,7 +56,7 @@ fn drag(ui: &Ui, response: &Response, view: &mut View, up: DVec3, flies: bool) {
     }
 }
 
-fn wheel(ui: &Ui, response: &Response, view: &mut View) {
+fn wheel(ui: &Ui, response: &Response, view: &mut ModelView) {
     if !response.hovered() {
         return;
     }
@@ -70,46 +69,47 @@ fn wheel(ui: &Ui, response: &Response, view: &mut View) {
     }
 }
 
-/// Keys that are held, and for how long since the last frame.
+/// Held keys, and the time since the last frame.
 #[derive(Default)]
-struct Held {
+struct HeldKeys {
     /// Right, up and forward: -1, 0 or 1.
     step: DVec3,
-    /// Arrows to the right and up.
+    /// Arrow keys: right and up.
     arrows: (f64, f64),
-    /// Nearer, or further away.
+    /// Closer or further away.
     zoom: f64,
     modifiers: Modifiers,
     seconds: f64,
 }
 
-impl Held {
-    /// None while another part of the window has the keys.
-    fn now(ui: &Ui, response: &Response) -> Held {
+impl HeldKeys {
+    /// No keys are held while another widget has the focus.
+    fn now(ui: &Ui, response: &Response) -> HeldKeys {
         if response.has_focus() {
             keep_arrows(response);
         } else if ui.memory(|m| m.focused()).is_some() {
-            return Held::default();
+            return HeldKeys::default();
         }
         ui.input(|i| {
             let held = |key| f64::from(u8::from(i.key_down(key)));
-            let letters = match i.modifiers.any() {
-                true => DVec3::ZERO,
-                false => DVec3::new(
+            let letters = if i.modifiers.any() {
+                DVec3::ZERO
+            } else {
+                DVec3::new(
                     held(Key::D) - held(Key::A),
                     held(Key::R) - held(Key::F),
                     held(Key::W) - held(Key::S),
-                ),
+                )
             };
             let plus = held(Key::Plus).max(held(Key::Equals));
             let signs = plus - held(Key::Minus);
-            Held {
+            HeldKeys {
                 step: letters,
                 arrows: (
                     held(Key::ArrowRight) - held(Key::ArrowLeft),
                     held(Key::ArrowUp) - held(Key::ArrowDown),
                 ),
-                // A plus may need Shift; with Ctrl they mean something else.
+                // Typing a plus may need Shift; with Ctrl these keys scale the window.
                 zoom: if i.modifiers.command { 0.0 } else { signs },
                 modifiers: i.modifiers,
                 seconds: f64::from(i.stable_dt.min(0.1)),
@@ -126,7 +126,7 @@ impl Held {
     }
 
     /// Moves the view; `reach` is the size of the model.
-    fn carry(&self, view: &mut View, reach: f64, up: DVec3) {
+    fn carry(&self, view: &mut ModelView, reach: f64, up: DVec3) {
         let dt = self.seconds;
         if self.arrows != (0.0, 0.0) {
             let (x, y) = (self.arrows.0 * dt, self.arrows.1 * dt);

@@ -1,10 +1,11 @@
-//! What the mouse points at, or keys: the middle of the view then; and what a click there does.
+//! The pointer in the viewport (the mouse, or the centre of the view with the keyboard), and
+//! clicks.
 
-use super::{Viewport, probe, signs};
-use crate::command::{Command, PatchAt, Selection};
-use crate::document::Id;
-use crate::gpu::{Drawn, Pick, Projection, pick};
-use crate::ui::desk::Desk;
+use super::{Viewport, hover, markers};
+use crate::command::{Command, Selection, SurfacePick};
+use crate::document::ItemId;
+use crate::gpu::{MeshInstance, PickHit, Projection, pick};
+use crate::ui::panel_context::PanelContext;
 use crate::view::Shading;
 use azulejo::scene::Shape;
 use azulejo::scene::math::Ray;
@@ -12,47 +13,47 @@ use egui::{Pos2, Rect, Response, Ui};
 use glam::DVec2;
 
 impl Viewport {
-    /// Takes what is pointed at, and clicks. `rect` is where the model is seen.
+    /// Updates the pointer and handles clicks. `rect` is the rectangle of the model.
     pub(super) fn point(
         &mut self,
         ui: &Ui,
         rect: Rect,
         response: &Response,
         view: &Projection,
-        desk: &mut Desk,
+        cx: &mut PanelContext,
     ) {
         if self.pins_next && ui.input(|i| i.key_pressed(egui::Key::Escape)) {
             self.pins_next = false;
         }
         let Some(at) = self.pointer(response, rect) else {
-            self.probe = None;
+            self.hover_text = None;
             self.probed_at = None;
             self.pointed = None;
             return;
         };
-        let place = at - rect.min;
-        let pixel = DVec2::new(f64::from(place.x), f64::from(place.y));
+        let offset = at - rect.min;
+        let pixel = DVec2::new(f64::from(offset.x), f64::from(offset.y));
         let ray = view.ray(pixel);
         self.pointed = Some(ray);
         if response.double_clicked() {
-            let bounds = desk.app.document.frame_of(&desk.app.selection.ids);
-            let mut look = desk.app.view.clone();
+            let bounds = cx.app.document.frame_of(&cx.app.selection.ids);
+            let mut look = cx.app.view.clone();
             look.frame(bounds);
-            desk.wish(Command::Look(Box::new(look)));
+            cx.send(Command::SetView(Box::new(look)));
         } else if response.clicked() {
             response.request_focus();
-            self.click(ui, at, rect, &ray, view, desk);
+            self.click(ui, at, rect, &ray, view, cx);
         }
-        // What rests need not be asked again.
-        let view = &desk.app.view;
-        let key = (at, desk.app.revision(), view.camera.clone(), view.shading);
+        // An unchanged pointer needs no new query.
+        let view = &cx.app.view;
+        let key = (at, cx.app.revision(), view.camera.clone(), view.shading);
         if self.probed_at.as_ref() != Some(&key) && !response.dragged() {
             self.probed_at = Some(key);
-            self.probe = probe::text(desk, &self.stage, &ray);
+            self.hover_text = hover::text(cx, &self.cache, &ray);
         }
     }
 
-    /// Where the mouse is, or the middle of the view where keys have it.
+    /// The mouse position, or the centre of the view when the keyboard is used.
     fn pointer(&mut self, response: &Response, rect: Rect) -> Option<Pos2> {
         let moves = response.ctx.input(|i| i.pointer.is_moving());
         if !response.has_focus() || (response.hovered() && moves) {
@@ -60,9 +61,10 @@ impl Viewport {
         } else if response.gained_focus() && !response.hovered() {
             self.by_keys = true;
         }
-        match self.by_keys {
-            true => Some(rect.center()),
-            false => response.hover_pos(),
+        if self.by_keys {
+            Some(rect.center())
+        } else {
+            response.hover_pos()
         }
     }
 
@@ -73,73 +75,72 @@ impl Viewport {
         rect: Rect,
         ray: &Ray,
         view: &Projection,
-        desk: &mut Desk,
+        cx: &mut PanelContext,
     ) {
         let modifiers = ui.input(|i| i.modifiers);
         if std::mem::take(&mut self.pins_next) {
-            if let Some(place) = self.patch_at(ray) {
-                desk.wish(Command::Pin(place));
+            if let Some(pick) = self.patch_at(ray) {
+                cx.send(Command::AddProbe(pick));
             }
             return;
         }
-        if desk.app.view.shading == Shading::FormFactors {
-            if let Some(place) = self.patch_at(ray) {
-                desk.wish(Command::FormFactorsFrom(place));
+        if cx.app.view.shading == Shading::FormFactors {
+            if let Some(pick) = self.patch_at(ray) {
+                cx.send(Command::FormFactorsFrom(pick));
             }
             return;
         }
         if modifiers.alt {
-            self.pick_face(ray, desk);
+            self.pick_face(ray, cx);
             return;
         }
-        let found = signs::at(mouse, rect, view, desk.app).or_else(|| {
+        let found = markers::at(mouse, rect, view, cx.app).or_else(|| {
             let hit = self.hit(ray)?;
-            Some(self.stage.entries()[hit.object].id)
+            Some(self.cache.entries()[hit.object].id)
         });
         match found {
-            Some(id) => desk.select(id, modifiers.command || modifiers.shift),
-            None => desk.wish(Command::Select(Selection::default())),
+            Some(id) => cx.select(id, modifiers.command || modifiers.shift),
+            None => cx.send(Command::Select(Selection::default())),
         }
     }
 
-    pub(super) fn patch_at(&self, ray: &Ray) -> Option<PatchAt> {
+    pub(super) fn patch_at(&self, ray: &Ray) -> Option<SurfacePick> {
         let hit = self.hit(ray)?;
-        let entry = &self.stage.entries()[hit.object];
-        Some(PatchAt {
+        let entry = &self.cache.entries()[hit.object];
+        Some(SurfacePick {
             item: entry.id,
             position: hit.position,
             normal: entry.normal(hit.vertices, ray),
         })
     }
 
-    fn hit(&self, ray: &Ray) -> Option<Pick> {
-        let drawn: Vec<Drawn> = self.stage.entries().iter().map(|e| e.drawn()).collect();
+    fn hit(&self, ray: &Ray) -> Option<PickHit> {
+        let drawn: Vec<MeshInstance> = self.cache.entries().iter().map(|e| e.drawn()).collect();
         pick(&drawn, ray, false)
     }
 
-    /// Adds a face to the selection, or takes it away. Faces are those of the model, whatever the
-    /// solver divided them into.
-    fn pick_face(&self, ray: &Ray, desk: &mut Desk) {
-        let document = &desk.app.document;
-        let meshes: Vec<(Id, Drawn)> = (document.items.iter())
+    /// Toggles a face in the selection. Faces are those of the model, not the solver's patches.
+    fn pick_face(&self, ray: &Ray, cx: &mut PanelContext) {
+        let document = &cx.app.document;
+        let meshes: Vec<(ItemId, MeshInstance)> = (document.objects.iter())
             .filter(|item| !item.hidden)
             .filter_map(|item| match &*item.shape {
                 Shape::Mesh(mesh) => Some((
                     item.id,
-                    Drawn {
+                    MeshInstance {
                         world_from_object: item.placement,
-                        ..Drawn::new(0, mesh)
+                        ..MeshInstance::new(0, mesh)
                     },
                 )),
                 _ => None,
             })
             .collect();
-        let drawn: Vec<Drawn> = meshes.iter().map(|(_, d)| *d).collect();
+        let drawn: Vec<MeshInstance> = meshes.iter().map(|(_, d)| *d).collect();
         let Some(hit) = pick(&drawn, ray, false) else {
             return;
         };
         let id = meshes[hit.object].0;
-        let mut faces = match &desk.app.selection.faces {
+        let mut faces = match &cx.app.selection.faces {
             Some((old, faces)) if *old == id => faces.clone(),
             _ => Vec::new(),
         };
@@ -150,7 +151,7 @@ impl Viewport {
             None => faces.push(hit.face as u32),
         }
         let material = drawn[hit.object].mesh.face_materials.get(hit.face);
-        desk.wish(Command::Select(Selection {
+        cx.send(Command::Select(Selection {
             ids: vec![id],
             faces: (!faces.is_empty()).then_some((id, faces)),
             material: material.copied(),

@@ -1,21 +1,21 @@
-//! What the window says of the work to the desktop, and when it may close.
+//! The window's title, and when it may close.
 
 use super::Workbench;
 use crate::app::App;
 use crate::command::Command;
-use crate::jobs::Kind;
+use crate::jobs::JobKind;
 use egui::ViewportCommand;
 
 impl Workbench {
-    pub(super) fn mind_window(&mut self, context: &egui::Context) {
+    pub(super) fn update_window(&mut self, context: &egui::Context) {
         let (asks_close, focused) = context.input(|i| {
             let viewport = i.viewport();
             (viewport.close_requested(), viewport.focused.unwrap_or(true))
         });
-        self.mind_closing(context, asks_close);
+        self.handle_close(context, asks_close);
         if focused && !self.was_focused {
             self.app.check_disk();
-            // What it asks is asked in the next frame.
+            // Its question is displayed in the next frame.
             context.request_repaint();
         }
         self.was_focused = focused;
@@ -26,36 +26,38 @@ impl Workbench {
         }
     }
 
-    /// Closes the window where somebody wants it to: not before all is written, and not with
-    /// changes that nobody gave up, even those that were made while it waited.
-    fn mind_closing(&mut self, context: &egui::Context, asks_close: bool) {
+    /// Closes the window at the user's request, after all files are written and not with changes
+    /// that the user has not given up, including those made meanwhile.
+    fn handle_close(&mut self, context: &egui::Context, asks_close: bool) {
         let ends = asks_close || self.app.closing;
         let is_lost = self.rescue.is_none();
-        if !ends || is_lost || self.leaves {
-            self.leaves |= ends;
-        } else if self.app.is_busy(Kind::Save) {
+        if !ends || is_lost || self.is_leaving {
+            self.is_leaving |= ends;
+        } else if self.app.is_busy(JobKind::Save) {
             context.send_viewport_cmd(ViewportCommand::CancelClose);
             if !self.app.closing {
                 self.app.execute(Command::Quit);
             }
-        } else if self.app.loses_by_closing() {
+        } else if self.app.close_loses_changes() {
             context.send_viewport_cmd(ViewportCommand::CancelClose);
             self.app.closing = false;
             self.app.execute(Command::Quit);
         } else {
-            self.leaves = true;
+            self.is_leaving = true;
         }
-        if self.leaves && self.app.closing {
+        if self.is_leaving && self.app.closing {
             context.send_viewport_cmd(ViewportCommand::Close);
         }
     }
 }
 
-/// The file, a mark for changes, and who shows it.
+/// The file, a mark for unsaved changes, and the program.
 fn title(app: &App) -> String {
     let file = app.file.as_ref().and_then(|f| f.path.file_name());
-    let branch = app.document.branches.first().map(|b| b.name.clone());
-    let name = file.map(|n| n.to_string_lossy().into_owned()).or(branch);
+    let source_file = app.document.source_files.first().map(|b| b.name.clone());
+    let name = file
+        .map(|n| n.to_string_lossy().into_owned())
+        .or(source_file);
     let mark = if app.is_changed() { "• " } else { "" };
     match name {
         Some(name) => format!("{mark}{name} – azulejo"),

@@ -1,0 +1,549 @@
+//! The command line as clap parses it. Values get their types here; the commands interpret them.
+
+use super::brdf::{BRDF_EXAMPLES, BrdfCommand};
+use super::engine::EngineArgs;
+use super::form_factors;
+use super::lettering::{
+    EXTRUDE_EXAMPLES, ExtrudeArgs, FONT_EXAMPLES, FontCommand, TEXT_EXAMPLES, TextArgs,
+};
+use super::placement::{self, Placement};
+use super::values::{self, UpArg};
+use azulejo_formats::{Lod, ReadOptions};
+use azulejo_render::rtrace::Side;
+use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
+use glam::DVec3;
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Global illumination for the models people already have.
+///
+/// Reads a model, computes the irradiance on its surfaces, and renders and measures it.
+#[derive(Debug, Parser)]
+#[command(name = "azulejo", version, max_term_width = 100, after_help = EXAMPLES)]
+pub struct Cli {
+    /// The command.
+    #[command(subcommand)]
+    pub command: Command,
+    /// The options of every command.
+    #[command(flatten)]
+    pub common: CommonArgs,
+}
+
+/// Options of every command.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "General")]
+pub struct CommonArgs {
+    /// Print one JSON object on standard output instead of text
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Print errors only: no progress, warnings or summary
+    #[arg(long, short, global = true)]
+    pub quiet: bool,
+    /// Number of threads [default: one per processor core]
+    #[arg(long, global = true, value_name = "N",
+          value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Show what a model contains
+    #[command(after_help = INFO_EXAMPLES)]
+    Info(InfoArgs),
+    /// Read models, merge them and write them in another format
+    #[command(after_help = CONVERT_EXAMPLES)]
+    Convert(ConvertArgs),
+    /// First pass: compute the irradiance on the vertices
+    #[command(after_help = SOLVE_EXAMPLES)]
+    Solve(SolveArgs),
+    /// Second pass: render an image; solves first if the scene has no irradiance yet
+    #[command(after_help = RENDER_EXAMPLES)]
+    Render(RenderArgs),
+    /// Measure irradiance at points, or radiance or hits along rays
+    #[command(after_help = PROBE_EXAMPLES)]
+    Probe(ProbeArgs),
+    /// Compute the matrix of form factors between patches
+    #[command(after_help = form_factors::args::EXAMPLES)]
+    FormFactors(form_factors::args::FormFactorArgs),
+    /// Compare form factor engines: run a suite of scenes and settings and report times and errors
+    #[command(after_help = EXPERIMENT_EXAMPLES)]
+    Experiment(ExperimentArgs),
+    /// Make solid letters from text
+    #[command(after_help = TEXT_EXAMPLES)]
+    Text(TextArgs),
+    /// Convert fonts and draw specimen sheets
+    #[command(after_help = FONT_EXAMPLES)]
+    Font {
+        /// The subcommand
+        #[command(subcommand)]
+        command: FontCommand,
+    },
+    /// Extrude a drawing (SVG or DXF) to a solid
+    #[command(after_help = EXTRUDE_EXAMPLES)]
+    Extrude(ExtrudeArgs),
+    /// Evaluate, plot, check and fit reflection models
+    #[command(after_help = BRDF_EXAMPLES)]
+    Brdf {
+        /// The subcommand
+        #[command(subcommand)]
+        command: BrdfCommand,
+    },
+    /// Open the workbench, a window to view, light and save models
+    #[command(after_help = VIEW_EXAMPLES)]
+    View(WorkbenchArgs),
+    /// Print a completion script for a shell
+    #[command(after_help = COMPLETIONS_EXAMPLES)]
+    Completions {
+        /// The shell
+        shell: clap_complete::Shell,
+    },
+    /// Write the manual pages to a folder
+    #[command(after_help = MAN_EXAMPLES)]
+    Man {
+        /// An existing folder
+        #[arg(value_name = "DIR", value_hint = ValueHint::DirPath)]
+        folder: PathBuf,
+    },
+}
+
+/// `view`
+#[derive(Debug, Args)]
+pub struct WorkbenchArgs {
+    /// Models to open
+    #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub files: Vec<PathBuf>,
+    /// Run a script of steps, one per line
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub script: Option<PathBuf>,
+    /// Write a screenshot (PNG) once all is loaded and the script has run, and exit
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub screenshot: Option<PathBuf>,
+    /// Neither read nor write preferences and recovery files
+    #[arg(long)]
+    pub no_preferences: bool,
+}
+
+/// The models to read.
+#[derive(Debug, Args)]
+pub struct InputArgs {
+    /// Model files, merged into one scene if several; `-` is standard input
+    #[arg(value_name = "SCENE", required = true, value_hint = ValueHint::FilePath)]
+    pub scenes: Vec<PathBuf>,
+    /// Add the point lights of a camera file (.json)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub lights: Option<PathBuf>,
+    #[command(flatten)]
+    pub reading: ReadingArgs,
+}
+
+/// How models are read and put together.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Reading")]
+pub struct ReadingArgs {
+    /// Place a model: FILE:translate=1,0,2,rotate=0,90,0,scale=2, applied in the given order
+    /// (degrees about x, y, z; one scale factor or three). fit=2 scales the model to that largest
+    /// side and stands it on the origin; up=z and unit=mm override the file's axis and unit;
+    /// name=lamp names its branch in the scene
+    #[arg(long, value_name = "FILE:HOW", value_parser = placement::parse)]
+    pub place: Vec<Placement>,
+    /// Up axis of the scene, to which models are rotated [default: that of the first model]. For
+    /// `render`, also a direction X,Y,Z that points up in the image only
+    #[arg(long, value_name = "y|z", value_parser = values::up, allow_hyphen_values = true)]
+    pub up: Option<UpArg>,
+    /// Unit of length of the scene, to which models are scaled: mm, cm, m, km, in, ft, or a number
+    /// of metres [default: that of the first model]
+    #[arg(long, value_name = "UNIT", value_parser = values::unit)]
+    pub unit: Option<f64>,
+    /// Level of detail of models that have several: finest, coarsest, all, or the one for a
+    /// viewing distance
+    #[arg(long, value_name = "LEVEL", default_value = "finest", value_parser = values::lod)]
+    pub lod: Lod,
+    /// Fail if anything in a model had to be skipped or repaired
+    #[arg(long)]
+    pub strict: bool,
+    /// Limit of the vertices and corners to which instances and curves of a model may expand
+    #[arg(long, value_name = "N", default_value_t = ReadOptions::default().most_elements)]
+    pub most_elements: u64,
+    /// Also read files in this folder that a model refers to by `..` or an absolute path
+    #[arg(long, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    pub allow: Vec<PathBuf>,
+}
+
+/// `info`
+#[derive(Debug, Args)]
+pub struct InfoArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+}
+
+/// `convert`
+#[derive(Debug, Args)]
+pub struct ConvertArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+    /// Output file, its format chosen by extension: .grf, .obj (with an .mtl), .glb, .gltf, .ply or
+    /// .sff; `-` writes GRF to standard output
+    #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
+    pub output: PathBuf,
+}
+
+/// The subdivision into patches.
+#[derive(Clone, Copy, Debug, Args)]
+#[group(multiple = false)]
+pub struct DivisionArgs {
+    /// Approximate number of patches
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
+    pub patches: Option<u64>,
+    /// Longest edge of a patch, in scene units; 0 does not divide faces
+    #[arg(long, value_name = "LENGTH", value_parser = values::not_negative)]
+    pub patch_size: Option<f64>,
+}
+
+/// The first pass.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "First pass")]
+pub struct FirstPassArgs {
+    #[command(flatten)]
+    pub division: DivisionArgs,
+    /// Stop when the estimated relative error (RMS) of the irradiance is below this: 1% or 0.01
+    /// [default without --rays: 3%, with at most 2048 rays]
+    #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
+    pub error: Option<f64>,
+    /// Rays per patch, and at most as many per vertex or point
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub rays: Option<u32>,
+    /// Stop refining after this time and keep the result so far: 60s, 2m, 500ms
+    #[arg(long, value_name = "TIME", value_parser = values::duration)]
+    pub time: Option<Duration>,
+    /// Number of diffuse reflections [default: until converged]
+    #[arg(long, value_name = "N")]
+    pub bounces: Option<u32>,
+    /// Memory for the form factor matrix; a larger problem is solved without a matrix
+    /// [default: half of the machine's]
+    #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
+    pub memory: Option<u64>,
+    /// Seed of the random numbers; the same seed gives the same result
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Write irradiance on the original vertices, without subdividing faces
+    #[arg(long)]
+    pub keep_mesh: bool,
+    #[command(flatten)]
+    pub engine: EngineArgs,
+}
+
+/// `solve`
+#[derive(Debug, Args)]
+pub struct SolveArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+    /// Output file for the scene with its irradiance, its format chosen by extension: .grf, .glb,
+    /// .gltf or .ply; `-` writes GRF to standard output
+    #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub first_pass: FirstPassArgs,
+}
+
+/// Tone mapping curves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ToneName {
+    /// Clip above 1
+    Linear,
+    /// Compress luminance, preserving colours (Reinhard et al. 2002)
+    Reinhard,
+    /// A curve like that of film (Narkowicz 2015)
+    Filmic,
+}
+
+/// The camera.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Camera")]
+pub struct CameraArgs {
+    /// A camera file (.json), or the name of one of the scene's cameras [default: the scene's
+    /// first camera, or a view of the whole scene]
+    #[arg(long, value_name = "FILE|NAME", value_hint = ValueHint::FilePath)]
+    pub camera: Option<String>,
+    /// Position of the camera
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    pub from: Option<DVec3>,
+    /// Point that the camera looks at
+    #[arg(long, value_name = "X,Y,Z", value_parser = values::vector, allow_hyphen_values = true)]
+    pub at: Option<DVec3>,
+    /// Vertical field of view in degrees
+    #[arg(long, value_name = "DEGREES", value_parser = values::degrees)]
+    pub fov: Option<f64>,
+}
+
+/// `render`
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+    /// Output image, its format chosen by extension: .png (tone mapped), .exr or .hdr (linear
+    /// radiance); `-` writes PNG to standard output
+    #[arg(long, short, value_name = "IMAGE", value_hint = ValueHint::FilePath)]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub picture: ImageArgs,
+    #[command(flatten)]
+    pub view: CameraArgs,
+    #[command(flatten)]
+    pub look: RtraceArgs,
+    #[command(flatten)]
+    pub first_pass: FirstPassArgs,
+}
+
+/// What the image shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum RenderStyle {
+    /// Physically based light
+    Physical,
+    /// An SFF or SCN scene as RTRACE rendered it
+    Rtrace,
+}
+
+/// Options of RTRACE's look; the letters in parentheses are its own switches.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "RTRACE")]
+pub struct RtraceArgs {
+    /// Physically based light, or an SFF or SCN scene as RTRACE rendered it; the other options
+    /// below require `rtrace`
+    #[arg(long, value_name = "LOOK", value_enum, default_value_t = RenderStyle::Physical)]
+    pub look: RenderStyle,
+    /// Reflection model (m): 0 Phong, 1 Strauss [default: 1]
+    #[arg(long, value_name = "0|1", value_parser = clap::value_parser!(u8).range(0..=1))]
+    pub look_model: Option<u8>,
+    /// Textures (t): 0 none, 1 inline with the objects, 2 from the texture section [default: 0]
+    #[arg(long, value_name = "0|1|2", value_parser = clap::value_parser!(u8).range(0..=2))]
+    pub look_textures: Option<u8>,
+    /// Shadows (l): 0 opaque, 1 filtered by glass, 2 also light through glass [default: 0]
+    #[arg(long, value_name = "0|1|2", value_parser = clap::value_parser!(u8).range(0..=2))]
+    pub look_shadows: Option<u8>,
+    /// Levels of pixel subdivision, 0 to 3 (p) [default: 0]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(0..=3))]
+    pub look_levels: Option<u8>,
+    /// Difference between the corners of a pixel above which it is subdivided (A); a negative value
+    /// is a contrast [default: 0.05]
+    #[arg(long, value_name = "SHARE", value_parser = values::threshold,
+          allow_hyphen_values = true)]
+    pub look_threshold: Option<f64>,
+    /// Which pixels are subdivided (a): 0 adaptively, level by level; 1 to the last level where the
+    /// corners differ; 2 all to the last level [default: 0]
+    #[arg(long, value_name = "0|1|2", value_parser = clap::value_parser!(u8).range(0..=2))]
+    pub look_antialiasing: Option<u8>,
+    /// Find objects inside a pixel that its corners miss (i1), which keeps fine lines whole
+    #[arg(long)]
+    pub look_all_objects: bool,
+    /// Maximum number of surfaces along a path (s) [default: 8]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub look_depth: Option<u32>,
+    /// Paths with less weight than this end (S) [default: 1%]
+    #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
+    pub look_cut: Option<f64>,
+    /// Number of surfaces along a path that gather ambient light by rays (d) [default: 0]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=64))]
+    pub look_ambient_depth: Option<u32>,
+    /// Rays for ambient light (D) [default: 16]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=65_536))]
+    pub look_ambient_samples: Option<u32>,
+    /// Radius of the lens, relative to the size of the image in the plane of focus (P)
+    /// [default: 0, a pinhole]
+    #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
+    pub look_aperture: Option<f64>,
+    /// Distance of the plane of focus (F) [default: that of the point looked at]
+    #[arg(long, value_name = "LENGTH", value_parser = values::positive)]
+    pub look_focus: Option<f64>,
+    /// Stereo: the image of one eye, with the distance between both (v1 or v2, E), as in left=0.5
+    #[arg(long, value_name = "SIDE=LENGTH", value_parser = values::eye)]
+    pub look_eye: Option<(Side, f64)>,
+}
+
+/// The image.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Image")]
+pub struct ImageArgs {
+    /// Width and height in pixels [default: the camera's, or 512x512; RTRACE's is 256x256]
+    #[arg(long, value_name = "WxH", value_parser = values::size)]
+    pub size: Option<(u32, u32)>,
+    /// Samples per pixel [default: 16, or 256 with --reference]
+    #[arg(long, value_name = "N",
+          value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub spp: Option<u32>,
+    /// Final gathering: N rays at every hit instead of the irradiance of the vertices
+    #[arg(long, value_name = "N",
+          value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    pub gather: Option<u32>,
+    /// Path tracing instead of two passes: slow and unbiased, with a standard error for every
+    /// pixel; the reference for both passes
+    #[arg(long, conflicts_with = "gather")]
+    pub reference: bool,
+    /// Image of the standard error of every pixel of a --reference: .exr or .hdr
+    #[arg(long, value_name = "IMAGE", requires = "reference", value_hint = ValueHint::FilePath)]
+    pub error_image: Option<PathBuf>,
+    /// Exposure of a PNG in stops, each of which doubles the brightness [default: automatic]
+    #[arg(long, value_name = "STOPS", value_parser = values::finite, allow_hyphen_values = true)]
+    pub exposure: Option<f64>,
+    /// Tone curve of a PNG
+    #[arg(long, value_name = "CURVE", value_enum, default_value_t = ToneName::Reinhard)]
+    pub tone: ToneName,
+}
+
+/// The quantity to measure.
+#[derive(Debug, Args)]
+#[group(required = true, multiple = false)]
+pub struct ProbeSources {
+    /// Irradiance at points: text (x y z nx ny nz per line), or .npy (n x 3, with --normals;
+    /// or n x 6)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub points: Option<PathBuf>,
+    /// Radiance along rays: 8 little-endian f32 per ray (origin, tmin, direction, tmax)
+    #[arg(long, value_name = "RAYS", value_hint = ValueHint::FilePath)]
+    pub radiance: Option<PathBuf>,
+    /// What rays hit: t, object, triangle, u, v; a miss is inf, -1, -1, 0, 0
+    #[arg(long, value_name = "RAYS", value_hint = ValueHint::FilePath)]
+    pub hits: Option<PathBuf>,
+}
+
+/// `probe`
+#[derive(Debug, Args)]
+pub struct ProbeArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+    #[command(flatten)]
+    pub probes: ProbeSources,
+    /// Normals of the points: .npy (n x 3)
+    #[arg(long, value_name = "FILE", requires = "points", value_hint = ValueHint::FilePath)]
+    pub normals: Option<PathBuf>,
+    /// Output file: .npy (f64), or text with any other extension; `-` writes text to standard
+    /// output [default: `-`, or none with --json]
+    #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub first_pass: FirstPassArgs,
+}
+
+/// `experiment`
+#[derive(Debug, Args)]
+pub struct ExperimentArgs {
+    /// The suite of scenes, engines and settings (.toml)
+    #[arg(value_name = "SUITE", value_hint = ValueHint::FilePath)]
+    pub suite: PathBuf,
+    /// Folder of the report; tasks completed there before are not repeated
+    #[arg(long, short, value_name = "FOLDER", value_hint = ValueHint::DirPath,
+          required_unless_present = "list")]
+    pub output: Option<PathBuf>,
+    /// List the tasks and exit
+    #[arg(long)]
+    pub list: bool,
+    /// Run only the tasks whose names, as in --list, contain this
+    #[arg(long, value_name = "NAME")]
+    pub only: Option<String>,
+    /// Run only the first setting of each engine on each scene, once
+    #[arg(long)]
+    pub quick: bool,
+    /// Run one task and print its records: how the command runs each task in a process of its own
+    #[arg(long, value_name = "KEY", hide = true)]
+    pub task: Option<String>,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  azulejo render examples/cornell.grf -o cornell.png
+  azulejo solve room.obj -o room.grf --error 1%
+  azulejo render room.grf -o room.exr --size 1280x720 --spp 64
+
+Exit codes: 0 success, 1 failure (an existing output file is left unchanged), 2 usage error.";
+
+const INFO_EXAMPLES: &str = "\
+Examples:
+  azulejo info room.3ds
+  azulejo info drawing.dxf --strict
+  azulejo info room.grf --json | python3 -m json.tool";
+
+const CONVERT_EXAMPLES: &str = "\
+Examples:
+  azulejo convert tank.flt -o tank.glb --lod coarsest
+  azulejo convert room.dxf chair.3ds -o room.grf --up y --unit m \\
+      --place chair.3ds:scale=0.01,rotate=0,30,0,translate=2,0,1";
+
+const SOLVE_EXAMPLES: &str = "\
+Examples:
+  azulejo solve room.obj -o room.grf
+  azulejo solve room.obj -o room.grf --patches 20000 --error 1%
+  azulejo solve level.glb -o level-lit.glb --keep-mesh
+  azulejo solve room.obj -o room.grf --patch-size 0.1 --time 60s --json
+  azulejo solve room.obj -o room.grf --engine embree";
+
+const RENDER_EXAMPLES: &str = "\
+Examples:
+  azulejo render room.grf -o room.png
+  azulejo render room.grf -o room.png --from 2,1.6,5 --at 0,1,0 --fov 60 --exposure 1.5
+  azulejo render room.obj --camera room.json -o room.exr --size 1280x720 --spp 64 --gather 128
+  azulejo render demo.sff --look rtrace --look-textures 2 --look-levels 3 -o demo.png";
+
+const PROBE_EXAMPLES: &str = "\
+Examples:
+  azulejo probe room.obj --points desk.txt -o lux.txt --error 2%
+  azulejo probe room.obj --points p.npy --normals n.npy -o e.npy --time 10s
+  azulejo probe room.obj --hits rays.f32 -o hits.npy --json
+
+Each point gives six numbers: the irradiance in red, green and blue, and its standard error.
+Irradiance is in W/m² if emission is in W/(sr·m²).";
+
+const EXPERIMENT_EXAMPLES: &str = "\
+Examples:
+  azulejo experiment examples/experiments/truths.toml -o report
+  azulejo experiment examples/experiments/diffuse.toml --list
+  azulejo experiment examples/experiments/mirrors.toml -o report --only hybrid";
+
+const VIEW_EXAMPLES: &str = "\
+Examples:
+  azulejo view room.3ds lamp.glb
+  azulejo view --script steps.txt --screenshot out.png
+
+The workbench is a separate program, azulejo-workbench, next to this one or on the PATH. To build it
+from azulejo's source:
+  cargo build --release -p azulejo-workbench";
+
+const COMPLETIONS_EXAMPLES: &str = "\
+Examples:
+  azulejo completions bash > ~/.local/share/bash-completion/completions/azulejo
+  azulejo completions zsh > ~/.zfunc/_azulejo";
+
+const MAN_EXAMPLES: &str = "\
+Examples:
+  azulejo man ~/.local/share/man/man1";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_definition_is_sound() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn every_command_has_examples() {
+        for command in Cli::command().get_subcommands() {
+            let help = command.get_after_help().map(ToString::to_string);
+            let call = format!("azulejo {}", command.get_name());
+            assert!(help.is_some_and(|h| h.contains(&call)), "{call}");
+        }
+    }
+
+    #[test]
+    fn misuse_is_refused() {
+        let parse = |line: &str| Cli::try_parse_from(line.split(' '));
+        assert!(parse("azulejo solve a.grf -o b.grf --patches 10 --patch-size 1").is_err());
+        assert!(parse("azulejo probe a.grf --points p --hits r").is_err());
+        assert!(parse("azulejo probe a.grf").is_err());
+        assert!(parse("azulejo render -o x.png").is_err());
+        assert!(parse("azulejo solve a.grf -o b.grf --resolution 7").is_err());
+        assert!(parse("azulejo solve a.grf -o b.grf --engine radiance").is_err());
+        assert!(parse("azulejo render a.grf -o x.png --from -1,2,-3 --exposure -1.5").is_ok());
+    }
+}

@@ -1,0 +1,310 @@
+//! `experiment`: runs a suite of scenes and engines, each run in a process of its own, and writes
+//! a report.
+//!
+//! Separate processes keep the times and the memory of runs apart: nothing that an earlier run left
+//! in memory, in the allocator or in a driver is counted. The results of a run are appended to the
+//! journal at once, so that an interrupted suite resumes where it was.
+//!
+//! | module | what it does |
+//! |---|---|
+//! | `suite`, `spelling` | the suite's file, and messages on errors in it |
+//! | `plan` | tasks, with keys of all that their results depend on |
+//! | `work` | one task, in the child process |
+//! | `metrics`, `reference` | measures, and the reference data |
+//! | `record`, `journal` | results on disk |
+//! | `machine` | the machine |
+//! | `report` | tables and plots |
+
+mod journal;
+mod machine;
+mod metrics;
+mod plan;
+mod record;
+mod reference;
+mod report;
+mod spelling;
+mod suite;
+mod work;
+
+use super::args::ExperimentArgs;
+use super::failure::Failure;
+use super::report::{Report, number, seconds};
+use super::session::Session;
+use azulejo_trace::Progress;
+use journal::Journal;
+use machine::MachineInfo;
+use plan::{ExperimentPlan, Task};
+use record::{Outcome, TaskRecord};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+use suite::{Suite, SuiteSource};
+
+/// Parses the text of a suite; its models are not read.
+///
+/// # Errors
+/// What is wrong, with line and column.
+pub fn parse_suite(text: &str) -> Result<(), String> {
+    let source = SuiteSource::new(Path::new("suite.toml"), text.to_owned());
+    source.parse().map(drop).map_err(|e| e.to_string())
+}
+
+/// Runs `experiment`; a child has no report.
+pub fn run(args: &ExperimentArgs, session: &mut Session) -> Result<Option<Report>, Failure> {
+    let (suite, source) = SuiteSource::read(&args.suite)?;
+    let mut plan = ExperimentPlan::new(&suite, &source)?;
+    if let (Some(key), Some(folder)) = (&args.task, &args.output) {
+        return one(&plan, key, folder, session.progress()).map(|()| None);
+    }
+    if args.quick {
+        plan.quick();
+    }
+    if let Some(name) = &args.only {
+        plan.only(name);
+    }
+    let folder = match &args.output {
+        Some(folder) if !args.list => folder,
+        _ => return Ok(Some(list(&plan))),
+    };
+    if plan.tasks.is_empty() {
+        let name = args.only.as_deref().unwrap_or_default();
+        let message = format_args!("no task has \"{name}\" in its name: see --list");
+        return Err(Failure::misuse(message));
+    }
+    std::fs::create_dir_all(folder).map_err(|e| Failure::file("create", folder, &e))?;
+    let mut journal = Journal::open(folder)?;
+    let runner = SuiteRunner {
+        suite: &suite,
+        plan: &plan,
+        machine: MachineInfo::detect(),
+        folder,
+        name: &args.suite,
+    };
+    let did = session.with_progress(|progress| {
+        runner.run_all(&mut journal, progress, &|words| session.tell(words))
+    })?;
+    Ok(Some(runner.summary(&journal, did)))
+}
+
+/// The tasks, for `--list`.
+fn list(plan: &ExperimentPlan) -> Report {
+    let mut report = Report::default();
+    plan.tasks.iter().for_each(|t| report.plain(t.to_string()));
+    let names: Vec<String> = plan.tasks.iter().map(Task::to_string).collect();
+    report.value("tasks", names);
+    report
+}
+
+/// The child process: runs one task and prints its records.
+fn one(
+    plan: &ExperimentPlan,
+    key: &str,
+    folder: &Path,
+    progress: &Progress,
+) -> Result<(), Failure> {
+    let task = plan.tasks.iter().find(|t| t.key() == key);
+    let task = task.ok_or_else(|| Failure::misuse(format_args!("no task \"{key}\"")))?;
+    let is_reference = |t: &&Task| matches!(t, Task::Reference(..)) && t.scene() == task.scene();
+    let reference = plan.tasks.iter().find(is_reference);
+    let records = work::run(task, reference, folder, progress)?;
+    let mut out = io::stdout().lock();
+    for record in records {
+        serde_json::to_writer(&mut out, &record).map_err(io::Error::from)?;
+        writeln!(out)?;
+    }
+    Ok(out.flush()?)
+}
+
+/// Runs the tasks of a suite and writes its report.
+struct SuiteRunner<'a> {
+    suite: &'a Suite,
+    plan: &'a ExperimentPlan,
+    machine: MachineInfo,
+    folder: &'a Path,
+    name: &'a PathBuf,
+}
+
+/// Numbers of completed and failed tasks.
+#[derive(Clone, Copy, Default)]
+struct TaskCounts {
+    done: usize,
+    failed: usize,
+}
+
+impl SuiteRunner<'_> {
+    /// Runs the tasks that are not in the journal; the report is updated after each.
+    fn run_all(
+        &self,
+        journal: &mut Journal,
+        progress: &Progress,
+        tell: &dyn Fn(&str),
+    ) -> Result<TaskCounts, Failure> {
+        let all = self.plan.tasks.len();
+        let mut count = TaskCounts::default();
+        progress.begin("tasks", all as u64);
+        for (i, task) in self.plan.tasks.iter().enumerate() {
+            progress.advance(0)?;
+            if !journal.holds(&task.key()) {
+                let start = Instant::now();
+                let records = self.run_one(task, progress)?;
+                let failed = records.iter().find_map(reason);
+                let took = seconds(start.elapsed().as_secs_f64());
+                match failed {
+                    Some(reason) => tell(&format!("[{}/{all}] {task}: failed: {reason}", i + 1)),
+                    None => tell(&format!("[{}/{all}] {task}: {took}", i + 1)),
+                }
+                count.failed += usize::from(failed.is_some());
+                count.done += usize::from(failed.is_none());
+                journal.add(records)?;
+                self.write(journal, progress)?;
+            }
+            progress.advance(1)?;
+        }
+        self.write(journal, progress)?;
+        Ok(count)
+    }
+
+    /// Runs a task in a child process. Its failure is a record, too.
+    fn run_one(&self, task: &Task, progress: &Progress) -> Result<Vec<TaskRecord>, Failure> {
+        let key = task.key();
+        let program = std::env::current_exe()
+            .map_err(|e| Failure::failed(format_args!("cannot find this program: {e}")))?;
+        let child = Command::new(program)
+            .arg("experiment")
+            .arg(self.name)
+            .arg("--output")
+            .arg(self.folder)
+            .args([
+                "--task",
+                &key,
+                "--threads",
+                &self.machine.threads.to_string(),
+            ])
+            .stdin(Stdio::null())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(|e| Failure::failed(format_args!("cannot start a process: {e}")))?;
+        let limit = self.suite.run.timeout.map(|t| t.0);
+        let failure = |reason: String| TaskRecord {
+            key: key.clone(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            outcome: Outcome::Failure {
+                task: task.to_string(),
+                reason,
+            },
+        };
+        match wait_for(child, limit, progress)? {
+            Ok(text) => {
+                let lines = text.lines().map(serde_json::from_str);
+                let records: Result<Vec<TaskRecord>, _> = lines.collect();
+                Ok(records.unwrap_or_else(|e| vec![failure(e.to_string())]))
+            }
+            Err(reason) => Ok(vec![failure(reason)]),
+        }
+    }
+
+    fn write(&self, journal: &Journal, progress: &Progress) -> Result<(), Failure> {
+        let keys: Vec<String> = self.plan.tasks.iter().map(Task::key).collect();
+        let ours = journal.records.iter().filter(|r| keys.contains(&r.key));
+        let records: Vec<&TaskRecord> = ours.collect();
+        report::write(self.suite, &self.machine, &records, self.folder, progress)
+    }
+
+    fn summary(&self, journal: &Journal, did: TaskCounts) -> Report {
+        let mut report = Report::default();
+        let all = self.plan.tasks.len();
+        let before = all - did.done - did.failed;
+        let mut words = format!("{} of {all}", did.done);
+        if before > 0 {
+            words += &format!(", {before} were done before");
+        }
+        report.fact("tasks", all, "tasks done", words);
+        report.value("tasks_before", before);
+        if did.failed > 0 {
+            report.line("failed", format!("{}, see the report", did.failed));
+        }
+        report.value("tasks_failed", did.failed);
+        let truths = journal.records.iter().filter_map(|r| match &r.outcome {
+            Outcome::Truth(t) => Some(t.standard_errors.is_some_and(|s| s <= 4.0)),
+            _ => None,
+        });
+        let truths: Vec<bool> = truths.collect();
+        if !truths.is_empty() {
+            let inside = truths.iter().filter(|t| **t).count();
+            let words = format!("{inside} of {} within 4 standard errors", truths.len());
+            let share = inside as f64 / truths.len() as f64;
+            report.fact("truths_within_4", number(share), "truths", words);
+        }
+        let path = self.folder.join(report::PAGE).display().to_string();
+        report.fact("output", path.clone(), "report", path);
+        report
+    }
+}
+
+fn reason(record: &TaskRecord) -> Option<&String> {
+    match &record.outcome {
+        Outcome::Failure { reason, .. } => Some(reason),
+        _ => None,
+    }
+}
+
+/// Interval at which a child is polled.
+const POLL: Duration = Duration::from_millis(20);
+
+/// Waits for a child, and returns its output or the reason of its failure. The child is killed if
+/// the work is cancelled or the time limit is exceeded.
+fn wait_for(
+    child: Child,
+    limit: Option<Duration>,
+    progress: &Progress,
+) -> Result<Result<String, String>, Failure> {
+    let mut child = KillOnDrop(child);
+    // Pipes are drained meanwhile, otherwise a child that prints much would block forever.
+    let stdout = child.0.stdout.take().map(drain);
+    let stderr = child.0.stderr.take().map(drain);
+    let text = |pipe: Option<std::thread::JoinHandle<String>>| {
+        pipe.and_then(|p| p.join().ok()).unwrap_or_default()
+    };
+    let start = Instant::now();
+    loop {
+        progress.advance(0)?;
+        let status = child.0.try_wait();
+        let status = status.map_err(|e| Failure::failed(format_args!("lost a process: {e}")))?;
+        match status {
+            Some(status) if status.success() => return Ok(Ok(text(stdout))),
+            Some(status) => {
+                let said = text(stderr);
+                let last = said.lines().rev().find(|l| !l.trim().is_empty());
+                let reason = last.map(|l| l.trim_start_matches("error: ").to_owned());
+                return Ok(Err(reason.unwrap_or_else(|| status.to_string())));
+            }
+            None if limit.is_some_and(|l| start.elapsed() > l) => {
+                let limit = limit.unwrap_or_default().as_secs_f64();
+                return Ok(Err(format!("took longer than {}", seconds(limit))));
+            }
+            None => std::thread::sleep(POLL),
+        }
+    }
+}
+
+/// A child process that is killed when dropped.
+struct KillOnDrop(Child);
+
+impl Drop for KillOnDrop {
+    fn drop(&mut self) {
+        // It may have exited already.
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// Reads a pipe to its end in a thread.
+fn drain(mut pipe: impl Read + Send + 'static) -> std::thread::JoinHandle<String> {
+    std::thread::spawn(move || {
+        let mut bytes = Vec::new();
+        let _ = pipe.read_to_end(&mut bytes);
+        String::from_utf8_lossy(&bytes).into_owned()
+    })
+}

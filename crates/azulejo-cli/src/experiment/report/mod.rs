@@ -1,0 +1,69 @@
+//! The report: a self-contained page, plots as separate files, and the numbers as CSV and JSON.
+
+mod chart;
+mod figures;
+mod page;
+mod tables;
+
+use super::machine::MachineInfo;
+use super::record::{Outcome, TaskRecord};
+use super::suite::Suite;
+use crate::failure::Failure;
+use azulejo::output::{Output, commit};
+use azulejo_trace::Progress;
+use std::io::Write;
+use std::path::Path;
+
+/// File name of the page.
+pub const PAGE: &str = "report.html";
+
+/// Writes the report, replacing an existing one atomically.
+pub fn write(
+    suite: &Suite,
+    machine: &MachineInfo,
+    records: &[&TaskRecord],
+    folder: &Path,
+    progress: &Progress,
+) -> Result<(), Failure> {
+    let figures = figures::of(records);
+    let page = page::Page {
+        suite,
+        machine,
+        records,
+        figures: &figures,
+    };
+    let mut files = vec![
+        ("results.csv".to_owned(), tables::runs_csv(records)),
+        ("results.json".to_owned(), json(suite, machine, records)),
+        (PAGE.to_owned(), page.html()),
+    ];
+    if records
+        .iter()
+        .any(|r| matches!(r.outcome, Outcome::Truth(_)))
+    {
+        files.push(("truths.csv".to_owned(), tables::truths_csv(records)));
+    }
+    files.extend(
+        figures
+            .iter()
+            .map(|f| (format!("{}.svg", f.name), chart::svg(f))),
+    );
+    let mut drafts = Vec::new();
+    for (name, text) in files {
+        let mut draft = Output::check(&folder.join(name))?.draft()?;
+        let written = draft.write_all(text.as_bytes());
+        written.map_err(|e| draft.error(e))?;
+        drafts.push(draft);
+    }
+    Ok(commit(drafts, progress)?)
+}
+
+fn json(suite: &Suite, machine: &MachineInfo, records: &[&TaskRecord]) -> String {
+    let value = serde_json::json!({
+        "title": suite.title,
+        "about": suite.about,
+        "machine": machine.json(),
+        "results": records,
+    });
+    format!("{value:#}\n")
+}

@@ -1,0 +1,377 @@
+//! The page of the report: introduction, machine, plots, tables, and explanations.
+
+use super::super::machine::MachineInfo;
+use super::super::record::{Outcome, RunRecord, TaskRecord, TruthRecord};
+use super::super::suite::Suite;
+use super::chart::svg;
+use super::figures::{ChartSpec, growth};
+use super::tables::{RepeatedRun, repeated, short, truths};
+use crate::drawing::{COLORS, Color, GRID, INK, escaped, hex};
+use std::fmt::Write;
+
+/// The content of the page.
+pub struct Page<'a> {
+    /// The suite, with title and introduction.
+    pub suite: &'a Suite,
+    /// The machine.
+    pub machine: &'a MachineInfo,
+    /// The results.
+    pub records: &'a [&'a TaskRecord],
+    /// The plots.
+    pub figures: &'a [ChartSpec],
+}
+
+/// The style sheet, light or dark as the reader's system. Lines of plots are paler in the dark.
+const STYLE: &str = include_str!("style.css");
+
+/// Errors above this, in standard errors, are marked.
+const FAR: f64 = 4.0;
+
+impl Page<'_> {
+    /// The page as one file.
+    pub fn html(&self) -> String {
+        let mut out = String::new();
+        // Writing to a string does not fail.
+        let _ = self.write(&mut out);
+        out
+    }
+
+    fn write(&self, out: &mut String) -> std::fmt::Result {
+        let title = escaped(&self.suite.title);
+        write!(
+            out,
+            "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
+             <title>{title}</title>\n<style>\n{STYLE}{}</style></head>\n<body>\n<h1>{title}</h1>\n",
+            plot_style()
+        )?;
+        for paragraph in self.suite.about.trim().split("\n\n") {
+            writeln!(out, "<p>{}</p>", escaped(paragraph))?;
+        }
+        self.machine(out)?;
+        self.plots(out)?;
+        self.runs(out)?;
+        self.answers(out)?;
+        self.failures(out)?;
+        out.push_str(READING);
+        out.push_str("</body></html>\n");
+        Ok(())
+    }
+
+    fn machine(&self, out: &mut String) -> std::fmt::Result {
+        out.push_str("<h2>Measured on</h2>\n<table class=\"facts\">\n");
+        for (name, words) in self.machine.lines() {
+            writeln!(out, "<tr><th>{name}</th><td>{}</td></tr>", escaped(&words))?;
+        }
+        out.push_str("</table>\n");
+        Ok(())
+    }
+
+    fn plots(&self, out: &mut String) -> std::fmt::Result {
+        if self.figures.is_empty() {
+            return Ok(());
+        }
+        out.push_str("<h2>Plots</h2>\n<div class=\"plots\">\n");
+        for figure in self.figures {
+            writeln!(
+                out,
+                "<figure>{}<figcaption>{} against {}{} <a href=\"{}.svg\">SVG</a></figcaption></figure>",
+                svg(figure),
+                figure.y.label,
+                figure.x.label,
+                slopes(figure),
+                figure.name,
+            )?;
+        }
+        out.push_str("</div>\n");
+        Ok(())
+    }
+
+    fn runs(&self, out: &mut String) -> std::fmt::Result {
+        let rows = repeated(self.records);
+        let mut scene = "";
+        for row in &rows {
+            if scene.is_empty() {
+                out.push_str(
+                    "<h2>Results</h2>\n<p>Means over repetitions; n is their number.</p>\n",
+                );
+            }
+            if row.run.scene != scene {
+                if !scene.is_empty() {
+                    out.push_str("</tbody></table></div>\n");
+                }
+                scene = &row.run.scene;
+                let facets = row.run.facets;
+                writeln!(out, "<h3>{}</h3>\n<p>{facets} facets</p>", escaped(scene))?;
+                table_head(out, COLUMNS.iter().map(|c| (c.0, c.1)))?;
+            }
+            write_row(out, row)?;
+        }
+        if !rows.is_empty() {
+            out.push_str("</tbody></table></div>\n");
+        }
+        Ok(())
+    }
+
+    fn answers(&self, out: &mut String) -> std::fmt::Result {
+        let truths = truths(self.records);
+        let mut settings: Vec<&str> = truths.iter().map(|t| t.setting.as_str()).collect();
+        settings.dedup();
+        if settings.is_empty() {
+            return Ok(());
+        }
+        out.push_str("<h2>Known solutions</h2>\n");
+        summary_of_truths(out, &truths, &settings)?;
+        out.push_str(
+            "<p>The error is the engine's solution minus the exact one; σ is the error in units of the \
+             engine's standard error, after subtracting the uncertainty of the exact solution.</p>\n",
+        );
+        let mut cases: Vec<&TruthRecord> = Vec::new();
+        for truth in &truths {
+            if !cases.iter().any(|c| c.case == truth.case) {
+                cases.push(truth);
+            }
+        }
+        out.push_str("<div class=\"wide\"><table><thead><tr><th rowspan=\"2\">case</th><th rowspan=\"2\" class=\"n\">exact</th>");
+        for name in &settings {
+            write!(
+                out,
+                "<th colspan=\"4\" class=\"group\">{}</th>",
+                escaped(name)
+            )?;
+        }
+        out.push_str("</tr><tr>");
+        for _ in &settings {
+            out.push_str("<th class=\"n group\">solution</th><th class=\"n\">error</th><th class=\"n\">±</th><th class=\"n\">σ</th>");
+        }
+        out.push_str("</tr></thead><tbody>\n");
+        for case in cases {
+            write!(
+                out,
+                "<tr><th title=\"{} ({})\">{}</th><td class=\"n\">{:.10}</td>",
+                escaped(&case.words),
+                escaped(&case.source),
+                escaped(&case.case),
+                case.truth
+            )?;
+            for name in &settings {
+                let answer = truths
+                    .iter()
+                    .find(|t| t.case == case.case && t.setting == *name);
+                write_answer(out, answer.copied())?;
+            }
+            out.push_str("</tr>\n");
+        }
+        out.push_str("</tbody></table></div>\n");
+        Ok(())
+    }
+
+    fn failures(&self, out: &mut String) -> std::fmt::Result {
+        let mut is_first = true;
+        for record in self.records {
+            let Outcome::Failure { task, reason } = &record.outcome else {
+                continue;
+            };
+            if std::mem::take(&mut is_first) {
+                out.push_str(
+                    "<h2>Failed tasks</h2>\n<p>They are repeated by the next run.</p>\n<ul>\n",
+                );
+            }
+            writeln!(
+                out,
+                "<li><b>{}</b>: {}</li>",
+                escaped(task),
+                escaped(reason)
+            )?;
+        }
+        if !is_first {
+            out.push_str("</ul>\n");
+        }
+        Ok(())
+    }
+}
+
+/// Heading, explanation and value of a column of results.
+type Column = (&'static str, &'static str, fn(&RepeatedRun) -> Option<f64>);
+
+const COLUMNS: [Column; 14] = [
+    ("samples", "rays or pixels per row", |r| {
+        r.mean(|r| (r.samples > 0.0).then_some(r.samples))
+    }),
+    ("time, s", "form factors, wall-clock time", |r| {
+        r.mean(|r| Some(r.seconds))
+    }),
+    ("CPU, s", "form factors, CPU time of all threads", |r| {
+        r.mean(|r| Some(r.cpu_seconds))
+    }),
+    ("MiB", "peak memory of the process", |r| {
+        r.mean(|r| r.peak_bytes.map(|b| b as f64 / f64::from(1 << 20)))
+    }),
+    ("row error", "mean of Σ|X − R|/ΣR over rows", |r| {
+        r.mean(|r| r.row_error_mean)
+    }),
+    ("largest", "largest of them", |r| {
+        r.mean(|r| r.row_error_max)
+    }),
+    (
+        "stated",
+        "mean row error, as estimated by the engine",
+        |r| r.mean(|r| Some(r.row_error_stated)),
+    ),
+    ("B error", "mean of |B/B_ref − 1| over facets", |r| {
+        r.mean(|r| r.b_error_mean)
+    }),
+    ("largest", "largest of them", |r| r.mean(|r| r.b_error_max)),
+    (
+        "closure",
+        "root mean square deviation of row sums from 1",
+        |r| r.mean(|r| Some(r.closure_rms)),
+    ),
+    (
+        "moved",
+        "share of the matrix moved to enforce closure",
+        |r| r.mean(|r| Some(r.moved)),
+    ),
+    (
+        "reciprocity",
+        "largest |A_i X_ij − A_j X_ji|, relative to the mean entry of the row",
+        |r| r.mean(|r| Some(r.reciprocity)),
+    ),
+    ("energy", "unaccounted power, relative", |r| {
+        r.mean(|r| r.energy)
+    }),
+    ("solve, s", "solution of B = M + ρXB", |r| {
+        r.mean(|r| Some(r.solve_seconds))
+    }),
+];
+
+fn table_head<'a>(
+    out: &mut String,
+    columns: impl Iterator<Item = (&'a str, &'a str)>,
+) -> std::fmt::Result {
+    out.push_str("<div class=\"wide\"><table><thead><tr><th>engine</th>");
+    for (name, title) in columns {
+        write!(out, "<th class=\"n\" title=\"{title}\">{name}</th>")?;
+    }
+    out.push_str("<th class=\"n\" title=\"repetitions\">n</th><th>ran</th></tr></thead><tbody>\n");
+    Ok(())
+}
+
+fn write_row(out: &mut String, row: &RepeatedRun) -> std::fmt::Result {
+    let class = if row.is_reference {
+        " class=\"reference\""
+    } else {
+        ""
+    };
+    write!(out, "<tr{class}><th>{}</th>", escaped(&row.run.setting))?;
+    for (_, _, value) in COLUMNS {
+        let text = value(row).map_or("–".to_owned(), short);
+        write!(out, "<td class=\"n\">{text}</td>")?;
+    }
+    let RunRecord {
+        ran, device, notes, ..
+    } = row.run;
+    writeln!(
+        out,
+        "<td class=\"n\">{}</td><td title=\"{}\">{}</td></tr>",
+        row.count(),
+        escaped(&notes.join("; ")),
+        escaped(&format!("{ran}, {device}"))
+    )
+}
+
+/// One line for each engine: the number of solutions within 4 σ, and their errors.
+fn summary_of_truths(
+    out: &mut String,
+    truths: &[&TruthRecord],
+    settings: &[&str],
+) -> std::fmt::Result {
+    out.push_str(
+        "<table><thead><tr><th>engine</th><th class=\"n\">cases</th><th class=\"n\">within 4 σ</th>\
+         <th class=\"n\">median |error|</th><th class=\"n\">largest |error|</th><th class=\"n\">time, s</th>\
+         <th>ran</th></tr></thead><tbody>\n",
+    );
+    for name in settings {
+        let mine: Vec<&&TruthRecord> = truths.iter().filter(|t| t.setting == **name).collect();
+        let is_near = |t: &&&&TruthRecord| t.standard_errors.is_some_and(|s| s <= FAR);
+        let near = mine.iter().filter(is_near).count();
+        let mut off: Vec<f64> = mine.iter().map(|t| (t.value - t.truth).abs()).collect();
+        off.sort_by(f64::total_cmp);
+        let mut ran: Vec<&str> = mine.iter().map(|t| t.ran.as_str()).collect();
+        ran.sort_unstable();
+        ran.dedup();
+        writeln!(
+            out,
+            "<tr><th>{}</th><td class=\"n\">{}</td><td class=\"n\">{near}</td><td class=\"n\">{}</td>\
+             <td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td></tr>",
+            escaped(name),
+            mine.len(),
+            off.get(off.len() / 2).map_or("–".to_owned(), |x| short(*x)),
+            off.last().map_or("–".to_owned(), |x| short(*x)),
+            short(mine.iter().map(|t| t.seconds).sum()),
+            escaped(&ran.join(", ")),
+        )?;
+    }
+    out.push_str("</tbody></table>\n");
+    Ok(())
+}
+
+fn write_answer(out: &mut String, answer: Option<&TruthRecord>) -> std::fmt::Result {
+    let Some(t) = answer else {
+        out.push_str("<td class=\"group\"></td><td></td><td></td><td></td>");
+        return Ok(());
+    };
+    let is_far = t.standard_errors.is_none_or(|s| s > FAR);
+    let sigma = t
+        .standard_errors
+        .map_or("∞".to_owned(), |s| format!("{s:.1}"));
+    write!(
+        out,
+        "<td class=\"n group\">{:.10}</td><td class=\"n\">{:.1e}</td><td class=\"n\">{:.1e}</td>\
+         <td class=\"n{}\">{sigma}</td>",
+        t.value,
+        t.value - t.truth,
+        t.standard_error,
+        if is_far { " far" } else { "" },
+    )
+}
+
+/// The growth of time and memory, for plots against the number of facets.
+fn slopes(figure: &ChartSpec) -> String {
+    if figure.x.label != "facets" {
+        return String::new();
+    }
+    let of =
+        |s: &super::figures::ChartSeries| Some(format!("{}: N^{:.2}", s.name, growth(&s.points)?));
+    let words: Vec<String> = figure.series.iter().filter_map(of).collect();
+    format!(" ({}).", escaped(&words.join("; ")))
+}
+
+/// CSS rules that replace the colours of inline plots by those of the page, light or dark.
+fn plot_style() -> String {
+    let rule = |color: Color, value: &str| {
+        let color = hex(color);
+        let of = |name: &str| format!("figure svg [{name}=\"{color}\"] {{ {name}: {value}; }}\n");
+        of("fill") + &of("stroke")
+    };
+    let lines = COLORS.iter().enumerate();
+    let lines: String = lines
+        .map(|(k, c)| rule(*c, &format!("var(--line{k})")))
+        .collect();
+    lines + &rule(INK, "currentColor") + &rule(GRID, "var(--grid)")
+}
+
+/// Explanations of the numbers.
+const READING: &str = include_str!("reading.html");
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plots_follow_the_page() {
+        let rules = plot_style();
+        assert!(rules.contains("figure svg [stroke=\"#0072b2\"] { stroke: var(--line0); }"));
+        assert!(rules.contains("figure svg [fill=\"#202124\"] { fill: currentColor; }"));
+    }
+}

@@ -1,0 +1,258 @@
+//! One task, in its child process.
+
+use super::metrics::{self, PatchSurfaces};
+use super::plan::{EngineSetting, Origin, SceneChoice, Task};
+use super::record::{Outcome, RunRecord, TaskRecord, TruthRecord};
+use super::reference::{ReferenceData, spread};
+use crate::clock::{Clock, peak_memory};
+use crate::engine::PreparedEngine;
+use crate::failure::Failure;
+use crate::pass;
+use azulejo::models;
+use azulejo_factors::truth::{Case, cases};
+use azulejo_factors::{FormFactorOptions, FormFactors, PatchSize, Patches, faceted};
+use azulejo_formats::{Folder, ReadOptions};
+use azulejo_scene::{Scene, synthetic};
+use azulejo_trace::Progress;
+use std::path::Path;
+
+/// Runs the task; `reference` is the reference task of its scene, with files in `folder`.
+pub fn run(
+    task: &Task,
+    reference: Option<&Task>,
+    folder: &Path,
+    progress: &Progress,
+) -> Result<Vec<TaskRecord>, Failure> {
+    let found = match task {
+        Task::Reference(scene, setting, rows) => {
+            let matrix = ComputedMatrix::new(scene, setting, REFERENCE_SEED, progress)?;
+            let (run, reference) = matrix.measured(None, *rows);
+            reference.write(folder, &file_name(task), progress)?;
+            vec![Outcome::Reference(run)]
+        }
+        Task::Run(scene, setting, seed) => {
+            let matrix = ComputedMatrix::new(scene, setting, *seed, progress)?;
+            let (reference, rows) = match reference {
+                Some(task @ Task::Reference(_, _, rows)) => {
+                    let read = ReferenceData::read(folder, &file_name(task), *rows)?;
+                    (Some(read), *rows)
+                }
+                _ => (None, 256),
+            };
+            vec![Outcome::Run(matrix.measured(reference.as_ref(), rows).0)]
+        }
+        Task::Truths(setting) => truths(setting, progress)?,
+    };
+    let record = |outcome| TaskRecord {
+        key: task.key(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        outcome,
+    };
+    Ok(found.into_iter().map(record).collect())
+}
+
+/// A seed that no run has by accident: runs must not share the noise of the reference.
+const REFERENCE_SEED: u64 = 0x7265_6665_7265_6e63;
+
+/// Name of a reference's files: a checksum of its key, which is not a valid file name.
+fn file_name(task: &Task) -> String {
+    let sum = crc32fast::hash(task.key().as_bytes());
+    format!("reference-{sum:08x}")
+}
+
+/// Form factors, with the time and memory they took.
+struct ComputedMatrix {
+    scene: Scene,
+    choice: SceneChoice,
+    setting: EngineSetting,
+    seed: u64,
+    size: PatchSize,
+    factors: FormFactors,
+    notes: Vec<String>,
+    seconds: f64,
+    cpu_seconds: f64,
+    peak_bytes: Option<u64>,
+}
+
+impl ComputedMatrix {
+    fn new(
+        choice: &SceneChoice,
+        setting: &EngineSetting,
+        seed: u64,
+        progress: &Progress,
+    ) -> Result<ComputedMatrix, Failure> {
+        let scene = scene(&choice.origin)?;
+        let prepared = setting.args.prepare()?;
+        let size = choice
+            .patches
+            .map_or(PatchSize::Edge(0.0), PatchSize::Count);
+        let options = FormFactorOptions {
+            size,
+            seed,
+            ..options(setting, &prepared)
+        };
+        let clock = Clock::start();
+        let tracer = prepared.tracer(&scene)?;
+        let factors = azulejo_factors::form_factors(&scene, &tracer, &options, progress)
+            .map_err(pass::failure)?;
+        Ok(ComputedMatrix {
+            seconds: clock.wall(),
+            cpu_seconds: clock.cpu(),
+            peak_bytes: peak_memory(),
+            scene,
+            choice: choice.clone(),
+            setting: setting.clone(),
+            seed,
+            size,
+            factors,
+            notes: prepared.notes().to_vec(),
+        })
+    }
+
+    /// Its measures, and its data as a reference.
+    fn measured(
+        self,
+        reference: Option<&ReferenceData>,
+        rows: usize,
+    ) -> (RunRecord, ReferenceData) {
+        let (factors, scene) = (&self.factors, faceted(&self.scene, self.size));
+        let surfaces = PatchSurfaces::new(&scene, &Patches::new(&scene, self.size));
+        let clock = Clock::start();
+        let light = metrics::radiosity(factors, &surfaces);
+        let solve_seconds = clock.wall();
+        let indices = spread(factors.len(), rows);
+        let row = |&i: &usize| factors.row(i).map(|(j, x, _)| (j, x)).collect();
+        let own = ReferenceData {
+            rows: indices.iter().map(row).collect(),
+            radiosity: light.leaving.clone(),
+            indices,
+        };
+        let row_errors = reference.map(|r| {
+            let pairs = own.rows.iter().zip(&r.rows);
+            metrics::mean_and_largest(
+                &pairs
+                    .map(|(a, b)| metrics::row_error(a, b))
+                    .collect::<Vec<_>>(),
+            )
+        });
+        let b_errors = reference
+            .map(|r| metrics::radiosity_errors(&own.radiosity, &r.radiosity))
+            .filter(|errors| !errors.is_empty())
+            .map(|errors| metrics::mean_and_largest(&errors));
+        let closure = metrics::closure_errors(factors);
+        let squares: Vec<f64> = closure.iter().map(|e| e * e).collect();
+        let sums = factors.row_sums();
+        let stated = factors
+            .row_errors
+            .iter()
+            .zip(&sums)
+            .filter(|(_, sum)| **sum > 0.0);
+        let stated: Vec<f64> = stated.map(|(error, sum)| error / sum).collect();
+        let ran = &factors.engine_used;
+        let run = RunRecord {
+            scene: self.choice.to_string(),
+            mirrors: self.choice.mirrors(),
+            engine: self.setting.name.clone(),
+            setting: self.setting.to_string(),
+            seed: self.seed,
+            ran: ran.name.clone(),
+            device: ran.device.clone(),
+            notes: self.notes.iter().chain(&ran.notes).cloned().collect(),
+            facets: factors.len(),
+            entries: factors.exchange.entries() as u64,
+            samples: factors.rays as f64 / factors.len().max(1) as f64,
+            seconds: self.seconds,
+            cpu_seconds: self.cpu_seconds,
+            solve_seconds,
+            peak_bytes: self.peak_bytes,
+            row_error_mean: row_errors.map(|e| e.0),
+            row_error_max: row_errors.map(|e| e.1),
+            row_error_stated: metrics::mean_and_largest(&stated).0,
+            b_error_mean: b_errors.map(|e| e.0),
+            b_error_max: b_errors.map(|e| e.1),
+            closure_rms: metrics::mean_and_largest(&squares).0.sqrt(),
+            closure_max: metrics::mean_and_largest(&closure).1,
+            moved: factors.closed.map_or(0.0, |m| m.total),
+            reciprocity: metrics::reciprocity_error(factors, &own.indices),
+            energy: metrics::energy_error(factors, &surfaces, &light),
+        };
+        (run, own)
+    }
+}
+
+fn options(setting: &EngineSetting, prepared: &PreparedEngine) -> FormFactorOptions {
+    let default = FormFactorOptions::default();
+    FormFactorOptions {
+        engine: prepared.engine.clone(),
+        rays: setting.rays.unwrap_or(default.rays),
+        analytic: setting.formulas,
+        accuracy: setting.accuracy,
+        closure: setting.closure,
+        memory: azulejo::machine::memory_budget(),
+        ..default
+    }
+}
+
+fn scene(origin: &Origin) -> Result<Scene, Failure> {
+    Ok(match origin {
+        Origin::Cube => synthetic::cube_room(),
+        &Origin::RoomWithTable(facets) => synthetic::room_with_table(facets),
+        &Origin::CornellThesis(mirrors, detail) => synthetic::cornell_thesis_at(mirrors, detail),
+        &Origin::Street(detail) => synthetic::street_at(detail),
+        Origin::File(path, _) => {
+            let (bytes, name) = (models::read_bytes(path)?, path.to_string_lossy());
+            let (folder, options) = (Folder::of_model(path), ReadOptions::default());
+            let read = azulejo_formats::read_with(&bytes, &name, &folder, &options);
+            read.map_err(Failure::failed)?.scene
+        }
+    })
+}
+
+/// Default number of rays of all rows of a case together; undivided faces have 65,536 each.
+const TRUTH_RAYS: usize = 1 << 19;
+
+fn truths(setting: &EngineSetting, progress: &Progress) -> Result<Vec<Outcome>, Failure> {
+    let prepared = setting.args.prepare()?;
+    let mut found = Vec::new();
+    for case in cases() {
+        found.push(Outcome::Truth(answered(
+            &case, setting, &prepared, progress,
+        )?));
+    }
+    Ok(found)
+}
+
+fn answered(
+    case: &Case,
+    setting: &EngineSetting,
+    prepared: &PreparedEngine,
+    progress: &Progress,
+) -> Result<TruthRecord, Failure> {
+    let patches = Patches::new(&case.scene, case.size).len().max(1);
+    let rays = (TRUTH_RAYS / patches).clamp(1 << 10, 1 << 16) as u32;
+    let options = FormFactorOptions {
+        rays: setting.rays.unwrap_or(rays),
+        ..options(setting, prepared)
+    };
+    let clock = Clock::start();
+    let tracer = prepared.tracer(&case.scene)?;
+    let (answer, factors) = case
+        .ask(&tracer, &options, progress)
+        .map_err(pass::failure)?;
+    let off = answer.standard_errors(case);
+    Ok(TruthRecord {
+        engine: setting.name.clone(),
+        setting: setting.to_string(),
+        ran: factors.engine_used.name,
+        case: case.id.to_owned(),
+        words: case.description.clone(),
+        source: case.source.to_owned(),
+        kind: format!("{:?}", case.kind).to_lowercase(),
+        value: answer.value,
+        truth: case.truth.value,
+        truth_error: case.truth.error,
+        standard_error: answer.error,
+        standard_errors: off.is_finite().then_some(off),
+        seconds: clock.wall(),
+    })
+}

@@ -1,0 +1,127 @@
+//! Arguments of `form-factors`.
+
+use crate::args::{DivisionArgs, InputArgs};
+use crate::engine::EngineArgs;
+use crate::values;
+use azulejo_factors::Closure;
+use clap::{Args, ValueEnum, ValueHint};
+use std::path::PathBuf;
+
+/// `form-factors`
+#[derive(Debug, Args)]
+pub struct FormFactorArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+    /// Output file: .npz (for scipy.sparse.load_npz), .csv, or View3D's .txt and .vf (text or
+    /// binary as its input specifies); `-` writes CSV to standard output
+    #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub output: PathBuf,
+    /// Output format, regardless of the extension
+    #[arg(long, value_name = "FORMAT", value_enum)]
+    pub format: Option<FormatName>,
+    #[command(flatten)]
+    pub division: DivisionArgs,
+    /// Rays per patch; makes --engine auto choose rays [default: 4096]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub rays: Option<u32>,
+    /// Add the back sides of all faces as further patches
+    #[arg(long)]
+    pub two_sided: bool,
+    /// Seed of the random numbers; the same seed gives the same result
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    /// Memory limit; work that is estimated to need more is refused before it begins
+    /// [default: the machine's memory]
+    #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
+    pub memory: Option<u64>,
+    /// Keep no journal next to the output; interrupted work then starts from the beginning
+    #[arg(long)]
+    pub no_journal: bool,
+    #[command(flatten)]
+    pub matrix: MatrixArgs,
+    #[command(flatten)]
+    pub engine: EngineArgs,
+}
+
+/// Output formats.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FormatName {
+    /// Sparse, for NumPy and SciPy
+    Npz,
+    /// One line per entry
+    Csv,
+    /// View3D's output as text
+    View3d,
+    /// View3D's output in binary
+    View3dBinary,
+}
+
+/// Operations on the matrix between patches.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "Matrix")]
+pub struct MatrixArgs {
+    /// One row per face, object or material instead of per patch
+    #[arg(long, value_name = "GROUP", value_enum)]
+    pub by: Option<GroupBy>,
+    /// Enforce closure: adjust rows within their standard errors so that they sum to 1 (in open
+    /// scenes with sky and ground)
+    #[arg(long, value_name = "WHEN", value_enum, num_args = 0..=1, require_equals = true,
+          default_value = "closed", default_missing_value = "always")]
+    pub closure: ClosureName,
+    /// Drop pairs whose form factors are both below this share, and distribute their weight over
+    /// the others; row sums and reciprocity are preserved
+    #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
+    pub truncate: Option<f64>,
+    /// Also write the parts of each form factor: direct, by one mirror, and by more mirrors or glass
+    #[arg(long)]
+    pub separate: bool,
+}
+
+/// Groups of patches that become one row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum GroupBy {
+    /// Faces of objects
+    Face,
+    /// Objects
+    Object,
+    /// Materials
+    Material,
+}
+
+/// Scenes in which closure is enforced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ClosureName {
+    /// In no scene
+    Never,
+    /// In closed scenes without mirrors and glass
+    Closed,
+    /// In all scenes
+    Always,
+}
+
+impl From<ClosureName> for Closure {
+    fn from(name: ClosureName) -> Closure {
+        match name {
+            ClosureName::Never => Closure::Never,
+            ClosureName::Closed => Closure::Closed,
+            ClosureName::Always => Closure::Always,
+        }
+    }
+}
+
+/// Examples and notes below the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  azulejo form-factors room.obj -o f.npz --patches 2000 --rays 4096
+  azulejo form-factors room.obj -o f.csv --patch-size 0 --by object --closure
+  azulejo form-factors room.vs3 -o f.txt
+  azulejo form-factors street.obj -o f.npz --by face --truncate 0.01% --memory 8G
+  python3 -c 'import scipy.sparse as s; print(s.load_npz(\"f.npz\").sum(axis=1))'
+
+The entry in row i, column j is the share of the light leaving patch i diffusely that arrives at
+patch j, with its standard error. Patches emit and receive on their front side and block light from
+both. Light that leaves the scene upwards and downwards is in rows to \"sky\" and \"ground\" of a
+CSV, and in arrays of these names of an .npz.
+
+After an interruption, the same command resumes: completed work is kept in FILE.journal until FILE
+is complete. docs/form-factors.md describes files, errors, closure and truncation.";

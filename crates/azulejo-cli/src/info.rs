@@ -1,0 +1,384 @@
+//! `info`: what is in a model.
+
+use super::args::{InfoArgs, InputArgs};
+use super::failure::Failure;
+use super::input;
+use super::inventory::Inventory;
+use super::pass::power_unit;
+use super::report::{Report, count, number, numbers, short, triple};
+use super::session::Session;
+use azulejo_scene::math::Aabb;
+use azulejo_scene::{LightKind, MaterialId, Object, PrimitiveKind, Rgb, Scene, Shape, Up};
+use serde_json::{Value, json};
+use std::collections::HashSet;
+use std::f64::consts::PI;
+
+/// Objects listed in the text; the JSON has all of them.
+const LISTED: usize = 20;
+
+/// The properties of one object.
+struct ObjectSummary<'s> {
+    kind: &'static str,
+    /// The parts of an exact shape, other than a primitive.
+    inventory: Option<Inventory<'s>>,
+    /// Number of different materials.
+    materials: usize,
+    vertices: usize,
+    faces: usize,
+    triangles: usize,
+    area: f64,
+    /// Emitted power per channel, W; `None` for an object that does not emit.
+    power: Option<Rgb>,
+    solved: bool,
+}
+
+/// Runs `info`.
+pub fn run(args: &InfoArgs, session: &mut Session) -> Result<Report, Failure> {
+    session.list_warnings();
+    let scene = input::read_all(&args.input, session)?;
+    let parts: Vec<ObjectSummary<'_>> = scene.objects.iter().map(|o| part(&scene, o)).collect();
+    let mut report = Report::default();
+    source(&args.input, session, &mut report);
+    contents(&scene, &parts, &mut report);
+    extent(&scene, &parts, &mut report);
+    lights(&scene, &parts, &mut report);
+    viewpoints(&scene, &mut report);
+    let solved = scene.is_solved();
+    let words = if solved {
+        "stored on the vertices"
+    } else {
+        "not solved yet"
+    };
+    report.fact("solved", solved, "irradiance", words);
+    objects(&scene, &parts, &mut report);
+    skipped(session, &mut report);
+    Ok(report)
+}
+
+/// The files and their formats; in the JSON a single name if there is one file.
+fn source(input: &InputArgs, session: &Session, report: &mut Report) {
+    let files: Vec<String> = input
+        .scenes
+        .iter()
+        .map(|p| p.display().to_string())
+        .collect();
+    let formats: Vec<&str> = session.formats().iter().map(|f| f.name()).collect();
+    report.line("file", files.join(", "));
+    report.line("format", formats.join(", "));
+    match (&files[..], &formats[..]) {
+        ([file], [format]) => {
+            report.value("file", file.clone());
+            report.value("format", *format);
+        }
+        _ => {
+            report.value("file", files);
+            report.value("format", formats);
+        }
+    }
+}
+
+/// What the readers skipped or repaired; the JSON has it in `warnings`.
+fn skipped(session: &Session, report: &mut Report) {
+    if session.listed().is_empty() {
+        return;
+    }
+    report.plain("");
+    report.plain("skipped or repaired");
+    session
+        .listed()
+        .iter()
+        .for_each(|w| report.plain(w.clone()));
+}
+
+fn part<'s>(scene: &'s Scene, object: &'s Object) -> ObjectSummary<'s> {
+    // Of both sides together.
+    let emission = |m: MaterialId| {
+        let material = &scene.materials[m as usize];
+        material.emission_from(true) + material.emission_from(false)
+    };
+    match &object.shape {
+        Shape::Mesh(mesh) => {
+            let areas = (0..mesh.faces.len()).map(|f| mesh.face_area_vector(f).length());
+            let mut power = Rgb::BLACK;
+            let mut area = 0.0;
+            for (a, &m) in areas.zip(&mesh.face_materials) {
+                area += a;
+                power += emission(m) * (PI * a);
+            }
+            let emits = mesh.face_materials.iter().any(|&m| !emission(m).is_black());
+            ObjectSummary {
+                kind: "mesh",
+                inventory: None,
+                materials: different(&mesh.face_materials),
+                vertices: mesh.positions.len(),
+                faces: mesh.faces.len(),
+                triangles: mesh.faces.triangle_count(),
+                area,
+                power: emits.then_some(power),
+                solved: !mesh.irradiance.is_empty(),
+            }
+        }
+        Shape::Exact(exact) => {
+            let skin = exact.tessellate(1e-3 * exact.bounds().diagonal());
+            let mut power = Rgb::BLACK;
+            for (face, &m) in skin.face_materials.iter().enumerate() {
+                power += emission(m) * (PI * skin.face_area_vector(face).length());
+            }
+            let inventory = Inventory::of(exact);
+            let materials: Vec<MaterialId> = exact.leaves().iter().map(|l| l.material()).collect();
+            ObjectSummary {
+                kind: inventory.kind(exact),
+                inventory: Some(inventory),
+                materials: different(&materials),
+                vertices: 0,
+                faces: 0,
+                triangles: 0,
+                area: skin.area(),
+                power: (!power.is_black()).then_some(power),
+                solved: exact.proxy.is_some(),
+            }
+        }
+        Shape::Primitive(p) => {
+            let emitted = emission(p.material);
+            let area = p.area();
+            ObjectSummary {
+                kind: kind_name(p.kind),
+                inventory: None,
+                materials: 1,
+                vertices: 0,
+                faces: 0,
+                triangles: 0,
+                area,
+                power: (!emitted.is_black()).then_some(emitted * (PI * area)),
+                solved: p.light.is_some(),
+            }
+        }
+    }
+}
+
+fn different(materials: &[MaterialId]) -> usize {
+    materials.iter().collect::<HashSet<_>>().len()
+}
+
+fn kind_name(kind: PrimitiveKind) -> &'static str {
+    match kind {
+        PrimitiveKind::Sphere => "sphere",
+        PrimitiveKind::Cylinder => "cylinder",
+        PrimitiveKind::Cone { .. } => "cone",
+        PrimitiveKind::Tube { .. } => "tube",
+        PrimitiveKind::Cuboid => "box",
+        PrimitiveKind::Square => "parallelogram",
+    }
+}
+
+fn contents(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
+    let sum = |f: fn(&ObjectSummary<'_>) -> usize| parts.iter().map(f).sum::<usize>();
+    let exact = parts.iter().filter(|p| p.kind != "mesh").count();
+    let words = match exact {
+        0 => count(parts.len()),
+        n => format!("{}, {} of them exact shapes", count(parts.len()), count(n)),
+    };
+    report.fact("objects", parts.len(), "objects", words);
+    report.value("exact_shapes", exact);
+    figures(scene, parts, report);
+    for (key, n) in [
+        ("materials", scene.materials.len()),
+        ("textures", scene.textures.len()),
+        ("vertices", sum(|p| p.vertices)),
+        ("faces", sum(|p| p.faces)),
+        ("triangles", sum(|p| p.triangles)),
+    ] {
+        report.fact(key, n, key, count(n));
+    }
+}
+
+/// The solids of exact shapes and the figures that they share.
+fn figures(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
+    let mut all = Inventory::default();
+    for (object, part) in scene.objects.iter().zip(parts) {
+        if let (Shape::Exact(exact), Some(inventory)) = (&object.shape, &part.inventory) {
+            all.add(inventory, exact);
+        }
+    }
+    if all.prisms > 0 {
+        let [prisms, figures, curves] = [all.prisms, all.figures(), all.curves].map(count);
+        let words = format!("{prisms} of {figures} different figures, {curves} curves");
+        report.line("prisms", words);
+    }
+    report.value("solids", all.solids);
+    report.value("prisms", all.prisms);
+    report.value("figures", all.figures());
+    report.value("curves", all.curves);
+}
+
+fn extent(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
+    let Aabb { min, max } = scene.bounds();
+    let light = if scene.units.photometric {
+        "cd/m² and lux"
+    } else {
+        "W/(sr·m²) and W/m²"
+    };
+    let length = match scene.units.metres_per_unit {
+        Some(metres) => format!("1 unit is {} m", short(metres)),
+        None => "lengths without unit, taken as m".into(),
+    };
+    let up = match scene.units.up {
+        Up::Y => "y",
+        Up::Z => "z",
+    };
+    report.line("units", format!("{length}; {up} is up; light in {light}"));
+    report.value("metres_per_unit", scene.units.metres_per_unit.map(number));
+    report.value("up", up);
+    report.value("photometric", scene.units.photometric);
+    if scene.bounds().is_empty() {
+        report.fact("bounds", Value::Null, "bounds", "empty");
+    } else {
+        let (min, max) = (min.to_array(), max.to_array());
+        let words = format!("{} to {}", triple(min), triple(max));
+        let value = json!({ "min": numbers(min), "max": numbers(max) });
+        report.fact("bounds", value, "bounds", words);
+    }
+    // Adding zero, because the sum of nothing is -0.
+    let area = parts.iter().map(|p| p.area).sum::<f64>() + 0.0;
+    report.fact(
+        "area",
+        number(area),
+        "area",
+        format!("{} square units", short(area)),
+    );
+}
+
+fn lights(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
+    let lamps: Vec<&ObjectSummary<'_>> = parts.iter().filter(|p| p.power.is_some()).collect();
+    let power: Rgb = lamps.iter().filter_map(|p| p.power).sum();
+    let mut kinds = [
+        ("point", 0),
+        ("spot", 0),
+        ("directional", 0),
+        ("ambient", 0),
+    ];
+    for light in &scene.lights {
+        let kind = match light.kind {
+            LightKind::Point { .. } => 0,
+            LightKind::Spot { .. } => 1,
+            LightKind::Directional { .. } => 2,
+            LightKind::Ambient { .. } => 3,
+        };
+        kinds[kind].1 += 1;
+    }
+    let mut words: Vec<String> = Vec::new();
+    if !lamps.is_empty() {
+        let n = count(lamps.len());
+        let unit = power_unit(scene.units);
+        words.push(format!(
+            "{n} with area, {} {unit}",
+            triple(power.to_array())
+        ));
+    }
+    let named = kinds.iter().filter(|(_, n)| *n > 0);
+    words.extend(named.map(|(name, n)| format!("{} {name}", count(*n))));
+    let words = if words.is_empty() {
+        "none".into()
+    } else {
+        words.join("; ")
+    };
+    report.line("lights", words);
+    let mut value = json!({ "area": lamps.len(), "area_power": numbers(power.to_array()) });
+    for (name, n) in kinds {
+        value[name] = json!(n);
+    }
+    report.value("lights", value);
+}
+
+fn viewpoints(scene: &Scene, report: &mut Report) {
+    let names: Vec<&str> = scene.cameras.iter().map(|c| c.name.as_str()).collect();
+    let words = match names.len() {
+        0 => "none".to_owned(),
+        n => format!("{}: {}", count(n), quoted(&names)),
+    };
+    report.line("cameras", words);
+    report.value("cameras", names);
+}
+
+fn quoted(names: &[&str]) -> String {
+    let mut words: Vec<String> = names
+        .iter()
+        .take(LISTED)
+        .map(|n| format!("\"{n}\""))
+        .collect();
+    if names.len() > LISTED {
+        words.push("…".into());
+    }
+    words.join(", ")
+}
+
+fn objects(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
+    let list = scene.objects.iter().zip(parts).map(|(object, part)| {
+        let mut value = json!({
+            "name": object.name,
+            "kind": part.kind,
+            "materials": part.materials,
+            "vertices": part.vertices,
+            "faces": part.faces,
+            "triangles": part.triangles,
+            "area": number(part.area),
+            "emits": part.power.is_some(),
+            "solved": part.solved,
+        });
+        if let Some(inventory) = &part.inventory {
+            value["content"] = json!(inventory.words());
+            value["solids"] = json!(inventory.solids);
+            value["operations"] = json!(inventory.operations);
+            value["prisms"] = json!(inventory.prisms);
+            value["figures"] = json!(inventory.figures());
+            value["curves"] = json!(inventory.curves);
+        }
+        value
+    });
+    report.value("object_list", list.collect::<Vec<_>>());
+    for row in table(scene, parts) {
+        report.plain(row);
+    }
+}
+
+/// The first objects as rows of aligned columns under a heading.
+fn table(scene: &Scene, parts: &[ObjectSummary<'_>]) -> Vec<String> {
+    if parts.is_empty() {
+        return Vec::new();
+    }
+    let shown = scene.objects.iter().zip(parts).take(LISTED);
+    let names: Vec<String> = shown.clone().map(|(o, _)| shortened(&o.name)).collect();
+    let width = names
+        .iter()
+        .map(|n| n.chars().count())
+        .max()
+        .unwrap_or(0)
+        .max(6);
+    let row = |name: &str, kind: &str, rest: [&str; 4]| {
+        let [vertices, faces, triangles, area] = rest;
+        format!("{name:<width$}  {kind:<13} {vertices:>11} {faces:>11} {triangles:>11} {area:>12}")
+    };
+    let heading = row("object", "kind", ["vertices", "faces", "triangles", "area"]);
+    let mut rows = vec![String::new(), heading];
+    rows.extend(shown.zip(&names).map(|((_, p), name)| {
+        let counts = [p.vertices, p.faces, p.triangles].map(count);
+        let [v, f, t] = &counts;
+        let mark = if p.power.is_some() { " lamp" } else { "" };
+        let content = p.inventory.as_ref().map(Inventory::words);
+        let content = content.map_or_else(String::new, |words| format!("  {words}"));
+        row(name, p.kind, [v, f, t, &short(p.area)]) + mark + &content
+    }));
+    if parts.len() > LISTED {
+        rows.push(format!("… and {} more", count(parts.len() - LISTED)));
+    }
+    rows
+}
+
+/// A name that fits a column and a line.
+fn shortened(name: &str) -> String {
+    let clean = |c: char| if c.is_control() { ' ' } else { c };
+    if name.chars().count() <= 32 {
+        return name.chars().map(clean).collect();
+    }
+    name.chars().take(31).map(clean).chain(['…']).collect()
+}

@@ -1,0 +1,134 @@
+//! Models from files to one scene.
+
+use super::args::{InputArgs, ReadingArgs};
+use super::failure::Failure;
+use super::placement::Placement;
+use super::session::Session;
+use super::values::UpArg;
+use azulejo::models::{self, read_bytes};
+use azulejo_formats::{ReadOptions, camera_json};
+use azulejo_scene::{Scene, Units};
+use std::path::{Path, PathBuf};
+
+/// Reads all models of a command, places and merges them, and reports what was skipped.
+///
+/// The scene has the axes and unit of the first model, unless the command line specifies others.
+pub fn read_all(input: &InputArgs, session: &mut Session) -> Result<Scene, Failure> {
+    if !session.makes_image() && matches!(input.reading.up, Some(UpArg::Picture(_))) {
+        return Err(Failure::misuse(
+            "--up: expected y or z; a direction applies to images only",
+        ));
+    }
+    let mut placements = PlacementQueue::new(&input.reading.place, &input.scenes)?;
+    let mut whole: Option<Scene> = None;
+    for (path, branch) in input.scenes.iter().zip(branches(&input.scenes)) {
+        let placement = placements.next(path);
+        let mut model = read_one(path, &input.reading, session)?;
+        if let Some(placement) = placement {
+            model.units.up = placement.up.unwrap_or(model.units.up);
+            model.units.metres_per_unit = placement.unit.or(model.units.metres_per_unit);
+        }
+        let wanted = wanted_units(&input.reading, whole.as_ref().unwrap_or(&model).units);
+        for change in models::changes(model.units, wanted) {
+            session.note(&format!("{}: {change}", path.display()));
+        }
+        let mut model = model.adapted(wanted);
+        if let Some(placement) = placement {
+            let map = placement.scene_from_model(model.bounds(), wanted.up);
+            model = model.transformed(&map);
+            model.validate().map_err(|e| unplaceable(path, &e))?;
+        }
+        if let Some(branch) = placement.and_then(|p| p.name.clone()).or(branch) {
+            models::name_branch(&mut model, &branch);
+        }
+        match &mut whole {
+            None => whole = Some(model),
+            Some(scene) => {
+                scene.units.metres_per_unit = model.units.metres_per_unit;
+                scene.merge(model);
+            }
+        }
+    }
+    let mut scene = whole.ok_or_else(|| Failure::misuse("no scene given"))?;
+    if let Some(path) = &input.lights {
+        let lights = camera_json::read_lights(&read_bytes(path)?, &path.to_string_lossy());
+        scene.lights.extend(lights.map_err(Failure::failed)?);
+    }
+    Ok(scene)
+}
+
+fn unplaceable(path: &Path, problem: &impl std::fmt::Display) -> Failure {
+    Failure::Failed(format!("{}: invalid --place: {problem}", path.display()))
+}
+
+/// Units of the scene: from the command line, otherwise `units`.
+fn wanted_units(reading: &ReadingArgs, units: Units) -> Units {
+    Units {
+        metres_per_unit: reading.unit.or(units.metres_per_unit),
+        up: match reading.up {
+            Some(UpArg::Scene(up)) => up,
+            _ => units.up,
+        },
+        ..units
+    }
+}
+
+/// The branches of several models, each named after its file; a single model has no branch.
+fn branches(paths: &[PathBuf]) -> Vec<Option<String>> {
+    if paths.len() == 1 {
+        return vec![None];
+    }
+    let mut names: Vec<Option<String>> = Vec::new();
+    for path in paths {
+        let is_taken = |name: &str| names.iter().flatten().any(|n| n == name);
+        names.push(Some(models::branch_name(path, is_taken)));
+    }
+    names
+}
+
+/// The placements not yet used: those of a file apply to its occurrences in order.
+struct PlacementQueue<'a>(Vec<&'a Placement>);
+
+impl<'a> PlacementQueue<'a> {
+    fn new(list: &'a [Placement], paths: &[PathBuf]) -> Result<PlacementQueue<'a>, Failure> {
+        match list
+            .iter()
+            .find(|p| !paths.iter().any(|path| p.is_about(path)))
+        {
+            Some(p) => Err(Failure::misuse(format_args!(
+                "--place {}: no scene of that name is given",
+                p.file
+            ))),
+            None => Ok(PlacementQueue(list.iter().collect())),
+        }
+    }
+
+    fn next(&mut self, path: &Path) -> Option<&'a Placement> {
+        let at = self.0.iter().position(|p| p.is_about(path))?;
+        Some(self.0.remove(at))
+    }
+}
+
+/// Reads one model and reports what was skipped.
+fn read_one(path: &Path, reading: &ReadingArgs, session: &mut Session) -> Result<Scene, Failure> {
+    let how = models::Reading {
+        options: ReadOptions {
+            lod: reading.lod,
+            most_elements: reading.most_elements,
+            ..ReadOptions::default()
+        },
+        allow: reading.allow.clone(),
+        home: None,
+    };
+    let model = models::read(path, &how, session.progress())?;
+    model.warnings.iter().for_each(|w| session.warn(w));
+    session.has_read(model.format);
+    match model.warnings.len() {
+        0 => Ok(model.scene),
+        n if reading.strict => Err(Failure::Failed(format!(
+            "{}: {n} warnings, which --strict turns into a failure",
+            path.display()
+        ))),
+        _ => Ok(model.scene),
+    }
+}

@@ -1,0 +1,261 @@
+//! Arguments of `text`, `font` and `extrude`.
+
+use super::values::{self, Characters};
+use crate::values::{finite, vector};
+use azulejo_scene::{Align, Rgb};
+use clap::{Args, Subcommand, ValueEnum, ValueHint};
+use glam::DVec3;
+use std::path::PathBuf;
+
+/// `text`
+#[derive(Debug, Args)]
+pub struct TextArgs {
+    /// The text; \n starts a new line, `-` reads standard input
+    #[arg(
+        value_name = "TEXT",
+        required_unless_present = "file",
+        allow_hyphen_values = true
+    )]
+    pub text: Option<String>,
+    /// Read the text from this file (UTF-8)
+    #[arg(long, value_name = "FILE", conflicts_with = "text", value_hint = ValueHint::FilePath)]
+    pub file: Option<PathBuf>,
+    #[command(flatten)]
+    pub typeface: TypefaceArgs,
+    /// Output file: .grf and .sff keep exact outlines, .obj, .glb, .gltf and .ply get polygons; `-`
+    /// writes GRF to standard output
+    #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub lines: LinesArgs,
+    #[command(flatten)]
+    pub solid: SolidArgs,
+    #[command(flatten)]
+    pub frame: FrameArgs,
+    #[command(flatten)]
+    pub surface: SurfaceArgs,
+}
+
+/// The font.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Font")]
+pub struct TypefaceArgs {
+    /// Font file: TrueType (.ttf, .ttc), OpenType (.otf), Type 1 (.pfb, .pfa, .t1), or RTRACE's .ppf
+    #[arg(long, visible_alias = "ppf", value_name = "FILE", required = true,
+          value_hint = ValueHint::FilePath)]
+    pub font: PathBuf,
+    /// Encoding of a .ppf font (.ppe) [default: Adobe's glyph names]
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub encoding: Option<PathBuf>,
+    /// Index of the face in a collection (.ttc)
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub face: u32,
+}
+
+/// The layout of lines.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "Lines")]
+pub struct LinesArgs {
+    /// Additional space between letters, in ems
+    #[arg(long, value_name = "EMS", default_value_t = 0.0, value_parser = finite,
+          allow_hyphen_values = true)]
+    pub spacing: f64,
+    /// Distance between baselines, in ems
+    #[arg(long, value_name = "EMS", default_value_t = 1.2, value_parser = finite,
+          allow_hyphen_values = true)]
+    pub line_spacing: f64,
+    /// Alignment of lines
+    #[arg(long, value_name = "SIDE", value_enum, default_value_t = AlignName::Left)]
+    pub align: AlignName,
+}
+
+/// Alignment of lines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum AlignName {
+    /// Lines start at the position of the text
+    Left,
+    /// Lines are centred on it
+    #[value(alias = "centre")]
+    Center,
+    /// Lines end at it
+    Right,
+}
+
+impl AlignName {
+    /// The alignment as the library takes it.
+    pub fn align(self) -> Align {
+        match self {
+            AlignName::Left => Align::Left,
+            AlignName::Center => Align::Center,
+            AlignName::Right => Align::Right,
+        }
+    }
+}
+
+/// The size of letters.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "Size")]
+pub struct SolidArgs {
+    /// Font size: the length of an em
+    #[arg(long, value_name = "LENGTH", default_value_t = 1.0, value_parser = values::positive,
+          allow_hyphen_values = true)]
+    pub size: f64,
+    /// Depth of the letters [default: a quarter of the size]
+    #[arg(long, value_name = "LENGTH", value_parser = values::positive,
+          allow_hyphen_values = true)]
+    pub depth: Option<f64>,
+}
+
+/// The position of the front plane, and the direction of extrusion.
+#[derive(Clone, Copy, Debug, Args)]
+#[command(next_help_heading = "Position")]
+pub struct FrameArgs {
+    /// Start of the first line, on the front plane
+    #[arg(long, value_name = "X,Y,Z", default_value = "0,0,0", value_parser = vector,
+          allow_hyphen_values = true)]
+    pub at: DVec3,
+    /// Nine numbers as in SFF: the directions along the line, up, and from front to back. They are
+    /// normalized, and need not be perpendicular
+    #[arg(long, value_name = "P,U,E", default_value = "1,0,0,0,1,0,0,0,-1",
+          value_parser = values::orientation, allow_hyphen_values = true)]
+    pub orientation: Directions,
+    /// Slant letters towards the end of the line, as italics
+    #[arg(long, value_name = "DEGREES", default_value_t = 0.0, value_parser = values::slope,
+          allow_hyphen_values = true)]
+    pub slant: f64,
+    /// Shear the extrusion towards the end of the line, and upwards; front plane and depth remain
+    #[arg(long, value_name = "DEGREES[,DEGREES]", default_value = "0",
+          value_parser = values::slopes, allow_hyphen_values = true)]
+    pub oblique: Slopes,
+}
+
+/// Unit vectors along the line, up, and along the extrusion.
+pub type Directions = [DVec3; 3];
+
+/// Angles in degrees towards the end of the line, and upwards.
+pub type Slopes = [f64; 2];
+
+/// The material of a solid.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Surface")]
+pub struct SurfaceArgs {
+    /// Diffuse reflectance: linear, as 0.8,0.4,0.1 or 0.5, or sRGB, as #e8a030 [default: 0.7, or the
+    /// colours of the drawing]
+    #[arg(long, value_name = "COLOR", value_parser = values::reflectance)]
+    pub color: Option<Rgb>,
+    /// Specular reflectance
+    #[arg(long, value_name = "COLOR", value_parser = values::reflectance)]
+    pub mirror: Option<Rgb>,
+    /// Emitted radiance, W/(sr·m²)
+    #[arg(long, value_name = "COLOR", value_parser = values::radiance)]
+    pub emission: Option<Rgb>,
+    /// Name of the object and its material [default: the text, or the file]
+    #[arg(long, value_name = "NAME")]
+    pub name: Option<String>,
+}
+
+/// `font`
+#[derive(Debug, Subcommand)]
+pub enum FontCommand {
+    /// Convert a font to RTRACE's PPF, and its encoding to PPE
+    #[command(after_help = CONVERT_EXAMPLES)]
+    Convert(FontConvertArgs),
+    /// Draw a specimen sheet of all glyphs with their names
+    #[command(after_help = SHEET_EXAMPLES)]
+    Sheet(FontSheetArgs),
+}
+
+/// `font convert`
+#[derive(Debug, Args)]
+pub struct FontConvertArgs {
+    /// Font file: TrueType (.ttf, .ttc), OpenType (.otf), Type 1 (.pfb, .pfa, .t1), or RTRACE's .ppf
+    #[arg(value_name = "FONT", value_hint = ValueHint::FilePath)]
+    pub font: PathBuf,
+    /// Output file for the outlines (.ppf); `-` is standard output
+    #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
+    pub output: PathBuf,
+    /// Output file for the encoding (.ppe)
+    #[arg(long, value_name = "OUT", value_hint = ValueHint::FilePath)]
+    pub encoding: Option<PathBuf>,
+    #[command(flatten)]
+    pub part: FontPart,
+}
+
+/// `font sheet`
+#[derive(Debug, Args)]
+pub struct FontSheetArgs {
+    /// Font file: TrueType (.ttf, .ttc), OpenType (.otf), Type 1 (.pfb, .pfa, .t1), or RTRACE's .ppf
+    #[arg(value_name = "FONT", value_hint = ValueHint::FilePath)]
+    pub font: PathBuf,
+    /// Output image (.png); `-` is standard output
+    #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
+    pub output: PathBuf,
+    /// Font size in pixels per em
+    #[arg(long, value_name = "PIXELS", default_value_t = 64,
+          value_parser = clap::value_parser!(u32).range(8..=1024))]
+    pub size: u32,
+    #[command(flatten)]
+    pub part: FontPart,
+}
+
+/// The part of a font file to use.
+#[derive(Debug, Args)]
+pub struct FontPart {
+    /// Characters: ascii, latin1, all, or hexadecimal codes as in 20-7e,20ac; ignored for .ppf,
+    /// which is always used completely
+    #[arg(long, value_name = "RANGES", default_value = "latin1", value_parser = values::characters)]
+    pub characters: Characters,
+    /// Index of the face in a collection (.ttc)
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub face: u32,
+}
+
+/// `extrude`
+#[derive(Debug, Args)]
+pub struct ExtrudeArgs {
+    /// Filled shapes of an SVG, or closed outlines of a DXF drawing
+    #[arg(value_name = "DRAWING", value_hint = ValueHint::FilePath)]
+    pub drawing: PathBuf,
+    /// Where to write, by extension: .grf and .sff keep exact outlines, .obj, .glb, .gltf and .ply
+    /// get polygons; `-` writes GRF to standard output
+    #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
+    pub output: PathBuf,
+    /// Depth of the solid, in scene units
+    #[arg(long, value_name = "LENGTH", value_parser = values::positive,
+          allow_hyphen_values = true)]
+    pub depth: f64,
+    /// Length of one unit of the drawing, in scene units
+    #[arg(long, value_name = "LENGTH", default_value_t = 1.0, value_parser = values::positive,
+          allow_hyphen_values = true)]
+    pub scale: f64,
+    #[command(flatten)]
+    pub frame: FrameArgs,
+    #[command(flatten)]
+    pub surface: SurfaceArgs,
+}
+
+pub const TEXT_EXAMPLES: &str = "\
+Examples:
+  azulejo text \"Iluminación global\" --font Serif.ttf -o title.grf
+  azulejo text Azulejo --ppf examples/fonts/dejavu-serif.ppf --depth 0.1 --color '#2a5caa' -o a.glb
+  fortune | azulejo text - --font Sans.otf --size 0.2 --align center --oblique 20 -o wise.grf";
+
+pub const FONT_EXAMPLES: &str = "\
+Examples:
+  azulejo font convert Serif.ttf -o serif.ppf --encoding serif.ppe
+  azulejo font sheet serif.ppf -o serif.png";
+
+const CONVERT_EXAMPLES: &str = "\
+Examples:
+  azulejo font convert Serif.ttf -o serif.ppf --encoding serif.ppe
+  azulejo font convert Sans.otf -o greek.ppf --encoding greek.ppe --characters ascii,370-3ff";
+
+const SHEET_EXAMPLES: &str = "\
+Examples:
+  azulejo font sheet serif.ppf -o serif.png
+  azulejo font sheet Sans.ttf -o sans.png --size 32 --characters all";
+
+pub const EXTRUDE_EXAMPLES: &str = "\
+Examples:
+  azulejo extrude logo.svg --depth 2 -o logo.grf
+  azulejo extrude bracket.dxf --depth 6 --scale 0.001 --color 0.4 -o bracket.glb";

@@ -1,0 +1,135 @@
+//! Flat outlines become one object of prisms in a scene of its own.
+
+use super::args::{FrameArgs, SurfaceArgs};
+use crate::failure::Failure;
+use crate::report::{self, Report, count};
+use crate::session::Session;
+use azulejo::models::ModelOutput;
+use azulejo_scene::{Exact, Material, Object, Prism, Rgb, Scene, Shape, Solid, TextFrame};
+use std::path::Path;
+
+impl FrameArgs {
+    /// The frame of outlines whose unit is `scale` long, `depth` deep.
+    pub fn frame(&self, scale: f64, depth: f64) -> TextFrame {
+        let tan = |degrees: f64| degrees.to_radians().tan();
+        let [p, u, e] = self.orientation;
+        let up = u + tan(self.slant) * p;
+        let extrusion = e + tan(self.oblique[0]) * p + tan(self.oblique[1]) * u;
+        TextFrame {
+            origin: self.at,
+            progression: p,
+            up: up.normalize(),
+            extrusion: extrusion.normalize(),
+            scale: [scale, scale * up.length(), depth * extrusion.length()].into(),
+        }
+    }
+}
+
+impl SurfaceArgs {
+    /// The material, where `color` is what nobody chose another for.
+    pub fn material(&self, name: &str, color: Rgb) -> Material {
+        let shines = self.mirror.is_some() || self.emission.is_some();
+        let otherwise = if shines { Rgb::BLACK } else { color };
+        Material {
+            name: name.to_owned(),
+            diffuse: self.color.unwrap_or(otherwise),
+            mirror: self.mirror.unwrap_or(Rgb::BLACK),
+            emission: self.emission.unwrap_or(Rgb::BLACK),
+            ..Material::default()
+        }
+    }
+}
+
+/// The scene of one object.
+pub fn scene(name: &str, materials: Vec<Material>, prisms: Vec<Prism>) -> Result<Scene, Failure> {
+    if prisms.is_empty() {
+        let message = "nothing to extrude: there is no outline with anything inside";
+        return Err(Failure::failed(message));
+    }
+    let mut scene = Scene {
+        materials,
+        ..Scene::default()
+    };
+    let solids = prisms.into_iter().map(Solid::Prism).collect();
+    let shape = Shape::Exact(Exact::new(solids));
+    scene.objects.push(Object::new(name, shape));
+    if !scene.materials.iter_mut().all(Material::limit_reflectance) {
+        let message = "--color and --mirror together reflect more than arrives";
+        return Err(Failure::misuse(message));
+    }
+    // Sizes and places that are numbers by themselves may have no product.
+    match scene.validate() {
+        Ok(()) => Ok(scene),
+        Err(e) => Err(Failure::failed(format_args!(
+            "sizes or places are out of range: {e}"
+        ))),
+    }
+}
+
+/// Writes the scene and says what is in it.
+pub fn write(
+    scene: &Scene,
+    output: &ModelOutput,
+    path: &Path,
+    session: &mut Session,
+) -> Result<Report, Failure> {
+    session.write(scene, output)?;
+    let prisms: usize = scene.objects.iter().map(prism_count).sum();
+    let bounds = scene.bounds();
+    let mut report = Report::default();
+    let path = path.display().to_string();
+    let words = format!("{path}: {} solids", count(prisms));
+    report.fact("output", path, "wrote", words);
+    report.value("solids", prisms);
+    let (min, max) = (bounds.min.to_array(), bounds.max.to_array());
+    let words = format!("{} to {}", report::triple(min), report::triple(max));
+    let value = serde_json::json!({ "min": min, "max": max });
+    report.fact("bounds", value, "bounds", words);
+    Ok(report)
+}
+
+fn prism_count(object: &Object) -> usize {
+    match &object.shape {
+        Shape::Exact(exact) => exact.solids.len(),
+        Shape::Mesh(_) | Shape::Primitive(_) => 0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DVec2, DVec3};
+
+    /// Where a point of an outline goes, on the front and on the back.
+    fn check(args: FrameArgs, front: [f64; 3], back: [f64; 3]) {
+        let map = args.frame(2.0, 0.5).world_from_glyph(DVec2::new(1.0, 0.0));
+        for (z, expected) in [(0.0, front), (1.0, back)] {
+            let found = map.transform_point3(DVec3::new(1.0, 1.0, z));
+            assert!(
+                found.distance(expected.into()) < 1e-12,
+                "{found} {expected:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn frames_lean_and_turn() {
+        let plain = FrameArgs {
+            at: DVec3::new(0.0, 0.0, 7.0),
+            orientation: [DVec3::X, DVec3::Y, DVec3::NEG_Z],
+            slant: 0.0,
+            oblique: [0.0; 2],
+        };
+        check(plain, [4.0, 2.0, 7.0], [4.0, 2.0, 6.5]);
+        let slant = FrameArgs {
+            slant: 45.0,
+            ..plain
+        };
+        check(slant, [6.0, 2.0, 7.0], [6.0, 2.0, 6.5]);
+        let oblique = FrameArgs {
+            oblique: [45.0, -45.0],
+            ..plain
+        };
+        check(oblique, [4.0, 2.0, 7.0], [4.5, 1.5, 6.5]);
+    }
+}

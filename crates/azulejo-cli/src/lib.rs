@@ -1,0 +1,112 @@
+//! The command line of azulejo, as a library: [`main`] is the program, [`parsers`] are the parsers
+//! of its input files.
+//!
+//! `args` defines the options with their types, one module per command interprets them, and the
+//! libraries below do the work.
+
+mod args;
+mod brdf;
+mod camera;
+mod clock;
+mod convert;
+mod drawing;
+mod engine;
+mod experiment;
+mod failure;
+mod form_factors;
+mod generate;
+mod info;
+mod input;
+mod interrupt;
+mod inventory;
+mod lettering;
+mod npy;
+mod npz;
+mod pass;
+mod placement;
+mod points;
+mod probe;
+mod progress_bar;
+mod render;
+mod report;
+mod rtrace;
+mod session;
+mod solve;
+mod values;
+mod workbench;
+
+use args::{Cli, Command, CommonArgs};
+use clap::Parser;
+use failure::Failure;
+use session::Session;
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+/// Parsers of input other than models, public for tests and fuzzing.
+pub mod parsers {
+    pub use crate::experiment::parse_suite;
+    pub use crate::npy::{Array, read as parse_npy};
+    pub use crate::points::{parse_points, parse_rays};
+}
+
+/// Parses the command line, runs the command, and prints why it failed, if it did.
+///
+/// Exit codes: 0 success, 1 failure, 2 usage error.
+pub fn main() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(e) => {
+            // Help and version are also printed here; a closed pipe is not an error.
+            let _ = e.print();
+            return ExitCode::from(u8::try_from(e.exit_code()).unwrap_or(2));
+        }
+    };
+    let common = cli.common;
+    match run(cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            print_failure(&failure, common);
+            failure.exit_code()
+        }
+    }
+}
+
+fn run(cli: Cli) -> Result<(), Failure> {
+    let mut session = Session::start(cli.common)?;
+    let report = match &cli.command {
+        Command::Brdf { command } => return brdf::run(command, session),
+        Command::Completions { shell } => return generate::completions(*shell),
+        Command::Man { folder } => return generate::manual(folder),
+        Command::View(args) => return workbench::run(args),
+        Command::Info(args) => {
+            let report = info::run(args, &mut session)?;
+            return session.print(report);
+        }
+        Command::Convert(args) => convert::run(args, &mut session)?,
+        Command::Solve(args) => solve::run(args, &mut session)?,
+        Command::Render(args) => render::run(args, &mut session)?,
+        Command::Probe(args) => probe::run(args, &mut session)?,
+        Command::FormFactors(args) => form_factors::run(args, &mut session)?,
+        Command::Experiment(args) => match experiment::run(args, &mut session)? {
+            Some(report) if args.list => return session.print(report),
+            Some(report) => report,
+            None => return Ok(()),
+        },
+        Command::Text(args) => lettering::run_text(args, &mut session)?,
+        Command::Font { command } => lettering::run_font(command, &mut session)?,
+        Command::Extrude(args) => lettering::run_extrude(args, &mut session)?,
+    };
+    session.finish(report)
+}
+
+/// Prints the error on standard error, and with `--json` also as JSON on standard output.
+fn print_failure(failure: &Failure, common: CommonArgs) {
+    if matches!(failure, Failure::BrokenPipe) {
+        return;
+    }
+    let _ = writeln!(io::stderr(), "error: {failure}");
+    if common.json {
+        let value = serde_json::json!({ "error": failure.to_string() });
+        let _ = writeln!(io::stdout(), "{value}");
+    }
+}

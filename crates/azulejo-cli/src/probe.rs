@@ -1,0 +1,196 @@
+//! `probe`: irradiance at points, and radiance or hits along rays.
+
+use super::args::ProbeArgs;
+use super::clock::Clock;
+use super::engine::PreparedEngine;
+use super::failure::Failure;
+use super::report::{Report, count, number, seconds, short};
+use super::session::Session;
+use super::{input, pass, points};
+use azulejo::output::Output;
+use azulejo_render::SecondPass;
+use azulejo_scene::math::Ray;
+use azulejo_scene::{Scene, Shape};
+use azulejo_trace::{Cancelled, KernelHit, Progress, Tracer};
+use rayon::prelude::*;
+use std::path::Path;
+
+/// Columns of an irradiance: E and its standard error.
+const IRRADIANCE: usize = 6;
+/// Columns of a radiance.
+const RADIANCE: usize = 3;
+/// Columns of a hit: t, object, triangle, u, v.
+const HIT: usize = 5;
+/// Rays between two polls of the progress.
+const BATCH: usize = 4096;
+
+/// ProbeResults of numbers to be written.
+struct ProbeResults {
+    columns: usize,
+    values: Vec<f64>,
+}
+
+/// Runs `probe`.
+pub fn run(args: &ProbeArgs, session: &mut Session) -> Result<Report, Failure> {
+    let default = (!session.json()).then_some(Path::new("-"));
+    let output = args.output.as_deref().or(default);
+    let output = output.map(Output::check).transpose()?;
+    session.claim_stdout(output.as_ref().is_some_and(Output::is_stdout))?;
+    let prepared = args.first_pass.engine.prepare()?;
+    let mut scene = input::read_all(&args.input, session)?;
+    let mut report = Report::default();
+    let probes = &args.probes;
+    let rows = match (&probes.points, &probes.radiance, &probes.hits) {
+        (Some(path), _, _) => irradiance(&scene, path, args, &prepared, session, &mut report)?,
+        (_, Some(path), _) => radiance(&mut scene, path, args, &prepared, session, &mut report)?,
+        (_, _, Some(path)) => hits(&scene, path, &prepared, session, &mut report)?,
+        _ => return Err(Failure::misuse("nothing to probe")),
+    };
+    if let Some(output) = output {
+        points::write_rows(&output, rows.columns, &rows.values, session.progress())?;
+        report.value("output", output.path().display().to_string());
+    }
+    Ok(report)
+}
+
+/// Prepares the scene for tracing and reports how long that took.
+fn build(scene: &Scene, prepared: &PreparedEngine, report: &mut Report) -> Result<Tracer, Failure> {
+    let clock = Clock::start();
+    let tracer = prepared.tracer(scene)?;
+    spent("building", "build", clock, report);
+    Ok(tracer)
+}
+
+/// Adds wall-clock and CPU time of a part of the work.
+fn spent(label: &str, key: &str, clock: Clock, report: &mut Report) {
+    let (wall, cpu) = (clock.wall(), clock.cpu());
+    let words = format!("{}, {} of CPU time", seconds(wall), seconds(cpu));
+    report.line(label, words);
+    report.value(&format!("{key}_seconds"), number(wall));
+    report.value(&format!("{key}_cpu_seconds"), number(cpu));
+}
+
+fn irradiance(
+    scene: &Scene,
+    path: &Path,
+    args: &ProbeArgs,
+    prepared: &PreparedEngine,
+    session: &Session,
+    report: &mut Report,
+) -> Result<ProbeResults, Failure> {
+    let points = points::read_points(path, args.normals.as_deref())?;
+    let tracer = build(scene, prepared, report)?;
+    let options = pass::options(&args.first_pass, prepared);
+    session.limit_time(args.first_pass.time);
+    let clock = Clock::start();
+    let probed = session
+        .with_progress(|p| azulejo_radiosity::probe(scene, &tracer, &points, &options, p))
+        .map_err(pass::failure)?;
+    spent("tracing", "trace", clock, report);
+    pass::describe(&probed.report, prepared, scene.units, report);
+    let row = |e: &azulejo_radiosity::Estimate| [e.value.to_array(), e.error.to_array()].concat();
+    Ok(ProbeResults {
+        columns: IRRADIANCE,
+        values: probed.estimates.iter().flat_map(row).collect(),
+    })
+}
+
+fn radiance(
+    scene: &mut Scene,
+    path: &Path,
+    args: &ProbeArgs,
+    prepared: &PreparedEngine,
+    session: &Session,
+    report: &mut Report,
+) -> Result<ProbeResults, Failure> {
+    let rays = points::read_rays(path)?;
+    if !scene.is_solved() {
+        let tracer = prepared.tracer(scene)?;
+        let light = pass::solve(scene, &tracer, &args.first_pass, prepared, session)?;
+        pass::describe(&light.report, prepared, scene.units, report);
+        scene.set_irradiance(light.irradiance);
+    }
+    let tracer = build(scene, prepared, report)?;
+    let options = SecondPass {
+        seed: args.first_pass.seed,
+        ..SecondPass::default()
+    };
+    let clock = Clock::start();
+    let found =
+        session.with_progress(|p| azulejo_render::radiance(scene, &tracer, &rays, &options, p))?;
+    spent("tracing", "trace", clock, report);
+    report.fact("rays", rays.len(), "rays", count(rays.len()));
+    Ok(ProbeResults {
+        columns: RADIANCE,
+        values: found.iter().flat_map(|l| l.to_array()).collect(),
+    })
+}
+
+fn hits(
+    scene: &Scene,
+    path: &Path,
+    prepared: &PreparedEngine,
+    session: &Session,
+    report: &mut Report,
+) -> Result<ProbeResults, Failure> {
+    let rays = points::read_rays(path)?;
+    let tracer = build(scene, prepared, report)?;
+    let clock = Clock::start();
+    let found = session.with_progress(|p| trace(&tracer, &rays, p))?;
+    let wall = clock.wall();
+    spent("tracing", "trace", clock, report);
+    let met = found.iter().filter(|h| h.is_hit()).count();
+    let rate = rays.len() as f64 / wall.max(1e-9);
+    let words = format!(
+        "{}, {} hits, {} million rays per second",
+        count(rays.len()),
+        count(met),
+        short(rate * 1e-6)
+    );
+    report.fact("rays", rays.len(), "rays", words);
+    report.value("hits", met);
+    report.value("rays_per_second", number(rate));
+    let row = |hit: &KernelHit| hit_row(scene, &tracer, hit);
+    Ok(ProbeResults {
+        columns: HIT,
+        values: found.iter().flat_map(row).collect(),
+    })
+}
+
+/// The closest hit of each ray, in their order.
+fn trace(tracer: &Tracer, rays: &[Ray], progress: &Progress) -> Result<Vec<KernelHit>, Cancelled> {
+    progress.begin("tracing", rays.len() as u64);
+    let parts: Result<Vec<Vec<KernelHit>>, Cancelled> = rays
+        .par_chunks(BATCH)
+        .map_init(Vec::new, |batch, rays| {
+            batch.clear();
+            batch.extend(rays.iter().map(|r| tracer.kernel_ray(r)));
+            let mut hits = Vec::new();
+            tracer.closest(batch, &mut hits);
+            progress.advance(rays.len() as u64)?;
+            Ok(hits)
+        })
+        .collect();
+    Ok(parts?.concat())
+}
+
+/// t, object, triangle of the object, u, v; a miss is inf, −1, −1, 0, 0.
+fn hit_row(scene: &Scene, tracer: &Tracer, hit: &KernelHit) -> [f64; HIT] {
+    if !hit.is_hit() {
+        return [f64::INFINITY, -1.0, -1.0, 0.0, 0.0];
+    }
+    let item = tracer.item(hit.item);
+    let triangle = match &scene.objects[item.object as usize].shape {
+        // A polygon of n corners is n − 2 triangles, so the corners before a face count them.
+        Shape::Mesh(mesh) => mesh.faces.starts[item.face as usize] - 2 * item.face + item.triangle,
+        Shape::Primitive(_) | Shape::Exact(_) => item.face,
+    };
+    let [u, v] = hit.uv();
+    [
+        f64::from(hit.t),
+        f64::from(item.object),
+        f64::from(triangle),
+        f64::from(u),
+        f64::from(v),
+    ]
+}

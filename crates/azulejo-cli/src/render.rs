@@ -1,0 +1,219 @@
+//! `render`: the second pass, or the path tracer that serves as its reference.
+
+use super::args::{ImageArgs, RenderArgs, RenderStyle, ToneName};
+use super::failure::Failure;
+use super::report::{Report, number, percent, short};
+use super::session::Session;
+use super::{camera, input, pass, rtrace};
+use azulejo::output::Output;
+use azulejo_formats::picture::{exr, hdr, png};
+use azulejo_render::{ReferencePass, SecondPass, Tone};
+use azulejo_scene::{Image, Scene};
+use azulejo_trace::Tracer;
+use std::path::Path;
+
+/// File formats of images.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum ImageFormat {
+    Png,
+    Exr,
+    Hdr,
+}
+
+/// Runs `render`.
+pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> {
+    let format = format_of(&args.output)?;
+    rtrace::check(args)?;
+    let output = Output::check(&args.output)?;
+    let errors = args.picture.error_image.as_deref().map(errors_of);
+    let errors = errors.transpose()?;
+    session.claim_stdout(output.is_stdout())?;
+    session.set_makes_image();
+    let mut scene = input::read_all(&args.input, session)?;
+    let mut report = Report::default();
+    let image = match args.look.look {
+        RenderStyle::Physical if args.picture.reference => {
+            render_reference(&scene, args, errors.as_ref(), session, &mut report)?
+        }
+        RenderStyle::Physical => physical(&mut scene, args, session, &mut report)?,
+        RenderStyle::Rtrace => rtrace::draw(&scene, args, session)?,
+    };
+    write(&image, format, args, &output, session, &mut report)?;
+    let (width, height) = (image.width, image.height);
+    report.value("width", width);
+    report.value("height", height);
+    let path = args.output.display().to_string();
+    let words = format!("{path}, {width} x {height} pixels");
+    report.fact("output", path, "wrote", words);
+    Ok(report)
+}
+
+/// Solves the scene if it has no irradiance yet, and renders it.
+fn physical(
+    scene: &mut Scene,
+    args: &RenderArgs,
+    session: &Session,
+    report: &mut Report,
+) -> Result<Image, Failure> {
+    let (camera, size) =
+        camera::choose(&args.view, args.picture.size, scene, args.input.reading.up)?;
+    let tracer = lit(scene, args, session, report)?;
+    let options = options(&args.picture, args.first_pass.seed, size);
+    let image = session.with_progress(|progress| {
+        azulejo_render::render(scene, &tracer, &camera, &options, progress)
+    })?;
+    Ok(image)
+}
+
+/// Default samples per pixel: enough for an image, and for a reference with a known error.
+const SAMPLES: u32 = 16;
+const REFERENCE_SAMPLES: u32 = 256;
+
+/// Renders the scene by path tracing, and writes its error image if requested.
+fn render_reference(
+    scene: &Scene,
+    args: &RenderArgs,
+    errors: Option<&(Output, ImageFormat)>,
+    session: &Session,
+    report: &mut Report,
+) -> Result<Image, Failure> {
+    let (camera, size) =
+        camera::choose(&args.view, args.picture.size, scene, args.input.reading.up)?;
+    let tracer = args.first_pass.engine.prepare()?.tracer(scene)?;
+    let options = ReferencePass {
+        size,
+        samples_per_pixel: args.picture.spp.unwrap_or(REFERENCE_SAMPLES),
+        seed: args.first_pass.seed,
+        ..ReferencePass::default()
+    };
+    let found = session.with_progress(|progress| {
+        azulejo_render::reference(scene, &tracer, &camera, &options, progress)
+    })?;
+    let error = found.relative_error();
+    let words = format!(
+        "{} relative RMSE, estimated from the pixels' standard errors",
+        percent(error)
+    );
+    report.fact("error", number(error), "error", words);
+    if let Some((output, format)) = errors {
+        write_linear(&found.error, *format, output, session)?;
+    }
+    Ok(found.image)
+}
+
+/// The output and format of an error image; a PNG could not hold its values.
+fn errors_of(path: &Path) -> Result<(Output, ImageFormat), Failure> {
+    match format_of(path)? {
+        ImageFormat::Png => Err(Failure::misuse(format_args!(
+            "{}: an error image needs a format of linear values, expected .exr or .hdr",
+            path.display()
+        ))),
+        format => Ok((Output::check(path)?, format)),
+    }
+}
+
+/// Solves the scene unless it is solved, and returns its tracer.
+fn lit(
+    scene: &mut Scene,
+    args: &RenderArgs,
+    session: &Session,
+    report: &mut Report,
+) -> Result<Tracer, Failure> {
+    let prepared = args.first_pass.engine.prepare()?;
+    let solved = scene.is_solved();
+    report.value("solved_before", solved);
+    if solved {
+        return prepared.tracer(scene);
+    }
+    let tracer = prepared.tracer(scene)?;
+    let light = pass::solve(scene, &tracer, &args.first_pass, &prepared, session)?;
+    pass::describe(&light.report, &prepared, scene.units, report);
+    scene.set_irradiance(light.irradiance);
+    // The subdivided mesh has other faces than the one of the first tracer.
+    prepared.tracer(scene)
+}
+
+fn format_of(path: &Path) -> Result<ImageFormat, Failure> {
+    if path == Path::new("-") {
+        return Ok(ImageFormat::Png);
+    }
+    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
+    match extension.to_ascii_lowercase().as_str() {
+        "png" => Ok(ImageFormat::Png),
+        "exr" => Ok(ImageFormat::Exr),
+        "hdr" => Ok(ImageFormat::Hdr),
+        _ => Err(Failure::misuse(format_args!(
+            "{}: unknown image format, expected .png, .exr or .hdr",
+            path.display()
+        ))),
+    }
+}
+
+fn options(picture: &ImageArgs, seed: u64, size: (u32, u32)) -> SecondPass {
+    SecondPass {
+        size,
+        samples_per_pixel: picture.spp.unwrap_or(SAMPLES),
+        gather: picture.gather,
+        seed,
+        ..SecondPass::default()
+    }
+}
+
+fn tone(name: ToneName) -> Tone {
+    match name {
+        ToneName::Linear => Tone::Linear,
+        ToneName::Reinhard => Tone::Reinhard,
+        ToneName::Filmic => Tone::Filmic,
+    }
+}
+
+/// Writes an image of linear values.
+fn write_linear(
+    image: &Image,
+    format: ImageFormat,
+    output: &Output,
+    session: &Session,
+) -> Result<(), Failure> {
+    output.write(session.progress(), |out| match format {
+        ImageFormat::Hdr => hdr::write(image, out),
+        _ => exr::write(image, out),
+    })?;
+    Ok(())
+}
+
+fn write(
+    image: &Image,
+    format: ImageFormat,
+    args: &RenderArgs,
+    output: &Output,
+    session: &Session,
+    report: &mut Report,
+) -> Result<(), Failure> {
+    let progress = session.progress();
+    match format {
+        ImageFormat::Exr | ImageFormat::Hdr => write_linear(image, format, output, session)?,
+        ImageFormat::Png if args.look.look == RenderStyle::Rtrace => {
+            let pixels = azulejo_render::rtrace::bytes(image);
+            output.write(progress, |out| {
+                png::write(image.width, image.height, &pixels, out)
+            })?;
+        }
+        ImageFormat::Png => {
+            let factor = match args.picture.exposure {
+                Some(stops) => stops.exp2(),
+                None => azulejo_render::auto_exposure(image),
+            };
+            let stops = factor.log2();
+            let words = match args.picture.exposure {
+                Some(_) => format!("{} stops", short(stops)),
+                None => format!("{} stops, automatic", short(stops)),
+            };
+            report.fact("exposure", number(stops), "exposure", words);
+            let pixels = azulejo_render::tone_map(image, factor, tone(args.picture.tone));
+            output.write(progress, |out| {
+                png::write(image.width, image.height, &pixels, out)
+            })?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,25 @@
+//! `solve`: the first pass, from scene to irradiance on its vertices.
+
+use super::args::SolveArgs;
+use super::failure::Failure;
+use super::report::Report;
+use super::session::Session;
+use super::{input, pass};
+use azulejo::models::ModelOutput;
+
+/// Runs `solve`.
+pub fn run(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
+    let output = ModelOutput::check_lit(&args.output)?;
+    session.claim_stdout(output.is_stdout())?;
+    let prepared = args.first_pass.engine.prepare()?;
+    let mut scene = input::read_all(&args.input, session)?;
+    let tracer = prepared.tracer(&scene)?;
+    let light = pass::solve(&scene, &tracer, &args.first_pass, &prepared, session)?;
+    let mut report = Report::default();
+    pass::describe(&light.report, &prepared, scene.units, &mut report);
+    scene.set_irradiance(light.irradiance);
+    session.write(&scene, &output)?;
+    let path = args.output.display().to_string();
+    report.fact("output", path.clone(), "wrote", path);
+    Ok(report)
+}

@@ -1,0 +1,70 @@
+//! `view`: starts the workbench.
+//!
+//! It depends on hundreds of crates for its window, so it is a program of its own.
+
+use super::args::WorkbenchArgs;
+use super::failure::Failure;
+use std::env::consts::EXE_SUFFIX;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Its name, without the extension of programs.
+const PROGRAM: &str = "azulejo-workbench";
+
+/// Runs the workbench until its window is closed; fails if it fails.
+pub fn run(args: &WorkbenchArgs) -> Result<(), Failure> {
+    let program = find().ok_or_else(|| Failure::Failed(advice(args)))?;
+    let status = Command::new(&program).args(arguments(args)).status();
+    let status = status.map_err(|e| Failure::file("start", &program, &e))?;
+    match status.code() {
+        Some(0) => Ok(()),
+        // It has printed the reason.
+        Some(code) => Err(Failure::Failed(format!(
+            "the workbench exited with status {code}"
+        ))),
+        None => Err(Failure::failed("the workbench was killed")),
+    }
+}
+
+/// The workbench next to this program, or on the PATH.
+fn find() -> Option<PathBuf> {
+    let name = format!("{PROGRAM}{EXE_SUFFIX}");
+    let own = std::env::current_exe().ok();
+    let beside = own.as_deref().and_then(Path::parent).map(|f| f.join(&name));
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let others = std::env::split_paths(&path).map(|folder| folder.join(&name));
+    beside.into_iter().chain(others).find(|p| p.is_file())
+}
+
+/// The arguments of the workbench.
+fn arguments(args: &WorkbenchArgs) -> Vec<OsString> {
+    let mut words = Vec::new();
+    for (option, value) in [
+        ("--script", &args.script),
+        ("--screenshot", &args.screenshot),
+    ] {
+        if let Some(value) = value {
+            words.extend([option.into(), value.clone().into_os_string()]);
+        }
+    }
+    if args.no_preferences {
+        words.push("--no-preferences".into());
+    }
+    // File names may start with a dash.
+    words.push("--".into());
+    words.extend(args.files.iter().map(|f| f.clone().into_os_string()));
+    words
+}
+
+fn advice(args: &WorkbenchArgs) -> String {
+    let words: Vec<String> = (arguments(args).iter())
+        .map(|w| w.to_string_lossy().into_owned())
+        .filter(|w| w != "--")
+        .collect();
+    format!(
+        "there is no {PROGRAM} next to this program or on the PATH; to build and run it from \
+         azulejo's source: cargo run --release -p {PROGRAM} -- {}",
+        words.join(" ")
+    )
+}

@@ -1,0 +1,200 @@
+//! `form-factors`: groups, sums, what is refused, and work that goes on after it was killed.
+
+use crate::support::Folder;
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use serde_json::json;
+use std::collections::HashMap;
+use std::path::Path;
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::Duration;
+
+/// Six blocks of rows, each of which takes a while.
+const LONG: &str = "form-factors room.obj --patches 700 --rays 4096 --two-sided";
+
+/// Bytes of a journal before its first record, and where that says how long it is.
+const JOURNAL_HEADER: usize = 36;
+const RECORD_HEAD: usize = 28;
+const RECORD_LENGTH: usize = 12;
+
+/// Whether a whole block of rows is in a journal.
+fn has_block(journal: &Path) -> bool {
+    let bytes = std::fs::read(journal).unwrap_or_default();
+    let length = bytes
+        .get(JOURNAL_HEADER + RECORD_LENGTH..)
+        .and_then(|b| b.first_chunk());
+    length.is_some_and(|&length| {
+        let end = JOURNAL_HEADER as u64 + RECORD_HEAD as u64 + u64::from_le_bytes(length);
+        bytes.len() as u64 >= end
+    })
+}
+
+/// Runs `LONG` until a block is in the journal, and ends it by `signal`.
+fn interrupt(folder: &Folder, output: &str, signal: Signal) {
+    let journal = folder.path(&format!("{output}.journal"));
+    let mut child = folder
+        .command(&format!("{LONG} -o {output}"))
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    while !has_block(&journal) {
+        assert!(
+            child.try_wait().unwrap().is_none(),
+            "it ended before it was interrupted"
+        );
+        sleep(Duration::from_millis(2));
+    }
+    kill(Pid::from_raw(child.id().try_into().unwrap()), signal).unwrap();
+    assert!(!child.wait().unwrap().success());
+    assert!(!folder.path(output).exists());
+    assert!(has_block(&journal));
+}
+
+#[test]
+fn killed_work_goes_on_to_the_same_bytes() {
+    let folder = Folder::with_room();
+    folder.ok(&format!("{LONG} -o whole.npz --threads 1"));
+    assert!(!folder.path("whole.npz.journal").exists());
+    let whole = folder.read("whole.npz");
+
+    interrupt(&folder, "killed.npz", Signal::SIGKILL);
+    let run = folder.ok(&format!("{LONG} -o killed.npz"));
+    assert!(run.err.contains("resuming from"), "{}", run.err);
+    assert!(folder.read("killed.npz") == whole);
+
+    interrupt(&folder, "stopped.npz", Signal::SIGINT);
+    // A byte changes on the disk: its block is computed again, and that is said.
+    let mut journal = folder.read("stopped.npz.journal");
+    journal[200] ^= 1;
+    folder.write("stopped.npz.journal", journal);
+    let run = folder.ok(&format!("{LONG} -o stopped.npz"));
+    assert!(run.err.contains("damaged"), "{}", run.err);
+    assert!(folder.read("stopped.npz") == whole);
+    let left: Vec<_> = folder
+        .names()
+        .into_iter()
+        .filter(|n| n.contains(".journal") || n.ends_with(".tmp"))
+        .collect();
+    // What SIGKILL leaves of the check of the output's place is not looked for: it came too late.
+    assert_eq!(left, [""; 0]);
+}
+
+#[test]
+fn a_journal_of_something_else() {
+    let folder = Folder::with_room();
+    interrupt(&folder, "f.npz", Signal::SIGKILL);
+    let other = "form-factors room.obj -o f.npz --patches 50 --rays 64";
+    let run = folder.ok(other);
+    assert!(run.err.contains("restarted"), "{}", run.err);
+    assert!(!folder.path("f.npz.journal").exists());
+    folder.write("f.npz.journal", "my diary");
+    folder.fails(other, 1, "is not a journal");
+    folder.ok(&format!("{other} --no-journal"));
+    assert_eq!(folder.read("f.npz.journal"), b"my diary");
+}
+
+/// The table's entries by name, and the areas.
+fn table(text: &str) -> (HashMap<(String, String), f64>, HashMap<String, f64>) {
+    let (mut entries, mut areas) = (HashMap::new(), HashMap::new());
+    for line in text.lines().skip(1) {
+        let words: Vec<&str> = line.split(',').collect();
+        let [from, to] = [words[0], words[1]].map(str::to_owned);
+        areas.insert(from.clone(), words[4].parse().unwrap());
+        entries.insert((from, to), words[2].parse().unwrap());
+    }
+    (entries, areas)
+}
+
+#[test]
+fn groups_keep_sums_and_reciprocity() {
+    let folder = Folder::with_room();
+    for by in ["object", "face", "material"] {
+        let line = "form-factors room.obj -o f.csv --patches 200 --rays 256 --two-sided --by";
+        let report = folder.json(&format!("{line} {by}"));
+        assert!(report["groups"].as_u64().unwrap() >= 2 && report["patches"].is_null());
+        let text = String::from_utf8(folder.read("f.csv")).unwrap();
+        assert!(text.starts_with("from,to,f,std_error,area_from\n"));
+        let (entries, areas) = table(&text);
+        let mut sums: HashMap<&str, f64> = HashMap::new();
+        for ((from, to), f) in &entries {
+            *sums.entry(from).or_default() += f;
+            if to != "sky" && to != "ground" {
+                let there = areas[from] * f;
+                let back = areas[to] * entries[&(to.clone(), from.clone())];
+                assert!((there - back).abs() <= 1e-14 * there, "{from} {to}");
+            }
+        }
+        // The backs of the walls see the sky and the ground; nothing is missing anywhere.
+        assert!(
+            sums.values().all(|s| (s - 1.0).abs() < 1e-6),
+            "{by} {sums:?}"
+        );
+    }
+}
+
+#[test]
+fn what_was_moved_is_said() {
+    let folder = Folder::with_room();
+    let line = "form-factors room.obj -o f.npz --patches 150 --rays 256 --two-sided";
+    let plain = folder.json(&format!("{line} --closure=never"));
+    assert!(plain["closure"].is_null() && plain["unaccounted_max"].as_f64().unwrap() > 1e-4);
+    let closed = folder.json(&format!("{line} --closure"));
+    assert!(closed["closure"]["moved"].as_f64().unwrap() > 0.0);
+    assert!(closed["unaccounted_max"].as_f64().unwrap() < 1e-8);
+    let cut = folder.json(&format!("{line} --truncate 0.2%"));
+    let (before, after) = (
+        &cut["truncation"]["entries_before"],
+        &cut["truncation"]["entries_after"],
+    );
+    assert_eq!((before, after), (&closed["entries"], &cut["entries"]));
+    assert!(after.as_u64() < before.as_u64());
+    assert!(cut["truncation"]["moved"]["lacks_max"].as_f64().unwrap() < 1e-11);
+    let words = folder.ok(&format!("{line} --truncate 0.2% --separate")).err;
+    for expected in [
+        "forecast",
+        "closure",
+        "truncation",
+        "row sums",
+        "unaccounted",
+    ] {
+        assert!(words.contains(expected), "{words}");
+    }
+}
+
+#[test]
+fn what_does_not_fit_is_not_begun() {
+    let folder = Folder::with_room();
+    let line = "form-factors room.obj -o f.npz --rays 256";
+    folder.fails(
+        &format!("{line} --patches 3000 --memory 2M"),
+        1,
+        "allow more memory",
+    );
+    folder.fails(
+        &format!("{line} --patches 1000000000 --memory 8G"),
+        1,
+        "1000000000 patches",
+    );
+    let forecast = folder.json(&format!("{line} --patches 700"));
+    assert!(forecast["forecast_bytes"].as_u64().unwrap() > 700_000);
+    assert_eq!(folder.names(), ["f.npz", "room.mtl", "room.obj"]);
+}
+
+#[test]
+fn nothing_to_see() {
+    let folder = Folder::new();
+    folder.write("empty.obj", "v 0 0 0\n");
+    folder.fails("form-factors empty.obj -o f.csv", 1, "no surface");
+    // A needle, a face twice in one place, and one that crosses it.
+    folder.write(
+        "bad.obj",
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 5 0 0\nv 5 1e-7 0\nv 0.5 -1 -1\nv 0.5 2 -1\nv 0.5 2 1\n\
+         f 1 2 3 4\nf 1 2 3 4\nf 4 3 2 1\nf 1 5 6\nf 7 8 9\n",
+    );
+    let report = folder.json("form-factors bad.obj -o f.csv --patch-size 0 --rays 64 --closure");
+    assert_eq!(report["closed"], json!(false));
+    let text = String::from_utf8(folder.read("f.csv")).unwrap();
+    assert!(!text.contains("NaN") && !text.contains("inf"));
+}

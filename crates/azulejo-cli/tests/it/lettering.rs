@@ -1,0 +1,259 @@
+//! What `text`, `font` and `extrude` promise.
+
+use crate::support::{Folder, project};
+use crate::tiny_font;
+use serde_json::{Value, json};
+
+const SERIF: &str = "serif.ppf";
+
+/// A folder with the typeface that comes with azulejo.
+fn folder() -> Folder {
+    let folder = Folder::new();
+    let fonts = project().join("examples/fonts");
+    folder.write(
+        SERIF,
+        std::fs::read(fonts.join("dejavu-serif.ppf")).unwrap(),
+    );
+    folder.write("latin.ppe", std::fs::read(fonts.join("latin.ppe")).unwrap());
+    folder.write("tiny.ttf", tiny_font::bytes());
+    folder
+}
+
+/// Lower and upper corner.
+fn bounds(report: &Value) -> [f64; 6] {
+    let corner = |end: &str, axis: usize| report["bounds"][end][axis].as_f64().unwrap();
+    [0, 1, 2, 3, 4, 5].map(|i| corner(["min", "max"][i / 3], i % 3))
+}
+
+fn check(found: [f64; 6], expected: [f64; 6]) {
+    let differ = std::iter::zip(found, expected).any(|(a, b)| (a - b).abs() > 1e-6);
+    assert!(!differ, "{found:?} {expected:?}");
+}
+
+#[test]
+fn text_becomes_solid() {
+    let folder = folder();
+    let report = folder.json("text AA --font tiny.ttf -o a.grf --size 2 --depth 0.5");
+    assert_eq!(report["solids"], json!(2));
+    check(bounds(&report), [0.0, 0.0, -0.5, 2.4, 1.4, 0.0]);
+    let info = folder.json("info a.grf");
+    assert_eq!(
+        (&info["objects"], &info["warnings"]),
+        (&json!(1), &json!([]))
+    );
+    check(bounds(&info), bounds(&report));
+    let report = folder.json(
+        "text AA --font tiny.ttf -o a.glb --at 1,2,3 --align right --spacing 0.1 --orientation \
+         0,0,-1,0,2,0,-1,0,0 --depth 1",
+    );
+    check(bounds(&report), [0.0, 2.0, 3.0, 1.0, 2.7, 4.3]);
+    assert_eq!(folder.json("info a.glb")["objects"], json!(1));
+}
+
+#[test]
+fn text_has_lines() {
+    let folder = folder();
+    let both = |line: &str| bounds(&folder.json(line));
+    let typed =
+        both("text A\\nAA --font tiny.ttf -o a.grf --depth 1 --align center --line-spacing 2");
+    check(typed, [-0.6, -2.0, -1.0, 0.6, 0.7, 0.0]);
+    folder.write("lines.txt", "\u{feff}A\r\nAA\r\n");
+    let read = both(
+        "text --file lines.txt --font tiny.ttf -o b.grf --depth 1 --align center --line-spacing 2",
+    );
+    check(read, typed);
+    assert_eq!(
+        folder.json("info b.grf")["object_list"][0]["name"],
+        json!("A")
+    );
+}
+
+#[test]
+fn text_comes_from_standard_input() {
+    use std::io::Write;
+    use std::process::Stdio;
+    let folder = folder();
+    let mut command = folder.command("text - --font tiny.ttf -o -");
+    let pipes = command
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null());
+    let mut child = pipes.spawn().unwrap();
+    child.stdin.take().unwrap().write_all(b"Ao\n").unwrap();
+    let output = child.wait_with_output().unwrap();
+    assert!(output.status.success());
+    folder.write("a.grf", &output.stdout);
+    assert_eq!(folder.json("info a.grf")["objects"], json!(1));
+}
+
+#[test]
+fn letters_lean() {
+    let folder = folder();
+    let found = |options: &str| {
+        let line = format!("text A --font tiny.ttf -o a.grf --depth 1 {options}");
+        bounds(&folder.json(&line))
+    };
+    // The box around the letter leans, too.
+    check(found("--slant 45"), [0.0, 0.0, -1.0, 1.3, 0.7, 0.0]);
+    check(found("--oblique 45"), [0.0, 0.0, -1.0, 1.6, 0.7, 0.0]);
+    check(found("--oblique 0,-45"), [0.0, -1.0, -1.0, 0.6, 0.7, 0.0]);
+}
+
+#[test]
+fn fonts_of_ppf_set_text() {
+    let folder = folder();
+    let by_names = folder.json("text Azulejo/at/ --ppf serif.ppf -o a.grf");
+    let by_file = folder.json("text Azulejo/at/ --ppf serif.ppf --encoding latin.ppe -o b.grf");
+    assert_eq!(by_names["solids"], json!(8));
+    assert_eq!(by_names["bounds"], by_file["bounds"]);
+    let letters = folder.json("text añÿ½¿ --font serif.ppf -o a.grf");
+    assert_eq!(letters["solids"], json!(5));
+}
+
+#[test]
+fn surfaces_are_as_they_are_asked_for() {
+    let folder = folder();
+    let text = "text A --font tiny.ttf -o";
+    folder.ok(&format!("{text} a.grf --color #ffffff --name sign"));
+    folder.ok(&format!("{text} b.grf --emission 5,4,3"));
+    assert_eq!(
+        folder.json("info a.grf")["object_list"][0]["name"],
+        json!("sign")
+    );
+    assert_eq!(folder.json("info b.grf")["lights"]["area"], json!(1));
+}
+
+#[test]
+fn lettering_that_has_no_meaning_is_refused() {
+    let folder = folder();
+    folder.write("a.ppf", "/A 1 2 l 0 0\n");
+    folder.write("a.svg", "<svg><text/></svg>");
+    for (line, code, expected) in [
+        ("text A -o a.grf", 2, "--font"),
+        (
+            "text A --font tiny.ttf -o a.grf --size 0",
+            2,
+            "expected more than 0",
+        ),
+        ("text A --font tiny.ttf -o a.grf --depth -1", 2, "depth"),
+        (
+            "text A --font tiny.ttf -o a.grf --orientation 1,0,0,0,1,0,0,0",
+            2,
+            "8 numbers",
+        ),
+        (
+            "text A --font tiny.ttf -o a.grf --orientation 0,0,0,0,1,0,0,0,1",
+            2,
+            "no length",
+        ),
+        (
+            "text A --font tiny.ttf -o a.grf --orientation 1,0,0,2,0,0,0,0,1",
+            2,
+            "one plane",
+        ),
+        (
+            "text A --font tiny.ttf -o a.grf --color 0.8 --mirror 0.8",
+            2,
+            "more than arrives",
+        ),
+        ("text A --font tiny.ttf -o a.txt", 2, "unknown model format"),
+        (
+            "text A --font tiny.ttf --encoding latin.ppe -o a.grf",
+            2,
+            "--encoding",
+        ),
+        (
+            "text AżA --font tiny.ttf -o a.grf",
+            1,
+            "no glyph for `ż` (U+017C)",
+        ),
+        (
+            "text A\\n--ж --font serif.ppf -o a.grf",
+            1,
+            "line 2 of the text",
+        ),
+        (
+            "text A --font a.ppf -o a.grf",
+            1,
+            "a.ppf:2:1: found the end of the file",
+        ),
+        (
+            "text A --font a.svg -o a.grf",
+            1,
+            "no font that can be read",
+        ),
+        ("text A --font tiny.ttf --face 3 -o a.grf", 1, "tiny.ttf"),
+        ("text A --font no.ttf -o a.grf", 1, "no.ttf"),
+        (
+            "extrude a.svg --depth 0 -o a.grf",
+            2,
+            "expected more than 0",
+        ),
+        ("extrude a.svg --depth 1 -o a.grf", 1, "nothing to extrude"),
+        (
+            "extrude tiny.ttf --depth 1 -o a.grf",
+            1,
+            "expected a drawing in SVG or DXF",
+        ),
+        ("font sheet tiny.ttf -o a.jpg", 2, "expected .png"),
+        (
+            "font convert tiny.ttf -o a.ppf --characters 400-4ff",
+            1,
+            "none of the characters",
+        ),
+    ] {
+        folder.fails(line, code, expected);
+    }
+    assert_eq!(folder.run("text A --font tiny.ttf -o -").code, Some(0));
+    assert!(!folder.names().contains(&"a.grf".to_owned()));
+}
+
+#[test]
+fn typefaces_are_converted() {
+    let folder = folder();
+    let report = folder.json("font convert tiny.ttf -o a.ppf --encoding a.ppe --characters ascii");
+    assert_eq!(report["glyphs"], json!(3));
+    let codes = String::from_utf8(folder.read("a.ppe")).unwrap();
+    assert_eq!(codes, "65/A\n88/X\n111/o\n");
+    let from_ppf = folder.json("text AA --ppf a.ppf --encoding a.ppe -o a.grf");
+    check(bounds(&from_ppf), [0.0, 0.0, -0.25, 1.2, 0.7, 0.0]);
+}
+
+#[test]
+fn sheets_show_all_glyphs() {
+    let folder = folder();
+    let report = folder.json("font sheet serif.ppf -o a.png --size 8");
+    assert!(report["glyphs"].as_u64().unwrap() > 180);
+    assert_eq!(report["warnings"], json!([]));
+    assert!(folder.read("a.png").starts_with(b"\x89PNG"));
+    // A font without letters for its own names says so.
+    let report = folder.json("font sheet tiny.ttf -o b.png --characters all");
+    assert!(
+        report["warnings"]
+            .to_string()
+            .contains("names are not drawn")
+    );
+}
+
+#[test]
+fn drawings_become_solid() {
+    let folder = Folder::new();
+    folder.write(
+        "logo.svg",
+        "<svg width='10mm' viewBox='0 0 10 10'>\
+         <rect x='1' y='1' width='4' height='2' fill='#f00'/><circle cx='8' cy='8' r='1'/></svg>",
+    );
+    let report = folder.json("extrude logo.svg --depth 3 --scale 2 -o logo.grf");
+    assert_eq!(report["solids"], json!(2));
+    check(bounds(&report), [2.0, 2.0, -3.0, 18.0, 18.0, 0.0]);
+    let info = folder.json("info logo.grf");
+    assert_eq!(info["materials"], json!(2));
+    assert!((info["metres_per_unit"].as_f64().unwrap() - 0.0005).abs() < 1e-12);
+    folder.write(
+        "plate.dxf",
+        "0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n8\na\n40\n2\n0\nCIRCLE\n8\na\n40\n1\n0\nENDSEC\n0\nEOF\n",
+    );
+    let report = folder.json("extrude plate.dxf --depth 1 -o plate.grf --color 0.4");
+    assert_eq!(report["solids"], json!(1));
+    check(bounds(&report), [-2.0, -2.0, -1.0, 2.0, 2.0, 0.0]);
+}

@@ -1,0 +1,23 @@
+//! The command line from outside.
+
+mod bad_input;
+mod brdf;
+mod commands;
+mod engines;
+mod exact;
+mod experiment;
+mod files;
+mod lettering;
+mod reading;
+mod reference;
+mod rtrace;
+mod support;
+#[path = "../../../azulejo-formats/tests/it/tiny_font.rs"]
+mod tiny_font;
+mod view3d;
+mod workbench;
+
+#[cfg(unix)]
+mod form_factors;
+#[cfg(unix)]
+mod interrupt;

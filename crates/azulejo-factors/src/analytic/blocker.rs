@@ -1,0 +1,186 @@
+//! A convex polygon that may occlude the view between two others.
+
+use azulejo_scene::math::area_vector;
+use azulejo_trace::lambert::ArrayPolygon;
+use glam::DVec3;
+
+/// The effect of a convex polygon on the lines of sight between two point sets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Effect {
+    /// It blocks no line of sight.
+    None,
+    /// It blocks all lines of sight.
+    Hides,
+    /// It may block some. The bits are those of the edges that separate blocked lines from free
+    /// ones; the highest is the plane itself, where it does not separate the two ends.
+    Partial(u64),
+}
+
+/// The bit of the blocker's plane among those of its edges.
+pub(crate) const PLANE: u64 = 1 << 63;
+
+/// The bit of edge `k`; edges from the 63rd on share one.
+pub(crate) fn edge_bit(k: usize) -> u64 {
+    1 << k.min(62)
+}
+
+/// A convex polygon with its plane and its edges' planes precomputed.
+#[derive(Clone, Debug)]
+pub(crate) struct Blocker {
+    /// Corners, clockwise or counter-clockwise.
+    pub polygon: ArrayPolygon,
+    /// Unit normal and offset: points p of the plane have `normal · p = offset`.
+    pub normal: DVec3,
+    pub offset: f64,
+    /// Inward unit normals, in the polygon's plane, and offsets of the edges.
+    edges: Vec<(DVec3, f64)>,
+    /// Whether only lines that hit its front count: enough if it is part of a closed surface and
+    /// lines start outside.
+    pub is_one_sided: bool,
+}
+
+impl Blocker {
+    /// `None` for polygons without area or with coordinates that are not finite.
+    pub fn new(polygon: ArrayPolygon) -> Option<Blocker> {
+        let area = area_vector(&polygon);
+        let normal = area / area.length();
+        if !normal.is_finite() {
+            return None;
+        }
+        let next = |k: usize| polygon[(k + 1) % polygon.len()];
+        let is_corner = |&k: &usize| normal.cross(next(k) - polygon[k]).length_squared() > 0.0;
+        let polygon: ArrayPolygon = (0..polygon.len())
+            .filter(is_corner)
+            .map(|k| polygon[k])
+            .collect();
+        let next = polygon.iter().cycle().skip(1);
+        let edge = |(&a, &b): (&DVec3, &DVec3)| {
+            let inward = normal.cross(b - a).normalize_or_zero();
+            (inward, inward.dot(a))
+        };
+        Some(Blocker {
+            normal,
+            offset: normal.dot(*polygon.first()?),
+            edges: polygon.iter().zip(next).map(edge).collect(),
+            polygon,
+            is_one_sided: false,
+        })
+    }
+
+    /// Inward unit normals, in the polygon's plane, and offsets of the edges.
+    pub fn edges(&self) -> &[(DVec3, f64)] {
+        &self.edges
+    }
+
+    /// Height of a point above the plane.
+    pub fn height(&self, p: DVec3) -> f64 {
+        self.normal.dot(p) - self.offset
+    }
+
+    /// The effect on the lines from the convex hull of some points to that of others.
+    ///
+    /// Where a plane separates the two, the lines between them cross it in the convex hull of the
+    /// points where lines between corners cross it. `graze` is the depth that does not count.
+    pub fn effect(&self, a: &[DVec3], b: &[DVec3], graze: f64) -> Effect {
+        let range = |points: &[DVec3]| {
+            points
+                .iter()
+                .map(|&p| self.height(p))
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| {
+                    (low.min(h), high.max(h))
+                })
+        };
+        let ((low_a, high_a), (low_b, high_b)) = (range(a), range(b));
+        if low_a.min(low_b) >= -graze || high_a.max(high_b) <= graze {
+            return Effect::None;
+        }
+        if self.is_one_sided && (high_a <= graze || low_b >= -graze) {
+            return Effect::None;
+        }
+        let parts = (low_a >= -graze && high_b <= graze) || (high_a <= graze && low_b >= -graze);
+        if !parts {
+            return Effect::Partial(u64::MAX);
+        }
+        self.effect_on_crossings(a, b, graze)
+    }
+
+    fn effect_on_crossings(&self, a: &[DVec3], b: &[DVec3], graze: f64) -> Effect {
+        // Edges with a crossing inside, and edges with one outside.
+        let (mut inside, mut outside) = (0_u64, 0_u64);
+        for &p in a {
+            let height = self.height(p);
+            for &q in b {
+                let fall = height - self.height(q);
+                // Both in the plane: lines close by cross it anywhere between them.
+                let [first, second] = if fall.abs() <= 4.0 * graze {
+                    [p, q]
+                } else {
+                    [p.lerp(q, height / fall); 2]
+                };
+                for (k, (inward, offset)) in self.edges.iter().enumerate() {
+                    let depths = [first, second].map(|c| inward.dot(c) - offset);
+                    let bit = edge_bit(k);
+                    inside |= if depths[0].max(depths[1]) > graze {
+                        bit
+                    } else {
+                        0
+                    };
+                    outside |= if depths[0].min(depths[1]) < -graze {
+                        bit
+                    } else {
+                        0
+                    };
+                }
+            }
+        }
+        let all = u64::MAX >> (64 - self.edges.len().clamp(1, 63));
+        if inside & all != all {
+            Effect::None
+        } else if outside == 0 {
+            Effect::Hides
+        } else {
+            Effect::Partial(outside)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::dvec3;
+
+    fn square(low: f64, high: f64, z: f64) -> [DVec3; 4] {
+        [(low, low), (high, low), (high, high), (low, high)].map(|(x, y)| dvec3(x, y, z))
+    }
+
+    const SOME: u64 = 0;
+
+    fn check(blocker: [DVec3; 4], expected: Effect) {
+        let [floor, ceiling] = [square(0., 1., 0.), square(0., 1., 1.)];
+        let turned = blocker.iter().rev().copied().collect();
+        for polygon in [blocker.into_iter().collect(), turned] {
+            let blocker = Blocker::new(polygon).unwrap();
+            for (from, to) in [(&floor, &ceiling), (&ceiling, &floor)] {
+                let effect = match blocker.effect(from, to, 1e-12) {
+                    Effect::Partial(_) => Effect::Partial(SOME),
+                    other => other,
+                };
+                assert_eq!(effect, expected);
+            }
+        }
+    }
+
+    #[test]
+    fn hides_touches_or_misses() {
+        check(square(0., 1., 0.5), Effect::Hides);
+        check(square(-1., 2., 0.5), Effect::Hides);
+        check(square(0.1, 1., 0.5), Effect::Partial(SOME));
+        check(square(0.4, 0.6, 0.5), Effect::Partial(SOME));
+        check(square(1., 2., 0.5), Effect::None);
+        check(square(-1., 2., 0.), Effect::None);
+        check(square(-1., 2., -0.1), Effect::None);
+        let fin = [(0., 0.), (1., 0.), (1., 1.), (0., 1.)];
+        check(fin.map(|(y, z)| dvec3(0., y, z)), Effect::None);
+        check(fin.map(|(y, z)| dvec3(0.5, y, z)), Effect::Partial(SOME));
+    }
+}

@@ -1,0 +1,375 @@
+//! Rows of exchange areas, distributed over threads.
+
+use super::images::{FlatMirror, ImageLimits, MirrorImage, MirrorImages};
+use super::occluders::SceneOccluders;
+use super::traversal::{ExchangeBlock, PairAccuracy, PairCounts, PairTraversal};
+use super::{Facet, FacetTree};
+use crate::analytic::{exchange_area_fast, form_factor_fast};
+use crate::form_factors::journal::{
+    Journal, JournalStage, Record, RecordReader, resumed, write_list,
+};
+use crate::form_factors::{Exchange, ExchangeAreas};
+use crate::patch::Patches;
+use crate::row::{ORDERS, Side};
+use crate::shadow_rays::View;
+use azulejo_scene::math::area_vector;
+use azulejo_trace::{Cancelled, Progress, Surfaces};
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Rows computed together.
+const GROUP: usize = 16;
+
+/// Groups per journal block.
+const BLOCK: usize = 64;
+
+/// Up to this many sides, rows are exact by default.
+const FEW: usize = 32;
+
+/// Options of an [`Exchanger`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ExchangerOptions {
+    /// RMS error of the sums of rows; `None` chooses by the number of rows.
+    pub accuracy: Option<f64>,
+    /// Whether each channel is needed, so that coloured mirrors are left to rays.
+    pub is_per_channel: bool,
+    /// Seed of the shadow rays.
+    pub seed: u32,
+}
+
+/// Computes exchange areas. Immutable; shared by all threads.
+pub(crate) struct Exchanger<'a> {
+    patches: &'a Patches,
+    surfaces: &'a Surfaces<'a>,
+    sides: Vec<Side>,
+    facets: FacetTree,
+    /// Position of each side's facet, or [`NOWHERE`].
+    positions: Vec<u32>,
+    worlds: Vec<MirrorImage>,
+    truncated: f64,
+    accuracy: PairAccuracy,
+    /// Orders that are known completely by formulas.
+    pub known: [bool; ORDERS],
+    seed: u32,
+}
+
+/// The position of sides without a facet: curved ones.
+const NOWHERE: u32 = u32::MAX;
+
+/// Entries of one row, by order.
+pub(crate) type Orders = [Vec<Exchange>; ORDERS];
+
+impl<'a> Exchanger<'a> {
+    /// Between these sides of patches; their indices in the list are rows and columns.
+    pub fn new(
+        patches: &'a Patches,
+        surfaces: &'a Surfaces<'a>,
+        sides: Vec<Side>,
+        wanted: ExchangerOptions,
+    ) -> Exchanger<'a> {
+        let facet = |(row, &side): (usize, &Side)| facet(patches, side, row as u32);
+        let list: Vec<Facet> = sides.iter().enumerate().filter_map(facet).collect();
+        let solids = SceneOccluders::new(patches, surfaces, &sides);
+        let (worlds, known) = worlds(patches, surfaces, &solids, &list, wanted.is_per_channel);
+        let facets = FacetTree::new(&list, solids.size);
+        let mut positions = vec![NOWHERE; sides.len()];
+        for (position, facet) in facets.list.iter().enumerate() {
+            positions[facet.id as usize] = position as u32;
+        }
+        Exchanger {
+            accuracy: accuracy(wanted.accuracy, sides.len()),
+            patches,
+            surfaces,
+            sides,
+            facets,
+            positions,
+            worlds: worlds.list,
+            truncated: worlds.truncated,
+            known,
+            seed: wanted.seed,
+        }
+    }
+
+    /// The largest share of any row's light that takes chains of mirrors without images; `None` if
+    /// there are no images at all.
+    pub fn truncated(&self) -> Option<f64> {
+        (self.worlds.len() > 1).then_some(self.truncated)
+    }
+
+    /// Whether formulas know everything.
+    pub fn is_complete(&self) -> bool {
+        self.known == [true; ORDERS] && self.positions.iter().all(|&p| p != NOWHERE)
+    }
+
+    /// Whether a row has a formula.
+    pub fn has(&self, row: usize) -> bool {
+        self.positions[row] != NOWHERE
+    }
+
+    /// The upper triangle of each order, by rows, except blocks that the journal holds. Rows that
+    /// time ran out for are not marked in `is_done`.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn all(&self, journal: &dyn Journal, progress: &Progress) -> Result<AllPairs, Cancelled> {
+        let positions: Vec<u32> = (0..self.facets.list.len() as u32).collect();
+        let groups: Vec<&[u32]> = positions.chunks(GROUP).collect();
+        progress.begin("exchange areas", groups.len() as u64);
+        let group = |rows: &&[u32]| {
+            progress.advance(1)?;
+            if progress.out_of_time() {
+                return Ok(RowGroup::default());
+            }
+            let (rows, tally) = self.group(rows, true);
+            Ok(RowGroup { rows, tally })
+        };
+        let size = (groups.len(), BLOCK);
+        let done = resumed(journal, JournalStage::Pairs, size, progress, |block| {
+            groups[block].par_iter().map(group).collect()
+        })?;
+        let n = self.sides.len();
+        let mut orders = [(); ORDERS].map(|()| vec![Box::<[Exchange]>::default(); n]);
+        // Rows without a facet count as done.
+        let mut is_done: Vec<bool> = self.positions.iter().map(|&p| p == NOWHERE).collect();
+        let mut tally = PairCounts::default();
+        for group in done {
+            tally.add(&group.tally);
+            for (id, row) in group.rows {
+                is_done[id as usize] = true;
+                for (order, row) in orders.iter_mut().zip(row) {
+                    order[id as usize] = row.into();
+                }
+            }
+        }
+        Ok(AllPairs {
+            orders: orders.map(ExchangeAreas::from_rows),
+            is_done,
+            tally,
+        })
+    }
+
+    /// Whole rows, in the requested order; empty for those without a facet.
+    pub fn rows(&self, rows: &[usize]) -> Vec<Orders> {
+        let mut positions: Vec<u32> = rows
+            .iter()
+            .map(|&row| self.positions[row])
+            .filter(|&p| p != NOWHERE)
+            .collect();
+        // Neighbours together, so that clusters are tested for many rows at once.
+        positions.sort_unstable();
+        let groups = positions.par_chunks(GROUP);
+        let found: Vec<_> = groups.flat_map_iter(|g| self.group(g, false).0).collect();
+        let mut places = vec![NOWHERE; self.sides.len()];
+        for (k, &row) in rows.iter().enumerate() {
+            places[row] = k as u32;
+        }
+        let mut sorted = vec![Orders::default(); rows.len()];
+        for (id, row) in found {
+            sorted[places[id as usize] as usize] = row;
+        }
+        sorted
+    }
+
+    /// Some rows, from the diagonal on if `upper`.
+    fn group(&self, rows: &[u32], upper: bool) -> (Vec<(u32, Orders)>, PairCounts) {
+        let facets = || rows.iter().map(|&r| &self.facets.list[r as usize]);
+        let mut found: [Option<ExchangeBlock>; ORDERS] = Default::default();
+        let mut tally = PairCounts::default();
+        for world in &self.worlds {
+            let images = world.rows(facets());
+            let found = found[world.order]
+                .get_or_insert_with(|| ExchangeBlock::new(rows.len(), self.facets.list.len()));
+            let mut traversal = PairTraversal::new(world, &images, &self.facets, self.accuracy);
+            traversal.run(upper, found);
+            for &(row, column) in &traversal.unresolved {
+                let (value, error) = self.by_shadow_rays(rows[row] as usize, column);
+                found.add(row, column, value, error);
+            }
+            tally.add(&traversal.tally);
+        }
+        let row = |(k, position): (usize, &u32)| {
+            let sorted = |found: &Option<ExchangeBlock>| {
+                let mut entries = found.as_ref().map_or(Vec::new(), |f| self.entries(f, k));
+                entries.sort_unstable_by_key(|e| e.column);
+                entries
+            };
+            let id = self.facets.list[*position as usize].id;
+            (id, found.each_ref().map(sorted))
+        };
+        (rows.iter().enumerate().map(row).collect(), tally)
+    }
+
+    fn entries(&self, found: &ExchangeBlock, row: usize) -> Vec<Exchange> {
+        let (values, errors) = found.row(row);
+        let places = 0..values.len();
+        places
+            .filter(|&c| values[c] > 0.0)
+            .map(|c| Exchange {
+                column: self.facets.list[c].id,
+                value: values[c],
+                error: errors[c],
+            })
+            .collect()
+    }
+
+    /// A pair that is too complex for formulas.
+    fn by_shadow_rays(&self, row: usize, column: usize) -> (f64, f64) {
+        let (a, b) = (&self.facets.list[row], &self.facets.list[column]);
+        let view = View {
+            patches: self.patches,
+            surfaces: self.surfaces,
+            pair: [a, b].map(|f| (self.sides[f.id as usize] / 2) as usize),
+            normals: [a.normal, b.normal],
+            key: [self.seed, a.id.min(b.id), a.id.max(b.id)],
+        };
+        let whole = exchange_area_fast(a.polygon(), b.polygon(), self.accuracy.whole);
+        let visible = view.visible();
+        (whole * visible.share, whole * visible.error)
+    }
+}
+
+/// The result of [`Exchanger::all`].
+pub(crate) struct AllPairs {
+    pub orders: [ExchangeAreas; ORDERS],
+    pub is_done: Vec<bool>,
+    pub tally: PairCounts,
+}
+
+/// Upper rows that were computed together; empty if time ran out.
+#[derive(Default)]
+struct RowGroup {
+    rows: Vec<(u32, Orders)>,
+    tally: PairCounts,
+}
+
+impl Record for RowGroup {
+    fn is_complete(&self) -> bool {
+        !self.rows.is_empty()
+    }
+
+    fn write(&self, bytes: &mut Vec<u8>) {
+        write_list(&self.rows, bytes, |(id, orders), bytes| {
+            bytes.extend(id.to_le_bytes());
+            orders.iter().for_each(|row| row.write(bytes));
+        });
+        let counts = self.tally.counts();
+        bytes.extend(counts.into_iter().flat_map(u64::to_le_bytes));
+    }
+
+    fn read(bytes: &mut RecordReader) -> Option<RowGroup> {
+        let row = |b: &mut RecordReader| {
+            let id = b.u32()?;
+            let orders = [Vec::read(b)?, Vec::read(b)?, Vec::read(b)?];
+            Some((id, orders))
+        };
+        let rows = bytes.list(row)?;
+        let mut counts = [0; 6];
+        for count in &mut counts {
+            *count = bytes.u64()?;
+        }
+        let tally = PairCounts::of(counts);
+        Some(RowGroup { rows, tally })
+    }
+}
+
+fn facet(patches: &Patches, side: Side, row: u32) -> Option<Facet> {
+    let patch = (side / 2) as usize;
+    let mut polygon = patches.polygon(patch)?.to_vec();
+    let mut normal = patches.normal(patch);
+    if side % 2 == 1 {
+        polygon.reverse();
+        normal = -normal;
+    }
+    Some(Facet::new(row, &polygon, normal))
+}
+
+/// The accuracy of pairs that gives the sums of rows the requested one.
+fn accuracy(wanted: Option<f64>, rows: usize) -> PairAccuracy {
+    let wanted = wanted.unwrap_or(if rows <= FEW { 1e-11 } else { 5e-5 });
+    if wanted < EXACT {
+        return PairAccuracy {
+            whole: 1e-13,
+            partial: wanted,
+            is_exact: true,
+        };
+    }
+    PairAccuracy {
+        whole: 0.4 * wanted,
+        // Measured on rooms of 500 to 20,000 facets: partially occluded pairs are a few of each
+        // row, with nearly independent errors; finer divisions have more of them.
+        partial: wanted * (12.0 / (rows as f64).sqrt()).min(0.25),
+        is_exact: false,
+    }
+}
+
+/// Below this accuracy only exact formulas will do.
+const EXACT: f64 = 1e-6;
+
+/// The chains of mirrors whose images pay off, and the orders that they cover completely.
+fn worlds(
+    patches: &Patches,
+    surfaces: &Surfaces,
+    solids: &SceneOccluders,
+    facets: &[Facet],
+    is_per_channel: bool,
+) -> (MirrorImages, [bool; ORDERS]) {
+    let specular = |i: &usize| {
+        let material = &surfaces.scene.materials[patches.material(*i) as usize];
+        material.is_specular()
+    };
+    let all: Vec<usize> = (0..patches.len()).filter(specular).collect();
+    let is_flat_mirror = |&i: &usize| {
+        let material = &surfaces.scene.materials[patches.material(i) as usize];
+        let is_sharp = material.dielectric.is_none() && material.glossy().is_none();
+        let is_mirror = is_sharp && patches.polygon(i).is_some();
+        is_mirror && (material.mirror.is_grey() || !is_per_channel)
+    };
+    let mirrors = if solids.curved.is_empty() && all.iter().all(is_flat_mirror) {
+        solids.mirrors(patches, surfaces, &all)
+    } else {
+        Vec::new()
+    };
+    let is_few = facets.len() <= FEW;
+    let pays = is_few || cost_of_images(&mirrors, facets) <= MOST_COST;
+    let mirrors: &[FlatMirror] = if pays { &mirrors } else { &[] };
+    let depth = ImageLimits {
+        least: 1e-10,
+        // Each costs up to as much as the scene itself: between divided surfaces rays are faster.
+        chains: if is_few { 8_192 } else { 0 },
+        most_truncated: 1e-5,
+    };
+    let corners: Vec<DVec3> = facets.iter().flat_map(|f| f.polygon()).copied().collect();
+    let reach = |window: &[DVec3]| {
+        // Windows are visible from either side.
+        let back: Vec<DVec3> = window.iter().rev().copied().collect();
+        let share = |f: &Facet| {
+            let of = |polygon: &[DVec3]| form_factor_fast(f.polygon(), polygon, 1e-2);
+            of(window) + of(&back)
+        };
+        facets.iter().map(share).fold(0.0, f64::max)
+    };
+    let worlds = MirrorImages::new(solids, mirrors, depth, &corners, reach);
+    let by_images = all.is_empty() || !mirrors.is_empty();
+    let known = [true, by_images, by_images && worlds.is_complete];
+    (worlds, known)
+}
+
+/// Images of mirrors that cost up to this, relative to the direct pairs, are better than rays.
+const MOST_COST: f64 = 6.0;
+
+/// Upper bound of the cost of pairs by one mirror, over all mirrors, relative to the direct pairs:
+/// the share of pairs on the same side of the mirror's plane.
+fn cost_of_images(mirrors: &[FlatMirror], facets: &[Facet]) -> f64 {
+    let cost = |mirror: &FlatMirror| {
+        let normal = area_vector(&mirror.polygon).normalize_or_zero();
+        let heights = || {
+            facets
+                .iter()
+                .map(|f| normal.dot(f.centre - mirror.polygon[0]))
+        };
+        let sides = [1.0, -1.0].map(|side| heights().filter(|h| side * h > 0.0).count());
+        let squares = sides.map(|count| (count as f64 / facets.len() as f64).powi(2));
+        squares.iter().sum::<f64>()
+    };
+    mirrors.iter().map(cost).sum()
+}

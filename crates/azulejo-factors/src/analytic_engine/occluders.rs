@@ -1,0 +1,177 @@
+//! What may occlude: convex blockers, and bounding boxes of curved objects.
+
+use super::convex_merge::{ConvexPolygon, merged};
+use super::images::FlatMirror;
+use crate::analytic::Blocker;
+use crate::patch::Patches;
+use crate::row::Side;
+use azulejo_scene::math::{Aabb, Frame, Ray};
+use azulejo_trace::sampling::{cosine_about, sobol};
+use azulejo_trace::{KernelRay, Surfaces};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::HashSet;
+
+/// All occluders of a scene.
+pub(super) struct SceneOccluders {
+    /// Flat ones, merged where patches are parts of one convex polygon, without walls that have the
+    /// whole scene on one side.
+    pub flat: Vec<Blocker>,
+    /// Bounding boxes of objects with curved patches.
+    pub curved: Vec<Aabb>,
+    /// Size of the scene.
+    pub size: f64,
+}
+
+impl SceneOccluders {
+    /// The occluders as seen from some sides of patches.
+    pub fn new(patches: &Patches, surfaces: &Surfaces, sides: &[Side]) -> SceneOccluders {
+        let flat: Vec<usize> = (0..patches.len())
+            .filter(|&i| patches.polygon(i).is_some())
+            .collect();
+        let polygons: Vec<Vec<DVec3>> = flat
+            .iter()
+            .filter_map(|&i| Some(patches.polygon(i)?.to_vec()))
+            .collect();
+        let bounds = |i: usize| surfaces.scene.objects[patches.face(i).object as usize].bounds();
+        let mut curved: Vec<Aabb> = (0..patches.len())
+            .filter(|&i| patches.polygon(i).is_none())
+            .map(bounds)
+            .collect();
+        curved.dedup();
+        let points = polygons.iter().flatten().copied();
+        let bounds = curved
+            .iter()
+            .fold(Aabb::around(points), |all, b| all.union(*b));
+        let size = bounds.diagonal();
+        let (joined, closed) = merged(&polygons, size);
+        let mut surface = vec![None; patches.len()];
+        flat.iter().zip(closed).for_each(|(&i, of)| surface[i] = of);
+        let entered = seen_from_inside(patches, surfaces, sides, &surface);
+        let blocker = |part: ConvexPolygon| {
+            let mut blocker = Blocker::new(part.polygon.into_iter().collect())?;
+            blocker.is_one_sided = part.surface.is_some_and(|s| !entered.contains(&s));
+            Some(blocker)
+        };
+        let corners = ExtremePoints::new(&polygons, &curved);
+        let blockers = joined.into_iter().filter_map(blocker);
+        SceneOccluders {
+            flat: blockers.filter(|b| !corners.is_wall(b, size)).collect(),
+            curved,
+            size,
+        }
+    }
+}
+
+impl SceneOccluders {
+    /// Mirrors: coplanar patches of one material, merged.
+    pub fn mirrors(&self, patches: &Patches, surfaces: &Surfaces, of: &[usize]) -> Vec<FlatMirror> {
+        let mut materials: Vec<u32> = of.iter().map(|&i| patches.material(i)).collect();
+        materials.sort_unstable();
+        materials.dedup();
+        let joined = materials.iter().flat_map(|&material| {
+            let polygons: Vec<Vec<DVec3>> = of
+                .iter()
+                .filter(|&&i| patches.material(i) == material)
+                .filter_map(|&i| Some(patches.polygon(i)?.to_vec()))
+                .collect();
+            let reflectance = surfaces.scene.materials[material as usize].mirror;
+            let (joined, _) = merged(&polygons, self.size);
+            joined.into_iter().map(move |j| FlatMirror {
+                polygon: j.polygon,
+                reflectance,
+            })
+        });
+        joined.collect()
+    }
+}
+
+/// Rays per side that test for insides of closed surfaces.
+const PROBE_RAYS: u32 = 8;
+
+/// The closed surfaces whose inside some side sees, because objects stand in them or cross them.
+fn seen_from_inside(
+    patches: &Patches,
+    surfaces: &Surfaces,
+    sides: &[Side],
+    surface: &[Option<u32>],
+) -> HashSet<u32> {
+    let tracer = surfaces.tracer;
+    let seen = |&side: &Side| {
+        let (patch, flip) = ((side / 2) as usize, if side % 2 == 0 { 1.0 } else { -1.0 });
+        let ray = |k: u32| {
+            let [u1, u2, u3, u4] = [0, 1, 2, 3].map(|d| f64::from(sobol(k, d, side)));
+            let at = patches.sample(patch, u1, u2);
+            let normal = flip * at.normal;
+            let way = cosine_about(&Frame::from_normal(normal), u3, u4);
+            tracer.kernel_ray(&Ray::new(tracer.leaving(at.position, normal), way))
+        };
+        let rays: Vec<KernelRay> = (0..PROBE_RAYS).map(ray).collect();
+        let mut hits = Vec::new();
+        tracer.closest(&rays, &mut hits);
+        let backs = rays
+            .iter()
+            .zip(hits)
+            .filter(|(ray, hit)| hit.is_hit() && !surfaces.is_front(ray, hit));
+        let found =
+            backs.filter_map(|(_, hit)| surface[patches.locate_hit(surfaces, &hit) as usize]);
+        // One or two rays may have slipped through a crack between triangles.
+        let mut found: Vec<u32> = found.collect();
+        found.sort_unstable();
+        let many = found
+            .chunk_by(|a, b| a == b)
+            .filter(|group| 2 * group.len() as u32 >= PROBE_RAYS);
+        many.map(|group| group[0]).collect::<Vec<u32>>()
+    };
+    sides.par_iter().flat_map_iter(seen).collect()
+}
+
+/// The corners of the scene, the outermost first.
+struct ExtremePoints {
+    corners: Vec<DVec3>,
+}
+
+impl ExtremePoints {
+    fn new(polygons: &[Vec<DVec3>], curved: &[Aabb]) -> ExtremePoints {
+        let ends = curved.iter().flat_map(|b| {
+            (0..8).map(|k| {
+                let pick = |axis: usize| {
+                    if k >> axis & 1 == 0 {
+                        b.min[axis]
+                    } else {
+                        b.max[axis]
+                    }
+                };
+                DVec3::new(pick(0), pick(1), pick(2))
+            })
+        });
+        let mut corners: Vec<DVec3> = polygons.iter().flatten().copied().chain(ends).collect();
+        for (k, way) in directions().enumerate() {
+            let furthest =
+                |a: &usize, b: &usize| corners[*a].dot(way).total_cmp(&corners[*b].dot(way));
+            if let Some(i) = (k..corners.len()).max_by(furthest) {
+                corners.swap(k, i);
+            }
+        }
+        ExtremePoints { corners }
+    }
+
+    /// Whether the whole scene lies on one side, so that the polygon occludes nothing.
+    fn is_wall(&self, blocker: &Blocker, size: f64) -> bool {
+        let (mut is_above, mut is_below) = (false, false);
+        self.corners.iter().all(|&c| {
+            let height = blocker.height(c);
+            is_above |= height > 1e-9 * size;
+            is_below |= height < -1e-9 * size;
+            !(is_above && is_below)
+        })
+    }
+}
+
+/// The axes and diagonals.
+fn directions() -> impl Iterator<Item = DVec3> {
+    let step = |k: i32| f64::from(k % 3 - 1);
+    (0..27)
+        .map(move |k| DVec3::new(step(k), step(k / 3), step(k / 9)))
+        .filter(|d| *d != DVec3::ZERO)
+}

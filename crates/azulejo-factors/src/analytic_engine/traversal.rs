@@ -1,0 +1,467 @@
+//! Hierarchical traversal of all pairs of some rows with all columns.
+
+use super::gauss_points::{FOUR, NINE};
+use super::images::MirrorImage;
+use super::partial::{PairGoal, PartialVisibility};
+use super::shaft::ClusterShaft;
+use super::{Cluster, Facet, FacetTree, Facing};
+use crate::analytic::{Approximate, Effect, exchange_area, exchange_area_fast, exchange_area_past};
+use azulejo_scene::math::Aabb;
+use glam::DVec3;
+use std::ops::Range;
+
+/// The accuracy of pairs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PairAccuracy {
+    /// Relative error of unoccluded pairs.
+    pub whole: f64,
+    /// Absolute error of the form factors of partially occluded pairs.
+    pub partial: f64,
+    /// Whether all pairs take the exact formulas, so that these errors may be small.
+    pub is_exact: bool,
+}
+
+/// Exchange areas with their errors, by row of the group and position of the column.
+pub(super) struct ExchangeBlock {
+    values: Vec<f64>,
+    errors: Vec<f32>,
+    columns: usize,
+}
+
+impl ExchangeBlock {
+    pub fn new(rows: usize, columns: usize) -> ExchangeBlock {
+        ExchangeBlock {
+            values: vec![0.0; rows * columns],
+            errors: vec![0.0; rows * columns],
+            columns,
+        }
+    }
+
+    /// Values and errors of a row, by column.
+    pub fn row(&self, row: usize) -> (&[f64], &[f32]) {
+        let range = row * self.columns..(row + 1) * self.columns;
+        (&self.values[range.clone()], &self.errors[range])
+    }
+
+    pub fn add(&mut self, row: usize, column: usize, value: f64, error: f64) {
+        let k = row * self.columns + column;
+        self.values[k] += value;
+        self.errors[k] += error as f32;
+    }
+}
+
+/// A node of a binary tree over the rows of the group.
+struct RowNode {
+    range: Range<usize>,
+    cluster: Cluster,
+    /// The second half; 0 in a leaf. The first half is the next node.
+    second: usize,
+}
+
+/// Most rows per leaf.
+const FEW_ROWS: usize = 2;
+
+/// Pairs with more obstructions than this are left to shadow rays.
+const MOST_OBSTRUCTIONS: usize = 24;
+
+/// Row and column of a pair that is too complex for formulas.
+pub(super) type UnresolvedPair = (usize, usize);
+
+/// Number of pairs by the method that resolved them.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PairCounts {
+    /// Unoccluded, in unoccluded clusters.
+    pub bulk: u64,
+    /// Unoccluded, by Gauss's rule.
+    pub single: u64,
+    /// Unoccluded, by contours.
+    pub close: u64,
+    /// Partially occluded.
+    pub partial: u64,
+    /// Fully occluded.
+    pub hidden: u64,
+    /// Left to shadow rays.
+    pub unresolved: u64,
+}
+
+impl PairCounts {
+    /// The inverse of [`counts`](PairCounts::counts).
+    pub fn of([bulk, single, close, partial, hidden, unresolved]: [u64; 6]) -> PairCounts {
+        PairCounts {
+            bulk,
+            single,
+            close,
+            partial,
+            hidden,
+            unresolved,
+        }
+    }
+
+    /// All counts, in a fixed order.
+    pub fn counts(&self) -> [u64; 6] {
+        [
+            self.bulk,
+            self.single,
+            self.close,
+            self.partial,
+            self.hidden,
+            self.unresolved,
+        ]
+    }
+
+    pub fn add(&mut self, other: &PairCounts) {
+        self.bulk += other.bulk;
+        self.single += other.single;
+        self.close += other.close;
+        self.partial += other.partial;
+        self.hidden += other.hidden;
+        self.unresolved += other.unresolved;
+    }
+}
+
+/// State of the traversal.
+pub(super) struct PairTraversal<'a> {
+    world: &'a MirrorImage,
+    accuracy: PairAccuracy,
+    rows: &'a FacetTree,
+    columns: &'a FacetTree,
+    nodes: Vec<RowNode>,
+    obstructions: Vec<u32>,
+    /// The edges that matter of the obstructions of the current pair.
+    edges: Vec<u64>,
+    partial: PartialVisibility,
+    sums: Vec<f64>,
+    pub tally: PairCounts,
+    /// Pairs left to shadow rays.
+    pub unresolved: Vec<UnresolvedPair>,
+}
+
+impl<'a> PairTraversal<'a> {
+    /// A traversal of all pairs of `rows`, the images of facets in `image`, and `columns`.
+    pub fn new(
+        world: &'a MirrorImage,
+        rows: &'a FacetTree,
+        columns: &'a FacetTree,
+        accuracy: PairAccuracy,
+    ) -> PairTraversal<'a> {
+        let mut traversal = PairTraversal {
+            world,
+            accuracy,
+            rows,
+            columns,
+            nodes: Vec::new(),
+            obstructions: Vec::new(),
+            edges: Vec::new(),
+            partial: PartialVisibility::default(),
+            sums: Vec::new(),
+            tally: PairCounts::default(),
+            unresolved: Vec::new(),
+        };
+        traversal.halve(0..rows.list.len());
+        traversal
+    }
+
+    fn halve(&mut self, range: Range<usize>) {
+        let facets = &self.rows.list[range.clone()];
+        let node = self.nodes.len();
+        self.nodes.push(RowNode {
+            cluster: Cluster::new(facets),
+            range: range.clone(),
+            second: 0,
+        });
+        if range.len() > FEW_ROWS {
+            let middle = range.start + range.len() / 2;
+            self.halve(range.start..middle);
+            self.nodes[node].second = self.nodes.len();
+            self.halve(middle..range.end);
+        }
+    }
+
+    /// All pairs of the rows with columns; with `upper` only those from the diagonal on.
+    pub fn run(&mut self, upper: bool, found: &mut ExchangeBlock) {
+        let count = self.world.obstructions.len() + self.world.curved.len();
+        self.obstructions.extend(0..count as u32);
+        if !self.columns.tree.nodes.is_empty() {
+            self.visit(0, 0, 0..count, upper, found);
+        }
+        self.obstructions.clear();
+    }
+
+    fn visit(
+        &mut self,
+        r: usize,
+        c: usize,
+        obstructions: Range<usize>,
+        upper: bool,
+        found: &mut ExchangeBlock,
+    ) {
+        let world = self.world;
+        let (row, column) = (&self.nodes[r], &self.columns.clusters[c]);
+        let (row_range, second_row) = (row.range.clone(), row.second);
+        let node = &self.columns.tree.nodes[c];
+        if row.cluster.is_empty()
+            || column.is_empty()
+            || upper && column.last_id < row.cluster.first_id
+        {
+            return;
+        }
+        let facing = match (
+            row.cluster.facing(&column.bounds, world.graze),
+            column.facing(&row.cluster.bounds, world.graze),
+        ) {
+            (Facing::Away, _) | (_, Facing::Away) => return,
+            (Facing::Towards, Facing::Towards) => Facing::Towards,
+            _ => Facing::Mixed,
+        };
+        let top = self.obstructions.len();
+        if !obstructions.is_empty() {
+            let shaft = ClusterShaft::new(&row.cluster.bounds, &column.bounds, world.graze);
+            if !self.cull(&shaft, obstructions) {
+                self.obstructions.truncate(top);
+                self.tally.hidden += (row_range.len() * node.range.len()) as u64;
+                return;
+            }
+        }
+        let kept = top..self.obstructions.len();
+        let (is_row_leaf, is_leaf) = (second_row == 0, node.is_leaf());
+        let is_done = kept.is_empty()
+            && facing == Facing::Towards
+            && self.clear(&row_range, r, c, upper, found);
+        if is_done {
+        } else if is_row_leaf && is_leaf {
+            for row in row_range {
+                for column in node.range.start as usize..node.range.end as usize {
+                    self.pair(row, column, kept.clone(), upper, found);
+                }
+            }
+        } else {
+            let size = |b: &Aabb| b.size().length_squared();
+            let halves_row = !is_row_leaf
+                && (is_leaf || size(&self.nodes[r].cluster.bounds) > size(&column.bounds));
+            if halves_row {
+                self.visit(r + 1, c, kept.clone(), upper, found);
+                self.visit(second_row, c, kept, upper, found);
+            } else {
+                self.visit(r, c + 1, kept.clone(), upper, found);
+                self.visit(r, node.second as usize, kept, upper, found);
+            }
+        }
+        self.obstructions.truncate(top);
+    }
+
+    /// Pushes the obstructions that matter in a shaft; false if it is fully blocked.
+    fn cull(&mut self, shaft: &ClusterShaft, obstructions: Range<usize>) -> bool {
+        for k in obstructions {
+            let index = self.obstructions[k] as usize;
+            let is_window = index < self.world.windows;
+            match self.world.obstructions.get(index) {
+                Some(obstruction) => match (shaft.effect(obstruction), is_window) {
+                    (Effect::None, true) | (Effect::Hides, false) => return false,
+                    (Effect::None, false) | (Effect::Hides, true) => {}
+                    (Effect::Partial(_), _) => self.obstructions.push(index as u32),
+                },
+                None => {
+                    if shaft.meets(&self.world.curved[index - self.world.obstructions.len()]) {
+                        self.obstructions.push(index as u32);
+                    }
+                }
+            }
+        }
+        true
+    }
+
+    /// Pairs of unoccluded clusters, if Gauss's rule is accurate enough for all.
+    fn clear(
+        &mut self,
+        rows: &Range<usize>,
+        r: usize,
+        c: usize,
+        upper: bool,
+        found: &mut ExchangeBlock,
+    ) -> bool {
+        let world = self.world;
+        let (row, column) = (&self.nodes[r].cluster, &self.columns.clusters[c]);
+        if !(row.is_plain && column.is_plain) {
+            return false;
+        }
+        let ratio = (row.most_radius + column.most_radius) / gap(&row.bounds, &column.bounds);
+        let is_leaf = self.columns.tree.nodes[c].is_leaf();
+        let error = if FOUR * ratio.powi(4) < self.accuracy.whole {
+            FOUR * ratio.powi(4)
+        } else if is_leaf && NINE * ratio.powi(6) < self.accuracy.whole {
+            NINE * ratio.powi(6)
+        } else {
+            return false;
+        };
+        let is_four = FOUR * ratio.powi(4) < self.accuracy.whole;
+        let columns = {
+            let range = &self.columns.tree.nodes[c].range;
+            range.start as usize..range.end as usize
+        };
+        self.sums.resize(columns.len(), 0.0);
+        for row in rows.clone() {
+            let own = &self.rows.list[row];
+            if own.is_empty() {
+                continue;
+            }
+            if is_four {
+                let points = self.rows.four.own(row);
+                self.columns
+                    .four
+                    .exchange(&points, columns.clone(), &mut self.sums);
+            } else {
+                let points = self.rows.nine.own(row);
+                self.columns
+                    .nine
+                    .exchange(&points, columns.clone(), &mut self.sums);
+            }
+            for (k, &value) in columns.clone().zip(&self.sums) {
+                let facet = &self.columns.list[k];
+                if (!upper || facet.id >= own.id) && !facet.is_empty() {
+                    let value = world.weight * value.max(0.0);
+                    found.add(row, k, value, error * value);
+                }
+            }
+        }
+        self.tally.bulk += (rows.len() * columns.len()) as u64;
+        true
+    }
+
+    fn pair(
+        &mut self,
+        row: usize,
+        column: usize,
+        obstructions: Range<usize>,
+        upper: bool,
+        found: &mut ExchangeBlock,
+    ) {
+        let world = self.world;
+        let (a, b) = (&self.rows.list[row], &self.columns.list[column]);
+        if a.is_empty() || b.is_empty() || upper && b.id < a.id {
+            return;
+        }
+        let Some(is_whole) = facing(a, b, world.graze) else {
+            return;
+        };
+        let top = self.obstructions.len();
+        let is_seen = self.cull_for_pair(a, b, obstructions);
+        let kept = top..self.obstructions.len();
+        if !is_seen {
+            self.tally.hidden += 1;
+        } else if kept.is_empty() {
+            let (value, error) = self.whole(row, column, is_whole);
+            found.add(row, column, world.weight * value, world.weight * error);
+        } else if kept.len() > MOST_OBSTRUCTIONS && world.order == 0
+            || self.obstructions[kept.clone()]
+                .iter()
+                .any(|&s| s as usize >= world.obstructions.len())
+        {
+            self.unresolved.push((row, column));
+            self.tally.unresolved += 1;
+        } else {
+            self.tally.partial += 1;
+            let windows = world.windows;
+            let obstructions = self.obstructions[kept].iter().zip(&self.edges);
+            let obstructions = obstructions.map(|(&s, &edges)| {
+                (
+                    &world.obstructions[s as usize],
+                    edges,
+                    (s as usize) < windows,
+                )
+            });
+            let goal = PairGoal {
+                error: self.accuracy.partial * a.area.min(b.area),
+                whole: self.accuracy.whole,
+                graze: world.graze,
+            };
+            let seen = if self.accuracy.is_exact {
+                match world.lit_parts(a, b) {
+                    Some([a, b]) => {
+                        let obstructions = obstructions
+                            .map(|(obstruction, _, is_window)| (obstruction, is_window));
+                        exchange_area_past(&a, &b, obstructions, goal.error)
+                    }
+                    None => Approximate::default(),
+                }
+            } else {
+                self.partial.exchange([a, b], is_whole, obstructions, goal)
+            };
+            let (value, error) = (world.weight * seen.value, world.weight * seen.error);
+            found.add(row, column, value, error);
+        }
+        self.obstructions.truncate(top);
+    }
+
+    /// As [`cull`](PairTraversal::cull), for one pair; records which edges matter.
+    fn cull_for_pair(&mut self, a: &Facet, b: &Facet, obstructions: Range<usize>) -> bool {
+        self.edges.clear();
+        for k in obstructions {
+            let index = self.obstructions[k] as usize;
+            let Some(obstruction) = self.world.obstructions.get(index) else {
+                self.obstructions.push(index as u32);
+                self.edges.push(0);
+                continue;
+            };
+            let effect = obstruction.effect(a.polygon(), b.polygon(), self.world.graze);
+            match (effect, index < self.world.windows) {
+                (Effect::None, true) | (Effect::Hides, false) => return false,
+                (Effect::None, false) | (Effect::Hides, true) => {}
+                (Effect::Partial(edges), _) => {
+                    self.obstructions.push(index as u32);
+                    self.edges.push(edges);
+                }
+            }
+        }
+        true
+    }
+
+    /// An unoccluded pair.
+    fn whole(&mut self, row: usize, column: usize, is_whole: bool) -> (f64, f64) {
+        let (rows, columns) = (self.rows, self.columns);
+        let (a, b) = (&rows.list[row], &columns.list[column]);
+        let ratio = (a.radius + b.radius) / a.centre.distance(b.centre);
+        let (four, nine) = (FOUR * ratio.powi(4), NINE * ratio.powi(6));
+        let is_plain = is_whole && a.count <= 4 && b.count <= 4;
+        let mut value = [0.0];
+        if is_plain && four < self.accuracy.whole {
+            self.tally.single += 1;
+            columns
+                .four
+                .exchange(&rows.four.own(row), column..column + 1, &mut value);
+            (value[0], four * value[0])
+        } else if is_plain && nine < self.accuracy.whole {
+            self.tally.single += 1;
+            columns
+                .nine
+                .exchange(&rows.nine.own(row), column..column + 1, &mut value);
+            (value[0], nine * value[0])
+        } else {
+            self.tally.close += 1;
+            let value = if self.accuracy.is_exact {
+                exchange_area(a.polygon(), b.polygon())
+            } else {
+                exchange_area_fast(a.polygon(), b.polygon(), self.accuracy.whole)
+            };
+            (value, self.accuracy.whole * value)
+        }
+    }
+}
+
+/// Whether both facets are fully in front of each other; `None` if they face away.
+fn facing(a: &Facet, b: &Facet, graze: f64) -> Option<bool> {
+    let range = |of: &Facet, points: &[DVec3]| {
+        points
+            .iter()
+            .map(|&p| of.height(p))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| {
+                (low.min(h), high.max(h))
+            })
+    };
+    let (first, second) = (range(a, b.polygon()), range(b, a.polygon()));
+    (first.1 > graze && second.1 > graze).then_some(first.0 >= -graze && second.0 >= -graze)
+}
+
+/// Distance between two boxes.
+fn gap(a: &Aabb, b: &Aabb) -> f64 {
+    (a.min - b.max).max(b.min - a.max).max(DVec3::ZERO).length()
+}

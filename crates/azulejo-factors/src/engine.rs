@@ -1,0 +1,188 @@
+//! The engines that compute form factors, and the report of which one ran.
+
+pub use crate::analytic_engine::estimator::AnalyticEstimator;
+use crate::hemicube::{HemicubeEstimator, MirrorHandling};
+use crate::patch::Patches;
+use crate::rays::RayEstimator;
+use crate::row::{Columns, Row, Side};
+use azulejo_trace::item_buffer::Device;
+use azulejo_trace::{Cancelled, Gatherer, Progress};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// A method of computing form factors. All estimate the same quantity, with its error.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Engine {
+    /// Formulas or rays, depending on the patches and the requested error; [`EngineUsed::notes`]
+    /// gives the choice and its reason.
+    #[default]
+    Auto,
+    /// Rays from all over each patch, through mirrors and glass (Malley's method, Sobol points).
+    Rays,
+    /// Item buffers on hemicubes; flat mirrors are windows to reflected worlds.
+    Hemicube(Hemicube),
+    /// Item buffers for what is seen directly, rays from the pixels of specular surfaces.
+    Hybrid(Hemicube),
+    /// Closed forms for pairs of polygons, with exact shadows; rays for what has no formula.
+    Analytic,
+}
+
+impl Engine {
+    /// Rays or pixels per row where `rays` are requested, as [`Estimator::rays`] returns them.
+    pub(crate) fn rays_per_row(&self, rays: u32) -> u32 {
+        match self {
+            Engine::Hemicube(options) | Engine::Hybrid(options) => options.pixels_per_row(),
+            Engine::Auto | Engine::Rays | Engine::Analytic => RayEstimator::rounded(rays),
+        }
+    }
+}
+
+/// How hemicubes are rendered.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Hemicube {
+    /// Pixels along the side of the top face, even.
+    pub resolution: u32,
+    /// Hemicubes per patch, rounded up to a multiple of four.
+    pub points: u32,
+    /// The renderer.
+    pub device: HemicubeBackend,
+}
+
+impl Default for Hemicube {
+    /// 128 pixels, from 16 points, on the processor.
+    fn default() -> Hemicube {
+        Hemicube {
+            resolution: 128,
+            points: 16,
+            device: HemicubeBackend::Processor,
+        }
+    }
+}
+
+/// The renderer of item buffers.
+#[derive(Clone, Debug, Default)]
+pub enum HemicubeBackend {
+    /// The processor, by software rasterisation.
+    #[default]
+    Processor,
+    /// Another device. The processor takes over if it fails, and the report mentions it.
+    Device(Arc<dyn Device>),
+}
+
+impl PartialEq for HemicubeBackend {
+    /// Devices are equal if they are the same object.
+    fn eq(&self, other: &HemicubeBackend) -> bool {
+        match (self, other) {
+            (HemicubeBackend::Processor, HemicubeBackend::Processor) => true,
+            (HemicubeBackend::Device(a), HemicubeBackend::Device(b)) => Arc::ptr_eq(a, b),
+            _ => false,
+        }
+    }
+}
+
+/// Which engine ran, and why.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct EngineUsed {
+    /// The engine's name on the command line: `rays`, `hemicube`, `hybrid` or `analytic`.
+    pub name: String,
+    /// The kernel or device that did the work.
+    pub device: String,
+    /// Why this engine was chosen, and deviations from what was requested; sentences without full
+    /// stops.
+    pub notes: Vec<String>,
+}
+
+impl EngineUsed {
+    /// The same with the reason for an automatic choice as the first note.
+    pub fn because(mut self, why: Option<String>) -> EngineUsed {
+        self.notes.splice(0..0, why);
+        self
+    }
+}
+
+/// Computes rows of form factors by one of the engines. Immutable; shared by all threads.
+pub enum Estimator<'a> {
+    /// By rays.
+    Rays(RayEstimator<'a>),
+    /// By item buffers.
+    Hemicube(Box<HemicubeEstimator<'a>>),
+    /// By formulas.
+    Analytic(Box<AnalyticEstimator<'a>>),
+}
+
+impl<'a> Estimator<'a> {
+    /// The estimator of an engine; engines that trace rays take `rays` per row.
+    pub fn new(
+        engine: &Engine,
+        gatherer: &'a Gatherer<'a>,
+        patches: &'a Patches,
+        rays: u32,
+        seed: u32,
+        columns: Columns,
+    ) -> Estimator<'a> {
+        let drawn = |options: &Hemicube, mirrors: MirrorHandling| {
+            let new = HemicubeEstimator::new;
+            let estimator = new(options, mirrors, gatherer, patches, seed, columns);
+            Estimator::Hemicube(Box::new(estimator))
+        };
+        match engine {
+            Engine::Hemicube(options) => drawn(options, MirrorHandling::Windows),
+            Engine::Hybrid(options) => drawn(options, MirrorHandling::Rays),
+            Engine::Analytic => {
+                let new = AnalyticEstimator::new;
+                Estimator::Analytic(Box::new(new(gatherer, patches, rays, seed, columns)))
+            }
+            // Automatic choices are made before this; rays handle every scene.
+            Engine::Auto | Engine::Rays => {
+                Estimator::Rays(RayEstimator::new(gatherer, patches, rays, seed, columns))
+            }
+        }
+    }
+
+    /// The engine and its device; after the last row also deviations from what was requested, such
+    /// as a lost device.
+    pub fn engine_used(&self) -> EngineUsed {
+        match self {
+            Estimator::Rays(estimator) => EngineUsed {
+                name: "rays".to_owned(),
+                device: estimator.kernel_name(),
+                notes: Vec::new(),
+            },
+            Estimator::Hemicube(estimator) => estimator.engine_used(),
+            Estimator::Analytic(estimator) => estimator.engine_used(),
+        }
+    }
+
+    /// Rays or pixels per row.
+    pub fn rays(&self) -> u32 {
+        match self {
+            Estimator::Rays(estimator) => estimator.rays(),
+            Estimator::Hemicube(estimator) => estimator.pixels(),
+            Estimator::Analytic(estimator) => estimator.rays(),
+        }
+    }
+
+    /// Whether all entries of a row share a handful of viewpoints.
+    pub(crate) fn shares_viewpoints(&self) -> bool {
+        matches!(self, Estimator::Hemicube(_))
+    }
+
+    /// The rows of some sides, in order; each depends on its side alone. Advances `progress` by one
+    /// for each.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn rows(&self, sides: &[Side], progress: &Progress) -> Result<Vec<Row>, Cancelled> {
+        match self {
+            Estimator::Rays(estimator) => {
+                let row = |&side: &Side| {
+                    progress.advance(1)?;
+                    Ok(estimator.row(side))
+                };
+                sides.par_iter().map(row).collect()
+            }
+            Estimator::Hemicube(estimator) => estimator.rows(sides, progress),
+            Estimator::Analytic(estimator) => estimator.rows(sides, progress),
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! Why there are no form factors.
+
+use azulejo_trace::Cancelled;
+use std::fmt;
+
+/// Why form factors could not be computed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum FactorsError {
+    /// There is no surface with an area.
+    NoSurface,
+    /// The caller cancelled.
+    Cancelled,
+    /// The forecast of the matrix exceeds the memory that may be used.
+    TooLarge {
+        /// Rows of the matrix.
+        rows: usize,
+        /// Bytes it needs, by the forecast.
+        bytes: u64,
+        /// Bytes that may be used.
+        memory: u64,
+    },
+}
+
+impl From<Cancelled> for FactorsError {
+    fn from(_: Cancelled) -> FactorsError {
+        FactorsError::Cancelled
+    }
+}
+
+impl fmt::Display for FactorsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            FactorsError::NoSurface => f.write_str("the scene has no surface for light to fall on"),
+            FactorsError::Cancelled => f.write_str("cancelled"),
+            FactorsError::TooLarge {
+                rows,
+                bytes,
+                memory,
+            } => {
+                let gibibytes = |bytes: &u64| *bytes as f64 / f64::from(1 << 30);
+                write!(
+                    f,
+                    "form factors between {rows} patches need about {:.1} GiB of memory, and \
+                     {:.1} GiB may be used: divide into fewer patches, trace fewer rays from \
+                     each, or allow more memory",
+                    gibibytes(bytes),
+                    gibibytes(memory)
+                )
+            }
+        }
+    }
+}
+
+impl std::error::Error for FactorsError {}

@@ -1,0 +1,327 @@
+//! The matrix of form factors, with a standard error for every entry.
+//!
+//! 1. [`Plan`] divides the scene; [`PreparedPlan`] chooses the engine and forecasts the memory.
+//! 2. `near` finds the pairs for which a formula pays: close ones, and those with emitters. Their
+//!    direct part is the exact form factor times the visible fraction.
+//! 3. `rows` asks the engine for the rows of all sides. Finished blocks go into a [`Journal`].
+//! 4. `merge` makes one exchange area of the two estimates that the sides of a pair give.
+//! 5. [`FormFactors::close`] enforces closure: changes entries within their errors so that no
+//!    light is missing.
+//!
+//! [`form_factors()`] does all of it, in this order. [`FormFactors::grouped`] and
+//! [`FormFactors::truncate`] derive smaller matrices, [`FormFactors::interchange`] one that
+//! includes all reflections. [`form_factors_from`] computes a single row.
+
+mod analytic;
+mod boxes;
+mod closure;
+mod design_effect;
+mod enclosure;
+mod exchange;
+mod forecast;
+mod group;
+pub(crate) mod journal;
+mod matrix;
+mod merge;
+mod near;
+mod one_row;
+mod options;
+mod rows;
+mod shaft;
+mod sides;
+mod smoothing;
+mod spread;
+mod truncate;
+
+use crate::choice::EngineChoice;
+use crate::engine::{Engine, Estimator};
+use crate::error::FactorsError;
+use crate::patch::{PatchSize, Patches};
+use crate::proxy::ProxyScene;
+use crate::row::Columns;
+use azulejo_scene::{Material, MaterialId, Scene};
+use azulejo_trace::sampling::hash;
+use azulejo_trace::{Cancelled, Gatherer, Progress, Surfaces, Tracer};
+pub use design_effect::DesignEffect;
+pub use enclosure::{InterchangeError, Scaled};
+pub use exchange::{Exchange, ExchangeAreas};
+use forecast::Costs;
+pub use forecast::Forecast;
+pub use journal::{Journal, JournalStage, NoJournal};
+pub use matrix::{Adjustment, FormFactors, RowRemainder, Truncation};
+pub use one_row::{Factor, FactorsFrom, form_factors_from};
+pub use options::{Closure, FormFactorOptions, MOST_RAYS};
+use rows::RowTracing;
+use sides::Sides;
+use std::sync::OnceLock;
+
+/// Computes the form factors of a scene; lights matter only for the choice of formulas.
+///
+/// Rows of exact shapes are pieces of the polygons that [`faceted`](crate::faceted) puts in their
+/// place. The result is the same to the bit for any number of threads. Besides the result it
+/// takes 12 bytes for each entry that rays found.
+///
+/// # Errors
+/// [`FactorsError::NoSurface`], [`FactorsError::TooLarge`], [`FactorsError::Cancelled`].
+///
+/// ```
+/// use azulejo_factors::{FormFactorOptions, PatchSize, form_factors};
+/// use azulejo_scene::synthetic::cube_room;
+/// use azulejo_trace::{Progress, Tracer};
+///
+/// let scene = cube_room();
+/// let whole = FormFactorOptions { size: PatchSize::Edge(0.0), ..Default::default() };
+/// let factors = form_factors(&scene, &Tracer::new(&scene), &whole, &Progress::new())?;
+/// let (opposite, error) = factors.get(0, 1);
+/// assert!((opposite - 0.19982489569839).abs() < 1e-9, "{opposite} ± {error}");
+/// # Ok::<(), azulejo_factors::FactorsError>(())
+/// ```
+pub fn form_factors(
+    scene: &Scene,
+    tracer: &Tracer,
+    options: &FormFactorOptions,
+    progress: &Progress,
+) -> Result<FormFactors, FactorsError> {
+    let plan = Plan::new(scene, tracer, options)?;
+    plan.prepare().compute(&NoJournal, progress)
+}
+
+/// A scene divided into the patches whose form factors are computed.
+pub struct Plan<'a> {
+    options: &'a FormFactorOptions,
+    proxy: ProxyScene<'a>,
+    patches: Patches,
+}
+
+impl<'a> Plan<'a> {
+    /// Divides the scene.
+    ///
+    /// # Errors
+    /// [`FactorsError::NoSurface`]; [`FactorsError::TooLarge`] if not even the patches fit in
+    /// memory.
+    pub fn new(
+        scene: &'a Scene,
+        tracer: &'a Tracer,
+        options: &'a FormFactorOptions,
+    ) -> Result<Plan<'a>, FactorsError> {
+        if let PatchSize::Count(rows) | PatchSize::Squares(rows) = options.size {
+            refuse(options, rows, rows as f64 * forecast::PATCH_BYTES)?;
+        }
+        let proxy = ProxyScene::new(scene, tracer, options.size);
+        let patches = Patches::new(&proxy.scene, options.size);
+        if patches.is_empty() {
+            return Err(FactorsError::NoSurface);
+        }
+        Ok(Plan {
+            options,
+            proxy,
+            patches,
+        })
+    }
+
+    /// The patches.
+    pub fn patches(&self) -> &Patches {
+        &self.patches
+    }
+
+    /// Chooses the engine and sets up what every engine needs: once for a forecast, the matrix
+    /// and any number of rows.
+    pub fn prepare(&self) -> PreparedPlan<'_> {
+        PreparedPlan::new(self)
+    }
+
+    fn is_to_close(&self, factors: &mut FormFactors, materials: &[Material]) -> bool {
+        let is_coloured = materials.iter().any(|m| !m.mirror.is_grey());
+        let has_glass = materials.iter().any(|m| m.dielectric.is_some());
+        let has_gloss = materials.iter().any(|m| m.glossy().is_some());
+        match self.options.closure {
+            Closure::Never => false,
+            Closure::Closed => factors.is_closed && !materials.iter().any(Material::is_specular),
+            Closure::Always if is_coloured || has_glass || has_gloss => {
+                let why = match (has_glass, has_gloss) {
+                    (true, _) => "there is glass",
+                    (_, true) => "there are glossy surfaces",
+                    _ => "mirrors are coloured",
+                };
+                let note = format!("rows were not closed, because {why}");
+                factors.engine_used.notes.push(note);
+                false
+            }
+            Closure::Always => true,
+        }
+    }
+}
+
+/// Most rays of a row that is computed for the forecast.
+const FORECAST_RAYS: u32 = 4_096;
+
+/// A plan with its engine chosen, ready to forecast and to compute.
+pub struct PreparedPlan<'a> {
+    plan: &'a Plan<'a>,
+    sides: Sides<'a>,
+    gatherer: Gatherer<'a>,
+    seed: u32,
+    engine: Engine,
+    /// Why this engine, if it was chosen automatically.
+    why: Option<String>,
+    /// The forecast, once there is one.
+    forecast: OnceLock<Forecast>,
+}
+
+impl<'a> PreparedPlan<'a> {
+    fn new(plan: &'a Plan<'a>) -> PreparedPlan<'a> {
+        let (scene, tracer) = (&plan.proxy.scene, &plan.proxy.tracer);
+        let seed = plan.options.seed;
+        let (engine, why) = match &plan.options.engine {
+            Engine::Auto => {
+                let choice = EngineChoice::of(scene, &plan.patches, plan.options.memory);
+                let (engine, why) = choice.for_factors();
+                (engine, Some(why))
+            }
+            requested => (requested.clone(), None),
+        };
+        PreparedPlan {
+            plan,
+            sides: Sides::new(&plan.patches, plan.options.two_sided),
+            gatherer: Gatherer::new(Surfaces::new(scene, tracer)),
+            seed: hash(&[seed as u32, (seed >> 32) as u32]),
+            engine,
+            why,
+            forecast: OnceLock::new(),
+        }
+    }
+
+    /// How much memory the matrix will take, from a few sampled rows and pairs; computed once.
+    ///
+    /// # Errors
+    /// [`FactorsError::Cancelled`].
+    pub fn forecast(&self, progress: &Progress) -> Result<Forecast, FactorsError> {
+        if let Some(&known) = self.forecast.get() {
+            return Ok(known);
+        }
+        let forecast = if self.engine == Engine::Analytic {
+            self.forecast_of_formulas(progress)?
+        } else {
+            let rays = self.engine.rays_per_row(self.row_rays());
+            self.forecast_of_rows(rays, progress)?
+        };
+        Ok(*self.forecast.get_or_init(|| forecast))
+    }
+
+    /// Computes the matrix, continuing from the blocks that the journal holds.
+    ///
+    /// # Errors
+    /// [`FactorsError::TooLarge`] if the forecast exceeds the memory,
+    /// [`FactorsError::Cancelled`].
+    pub fn compute(
+        &self,
+        journal: &dyn Journal,
+        progress: &Progress,
+    ) -> Result<FormFactors, FactorsError> {
+        let mut factors = self.estimate(journal, progress)?;
+        self.describe(&mut factors);
+        factors.is_closed = factors.loses_no_light();
+        if self.plan.is_to_close(&mut factors, self.materials()) {
+            factors.close(progress)?;
+        }
+        factors.update_row_errors();
+        Ok(factors)
+    }
+
+    fn materials(&self) -> &[Material] {
+        &self.plan.proxy.scene.materials
+    }
+
+    /// Fills in what each row is a piece of.
+    fn describe(&self, factors: &mut FormFactors) {
+        let (sides, patches) = (&self.sides, &self.plan.patches);
+        let rows = || (0..sides.len()).map(|i| (i, sides.patch(i)));
+        factors.areas = rows().map(|(i, _)| sides.area(i)).collect();
+        factors.faces = rows().map(|(_, p)| patches.face(p)).collect();
+        factors.materials = rows().map(|(_, p)| patches.material(p)).collect();
+        factors.is_back = rows().map(|(i, _)| sides.is_back(i)).collect();
+        let ending = |&m: &MaterialId| rows::ending(&self.materials()[m as usize]).mean();
+        factors.ends = factors.materials.iter().map(ending).collect();
+    }
+
+    /// Rays per row, as far as they are allowed.
+    fn row_rays(&self) -> u32 {
+        self.plan.options.rays.min(MOST_RAYS)
+    }
+
+    fn estimator(&self) -> Estimator<'_> {
+        Estimator::new(
+            &self.engine,
+            &self.gatherer,
+            &self.plan.patches,
+            self.row_rays(),
+            hash(&[self.seed, 1]),
+            Columns::All,
+        )
+    }
+
+    /// The memory for rows of so many rays or pixels.
+    fn forecast_of_rows(&self, rays: u32, progress: &Progress) -> Result<Forecast, Cancelled> {
+        let sampler = self.ray_estimator(rays.min(FORECAST_RAYS));
+        let costs = Costs {
+            sides: &self.sides,
+            tracer: self.gatherer.surfaces().tracer,
+            sampler: &sampler,
+            rays,
+            by_rows: true,
+            // Beside the parts there is their sum.
+            matrices: if self.plan.options.separate { 2 } else { 1 },
+            seed: self.seed,
+        };
+        costs.forecast(progress)
+    }
+
+    /// All rows as estimated, before closure.
+    fn estimate(
+        &self,
+        journal: &dyn Journal,
+        progress: &Progress,
+    ) -> Result<FormFactors, FactorsError> {
+        let options = self.plan.options;
+        if self.engine == Engine::Analytic {
+            let mut factors = self.by_formulas(journal, progress)?;
+            factors.engine_used = factors.engine_used.because(self.why.clone());
+            return Ok(factors);
+        }
+        let forecast = self.forecast(progress)?;
+        refuse(options, forecast.rows, forecast.bytes as f64)?;
+        let estimator = self.estimator();
+        let exact = if options.analytic {
+            let seed = hash(&[self.seed, 0]);
+            near::exact(&self.sides, self.gatherer.surfaces(), seed, progress)?
+        } else {
+            vec![Vec::new(); self.sides.len()]
+        };
+        let tracing = RowTracing {
+            sides: &self.sides,
+            gatherer: &self.gatherer,
+            exact: &exact,
+            estimator: &estimator,
+            separate: options.separate,
+            is_known: &|_, _, _| false,
+        };
+        let traced = tracing.trace(journal, progress)?;
+        let factors = merge::merge(&self.sides, traced, &exact, progress)?;
+        Ok(FormFactors {
+            engine_used: estimator.engine_used().because(self.why.clone()),
+            ..factors
+        })
+    }
+}
+
+/// An error if `bytes` exceed the memory that may be used.
+fn refuse(options: &FormFactorOptions, rows: usize, bytes: f64) -> Result<(), FactorsError> {
+    if bytes <= options.memory as f64 {
+        return Ok(());
+    }
+    Err(FactorsError::TooLarge {
+        rows,
+        bytes: bytes as u64,
+        memory: options.memory,
+    })
+}

@@ -1,0 +1,227 @@
+//! The matrix by the analytic engine, with rays for what has no formula.
+
+use super::exchange::{Exchange, ExchangeAreas};
+use super::forecast::Costs;
+use super::matrix::RowRemainder;
+use super::rows::RowTracing;
+use super::{FormFactors, Journal, MOST_RAYS, PreparedPlan, merge, refuse};
+use crate::analytic_engine::exchanger::{AllPairs, Exchanger, ExchangerOptions};
+use crate::engine::{Engine, EngineUsed, Estimator};
+use crate::error::FactorsError;
+use crate::row::{Columns, Order, Side};
+use azulejo_trace::Progress;
+use azulejo_trace::sampling::hash;
+
+/// Rays per row where they only sample where the light goes that reaches no column.
+const REMAINDER_RAYS: u32 = 256;
+
+impl PreparedPlan<'_> {
+    /// All rows by formulas. Rays take the rest: curved patches; mirrors and glass without images;
+    /// rows that time ran out for; and in open scenes the directions, but not the amount, of light
+    /// that leaves.
+    pub(super) fn by_formulas(
+        &self,
+        journal: &dyn Journal,
+        progress: &Progress,
+    ) -> Result<FormFactors, FactorsError> {
+        let (n, options) = (self.sides.len(), self.plan.options);
+        let forecast = self.forecast(progress)?;
+        refuse(options, forecast.rows, forecast.bytes as f64)?;
+        let list: Vec<Side> = (0..n).map(|row| self.sides.side(row)).collect();
+        let wanted = ExchangerOptions {
+            accuracy: options.accuracy,
+            is_per_channel: false,
+            seed: hash(&[self.seed, 0]),
+        };
+        let surfaces = self.gatherer.surfaces();
+        let exchanger = Exchanger::new(&self.plan.patches, surfaces, list, wanted);
+        let all = exchanger.all(journal, progress)?;
+        let has_formula: Vec<bool> = (0..n).map(|i| exchanger.has(i)).collect();
+        let is_known = |i: usize, j: u32, order: Order| {
+            let j = j as usize;
+            exchanger.known[usize::from(order)]
+                && (has_formula[i] && has_formula[j])
+                && all.is_done[i.min(j)]
+        };
+        let is_complete = exchanger.is_complete() && all.is_done.iter().all(|&done| done);
+        let rays = options.rays.min(if is_complete {
+            REMAINDER_RAYS
+        } else {
+            MOST_RAYS
+        });
+        let estimator = self.ray_estimator(rays);
+        let tracing = RowTracing {
+            sides: &self.sides,
+            gatherer: &self.gatherer,
+            exact: &vec![Vec::new(); n],
+            estimator: &estimator,
+            separate: options.separate,
+            is_known: &is_known,
+        };
+        let traced = tracing.trace(journal, progress)?;
+        let by_rays = merge::merge(&self.sides, traced, tracing.exact, progress)?;
+        let engine_used = EngineUsed {
+            name: "analytic".to_owned(),
+            device: estimator.engine_used().device,
+            notes: notes(&all, is_complete, rays),
+        };
+        let mut factors = FormFactors {
+            engine_used,
+            ..joined(all, by_rays, options.separate)
+        };
+        if is_complete {
+            self.describe(&mut factors);
+            settle_remainders(&mut factors, exchanger.truncated());
+        }
+        Ok(factors)
+    }
+
+    pub(super) fn ray_estimator(&self, rays: u32) -> Estimator<'_> {
+        Estimator::new(
+            &Engine::Rays,
+            &self.gatherer,
+            &self.plan.patches,
+            rays,
+            hash(&[self.seed, 1]),
+            Columns::All,
+        )
+    }
+
+    /// The memory for the matrix if formulas find all visible pairs.
+    pub(super) fn forecast_of_formulas(
+        &self,
+        progress: &Progress,
+    ) -> Result<super::Forecast, FactorsError> {
+        let sampler = self.ray_estimator(super::FORECAST_RAYS);
+        let costs = Costs {
+            sides: &self.sides,
+            tracer: self.gatherer.surfaces().tracer,
+            sampler: &sampler,
+            rays: super::FORECAST_RAYS,
+            by_rows: false,
+            matrices: if self.plan.options.separate { 2 } else { 1 },
+            seed: self.seed,
+        };
+        Ok(costs.forecast(progress)?)
+    }
+}
+
+/// The sum of the exchange areas by formulas and by rays.
+fn joined(all: AllPairs, by_rays: FormFactors, separate: bool) -> FormFactors {
+    let [straight, mirrored, more] = all.orders;
+    let sum = |a: ExchangeAreas, b: ExchangeAreas| match (a.pairs(), b.pairs()) {
+        (_, 0) => a,
+        (0, _) => b,
+        _ => ExchangeAreas::sum_of(&[a, b]),
+    };
+    if separate {
+        let orders = [straight, mirrored, more].into_iter().zip(by_rays.orders);
+        let orders: Vec<ExchangeAreas> = orders.map(|(a, b)| sum(a, b)).collect();
+        return FormFactors {
+            exchange: ExchangeAreas::sum_of(&orders),
+            orders,
+            ..by_rays
+        };
+    }
+    let exchange = [mirrored, more, by_rays.exchange]
+        .into_iter()
+        .fold(straight, sum);
+    FormFactors {
+        exchange,
+        orders: Vec::new(),
+        ..by_rays
+    }
+}
+
+/// Assigns the deficit of rows to where rays saw it go; deficits within a row's errors count as
+/// zero. Where rays lost nothing, the deficit is what longer chains of mirrors than those with
+/// images would have carried.
+fn settle_remainders(factors: &mut FormFactors, truncated: Option<f64>) {
+    let ended = factors.ended();
+    let errors = factors.per_area(factors.exchange.sums(|_, e| [f64::from(e.error); 2]));
+    for ((rest, ended), error) in factors.rest.iter_mut().zip(ended).zip(errors) {
+        *rest = settled_remainder(rest, 1.0 - ended, error, truncated.is_some());
+    }
+    if let Some(truncated) = truncated {
+        widen_by_truncation(factors, truncated);
+    }
+}
+
+/// Adds light by chains of mirrors without images to the errors, as if it ended where the rest of
+/// its row did. Its amount is the row's own cut where no light leaves the scene; elsewhere at most
+/// `truncated`.
+fn widen_by_truncation(factors: &mut FormFactors, truncated: f64) {
+    let rows = factors.rest.iter().zip(factors.ended());
+    let share = |(rest, ended): (&RowRemainder, f64)| {
+        let lost = if rest.escaped() > 0.0 {
+            truncated
+        } else {
+            rest.cut
+        };
+        lost / ended.max(f64::MIN_POSITIVE)
+    };
+    let shares: Vec<f64> = rows.map(share).collect();
+    let doubt = |i: usize, e: &mut Exchange| {
+        let share = shares[i].max(shares[e.column as usize]);
+        e.error = f64::from(e.error).hypot(share * e.value) as f32;
+        true
+    };
+    let all = factors.orders.iter_mut().chain([&mut factors.exchange]);
+    all.for_each(|matrix| matrix.retain(doubt));
+}
+
+fn settled_remainder(
+    seen: &RowRemainder,
+    missing: f64,
+    error: f64,
+    has_images: bool,
+) -> RowRemainder {
+    let went = seen.escaped() + seen.hidden + seen.lost;
+    if missing <= 2.0 * error + 1e-12 {
+        return RowRemainder::default();
+    }
+    if went == 0.0 {
+        return RowRemainder {
+            cut: if has_images { missing } else { 0.0 },
+            ..RowRemainder::default()
+        };
+    }
+    let share = missing / went;
+    // A single way out is as well known as the sum of the row.
+    let of = |part: f64, noise: f64| {
+        let doubt = if part == went { 0.0 } else { noise * share };
+        (part * share, doubt.hypot(error * part / went))
+    };
+    let (sky, sky_error) = of(seen.sky, seen.sky_error);
+    let (ground, ground_error) = of(seen.ground, seen.ground_error);
+    RowRemainder {
+        sky,
+        sky_error,
+        ground,
+        ground_error,
+        hidden: seen.hidden * share,
+        cut: 0.0,
+        lost: seen.lost * share,
+    }
+}
+
+/// How the pairs were resolved.
+fn notes(all: &AllPairs, is_complete: bool, rays: u32) -> Vec<String> {
+    let t = &all.tally;
+    let mut notes = vec![format!(
+        "{} pairs are unoccluded, {} partially occluded, {} hidden",
+        t.bulk + t.single + t.close,
+        t.partial,
+        t.hidden
+    )];
+    if t.unresolved > 0 {
+        notes.push(format!(
+            "{} pairs with too many occluders took shadow rays",
+            t.unresolved
+        ));
+    }
+    if !is_complete {
+        notes.push(format!("what has no formula took {rays} rays per row"));
+    }
+    notes
+}

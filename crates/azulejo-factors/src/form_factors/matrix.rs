@@ -1,0 +1,257 @@
+//! The matrix of form factors, with what is known of its rows.
+
+use super::{DesignEffect, Exchange, ExchangeAreas};
+use crate::engine::EngineUsed;
+use crate::patch::FaceId;
+use azulejo_scene::MaterialId;
+use std::f64::consts::FRAC_2_PI;
+use std::ops::Range;
+
+/// The extended form factors X of a scene: X_ij is the share of the light leaving row i
+/// diffusely that arrives at column j, directly or after any chain of mirrors and glass, with
+/// its whole weight (additive model, Sillion and Puech 1989).
+///
+/// Rows and columns are the same list: without `two_sided` the fronts of the patches, in the order
+/// of [`Patches`](crate::Patches). Light that hits a back ends there, unless a front covers it (two
+/// coinciding patches, back to back). With `two_sided`, front and back of patch p are entries 2p
+/// and 2p + 1. Where mirrors are coloured, X is the mean of the three channels.
+///
+/// Reciprocity is exact: one number S_ij is stored per pair, and X_ij is S_ij / A_i, rounded. It
+/// holds for mirrors and for glass between equal media, so X is not defined for patches inside
+/// glass. Storage is sparse; an absent pair is an estimate of 0. X is not negative, and at most 1
+/// for patches that no mirror shows twice.
+///
+/// Rows are complete: Σ_j X_ij `ends`_j and the shares of `rest` sum to 1, apart from noise, which
+/// closure removes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FormFactors {
+    /// S_ij = A_i X_ij of every pair, with its standard error: the truth lies within two of them 95
+    /// times in 100.
+    pub exchange: ExchangeAreas,
+    /// S of direct light, of light by one mirror, and of light by more mirrors or through glass, if
+    /// requested; else empty. Their sum, in this order, is `exchange` to the bit.
+    pub orders: Vec<ExchangeAreas>,
+    /// Area of each row, in square scene units.
+    pub areas: Vec<f64>,
+    /// The face that each row is a piece of; of a group, the face of its first row.
+    pub faces: Vec<FaceId>,
+    /// The material of each row; of a group, that of its first row.
+    pub materials: Vec<MaterialId>,
+    /// Whether each row is the back of its patch.
+    pub is_back: Vec<bool>,
+    /// Shares of each row's light that reach no column.
+    pub rest: Vec<RowRemainder>,
+    /// Share of the light arriving at each column that ends there: 1 − ρ_s, 0 for glass.
+    pub ends: Vec<f64>,
+    /// Expected error of each row, Σ_j E|error of X_ij|: √(2/π) times the sum of the standard
+    /// errors, for normal errors. In rooms with known entries 1.2 to 1.3 times the true one.
+    pub row_errors: Vec<f64>,
+    /// Correlation of the errors of entries between two faces or objects, where rows are rendered
+    /// from a handful of viewpoints.
+    pub design_effect: DesignEffect,
+    /// Whether no row that sees anything loses more than 1e-6 of its light to the outside.
+    pub is_closed: bool,
+    /// What closure changed, if it was enforced.
+    pub closed: Option<Adjustment>,
+    /// What truncation changed, if there was one.
+    pub truncated: Option<Truncation>,
+    /// Rays traced from patches, without those added by mirrors and visibility tests.
+    pub rays: u64,
+    /// The engine that ran.
+    pub engine_used: EngineUsed,
+}
+
+/// Shares of a row's light that reach no column.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RowRemainder {
+    /// Leaves the scene upwards: the view factor of the sky.
+    pub sky: f64,
+    /// Standard error of `sky`.
+    pub sky_error: f64,
+    /// Leaves the scene downwards: the view factor of ground that is not modelled.
+    pub ground: f64,
+    /// Standard error of `ground`.
+    pub ground_error: f64,
+    /// Ends on sides without a column: backs, without `two_sided`.
+    pub hidden: f64,
+    /// Cut off between mirrors as too weak.
+    pub cut: f64,
+    /// Absorbed where there is no column: by coloured glass.
+    pub lost: f64,
+}
+
+impl RowRemainder {
+    /// Share that leaves the scene, upwards or downwards.
+    pub fn escaped(&self) -> f64 {
+        self.sky + self.ground
+    }
+
+    /// The sum of all shares.
+    pub fn sum(&self) -> f64 {
+        self.escaped() + self.hidden + self.cut + self.lost
+    }
+}
+
+/// How much of the light was moved between entries to correct row sums.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Adjustment {
+    /// Σ|ΔS_ij| / ΣS_ij over the whole matrix.
+    pub total: f64,
+    /// Mean over the rows of Σ_j |ΔX_ij|, including changes of sky and ground.
+    pub mean: f64,
+    /// The largest Σ_j |ΔX_ij| of a row.
+    pub most: f64,
+    /// The remaining deficit of the worst row.
+    pub deficit: f64,
+}
+
+/// Statistics of a truncation.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Truncation {
+    /// Entries of the whole matrix before.
+    pub before: usize,
+    /// Entries of the whole matrix after.
+    pub after: usize,
+    /// Share of the matrix's sum in the dropped entries.
+    pub dropped: f64,
+    /// How the remaining entries changed.
+    pub moved: Adjustment,
+}
+
+/// Entries per block of whole rows: 64 MiB.
+const BLOCK: usize = 1 << 22;
+
+impl FormFactors {
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.areas.len()
+    }
+
+    /// Whether there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.areas.is_empty()
+    }
+
+    /// Column, X and standard error of each entry of row `i`, columns ascending. Searches all rows
+    /// above: [`rows`](FormFactors::rows) is faster for many rows.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    pub fn row(&self, i: usize) -> impl Iterator<Item = (u32, f64, f32)> {
+        self.rows(i..i + 1).into_iter().flatten()
+    }
+
+    /// Column, X and standard error of the entries of some rows, columns ascending.
+    ///
+    /// # Panics
+    /// If the range goes beyond the last row.
+    pub fn rows(&self, range: Range<usize>) -> Vec<Vec<(u32, f64, f32)>> {
+        self.factors(&self.exchange, range)
+    }
+
+    /// The same of one of the [`orders`](FormFactors::orders).
+    ///
+    /// # Panics
+    /// If the orders were not kept separately, or the range goes beyond the last row.
+    pub fn rows_of_order(&self, order: usize, range: Range<usize>) -> Vec<Vec<(u32, f64, f32)>> {
+        self.factors(&self.orders[order], range)
+    }
+
+    fn factors(&self, areas: &ExchangeAreas, range: Range<usize>) -> Vec<Vec<(u32, f64, f32)>> {
+        let rows = areas.rows(range.clone());
+        let factors = |(i, row): (usize, Vec<Exchange>)| {
+            let factor = |e: Exchange| {
+                let (value, error) = self.factor(i, e);
+                (e.column, value, error)
+            };
+            row.into_iter().map(factor).collect()
+        };
+        range.zip(rows).map(factors).collect()
+    }
+
+    /// Ranges of rows, in order, each of a few million entries: a good amount to request from
+    /// [`rows`](FormFactors::rows) at a time.
+    pub fn blocks(&self) -> Vec<Range<usize>> {
+        let (mut blocks, mut start, mut entries) = (Vec::new(), 0, 0);
+        for (i, length) in self.exchange.row_lengths().iter().enumerate() {
+            entries += length;
+            if entries >= BLOCK || i + 1 == self.len() {
+                blocks.push(start..i + 1);
+                (start, entries) = (i + 1, 0);
+            }
+        }
+        blocks
+    }
+
+    /// X_ij and its standard error; zeros if the pair is absent.
+    ///
+    /// # Panics
+    /// If there is no row with the smaller index.
+    pub fn get(&self, i: usize, j: u32) -> (f64, f32) {
+        self.factor(i, self.exchange.get(i, j as usize))
+    }
+
+    /// Σ_j X_ij of every row. Without mirrors it is 1 less the shares of `rest`, apart from noise.
+    /// With mirrors the plain sum exceeds 1, and [`ended`](FormFactors::ended) is the sum that
+    /// closes.
+    pub fn row_sums(&self) -> Vec<f64> {
+        self.per_area(self.exchange.row_sums())
+    }
+
+    /// Σ_j X_ij `ends`_j of every row: the share of its light that ends on columns. Together with
+    /// [`RowRemainder::sum`] it is 1.
+    pub fn ended(&self) -> Vec<f64> {
+        let ends = &self.ends;
+        let weigh = |i: usize, e: &Exchange| [e.value * ends[e.column as usize], e.value * ends[i]];
+        self.per_area(self.exchange.sums(weigh))
+    }
+
+    /// Sums of rows over their areas; 0 for groups without rows.
+    pub(super) fn per_area(&self, mut sums: Vec<f64>) -> Vec<f64> {
+        let rows = sums.iter_mut().zip(&self.areas);
+        rows.for_each(|(sum, &area)| *sum = if area > 0.0 { *sum / area } else { 0.0 });
+        sums
+    }
+
+    /// Multiplies S of each pair by `ratio`, or drops it where that is `None`, in the orders too.
+    /// With `widen` the change is added to the errors.
+    pub(super) fn scale(
+        &mut self,
+        widen: bool,
+        ratio: impl Fn(usize, &Exchange) -> Option<f64> + Sync,
+    ) {
+        let change = |e: &mut Exchange, ratio: Option<f64>| {
+            let Some(ratio) = ratio else {
+                return false;
+            };
+            let value = e.value * ratio;
+            if widen {
+                e.error = e.error.hypot((value - e.value) as f32);
+            }
+            e.value = value;
+            true
+        };
+        if self.orders.is_empty() {
+            self.exchange.retain(|i, e| change(e, ratio(i, e)));
+            return;
+        }
+        for order in &mut self.orders {
+            order.retain(|i, e| {
+                let whole = self.exchange.get(i, e.column as usize);
+                change(e, ratio(i, &whole))
+            });
+        }
+        self.exchange = ExchangeAreas::sum_of(&self.orders);
+    }
+
+    /// Computes `row_errors`, which depend on the entries' errors alone.
+    pub(super) fn update_row_errors(&mut self) {
+        let expected = |e: &Exchange| FRAC_2_PI.sqrt() * f64::from(e.error);
+        self.row_errors = self.per_area(self.exchange.sums(|_, e| [expected(e); 2]));
+    }
+
+    fn factor(&self, i: usize, e: Exchange) -> (f64, f32) {
+        let area = self.areas[i];
+        (e.value / area, (f64::from(e.error) / area) as f32)
+    }
+}

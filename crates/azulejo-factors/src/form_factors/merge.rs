@@ -1,0 +1,220 @@
+//! One exchange area per pair, from the rays of both sides and the formula.
+
+use super::exchange::{Exchange, ExchangeAreas, union};
+use super::matrix::FormFactors;
+use super::near::{PairEstimate, PairEstimates};
+use super::rows::{RayEntries, RayEntry, RayRow, TracedRows};
+use super::sides::Sides;
+use azulejo_trace::{Cancelled, Progress};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Number of blocks in which rows are merged: finding the start of a block in each row has to stay
+/// cheap, and a block has to fit in memory besides the rest.
+const BLOCKS: usize = 128;
+
+/// Merges all pairs.
+pub(super) fn merge(
+    sides: &Sides,
+    mut traced: TracedRows,
+    exact: &[PairEstimates],
+    progress: &Progress,
+) -> Result<FormFactors, Cancelled> {
+    let n = sides.len();
+    let areas: Vec<f64> = (0..n).map(|i| sides.area(i)).collect();
+    let mut factors = FormFactors {
+        rest: traced.rows.iter().map(|r| r.rest).collect(),
+        rays: traced.rows.len() as u64 * u64::from(traced.rays),
+        design_effect: traced.design_effect(sides),
+        ..FormFactors::default()
+    };
+    let size = n.div_ceil(BLOCKS).max(16);
+    let blocks: Vec<Range<usize>> = (0..n).step_by(size).map(|i| i..(i + size).min(n)).collect();
+    let mut orders = vec![ExchangeAreas::new(); traced.orders];
+    progress.begin("merging", n as u64);
+    for wave in blocks.chunks(2 * rayon::current_num_threads().max(1)) {
+        progress.advance((wave.len() * size) as u64)?;
+        let merger = Merger {
+            traced: &traced,
+            exact,
+            areas: &areas,
+        };
+        let merged: Vec<Vec<Vec<Vec<PairEstimate>>>> =
+            wave.par_iter().map(|b| merger.block(b.clone())).collect();
+        for row in merged.iter().flatten() {
+            let orders = orders.iter_mut().zip(row);
+            orders.for_each(|(areas, row)| areas.push_row(row.iter().map(Exchange::from)));
+        }
+        // These rows are not needed again, and the matrix needs the memory.
+        for rows in wave {
+            traced.rows[rows.clone()].fill_with(RayRow::default);
+        }
+    }
+    if orders.len() == 1 {
+        factors.exchange = orders.remove(0);
+    } else {
+        factors.exchange = ExchangeAreas::sum_of(&orders);
+        factors.orders = orders;
+    }
+    Ok(factors)
+}
+
+impl From<&PairEstimate> for Exchange {
+    fn from(e: &PairEstimate) -> Exchange {
+        Exchange {
+            column: e.column,
+            value: e.value,
+            error: e.error as f32,
+        }
+    }
+}
+
+struct Merger<'a> {
+    traced: &'a TracedRows,
+    exact: &'a [PairEstimates],
+    areas: &'a [f64],
+}
+
+impl Merger<'_> {
+    /// The merged rows of a block, from the diagonal on, order by order.
+    fn block(&self, rows: Range<usize>) -> Vec<Vec<Vec<PairEstimate>>> {
+        let near = transposed(&self.traced.rows, |r| &r.near, rows.clone());
+        let far: Vec<Vec<RayEntries>> = (0..self.traced.orders)
+            .map(|order| transposed(&self.traced.rows, |r| &r.far[order], rows.clone()))
+            .collect();
+        let row = |(k, i): (usize, usize)| {
+            let own = &self.traced.rows[i];
+            let known = upper(i, &self.exact[i], |e| e.column);
+            let direct = better(known, &self.rays(i, &own.near, &near[k]));
+            let orders = own.far.iter().zip(&far).enumerate();
+            let order = |(order, (own, others)): (usize, (&RayEntries, &Vec<RayEntries>))| {
+                let direct = if order == 0 { &direct[..] } else { &[] };
+                sum(&self.rays(i, own, &others[k]), direct)
+            };
+            orders.map(order).collect()
+        };
+        rows.enumerate().map(row).collect()
+    }
+
+    /// Row `i` from the diagonal on, from its own rays and, transposed, those of the others.
+    fn rays(&self, i: usize, own: &[RayEntry], others: &[RayEntry]) -> Vec<PairEstimate> {
+        let mut merged = Vec::with_capacity(own.len().max(others.len()));
+        union(
+            upper(i, own, |e| e.column),
+            others,
+            |e| e.column,
+            |e| e.column,
+            |column, a, b| {
+                let parts =
+                    [a, b].map(|e| e.map_or((0.0, 0.0), |e| (e.mean.into(), e.variance.into())));
+                let (value, variance) = self.pair(i, column as usize, parts);
+                merged.push(PairEstimate {
+                    column,
+                    value,
+                    error: variance.sqrt(),
+                });
+            },
+        );
+        merged
+    }
+
+    /// Exchange area and variance of a pair from the form factors and variances that its two sides
+    /// found. Symmetric in every bit.
+    ///
+    /// With equal rays per row the variance of A_i X_ij is proportional to A_i: weighted by its
+    /// inverse, S = A_i A_j (X_ij + X_ji) / (A_i + A_j).
+    fn pair(
+        &self,
+        i: usize,
+        j: usize,
+        [(x_ij, v_ij), (x_ji, v_ji)]: [(f64, f64); 2],
+    ) -> (f64, f64) {
+        let (a, b) = (self.areas[i], self.areas[j]);
+        let factor = a * b / (a + b);
+        let noise = self.traced.noise;
+        let value = factor * (x_ij + x_ji);
+        let spread = factor * factor * (v_ij + v_ji);
+        // The two estimates of a patch's view of itself are the same one.
+        let (twins, spreads) = if i == j {
+            (2.0, [v_ij, 0.0])
+        } else {
+            (1.0, [v_ij, v_ji])
+        };
+        let freedom = noise.freedom(spreads);
+        let unit = factor * twins;
+        (
+            value,
+            noise.posterior_variance(value, spread * twins, freedom, unit, 1.0),
+        )
+    }
+}
+
+/// The entries of row `i` from the diagonal on.
+fn upper<E>(i: usize, row: &[E], column: impl Fn(&E) -> u32) -> &[E] {
+    &row[row.partition_point(|e| (column(e) as usize) < i)..]
+}
+
+/// The entries of all rows in the columns `block` on or below the diagonal, by column.
+fn transposed(
+    rows: &[RayRow],
+    part: impl Fn(&RayRow) -> &RayEntries,
+    block: Range<usize>,
+) -> Vec<RayEntries> {
+    let mut columns = vec![RayEntries::new(); block.len()];
+    for (j, row) in rows.iter().enumerate().skip(block.start) {
+        let entries = part(row);
+        let first = entries.partition_point(|e| (e.column as usize) < block.start);
+        for e in entries[first..]
+            .iter()
+            .take_while(|e| (e.column as usize) < block.end.min(j + 1))
+        {
+            columns[e.column as usize - block.start].push(RayEntry {
+                column: j as u32,
+                ..*e
+            });
+        }
+    }
+    columns
+}
+
+/// For each column with a formula, the estimate with the smaller error of formula and rays.
+pub(super) fn better(exact: &[PairEstimate], rays: &[PairEstimate]) -> Vec<PairEstimate> {
+    let mut chosen = Vec::with_capacity(exact.len());
+    union(
+        exact,
+        rays,
+        |e| e.column,
+        |e| e.column,
+        |_, e, r| {
+            chosen.extend(match (e, r) {
+                (Some(e), Some(r)) if r.error < e.error => Some(*r),
+                (Some(e), _) => Some(*e),
+                (None, r) => r.copied(),
+            });
+        },
+    );
+    chosen
+}
+
+/// The sum of two rows of independent estimates, without zeros.
+pub(super) fn sum(a: &[PairEstimate], b: &[PairEstimate]) -> Vec<PairEstimate> {
+    let mut row = Vec::with_capacity(a.len() + b.len());
+    union(
+        a,
+        b,
+        |e| e.column,
+        |e| e.column,
+        |column, a, b| {
+            let of = |f: fn(&PairEstimate) -> f64| [a, b].map(|e| e.map_or(0.0, f));
+            let ([v, w], [s, t]) = (of(|e| e.value), of(|e| e.error));
+            if v + w > 0.0 {
+                row.push(PairEstimate {
+                    column,
+                    value: v + w,
+                    error: s.hypot(t),
+                });
+            }
+        },
+    );
+    row
+}

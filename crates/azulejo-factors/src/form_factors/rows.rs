@@ -1,0 +1,279 @@
+//! Rows by rays or item buffers, sorted by what has a formula.
+
+use super::design_effect::{self, DesignEffect, ErrorGroup};
+use super::journal::{Journal, JournalStage, Record, RecordReader, resumed, write_list};
+use super::matrix::RowRemainder;
+use super::near::PairEstimates;
+use super::sides::Sides;
+use super::spread::{NoiseModel, mean_and_variance};
+use crate::engine::Estimator;
+use crate::row::{ORDERS, Order, Row, Side};
+use azulejo_scene::brdf::Lobes;
+use azulejo_scene::{Material, Rgb};
+use azulejo_trace::{Cancelled, Gatherer, Progress, REPLICATES};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// A form factor as estimated by one row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct RayEntry {
+    pub column: u32,
+    /// Mean of the replicates.
+    pub mean: f32,
+    /// Variance of `mean`, from the spread of the replicates.
+    pub variance: f32,
+}
+
+/// Entries by column, ascending.
+pub(super) type RayEntries = Vec<RayEntry>;
+
+/// The estimates of one row.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct RayRow {
+    /// Direct light to columns for which there is an exact estimate too.
+    pub near: RayEntries,
+    /// All the rest: together, or one list per order.
+    pub far: Vec<RayEntries>,
+    /// Shares that reach no column.
+    pub rest: RowRemainder,
+    /// Correlated errors of its entries, if they share viewpoints.
+    pub error_groups: Vec<ErrorGroup>,
+}
+
+/// The rows of all sides.
+pub(super) struct TracedRows {
+    pub rows: Vec<RayRow>,
+    /// Number of `far` lists per row.
+    pub orders: usize,
+    /// Rays per row.
+    pub rays: u32,
+    /// The noise of entries.
+    pub noise: NoiseModel,
+}
+
+impl TracedRows {
+    /// The design effect of sums over the entries of all rows.
+    pub fn design_effect(&self, sides: &Sides) -> DesignEffect {
+        let mut design_effect = DesignEffect::default();
+        for (i, row) in self.rows.iter().enumerate() {
+            design_effect.add(sides, i, &row.error_groups);
+        }
+        design_effect
+    }
+}
+
+/// Fewest and most rows of a block, the unit of the journal. A graphics card wants many in flight.
+const BLOCK: [usize; 2] = [64, 256];
+
+/// Rays per block, within these limits.
+const BLOCK_RAYS: usize = 1 << 23;
+
+/// Degrees of freedom of the variance of four replicates.
+pub(super) const SPREAD_FREEDOM: f64 = 3.0;
+
+/// How rows are estimated.
+pub(super) struct RowTracing<'a> {
+    pub sides: &'a Sides<'a>,
+    pub gatherer: &'a Gatherer<'a>,
+    /// For each row the columns that also have a formula.
+    pub exact: &'a [PairEstimates],
+    pub estimator: &'a Estimator<'a>,
+    /// Whether orders are kept separately.
+    pub separate: bool,
+    /// Row, column and order of what is known by formula, and not kept.
+    pub is_known: &'a (dyn Fn(usize, u32, Order) -> bool + Sync),
+}
+
+impl RowTracing<'_> {
+    /// All rows, except blocks that the journal holds.
+    pub fn trace(
+        &self,
+        journal: &dyn Journal,
+        progress: &Progress,
+    ) -> Result<TracedRows, Cancelled> {
+        let (n, rays) = (self.sides.len(), self.estimator.rays());
+        progress.begin("form factors", n as u64);
+        // Blocks must not depend on the machine, which may be another after an interruption.
+        let size = (BLOCK_RAYS / rays.max(1) as usize).clamp(BLOCK[0], BLOCK[1]);
+        let rows = resumed(journal, JournalStage::Rows, (n, size), progress, |rows| {
+            self.block(rows, progress)
+        })?;
+        Ok(TracedRows {
+            rows,
+            orders: self.orders(),
+            rays,
+            noise: self.noise(),
+        })
+    }
+
+    /// Some rows.
+    pub fn block(&self, rows: Range<usize>, progress: &Progress) -> Result<Vec<RayRow>, Cancelled> {
+        let wanted: Vec<Side> = rows.clone().map(|i| self.sides.side(i)).collect();
+        let found = self.estimator.rows(&wanted, progress)?;
+        let rows = rows.into_par_iter().zip(&found);
+        Ok(rows.map(|(i, row)| self.ray_row(i, row)).collect())
+    }
+
+    pub fn noise(&self) -> NoiseModel {
+        match self.estimator.rays() {
+            _ if self.estimator.shares_viewpoints() => NoiseModel::Unknown,
+            rays => NoiseModel::Hits {
+                one_ray: 1.0 / f64::from(rays.max(1)),
+            },
+        }
+    }
+
+    fn orders(&self) -> usize {
+        if self.separate { ORDERS } else { 1 }
+    }
+
+    /// Sorts the estimates of row `i` by whether there is a formula for them.
+    fn ray_row(&self, i: usize, found: &Row) -> RayRow {
+        let materials = &self.gatherer.surfaces().scene.materials;
+        let exact = &self.exact[i];
+        let mut near = Vec::new();
+        let mut far = vec![Vec::new(); self.orders()];
+        let (mut hidden, mut ended) = (0.0, 0.0);
+        for (replicate, entries) in found.entries.iter().enumerate() {
+            for entry in entries {
+                let patch = entry.side / 2;
+                let material = &materials[self.sides.patches.material(patch as usize) as usize];
+                let ends = (entry.weight * ending(material)).mean() / REPLICATES as f64;
+                let Some(column) = self.sides.column(patch, entry.side.is_multiple_of(2)) else {
+                    hidden += ends;
+                    continue;
+                };
+                ended += ends;
+                if (self.is_known)(i, column, entry.order) {
+                    continue;
+                }
+                let has_formula =
+                    |order| order == 0 && exact.binary_search_by_key(&column, |e| e.column).is_ok();
+                let list = match entry.order {
+                    order if has_formula(order) => &mut near,
+                    order if self.separate => &mut far[usize::from(order)],
+                    _ => &mut far[0],
+                };
+                list.push((column, replicate, entry.weight.mean()));
+            }
+        }
+        let near = columns(near);
+        let far: Vec<Vec<Column>> = far.into_iter().map(columns).collect();
+        let all = far.iter().chain([&near]);
+        let error_groups = all.flat_map(|columns| design_effect::groups(columns, self.sides));
+        // Rays start at independent points: their errors are not correlated.
+        let error_groups = error_groups.filter(|_| self.estimator.shares_viewpoints());
+        RayRow {
+            error_groups: error_groups.collect(),
+            near: near.iter().map(entry).collect(),
+            far: far.iter().map(|f| f.iter().map(entry).collect()).collect(),
+            rest: rest(found, self.noise(), hidden, ended),
+        }
+    }
+}
+
+/// Shares of a row that reach no column. What the colour of glass absorbs is what the other shares
+/// lack.
+fn rest(found: &Row, noise: NoiseModel, hidden: f64, ended: f64) -> RowRemainder {
+    let [(sky, sky_error), (ground, ground_error)] = [0, 1].map(|way| {
+        let (share, spread) = mean_and_variance(found.escaped.map(|e| e[way].mean()));
+        let missing = (1.0 - share).max(0.0);
+        let variance = noise.posterior_variance(share, spread, SPREAD_FREEDOM, 1.0, missing);
+        (share, variance.sqrt())
+    });
+    let cut = found.cut.mean();
+    let lost = 1.0 - ended - hidden - cut - sky - ground;
+    RowRemainder {
+        sky,
+        sky_error,
+        ground,
+        ground_error,
+        hidden,
+        cut,
+        lost: if lost > ROUNDING { lost } else { 0.0 },
+    }
+}
+
+/// Below this, a share is missing only by rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// Share of the light on a surface that ends there. Glass absorbs only by its colour, which is
+/// counted as lost; glossy reflection is taken at its mean albedo.
+pub(super) fn ending(material: &Material) -> Rgb {
+    if material.dielectric.is_some() {
+        return Rgb::BLACK;
+    }
+    let glossy = material.glossy().map(Lobes::mean_albedo);
+    Rgb::WHITE - material.mirror - glossy.unwrap_or(Rgb::BLACK)
+}
+
+/// A column, with the estimate of each replicate.
+pub(super) type Column = (u32, [f64; REPLICATES]);
+
+/// The estimates of replicates, by column.
+fn columns(mut found: Vec<(u32, usize, f64)>) -> Vec<Column> {
+    found.sort_by_key(|&(column, ..)| column);
+    let column = |group: &[(u32, usize, f64)]| {
+        let mut values = [0.0; REPLICATES];
+        group.iter().for_each(|&(_, r, w)| values[r] += w);
+        (group[0].0, values)
+    };
+    found.chunk_by(|a, b| a.0 == b.0).map(column).collect()
+}
+
+fn entry(&(column, values): &Column) -> RayEntry {
+    let (mean, variance) = mean_and_variance(values);
+    RayEntry {
+        column,
+        mean: mean as f32,
+        variance: variance as f32,
+    }
+}
+
+impl Record for RayRow {
+    fn write(&self, bytes: &mut Vec<u8>) {
+        let entry = |e: &RayEntry, bytes: &mut Vec<u8>| {
+            bytes.extend(e.column.to_le_bytes());
+            bytes.extend(e.mean.to_le_bytes());
+            bytes.extend(e.variance.to_le_bytes());
+        };
+        write_list(&self.near, bytes, entry);
+        write_list(&self.far, bytes, |way, bytes| write_list(way, bytes, entry));
+        let RowRemainder {
+            sky,
+            sky_error,
+            ground,
+            ground_error,
+            hidden,
+            cut,
+            lost,
+        } = self.rest;
+        let shares = [sky, sky_error, ground, ground_error, hidden, cut, lost];
+        bytes.extend(shares.into_iter().flat_map(f64::to_le_bytes));
+        design_effect::write(&self.error_groups, bytes);
+    }
+
+    fn read(bytes: &mut RecordReader) -> Option<RayRow> {
+        let entry = |b: &mut RecordReader| {
+            Some(RayEntry {
+                column: b.u32()?,
+                mean: b.f32()?,
+                variance: b.f32()?,
+            })
+        };
+        Some(RayRow {
+            near: bytes.list(entry)?,
+            far: bytes.list(|b| b.list(entry))?,
+            rest: RowRemainder {
+                sky: bytes.f64()?,
+                sky_error: bytes.f64()?,
+                ground: bytes.f64()?,
+                ground_error: bytes.f64()?,
+                hidden: bytes.f64()?,
+                cut: bytes.f64()?,
+                lost: bytes.f64()?,
+            },
+            error_groups: design_effect::read(bytes)?,
+        })
+    }
+}

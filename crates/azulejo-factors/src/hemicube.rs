@@ -1,0 +1,396 @@
+//! Form factors by item buffers: hemicubes rendered from many points of each patch.
+//!
+//! A hemicube samples what a point sees (Cohen and Greenberg, *The hemi-cube*, SIGGRAPH 1985). From
+//! the barycentre alone it would leave an error that no resolution removes, so hemicubes stand at
+//! Sobol points all over the patch, each rotated about the normal by a random angle; four
+//! scramblings of the points give four estimates, whose spread gives the standard error. Flat
+//! mirrors are windows to reflected worlds, which the device renders too
+//! ([`Engine::Hemicube`](crate::Engine)), or light is traced on from their pixels by rays
+//! ([`Engine::Hybrid`](crate::Engine)), as it always is from curved mirrors and glass.
+//!
+//! Curved patches are rendered as facets (`patch::facets`), and their hemicubes stand on these.
+
+mod backend;
+mod world;
+
+use crate::engine::{EngineUsed, Hemicube};
+use crate::patch::{PatchFacets, PatchPoint, Patches};
+use crate::rays::{BATCH, RayEstimator, RowWorkspace};
+use crate::row::{Columns, Order, Row, Side};
+use azulejo_scene::math::Ray;
+use azulejo_scene::{Rgb, Scene, Shape};
+use azulejo_trace::follow::{Path, Via, WEIGHT_CUT};
+use azulejo_trace::item_buffer::{
+    Beyond, Hemicube as Pixels, NO_MIRROR, Seen, Settings, SpecularPixel, View, World,
+};
+use azulejo_trace::sampling::{SobolTable, hash, seeds};
+use azulejo_trace::{Cancelled, Gatherer, Progress, REPLICATES, Surfaces};
+use backend::BackendBuffers;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::f64::consts::{PI, TAU};
+
+/// Longest chain of reflected worlds: as many mirrors as rays follow.
+const MOST_MIRRORS: u32 = azulejo_trace::follow::DEPTH_CUT as u32;
+
+/// How flat mirrors are treated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MirrorHandling {
+    /// Their reflected worlds are rendered.
+    Windows,
+    /// Rays continue from their pixels.
+    Rays,
+}
+
+/// Computes rows by item buffers. Immutable except for the device; shared by all threads.
+pub struct HemicubeEstimator<'a> {
+    gatherer: &'a Gatherer<'a>,
+    patches: &'a Patches,
+    facets: PatchFacets<'a>,
+    /// Traces light from pixels of specular patches.
+    rays: RayEstimator<'a>,
+    buffers: BackendBuffers,
+    mirrors: MirrorHandling,
+    /// For each patch whether its pixels are listed, for rays to continue from.
+    is_listed: Vec<bool>,
+    /// Some flat mirror, which stands for all of them in [`Via::Mirror`].
+    mirror_item: Option<u32>,
+    pixels: u32,
+    table: SobolTable,
+    seed: u32,
+    columns: Columns,
+}
+
+/// The patches of a scene as geometry for item buffers: flat ones as they are, curved ones as
+/// facets.
+pub fn world_of(scene: &Scene, patches: &Patches) -> World {
+    world::world(scene, patches, &PatchFacets::new(patches))
+}
+
+/// The position of a hemicube.
+struct HemicubePoint {
+    view: View,
+    /// Where its rays start: on the exact surface of a curved patch instead of its facet.
+    start: DVec3,
+    /// Weight of its shares.
+    weight: f64,
+}
+
+/// One replicate of a side's row.
+struct RowPart {
+    side: Side,
+    replicate: usize,
+    points: Vec<HemicubePoint>,
+    /// The row so far, with this replicate only.
+    row: Row,
+    /// Accumulates shares over all its hemicubes.
+    work: Option<RowWorkspace>,
+}
+
+impl<'a> HemicubeEstimator<'a> {
+    /// An estimator with the given `options`, points rounded up to a multiple of [`REPLICATES`]. A
+    /// device that is not available, or cannot hold the scene, is replaced by the processor;
+    /// [`engine_used`](HemicubeEstimator::engine_used) reports it.
+    pub fn new(
+        options: &Hemicube,
+        mirrors: MirrorHandling,
+        gatherer: &'a Gatherer<'a>,
+        patches: &'a Patches,
+        seed: u32,
+        columns: Columns,
+    ) -> HemicubeEstimator<'a> {
+        let facets = PatchFacets::new(patches);
+        let world = world::world(gatherer.surfaces().scene, patches, &facets);
+        let is_window = |m: u32| m != NO_MIRROR && mirrors == MirrorHandling::Rays;
+        let patch = |(&is_bent, &mirror): (&bool, &u32)| is_bent || is_window(mirror);
+        let is_listed = world.is_bent.iter().zip(&world.mirror_of).map(patch);
+        let is_listed: Vec<bool> = is_listed.collect();
+        let settings = Settings {
+            resolution: Pixels::new(options.resolution).resolution(),
+            mirrors: match mirrors {
+                MirrorHandling::Windows => Beyond::Windows {
+                    cut: WEIGHT_CUT as f32,
+                    depth: MOST_MIRRORS,
+                },
+                MirrorHandling::Rays => Beyond::List,
+            },
+        };
+        let points = points_per_replicate(options);
+        HemicubeEstimator {
+            gatherer,
+            patches,
+            facets,
+            rays: RayEstimator::new(gatherer, patches, 1, seed, columns),
+            buffers: BackendBuffers::new(world, settings, &options.device),
+            mirrors,
+            is_listed,
+            mirror_item: flat_mirror(gatherer.surfaces()),
+            pixels: options.pixels_per_row(),
+            table: SobolTable::new(points as usize),
+            seed,
+            columns,
+        }
+    }
+
+    /// Pixels per row.
+    pub fn pixels(&self) -> u32 {
+        self.pixels
+    }
+
+    /// The device, and deviations from what was requested so far.
+    pub fn engine_used(&self) -> EngineUsed {
+        let engine = match self.mirrors {
+            MirrorHandling::Windows => "hemicube",
+            MirrorHandling::Rays => "hybrid",
+        };
+        let mut notes = self.buffers.notes();
+        let listed = self.is_listed.iter().filter(|&&l| l).count();
+        if listed > 0 {
+            notes.push(match self.mirrors {
+                MirrorHandling::Windows => format!(
+                    "rays continue from the pixels of {listed} patches of curved mirrors or glass"
+                ),
+                MirrorHandling::Rays => {
+                    format!("rays continue from the pixels of {listed} specular patches")
+                }
+            });
+        }
+        EngineUsed {
+            name: engine.to_owned(),
+            device: self.buffers.device(),
+            notes,
+        }
+    }
+
+    /// The rows of some sides, in order; each depends on its side alone. Advances `progress` by one
+    /// for each.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn rows(&self, sides: &[Side], progress: &Progress) -> Result<Vec<Row>, Cancelled> {
+        let part = |&side: &Side| (0..REPLICATES).map(move |r| (side, r));
+        let wanted: Vec<(Side, usize)> = sides.iter().flat_map(part).collect();
+        let at_once = (self.buffers.batch() / self.table.len()).max(1);
+        let mut parts = Vec::with_capacity(wanted.len());
+        for some in wanted.chunks(at_once) {
+            progress.advance(0)?;
+            parts.extend(self.parts(some));
+            let done = parts.len() / REPLICATES;
+            let before = (parts.len() - some.len()) / REPLICATES;
+            progress.advance((done - before) as u64)?;
+        }
+        let mut rows = Vec::with_capacity(sides.len());
+        let mut parts = parts.into_iter();
+        while let Some(first) = parts.next() {
+            let rest = parts.by_ref().take(REPLICATES - 1);
+            let row = rest.fold(first, merged);
+            rows.push(Row {
+                rays: self.pixels(),
+                ..row
+            });
+        }
+        Ok(rows)
+    }
+
+    /// Some replicates of rows, rendered together.
+    fn parts(&self, wanted: &[(Side, usize)]) -> Vec<Row> {
+        let part = |&(side, replicate): &(Side, usize)| RowPart {
+            side,
+            replicate,
+            points: self.points(side, replicate),
+            row: Row::default(),
+            work: None,
+        };
+        let mut parts: Vec<RowPart> = wanted.par_iter().map(part).collect();
+        let batch = (self.buffers.batch() / wanted.len()).max(1);
+        let all = self.table.len();
+        for first in (0..all).step_by(batch) {
+            let stretch = first..(first + batch).min(all);
+            let some = parts.iter().flat_map(|p| &p.points[stretch.clone()]);
+            let views: Vec<View> = some.map(|p| p.view).collect();
+            let seen = self.buffers.draw(&views);
+            let seen = seen.par_chunks(stretch.len());
+            parts.par_iter_mut().zip(seen).for_each(|(part, seen)| {
+                for (k, seen) in stretch.clone().zip(seen) {
+                    self.add(part, k, seen);
+                }
+                if stretch.end == all {
+                    self.finish(part);
+                }
+            });
+        }
+        parts.into_iter().map(|part| part.row).collect()
+    }
+
+    /// The positions and weights of the hemicubes of a part.
+    ///
+    /// On curved patches the weights of points are divided by their sum, so that a row's shares sum
+    /// to 1 as they do on flat ones; the bias falls as one over the number of points.
+    fn points(&self, side: Side, replicate: usize) -> Vec<HemicubePoint> {
+        let (patch, is_front) = ((side / 2) as usize, side.is_multiple_of(2));
+        let tracer = self.gatherer.surfaces().tracer;
+        let scrambling = seeds(&[self.seed, side, replicate as u32, 0x4e]);
+        let leaving = |at: &PatchPoint| {
+            let normal = if is_front { at.normal } else { -at.normal };
+            (tracer.leaving(at.position, normal), normal)
+        };
+        let point = |k: usize| {
+            let [u1, u2, u3, _] = self.table.point(k, scrambling).map(f64::from);
+            let at = self.facets.sample(patch, u1, u2);
+            let (eye, normal) = leaving(&at);
+            let turn = TAU * u3;
+            HemicubePoint {
+                view: View { eye, normal, turn },
+                start: leaving(&self.patches.sample(patch, u1, u2)).0,
+                weight: at.weight,
+            }
+        };
+        let mut points: Vec<HemicubePoint> = (0..self.table.len()).map(point).collect();
+        let sum: f64 = points.iter().map(|p| p.weight).sum();
+        points.iter_mut().for_each(|p| p.weight /= sum);
+        points
+    }
+
+    /// Adds what the hemicube at point `k` of a part saw.
+    fn add(&self, part: &mut RowPart, k: usize, seen: &Seen) {
+        let HemicubePoint { start, weight, .. } = part.points[k];
+        let mut work = part.work.take().unwrap_or_else(|| self.rays.work());
+        let row = &mut part.row;
+        let share = 1.0 / REPLICATES as f64;
+        for found in &seen.shares {
+            if self.is_listed[(found.side / 2) as usize] {
+                continue; // rays find it again and continue from there
+            }
+            let arriving = found.weight * weight;
+            let material = self.material(found.side);
+            let kept = Rgb::WHITE - material.mirror - material.diffuse;
+            row.absorbed += arriving * kept * share;
+            row.stray[part.replicate] += arriving * self.stray(found.side, found.order);
+            if self.columns == Columns::All || !material.diffuse.is_black() {
+                work.sums.add(found.side, found.order, arriving);
+            }
+        }
+        let ambient = self.gatherer.ambient() * PI;
+        let ways = row.escaped[part.replicate].iter_mut();
+        for (escaped, found) in ways.zip(seen.escaped) {
+            let found = found * weight;
+            *escaped += found;
+            row.stray[part.replicate] += found * ambient;
+            row.external += found * ambient * share;
+        }
+        row.cut += seen.cut * (weight * share);
+        for (number, pixels) in seen.specular.chunks(BATCH).enumerate() {
+            // Paths start with a weight of about 1, because they end when too little of it is left.
+            let heaviest = pixels.iter().map(|p| p.weight.max_channel());
+            let heaviest = heaviest.fold(f64::MIN_POSITIVE, f64::max);
+            let paths = pixels.iter().map(|p| self.path(p, start, heaviest));
+            work.paths.extend(paths);
+            let place = [part.side, part.replicate as u32, k as u32, number as u32];
+            let chances = hash(&[self.seed, hash(&place)]);
+            let scaled = (part.replicate, weight * heaviest);
+            self.rays.follow(&mut work, chances, scaled, &mut part.row);
+        }
+        part.work = Some(work);
+    }
+
+    /// Takes the sums of a part after all its hemicubes.
+    fn finish(&self, part: &mut RowPart) {
+        if let Some(mut work) = part.work.take() {
+            part.row.entries[part.replicate] = work.sums.take();
+            self.rays.give_back(work);
+        }
+    }
+
+    /// The path of a pixel, in units of `unit`, on the leg that ends at a specular patch: a ray
+    /// finds the exact point where the pixel's centre hits it. The first leg begins at `start`.
+    fn path(&self, pixel: &SpecularPixel, start: DVec3, unit: f64) -> Path {
+        let origin = if pixel.order == 0 {
+            start
+        } else {
+            pixel.origin
+        };
+        let tracer = self.gatherer.surfaces().tracer;
+        Path {
+            ray: tracer.kernel_ray(&Ray::new(origin, pixel.direction)),
+            id: 0,
+            weight: pixel.weight / unit,
+            via: self.via(pixel.order),
+            depth: u16::from(pixel.order),
+            density: 0.0,
+        }
+    }
+
+    /// The path class after so many rendered mirrors.
+    fn via(&self, order: Order) -> Via {
+        match (order, self.mirror_item) {
+            (0, _) => Via::Direct,
+            (1, Some(item)) => Via::Mirror(item),
+            _ => Via::Many,
+        }
+    }
+
+    fn material(&self, side: Side) -> &azulejo_scene::Material {
+        let scene = self.gatherer.surfaces().scene;
+        &scene.materials[self.patches.material((side / 2) as usize) as usize]
+    }
+
+    /// Exitance of a side that direct lighting does not count, as [`Gatherer::stray_exitance`]
+    /// computes it for hits.
+    fn stray(&self, side: Side, order: Order) -> Rgb {
+        let material = self.material(side);
+        if !material.is_emitter() {
+            return Rgb::BLACK;
+        }
+        let patch = (side / 2) as usize;
+        let object =
+            &self.gatherer.surfaces().scene.objects[self.patches.face(patch).object as usize];
+        let is_flat = self.patches.polygon(patch).is_some();
+        let is_exact = matches!(object.shape, Shape::Exact(_));
+        if !is_exact && self.gatherer.counts_direct(is_flat, self.via(order)) {
+            Rgb::BLACK
+        } else {
+            material.emission_from(side.is_multiple_of(2)) * PI
+        }
+    }
+}
+
+fn points_per_replicate(options: &Hemicube) -> u32 {
+    options.points.div_ceil(REPLICATES as u32).max(1)
+}
+
+impl Hemicube {
+    /// Pixels of all hemicubes of a row.
+    pub(crate) fn pixels_per_row(&self) -> u32 {
+        let side = Pixels::new(self.resolution).resolution();
+        let points = points_per_replicate(self) * REPLICATES as u32;
+        (3 * side * side).saturating_mul(points)
+    }
+}
+
+/// Merges two parts of one row, of different replicates.
+fn merged(mut a: Row, b: Row) -> Row {
+    for (replicate, entries) in b.entries.into_iter().enumerate() {
+        if !entries.is_empty() {
+            a.entries[replicate] = entries;
+        }
+        a.stray[replicate] += b.stray[replicate];
+        for (escaped, more) in a.escaped[replicate].iter_mut().zip(b.escaped[replicate]) {
+            *escaped += more;
+        }
+    }
+    a.external += b.external;
+    a.absorbed += b.absorbed;
+    a.cut += b.cut;
+    a
+}
+
+/// Some flat item that mirrors.
+fn flat_mirror(surfaces: &Surfaces) -> Option<u32> {
+    let is_mirror = |&item: &u32| {
+        let material = surfaces.material(item);
+        surfaces.flat_normal(item).is_some()
+            && material.dielectric.is_none()
+            && !material.mirror.is_black()
+    };
+    (0..surfaces.tracer.item_count()).find(is_mirror)
+}

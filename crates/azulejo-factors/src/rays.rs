@@ -1,0 +1,275 @@
+//! Form factors by rays, row by row: the share of a patch's diffuse light that each patch receives,
+//! directly or after any chain of mirrors and panes.
+//!
+//! A row is an area average: its rays start all over the patch, by the first two dimensions of a
+//! scrambled Sobol sequence, and leave with cosine density by the other two (Malley's method), so
+//! that an entry is the weight of the rays that arrive. Four independent scramblings give four
+//! estimates of every row; their spread gives its standard error.
+
+use crate::patch::Patches;
+use crate::row::{Columns, Row, RowAccumulator, Side, order, side};
+use azulejo_scene::Rgb;
+use azulejo_scene::math::{Frame, Ray};
+use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
+use azulejo_trace::sampling::{SobolTable, cosine_about, hash, seeds};
+use azulejo_trace::{Gatherer, Glints, KernelHit, REPLICATES, Surfaces, Tracer};
+use std::f64::consts::PI;
+use std::ops::Range;
+use std::sync::Mutex;
+
+/// Rays traced at a time: enough to keep the tracer busy, few enough to stay in the cache.
+pub const BATCH: usize = 1024;
+
+/// Samples the rays of rows.
+pub struct RowSampler<'a> {
+    tracer: &'a Tracer,
+    patches: &'a Patches,
+    table: SobolTable,
+    seed: u32,
+}
+
+impl<'a> RowSampler<'a> {
+    /// At most `count` rays per side and replicate.
+    pub fn new(
+        tracer: &'a Tracer,
+        patches: &'a Patches,
+        count: usize,
+        seed: u32,
+    ) -> RowSampler<'a> {
+        RowSampler {
+            tracer,
+            patches,
+            table: SobolTable::new(count),
+            seed,
+        }
+    }
+
+    /// Rays over a side and its hemisphere, for a range of a replicate's sequence; each carries the
+    /// weight `share`.
+    pub fn fill(
+        &self,
+        side: Side,
+        replicate: usize,
+        stretch: Range<usize>,
+        share: f64,
+        paths: &mut Vec<Path>,
+    ) {
+        let (patch, flip) = (
+            (side / 2) as usize,
+            if side.is_multiple_of(2) { 1.0 } else { -1.0 },
+        );
+        let sampler = self.patches.sampler(patch);
+        let flat_frame = Frame::from_normal(flip * self.patches.normal(patch));
+        let scrambling = seeds(&[self.seed, side, replicate as u32]);
+        paths.extend(stretch.map(|k| {
+            let [u1, u2, u3, u4] = self.table.point(k, scrambling).map(f64::from);
+            let at = sampler.sample(u1, u2);
+            let normal = flip * at.normal;
+            let frame = if normal == flat_frame.z {
+                flat_frame
+            } else {
+                Frame::from_normal(normal)
+            };
+            let origin = self.tracer.leaving(at.position, normal);
+            Path {
+                ray: self
+                    .tracer
+                    .kernel_ray(&Ray::new(origin, cosine_about(&frame, u3, u4))),
+                id: replicate as u32,
+                weight: Rgb::grey(share * at.weight),
+                via: Via::Direct,
+                depth: 0,
+                density: 0.0,
+            }
+        }));
+    }
+}
+
+/// Finds the patch of a hit, immediately where the whole item is one patch.
+pub struct HitPatches<'a> {
+    surfaces: &'a Surfaces<'a>,
+    patches: &'a Patches,
+    /// For each item its only patch, or [`SEVERAL`].
+    only: Vec<u32>,
+}
+
+const SEVERAL: u32 = u32::MAX;
+
+impl<'a> HitPatches<'a> {
+    /// A table of the items of the tracer.
+    pub fn new(surfaces: &'a Surfaces<'a>, patches: &'a Patches) -> HitPatches<'a> {
+        let only = |k: u32| {
+            let item = surfaces.item(k);
+            let patch = patches.only_patch(item.object, item.face, item.triangle);
+            patch.unwrap_or(SEVERAL)
+        };
+        let only = (0..surfaces.tracer.item_count()).map(only).collect();
+        HitPatches {
+            surfaces,
+            patches,
+            only,
+        }
+    }
+
+    /// The patch that `hit` lies on.
+    #[inline]
+    pub fn at(&self, hit: &KernelHit) -> u32 {
+        match self.only[hit.item as usize] {
+            SEVERAL => self.patches.locate_hit(self.surfaces, hit),
+            patch => patch,
+        }
+    }
+}
+
+/// Computes rows by rays. Immutable; shared by all threads.
+pub struct RayEstimator<'a> {
+    gatherer: &'a Gatherer<'a>,
+    patches: &'a Patches,
+    sampler: RowSampler<'a>,
+    hit_patches: HitPatches<'a>,
+    per_replicate: usize,
+    seed: u32,
+    columns: Columns,
+    /// Working memory not in use by any thread.
+    spare: Mutex<Vec<RowWorkspace>>,
+}
+
+/// Working memory for a row.
+pub(crate) struct RowWorkspace {
+    /// Rays to be traced next.
+    pub paths: Vec<Path>,
+    scratch: Scratch,
+    glints: Glints,
+    /// Sums of what they hit.
+    pub sums: RowAccumulator,
+}
+
+impl<'a> RayEstimator<'a> {
+    /// An estimator that spends `rays` per row, rounded up to a multiple of [`REPLICATES`].
+    pub fn new(
+        gatherer: &'a Gatherer<'a>,
+        patches: &'a Patches,
+        rays: u32,
+        seed: u32,
+        columns: Columns,
+    ) -> RayEstimator<'a> {
+        let per_replicate = RayEstimator::rounded(rays) as usize / REPLICATES;
+        RayEstimator {
+            gatherer,
+            patches,
+            sampler: RowSampler::new(gatherer.surfaces().tracer, patches, per_replicate, seed),
+            hit_patches: HitPatches::new(gatherer.surfaces(), patches),
+            per_replicate,
+            seed,
+            columns,
+            spare: Mutex::new(Vec::new()),
+        }
+    }
+
+    /// `rays` rounded up to a positive multiple of [`REPLICATES`].
+    pub(crate) fn rounded(rays: u32) -> u32 {
+        rays.div_ceil(REPLICATES as u32).max(1) * REPLICATES as u32
+    }
+
+    /// Rays per row.
+    pub fn rays(&self) -> u32 {
+        (self.per_replicate * REPLICATES) as u32
+    }
+
+    /// The name of the ray tracing kernel.
+    pub fn kernel_name(&self) -> String {
+        self.gatherer.surfaces().tracer.kernel_name()
+    }
+
+    /// The row of one side of a patch. Depends only on the arguments of [`new`](RayEstimator::new)
+    /// and on `side`.
+    pub fn row(&self, side: Side) -> Row {
+        let mut row = Row {
+            rays: self.rays(),
+            ..Row::default()
+        };
+        let mut work = self.work();
+        let (all, share) = (self.per_replicate, 1.0 / self.per_replicate as f64);
+        for replicate in 0..REPLICATES {
+            for first in (0..all).step_by(BATCH) {
+                let stretch = first..(first + BATCH).min(all);
+                self.sampler
+                    .fill(side, replicate, stretch, share, &mut work.paths);
+                let chances = hash(&[self.seed, side, replicate as u32, first as u32]);
+                self.follow(&mut work, chances, (replicate, 1.0), &mut row);
+            }
+            row.entries[replicate] = work.sums.take();
+        }
+        self.give_back(work);
+        row
+    }
+
+    /// Empty working memory.
+    pub(crate) fn work(&self) -> RowWorkspace {
+        let spare = self.spare.lock().ok().and_then(|mut spare| spare.pop());
+        spare.unwrap_or_else(|| RowWorkspace {
+            paths: Vec::new(),
+            scratch: Scratch::default(),
+            glints: Glints::default(),
+            sums: RowAccumulator::new(2 * self.patches.len()),
+        })
+    }
+
+    /// Returns working memory, emptied, for reuse.
+    pub(crate) fn give_back(&self, work: RowWorkspace) {
+        if let Ok(mut spare) = self.spare.lock() {
+            spare.push(work);
+        }
+    }
+
+    /// Traces the paths of `work` to their ends, and adds what they hit to its sums and to the
+    /// replicate of `row`, all times `scale`. `chances` seeds the random choices at glass.
+    pub(crate) fn follow(
+        &self,
+        work: &mut RowWorkspace,
+        chances: u32,
+        (replicate, scale): (usize, f64),
+        row: &mut Row,
+    ) {
+        let surfaces = self.gatherer.surfaces();
+        let share = 1.0 / REPLICATES as f64;
+        let ambient = self.gatherer.ambient() * PI;
+        let up = surfaces.scene.units.up.axis();
+        let RowWorkspace {
+            paths,
+            scratch,
+            glints,
+            sums,
+        } = work;
+        follow(surfaces, paths, scratch, chances, |path, event| {
+            let weight = path.weight * scale;
+            match event {
+                Event::Escape => {
+                    let is_up = surfaces.tracer.world_ray(&path.ray).direction.dot(up) >= 0.0;
+                    row.escaped[replicate][usize::from(!is_up)] += weight;
+                    row.stray[replicate] += weight * ambient;
+                    row.external += weight * ambient * share;
+                }
+                Event::Cut => row.cut += weight * share,
+                Event::Absorbed => row.absorbed += weight * share,
+                Event::Surface { hit, front } => {
+                    let material = surfaces.material(hit.item);
+                    if material.dielectric.is_none() {
+                        let kept = Rgb::WHITE - material.mirror - material.diffuse;
+                        row.absorbed += weight * kept * share;
+                    }
+                    row.stray[replicate] +=
+                        weight * self.gatherer.stray_exitance(path, &hit, front);
+                    glints.add(self.gatherer, path, &hit, 0, chances);
+                    if self.columns == Columns::All || !material.diffuse.is_black() {
+                        let patch = self.hit_patches.at(&hit);
+                        sums.add(side(patch, front), order(path.via), weight);
+                    }
+                }
+            }
+        });
+        glints.settle(self.gatherer, |_, found| {
+            row.stray[replicate] += found * scale
+        });
+    }
+}

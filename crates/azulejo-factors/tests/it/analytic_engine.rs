@@ -1,0 +1,285 @@
+//! Matrices by the analytic engine.
+
+use crate::scenes;
+use azulejo_factors::form_factors::Closure;
+use azulejo_factors::truth::{CaseKind, cases};
+use azulejo_factors::{Engine, FormFactorOptions, FormFactors, PatchSize, form_factors};
+use azulejo_scene::Scene;
+use azulejo_scene::synthetic::{CornellVariant, cornell_box, cube_room, room_with_table};
+use azulejo_trace::sampling::uniform;
+use azulejo_trace::{Progress, Tracer};
+use glam::{DVec3, dvec3};
+use proptest::prelude::*;
+
+fn options() -> FormFactorOptions {
+    FormFactorOptions {
+        engine: Engine::Analytic,
+        size: PatchSize::Edge(0.0),
+        closure: Closure::Never,
+        ..FormFactorOptions::default()
+    }
+}
+
+fn compute(scene: &Scene, options: &FormFactorOptions) -> FormFactors {
+    form_factors(scene, &Tracer::new(scene), options, &Progress::new()).unwrap()
+}
+
+/// Polygons and flat mirrors: 1e-10 without mirrors, also with occluders, and 1e-8 with mirrors.
+#[test]
+fn polygons_and_mirrors_are_exact() {
+    for case in cases() {
+        let tolerance = match case.kind {
+            CaseKind::Polygons | CaseKind::Shadow => 1e-10,
+            CaseKind::Mirrors => 1e-8,
+            CaseKind::Curved | CaseKind::Glass => continue,
+        };
+
+        let tracer = Tracer::new(&case.scene);
+        let (answer, factors) = case.ask(&tracer, &options(), &Progress::new()).unwrap();
+        let off = answer.off(&case);
+        eprintln!(
+            "{:16} {:.13} ± {:.1e}, off {off:.1e}",
+            case.id, answer.value, answer.error
+        );
+        // Plates between four perfect mirrors have too many images.
+        if factors.engine_used.notes.iter().any(|n| n.contains("rays")) {
+            assert_eq!(case.id, "plates");
+            assert!(
+                answer.standard_errors(&case) < 4.0,
+                "{}: {answer:?}",
+                case.id
+            );
+            continue;
+        }
+        assert!(
+            off < tolerance * case.truth.value.max(1.0) + case.truth.error,
+            "{}: {answer:?} is {off:e} off {:?}",
+            case.id,
+            case.truth
+        );
+        assert!(answer.error < 1e-6, "{}: {answer:?}", case.id);
+    }
+}
+
+fn worst_sum(found: &FormFactors) -> f64 {
+    let ended = found.ended();
+    let sums = ended.iter().zip(&found.rest).map(|(e, r)| e + r.sum());
+    sums.map(|sum| (sum - 1.0).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn rows_of_closed_rooms_sum_to_one() {
+    let found = compute(&cube_room(), &options());
+    assert!(worst_sum(&found) < 1e-12 && found.is_closed);
+    let scene = room_with_table(500);
+    let found = compute(&scene, &options());
+    let sums = found.row_sums();
+    let squares: f64 = sums.iter().map(|s| (s - 1.0).powi(2)).sum();
+    let rms = (squares / sums.len() as f64).sqrt();
+    assert!(rms < 5e-5, "{rms:e}");
+    assert!(found.is_closed);
+}
+
+/// Σ X (1 − ρ_s) = 1, whatever the mirrors.
+#[test]
+fn mirrors_lose_nothing() {
+    for rho_s in [0.3, 0.8] {
+        let mirror = scenes::surface(0.1, rho_s, 0.0);
+        let grey = scenes::surface(0.5, 0.0, 0.0);
+        let walls = [&grey, &grey, &mirror, &grey, &grey, &grey].map(|m| m.clone());
+        let one = compute(&scenes::cube(walls), &options());
+        assert!(worst_sum(&one) < 1e-10, "{:e}", worst_sum(&one));
+        let walls = [&grey, &grey, &mirror, &mirror, &grey, &grey].map(|m| m.clone());
+        let two = compute(&scenes::cube(walls), &options());
+        let cut = two.rest.iter().map(|r| r.cut).fold(0.0, f64::max);
+        assert!(
+            worst_sum(&two) < 1e-9 && cut < 1e-7,
+            "{:e}, cut {cut:e}",
+            worst_sum(&two)
+        );
+    }
+}
+
+#[test]
+fn threads_change_no_bit() {
+    let scene = room_with_table(300);
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .unwrap();
+        pool.install(|| compute(&scene, &options()))
+    };
+    assert!(with(1) == with(3));
+}
+
+/// A few boxes and sheets at random positions.
+fn clutter(seed: u32, mirror: f64) -> Scene {
+    let mut scene = cube_room();
+    let number = |k: u32| f64::from(uniform(&[seed, k]));
+    for k in 0..5 {
+        let at = |k: u32| dvec3(number(k), number(k + 1), number(k + 2));
+        let (corner, first, second) = (at(10 * k), at(10 * k + 3), at(10 * k + 6));
+        let corner = DVec3::splat(0.2) + 0.4 * corner;
+        let (first, second) = (0.3 * first, 0.3 * (second - DVec3::splat(0.5)));
+        let reflects = if k == 0 { mirror } else { 0.0 };
+        let material = scenes::surface(0.5 * (1.0 - reflects), reflects, 0.0);
+        scenes::add_sheet(&mut scene, corner, first, second, material);
+    }
+    scene
+}
+
+/// Both engines' form factors agree within the rays' errors.
+fn check_against_rays(scene: &Scene) {
+    let exact = compute(
+        scene,
+        &FormFactorOptions {
+            two_sided: true,
+            accuracy: Some(1e-4),
+            ..options()
+        },
+    );
+    let rays = FormFactorOptions {
+        engine: Engine::Rays,
+        rays: 4_096,
+        analytic: false,
+        two_sided: true,
+        ..options()
+    };
+    let rays = compute(scene, &rays);
+    let (mut chi, mut count) = (0.0, 0.0);
+    for i in 0..exact.len() {
+        for j in i..exact.len() {
+            let ((a, e), (b, f)) = (exact.get(i, j as u32), rays.get(i, j as u32));
+            if a.max(b) > 1e-9 {
+                // A pair that no ray found has no error: that of a single ray counts then.
+                let one = 1.0 / 4_096.0;
+                let error = f64::from(e)
+                    .hypot(f64::from(f))
+                    .max((a.max(one) * one).sqrt());
+                chi += ((a - b) / error).powi(2);
+                count += 1.0;
+                assert!(
+                    (a - b).abs() < 6.0 * error,
+                    "{i} {j}: {a} ± {e} and {b} ± {f}"
+                );
+            }
+        }
+    }
+    assert!(chi < 1.5 * count, "χ² {chi} of {count}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(4))]
+    #[test]
+    fn agrees_with_rays(seed in 0u32..1_000_000) {
+        check_against_rays(&clutter(seed, 0.0));
+    }
+
+    #[test]
+    fn agrees_with_rays_by_mirrors(seed in 0u32..1_000_000) {
+        check_against_rays(&clutter(seed, 0.7));
+    }
+}
+
+/// The matrix between faces, from that between their patches.
+fn by_face(found: &FormFactors) -> FormFactors {
+    let mut faces: Vec<(u32, u32)> = found.faces.iter().map(|f| (f.object, f.face)).collect();
+    let own = faces.clone();
+    faces.sort_unstable();
+    faces.dedup();
+    let group = |face: &(u32, u32)| faces.binary_search(face).ok().map(|k| k as u32);
+    let groups: Vec<Option<u32>> = own.iter().map(group).collect();
+    found.grouped(&groups, faces.len())
+}
+
+/// Images in divided mirrors between divided faces, compared with those between whole faces, which
+/// are exact, and with rays.
+fn check_divided(scene: &Scene, count: usize) -> FormFactors {
+    let with = |options: FormFactorOptions| {
+        let options = FormFactorOptions {
+            separate: true,
+            ..options
+        };
+        compute(scene, &options)
+    };
+    let whole = with(FormFactorOptions {
+        accuracy: Some(9e-7),
+        ..options()
+    });
+    let divided = FormFactorOptions {
+        size: PatchSize::Count(count),
+        ..options()
+    };
+    let rays = with(FormFactorOptions {
+        engine: Engine::Rays,
+        analytic: false,
+        ..divided.clone()
+    });
+    let divided = with(divided);
+    assert!(divided.len() > 32);
+    let [whole, rays, found] = [&whole, &rays, &divided].map(by_face);
+    let areas = found.areas.clone();
+    for order in 0..2 {
+        let [whole, rays, found] = [&whole, &rays, &found].map(|f| &f.orders[order]);
+        for (i, &area) in areas.iter().enumerate() {
+            for j in i..found.len() {
+                let [exact, rays, found] = [whole, rays, found].map(|o| o.get(i, j));
+                let off = found.value - rays.value;
+                let noise = f64::from(rays.error).hypot(f64::from(found.error));
+                let limit = 1e-4 * area;
+                assert!(
+                    (found.value - exact.value).abs() < limit,
+                    "order {order}, {i} {j}: {found:?} is not {exact:?}"
+                );
+                assert!(
+                    off.abs() < 5.0 * noise + limit,
+                    "order {order}, {i} {j}: {found:?} and rays {rays:?}"
+                );
+            }
+        }
+    }
+    divided
+}
+
+/// A room with a sheet in it and mirrors on some of its walls.
+fn mirrored_room(mirrors: [bool; 6]) -> Scene {
+    let wall = |is_mirror| {
+        if is_mirror {
+            scenes::surface(0.0, 0.3, 0.0)
+        } else {
+            scenes::surface(0.5, 0.0, 0.0)
+        }
+    };
+    let mut scene = scenes::cube(mirrors.map(wall));
+    let corner = dvec3(0.3, 0.2, 0.4);
+    let edges = [dvec3(0.4, 0.0, 0.1), dvec3(0.0, 0.5, 0.0)];
+    scenes::add_sheet(&mut scene, corner, edges[0], edges[1], wall(false));
+    scene
+}
+
+#[test]
+fn divided_mirrors_are_one_mirror_each() {
+    let one = mirrored_room([false, false, true, false, false, false]);
+    let found = check_divided(&one, 150);
+    assert!(!found.engine_used.notes.iter().any(|n| n.contains("rays")));
+    check_divided(
+        &mirrored_room([false, false, true, true, false, false]),
+        150,
+    );
+    check_divided(
+        &mirrored_room([true, false, true, false, false, false]),
+        150,
+    );
+    check_divided(&cornell_box(CornellVariant::MirrorBlock), 150);
+}
+
+/// Light that hits both mirrors may hit either first.
+#[test]
+fn mirrors_at_right_angles_are_seen_in_either_order() {
+    let scene = mirrored_room([true, false, true, false, false, false]);
+    let found = compute(&scene, &options());
+    assert!(!found.engine_used.notes.iter().any(|n| n.contains("rays")));
+    assert!(worst_sum(&found) < 1e-8, "{:e}", worst_sum(&found));
+    check_against_rays(&scene);
+}

@@ -1,0 +1,82 @@
+//! Pairs of polygons, with occluders and mirrors, against known answers.
+
+use crate::polygons::polygon;
+use azulejo_factors::analytic::{mirrored_form_factor, visible_form_factor};
+use azulejo_factors::truth::{Case, CaseKind, cases};
+use glam::DVec3;
+
+/// The requested accuracy; the result is far better.
+const ACCURACY: f64 = 1e-11;
+
+#[track_caller]
+fn check(case: &Case, value: f64, error: f64, tolerance: f64) {
+    let off = (value - case.truth.value).abs();
+    eprintln!("{:12} {value:.13} ± {error:.1e}, off {off:.1e}", case.id);
+    assert!(error < tolerance, "{} claims only {error:e}", case.id);
+    assert!(
+        off < tolerance.max(case.truth.error),
+        "{}: {value} is {off:e} off",
+        case.id
+    );
+}
+
+/// The polygons of a case: sender, receiver, and occluders.
+fn polygons(case: &Case) -> (Vec<DVec3>, Vec<DVec3>, Vec<Vec<DVec3>>) {
+    let objects = 0..case.scene.objects.len() as u32;
+    let mut all: Vec<_> = objects.map(|k| polygon(&case.scene, k)).collect();
+    let others = all.split_off(2);
+    (all[0].clone(), all[1].clone(), others)
+}
+
+#[test]
+fn occluded_pairs() {
+    let cases = cases();
+    let shadows = cases.iter().filter(|c| c.kind == CaseKind::Shadow);
+    for case in shadows {
+        let (p1, p2, occluders) = polygons(case);
+        let found = visible_form_factor(&p1, &p2, &occluders, ACCURACY);
+        check(case, found.value, found.error, 1e-9);
+        let back = visible_form_factor(&p2, &p1, &occluders, ACCURACY);
+        check(case, back.value, back.error, 1e-9);
+    }
+}
+
+/// Whether the case's mirrors are one wall or two that face each other, of one reflectance.
+fn is_mirrored_pair(case: &&Case) -> bool {
+    let names = ["mir_", "corridor_", "cube_mirror_F"];
+    names.iter().any(|name| case.id.starts_with(name))
+}
+
+#[test]
+fn mirrored_pairs() {
+    let cases = cases();
+    assert_eq!(cases.iter().filter(is_mirrored_pair).count(), 7);
+    for case in cases.iter().filter(is_mirrored_pair) {
+        let (p1, p2, mirrors) = polygons(case);
+        let walls: Vec<&[DVec3]> = mirrors.iter().map(|m| &m[..]).collect();
+        let rho_s = case.scene.materials[2].mirror.mean();
+        let (mut value, mut error) = (0.0, 0.0);
+        // Starting from each mirror, the chains alternate.
+        for first in 0..walls.len() {
+            for length in 1..=100 {
+                let chain: Vec<&[DVec3]> = (0..length)
+                    .map(|k| walls[(first + k) % walls.len()])
+                    .collect();
+                let found = mirrored_form_factor(&p1, &p2, &chain, &walls, ACCURACY);
+                value += rho_s.powi(length as i32) * found.value;
+                error += rho_s.powi(length as i32) * found.error;
+                if walls.len() == 1 {
+                    break;
+                }
+            }
+        }
+        let direct = visible_form_factor(&p1, &p2, &walls, ACCURACY);
+        // What 100 images leave of an endless corridor falls with the inverse cube.
+        let tail = if rho_s == 1.0 && walls.len() == 2 {
+            3e-7
+        } else {
+            1e-8
+        };
+        check(case, direct.value + value, direct.error + error, tail);
+    }
+}

@@ -1,0 +1,242 @@
+//! One set of tests for all engines: the cases of `truth`, and properties of every engine.
+
+use azulejo_factors::form_factors::Closure;
+use azulejo_factors::truth::{Answer, Case, CaseKind, Question, cases};
+use azulejo_factors::{Engine, FormFactorOptions, Hemicube, Patches};
+use azulejo_trace::{Progress, Tracer};
+use std::collections::HashSet;
+use std::fmt::Write;
+
+/// Values of the reference table by id, with half a unit of their last digit.
+fn table() -> Option<Vec<(String, f64, f64)>> {
+    let path = azulejo_testing::data()?.join("reference/view_factors.tsv");
+    let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    let row = |line: &str| {
+        let fields: Vec<&str> = line.split('\t').collect();
+        let value: f64 = fields[3].parse().expect("a value");
+        let digits: i32 = fields[4].parse().expect("a number of digits");
+        let last = value.log10().floor() as i32 + 1 - digits;
+        (fields[0].to_string(), value, 0.5 * 10f64.powi(last))
+    };
+    Some(text.lines().skip(1).map(row).collect())
+}
+
+#[test]
+fn truths_agree_with_the_reference_table() {
+    let Some(table) = table() else { return };
+    let cases = cases();
+    assert_eq!((table.len(), cases.len()), (68, 68));
+    let mut wrong = String::new();
+    for (id, value, half) in table {
+        let Some(case) = cases.iter().find(|c| c.id == id) else {
+            panic!("no case {id}")
+        };
+        // Elements are small squares here: that difference is due to the scene, not to the formula.
+        let off = (case.truth.value - value).abs();
+        if off > 1.01 * half + 1e-13 {
+            let _ = writeln!(
+                wrong,
+                "{id}: {} is not {value}: {off:.1e}, more than {half:.1e}",
+                case.truth.value
+            );
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+#[test]
+fn cases_are_complete_and_named_once() {
+    let cases = cases();
+    let ids: HashSet<&str> = cases.iter().map(|c| c.id).collect();
+    assert_eq!(ids.len(), cases.len());
+    for case in &cases {
+        case.scene
+            .validate()
+            .unwrap_or_else(|e| panic!("{}: {e:?}", case.id));
+        assert!(
+            case.truth.error < 1e-6 * case.truth.value,
+            "{}: {:?}",
+            case.id,
+            case.truth
+        );
+        assert!(!case.description.is_empty() && !case.source.is_empty());
+    }
+}
+
+/// Least rays of all rows of a case together; a row has at most 65,536 of them.
+const RAYS: usize = 1 << 18;
+
+fn options(engine: Engine, case: &Case) -> FormFactorOptions {
+    let patches = Patches::new(&case.scene, case.size).len();
+    let closure = match (&engine, case.kind) {
+        // Where mirrors make endless chains, closure takes care of what is left to rays.
+        (Engine::Analytic, CaseKind::Mirrors) => Closure::Always,
+        _ => Closure::default(),
+    };
+    FormFactorOptions {
+        closure,
+        analytic: engine == Engine::Analytic,
+        engine,
+        rays: (RAYS / patches).clamp(1 << 11, 1 << 16) as u32,
+        ..FormFactorOptions::default()
+    }
+}
+
+/// A case with an engine's answer and the name of the engine that ran.
+struct Answered {
+    case: Case,
+    answer: Answer,
+    engine: String,
+}
+
+fn ask(case: Case, options: &FormFactorOptions) -> Answered {
+    let found = case.ask(&Tracer::new(&case.scene), options, &Progress::new());
+    let (answer, factors) = found.unwrap_or_else(|e| panic!("{}: {e}", case.id));
+    let (id, truth, engine) = (case.id, case.truth.value, factors.engine_used.name);
+    let (value, off, error) = (answer.value, answer.off(&case), answer.error);
+    eprintln!("{engine:9} {id:16} {value:.10} truth {truth:.10} off {off:.1e} ± {error:.1e}");
+    assert!(value.is_finite() && error.is_finite(), "{id}: {answer:?}");
+    Answered {
+        case,
+        answer,
+        engine,
+    }
+}
+
+/// The answers of one engine to all cases.
+fn answers(engine: Engine) -> Vec<Answered> {
+    let answered = |case: Case| {
+        let options = options(engine.clone(), &case);
+        ask(case, &options)
+    };
+    cases().into_iter().map(answered).collect()
+}
+
+/// At least 99 of 100 answers lie within four of their standard errors.
+fn check_honesty(answers: &[Answered]) {
+    let is_far = |a: &&Answered| a.answer.standard_errors(&a.case) > 4.0;
+    let far: Vec<&Answered> = answers.iter().filter(is_far).collect();
+    let word = |a: &&Answered| {
+        let (id, truth) = (a.case.id, a.case.truth.value);
+        format!("{} {id}: {:?}, truth {truth}", a.engine, a.answer)
+    };
+    let words: Vec<String> = far.iter().map(word).collect();
+    assert!(far.len() * 100 <= answers.len(), "far off: {words:#?}");
+}
+
+#[test]
+fn rays() {
+    check_honesty(&answers(Engine::Rays));
+}
+
+/// Formulas for near pairs never make rays worse.
+#[test]
+fn rays_with_formulas() {
+    let with = |analytic: bool, case: &Case| {
+        let options = FormFactorOptions {
+            analytic,
+            ..options(Engine::Rays, case)
+        };
+        ask(case.clone(), &options)
+    };
+    let pairs = cases().into_iter().filter(|c| {
+        let is_flat = matches!(
+            c.kind,
+            CaseKind::Polygons | CaseKind::Shadow | CaseKind::Mirrors
+        );
+        is_flat && matches!(c.question, Question::Factor { .. })
+    });
+    let mut answers = Vec::new();
+    for case in pairs {
+        let (rays, formulas) = (with(false, &case), with(true, &case));
+        // Four replicates estimate their spread to within a third.
+        let most = 1.5 * rays.answer.error;
+        assert!(formulas.answer.error <= most, "{}", case.id);
+        answers.push(formulas);
+    }
+    check_honesty(&answers);
+}
+
+/// Hemicubes of so many pixels along a side, from so many points, on the processor.
+fn pixels(resolution: u32, points: u32) -> Hemicube {
+    Hemicube {
+        resolution,
+        points,
+        ..Hemicube::default()
+    }
+}
+
+/// Relative difference in size between bodies as facets and the exact ones.
+const FACETS: f64 = 0.015;
+
+/// Engines that render: as accurate as the others, except for the facets of curved bodies.
+fn check_drawn(engine: Engine, name: &str) {
+    let mut found = answers(engine);
+    assert!(
+        found.iter().all(|a| a.engine == name),
+        "{name} is what runs"
+    );
+    for a in &mut found {
+        if a.case.kind == CaseKind::Curved {
+            a.case.truth.error += FACETS * a.case.truth.value;
+        }
+    }
+    check_honesty(&found);
+}
+
+#[test]
+fn hemicubes() {
+    check_drawn(Engine::Hemicube(pixels(32, 16)), "hemicube");
+}
+
+#[test]
+fn hybrid() {
+    check_drawn(Engine::Hybrid(pixels(32, 16)), "hybrid");
+}
+
+/// Four times the pixels along a side and sixteen times the points at least halve the error: there
+/// is no error floor, as there is for one point per patch.
+#[test]
+fn hemicubes_get_better() {
+    let off = |resolution, points| {
+        let engine = Engine::Hemicube(pixels(resolution, points));
+        let flat = cases().into_iter().filter(|c| c.kind == CaseKind::Polygons);
+        let squares = flat.map(|case| {
+            let options = options(engine.clone(), &case);
+            let found = ask(case, &options);
+            (found.answer.off(&found.case) / found.case.truth.value).powi(2)
+        });
+        let squares: Vec<f64> = squares.collect();
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    };
+    let (rough, fine) = (off(16, 4), off(64, 64));
+    assert!(fine < 0.5 * rough, "{rough} {fine}");
+}
+
+/// The tolerance of formulas, relative to the truth.
+fn asked_of_formulas(kind: CaseKind) -> Option<f64> {
+    match kind {
+        CaseKind::Polygons => Some(1e-10),
+        CaseKind::Shadow => Some(1e-6),
+        CaseKind::Mirrors => Some(1e-8),
+        CaseKind::Curved | CaseKind::Glass => None,
+    }
+}
+
+#[test]
+fn analytic() {
+    let found = answers(Engine::Analytic);
+    assert!(found.iter().all(|a| a.engine == "analytic"));
+    for Answered { case, answer, .. } in &found {
+        if let Some(asked) = asked_of_formulas(case.kind) {
+            let most = asked * case.truth.value + case.truth.error;
+            assert!(
+                answer.off(case) <= most,
+                "{}: {answer:?}, {:?}",
+                case.id,
+                case.truth
+            );
+        }
+    }
+    check_honesty(&found);
+}

@@ -1,0 +1,402 @@
+//! Appearances: materials, textures and texture coordinate transformations.
+
+use super::builder::VrmlSceneBuilder;
+use super::tree::VrmlNode;
+use super::world::child;
+use crate::ReadError;
+use crate::reading::text::shortened;
+use crate::surface::phong::Highlight;
+use azulejo_scene::{Image, Material, Rgb, TextureId};
+use glam::{DAffine2, DMat2, DVec2};
+use std::collections::HashMap;
+use std::rc::Rc;
+
+/// Diffuse reflectance of a shape without a material, or of a material that does not define one.
+const DIFFUSE: Rgb = Rgb::grey(0.8);
+
+/// Factor between `shininess` and the exponent of a highlight: ISO/IEC 14772-1, 4.14.4.
+const SHININESS: f64 = 128.0;
+
+/// The appearance of a shape.
+#[derive(Debug)]
+pub(super) struct ShapeAppearance {
+    /// The material, without textures.
+    pub material: Material,
+    /// The textures.
+    pub textures: Vec<TextureId>,
+    /// Whether the textures replace the diffuse reflectance instead of being multiplied with it.
+    replaces: bool,
+    /// The transformation of the texture coordinates.
+    pub picture_from_uv: Option<DAffine2>,
+}
+
+impl ShapeAppearance {
+    /// The material of a surface with texture coordinates; `color` replaces the material's own
+    /// colour.
+    pub fn textured(&self, color: Option<Rgb>) -> Material {
+        let own = if self.replaces {
+            Rgb::WHITE
+        } else {
+            self.material.diffuse
+        };
+        let mut material = Material {
+            textures: self.textures.clone(),
+            diffuse: color.unwrap_or(own),
+            ..self.material.clone()
+        };
+        material.limit_reflectance();
+        material
+    }
+}
+
+/// Appearances that have been resolved. Many shapes share one, and loading textures takes time.
+#[derive(Default)]
+pub(super) struct AppearanceCache {
+    /// Keyed by the address of the node, which is kept alive so that no other node can reuse it.
+    known: HashMap<*const VrmlNode, (Rc<VrmlNode>, Option<Rc<ShapeAppearance>>)>,
+}
+
+impl AppearanceCache {
+    /// The largest number of entries: instances of prototypes may each have their own appearance.
+    const MOST: usize = 4096;
+
+    fn get(&self, appearance: &Rc<VrmlNode>) -> Option<Option<Rc<ShapeAppearance>>> {
+        let known = self.known.get(&Rc::as_ptr(appearance));
+        known.map(|(_, shape_appearance)| shape_appearance.clone())
+    }
+
+    fn keep(&mut self, appearance: Rc<VrmlNode>, shape_appearance: Option<Rc<ShapeAppearance>>) {
+        if self.known.len() == AppearanceCache::MOST {
+            self.known.clear();
+        }
+        let address = Rc::as_ptr(&appearance);
+        self.known.insert(address, (appearance, shape_appearance));
+    }
+}
+
+/// The appearance of the node `shape`; `None`, with a warning, if it is invisible.
+///
+/// # Errors
+/// The model unfolds to more than the options allow.
+pub(super) fn of(
+    builder: &mut VrmlSceneBuilder,
+    shape: &VrmlNode,
+) -> Result<Option<Rc<ShapeAppearance>>, ReadError> {
+    let appearance = shape.nodes("appearance").first();
+    let known = appearance.and_then(|a| builder.appearances.get(a));
+    let shape_appearance = match known {
+        Some(shape_appearance) => shape_appearance,
+        None => {
+            let shape_appearance = new(builder, shape)?.map(Rc::new);
+            if let Some(appearance) = appearance {
+                builder
+                    .appearances
+                    .keep(appearance.clone(), shape_appearance.clone());
+            }
+            shape_appearance
+        }
+    };
+    if shape_appearance.is_none() {
+        let message = "shape with transparency 1: invisible, skipped";
+        builder.warn(&shape.source, shape.at, message);
+    }
+    Ok(shape_appearance)
+}
+
+/// The appearance of a shape that is not cached yet; `None` if it is invisible.
+fn new(
+    builder: &mut VrmlSceneBuilder,
+    shape: &VrmlNode,
+) -> Result<Option<ShapeAppearance>, ReadError> {
+    let appearance = child(builder, shape, "appearance")?;
+    let material = match &appearance {
+        Some(appearance) => child(builder, appearance, "material")?,
+        None => None,
+    };
+    let mut shape_appearance = ShapeAppearance {
+        material: Material::diffuse("", DIFFUSE),
+        textures: Vec::new(),
+        replaces: false,
+        picture_from_uv: None,
+    };
+    match &material {
+        Some(m) if m.number("transparency", 0.0) >= 1.0 => return Ok(None),
+        Some(material) => shape_appearance.material = surface(builder, material),
+        None => {
+            let message =
+                "shape without a material, which VRML displays unlit: diffuse with reflectance 0.8";
+            builder.warn(&shape.source, shape.at, message);
+        }
+    }
+    let Some(appearance) = appearance else {
+        return Ok(Some(shape_appearance));
+    };
+    if shape_appearance.material.name.is_empty() {
+        let name = appearance.name.as_deref().unwrap_or_default();
+        shape_appearance.material.name = name.to_owned();
+    }
+    pictures(
+        builder,
+        &appearance,
+        material.as_deref(),
+        &mut shape_appearance,
+    )?;
+    say_what_is_lost(
+        builder,
+        &appearance,
+        &["material", "texture", "textureTransform"],
+    );
+    Ok(Some(shape_appearance))
+}
+
+/// A material without textures.
+fn surface(builder: &mut VrmlSceneBuilder, node: &Rc<VrmlNode>) -> Material {
+    let mut material = match &*node.kind {
+        "PhysicalMaterial" => physical(builder, node),
+        "UnlitMaterial" => Material::emitter("", node.color("emissiveColor", Rgb::WHITE)),
+        "Material" | "TwoSidedMaterial" => phong_material(builder, node),
+        kind => {
+            let message = format!("material {}: diffuse with reflectance 0.8", shortened(kind));
+            builder.warn(&node.source, node.at, message);
+            Material::diffuse("", DIFFUSE)
+        }
+    };
+    if node.number("transparency", 0.0) > 0.0 {
+        let message = "material with transparency: opaque";
+        builder.warn(&node.source, node.at, message);
+    }
+    if node.flag("separateBackColor", false) {
+        let message =
+            "TwoSidedMaterial with separate back colours: the front colours are used on both sides";
+        builder.warn(&node.source, node.at, message);
+    }
+    say_what_is_lost(builder, node, KNOWN);
+    material.name = node.name.as_deref().unwrap_or_default().to_owned();
+    material
+}
+
+/// Fields of materials that are used, that are reported elsewhere, or that describe light that
+/// azulejo computes.
+const KNOWN: &[&str] = &[
+    "ambientIntensity",
+    "diffuseColor",
+    "emissiveColor",
+    "specularColor",
+    "shininess",
+    "transparency",
+    "separateBackColor",
+    "backAmbientIntensity",
+    "backDiffuseColor",
+    "backEmissiveColor",
+    "backShininess",
+    "backSpecularColor",
+    "backTransparency",
+    "baseColor",
+    "metallic",
+    "roughness",
+    "diffuseTexture",
+    "baseTexture",
+    "mirror",
+];
+
+/// Warns about every field that is not among `known`.
+fn say_what_is_lost(builder: &mut VrmlSceneBuilder, node: &VrmlNode, known: &[&str]) {
+    let is_lost = |name: &str| !known.contains(&name) && !name.starts_with("metadata");
+    for field in node.fields().iter().filter(|f| is_lost(&f.name)) {
+        let message = format!("{} of {}: skipped", shortened(&field.name), node.kind);
+        builder.warn(&node.source, node.at, message);
+    }
+}
+
+fn phong_material(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Material {
+    let diffuse = node.color("diffuseColor", DIFFUSE);
+    let specular = node.color("specularColor", Rgb::BLACK);
+    // An extension of Castle Game Engine: the reflectance of a perfect mirror.
+    let mirror = node.number("mirror", 0.0).clamp(0.0, 1.0);
+    let mut material = Material {
+        mirror: Rgb::grey(mirror),
+        emission: node.color("emissiveColor", Rgb::BLACK),
+        ..Material::diffuse("", diffuse * (1.0 - mirror))
+    };
+    let exponent = SHININESS * node.number("shininess", 0.2).clamp(0.0, 1.0);
+    let highlight = Highlight::half(exponent, specular);
+    if let Err(message) = builder.gloss.highlight(&mut material, highlight) {
+        builder.warn(&node.source, node.at, message);
+    }
+    material
+}
+
+/// glTF's base colour, metalness and roughness.
+fn physical(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Material {
+    let share = |name: &str| node.number(name, 1.0).clamp(0.0, 1.0);
+    let base = node.color("baseColor", Rgb::WHITE);
+    let mut material = Material {
+        emission: node.color("emissiveColor", Rgb::BLACK),
+        ..Material::default()
+    };
+    let (metallic, roughness) = (share("metallic"), share("roughness"));
+    let gloss = &mut builder.gloss;
+    if let Err(message) = gloss.metallic_roughness(&mut material, base, metallic, roughness) {
+        builder.warn(&node.source, node.at, message);
+    }
+    material
+}
+
+/// Finds the textures of an appearance: its own, or since X3D 4 those of its material.
+fn pictures(
+    builder: &mut VrmlSceneBuilder,
+    appearance: &VrmlNode,
+    material: Option<&VrmlNode>,
+    shape_appearance: &mut ShapeAppearance,
+) -> Result<(), ReadError> {
+    let mut texture = child(builder, appearance, "texture")?;
+    for field in ["diffuseTexture", "baseTexture"] {
+        if let (None, Some(material)) = (&texture, material) {
+            texture = child(builder, material, field)?;
+        }
+    }
+    let Some(texture) = texture else {
+        return Ok(());
+    };
+    picture(builder, &texture, shape_appearance)?;
+    let is_colored = |id: &TextureId| builder.textures.image(*id).is_some_and(is_colored);
+    // Single-channel textures, and since X3D 4 all textures, are multiplied.
+    shape_appearance.replaces =
+        !appearance.source.is_x3d_4() && shape_appearance.textures.iter().any(is_colored);
+    if let Some(transform) = child(builder, appearance, "textureTransform")? {
+        shape_appearance.picture_from_uv = texture_transform(builder, &transform);
+    }
+    Ok(())
+}
+
+/// Whether an image has colours other than shades of grey.
+fn is_colored(image: &Image) -> bool {
+    image.pixels.iter().any(|[r, g, b]| r != g || g != b)
+}
+
+fn picture(
+    builder: &mut VrmlSceneBuilder,
+    node: &Rc<VrmlNode>,
+    shape_appearance: &mut ShapeAppearance,
+) -> Result<(), ReadError> {
+    match &*node.kind {
+        "ImageTexture" => shape_appearance.textures.extend(named(builder, node)),
+        "PixelTexture" => shape_appearance.textures.extend(drawn(builder, node)),
+        "MultiTexture" => {
+            let message =
+                "MultiTexture: its textures are multiplied, using the first texture coordinates";
+            builder.warn(&node.source, node.at, message);
+            // The standard does not allow a MultiTexture inside another.
+            for part in node.nodes("texture") {
+                if let Some(part) = super::world::unfold(builder, part)?
+                    && &*part.kind != "MultiTexture"
+                {
+                    picture(builder, &part, shape_appearance)?;
+                }
+            }
+        }
+        _ => super::world::skip(builder, node),
+    }
+    Ok(())
+}
+
+/// The texture in a file: the first of the URLs that exists.
+fn named(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<TextureId> {
+    let urls = node.strings("url");
+    let beside = |url: &String| crate::reading::files::beside(&node.source.path, url);
+    let exists = |url: &&String| builder.files.read(&beside(url)).is_ok();
+    let url = match &*urls {
+        [] => return None,
+        [only] => only,
+        several => several.iter().find(exists).unwrap_or(&several[0]),
+    };
+    for repeat in ["repeatS", "repeatT"] {
+        if !node.flag(repeat, true) {
+            builder.warn(
+                &node.source,
+                node.at,
+                "texture with repeatS or repeatT FALSE: repeated",
+            );
+        }
+    }
+    let (id, problem) = builder
+        .textures
+        .index(&node.source.path, url, builder.files);
+    if let Some(problem) = problem {
+        builder.warn(&node.source, node.at, problem);
+    }
+    Some(id)
+}
+
+/// The texture whose pixels are in the node itself.
+fn drawn(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<TextureId> {
+    let numbers = node.numbers("image");
+    let drawn = match pixels(&numbers) {
+        Some(image) => {
+            let name = node.name.as_deref().unwrap_or("PixelTexture");
+            builder.textures.drawn(shortened(name), image)
+        }
+        None => Err("it has fewer pixels than its size requires".to_owned()),
+    };
+    drawn
+        .map_err(|why| {
+            let message = format!("PixelTexture not used: {why}");
+            builder.warn(&node.source, node.at, message);
+        })
+        .ok()
+}
+
+/// Width, height, channels and pixels, bottom row first: ISO/IEC 14772-1, 5.5.
+pub(super) fn pixels(numbers: &[f64]) -> Option<Image> {
+    let (&[width, height, channels], pixels) = numbers.split_first_chunk()?;
+    let (width, height) = (width as u32, height as u32);
+    let count = (width as usize).checked_mul(height as usize)?;
+    if count == 0 || pixels.len() < count {
+        return None;
+    }
+    let rows = pixels[..count].chunks_exact(width as usize).rev();
+    let pixel = |&packed: &f64| unpacked(packed as u32, channels as u32);
+    Some(Image {
+        width,
+        height,
+        pixels: rows.flatten().map(pixel).collect(),
+    })
+}
+
+/// A pixel with 1 to 4 channels packed into one number, the first channel most significant, as
+/// linear RGB.
+fn unpacked(packed: u32, channels: u32) -> [f32; 3] {
+    let byte = |shift: u32| linear((packed >> shift & 0xff) as u8);
+    match channels {
+        1 => [byte(0); 3],
+        2 => [byte(8); 3],
+        3 => [byte(16), byte(8), byte(0)],
+        _ => [byte(24), byte(16), byte(8)],
+    }
+}
+
+/// Linear value of an sRGB byte, IEC 61966-2-1; image files use the same encoding.
+fn linear(byte: u8) -> f32 {
+    let v = f32::from(byte) / 255.0;
+    if v <= 0.04045 {
+        v / 12.92
+    } else {
+        ((v + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+/// −C × S × R × C × T, ISO/IEC 14772-1, 6.49.
+fn texture_transform(builder: &mut VrmlSceneBuilder, node: &Rc<VrmlNode>) -> Option<DAffine2> {
+    if &*node.kind != "TextureTransform" {
+        super::world::skip(builder, node);
+        return None;
+    }
+    let vector = |name: &str, default: f64| DVec2::from(node.array(name, [default; 2]));
+    let center = vector("center", 0.0);
+    Some(
+        DAffine2::from_translation(-center)
+            * DAffine2::from_scale(vector("scale", 1.0))
+            * DAffine2::from_mat2(DMat2::from_angle(node.number("rotation", 0.0)))
+            * DAffine2::from_translation(center + vector("translation", 0.0)),
+    )
+}

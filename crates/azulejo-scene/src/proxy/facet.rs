@@ -1,0 +1,231 @@
+//! Tessellation of solids that are not compounds.
+
+use super::builder::corners;
+use super::flat_figure::FlatFigure;
+use crate::math::{area_vector, normal_matrix};
+use crate::{BicubicPatch, Figure, Leaf, MaterialId, Mesh, Primitive, Prism};
+use glam::{DVec2, DVec3};
+use std::collections::HashMap;
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// Largest chord error as a fraction of a solid's size, so that small solids keep their form.
+const COARSEST: f64 = 0.02;
+/// Smallest chord error as a fraction of a solid's size.
+const FINEST: f64 = 1e-6;
+/// Most pieces of a patch along each side.
+const MOST_PIECES: f64 = 256.0;
+/// Faces of a mesh without normals are one smooth surface below this angle of 30°.
+const SMOOTH_COSINE: f64 = 0.866_025_403_784_438_6;
+
+/// A polygon that approximates a piece of a surface.
+pub(super) struct Facet {
+    /// Positions and unit normals, counter-clockwise from the front.
+    pub corners: Vec<(DVec3, DVec3)>,
+    pub material: MaterialId,
+}
+
+/// Flattened figures, each once per tolerance.
+#[derive(Default)]
+pub(super) struct FlatFigureCache(HashMap<(*const Figure, u64), Rc<FlatFigure>>);
+
+impl FlatFigureCache {
+    fn get(&mut self, figure: &Arc<Figure>, tolerance: f64) -> Rc<FlatFigure> {
+        let key = (Arc::as_ptr(figure), tolerance.to_bits());
+        let flat = self.0.entry(key);
+        Rc::clone(flat.or_insert_with(|| Rc::new(FlatFigure::new(figure, tolerance))))
+    }
+}
+
+/// The faces of a leaf whose chords leave it by at most `chord_error`.
+pub(super) fn facets(leaf: Leaf, chord_error: f64, flats: &mut FlatFigureCache) -> Vec<Facet> {
+    let within = |size: f64| chord_error.clamp(FINEST * size, COARSEST * size);
+    match leaf {
+        Leaf::Primitive(p) => of_primitive(p, within(p.bounds().diagonal())),
+        Leaf::Prism(p) => of_prism(p, chord_error, flats),
+        Leaf::Patch(p) => of_patch(p, within(p.bounds().diagonal())),
+        Leaf::Mesh(mesh) => of_mesh(mesh),
+    }
+}
+
+fn of_primitive(primitive: &Primitive, chord_error: f64) -> Vec<Facet> {
+    if !(chord_error > 0.0 && chord_error.is_finite()) {
+        return Vec::new();
+    }
+    let grids = primitive.grids(chord_error, f64::INFINITY);
+    let mesh = primitive.tessellate(&grids);
+    let facet = |face| Facet {
+        corners: corners(&mesh, face),
+        material: primitive.material,
+    };
+    (0..mesh.faces.len()).map(facet).collect()
+}
+
+fn of_mesh(mesh: &Mesh) -> Vec<Facet> {
+    let smooth = mesh.normals.is_none().then(|| smooth_normals(mesh));
+    let facet = |face: usize| {
+        let mut corners = corners(mesh, face);
+        if let Some(normals) = &smooth {
+            let own = &normals[mesh.faces.corner_range(face)];
+            corners.iter_mut().zip(own).for_each(|(c, &n)| c.1 = n);
+        }
+        Facet {
+            corners,
+            material: mesh.face_materials[face],
+        }
+    };
+    (0..mesh.faces.len()).map(facet).collect()
+}
+
+/// For each corner of a mesh the mean normal of the faces at its vertex that turn away less than
+/// 30° from its own.
+fn smooth_normals(mesh: &Mesh) -> Vec<DVec3> {
+    let vectors: Vec<DVec3> = (0..mesh.faces.len())
+        .map(|f| mesh.face_area_vector(f))
+        .collect();
+    let mut around = vec![Vec::new(); mesh.positions.len()];
+    for (face, ring) in mesh.faces.iter().enumerate() {
+        ring.iter().for_each(|&v| around[v as usize].push(face));
+    }
+    let mut normals = Vec::with_capacity(mesh.faces.corners.len());
+    for (face, ring) in mesh.faces.iter().enumerate() {
+        let own = vectors[face].normalize_or(DVec3::Z);
+        normals.extend(ring.iter().map(|&v| {
+            let like = around[v as usize].iter().map(|&f| vectors[f]);
+            let like = like.filter(|n| n.normalize_or_zero().dot(own) > SMOOTH_COSINE);
+            like.sum::<DVec3>().normalize_or(own)
+        }));
+    }
+    normals
+}
+
+fn of_patch(patch: &BicubicPatch, chord_error: f64) -> Vec<Facet> {
+    let p = &patch.points;
+    let count = |bend: f64| {
+        // As for curves; half of the error for each direction.
+        let n = (6.0 * bend / (8.0 * 0.5 * chord_error)).sqrt().ceil();
+        n.clamp(1.0, MOST_PIECES) as u32
+    };
+    let bend = |a: DVec3, b: DVec3, c: DVec3| (a - 2.0 * b + c).length();
+    let pairs = || (0..4).flat_map(|i| [(i, 0), (i, 1)]);
+    let along_u = pairs().map(|(i, j)| bend(p[i][j], p[i][j + 1], p[i][j + 2]));
+    let along_v = pairs().map(|(i, j)| bend(p[j][i], p[j + 1][i], p[j + 2][i]));
+    let nu = count(along_u.fold(0.0, f64::max));
+    let nv = count(along_v.fold(0.0, f64::max));
+    let corner = |i: u32, j: u32| {
+        let (u, v) = (f64::from(i) / f64::from(nu), f64::from(j) / f64::from(nv));
+        (patch.at(u, v).0, patch_normal(patch, u, v))
+    };
+    let facet = |(i, j)| Facet {
+        corners: [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)]
+            .map(|(i, j)| corner(i, j))
+            .to_vec(),
+        material: patch.material,
+    };
+    let cells = (0..nv).flat_map(|j| (0..nu).map(move |i| (i, j)));
+    cells.map(facet).collect()
+}
+
+/// Where a side of the patch is a point, its normal is that a little way inside.
+fn patch_normal(patch: &BicubicPatch, u: f64, v: f64) -> DVec3 {
+    let normal = |u, v| {
+        let (_, du, dv) = patch.at(u, v);
+        du.normalize_or_zero().cross(dv.normalize_or_zero())
+    };
+    let inward = |x: f64| x + 1e-3 * (0.5 - x);
+    let exact = normal(u, v);
+    let found = if exact.length_squared() > 1e-12 {
+        exact
+    } else {
+        normal(inward(u), inward(v))
+    };
+    found.normalize_or(DVec3::Z)
+}
+
+fn of_prism(prism: &Prism, chord_error: f64, flats: &mut FlatFigureCache) -> Vec<Facet> {
+    let map = &prism.world_from_figure;
+    let m = map.matrix3;
+    let stretch = m.x_axis.length().hypot(m.y_axis.length());
+    let size = prism.figure.bounds().size().length();
+    let tolerance = (chord_error / stretch).clamp(FINEST * size, COARSEST * size);
+    if !(tolerance > 0.0 && tolerance.is_finite()) {
+        return Vec::new();
+    }
+    let flat = flats.get(&prism.figure, tolerance);
+    let cofactor = normal_matrix(m);
+    let outward = |n: DVec3| (cofactor * n).normalize_or(DVec3::Z);
+    let mirrors = m.determinant() < 0.0;
+    let mut facets = Vec::with_capacity(2 * flat.tiles.len() + flat.border.len());
+    let mut push = |mut corners: Vec<(DVec3, DVec3)>| {
+        if mirrors {
+            corners.reverse();
+        }
+        facets.push(Facet {
+            corners,
+            material: prism.material,
+        });
+    };
+    let at = |k: u32, z: f64| map.transform_point3(flat.points[k as usize].extend(z));
+    for polygon in caps(&flat) {
+        let (front, back) = (outward(-DVec3::Z), outward(DVec3::Z));
+        let up = polygon.iter().map(|&k| (at(k, 1.0), back));
+        push(up.collect());
+        let down = polygon.iter().rev().map(|&k| (at(k, 0.0), front));
+        push(down.collect());
+    }
+    for (side, normals) in flat.border.iter().zip(side_normals(&flat)) {
+        let ([a, b], [na, nb]) = (*side, normals.map(|n| outward(n.extend(0.0))));
+        let (low, high) = ([(a, na), (b, nb)], [(b, nb), (a, na)]);
+        let low = low.map(|(k, n)| (at(k, 0.0), n));
+        let high = high.map(|(k, n)| (at(k, 1.0), n));
+        push([low, high].concat());
+    }
+    facets
+}
+
+/// The polygons of a cap; as triangles where a polygon would be triangulated with an overlap.
+fn caps(flat: &FlatFigure) -> Vec<Vec<u32>> {
+    let mut whole = Vec::new();
+    for tile in &flat.tiles {
+        let points = tile
+            .ring
+            .iter()
+            .map(|&k| flat.points[k as usize].extend(0.0));
+        let mut mesh = Mesh {
+            positions: points.collect(),
+            ..Mesh::default()
+        };
+        mesh.push_face(&(0..tile.ring.len() as u32).collect::<Vec<_>>(), 0);
+        let triangles = mesh.triangulate(0);
+        let area = |t: &[u32; 3]| area_vector(&t.map(|k| mesh.positions[k as usize])).z;
+        if triangles.iter().all(|t| area(t) > 0.0) {
+            whole.push(tile.ring.clone());
+        } else {
+            whole.extend(tile.triangles.iter().map(|t| t.to_vec()));
+        }
+    }
+    whole
+}
+
+/// Outward normals in the figure's plane at both ends of each side, any length. Sides that meet
+/// smoothly have the same there.
+fn side_normals(flat: &FlatFigure) -> Vec<[DVec2; 2]> {
+    let outward = |side: &[u32; 2]| {
+        let [a, b] = side.map(|k| flat.points[k as usize]);
+        -(b - a).perp().normalize_or_zero()
+    };
+    let mut sums = vec![(DVec2::ZERO, 0); flat.points.len()];
+    for side in &flat.border {
+        for &end in side {
+            let sum = &mut sums[end as usize];
+            *sum = (sum.0 + outward(side), sum.1 + 1);
+        }
+    }
+    let normal = |side: &[u32; 2], end: u32| {
+        let (sum, count) = sums[end as usize];
+        let smooth = flat.is_smooth[end as usize] && count == 2 && sum.length() > 0.1;
+        if smooth { sum } else { outward(side) }
+    };
+    let both = |side: &[u32; 2]| side.map(|end| normal(side, end));
+    flat.border.iter().map(both).collect()
+}

@@ -1,0 +1,419 @@
+//! Plane figures as polygons.
+
+use crate::figure::Segment;
+use crate::{Figure, FillRule};
+use glam::DVec2;
+use spade::handles::{FixedFaceHandle, FixedVertexHandle, InnerTag};
+use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
+use std::collections::HashMap;
+
+/// Corners are rounded to this fraction of the figure's size, so that equal ones coincide.
+const GRID: f64 = 1.0 / (1u64 << 32) as f64;
+/// Curves that turn less than 30° where they meet are one smooth curve.
+const SMOOTH_COSINE: f64 = 0.866_025_403_784_438_6;
+/// Crossings of outlines beyond this many, and as many as there are corners, are not resolved.
+const MOST_CROSSINGS: usize = 1 << 14;
+/// Contours of more corners lose those that the tolerance does not require.
+const MANY_CORNERS: usize = 1 << 12;
+
+type Delaunay = ConstrainedDelaunayTriangulation<Point2<f64>>;
+
+/// A figure as polygons.
+#[derive(Default)]
+pub(super) struct FlatFigure {
+    /// The corners that the border uses.
+    pub points: Vec<DVec2>,
+    /// Simple polygons that tile the inside; none of them has a hole.
+    pub tiles: Vec<Tile>,
+    /// Every edge of the border once, the inside on its left.
+    pub border: Vec<[u32; 2]>,
+    /// For each point whether the border is smooth there.
+    pub is_smooth: Vec<bool>,
+}
+
+/// A simple polygon.
+pub(super) struct Tile {
+    /// Its corners, counter-clockwise.
+    pub ring: Vec<u32>,
+    /// The triangles that it was put together from.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl FlatFigure {
+    /// Flattens a figure; chords leave the curves by at most `tolerance`, > 0, by twice that
+    /// where a contour has thousands of curves.
+    ///
+    /// Contours may cross, overlap and repeat each other: what is inside by the figure's rule,
+    /// on the polygons, is triangulated, and the border runs where that ends. Where thousands of
+    /// curves cross, crossings beyond a limit stay ragged; inside and border fit together still.
+    pub fn new(figure: &Figure, tolerance: f64) -> FlatFigure {
+        let (origin, size) = extent(figure);
+        if !(size > 0.0 && size.is_finite()) {
+            return FlatFigure::default();
+        }
+        let round = |p: DVec2| ((p - origin) / (size * GRID)).round() * GRID;
+        let mut outline = Outline::new(figure, tolerance, round);
+        outline.simplify(tolerance / size);
+        let mesh = outline.triangulated();
+        let inside = outline.inside(&mesh, figure.rule);
+        let mut flat = FlatFigure::default();
+        flat.collect(&mesh, &inside, &outline);
+        for p in &mut flat.points {
+            *p = origin + size * *p;
+        }
+        flat
+    }
+
+    fn collect(&mut self, mesh: &Delaunay, inside: &[bool], outline: &Outline) {
+        let mut number = HashMap::new();
+        let mut triangles = Vec::new();
+        for face in mesh.inner_faces().filter(|f| inside[f.fix().index()]) {
+            let corners = face.vertices().map(|v| {
+                *number.entry(v.fix().index()).or_insert_with(|| {
+                    self.points.push(point(v.position()));
+                    self.points.len() as u32 - 1
+                })
+            });
+            triangles.push(corners);
+            for (k, edge) in face.adjacent_edges().into_iter().enumerate() {
+                let beyond = edge.rev().face().as_inner();
+                if !beyond.is_some_and(|f| inside[f.fix().index()]) {
+                    self.border.push([corners[k], corners[(k + 1) % 3]]);
+                }
+            }
+        }
+        self.is_smooth = self.points.iter().map(|p| outline.is_smooth(*p)).collect();
+        self.tiles = tiles(&triangles);
+    }
+}
+
+/// Lower corner and larger side of the rectangle around a figure.
+fn extent(figure: &Figure) -> (DVec2, f64) {
+    let bounds = figure.bounds();
+    (bounds.min, bounds.size().max_element())
+}
+
+/// Flattened contours, rounded, in units of the figure's size.
+struct Outline {
+    contours: Vec<Vec<DVec2>>,
+    /// Whether the curves are smooth at a corner.
+    smooth: HashMap<[u64; 2], bool>,
+}
+
+/// Positions as keys.
+fn key(p: DVec2) -> [u64; 2] {
+    // Adding zero turns −0 into 0.
+    [p.x + 0.0, p.y + 0.0].map(f64::to_bits)
+}
+
+fn point(p: Point2<f64>) -> DVec2 {
+    DVec2::new(p.x, p.y)
+}
+
+impl Outline {
+    fn new(figure: &Figure, tolerance: f64, round: impl Fn(DVec2) -> DVec2) -> Outline {
+        let mut outline = Outline {
+            contours: Vec::new(),
+            smooth: HashMap::new(),
+        };
+        for contour in &figure.contours {
+            let segments: Vec<Segment> = contour.segments().collect();
+            let mut corners = Vec::new();
+            for (k, segment) in segments.iter().enumerate() {
+                let before = &segments[(k + segments.len() - 1) % segments.len()];
+                let is_smooth = is_smooth(before, segment);
+                let count = segment.chords(tolerance);
+                for step in 0..count {
+                    let p = round(segment.at(f64::from(step) / f64::from(count)));
+                    let known = outline.smooth.entry(key(p)).or_insert(true);
+                    *known &= is_smooth || step > 0;
+                    corners.push(p);
+                }
+            }
+            corners.dedup();
+            outline.contours.push(corners);
+        }
+        outline
+    }
+
+    /// Removes corners of large contours as long as the rest stays within `tolerance` of them.
+    fn simplify(&mut self, tolerance: f64) {
+        let long = |c: &&mut Vec<DVec2>| c.len() > MANY_CORNERS;
+        for contour in self.contours.iter_mut().filter(long) {
+            *contour = simplified(contour, tolerance);
+        }
+    }
+
+    /// Points that are not on the curves come from crossings.
+    fn is_smooth(&self, p: DVec2) -> bool {
+        self.smooth.get(&key(p)) == Some(&true)
+    }
+
+    fn edges(&self) -> impl Iterator<Item = [DVec2; 2]> + '_ {
+        let around = |c: &'_ Vec<DVec2>| {
+            let n = c.len();
+            let c = c.clone();
+            (0..n).map(move |k| [c[k], c[(k + 1) % n]])
+        };
+        self.contours.iter().flat_map(around)
+    }
+
+    /// The Delaunay triangulation of all corners that has all contours as edges, split where
+    /// they cross.
+    fn triangulated(&self) -> Delaunay {
+        let mut mesh = self.delaunay();
+        let corners: HashMap<_, FixedVertexHandle> = mesh
+            .vertices()
+            .map(|v| (key(point(v.position())), v.fix()))
+            .collect();
+        let most = 2 * mesh.num_vertices() + MOST_CROSSINGS;
+        for contour in &self.contours {
+            let corner = |p: &DVec2| corners.get(&key(*p)).copied();
+            let contour: Vec<FixedVertexHandle> = contour.iter().filter_map(corner).collect();
+            for (k, &a) in contour.iter().enumerate() {
+                let b = contour[(k + 1) % contour.len()];
+                if a != b && mesh.num_vertices() < most {
+                    mesh.add_constraint_and_split(a, b, |p| p);
+                }
+            }
+        }
+        mesh
+    }
+
+    /// The Delaunay triangulation of all corners.
+    fn delaunay(&self) -> Delaunay {
+        let all = self.contours.iter().flatten();
+        let corners: Vec<_> = all.map(|p| Point2::new(p.x, p.y)).collect();
+        if corners.len() > MANY_CORNERS {
+            // Corner after corner along an outline is the worst of orders to insert many in.
+            return Delaunay::bulk_load(corners).unwrap_or_default();
+        }
+        let mut mesh = Delaunay::new();
+        for corner in corners {
+            // What is not finite, and nothing here is, would be left out.
+            let _ = mesh.insert(corner);
+        }
+        mesh
+    }
+
+    /// Whether each face of the triangulation is inside. Faces that no contour separates are tested
+    /// together.
+    fn inside(&self, mesh: &Delaunay, rule: FillRule) -> Vec<bool> {
+        let strips = Strips::new(self.edges().collect());
+        // Faces number from 0, the outer one included.
+        let mut inside = vec![false; mesh.num_all_faces()];
+        let mut seen = inside.clone();
+        let mut part: Vec<FixedFaceHandle<InnerTag>> = Vec::new();
+        for face in mesh.inner_faces() {
+            if std::mem::replace(&mut seen[face.fix().index()], true) {
+                continue;
+            }
+            part.clear();
+            part.push(face.fix());
+            let mut next = 0;
+            let mut widest = (0.0, face.center());
+            while next < part.len() {
+                let face = mesh.face(part[next]);
+                next += 1;
+                if face.area() > widest.0 {
+                    widest = (face.area(), face.center());
+                }
+                let crossed = face.adjacent_edges().into_iter();
+                for edge in crossed.filter(|e| !e.is_constraint_edge()) {
+                    let Some(beyond) = edge.rev().face().as_inner() else {
+                        continue;
+                    };
+                    if !std::mem::replace(&mut seen[beyond.fix().index()], true) {
+                        part.push(beyond.fix());
+                    }
+                }
+            }
+            let is_inside = rule.is_inside(strips.winding(point(widest.1)));
+            part.iter().for_each(|f| inside[f.index()] = is_inside);
+        }
+        inside
+    }
+}
+
+/// A polygon through some of the corners of another, which leaves none of them by more than
+/// `tolerance`.
+///
+/// Sklansky and Gonzalez, *Fast polygonal approximation of digitized curves*, Pattern Recognition
+/// 12, 1980: from each corner that is kept, the wedge of directions that pass all since.
+fn simplified(corners: &[DVec2], tolerance: f64) -> Vec<DVec2> {
+    let mut kept = vec![corners[0]];
+    let mut wedge: Option<[DVec2; 2]> = None;
+    let (mut last, mut reach) = (corners[0], 0.0_f64);
+    for &p in &corners[1..] {
+        let goes_on = |[right, left]: [DVec2; 2], way: DVec2| {
+            right.perp_dot(way) >= 0.0 && left.perp_dot(way) <= 0.0
+        };
+        let way = p - kept[kept.len() - 1];
+        let turns_back = way.length() < reach - tolerance;
+        if turns_back || wedge.is_some_and(|w| !goes_on(w, way)) {
+            kept.push(last);
+            (wedge, reach) = (None, 0.0);
+        }
+        let way = p - kept[kept.len() - 1];
+        let length = way.length();
+        reach = reach.max(length);
+        if length > tolerance {
+            let sine = tolerance / length;
+            let turn = DVec2::new((1.0 - sine * sine).sqrt(), sine);
+            let (right, left) = (DVec2::new(turn.x, -turn.y).rotate(way), turn.rotate(way));
+            wedge = Some(match wedge {
+                Some([r, l]) => [
+                    if r.perp_dot(right) > 0.0 { right } else { r },
+                    if l.perp_dot(left) < 0.0 { left } else { l },
+                ],
+                None => [right, left],
+            });
+        }
+        last = p;
+    }
+    kept.push(last);
+    kept
+}
+
+/// Whether the border runs on from one curve to the next without a corner.
+fn is_smooth(before: &Segment, after: &Segment) -> bool {
+    let (arrival, departure) = (-before.reversed().departure(), after.departure());
+    let cosine = arrival
+        .normalize_or_zero()
+        .dot(departure.normalize_or_zero());
+    cosine > SMOOTH_COSINE
+}
+
+/// Edges by the heights they reach over, for winding numbers.
+struct Strips {
+    edges: Vec<[DVec2; 2]>,
+    low: f64,
+    height: f64,
+    lists: Vec<Vec<u32>>,
+}
+
+impl Strips {
+    fn new(edges: Vec<[DVec2; 2]>) -> Strips {
+        let heights = || edges.iter().map(|e| e[0].y);
+        let low = heights().fold(f64::INFINITY, f64::min);
+        let high = heights().fold(f64::NEG_INFINITY, f64::max);
+        let mut count = (edges.len() / 8).max(1);
+        let mut strips = Strips {
+            low,
+            height: (high - low).max(f64::MIN_POSITIVE),
+            lists: Vec::new(),
+            edges,
+        };
+        // Tall edges stand in many strips: fewer strips, until the lists stay in proportion.
+        while count > 1 && strips.entries(count) > 8 * strips.edges.len() {
+            count /= 2;
+        }
+        strips.lists = vec![Vec::new(); count];
+        for (k, edge) in (0..).zip(&strips.edges) {
+            let (first, last) = (
+                strips.strip(edge[0].y, count),
+                strips.strip(edge[1].y, count),
+            );
+            let reach = first.min(last)..=first.max(last);
+            strips.lists[reach].iter_mut().for_each(|list| list.push(k));
+        }
+        strips
+    }
+
+    fn strip(&self, y: f64, count: usize) -> usize {
+        let share = (y - self.low) / self.height;
+        ((share * count as f64) as usize).min(count - 1)
+    }
+
+    fn entries(&self, count: usize) -> usize {
+        let reach = |e: &[DVec2; 2]| {
+            let [a, b] = e.map(|p| self.strip(p.y, count));
+            a.abs_diff(b) + 1
+        };
+        self.edges.iter().map(reach).sum()
+    }
+
+    /// How often the edges go around a point.
+    fn winding(&self, p: DVec2) -> i32 {
+        let list = &self.lists[self.strip(p.y, self.lists.len())];
+        let turn = |&k: &u32| {
+            let [a, b] = self.edges[k as usize];
+            let up = i32::from(b.y > p.y) - i32::from(a.y > p.y);
+            let ahead = f64::from(up) * (b - a).perp_dot(p - a) > 0.0;
+            if ahead { up } else { 0 }
+        };
+        list.iter().map(turn).sum()
+    }
+}
+
+/// Joins triangles to polygons that stay simple: each corner comes once.
+///
+/// Patches of one large polygon are better formed than those of thin triangles.
+fn tiles(triangles: &[[u32; 3]]) -> Vec<Tile> {
+    let mut across = HashMap::new();
+    for (t, corners) in triangles.iter().enumerate() {
+        for k in 0..3 {
+            across.insert([corners[k], corners[(k + 1) % 3]], t);
+        }
+    }
+    let mut taken = vec![false; triangles.len()];
+    let mut found = Vec::new();
+    for first in 0..triangles.len() {
+        if !taken[first] {
+            taken[first] = true;
+            found.push(grown(triangles, first, &across, &mut taken));
+        }
+    }
+    found
+}
+
+/// The largest simple polygon that grows from a triangle over its neighbours.
+fn grown(
+    triangles: &[[u32; 3]],
+    first: usize,
+    across: &HashMap<[u32; 2], usize>,
+    taken: &mut [bool],
+) -> Tile {
+    let [a, b, c] = triangles[first];
+    let mut members = vec![triangles[first]];
+    // The ring as a map from each corner to the next.
+    let mut next = HashMap::from([(a, b), (b, c), (c, a)]);
+    let mut open = vec![[a, b], [b, c], [c, a]];
+    let mut waiting = 0;
+    while waiting < open.len() {
+        let [a, b] = open[waiting];
+        waiting += 1;
+        let Some(&t) = across.get(&[b, a]).filter(|&&t| !taken[t]) else {
+            continue;
+        };
+        let apex = triangles[t].into_iter().find(|&v| v != a && v != b);
+        let Some(apex) = apex.filter(|_| next.get(&a) == Some(&b)) else {
+            continue;
+        };
+        if next.get(&apex) == Some(&a) {
+            next.remove(&a);
+            next.insert(apex, b);
+            open.push([apex, b]);
+        } else if next.get(&b) == Some(&apex) {
+            next.remove(&b);
+            next.insert(a, apex);
+            open.push([a, apex]);
+        } else if !next.contains_key(&apex) {
+            next.extend([(a, apex), (apex, b)]);
+            open.extend([[a, apex], [apex, b]]);
+        } else {
+            continue;
+        }
+        taken[t] = true;
+        members.push(triangles[t]);
+    }
+    let start = next.keys().copied().min().unwrap_or(a);
+    let mut ring = vec![start];
+    while let Some(&v) = next.get(&ring[ring.len() - 1]).filter(|&&v| v != start) {
+        ring.push(v);
+    }
+    Tile {
+        ring,
+        triangles: members,
+    }
+}

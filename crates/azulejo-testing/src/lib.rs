@@ -1,0 +1,106 @@
+//! What tests need from the machine they run on, and a count of the tests that did without.
+//!
+//! A test that needs reference data, a graphics driver, Embree, an installed font or Python asks
+//! this crate for it. Where it is missing, the test returns early, and the crate records a skip:
+//!
+//! ```
+//! # fn test() {
+//! let Some(data) = azulejo_testing::data() else { return };
+//! # let _ = data;
+//! # }
+//! # test();
+//! ```
+//!
+//! A test binary that skipped anything ends with the number of tests by reason, printed past the
+//! test harness, which holds back the output of tests that pass.
+//!
+//! | variable | meaning |
+//! |---|---|
+//! | `AZULEJO_REQUIRE` | needs separated by commas, of `data`, `gpu`, `embree`, `fonts` and `python`; a test that lacks one of these fails instead of being skipped |
+//! | `AZULEJO_SKIPPED` | a file to which each test binary appends what it skipped, one line per test: the need, the reason, the binary and the test, separated by tabs |
+//! | `AZULEJO_DATA` | a folder with `reference/`, `scenes/` and `corpus/` |
+//! | `AZULEJO_PYTHON` | a Python with NumPy and SciPy, instead of `python3` |
+
+mod exit;
+mod need;
+mod record;
+
+pub use need::Need;
+
+use std::ffi::{OsStr, OsString};
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// The folder with reference data, scenes and corpus, or `None` after recording a skip.
+///
+/// # Panics
+/// If it is missing and `AZULEJO_REQUIRE` has `data`.
+#[must_use]
+pub fn data() -> Option<PathBuf> {
+    let folder = match std::env::var_os("AZULEJO_DATA") {
+        None => Err("AZULEJO_DATA is not set".to_owned()),
+        Some(folder) if Path::new(&folder).is_dir() => Ok(PathBuf::from(folder)),
+        Some(folder) => Err(format!(
+            "AZULEJO_DATA is {}, which is no folder",
+            Path::new(&folder).display()
+        )),
+    };
+    require(Need::Data, folder)
+}
+
+/// The bytes of an installed font, by its path below `/usr/share/fonts`, or `None` after recording
+/// a skip.
+///
+/// # Panics
+/// If it is missing and `AZULEJO_REQUIRE` has `fonts`.
+#[must_use]
+pub fn font(path: &str) -> Option<Vec<u8>> {
+    let path = Path::new("/usr/share/fonts").join(path);
+    let bytes = std::fs::read(&path).map_err(|e| format!("{}: {e}", path.display()));
+    require(Need::Fonts, bytes)
+}
+
+/// A Python interpreter that has NumPy and SciPy, or `None` after recording a skip.
+///
+/// # Panics
+/// If there is none and `AZULEJO_REQUIRE` has `python`.
+#[must_use]
+pub fn python() -> Option<OsString> {
+    let named = std::env::var_os("AZULEJO_PYTHON");
+    let program = named.unwrap_or_else(|| OsStr::new("python3").to_owned());
+    let status = Command::new(&program)
+        .args(["-c", "import numpy, scipy.sparse"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status();
+    let shown = Path::new(&program).display();
+    let found = match status {
+        Ok(status) if status.success() => Ok(()),
+        Ok(_) => Err(format!("{shown} has no NumPy or no SciPy")),
+        Err(error) => Err(format!("{shown}: {error}")),
+    };
+    require(Need::Python, found).map(|()| program)
+}
+
+/// The value of `found`, or `None` after recording its error as the reason for a skip.
+///
+/// # Panics
+/// If `found` is an error and `AZULEJO_REQUIRE` has `need`; or if that variable has an unknown
+/// word, whether or not anything is missing.
+#[must_use]
+pub fn require<T, E: Display>(need: Need, found: Result<T, E>) -> Option<T> {
+    let required = need::required(std::env::var("AZULEJO_REQUIRE").ok().as_deref());
+    let required = required.unwrap_or_else(|message| panic!("{message}"));
+    match found {
+        Ok(value) => Some(value),
+        Err(why) if required.contains(&need) => panic!(
+            "AZULEJO_REQUIRE has `{need}`, but this test found none: {why}. {}",
+            need.how_to_get_it()
+        ),
+        Err(why) => {
+            record::skip(need, why.to_string());
+            None
+        }
+    }
+}

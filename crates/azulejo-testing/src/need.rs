@@ -1,0 +1,115 @@
+//! The things that a machine may lack.
+
+use std::collections::BTreeSet;
+use std::fmt;
+
+/// Something that a test needs and that a machine may lack.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Need {
+    /// Reference data, scenes and the corpus of models, in the folder `AZULEJO_DATA`.
+    Data,
+    /// A graphics driver for Vulkan or OpenGL; a software driver counts.
+    Gpu,
+    /// Intel's ray tracing kernels as a shared library.
+    Embree,
+    /// A font installed below `/usr/share/fonts`.
+    Fonts,
+    /// A Python interpreter with NumPy and SciPy.
+    Python,
+}
+
+impl Need {
+    /// All of them, in the order in which messages list them.
+    pub const ALL: [Need; 5] = [
+        Need::Data,
+        Need::Gpu,
+        Need::Embree,
+        Need::Fonts,
+        Need::Python,
+    ];
+
+    /// The word for it in `AZULEJO_REQUIRE`.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Need::Data => "data",
+            Need::Gpu => "gpu",
+            Need::Embree => "embree",
+            Need::Fonts => "fonts",
+            Need::Python => "python",
+        }
+    }
+
+    /// A sentence on how to make it available.
+    pub(crate) fn how_to_get_it(self) -> &'static str {
+        match self {
+            Need::Data => {
+                "Set AZULEJO_DATA to a folder with reference/, scenes/ and corpus/; it is not part \
+                 of the repository."
+            }
+            Need::Gpu => {
+                "Install the driver of the graphics card, or Mesa's software drivers (Debian and \
+                 Ubuntu: apt install mesa-vulkan-drivers libvulkan1 libegl1 libgl1-mesa-dri)."
+            }
+            Need::Embree => "Install Embree 3 or 4 (Debian and Ubuntu: apt install libembree4-4).",
+            Need::Fonts => {
+                "Install the fonts (Debian and Ubuntu: apt install fonts-dejavu-core \
+                 fonts-dejavu-extra fonts-urw-base35)."
+            }
+            Need::Python => {
+                "Install NumPy and SciPy for python3, or set AZULEJO_PYTHON to a Python that has \
+                 them."
+            }
+        }
+    }
+}
+
+impl fmt::Display for Need {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// The needs listed in the value of `AZULEJO_REQUIRE`.
+///
+/// # Errors
+/// A word that names no need; the message lists those that exist.
+pub(crate) fn required(variable: Option<&str>) -> Result<BTreeSet<Need>, String> {
+    let words = variable.unwrap_or("").split(',').map(str::trim);
+    words
+        .filter(|word| !word.is_empty())
+        .map(|word| {
+            let need = Need::ALL.into_iter().find(|need| need.name() == word);
+            need.ok_or_else(|| {
+                let known = Need::ALL.map(Need::name).join(", ");
+                format!("AZULEJO_REQUIRE has `{word}`, which is none of {known}")
+            })
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_are_needs() {
+        let check = |variable: Option<&str>, expected: &[Need]| {
+            let found = required(variable).map(Vec::from_iter);
+            assert_eq!(found.as_deref(), Ok(expected), "{variable:?}");
+        };
+        check(None, &[]);
+        check(Some(""), &[]);
+        check(Some("data"), &[Need::Data]);
+        check(Some(" gpu, data,"), &[Need::Data, Need::Gpu]);
+        check(Some("python,fonts,embree,gpu,data"), &Need::ALL);
+    }
+
+    #[test]
+    fn an_unknown_word_names_those_that_exist() {
+        assert_eq!(
+            required(Some("data,gpus")).unwrap_err(),
+            "AZULEJO_REQUIRE has `gpus`, which is none of data, gpu, embree, fonts, python"
+        );
+    }
+}

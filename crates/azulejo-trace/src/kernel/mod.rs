@@ -1,0 +1,45 @@
+//! The kernel: finds the first triangle or other shape that a ray hits, or whether there is any.
+//!
+//! It knows neither scenes nor the world: it takes triangles and boxes in coordinates of −1..=1,
+//! and answers with item numbers ([`KernelHit`]). What stands in its leaves besides triangles it
+//! reaches through [`OtherShapes`] alone. What it offers:
+//!
+//! - [`binary_tree`] orders boxes ([`Reference`]) into a tree. Meshes that are solids and item
+//!   buffers walk that tree themselves.
+//! - [`Bvh::collapse`] widens it to nodes of eight boxes above packets of four triangles.
+//! - [`InstructionSet::closest`] and [`InstructionSet::any`] trace batches of rays through it, in
+//!   AVX2 where the machine has it and in plain Rust elsewhere, with the same hits to the bit.
+//! - [`Kernel`] and [`ForeignKernel`] leave the triangles to another library instead: Embree, as
+//!   far as there is any.
+//! - [`vectorised`] runs other code with the same choice of instructions.
+//!
+//! | what | where | after |
+//! |---|---|---|
+//! | building by the surface area heuristic, in bins | `build` | Wald, *On fast Construction of SAH-based Bounding Volume Hierarchies*, 2007 |
+//! | nodes of eight boxes | `bvh` | Dammertz, Hanika and Keller, *Shallow Bounding Volume Hierarchies for Fast SIMD Ray Tracing of Incoherent Rays*, EGSR 2008 |
+//! | boxes no ray slips past | `traversal`, `prepared_ray` | Ize, *Robust BVH Ray Traversal*, JCGT 2(2), 2013 |
+//! | triangles without gaps | `portable`, `simd`, `triangle` | Woop, Benthin and Wald, *Watertight Ray/Triangle Intersection*, JCGT 2(1), 2013 |
+//! | Embree | `embree` | Wald et al., *Embree: A Kernel Framework for Efficient CPU Ray Tracing*, SIGGRAPH 2014 |
+
+mod build;
+mod bvh;
+#[cfg(feature = "embree")]
+pub mod embree;
+mod foreign;
+mod portable;
+mod prepared_ray;
+mod ray;
+mod simd;
+#[cfg(test)]
+mod tests;
+mod traversal;
+mod triangle;
+
+pub(crate) use build::{BinaryNode, DEEPEST, Reference, binary_tree};
+pub(crate) use bvh::{Bvh, KernelTriangle};
+pub(crate) use foreign::ForeignKernel;
+pub use foreign::Kernel;
+pub(crate) use ray::SolidPart;
+pub use ray::{KernelHit, KernelRay};
+pub(crate) use simd::{InstructionSet, Vectorised, vectorised};
+pub(crate) use traversal::{KernelScene, OtherShapes};

@@ -1,0 +1,116 @@
+//! Rays and hits as the kernel sees them: single precision, in the kernel's own coordinates.
+
+/// A ray in the kernel's own coordinates, `f32`; [`Tracer::kernel_ray`](crate::Tracer::kernel_ray)
+/// makes one.
+///
+/// Points `origin + t direction` for `t_min <= t < t_max`; `t` is the same as along the world's
+/// ray. A ray with a number that is not finite (but `t_max`, which may be infinite), or with a
+/// direction shorter than 1e-25, hits nothing; so does an empty range.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KernelRay {
+    /// Where `t` is zero.
+    pub origin: [f32; 3],
+    /// The nearest parameter that counts; less than 0 is taken for 0.
+    pub t_min: f32,
+    /// Any length; `t` is in units of it.
+    pub direction: [f32; 3],
+    /// The first parameter that counts no more.
+    pub t_max: f32,
+}
+
+/// The first hit of a [`KernelRay`]: 16 bytes.
+///
+/// Of several items at exactly the same `t` it is the one with the smallest number, so the answer
+/// does not depend on the order of traversal.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KernelHit {
+    /// Parameter along the ray, to `f32` rounding; meaningless for a miss.
+    pub t: f32,
+    /// What was hit ([`Tracer::item`](crate::Tracer::item) describes it), or [`KernelHit::MISS`].
+    pub item: u32,
+    /// Where on the item. The kind of shape decides how the bits are read: as two parameters
+    /// ([`KernelHit::uv`]) or as a [`SolidPart`].
+    location: [u32; 2],
+}
+
+/// Where a hit lies on a leaf of an exact shape: what is needed to compute the point again.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SolidPart {
+    /// Which part of the leaf's surface; less than 2^31.
+    pub part: u32,
+    /// Parameter on that part.
+    pub parameter: f32,
+    /// Whether the ray comes in here; for an open surface, whether it hits the front.
+    pub enters: bool,
+}
+
+impl KernelHit {
+    /// The item of a ray that hit nothing.
+    pub const MISS: u32 = u32::MAX;
+
+    /// A ray that hit nothing.
+    pub const NOTHING: KernelHit = KernelHit::before(f32::INFINITY);
+
+    /// No hit yet, while only hits at or before `t` count.
+    #[inline(always)]
+    pub(crate) const fn before(t: f32) -> KernelHit {
+        KernelHit {
+            t,
+            item: KernelHit::MISS,
+            location: [0; 2],
+        }
+    }
+
+    /// A hit on a triangle or a primitive.
+    #[inline(always)]
+    pub(crate) fn on_surface(t: f32, item: u32, [u, v]: [f32; 2]) -> KernelHit {
+        KernelHit {
+            t,
+            item,
+            location: [u.to_bits(), v.to_bits()],
+        }
+    }
+
+    /// A hit on a leaf of an exact shape.
+    #[inline(always)]
+    pub(crate) fn on_solid(t: f32, item: u32, at: SolidPart) -> KernelHit {
+        KernelHit {
+            t,
+            item,
+            location: [at.part << 1 | u32::from(at.enters), at.parameter.to_bits()],
+        }
+    }
+
+    /// Whether something was hit.
+    pub fn is_hit(&self) -> bool {
+        self.item != KernelHit::MISS
+    }
+
+    /// Where on a triangle (barycentric weights of corners 1 and 2) or on a primitive's part
+    /// (its `u` and `v`).
+    ///
+    /// Has no meaning for items of other shapes: [`Tracer::resolve`](crate::Tracer::resolve)
+    /// finds the point on them.
+    #[inline(always)]
+    pub fn uv(&self) -> [f32; 2] {
+        self.location.map(f32::from_bits)
+    }
+
+    /// Where on a leaf of an exact shape; has no meaning for other items.
+    pub(crate) fn solid_part(&self) -> SolidPart {
+        let [packed, parameter] = self.location;
+        SolidPart {
+            part: packed >> 1,
+            parameter: f32::from_bits(parameter),
+            enters: packed & 1 == 1,
+        }
+    }
+
+    /// Whether a hit at `t` on `item` comes before this one: by distance, then by number.
+    #[inline(always)]
+    pub(crate) fn is_after(&self, t: f32, item: u32) -> bool {
+        t < self.t || (t == self.t && item < self.item)
+    }
+}

@@ -1,0 +1,284 @@
+//! From a scene to a tracer: gathers triangles and shapes, places them, builds the tree.
+
+use super::placed::{Placed, PlacedPrimitive, PlacedTracer};
+use super::{Instance, MeshPositions, Tracer, TriangleItem};
+use crate::exact::{ExactPrimitive, Outlines, Preparation};
+use crate::frame::{LocalFrame, double, single};
+use crate::kernel::{
+    Bvh, ForeignKernel, InstructionSet, Kernel, KernelTriangle, Reference, binary_tree,
+};
+use azulejo_scene::math::Aabb;
+use azulejo_scene::{Mesh, Scene, Shape, Solid};
+use glam::{DAffine3, DVec3};
+
+/// Builds a tracer.
+///
+/// Items are numbered through the meshes' triangles, then the primitives' parts, then the exact
+/// shapes' leaves, then the instances' items, each in the order of the scene.
+pub(crate) fn assemble(scene: &Scene, instances: Vec<Instance>, kernel: &Kernel) -> Tracer {
+    let placed: Vec<(u32, Instance, DAffine3)> = (0..)
+        .zip(instances)
+        .filter_map(|(index, i)| {
+            let inverse = i.world_from_instance.inverse();
+            let usable = i.world_from_instance.is_finite() && inverse.is_finite();
+            usable.then_some((index, i, inverse))
+        })
+        .collect();
+    let mut outlines = Outlines::default();
+    let mut bounds = scene
+        .objects
+        .iter()
+        .map(|o| finite_bounds(&o.shape, &mut outlines))
+        .fold(Aabb::EMPTY, Aabb::union);
+    for (_, instance, _) in &placed {
+        bounds = bounds.union(instance_bounds(instance));
+    }
+    let mut parts = Parts::new(LocalFrame::around(&bounds));
+    for (object, o) in (0..).zip(&scene.objects) {
+        if let Shape::Mesh(mesh) = &o.shape {
+            parts.add_mesh(object, mesh);
+        }
+    }
+    for (object, o) in (0..).zip(&scene.objects) {
+        if let Shape::Primitive(primitive) = &o.shape {
+            parts.add_primitive(object, primitive);
+        }
+    }
+    for (object, o) in (0..).zip(&scene.objects) {
+        if let Shape::Exact(exact) = &o.shape {
+            parts.add_exact(object, &exact.solids, &mut outlines);
+        }
+    }
+    for (index, instance, inverse) in placed {
+        parts.add_instance(index, instance, inverse);
+    }
+    parts.finish(bounds, kernel)
+}
+
+/// The box around the finite vertices of a mesh's faces, or around another shape if it is finite.
+fn finite_bounds(shape: &Shape, outlines: &mut Outlines) -> Aabb {
+    match shape {
+        Shape::Mesh(mesh) => {
+            let corners = mesh.faces.corners.iter();
+            let positions = corners.map(|&v| mesh.positions[v as usize]);
+            Aabb::around(positions.filter(|p| p.is_finite()))
+        }
+        Shape::Primitive(primitive) => finite(primitive.bounds()),
+        Shape::Exact(exact) => {
+            let boxes = exact.solids.iter();
+            let boxes = boxes.map(|s| finite(s.bounds_by(&mut |figure| outlines.bounds(figure))));
+            boxes.fold(Aabb::EMPTY, Aabb::union)
+        }
+    }
+}
+
+fn finite(bounds: Aabb) -> Aabb {
+    if bounds.min.is_finite() && bounds.max.is_finite() {
+        bounds
+    } else {
+        Aabb::EMPTY
+    }
+}
+
+/// The box around the corners of the placed tracer's box.
+fn instance_bounds(instance: &Instance) -> Aabb {
+    let inner = instance.tracer.bounds();
+    if inner.is_empty() {
+        return Aabb::EMPTY;
+    }
+    Aabb::around((0..8).map(|k| {
+        let pick = |bit: u32| f64::from((k >> bit) & 1);
+        let weights = DVec3::new(pick(0), pick(1), pick(2));
+        let corner = inner.min + weights * inner.size();
+        instance.world_from_instance.transform_point3(corner)
+    }))
+}
+
+/// The parts of a tracer, while they are collected.
+struct Parts {
+    frame: LocalFrame,
+    meshes: Vec<MeshPositions>,
+    triangles: Vec<TriangleItem>,
+    kernel_triangles: Vec<KernelTriangle>,
+    others: Vec<Placed>,
+    /// Boxes of `others` in kernel coordinates.
+    other_bounds: Vec<Aabb>,
+    items: u32,
+    /// The farthest that an instance reaches from its own centre, in world units.
+    reach: f64,
+}
+
+impl Parts {
+    fn new(frame: LocalFrame) -> Parts {
+        Parts {
+            frame,
+            meshes: Vec::new(),
+            triangles: Vec::new(),
+            kernel_triangles: Vec::new(),
+            others: Vec::new(),
+            other_bounds: Vec::new(),
+            items: 0,
+            reach: 0.0,
+        }
+    }
+
+    /// Takes the next `count` item numbers; returns the first.
+    fn number_items(&mut self, count: usize) -> u32 {
+        let first = self.items;
+        let after = u32::try_from(count).ok().and_then(|c| first.checked_add(c));
+        self.items = after.expect("a tracer numbers at most 2^32 - 1 items");
+        first
+    }
+
+    fn add_mesh(&mut self, object: u32, mesh: &Mesh) {
+        let local: Vec<[f32; 3]> = mesh
+            .positions
+            .iter()
+            .map(|&p| single(self.frame.point(p)))
+            .collect();
+        let first_item = self.number_items(mesh.faces.triangle_count());
+        let mut split = Vec::new();
+        for (face, corners) in mesh.faces.iter().enumerate() {
+            split.clear();
+            mesh.triangulate_into(face, &mut split);
+            for (triangle, places) in (0..).zip(&split) {
+                let vertices = places.map(|k| corners[k as usize]);
+                let item = self.triangles.len() as u32;
+                self.triangles.push(TriangleItem {
+                    vertices,
+                    face: face as u32,
+                    triangle,
+                });
+                let corners = vertices.map(|v| local[v as usize]);
+                if has_area(&corners) {
+                    self.kernel_triangles.push(KernelTriangle { corners, item });
+                }
+            }
+        }
+        self.meshes.push(MeshPositions {
+            object,
+            first_item,
+            positions: mesh.positions.clone(),
+        });
+    }
+
+    fn add_primitive(&mut self, object: u32, primitive: &azulejo_scene::Primitive) {
+        let first_item = self.number_items(primitive.kind.parts());
+        let Some(shape) = ExactPrimitive::new(primitive, &self.frame.world_from_local()) else {
+            return;
+        };
+        self.others
+            .push(Placed::Primitive(Box::new(PlacedPrimitive {
+                object,
+                first_item,
+                shape,
+            })));
+        self.push_other_bounds(&primitive.bounds());
+    }
+
+    fn add_exact(&mut self, object: u32, solids: &[Solid], outlines: &mut Outlines) {
+        let mut prepared = Vec::with_capacity(solids.len());
+        let frame = self.frame;
+        let mut preparation = Preparation {
+            outlines,
+            frame: &frame,
+        };
+        let (first, mut leaf) = (self.items, 0);
+        for solid in solids {
+            let start = prepared.len();
+            preparation.add(
+                solid,
+                [object, first.saturating_add(leaf), leaf],
+                &mut prepared,
+            );
+            leaf += prepared[start..].iter().map(|p| p.leaves).sum::<u32>();
+        }
+        self.number_items(leaf as usize);
+        for p in prepared {
+            self.others.push(Placed::Exact(Box::new(p.placed)));
+            self.push_other_bounds(&p.bounds);
+        }
+    }
+
+    fn add_instance(&mut self, index: u32, instance: Instance, instance_from_world: DAffine3) {
+        let bounds = instance_bounds(&instance);
+        let Instance {
+            tracer,
+            world_from_instance,
+        } = instance;
+        let first_item = self.number_items(tracer.item_count() as usize);
+        let world_from_local = self.frame.world_from_local();
+        let inner_from_instance = tracer.frame.local_from_world();
+        let m = world_from_instance.matrix3;
+        let stretch =
+            (m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared())
+                .sqrt();
+        self.reach = self.reach.max(tracer.reach * stretch);
+        self.others.push(Placed::Instance(Box::new(PlacedTracer {
+            index,
+            first_item,
+            inner_from_local: inner_from_instance * (instance_from_world * world_from_local),
+            tracer,
+            world_from_instance,
+            instance_from_world,
+        })));
+        self.push_other_bounds(&bounds);
+    }
+
+    fn push_other_bounds(&mut self, world: &Aabb) {
+        self.other_bounds.push(Aabb {
+            min: self.frame.point(world.min),
+            max: self.frame.point(world.max),
+        });
+    }
+
+    fn references(&self) -> Vec<Reference> {
+        let triangles = (0..).zip(&self.kernel_triangles).map(|(id, t)| {
+            let [a, b, c] = t.corners;
+            let min = [0, 1, 2].map(|k| a[k].min(b[k]).min(c[k]));
+            let max = [0, 1, 2].map(|k| a[k].max(b[k]).max(c[k]));
+            Reference::new(min, max, id)
+        });
+        let first_other = self.kernel_triangles.len() as u32;
+        let others = (first_other..).zip(&self.other_bounds).map(|(id, b)| {
+            // Outward, so that rounding does not cut the shape off.
+            let (min, max) = (single(b.min), single(b.max));
+            Reference::new(min.map(f32::next_down), max.map(f32::next_up), id)
+        });
+        let usable = others.filter(Reference::is_finite);
+        let mut references = Vec::with_capacity(self.kernel_triangles.len() + self.others.len());
+        references.extend(triangles);
+        references.extend(usable);
+        references
+    }
+
+    fn finish(mut self, bounds: Aabb, kernel: &Kernel) -> Tracer {
+        let foreign = ForeignKernel::new(kernel, &self.kernel_triangles);
+        if foreign.is_some() {
+            self.kernel_triangles.clear();
+        }
+        let mut references = self.references();
+        let first_other = self.kernel_triangles.len() as u32;
+        let binary = binary_tree(&mut references, first_other);
+        let bvh = Bvh::collapse(&binary, &references, &self.kernel_triangles);
+        Tracer {
+            bvh,
+            foreign,
+            instructions: InstructionSet::detect(),
+            frame: self.frame,
+            bounds,
+            reach: self.reach.max(0.5 * bounds.size().max_element()),
+            meshes: self.meshes,
+            triangles: self.triangles,
+            others: self.others,
+            items: self.items,
+        }
+    }
+}
+
+/// Whether the kernel can hit a triangle: finite, and its three corners not on one line.
+fn has_area(corners: &[[f32; 3]; 3]) -> bool {
+    let [a, b, c] = corners.map(double);
+    let area = (b - a).cross(c - a);
+    area != DVec3::ZERO && area.is_finite()
+}

@@ -1,0 +1,392 @@
+//! The tracer: a scene prepared for rays.
+
+mod assemble;
+mod placed;
+
+use crate::exact::point_on_triangle;
+use crate::frame::{LocalFrame, double, single};
+use crate::hit::{Hit, Item};
+use crate::kernel::{
+    Bvh, ForeignKernel, InstructionSet, Kernel, KernelHit, KernelRay, KernelScene,
+};
+use assemble::assemble;
+use azulejo_scene::Scene;
+use azulejo_scene::math::{Aabb, Ray};
+use glam::{DAffine3, DVec3};
+use placed::Placed;
+use std::sync::Arc;
+
+/// How far [`Tracer::leaving`] moves, in units of the local coordinates' rounding.
+const LEAVING_ULPS: f64 = 16.0;
+
+/// Rays that are traced at a time through our own kernel after another kernel's triangles.
+const PIECE: usize = 64;
+
+/// A ray that hits nothing.
+const NO_RAY: KernelRay = KernelRay {
+    origin: [0.0; 3],
+    t_min: 0.0,
+    direction: [0.0; 3],
+    t_max: 0.0,
+};
+
+/// A scene prepared for rays: which surface does a ray hit first, and is it blocked?
+///
+/// Immutable, a copy of all it needs, `Send` and `Sync`. It relies on the promises of
+/// [`Scene::validate`]; triangles with a coordinate that is not finite are left out, so are those
+/// without area.
+///
+/// The kernel works in `f32`, relative to the scene's centre and size, so far-away and huge models
+/// keep their digits; [`resolve`](Tracer::resolve) computes the point again in `f64`. All
+/// surfaces are hit from both sides. The tests of boxes and triangles are watertight: no ray
+/// slips through between two triangles that share an edge.
+#[derive(Clone, Debug)]
+pub struct Tracer {
+    pub(crate) bvh: Bvh,
+    /// The kernel with the triangles, if they are not in `bvh`.
+    pub(crate) foreign: Option<ForeignKernel>,
+    pub(crate) instructions: InstructionSet,
+    pub(crate) frame: LocalFrame,
+    pub(crate) bounds: Aabb,
+    /// The largest of half the scene's size and its instances' reaches, in world units.
+    pub(crate) reach: f64,
+    pub(crate) meshes: Vec<MeshPositions>,
+    pub(crate) triangles: Vec<TriangleItem>,
+    /// Ordered by their first item.
+    pub(crate) others: Vec<Placed>,
+    pub(crate) items: u32,
+}
+
+/// A tracer placed in another tracer's world.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    /// The tracer that is placed.
+    pub tracer: Arc<Tracer>,
+    /// Where; invertible, or the instance is left out.
+    pub world_from_instance: DAffine3,
+}
+
+#[derive(Clone, Debug)]
+pub(crate) struct MeshPositions {
+    pub object: u32,
+    pub first_item: u32,
+    pub positions: Vec<DVec3>,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TriangleItem {
+    pub vertices: [u32; 3],
+    pub face: u32,
+    pub triangle: u32,
+}
+
+impl Tracer {
+    /// Prepares a scene.
+    ///
+    /// # Panics
+    /// For more than 2^26 packets of up to four triangles.
+    pub fn new(scene: &Scene) -> Tracer {
+        Tracer::with_instances(scene, Vec::new())
+    }
+
+    /// Prepares a scene for another kernel. Where that runs out of memory, our own is
+    /// used; [`kernel`](Tracer::kernel) returns which.
+    ///
+    /// # Panics
+    /// As [`new`](Tracer::new).
+    pub fn with_kernel(scene: &Scene, kernel: &Kernel) -> Tracer {
+        assemble(scene, Vec::new(), kernel)
+    }
+
+    /// Prepares a scene with other tracers placed in it; their triangles are not copied.
+    ///
+    /// # Panics
+    /// If the scene and all its instances have more than 2^32 − 1 items together, or the scene
+    /// itself more than 2^26 packets of up to four triangles.
+    pub fn with_instances(scene: &Scene, instances: Vec<Instance>) -> Tracer {
+        assemble(scene, instances, &Kernel::Own)
+    }
+
+    /// The kernel that traces triangles here.
+    pub fn kernel(&self) -> Kernel {
+        self.foreign
+            .as_ref()
+            .map_or(Kernel::Own, ForeignKernel::kernel)
+    }
+
+    /// Its name, for reports: `own kernel, AVX2` or `Embree 3.13.5`.
+    pub fn kernel_name(&self) -> String {
+        match &self.foreign {
+            None => format!("own kernel, {}", self.instructions.name()),
+            Some(foreign) => foreign.name(),
+        }
+    }
+
+    /// The first surface that the ray hits.
+    pub fn hit(&self, ray: &Ray) -> Option<Hit> {
+        let mut hit = KernelHit::NOTHING;
+        self.closest_into(&[self.kernel_ray(ray)], std::slice::from_mut(&mut hit));
+        hit.is_hit().then(|| self.resolve(ray, &hit))
+    }
+
+    /// Whether the ray hits any surface.
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        let mut blocked = false;
+        self.any_into(&[self.kernel_ray(ray)], std::slice::from_mut(&mut blocked));
+        blocked
+    }
+
+    /// The ray in the kernel's coordinates; `t` means the same on both.
+    pub fn kernel_ray(&self, ray: &Ray) -> KernelRay {
+        KernelRay {
+            origin: single(self.frame.point(ray.origin)),
+            t_min: ray.t_min as f32,
+            direction: single(self.frame.vector(ray.direction)),
+            t_max: ray.t_max as f32,
+        }
+    }
+
+    /// The ray in the world again, as exact as `f32` kept it.
+    pub fn world_ray(&self, ray: &KernelRay) -> Ray {
+        Ray {
+            origin: self.frame.world_point(double(ray.origin)),
+            direction: self.frame.world_vector(double(ray.direction)),
+            t_min: f64::from(ray.t_min),
+            t_max: f64::from(ray.t_max),
+        }
+    }
+
+    /// The first hit of each ray; `hits` is cleared and gets one entry per ray.
+    ///
+    /// Runs on the calling thread; callers split their rays.
+    pub fn closest(&self, rays: &[KernelRay], hits: &mut Vec<KernelHit>) {
+        hits.clear();
+        hits.resize(rays.len(), KernelHit::NOTHING);
+        self.closest_into(rays, hits);
+    }
+
+    /// Whether each ray hits anything; `blocked` is cleared and gets one entry per ray.
+    ///
+    /// Runs on the calling thread; callers split their rays.
+    pub fn any(&self, rays: &[KernelRay], blocked: &mut Vec<bool>) {
+        blocked.clear();
+        blocked.resize(rays.len(), false);
+        self.any_into(rays, blocked);
+    }
+
+    /// The smallest box around all surfaces; around the boxes of instances.
+    pub fn bounds(&self) -> Aabb {
+        self.bounds
+    }
+
+    /// Number of items: items are 0..this.
+    pub fn item_count(&self) -> u32 {
+        self.items
+    }
+
+    /// What an item's number means.
+    ///
+    /// # Panics
+    /// For a number that no hit of this tracer has.
+    pub fn item(&self, item: u32) -> Item {
+        if let Some(t) = self.triangles.get(item as usize) {
+            return Item {
+                object: self.mesh_of(item).object,
+                face: t.face,
+                triangle: t.triangle,
+                is_primitive: false,
+                instance: None,
+            };
+        }
+        match self.other_of(item) {
+            Placed::Primitive(p) => Item {
+                object: p.object,
+                face: item - p.first_item,
+                triangle: 0,
+                is_primitive: true,
+                instance: None,
+            },
+            Placed::Exact(e) => Item {
+                object: e.object,
+                face: item - e.first_item + e.first_leaf,
+                triangle: 0,
+                is_primitive: false,
+                instance: None,
+            },
+            Placed::Instance(i) => Item {
+                instance: Some(i.index),
+                ..i.tracer.item(item - i.first_item)
+            },
+        }
+    }
+
+    /// The surface point of a hit, computed again in double precision.
+    ///
+    /// The position lies on the surface to `f64` rounding; it is the ray's point up to the
+    /// kernel's rounding.
+    ///
+    /// # Panics
+    /// For a miss, or a hit of another tracer.
+    pub fn resolve(&self, ray: &Ray, hit: &KernelHit) -> Hit {
+        let item = self.item(hit.item);
+        let point = match self.triangles.get(hit.item as usize) {
+            Some(triangle) => {
+                let mesh = self.mesh_of(hit.item);
+                let corners = triangle.vertices.map(|v| mesh.positions[v as usize]);
+                point_on_triangle(corners, ray, f64::from(hit.t))
+            }
+            None => self.other_of(hit.item).resolve(&self.frame, ray, hit),
+        };
+        Hit {
+            t: point.t,
+            object: item.object,
+            face: item.face,
+            triangle: item.triangle.max(point.part),
+            u: point.u,
+            v: point.v,
+            position: point.position,
+            normal: point.normal,
+            entering: point.normal.dot(ray.direction) < 0.0,
+            item: hit.item,
+            instance: item.instance,
+        }
+    }
+
+    /// Where a ray may start that leaves the surface at `position` to the side of the unit vector
+    /// `normal`: no ray from there toward that side hits the surface it leaves.
+    ///
+    /// It moves by 16 · 2⁻²³ times the largest of: the position's distance from the scene's
+    /// centre (along an axis), half the scene's largest extent, and that of each instance. In a
+    /// room of 10 units: 1e-5 units.
+    pub fn leaving(&self, position: DVec3, normal: DVec3) -> DVec3 {
+        let away = self.frame.distance(position);
+        let step = LEAVING_ULPS * f64::from(f32::EPSILON) * away.max(self.reach);
+        position + step * normal
+    }
+
+    pub(crate) fn closest_into(&self, rays: &[KernelRay], hits: &mut [KernelHit]) {
+        let Some(foreign) = &self.foreign else {
+            return self.instructions.closest(&self.kernel_scene(), rays, hits);
+        };
+        foreign.closest(rays, hits);
+        if self.others.is_empty() {
+            return;
+        }
+        // Shapes that are nearer than the triangles, in pieces that need no memory of their own.
+        for (rays, hits) in rays.chunks(PIECE).zip(hits.chunks_mut(PIECE)) {
+            let mut nearer = [NO_RAY; PIECE];
+            for ((to, ray), hit) in nearer.iter_mut().zip(rays).zip(&*hits) {
+                let t_max = if hit.is_hit() {
+                    hit.t.next_up()
+                } else {
+                    ray.t_max
+                };
+                *to = KernelRay { t_max, ..*ray };
+            }
+            let mut found = [KernelHit::NOTHING; PIECE];
+            let (nearer, found) = (&nearer[..rays.len()], &mut found[..rays.len()]);
+            self.instructions
+                .closest(&self.kernel_scene(), nearer, found);
+            for (hit, other) in hits.iter_mut().zip(&*found) {
+                if other.is_hit() && hit.is_after(other.t, other.item) {
+                    *hit = *other;
+                }
+            }
+        }
+    }
+
+    pub(crate) fn any_into(&self, rays: &[KernelRay], blocked: &mut [bool]) {
+        let Some(foreign) = &self.foreign else {
+            return self.instructions.any(&self.kernel_scene(), rays, blocked);
+        };
+        foreign.any(rays, blocked);
+        if self.others.is_empty() {
+            return;
+        }
+        for (rays, blocked) in rays.chunks(PIECE).zip(blocked.chunks_mut(PIECE)) {
+            let mut found = [false; PIECE];
+            let found = &mut found[..rays.len()];
+            self.instructions.any(&self.kernel_scene(), rays, found);
+            blocked.iter_mut().zip(&*found).for_each(|(b, f)| *b |= f);
+        }
+    }
+
+    pub(crate) fn kernel_scene(&self) -> KernelScene<'_, [Placed]> {
+        KernelScene {
+            bvh: &self.bvh,
+            others: &self.others,
+        }
+    }
+
+    fn mesh_of(&self, item: u32) -> &MeshPositions {
+        let after = self.meshes.partition_point(|m| m.first_item <= item);
+        &self.meshes[after - 1]
+    }
+
+    fn other_of(&self, item: u32) -> &Placed {
+        assert!(item < self.items, "item {item} of {}", self.items);
+        let after = self.others.partition_point(|o| o.first_item() <= item);
+        &self.others[after - 1]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use azulejo_scene::{Object, Primitive, PrimitiveKind, Rgb};
+
+    fn scene(shapes: Vec<azulejo_scene::Shape>) -> Scene {
+        let mut scene = Scene::default();
+        scene.add_material(azulejo_scene::Material::diffuse("grey", Rgb::grey(0.5)));
+        scene.objects = shapes.into_iter().map(|s| Object::new("", s)).collect();
+        scene
+    }
+
+    fn box_at(corner: DVec3) -> Primitive {
+        let map = DAffine3::from_translation(corner);
+        Primitive::new(PrimitiveKind::Cuboid, map, 0)
+    }
+
+    #[test]
+    fn empty_scene_is_never_hit() {
+        let tracer = Tracer::new(&Scene::default());
+        let ray = Ray::new(DVec3::ZERO, DVec3::X);
+        assert_eq!(tracer.hit(&ray), None);
+        assert!(!tracer.occluded(&ray) && tracer.bounds().is_empty());
+        assert_eq!(tracer.item_count(), 0);
+    }
+
+    #[test]
+    fn hits_of_mesh_primitive_and_instance_agree() {
+        let far = DVec3::new(4e5, 5e6, 100.0);
+        let shape = box_at(far);
+        let mesh = shape.tessellate(&shape.grids(1.0, f64::INFINITY));
+        let as_mesh = Tracer::new(&scene(vec![azulejo_scene::Shape::Mesh(mesh)]));
+        let as_primitive = Tracer::new(&scene(vec![azulejo_scene::Shape::Primitive(shape)]));
+        let unit = Tracer::new(&scene(vec![azulejo_scene::Shape::Primitive(box_at(
+            DVec3::ZERO,
+        ))]));
+        let as_instance = Tracer::with_instances(
+            &Scene::default(),
+            vec![Instance {
+                tracer: Arc::new(unit),
+                world_from_instance: DAffine3::from_translation(far),
+            }],
+        );
+        let ray = Ray::new(far + DVec3::new(0.25, 0.5, 3.0), -DVec3::Z);
+        for tracer in [&as_mesh, &as_primitive, &as_instance] {
+            let hit = tracer.hit(&ray).unwrap();
+            assert!((hit.t - 2.0).abs() < 1e-9, "{hit:?}");
+            assert!(
+                (hit.normal - DVec3::Z).length() < 1e-12 && hit.entering,
+                "{hit:?}"
+            );
+            assert!((hit.position - ray.at(2.0)).length() < 1e-9, "{hit:?}");
+            assert!(tracer.occluded(&ray));
+            assert!(!tracer.occluded(&Ray { t_max: 2.0, ..ray }));
+            assert!(tracer.occluded(&Ray { t_min: 2.5, ..ray }));
+        }
+        assert_eq!(as_primitive.hit(&ray).unwrap().face, 5);
+        assert_eq!(as_instance.hit(&ray).unwrap().instance, Some(0));
+    }
+}

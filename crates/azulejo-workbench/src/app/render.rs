@@ -1,0 +1,244 @@
+//! Progressive rendering of the current view by path tracing.
+
+use super::files::absolute;
+use super::{App, JobResult, Severity};
+use crate::document::{SceneDocument, Solution};
+use crate::jobs::{JobKind, JobSender, in_thread_pool};
+use azulejo::formats::picture::{exr, png};
+use azulejo::render::{SecondPass, Tone, auto_exposure, render, tone_map};
+use azulejo::scene::{Camera, Image, Scene};
+use azulejo::trace::{Progress, Tracer};
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// An image being rendered.
+#[derive(Clone, Debug)]
+pub struct RenderedImage {
+    /// Width and height of the finished image, pixels.
+    pub size: (u32, u32),
+    /// Linear radiance; `None` before the first pass. The first passes may have a lower resolution.
+    pub image: Option<Arc<Image>>,
+    /// Paths per pixel so far.
+    pub samples: u32,
+    /// Paths per pixel of the finished image.
+    pub most: u32,
+}
+
+/// Limit on the number of pixels of an interactive render.
+const MAX_PIXELS: u64 = 1 << 26;
+/// How long the view must be still before rendering starts.
+const QUIET: Duration = Duration::from_millis(80);
+/// Final gather rays where no light has been solved: noisy, but not black.
+const GATHER: u32 = 8;
+
+impl App {
+    /// Restarts the current render, if there is one, because its scene or view has changed.
+    pub(super) fn restart_render(&mut self) {
+        if let Some(render) = &self.render {
+            let (size, most) = (render.size, render.most);
+            self.start_render(size, most);
+        }
+    }
+
+    /// Renders the view of the viewport progressively, up to `most` paths per pixel.
+    pub(super) fn start_render(&mut self, size: (u32, u32), most: u32) {
+        let pixels = u64::from(size.0) * u64::from(size.1);
+        if !(1..=MAX_PIXELS).contains(&pixels) {
+            let why = self.tr("cannot render an image of this size in pixels");
+            let text = format!("{why}: {} × {}", size.0, size.1);
+            self.report(Severity::Error, text);
+            return;
+        }
+        self.jobs.cancel_kind(JobKind::Render);
+        let last = self.render.take().filter(|p| p.size == size);
+        self.render = Some(RenderedImage {
+            size,
+            // Keep the old image until the new one is available, to avoid flicker.
+            image: last.and_then(|p| p.image),
+            samples: 0,
+            most,
+        });
+        let work = RenderJob {
+            document: self.document.clone(),
+            solution: self.lighting.solution.clone(),
+            camera: self.view.camera.clone(),
+            size,
+            most,
+            gather: Some(self.preferences.picture_gather).filter(|&rays| rays > 0),
+        };
+        let threads = self.preferences.threads;
+        let title = self.tr("rendering");
+        self.jobs
+            .start(JobKind::Render, title, move |progress, outbox| {
+                // While the camera moves, every frame requests another render: only the one that is
+                // still wanted a little later copies the scene and builds its BVH.
+                std::thread::sleep(QUIET);
+                if progress.advance(0).is_ok() {
+                    in_thread_pool(threads, || work.run(progress, outbox));
+                }
+                Ok(())
+            });
+    }
+
+    pub(super) fn stop_render(&mut self) {
+        self.jobs.cancel_kind(JobKind::Render);
+        self.render = None;
+    }
+
+    pub(super) fn take_render(&mut self, image: Image, samples: u32) {
+        if let Some(render) = &mut self.render {
+            render.image = Some(Arc::new(image));
+            render.samples = samples;
+        }
+    }
+
+    /// Writes the current image: PNG as displayed, EXR and HDR with linear radiance.
+    pub(super) fn save_render(&mut self, path: PathBuf) {
+        self.asking = None;
+        let render = self.render.as_ref().filter(|p| p.samples > 0);
+        let Some(image) = render.and_then(|p| p.image.clone()) else {
+            let text = self.tr("there is no image yet: render one first");
+            self.report(Severity::Error, text);
+            return;
+        };
+        let path = match path.extension() {
+            Some(_) => absolute(path),
+            None => absolute(path).with_extension("png"),
+        };
+        let exposure = self.view.exposure;
+        let Some(output) = self.output(&path) else {
+            return;
+        };
+        let saved = self.tr("saved");
+        self.start_saving(path.clone(), move |progress, outbox| {
+            let extension = path.extension().and_then(|e| e.to_str());
+            let kind = extension.map(str::to_ascii_lowercase);
+            output
+                .write(progress, |out| {
+                    write_picture(&image, kind.as_deref(), exposure, out)
+                })
+                .map_err(|e| e.to_string())?;
+            outbox.send(JobResult::Note(format!("{}: {saved}", path.display())));
+            Ok(())
+        });
+    }
+}
+
+fn write_picture(
+    image: &Image,
+    kind: Option<&str>,
+    exposure: Option<f64>,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    match kind {
+        Some("exr") => exr::write(image, out),
+        Some("hdr") => azulejo::formats::picture::hdr::write(image, out),
+        Some("png") => {
+            let pixels = shown(image, exposure);
+            png::write(image.width, image.height, &pixels, out)
+        }
+        _ => Err(io::Error::new(
+            io::ErrorKind::InvalidInput,
+            "unknown kind of picture, expected .png, .exr or .hdr",
+        )),
+    }
+}
+
+/// The image as displayed: 8-bit sRGB, three bytes per pixel.
+pub fn shown(image: &Image, exposure: Option<f64>) -> Vec<u8> {
+    let exposure = exposure.unwrap_or_else(|| auto_exposure(image));
+    tone_map(image, exposure, Tone::default())
+}
+
+/// The input of a render job.
+struct RenderJob {
+    document: SceneDocument,
+    solution: Option<Arc<Solution>>,
+    camera: Camera,
+    size: (u32, u32),
+    most: u32,
+    /// Rays of the final gather.
+    gather: Option<u32>,
+}
+
+impl RenderJob {
+    /// Renders a coarse image first, then passes that each double the number of paths.
+    fn run(&self, progress: &Progress, outbox: &JobSender<JobResult>) {
+        let (scene, is_lit) = self.document.lit_scene(self.solution.as_deref());
+        if progress.advance(0).is_err() {
+            return;
+        }
+        let tracer = Tracer::new(&scene);
+        let draw = |size: (u32, u32), samples: u32, seed: u64| {
+            let options = SecondPass {
+                size,
+                samples_per_pixel: samples,
+                gather: self.gather.or((!is_lit).then_some(GATHER)),
+                seed,
+                ..SecondPass::default()
+            };
+            self.draw(&scene, &tracer, &options, progress)
+        };
+        let coarse = (self.size.0.div_ceil(4), self.size.1.div_ceil(4));
+        let Some(first) = draw(coarse, 1, 0) else {
+            return;
+        };
+        outbox.send(JobResult::Render(Box::new(first), 0));
+        let mut sum: Option<Image> = None;
+        let (mut done, mut next) = (0, 1);
+        while done < self.most {
+            let samples = next.min(self.most - done);
+            let Some(image) = draw(self.size, samples, u64::from(done) + 1) else {
+                return;
+            };
+            let mean = match sum.take() {
+                None => image,
+                Some(before) => blend(before, done, &image, samples),
+            };
+            done += samples;
+            next = done;
+            outbox.send(JobResult::Render(Box::new(mean.clone()), done));
+            sum = Some(mean);
+        }
+    }
+
+    /// Renders one pass; `None` if cancelled.
+    fn draw(
+        &self,
+        scene: &Scene,
+        tracer: &Tracer,
+        options: &SecondPass,
+        progress: &Progress,
+    ) -> Option<Image> {
+        render(scene, tracer, &self.camera, options, progress).ok()
+    }
+}
+
+/// The mean of two images, weighted with their paths per pixel.
+fn blend(mut a: Image, na: u32, b: &Image, nb: u32) -> Image {
+    let share = nb as f32 / (na + nb) as f32;
+    for (x, y) in a.pixels.iter_mut().zip(&b.pixels) {
+        for (x, y) in x.iter_mut().zip(y) {
+            *x += share * (y - *x);
+        }
+    }
+    a
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_blend_is_the_mean_of_all_paths() {
+        let image = |v: f32| Image {
+            width: 1,
+            height: 1,
+            pixels: vec![[v, 2.0 * v, 0.0]],
+        };
+        let mean = blend(image(1.0), 3, &image(5.0), 1);
+        assert_eq!(mean.pixels, [[2.0, 4.0, 0.0]]);
+    }
+}

@@ -1,0 +1,370 @@
+//! The first pass as run by the window.
+
+use crate::app::JobResult;
+use crate::command::SurfacePick;
+use crate::document::{ItemId, SceneDocument, Solution};
+use crate::jobs::JobSender;
+use azulejo::factors::form_factors::{Factor, Plan};
+use azulejo::factors::{Engine, FormFactorOptions, Hemicube, PatchSize, PointNormal};
+use azulejo::radiosity::{Estimate, FirstPass, Preview, SolveError, probe, solve_watched};
+use azulejo::scene::Mesh;
+use azulejo::scene::math::Ray;
+use azulejo::trace::{Progress, Tracer};
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+/// The form factor engine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum EngineChoice {
+    /// Chosen automatically for the scene.
+    #[default]
+    Auto,
+    /// Ray casting.
+    Rays,
+    /// Hemicubes.
+    Hemicube,
+    /// Hemicubes, with rays for mirror reflections.
+    Hybrid,
+    /// Closed-form expressions.
+    Analytic,
+}
+
+impl EngineChoice {
+    /// All engines.
+    pub const ALL: [EngineChoice; 5] = [
+        EngineChoice::Auto,
+        EngineChoice::Rays,
+        EngineChoice::Hemicube,
+        EngineChoice::Hybrid,
+        EngineChoice::Analytic,
+    ];
+
+    /// The library's type for this engine.
+    pub fn engine(self) -> Engine {
+        match self {
+            EngineChoice::Auto => Engine::Auto,
+            EngineChoice::Rays => Engine::Rays,
+            EngineChoice::Hemicube => Engine::Hemicube(Hemicube::default()),
+            EngineChoice::Hybrid => Engine::Hybrid(Hemicube::default()),
+            EngineChoice::Analytic => Engine::Analytic,
+        }
+    }
+}
+
+/// Settings of the solver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LightSettings {
+    /// The form factor engine.
+    pub engine: EngineChoice,
+    /// A patch is this fraction of the total surface area; smaller faces are patches too.
+    pub patches: u32,
+    /// Relative error at which the solver stops.
+    pub error: f64,
+    /// Time limit in seconds.
+    pub time: Option<f64>,
+    /// Number of diffuse bounces; `None` for all.
+    pub bounces: Option<u32>,
+}
+
+/// Default time limit in seconds.
+pub const DEFAULT_TIME: f64 = 60.0;
+
+impl LightSettings {
+    /// The library's type for these settings.
+    pub fn first_pass(&self) -> FirstPass {
+        FirstPass {
+            engine: self.engine.engine(),
+            size: PatchSize::Squares(self.patches.max(1) as usize),
+            error: Some(self.error),
+            bounces: self.bounces,
+            memory: azulejo::machine::memory_budget(),
+            ..FirstPass::default()
+        }
+    }
+
+    fn limit_time(&self, progress: &Progress) {
+        if let Some(seconds) = self.time {
+            let time = Duration::from_secs_f64(seconds.clamp(0.0, 1e6));
+            progress.set_deadline(Instant::now() + time);
+        }
+    }
+}
+
+impl Default for LightSettings {
+    fn default() -> LightSettings {
+        LightSettings {
+            engine: EngineChoice::Auto,
+            patches: 1_500,
+            error: 0.03,
+            // Models whose undersides receive hardly any light converge slowly in the last few
+            // percent, and interactive use needs results soon.
+            time: Some(DEFAULT_TIME),
+            bounces: None,
+        }
+    }
+}
+
+/// Solves the light of a document; sends intermediate solutions and the final one.
+///
+/// # Errors
+///
+/// The solver's error as text.
+pub fn solve_document(
+    document: &SceneDocument,
+    settings: &LightSettings,
+    progress: &Progress,
+    outbox: &JobSender<JobResult>,
+) -> Result<(), String> {
+    settings.limit_time(progress);
+    let scene = document.scene();
+    let tracer = Tracer::new(&scene);
+    let send = |irradiance, report| {
+        let solution = Solution::new(document.clone(), scene.clone(), irradiance, report);
+        outbox.send(JobResult::Light(Box::new(solution)));
+    };
+    let pass = settings.first_pass();
+    let mut watch = |preview: Preview| send(preview.irradiance, None);
+    match solve_watched(&scene, &tracer, &pass, progress, &mut watch) {
+        Err(SolveError::Cancelled) => Ok(()),
+        Err(other) => Err(other.to_string()),
+        Ok(light) => {
+            send(light.irradiance, Some(light.report));
+            Ok(())
+        }
+    }
+}
+
+/// Irradiance at surface points, one estimate for each; none if the job was cancelled.
+///
+/// # Errors
+///
+/// The solver's error as text.
+pub fn measure(
+    document: &SceneDocument,
+    settings: &LightSettings,
+    places: &[SurfacePick],
+    progress: &Progress,
+) -> Result<Vec<Estimate>, String> {
+    settings.limit_time(progress);
+    let scene = document.scene();
+    let tracer = Tracer::new(&scene);
+    let points = places.iter().map(|pick| {
+        let surface = on_surface(document, &tracer, pick);
+        PointNormal {
+            position: surface.map_or(pick.position, |s| s.position),
+            normal: pick.normal,
+        }
+    });
+    let points: Vec<PointNormal> = points.collect();
+    match probe(&scene, &tracer, &points, &settings.first_pass(), progress) {
+        Err(SolveError::Cancelled) => Ok(Vec::new()),
+        Err(other) => Err(other.to_string()),
+        Ok(probed) => Ok(probed.estimates),
+    }
+}
+
+/// A point on the exact surface.
+struct ExactPoint {
+    position: DVec3,
+    /// Whether the picked side is the front.
+    is_front: bool,
+    /// A ray that hits the point first, from the picked side.
+    from_outside: Ray,
+}
+
+/// Projects a picked point from the displayed polygons to the exact surface: the chords of a sphere
+/// lie inside it, by up to a 64th of its size.
+fn on_surface(document: &SceneDocument, tracer: &Tracer, pick: &SurfacePick) -> Option<ExactPoint> {
+    let index = document.objects.iter().position(|i| i.id == pick.item)?;
+    let size = document.objects[index].bounds().diagonal();
+    let reach = (size / 32.0).max(f64::MIN_POSITIVE);
+    let mut origin = pick.position + reach * pick.normal;
+    // Other surfaces may be in between, however close.
+    const MAX_HITS: usize = 64;
+    for _ in 0..MAX_HITS {
+        let hit = tracer.hit(&Ray::new(origin, -pick.normal))?;
+        if hit.object as usize == index {
+            let clear = (hit.position - origin).length().min(reach);
+            let from = hit.position + 0.5 * clear * pick.normal;
+            return Some(ExactPoint {
+                position: hit.position,
+                is_front: hit.entering,
+                from_outside: Ray::new(from, -pick.normal),
+            });
+        }
+        origin = hit.position - 1e-9 * size * pick.normal;
+    }
+    None
+}
+
+/// The form factors of one patch.
+#[derive(Clone, Debug)]
+pub struct PatchFormFactors {
+    /// Unique for each result.
+    pub number: u64,
+    /// The object that the patch belongs to.
+    pub item: ItemId,
+    /// The patches as triangles, one face each.
+    pub patches: Arc<Mesh>,
+    /// Form factor from the picked patch to the patch of each face.
+    pub factors: Vec<f64>,
+    /// Sum over all patches; the difference to 1 leaves the scene.
+    pub sum: f64,
+    /// Sums over the patches of each visible object, in descending order.
+    pub objects: Vec<(ItemId, f64)>,
+}
+
+/// Computes the form factors of the patch at a picked point, with the patches that the solver would
+/// use.
+///
+/// # Errors
+///
+/// A message: no surface, too many patches, or no patch at that point.
+pub fn patch_form_factors(
+    document: &SceneDocument,
+    settings: &LightSettings,
+    pick: &SurfacePick,
+    progress: &Progress,
+) -> Result<Option<PatchFormFactors>, String> {
+    let scene = document.scene();
+    let tracer = Tracer::new(&scene);
+    let pass = settings.first_pass();
+    let options = FormFactorOptions {
+        size: pass.size,
+        engine: pass.engine,
+        two_sided: true,
+        ..FormFactorOptions::default()
+    };
+    let plan = Plan::new(&scene, &tracer, &options).map_err(|e| e.to_string())?;
+    let nowhere = || "there is no patch at that place".to_owned();
+    let surface = on_surface(document, &tracer, pick).ok_or_else(nowhere)?;
+    let picked = plan.patch_at(&surface.from_outside).ok_or_else(nowhere)?;
+    // Rows and columns are sides: the front of a patch, then its back.
+    let row = 2 * picked + usize::from(!surface.is_front);
+    let Ok(sides) = plan.prepare().row(row, progress) else {
+        return Ok(None);
+    };
+    let both = |side: &[Factor]| Factor {
+        value: side.iter().map(|f| f.value).sum(),
+        error: side.iter().map(|f| f.error * f.error).sum::<f64>().sqrt(),
+    };
+    let factors: Vec<Factor> = sides.chunks(2).map(both).collect();
+    Ok(Some(PatchFormFactors::new(
+        document, pick.item, &plan, picked, &factors,
+    )))
+}
+
+impl PatchFormFactors {
+    fn new(
+        document: &SceneDocument,
+        item: ItemId,
+        plan: &Plan,
+        picked: usize,
+        factors: &[Factor],
+    ) -> PatchFormFactors {
+        static NUMBER: AtomicU64 = AtomicU64::new(1);
+        let mut mesh = Mesh::default();
+        let mut values = Vec::new();
+        for (patch, corners) in plan.patches().triangles() {
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend(corners);
+            mesh.push_face(&[first, first + 1, first + 2], 0);
+            values.push(if patch as usize == picked {
+                // The picked patch itself is displayed as unknown.
+                f64::NAN
+            } else {
+                factors.get(patch as usize).map_or(0.0, |f| f.value)
+            });
+        }
+        PatchFormFactors {
+            number: NUMBER.fetch_add(1, Ordering::Relaxed),
+            item,
+            patches: Arc::new(mesh),
+            factors: values,
+            sum: factors.iter().map(|f| f.value).sum(),
+            objects: by_object(document, plan, factors),
+        }
+    }
+}
+
+/// Sums of form factors over the patches of each object, in descending order.
+fn by_object(document: &SceneDocument, plan: &Plan, factors: &[Factor]) -> Vec<(ItemId, f64)> {
+    let sum = |object: usize| -> f64 {
+        let patches = plan.patches().patches_of(object as u32);
+        let seen = factors.get(patches).unwrap_or_default();
+        seen.iter().map(|f| f.value).sum()
+    };
+    // The scene has the objects of the document, in the same order.
+    let ids = document.objects.iter().enumerate();
+    let mut sums: Vec<(ItemId, f64)> = ids.map(|(k, item)| (item.id, sum(k))).collect();
+    sums.retain(|(_, f)| *f > 0.0);
+    sums.sort_by(|a, b| b.1.total_cmp(&a.1));
+    sums
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use azulejo::scene::synthetic::cube_room;
+    use azulejo::scene::{Object, Primitive, Shape};
+
+    /// A sphere in the middle of a closed room.
+    fn document() -> SceneDocument {
+        let mut scene = cube_room();
+        let ball = Primitive::sphere(DVec3::splat(0.5), 0.25, 0);
+        scene
+            .objects
+            .push(Object::new("ball", Shape::Primitive(ball)));
+        SceneDocument::of_scene(scene, None)
+    }
+
+    #[test]
+    fn chords_of_a_ball_stand_for_its_outside() {
+        let document = document();
+        let ball = document.objects.last().expect("a ball").id;
+        let tracer = Tracer::new(&document.scene());
+        for normal in [DVec3::X, DVec3::NEG_Z, DVec3::ONE.normalize()] {
+            let pick = SurfacePick {
+                item: ball,
+                position: DVec3::splat(0.5) + 0.245 * normal,
+                normal,
+            };
+            let found = on_surface(&document, &tracer, &pick).expect("the ball");
+            let expected = DVec3::splat(0.5) + 0.25 * normal;
+            assert!((found.position - expected).length() < 1e-9 && found.is_front);
+        }
+    }
+
+    #[test]
+    fn a_patch_sees_what_is_before_the_side_that_was_picked() {
+        let document = document();
+        let ball = document.objects.last().expect("a ball").id;
+        let settings = LightSettings {
+            patches: 60,
+            ..LightSettings::default()
+        };
+        let seen = |item, position, normal| {
+            let pick = SurfacePick {
+                item,
+                position,
+                normal,
+            };
+            let seen = patch_form_factors(&document, &settings, &pick, &Progress::new());
+            seen.expect("an answer").expect("not cancelled")
+        };
+        // From outside, the sphere sees only the room.
+        let from_ball = seen(ball, DVec3::new(0.745, 0.5, 0.5), DVec3::X);
+        assert!((from_ball.sum - 1.0).abs() < 0.02, "{}", from_ball.sum);
+        assert!(from_ball.objects.iter().all(|(id, _)| *id != ball));
+        // From outside, the room sees nothing.
+        let wall = document.objects[0].id;
+        let outside = seen(wall, DVec3::new(0.0, 0.2, 0.2), DVec3::NEG_X);
+        assert!(outside.sum < 1e-9, "{}", outside.sum);
+        let inside = seen(wall, DVec3::new(0.0, 0.2, 0.2), DVec3::X);
+        assert!((inside.sum - 1.0).abs() < 0.02, "{}", inside.sum);
+    }
+}

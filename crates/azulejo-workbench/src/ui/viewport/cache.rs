@@ -1,0 +1,295 @@
+//! The displayed polygons of each object, cached between frames.
+
+use crate::app::App;
+use crate::document::{ItemId, SceneObject};
+use crate::gpu::{FaceValues, MeshInstance, Projection, chord_error, display_mesh, pick};
+use crate::view::Backdrop;
+use azulejo::scene::math::{Aabb, Ray};
+use azulejo::scene::{Image, Mesh, Rgb, Shape, Texture};
+use glam::{DAffine3, DVec3};
+use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+/// Polygons of objects, kept until the shape or the required accuracy changes.
+#[derive(Default)]
+pub struct ViewportCache {
+    entries: Vec<CachedMesh>,
+    textures: HashMap<*const Texture, (u64, Arc<Texture>)>,
+    seen: Option<(u64, Arc<Mesh>, Vec<f32>)>,
+    backdrop: Option<(u64, Arc<Image>)>,
+    next: u64,
+}
+
+/// The polygons of one object.
+pub struct CachedMesh {
+    /// Its id.
+    pub id: ItemId,
+    shape: Arc<Shape>,
+    /// The tessellation of an exact shape.
+    made: Option<Mesh>,
+    chord_error: f64,
+    is_lit: bool,
+    key: u64,
+    /// Bounding box of the polygons in object space.
+    bounds: Aabb,
+    /// World from object for the polygons.
+    pub placement: DAffine3,
+}
+
+impl CachedMesh {
+    /// The polygons.
+    pub fn mesh(&self) -> &Mesh {
+        match (&self.made, &*self.shape) {
+            (Some(mesh), _) => mesh,
+            (None, Shape::Mesh(mesh)) => mesh,
+            (None, Shape::Exact(exact)) => exact.proxy.as_deref().unwrap_or(&EMPTY),
+            (None, Shape::Primitive(_)) => &EMPTY,
+        }
+    }
+
+    /// The polygons with their placement, for picking.
+    pub fn drawn(&self) -> MeshInstance<'_> {
+        MeshInstance {
+            world_from_object: self.placement,
+            bounds: Some(self.bounds),
+            ..MeshInstance::new(self.key, self.mesh())
+        }
+    }
+
+    /// Unit normal of the side of a triangle that a ray hits.
+    pub fn normal(&self, corners: [u32; 3], ray: &Ray) -> DVec3 {
+        let mesh = self.mesh();
+        let [a, b, c] = corners.map(|v| {
+            let p = mesh.positions.get(v as usize).copied();
+            self.placement.transform_point3(p.unwrap_or_default())
+        });
+        let n = (b - a).cross(c - a).normalize_or_zero();
+        if n.dot(ray.direction) > 0.0 { -n } else { n }
+    }
+
+    /// Irradiance at a point of a triangle, with its standard error where known; `None` where it is
+    /// not solved.
+    pub fn light(&self, corners: [u32; 3], weights: DVec3) -> Option<(Rgb, Option<Rgb>)> {
+        light_of(self.mesh(), corners, weights).filter(|_| self.is_lit)
+    }
+
+    /// The face of the model that a ray hits, where the solver's patches are displayed.
+    pub fn model_face(&self, app: &App, ray: &Ray) -> Option<usize> {
+        let item = app.document.item(self.id).filter(|_| self.is_lit)?;
+        let Shape::Mesh(mesh) = &*item.shape else {
+            return None;
+        };
+        let drawn = MeshInstance {
+            world_from_object: item.placement,
+            ..MeshInstance::new(0, mesh)
+        };
+        pick(&[drawn], ray, false).map(|hit| hit.face)
+    }
+
+    /// Irradiance where a ray hits the solved shape of the object, while another shape of it is
+    /// displayed.
+    pub fn light_beneath(&self, app: &App, ray: &Ray) -> Option<(Rgb, Option<Rgb>)> {
+        let item = app.document.item(self.id)?;
+        let lit = app.lighting.solution.as_ref()?.shown(item)?;
+        let mesh = display_mesh(lit, self.chord_error, true);
+        let hit = pick(&[MeshInstance::new(0, &mesh)], ray, false)?;
+        light_of(&mesh, hit.vertices, hit.barycentric).filter(|_| hit.is_front)
+    }
+}
+
+/// Irradiance at a point of a triangle, with its standard error where known.
+fn light_of(mesh: &Mesh, corners: [u32; 3], weights: DVec3) -> Option<(Rgb, Option<Rgb>)> {
+    let mean = |values: &[Rgb]| {
+        let mut sum = Rgb::BLACK;
+        for (corner, weight) in corners.iter().zip(weights.to_array()) {
+            sum += values.get(*corner as usize).copied().unwrap_or_default() * weight;
+        }
+        sum
+    };
+    let is_full = |values: &[Rgb]| values.len() == mesh.positions.len();
+    let error = is_full(&mesh.irradiance_error).then(|| mean(&mesh.irradiance_error));
+    is_full(&mesh.irradiance).then(|| (mean(&mesh.irradiance), error))
+}
+
+static EMPTY: Mesh = Mesh {
+    positions: Vec::new(),
+    normals: None,
+    uvs: None,
+    colors: Vec::new(),
+    irradiance: Vec::new(),
+    irradiance_error: Vec::new(),
+    faces: azulejo::scene::Faces {
+        starts: Vec::new(),
+        corners: Vec::new(),
+    },
+    face_materials: Vec::new(),
+    smoothing: Vec::new(),
+};
+
+impl ViewportCache {
+    /// Updates the polygons to the document and the view.
+    pub fn update(&mut self, app: &App, view: &Projection) {
+        let mut old: HashMap<ItemId, CachedMesh> =
+            self.entries.drain(..).map(|e| (e.id, e)).collect();
+        for item in app.document.objects.iter().filter(|i| !i.hidden) {
+            let entry = self.entry(app, item, view, old.remove(&item.id));
+            self.entries.push(entry);
+        }
+        self.keep_textures(app);
+        self.keep_seen(app);
+    }
+
+    fn entry(
+        &mut self,
+        app: &App,
+        item: &SceneObject,
+        view: &Projection,
+        old: Option<CachedMesh>,
+    ) -> CachedMesh {
+        let lit = if app.view.shading.shows_light() {
+            app.lighting.solution.as_ref().and_then(|s| s.shown(item))
+        } else {
+            None
+        };
+        let is_lit = lit.is_some();
+        let shape = lit.unwrap_or(&item.shape);
+        // Shapes returned by the solver are already in world space.
+        let placement = if is_lit {
+            DAffine3::IDENTITY
+        } else {
+            item.placement
+        };
+        let error = match &**shape {
+            Shape::Mesh(_) => 1.0,
+            _ => chord_error(item.bounds(), view) / mean_scale(&placement),
+        };
+        if let Some(mut old) = old
+            && Arc::ptr_eq(&old.shape, shape)
+            && old.is_lit == is_lit
+            && old.chord_error == error
+        {
+            old.placement = placement;
+            return old;
+        }
+        self.next += 1;
+        let made = match display_mesh(shape, error, is_lit) {
+            Cow::Borrowed(_) => None,
+            Cow::Owned(mesh) => Some(mesh),
+        };
+        let mut entry = CachedMesh {
+            id: item.id,
+            shape: Arc::clone(shape),
+            made,
+            chord_error: error,
+            is_lit,
+            key: self.next,
+            bounds: Aabb::EMPTY,
+            placement,
+        };
+        entry.bounds = entry.mesh().bounds();
+        entry
+    }
+
+    fn keep_textures(&mut self, app: &App) {
+        let textures = &app.document.textures;
+        (self.textures).retain(|_, (_, kept)| textures.iter().any(|t| Arc::ptr_eq(t, kept)));
+        for texture in textures {
+            let next = &mut self.next;
+            self.textures
+                .entry(Arc::as_ptr(texture))
+                .or_insert_with(|| {
+                    *next += 1;
+                    (*next, Arc::clone(texture))
+                });
+        }
+    }
+
+    fn keep_seen(&mut self, app: &App) {
+        let Some(seen) = &app.lighting.seen else {
+            self.seen = None;
+            return;
+        };
+        let is_same = self.seen.as_ref().is_some_and(|(_, mesh, values)| {
+            Arc::ptr_eq(mesh, &seen.patches) && values.len() == seen.factors.len()
+        });
+        if !is_same || self.seen.as_ref().is_some_and(|s| s.0 != seen.number) {
+            let values = seen.factors.iter().map(|&f| f as f32).collect();
+            self.seen = Some((seen.number, Arc::clone(&seen.patches), values));
+        }
+    }
+
+    /// The key of the background image.
+    pub fn backdrop_key(&mut self, backdrop: &Backdrop) -> u64 {
+        let Backdrop::Image(image, _) = backdrop else {
+            self.backdrop = None;
+            return 0;
+        };
+        match &self.backdrop {
+            Some((key, kept)) if Arc::ptr_eq(kept, image) => *key,
+            _ => {
+                self.next += 1;
+                self.backdrop = Some((self.next, Arc::clone(image)));
+                self.next
+            }
+        }
+    }
+
+    /// The key of a texture's image.
+    pub fn texture_key(&self, texture: &Arc<Texture>) -> u64 {
+        let found = self.textures.get(&Arc::as_ptr(texture));
+        found.map_or(0, |(key, _)| *key)
+    }
+
+    /// The cached objects.
+    pub fn entries(&self) -> &[CachedMesh] {
+        &self.entries
+    }
+
+    /// The meshes to draw, in the order of [`entries`](ViewportCache::entries); if form factors are
+    /// shown, their patches replace everything else.
+    pub fn drawn<'a>(&'a self, app: &'a App, shows_factors: bool) -> Vec<MeshInstance<'a>> {
+        if shows_factors && let Some((number, mesh, values)) = &self.seen {
+            // Keys of objects count up from 1, those of patches down from the maximum.
+            let mut drawn = MeshInstance::new(u64::MAX - number, mesh);
+            drawn.face_values = Some(FaceValues {
+                key: *number,
+                values,
+            });
+            return vec![drawn];
+        }
+        let selected: HashSet<ItemId> = app.selection.ids.iter().copied().collect();
+        let one = |e| self.one(app, e, &selected);
+        self.entries.iter().map(one).collect()
+    }
+
+    fn one<'a>(
+        &'a self,
+        app: &'a App,
+        entry: &'a CachedMesh,
+        selected: &HashSet<ItemId>,
+    ) -> MeshInstance<'a> {
+        let faces = match &app.selection.faces {
+            Some((id, faces)) if *id == entry.id => faces.as_slice(),
+            _ => &[],
+        };
+        MeshInstance {
+            is_selected: selected.contains(&entry.id) && faces.is_empty(),
+            // Selected faces are indices into the model, which mean nothing on the solver's
+            // patches: there the overlay marks them.
+            selected_faces: if entry.is_lit { &[] } else { faces },
+            ..entry.drawn()
+        }
+    }
+}
+
+/// The mean scale of a map.
+fn mean_scale(map: &DAffine3) -> f64 {
+    let scale = map.matrix3.determinant().abs().cbrt();
+    if scale > 0.0 && scale.is_finite() {
+        // Powers of two, so that a drag does not tessellate again in every frame.
+        2f64.powi(scale.log2().round() as i32)
+    } else {
+        1.0
+    }
+}

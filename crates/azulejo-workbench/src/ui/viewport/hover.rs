@@ -1,0 +1,85 @@
+//! The status line for the surface point under the mouse.
+
+use super::cache::{CachedMesh, ViewportCache};
+use super::legend::number;
+use super::{PanelContext, irradiance_unit};
+use crate::app::App;
+use crate::document::ShadingPoint;
+use crate::gpu::{MeshInstance, PickHit, pick};
+use crate::ui::inspector::named;
+use azulejo::scene::Rgb;
+use azulejo::scene::math::Ray;
+
+/// Object, position, material and light at the point where a ray hits the model.
+pub fn text(cx: &PanelContext, cache: &ViewportCache, ray: &Ray) -> Option<String> {
+    let drawn: Vec<MeshInstance> = cache.entries().iter().map(|e| e.drawn()).collect();
+    let hit = pick(&drawn, ray, false)?;
+    let entry = &cache.entries()[hit.object];
+    let document = &cx.app.document;
+    let name = document.name(entry.id).unwrap_or_default();
+    let p = hit.position;
+    let mut text = format!(
+        "{name} #{} · {} {} · ({}, {}, {})",
+        entry.id.0,
+        cx.tr("face"),
+        entry.model_face(cx.app, ray).unwrap_or(hit.face),
+        number(p.x),
+        number(p.y),
+        number(p.z)
+    );
+    let weights = hit.barycentric.to_array();
+    let mesh = entry.mesh();
+    if let Some(paint) = ShadingPoint::at(mesh, hit.face, hit.vertices, weights, hit.is_front) {
+        let name = named(document, paint.material);
+        text += &format!(" · {name} #{}", paint.material);
+        text += &light(cx, entry, &hit, &paint, ray).unwrap_or_default();
+    }
+    Some(text)
+}
+
+/// Irradiance with its standard error, and the diffuse radiance.
+fn light(
+    cx: &PanelContext,
+    entry: &CachedMesh,
+    hit: &PickHit,
+    paint: &ShadingPoint,
+    ray: &Ray,
+) -> Option<String> {
+    if !hit.is_front {
+        // Irradiance is known on front sides only.
+        return None;
+    }
+    let shown = entry.light(hit.vertices, hit.barycentric);
+    let (irradiance, error) = shown.or_else(|| entry.light_beneath(cx.app, ray))?;
+    let error = error.map_or_else(|| "?".to_owned(), value);
+    let app = cx.app;
+    let radiance = app.document.radiance(paint, irradiance)?;
+    Some(format!(
+        " · E = {} ± {} {} · {} L = {} {}",
+        value(irradiance),
+        error,
+        irradiance_unit(app),
+        cx.tr("matt"),
+        value(radiance),
+        radiance_unit(app)
+    ))
+}
+
+/// The unit of radiance.
+pub fn radiance_unit(app: &App) -> &'static str {
+    if app.document.units.photometric {
+        "cd/m²"
+    } else {
+        "W/(sr·m²)"
+    }
+}
+
+/// One number if the channels agree, otherwise three.
+pub fn value(c: Rgb) -> String {
+    let (low, high) = (c.r.min(c.g).min(c.b), c.max_channel());
+    if high - low <= 5e-3 * high.abs() {
+        number(c.luminance())
+    } else {
+        format!("({}, {}, {})", number(c.r), number(c.g), number(c.b))
+    }
+}
