@@ -1,7 +1,7 @@
 //! Any bytes as OpenEXR: what is read must be whole, and the same after writing and reading.
 #![no_main]
 
-use azulejo_formats::exr;
+use azulejo_formats::picture::exr;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

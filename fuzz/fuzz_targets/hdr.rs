@@ -2,7 +2,7 @@
 //! reading.
 #![no_main]
 
-use azulejo_formats::hdr;
+use azulejo_formats::picture::hdr;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

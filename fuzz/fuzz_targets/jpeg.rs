@@ -1,7 +1,7 @@
 //! Any bytes as JPEG: what is read must be whole and in range.
 #![no_main]
 
-use azulejo_formats::jpeg;
+use azulejo_formats::picture::jpeg;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

@@ -1,7 +1,7 @@
 //! Any bytes as PNG: what is read must be whole, and nearly the same after writing and reading.
 #![no_main]
 
-use azulejo_formats::png;
+use azulejo_formats::picture::png;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

@@ -2,7 +2,7 @@
 //! own coordinates, nothing of it placed yet.
 
 use super::color::{Color, FOREGROUND, Paint};
-use super::ids::{BlockId, LayerId, LookId};
+use super::ids::{AppearanceId, BlockId, LayerId};
 use super::surfaces::Surfaces;
 use azulejo_scene::{Camera, Light};
 use glam::{DMat3, DVec3};
@@ -10,7 +10,7 @@ use std::collections::HashMap;
 
 /// One file.
 #[derive(Debug)]
-pub(super) struct Drawing {
+pub(super) struct DxfDrawing {
     /// Its name.
     pub file: String,
     /// Metres per unit, if the file says so.
@@ -18,9 +18,9 @@ pub(super) struct Drawing {
     /// Layers, in the order in which they are first named.
     pub layers: Vec<Layer>,
     /// What entities look like.
-    pub looks: Vec<Look>,
+    pub appearances: Vec<Appearance>,
     /// The model space, and the blocks in the order in which they are first named.
-    pub blocks: Vec<Block>,
+    pub blocks: Vec<DxfBlock>,
     /// MATERIALs by their handles.
     pub finishes: HashMap<u64, Finish>,
     /// Views in perspective.
@@ -62,7 +62,7 @@ impl Layer {
 
 /// What decides the material of an entity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Look {
+pub(super) struct Appearance {
     /// Its layer.
     pub layer: LayerId,
     /// Its colour.
@@ -95,7 +95,7 @@ pub(super) enum Finish {
 
 /// What a block holds.
 #[derive(Debug, Default)]
-pub(super) struct Block {
+pub(super) struct DxfBlock {
     /// Its name; the model space and anonymous blocks have none.
     pub name: String,
     /// The point that an INSERT places.
@@ -118,7 +118,7 @@ pub(super) struct Insert {
     /// Which block.
     pub block: BlockId,
     /// What its parts look like that leave it to the INSERT.
-    pub look: LookId,
+    pub appearance: AppearanceId,
     /// Turns and scales the block.
     pub matrix: DMat3,
     /// Where the block's base point goes.

@@ -3,12 +3,12 @@
 use super::axes::world_from_entity;
 use super::curve::{ellipse, is_full, sweep};
 use super::drawing::Insert;
-use super::ids::LookId;
+use super::ids::AppearanceId;
 use super::light::light;
 use super::mesh_entity::Cage;
 use super::outline::{Outline, Vertex};
-use super::parse::Parser;
-use super::polyline::{Kind, Polyline};
+use super::parse::DxfParser;
+use super::polyline::{Polyline, PolylineKind};
 use super::record::Record;
 use super::surfaces::{Corners, LayerMesh, Line};
 use crate::ReadError;
@@ -20,7 +20,7 @@ const COST_OF_CIRCLE: u64 = 256;
 
 type Done = Result<(), ReadError>;
 
-impl<'a> Parser<'a, '_> {
+impl<'a> DxfParser<'a, '_> {
     /// Takes an entity, or what belongs to one.
     pub fn entity(&mut self, record: &Record<'a>) -> Done {
         match record.kind {
@@ -68,17 +68,17 @@ impl<'a> Parser<'a, '_> {
         Ok(())
     }
 
-    /// The mesh that an entity belongs to, and its look in there.
-    fn site(&mut self, record: &Record<'a>) -> Option<(&mut LayerMesh, LookId)> {
+    /// The mesh that an entity belongs to, and its appearance there.
+    fn site(&mut self, record: &Record<'a>) -> Option<(&mut LayerMesh, AppearanceId)> {
         const OPACITY_IS_GIVEN: i64 = 0x0200_0000;
-        let look = self.look(record);
-        let id = self.look_id(look);
+        let appearance = self.appearance(record);
+        let id = self.look_id(appearance);
         let opacity = record.integer(440, 0);
         if opacity & OPACITY_IS_GIVEN != 0 && opacity & 0xff != 0xff {
             self.warn("transparent entity: opaque", record.offset);
         }
         let block = self.current()?;
-        Some((block.surfaces.on(look.layer), id))
+        Some((block.surfaces.on(appearance.layer), id))
     }
 
     fn face(&mut self, record: &Record<'a>) {
@@ -95,10 +95,10 @@ impl<'a> Parser<'a, '_> {
                 record.offset,
             );
         }
-        if let Some((mesh, look)) = self.site(record) {
+        if let Some((mesh, appearance)) = self.site(record) {
             let first = mesh.vertices(corners.as_slice().iter().copied());
             let indices = [first, first + 1, first + 2, first + 3];
-            mesh.face(&indices[..corners.as_slice().len()], look);
+            mesh.face(&indices[..corners.as_slice().len()], appearance);
         }
     }
 
@@ -125,17 +125,17 @@ impl<'a> Parser<'a, '_> {
             );
         }
         let points: Vec<DVec3> = corners.as_slice().iter().map(|&p| axes * p).collect();
-        let Some((mesh, look)) = self.site(record) else {
+        let Some((mesh, appearance)) = self.site(record) else {
             return;
         };
         if offset == DVec3::ZERO {
-            return mesh.polygon(&points, axes.z_axis, look);
+            return mesh.polygon(&points, axes.z_axis, appearance);
         }
         let outline = Line {
             points,
             is_closed: true,
         };
-        mesh.prism(&outline, offset, look, 0);
+        mesh.prism(&outline, offset, appearance, 0);
     }
 
     /// A line, which has the drawing's coordinates and not those of its extrusion.
@@ -145,14 +145,14 @@ impl<'a> Parser<'a, '_> {
             return self.no_surface(record);
         }
         let points = vec![flat_point(record, 10), flat_point(record, 11)];
-        if let Some((mesh, look)) = self.site(record) {
+        if let Some((mesh, appearance)) = self.site(record) {
             mesh.wall(
                 &Line {
                     points,
                     is_closed: false,
                 },
                 offset,
-                look,
+                appearance,
                 |_| 0,
             );
         }
@@ -174,13 +174,14 @@ impl<'a> Parser<'a, '_> {
             points: ellipse(centre, x, y, range),
             is_closed: is_full(range.1),
         };
-        let Some((mesh, look)) = self.site(record) else {
+        let Some((mesh, appearance)) = self.site(record) else {
             return Ok(());
         };
         let group = mesh.new_group();
-        match line.is_closed {
-            true => mesh.prism(&line, offset, look, group),
-            false => mesh.wall(&line, offset, look, |_| group),
+        if line.is_closed {
+            mesh.prism(&line, offset, appearance, group)
+        } else {
+            mesh.wall(&line, offset, appearance, |_| group)
         }
         Ok(())
     }
@@ -230,8 +231,8 @@ impl<'a> Parser<'a, '_> {
             return Ok(());
         }
         self.spend(outline.cost())?;
-        if let Some((mesh, look)) = self.site(record) {
-            outline.draw(mesh, look);
+        if let Some((mesh, appearance)) = self.site(record) {
+            outline.draw(mesh, appearance);
         }
         Ok(())
     }
@@ -246,8 +247,8 @@ impl<'a> Parser<'a, '_> {
             self.warn(message, record.offset);
         }
         self.spend(cage.cost())?;
-        if let Some((mesh, look)) = self.site(record) {
-            let lost = cage.draw(mesh, look);
+        if let Some((mesh, appearance)) = self.site(record) {
+            let lost = cage.draw(mesh, appearance);
             let message =
                 "face of a MESH with too few corners or with one that is no vertex: skipped";
             self.warn_many(message.to_owned(), lost, record.offset);
@@ -256,7 +257,7 @@ impl<'a> Parser<'a, '_> {
     }
 
     fn light(&mut self, record: &Record<'a>) {
-        let layer = self.look(record).layer;
+        let layer = self.appearance(record).layer;
         match light(record) {
             Ok(light) => {
                 if let Some(block) = self.current() {
@@ -279,8 +280,8 @@ impl<'a> Parser<'a, '_> {
         if name.is_empty() {
             return self.warn("INSERT without a block: skipped", record.offset);
         }
-        let look = self.look(record);
-        let look = self.look_id(look);
+        let appearance = self.appearance(record);
+        let appearance = self.look_id(appearance);
         let block = self.block_id(name);
         let axes = world_from_entity(record.point(210));
         let turn = axes * DMat3::from_rotation_z(record.real(50, 0.0).to_radians());
@@ -288,7 +289,7 @@ impl<'a> Parser<'a, '_> {
         let count = |code| record.integer(code, 1).clamp(1, i64::from(u16::MAX)) as u32;
         let insert = Insert {
             block,
-            look,
+            appearance,
             matrix: turn * DMat3::from_diagonal(DVec3::from_array(scale)),
             origin: axes * flat_point(record, 10),
             column_step: turn * DVec3::new(record.real(44, 0.0), 0.0, 0.0),
@@ -314,26 +315,26 @@ impl<'a> Parser<'a, '_> {
     }
 
     fn begin_polyline(&mut self, record: &Record<'a>) {
-        let look = self.look(record);
+        let appearance = self.appearance(record);
         let outline = Outline {
             elevation: flat_point(record, 10).z,
             thickness: record.real(39, 0.0),
             extrusion: record.point(210),
             ..Outline::default()
         };
-        let mut polyline = Polyline::new(record, look, outline);
+        let mut polyline = Polyline::new(record, appearance, outline);
         polyline.is_left_out = self.is_left_out(record);
         self.polyline = Some(polyline);
     }
 
     fn vertex(&mut self, record: &Record) {
-        let look = match &self.polyline {
+        let appearance = match &self.polyline {
             Some(polyline) => polyline.look_of(record),
             None => return self.warn("VERTEX without a POLYLINE: skipped", record.offset),
         };
-        let look = self.look_id(look);
+        let appearance = self.look_id(appearance);
         if let Some(polyline) = &mut self.polyline {
-            polyline.add(record, look);
+            polyline.add(record, appearance);
         }
     }
 
@@ -356,31 +357,33 @@ impl<'a> Parser<'a, '_> {
         }
         self.spend(polyline.cost())?;
         match polyline.kind() {
-            Kind::Flat if polyline.outline.has_surface() => self.flat_polyline(&polyline),
-            Kind::Flat => self.warn(
+            PolylineKind::Flat if polyline.outline.has_surface() => self.flat_polyline(&polyline),
+            PolylineKind::Flat => self.warn(
                 "POLYLINE without thickness or width: has no surface",
                 polyline.offset,
             ),
-            Kind::Spatial => self.warn("POLYLINE in space: has no surface", polyline.offset),
-            Kind::Mesh => self.polygon_mesh(&polyline),
-            Kind::Polyface => self.polyface_mesh(&polyline),
+            PolylineKind::Spatial => {
+                self.warn("POLYLINE in space: has no surface", polyline.offset)
+            }
+            PolylineKind::Mesh => self.polygon_mesh(&polyline),
+            PolylineKind::Polyface => self.polyface_mesh(&polyline),
         }
         Ok(())
     }
 
     fn flat_polyline(&mut self, polyline: &Polyline) {
-        let look = self.look_id(polyline.look);
+        let appearance = self.look_id(polyline.appearance);
         if let Some(block) = self.current() {
             polyline
                 .outline
-                .draw(block.surfaces.on(polyline.look.layer), look);
+                .draw(block.surfaces.on(polyline.appearance.layer), appearance);
         }
     }
 
     fn polygon_mesh(&mut self, polyline: &Polyline) {
-        let look = self.look_id(polyline.look);
+        let appearance = self.look_id(polyline.appearance);
         let Some(block) = self.current() else { return };
-        let is_whole = polyline.draw_mesh(block.surfaces.on(polyline.look.layer), look);
+        let is_whole = polyline.draw_mesh(block.surfaces.on(polyline.appearance.layer), appearance);
         if !is_whole {
             let message =
                 "polygon mesh whose vertices are not rows times columns: whole rows are kept";
@@ -390,7 +393,7 @@ impl<'a> Parser<'a, '_> {
 
     fn polyface_mesh(&mut self, polyline: &Polyline) {
         let Some(block) = self.current() else { return };
-        let lost = polyline.draw_polyface(block.surfaces.on(polyline.look.layer));
+        let lost = polyline.draw_polyface(block.surfaces.on(polyline.appearance.layer));
         let message =
             "face of a polyface mesh with too few corners or with one that is no vertex: skipped";
         self.warn_many(message.to_owned(), lost, polyline.offset);

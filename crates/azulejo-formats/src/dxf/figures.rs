@@ -24,7 +24,7 @@ use std::collections::HashMap;
 /// A file without sections, and one whose outlines have more curves than `options` allow.
 pub fn read_figures(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<Drawing, ReadError> {
     let bytes = &*decoded(bytes);
-    let mut reader = Reader {
+    let mut reader = FigureReader {
         bytes,
         file: name,
         warnings: Warnings::default(),
@@ -61,7 +61,7 @@ pub fn read_figures(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<D
     })
 }
 
-struct Reader<'a> {
+struct FigureReader<'a> {
     bytes: &'a [u8],
     file: &'a str,
     warnings: Warnings,
@@ -89,7 +89,7 @@ type Done = Result<(), ReadError>;
 
 const CLOSED: i64 = 1;
 
-impl Reader<'_> {
+impl FigureReader<'_> {
     fn record(&mut self, record: &Record) -> Done {
         match record.kind {
             b"SECTION" => self.begin_section(record),

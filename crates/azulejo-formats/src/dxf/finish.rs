@@ -56,9 +56,10 @@ pub(super) fn material(
         ior,
     }) = finish
     else {
-        let name = match paint == layer_paint {
-            true => layer.to_owned(),
-            false => format!("{layer}/{paint}"),
+        let name = if paint == layer_paint {
+            layer.to_owned()
+        } else {
+            format!("{layer}/{paint}")
         };
         return Material::diffuse(name, paint.reflectance());
     };

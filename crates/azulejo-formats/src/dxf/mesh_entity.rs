@@ -1,6 +1,6 @@
 //! MESH: polygons over shared vertices, which AutoCAD can subdivide into a smooth surface.
 
-use super::ids::LookId;
+use super::ids::AppearanceId;
 use super::record::Record;
 use super::surfaces::LayerMesh;
 use glam::DVec3;
@@ -64,7 +64,7 @@ impl Cage {
 
     /// Adds its polygons to a mesh. Returns how many are lost, because they have too few corners
     /// or one that is no vertex; a face list that ends early counts as one.
-    pub fn draw(&self, mesh: &mut LayerMesh, look: LookId) -> usize {
+    pub fn draw(&self, mesh: &mut LayerMesh, appearance: AppearanceId) -> usize {
         let first = mesh.vertices(self.points.iter().copied());
         let is_vertex = |corner: &i64| (0..self.points.len() as i64).contains(corner);
         let mut lost = usize::from(self.entries != self.faces.len() as i64);
@@ -81,7 +81,7 @@ impl Cage {
             }
             corners.clear();
             corners.extend(face.iter().map(|&corner| first + corner as u32));
-            mesh.face(&corners, look);
+            mesh.face(&corners, appearance);
         }
         lost
     }

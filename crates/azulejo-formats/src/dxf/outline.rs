@@ -2,7 +2,7 @@
 
 use super::axes::world_from_entity;
 use super::curve::{Station, bulged};
-use super::ids::LookId;
+use super::ids::AppearanceId;
 use super::surfaces::{LayerMesh, Line};
 use glam::{DMat3, DVec2, DVec3};
 
@@ -84,7 +84,7 @@ impl Outline {
     }
 
     /// Adds its surface to a mesh.
-    pub fn draw(&self, mesh: &mut LayerMesh, look: LookId) {
+    pub fn draw(&self, mesh: &mut LayerMesh, appearance: AppearanceId) {
         let pieces = self.pieces();
         if pieces.is_empty() {
             return;
@@ -101,11 +101,11 @@ impl Outline {
             Band {
                 space,
                 groups,
-                look,
+                appearance,
             }
             .draw(&pieces, mesh);
         } else {
-            self.draw_wall(&pieces, &space, &groups, mesh, look);
+            self.draw_wall(&pieces, &space, &groups, mesh, appearance);
         }
     }
 
@@ -115,7 +115,7 @@ impl Outline {
         space: &Space,
         groups: &[u32],
         mesh: &mut LayerMesh,
-        look: LookId,
+        appearance: AppearanceId,
     ) {
         let mut points: Vec<DVec3> = pieces
             .iter()
@@ -130,7 +130,7 @@ impl Outline {
             is_closed: self.is_closed,
         };
         let groups = |part: usize| groups[pieces[part].curve as usize];
-        mesh.wall(&line, space.up(), look, groups);
+        mesh.wall(&line, space.up(), appearance, groups);
     }
 
     /// Its straight pieces, joined where they meet.
@@ -241,7 +241,7 @@ struct Band {
     space: Space,
     /// The smoothing group of each curve.
     groups: Vec<u32>,
-    look: LookId,
+    appearance: AppearanceId,
 }
 
 /// Vertices across a band: right and left below, then right and left above if it is thick.
@@ -256,10 +256,11 @@ impl Band {
             let a = before.filter(|_| start.is_joined && i > 0);
             let a = a.unwrap_or_else(|| self.across(&start, mesh));
             let closes = i > 0 && i + 1 == pieces.len() && end.is_joined;
-            let b = match closes {
+            let b = if closes {
                 // Those of the first piece's start, which were the first made.
-                true => self.numbered(first_vertex),
-                false => self.across(&end, mesh),
+                self.numbered(first_vertex)
+            } else {
+                self.across(&end, mesh)
             };
             self.draw_piece(piece, a, b, mesh);
             before = Some(b);
@@ -285,28 +286,34 @@ impl Band {
         let [right, left, high_right, high_left] = [0, 1, 2, 3].map(|i| [a[i], b[i]]);
         mesh.face(
             &[high_right[0], high_right[1], high_left[1], high_left[0]],
-            self.look,
+            self.appearance,
         );
         if self.space.height == 0.0 {
             return;
         }
         let group = self.groups[piece.curve as usize];
-        mesh.face(&[right[0], left[0], left[1], right[1]], self.look);
+        mesh.face(&[right[0], left[0], left[1], right[1]], self.appearance);
         mesh.smooth_face(
             &[right[0], right[1], high_right[1], high_right[0]],
-            self.look,
+            self.appearance,
             group,
         );
         mesh.smooth_face(
             &[left[1], left[0], high_left[0], high_left[1]],
-            self.look,
+            self.appearance,
             group,
         );
         if !piece.ends[0].is_joined {
-            mesh.face(&[left[0], right[0], high_right[0], high_left[0]], self.look);
+            mesh.face(
+                &[left[0], right[0], high_right[0], high_left[0]],
+                self.appearance,
+            );
         }
         if !piece.ends[1].is_joined {
-            mesh.face(&[right[1], left[1], high_left[1], high_right[1]], self.look);
+            mesh.face(
+                &[right[1], left[1], high_left[1], high_right[1]],
+                self.appearance,
+            );
         }
     }
 }

@@ -236,7 +236,7 @@ impl<'a> Pairs<'a> {
     fn binary_pair(&mut self) -> Option<Pair<'a>> {
         let start = self.at;
         let code = self.binary_code()?;
-        let Some(kind) = Kind::of(code) else {
+        let Some(kind) = ValueKind::of(code) else {
             // Nobody knows how long the value is.
             self.damage = Some(Damage {
                 offset: start,
@@ -246,16 +246,16 @@ impl<'a> Pairs<'a> {
             return None;
         };
         let value = match kind {
-            Kind::Text => Value::Text(self.zero_ended()?),
-            Kind::Chunk => {
+            ValueKind::Text => Value::Text(self.zero_ended()?),
+            ValueKind::Chunk => {
                 let [length] = self.take()?;
                 Value::Text(self.slice(usize::from(length))?)
             }
-            Kind::Real => Value::Real(f64::from_le_bytes(self.take()?)),
-            Kind::Int8 => Value::Integer(i64::from(self.take::<1>()?[0])),
-            Kind::Int16 => Value::Integer(i16::from_le_bytes(self.take()?).into()),
-            Kind::Int32 => Value::Integer(i32::from_le_bytes(self.take()?).into()),
-            Kind::Int64 => Value::Integer(i64::from_le_bytes(self.take()?)),
+            ValueKind::Real => Value::Real(f64::from_le_bytes(self.take()?)),
+            ValueKind::Int8 => Value::Integer(i64::from(self.take::<1>()?[0])),
+            ValueKind::Int16 => Value::Integer(i16::from_le_bytes(self.take()?).into()),
+            ValueKind::Int32 => Value::Integer(i32::from_le_bytes(self.take()?).into()),
+            ValueKind::Int64 => Value::Integer(i64::from_le_bytes(self.take()?)),
         };
         Some(Pair { code, value })
     }
@@ -298,7 +298,7 @@ fn begins_a_name(value: &[u8]) -> bool {
 }
 
 /// How the value of a group is written in binary.
-enum Kind {
+enum ValueKind {
     Text,
     Chunk,
     Real,
@@ -308,9 +308,9 @@ enum Kind {
     Int64,
 }
 
-impl Kind {
+impl ValueKind {
     /// *DXF Reference*, "Group code value types".
-    fn of(code: i16) -> Option<Kind> {
+    fn of(code: i16) -> Option<ValueKind> {
         Some(match code {
             0..=9
             | 100..=105
@@ -321,13 +321,15 @@ impl Kind {
             | 430..=439
             | 470..=481
             | 999..=1003
-            | 1005..=1009 => Kind::Text,
-            310..=319 | 1004 => Kind::Chunk,
-            10..=59 | 110..=149 | 210..=239 | 460..=469 | 1010..=1059 => Kind::Real,
-            60..=79 | 170..=179 | 270..=289 | 370..=389 | 400..=409 | 1060..=1070 => Kind::Int16,
-            90..=99 | 420..=429 | 440..=459 | 1071 => Kind::Int32,
-            160..=169 => Kind::Int64,
-            290..=299 => Kind::Int8,
+            | 1005..=1009 => ValueKind::Text,
+            310..=319 | 1004 => ValueKind::Chunk,
+            10..=59 | 110..=149 | 210..=239 | 460..=469 | 1010..=1059 => ValueKind::Real,
+            60..=79 | 170..=179 | 270..=289 | 370..=389 | 400..=409 | 1060..=1070 => {
+                ValueKind::Int16
+            }
+            90..=99 | 420..=429 | 440..=459 | 1071 => ValueKind::Int32,
+            160..=169 => ValueKind::Int64,
+            290..=299 => ValueKind::Int8,
             _ => return None,
         })
     }

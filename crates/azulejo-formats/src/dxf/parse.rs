@@ -1,8 +1,8 @@
-//! From the records of a file to a [`Drawing`]: sections, tables, blocks.
+//! From the records of a file to a [`DxfDrawing`]: sections, tables, blocks.
 
 use super::color::{Color, Paint};
-use super::drawing::{Block, Drawing, Finish, Layer, Look};
-use super::ids::{BlockId, LayerId, LookId, MODEL_SPACE};
+use super::drawing::{Appearance, DxfBlock, DxfDrawing, Finish, Layer};
+use super::ids::{AppearanceId, BlockId, LayerId, MODEL_SPACE};
 use super::pairs::{Damage, Encoding};
 use super::polyline::Polyline;
 use super::record::{Record, Records};
@@ -22,8 +22,8 @@ pub(super) fn parse(
     file: &str,
     options: &ReadOptions,
     warnings: &mut Warnings,
-) -> Result<Drawing, ReadError> {
-    let mut parser = Parser::new(bytes, file, options, warnings);
+) -> Result<DxfDrawing, ReadError> {
+    let mut parser = DxfParser::new(bytes, file, options, warnings);
     parser.records()?;
     parser.note_damage();
     if !parser.has_sections {
@@ -46,12 +46,12 @@ enum Section {
 }
 
 /// A drawing under construction.
-pub(super) struct Parser<'a, 'w> {
+pub(super) struct DxfParser<'a, 'w> {
     bytes: &'a [u8],
     source: Records<'a>,
     warnings: &'w mut Warnings,
     /// What has been read.
-    pub drawing: Drawing,
+    pub drawing: DxfDrawing,
     section: Section,
     has_sections: bool,
     /// The block that is being read; none between blocks.
@@ -62,8 +62,8 @@ pub(super) struct Parser<'a, 'w> {
     pub budget: Budget,
     layers: Known<'a, LayerId>,
     blocks: Known<'a, BlockId>,
-    looks: HashMap<Look, LookId>,
-    last_look: Option<(Look, LookId)>,
+    appearances: HashMap<Appearance, AppearanceId>,
+    last_look: Option<(Appearance, AppearanceId)>,
 }
 
 /// Things by their names, which do not tell capitals from small letters.
@@ -108,25 +108,25 @@ impl<'a, Id: Copy> Known<'a, Id> {
     }
 }
 
-impl<'a, 'w> Parser<'a, 'w> {
+impl<'a, 'w> DxfParser<'a, 'w> {
     fn new(
         bytes: &'a [u8],
         file: &str,
         options: &ReadOptions,
         warnings: &'w mut Warnings,
-    ) -> Parser<'a, 'w> {
-        Parser {
+    ) -> DxfParser<'a, 'w> {
+        DxfParser {
             bytes,
             source: Records::new(bytes),
             warnings,
-            drawing: Drawing {
+            drawing: DxfDrawing {
                 file: file.to_owned(),
                 metres_per_unit: None,
                 layers: Vec::new(),
-                looks: Vec::new(),
-                blocks: vec![Block {
+                appearances: Vec::new(),
+                blocks: vec![DxfBlock {
                     is_defined: true,
-                    ..Block::default()
+                    ..DxfBlock::default()
                 }],
                 finishes: HashMap::new(),
                 cameras: Vec::new(),
@@ -138,7 +138,7 @@ impl<'a, 'w> Parser<'a, 'w> {
             budget: Budget::new(options),
             layers: Known::new(),
             blocks: Known::new(),
-            looks: HashMap::new(),
+            appearances: HashMap::new(),
             last_look: None,
         }
     }
@@ -216,7 +216,7 @@ impl<'a, 'w> Parser<'a, 'w> {
         let block = &mut self.drawing.blocks[id as usize];
         let was_defined = block.is_defined;
         let is_external = record.integer(70, 0) & (EXTERNAL | OVERLAID) != 0;
-        *block = Block {
+        *block = DxfBlock {
             // Anonymous blocks are named by programs, not by people.
             name: if name.starts_with('*') {
                 String::new()
@@ -226,7 +226,7 @@ impl<'a, 'w> Parser<'a, 'w> {
             base: record.point(10),
             is_defined: true,
             external: is_external.then(|| record.text(1).into_owned()),
-            ..Block::default()
+            ..DxfBlock::default()
         };
         if was_defined {
             self.warn(
@@ -237,7 +237,7 @@ impl<'a, 'w> Parser<'a, 'w> {
     }
 
     /// The block that entities go to.
-    pub fn current(&mut self) -> Option<&mut Block> {
+    pub fn current(&mut self) -> Option<&mut DxfBlock> {
         self.block.map(|id| &mut self.drawing.blocks[id as usize])
     }
 
@@ -245,9 +245,9 @@ impl<'a, 'w> Parser<'a, 'w> {
     pub fn block_id(&mut self, name: &'a [u8]) -> BlockId {
         let list = &mut self.drawing.blocks;
         self.blocks.find(name, |name| {
-            list.push(Block {
+            list.push(DxfBlock {
                 name: name.to_owned(),
-                ..Block::default()
+                ..DxfBlock::default()
             });
             (list.len() - 1) as BlockId
         })
@@ -264,28 +264,28 @@ impl<'a, 'w> Parser<'a, 'w> {
         })
     }
 
-    /// The look of an entity.
-    pub fn look(&mut self, record: &Record<'a>) -> Look {
-        Look {
+    /// The appearance of an entity.
+    pub fn appearance(&mut self, record: &Record<'a>) -> Appearance {
+        Appearance {
             layer: self.layer_id(record.bytes(8)),
             color: Color::of(record),
             finish: record.handle(347),
         }
     }
 
-    /// The index of a look.
-    pub fn look_id(&mut self, look: Look) -> LookId {
+    /// The index of an appearance.
+    pub fn look_id(&mut self, appearance: Appearance) -> AppearanceId {
         if let Some((last, id)) = self.last_look
-            && last == look
+            && last == appearance
         {
             return id;
         }
-        let list = &mut self.drawing.looks;
-        let id = *self.looks.entry(look).or_insert_with(|| {
-            list.push(look);
-            (list.len() - 1) as LookId
+        let list = &mut self.drawing.appearances;
+        let id = *self.appearances.entry(appearance).or_insert_with(|| {
+            list.push(appearance);
+            (list.len() - 1) as AppearanceId
         });
-        self.last_look = Some((look, id));
+        self.last_look = Some((appearance, id));
         id
     }
 

@@ -1,9 +1,9 @@
 //! From drawings to a scene: every INSERT becomes a copy of its block.
 
 use super::color::{Color, FOREGROUND, Paint};
-use super::drawing::{Block, Drawing, Finish, Insert, Layer, Look};
+use super::drawing::{Appearance, DxfBlock, DxfDrawing, Finish, Insert, Layer};
 use super::finish::material;
-use super::ids::{LayerId, LookId};
+use super::ids::{AppearanceId, LayerId};
 use super::light::placed;
 use super::project::{Node, Project};
 use super::surfaces::LayerMesh;
@@ -50,7 +50,7 @@ struct Context<'a> {
     /// Names of the blocks that lead here, joined by `/`.
     path: String,
     /// What stands in for layer 0; none for the drawing itself.
-    layer: Option<Plane<'a>>,
+    layer: Option<EffectiveLayer<'a>>,
     /// The colour of what takes its INSERT's.
     paint: Paint,
     /// The MATERIAL of what takes its INSERT's.
@@ -70,14 +70,14 @@ impl Default for Context<'_> {
 
 /// A layer, which may be one of another drawing, with its MATERIAL.
 #[derive(Clone, Copy, Debug)]
-struct Plane<'a> {
+struct EffectiveLayer<'a> {
     layer: &'a Layer,
     finish: Option<&'a Finish>,
 }
 
-/// A look in its context.
+/// An appearance in its context.
 struct Resolved<'a> {
-    plane: Plane<'a>,
+    plane: EffectiveLayer<'a>,
     paint: Paint,
     finish: Option<&'a Finish>,
 }
@@ -108,8 +108,8 @@ impl<'a> Placer<'a, '_> {
         let Some(target) = self.project.target(node, insert) else {
             return;
         };
-        let look = self.resolved(drawing, insert.look, context);
-        let layer = look.plane.layer;
+        let appearance = self.resolved(drawing, insert.appearance, context);
+        let layer = appearance.plane.layer;
         if layer.is_frozen {
             return self.note_hidden(layer);
         }
@@ -118,9 +118,9 @@ impl<'a> Placer<'a, '_> {
         let outer = &drawing.blocks[insert.block as usize];
         let inner = Context {
             path: joined(&context.path, &outer.name),
-            layer: Some(look.plane),
-            paint: look.paint,
-            finish: look.finish,
+            layer: Some(appearance.plane),
+            paint: appearance.paint,
+            finish: appearance.finish,
         };
         let base = insert.matrix * outer.base;
         for row in 0..insert.rows {
@@ -134,7 +134,7 @@ impl<'a> Placer<'a, '_> {
         }
     }
 
-    fn add_block(&mut self, node: Node, block: &Block, map: &DAffine3, context: &Context<'a>) {
+    fn add_block(&mut self, node: Node, block: &DxfBlock, map: &DAffine3, context: &Context<'a>) {
         let drawing = self.project.get(node).0;
         for LayerMesh { layer, mesh, .. } in &block.surfaces.meshes {
             if let Some(layer) = self.shown(drawing, *layer, context) {
@@ -149,7 +149,7 @@ impl<'a> Placer<'a, '_> {
     /// Adds a mesh in its place.
     fn add_mesh(
         &mut self,
-        drawing: &'a Drawing,
+        drawing: &'a DxfDrawing,
         mut mesh: Mesh,
         layer: &'a Layer,
         context: &Context<'a>,
@@ -161,8 +161,8 @@ impl<'a> Placer<'a, '_> {
             let message = "surfaces beyond all numbers, by scales within scales: left out";
             return self.warnings.add_whole(&drawing.file, message);
         }
-        let mut known: HashMap<LookId, MaterialId> = HashMap::new();
-        let mut last = (LookId::MAX, 0);
+        let mut known: HashMap<AppearanceId, MaterialId> = HashMap::new();
+        let mut last = (AppearanceId::MAX, 0);
         for slot in &mut mesh.face_materials {
             if last.0 != *slot {
                 let id = *known
@@ -180,27 +180,32 @@ impl<'a> Placer<'a, '_> {
 
     fn material(
         &mut self,
-        drawing: &'a Drawing,
-        look: LookId,
+        drawing: &'a DxfDrawing,
+        appearance: AppearanceId,
         context: &Context<'a>,
     ) -> MaterialId {
         let Resolved {
             plane,
             paint,
             finish,
-        } = self.resolved(drawing, look, context);
+        } = self.resolved(drawing, appearance, context);
         let layer = plane.layer;
         self.materials
             .index(material(&layer.name, layer.paint, paint, finish))
     }
 
-    /// A look with all that it takes from its layer and its INSERT.
-    fn resolved(&self, drawing: &'a Drawing, look: LookId, context: &Context<'a>) -> Resolved<'a> {
-        let Look {
+    /// An appearance with all that it takes from its layer and its INSERT.
+    fn resolved(
+        &self,
+        drawing: &'a DxfDrawing,
+        appearance: AppearanceId,
+        context: &Context<'a>,
+    ) -> Resolved<'a> {
+        let Appearance {
             layer,
             color,
             finish,
-        } = drawing.looks[look as usize];
+        } = drawing.appearances[appearance as usize];
         let plane = plane_in(drawing, layer, context);
         let paint = match color {
             Color::ByLayer => plane.layer.paint,
@@ -222,7 +227,7 @@ impl<'a> Placer<'a, '_> {
     /// The layer of something in a block, if it is to be seen.
     fn shown(
         &mut self,
-        drawing: &'a Drawing,
+        drawing: &'a DxfDrawing,
         id: LayerId,
         context: &Context<'a>,
     ) -> Option<&'a Layer> {
@@ -243,11 +248,11 @@ impl<'a> Placer<'a, '_> {
 }
 
 /// The layer of something in a block: layer 0 is that of the INSERT.
-fn plane_in<'a>(drawing: &'a Drawing, id: LayerId, context: &Context<'a>) -> Plane<'a> {
+fn plane_in<'a>(drawing: &'a DxfDrawing, id: LayerId, context: &Context<'a>) -> EffectiveLayer<'a> {
     let layer = &drawing.layers[id as usize];
     match context.layer {
         Some(outer) if layer.is_zero() => outer,
-        _ => Plane {
+        _ => EffectiveLayer {
             layer,
             finish: drawing.finishes.get(&layer.finish),
         },

@@ -2,8 +2,8 @@
 //! columns, and meshes of any faces.
 
 use super::color::Color;
-use super::drawing::Look;
-use super::ids::LookId;
+use super::drawing::Appearance;
+use super::ids::AppearanceId;
 use super::outline::{Outline, Vertex};
 use super::record::Record;
 use super::surfaces::{Corners, LayerMesh};
@@ -32,7 +32,7 @@ pub(super) struct Polyline {
     /// Its flags.
     flags: i64,
     /// What it looks like; faces may have colours of their own.
-    pub look: Look,
+    pub appearance: Appearance,
     /// Where it begins in the file.
     pub offset: usize,
     /// Whether it is not to be drawn.
@@ -53,12 +53,12 @@ pub(super) struct Polyline {
 #[derive(Debug)]
 struct PolyFace {
     corners: [i64; 4],
-    look: LookId,
+    appearance: AppearanceId,
 }
 
 /// What a POLYLINE is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum PolylineKind {
     /// A flat line.
     Flat,
     /// A line through space.
@@ -71,12 +71,12 @@ pub(super) enum Kind {
 
 impl Polyline {
     /// Begins with the POLYLINE record.
-    pub fn new(record: &Record, look: Look, outline: Outline) -> Polyline {
+    pub fn new(record: &Record, appearance: Appearance, outline: Outline) -> Polyline {
         let size = |code| record.integer(code, 0).clamp(0, 1 << 24) as usize;
         let flags = record.integer(70, 0);
         Polyline {
             flags,
-            look,
+            appearance,
             offset: record.offset,
             is_left_out: false,
             sizes: [[size(71), size(72)], [size(73), size(74)]],
@@ -91,34 +91,34 @@ impl Polyline {
     }
 
     /// What it is.
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> PolylineKind {
         match self.flags {
-            f if f & flag::POLYFACE != 0 => Kind::Polyface,
-            f if f & flag::MESH != 0 => Kind::Mesh,
-            f if f & flag::SPATIAL != 0 => Kind::Spatial,
-            _ => Kind::Flat,
+            f if f & flag::POLYFACE != 0 => PolylineKind::Polyface,
+            f if f & flag::MESH != 0 => PolylineKind::Mesh,
+            f if f & flag::SPATIAL != 0 => PolylineKind::Spatial,
+            _ => PolylineKind::Flat,
         }
     }
 
     /// What a VERTEX that is a face looks like.
-    pub fn look_of(&self, vertex: &Record) -> Look {
+    pub fn look_of(&self, vertex: &Record) -> Appearance {
         let own = vertex.find(62).or(vertex.find(420));
         match own {
-            Some(_) => Look {
+            Some(_) => Appearance {
                 color: Color::of(vertex),
-                ..self.look
+                ..self.appearance
             },
-            None => self.look,
+            None => self.appearance,
         }
     }
 
     /// Takes a VERTEX and what it looks like.
-    pub fn add(&mut self, record: &Record, look: LookId) {
+    pub fn add(&mut self, record: &Record, appearance: AppearanceId) {
         let flags = record.integer(70, 0);
         match self.kind() {
-            Kind::Polyface => self.add_to_polyface(record, flags, look),
+            PolylineKind::Polyface => self.add_to_polyface(record, flags, appearance),
             _ if flags & vertex_flag::CONTROL_POINT != 0 => {}
-            Kind::Flat => self.outline.vertices.push(Vertex {
+            PolylineKind::Flat => self.outline.vertices.push(Vertex {
                 point: record.point(10).truncate(),
                 widths: [
                     record.real(40, self.widths[0]),
@@ -126,24 +126,24 @@ impl Polyline {
                 ],
                 bulge: record.real(42, 0.0),
             }),
-            Kind::Mesh | Kind::Spatial => self.points.push(record.point(10)),
+            PolylineKind::Mesh | PolylineKind::Spatial => self.points.push(record.point(10)),
         }
     }
 
     /// Vertices that are places have both bits, faces have one.
-    fn add_to_polyface(&mut self, record: &Record, flags: i64, look: LookId) {
+    fn add_to_polyface(&mut self, record: &Record, flags: i64, appearance: AppearanceId) {
         if flags & vertex_flag::PLACE != 0 || flags & vertex_flag::POLYFACE == 0 {
             self.points.push(record.point(10));
         } else {
             self.faces.push(PolyFace {
                 corners: [71, 72, 73, 74].map(|code| record.integer(code, 0)),
-                look,
+                appearance,
             });
         }
     }
 
     /// Adds a mesh of rows and columns. Returns whether it has as many vertices as those need.
-    pub fn draw_mesh(&self, mesh: &mut LayerMesh, look: LookId) -> bool {
+    pub fn draw_mesh(&self, mesh: &mut LayerMesh, appearance: AppearanceId) -> bool {
         let [asked, columns] = self.size();
         let rows = asked.min(self.points.len() / columns.max(1));
         if rows < 2 || columns < 2 {
@@ -162,7 +162,7 @@ impl Polyline {
                     at(next_row, next),
                     at(row, next),
                 ];
-                mesh.face(&corners, look);
+                mesh.face(&corners, appearance);
             }
         }
         asked * columns == self.points.len()
@@ -189,9 +189,10 @@ impl Polyline {
                 .clone()
                 .all(|vertex| vertex < self.points.len() as u64);
             let corners = Corners::new(vertices.map(|vertex| first.wrapping_add(vertex as u32)));
-            match exist && corners.are_a_face() {
-                true => mesh.face(corners.as_slice(), face.look),
-                false => lost += 1,
+            if exist && corners.are_a_face() {
+                mesh.face(corners.as_slice(), face.appearance)
+            } else {
+                lost += 1
             }
         }
         lost
@@ -200,10 +201,10 @@ impl Polyline {
     /// Most vertices and corners that it makes.
     pub fn cost(&self) -> u64 {
         match self.kind() {
-            Kind::Flat => self.outline.cost(),
-            Kind::Spatial => 0,
-            Kind::Mesh => 5 * self.points.len() as u64,
-            Kind::Polyface => self.points.len() as u64 + 4 * self.faces.len() as u64,
+            PolylineKind::Flat => self.outline.cost(),
+            PolylineKind::Spatial => 0,
+            PolylineKind::Mesh => 5 * self.points.len() as u64,
+            PolylineKind::Polyface => self.points.len() as u64 + 4 * self.faces.len() as u64,
         }
     }
 }

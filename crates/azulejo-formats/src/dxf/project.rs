@@ -1,6 +1,6 @@
 //! A drawing with all that it refers to: which block is in which, and how much they unfold to.
 
-use super::drawing::{Block, Drawing, Insert};
+use super::drawing::{DxfBlock, DxfDrawing, Insert};
 use super::ids::{BlockId, MODEL_SPACE};
 use super::pairs::Pairs;
 use super::parse::{parse, position};
@@ -26,7 +26,7 @@ const COST_OF_NODE: u64 = 8;
 #[derive(Debug)]
 pub(super) struct Project {
     /// The drawings.
-    pub drawings: Vec<Drawing>,
+    pub drawings: Vec<DxfDrawing>,
     /// What external references lead to, by the drawing and the block that name them.
     references: HashMap<Node, usize>,
     /// What each block unfolds to.
@@ -67,13 +67,13 @@ impl Project {
         warnings: &mut Warnings,
     ) -> Result<Project, ReadError> {
         let drawing = parse(bytes, name, options, warnings)?;
-        let mut reader = Reader {
+        let mut reader = ProjectReader {
             project: Project {
                 drawings: vec![drawing],
                 references: HashMap::new(),
                 extents: HashMap::new(),
             },
-            sources: vec![Source {
+            sources: vec![DrawingSource {
                 path: String::new(),
                 bytes: bytes.into(),
             }],
@@ -91,13 +91,13 @@ impl Project {
     }
 
     /// A block and its drawing.
-    pub fn get(&self, node: Node) -> (&Drawing, &Block) {
+    pub fn get(&self, node: Node) -> (&DxfDrawing, &DxfBlock) {
         let drawing = &self.drawings[node.drawing];
         (drawing, &drawing.blocks[node.block as usize])
     }
 
     /// The drawing itself, as a block.
-    pub fn root_mut(&mut self) -> &mut Block {
+    pub fn root_mut(&mut self) -> &mut DxfBlock {
         &mut self.drawings[0].blocks[MODEL_SPACE as usize]
     }
 
@@ -135,17 +135,17 @@ impl Node {
 }
 
 /// Where a drawing comes from.
-struct Source<'a> {
+struct DrawingSource<'a> {
     /// Its name as the first drawing's folder knows it; empty for the first.
     path: String,
     bytes: Cow<'a, [u8]>,
 }
 
 /// A project under construction.
-struct Reader<'a, 'w> {
+struct ProjectReader<'a, 'w> {
     project: Project,
     /// In the order of the drawings.
-    sources: Vec<Source<'a>>,
+    sources: Vec<DrawingSource<'a>>,
     /// Which drawing each external file is, or why it is none.
     by_path: HashMap<String, Result<usize, String>>,
     bytes_left: u64,
@@ -154,7 +154,7 @@ struct Reader<'a, 'w> {
     warnings: &'w mut Warnings,
 }
 
-impl Reader<'_, '_> {
+impl ProjectReader<'_, '_> {
     /// Finds out what a block unfolds to. INSERTs that cannot be followed are marked, with a
     /// warning.
     fn extent(&mut self, node: Node, depth: u32) -> Extent {
@@ -275,7 +275,7 @@ impl Reader<'_, '_> {
         let drawing = parse(&bytes, path, self.options, self.warnings)
             .map_err(|e| refused(&format!("found {}, expected {}", e.found, e.expected)))?;
         self.project.drawings.push(drawing);
-        self.sources.push(Source {
+        self.sources.push(DrawingSource {
             path: path.to_owned(),
             bytes: bytes.into(),
         });
@@ -284,7 +284,7 @@ impl Reader<'_, '_> {
 }
 
 /// Elements of a block without what is placed in it.
-fn own_elements(block: &Block) -> u64 {
+fn own_elements(block: &DxfBlock) -> u64 {
     let meshes = block.surfaces.meshes.iter().map(|m| {
         let (vertices, corners) = (m.mesh.positions.len(), m.mesh.faces.corners.len());
         (vertices + corners) as u64 + COST_OF_NODE

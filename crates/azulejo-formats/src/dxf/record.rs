@@ -169,9 +169,10 @@ const LONGEST_NAME: usize = 255;
 /// write. What is longer than a name may be is cut.
 pub(super) fn decoded(bytes: &[u8]) -> Cow<'_, str> {
     let text = text(bytes);
-    let text = match text.contains("\\U+") {
-        true => Cow::Owned(unescaped(&text)),
-        false => text,
+    let text = if text.contains("\\U+") {
+        Cow::Owned(unescaped(&text))
+    } else {
+        text
     };
     match text.char_indices().nth(LONGEST_NAME) {
         Some((end, _)) => Cow::Owned(text[..end].to_owned()),

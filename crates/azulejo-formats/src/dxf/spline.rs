@@ -44,9 +44,10 @@ pub(super) fn curves(record: &Record) -> Result<Vec<[DVec2; 4]>, &'static str> {
         .iter()
         .map(|p| p.abs().max_element())
         .fold(0.0, f64::max);
-    match first[0].distance(last[3]) <= 1e-9 * size {
-        true => Ok(pieces),
-        false => Err("that is open"),
+    if first[0].distance(last[3]) <= 1e-9 * size {
+        Ok(pieces)
+    } else {
+        Err("that is open")
     }
 }
 

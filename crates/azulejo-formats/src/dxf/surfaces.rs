@@ -1,6 +1,6 @@
 //! The surfaces of a block: one mesh per layer, in the block's coordinates.
 
-use super::ids::{LayerId, LookId};
+use super::ids::{AppearanceId, LayerId};
 use azulejo_scene::Mesh;
 use azulejo_scene::math::area_vector;
 use glam::DVec3;
@@ -19,7 +19,7 @@ pub(super) struct Surfaces {
 pub(super) struct LayerMesh {
     /// The layer.
     pub layer: LayerId,
-    /// Its faces, with looks in place of materials.
+    /// Its faces, with appearances in place of materials.
     pub mesh: Mesh,
     /// The last smoothing group given to a curved surface.
     last_group: u32,
@@ -60,15 +60,15 @@ impl LayerMesh {
 
     /// Adds a flat face.
     #[inline]
-    pub fn face(&mut self, corners: &[u32], look: LookId) {
-        self.smooth_face(corners, look, 0);
+    pub fn face(&mut self, corners: &[u32], appearance: AppearanceId) {
+        self.smooth_face(corners, appearance, 0);
     }
 
     /// Adds a face of a smooth surface; group 0 is flat.
     #[inline]
-    pub fn smooth_face(&mut self, corners: &[u32], look: LookId, group: u32) {
+    pub fn smooth_face(&mut self, corners: &[u32], appearance: AppearanceId, group: u32) {
         let before = self.mesh.faces.len();
-        self.mesh.push_face(corners, look);
+        self.mesh.push_face(corners, appearance);
         // Most meshes have nothing smooth and no groups.
         if group != 0 || !self.mesh.smoothing.is_empty() {
             self.mesh.smoothing.resize(before, 0);
@@ -88,7 +88,7 @@ impl LayerMesh {
         &mut self,
         line: &Line,
         offset: DVec3,
-        look: LookId,
+        appearance: AppearanceId,
         groups: impl Fn(usize) -> u32,
     ) {
         let points = &line.points;
@@ -97,36 +97,44 @@ impl LayerMesh {
         let count = points.len() as u32;
         for part in 0..line.parts() as u32 {
             let (a, b) = (low + 2 * part, low + 2 * ((part + 1) % count));
-            let corners = match inside_out {
-                false => [a, b, b + 1, a + 1],
-                true => [b, a, a + 1, b + 1],
+            let corners = if inside_out {
+                [b, a, a + 1, b + 1]
+            } else {
+                [a, b, b + 1, a + 1]
             };
-            self.smooth_face(&corners, look, groups(part as usize));
+            self.smooth_face(&corners, appearance, groups(part as usize));
         }
     }
 
     /// Adds a flat polygon that faces along `up`, as near as its plane allows.
-    pub fn polygon(&mut self, points: &[DVec3], up: DVec3, look: LookId) {
+    pub fn polygon(&mut self, points: &[DVec3], up: DVec3, appearance: AppearanceId) {
         let first = self.vertices(points.iter().copied());
-        self.polygon_of(first, 1, points, up, look);
+        self.polygon_of(first, 1, points, up, appearance);
     }
 
     /// A polygon of vertices that are there already, each `step` behind the one before.
-    fn polygon_of(&mut self, first: u32, step: u32, points: &[DVec3], up: DVec3, look: LookId) {
+    fn polygon_of(
+        &mut self,
+        first: u32,
+        step: u32,
+        points: &[DVec3],
+        up: DVec3,
+        appearance: AppearanceId,
+    ) {
         let mut corners: Vec<u32> = (0..points.len() as u32).map(|i| first + step * i).collect();
         if area_vector(points).dot(up) < 0.0 {
             corners.reverse();
         }
-        self.face(&corners, look);
+        self.face(&corners, appearance);
     }
 
     /// Adds the closed body that a polygon sweeps along `offset`, with its smoothing group for
     /// the side.
-    pub fn prism(&mut self, outline: &Line, offset: DVec3, look: LookId, group: u32) {
+    pub fn prism(&mut self, outline: &Line, offset: DVec3, appearance: AppearanceId, group: u32) {
         let first = self.mesh.positions.len() as u32;
-        self.wall(outline, offset, look, |_| group);
-        self.polygon_of(first, 2, &outline.points, -offset, look);
-        self.polygon_of(first + 1, 2, &outline.points, offset, look);
+        self.wall(outline, offset, appearance, |_| group);
+        self.polygon_of(first, 2, &outline.points, -offset, appearance);
+        self.polygon_of(first + 1, 2, &outline.points, offset, appearance);
     }
 }
 

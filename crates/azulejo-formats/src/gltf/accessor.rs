@@ -91,9 +91,12 @@ impl<'a> Elements<'a> {
     ) -> Vec<T> {
         use ComponentType::{F32, I8, I16, U8, U16, U32};
         let share = |value: f64, most: f64| if normalized { value / most } else { value };
-        let signed = |value: f64, most: f64| match normalized {
-            true => (value / most).max(-1.0),
-            false => value,
+        let signed = |value: f64, most: f64| {
+            if normalized {
+                (value / most).max(-1.0)
+            } else {
+                value
+            }
         };
         match kind {
             F32 => self.numbers(|b| f32::from_le_bytes(b).into(), make),

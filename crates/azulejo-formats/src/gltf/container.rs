@@ -1,6 +1,6 @@
 //! The outer shape of a file: JSON text alone, or the chunks of a GLB.
 
-use super::said::Said;
+use super::messages::GltfMessages;
 use crate::reading::bytes::Bytes;
 use crate::{Position, ReadError};
 
@@ -22,7 +22,7 @@ pub(super) struct Container<'a> {
 pub(super) fn split<'a>(
     bytes: &'a [u8],
     file: &str,
-    said: &mut Said,
+    said: &mut GltfMessages,
 ) -> Result<Container<'a>, ReadError> {
     if bytes.starts_with(b"glTF") {
         return glb(bytes, file, said);
@@ -34,7 +34,11 @@ pub(super) fn split<'a>(
     })
 }
 
-fn glb<'a>(bytes: &'a [u8], file: &str, said: &mut Said) -> Result<Container<'a>, ReadError> {
+fn glb<'a>(
+    bytes: &'a [u8],
+    file: &str,
+    said: &mut GltfMessages,
+) -> Result<Container<'a>, ReadError> {
     let mut at = Bytes::new(bytes);
     let header = (at.skip(4), at.u32_le(), at.u32_le());
     let (Some(()), Some(version), Some(length)) = header else {
@@ -69,7 +73,7 @@ fn glb<'a>(bytes: &'a [u8], file: &str, said: &mut Said) -> Result<Container<'a>
 }
 
 /// The first chunk of type BIN, to the end of the file if it is cut off.
-fn bin<'a>(at: &mut Bytes<'a>, said: &mut Said) -> Option<&'a [u8]> {
+fn bin<'a>(at: &mut Bytes<'a>, said: &mut GltfMessages) -> Option<&'a [u8]> {
     let mut bin = None;
     while at.left() > 0 {
         let start = Position::Byte(at.offset());
@@ -127,7 +131,7 @@ pub(super) mod tests {
 
     /// Checks what JSON and BIN a file holds, and how many warnings it earns.
     fn check(bytes: &[u8], expected: Result<(&str, Option<&[u8]>, usize), &str>) {
-        let mut said = Said::default();
+        let mut said = GltfMessages::default();
         match (split(bytes, "a.glb", &mut said), expected) {
             (Ok(found), Ok((json, bin, warned))) => {
                 let mut warnings = Warnings::default();

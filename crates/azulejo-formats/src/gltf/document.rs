@@ -1,7 +1,7 @@
 //! JSON to the literal mirror of a file, checked as far as its JSON alone allows.
 
 use super::container::Container;
-use super::said::Said;
+use super::messages::GltfMessages;
 use crate::ReadError;
 use crate::reading::text::{shortened, text};
 use gltf_json::validation::{Checked, Error, Validate};
@@ -37,7 +37,11 @@ const FREE_OBJECTS: usize = 1000;
 /// # Errors
 /// What is no JSON or no glTF 2.0, with its place; indices out of range; required extensions
 /// that are not supported.
-pub(super) fn parse(container: &Container, file: &str, said: &mut Said) -> Result<Root, ReadError> {
+pub(super) fn parse(
+    container: &Container,
+    file: &str,
+    said: &mut GltfMessages,
+) -> Result<Root, ReadError> {
     let objects = container.json.iter().filter(|b| **b == b'{').count();
     if objects.saturating_sub(FREE_OBJECTS) > container.json.len() / BYTES_PER_OBJECT {
         let found = format!(
@@ -98,7 +102,7 @@ fn check_version(root: &Root, file: &str) -> Result<(), ReadError> {
 }
 
 /// Refuses what cannot be read without an unknown extension; names what is read without one.
-fn check_extensions(root: &mut Root, file: &str, said: &mut Said) -> Result<(), ReadError> {
+fn check_extensions(root: &mut Root, file: &str, said: &mut GltfMessages) -> Result<(), ReadError> {
     for name in root.extensions_required.drain(..) {
         if !SUPPORTED.contains(&name.as_str()) {
             let found = format!("an extension that is required: \"{}\"", shortened(&name));
@@ -119,7 +123,7 @@ fn check_extensions(root: &mut Root, file: &str, said: &mut Said) -> Result<(), 
 
 /// Checks indices and enumerations by the rules of `gltf-json`; some of its errors are of no
 /// consequence for a reader that looks at the data itself.
-fn check(root: &Root, file: &str, said: &mut Said) -> Result<(), ReadError> {
+fn check(root: &Root, file: &str, said: &mut GltfMessages) -> Result<(), ReadError> {
     check_positions(root, file)?;
     let mut first = None;
     root.validate(root, Path::new, &mut |path, error| {
@@ -192,7 +196,7 @@ mod tests {
     use super::*;
 
     fn check(json: &str, expected: Result<usize, &str>) {
-        let mut said = Said::default();
+        let mut said = GltfMessages::default();
         let container = Container {
             json: json.as_bytes(),
             json_start: None,

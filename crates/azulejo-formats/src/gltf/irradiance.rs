@@ -40,11 +40,12 @@ pub(super) fn scale(scene: &Scene) -> f64 {
         .flatten()
         .map(|e: &Rgb| e.max_channel())
         .fold(0.0, f64::max);
-    match most > 0.0 {
+    if most > 0.0 {
         // Twice the least power of two above, or a half of it, is as good where the logarithm
         // is rounded; a colour above 1 is not.
-        true => most.log2().ceil().exp2().max(most),
-        false => 1.0,
+        most.log2().ceil().exp2().max(most)
+    } else {
+        1.0
     }
 }
 

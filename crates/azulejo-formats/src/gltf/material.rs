@@ -1,8 +1,8 @@
 //! Materials: metallic-roughness as a reflection model.
 
 use super::accessor::Data;
+use super::messages::GltfMessages;
 use super::pictures::Pictures;
-use super::said::Said;
 use crate::Files;
 use crate::surface::gloss::Gloss;
 use crate::surface::materials::Materials;
@@ -68,7 +68,11 @@ impl<'a> Surfaces<'a> {
     }
 
     /// A material of the file, or that of primitives without one.
-    pub fn of(&mut self, index: Option<Index<gltf_json::Material>>, said: &mut Said) -> Surface {
+    pub fn of(
+        &mut self,
+        index: Option<Index<gltf_json::Material>>,
+        said: &mut GltfMessages,
+    ) -> Surface {
         let key = index.map(|i| i.value());
         if let Some(&known) = self.known.get(&key) {
             return known;
@@ -77,7 +81,7 @@ impl<'a> Surfaces<'a> {
         let surface = match given {
             None => self.plain(Material::diffuse("default", DEFAULT_REFLECTANCE)),
             Some(material) => {
-                let mut reader = Reader {
+                let mut reader = MaterialReader {
                     json: material,
                     index: key.unwrap_or(0),
                     pictures: &mut self.pictures,
@@ -108,12 +112,12 @@ impl<'a> Surfaces<'a> {
 }
 
 /// One material on its way.
-struct Reader<'r, 'a> {
+struct MaterialReader<'r, 'a> {
     json: &'r gltf_json::Material,
     index: usize,
     pictures: &'r mut Pictures<'a>,
     gloss: &'r mut Gloss,
-    said: &'r mut Said,
+    said: &'r mut GltfMessages,
 }
 
 /// A factor that a file should keep in 0..=1.
@@ -126,7 +130,7 @@ fn color([r, g, b]: [f32; 3]) -> Rgb {
     Rgb::new(share(r), share(g), share(b))
 }
 
-impl Reader<'_, '_> {
+impl MaterialReader<'_, '_> {
     fn say(&mut self, message: &str) {
         let index = self.index;
         self.said.of(message, || format!("materials[{index}]"));

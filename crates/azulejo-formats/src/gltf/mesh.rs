@@ -3,7 +3,7 @@
 use super::accessor::Data;
 use super::irradiance::Stored;
 use super::material::{Surface, Surfaces};
-use super::said::Said;
+use super::messages::GltfMessages;
 use super::skin::Joints;
 use super::topology;
 use super::vertices::{Vertices, finish};
@@ -32,7 +32,7 @@ pub(super) struct Builder<'b, 'a> {
     /// What the file may still unfold to.
     pub budget: &'b mut Budget,
     /// Where losses are counted.
-    pub said: &'b mut Said,
+    pub said: &'b mut GltfMessages,
     /// How the mesh stores its irradiance, if it has any.
     pub irradiance: Option<Stored>,
     /// Index of the mesh.

@@ -324,9 +324,10 @@ impl Triangles<'_> {
     /// A triangle of three vertices, by a code of the table or one that stands in the data.
     fn without_edge(&mut self, code: u8, table: &[u8; 16]) -> Option<[u32; 3]> {
         let from_table = code < 0xe;
-        let pair = match from_table {
-            true => table[usize::from(code)],
-            false => self.data.u8_le()?,
+        let pair = if from_table {
+            table[usize::from(code)]
+        } else {
+            self.data.u8_le()?
         };
         if !from_table && pair == 0 {
             self.next = 0;

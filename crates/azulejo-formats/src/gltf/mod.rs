@@ -15,10 +15,10 @@ mod losses;
 mod material;
 mod mesh;
 mod meshopt;
+mod messages;
 mod nodes;
 mod pack;
 mod pictures;
-mod said;
 mod skin;
 #[cfg(test)]
 mod tests;
@@ -41,9 +41,9 @@ use azulejo_scene::{Scene, Units, Up};
 use buffers::Buffers;
 use gltf_json::Root;
 use material::Surfaces;
+use messages::GltfMessages;
 use nodes::Tree;
-use said::Said;
-use walk::Walk;
+use walk::GltfWalk;
 
 /// Reads a glTF or GLB file.
 ///
@@ -59,7 +59,7 @@ pub fn read(
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
     let bytes = &*decoded(bytes);
-    let mut said = Said::default();
+    let mut said = GltfMessages::default();
     let container = container::split(bytes, name, &mut said)?;
     let root = document::parse(&container, name, &mut said)?;
     let tree = Tree::of(&root, name)?;
@@ -68,7 +68,7 @@ pub fn read(
         buffers: Buffers::load(&root, container.bin, files, options),
     };
     let surfaces = Surfaces::new(&data, files);
-    let mut scene = Walk::new(&data, &tree, surfaces, options, &mut said, name).scene()?;
+    let mut scene = GltfWalk::new(&data, &tree, surfaces, options, &mut said, name).scene()?;
     scene.units = units(&root);
     check_result(&scene, &root, name, &mut said)?;
     let mut warnings = Warnings::default();
@@ -93,7 +93,12 @@ fn units(root: &Root) -> Units {
 }
 
 /// Says what nobody should have to find out, and refuses files of which nothing is left.
-fn check_result(scene: &Scene, root: &Root, file: &str, said: &mut Said) -> Result<(), ReadError> {
+fn check_result(
+    scene: &Scene,
+    root: &Root,
+    file: &str,
+    said: &mut GltfMessages,
+) -> Result<(), ReadError> {
     if !root.animations.is_empty() {
         said.whole("animations: not used, nodes stand as at rest");
     }

@@ -139,9 +139,10 @@ pub(super) fn parent_from_node(node: &Node) -> DAffine3 {
 pub(super) fn placed(translation: DVec3, rotation: [f64; 4], scale: DVec3) -> DAffine3 {
     let [x, y, z, w] = rotation;
     let length = (x * x + y * y + z * z + w * w).sqrt();
-    let rotation = match length > 0.0 && length.is_finite() {
-        true => DQuat::from_xyzw(x, y, z, w) / length,
-        false => DQuat::IDENTITY,
+    let rotation = if length > 0.0 && length.is_finite() {
+        DQuat::from_xyzw(x, y, z, w) / length
+    } else {
+        DQuat::IDENTITY
     };
     DAffine3::from_scale_rotation_translation(scale, rotation, translation)
 }

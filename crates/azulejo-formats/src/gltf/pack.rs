@@ -61,9 +61,10 @@ impl Pack {
         // The largest number of each type is no index.
         let is_short = vertices <= usize::from(u16::MAX);
         for &i in indices {
-            match is_short {
-                true => self.bin.extend((i as u16).to_le_bytes()),
-                false => self.bin.extend(i.to_le_bytes()),
+            if is_short {
+                self.bin.extend((i as u16).to_le_bytes())
+            } else {
+                self.bin.extend(i.to_le_bytes())
             }
         }
         self.close(offset, Some(Target::Indices));

@@ -27,7 +27,7 @@ pub(super) struct Pictures<'a> {
 }
 
 /// Where the bytes of a picture are.
-enum Source<'a> {
+enum PictureSource<'a> {
     /// In the file itself.
     Embedded(Cow<'a, [u8]>),
     /// In another file of this name.
@@ -66,8 +66,8 @@ impl<'a> Pictures<'a> {
             return (Some(known), None);
         }
         let (id, problem) = match self.source(image) {
-            Ok(Source::File(name)) => self.textures.index("", &name, self.files),
-            Ok(Source::Embedded(bytes)) => {
+            Ok(PictureSource::File(name)) => self.textures.index("", &name, self.files),
+            Ok(PictureSource::Embedded(bytes)) => {
                 let name = self.name(image);
                 self.textures.embedded(name, Ok(bytes.into_owned()))
             }
@@ -96,8 +96,8 @@ impl<'a> Pictures<'a> {
 
     fn load(&mut self, image: usize) -> Result<Image, String> {
         let bytes = match self.source(image)? {
-            Source::Embedded(bytes) => bytes,
-            Source::File(name) => {
+            PictureSource::Embedded(bytes) => bytes,
+            PictureSource::File(name) => {
                 let read = self.files.read(&name);
                 Cow::Owned(read.map_err(|e| e.to_string())?)
             }
@@ -117,18 +117,18 @@ impl<'a> Pictures<'a> {
             .unwrap_or_else(|| format!("image {image}"))
     }
 
-    fn source(&mut self, image: usize) -> Result<Source<'a>, String> {
+    fn source(&mut self, image: usize) -> Result<PictureSource<'a>, String> {
         let json = &self.root.images[image];
         match (json.buffer_view, &json.uri) {
             (Some(view), _) => {
                 let bytes = self.data.buffers.view(view)?;
                 let left = self.left.checked_sub(bytes.len());
                 self.left = left.ok_or("more pictures than the buffers can hold")?;
-                Ok(Source::Embedded(bytes.into()))
+                Ok(PictureSource::Embedded(bytes.into()))
             }
             (None, Some(uri)) => Ok(match uri::read(uri)? {
-                Uri::Data(bytes) => Source::Embedded(bytes.into()),
-                Uri::File(name) => Source::File(name),
+                Uri::Data(bytes) => PictureSource::Embedded(bytes.into()),
+                Uri::File(name) => PictureSource::File(name),
             }),
             (None, None) => Err("an image without a uri".to_owned()),
         }

@@ -4,8 +4,8 @@ use super::accessor::Data;
 use super::irradiance::{self, Stored};
 use super::material::Surfaces;
 use super::mesh::{Builder, Pose};
+use super::messages::GltfMessages;
 use super::nodes::{MOST_LEVELS, Tree, children, is_usable, parent_from_node, placed};
-use super::said::Said;
 use super::skin::Joints;
 use crate::reading::options::{Budget, Exhausted};
 use crate::reading::text::shortened;
@@ -35,38 +35,38 @@ const MOST_PATH: usize = 1000;
 type Places = (Vec<DVec3>, Vec<[f64; 4]>, Vec<DVec3>);
 
 /// A scene under construction.
-pub(super) struct Walk<'w, 'a> {
+pub(super) struct GltfWalk<'w, 'a> {
     data: &'a Data<'a>,
     tree: &'w Tree<'a>,
     surfaces: Surfaces<'a>,
     /// How each mesh stores its irradiance, if it has any.
     irradiance: Vec<Option<Stored>>,
     budget: Budget,
-    said: &'w mut Said,
+    said: &'w mut GltfMessages,
     scene: Scene,
     file: &'w str,
 }
 
 /// Where the walk is.
 #[derive(Clone, Copy)]
-struct Place<'p> {
+struct NodePlacement<'p> {
     world: DAffine3,
     /// Names of the nodes above.
     path: &'p str,
     level: usize,
 }
 
-impl<'w, 'a> Walk<'w, 'a> {
+impl<'w, 'a> GltfWalk<'w, 'a> {
     /// An empty scene.
     pub fn new(
         data: &'a Data<'a>,
         tree: &'w Tree<'a>,
         surfaces: Surfaces<'a>,
         options: &ReadOptions,
-        said: &'w mut Said,
+        said: &'w mut GltfMessages,
         file: &'w str,
-    ) -> Walk<'w, 'a> {
-        Walk {
+    ) -> GltfWalk<'w, 'a> {
+        GltfWalk {
             data,
             tree,
             surfaces,
@@ -92,7 +92,7 @@ impl<'w, 'a> Walk<'w, 'a> {
                 self.said.of(&message, || format!("scenes[{i}]"));
             }
         }
-        let start = Place {
+        let start = NodePlacement {
             world: DAffine3::IDENTITY,
             path: "",
             level: 0,
@@ -122,7 +122,7 @@ impl<'w, 'a> Walk<'w, 'a> {
         spent.map_err(|exhausted| exhausted.error(self.file))
     }
 
-    fn node(&mut self, index: usize, place: Place) -> Result<(), ReadError> {
+    fn node(&mut self, index: usize, place: NodePlacement) -> Result<(), ReadError> {
         let Some(node) = self.root().nodes.get(index) else {
             return Ok(());
         };
@@ -144,7 +144,7 @@ impl<'w, 'a> Walk<'w, 'a> {
         }
         let own = node.name.as_deref().unwrap_or("");
         let path = joined(place.path, own);
-        let here = Place {
+        let here = NodePlacement {
             world,
             path: &path,
             level: place.level + 1,
@@ -157,7 +157,12 @@ impl<'w, 'a> Walk<'w, 'a> {
     }
 
     /// What hangs on a node itself.
-    fn content(&mut self, index: usize, node: &'a Node, place: Place) -> Result<(), ReadError> {
+    fn content(
+        &mut self,
+        index: usize,
+        node: &'a Node,
+        place: NodePlacement,
+    ) -> Result<(), ReadError> {
         if let Some(mesh) = node.mesh {
             self.mesh(index, node, mesh.value(), place)?;
         }
@@ -173,7 +178,7 @@ impl<'w, 'a> Walk<'w, 'a> {
 
     /// The name of what hangs on a node: the path of the nodes' names, or, if the node has none,
     /// the thing's own behind it.
-    fn name(&self, node: &Node, own: Option<&str>, place: Place) -> String {
+    fn name(&self, node: &Node, own: Option<&str>, place: NodePlacement) -> String {
         match node.name.as_deref() {
             Some(name) if !name.is_empty() => place.path.to_owned(),
             _ => joined(place.path, own.unwrap_or("")),
@@ -185,7 +190,7 @@ impl<'w, 'a> Walk<'w, 'a> {
         index: usize,
         node: &'a Node,
         mesh: usize,
-        place: Place,
+        place: NodePlacement,
     ) -> Result<(), ReadError> {
         let Some(json) = self.root().meshes.get(mesh) else {
             return Ok(());
@@ -303,7 +308,7 @@ impl<'w, 'a> Walk<'w, 'a> {
         ))
     }
 
-    fn camera(&mut self, index: Index<gltf_json::Camera>, place: Place) {
+    fn camera(&mut self, index: Index<gltf_json::Camera>, place: NodePlacement) {
         let Some(json) = self.root().get(index) else {
             return;
         };
@@ -338,7 +343,7 @@ impl<'w, 'a> Walk<'w, 'a> {
         }
     }
 
-    fn light(&mut self, index: Index<khr_lights_punctual::Light>, place: Place) {
+    fn light(&mut self, index: Index<khr_lights_punctual::Light>, place: NodePlacement) {
         let Some(json) = self.root().get(index) else {
             return;
         };
@@ -389,7 +394,7 @@ fn kind_of(json: &khr_lights_punctual::Light, world: &DAffine3) -> Option<LightK
 }
 
 /// The name of a light or a camera: the path of the nodes' names, or else its own.
-fn named(place: Place, own: Option<&str>) -> String {
+fn named(place: NodePlacement, own: Option<&str>) -> String {
     match place.path {
         "" => joined("", own.unwrap_or("")),
         path => path.to_owned(),

@@ -59,7 +59,8 @@ struct PendingName {
     source_line: Option<String>,
 }
 
-/// How far before an error its line may begin to be shown; many errors are prepared for nothing.
+/// How far before an error its line may begin to be shown: lines are kept for many names that
+/// turn out to be defined.
 const LONGEST_LINE: usize = 10_000;
 
 /// Longest line kept for each unresolved name of an included file.

@@ -7,7 +7,10 @@ use crate::Position;
 use crate::reading::cursor::{TextCursor, is_line_end};
 use crate::reading::number;
 
-/// A cursor between two statements of a text.
+/// A cursor over the bytes of a text file, between two statements.
+#[derive(Clone, Debug)]
+=======
+/// A cursor over the bytes of a text file, between two statements.
 #[derive(Clone, Debug)]
 pub(super) struct MgfLines<'a> {
     text: TextCursor<'a>,

@@ -1,8 +1,8 @@
 //! From the flat lists of a file to a scene: one mesh per object, each with its own vertices.
 
+use super::lists::{NONE, ObjLists};
 use super::mtl::Library;
 use super::placement::{per_vertex_if_possible, place};
-use super::raw::{NONE, Raw};
 use crate::reading::warnings::Warnings;
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{Attribute, Faces, MaterialId, Mesh, Object, Rgb, Scene, Shape};
@@ -11,7 +11,7 @@ use std::ops::Range;
 
 /// Builds the scene of a file whose indices are all in range.
 pub(super) fn assemble(
-    mut raw: Raw,
+    mut raw: ObjLists,
     mut library: Library,
     file: &str,
     warnings: &mut Warnings,
@@ -64,7 +64,7 @@ pub(super) fn assemble(
 
 /// Names and faces of the parts: what stands before the first `o` or `g`, and from each to the
 /// next.
-fn parts(raw: &Raw) -> Vec<(&str, Range<usize>)> {
+fn parts(raw: &ObjLists) -> Vec<(&str, Range<usize>)> {
     let all = raw.face_materials.len();
     let starts = raw.parts.iter().map(|p| p.first_face);
     let ends = starts.clone().chain([all]);
@@ -77,7 +77,7 @@ fn parts(raw: &Raw) -> Vec<(&str, Range<usize>)> {
 }
 
 struct Builder<'a> {
-    raw: &'a Raw,
+    raw: &'a ObjLists,
     materials: &'a [MaterialId],
     /// New index of each old one while a list is renumbered; all [`NONE`] in between.
     local: Vec<u32>,
@@ -221,7 +221,7 @@ fn fill_with_face_normals(mesh: &Mesh, values: &mut Vec<DVec3>, local: &mut [u32
     }
 }
 
-fn colors(raw: &Raw, used: &[u32]) -> Vec<Rgb> {
+fn colors(raw: &ObjLists, used: &[u32]) -> Vec<Rgb> {
     let color = |&v: &u32| raw.colors.get(v as usize).copied().flatten();
     if used.iter().all(|v| color(v).is_none()) {
         return Vec::new();
@@ -231,7 +231,7 @@ fn colors(raw: &Raw, used: &[u32]) -> Vec<Rgb> {
         .collect()
 }
 
-fn smoothing(raw: &Raw, faces: Range<usize>) -> Vec<u32> {
+fn smoothing(raw: &ObjLists, faces: Range<usize>) -> Vec<u32> {
     match raw.smoothing.get(faces) {
         Some(groups) if groups.iter().any(|g| *g != 0) => groups.to_vec(),
         _ => Vec::new(),

@@ -9,9 +9,9 @@
 mod assemble;
 mod cursor;
 mod free_form;
+mod lists;
 mod mtl;
 mod placement;
-mod raw;
 mod read;
 #[cfg(test)]
 mod tests;

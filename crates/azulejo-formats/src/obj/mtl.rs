@@ -1,7 +1,7 @@
 //! Material libraries.
 
 use super::cursor::StatementCursor;
-use super::placement::Placement;
+use super::placement::PicturePlacement;
 use crate::reading::text::{decoded, shortened, text};
 use crate::reading::warnings::Warnings;
 use crate::surface::gloss::Gloss;
@@ -46,7 +46,7 @@ pub(super) struct Library {
     by_name: HashMap<String, MaterialId>,
     gloss: Gloss,
     /// Of the materials whose picture does not lie as the model's texture coordinates say.
-    placements: HashMap<MaterialId, Placement>,
+    placements: HashMap<MaterialId, PicturePlacement>,
 }
 
 impl Library {
@@ -73,7 +73,7 @@ impl Library {
     }
 
     /// How the picture of a material lies; `None` for as the model says.
-    pub fn placement(&self, material: MaterialId) -> Option<Placement> {
+    pub fn placement(&self, material: MaterialId) -> Option<PicturePlacement> {
         self.placements.get(&material).copied()
     }
 
@@ -96,7 +96,7 @@ impl Library {
         warnings: &mut Warnings,
     ) -> Result<(), ReadError> {
         let bytes = &*decoded(bytes);
-        let mut parser = Parser {
+        let mut parser = MtlParser {
             cursor: StatementCursor::new(bytes, file)?,
             file,
             files,
@@ -139,7 +139,7 @@ struct Definition {
     roughness: Option<f64>,
     metallic: Option<f64>,
     map_kd: Option<TextureId>,
-    placement: Placement,
+    placement: PicturePlacement,
 }
 
 impl Definition {
@@ -151,7 +151,7 @@ impl Definition {
     }
 }
 
-struct Parser<'a> {
+struct MtlParser<'a> {
     cursor: StatementCursor<'a>,
     file: &'a str,
     files: &'a dyn Files,
@@ -159,7 +159,7 @@ struct Parser<'a> {
     library: &'a mut Library,
 }
 
-impl Parser<'_> {
+impl MtlParser<'_> {
     #[cold]
     fn warn(&mut self, message: impl Into<String>) {
         let cursor = &self.cursor;
@@ -258,8 +258,8 @@ impl Parser<'_> {
 
     /// Options stand before the file: `-s 1 1 1`, `-clamp on`... Those that would change how the
     /// picture looks, but for its place, are named and skipped.
-    fn options(&mut self) -> Placement {
-        let mut placement = Placement::default();
+    fn options(&mut self) -> PicturePlacement {
+        let mut placement = PicturePlacement::default();
         loop {
             let mut ahead = self.cursor.clone();
             let Some(option) = ahead.word() else {
@@ -320,7 +320,7 @@ impl Parser<'_> {
             }
             None => self.library.insert(material),
         };
-        if m.placement == Placement::default() {
+        if m.placement == PicturePlacement::default() {
             self.library.placements.remove(&id);
         } else {
             self.library.placements.insert(id, m.placement);

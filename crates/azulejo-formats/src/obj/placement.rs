@@ -6,21 +6,21 @@ use std::collections::HashMap;
 
 /// From texture coordinates of the model to those of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Placement {
+pub(super) struct PicturePlacement {
     pub scale: DVec2,
     pub offset: DVec2,
 }
 
-impl Default for Placement {
-    fn default() -> Placement {
-        Placement {
+impl Default for PicturePlacement {
+    fn default() -> PicturePlacement {
+        PicturePlacement {
             scale: DVec2::ONE,
             offset: DVec2::ZERO,
         }
     }
 }
 
-impl Placement {
+impl PicturePlacement {
     /// As programs agree on it: scaled about the origin, then moved. What is too large to be a
     /// number stays where it was.
     fn apply(self, uv: DVec2) -> DVec2 {
@@ -30,7 +30,10 @@ impl Placement {
 }
 
 /// Moves the texture coordinates of faces whose material places its picture.
-pub(super) fn place(mesh: &mut Mesh, placement_of: impl Fn(MaterialId) -> Option<Placement>) {
+pub(super) fn place(
+    mesh: &mut Mesh,
+    placement_of: impl Fn(MaterialId) -> Option<PicturePlacement>,
+) {
     let placement = |m: &MaterialId| placement_of(*m);
     let mut materials = mesh.face_materials.iter();
     if !materials.any(|m| placement(m).is_some()) {

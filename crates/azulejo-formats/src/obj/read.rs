@@ -3,8 +3,8 @@
 use super::assemble::assemble;
 use super::cursor::StatementCursor;
 use super::free_form::FreeForm;
+use super::lists::{NONE, ObjLists, ObjPart};
 use super::mtl::Library;
-use super::raw::{NONE, Part, Raw};
 use crate::picture::srgb::linear_from_srgb;
 use crate::reading::options::Budget;
 use crate::reading::text::{decoded, shortened, text};
@@ -49,7 +49,7 @@ pub fn read_with(
         return Err(ReadError::whole(name, found, expected));
     }
     let bytes = decoded(bytes);
-    let mut reader = Reader::new(&bytes, name, files, options)?;
+    let mut reader = ObjReader::new(&bytes, name, files, options)?;
     while let Some(keyword) = reader.cursor.keyword() {
         reader.statement(keyword)?;
         reader.cursor.finish_statement();
@@ -60,7 +60,7 @@ pub fn read_with(
     if !reader.polypaint.is_empty() {
         reader.end_polypaint();
     }
-    let Reader {
+    let ObjReader {
         raw,
         library,
         mut warnings,
@@ -74,11 +74,11 @@ pub fn read_with(
 }
 
 /// A file under way.
-pub(super) struct Reader<'a> {
+pub(super) struct ObjReader<'a> {
     pub(super) cursor: StatementCursor<'a>,
     pub(super) file: &'a str,
     files: &'a dyn Files,
-    pub(super) raw: Raw,
+    pub(super) raw: ObjLists,
     pub(super) budget: Budget,
     pub(super) free_form: FreeForm,
     /// The largest vertex index that was ahead of its vertex, and the byte where it stands.
@@ -97,18 +97,18 @@ pub(super) struct Reader<'a> {
     pub(super) warnings: Warnings,
 }
 
-impl<'a> Reader<'a> {
+impl<'a> ObjReader<'a> {
     fn new(
         bytes: &'a [u8],
         file: &'a str,
         files: &'a dyn Files,
         options: &ReadOptions,
     ) -> Result<Self, ReadError> {
-        Ok(Reader {
+        Ok(ObjReader {
             cursor: StatementCursor::new(bytes, file)?,
             file,
             files,
-            raw: Raw::default(),
+            raw: ObjLists::default(),
             budget: Budget::new(options),
             free_form: FreeForm::default(),
             ahead: (0, 0),
@@ -478,7 +478,7 @@ impl<'a> Reader<'a> {
 
     fn begin_part(&mut self, name: String) {
         let first_face = self.raw.face_materials.len();
-        self.raw.parts.push(Part { name, first_face });
+        self.raw.parts.push(ObjPart { name, first_face });
     }
 
     fn smoothing_group(&mut self) {

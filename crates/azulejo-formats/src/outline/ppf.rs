@@ -44,10 +44,10 @@ pub fn is_ppf(bytes: &[u8]) -> bool {
 /// Text that is no PPF: what stands where, and in which glyph.
 pub fn read(bytes: &[u8], name: &str) -> Result<(Font, Vec<Warning>), ReadError> {
     let bytes = &*decoded(bytes);
-    let mut reader = Reader {
+    let mut reader = PpfReader {
         words: Words::new(bytes, name),
         length: bytes.len(),
-        place: Place::Start,
+        place: PpfSection::Start,
         glyph: String::new(),
     };
     let mut font = Font::default();
@@ -71,17 +71,17 @@ pub fn read(bytes: &[u8], name: &str) -> Result<(Font, Vec<Warning>), ReadError>
     Ok((font, warnings.finish(name)))
 }
 
-struct Reader<'a> {
+struct PpfReader<'a> {
     words: Words<'a>,
     length: usize,
-    place: Place,
+    place: PpfSection,
     /// Name of the last glyph that began.
     glyph: String,
 }
 
 /// Where in a font the reader is, for messages.
 #[derive(Clone, Copy)]
-enum Place {
+enum PpfSection {
     /// Before the first glyph.
     Start,
     /// At a glyph's number of contours.
@@ -92,21 +92,21 @@ enum Place {
     Behind(u32),
 }
 
-impl Reader<'_> {
+impl PpfReader<'_> {
     fn glyph(&mut self) -> Result<Glyph, ReadError> {
         let at = self.words.offset();
         self.glyph = match self.words.word() {
             Some([b'/', name @ ..]) if !name.is_empty() => text(name).into_owned(),
             _ => return Err(self.error(at, "\"/\" and the name of a glyph")),
         };
-        self.place = Place::Glyph;
+        self.place = PpfSection::Glyph;
         let count = self.count("the number of its contours", 0)?;
         let mut figure = Figure::default();
         for i in 1..=count {
-            self.place = Place::Contour(i, count);
+            self.place = PpfSection::Contour(i, count);
             figure.contours.push(self.contour()?);
         }
-        self.place = Place::Behind(count);
+        self.place = PpfSection::Behind(count);
         Ok(Glyph::new(figure))
     }
 
@@ -190,10 +190,12 @@ impl Reader<'_> {
     fn error(&self, at: usize, expected: &str) -> ReadError {
         let glyph = shortened(&self.glyph);
         let place = match self.place {
-            Place::Start => String::new(),
-            Place::Glyph => format!(" in glyph /{glyph}"),
-            Place::Contour(i, count) => format!(" in contour {i} of {count} of glyph /{glyph}"),
-            Place::Behind(count) => format!(" behind the {count} contours of glyph /{glyph}"),
+            PpfSection::Start => String::new(),
+            PpfSection::Glyph => format!(" in glyph /{glyph}"),
+            PpfSection::Contour(i, count) => {
+                format!(" in contour {i} of {count} of glyph /{glyph}")
+            }
+            PpfSection::Behind(count) => format!(" behind the {count} contours of glyph /{glyph}"),
         };
         let error = self.words.error(at, expected);
         ReadError {
@@ -268,9 +270,10 @@ fn push_curve(curve: &Curve, text: &mut String) -> Option<()> {
 /// The shortest decimal number that is read as the same bits.
 fn push_number(x: f64, text: &mut String) {
     let plain = x == 0.0 || (1e-5..1e16).contains(&x.abs());
-    match plain {
-        true => text.push_str(&format!(" {x}")),
-        false => text.push_str(&format!(" {x:e}")),
+    if plain {
+        text.push_str(&format!(" {x}"))
+    } else {
+        text.push_str(&format!(" {x:e}"))
     }
 }
 

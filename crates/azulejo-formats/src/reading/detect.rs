@@ -141,12 +141,12 @@ fn unpacked_start(bytes: &[u8]) -> Cow<'_, [u8]> {
     Cow::Owned(start)
 }
 
-type Found = Result<Format, &'static str>;
+type Detection = Result<Format, &'static str>;
 
 /// Formats that begin with bytes of their own.
-fn known_mark(bytes: &[u8]) -> Option<Found> {
+fn known_mark(bytes: &[u8]) -> Option<Detection> {
     use Format::*;
-    const MARKS: [(&[u8], Found); 22] = [
+    const MARKS: [(&[u8], Detection); 22] = [
         (b"\x89PNG", Err("a PNG picture")),
         (b"\xff\xd8\xff", Err("a JPEG picture")),
         (b"GIF8", Err("a GIF picture")),
@@ -206,7 +206,7 @@ fn is_binary_stl(bytes: &[u8]) -> bool {
 }
 
 /// The first word that begins a line and belongs to one format decides.
-fn by_words(head: &[u8]) -> Found {
+fn by_words(head: &[u8]) -> Detection {
     let mut lines = head
         .split(|b| matches!(b, b'\n' | b'\r'))
         .map(|line| line.trim_ascii())
@@ -345,7 +345,7 @@ fn first_word(line: &[u8]) -> &[u8] {
     line.split(end).next().unwrap_or_default()
 }
 
-fn by_line(line: &[u8], head: &[u8]) -> Option<Found> {
+fn by_line(line: &[u8], head: &[u8]) -> Option<Detection> {
     // Zero bytes may cling to the first word.
     let zeros = line.iter().take_while(|b| **b == 0).count();
     let line = &line[zeros..];
@@ -371,9 +371,10 @@ fn by_line(line: &[u8], head: &[u8]) -> Option<Found> {
         b"newmtl" => Some(Err("a material library (MTL); give the OBJ that names it")),
         b"solid" => Some(Ok(Format::Stl)),
         _ if line.starts_with(b"{") => Some(Ok(Format::Gltf)),
-        _ if line.starts_with(b"<") => Some(match holds(head, b"<X3D") {
-            true => Ok(Format::Vrml),
-            false => Err("XML that is not X3D"),
+        _ if line.starts_with(b"<") => Some(if holds(head, b"<X3D") {
+            Ok(Format::Vrml)
+        } else {
+            Err("XML that is not X3D")
         }),
         _ if word.starts_with(b"//") || word.starts_with(b";") => Some(Ok(Format::Grf)),
         _ => None,

@@ -1,5 +1,8 @@
-//! Words, numbers and names of azulejo's own languages, GRF and reflection models, without a
-//! token list in between.
+//! Tokens: words, numbers and names, without an intermediate token list.
+>>=======
+//! Tokens of azulejo's own languages, GRF and reflection models: words, numbers and names,
+//! without an intermediate token list.
+>>>>>>> theirs
 //!
 //! The parser requests the token it needs next; blanks and comments before it are skipped. Nothing
 //! here allocates, so that a vertex costs little more than its numbers.
@@ -7,7 +10,10 @@
 use super::cursor::TextCursor;
 use super::text::shortened;
 
-/// A cursor over the tokens of a text. Copying it is how a parser looks ahead.
+/// A cursor in the text. Copies serve for lookahead.
+>>=======
+/// A cursor over the tokens of a text. Copies serve for lookahead.
+>>>>>>> theirs
 #[derive(Clone, Copy)]
 pub(crate) struct Lexer<'a> {
     cursor: TextCursor<'a, str>,
@@ -356,10 +362,7 @@ mod tests {
         assert_eq!(Lexer::new(" 42,").index(), Ok(42));
         assert_eq!(Lexer::new("4.2").index(), Err(BadNumber::Malformed));
         assert_eq!(Lexer::new("-4").index(), Err(BadNumber::Missing));
-        assert_eq!(
-            Lexer::new("4294967296").index(),
-            Err(BadNumber::TooLarge)
-        );
+        assert_eq!(Lexer::new("4294967296").index(), Err(BadNumber::TooLarge));
     }
 
     #[test]

@@ -20,9 +20,10 @@ fn units() {
 fn binary(groups: &[(i16, &[u8])], wide: bool) -> Vec<u8> {
     let mut bytes = b"AutoCAD Binary DXF\r\n\x1a\0".to_vec();
     for (code, value) in groups {
-        match wide {
-            true => bytes.extend(code.to_le_bytes()),
-            false => bytes.push(*code as u8),
+        if wide {
+            bytes.extend(code.to_le_bytes())
+        } else {
+            bytes.push(*code as u8)
         }
         bytes.extend(*value);
     }

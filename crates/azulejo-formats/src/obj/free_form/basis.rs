@@ -5,7 +5,7 @@ use std::rc::Rc;
 /// Largest degree that is evaluated: beyond it polynomials lose their digits.
 pub(super) const MOST_DEGREE: usize = 30;
 
-/// Catmull and Rom's cubic, rows as in [`Kind::Matrix`].
+/// Catmull and Rom's cubic, rows as in [`BasisKind::Matrix`].
 const CARDINAL: [f64; 16] = [
     0.0, -0.5, 1.0, -0.5, //
     1.0, 0.0, -2.5, 1.5, //
@@ -15,7 +15,7 @@ const CARDINAL: [f64; 16] = [
 
 /// A family of basis functions.
 #[derive(Clone, Debug)]
-pub(super) enum Kind {
+pub(super) enum BasisKind {
     /// Bernstein polynomials; neighbouring spans share a control point.
     Bezier,
     /// Cox and de Boor's functions over any knots.
@@ -29,20 +29,20 @@ pub(super) enum Kind {
     },
 }
 
-impl Kind {
+impl BasisKind {
     /// Cardinal splines, cubic only.
-    pub fn cardinal() -> Kind {
-        Kind::Matrix {
+    pub fn cardinal() -> BasisKind {
+        BasisKind::Matrix {
             rows: Rc::new(CARDINAL),
             step: 1,
         }
     }
 
     /// Control points that are the polynomial's coefficients.
-    pub fn taylor(degree: usize) -> Kind {
+    pub fn taylor(degree: usize) -> BasisKind {
         let n = degree + 1;
         let rows = (0..n * n).map(|k| f64::from(u8::from(k % (n + 1) == 0)));
-        Kind::Matrix {
+        BasisKind::Matrix {
             rows: rows.collect(),
             step: n,
         }
@@ -52,7 +52,7 @@ impl Kind {
 /// The functions of one direction: their family, degree and parameter values.
 #[derive(Clone, Debug)]
 pub(super) struct Basis {
-    kind: Kind,
+    kind: BasisKind,
     degree: usize,
     /// Knots of a B-spline; where the spans of the others meet.
     parm: Vec<f64>,
@@ -69,11 +69,11 @@ pub(super) struct Weights {
 
 impl Basis {
     /// The functions, if `parm` suits them, else what is wrong.
-    pub fn new(kind: Kind, degree: usize, parm: Vec<f64>) -> Result<Basis, String> {
+    pub fn new(kind: BasisKind, degree: usize, parm: Vec<f64>) -> Result<Basis, String> {
         if !(1..=MOST_DEGREE).contains(&degree) {
             return Err(format!("degree {degree}, expected 1 to {MOST_DEGREE}"));
         }
-        if let Kind::Matrix { rows, step } = &kind
+        if let BasisKind::Matrix { rows, step } = &kind
             && (rows.len() != (degree + 1) * (degree + 1) || *step == 0)
         {
             return Err(format!(
@@ -81,7 +81,7 @@ impl Basis {
             ));
         }
         let least = match kind {
-            Kind::BSpline => 2 * degree + 2,
+            BasisKind::BSpline => 2 * degree + 2,
             _ => 2,
         };
         if parm.len() < least {
@@ -104,9 +104,9 @@ impl Basis {
     pub fn count(&self) -> usize {
         let spans = self.parm.len() - 1;
         match &self.kind {
-            Kind::Bezier => spans * self.degree + 1,
-            Kind::BSpline => spans - self.degree,
-            Kind::Matrix { step, .. } => (spans - 1) * step + self.degree + 1,
+            BasisKind::Bezier => spans * self.degree + 1,
+            BasisKind::BSpline => spans - self.degree,
+            BasisKind::Matrix { step, .. } => (spans - 1) * step + self.degree + 1,
         }
     }
 
@@ -117,7 +117,7 @@ impl Basis {
     /// Where spans begin and end; some of a B-spline may be empty.
     fn spans(&self) -> &[f64] {
         match self.kind {
-            Kind::BSpline => &self.parm[self.degree..self.parm.len() - self.degree],
+            BasisKind::BSpline => &self.parm[self.degree..self.parm.len() - self.degree],
             _ => &self.parm,
         }
     }
@@ -147,9 +147,9 @@ impl Basis {
         let length = spans[span + 1] - spans[span];
         let local = (t - spans[span]) / length;
         match &self.kind {
-            Kind::Bezier => bernstein(span * self.degree, self.degree, local, length),
-            Kind::BSpline => self.cox_de_boor(span, t),
-            Kind::Matrix { rows, step } => {
+            BasisKind::Bezier => bernstein(span * self.degree, self.degree, local, length),
+            BasisKind::BSpline => self.cox_de_boor(span, t),
+            BasisKind::Matrix { rows, step } => {
                 polynomials(span * step, self.degree + 1, rows, local, length)
             }
         }
@@ -233,7 +233,7 @@ mod tests {
     use super::*;
 
     /// Value and slope at `t` of a curve with these control points.
-    fn curve(kind: Kind, degree: usize, parm: &[f64], points: &[f64], t: f64) -> (f64, f64) {
+    fn curve(kind: BasisKind, degree: usize, parm: &[f64], points: &[f64], t: f64) -> (f64, f64) {
         let basis = Basis::new(kind, degree, parm.to_vec()).unwrap();
         assert_eq!(basis.count(), points.len());
         let w = basis.at(t);
@@ -262,18 +262,24 @@ mod tests {
         let rows: Rc<[f64]> = Rc::new([
             1.0, -3.0, 3.0, -1.0, 0.0, 3.0, -6.0, 3.0, 0.0, 0.0, 3.0, -3.0, 0.0, 0.0, 0.0, 1.0,
         ]);
-        let matrix = Kind::Matrix { rows, step: 3 };
+        let matrix = BasisKind::Matrix { rows, step: 3 };
         for t in [0.0, 0.25, 0.5, 1.0] {
-            check(curve(Kind::Bezier, 3, &[0.0, 1.0], &bezier, t), cubic(t));
-            check(curve(Kind::BSpline, 3, &knots, &bezier, t), cubic(t));
+            check(
+                curve(BasisKind::Bezier, 3, &[0.0, 1.0], &bezier, t),
+                cubic(t),
+            );
+            check(curve(BasisKind::BSpline, 3, &knots, &bezier, t), cubic(t));
             check(curve(matrix.clone(), 3, &[0.0, 1.0], &bezier, t), cubic(t));
             let taylor = [1.0, -2.0, 0.0, 1.0];
-            check(curve(Kind::taylor(3), 3, &[0.0, 1.0], &taylor, t), cubic(t));
+            check(
+                curve(BasisKind::taylor(3), 3, &[0.0, 1.0], &taylor, t),
+                cubic(t),
+            );
         }
         // A cardinal spline meets its inner points, and leaves along their neighbours.
-        let (value, slope) = curve(Kind::cardinal(), 3, &[0.0, 1.0], &cardinal, 0.0);
+        let (value, slope) = curve(BasisKind::cardinal(), 3, &[0.0, 1.0], &cardinal, 0.0);
         check((value, slope), (1.0, -1.0));
-        let (value, slope) = curve(Kind::cardinal(), 3, &[0.0, 1.0], &cardinal, 1.0);
+        let (value, slope) = curve(BasisKind::cardinal(), 3, &[0.0, 1.0], &cardinal, 1.0);
         check((value, slope), (0.0, 2.0));
     }
 
@@ -289,12 +295,15 @@ mod tests {
         let spline = [0.0, 0.0, 3.0, 9.0];
         for t in [0.0, 0.5, 1.0, 2.0, 3.0] {
             let spans = [0.0, 1.0, 3.0];
-            check(curve(Kind::Bezier, 2, &spans, &bezier, t), square(t));
-            check(curve(Kind::taylor(2), 2, &spans, &taylor, t), square(t));
-            check(curve(Kind::BSpline, 2, &knots, &spline, t), square(t));
+            check(curve(BasisKind::Bezier, 2, &spans, &bezier, t), square(t));
+            check(
+                curve(BasisKind::taylor(2), 2, &spans, &taylor, t),
+                square(t),
+            );
+            check(curve(BasisKind::BSpline, 2, &knots, &spline, t), square(t));
         }
         let uniform: Vec<f64> = (0..8).map(f64::from).collect();
-        let basis = Basis::new(Kind::BSpline, 3, uniform).unwrap();
+        let basis = Basis::new(BasisKind::BSpline, 3, uniform).unwrap();
         assert_eq!((basis.range(), basis.count()), ((3.0, 4.0), 4));
         let sum: f64 = basis.at(3.7).values.iter().sum();
         assert!((sum - 1.0).abs() < 1e-15);
@@ -303,18 +312,23 @@ mod tests {
 
     #[test]
     fn what_cannot_be_is_said() {
-        let check = |kind: Kind, degree, parm: &[f64], expected: &str| {
+        let check = |kind: BasisKind, degree, parm: &[f64], expected: &str| {
             let said = Basis::new(kind, degree, parm.to_vec()).unwrap_err();
             assert!(said.contains(expected), "{said}");
         };
-        check(Kind::Bezier, 0, &[0.0, 1.0], "degree 0");
-        check(Kind::Bezier, 31, &[0.0, 1.0], "degree 31");
-        check(Kind::Bezier, 3, &[0.0], "1 parameter values");
-        check(Kind::Bezier, 3, &[0.0, 0.0], "do not rise");
-        check(Kind::Bezier, 3, &[0.0, 2.0, 1.0], "do not rise");
-        check(Kind::Bezier, 3, &[0.0, f64::NAN, 1.0], "do not rise");
-        check(Kind::Bezier, 3, &[f64::MIN, f64::MAX], "do not rise");
-        check(Kind::BSpline, 2, &[0.0; 5], "expected 6 or more");
-        check(Kind::cardinal(), 2, &[0.0, 1.0], "does not fit degree 2");
+        check(BasisKind::Bezier, 0, &[0.0, 1.0], "degree 0");
+        check(BasisKind::Bezier, 31, &[0.0, 1.0], "degree 31");
+        check(BasisKind::Bezier, 3, &[0.0], "1 parameter values");
+        check(BasisKind::Bezier, 3, &[0.0, 0.0], "do not rise");
+        check(BasisKind::Bezier, 3, &[0.0, 2.0, 1.0], "do not rise");
+        check(BasisKind::Bezier, 3, &[0.0, f64::NAN, 1.0], "do not rise");
+        check(BasisKind::Bezier, 3, &[f64::MIN, f64::MAX], "do not rise");
+        check(BasisKind::BSpline, 2, &[0.0; 5], "expected 6 or more");
+        check(
+            BasisKind::cardinal(),
+            2,
+            &[0.0, 1.0],
+            "does not fit degree 2",
+        );
     }
 }

@@ -12,11 +12,11 @@ mod tessellate;
 #[cfg(test)]
 mod tests;
 
-use super::read::Reader;
+use super::read::ObjReader;
 use crate::reading::text::{shortened, text};
 use crate::{Position, ReadError};
 use azulejo_scene::{MaterialId, Mesh};
-use basis::{Basis, Kind, MOST_DEGREE};
+use basis::{Basis, BasisKind, MOST_DEGREE};
 use curve::Curve;
 use glam::{DVec2, DVec3};
 use region::Loops;
@@ -111,11 +111,11 @@ impl FreeForm {
         let degree = self.degree[axis];
         let kind = match self.family {
             Family::None => return Err("no cstype before it".to_owned()),
-            Family::Bezier => Kind::Bezier,
-            Family::BSpline => Kind::BSpline,
-            Family::Cardinal => Kind::cardinal(),
-            Family::Taylor => Kind::taylor(degree.min(MOST_DEGREE)),
-            Family::Matrix => Kind::Matrix {
+            Family::Bezier => BasisKind::Bezier,
+            Family::BSpline => BasisKind::BSpline,
+            Family::Cardinal => BasisKind::cardinal(),
+            Family::Taylor => BasisKind::taylor(degree.min(MOST_DEGREE)),
+            Family::Matrix => BasisKind::Matrix {
                 rows: Rc::clone(&self.matrix[axis]),
                 step: self.step[axis],
             },
@@ -158,7 +158,7 @@ impl FreeForm {
     }
 }
 
-impl Reader<'_> {
+impl ObjReader<'_> {
     /// Takes a statement, unless it is none of free-form geometry.
     #[cold]
     pub(super) fn free_form(&mut self, keyword: &[u8]) -> Result<bool, ReadError> {
@@ -331,7 +331,7 @@ impl Reader<'_> {
             let Some(&point) = self.raw.positions.get(vertex as usize) else {
                 return Err(self.out_of_range(i64::from(vertex) + 1, start));
             };
-            if normal != super::raw::NONE {
+            if normal != super::lists::NONE {
                 self.warn("normals of a surface's control points: not used, it has its own");
             }
             net.points.push(point);

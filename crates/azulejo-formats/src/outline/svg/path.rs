@@ -1,6 +1,6 @@
 //! Path data: the `d` of a path.
 
-use super::values::Scanner;
+use super::values::SvgScanner;
 use crate::outline::pen::{Ellipse, Pen};
 use glam::DVec2;
 use std::f64::consts::{PI, TAU};
@@ -18,7 +18,7 @@ pub(super) struct Outcome {
 pub(super) fn draw(data: &str, pen: &mut Pen) -> Outcome {
     let mut path = Path {
         pen,
-        data: Scanner::new(data),
+        data: SvgScanner::new(data),
         last: Last::Other,
         open: 0,
         has_moved: false,
@@ -33,7 +33,7 @@ pub(super) fn draw(data: &str, pen: &mut Pen) -> Outcome {
 
 struct Path<'a, 'p> {
     pen: &'p mut Pen,
-    data: Scanner<'a>,
+    data: SvgScanner<'a>,
     last: Last,
     open: usize,
     has_moved: bool,
@@ -91,9 +91,10 @@ impl Path<'_, '_> {
         if !self.has_moved && upper != b'M' {
             return None;
         }
-        let base = match command.is_ascii_lowercase() {
-            true => self.pen.at(),
-            false => DVec2::ZERO,
+        let base = if command.is_ascii_lowercase() {
+            self.pen.at()
+        } else {
+            DVec2::ZERO
         };
         let last = std::mem::replace(&mut self.last, Last::Other);
         match upper {
@@ -201,9 +202,10 @@ impl Arc {
         let half = DVec2::from_angle(-turned).rotate(0.5 * (from - to)) / radii;
         let length = half.length();
         // Radii that are too small to reach are scaled up until they do.
-        let (radii, half) = match length > 1.0 {
-            true => (radii * length, half / length),
-            false => (radii, half),
+        let (radii, half) = if length > 1.0 {
+            (radii * length, half / length)
+        } else {
+            (radii, half)
         };
         let off = (1.0 / half.length_squared() - 1.0).max(0.0).sqrt();
         let side = if is_large == is_positive { -1.0 } else { 1.0 };

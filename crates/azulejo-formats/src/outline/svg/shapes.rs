@@ -1,7 +1,7 @@
 //! Basic shapes: rectangles, circles, ellipses, polygons.
 
 use super::path::{self, Outcome};
-use super::values::{Scanner, length};
+use super::values::{SvgScanner, length};
 use crate::outline::pen::{Ellipse, Pen};
 use glam::DVec2;
 use roxmltree::Node;
@@ -83,7 +83,7 @@ fn rectangle(corner: DVec2, size: DVec2, radii: DVec2, pen: &mut Pen) {
 
 /// Lines through points; an odd number at the end is damage.
 fn polygon(element: Node, is_closed: bool, pen: &mut Pen) -> Outcome {
-    let mut points = Scanner::new(element.attribute("points").unwrap_or(""));
+    let mut points = SvgScanner::new(element.attribute("points").unwrap_or(""));
     let mut is_cut = false;
     let mut count = 0;
     while points.peek().is_some() {

@@ -39,12 +39,11 @@ impl StyleSheet {
                 continue;
             }
             for selector in selectors.split(',').map(str::trim) {
-                match is_simple(selector) {
-                    true => {
-                        let rules = self.rules.entry(selector.to_owned()).or_default();
-                        rules.extend(declarations.iter().cloned());
-                    }
-                    false => self.not_applied += 1,
+                if is_simple(selector) {
+                    let rules = self.rules.entry(selector.to_owned()).or_default();
+                    rules.extend(declarations.iter().cloned());
+                } else {
+                    self.not_applied += 1
                 }
             }
         }

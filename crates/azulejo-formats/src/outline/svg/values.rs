@@ -6,14 +6,14 @@ use glam::{DAffine2, DMat2, DVec2};
 
 /// Reads what stands between blanks and commas.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Scanner<'a> {
+pub(super) struct SvgScanner<'a> {
     rest: &'a [u8],
 }
 
-impl<'a> Scanner<'a> {
+impl<'a> SvgScanner<'a> {
     /// The start of a text.
-    pub fn new(text: &'a str) -> Scanner<'a> {
-        Scanner {
+    pub fn new(text: &'a str) -> SvgScanner<'a> {
+        SvgScanner {
             rest: text.as_bytes(),
         }
     }
@@ -101,7 +101,7 @@ pub(super) fn transform(text: &str) -> Option<DAffine2> {
     while !rest.is_empty() {
         let (name, behind) = rest.split_once('(')?;
         let (numbers, behind) = behind.split_once(')')?;
-        let numbers = Scanner::new(numbers).numbers()?;
+        let numbers = SvgScanner::new(numbers).numbers()?;
         map *= one_transform(name.trim(), &numbers)?;
         rest = behind.trim_start_matches(is_separator);
     }
@@ -203,7 +203,7 @@ mod tests {
     #[test]
     fn numbers_run_into_each_other() {
         let check = |text: &str, expected: Option<&[f64]>| {
-            let found = Scanner::new(text).numbers();
+            let found = SvgScanner::new(text).numbers();
             assert_eq!(found.as_deref(), expected, "{text}");
         };
         check(" 1,-2 \n+3e1", Some(&[1.0, -2.0, 30.0]));

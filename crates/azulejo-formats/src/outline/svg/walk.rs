@@ -4,7 +4,7 @@ use super::path::Outcome;
 use super::shapes;
 use super::style::{Paint, Style};
 use super::style_sheet::StyleSheet;
-use super::values::{Scanner, length, transform};
+use super::values::{SvgScanner, length, transform};
 use crate::outline::drawing::{Drawing, Filled};
 use crate::outline::pen::Pen;
 use crate::reading::options::Budget;
@@ -28,7 +28,7 @@ pub(super) fn read(
     let ids = xml
         .descendants()
         .filter_map(|n| Some((n.attribute("id")?, n)));
-    let mut walk = Walk {
+    let mut walk = SvgWalk {
         xml,
         file,
         warnings: Warnings::default(),
@@ -58,7 +58,7 @@ fn viewport(root: Node) -> (DAffine2, Option<f64>) {
     let side = |name: &str| root.attribute(name).and_then(length);
     let view = root
         .attribute("viewBox")
-        .and_then(|v| Scanner::new(v).numbers());
+        .and_then(|v| SvgScanner::new(v).numbers());
     let (left, bottom, view_width) = match view.as_deref() {
         Some(&[x, y, width, height]) if width > 0.0 => (x, y + height, Some(width)),
         _ => (0.0, side("height").map_or(0.0, |(height, _)| height), None),
@@ -72,7 +72,7 @@ fn viewport(root: Node) -> (DAffine2, Option<f64>) {
     (map, metres)
 }
 
-struct Walk<'a, 'i> {
+struct SvgWalk<'a, 'i> {
     xml: &'a Document<'i>,
     file: &'a str,
     warnings: Warnings,
@@ -92,7 +92,7 @@ struct Site<'a, 'i> {
     depth: u32,
 }
 
-impl<'a, 'i> Walk<'a, 'i> {
+impl<'a, 'i> SvgWalk<'a, 'i> {
     /// Elements in their order, without recursion: files nest as deeply as they are long.
     fn all(&mut self, map: DAffine2) -> Result<(), ReadError> {
         let mut open = vec![Site {
@@ -144,12 +144,15 @@ impl<'a, 'i> Walk<'a, 'i> {
             "svg" => element != self.xml.root_element(),
             _ => false,
         };
-        let value = |name: &str| match is_placed {
-            true => element
-                .attribute(name)
-                .and_then(length)
-                .map_or(0.0, |(v, _)| v),
-            false => 0.0,
+        let value = |name: &str| {
+            if is_placed {
+                element
+                    .attribute(name)
+                    .and_then(length)
+                    .map_or(0.0, |(v, _)| v)
+            } else {
+                0.0
+            }
         };
         map * DAffine2::from_translation(DVec2::new(value("x"), value("y")))
     }

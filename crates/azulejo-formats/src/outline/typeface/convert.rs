@@ -113,9 +113,10 @@ impl Typeface {
                 listed.map_or_else(code, str::to_owned)
             }
         };
-        match taken.glyphs.contains_key(&name) {
-            true => format!("{name}.{}", glyph.to_u32()),
-            false => name,
+        if taken.glyphs.contains_key(&name) {
+            format!("{name}.{}", glyph.to_u32())
+        } else {
+            name
         }
     }
 }

@@ -261,9 +261,10 @@ fn width_inside(polygons: &[Vec<DVec2>], rule: FillRule, y: f64) -> f64 {
     let mut winding = 0;
     let inside = crossings.windows(2).map(|pair| {
         winding += pair[0].1;
-        match rule.is_inside(winding) {
-            true => pair[1].0 - pair[0].0,
-            false => 0.0,
+        if rule.is_inside(winding) {
+            pair[1].0 - pair[0].0
+        } else {
+            0.0
         }
     });
     inside.sum()

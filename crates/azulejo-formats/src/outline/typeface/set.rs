@@ -54,17 +54,19 @@ impl Setting<'_> {
                 self.place(&buffer, spacing, &mut pen, &mut line)?;
             }
         }
-        match missing.is_empty() {
-            true => Ok(line),
-            false => Err(SettingError::NoGlyphs(missing.into_iter().collect())),
+        if missing.is_empty() {
+            Ok(line)
+        } else {
+            Err(SettingError::NoGlyphs(missing.into_iter().collect()))
         }
     }
 
     fn shape(&self, text: &str, run: &Run) -> Result<Buffer, SettingError> {
         let mut buffer = Buffer::new();
-        buffer.set_direction(match run.is_rtl {
-            true => Direction::RightToLeft,
-            false => Direction::LeftToRight,
+        buffer.set_direction(if run.is_rtl {
+            Direction::RightToLeft
+        } else {
+            Direction::LeftToRight
         });
         buffer.set_script(Some(run.script));
         for (at, c) in text[run.bytes.clone()].char_indices() {
@@ -187,9 +189,12 @@ mod tests {
 
     /// The runs' texts, those from right to left in brackets.
     fn check(text: &str, expected: &[&str]) {
-        let shown = |run: Run| match run.is_rtl {
-            true => format!("[{}]", &text[run.bytes]),
-            false => text[run.bytes].to_owned(),
+        let shown = |run: Run| {
+            if run.is_rtl {
+                format!("[{}]", &text[run.bytes])
+            } else {
+                text[run.bytes].to_owned()
+            }
         };
         let found: Vec<String> = visual_runs(text).into_iter().map(shown).collect();
         assert_eq!(found, expected);

@@ -11,7 +11,7 @@ const KEPT: usize = 1000;
 ///
 /// JSON that has been read knows no lines any more, so a place is a path: `meshes[3]`.
 #[derive(Debug, Default)]
-pub(super) struct Said {
+pub(super) struct GltfMessages {
     list: Vec<Message>,
     known: HashMap<String, usize>,
 }
@@ -24,7 +24,7 @@ struct Message {
     count: usize,
 }
 
-impl Said {
+impl GltfMessages {
     /// Counts a message about the part of the file at `place`.
     pub fn of(&mut self, message: &str, place: impl FnOnce() -> String) {
         self.add(message, Position::Whole, place);
@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn each_message_once_with_its_first_place() {
-        let mut said = Said::default();
+        let mut said = GltfMessages::default();
         said.of("points: skipped", || "meshes[3]".into());
         said.of("points: skipped", || "meshes[4]".into());
         said.of("lines: skipped", || "meshes[5]".into());

@@ -11,7 +11,7 @@ pub(super) const NONE: u32 = u32::MAX;
 
 /// What an OBJ file says, in its own order and with its own numbering, from zero.
 #[derive(Debug, Default)]
-pub(super) struct Raw {
+pub(super) struct ObjLists {
     pub positions: Vec<DVec3>,
     /// Colours of the vertices up to the last that has one.
     pub colors: Vec<Option<Rgb>>,
@@ -31,14 +31,14 @@ pub(super) struct Raw {
     pub smoothing: Vec<u32>,
     pub material_names: Vec<String>,
     /// Where each `o` and each `g` begins.
-    pub parts: Vec<Part>,
+    pub parts: Vec<ObjPart>,
     /// Free-form surfaces, in the order of their parts.
     pub surfaces: Vec<Tessellated>,
 }
 
 /// The faces from `first_face` to that of the next part.
 #[derive(Debug)]
-pub(super) struct Part {
+pub(super) struct ObjPart {
     /// `o`, `g`, or `o/g`.
     pub name: String,
     pub first_face: usize,
