@@ -23,7 +23,7 @@ fn models_are_listed() {
         .collect();
     assert_eq!(names, MODELS.iter().map(|m| m.name).collect::<Vec<_>>());
     let words = folder.ok("brdf list lewis_phong").out;
-    for part in ["lewis\n", "also", "exponent", "must be given", "CGF 13(2)"] {
+    for part in ["lewis\n", "also", "exponent", "required", "CGF 13(2)"] {
         assert!(words.contains(part), "{part} is not in {words}");
     }
     folder.fails("brdf list levis", 2, "nearest name is `lewis`");
@@ -103,7 +103,7 @@ fn misuse_is_explained() {
     folder.fails(
         "brdf eval diffuse --i 1 --i 2 --i 3 --o 1 --o 2",
         2,
-        "as many of both",
+        "expected the same number",
     );
     folder.fails("brdf eval missing.brdf --i 1 --o 2", 1, "missing.brdf");
     folder.fails("brdf plot lewis n=3 -o a.gif", 2, "expected .svg or .png");

@@ -105,7 +105,7 @@ fn known_answers() {
     let csv = String::from_utf8(folder.read("report/truths.csv")).unwrap();
     assert_eq!(csv.lines().count(), 69);
     let page = String::from_utf8(folder.read("report/report.html")).unwrap();
-    assert!(page.contains("Known answers") && page.contains("cube_mirror_B"));
+    assert!(page.contains("Known solutions") && page.contains("cube_mirror_B"));
 }
 
 #[test]
@@ -178,7 +178,7 @@ fn bad_suites() {
         ),
         (
             &format!("title = 't'\n{scene}{rays}resolution = 64\n"),
-            "--resolution has a meaning for --engine hemicube",
+            "--resolution applies only to --engine hemicube",
         ),
         (
             &format!("title = 't'\n{scene}{rays}scenes = ['b']\n"),
