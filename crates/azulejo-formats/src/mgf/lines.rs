@@ -9,9 +9,6 @@ use crate::reading::number;
 
 /// A cursor over the bytes of a text file, between two statements.
 #[derive(Clone, Debug)]
-=======
-/// A cursor over the bytes of a text file, between two statements.
-#[derive(Clone, Debug)]
 pub(super) struct MgfLines<'a> {
     text: TextCursor<'a>,
 }
@@ -28,7 +25,7 @@ fn is_blank(b: u8) -> bool {
 }
 
 impl<'a> MgfLines<'a> {
-    /// The start of a text.
+    /// A cursor at the start of a text.
     pub fn new(bytes: &'a [u8]) -> MgfLines<'a> {
         MgfLines {
             text: TextCursor::new(bytes),

@@ -1,8 +1,5 @@
-//! Tokens: words, numbers and names, without an intermediate token list.
->>=======
 //! Tokens of azulejo's own languages, GRF and reflection models: words, numbers and names,
 //! without an intermediate token list.
->>>>>>> theirs
 //!
 //! The parser requests the token it needs next; blanks and comments before it are skipped. Nothing
 //! here allocates, so that a vertex costs little more than its numbers.
@@ -10,10 +7,7 @@
 use super::cursor::TextCursor;
 use super::text::shortened;
 
-/// A cursor in the text. Copies serve for lookahead.
->>=======
 /// A cursor over the tokens of a text. Copies serve for lookahead.
->>>>>>> theirs
 #[derive(Clone, Copy)]
 pub(crate) struct Lexer<'a> {
     cursor: TextCursor<'a, str>,

@@ -50,12 +50,8 @@ pub fn read(
     })
 }
 
-/// Whether this is the ASCII format. Binary files may begin with `solid`, too: then their length
-/// matches their count of triangles, or no text follows.
->>=======
 /// Whether this may be the ASCII format. Binary files may begin with `solid`, too, but then contain
 /// zeros, or their length matches their count of triangles.
->>>>>>> theirs
 fn is_text(bytes: &[u8]) -> bool {
     let start = bytes.trim_ascii_start();
     let says_solid = start.len() >= 5 && start[..5].eq_ignore_ascii_case(b"solid");

@@ -294,7 +294,7 @@ impl<'a, 'w> Studio3dsParser<'a, 'w> {
             }
         }
         light.intensity *= f64::from(multiplier);
-        let has_cone = |s: &Spot| !s.hot_spot.is_nan() && !s.fall_off.is_nan();
+        let has_cone = |s: &SpotCone| !s.hot_spot.is_nan() && !s.fall_off.is_nan();
         let is_light = multiplier >= 0.0
             && light.intensity.is_finite()
             && light.position.is_finite()

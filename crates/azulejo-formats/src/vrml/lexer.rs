@@ -30,19 +30,6 @@ fn ends_word(b: u8) -> bool {
 }
 
 impl<'a> VrmlLexer<'a> {
-    /// A cursor at the start of a text; a byte-order mark is skipped. The header is a comment.
-    pub fn new(bytes: &'a [u8]) -> VrmlLexer<'a> {
-        let at = if bytes.starts_with(b"\xef\xbb\xbf") {
-            3
-        } else {
-            0
-        };
-        VrmlLexer { bytes, at }
-    }
-
-    /// The current offset, for [`position`].
->>=======
-impl<'a> VrmlLexer<'a> {
     /// A cursor at the start of a text. The header is a comment.
     pub fn new(bytes: &'a [u8]) -> VrmlLexer<'a> {
         VrmlLexer {
@@ -51,7 +38,6 @@ impl<'a> VrmlLexer<'a> {
     }
 
     /// The current offset, for a position.
->>>>>>> theirs
     pub fn offset(&self) -> usize {
         self.text.offset()
     }
@@ -340,11 +326,7 @@ mod tests {
 
     #[test]
     fn tokens() {
-        let mut l =
-            VrmlLexer::new(b"\xef\xbb\xbf#VRML V2.0 utf8\r\nDEF a.b-1{x[,,1 -2,]/* * */}#end");
->>=======
         let mut l = VrmlLexer::new(b"#VRML V2.0 utf8\r\nDEF a.b-1{x[,,1 -2,]/* * */}#end");
->>>>>>> theirs
         assert_eq!(l.word(), Some(&b"DEF"[..]));
         assert!(!l.take_word(b"a"));
         assert!(l.take_word(b"a.b-1"));
