@@ -24,10 +24,10 @@ pub(super) enum SffLight {
 /// or not at all. The physical light gives the same irradiance at the target, follows the
 /// inverse-square law, and has area if RTRACE's has. `material` is the material of its emitter.
 pub(super) fn physical(light: &RtraceLight, view: &SffView, material: u32) -> SffLight {
-    let gaze = view.eye.distance(view.target);
+    let target_distance = view.eye.distance(view.target);
     let offset = view.target - light.position;
-    let distance = offset.length().max(1e-3 * gaze);
-    let fade = gaze / (gaze + 0.25 * distance);
+    let distance = offset.length().max(1e-3 * target_distance);
+    let fade = target_distance / (target_distance + 0.25 * distance);
     let arriving = Rgb::from([0, 1, 2].map(|k| {
         let share = if light.fades[k] { fade } else { 1.0 };
         light.brightness[k] * share
@@ -37,7 +37,7 @@ pub(super) fn physical(light: &RtraceLight, view: &SffView, material: u32) -> Sf
     let intensity = irradiance * (distance * distance);
     let position = light.position;
     match light.kind {
-        RtraceLightKind::Point if light.fades == [false; 3] && distance > FAR * gaze => {
+        RtraceLightKind::Point if light.fades == [false; 3] && distance > FAR * target_distance => {
             let direction = offset / distance;
             SffLight::Lights(vec![LightKind::Directional {
                 direction,
@@ -176,8 +176,9 @@ pub(super) fn emitter_material(number: usize, radiance: Rgb) -> Material {
 }
 
 /// Whether two directions are non-zero and not parallel.
-pub(super) fn spans(gaze: DVec3, up: DVec3) -> bool {
-    gaze.normalize_or_zero()
+pub(super) fn spans(direction: DVec3, up: DVec3) -> bool {
+    direction
+        .normalize_or_zero()
         .cross(up.normalize_or_zero())
         .length()
         > 1e-9

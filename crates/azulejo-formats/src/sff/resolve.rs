@@ -135,8 +135,8 @@ struct SffResolver<'r, 's> {
 impl SffResolver<'_, '_> {
     fn view(&mut self, document: &SffDocument) -> SffResult<()> {
         let view = &document.view;
-        let gaze = view.target - view.eye;
-        if !lights::spans(gaze, view.up) {
+        let direction = view.target - view.eye;
+        if !lights::spans(direction, view.up) {
             let found = "an eye, a target and an up vector that do not span a plane";
             let expected =
                 "two different points, and an up vector that is not parallel to the view";
@@ -432,13 +432,13 @@ impl SffResolver<'_, '_> {
             }
             SffGeometry::Text(data) => {
                 let commands = self.commands(data, place)?;
-                let mut desk = TypesetContext {
+                let mut context = TypesetContext {
                     files: self.files,
                     sources: self.sources,
                     warnings: self.warnings,
                     budget: &mut self.budget,
                 };
-                let prisms = self.typesetter.run(&commands, material, &mut desk)?;
+                let prisms = self.typesetter.run(&commands, material, &mut context)?;
                 prisms.into_iter().map(Solid::Prism).collect()
             }
         })

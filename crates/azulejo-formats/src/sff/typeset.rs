@@ -41,7 +41,7 @@ impl Typesetter {
         &mut self,
         commands: &[TextCommand],
         material: MaterialId,
-        desk: &mut TypesetContext,
+        context: &mut TypesetContext,
     ) -> Result<Vec<Prism>, ReadError> {
         let mut prisms = Vec::new();
         for command in commands {
@@ -53,25 +53,27 @@ impl Typesetter {
                 }
                 TextCommandKind::Scale(scale) => {
                     let found = format!("SCALE {} {} {}", scale.x, scale.y, scale.z);
-                    return Err(desk.sources.error(place, found, "three positive numbers"));
+                    return Err(context
+                        .sources
+                        .error(place, found, "three positive numbers"));
                 }
                 TextCommandKind::Orientation(axes) => {
-                    self.orientation = Some(orientation(axes, place, desk)?);
+                    self.orientation = Some(orientation(axes, place, context)?);
                 }
                 TextCommandKind::Font(name) => {
-                    let font = load(&mut self.fonts, name, place, desk, ppf::read)?;
+                    let font = load(&mut self.fonts, name, place, context, ppf::read)?;
                     self.font = Some(font);
                 }
                 TextCommandKind::Encoding(name) => {
-                    let encoding = load(&mut self.encodings, name, place, desk, ppe::read)?;
+                    let encoding = load(&mut self.encodings, name, place, context, ppe::read)?;
                     self.encoding = Some(encoding);
                 }
                 TextCommandKind::At(origin, text) => {
                     // A glyph's prism is as large as a few vertices.
                     let count = 4 * text.len() as u64;
-                    (desk.budget.spend(count))
-                        .map_err(|e| e.error(desk.sources.name(place.file)))?;
-                    prisms.extend(self.set(*origin, text, material, place, desk.sources)?);
+                    (context.budget.spend(count))
+                        .map_err(|e| e.error(context.sources.name(place.file)))?;
+                    prisms.extend(self.set(*origin, text, material, place, context.sources)?);
                 }
             }
         }
@@ -115,7 +117,7 @@ impl Typesetter {
 fn orientation(
     axes: &[DVec3; 3],
     place: SffPosition,
-    desk: &TypesetContext,
+    context: &TypesetContext,
 ) -> Result<[DVec3; 3], ReadError> {
     let unit = axes.map(DVec3::normalize_or_zero);
     let volume = DMat3::from_cols(unit[0], unit[1], unit[2]).determinant();
@@ -124,7 +126,7 @@ fn orientation(
     }
     let found = "ORIENTATION with directions that are zero, parallel or in one plane";
     let expected = "progression, up and extrusion that span space";
-    Err(desk.sources.error(place, found, expected))
+    Err(context.sources.error(place, found, expected))
 }
 
 /// Decodes a font or an encoding.
@@ -135,20 +137,22 @@ fn load<T>(
     known: &mut HashMap<String, Arc<T>>,
     name: &str,
     place: SffPosition,
-    desk: &mut TypesetContext,
+    context: &mut TypesetContext,
     read: DecodeFn<T>,
 ) -> Result<Arc<T>, ReadError> {
-    let of = desk.sources.name(place.file);
+    let of = context.sources.name(place.file);
     let key = crate::reading::files::beside(of, name);
     if let Some(known) = known.get(&key) {
         return Ok(Arc::clone(known));
     }
-    let (path, bytes) = open_beside(desk.files, of, name).map_err(|e| {
+    let (path, bytes) = open_beside(context.files, of, name).map_err(|e| {
         let found = format!("\"{name}\", which cannot be read: {e}");
-        desk.sources.error(place, found, "a file beside the scene")
+        context
+            .sources
+            .error(place, found, "a file beside the scene")
     })?;
     let (value, warnings) = read(&bytes, &path)?;
-    desk.warnings.extend(warnings);
+    context.warnings.extend(warnings);
     let value = Arc::new(value);
     known.insert(key, Arc::clone(&value));
     Ok(value)
