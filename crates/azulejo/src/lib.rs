@@ -38,3 +38,12 @@ pub use azulejo_radiosity as radiosity;
 pub use azulejo_render as render;
 pub use azulejo_scene as scene;
 pub use azulejo_trace as trace;
+
+/// The pages on extending azulejo, whose examples are tests of this crate.
+#[cfg(doctest)]
+mod how_to_add {
+    #[doc = include_str!("../../../docs/how-to-add/a-format.md")]
+    struct AFormat;
+    #[doc = include_str!("../../../docs/how-to-add/an-engine.md")]
+    struct AnEngine;
+}
