@@ -264,7 +264,10 @@ fn record_header(stage: JournalStage, block: usize, bytes: &[u8]) -> Vec<u8> {
 }
 
 /// Parses a record header, if it is intact.
-fn parse_record_header(head: &[u8; HEAD], start: u64) -> Option<((JournalStage, usize), StoredBlock)> {
+fn parse_record_header(
+    head: &[u8; HEAD],
+    start: u64,
+) -> Option<((JournalStage, usize), StoredBlock)> {
     let (said, checksum) = head.split_last_chunk::<4>()?;
     if crc32fast::hash(said) != u32::from_le_bytes(*checksum) {
         return None;

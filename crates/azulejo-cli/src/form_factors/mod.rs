@@ -119,7 +119,9 @@ fn matrix_format(args: &FormFactorArgs, output: &Output) -> Result<MatrixFormat,
         Some(FormatName::Npz) => return Ok(MatrixFormat::Archive),
         Some(FormatName::Csv) => return Ok(MatrixFormat::Table),
         Some(FormatName::View3d) => return Ok(MatrixFormat::View3d(Some(MatrixLayout::Text))),
-        Some(FormatName::View3dBinary) => return Ok(MatrixFormat::View3d(Some(MatrixLayout::Binary))),
+        Some(FormatName::View3dBinary) => {
+            return Ok(MatrixFormat::View3d(Some(MatrixLayout::Binary)));
+        }
         None => {}
     }
     let extension = args.output.extension().and_then(|e| e.to_str());

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 
 /// Names that say nothing about what they name, or that only azulejo used. See `docs/glossary.md`.
 const BANNED: [&str; 16] = [
-    "Found", "Gaze", "Globe", "Glow", "Ground", "Kind", "Kinship", "Look", "Place", "Ran", "Reader",
-    "Skin", "Stage", "StandIn", "Thing", "Wish",
+    "Found", "Gaze", "Globe", "Glow", "Ground", "Kind", "Kinship", "Look", "Place", "Ran",
+    "Reader", "Skin", "Stage", "StandIn", "Thing", "Wish",
 ];
 
 /// Largest number of types of one name in the whole workspace, tests aside.
@@ -18,10 +18,16 @@ fn types() -> BTreeMap<String, Vec<PathBuf>> {
     let mut types = BTreeMap::<String, Vec<PathBuf>>::new();
     for (path, text) in sources(&root().join("crates")) {
         let is_shipped = path.components().any(|c| c.as_os_str() == "src");
-        if !is_shipped || path.ends_with("tests.rs") || path.components().any(|c| c.as_os_str() == "tests") {
+        if !is_shipped
+            || path.ends_with("tests.rs")
+            || path.components().any(|c| c.as_os_str() == "tests")
+        {
             continue;
         }
-        let shipped = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or(&text);
+        let shipped = text
+            .split("#[cfg(test)]\nmod tests {")
+            .next()
+            .unwrap_or(&text);
         for name in shipped.lines().filter_map(defined) {
             types.entry(name.to_owned()).or_default().push(path.clone());
         }

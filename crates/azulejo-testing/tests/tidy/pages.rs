@@ -4,16 +4,32 @@ use crate::{root, sources};
 use std::collections::BTreeSet;
 use std::fs;
 
-/// The words in the sources of all crates.
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| !c.is_alphanumeric() && c != '_')
+}
+
+/// The words in the sources of all crates, and in the paths of these.
 fn identifiers() -> BTreeSet<String> {
-    let is_part = |c: char| c.is_alphanumeric() || c == '_';
-    let mut words = BTreeSet::new();
+    let mut known = BTreeSet::new();
     for (path, text) in sources(&root().join("crates")) {
-        words.extend(text.split(|c| !is_part(c)).map(str::to_owned));
-        let stem = path.file_stem().and_then(|s| s.to_str());
-        words.extend(stem.map(str::to_owned));
+        known.extend(words(&text).map(str::to_owned));
+        known.extend(words(&path.to_string_lossy()).map(str::to_owned));
     }
-    words
+    known
+}
+
+#[test]
+fn names_in_the_architecture_exist() {
+    let known = identifiers();
+    let page = fs::read_to_string(root().join("ARCHITECTURE.md")).expect("the architecture");
+    let mut checked = 0;
+    for code in page.split('`').skip(1).step_by(2) {
+        for name in words(code).filter(|w| w.len() > 2 && w.starts_with(char::is_alphabetic)) {
+            assert!(known.contains(name), "no code is named `{name}`: {code}");
+            checked += 1;
+        }
+    }
+    assert!(checked > 100, "the page has hardly any code");
 }
 
 #[test]
@@ -48,7 +64,10 @@ fn pages_quote_code_as_it_is() {
             let source = fs::read_to_string(root().join("crates").join(file));
             let source = source.unwrap_or_else(|e| panic!("{}: {file}: {e}", path.display()));
             let mut source = source.lines().map(str::trim);
-            for line in lines.map(str::trim).filter(|l| !l.is_empty() && *l != "// …") {
+            for line in lines
+                .map(str::trim)
+                .filter(|l| !l.is_empty() && *l != "// …")
+            {
                 let stands = source.any(|other| other == line);
                 assert!(stands, "{}: {file} has no line {line:?}", path.display());
             }
