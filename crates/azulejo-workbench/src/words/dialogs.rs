@@ -69,7 +69,7 @@ pub const TABLE: &[Translation] = &[
     ["Font", "Tipo de letra", "Tipo de letra"],
     ["Add text", "Añadir las letras", "Adicionar as letras"],
     // Prisms.
-    ["Prism", "Un prisma", "Um prisma"],
+    ["Exact prism", "Un prisma", "Um prisma"],
     ["Outline", "Contorno", "Contorno"],
     ["from a drawing…", "de un dibujo…", "de um desenho…"],
     [

@@ -152,7 +152,7 @@ fn a_prism_is_added() {
     let size = app.document.bounds(Some(&app.selection.ids)).size();
     assert!((size.x - 2.0).abs() < 1e-9, "{size}");
     assert!((size.y - 0.5).abs() < 1e-9, "{size}");
-    assert!(!says(&window, "Prism"));
+    assert!(!says(&window, "Exact prism"));
 }
 
 #[test]
@@ -190,7 +190,7 @@ fn a_file_for_a_dialog_is_asked_for_and_left_again() {
             "Prism…",
             "from a drawing…",
             "Choose a drawing to extrude",
-            "Prism",
+            "Exact prism",
         ),
         ("Text…", "DejaVu Serif", "Choose a font", "Solid text"),
     ] {

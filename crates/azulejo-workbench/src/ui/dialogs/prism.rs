@@ -34,7 +34,7 @@ impl PrismDialog {
         let mut is_done = false;
         let modal = Modal::new(Id::unique("prism")).show(ui.ctx(), |ui| {
             ui.set_width(380.0);
-            ui.heading(cx.tr("Prism"));
+            ui.heading(cx.tr("Exact prism"));
             Grid::new("prism").num_columns(2).show(ui, |ui| {
                 self.base(ui, cx);
                 self.lengths(ui, cx);
