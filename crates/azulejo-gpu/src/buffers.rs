@@ -7,7 +7,8 @@ use crate::tally::{Tally, exact_weights, whole_weights};
 use crate::target::{DrawInto, Mapping, Target, TargetOptions, sum_bytes};
 use crate::view_traversal::{Pixels, ViewContext, ViewTraversal, WindowRequest};
 use azulejo_trace::item_buffer::{
-    Beyond, DrawError, Hemicube, HemicubeView, ItemBuffers, Seen, Settings, View, World,
+    Beyond, DepthPrecision, DrawError, Hemicube, HemicubeView, ItemBuffers, Seen, Settings, View,
+    World,
 };
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -114,8 +115,12 @@ impl Buffers {
     /// Sends views to the card.
     fn begin(&self, target: &mut Target, views: &[View]) -> PendingViews {
         let context = self.context();
-        let traversal =
-            |(tile, view)| ViewTraversal::new(tile, HemicubeView::new(view, &self.mesh.local));
+        let traversal = |(tile, view)| {
+            ViewTraversal::new(
+                tile,
+                HemicubeView::new(view, &self.mesh.local, DepthPrecision::Single),
+            )
+        };
         let mut traversals: Vec<ViewTraversal> = (0..).zip(views).map(traversal).collect();
         let drawings = side_by_side(
             &mut traversals,

@@ -16,7 +16,7 @@ mod tally;
 mod view;
 
 pub use processor::{Processor, ProcessorBuffers};
-pub use view::{HemicubeView, LocalMirror, PatchOptics, Plane, UnitCube};
+pub use view::{DepthPrecision, HemicubeView, LocalMirror, PatchOptics, Plane, UnitCube};
 
 use azulejo_scene::Rgb;
 use glam::DVec3;

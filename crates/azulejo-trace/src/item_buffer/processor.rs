@@ -4,7 +4,7 @@ use super::face::Face;
 use super::prepared_world::LocalWorld;
 use super::raster::{Canvas, NOTHING, Region, draw};
 use super::tally::Tally;
-use super::view::{HemicubeView, PatchOptics};
+use super::view::{DepthPrecision, HemicubeView, PatchOptics};
 use super::{
     Beyond, Device, DrawError, Hemicube, ItemBuffers, Seen, Settings, SpecularPixel, View, World,
 };
@@ -155,7 +155,7 @@ impl ProcessorBuffers {
         let rows = (0..self.cube.pixels()).step_by(self.side());
         let rows: Vec<PixelRun> = rows.map(|first| PixelRun { first, count }).collect();
         let whole = MirrorWindow {
-            view: HemicubeView::new(view, &self.world.local),
+            view: HemicubeView::new(view, &self.world.local, DepthPrecision::Double),
             runs: 0..rows.len(),
         };
         let mut level = WindowLevel {
