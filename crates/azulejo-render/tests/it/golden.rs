@@ -32,7 +32,8 @@ const VERTICES: SecondPass = SecondPass {
 
 /// Direct light by formula and shadow rays, the rest by final gathers.
 const GATHER: SecondPass = SecondPass {
-    gather: Some(8),
+    samples_per_pixel: 9,
+    gather: Some(4),
     ..VERTICES
 };
 

@@ -14,11 +14,11 @@ use std::sync::Arc;
 /// A checked floor around the origin in y = 0 under sun and sky, and a camera in front of it.
 fn stage() -> (Scene, Camera) {
     let mut scene = Scene::default();
-    let checks = texture(&mut scene, 16, |x, y| {
-        if (x / 8 + y / 8) % 2 == 0 {
-            [0.6, 0.6, 0.55]
+    let checks = texture(&mut scene, 2, |x, y| {
+        if (x + y) % 2 == 0 {
+            [0.7, 0.7, 0.65]
         } else {
-            [0.06, 0.09, 0.14]
+            [0.25, 0.3, 0.4]
         }
     });
     let mut floor = Material::diffuse("floor", Rgb::WHITE);
@@ -37,21 +37,21 @@ fn stage() -> (Scene, Camera) {
         name: "sun".into(),
         kind: LightKind::Directional {
             direction: dvec3(-0.5, -1.0, -0.6).normalize(),
-            irradiance: Rgb::new(1.8, 1.7, 1.5),
+            irradiance: Rgb::new(3.2, 3.0, 2.6),
         },
     });
     scene.lights.push(Light {
         name: "sky".into(),
         kind: LightKind::Ambient {
-            radiance: Rgb::new(0.15, 0.2, 0.28),
+            radiance: Rgb::new(0.25, 0.32, 0.45),
         },
     });
     let camera = Camera {
         name: String::new(),
-        eye: dvec3(0.0, 1.7, 4.0),
-        target: dvec3(0.0, 0.5, 0.0),
+        eye: dvec3(0.0, 1.8, 4.5),
+        target: dvec3(0.0, 0.6, 0.0),
         up: DVec3::Y,
-        vertical_fov: 0.72,
+        vertical_fov: 0.6,
         size: None,
     };
     (scene, camera)
@@ -126,7 +126,7 @@ fn cylinder(foot: DVec3, axis: DVec3, radius: f64, material: MaterialId) -> Prim
 pub fn textures() -> (Scene, Camera) {
     let (mut scene, camera) = stage();
     // Red below, green on the left above, blue on the right above.
-    let flag = texture(&mut scene, 8, |x, y| match (x / 4, y / 4) {
+    let flag = texture(&mut scene, 2, |x, y| match (x, y) {
         (0, 0) => [0.1, 0.7, 0.1],
         (1, 0) => [0.1, 0.2, 0.8],
         _ => [0.8, 0.1, 0.1],
@@ -320,11 +320,11 @@ pub fn text() -> (Scene, Camera) {
     let (font, _) = ppf::read(&bytes, path).expect("the example's font");
     let red = scene.add_material(Material::diffuse("red", Rgb::new(0.7, 0.15, 0.1)));
     let frame = TextFrame {
-        origin: dvec3(-1.35, 0.02, 0.1),
+        origin: dvec3(-1.3, 0.02, 0.1),
         progression: DVec3::X,
         up: DVec3::Y,
         extrusion: DVec3::NEG_Z,
-        scale: dvec3(1.1, 1.1, 0.3),
+        scale: dvec3(1.35, 1.35, 0.3),
     };
     let mut pen = 0.0;
     let mut solids = Vec::new();
