@@ -193,7 +193,7 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
     pub fn index(&mut self) -> ParseResult<u32> {
         self.lexer
             .index()
-            .map_err(|bad| self.bad_number(bad, "the index of a vertex, a whole number from 0"))
+            .map_err(|bad| self.bad_number(bad, "the index of a vertex, an integer from 0"))
     }
 
     #[cold]

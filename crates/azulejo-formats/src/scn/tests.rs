@@ -245,7 +245,7 @@ fn mistakes_are_named() {
     );
     check(
         "surface pinkish",
-        "a.scn:1:9: found \"pinkish\", expected a color",
+        "a.scn:1:9: found \"pinkish\", expected a colour",
     );
     check(
         "sphere surface red transform none 0 0 0 1",

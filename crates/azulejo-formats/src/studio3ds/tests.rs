@@ -648,7 +648,7 @@ fn a_cone_without_an_angle_is_no_light() {
         let cone = chunk(0x4610, &floats(&[0., 0., 0., hot_spot, fall_off]));
         let loaded = load(&file(&[square("floor"), light([0., 0., 5.], &[cone])], &[]));
         assert!(loaded.scene.lights.is_empty());
-        let warning = "light that takes light away or is nowhere: left out";
+        let warning = "light with a negative colour or a position that is not finite: skipped";
         check_warnings(&loaded, &[(warning, 1)]);
     }
 }

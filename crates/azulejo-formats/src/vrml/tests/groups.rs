@@ -168,7 +168,7 @@ fn lights() {
             ":3:17: attenuation and radius of lights",
             ":5:9: ambientIntensity of a light",
             ":5:9: DirectionalLight limited to its group",
-            ":5:51: PointLight that is off",
+            ":5:51: PointLight with on FALSE",
             ": the model contains no geometry",
         ],
     );
@@ -197,7 +197,7 @@ fn viewpoints_background_and_fog() {
         &[
             ":6:9: sky with several colours",
             ":6:9: background texture: skipped",
-            ":6:80: Background behind the first",
+            ":6:80: Background after the first",
             ":7:9: headlight of NavigationInfo",
         ],
     );

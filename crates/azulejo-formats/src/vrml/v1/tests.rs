@@ -524,8 +524,8 @@ fn nodes_are_used_again() {
         "Switch { DEF c Info {} } DEF c Sphere {} USE c",
         &["c: Sphere from -1 -1 -1 to 1 1 1"; 2],
     );
-    check_warning("Cube {} USE nobody", "USE nobody names no node", 1);
-    check_warning("DEF a Group { Cube {} USE a }", "USE a stands inside", 1);
+    check_warning("Cube {} USE nobody", "USE nobody refers to no node", 1);
+    check_warning("DEF a Group { Cube {} USE a }", "USE a refers to the node that contains it", 1);
 }
 
 #[test]
