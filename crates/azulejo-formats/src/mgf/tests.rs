@@ -342,7 +342,7 @@ fn what_is_skipped_is_said() {
     check("sides 1", &["one-sided"]);
     check("td .2", &["(td)"]);
     check("c k =\ncxy .9 .9", &["cxy without visible colour"]);
-    check("c k =\ncspec 1 2 3", &["cspec of no visible colour"]);
+    check("c k =\ncspec 1 2 3", &["cspec without visible colour"]);
     check("c k =\ncmix 1", &["pairs of weight and colour"]);
     check("c k =\ncmix x k", &["\"x\" is not a weight"]);
     check("c k =\ncmix 1 x", &["undefined colour \"x\""]);
