@@ -51,7 +51,7 @@ pub(super) const INFO: ModelInfo = ModelInfo {
     is_reciprocal: true,
     is_energy_safe: true,
     make: |arguments| {
-        let surface = Surface::new(arguments)?;
+        let surface = RoughSurface::new(arguments)?;
         let lobes = vec![
             Lobe::HeTorrance(HeTorrance::new(surface)),
             Lobe::HeMirror(HeMirror { surface }),
@@ -67,7 +67,7 @@ pub(super) const MIRROR: ModelInfo = ModelInfo {
     title: "He–Torrance–Sillion–Greenberg, the coherent part alone",
     examples: &["he_torrance_mirror sigma0 = 0.05 tau = 2 metal = silver"],
     make: |arguments| {
-        let surface = Surface::new(arguments)?;
+        let surface = RoughSurface::new(arguments)?;
         over_base(arguments, vec![Lobe::HeMirror(HeMirror { surface })])
     },
     ..INFO
@@ -75,7 +75,7 @@ pub(super) const MIRROR: ModelInfo = ModelInfo {
 
 /// A Gaussian surface of random heights. Lengths in micrometres.
 #[derive(Clone, Copy, Debug)]
-struct Surface {
+struct RoughSurface {
     scale: Rgb,
     fresnel: Fresnel,
     sigma0: f64,
@@ -92,10 +92,10 @@ struct Slant {
     seen: f64,
 }
 
-impl Surface {
-    fn new(arguments: &Arguments) -> Result<Surface, BrdfError> {
+impl RoughSurface {
+    fn new(arguments: &Arguments) -> Result<RoughSurface, BrdfError> {
         let lambda = arguments.has("lambda").then(|| arguments.color("lambda"));
-        Ok(Surface {
+        Ok(RoughSurface {
             scale: arguments.color("ks"),
             fresnel: arguments.fresnel()?,
             sigma0: arguments.number("sigma0"),
@@ -157,13 +157,13 @@ fn shadow_depth(k: f64) -> f64 {
 /// What is spread: F G S D/(π cos θi cos θo).
 #[derive(Clone, Debug)]
 pub(super) struct HeTorrance {
-    surface: Surface,
+    surface: RoughSurface,
     /// The longest wavelength, which is spread the widest.
     longest: f64,
 }
 
 impl HeTorrance {
-    fn new(surface: Surface) -> HeTorrance {
+    fn new(surface: RoughSurface) -> HeTorrance {
         HeTorrance {
             surface,
             longest: surface.lambda.max_channel(),
@@ -231,7 +231,7 @@ impl Reflect for HeTorrance {
 /// What is mirrored: F exp(−g) S².
 #[derive(Clone, Debug)]
 pub(super) struct HeMirror {
-    surface: Surface,
+    surface: RoughSurface,
 }
 
 impl Reflect for HeMirror {

@@ -53,17 +53,17 @@ impl Weld {
 }
 
 /// A mesh under construction, with a normal at every corner.
-pub(super) struct Builder {
+pub(super) struct ProxyMeshBuilder {
     weld: Weld,
     mesh: Mesh,
     normals: Vec<DVec3>,
     normal_corners: Vec<u32>,
 }
 
-impl Builder {
+impl ProxyMeshBuilder {
     /// Vertices nearer than `tolerance` become one.
-    pub fn new(tolerance: f64) -> Builder {
-        Builder {
+    pub fn new(tolerance: f64) -> ProxyMeshBuilder {
+        ProxyMeshBuilder {
             weld: Weld::new(tolerance),
             mesh: Mesh::default(),
             normals: Vec::new(),

@@ -9,7 +9,7 @@
 //! Requicha and Voelcker, *Boolean Operations in Solid Modeling: Boundary Evaluation and Merging
 //! Algorithms* (1985). Cuts and membership both use the polygons, so that they are consistent.
 
-use super::builder::{Builder, Weld};
+use super::builder::{ProxyMeshBuilder, Weld};
 use super::facet::Facet;
 use super::triangle_pair::{IndexedTriangle, intersect};
 use crate::math::{Aabb, area_vector};
@@ -30,7 +30,11 @@ const MOST_LINES: usize = 1 << 20;
 const MOST_LINES_EACH: usize = 1 << 12;
 
 /// Appends the faces of a set operation's result, made of the `facets` of its leaves.
-pub(super) fn cut(csg: &Csg, mut facets: impl FnMut(Leaf) -> Vec<Facet>, builder: &mut Builder) {
+pub(super) fn cut(
+    csg: &Csg,
+    mut facets: impl FnMut(Leaf) -> Vec<Facet>,
+    builder: &mut ProxyMeshBuilder,
+) {
     let mut bodies = Vec::new();
     let root = CsgNode::new(csg, &mut |solid| {
         bodies.push(solid.leaves().into_iter().flat_map(&mut facets).collect());
@@ -278,7 +282,12 @@ impl<'a> Arrangement<'a> {
         points
     }
 
-    fn emit(&mut self, sheet: usize, classifier: &SurfaceClassifier, builder: &mut Builder) {
+    fn emit(
+        &mut self,
+        sheet: usize,
+        classifier: &SurfaceClassifier,
+        builder: &mut ProxyMeshBuilder,
+    ) {
         let triangles = self.sheets[sheet].triangles.clone();
         let is_cut = |t: usize| {
             !self.lines[t].is_empty()
@@ -295,7 +304,12 @@ impl<'a> Arrangement<'a> {
     }
 
     /// A facet through which no line runs is all on one side.
-    fn emit_whole(&self, sheet: usize, classifier: &SurfaceClassifier, builder: &mut Builder) {
+    fn emit_whole(
+        &self,
+        sheet: usize,
+        classifier: &SurfaceClassifier,
+        builder: &mut ProxyMeshBuilder,
+    ) {
         let BodyFacet {
             body,
             facet,
@@ -316,7 +330,7 @@ impl<'a> Arrangement<'a> {
         t: usize,
         piece: [u32; 3],
         classifier: &SurfaceClassifier,
-        builder: &mut Builder,
+        builder: &mut ProxyMeshBuilder,
     ) {
         let triangle = &self.triangles[t];
         let corners = piece.map(|v| self.weld.positions[v as usize]);
@@ -342,23 +356,23 @@ impl<'a> Arrangement<'a> {
     fn divided(&mut self, t: usize) -> Vec<[u32; 3]> {
         let triangle = self.triangles[t];
         let sides = [0, 1, 2].map(|k| self.on_side(&triangle, k));
-        let mut plane = Plane::new(&triangle, &self.weld.positions);
+        let mut split = SplitTriangle::new(&triangle, &self.weld.positions);
         for (k, between) in sides.iter().enumerate() {
             let ends = [k, (k + 1) % 3].map(|k| triangle.numbers[k]);
             let mut chain = vec![ends[0]];
             chain.extend(between);
             chain.push(ends[1]);
             for pair in chain.windows(2) {
-                plane.add_line([pair[0], pair[1]], &self.weld.positions);
+                split.add_line([pair[0], pair[1]], &self.weld.positions);
             }
         }
         let mut lines: Vec<[u32; 2]> = self.lines[t].clone();
         lines.sort_unstable();
         lines.dedup();
         for &line in &lines {
-            plane.add_line(line, &self.weld.positions);
+            split.add_line(line, &self.weld.positions);
         }
-        plane.pieces(&mut self.weld)
+        split.pieces(&mut self.weld)
     }
 }
 
@@ -394,7 +408,7 @@ fn triangulated(facet: &Facet) -> Vec<[u32; 3]> {
 }
 
 fn push(
-    builder: &mut Builder,
+    builder: &mut ProxyMeshBuilder,
     mut corners: Vec<(DVec3, DVec3)>,
     material: u32,
     verdict: PieceSide,
@@ -417,7 +431,7 @@ fn weights(triangle: &IndexedTriangle, p: DVec3) -> [f64; 3] {
 }
 
 /// The triangulation of one triangle with lines through it.
-struct Plane {
+struct SplitTriangle {
     origin: DVec3,
     axes: [DVec3; 2],
     mesh: ConstrainedDelaunayTriangulation<Point2<f64>>,
@@ -426,12 +440,12 @@ struct Plane {
     added: HashSet<[u32; 2]>,
 }
 
-impl Plane {
-    fn new(triangle: &IndexedTriangle, positions: &[DVec3]) -> Plane {
+impl SplitTriangle {
+    fn new(triangle: &IndexedTriangle, positions: &[DVec3]) -> SplitTriangle {
         let [a, b, c] = triangle.corners;
         let size = a.distance(b).max(a.distance(c));
         let along = (b - a).normalize();
-        let mut plane = Plane {
+        let mut split = SplitTriangle {
             origin: a,
             axes: [along, triangle.normal.cross(along)].map(|axis| size * axis),
             mesh: ConstrainedDelaunayTriangulation::new(),
@@ -440,9 +454,9 @@ impl Plane {
             added: HashSet::new(),
         };
         for v in triangle.numbers {
-            plane.handle(v, positions);
+            split.handle(v, positions);
         }
-        plane
+        split
     }
 
     /// The vertex at a numbered position.

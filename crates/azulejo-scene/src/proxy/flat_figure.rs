@@ -52,7 +52,7 @@ impl FlatFigure {
             return FlatFigure::default();
         }
         let round = |p: DVec2| ((p - origin) / (size * GRID)).round() * GRID;
-        let mut outline = Outline::new(figure, tolerance, round);
+        let mut outline = FlattenedContours::new(figure, tolerance, round);
         outline.simplify(tolerance / size);
         let mesh = outline.triangulated();
         let inside = outline.inside(&mesh, figure.rule);
@@ -64,7 +64,7 @@ impl FlatFigure {
         flat
     }
 
-    fn collect(&mut self, mesh: &Delaunay, inside: &[bool], outline: &Outline) {
+    fn collect(&mut self, mesh: &Delaunay, inside: &[bool], outline: &FlattenedContours) {
         let mut number = HashMap::new();
         let mut triangles = Vec::new();
         for face in mesh.inner_faces().filter(|f| inside[f.fix().index()]) {
@@ -94,7 +94,7 @@ fn extent(figure: &Figure) -> (DVec2, f64) {
 }
 
 /// Flattened contours, rounded, in units of the figure's size.
-struct Outline {
+struct FlattenedContours {
     contours: Vec<Vec<DVec2>>,
     /// Whether the curves are smooth at a corner.
     smooth: HashMap<[u64; 2], bool>,
@@ -110,9 +110,9 @@ fn point(p: Point2<f64>) -> DVec2 {
     DVec2::new(p.x, p.y)
 }
 
-impl Outline {
-    fn new(figure: &Figure, tolerance: f64, round: impl Fn(DVec2) -> DVec2) -> Outline {
-        let mut outline = Outline {
+impl FlattenedContours {
+    fn new(figure: &Figure, tolerance: f64, round: impl Fn(DVec2) -> DVec2) -> FlattenedContours {
+        let mut outline = FlattenedContours {
             contours: Vec::new(),
             smooth: HashMap::new(),
         };

@@ -17,7 +17,7 @@ mod tests;
 mod triangle_pair;
 
 use crate::{Exact, Leaf, Mesh, Object, Scene, Shape, Solid};
-use builder::Builder;
+use builder::ProxyMeshBuilder;
 use facet::{Facet, FlatFigureCache, facets};
 use std::borrow::Cow;
 
@@ -59,7 +59,7 @@ impl Exact {
 /// A proxy mesh under construction.
 struct ProxyMesher {
     chord_error: f64,
-    builder: Builder,
+    builder: ProxyMeshBuilder,
     flats: FlatFigureCache,
     most: usize,
 }
@@ -69,7 +69,7 @@ impl ProxyMesher {
     fn mesh(exact: &Exact, chord_error: f64, same: f64, most: usize) -> Option<Mesh> {
         let mut mesher = ProxyMesher {
             chord_error,
-            builder: Builder::new(same),
+            builder: ProxyMeshBuilder::new(same),
             flats: FlatFigureCache::default(),
             most,
         };
