@@ -51,7 +51,7 @@ fn quadrilateral(p: &[DVec3; 4]) -> [FaceTriangle; 2] {
     const FROM_0: [FaceTriangle; 2] = [[0, 1, 2], [0, 2, 3]];
     const FROM_1: [FaceTriangle; 2] = [[0, 1, 3], [1, 2, 3]];
     let area = area_vector(p);
-    // A diagonal serves if both its triangles face the same way as the whole.
+    // A diagonal is valid if both triangles face the same way as the whole.
     let serves = |split: &[FaceTriangle; 2]| {
         split
             .iter()
@@ -111,7 +111,7 @@ fn convex_fan(flat: &[DVec2]) -> Option<Vec<FaceTriangle>> {
     let whole: f64 = fan(n, 0).iter().map(|&t| signed_area(flat, t)).sum();
     let (mut best, mut best_area) = (0, 0.0);
     for apex in 0..apexes {
-        // Only a clearly better apex wins, so that rounding does not choose.
+        // Only a clearly better apex wins, so that rounding does not decide.
         let area = smallest(apex);
         if area > best_area * (1.0 + 1e-6) + 1e-12 * whole {
             (best, best_area) = (apex, area);
@@ -148,8 +148,8 @@ fn ears(flat: &[DVec2]) -> Option<Vec<FaceTriangle>> {
     (triangles.len() as u32 == n - 2).then_some(triangles)
 }
 
-/// Puts back corners that ear clipping left out because they lie on a straight line: the triangle
-/// on whose edge they lie is divided.
+/// Restores corners that ear clipping dropped because they lie on a straight line: the triangle on
+/// whose edge they lie is divided.
 fn restore_dropped(n: u32, triangles: &mut Vec<FaceTriangle>) {
     let mut used = vec![false; n as usize];
     for &k in triangles.iter().flatten() {

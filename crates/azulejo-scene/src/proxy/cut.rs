@@ -1,7 +1,7 @@
 //! Set operations on the faces of their operands.
 //!
-//! 1. Where triangles of two solids cross, both get the line (`triangle_pair`).
-//! 2. Every triangle with lines through it, or with points on its edges, is divided along them.
+//! 1. Where triangles of two solids intersect, both record the segment (`triangle_pair`).
+//! 2. Every triangle with segments through it, or with points on its edges, is divided along them.
 //! 3. A piece belongs to the surface of the result if of the points just before and just behind
 //!    its middle one is inside and the other is not. A piece that two solids share is kept once, as
 //!    part of the first one.
@@ -20,16 +20,17 @@ use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 use std::collections::{HashMap, HashSet};
 
-/// Points nearer than this fraction of the size touch.
+/// Points closer than this fraction of the size coincide.
 const TOUCH: f64 = 1e-8;
 /// The two sides of a surface are tested at this fraction of the size from it.
 const BESIDE: f64 = 1e-6;
-/// Further lines are ignored: the surfaces then overlap uncut.
+/// Most segments; further ones are ignored, and the surfaces then overlap uncut.
 const MOST_LINES: usize = 1 << 20;
 /// The largest number of lines along which one triangle is divided.
 const MOST_LINES_EACH: usize = 1 << 12;
 
-/// Appends the faces of a set operation's result, made of the `facets` of its leaves.
+/// Appends the faces of the result of a set operation to `builder`, from the `facets` of its
+/// leaves.
 pub(super) fn cut(
     csg: &Csg,
     mut facets: impl FnMut(Leaf) -> Vec<Facet>,
@@ -127,14 +128,14 @@ struct BodyFacet<'a> {
     triangles: std::ops::Range<usize>,
 }
 
-/// All triangles, and the lines along which they cross.
+/// All triangles, and the segments along which they intersect.
 struct Arrangement<'a> {
     size: f64,
     touch: f64,
     weld: Weld,
     sheets: Vec<BodyFacet<'a>>,
     triangles: Vec<IndexedTriangle>,
-    /// Corners of each triangle, as indices among its facet's.
+    /// Corners of each triangle, as indices into its facet's corners.
     places: Vec<[u32; 3]>,
     owners: Vec<u32>,
     /// Lines through each triangle, as pairs of positions.
@@ -204,7 +205,7 @@ impl<'a> Arrangement<'a> {
         self.sheets[self.owners[triangle] as usize].body
     }
 
-    /// Finds where triangles of different bodies cross.
+    /// Intersects the triangles of different bodies.
     fn find_lines(&mut self) {
         let whole = |t: usize| MeshTriangle {
             face: t as u32,
@@ -249,8 +250,8 @@ impl<'a> Arrangement<'a> {
         }
     }
 
-    /// Records ends of lines that happen to lie on an edge of their triangle, so that the
-    /// neighbour there is divided too.
+    /// Records ends of segments that happen to lie on an edge of their triangle, so that the
+    /// neighbour at that edge is divided too.
     fn mark_edges(&mut self) {
         for (triangle, lines) in self.triangles.iter().zip(&self.lines) {
             for &end in lines.iter().flatten() {
@@ -303,7 +304,7 @@ impl<'a> Arrangement<'a> {
         }
     }
 
-    /// A facet through which no line runs is all on one side.
+    /// Emits a facet without segments, all of which is on one side.
     fn emit_whole(
         &self,
         sheet: usize,
@@ -352,7 +353,7 @@ impl<'a> Arrangement<'a> {
         push(builder, corners, sheet.facet.material, verdict);
     }
 
-    /// A triangle as pieces between its lines.
+    /// The pieces into which the segments divide a triangle.
     fn divided(&mut self, t: usize) -> Vec<[u32; 3]> {
         let triangle = self.triangles[t];
         let sides = [0, 1, 2].map(|k| self.on_side(&triangle, k));
@@ -430,7 +431,7 @@ fn weights(triangle: &IndexedTriangle, p: DVec3) -> [f64; 3] {
     [area(p, b, c), area(a, p, c), area(a, b, p)].map(|w| (w / whole).clamp(0.0, 1.0))
 }
 
-/// The triangulation of one triangle with lines through it.
+/// The constrained triangulation of one triangle with the segments through it.
 struct SplitTriangle {
     origin: DVec3,
     axes: [DVec3; 2],
@@ -459,7 +460,7 @@ impl SplitTriangle {
         split
     }
 
-    /// The vertex at a numbered position.
+    /// The vertex of the position with this number.
     fn handle(&mut self, number: u32, positions: &[DVec3]) -> Option<FixedVertexHandle> {
         if let Some(&known) = self.handles.get(&number) {
             return Some(known);
@@ -485,7 +486,7 @@ impl SplitTriangle {
         };
         if from != to && self.added.insert([a.min(b), a.max(b)]) {
             self.mesh.add_constraint_and_split(from, to, |p| p);
-            // Points where lines cross are numbered at the end.
+            // Intersections of segments are numbered last.
             self.numbers.resize(self.mesh.num_vertices(), u32::MAX);
         }
     }
