@@ -141,8 +141,8 @@ fn point_to_point(p1: &[DVec3], p2: &[DVec3], accuracy: f64) -> Option<f64> {
 struct Pair {
     p1: Side,
     p2: Side,
-    plane1: Plane,
-    plane2: Plane,
+    plane1: PolygonPlane,
+    plane2: PolygonPlane,
     /// Rounding error of the coordinates.
     rounding: f64,
     /// The origin of these coordinates in the caller's.
@@ -183,7 +183,10 @@ impl Pair {
         }
         // The coordinates were rounded before they were moved to the origin.
         let rounding = 8.0 * f64::EPSILON * (1.0 + origin.abs().max_element() / scale);
-        let (plane1, plane2) = (Plane::new(&p1, rounding)?, Plane::new(&p2, rounding)?);
+        let (plane1, plane2) = (
+            PolygonPlane::new(&p1, rounding)?,
+            PolygonPlane::new(&p2, rounding)?,
+        );
         Some(Pair {
             p1: Side::new(plane2.cut(p1)?, plane1.normal)?,
             p2: Side::new(plane1.cut(p2)?, plane2.normal)?,
@@ -339,7 +342,7 @@ fn radius_squared(polygon: &[DVec3], centre: DVec3) -> f64 {
 }
 
 /// The plane of a polygon.
-struct Plane {
+struct PolygonPlane {
     point: DVec3,
     normal: DVec3,
     area: f64,
@@ -347,14 +350,14 @@ struct Plane {
     rounding: f64,
 }
 
-impl Plane {
-    fn new(polygon: &[DVec3], rounding: f64) -> Option<Plane> {
+impl PolygonPlane {
+    fn new(polygon: &[DVec3], rounding: f64) -> Option<PolygonPlane> {
         let area_vector = area_vector(polygon);
         let area = area_vector.length();
         let normal = area_vector / area;
         // A small polygon's normal is as uncertain as its corners over its size.
         let rounding = rounding / area.sqrt();
-        normal.is_finite().then_some(Plane {
+        normal.is_finite().then_some(PolygonPlane {
             point: *polygon.first()?,
             normal,
             area,

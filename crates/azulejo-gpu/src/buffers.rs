@@ -4,7 +4,7 @@ use crate::atlas::Atlas;
 use crate::mesh::Mesh;
 use crate::shared::{Reduction, Shared};
 use crate::tally::{Tally, exact_weights, whole_weights};
-use crate::target::{DrawInto, Mapping, Target, TargetOptions, sum_bytes};
+use crate::target::{AtlasTarget, DrawInto, Mapping, TargetOptions, sum_bytes};
 use crate::view_traversal::{Pixels, ViewContext, ViewTraversal, WindowRequest};
 use azulejo_trace::item_buffer::{
     Beyond, DepthPrecision, DrawError, Hemicube, HemicubeView, ItemBuffers, Seen, Settings, View,
@@ -35,7 +35,7 @@ pub struct Buffers {
     /// How many units of the card's whole numbers make the share 1.
     scale: f64,
     /// One is drawn while the other is read.
-    targets: Mutex<[Target; 2]>,
+    targets: Mutex<[AtlasTarget; 2]>,
 }
 
 /// Views that the card is drawing.
@@ -113,7 +113,7 @@ impl Buffers {
     }
 
     /// Sends views to the card.
-    fn begin(&self, target: &mut Target, views: &[View]) -> PendingViews {
+    fn begin(&self, target: &mut AtlasTarget, views: &[View]) -> PendingViews {
         let context = self.context();
         let traversal = |(tile, view)| {
             ViewTraversal::new(
@@ -146,7 +146,11 @@ impl Buffers {
     }
 
     /// Reads what was drawn, and draws behind mirrors, level by level, until nothing is left.
-    fn finish(&self, target: &mut Target, drawn: PendingViews) -> Result<Vec<Seen>, DrawError> {
+    fn finish(
+        &self,
+        target: &mut AtlasTarget,
+        drawn: PendingViews,
+    ) -> Result<Vec<Seen>, DrawError> {
         let PendingViews {
             mut traversals,
             submission,
@@ -177,7 +181,7 @@ impl Buffers {
     /// Takes the card's sums, and the pixels of those tiles in which light continues at some.
     fn read_sums(
         &self,
-        target: &Target,
+        target: &AtlasTarget,
         sums: Mapping,
         traversals: &mut [ViewTraversal],
     ) -> Result<(), DrawError> {
@@ -217,7 +221,7 @@ impl Buffers {
     /// Draws and reads what is behind one more mirror.
     fn next_level(
         &self,
-        target: &mut Target,
+        target: &mut AtlasTarget,
         traversals: &mut [ViewTraversal],
     ) -> Result<(), DrawError> {
         let context = self.context();
@@ -343,9 +347,12 @@ fn most_sums(shared: &Shared) -> u64 {
 }
 
 /// Two targets, with fewer tiles than wanted if the card's memory is short.
-fn targets(shared: &Shared, wanted: &mut TargetOptions) -> Result<[Target; 2], DrawError> {
+fn targets(shared: &Shared, wanted: &mut TargetOptions) -> Result<[AtlasTarget; 2], DrawError> {
     loop {
-        let pair = [Target::new(shared, wanted), Target::new(shared, wanted)];
+        let pair = [
+            AtlasTarget::new(shared, wanted),
+            AtlasTarget::new(shared, wanted),
+        ];
         if let [Some(one), Some(other)] = pair {
             return Ok([one, other]);
         }

@@ -15,7 +15,7 @@ pub const NOTHING: u32 = u32::MAX;
 const MOST_DRAWINGS: usize = 1 << 14;
 
 /// An atlas in the card's memory.
-pub struct Target {
+pub struct AtlasTarget {
     pub atlas: Atlas,
     sides: wgpu::Texture,
     /// Nearness of what the pixels show, if wanted.
@@ -77,9 +77,9 @@ pub enum DrawInto {
     Windows,
 }
 
-impl Target {
+impl AtlasTarget {
     /// `None` if the card's memory does not suffice.
-    pub fn new(shared: &Shared, wanted: &TargetOptions) -> Option<Target> {
+    pub fn new(shared: &Shared, wanted: &TargetOptions) -> Option<AtlasTarget> {
         shared.allocate(|device| {
             let used = wgpu::TextureUsages::RENDER_ATTACHMENT;
             let read = wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::TEXTURE_BINDING;
@@ -92,7 +92,7 @@ impl Target {
             let pipeline = pipeline.filter(|_| wanted.reduction == Reduction::Compute);
             let sides = numbers(used | read);
             let sums = pipeline.map(|pipeline| Sums::new(shared, pipeline, &sides, wanted));
-            Target {
+            AtlasTarget {
                 atlas: wanted.atlas,
                 nearness: wanted.nearness.then(|| numbers(used | read)),
                 depth: depth.create_view(&wgpu::TextureViewDescriptor::default()),

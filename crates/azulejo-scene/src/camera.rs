@@ -10,7 +10,7 @@ pub struct Camera {
     pub name: String,
     /// Position of the pinhole.
     pub eye: DVec3,
-    /// A point that appears in the middle of the image; not the eye.
+    /// A point that appears in the middle of the image; differs from the pinhole.
     pub target: DVec3,
     /// Any vector that points up in the image; not along the view direction.
     pub up: DVec3,

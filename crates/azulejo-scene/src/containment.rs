@@ -10,8 +10,8 @@ const SHELL_ERROR: f64 = 1e-4;
 impl Solid {
     /// Whether a point is inside.
     ///
-    /// Exact for primitives and prisms; for meshes by parity; a shell is as inexact as polygons
-    /// that leave it by 1e-4 of its size. Open surfaces have no inside. Search structures for
+    /// Exact for primitives and prisms; for meshes by parity; shells are approximated by polygons
+    /// that deviate by 1e-4 of their size. Open surfaces have no inside. Search structures for
     /// meshes and shells are rebuilt for each point.
     pub fn contains(&self, point: DVec3) -> bool {
         let in_any = |side: &[Solid]| side.iter().any(|s| s.contains(point));

@@ -78,7 +78,7 @@ impl Figure {
         }
     }
 
-    /// All curves with their ends, contour after contour.
+    /// All curves with their end points, contour by contour.
     pub fn segments(&self) -> impl Iterator<Item = Segment> + '_ {
         self.contours.iter().flat_map(Contour::segments)
     }
@@ -94,15 +94,15 @@ impl Figure {
             .fold(Rectangle::EMPTY, |b, s| b.union(s.bounds()))
     }
 
-    /// Sum of the areas that the contours go around, counter-clockwise ones counting positive.
-    /// Exact to rounding: Green's theorem on each Bézier curve.
+    /// Sum of the areas that the contours enclose, counter-clockwise ones counting positive. Exact
+    /// to rounding: Green's theorem on each Bézier curve.
     pub fn signed_area(&self) -> f64 {
         self.segments().map(|s| s.swept_area()).sum()
     }
 
-    /// How often the contours go around a point, counter-clockwise counting positive.
+    /// The winding number of the contours about a point, counter-clockwise counting positive.
     ///
-    /// Points on a curve belong to one side or the other, but always to the same.
+    /// A point on a curve is consistently assigned to one of its sides.
     pub fn winding(&self, point: DVec2) -> i32 {
         self.segments().map(|s| s.winding(point)).sum()
     }
@@ -112,8 +112,8 @@ impl Figure {
         self.rule.is_inside(self.winding(point))
     }
 
-    /// The contours as polygons whose chords leave the curves by at most `tolerance`, > 0.
-    /// Every start of a curve is a corner of them.
+    /// The contours as polygons whose chords deviate from the curves by at most `tolerance`, > 0.
+    /// The start of every curve is a corner.
     pub fn flatten(&self, tolerance: f64) -> Vec<Vec<DVec2>> {
         let flat = |contour: &Contour| {
             let mut corners = Vec::new();
@@ -127,7 +127,7 @@ impl Figure {
 }
 
 impl FillRule {
-    /// Whether a point around which the contours go `winding` times is inside.
+    /// Whether a point with this winding number is inside.
     pub fn is_inside(self, winding: i32) -> bool {
         match self {
             FillRule::EvenOdd => winding & 1 != 0,
@@ -286,12 +286,12 @@ impl Segment {
         corners.extend((0..count).map(|k| self.at(f64::from(k) / f64::from(count))));
     }
 
-    /// How many chords, over equal steps of its parameter, leave it by at most `tolerance`; no
-    /// more than 4096.
+    /// The number of chords, over equal steps of the parameter, that approximate it within
+    /// `tolerance`; at most 4096.
     pub fn chords(&self, tolerance: f64) -> u32 {
         match *self {
             Segment::Line(_) => 1,
-            // The chord of a piece of length h leaves a curve by at most h² max|B″| / 8.
+            // The chord of a piece of length h deviates from a curve by at most h² max|B″| / 8.
             Segment::Cubic([a, b, c, d]) => {
                 let bend = (a - 2.0 * b + c).length().max((b - 2.0 * c + d).length());
                 let count = (6.0 * bend / (8.0 * tolerance)).sqrt().ceil();
@@ -300,7 +300,7 @@ impl Segment {
         }
     }
 
-    /// The direction in which it leaves its start, any length; zero if it is a point.
+    /// The tangent at its start, any length; zero if it is a point.
     pub fn departure(&self) -> DVec2 {
         let towards = |rest: &[DVec2]| {
             let steps = rest.iter().map(|&p| p - self.start());
@@ -351,7 +351,7 @@ impl Rectangle {
     }
 }
 
-/// Where in 0..1 a cubic with these Bernstein coefficients turns: the roots of its derivative.
+/// The extrema in 0..1 of a cubic with these Bernstein coefficients: the roots of its derivative.
 ///
 /// Rounding may move a root a little; the pieces between them are monotonic up to rounding.
 pub fn turning_points([a, b, c, d]: [f64; 4]) -> [Option<f64>; 2] {
@@ -373,19 +373,18 @@ pub fn turning_points([a, b, c, d]: [f64; 4]) -> [Option<f64>; 2] {
     }
 }
 
-/// Where in 0..=1 a cubic with these Bernstein coefficients changes its sign (0 counting as
-/// positive), and whether it rises (1) or falls (−1) there, in order.
+/// The sign changes in 0..=1 of a cubic with these Bernstein coefficients (0 counting as positive),
+/// in order, each with its direction: rising (1) or falling (−1).
 ///
-/// There are an odd number if the signs of the first and last coefficient differ, an even number
-/// if not, whatever rounding does. Where the cubic only touches zero it may find both crossings or
-/// none.
+/// Their number is odd if the signs of the first and last coefficient differ and even if not, in
+/// spite of rounding. Where the cubic only touches zero, both crossings may be found or none.
 #[inline]
 pub fn crossings(b: [f64; 4]) -> [Option<(f64, i32)>; 3] {
     let side = b.map(|x| i32::from(x >= 0.0));
     let changes = (0..3).filter(|&k| side[k] != side[k + 1]).count();
     match changes {
         0 => [None; 3],
-        // The curve changes sides no more often than its control points do.
+        // Variation diminishing: the curve changes sign no more often than its control points.
         1 => {
             let root = root_between(b, (0.0, b[0]), (1.0, b[3]));
             [Some((root, side[3] - side[0])), None, None]

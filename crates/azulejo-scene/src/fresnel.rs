@@ -16,10 +16,9 @@ pub struct FresnelSplit {
 
 /// Splits a ray at the boundary between two media.
 ///
-/// `direction` is unit and runs against the unit normal `n` (`direction · n <= 0`);
-/// `eta` > 0 is the index of refraction of the far side over that of the near side. Snell's
-/// law and Fresnel's equations for unpolarised light, exact. At grazing incidence everything is
-/// reflected.
+/// `direction` is unit and points against the unit normal `n` (`direction · n <= 0`); `eta` > 0 is
+/// the index of refraction of the far side over that of the near side. Snell's law and Fresnel's
+/// equations for unpolarised light, exact. At grazing incidence everything is reflected.
 pub fn split(direction: DVec3, n: DVec3, eta: f64) -> FresnelSplit {
     let cos_i = (-direction.dot(n)).clamp(0.0, 1.0);
     let reflected = reflect(direction, n);
@@ -40,7 +39,8 @@ pub fn split(direction: DVec3, n: DVec3, eta: f64) -> FresnelSplit {
     }
 }
 
-/// Splits a ray at a thin pane, both surfaces in one: transmitted light continues straight.
+/// Splits a ray at a thin pane, which stands for both of its surfaces: transmitted light continues
+/// straight.
 ///
 /// Arguments as for [`split`]. For either polarisation each surface reflects the fraction R; with
 /// all interreflections between the two, 2R/(1 + R) is reflected and (1 − R)/(1 + R) transmitted.
@@ -147,7 +147,7 @@ mod tests {
         let straight = pane(-DVec3::Z, DVec3::Z, 1.5);
         assert!((straight.reflectance - 0.08 / 1.04).abs() < 1e-12);
         assert_eq!(straight.refracted, Some(-DVec3::Z));
-        // No glass mirrors nothing, whatever the angle; a bubble's wall may mirror all.
+        // An index of 1 reflects nothing at any angle; an index below 1 may reflect everything.
         let slant = DVec3::new(0.96, 0.0, -0.28);
         assert!(pane(slant, DVec3::Z, 1.0).reflectance < 1e-15);
         assert_eq!(pane(slant, DVec3::Z, 1.0 / 1.5).refracted, None);

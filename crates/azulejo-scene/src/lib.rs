@@ -1,12 +1,12 @@
 //! The scene: geometry, materials, lights, cameras and images as plain data.
 //!
-//! A [`Scene`] is plain data with public fields. Readers (in `azulejo-formats`) make it, the
-//! first pass writes irradiance onto its vertices, the second pass draws it. Everything a
-//! renderer may assume is documented at and checked by one function, [`Scene::validate`].
+//! A [`Scene`] is plain data with public fields. Readers (in `azulejo-formats`) build it, the first
+//! pass stores irradiance at its vertices, the second pass renders it. Everything a renderer may
+//! assume is documented at and checked by one function, [`Scene::validate`].
 //!
-//! Conventions: geometry is `f64` in scene units ([`Units`] says how long one is), images are
-//! `f32`, radiometric quantities are linear RGB ([`Rgb`]). Faces are counter-clockwise seen from
-//! their front. Transforms are named `world_from_object`, so that products read by cancelling.
+//! Conventions: geometry is `f64` in scene units ([`Units`] has their length), images are `f32`,
+//! radiometric quantities are linear RGB ([`Rgb`]). Faces are counter-clockwise seen from their
+//! front. Transforms are named `world_from_object`, so that products read by cancelling.
 //!
 //! ```
 //! use azulejo_scene::{Material, Mesh, Object, Rgb, Scene, Shape};

@@ -13,12 +13,11 @@ pub type TextureId = u32;
 
 /// The optical properties of a surface.
 ///
-/// The model is additive (Sillion and Puech 1989): light that arrives is reflected diffusely in
-/// the share `diffuse`, mirrored in the share `mirror`, and what is left is absorbed; for every
-/// channel `diffuse + mirror <= 1`. With a `dielectric` the two shares that are mirrored and
-/// transmitted come from Fresnel's equations instead, and `mirror` scales the reflected part.
-/// Diffuse and mirror surfaces act on both sides; emission leaves the front only, unless
-/// `emits_back`.
+/// The model is additive (Sillion and Puech 1989): the fraction `diffuse` of the incident light is
+/// reflected diffusely, the fraction `mirror` specularly, and the rest is absorbed; for every
+/// channel `diffuse + mirror <= 1`. With a `dielectric`, the reflected and transmitted fractions
+/// follow from Fresnel's equations instead, and `mirror` scales the reflected part. Diffuse and
+/// mirror surfaces act on both sides; emission leaves the front only, unless `emits_back`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Material {
     /// Name in the file; may be empty.
@@ -36,11 +35,11 @@ pub struct Material {
     /// Multiplies `diffuse`, where the mesh has texture coordinates. Several are multiplied
     /// with each other (GRF's multitexture).
     pub textures: Vec<TextureId>,
-    /// How light is reflected in other directions than the mirrored one, or not in all alike.
+    /// A reflection model beyond Lambertian and perfectly specular reflection.
     ///
-    /// `diffuse` and `mirror` hold its share of both, averaged over directions
-    /// ([`Brdf::mean_diffuse`], [`Brdf::mean_mirror`]), for users that need no more; its glossy
-    /// lobes come on top. [`Material::with_brdf`] keeps the three together.
+    /// `diffuse` and `mirror` hold its diffuse and specular parts, averaged over directions
+    /// ([`Brdf::mean_diffuse`], [`Brdf::mean_mirror`]), for algorithms that need no more; its
+    /// glossy lobes are additional. [`Material::with_brdf`] keeps the three consistent.
     pub brdf: Option<Arc<Brdf>>,
 }
 
@@ -54,8 +53,8 @@ pub struct Dielectric {
     pub ior: f64,
     /// Scales the light that passes, 0..=1 per channel; white for clear glass.
     pub transmittance: Rgb,
-    /// Whether the face is a whole pane, both surfaces of it in one: light passes straight on,
-    /// and interreflection between its surfaces is included.
+    /// Whether the face stands for a whole pane with both of its surfaces: light passes straight
+    /// through, and interreflection between the surfaces is included.
     pub thin: bool,
 }
 

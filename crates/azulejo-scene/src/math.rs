@@ -149,7 +149,7 @@ impl Frame {
 /// Area vector of a polygon: its length is the area, its direction the normal of the front.
 ///
 /// Newell's sum, so it holds for concave and slightly bent polygons; the origin is moved to the
-/// first vertex, so that far-away polygons keep their digits. Zero for fewer than three vertices.
+/// first vertex, so that polygons far away lose no precision. Zero for fewer than three vertices.
 pub fn area_vector(polygon: &[DVec3]) -> DVec3 {
     let Some((&first, rest)) = polygon.split_first() else {
         return DVec3::ZERO;

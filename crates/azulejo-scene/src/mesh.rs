@@ -7,8 +7,8 @@ use std::collections::HashMap;
 
 /// Polygons over shared positions, placed in the world.
 ///
-/// Positions, colours and irradiance belong to vertices; normals and texture coordinates belong
-/// to vertices or, where a file says so, to the corners of faces ([`Attribute`]).
+/// Positions, colours and irradiance belong to vertices; normals and texture coordinates belong to
+/// vertices or, where the file has it so, to the corners of faces ([`Attribute`]).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// World position of each vertex.
@@ -63,8 +63,8 @@ impl<T: Copy> Attribute<T> {
 /// Polygons of three or more corners, stored one after the other.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Faces {
-    /// Where each face's corners start, and after the last face where they end: one more
-    /// entry than there are faces, the first of them 0.
+    /// Index of each face's first corner, followed by the number of corners: one more entry than
+    /// there are faces, the first of them 0.
     pub starts: Vec<u32>,
     /// Vertex index of each corner, counter-clockwise from the front.
     pub corners: Vec<u32>,
@@ -101,7 +101,7 @@ impl Faces {
         &self.corners[self.corner_range(face)]
     }
 
-    /// Where the corners of face `face` stand in `corners`.
+    /// The range of the corners of face `face` in `corners`.
     pub fn corner_range(&self, face: usize) -> std::ops::Range<usize> {
         self.starts[face] as usize..self.starts[face + 1] as usize
     }

@@ -15,7 +15,7 @@ pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     let n = count as f64;
     let node = |k: usize| {
         let mut x = (PI * (k as f64 + 0.75) / (n + 0.5)).cos();
-        // Newton's step squares the error; this start needs four, two more are free.
+        // Newton's step squares the error; four suffice from this start, two are a margin.
         for _ in 0..6 {
             let (value, slope) = legendre(count, x);
             x -= value / slope;

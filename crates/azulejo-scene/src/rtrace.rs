@@ -1,9 +1,9 @@
-//! Parameters of RTRACE's shading, kept beside the physical materials.
+//! Parameters of RTRACE's shading, stored beside the physical materials.
 //!
-//! SFF and SCN scenes were made for one program's shading: lights that do not fall off with the
-//! square of the distance, surfaces with one number for mirror and highlight, solid textures. The
-//! physical scene translates what it can; this keeps the file's parameters, to reproduce the
-//! original images.
+//! SFF and SCN scenes were designed for the shading of one program: lights that do not fall off
+//! with the square of the distance, surfaces with one number for mirror and highlight, solid
+//! textures. The physical scene approximates them; the file's parameters are stored here to
+//! reproduce the original images.
 
 use crate::Rgb;
 use glam::{DMat4, DVec3};
@@ -102,7 +102,7 @@ pub struct RtraceSurface {
     pub transparency: Rgb,
     /// df: 1 − smooth × metal.
     pub diffuse_factor: Rgb,
-    /// The record's numbers behind its type, as the file has them, for writing it again.
+    /// The numbers after the record's type, as in the file, for writing it again.
     pub source: RtraceSource,
 }
 

@@ -6,7 +6,7 @@ use crate::{
 };
 use glam::DVec3;
 
-/// A whole scene as plain data. [`Scene::validate`] documents and checks what may be assumed.
+/// A scene as plain data. [`Scene::validate`] documents and checks its invariants.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
     /// Objects with a surface, area lights included.

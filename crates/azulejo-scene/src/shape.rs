@@ -103,7 +103,7 @@ impl SurfaceGrid {
 }
 
 impl SurfaceLight {
-    /// Bilinear irradiance at `(u, v)` of a part; black for a part that has no grid.
+    /// Bilinearly interpolated irradiance at `(u, v)` of a part; black for a part without grid.
     pub fn at(&self, part: usize, u: f64, v: f64) -> Rgb {
         let Some(grid) = self.grids.get(part) else {
             return Rgb::BLACK;
@@ -144,7 +144,7 @@ impl PrimitiveKind {
             (ring(r, v), d_ring(r), ring(top - 1.0, 1.0))
         };
         let cap = |r: f64, z: f64, up: bool| {
-            // Radius as a function of v, so that du × dv follows the cap's outside.
+            // Radius as a function of v, so that du × dv points out of the cap.
             let (p, du, dv) = (ring(v * r, z), d_ring(v * r), ring(r, 0.0));
             if up { (p, -du, dv) } else { (p, du, dv) }
         };
@@ -189,7 +189,7 @@ impl PrimitiveKind {
         let azimuth = || p.y.atan2(p.x).rem_euclid(TAU) / TAU;
         let radius = p.x.hypot(p.y);
         let turned = |top: f64| -> (usize, f64, f64) {
-            // The three distances, to the side and to the two caps: the point is on the nearest.
+            // The distances to the side and to the two caps: the point belongs to the nearest.
             let side = (radius - (1.0 + (top - 1.0) * p.z)).abs();
             let (bottom, upper) = (
                 p.z.abs(),
@@ -290,16 +290,16 @@ impl Primitive {
     fn world_normal(&self, object_normal: DVec3) -> DVec3 {
         let m = self.world_from_object.matrix3;
         match self.kind {
-            // A parallelogram has no outside: its front follows its edges.
+            // A parallelogram has no outside: its front is defined by its edges.
             PrimitiveKind::Square => m.x_axis.cross(m.y_axis),
             _ => normal_matrix(m) * object_normal,
         }
         .normalize_or_zero()
     }
 
-    /// How finely each part must be divided so that no chord leaves the surface by more than
-    /// `chord_error` and no cell is longer than `max_edge` (both in world units, > 0; infinity
-    /// for no limit). At least 8 cells around, at most 4096 along any direction.
+    /// How finely each part must be divided so that no chord deviates from the surface by more than
+    /// `chord_error` and no cell is longer than `max_edge` (both in world units, > 0; infinity for
+    /// no limit). At least 8 cells around, at most 4096 along any direction.
     pub fn grids(&self, chord_error: f64, max_edge: f64) -> Vec<SurfaceGrid> {
         let m = self.world_from_object.matrix3;
         let (sx, sy, sz) = (m.x_axis.length(), m.y_axis.length(), m.z_axis.length());

@@ -33,7 +33,7 @@ impl Glyph {
     }
 }
 
-/// Names of glyphs by character code.
+/// Glyph names by character code.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Encoding {
     /// The names.
@@ -58,7 +58,7 @@ pub struct Line {
     pub advance: f64,
 }
 
-/// Alignment of lines of text, and which of their points is at the origin's x.
+/// Alignment of lines of text: which of their points is at the origin's x.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Align {
     /// Lines begin at the origin's x.

@@ -105,7 +105,7 @@ impl Mesh {
         if let Some(normals) = &mut self.normals {
             let matrix = normal_matrix(map.matrix3);
             for n in &mut normals.values {
-                // A flattening map may leave no direction; the old one is as good as any.
+                // A singular map may leave no direction; the old one is then kept.
                 *n = (matrix * *n).try_normalize().unwrap_or(*n);
             }
         }
@@ -128,7 +128,7 @@ fn flip_attribute<T>(attribute: &mut Option<Attribute<T>>, faces: &Faces) {
     }
 }
 
-/// Reverses each face's corners behind the first, which stays the first.
+/// Reverses the order of each face's corners, except for the first.
 fn flip_corners(starts: &[u32], corners: &mut [u32]) {
     for face in starts.windows(2) {
         corners[face[0] as usize + 1..face[1] as usize].reverse();

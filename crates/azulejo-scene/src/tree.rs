@@ -10,10 +10,10 @@ const LEAF: usize = 4;
 /// Normals whose cosine is below this belong to different sides of an edge.
 const SAME_SIDE_COSINE: f64 = 0.7;
 
-/// The triangles of a mesh in a bounding volume hierarchy.
+/// A bounding volume hierarchy over the triangles of a mesh.
 ///
-/// The second pass traces exact shapes and reads their irradiance from the proxy mesh, which lies a
-/// chord error away: this tree finds the nearest point of it.
+/// The second pass traces exact shapes and reads their irradiance from the proxy mesh, which is a
+/// chord error away: this tree finds its nearest point.
 #[derive(Clone, Debug, Default)]
 pub struct TriangleTree {
     nodes: Vec<TreeNode>,
@@ -50,7 +50,8 @@ pub struct OnTriangle {
 #[derive(Clone, Debug)]
 struct TreeNode {
     bounds: Aabb,
-    /// For a leaf its triangles; for others the second child, the first one follows at once.
+    /// The triangles of a leaf; of an inner node the second child, the first one being the next
+    /// node.
     content: NodeContent,
 }
 
@@ -136,7 +137,7 @@ impl TriangleTree {
         self.triangles.is_empty()
     }
 
-    /// Where a triangle of the tree comes from in its mesh.
+    /// The triangle of the mesh that a triangle of the tree stands for.
     pub fn triangle(&self, index: u32) -> MeshTriangle {
         self.triangles[index as usize]
     }
@@ -179,7 +180,7 @@ impl TriangleTree {
                 NodeContent::Children(second) => {
                     let far = |c: u32| distance_to(&self.nodes[c as usize].bounds, point);
                     let (a, b) = (n + 1, second);
-                    // The nearer one comes off the stack first.
+                    // The nearer one is popped first.
                     stack.extend(if far(a) <= far(b) { [b, a] } else { [a, b] });
                 }
             }

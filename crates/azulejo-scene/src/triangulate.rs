@@ -6,7 +6,7 @@ use earcut::Earcut;
 use glam::{DVec2, DVec3};
 
 /// A triangle of a face: three positions among the face's corners, counted from 0.
-type Corners = [u32; 3];
+type FaceTriangle = [u32; 3];
 
 /// Up to this many corners every apex of a fan is tried; the trials are quadratic.
 const BEST_FAN_CORNERS: usize = 32;
@@ -47,12 +47,12 @@ impl Mesh {
     }
 }
 
-fn quadrilateral(p: &[DVec3; 4]) -> [Corners; 2] {
-    const FROM_0: [Corners; 2] = [[0, 1, 2], [0, 2, 3]];
-    const FROM_1: [Corners; 2] = [[0, 1, 3], [1, 2, 3]];
+fn quadrilateral(p: &[DVec3; 4]) -> [FaceTriangle; 2] {
+    const FROM_0: [FaceTriangle; 2] = [[0, 1, 2], [0, 2, 3]];
+    const FROM_1: [FaceTriangle; 2] = [[0, 1, 3], [1, 2, 3]];
     let area = area_vector(p);
-    // A diagonal serves if both its triangles face the same way as the whole.
-    let serves = |split: &[Corners; 2]| {
+    // A diagonal is valid if both triangles face the same way as the whole.
+    let serves = |split: &[FaceTriangle; 2]| {
         split
             .iter()
             .all(|t| area_vector(&t.map(|k| p[k as usize])).dot(area) > 0.0)
@@ -65,7 +65,7 @@ fn quadrilateral(p: &[DVec3; 4]) -> [Corners; 2] {
     }
 }
 
-fn general(polygon: &[DVec3]) -> Vec<Corners> {
+fn general(polygon: &[DVec3]) -> Vec<FaceTriangle> {
     let n = polygon.len() as u32;
     let normal = area_vector(polygon).normalize_or_zero();
     if n < 3 || normal == DVec3::ZERO || !normal.is_finite() {
@@ -82,20 +82,20 @@ fn general(polygon: &[DVec3]) -> Vec<Corners> {
 }
 
 /// All triangles from one corner.
-fn fan(n: u32, apex: u32) -> Vec<Corners> {
+fn fan(n: u32, apex: u32) -> Vec<FaceTriangle> {
     (1..n.max(2) - 1)
         .map(|k| [apex, (apex + k) % n, (apex + k + 1) % n])
         .collect()
 }
 
-fn signed_area(flat: &[DVec2], [a, b, c]: Corners) -> f64 {
+fn signed_area(flat: &[DVec2], [a, b, c]: FaceTriangle) -> f64 {
     let at = |k: u32| flat[k as usize];
     0.5 * (at(b) - at(a)).perp_dot(at(c) - at(a))
 }
 
 /// For a convex polygon the fan whose smallest triangle is largest; `None` for any other, or if
 /// every fan has a triangle without area.
-fn convex_fan(flat: &[DVec2]) -> Option<Vec<Corners>> {
+fn convex_fan(flat: &[DVec2]) -> Option<Vec<FaceTriangle>> {
     let n = flat.len() as u32;
     let convex = (0..n).all(|k| signed_area(flat, [k, (k + 1) % n, (k + 2) % n]) >= 0.0);
     if !convex || turns(flat) > 1.5 {
@@ -111,7 +111,7 @@ fn convex_fan(flat: &[DVec2]) -> Option<Vec<Corners>> {
     let whole: f64 = fan(n, 0).iter().map(|&t| signed_area(flat, t)).sum();
     let (mut best, mut best_area) = (0, 0.0);
     for apex in 0..apexes {
-        // Only a clearly better apex wins, so that rounding does not choose.
+        // Only a clearly better apex wins, so that rounding does not decide.
         let area = smallest(apex);
         if area > best_area * (1.0 + 1e-6) + 1e-12 * whole {
             (best, best_area) = (apex, area);
@@ -129,11 +129,11 @@ fn turns(flat: &[DVec2]) -> f64 {
 }
 
 /// Ear clipping; `None` unless it covers the polygon with n − 2 triangles.
-fn ears(flat: &[DVec2]) -> Option<Vec<Corners>> {
+fn ears(flat: &[DVec2]) -> Option<Vec<FaceTriangle>> {
     let n = flat.len() as u32;
     let mut indices: Vec<u32> = Vec::new();
     Earcut::new().earcut(flat.iter().map(|p| [p.x, p.y]), &[], &mut indices);
-    let mut triangles: Vec<Corners> = indices
+    let mut triangles: Vec<FaceTriangle> = indices
         .chunks_exact(3)
         .map(|t| [t[0], t[1], t[2]])
         .map(|t| {
@@ -148,9 +148,9 @@ fn ears(flat: &[DVec2]) -> Option<Vec<Corners>> {
     (triangles.len() as u32 == n - 2).then_some(triangles)
 }
 
-/// Puts back corners that ear clipping left out because they lie on a straight line: the triangle
-/// on whose edge they lie is divided.
-fn restore_dropped(n: u32, triangles: &mut Vec<Corners>) {
+/// Restores corners that ear clipping dropped because they lie on a straight line: the triangle on
+/// whose edge they lie is divided.
+fn restore_dropped(n: u32, triangles: &mut Vec<FaceTriangle>) {
     let mut used = vec![false; n as usize];
     for &k in triangles.iter().flatten() {
         used[k as usize] = true;
@@ -171,7 +171,7 @@ fn restore_dropped(n: u32, triangles: &mut Vec<Corners>) {
 }
 
 /// Replaces the triangle with the directed edge `a b` by a fan over `a`, `between`, `b`.
-fn divide_edge(triangles: &mut Vec<Corners>, a: u32, between: &[u32], b: u32) {
+fn divide_edge(triangles: &mut Vec<FaceTriangle>, a: u32, between: &[u32], b: u32) {
     if between.is_empty() {
         return;
     }
@@ -209,7 +209,7 @@ mod tests {
     }
 
     /// n − 2 triangles, none turned over, that add up to the polygon and use every corner.
-    fn check(points: &[(f64, f64)]) -> Vec<Corners> {
+    fn check(points: &[(f64, f64)]) -> Vec<FaceTriangle> {
         let mesh = mesh(points);
         let triangles = mesh.triangulate(0);
         let whole = mesh.face_area_vector(0);

@@ -215,7 +215,7 @@ impl Scene {
                 format!("field of view is {fov} rad, expected 0..π")
             })?;
             ensure(c.size.is_none_or(|(w, h)| w > 0 && h > 0), place, || {
-                "the picture has no pixels".into()
+                "the image has no pixels".into()
             })?;
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! The results so far, in the report's folder: one line of JSON for each record, appended when its
 //! task is done and read by the next run.
 
-use super::record::{Outcome, TaskRecord};
+use super::record::{TaskOutcome, TaskRecord};
 use crate::failure::Failure;
 use std::fs::{File, OpenOptions};
 use std::io::Write;
@@ -69,7 +69,7 @@ impl Journal {
 fn record(line: &str) -> Option<TaskRecord> {
     let record: TaskRecord = serde_json::from_str(line).ok()?;
     let is_ours = record.version == env!("CARGO_PKG_VERSION");
-    (is_ours && !matches!(record.outcome, Outcome::Failure { .. })).then_some(record)
+    (is_ours && !matches!(record.outcome, TaskOutcome::Failure { .. })).then_some(record)
 }
 
 #[cfg(test)]
@@ -77,7 +77,7 @@ mod tests {
     use super::super::record::RunRecord;
     use super::*;
 
-    fn found(key: &str, outcome: Outcome) -> TaskRecord {
+    fn found(key: &str, outcome: TaskOutcome) -> TaskRecord {
         TaskRecord {
             key: key.to_owned(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -95,12 +95,14 @@ mod tests {
             energy: None,
             ..RunRecord::default()
         };
-        let failure = Outcome::Failure {
+        let failure = TaskOutcome::Failure {
             task: "b".into(),
             reason: "no".into(),
         };
         let mut journal = Journal::open(&folder).unwrap();
-        journal.add(vec![found("a", Outcome::Run(run))]).unwrap();
+        journal
+            .add(vec![found("a", TaskOutcome::Run(run))])
+            .unwrap();
         journal.add(vec![found("b", failure)]).unwrap();
         let kept = journal.records[..1].to_vec();
         drop(journal);

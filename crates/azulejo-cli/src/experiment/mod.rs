@@ -34,7 +34,7 @@ use azulejo_trace::Progress;
 use journal::Journal;
 use machine::MachineInfo;
 use plan::{ExperimentPlan, Task};
-use record::{Outcome, TaskRecord};
+use record::{TaskOutcome, TaskRecord};
 use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -190,7 +190,7 @@ impl SuiteRunner<'_> {
         let failure = |reason: String| TaskRecord {
             key: key.clone(),
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            outcome: Outcome::Failure {
+            outcome: TaskOutcome::Failure {
                 task: task.to_string(),
                 reason,
             },
@@ -227,7 +227,7 @@ impl SuiteRunner<'_> {
         }
         report.value("tasks_failed", did.failed);
         let truths = journal.records.iter().filter_map(|r| match &r.outcome {
-            Outcome::Truth(t) => Some(t.standard_errors.is_some_and(|s| s <= 4.0)),
+            TaskOutcome::Truth(t) => Some(t.standard_errors.is_some_and(|s| s <= 4.0)),
             _ => None,
         });
         let truths: Vec<bool> = truths.collect();
@@ -245,7 +245,7 @@ impl SuiteRunner<'_> {
 
 fn reason(record: &TaskRecord) -> Option<&String> {
     match &record.outcome {
-        Outcome::Failure { reason, .. } => Some(reason),
+        TaskOutcome::Failure { reason, .. } => Some(reason),
         _ => None,
     }
 }

@@ -11,13 +11,13 @@ pub struct TaskRecord {
     pub version: String,
     /// What the task produced.
     #[serde(rename = "found")]
-    pub outcome: Outcome,
+    pub outcome: TaskOutcome,
 }
 
 /// The result of a task.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Outcome {
+pub enum TaskOutcome {
     /// The matrix of a reference.
     Reference(RunRecord),
     /// The matrix of a run.

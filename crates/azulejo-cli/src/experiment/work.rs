@@ -2,7 +2,7 @@
 
 use super::metrics::{self, PatchSurfaces};
 use super::plan::{EngineSetting, Origin, SceneChoice, Task};
-use super::record::{Outcome, RunRecord, TaskRecord, TruthRecord};
+use super::record::{RunRecord, TaskOutcome, TaskRecord, TruthRecord};
 use super::reference::{ReferenceData, spread};
 use crate::clock::{Clock, peak_memory};
 use crate::engine::PreparedEngine;
@@ -28,7 +28,7 @@ pub fn run(
             let matrix = ComputedMatrix::new(scene, setting, REFERENCE_SEED, progress)?;
             let (run, reference) = matrix.measured(None, *rows);
             reference.write(folder, &file_name(task), progress)?;
-            vec![Outcome::Reference(run)]
+            vec![TaskOutcome::Reference(run)]
         }
         Task::Run(scene, setting, seed) => {
             let matrix = ComputedMatrix::new(scene, setting, *seed, progress)?;
@@ -39,7 +39,9 @@ pub fn run(
                 }
                 _ => (None, 256),
             };
-            vec![Outcome::Run(matrix.measured(reference.as_ref(), rows).0)]
+            vec![TaskOutcome::Run(
+                matrix.measured(reference.as_ref(), rows).0,
+            )]
         }
         Task::Truths(setting) => truths(setting, progress)?,
     };
@@ -211,11 +213,11 @@ fn scene(origin: &Origin) -> Result<Scene, Failure> {
 /// Default number of rays of all rows of a case together; undivided faces have 65,536 each.
 const TRUTH_RAYS: usize = 1 << 19;
 
-fn truths(setting: &EngineSetting, progress: &Progress) -> Result<Vec<Outcome>, Failure> {
+fn truths(setting: &EngineSetting, progress: &Progress) -> Result<Vec<TaskOutcome>, Failure> {
     let prepared = setting.args.prepare()?;
     let mut found = Vec::new();
     for case in cases() {
-        found.push(Outcome::Truth(answered(
+        found.push(TaskOutcome::Truth(answered(
             &case, setting, &prepared, progress,
         )?));
     }

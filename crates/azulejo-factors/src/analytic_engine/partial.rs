@@ -33,11 +33,11 @@ struct Obstruction<'a> {
 /// Reusable working memory.
 #[derive(Default)]
 pub(super) struct PartialVisibility {
-    cells: Vec<Corners>,
-    pieces: Vec<Corners>,
-    next: Vec<Corners>,
+    cells: Vec<ClippedPolygon>,
+    pieces: Vec<ClippedPolygon>,
+    next: Vec<ClippedPolygon>,
     planes: Vec<(DVec3, f64)>,
-    rest: [Corners; 2],
+    rest: [ClippedPolygon; 2],
 }
 
 /// Most corners of a piece: a quadrilateral clipped eight times.
@@ -45,12 +45,12 @@ const MOST_PIECE: usize = 12;
 
 /// A convex polygon without allocation.
 #[derive(Clone, Copy)]
-struct Corners {
+struct ClippedPolygon {
     points: [DVec3; MOST_PIECE],
     count: usize,
 }
 
-impl Corners {
+impl ClippedPolygon {
     fn set(&mut self, points: impl IntoIterator<Item = DVec3>) {
         self.count = 0;
         points.into_iter().for_each(|p| self.push(p));
@@ -80,7 +80,7 @@ impl Corners {
     }
 
     /// Clips to where `sign` times the height is positive.
-    fn clip(&self, heights: &[f64; MOST_PIECE], sign: f64, into: &mut Corners) {
+    fn clip(&self, heights: &[f64; MOST_PIECE], sign: f64, into: &mut ClippedPolygon) {
         into.count = 0;
         let Some(last) = self.count.checked_sub(1) else {
             return;
@@ -102,9 +102,9 @@ impl Corners {
     }
 }
 
-impl Default for Corners {
-    fn default() -> Corners {
-        Corners {
+impl Default for ClippedPolygon {
+    fn default() -> ClippedPolygon {
+        ClippedPolygon {
             points: [DVec3::ZERO; MOST_PIECE],
             count: 0,
         }
@@ -316,7 +316,7 @@ impl PartialVisibility {
     /// Cuts a facet along the discontinuities of the view of another.
     fn cut_cells(&mut self, from: &Facet, to: &Facet, obstructions: &[Obstruction], graze: f64) {
         self.cells.clear();
-        let mut whole = Corners::default();
+        let mut whole = ClippedPolygon::default();
         whole.set(from.polygon().iter().copied());
         self.cells.push(whole);
         for obstruction in obstructions {
@@ -343,7 +343,7 @@ impl PartialVisibility {
         for k in 0..self.cells.len() {
             let (heights, low, high) = self.cells[k].heights(normal, offset);
             if low < -graze && high > graze && self.cells.len() < MOST_CELLS {
-                let mut halves = [Corners::default(); 2];
+                let mut halves = [ClippedPolygon::default(); 2];
                 self.cells[k].clip(&heights, 1.0, &mut halves[0]);
                 self.cells[k].clip(&heights, -1.0, &mut halves[1]);
                 self.cells[k] = halves[0];
@@ -362,9 +362,9 @@ impl PartialVisibility {
         is_far: bool,
     ) -> f64 {
         let to = pair[1];
-        let mut target = Corners::default();
+        let mut target = ClippedPolygon::default();
         target.set(to.polygon().iter().map(|&p| p - eye));
-        let measure = |piece: &Corners| measure(piece, pair, is_far);
+        let measure = |piece: &ClippedPolygon| measure(piece, pair, is_far);
         let mut sum = 0.0;
         if obstructions[0].is_window {
             for obstruction in obstructions.iter().take_while(|s| s.is_window) {
@@ -427,11 +427,11 @@ impl PartialVisibility {
 /// The part of `piece` inside all planes, if any; the parts outside go to `outside`, cut apart so
 /// that none counts twice.
 fn inside<'a>(
-    piece: &'a Corners,
+    piece: &'a ClippedPolygon,
     planes: &[(DVec3, f64)],
-    scratch: &'a mut [Corners; 2],
-    mut outside: Option<&mut Vec<Corners>>,
-) -> Option<&'a Corners> {
+    scratch: &'a mut [ClippedPolygon; 2],
+    mut outside: Option<&mut Vec<ClippedPolygon>>,
+) -> Option<&'a ClippedPolygon> {
     let before = outside.as_ref().map_or(0, |o| o.len());
     let [first, second] = scratch;
     // Which of the two buffers holds the remainder; none at first.
@@ -451,7 +451,7 @@ fn inside<'a>(
             continue;
         }
         if let Some(outside) = outside.as_mut() {
-            let mut part = Corners::default();
+            let mut part = ClippedPolygon::default();
             now.clip(&heights, -1.0, &mut part);
             if part.count > 2 {
                 outside.push(part);
@@ -477,7 +477,7 @@ fn inside<'a>(
 }
 
 /// Form factor density from the origin, on the first facet of a pair, to a piece of the second.
-fn measure(piece: &Corners, [from, to]: [&Facet; 2], is_far: bool) -> f64 {
+fn measure(piece: &ClippedPolygon, [from, to]: [&Facet; 2], is_far: bool) -> f64 {
     if !is_far {
         return polygon_vector(DVec3::ZERO, piece.all()).dot(from.normal);
     }

@@ -23,9 +23,9 @@ const UNSEEN: u32 = u32::MAX;
 
 /// Builds the patches of a division.
 pub(super) fn build(outline: &Outline, contacts: &Contacts, division: Division) -> Patches {
-    let mut builder = Builder::new(outline, contacts, &division);
+    let mut builder = PatchBuilder::new(outline, contacts, &division);
     builder.add_objects();
-    let Builder {
+    let PatchBuilder {
         vertices,
         corners,
         owner,
@@ -84,7 +84,7 @@ fn primitive(object: &azulejo_scene::Object) -> Option<Primitive> {
     }
 }
 
-struct Builder<'a> {
+struct PatchBuilder<'a> {
     outline: &'a Outline<'a>,
     contacts: &'a Contacts,
     division: &'a Division,
@@ -106,14 +106,14 @@ struct Builder<'a> {
     parted: Vec<SplitVertex>,
 }
 
-impl<'a> Builder<'a> {
+impl<'a> PatchBuilder<'a> {
     fn new(
         outline: &'a Outline<'a>,
         contacts: &'a Contacts,
         division: &'a Division,
-    ) -> Builder<'a> {
+    ) -> PatchBuilder<'a> {
         let slots = outline.slots.len();
-        Builder {
+        PatchBuilder {
             outline,
             contacts,
             division,

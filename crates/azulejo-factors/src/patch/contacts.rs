@@ -189,11 +189,11 @@ impl<'a> ContactFacets<'a> {
         if p.common(q) <= 4.0 * tolerance || self.share_an_edge(a, b) {
             return;
         }
-        let of_b = Reach::new(self, &Plane::new(self, a), b, tolerance);
+        let of_b = Reach::new(self, &FacetPlane::new(self, a), b, tolerance);
         if !of_b.meets() {
             return;
         }
-        let of_a = Reach::new(self, &Plane::new(self, b), a, tolerance);
+        let of_a = Reach::new(self, &FacetPlane::new(self, b), a, tolerance);
         if of_a.meets() {
             self.lines_on(a, b, of_b.lies_in(), tolerance, found);
             self.lines_on(b, a, of_a.lies_in(), tolerance, found);
@@ -246,7 +246,7 @@ impl<'a> ContactFacets<'a> {
 
     /// Where `b` meets the plane of `a`.
     fn lines_in_plane(&self, a: u32, b: u32, in_plane: bool, tolerance: f64) -> Vec<[DVec3; 2]> {
-        let plane = Plane::new(self, a);
+        let plane = FacetPlane::new(self, a);
         match self.region(b) {
             Some(other) if in_plane => {
                 let n = other.slots.len() as u32;
@@ -266,14 +266,14 @@ impl<'a> ContactFacets<'a> {
 }
 
 /// The plane of a facet.
-struct Plane {
+struct FacetPlane {
     point: DVec3,
     normal: DVec3,
 }
 
-impl Plane {
-    fn new(facets: &ContactFacets, facet: u32) -> Plane {
-        Plane {
+impl FacetPlane {
+    fn new(facets: &ContactFacets, facet: u32) -> FacetPlane {
+        FacetPlane {
             point: facets.point(facet, 0),
             normal: facets.normal(facet),
         }
@@ -321,7 +321,7 @@ struct Reach {
 }
 
 impl Reach {
-    fn new(facets: &ContactFacets, plane: &Plane, facet: u32, tolerance: f64) -> Reach {
+    fn new(facets: &ContactFacets, plane: &FacetPlane, facet: u32, tolerance: f64) -> Reach {
         let mut reach = Reach::default();
         for k in 0..facets.count(facet) {
             let d = plane.distance(facets.point(facet, k));

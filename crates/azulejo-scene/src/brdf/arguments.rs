@@ -1,4 +1,4 @@
-//! The parameters of a description, checked against what its model takes.
+//! The parameters of a description, checked against those of its model.
 
 use super::description::{Parameter, Value};
 use super::metals::find_metal;
@@ -6,10 +6,10 @@ use super::models::{ModelInfo, ParameterInfo, ParameterKind, nearest};
 use super::{BrdfError, Fresnel};
 use crate::Rgb;
 
-/// Rounding that sums of reflectances may exceed 1 by.
+/// Amount by which rounding may take sums of reflectances above 1.
 const ROUNDING: f64 = 1e-9;
 
-/// Parameters of known names, of the right kinds, within their ranges.
+/// Parameters with known names, values of the right type and in range.
 pub(super) struct Arguments<'a> {
     info: &'static ModelInfo,
     given: Vec<(&'static ParameterInfo, &'a Value)>,
@@ -54,7 +54,7 @@ impl<'a> Arguments<'a> {
         self.value(name).is_some()
     }
 
-    /// A colour of this model, as given or by default.
+    /// A colour parameter, as given or by default.
     pub fn color(&self, name: &str) -> Rgb {
         match self.value(name) {
             Some(Value::Number(value)) => Rgb::grey(*value),
@@ -66,12 +66,12 @@ impl<'a> Arguments<'a> {
         }
     }
 
-    /// A number of this model, as given or by default.
+    /// A number parameter, as given or by default.
     pub fn number(&self, name: &str) -> f64 {
         self.color(name).r
     }
 
-    /// Refuses two reflectances that together reflect more than arrives.
+    /// Rejects two reflectances whose sum exceeds 1.
     pub fn bounded_sum(&self, first: &str, second: &str) -> Result<(), BrdfError> {
         let sum = (self.color(first) + self.color(second)).max_channel();
         if sum <= 1.0 + ROUNDING {
@@ -83,7 +83,7 @@ impl<'a> Arguments<'a> {
         })
     }
 
-    /// The Fresnel term that is given; all light without any.
+    /// The given Fresnel term; 1 if there is none.
     pub fn fresnel(&self) -> Result<Fresnel, BrdfError> {
         let sets = [
             self.has("eta") || self.has("k"),

@@ -1,4 +1,4 @@
-//! An anisotropic lobe of cosines with a Fresnel term, over a matt base: `ashikhmin_shirley`.
+//! An anisotropic lobe of cosines with a Fresnel term, over a diffuse base: `ashikhmin_shirley`.
 //!
 //! M. Ashikhmin, P. Shirley, *An anisotropic Phong BRDF model*, Journal of Graphics Tools 5(2),
 //! 2000: equations 4 and 5, sampling by 6 to 9.
@@ -51,8 +51,8 @@ fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     Ok(vec![base, surface])
 }
 
-/// The base, which gets what the surface leaves: 28 kd/(23π) (1 − ks)(1 − (1 − cos θi/2)⁵)
-/// (1 − (1 − cos θo/2)⁵).
+/// The base, which reflects light that the surface transmits: 28 kd/(23π) (1 − ks)(1 − (1 − cos
+/// θi/2)⁵) (1 − (1 − cos θo/2)⁵).
 #[derive(Clone, Debug)]
 pub(super) struct AshikhminShirleyBase {
     scale: Rgb,
@@ -74,7 +74,7 @@ pub(super) struct AshikhminShirley {
     nv: f64,
 }
 
-/// Products of cosines below this count as this, so that nothing is divided by 0.
+/// Lower bound for products of cosines, to avoid division by 0.
 const GRAZING: f64 = 1e-18;
 
 impl AshikhminShirley {
@@ -108,8 +108,8 @@ impl Reflect for AshikhminShirley {
     }
 
     fn sample(&self, wo: DVec3, [u1, u2, _]: [f64; 3]) -> DVec3 {
-        // Where exponents are equal all around, directions are even; elsewhere they crowd where
-        // the exponent is low.
+        // With equal exponents azimuths are uniform; otherwise they are denser where the exponent
+        // is low.
         let (y, x) = (TAU * u2).sin_cos();
         let around = glam::DVec2::new(x * (self.nv + 1.0).sqrt(), y * (self.nu + 1.0).sqrt());
         let around = around.normalize();

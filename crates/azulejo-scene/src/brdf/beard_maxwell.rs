@@ -1,4 +1,4 @@
-//! Paint, as remote sensing knows it: `beard_maxwell`.
+//! Paint, as modelled in remote sensing: `beard_maxwell`.
 //!
 //! J. R. Maxwell, J. Beard, S. Weiner, D. Ladd, S. Ladd, *Bidirectional reflectance model
 //! validation and utilization*, AFAL-TR-73-303, 1973, in the form of the Nonconventional
@@ -13,7 +13,7 @@
 //! D whose slopes are Gaussian, as DIRSIG fits it (J. R. Shell, *Polarimetric remote sensing in the
 //! visible to near infrared*, RIT 2005). In the database's units ρ_d = kd/π and ρ_v = kv/(4π).
 //!
-//! Shadows SO do not vanish at grazing angles, where the first surface has no bound.
+//! The shadowing SO does not vanish at grazing angles, where the first surface is unbounded.
 
 use super::arguments::Arguments;
 use super::lambert::Lambert;
@@ -112,11 +112,11 @@ pub(super) struct BeardMaxwell {
     omega: f64,
 }
 
-/// Products of cosines below this count as this, so that nothing is divided by 0.
+/// Lower bound for products of cosines, to avoid division by 0.
 const GRAZING: f64 = 1e-18;
 
 impl BeardMaxwell {
-    /// D(θh) cos θh: facets per solid angle, as the ground sees them; 1/sr.
+    /// D(θh) cos θh: the projected area of facets per solid angle of their normals, 1/sr.
     fn density(&self, h: DVec3) -> f64 {
         let cos2 = (h.z * h.z).max(GRAZING);
         let tan2 = (h.x * h.x + h.y * h.y) / cos2;
@@ -153,7 +153,7 @@ impl Reflect for BeardMaxwell {
     }
 
     fn spread(&self) -> Spread {
-        // Half of the slopes lie below σ √(2 ln 2); mirroring doubles the angle.
+        // Half of the slopes lie below σ √(2 ln 2); reflection doubles the angle.
         Spread::Glossy(2.0 * (self.sigma * (2.0 * LN_2).sqrt()).atan())
     }
 }
@@ -168,7 +168,7 @@ mod tests {
         DVec3::new(sin, 0.0, cos)
     }
 
-    /// A scan with light and viewer in one position measures the first surface, ρ_fs.
+    /// A scan with light and viewer in the same direction measures the first surface, ρ_fs.
     #[test]
     fn a_zero_bistatic_scan_shows_the_facets() {
         let text = "beard_maxwell sigma = 0.3 eta = 1.65 tau = 15 omega = 40";

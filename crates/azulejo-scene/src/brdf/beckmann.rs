@@ -17,7 +17,7 @@ impl Beckmann {
         Beckmann { ax: m, ay: m }
     }
 
-    /// exp of the half vector's slope, negative and squared, in units of the roughness.
+    /// exp(−s²) of the half vector's slope s in units of the roughness.
     pub fn exponential(&self, half: &HalfVector) -> f64 {
         let v = half.v;
         let (x, y) = (v.x / (self.ax * v.z), v.y / (self.ay * v.z));
@@ -35,7 +35,7 @@ impl Beckmann {
         hidden(slope)
     }
 
-    /// The direction that a facet mirrors `wo` to; facets have density D cos θh.
+    /// Samples the direction in which a facet reflects `wo`; facets have density D cos θh.
     pub fn sample(&self, wo: DVec3, u1: f64, u2: f64) -> DVec3 {
         let slope = (-(1.0 - u1).ln()).sqrt();
         let (sin, cos) = (TAU * u2).sin_cos();
@@ -48,7 +48,7 @@ impl Beckmann {
         half.reflected(self.density(half) * half.cos_h())
     }
 
-    /// Half of the facets lie within a slope of √ln 2; mirroring doubles the angle.
+    /// Half of the facets lie within a slope of √ln 2; reflection doubles the angle.
     pub fn spread(&self) -> Spread {
         Spread::Glossy(2.0 * (self.ax.max(self.ay) * LN_2.sqrt()).atan())
     }

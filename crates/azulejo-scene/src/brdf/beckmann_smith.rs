@@ -1,4 +1,4 @@
-//! Beckmann's facets with Smith's shadows: `beckmann_smith`.
+//! Beckmann's facets with Smith's masking and shadowing: `beckmann_smith`.
 //!
 //! B. Walter et al., *Microfacet models for refraction through rough surfaces*, EGSR 2007; E.
 //! Heitz, *Understanding the masking-shadowing function*, JCGT 3(2), 2014.

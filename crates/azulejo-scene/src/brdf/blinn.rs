@@ -1,8 +1,8 @@
 //! Blinn's lobe around the half vector, normalised: `blinn`.
 //!
-//! J. F. Blinn, *Models of light reflection for computer synthesized pictures*, SIGGRAPH 1977.
-//! The factor makes the lobe reflect exactly ks of what comes along the normal; (n + 8)/(8π),
-//! which is often found, is near it.
+//! J. F. Blinn, *Models of light reflection for computer synthesized pictures*, SIGGRAPH 1977. The
+//! factor makes the albedo exactly ks at normal incidence; (n + 8)/(8π), which is often used,
+//! approximates it.
 
 use super::BrdfError;
 use super::arguments::Arguments;
@@ -47,7 +47,7 @@ fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
 /// ks C(n) cosⁿ θh.
 #[derive(Clone, Debug)]
 pub(super) struct Blinn {
-    /// Reflectance at normal incidence; it falls with the angle.
+    /// Albedo at normal incidence; it falls with the angle.
     albedo: Rgb,
     exponent: f64,
 }
@@ -86,7 +86,7 @@ impl Reflect for Blinn {
     }
 
     fn spread(&self) -> Spread {
-        // Mirroring doubles the angle of the half vector.
+        // Reflection doubles the angle of the half vector.
         Spread::Glossy(2.0 * sample_half(self.exponent, 0.5).acos())
     }
 }

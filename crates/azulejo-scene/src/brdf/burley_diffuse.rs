@@ -1,7 +1,7 @@
-//! Disney's matt base, which darkens or brightens at grazing angles: `burley_diffuse`.
+//! Disney's diffuse base, which darkens or brightens at grazing angles: `burley_diffuse`.
 //!
-//! B. Burley, *Physically-based shading at Disney*, SIGGRAPH 2012 courses, section 5.3. Rough
-//! white surfaces reflect more than arrives: 1.04 along the normal, 1.5 at grazing angles.
+//! B. Burley, *Physically-based shading at Disney*, SIGGRAPH 2012 courses, section 5.3. Rough white
+//! surfaces create energy: their albedo is 1.04 at normal incidence and 1.5 at grazing angles.
 
 use super::BrdfError;
 use super::arguments::Arguments;

@@ -2,7 +2,7 @@
 //!
 //! R. L. Cook, K. E. Torrance, *A reflectance model for computer graphics*, ACM TOG 1(1), 1982,
 //! with Beckmann's facets in V-grooves. The paper prints F D G/(π cos θi cos θo) with a D that
-//! lacks 1/π; this is F D G/(4 cos θi cos θo), where 4 comes from mirroring.
+//! lacks 1/π; this is F D G/(4 cos θi cos θo), where the 4 is the Jacobian of reflection.
 
 use super::arguments::Arguments;
 use super::beckmann::Beckmann;

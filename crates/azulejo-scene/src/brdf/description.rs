@@ -1,4 +1,4 @@
-//! Descriptions of reflection models, as files and the command line spell them.
+//! Descriptions of reflection models, in the notation of files and the command line.
 
 use super::arguments::Arguments;
 use super::lobe::Lobe;
@@ -16,11 +16,11 @@ pub enum Description {
     Model(Model),
     /// A sum of models, each with a weight.
     Combination(Vec<(f64, Model)>),
-    /// A model that another file holds.
+    /// A model in another file.
     File {
         /// The file's name as it stands, relative to the model.
         path: String,
-        /// Its content; `None` if it could not be found. The model then reflects nothing.
+        /// Its content; `None` if the file was not found. The model then reflects nothing.
         content: Option<Arc<Content>>,
     },
 }
@@ -35,7 +35,7 @@ pub enum Content {
     Measured(Arc<Measured>),
 }
 
-/// A model with its parameters, as written.
+/// A model with its parameters, as written in the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Model {
     /// A name of [`MODELS`](super::MODELS), or an unknown one.
@@ -259,7 +259,7 @@ impl FromStr for Description {
     }
 }
 
-/// A model's parameters; what is no parameter is left.
+/// Parses the parameters of a model; stops at the first token that is none.
 fn model<'a, 'b>(name: &str, mut rest: &'b [&'a str]) -> Result<(Model, &'b [&'a str]), BrdfError> {
     let mut model = Model {
         name: name.to_owned(),

@@ -1,8 +1,8 @@
-//! Matt surfaces that lose no light between their facets: `eon`.
+//! Rough diffuse surfaces that conserve energy: `eon`.
 //!
-//! J. Portsmouth, P. Kutz, S. Hill, *EON: a practical energy-preserving rough diffuse BRDF*,
-//! JCGT 14(1), 2025: Fujii's variant of Oren and Nayar's model, and what it loses of a white
-//! surface given back, tinted by each further reflection. The base of OpenPBR.
+//! J. Portsmouth, P. Kutz, S. Hill, *EON: a practical energy-preserving rough diffuse BRDF*, JCGT
+//! 14(1), 2025: Fujii's variant of Oren and Nayar's model, with a lobe for multiple scattering that
+//! compensates its loss of energy, tinted by each further reflection. The base of OpenPBR.
 
 use super::BrdfError;
 use super::arguments::Arguments;
@@ -46,9 +46,9 @@ fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
 pub(super) struct Eon {
     albedo: Rgb,
     roughness: f64,
-    /// A_F: Fujii's factor of the part that is the same in all directions.
+    /// A_F: Fujii's factor of the Lambertian part.
     even: f64,
-    /// What the light that one reflection loses is multiplied by, 1/sr.
+    /// Factor of the light lost by single scattering, 1/sr.
     lost: Rgb,
 }
 
@@ -62,7 +62,7 @@ impl Eon {
             albedo,
             roughness,
             even,
-            // Without roughness one reflection loses nothing.
+            // Without roughness single scattering loses nothing.
             lost: if missing > f64::EPSILON {
                 tinted * (FRAC_1_PI / missing)
             } else {
@@ -71,7 +71,7 @@ impl Eon {
         }
     }
 
-    /// What one reflection loses of a white surface, for the cosine to the normal.
+    /// Energy that single scattering at a white surface loses, for the cosine to the normal.
     fn loss(&self, cos: f64) -> f64 {
         let sin = (1.0 - cos * cos).max(0.0).sqrt();
         let over_cos = sin * (1.0 - sin.powi(3)) / cos.max(f64::MIN_POSITIVE);
@@ -103,7 +103,7 @@ mod tests {
     fn white_loses_nothing() {
         let check = |roughness: f64, cos: f64| {
             let eon = Eon::new(Rgb::WHITE, roughness);
-            // One reflection's albedo is 1 less the loss; the rest gives back the loss.
+            // The albedo of single scattering is 1 less the loss; the other lobe compensates it.
             let several = eon.lost.r * eon.loss(cos) * PI;
             let mean_loss = crate::brdf::quadrature::midpoints(20_000)
                 .map(|mu| 2.0 * mu * eon.loss(mu) / 20_000.0)

@@ -5,14 +5,14 @@ use crate::Rgb;
 /// The Fresnel term of a model. Angles are between the light and the normal of the (micro)facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Fresnel {
-    /// The same at all angles.
+    /// A constant.
     Constant(Rgb),
     /// Schlick's approximation, from the reflectance at normal incidence; with the tint that
     /// OpenPBR's F82 gives it at cos θ = 1/7 (white for Schlick's own).
     Schlick {
         /// Reflectance at normal incidence.
         f0: Rgb,
-        /// Share of Schlick's value that is left at cos θ = 1/7.
+        /// Factor on Schlick's value at cos θ = 1/7.
         tint: Rgb,
     },
     /// A metal: the complex index of refraction per channel, relative to the outside.
@@ -64,7 +64,7 @@ fn schlick(f0: Rgb, tint: Rgb, c: f64) -> Rgb {
 
 /// A boundary to a metal of index η + ik, unpolarised light.
 fn conductor(c: f64, eta: f64, k: f64) -> f64 {
-    // At grazing incidence all is mirrored; the terms below may be 0/0 there.
+    // At grazing incidence all light is reflected; the terms below may be 0/0 there.
     let c = c.max(1e-12);
     let (c2, s2) = (c * c, 1.0 - c * c);
     let t = eta * eta - k * k - s2;

@@ -1,8 +1,8 @@
 //! GGX with multiple scattering between its facets: `ggx_ms`.
 //!
 //! C. Kulla, A. Conty, *Revisiting physically based shading at Imageworks*, SIGGRAPH 2017 course.
-//! What one reflection loses of white light comes back from a second lobe, the same around the
-//! normal, so that white facets reflect all light from every direction.
+//! The energy that single scattering loses is returned by a second, isotropic lobe, so that white
+//! facets reflect all light from every direction.
 
 use super::BrdfError;
 use super::arguments::Arguments;
@@ -74,11 +74,11 @@ pub(super) struct GgxMultiple {
 }
 
 impl GgxMultiple {
-    /// `fresnel` is the mean of the Fresnel term: what is left after each reflection.
+    /// `fresnel` is the mean of the Fresnel term: the fraction that is left after each reflection.
     fn new(scale: Rgb, fresnel: Rgb, lost: LostEnergy) -> GgxMultiple {
         let once = 1.0 - lost.mean;
         let multiple = fresnel.map(|f| f * f * once / (1.0 - f * lost.mean));
-        // Where facets are nearly flat nothing is lost, and nothing comes back.
+        // Nearly flat facets lose nothing, so there is nothing to return.
         let over = FRAC_1_PI / lost.mean.max(1e-12);
         GgxMultiple {
             scale: scale * multiple * over,
@@ -112,8 +112,8 @@ const INTERVALS: usize = 48;
 #[derive(Debug)]
 struct LostEnergy {
     alpha: f64,
-    /// At equal steps of √ln(1 + μ/α) from the horizon to the normal, in which it is smooth for
-    /// any roughness α, at the horizon, too; μ = cos θ.
+    /// At equal steps of √ln(1 + μ/α) from the horizon to the normal, with μ = cos θ; in this
+    /// variable it is smooth for any roughness α, also at the horizon.
     table: Vec<f64>,
     /// ln(1 + 1/α), where the table ends.
     end: f64,
@@ -158,11 +158,11 @@ impl LostEnergy {
     }
 }
 
-/// 1 − E at one cosine: the mean over the facets that are seen of the share that is shaded from
-/// where they mirror to.
+/// 1 − E at one cosine: the mean, over the visible facets, of the fraction that is shadowed from
+/// the direction in which they reflect.
 fn lost(facets: Ggx, cos: f64) -> f64 {
     const INCLINATIONS: usize = 256;
-    // Where a turn begins to be shaded there is an edge that fewer would miss.
+    // The integrand has an edge where shadowing begins in azimuth, which fewer points would miss.
     const TURNS: usize = 64;
     let wo = DVec3::new((1.0 - cos * cos).max(0.0).sqrt(), 0.0, cos);
     let shaded = |u1: f64, u2: f64| {
@@ -170,13 +170,13 @@ fn lost(facets: Ggx, cos: f64) -> f64 {
         if wi.z <= 0.0 {
             return 1.0;
         }
-        // 1 − G₂/G₁ of Smith's shadows, where both cosines may be nearly 0.
+        // 1 − G₂/G₁ of Smith's shadowing, where both cosines may be nearly 0.
         let (o, i) = (wo.z * facets.stretch(wi), wi.z * facets.stretch(wo));
         (o - wo.z * wi.z) / (o + i)
     };
-    // Both halves of the turn are the same.
+    // Both halves of the azimuth are the same.
     let turn = |u1: f64| midpoints(TURNS).map(|u| shaded(u1, 0.5 * u)).sum::<f64>();
-    // Steep facets, which are shaded most, are few and come last: u = 1 − x² sees them.
+    // Steep facets, which are shadowed most, are rare and come last: u = 1 − x² resolves them.
     let term = |x: f64| 2.0 * x * turn(1.0 - x * x);
     midpoints(INCLINATIONS).map(term).sum::<f64>() / (INCLINATIONS * TURNS) as f64
 }

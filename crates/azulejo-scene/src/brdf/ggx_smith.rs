@@ -1,8 +1,8 @@
-//! Trowbridge and Reitz's facets with Smith's shadows: `ggx_smith`.
+//! Trowbridge and Reitz's facets with Smith's masking and shadowing: `ggx_smith`.
 //!
-//! T. S. Trowbridge, K. P. Reitz, JOSA 65(5), 1975; B. Walter et al., EGSR 2007; shadows of both
-//! directions together, by height: E. Heitz, JCGT 3(2), 2014. Multiple scattering
-//! is lost; `ggx_ms` includes it.
+//! T. S. Trowbridge, K. P. Reitz, JOSA 65(5), 1975; B. Walter et al., EGSR 2007; height-correlated
+//! masking and shadowing: E. Heitz, JCGT 3(2), 2014. Multiple scattering is lost; `ggx_ms` includes
+//! it.
 
 use super::arguments::Arguments;
 use super::lobe::{Lobe, Reflect, Spread};

@@ -1,8 +1,8 @@
 //! The material of glTF 2.0, base colour, metalness and roughness: `gltf_mr`.
 //!
 //! Khronos, glTF 2.0 specification, appendix B: Schlick's Fresnel term, GGX facets with Smith's
-//! separable shadows, and below them a matt base. Smooth white dielectrics reflect up to a tenth
-//! more than arrives at grazing angles.
+//! separable masking and shadowing, over a diffuse base. Smooth white dielectrics create up to a
+//! tenth of the incident energy at grazing angles.
 
 use super::arguments::Arguments;
 use super::lobe::{Lobe, Reflect, Spread};
@@ -49,7 +49,7 @@ pub(super) const INFO: ModelInfo = ModelInfo {
 /// Reflectance of a dielectric of index 1.5 along the normal.
 const DIELECTRIC: f64 = 0.04;
 
-/// Slopes below this are a mirror's.
+/// Below this roughness the surface is a perfect mirror.
 const SMOOTH: f64 = 1e-4;
 
 fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
@@ -78,7 +78,7 @@ fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     Ok(vec![base, surface])
 }
 
-/// What the surface lets through to the matt base: (1 − F) c/π.
+/// The diffuse base, lit by what the surface transmits: (1 − F) c/π.
 #[derive(Clone, Debug)]
 pub(super) struct GltfBase {
     albedo: Rgb,
@@ -92,7 +92,7 @@ impl Matt for GltfBase {
     }
 }
 
-/// What the surface reflects: F D G₁(i) G₁(o)/(4 cos θi cos θo).
+/// Reflection at the surface: F D G₁(i) G₁(o)/(4 cos θi cos θo).
 #[derive(Clone, Debug)]
 pub(super) struct GltfSurface {
     fresnel: Fresnel,

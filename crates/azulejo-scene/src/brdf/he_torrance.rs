@@ -1,10 +1,10 @@
 //! Reflection by wave optics from rough metals and glass: `he_torrance`.
 //!
 //! X. D. He, K. E. Torrance, F. X. Sillion, D. P. Greenberg, *A comprehensive physical model for
-//! light reflection*, SIGGRAPH 1991. The smoother the surface is beside the wavelength, the more
-//! is mirrored exactly; the rest is spread about the mirrored direction, by diffraction. The
-//! paper's geometric factor has projections over |k_r × k_i|⁴ that cancel to 1 (A. Willmott, in
-//! Radiance's `He.cal`) and are left out.
+//! light reflection*, SIGGRAPH 1991. The smoother the surface is compared with the wavelength, the
+//! more light is reflected specularly; the rest is spread about the specular direction by
+//! diffraction. The paper's geometric factor has projections over |k_r × k_i|⁴ that cancel to 1 (A.
+//! Willmott, in Radiance's `He.cal`) and are left out.
 
 mod series;
 
@@ -51,7 +51,7 @@ pub(super) const INFO: ModelInfo = ModelInfo {
     is_reciprocal: true,
     is_energy_safe: true,
     make: |arguments| {
-        let surface = Surface::new(arguments)?;
+        let surface = RoughSurface::new(arguments)?;
         let lobes = vec![
             Lobe::HeTorrance(HeTorrance::new(surface)),
             Lobe::HeMirror(HeMirror { surface }),
@@ -67,7 +67,7 @@ pub(super) const MIRROR: ModelInfo = ModelInfo {
     title: "He–Torrance–Sillion–Greenberg, the coherent part alone",
     examples: &["he_torrance_mirror sigma0 = 0.05 tau = 2 metal = silver"],
     make: |arguments| {
-        let surface = Surface::new(arguments)?;
+        let surface = RoughSurface::new(arguments)?;
         over_base(arguments, vec![Lobe::HeMirror(HeMirror { surface })])
     },
     ..INFO
@@ -75,7 +75,7 @@ pub(super) const MIRROR: ModelInfo = ModelInfo {
 
 /// A Gaussian surface of random heights. Lengths in micrometres.
 #[derive(Clone, Copy, Debug)]
-struct Surface {
+struct RoughSurface {
     scale: Rgb,
     fresnel: Fresnel,
     sigma0: f64,
@@ -83,19 +83,19 @@ struct Surface {
     lambda: Rgb,
 }
 
-/// What depends on one direction's angle alone.
+/// Terms that depend on the angle of one direction only.
 #[derive(Clone, Copy)]
 struct Slant {
-    /// K: how much of the depth of the surface is in shadow.
+    /// K: the shadowing and masking term of the apparent roughness.
     shade: f64,
-    /// S: the share of the surface that is seen.
+    /// S: the visible fraction of the surface.
     seen: f64,
 }
 
-impl Surface {
-    fn new(arguments: &Arguments) -> Result<Surface, BrdfError> {
+impl RoughSurface {
+    fn new(arguments: &Arguments) -> Result<RoughSurface, BrdfError> {
         let lambda = arguments.has("lambda").then(|| arguments.color("lambda"));
-        Ok(Surface {
+        Ok(RoughSurface {
             scale: arguments.color("ks"),
             fresnel: arguments.fresnel()?,
             sigma0: arguments.number("sigma0"),
@@ -119,13 +119,13 @@ impl Surface {
         self.slant(w.x.hypot(w.y), w.z)
     }
 
-    /// σ: the roughness that is not in shadow.
+    /// σ: the apparent roughness, that of the illuminated and visible parts.
     fn apparent_roughness(&self, i: Slant, o: Slant) -> f64 {
         let z = shadow_depth(0.25 * (i.shade + o.shade));
         self.sigma0 / (1.0 + z * z).sqrt()
     }
 
-    /// Per channel, from the wavelength and from other channels where that is the same.
+    /// Evaluates each channel, or one if all wavelengths are equal.
     fn per_wavelength(&self, of: impl Fn(f64) -> f64) -> Rgb {
         if self.lambda.is_grey() {
             return Rgb::grey(of(self.lambda.r));
@@ -140,9 +140,9 @@ fn shadow_depth(k: f64) -> f64 {
     if !(k > 0.0) {
         return 0.0;
     }
-    // Newton's method on z²/2 + ln z − ln k, which rises, hollow below 1 and bulging above: from
-    // this start, which is no less than the solution, no step leaves z > 0. z ≤ k, and where
-    // z ≥ 1, z² ≤ 2 ln k.
+    // Newton's method on z²/2 + ln z − ln k, which rises, concave below 1 and convex above: from
+    // this start, which is no less than the solution, no step leaves z > 0. z ≤ k, and where z ≥ 1,
+    // z² ≤ 2 ln k.
     let mut z = k.min((2.0 * k.ln()).max(1.0).sqrt());
     for _ in 0..20 {
         let step = (0.5 * z * z + (z / k).ln()) / (z + 1.0 / z);
@@ -154,24 +154,24 @@ fn shadow_depth(k: f64) -> f64 {
     z
 }
 
-/// What is spread: F G S D/(π cos θi cos θo).
+/// The directional-diffuse part: F G S D/(π cos θi cos θo).
 #[derive(Clone, Debug)]
 pub(super) struct HeTorrance {
-    surface: Surface,
-    /// The longest wavelength, which is spread the widest.
+    surface: RoughSurface,
+    /// The longest wavelength, which has the widest lobe.
     longest: f64,
 }
 
 impl HeTorrance {
-    fn new(surface: Surface) -> HeTorrance {
+    fn new(surface: RoughSurface) -> HeTorrance {
         HeTorrance {
             surface,
             longest: surface.lambda.max_channel(),
         }
     }
 
-    /// Facets whose mirrored light is about as wide as what is spread of light along `wo`. Their
-    /// slope is 2σ₀/τ where the surface is rough beside the wavelength, and that of diffraction
+    /// Facets whose reflected light is about as wide as the lobe of light along `wo`. Their slope
+    /// is 2σ₀/τ where the surface is rough compared with the wavelength, and that of diffraction
     /// where it is smooth: terms m of the series have the slope λ√m/(π τ v_z), and m is about g.
     fn facets(&self, wo: DVec3) -> Beckmann {
         let surface = &self.surface;
@@ -185,7 +185,8 @@ impl HeTorrance {
         Beckmann::isotropic((1.1 * slope).clamp(1e-5, 1.0))
     }
 
-    /// Share of the samples that are spread over the hemisphere, where facets are too few.
+    /// Fraction of samples with a cosine distribution, for directions that the facets rarely
+    /// sample.
     fn wide(facets: Beckmann) -> f64 {
         (facets.ax * facets.ax).clamp(0.05, 0.5)
     }
@@ -228,10 +229,10 @@ impl Reflect for HeTorrance {
     }
 }
 
-/// What is mirrored: F exp(−g) S².
+/// The specular part: F exp(−g) S².
 #[derive(Clone, Debug)]
 pub(super) struct HeMirror {
-    surface: Surface,
+    surface: RoughSurface,
 }
 
 impl Reflect for HeMirror {

@@ -1,8 +1,8 @@
-//! Cosine lobes around any direction, for fits to measurements: `lafortune`.
+//! Cosine lobes around arbitrary directions, for fits to measurements: `lafortune`.
 //!
 //! E. P. F. Lafortune, S.-C. Foo, K. E. Torrance, D. P. Greenberg, *Non-linear approximation of
-//! reflectance functions*, SIGGRAPH 1997. One lobe; several are a combination. Published fits
-//! give no reflectance beside the coefficients, which hold it: leave ks at 1 for them.
+//! reflectance functions*, SIGGRAPH 1997. One lobe; several are a combination. Published fits have
+//! no separate reflectance, since the coefficients include it: leave ks at 1 for them.
 
 use super::arguments::Arguments;
 use super::lambert::Lambert;
@@ -14,7 +14,7 @@ use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// A coefficient per channel; |c| < 2 leaves room for every published fit.
+/// A coefficient per channel; |c| < 2 covers every published fit.
 const fn coefficient(name: &'static str, about: &'static str) -> ParameterInfo {
     ParameterInfo::color(name, [-2.0, 2.0], about)
 }
@@ -45,7 +45,7 @@ pub(super) const INFO: ModelInfo = ModelInfo {
     make,
 };
 
-/// The highest reflectance of a lobe that may come of measurements of real surfaces.
+/// Largest reflectance of a lobe that a fit to a real surface may have.
 const PLAUSIBLE: f64 = 10.0;
 
 fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
@@ -87,24 +87,24 @@ pub(super) struct Lafortune {
 }
 
 impl Lafortune {
-    /// What no reflectance of the lobe exceeds.
+    /// An upper bound of the lobe's reflectance.
     fn most(&self) -> f64 {
         let of = |c: usize| {
             let n = self.exponents[c];
             let power = self.axes[c].abs().max_element().powf(n).min(f64::MAX);
             self.scale[c] * power * TAU / (n + 2.0)
         };
-        // Powers may be infinite, but times a scale of 0 that would be no number.
+        // Powers may be infinite, and infinity times a scale of 0 would be NaN.
         of(0).max(of(1)).max(of(2))
     }
 
-    /// Where the lobe of a channel points to.
+    /// The direction of the lobe of a channel.
     fn axis(&self, channel: usize, wo: DVec3) -> DVec3 {
         (self.axes[channel] * wo).normalize_or(DVec3::Z)
     }
 }
 
-/// cosⁿ where the cosine is above 0.
+/// cosⁿ where the cosine is positive.
 fn power(cos: f64, n: f64) -> f64 {
     if cos > 0.0 { cos.powf(n) } else { 0.0 }
 }
@@ -123,7 +123,7 @@ impl Reflect for Lafortune {
         (of(0) + of(1) + of(2)) / 3.0
     }
 
-    /// Each channel's lobe gets a third.
+    /// Each channel's lobe gets a third of the samples.
     fn sample(&self, wo: DVec3, [u1, u2, choice]: [f64; 3]) -> DVec3 {
         let channel = ((3.0 * choice) as usize).min(2);
         let cos = (1.0 - u1).powf(1.0 / (self.exponents[channel] + 1.0));
@@ -137,7 +137,7 @@ impl Reflect for Lafortune {
         if self.axes.iter().all(mirrors) {
             Spread::Glossy(angle)
         } else {
-            // However narrow, it is no mirror.
+            // However narrow, it is no perfect mirror.
             Spread::Glossy(angle.max(NARROW.to_radians()))
         }
     }
@@ -152,7 +152,7 @@ mod tests {
         Brdf::new(text.parse::<Description>().unwrap()).unwrap()
     }
 
-    /// With −1, −1, 1 and (n + 2)/(2π) in them, the coefficients are Lewis' lobe.
+    /// With −1, −1, 1 and a factor (n + 2)/(2π) the coefficients give Lewis' lobe.
     #[test]
     fn is_lewis_where_it_mirrors() {
         let n = 10.0;

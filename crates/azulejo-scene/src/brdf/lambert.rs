@@ -28,7 +28,7 @@ fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     })])
 }
 
-/// Light of all directions alike.
+/// Constant reflection in all directions.
 #[derive(Clone, Debug)]
 pub(super) struct Lambert {
     pub albedo: Rgb,

@@ -44,16 +44,16 @@ fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     ])
 }
 
-/// ks (n + 2)/(2π) cosⁿ of the angle to the mirrored direction.
+/// ks (n + 2)/(2π) cosⁿ of the angle to the specular direction.
 #[derive(Clone, Debug)]
 pub(super) struct Lewis {
-    /// Reflectance at normal incidence; it falls with the angle.
+    /// Albedo at normal incidence; it falls with the angle.
     albedo: Rgb,
     exponent: f64,
 }
 
 impl Lewis {
-    /// A lobe that reflects all light along the normal.
+    /// A lobe of albedo 1 at normal incidence.
     pub(super) fn white(exponent: f64) -> Lewis {
         Lewis {
             albedo: Rgb::WHITE,
@@ -86,17 +86,17 @@ impl Reflect for Lewis {
     }
 }
 
-/// cosⁿ, and nothing behind: also where n is 0, as it is for all that are near it.
+/// cosⁿ, and 0 for negative cosines, also for n = 0, so that it is continuous in n.
 pub(super) fn power(cos: f64, n: f64) -> f64 {
     if cos > 0.0 { cos.min(1.0).powf(n) } else { 0.0 }
 }
 
-/// The mirrored direction.
+/// The specular direction.
 pub(super) fn mirrored(w: DVec3) -> DVec3 {
     DVec3::new(-w.x, -w.y, w.z)
 }
 
-/// The direction at an angle to an axis, turned about it by `turn` of a whole turn.
+/// The direction at an angle to an axis, rotated about it by the fraction `turn` of a full turn.
 pub(super) fn about(axis: DVec3, cos: f64, turn: f64) -> DVec3 {
     let sin = (1.0 - cos * cos).max(0.0).sqrt();
     let (y, x) = (TAU * turn).sin_cos();

@@ -30,10 +30,10 @@ use glam::DVec3;
 /// Angular width of a lobe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Spread {
-    /// Over all of the hemisphere.
+    /// Over the whole hemisphere.
     Matt,
-    /// Around the mirrored direction: half of what is reflected from near the normal lies within
-    /// this angle of it, in radians; zero for a mirror.
+    /// Around the specular direction: for incidence near the normal, half of the reflected light
+    /// lies within this angle of it, in radians; zero for a mirror.
     Glossy(f64),
 }
 
@@ -43,15 +43,15 @@ pub(super) trait Reflect {
     /// f_r, 1/sr; finite.
     fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb;
 
-    /// Density of [`sample`](Reflect::sample) over the solid angle of `wi`, 1/sr. Its integral
-    /// over the hemisphere is 1 less what samples are lost below the surface.
+    /// Density of [`sample`](Reflect::sample) over the solid angle of `wi`, 1/sr. Its integral over
+    /// the hemisphere is 1 less the fraction of samples that are lost below the surface.
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64;
 
-    /// The direction for three numbers in 0..1, unit; may come out below the surface, where it is
-    /// lost. The third is for models that choose among parts; the best spread are the first two.
+    /// The direction for three numbers in 0..1, unit; one below the surface is a lost sample. The
+    /// third number is for models that choose among parts; the first two are the best stratified.
     fn sample(&self, wo: DVec3, u: [f64; 3]) -> DVec3;
 
-    /// Reflectance of the part that is mirrored exactly, which the others leave out.
+    /// Reflectance of the perfectly specular part, which `eval` and `sample` leave out.
     fn mirror(&self, _cos: f64) -> Rgb {
         Rgb::BLACK
     }
@@ -60,7 +60,7 @@ pub(super) trait Reflect {
     fn spread(&self) -> Spread;
 }
 
-/// Makes the enum of models, whose methods dispatch to the model.
+/// Defines the enum of models, whose methods dispatch to the model.
 macro_rules! lobes {
     ($($(#[$doc:meta])* $name:ident($model:ty),)*) => {
         /// One lobe: a model with its parameters. Tables are shared: a lobe is cheap to clone.
@@ -76,7 +76,7 @@ macro_rules! lobes {
 }
 
 lobes! {
-    /// The same in all directions.
+    /// Lambertian reflection.
     Lambert(Lambert),
     /// Mirrors, metals and dielectrics without roughness.
     Smooth(Smooth),
@@ -86,29 +86,29 @@ lobes! {
     Lewis(Lewis),
     /// Blinn 1977.
     Blinn(Blinn),
-    /// Ward 1992 and what others made of it.
+    /// Ward 1992 and its variants.
     Ward(Ward),
     /// Torrance and Sparrow 1967.
     TorranceSparrow(TorranceSparrow),
     /// Cook and Torrance 1982.
     CookTorrance(CookTorrance),
-    /// Poulin and Fournier 1990: the cylinders' matt light.
+    /// Poulin and Fournier 1990: diffuse reflection of the cylinders.
     MattCylinders(MattCylinders),
     /// Poulin and Fournier 1990: the cylinders' highlights.
     ShinyCylinders(ShinyCylinders),
-    /// He et al. 1991: what is spread.
+    /// He et al. 1991: the directional-diffuse part.
     HeTorrance(HeTorrance),
-    /// He et al. 1991: what is mirrored.
+    /// He et al. 1991: the specular part.
     HeMirror(HeMirror),
-    /// Trowbridge and Reitz's facets, Smith's shadows.
+    /// Trowbridge and Reitz's facets, Smith's masking and shadowing.
     GgxSmith(GgxSmith),
-    /// Beckmann's facets, Smith's shadows.
+    /// Beckmann's facets, Smith's masking and shadowing.
     BeckmannSmith(BeckmannSmith),
-    /// Kulla and Conty 2017: what facets reflect more than once.
+    /// Kulla and Conty 2017: multiple scattering between facets.
     GgxMultiple(GgxMultiple),
     /// Schlick 1994, glossy.
     Schlick(Schlick),
-    /// Schlick 1994, matt.
+    /// Schlick 1994, diffuse.
     SchlickBase(SchlickBase),
     /// Oren and Nayar 1994.
     OrenNayar(OrenNayar),
@@ -122,24 +122,24 @@ lobes! {
     Lafortune(Lafortune),
     /// Ashikhmin and Shirley 2000, the lobe.
     AshikhminShirley(AshikhminShirley),
-    /// Ashikhmin and Shirley 2000, what is below it.
+    /// Ashikhmin and Shirley 2000, the base below it.
     AshikhminShirleyBase(AshikhminShirleyBase),
     /// Minnaert 1941.
     Minnaert(Minnaert),
     /// Beard and Maxwell 1973, the first surface.
     BeardMaxwell(BeardMaxwell),
-    /// Beard and Maxwell 1973, what is below it.
+    /// Beard and Maxwell 1973, the scattering below it.
     BeardMaxwellBelow(BeardMaxwellBelow),
     /// glTF's surface.
     GltfSurface(GltfSurface),
-    /// glTF's matt base.
+    /// glTF's diffuse base.
     GltfBase(GltfBase),
     /// Measurements.
     Measured(Table),
 }
 
 impl Reflect for Lobe {
-    /// Where a formula overflows within rounding of the horizon, nothing is reflected.
+    /// A formula may overflow within rounding of the horizon; nothing is reflected there.
     fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         let value = self.model().eval(wo, wi);
         if value.is_finite() { value } else { Rgb::BLACK }

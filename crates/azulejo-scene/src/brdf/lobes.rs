@@ -1,4 +1,4 @@
-//! A sum of lobes, sampled in proportion to what each reflects.
+//! A sum of lobes, sampled in proportion to their albedos.
 
 use super::lobe::{Lobe, Reflect};
 use super::quadrature::{lattice, midpoints};
@@ -25,7 +25,7 @@ pub struct BrdfSample {
     pub pdf: f64,
 }
 
-/// Lobes that are added, each with a weight.
+/// A weighted sum of lobes.
 #[derive(Clone, Debug, Default)]
 pub struct Lobes {
     parts: Vec<WeightedLobe>,
@@ -37,8 +37,8 @@ pub struct Lobes {
 struct WeightedLobe {
     lobe: Lobe,
     weight: f64,
-    /// Mean over the channels of the albedo without what is mirrored, at the middles of equal
-    /// intervals of cos θ; times the weight.
+    /// Mean over the channels of the albedo without the perfectly specular part, times the weight,
+    /// at the middles of equal intervals of cos θ.
     likely: [f64; ANGLES],
 }
 
@@ -82,13 +82,13 @@ impl Lobes {
         self.parts.iter().map(of).sum()
     }
 
-    /// What is mirrored exactly, for the cosine of the angle to the normal.
+    /// Reflectance of the perfectly specular part, for the cosine of the angle to the normal.
     pub fn mirror(&self, cos: f64) -> Rgb {
         let of = |p: &WeightedLobe| p.lobe.mirror(cos) * p.weight;
         self.parts.iter().map(of).sum()
     }
 
-    /// Share of the light along `wo` that the lobes reflect, mirrored included.
+    /// Albedo for `wo`, perfect specular reflection included.
     pub fn albedo(&self, wo: DVec3) -> Rgb {
         let of = |p: &WeightedLobe| {
             (scattered(&p.lobe, wo, FINE_SAMPLES) + p.lobe.mirror(wo.z)) * p.weight
@@ -96,8 +96,8 @@ impl Lobes {
         self.parts.iter().map(of).sum()
     }
 
-    /// Mean over directions, weighted by the cosine, of what is scattered: what is reflected of
-    /// even light, without perfect specular reflection.
+    /// Cosine-weighted mean of the albedo over directions: the reflectance for uniform light,
+    /// without perfect specular reflection.
     pub fn mean_albedo(&self) -> Rgb {
         self.mean_albedo
     }
@@ -107,8 +107,8 @@ impl Lobes {
         self.mean_mirror
     }
 
-    /// About the mean over the channels of what is scattered of light along `wo`: how much the
-    /// lobes deserve of the samples.
+    /// Approximate albedo for `wo` without the specular part, averaged over the channels: the
+    /// lobes' claim on samples.
     pub fn likely(&self, wo: DVec3) -> f64 {
         self.parts.iter().map(|p| p.likely(wo)).sum()
     }
@@ -125,7 +125,7 @@ impl Lobes {
             }
             here.then_some((p, share))
         })?;
-        // What is left of the number that chose the lobe is as random as before.
+        // The remainder of the number that chose the lobe is uniform again.
         let again = (rest / share).clamp(0.0, 1.0 - f64::EPSILON);
         let wi = part.lobe.sample(wo, [u[1], u[2], again]);
         (wi.z > 0.0).then_some(wi)
@@ -162,14 +162,14 @@ impl WeightedLobe {
     }
 }
 
-/// A direction at that cosine to the normal, halfway between tangent and bitangent, for models
-/// that are not the same around the normal.
+/// A direction at that cosine to the normal, halfway between tangent and bitangent, for anisotropic
+/// models.
 fn from_cosine(cos: f64) -> DVec3 {
     let sin = (0.5 * (1.0 - cos * cos)).sqrt();
     DVec3::new(sin, sin, cos)
 }
 
-/// The angle about the mirrored direction that holds half of what is reflected of light from
+/// The angle about the specular direction that contains half of the reflected light for incidence
 /// near the normal, in radians.
 pub(super) fn median_angle(lobe: &impl Reflect) -> f64 {
     let wo = from_cosine(0.999);
@@ -193,7 +193,7 @@ pub(super) fn median_angle(lobe: &impl Reflect) -> f64 {
     median.map_or(std::f64::consts::FRAC_PI_2, |(angle, _)| *angle)
 }
 
-/// Share of the light along `wo` that a lobe scatters, from the mean weight of its samples.
+/// Albedo of a lobe for `wo`, without its specular part, from the mean weight of its samples.
 fn scattered(lobe: &Lobe, wo: DVec3, samples: usize) -> Rgb {
     let weight = |u: [f64; 3]| {
         let wi = lobe.sample(wo, u);

@@ -1,4 +1,4 @@
-//! Lobes about as wide as the hemisphere: all of them are sampled as Lambert's.
+//! Lobes about as wide as the hemisphere: all are sampled by a cosine distribution.
 
 use super::lobe::{Reflect, Spread};
 use super::quadrature::cosine_hemisphere;
@@ -6,7 +6,7 @@ use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::FRAC_1_PI;
 
-/// A lobe that a cosine is a good density for.
+/// A lobe for which a cosine distribution is a good density.
 pub(super) trait Matt {
     /// f_r, 1/sr; finite.
     fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb;
@@ -30,8 +30,8 @@ impl<M: Matt> Reflect for M {
     }
 }
 
-/// What cos of the angle between two directions has beyond the product of their cosines to the
-/// normal: sin θi sin θo cos Δφ.
+/// sin θi sin θo cos Δφ: the cosine of the angle between two directions less the product of their
+/// cosines to the normal.
 pub(super) fn across(wo: DVec3, wi: DVec3) -> f64 {
     wo.x * wi.x + wo.y * wi.y
 }

@@ -4,7 +4,7 @@ use super::models::{is_called, nearest};
 use super::{BrdfError, Fresnel};
 use crate::Rgb;
 
-/// Wavelengths at which metals are given and wave optics is evaluated, in micrometres.
+/// Wavelengths at which metals are tabulated and wave optics is evaluated, in micrometres.
 pub const WAVELENGTHS: Rgb = Rgb::new(0.61, 0.55, 0.465);
 
 /// A metal.
@@ -12,21 +12,21 @@ pub const WAVELENGTHS: Rgb = Rgb::new(0.61, 0.55, 0.465);
 pub struct Metal {
     /// Its name.
     pub name: &'static str,
-    /// Other names that are read as this one; the chemical symbol first.
+    /// Other accepted names; the chemical symbol first.
     pub aliases: &'static [&'static str],
     /// Real part of the index of refraction, at [`WAVELENGTHS`].
     pub eta: Rgb,
     /// Imaginary part.
     pub k: Rgb,
-    /// Who measured it.
+    /// Source of the measurement.
     pub source: &'static str,
 }
 
 const NOBLE: &str = "P. B. Johnson, R. W. Christy, Phys. Rev. B 6, 4370 (1972)";
 const TRANSITION: &str = "P. B. Johnson, R. W. Christy, Phys. Rev. B 9, 5056 (1974)";
 
-/// The metals that `metal = name` knows. Measured values between whose wavelengths those of red,
-/// green and blue were interpolated linearly; films at room temperature, without their oxides.
+/// The metals that `metal = name` accepts. Measured values, interpolated linearly to the
+/// wavelengths of red, green and blue; films at room temperature, without oxides.
 pub static METALS: &[Metal] = &[
     Metal {
         name: "silver",
@@ -129,7 +129,7 @@ pub static METALS: &[Metal] = &[
 ];
 
 impl Metal {
-    /// What its polished surface mirrors.
+    /// Reflectance of its polished surface.
     pub fn fresnel(&self) -> Fresnel {
         Fresnel::Conductor {
             eta: self.eta,
@@ -141,11 +141,11 @@ impl Metal {
 /// The metal of that name, or of that chemical symbol.
 ///
 /// # Errors
-/// [`BrdfError::UnknownMetal`], with the known name that is most like it.
+/// [`BrdfError::UnknownMetal`], with the most similar known name.
 pub fn find_metal(name: &str) -> Result<&'static Metal, BrdfError> {
     let known = METALS.iter().find(|m| is_called(m.name, m.aliases, name));
     known.ok_or_else(|| {
-        // Two letters are like many words; only names are suggested.
+        // Two letters are similar to many words; only full names are suggested.
         let names = METALS.iter().map(|m| m.name);
         BrdfError::UnknownMetal {
             name: name.to_owned(),

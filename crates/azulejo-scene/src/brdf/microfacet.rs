@@ -1,4 +1,4 @@
-//! What microfacet models share: the half vector, V-grooves, a base below the facets.
+//! Common parts of microfacet models: the half vector, V-grooves, a base below the facets.
 
 use super::BrdfError;
 use super::arguments::Arguments;
@@ -27,8 +27,8 @@ pub(super) fn roughness(arguments: &Arguments) -> [f64; 2] {
     [ax, ay.unwrap_or(ax)]
 }
 
-/// The vector halfway between two directions: the normal of the facets that mirror one to the
-/// other. All its methods return the same bits when the two are exchanged.
+/// The vector halfway between two directions: the normal of the facets that reflect one into the
+/// other. All its methods return bit-identical values if the two are exchanged.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HalfVector {
     /// The sum of the two.
@@ -61,20 +61,20 @@ impl HalfVector {
         self.v.x.hypot(self.v.y).atan2(self.v.z)
     }
 
-    /// Density over the solid angle of `wi` of half vectors with density `of_half` over theirs:
-    /// mirroring spreads a cone fourfold, less its slant.
+    /// Converts the density `of_half` of half vectors to one over the solid angle of `wi`, by the
+    /// Jacobian 1/(4 cos) of reflection.
     pub fn reflected(&self, of_half: f64) -> f64 {
         of_half / (4.0 * self.cos_d())
     }
 }
 
-/// The normal of the facets that mirror `wo` to `wi`.
+/// The normal of the facets that reflect `wo` into `wi`.
 pub(super) fn half(wo: DVec3, wi: DVec3) -> DVec3 {
     (wo + wi).normalize_or(DVec3::Z)
 }
 
-/// The direction that a facet of normal `h`, unit, mirrors `wo` to. Where the facet is not seen
-/// from `wo` it comes out below the surface.
+/// The direction into which a facet of unit normal `h` reflects `wo`. Below the surface if the
+/// facet is not visible from `wo`.
 pub(super) fn mirrored_by(wo: DVec3, h: DVec3) -> DVec3 {
     h * (2.0 * wo.dot(h)) - wo
 }
@@ -85,11 +85,11 @@ pub(super) fn v_grooves(half: &HalfVector, wo: DVec3, wi: DVec3) -> f64 {
     (2.0 * half.cos_h() * wo.z.min(wi.z) / half.cos_d()).min(1.0)
 }
 
-/// Lobes of facets on top of a matt base of reflectance `kd`.
+/// Lobes of facets on top of a diffuse base of reflectance `kd`.
 ///
 /// # Errors
-/// [`BrdfError::Energy`] where base and lobes reflect more of even light than arrives. Where
-/// `kd + ks` is at most 1, they never do.
+/// [`BrdfError::Energy`] if base and lobes reflect more uniform light than they receive, which is
+/// impossible if `kd + ks` is at most 1.
 pub(super) fn over_base(
     arguments: &Arguments,
     mut lobes: Vec<Lobe>,

@@ -1,4 +1,4 @@
-//! Matt surfaces that darken or brighten towards their rim, as moons do: `minnaert`.
+//! Diffuse surfaces that darken or brighten towards their limb, as moons do: `minnaert`.
 //!
 //! M. Minnaert, *The reciprocity principle in lunar photometry*, Astrophysical Journal 93, 1941,
 //! in its reciprocal form.
@@ -31,8 +31,8 @@ pub(super) const INFO: ModelInfo = ModelInfo {
     make,
 };
 
-/// Refuses what reflects more than arrives of light from all directions. Below k = 1 the
-/// reflectance still has no bound towards the rim.
+/// Rejects surfaces that reflect more uniform light than they receive. Below k = 1 the reflectance
+/// is still unbounded at grazing angles.
 fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     let (kd, k) = (arguments.color("kd"), arguments.number("k"));
     let mean = kd.max_channel() * 4.0 / (k + 1.0).powi(2);
@@ -52,7 +52,7 @@ pub(super) struct Minnaert {
     k: f64,
 }
 
-/// Products of cosines below this count as this, because powers below zero grow beyond bounds.
+/// Lower bound for products of cosines, whose negative powers are unbounded.
 const GRAZING: f64 = 1e-12;
 
 impl Reflect for Minnaert {

@@ -1,9 +1,9 @@
-//! Reflection models: how much of the light from one direction a surface sends in another.
+//! Reflection models: how much light from one direction a surface reflects in another.
 //!
-//! A [`Description`] is the model as a file spells it, by the names of [`MODELS`]; a [`Brdf`] is
-//! what the passes evaluate. `wo` points to the viewer, `wi` to the light; both point away from the
-//! surface and are given in its own frame: tangent x, bitangent y, normal z. A BRDF is in 1/sr per
-//! channel, and nothing is reflected where `wo.z <= 0` or `wi.z <= 0`.
+//! A [`Description`] is the model in the notation of files, by the names of [`MODELS`]; a [`Brdf`]
+//! is what the passes evaluate. `wo` points to the viewer, `wi` to the light; both point away from
+//! the surface and are given in its own frame: tangent x, bitangent y, normal z. A BRDF is in 1/sr
+//! per channel, and nothing is reflected where `wo.z <= 0` or `wi.z <= 0`.
 //!
 //! ```
 //! use azulejo_scene::brdf::{Brdf, Description};
@@ -77,15 +77,15 @@ use std::f64::consts::FRAC_1_PI;
 use std::fmt;
 use std::sync::Arc;
 
-/// Lobes that keep half of what they reflect within this angle of the mirrored direction are
-/// mirrors to the first pass, in degrees.
+/// Lobes that reflect half of their light within this angle of the specular direction are mirrors
+/// to the first pass, in degrees.
 pub const NARROW: f64 = 1.0;
 
-/// By how much a mean reflectance may exceed 1 because it was found by samples.
+/// Amount by which sampling error may take a mean reflectance above 1.
 const ROUNDING: f64 = 1e-3;
 
-/// A reflection model, ready to be evaluated: the sum of a diffuse part and of [`Lobes`] of three
-/// kinds, which the passes treat differently.
+/// A reflection model, ready to be evaluated: the sum of a diffuse part and of [`Lobes`] in three
+/// groups, which the passes treat differently.
 pub struct Brdf {
     description: Description,
     diffuse: Rgb,
@@ -95,7 +95,7 @@ pub struct Brdf {
 }
 
 impl Brdf {
-    /// Makes a model of its description.
+    /// Builds a model from its description.
     ///
     /// # Errors
     /// [`BrdfError`]: unknown names, numbers out of range, weights that create energy.
@@ -105,7 +105,7 @@ impl Brdf {
 
     /// The model itself or, if it reflects more of uniform light than it receives, the model scaled
     /// down to an albedo of 1: otherwise light between such surfaces would grow without bound. The
-    /// description stays.
+    /// description is unchanged.
     pub fn limited(self: Arc<Brdf>) -> Arc<Brdf> {
         let most = self.mean_reflectance().max_channel();
         if most <= 1.0 + ROUNDING {
@@ -154,18 +154,17 @@ impl Brdf {
         &self.matt
     }
 
-    /// Lobes around the mirrored direction, wider than [`NARROW`].
+    /// Lobes around the specular direction, wider than [`NARROW`].
     pub fn glossy(&self) -> &Lobes {
         &self.glossy
     }
 
-    /// Lobes that are mirrors or nearly so.
+    /// Lobes of mirrors and near-mirrors.
     pub fn narrow(&self) -> &Lobes {
         &self.narrow
     }
 
-    /// Reflectance without regard to direction: [`diffuse`](Brdf::diffuse) and the mean of the
-    /// [`matt`](Brdf::matt) lobes.
+    /// Mean reflectance of the [`diffuse`](Brdf::diffuse) part and the [`matt`](Brdf::matt) lobes.
     pub fn mean_diffuse(&self) -> Rgb {
         self.diffuse + self.matt.mean_albedo()
     }
@@ -210,7 +209,7 @@ impl Brdf {
         self.diffuse + lobes
     }
 
-    /// Probabilities of the diffuse part and of each kind of lobes for `wo`.
+    /// Sampling probabilities of the diffuse part and of each group of lobes for `wo`.
     fn shares(&self, wo: DVec3) -> [f64; 4] {
         let [m, g, n] = self.groups().map(|l| l.likely(wo));
         let all = [self.diffuse.mean(), m, g, n];
@@ -222,7 +221,7 @@ impl Brdf {
         }
     }
 
-    /// Samples a direction `wi`, with a density about proportional to its contribution; `None` if
+    /// Samples a direction `wi`, with a density roughly proportional to its contribution; `None` if
     /// the sample falls below the surface or all reflection is perfectly specular. `u` are three
     /// numbers in 0..1. The mean of the weights is the albedo without the specular part.
     pub fn sample(&self, wo: DVec3, u: [f64; 3]) -> Option<BrdfSample> {
@@ -261,7 +260,7 @@ impl Brdf {
     }
 }
 
-/// Equal descriptions make equal models.
+/// Models are equal if their descriptions are.
 impl PartialEq for Brdf {
     fn eq(&self, other: &Brdf) -> bool {
         self.description == other.description

@@ -13,7 +13,7 @@ use super::{
 pub struct ModelInfo {
     /// Its name.
     pub name: &'static str,
-    /// Other names that are read as this one.
+    /// Other accepted names.
     pub aliases: &'static [&'static str],
     /// Its title, for documentation.
     pub title: &'static str,
@@ -23,12 +23,12 @@ pub struct ModelInfo {
     pub parameters: &'static [ParameterInfo],
     /// Example descriptions, for help and documentation; the checks of all models use them.
     pub examples: &'static [&'static str],
-    /// Whether it also takes one of the parameter sets of [`FRESNEL`]; without any the Fresnel
-    /// term is 1.
+    /// Whether it also takes one of the parameter sets of [`FRESNEL`]; without one the Fresnel term
+    /// is 1.
     pub has_fresnel: bool,
     /// Whether it is reciprocal: f(wo, wi) = f(wi, wo).
     pub is_reciprocal: bool,
-    /// Whether, with parameters in range, it never reflects more than arrives.
+    /// Whether it conserves energy for all parameters in range.
     pub is_energy_safe: bool,
     pub(super) make: fn(&Arguments) -> Result<Vec<Lobe>, BrdfError>,
 }
@@ -37,7 +37,7 @@ pub struct ModelInfo {
 pub struct ParameterInfo {
     /// Its name.
     pub name: &'static str,
-    /// Other names that are read as this one.
+    /// Other accepted names.
     pub aliases: &'static [&'static str],
     /// The type of its value.
     pub kind: ParameterKind,
@@ -90,7 +90,7 @@ impl ParameterInfo {
         }
     }
 
-    /// With a value where none is given.
+    /// With a default value.
     pub(super) const fn or(self, default: f64) -> Self {
         ParameterInfo {
             default: Some(default),
@@ -107,7 +107,7 @@ impl ParameterInfo {
         }
     }
 
-    /// With other names.
+    /// With alternative names.
     pub(super) const fn also(self, aliases: &'static [&'static str]) -> Self {
         ParameterInfo { aliases, ..self }
     }
@@ -117,14 +117,14 @@ impl ParameterInfo {
         ParameterInfo { unit, ..self }
     }
 
-    /// Whether a name means this one; letters in upper or lower case.
+    /// Whether a name matches this one, in upper or lower case.
     pub fn is_called(&self, name: &str) -> bool {
         is_called(self.name, self.aliases, name)
     }
 }
 
 impl ModelInfo {
-    /// Whether a name means this one; letters in upper or lower case.
+    /// Whether a name matches this one, in upper or lower case.
     pub fn is_called(&self, name: &str) -> bool {
         is_called(self.name, self.aliases, name)
     }
@@ -141,7 +141,7 @@ pub(super) fn is_called(name: &str, aliases: &[&str], given: &str) -> bool {
     is(name) || aliases.iter().any(|a| is(a))
 }
 
-/// Diffuse reflectance, zero where it is not given.
+/// Diffuse reflectance, by default zero.
 pub(super) const KD: ParameterInfo = ParameterInfo::color("kd", [0.0, 1.0], "diffuse reflectance")
     .or(0.0)
     .also(&["rd"]);
@@ -212,10 +212,10 @@ pub static MODELS: &[&ModelInfo] = &[
     &gltf_mr::INFO,
 ];
 
-/// The model of that name.
+/// The model with this name.
 ///
 /// # Errors
-/// [`BrdfError::UnknownModel`], with the known name that is most like it.
+/// [`BrdfError::UnknownModel`], with the most similar known name.
 pub fn find(name: &str) -> Result<&'static ModelInfo, BrdfError> {
     let known = MODELS.iter().find(|m| m.is_called(name));
     known.copied().ok_or_else(|| {
@@ -229,7 +229,7 @@ pub fn find(name: &str) -> Result<&'static ModelInfo, BrdfError> {
     })
 }
 
-/// The name that is most like `name`.
+/// The name most similar to `name`.
 pub(super) fn nearest(
     name: &str,
     known: impl Iterator<Item = &'static str>,

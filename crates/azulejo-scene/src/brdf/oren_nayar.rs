@@ -1,9 +1,9 @@
-//! Matt surfaces of V-grooves: `oren_nayar`.
+//! Diffuse surfaces of V-grooves: `oren_nayar`.
 //!
 //! M. Oren and S. K. Nayar, *Generalization of Lambert's reflectance model*, SIGGRAPH 1994: the
 //! qualitative model, equation 30, with 0.33 in A. Texts that print 0.57 there, or that add
-//! interreflections, are other models. White surfaces of σ about 10° reflect up to 1.4 % more than
-//! arrives at grazing angles; [`eon`](super::eon) does not.
+//! interreflections, are other models. White surfaces with σ about 10° create up to 1.4 % of energy
+//! at grazing angles; [`eon`](super::eon) does not.
 
 use super::BrdfError;
 use super::arguments::Arguments;
@@ -65,7 +65,7 @@ pub(super) struct OrenNayar {
 
 impl Matt for OrenNayar {
     fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
-        // sin α sin β cos Δφ needs no angle, and what is left of tan β is its cosine.
+        // sin α sin β cos Δφ needs no angles, and tan β is sin β over the cosine.
         let cos_beta = wo.z.max(wi.z).max(f64::MIN_POSITIVE);
         let back = self.back * across(wo, wi).max(0.0) / cos_beta;
         self.albedo * (FRAC_1_PI * (self.even + back))

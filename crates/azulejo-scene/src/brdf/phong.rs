@@ -1,8 +1,8 @@
 //! Phong's lobe as he published it: `phong`.
 //!
-//! B. T. Phong, *Illumination for computer generated pictures*, CACM 18(6), 1975. He gave a
-//! radiance, ks cosⁿ α; divided by cos θi it is a BRDF that is not reciprocal and has no upper
-//! bound. For materials of old files only; `lewis` is the same lobe made possible.
+//! B. T. Phong, *Illumination for computer generated pictures*, CACM 18(6), 1975. The paper has a
+//! radiance, ks cosⁿ α; divided by cos θi it is a BRDF that is neither reciprocal nor bounded. For
+//! materials of old files only; `lewis` is the physically plausible form of this lobe.
 
 use super::BrdfError;
 use super::arguments::Arguments;
@@ -45,8 +45,7 @@ fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
 /// ks cosⁿ α/cos θi, α the angle to the mirrored direction.
 #[derive(Clone, Debug)]
 pub(super) struct Phong {
-    /// No reflectance: with ks = 1, n = 20, 0.29 is reflected of the light that comes along the
-    /// normal, but 1.6 of what comes at 89°.
+    /// Not an albedo: with ks = 1, n = 20, the albedo is 0.29 at normal incidence, but 1.6 at 89°.
     scale: Rgb,
     exponent: f64,
 }

@@ -1,9 +1,8 @@
 //! Surfaces of parallel cylinders, such as brushed metal and thread: `poulin_fournier`.
 //!
 //! P. Poulin, A. Fournier, *A model for anisotropic reflection*, SIGGRAPH 1990. Each point of the
-//! cylinders, and of the floor between them, reflects matt light and Blinn's lobe about its own
-//! normal. What one cylinder hides or shades of another is exact; light that two of them reflect
-//! in turn is left out.
+//! cylinders, and of the floor between them, reflects light diffusely and by Blinn's lobe about its
+//! own normal. Masking and shadowing between cylinders is exact; interreflection is left out.
 
 mod profile;
 
@@ -65,7 +64,7 @@ fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     Ok(lobes)
 }
 
-/// The cylinders' matt light, in closed form.
+/// The diffuse reflection of the cylinders, in closed form.
 #[derive(Clone, Debug)]
 pub(super) struct MattCylinders {
     albedo: Rgb,
@@ -79,8 +78,8 @@ impl Reflect for MattCylinders {
         self.albedo * (exchanged * FRAC_1_PI)
     }
 
-    /// As if nothing shaded the light: above what arrives, and so no sample weighs more than
-    /// the albedo.
+    /// The density ignores the shadowing of the light, so that no sample weighs more than the
+    /// albedo.
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         let seen = self.profile.seen(wo);
         let lit = seen.and(&self.profile.facing(wi));
@@ -107,11 +106,11 @@ pub(super) struct ShinyCylinders {
     spread: f64,
 }
 
-/// Points of the quadrature. They lie where the highlight is, about which cosⁿ is at most as
-/// steep as a Gaussian that falls to 1e-17 at both ends; of that they leave 1e-13.
+/// Points of the quadrature. They are placed around the highlight, where cosⁿ is at most as steep
+/// as a Gaussian that falls to 1e-17 at both ends; for that the error is 1e-13.
 const POINTS: usize = 32;
 
-/// Minus the logarithm of what is left of cosⁿ at both ends.
+/// Minus the logarithm of cosⁿ at both ends of the range.
 const DEPTH: f64 = 39.0;
 
 impl ShinyCylinders {
@@ -127,8 +126,8 @@ impl ShinyCylinders {
         lobe
     }
 
-    /// ∫ over what is `seen` of `term`(cosine between the normal and the half vector, normal).
-    /// `term` falls with at least the exponent `n` of that cosine.
+    /// ∫ over the visible parts `seen` of `term`(cosine between the normal and the half vector,
+    /// normal). `term` falls with at least the exponent `n` of that cosine.
     fn integral(
         &self,
         seen: &VisibleSection,
@@ -173,7 +172,7 @@ impl Reflect for ShinyCylinders {
         half.reflected(sum / seen.projected(wo))
     }
 
-    /// A point that is seen from `wo`, and Blinn's half vector about its normal.
+    /// Samples a point that is visible from `wo`, and Blinn's half vector about its normal.
     fn sample(&self, wo: DVec3, [u1, u2, u3]: [f64; 3]) -> DVec3 {
         let normal = self.profile.seen(wo).normal(wo, u3);
         let cos = sample_half(self.exponent, u1);
@@ -183,7 +182,7 @@ impl Reflect for ShinyCylinders {
         if wo.dot(h) > 0.0 {
             mirrored_by(wo, h)
         } else {
-            // The facet's back: what it would mirror comes from below its own horizon.
+            // The back of the facet: the reflected direction is below the point's own horizon.
             -DVec3::Z
         }
     }

@@ -1,4 +1,4 @@
-//! Points to integrate with.
+//! Points and rules for quadrature.
 
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -8,8 +8,8 @@ pub(super) fn midpoints(count: usize) -> impl Iterator<Item = f64> {
     (0..count).map(move |k| (k as f64 + 0.5) / count as f64)
 }
 
-/// `count` points spread evenly over the unit cube. Their first two numbers are Roberts' R2
-/// sequence, whose steps are powers of the inverse of the plastic number; the third goes by the
+/// `count` points spread evenly over the unit cube. The first two coordinates are Roberts' R2
+/// sequence, whose steps are powers of the inverse of the plastic number; the third advances by the
 /// golden ratio.
 pub(super) fn lattice(count: usize) -> impl Iterator<Item = [f64; 3]> {
     const STEPS: [f64; 3] = [
@@ -20,7 +20,7 @@ pub(super) fn lattice(count: usize) -> impl Iterator<Item = [f64; 3]> {
     (0..count).map(|k| STEPS.map(|step| (0.5 + k as f64 * step).fract()))
 }
 
-/// A direction with density cos θ/π.
+/// Maps two numbers in 0..1 to a direction with density cos θ/π.
 pub(super) fn cosine_hemisphere(u1: f64, u2: f64) -> DVec3 {
     let (sin, cos) = (TAU * u2).sin_cos();
     let r = u1.sqrt();

@@ -1,12 +1,11 @@
-//! Schlick's inexpensive model, from a mirror to a matt surface by one number: `schlick`.
+//! Schlick's inexpensive model, from a mirror to a diffuse surface by one number: `schlick`.
 //!
-//! C. Schlick, *An inexpensive BRDF model for physically-based rendering*, Computer Graphics
-//! Forum 13(3), 1994: the single material,
-//! S(u) (a/π + b G(v) G(v′) Z(t) A(w)/(4π v v′) + c of a mirror), where b = 4r (1 − r) and what is
-//! left is all matt (a) where r > ½, all mirrored (c) below. The paper's term for light that goes
-//! to and fro between facets, (1 − G G′)/(4π v v′), is left out: it has no bound at grazing angles. Without it, white surfaces with r between 0.004 and 0.2
-//! still reflect up to a fifth more than arrives at grazing angles, where the paper's G lets too
-//! much through.
+//! C. Schlick, *An inexpensive BRDF model for physically-based rendering*, Computer Graphics Forum
+//! 13(3), 1994: the single material, S(u) (a/π + b G(v) G(v′) Z(t) A(w)/(4π v v′) + c of a mirror),
+//! where b = 4r (1 − r) and the rest is diffuse (a) for r > ½, specular (c) below. The paper's term
+//! for interreflection between facets, (1 − G G′)/(4π v v′), is left out: it is unbounded at
+//! grazing angles. Without it, white surfaces with r between 0.004 and 0.2 still create up to a
+//! fifth of energy at grazing angles, where the paper's G is too large.
 //!
 //! u is the cosine at the half vector h, t = cos of h to the normal, w = cos of h around the normal
 //! to the tangent, v and v′ the cosines of the two directions.
@@ -53,7 +52,7 @@ pub(super) const INFO: ModelInfo = ModelInfo {
     make,
 };
 
-/// Roughness below this is none.
+/// Below this roughness the surface is a perfect mirror.
 const SMOOTH: f64 = 1e-8;
 
 fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
@@ -86,7 +85,7 @@ fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     Ok(lobes)
 }
 
-/// The matt part: S(u) a/π.
+/// The diffuse part: S(u) a/π.
 #[derive(Clone, Debug)]
 pub(super) struct SchlickBase {
     fresnel: Fresnel,
@@ -113,12 +112,12 @@ pub(super) struct Schlick {
 impl Schlick {
     /// Z(t), whose integral over t² is 1.
     fn zenith(&self, h: DVec3) -> f64 {
-        // 1 + r t² − t², without losing what is left near the normal.
+        // 1 + r t² − t², without cancellation near the normal.
         let s = h.x * h.x + h.y * h.y + self.roughness * h.z * h.z;
         self.roughness / (s * s)
     }
 
-    /// w², the share of the tangent in the half vector's way from the normal.
+    /// w²: the squared cosine of the half vector's azimuth.
     fn along(h: DVec3) -> f64 {
         let (x2, y2) = (h.x * h.x, h.y * h.y);
         if x2 + y2 > 0.0 { x2 / (x2 + y2) } else { 0.5 }
@@ -130,7 +129,7 @@ impl Schlick {
         (p / (p * p + (1.0 - p * p) * w2)).sqrt()
     }
 
-    /// What stands for A(w) in the density: it has the same ratio of extremes, and a mean of 1.
+    /// The replacement for A(w) in the density: it has the same ratio of extremes, and a mean of 1.
     fn azimuth_density(&self, h: DVec3) -> f64 {
         let p = self.isotropy;
         p.sqrt() / (p + (1.0 - p) * Self::along(h))
@@ -165,7 +164,7 @@ impl Reflect for Schlick {
     }
 
     fn spread(&self) -> Spread {
-        // Half of Z lies below the slope √r; mirroring doubles the angle.
+        // Half of Z lies below the slope √r; reflection doubles the angle.
         Spread::Glossy(2.0 * self.roughness.sqrt().atan())
     }
 }
@@ -192,7 +191,7 @@ mod tests {
         check(1.0, 0.9, 0.0, 1.0);
     }
 
-    /// The paper's A is normalised only nearly: never above 1, and 3 % below it at p = ½.
+    /// The paper's A is only approximately normalised: never above 1, and 3 % below it at p = ½.
     #[test]
     fn brushed_metal_reflects_no_more() {
         let check = |isotropy: f64, expected: f64| {

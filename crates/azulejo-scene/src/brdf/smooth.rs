@@ -55,7 +55,7 @@ fn smooth(scale: Rgb, fresnel: Fresnel) -> Result<Vec<Lobe>, BrdfError> {
     Ok(vec![Lobe::Smooth(Smooth { scale, fresnel })])
 }
 
-/// All light goes in the mirrored direction.
+/// Reflects all light in the specular direction.
 #[derive(Clone, Debug)]
 pub(super) struct Smooth {
     pub scale: Rgb,

@@ -1,12 +1,12 @@
 //! Smoothness, metalness and one colour, for animators: `strauss`.
 //!
 //! P. S. Strauss, *A realistic lighting model for computer animators*, IEEE CG&A 10(6), 1990. The
-//! paper gives light for a lamp and a viewer, not a BRDF. This is its nearest physical kin:
-//! the diffuse part is the paper's; the highlight is the paper's reflectance r_j and colour C_s
-//! times Lewis' lobe (h + 2)/(2π) cos^h, and the Fresnel term is taken at the half vector, where
-//! the paper takes it at the normal. Both agree with the paper in the mirrored direction, and with
-//! them the model is reciprocal and bounded: the paper's constant 0.1 for edges adds 0.3 % at most
-//! to what a white surface may reflect.
+//! paper defines the radiance for a point light and a viewer, not a BRDF. This is the closest
+//! physical model: the diffuse part is the paper's; the highlight is the paper's reflectance r_j
+//! and colour C_s times Lewis' lobe (h + 2)/(2π) cos^h, and the Fresnel term is evaluated at the
+//! half vector instead of the normal. Both agree with the paper in the specular direction, and make
+//! the model reciprocal and bounded: the paper's constant 0.1 for edges raises the albedo of a
+//! white surface by at most 0.3 %.
 
 use super::BrdfError;
 use super::arguments::Arguments;
@@ -56,7 +56,7 @@ pub(super) const INFO: ModelInfo = ModelInfo {
     make,
 };
 
-/// The highest exponent of a highlight, where 3/(1 − s) has no bound.
+/// Largest exponent of a highlight; 3/(1 − s) is unbounded.
 const SHARPEST: f64 = 1e6;
 
 fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
@@ -90,24 +90,24 @@ pub(super) struct Strauss {
     lobe: Lewis,
 }
 
-/// How much more is reflected at grazing angles, of what is reflected along the normal or not.
+/// The increase of the reflectance at grazing angles, from that along the normal.
 const EDGE: f64 = 0.1;
 
-/// Strauss' F, of an angle in units of a right one: 0 along the normal, 1 at grazing angles.
+/// Strauss' F, of an angle in units of π/2: 0 along the normal, 1 at grazing angles.
 fn fresnel(x: f64) -> f64 {
     const K: f64 = 1.12;
     let at = |x: f64| (x - K).powi(-2);
     (at(x) - at(0.0)) / (at(1.0) - at(0.0))
 }
 
-/// Strauss' G, of an angle in units of a right one: 1 along the normal, 0 at grazing angles.
+/// Strauss' G, of an angle in units of π/2: 1 along the normal, 0 at grazing angles.
 fn shadow(x: f64) -> f64 {
     const K: f64 = 1.01;
     let at = |x: f64| (x - K).powi(-2);
     (at(1.0) - at(x)) / (at(1.0) - at(0.0))
 }
 
-/// An angle in units of a right one.
+/// An angle in units of π/2.
 fn angle(cos: f64) -> f64 {
     cos.clamp(0.0, 1.0).acos() * FRAC_2_PI
 }
@@ -119,7 +119,7 @@ impl Strauss {
         let j = f * shadow(angle(wo.z)) * shadow(angle(wi.z));
         let r = self.reflectance;
         let tint = Rgb::WHITE + (self.color - Rgb::WHITE) * (self.metalness * (1.0 - f));
-        // The edge is the surface's: where all passes through, there is none.
+        // The term for edges belongs to the surface: a fully transparent one has none.
         tint * (r + (r + EDGE) * j).min(1.0)
     }
 }

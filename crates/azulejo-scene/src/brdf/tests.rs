@@ -1,4 +1,4 @@
-//! What every model must hold to.
+//! Invariants of all models.
 
 mod models;
 mod reference;

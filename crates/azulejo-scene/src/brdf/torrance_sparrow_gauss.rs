@@ -1,4 +1,4 @@
-//! Torrance and Sparrow's facets, Gaussian in their angle: `torrance_sparrow_gauss`.
+//! Torrance and Sparrow's facets with Gaussian angles: `torrance_sparrow_gauss`.
 //!
 //! K. E. Torrance, E. M. Sparrow, *Theory for off-specular reflection from roughened surfaces*,
 //! JOSA 57(9), 1967. The paper's distribution is not normalised; this one is.
@@ -51,7 +51,7 @@ fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
 
 /// N(c) = 1/(2π ∫ exp(−c²θ²) cos θ sin θ dθ), by quadrature.
 fn norm(c: f64) -> f64 {
-    // Beyond 8/c nothing is left.
+    // The integrand is negligible beyond 8/c.
     let end = FRAC_PI_2.min(8.0 / c);
     let term = |(x, weight): (f64, f64)| {
         let theta = x * end;
@@ -70,7 +70,7 @@ pub(super) struct TorranceSparrow {
 }
 
 impl TorranceSparrow {
-    /// What the plane's Gaussian, θ exp(−c²θ²), has between 0 and a right angle.
+    /// The fraction of the planar Gaussian, θ exp(−c²θ²), between 0 and π/2.
     fn within(&self) -> f64 {
         -(-(self.c * FRAC_PI_2).powi(2)).exp_m1()
     }
@@ -87,7 +87,7 @@ impl Reflect for TorranceSparrow {
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
         let half = HalfVector::new(wo, wi);
         let theta = half.theta_h();
-        // θ over sin θ turns the plane's measure into the sphere's.
+        // θ/sin θ converts the measure of the plane to that of the sphere.
         let stretch = if theta > 1e-6 {
             theta / theta.sin()
         } else {

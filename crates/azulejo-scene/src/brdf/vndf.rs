@@ -1,4 +1,4 @@
-//! Trowbridge and Reitz's facets (GGX) and how they are sampled.
+//! Trowbridge and Reitz's distribution of facets (GGX) and its sampling.
 
 use super::lobe::Spread;
 use glam::DVec3;
@@ -19,7 +19,7 @@ impl Ggx {
         1.0 / (PI * self.ax * self.ay * s * s)
     }
 
-    /// The share of facets that are visible, G₁, over the cosine to the normal.
+    /// The visible fraction of facets, G₁, over the cosine to the normal.
     pub fn visible_over_cos(&self, w: DVec3) -> f64 {
         2.0 / (w.z + self.stretch(w))
     }
@@ -29,9 +29,9 @@ impl Ggx {
         DVec3::new(w.x * self.ax, w.y * self.ay, w.z).length()
     }
 
-    /// The normal of a facet that is seen from `wo`. After Heitz, *Sampling the GGX distribution
-    /// of visible normals*, JCGT 7(4), 2018, in the form of Dupuy and Benyoub's spherical caps
-    /// (2023): on the unit hemisphere the mirrored directions fill a cap evenly.
+    /// Samples the normal of a facet that is visible from `wo`. After Heitz, *Sampling the GGX
+    /// distribution of visible normals*, JCGT 7(4), 2018, in the form of Dupuy and Benyoub's
+    /// spherical caps (2023): on the unit hemisphere the reflected directions fill a cap uniformly.
     pub fn sample(&self, wo: DVec3, [u1, u2, _]: [f64; 3]) -> DVec3 {
         let stretched = DVec3::new(wo.x * self.ax, wo.y * self.ay, wo.z).normalize();
         let z = (1.0 - u1) * (1.0 + stretched.z) - stretched.z;
@@ -41,12 +41,12 @@ impl Ggx {
         DVec3::new(h.x * self.ax, h.y * self.ay, h.z.max(0.0)).normalize_or(DVec3::Z)
     }
 
-    /// Density of the direction that [`sample`](Ggx::sample)'s facet mirrors `wo` to, 1/sr.
+    /// Density of the direction into which a facet of [`sample`](Ggx::sample) reflects `wo`, 1/sr.
     pub fn pdf(&self, wo: DVec3, h: DVec3) -> f64 {
         0.25 * self.density(h) * self.visible_over_cos(wo)
     }
 
-    /// Half of the facets lie within the slope of the roughness; mirroring doubles the angle.
+    /// Half of the facets have slopes below the roughness; reflection doubles the angle.
     pub fn spread(&self) -> Spread {
         Spread::Glossy(2.0 * (self.ax * self.ay).sqrt().atan())
     }

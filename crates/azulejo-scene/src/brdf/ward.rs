@@ -1,8 +1,8 @@
-//! Ward's Gaussian lobe, stretched along x or y, with three ways to keep its energy: `ward`,
-//! `ward_duer`, `ward_gmd`.
+//! Ward's Gaussian lobe, stretched along x or y, with three normalisations: `ward`, `ward_duer`,
+//! `ward_gmd`.
 //!
 //! The three share the exponential of the half vector's slope and how it is sampled (B. Walter,
-//! *Notes on the Ward BRDF*, Cornell PCG-05-06, 2005) and differ in what it is divided by.
+//! *Notes on the Ward BRDF*, Cornell PCG-05-06, 2005) and differ in the divisor.
 
 use super::BrdfError;
 use super::arguments::Arguments;
@@ -27,7 +27,7 @@ pub(super) const WARD: ModelInfo = ModelInfo {
     ],
     has_fresnel: false,
     is_reciprocal: true,
-    // It grows like 1/√cos θ towards the horizon, beyond 89.9° above what arrives.
+    // The albedo grows like 1/√cos θ towards the horizon and exceeds 1 beyond 89.9°.
     is_energy_safe: false,
     make: |arguments| make(arguments, Norm::Ward),
 };
@@ -70,10 +70,10 @@ fn make(arguments: &Arguments, norm: Norm) -> Result<Vec<Lobe>, BrdfError> {
     ])
 }
 
-/// What the exponential is divided by, besides 4π ax ay.
+/// The divisor of the exponential, besides 4π ax ay.
 #[derive(Clone, Copy, Debug)]
 enum Norm {
-    /// √(cos θi cos θo): loses energy at slanting angles.
+    /// √(cos θi cos θo): loses energy at grazing angles.
     Ward,
     /// cos θi cos θo: creates energy there.
     Duer,

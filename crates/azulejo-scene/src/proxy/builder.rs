@@ -4,7 +4,7 @@ use crate::{Attribute, MaterialId, Mesh};
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// Assigns indices to positions, the same index to all within a tolerance.
+/// Assigns indices to positions; positions within a tolerance share an index.
 pub(super) struct Weld {
     tolerance: f64,
     cells: HashMap<[i64; 3], Vec<u32>>,
@@ -21,7 +21,7 @@ impl Weld {
         }
     }
 
-    /// The index of a position: that of one near enough, or a new one.
+    /// The index of a position: that of an earlier one within the tolerance, or a new one.
     pub fn number(&mut self, p: DVec3) -> u32 {
         let cell = |p: DVec3| {
             (p / (8.0 * self.tolerance))
@@ -53,17 +53,17 @@ impl Weld {
 }
 
 /// A mesh under construction, with a normal at every corner.
-pub(super) struct Builder {
+pub(super) struct ProxyMeshBuilder {
     weld: Weld,
     mesh: Mesh,
     normals: Vec<DVec3>,
     normal_corners: Vec<u32>,
 }
 
-impl Builder {
-    /// Vertices nearer than `tolerance` become one.
-    pub fn new(tolerance: f64) -> Builder {
-        Builder {
+impl ProxyMeshBuilder {
+    /// Vertices closer than `tolerance` are merged.
+    pub fn new(tolerance: f64) -> ProxyMeshBuilder {
+        ProxyMeshBuilder {
             weld: Weld::new(tolerance),
             mesh: Mesh::default(),
             normals: Vec::new(),
@@ -76,7 +76,7 @@ impl Builder {
         self.weld.cells.clear();
     }
 
-    /// Appends a polygon, front counter-clockwise, with the unit normals of its corners. A
+    /// Appends a polygon, counter-clockwise from its front, with the unit normals of its corners. A
     /// polygon with fewer than three different corners is left out.
     pub fn push(&mut self, corners: &[(DVec3, DVec3)], material: MaterialId) {
         let mut ring: Vec<(u32, DVec3)> = corners

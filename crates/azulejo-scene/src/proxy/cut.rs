@@ -1,7 +1,7 @@
 //! Set operations on the faces of their operands.
 //!
-//! 1. Where triangles of two solids cross, both get the line (`triangle_pair`).
-//! 2. Every triangle with lines through it, or with points on its edges, is divided along them.
+//! 1. Where triangles of two solids intersect, both record the segment (`triangle_pair`).
+//! 2. Every triangle with segments through it, or with points on its edges, is divided along them.
 //! 3. A piece belongs to the surface of the result if of the points just before and just behind
 //!    its middle one is inside and the other is not. A piece that two solids share is kept once, as
 //!    part of the first one.
@@ -9,7 +9,7 @@
 //! Requicha and Voelcker, *Boolean Operations in Solid Modeling: Boundary Evaluation and Merging
 //! Algorithms* (1985). Cuts and membership both use the polygons, so that they are consistent.
 
-use super::builder::{Builder, Weld};
+use super::builder::{ProxyMeshBuilder, Weld};
 use super::facet::Facet;
 use super::triangle_pair::{IndexedTriangle, intersect};
 use crate::math::{Aabb, area_vector};
@@ -20,17 +20,22 @@ use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation};
 use std::collections::{HashMap, HashSet};
 
-/// Points nearer than this fraction of the size touch.
+/// Points closer than this fraction of the size coincide.
 const TOUCH: f64 = 1e-8;
 /// The two sides of a surface are tested at this fraction of the size from it.
 const BESIDE: f64 = 1e-6;
-/// Further lines are ignored: the surfaces then overlap uncut.
+/// Most segments; further ones are ignored, and the surfaces then overlap uncut.
 const MOST_LINES: usize = 1 << 20;
 /// The largest number of lines along which one triangle is divided.
 const MOST_LINES_EACH: usize = 1 << 12;
 
-/// Appends the faces of a set operation's result, made of the `facets` of its leaves.
-pub(super) fn cut(csg: &Csg, mut facets: impl FnMut(Leaf) -> Vec<Facet>, builder: &mut Builder) {
+/// Appends the faces of the result of a set operation to `builder`, from the `facets` of its
+/// leaves.
+pub(super) fn cut(
+    csg: &Csg,
+    mut facets: impl FnMut(Leaf) -> Vec<Facet>,
+    builder: &mut ProxyMeshBuilder,
+) {
     let mut bodies = Vec::new();
     let root = CsgNode::new(csg, &mut |solid| {
         bodies.push(solid.leaves().into_iter().flat_map(&mut facets).collect());
@@ -123,14 +128,14 @@ struct BodyFacet<'a> {
     triangles: std::ops::Range<usize>,
 }
 
-/// All triangles, and the lines along which they cross.
+/// All triangles, and the segments along which they intersect.
 struct Arrangement<'a> {
     size: f64,
     touch: f64,
     weld: Weld,
     sheets: Vec<BodyFacet<'a>>,
     triangles: Vec<IndexedTriangle>,
-    /// Corners of each triangle, as indices among its facet's.
+    /// Corners of each triangle, as indices into its facet's corners.
     places: Vec<[u32; 3]>,
     owners: Vec<u32>,
     /// Lines through each triangle, as pairs of positions.
@@ -200,7 +205,7 @@ impl<'a> Arrangement<'a> {
         self.sheets[self.owners[triangle] as usize].body
     }
 
-    /// Finds where triangles of different bodies cross.
+    /// Intersects the triangles of different bodies.
     fn find_lines(&mut self) {
         let whole = |t: usize| MeshTriangle {
             face: t as u32,
@@ -245,8 +250,8 @@ impl<'a> Arrangement<'a> {
         }
     }
 
-    /// Records ends of lines that happen to lie on an edge of their triangle, so that the
-    /// neighbour there is divided too.
+    /// Records ends of segments that happen to lie on an edge of their triangle, so that the
+    /// neighbour at that edge is divided too.
     fn mark_edges(&mut self) {
         for (triangle, lines) in self.triangles.iter().zip(&self.lines) {
             for &end in lines.iter().flatten() {
@@ -278,7 +283,12 @@ impl<'a> Arrangement<'a> {
         points
     }
 
-    fn emit(&mut self, sheet: usize, classifier: &SurfaceClassifier, builder: &mut Builder) {
+    fn emit(
+        &mut self,
+        sheet: usize,
+        classifier: &SurfaceClassifier,
+        builder: &mut ProxyMeshBuilder,
+    ) {
         let triangles = self.sheets[sheet].triangles.clone();
         let is_cut = |t: usize| {
             !self.lines[t].is_empty()
@@ -294,8 +304,13 @@ impl<'a> Arrangement<'a> {
         }
     }
 
-    /// A facet through which no line runs is all on one side.
-    fn emit_whole(&self, sheet: usize, classifier: &SurfaceClassifier, builder: &mut Builder) {
+    /// Emits a facet without segments, all of which is on one side.
+    fn emit_whole(
+        &self,
+        sheet: usize,
+        classifier: &SurfaceClassifier,
+        builder: &mut ProxyMeshBuilder,
+    ) {
         let BodyFacet {
             body,
             facet,
@@ -316,7 +331,7 @@ impl<'a> Arrangement<'a> {
         t: usize,
         piece: [u32; 3],
         classifier: &SurfaceClassifier,
-        builder: &mut Builder,
+        builder: &mut ProxyMeshBuilder,
     ) {
         let triangle = &self.triangles[t];
         let corners = piece.map(|v| self.weld.positions[v as usize]);
@@ -338,27 +353,27 @@ impl<'a> Arrangement<'a> {
         push(builder, corners, sheet.facet.material, verdict);
     }
 
-    /// A triangle as pieces between its lines.
+    /// The pieces into which the segments divide a triangle.
     fn divided(&mut self, t: usize) -> Vec<[u32; 3]> {
         let triangle = self.triangles[t];
         let sides = [0, 1, 2].map(|k| self.on_side(&triangle, k));
-        let mut plane = Plane::new(&triangle, &self.weld.positions);
+        let mut split = SplitTriangle::new(&triangle, &self.weld.positions);
         for (k, between) in sides.iter().enumerate() {
             let ends = [k, (k + 1) % 3].map(|k| triangle.numbers[k]);
             let mut chain = vec![ends[0]];
             chain.extend(between);
             chain.push(ends[1]);
             for pair in chain.windows(2) {
-                plane.add_line([pair[0], pair[1]], &self.weld.positions);
+                split.add_line([pair[0], pair[1]], &self.weld.positions);
             }
         }
         let mut lines: Vec<[u32; 2]> = self.lines[t].clone();
         lines.sort_unstable();
         lines.dedup();
         for &line in &lines {
-            plane.add_line(line, &self.weld.positions);
+            split.add_line(line, &self.weld.positions);
         }
-        plane.pieces(&mut self.weld)
+        split.pieces(&mut self.weld)
     }
 }
 
@@ -394,7 +409,7 @@ fn triangulated(facet: &Facet) -> Vec<[u32; 3]> {
 }
 
 fn push(
-    builder: &mut Builder,
+    builder: &mut ProxyMeshBuilder,
     mut corners: Vec<(DVec3, DVec3)>,
     material: u32,
     verdict: PieceSide,
@@ -416,8 +431,8 @@ fn weights(triangle: &IndexedTriangle, p: DVec3) -> [f64; 3] {
     [area(p, b, c), area(a, p, c), area(a, b, p)].map(|w| (w / whole).clamp(0.0, 1.0))
 }
 
-/// The triangulation of one triangle with lines through it.
-struct Plane {
+/// The constrained triangulation of one triangle with the segments through it.
+struct SplitTriangle {
     origin: DVec3,
     axes: [DVec3; 2],
     mesh: ConstrainedDelaunayTriangulation<Point2<f64>>,
@@ -426,12 +441,12 @@ struct Plane {
     added: HashSet<[u32; 2]>,
 }
 
-impl Plane {
-    fn new(triangle: &IndexedTriangle, positions: &[DVec3]) -> Plane {
+impl SplitTriangle {
+    fn new(triangle: &IndexedTriangle, positions: &[DVec3]) -> SplitTriangle {
         let [a, b, c] = triangle.corners;
         let size = a.distance(b).max(a.distance(c));
         let along = (b - a).normalize();
-        let mut plane = Plane {
+        let mut split = SplitTriangle {
             origin: a,
             axes: [along, triangle.normal.cross(along)].map(|axis| size * axis),
             mesh: ConstrainedDelaunayTriangulation::new(),
@@ -440,12 +455,12 @@ impl Plane {
             added: HashSet::new(),
         };
         for v in triangle.numbers {
-            plane.handle(v, positions);
+            split.handle(v, positions);
         }
-        plane
+        split
     }
 
-    /// The vertex at a numbered position.
+    /// The vertex of the position with this number.
     fn handle(&mut self, number: u32, positions: &[DVec3]) -> Option<FixedVertexHandle> {
         if let Some(&known) = self.handles.get(&number) {
             return Some(known);
@@ -471,7 +486,7 @@ impl Plane {
         };
         if from != to && self.added.insert([a.min(b), a.max(b)]) {
             self.mesh.add_constraint_and_split(from, to, |p| p);
-            // Points where lines cross are numbered at the end.
+            // Intersections of segments are numbered last.
             self.numbers.resize(self.mesh.num_vertices(), u32::MAX);
         }
     }

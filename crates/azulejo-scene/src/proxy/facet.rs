@@ -9,7 +9,7 @@ use std::collections::HashMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Largest chord error as a fraction of a solid's size, so that small solids keep their form.
+/// Largest chord error as a fraction of a solid's size, so that small solids keep their shape.
 const COARSEST: f64 = 0.02;
 /// Smallest chord error as a fraction of a solid's size.
 const FINEST: f64 = 1e-6;
@@ -37,7 +37,7 @@ impl FlatFigureCache {
     }
 }
 
-/// The faces of a leaf whose chords leave it by at most `chord_error`.
+/// The faces of a leaf; chords deviate from it by at most `chord_error`.
 pub(super) fn facets(leaf: Leaf, chord_error: f64, flats: &mut FlatFigureCache) -> Vec<Facet> {
     let within = |size: f64| chord_error.clamp(FINEST * size, COARSEST * size);
     match leaf {
@@ -77,8 +77,8 @@ fn of_mesh(mesh: &Mesh) -> Vec<Facet> {
     (0..mesh.faces.len()).map(facet).collect()
 }
 
-/// For each corner of a mesh the mean normal of the faces at its vertex that turn away less than
-/// 30° from its own.
+/// For each corner of a mesh the mean normal of those faces at its vertex whose normals differ by
+/// less than 30° from that of its own face.
 fn smooth_normals(mesh: &Mesh) -> Vec<DVec3> {
     let vectors: Vec<DVec3> = (0..mesh.faces.len())
         .map(|f| mesh.face_area_vector(f))
@@ -126,7 +126,7 @@ fn of_patch(patch: &BicubicPatch, chord_error: f64) -> Vec<Facet> {
     cells.map(facet).collect()
 }
 
-/// Where a side of the patch is a point, its normal is that a little way inside.
+/// Where a side of the patch is a point, the normal is taken a small step inside.
 fn patch_normal(patch: &BicubicPatch, u: f64, v: f64) -> DVec3 {
     let normal = |u, v| {
         let (_, du, dv) = patch.at(u, v);
@@ -183,7 +183,7 @@ fn of_prism(prism: &Prism, chord_error: f64, flats: &mut FlatFigureCache) -> Vec
     facets
 }
 
-/// The polygons of a cap; as triangles where a polygon would be triangulated with an overlap.
+/// The polygons of a cap; triangles where the triangulation of a polygon would overlap.
 fn caps(flat: &FlatFigure) -> Vec<Vec<u32>> {
     let mut whole = Vec::new();
     for tile in &flat.tiles {
@@ -207,8 +207,8 @@ fn caps(flat: &FlatFigure) -> Vec<Vec<u32>> {
     whole
 }
 
-/// Outward normals in the figure's plane at both ends of each side, any length. Sides that meet
-/// smoothly have the same there.
+/// Outward normals in the figure's plane at both ends of each side, any length. Where sides join
+/// smoothly, their normals agree.
 fn side_normals(flat: &FlatFigure) -> Vec<[DVec2; 2]> {
     let outward = |side: &[u32; 2]| {
         let [a, b] = side.map(|k| flat.points[k as usize]);

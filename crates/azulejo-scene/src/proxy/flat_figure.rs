@@ -9,11 +9,11 @@ use std::collections::HashMap;
 
 /// Corners are rounded to this fraction of the figure's size, so that equal ones coincide.
 const GRID: f64 = 1.0 / (1u64 << 32) as f64;
-/// Curves that turn less than 30° where they meet are one smooth curve.
+/// Curves join smoothly if the direction turns by less than 30° between them.
 const SMOOTH_COSINE: f64 = 0.866_025_403_784_438_6;
-/// Crossings of outlines beyond this many, and as many as there are corners, are not resolved.
+/// Most crossings of contours, beside one per corner; further ones are not resolved.
 const MOST_CROSSINGS: usize = 1 << 14;
-/// Contours of more corners lose those that the tolerance does not require.
+/// Contours with more corners are simplified within the tolerance.
 const MANY_CORNERS: usize = 1 << 12;
 
 type Delaunay = ConstrainedDelaunayTriangulation<Point2<f64>>;
@@ -21,13 +21,13 @@ type Delaunay = ConstrainedDelaunayTriangulation<Point2<f64>>;
 /// A figure as polygons.
 #[derive(Default)]
 pub(super) struct FlatFigure {
-    /// The corners that the border uses.
+    /// The corners on the border.
     pub points: Vec<DVec2>,
     /// Simple polygons that tile the inside; none of them has a hole.
     pub tiles: Vec<Tile>,
-    /// Every edge of the border once, the inside on its left.
+    /// Every edge of the border once, with the inside on its left.
     pub border: Vec<[u32; 2]>,
-    /// For each point whether the border is smooth there.
+    /// Whether the border is smooth at each point.
     pub is_smooth: Vec<bool>,
 }
 
@@ -35,24 +35,25 @@ pub(super) struct FlatFigure {
 pub(super) struct Tile {
     /// Its corners, counter-clockwise.
     pub ring: Vec<u32>,
-    /// The triangles that it was put together from.
+    /// The triangles that were merged into it.
     pub triangles: Vec<[u32; 3]>,
 }
 
 impl FlatFigure {
-    /// Flattens a figure; chords leave the curves by at most `tolerance`, > 0, by twice that
+    /// Flattens a figure; chords deviate from the curves by at most `tolerance`, > 0, or twice that
     /// where a contour has thousands of curves.
     ///
-    /// Contours may cross, overlap and repeat each other: what is inside by the figure's rule,
-    /// on the polygons, is triangulated, and the border runs where that ends. Where thousands of
-    /// curves cross, crossings beyond a limit stay ragged; inside and border fit together still.
+    /// Contours may cross, overlap and repeat each other: the inside by the figure's rule, applied
+    /// to the polygons, is triangulated, and the border is the border of that triangulation. Where
+    /// thousands of curves cross, crossings beyond a limit remain inexact, but inside and border
+    /// stay consistent.
     pub fn new(figure: &Figure, tolerance: f64) -> FlatFigure {
         let (origin, size) = extent(figure);
         if !(size > 0.0 && size.is_finite()) {
             return FlatFigure::default();
         }
         let round = |p: DVec2| ((p - origin) / (size * GRID)).round() * GRID;
-        let mut outline = Outline::new(figure, tolerance, round);
+        let mut outline = FlattenedContours::new(figure, tolerance, round);
         outline.simplify(tolerance / size);
         let mesh = outline.triangulated();
         let inside = outline.inside(&mesh, figure.rule);
@@ -64,7 +65,7 @@ impl FlatFigure {
         flat
     }
 
-    fn collect(&mut self, mesh: &Delaunay, inside: &[bool], outline: &Outline) {
+    fn collect(&mut self, mesh: &Delaunay, inside: &[bool], outline: &FlattenedContours) {
         let mut number = HashMap::new();
         let mut triangles = Vec::new();
         for face in mesh.inner_faces().filter(|f| inside[f.fix().index()]) {
@@ -94,7 +95,7 @@ fn extent(figure: &Figure) -> (DVec2, f64) {
 }
 
 /// Flattened contours, rounded, in units of the figure's size.
-struct Outline {
+struct FlattenedContours {
     contours: Vec<Vec<DVec2>>,
     /// Whether the curves are smooth at a corner.
     smooth: HashMap<[u64; 2], bool>,
@@ -110,9 +111,9 @@ fn point(p: Point2<f64>) -> DVec2 {
     DVec2::new(p.x, p.y)
 }
 
-impl Outline {
-    fn new(figure: &Figure, tolerance: f64, round: impl Fn(DVec2) -> DVec2) -> Outline {
-        let mut outline = Outline {
+impl FlattenedContours {
+    fn new(figure: &Figure, tolerance: f64, round: impl Fn(DVec2) -> DVec2) -> FlattenedContours {
+        let mut outline = FlattenedContours {
             contours: Vec::new(),
             smooth: HashMap::new(),
         };
@@ -136,7 +137,7 @@ impl Outline {
         outline
     }
 
-    /// Removes corners of large contours as long as the rest stays within `tolerance` of them.
+    /// Simplifies large contours; the result passes all removed corners within `tolerance`.
     fn simplify(&mut self, tolerance: f64) {
         let long = |c: &&mut Vec<DVec2>| c.len() > MANY_CORNERS;
         for contour in self.contours.iter_mut().filter(long) {
@@ -185,19 +186,19 @@ impl Outline {
         let all = self.contours.iter().flatten();
         let corners: Vec<_> = all.map(|p| Point2::new(p.x, p.y)).collect();
         if corners.len() > MANY_CORNERS {
-            // Corner after corner along an outline is the worst of orders to insert many in.
+            // Inserting many corners in their order along a contour is the slowest order.
             return Delaunay::bulk_load(corners).unwrap_or_default();
         }
         let mut mesh = Delaunay::new();
         for corner in corners {
-            // What is not finite, and nothing here is, would be left out.
+            // Only points that are not finite would be left out, and there are none.
             let _ = mesh.insert(corner);
         }
         mesh
     }
 
-    /// Whether each face of the triangulation is inside. Faces that no contour separates are tested
-    /// together.
+    /// Whether each face of the triangulation is inside. Connected faces that no contour separates
+    /// are tested once.
     fn inside(&self, mesh: &Delaunay, rule: FillRule) -> Vec<bool> {
         let strips = Strips::new(self.edges().collect());
         // Faces number from 0, the outer one included.
@@ -235,8 +236,7 @@ impl Outline {
     }
 }
 
-/// A polygon through some of the corners of another, which leaves none of them by more than
-/// `tolerance`.
+/// A polygon through some corners of another, which passes all of them within `tolerance`.
 ///
 /// Sklansky and Gonzalez, *Fast polygonal approximation of digitized curves*, Pattern Recognition
 /// 12, 1980: from each corner that is kept, the wedge of directions that pass all since.
@@ -275,7 +275,7 @@ fn simplified(corners: &[DVec2], tolerance: f64) -> Vec<DVec2> {
     kept
 }
 
-/// Whether the border runs on from one curve to the next without a corner.
+/// Whether one curve continues into the next without a corner.
 fn is_smooth(before: &Segment, after: &Segment) -> bool {
     let (arrival, departure) = (-before.reversed().departure(), after.departure());
     let cosine = arrival
@@ -284,7 +284,7 @@ fn is_smooth(before: &Segment, after: &Segment) -> bool {
     cosine > SMOOTH_COSINE
 }
 
-/// Edges by the heights they reach over, for winding numbers.
+/// Edges sorted into horizontal strips, for winding numbers.
 struct Strips {
     edges: Vec<[DVec2; 2]>,
     low: f64,
@@ -304,7 +304,8 @@ impl Strips {
             lists: Vec::new(),
             edges,
         };
-        // Tall edges stand in many strips: fewer strips, until the lists stay in proportion.
+        // Tall edges are listed in many strips: the number of strips is reduced until the lists are
+        // in proportion.
         while count > 1 && strips.entries(count) > 8 * strips.edges.len() {
             count /= 2;
         }
@@ -333,7 +334,7 @@ impl Strips {
         self.edges.iter().map(reach).sum()
     }
 
-    /// How often the edges go around a point.
+    /// The winding number of the edges about a point.
     fn winding(&self, p: DVec2) -> i32 {
         let list = &self.lists[self.strip(p.y, self.lists.len())];
         let turn = |&k: &u32| {
@@ -346,9 +347,9 @@ impl Strips {
     }
 }
 
-/// Joins triangles to polygons that stay simple: each corner comes once.
+/// Merges triangles into simple polygons, which have each corner once.
 ///
-/// Patches of one large polygon are better formed than those of thin triangles.
+/// A large polygon can be divided into better patches than thin triangles.
 fn tiles(triangles: &[[u32; 3]]) -> Vec<Tile> {
     let mut across = HashMap::new();
     for (t, corners) in triangles.iter().enumerate() {
@@ -367,7 +368,7 @@ fn tiles(triangles: &[[u32; 3]]) -> Vec<Tile> {
     found
 }
 
-/// The largest simple polygon that grows from a triangle over its neighbours.
+/// The largest simple polygon that results from adding neighbours to a triangle.
 fn grown(
     triangles: &[[u32; 3]],
     first: usize,

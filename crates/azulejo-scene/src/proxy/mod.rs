@@ -17,27 +17,27 @@ mod tests;
 mod triangle_pair;
 
 use crate::{Exact, Leaf, Mesh, Object, Scene, Shape, Solid};
-use builder::Builder;
+use builder::ProxyMeshBuilder;
 use facet::{Facet, FlatFigureCache, facets};
 use std::borrow::Cow;
 
 /// Positions nearer than this fraction of a shape's size are merged.
 const SAME: f64 = 1e-9;
-/// A proxy mesh of more faces is made again with a larger error.
+/// A proxy mesh with more faces is rebuilt with a larger chord error.
 const MOST_FACES: usize = 1 << 19;
-/// The factor of the error, and how often it is applied.
+/// Factor by which the chord error grows, and how often it may.
 const COARSER: f64 = 4.0;
 const TRIALS: u32 = 6;
 
 impl Exact {
-    /// Polygons whose chords leave the surface by at most `chord_error` world units, > 0, or by a
-    /// 50th of a solid's size if that is less. A bent face may be a quadrilateral.
+    /// Polygons whose chords deviate from the surface by at most `chord_error` world units, > 0, or
+    /// a 50th of a solid's size if that is less. Curved parts may have quadrilaterals.
     ///
     /// Closed where the solids are, front outside, with normals at the corners: smooth along a
-    /// curve, creased where it turns by 30° or more and around caps. Materials are the leaves'.
-    /// Set operations are applied to the polygons: cuts lie where the polygons cross. Meshes of
-    /// more than half a million faces are made with a larger error, up to 4⁶ times the requested
-    /// one.
+    /// curve, creased where it turns by 30° or more and at the edges of caps. Materials are the
+    /// leaves'. Set operations are applied to the polygons: cuts lie where the polygons cross.
+    /// Meshes of more than half a million faces are rebuilt with a larger error, up to 4⁶ times the
+    /// requested one.
     pub fn tessellate(&self, chord_error: f64) -> Mesh {
         let size = self.bounds().diagonal();
         if !(size > 0.0 && size.is_finite() && chord_error > 0.0) {
@@ -59,7 +59,7 @@ impl Exact {
 /// A proxy mesh under construction.
 struct ProxyMesher {
     chord_error: f64,
-    builder: Builder,
+    builder: ProxyMeshBuilder,
     flats: FlatFigureCache,
     most: usize,
 }
@@ -69,7 +69,7 @@ impl ProxyMesher {
     fn mesh(exact: &Exact, chord_error: f64, same: f64, most: usize) -> Option<Mesh> {
         let mut mesher = ProxyMesher {
             chord_error,
-            builder: Builder::new(same),
+            builder: ProxyMeshBuilder::new(same),
             flats: FlatFigureCache::default(),
             most,
         };
@@ -114,7 +114,7 @@ impl Scene {
     }
 
     /// The scene with its [`Shape::Exact`] objects replaced by polygons; itself if it has none.
-    /// `chord_error` returns how far chords may leave each, world units, > 0.
+    /// `chord_error` returns the largest deviation of chords from each, world units, > 0.
     pub fn faceted_by(&self, chord_error: impl Fn(&Exact) -> f64) -> Cow<'_, Scene> {
         let is_exact = |o: &Object| matches!(o.shape, Shape::Exact(_));
         if !self.objects.iter().any(is_exact) {

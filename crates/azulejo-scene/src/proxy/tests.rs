@@ -333,7 +333,7 @@ fn set_operations_have_their_volumes() {
     assert_closed(&mesh);
     check_csg(csg(Union, vec![unit()], vec![corner()]), 1.875, 1e-9);
     check_csg(csg(Intersection, vec![unit()], vec![corner()]), 0.125, 1e-9);
-    // A ball at a corner, and one that stands out of a face.
+    // A sphere at a corner, and one that protrudes from a face.
     let ball = sphere(DVec3::ONE, 0.5);
     let eighth = PI / 6.0 * 0.125;
     let mesh = check_csg(
@@ -414,7 +414,7 @@ fn letters_are_cut_out_of_boxes() {
 
 #[test]
 fn shells_are_solids_in_set_operations() {
-    // A tube and two discs, as prisms can not be: squares of a box.
+    // A closed surface of open pieces: the six squares of a box.
     let face = |corner: DVec3, a: DVec3, b: DVec3| {
         Solid::Primitive(Primitive::parallelogram(corner, a, b, 0))
     };

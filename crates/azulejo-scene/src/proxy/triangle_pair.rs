@@ -14,22 +14,22 @@ pub(super) struct IndexedTriangle {
     pub normal: DVec3,
 }
 
-/// An end of the line along which two triangles cross.
+/// An end of the segment along which two triangles intersect.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CrossingEnd {
     pub position: DVec3,
-    /// The edge that crosses the other triangle's plane there, its numbers ascending; `None` at
-    /// a corner.
+    /// The edge that crosses the other triangle's plane here, indices ascending; `None` at a
+    /// corner.
     pub edge: Option<[u32; 2]>,
 }
 
-/// The line along which two triangles cross or touch; `None` if they do not, if they touch in a
-/// point, or lie in one plane.
+/// The segment along which two triangles intersect or touch; `None` if they do not, if they touch
+/// in a point, or are coplanar.
 ///
-/// Möller, *A Fast Triangle-Triangle Intersection Test* (1997): both cut the line that their
-/// planes share, and what their intervals have in common is where they meet. Corners nearer to
-/// the other plane than `touch` lie in it. A point on an edge is the same to the bit for both
-/// triangles at the edge.
+/// Möller, *A Fast Triangle-Triangle Intersection Test* (1997): both triangles cut an interval out
+/// of the line that their planes share, and the overlap of the two is the segment. Corners closer
+/// to the other plane than `touch` count as lying in it. A point on an edge is the same to the bit
+/// for both triangles at the edge.
 pub(super) fn intersect(
     a: &IndexedTriangle,
     b: &IndexedTriangle,
@@ -55,7 +55,7 @@ pub(super) fn intersect(
     (along(&last) - along(&first) > touch).then_some([first, last])
 }
 
-/// Where a triangle cuts another one's plane.
+/// The points where a triangle's edges cut the plane of another.
 fn on_plane(
     triangle: &IndexedTriangle,
     other: &IndexedTriangle,

@@ -27,7 +27,8 @@ pub fn displaced_sphere(triangles: usize) -> Scene {
     scene
 }
 
-/// Adds a sphere with hills: a cube of n × n cells a side, blown up. Front outside.
+/// Adds a sphere with hills: a cube of n × n cells per side, projected onto the sphere. Front
+/// outside.
 pub(super) fn add_ball(
     mesh: &mut Mesh,
     centre: DVec3,
@@ -49,7 +50,7 @@ pub(super) fn add_ball(
     }
 }
 
-/// Point of the cube −1..=1: side 0..6, whose `u × v` looks outside.
+/// Point of the cube −1..=1: side 0..6, whose `u × v` points outside.
 fn on_cube(side: u32, u: f64, v: f64) -> DVec3 {
     match side {
         0 => DVec3::new(1.0, u, v),

@@ -6,7 +6,7 @@ use crate::{
 use glam::DVec3;
 use std::sync::Arc;
 
-/// What the tall block of the [`cornell_box`] is made of.
+/// The material of the tall block of the [`cornell_box`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CornellVariant {
     /// White, as in the laboratory.
@@ -94,10 +94,10 @@ pub fn cornell_box(variant: CornellVariant) -> Scene {
     scene
 }
 
-/// Adds a material of that reflection model.
+/// Adds a material with this reflection model.
 ///
 /// # Panics
-/// If the text is none.
+/// If the text is not a valid description.
 fn add_model(scene: &mut Scene, name: &str, text: &str) -> MaterialId {
     let brdf = text.parse().and_then(Brdf::new);
     let brdf = brdf.unwrap_or_else(|problem| panic!("{text}: {problem}"));

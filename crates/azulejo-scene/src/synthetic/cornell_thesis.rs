@@ -1,26 +1,28 @@
-//! A closed box with a ball lamp and five objects, as a thesis on specular radiosity had it.
+//! A closed box with a spherical lamp and five objects, modelled after a thesis on specular
+//! radiosity.
 
 use super::sheets::{Plate, Sheets, between, border, raised, steps};
 use crate::{Camera, Material, MaterialId, Object, Rgb, Scene, Shape, Units, Up};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// A closed cube of 2 metres (z up) with a ball lamp, a panel in the middle, a box, a stand, a
-/// head and a torus: 12,922 facets, 96 of them triangles, as many as the thesis' Cornell box has.
+/// A closed cube of 2 metres (z up) with a spherical lamp, a panel in the middle, a box, a stand, a
+/// head and a torus: 12,922 facets, 96 of them triangles, as many as in the Cornell box of the
+/// thesis.
 ///
-/// The first `mirrors` of the panel's front, row by row from below, are mirrors of reflectance
-/// 0.9. It has 8 × 8 fields, so that 64 mirrors are the whole of it; for more than 64 it has 50 ×
-/// 30, as have its back and rims: then there are 15,922 facets. More than 1,500 are 1,500.
+/// The first `mirrors` of the panel's front, row by row from below, are mirrors of reflectance 0.9.
+/// The front has 8 × 8 fields, so that 64 mirrors cover it; for more than 64 it has 50 × 30 and the
+/// back and rims are divided alike, which makes 15,922 facets. Numbers above 1,500 count as 1,500.
 ///
-/// Every body is closed and stands free: 5 mm lie between it and the floor. All facets are flat
-/// and convex and show their fronts to the air. After B. Sena, "Radiosity with specular
-/// surfaces", 2019, of which nothing but counts and kinds of objects is taken.
+/// Every body is closed and is 5 mm above the floor. All facets are flat and convex, with their
+/// fronts towards the air. After B. Sena, "Radiosity with specular surfaces", 2019, from which only
+/// the numbers and kinds of objects are taken.
 pub fn cornell_thesis(mirrors: usize) -> Scene {
     cornell_thesis_at(mirrors, 1.0)
 }
 
-/// [`cornell_thesis`] with about `detail` times as many facets, 0.01..=16, for quick tests and
-/// for heavier ones. The panel stays as it is.
+/// [`cornell_thesis`] with about `detail` times as many facets, 0.01..=16, for quick tests and for
+/// heavier ones. The panel is unchanged.
 pub fn cornell_thesis_at(mirrors: usize, detail: f64) -> Scene {
     let detail = Detail(detail.clamp(0.01, 16.0).sqrt());
     let mut scene = surroundings();
@@ -48,10 +50,10 @@ const MIRROR: MaterialId = 4;
 const WOOD: MaterialId = 5;
 const BLUE: MaterialId = 6;
 
-/// The air below what stands.
+/// The gap between the floor and the objects.
 const JOINT: f64 = 0.005;
 
-/// How much finer than usual edges are divided.
+/// Factor on the number of parts into which edges are divided.
 struct Detail(f64);
 
 impl Detail {
@@ -59,7 +61,7 @@ impl Detail {
         ((n as f64 * self.0).round() as usize).max(1)
     }
 
-    /// As `of`, a multiple of `step`, at least twice it.
+    /// As `of`, rounded to a multiple of `step`, at least twice `step`.
     fn by(&self, n: usize, step: usize) -> usize {
         step * ((n as f64 * self.0 / step as f64).round() as usize).max(2)
     }
@@ -231,20 +233,21 @@ fn torus(detail: &Detail) -> Sheets {
     };
     let rows: Vec<_> = closed(around, DVec2::from_angle).iter().map(row).collect();
     let mut sheets = Sheets::default();
-    // Along the section first: its front would look inside with the rows as they go round.
+    // Along the section first: with the rows in their order around the torus the front would face
+    // inside.
     let turned: Vec<_> = rows.into_iter().rev().collect();
     sheets.sheet(&turned, |_, _| Some(GREEN));
     sheets
 }
 
-/// `n` points over a whole turn and the first again, so that the ends are one point.
+/// `n` points over a full turn, followed by the first again.
 fn closed(n: usize, at: impl Fn(f64) -> DVec2) -> Vec<DVec2> {
     (0..=n)
         .map(|k| at(TAU * (k % n) as f64 / n as f64))
         .collect()
 }
 
-/// A section: an outline's scale, and where its origin lies.
+/// A section: the scale of an outline and the position of its origin.
 #[derive(Clone, Copy)]
 struct Ring {
     scale: f64,
@@ -277,7 +280,7 @@ fn divided(rings: &[Ring], n: usize) -> Vec<Ring> {
     all
 }
 
-/// A body between poles, sections from below upward.
+/// A body between two poles, sections from bottom to top.
 fn capped(
     sheets: &mut Sheets,
     outline: &[DVec2],
@@ -295,7 +298,7 @@ fn capped(
         .for_each(|p| sheets.face(&[high, p[0], p[1]], material));
 }
 
-/// A body with flat ends, sections from below upward, each a scaled copy of `plate`.
+/// A body with flat ends, sections from bottom to top, each a scaled copy of `plate`.
 fn upright(sheets: &mut Sheets, plate: &Plate, rings: &[Ring], material: MaterialId) {
     let outline = plate.border();
     let rows: Vec<_> = rings.iter().map(|r| r.points(&outline)).collect();

@@ -1,19 +1,19 @@
-//! A room with furniture and things on shelves.
+//! A room with furniture and objects on shelves.
 
 use super::ball::add_ball;
 use super::{Random, add_grid};
 use crate::{Camera, Material, MaterialId, Mesh, Object, Rgb, Scene, Shape};
 use glam::DVec3;
 
-/// A closed room of 6 × 5 × 3 metres (z up) with a table, four chairs, shelves full of things,
-/// a hanging lamp that emits, and four balls with hills, everything divided into quadrilaterals:
-/// what a radiosity mesh looks like.
+/// A closed room of 6 × 5 × 3 metres (z up) with a table, four chairs, shelves full of objects, a
+/// hanging lamp that emits, and four balls with hills, everything divided into quadrilaterals:
+/// typical of a radiosity mesh.
 ///
 /// About `target_triangles` triangles, two per quadrilateral; never fewer than some 3000.
 pub fn furnished_room(target_triangles: usize) -> Scene {
     let target = target_triangles.max(1) as f64;
-    // Cells of this size would be right if every face were a whole number of them; a few
-    // corrections make up for the rounding.
+    // This cell size would be exact if every face held a whole number of cells; a few corrections
+    // compensate for the rounding.
     let mut cell = (2.0 * 160.0 / target).sqrt();
     for _ in 0..12 {
         let count = 2.0 * room(cell).quads() as f64;
@@ -209,7 +209,7 @@ fn add_box(
     for axis in 0..3 {
         let (first, second) = ((axis + 1) % 3, (axis + 2) % 3);
         for upper in [false, true] {
-            // `first × second` looks along the axis: outside on the upper side only.
+            // `first × second` points along the axis: outside on the upper side only.
             let swap = upper == inward;
             let (u, v) = if swap {
                 (second, first)

@@ -8,11 +8,11 @@ use std::ops::Range;
 /// A closed room of 4 × 3 × 2.5 metres (z up) with a table and two boxes, one mesh of about
 /// `facets` quadrilaterals, never fewer than 136: all rows of its form factors sum to 1.
 ///
-/// Every facet is flat and convex and shows its front to the air; every edge has two facets. What
-/// stands on the floor leaves a hole in it. The lamp is one field of the ceiling.
+/// Every facet is flat and convex, with its front towards the air; every edge has two facets. The
+/// floor has holes below the objects that stand on it. The lamp is one field of the ceiling.
 pub fn room_with_table(facets: usize) -> Scene {
-    // Every length is a whole number of cells, so the count moves in steps: the nearest is taken,
-    // with cells up to a quarter higher or lower than wide.
+    // Every length is a whole number of cells, so the count changes in steps: the nearest one is
+    // chosen, with cells up to a quarter taller or lower than wide.
     let wide = (0..800).map(|k| 3.0 * 0.993f64.powi(k));
     let cells = wide.flat_map(|w| [1.0, 0.9, 1.1, 0.8, 1.25].map(|high| [w, high * w]));
     let plans = cells.map(Plan::new);
@@ -20,7 +20,7 @@ pub fn room_with_table(facets: usize) -> Scene {
     nearest.unwrap_or_else(|| Plan::new([1.0; 2])).scene()
 }
 
-/// Where the floor's fields begin and end. What stands on it stands in a field of its own.
+/// The borders of the floor's fields. Every object on the floor has its own field.
 const X: [f64; 6] = [0.0, 1.0, 1.5, 2.5, 3.0, 4.0];
 const Y: [f64; 5] = [0.0, 1.0, 1.5, 2.0, 3.0];
 const HEIGHT: f64 = 2.5;
@@ -30,7 +30,7 @@ const TABLE: [Range<usize>; 2] = [1..4, 1..3];
 const TABLE_BOTTOM: f64 = 0.7;
 const TABLE_TOP: f64 = 0.75;
 
-/// What rises from the floor: its field, size, turn and height.
+/// Objects on the floor: field, size, rotation and height.
 struct Pillar {
     field: [usize; 2],
     size: DVec2,
@@ -70,7 +70,7 @@ const PILLARS: [Pillar; 6] = [
     },
 ];
 
-/// The field of the ceiling that shines.
+/// The field of the ceiling that emits.
 const LAMP: [usize; 2] = [2, 2];
 
 const WALL: MaterialId = 0;
@@ -78,7 +78,7 @@ const WOOD: MaterialId = 1;
 const BOX: MaterialId = 2;
 const SHINING: MaterialId = 3;
 
-/// The room divided: lines, and where each field's lines begin.
+/// The division of the room: lines, and the first line of each field.
 struct Plan {
     /// Width and height of a cell.
     cell: [f64; 2],
@@ -124,7 +124,7 @@ impl Plan {
         cells((field - pillar.size.x) / 2.0, self.cell[0])
     }
 
-    /// How many facets [`Plan::scene`] will make.
+    /// The number of facets that [`Plan::scene`] makes.
     fn facets(&self) -> usize {
         let [x, y] = self.size([0..5, 0..4]);
         let [tx, ty] = self.size(TABLE);
@@ -134,7 +134,7 @@ impl Plan {
             let [nx, ny] = self.size(one(p.field));
             let around = 2 * (nx + ny);
             let side = around * (self.rings(p) + self.rows(p.top));
-            // A leg's two rings take the place of two fields; a box's top makes up for its own.
+            // The two rings of a leg replace two fields; the top of a box makes up for its field.
             if p.is_leg {
                 side + around * self.rings(p) - 2 * nx * ny
             } else {
@@ -222,7 +222,7 @@ impl Plan {
         });
     }
 
-    /// A leg or a box, with the floor around it and what it carries.
+    /// A leg or a box, with the floor around it and what stands on it.
     fn add_pillar(&self, sheets: &mut Sheets, pillar: &Pillar) {
         let [i, j] = pillar.field;
         let outer = self.plate(one(pillar.field));
@@ -245,7 +245,7 @@ impl Plan {
     }
 }
 
-/// A field as ranges of one.
+/// A field as ranges of length one.
 fn one([i, j]: [usize; 2]) -> [Range<usize>; 2] {
     [i..i + 1, j..j + 1]
 }

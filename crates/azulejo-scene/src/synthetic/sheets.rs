@@ -1,10 +1,10 @@
-//! A mesh put together from sheets of quadrilaterals that meet exactly.
+//! A mesh assembled from sheets of quadrilaterals that share their borders exactly.
 
 use crate::{MaterialId, Mesh};
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 
-/// Joins what is added at corners of the same position, bit for bit.
+/// Merges corners of bit-identical positions.
 #[derive(Default)]
 pub(super) struct Sheets {
     mesh: Mesh,
@@ -54,13 +54,13 @@ impl Sheets {
 pub(super) struct Plate(Vec<Vec<DVec2>>);
 
 impl Plate {
-    /// The crossings of lines.
+    /// The intersections of lines.
     pub(super) fn of_lines(xs: &[f64], ys: &[f64]) -> Plate {
         let row = |&y: &f64| xs.iter().map(|&x| DVec2::new(x, y)).collect();
         Plate(ys.iter().map(row).collect())
     }
 
-    /// A turned rectangle of `nx × ny` cells.
+    /// A rotated rectangle of `nx × ny` cells.
     pub(super) fn turned(centre: DVec2, size: DVec2, angle: f64, [nx, ny]: [usize; 2]) -> Plate {
         let turn = DVec2::from_angle(angle);
         let part = |k: usize, n: usize| k as f64 / n as f64 - 0.5;

@@ -1,4 +1,4 @@
-//! A street under a dome of sky, as a thesis on specular radiosity had it.
+//! A street under a dome of sky, modelled after a thesis on specular radiosity.
 
 mod dome;
 mod house;
@@ -10,16 +10,16 @@ use glam::{DVec2, DVec3};
 use house::House;
 
 /// A street of 24 houses under a dome of sky (metres, z up), closed: 61,795 quadrilaterals, of
-/// which 2,407 make the sky and 59,388 the street.
+/// which 2,407 form the sky and 59,388 the street.
 ///
 /// Ten neighbouring patches of the sky act as the sun. A quarter of the windows are mirrors of
-/// reflectance 0.4. The sky's quadrilaterals are equal in area to 12 %: rings of trapezoids
-/// between parallels of latitude on a sphere of 100 m, and a flat field from 58° of altitude to
-/// the zenith, because quadrilaterals on a sphere are flat only between parallels. All other
-/// facets are flat and convex as well, every edge has two of them, and all show their fronts to the air.
+/// reflectance 0.4. The sky's quadrilaterals are equal in area to 12 %: rings of trapezoids between
+/// parallels of latitude on a sphere of 100 m, and a flat field from 58° of altitude to the zenith,
+/// because quadrilaterals on a sphere are flat only between parallels. All other facets are flat
+/// and convex as well, every edge has two of them, and all fronts are towards the air.
 ///
 /// After B. Sena, "Radiosity with specular surfaces", 2019, whose street in Bayonne has 61,795
-/// quadrilaterals with 2,407 in its sky; nothing else of it is taken.
+/// quadrilaterals, 2,407 of them in the sky; nothing else is taken from it.
 pub fn street() -> Scene {
     street_at(1.0)
 }
@@ -56,7 +56,7 @@ const WINDOW: MaterialId = 3;
 const MIRROR: MaterialId = 4;
 const SKY: MaterialId = 5;
 const SUN: MaterialId = 6;
-/// The first of the plasters, one after the other.
+/// Index of the first of the consecutive plaster materials.
 const PLASTER: MaterialId = 7;
 const PLASTERS: usize = 4;
 

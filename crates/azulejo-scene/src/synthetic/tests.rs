@@ -1,9 +1,9 @@
-//! What the scenes promise: closed, turned the right way, as large as asked.
+//! The documented properties of the scenes: closed, consistently oriented, of the requested size.
 
 use super::*;
 use std::collections::HashMap;
 
-/// Every directed edge of a closed, consistently turned surface is met by its reverse.
+/// In a closed, consistently oriented surface every directed edge has its reverse.
 fn check_closed(mesh: &Mesh) {
     check_all_closed([mesh]);
 }
@@ -34,7 +34,7 @@ fn check_all_closed<'a>(meshes: impl IntoIterator<Item = &'a Mesh>) {
     assert!(edges.values().all(|&n| n == 0));
 }
 
-/// Volume by Gauss's theorem: positive if the fronts look outside.
+/// Volume by Gauss's theorem: positive if the fronts face outside.
 fn volume(mesh: &Mesh) -> f64 {
     let cone = |f: usize| mesh.face_area_vector(f).dot(mesh.face_positions(f)[0]) / 3.0;
     (0..mesh.faces.len()).map(cone).sum()
@@ -227,7 +227,7 @@ fn street_is_closed_at_any_detail() {
         scene.validate().unwrap();
         check_flat_and_convex(&scene);
         check_all_closed(meshes(&scene));
-        // The air under a dome of 100 m: less than a half ball, more than its inner cylinder.
+        // The air under a dome of 100 m: less than a hemisphere, more than its inner cylinder.
         let air = -meshes(&scene).map(volume).sum::<f64>();
         assert!((1.2e6..2.1e6).contains(&air), "{air}");
         let count = facets(&scene).1 as f64 / 61_795.0;

@@ -161,8 +161,8 @@ fn validate_closed(solid: &Solid) -> Check {
 }
 
 impl Solid {
-    /// The open part of a solid, in words; `None` for one that has an inside, as set operations
-    /// require. A shell counts as closed: its pieces close it together.
+    /// The open part of a solid, in words; `None` if it has an inside, as set operations require. A
+    /// shell counts as closed: its pieces close it together.
     pub fn open_part(&self) -> Option<&'static str> {
         match self {
             Solid::Primitive(p) => match p.kind {
@@ -225,7 +225,7 @@ mod tests {
         scene.validate().map_err(|invalid| invalid.to_string())
     }
 
-    /// Which promise one solid breaks.
+    /// The invariant that one solid violates.
     fn check(solid: Solid, expected: &str) {
         let place = "objects[0] \"o\": solids[0]";
         let said = validate(Exact::new(vec![solid])).unwrap_err();

@@ -51,7 +51,7 @@ pub struct ProcessorBuffers {
     /// Centres of columns and rows, −1..1.
     centres: Vec<f32>,
     /// Working memory that no thread is using.
-    idle: Mutex<Vec<Scratch>>,
+    idle: Mutex<Vec<RasterScratch>>,
 }
 
 impl ItemBuffers for ProcessorBuffers {
@@ -66,7 +66,7 @@ impl ItemBuffers for ProcessorBuffers {
 }
 
 /// Pixels and sums of one view at a time.
-struct Scratch {
+struct RasterScratch {
     /// Nearness of what each pixel shows; infinite between draws.
     nearness: Vec<f32>,
     sides: Vec<u32>,
@@ -138,9 +138,9 @@ impl ProcessorBuffers {
         seen
     }
 
-    fn scratch(&self) -> Scratch {
+    fn scratch(&self) -> RasterScratch {
         let pixels = self.cube.pixels() as usize;
-        Scratch {
+        RasterScratch {
             nearness: vec![f32::INFINITY; pixels],
             sides: vec![NOTHING; pixels],
             tally: Tally::new(self.world.patches),
@@ -149,7 +149,7 @@ impl ProcessorBuffers {
 
     /// Level by level: what is seen behind k mirrors is drawn once everything behind fewer is
     /// known, into the pixels that show the last of them. Windows of one level never overlap.
-    fn see_with(&self, view: &View, scratch: &mut Scratch) -> Seen {
+    fn see_with(&self, view: &View, scratch: &mut RasterScratch) -> Seen {
         let mut seen = Seen::default();
         let count = self.side() as u32;
         let rows = (0..self.cube.pixels()).step_by(self.side());
@@ -182,7 +182,7 @@ impl ProcessorBuffers {
         view: &HemicubeView,
         depth: u32,
         runs: &[PixelRun],
-        scratch: &mut Scratch,
+        scratch: &mut RasterScratch,
         seen: &mut Seen,
         next: &mut WindowLevel,
     ) {
@@ -206,7 +206,13 @@ impl ProcessorBuffers {
     }
 
     /// Draws the world into some pixels of a face.
-    fn draw_face(&self, number: usize, face: &Face, runs: &[PixelRun], scratch: &mut Scratch) {
+    fn draw_face(
+        &self,
+        number: usize,
+        face: &Face,
+        runs: &[PixelRun],
+        scratch: &mut RasterScratch,
+    ) {
         let mut region = Region::EMPTY;
         for run in runs {
             scratch.nearness[run.pixels()].fill(0.0);
@@ -313,7 +319,7 @@ impl DrawnFace<'_> {
     fn read(
         &self,
         runs: &[PixelRun],
-        scratch: &mut Scratch,
+        scratch: &mut RasterScratch,
         seen: &mut Seen,
         mirrored: &mut Vec<(u32, PixelRun)>,
     ) {

@@ -181,15 +181,15 @@ pub(crate) fn binary_tree(references: &mut [Reference], first_other: u32) -> Vec
         return Vec::new();
     }
     let extent = Extent::of(references);
-    let builder = Builder { first_other };
+    let builder = BvhBuilder { first_other };
     builder.shared(references, 0, extent, 0)
 }
 
-struct Builder {
+struct BvhBuilder {
     first_other: u32,
 }
 
-impl Builder {
+impl BvhBuilder {
     fn shared(
         &self,
         references: &mut [Reference],

@@ -213,7 +213,7 @@ pub fn growth(points: &[(f64, f64)]) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::record::Outcome;
+    use super::super::super::record::TaskOutcome;
     use super::*;
 
     fn run(scene: &str, mirrors: Option<usize>, samples: f64) -> TaskRecord {
@@ -230,7 +230,7 @@ mod tests {
         TaskRecord {
             key: String::new(),
             version: String::new(),
-            outcome: Outcome::Run(run),
+            outcome: TaskOutcome::Run(run),
         }
     }
 

@@ -6,7 +6,7 @@ mod page;
 mod tables;
 
 use super::machine::MachineInfo;
-use super::record::{Outcome, TaskRecord};
+use super::record::{TaskOutcome, TaskRecord};
 use super::suite::Suite;
 use crate::failure::Failure;
 use azulejo::output::{Output, commit};
@@ -39,7 +39,7 @@ pub fn write(
     ];
     if records
         .iter()
-        .any(|r| matches!(r.outcome, Outcome::Truth(_)))
+        .any(|r| matches!(r.outcome, TaskOutcome::Truth(_)))
     {
         files.push(("truths.csv".to_owned(), tables::truths_csv(records)));
     }

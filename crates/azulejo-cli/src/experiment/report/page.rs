@@ -1,7 +1,7 @@
 //! The page of the report: introduction, machine, plots, tables, and explanations.
 
 use super::super::machine::MachineInfo;
-use super::super::record::{Outcome, RunRecord, TaskRecord, TruthRecord};
+use super::super::record::{RunRecord, TaskOutcome, TaskRecord, TruthRecord};
 use super::super::suite::Suite;
 use super::chart::svg;
 use super::figures::{ChartSpec, growth};
@@ -169,7 +169,7 @@ impl Page<'_> {
     fn failures(&self, out: &mut String) -> std::fmt::Result {
         let mut is_first = true;
         for record in self.records {
-            let Outcome::Failure { task, reason } = &record.outcome else {
+            let TaskOutcome::Failure { task, reason } = &record.outcome else {
                 continue;
             };
             if std::mem::take(&mut is_first) {

@@ -1,6 +1,6 @@
 //! Numbers in rows: CSV, and the mean over repetitions.
 
-use super::super::record::{Outcome, RunRecord, TaskRecord, TruthRecord};
+use super::super::record::{RunRecord, TaskOutcome, TaskRecord, TruthRecord};
 use std::fmt::Write;
 
 /// One column of the CSV of runs.
@@ -65,8 +65,8 @@ pub fn runs_csv(records: &[&TaskRecord]) -> String {
     let mut text = header(RUN_COLUMNS.iter().map(|c| c.0));
     for record in records {
         let (run, role) = match &record.outcome {
-            Outcome::Run(run) => (run, "run"),
-            Outcome::Reference(run) => (run, "reference"),
+            TaskOutcome::Run(run) => (run, "run"),
+            TaskOutcome::Reference(run) => (run, "reference"),
             _ => continue,
         };
         let cells = RUN_COLUMNS[..last].iter().map(|c| (c.1)(run));
@@ -87,7 +87,7 @@ pub fn truths_csv(records: &[&TaskRecord]) -> String {
 /// The answers among the records.
 pub fn truths<'a>(records: &[&'a TaskRecord]) -> Vec<&'a TruthRecord> {
     let truth = |r: &&'a TaskRecord| match &r.outcome {
-        Outcome::Truth(truth) => Some(truth),
+        TaskOutcome::Truth(truth) => Some(truth),
         _ => None,
     };
     records.iter().filter_map(truth).collect()
@@ -126,8 +126,8 @@ pub fn repeated<'a>(records: &[&'a TaskRecord]) -> Vec<RepeatedRun<'a>> {
     let mut rows: Vec<RepeatedRun> = Vec::new();
     for record in records {
         let (run, is_reference) = match &record.outcome {
-            Outcome::Run(run) => (run, false),
-            Outcome::Reference(run) => (run, true),
+            TaskOutcome::Run(run) => (run, false),
+            TaskOutcome::Reference(run) => (run, true),
             _ => continue,
         };
         let same = |row: &&mut RepeatedRun| {
@@ -182,7 +182,7 @@ mod tests {
         TaskRecord {
             key: String::new(),
             version: String::new(),
-            outcome: Outcome::Run(RunRecord {
+            outcome: TaskOutcome::Run(RunRecord {
                 scene: scene.into(),
                 seed,
                 seconds,

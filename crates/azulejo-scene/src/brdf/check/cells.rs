@@ -1,30 +1,30 @@
-//! Integrals over parts of the hemisphere, divided where what is integrated is not smooth.
+//! Adaptive integrals over parts of the hemisphere.
 
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// From and to, of the angle to the normal and of the azimuth, in radians.
+/// A range of the angle to the normal and of the azimuth, in radians.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cell {
     theta: [f64; 2],
     phi: [f64; 2],
 }
 
-/// No cell is larger, in radians: ten points across it, five to a half, see what is as wide as a
-/// tenth of it.
+/// Largest size of a cell, in radians: its ten points across, five to each half, resolve features
+/// of a tenth of its width.
 const LARGEST: f64 = 0.4;
 
-/// Cells with the mirrored direction are no larger: it is where lobes are narrow.
+/// Largest size of cells around the specular direction, where lobes are narrow.
 const AT_MIRRORED: f64 = 1e-4;
 
-/// By how much an integral may change when its cell is divided.
+/// Largest change of an integral by dividing its cell that is accepted.
 const TOLERANCE: f64 = 1e-6;
 
-/// How often a cell may be divided.
+/// Largest number of successive divisions of a cell.
 const DEPTH: u32 = 24;
 
-/// Gauss and Legendre's five points and weights for -1..1.
+/// The five-point Gauss–Legendre rule for −1..1.
 const POINTS: [(f64, f64); 5] = [
     (-0.906_179_845_938_664, 0.236_926_885_056_189_08),
     (-0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
@@ -71,7 +71,7 @@ impl Cell {
         t.max(p * self.theta[1].sin())
     }
 
-    /// ∫ of over solid angle, where `of` may have a lobe about the direction that mirrors `wo`.
+    /// ∫ `of` over solid angle, where `of` may have a lobe about the specular direction of `wo`.
     pub fn integral(&self, wo: DVec3, of: &dyn Fn(DVec3) -> Rgb) -> Rgb {
         let mirrored = angles(DVec3::new(-wo.x, -wo.y, wo.z));
         self.divided(self.once(of), mirrored, of, DEPTH)
@@ -139,7 +139,7 @@ mod tests {
         check(&|_| 1.0, TAU);
         check(&|w| w.z, PI);
         check(&|w| if w.y > 0.3 { w.z } else { 0.0 }, PI - crossed(0.3));
-        // A lobe a thousandth wide, about the mirrored direction.
+        // A lobe of width 1/1000 about the specular direction.
         let axis = direction(30.0, 200.0);
         let n = 1e6;
         let lobe = |w: DVec3| (n + 1.0) / TAU * w.dot(axis).max(0.0).powf(n);

@@ -1,4 +1,4 @@
-//! Samples are counted in cells of about equal probability and compared with their density.
+//! A χ² test of samples against their density, in cells of about equal probability.
 
 use super::cells::Cell;
 use super::random::Random;
@@ -6,16 +6,16 @@ use crate::Rgb;
 use crate::brdf::Brdf;
 use glam::DVec3;
 
-/// No cell has a larger share of the samples, unless it is too small to divide.
+/// Largest expected fraction of the samples in a cell, unless it is too small to divide.
 const SHARE: f64 = 1.0 / 128.0;
 
-/// Fewer expected samples than this are counted together with those of other cells.
+/// Cells with fewer expected samples are merged.
 const FEWEST: f64 = 10.0;
 
-/// How often cells may be divided.
+/// Largest number of successive divisions of a cell.
 const DEPTH: u32 = 16;
 
-/// How often they always are, before anything is integrated.
+/// Number of divisions before anything is integrated.
 const FIRST: u32 = 3;
 
 /// Pearson's test of samples against their density.
@@ -23,7 +23,7 @@ const FIRST: u32 = 3;
 pub struct ChiSquare {
     /// Number of samples, lost ones included.
     pub samples: u32,
-    /// Share of them that was lost below the surface.
+    /// The fraction of them that was lost below the surface.
     pub lost: f64,
     /// The fraction that the density predicts to be lost: 1 less its integral.
     pub lost_expected: f64,
@@ -31,12 +31,12 @@ pub struct ChiSquare {
     pub statistic: f64,
     /// Number of cells less one.
     pub degrees: u32,
-    /// Probability of a larger statistic if density and samples agree; below 1e-4 or so they do
-    /// not.
+    /// Probability of a larger statistic if density and samples agree; values below about 1e-4 mean
+    /// that they do not.
     pub probability: f64,
 }
 
-/// A cell with its quarters, or what is counted in it.
+/// A cell with its quarters, or with its counts.
 enum CellTree {
     Divided(Cell, Box<[CellTree; 4]>),
     Count { expected: f64, found: u32 },
@@ -97,7 +97,7 @@ impl CellTree {
     }
 }
 
-/// Statistic and degrees of freedom; cells in which too little is expected are put together.
+/// Statistic and degrees of freedom; cells with too few expected samples are merged.
 fn compare(cells: &[(f64, u32)], samples: f64) -> (f64, u32) {
     let (mut statistic, mut count) = (0.0, 0u32);
     let mut add = |expected: f64, found: f64| {
@@ -114,7 +114,7 @@ fn compare(cells: &[(f64, u32)], samples: f64) -> (f64, u32) {
             rest_found += f64::from(found);
         }
     }
-    // What is left may be next to nothing, but what was found in it counts.
+    // The remaining cells may expect almost nothing, but samples found in them count.
     if rest >= FEWEST || rest_found > rest + FEWEST {
         add(rest.max(1.0), rest_found);
     }
@@ -165,7 +165,7 @@ mod tests {
             let found = exceeded(statistic, degrees);
             assert!((found - expected).abs() < 1e-6, "{found} {expected}");
         };
-        // Of two degrees of freedom it is exp(−χ²/2), of four (1 + χ²/2) exp(−χ²/2).
+        // For two degrees of freedom it is exp(−χ²/2), for four (1 + χ²/2) exp(−χ²/2).
         check(3.0, 2, (-1.5f64).exp());
         check(20.0, 4, 11.0 * (-10.0f64).exp());
         check(3.841_458_821, 1, 0.05);

@@ -1,5 +1,5 @@
 //! Checks of reflection models: reciprocity, energy conservation, and whether samples follow their
-//! density. They return numbers, not verdicts, and the same ones for the same model every time.
+//! density. They return numbers, not verdicts, and are deterministic.
 //!
 //! ```
 //! use azulejo_scene::brdf::{Brdf, check};
@@ -26,13 +26,13 @@ use random::Random;
 /// Angles to the normal that [`check`] tests, in degrees.
 pub const ANGLES: [f64; 8] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0, 89.0];
 
-/// The azimuth that [`check`] tests, in degrees: on no axis of a model.
+/// The azimuth that [`check`] tests, in degrees: off the axes of all models.
 pub const AZIMUTH: f64 = 20.0;
 
 /// Sample counts of [`check`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Effort {
-    /// Pairs of directions that are exchanged.
+    /// Pairs of directions of the reciprocity test.
     pub pairs: u32,
     /// Samples at each angle.
     pub samples: u32,
@@ -70,7 +70,7 @@ pub struct Angle {
 }
 
 impl Report {
-    /// Where most is reflected, and how much by the channel that reflects most.
+    /// The angle with the largest albedo, and that albedo, of the largest channel.
     pub fn largest_albedo(&self) -> (f64, f64) {
         let all = self
             .angles
@@ -83,11 +83,11 @@ impl Report {
 /// The largest difference between f(o, i) and f(i, o).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reciprocity {
-    /// How many pairs were tried.
+    /// Number of pairs tested.
     pub pairs: u32,
     /// The largest difference of a channel over its larger value; 0 where both are 0.
     pub largest: f64,
-    /// One of the two directions there.
+    /// One of the two directions of that pair.
     pub wo: DVec3,
     /// The other.
     pub wi: DVec3,
@@ -98,8 +98,8 @@ pub struct Reciprocity {
 pub struct Weights {
     /// Number of samples, lost ones included.
     pub samples: u32,
-    /// Their mean: what is scattered in all. With what is mirrored exactly it is what the surface
-    /// shows in a white furnace, under light of radiance 1 from everywhere.
+    /// Their mean: the albedo without the perfectly specular part. With that part it is the
+    /// radiance in a white furnace, under uniform light of radiance 1.
     pub mean: Rgb,
     /// Standard error of the mean.
     pub standard_error: Rgb,
@@ -112,7 +112,7 @@ pub struct Weights {
 impl Weights {
     /// The difference between mean and expected value in standard errors, of the worst channel.
     ///
-    /// What quadrature leaves, 2e-5, is no difference.
+    /// A difference of 2e-5, the error of the quadrature, is ignored.
     pub fn deviation(&self) -> f64 {
         let of = |c: usize| {
             let off = (self.mean[c] - self.expected[c]).abs();
@@ -180,13 +180,13 @@ pub fn reciprocity(brdf: &Brdf, pairs: u32) -> Reciprocity {
     found
 }
 
-/// The mirrored direction, a tenth towards another.
+/// The specular direction, moved a tenth of the way towards another.
 fn near_mirrored(wo: DVec3, towards: DVec3) -> DVec3 {
     (DVec3::new(-wo.x, -wo.y, wo.z) * 0.9 + towards * 0.1).normalize_or(DVec3::Z)
 }
 
-/// Share of the light along `wo` that is reflected, what is mirrored exactly included, by
-/// adaptive quadrature; to about 1e-5 unless lobes are narrower than half a degree.
+/// Albedo for `wo`, perfect specular reflection included, by adaptive quadrature; to about 1e-5
+/// unless lobes are narrower than half a degree.
 pub fn albedo(brdf: &Brdf, wo: DVec3) -> Rgb {
     if !(wo.z > 0.0) {
         return Rgb::BLACK;
@@ -199,7 +199,8 @@ fn scattered(brdf: &Brdf, wo: DVec3) -> Rgb {
     Cell::HEMISPHERE.integral(wo, &reflected)
 }
 
-/// Weighs samples of light along `wo`, and compares their mean with the albedo by quadrature.
+/// Statistics of the weights of samples for `wo`, whose mean is compared with the albedo by
+/// quadrature.
 pub fn weights(brdf: &Brdf, wo: DVec3, samples: u32) -> Weights {
     let mut random = Random::new(2);
     let (mut sum, mut squares, mut largest) = (Rgb::BLACK, Rgb::BLACK, 0.0f64);

@@ -1,4 +1,4 @@
-//! Random numbers for checks, the same every time.
+//! Reproducible random numbers for checks.
 
 use crate::brdf::quadrature::cosine_hemisphere;
 use crate::random::split_mix64;
@@ -27,7 +27,7 @@ impl Random {
     /// A direction above the surface, with density cos θ/π.
     pub fn hemisphere(&mut self) -> DVec3 {
         let w = cosine_hemisphere(self.number(), self.number());
-        // On the horizon itself nothing is reflected, and nothing is learnt.
+        // On the horizon itself nothing is reflected, so it would test nothing.
         if w.z > 0.0 { w } else { DVec3::Z }
     }
 }

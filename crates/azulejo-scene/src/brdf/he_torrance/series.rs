@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-/// The least g whose series is summed by strides.
+/// The smallest g whose series is summed with a stride.
 const LARGE: f64 = 60.0;
 
-/// Logarithm of the least share of the sum that a term must have.
+/// Logarithm of the fraction of the sum below which terms are neglected.
 const LEAST: f64 = -34.0;
 
 /// Σ gᵐ e⁻ᵍ/(m·m!) exp(−x/m) over m ≥ 1, for g, x ≥ 0.
@@ -28,7 +28,7 @@ fn one_by_one(g: f64, x: f64) -> f64 {
     while m <= last {
         poisson *= g / m;
         sum += poisson / m * (-x / m).exp();
-        // exp(−x/m) never exceeds 1, and the rest falls faster than a half each.
+        // exp(−x/m) never exceeds 1, and the other factor falls by more than half with each term.
         if m > 2.0 * g && poisson < 1e-18 * sum {
             break;
         }
@@ -44,7 +44,7 @@ fn log_term(g: f64, x: f64, m: f64) -> f64 {
     let square = inverse * inverse;
     let stirling = inverse * (1.0 / 12.0 - square * (1.0 / 360.0 - square / 1260.0));
     let log = off.ln_1p();
-    // What of m! and m is a power of m: (g/m)^(3/2), without g.
+    // The powers of m in m! and m: (g/m)^(3/2), without g.
     -m * (off - log) + 1.5 * log - stirling - x * inverse
 }
 
@@ -77,7 +77,7 @@ fn by_strides(g: f64, x: f64) -> f64 {
     sum * stride * top.exp() / (TAU.sqrt() * g * g.sqrt())
 }
 
-/// Where the terms are largest, by Newton's method on their logarithm's slope.
+/// The largest term, by Newton's method on the derivative of the logarithm.
 fn peak(g: f64, x: f64) -> f64 {
     let mut m = g;
     for _ in 0..60 {
@@ -110,7 +110,7 @@ mod tests {
     fn sums_are_those_of_all_terms() {
         let check = |g: f64, x: f64| {
             let (found, expected) = (sum(g, x), plain(g, x));
-            // log Γ of large numbers has few digits left after the point.
+            // log Γ of large numbers has few digits after the decimal point.
             let tolerance = 1e-12 * (10.0 + g);
             assert!(
                 (found - expected).abs() <= tolerance * expected,

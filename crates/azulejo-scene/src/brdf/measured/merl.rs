@@ -1,4 +1,4 @@
-//! Tables in the angles of half vector and difference, as the MERL database has them.
+//! Tables over half and difference angles, as in the MERL database.
 
 use super::super::lobe::{Reflect, Spread};
 use super::super::microfacet::HalfVector;
@@ -12,8 +12,8 @@ use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 /// An isotropic BRDF measured at half angles.
 ///
 /// W. Matusik, H. Pfister, M. Brand, L. McMillan, *A data-driven reflectance model*, SIGGRAPH 2003;
-/// the angles are Rusinkiewicz' (1998). Entries stand for the middles of their bins, and what lies
-/// between is interpolated.
+/// the angles are Rusinkiewicz' (1998). Entries are values at the middles of their bins,
+/// interpolated in between.
 #[derive(Clone, PartialEq)]
 pub struct Merl {
     /// Bins of θ_h, θ_d, φ_d.
@@ -29,12 +29,12 @@ pub struct HalfAngles {
     pub theta_h: f64,
     /// Between half vector and light, radians.
     pub theta_d: f64,
-    /// Of the light around the half vector, from the plane of the normal, radians in 0..=π.
+    /// Azimuth of the light about the half vector, from the plane of the normal, radians in 0..=π.
     pub phi_d: f64,
 }
 
 impl HalfAngles {
-    /// Of two directions; which is which makes no difference.
+    /// The angles of two directions, in any order.
     pub fn new(wo: DVec3, wi: DVec3) -> HalfAngles {
         HalfAngles::of(&HalfVector::new(wo, wi), wi - wo)
     }
@@ -47,12 +47,13 @@ impl HalfAngles {
         HalfAngles {
             theta_h: half.theta_h(),
             theta_d: half.cos_d().acos(),
-            // Light and viewer may be exchanged, which turns this by π.
+            // Light and viewer may be exchanged, which shifts this angle by π.
             phi_d: if y < 0.0 { (-y).atan2(-x) } else { y.atan2(x) },
         }
     }
 
-    /// Two directions, viewer and light, that have these angles, the half vector above the tangent.
+    /// Two directions, viewer and light, with these angles, the half vector in the plane of normal
+    /// and tangent.
     pub fn directions(&self) -> [DVec3; 2] {
         let (sin_h, cos_h) = self.theta_h.sin_cos();
         let (sin_d, cos_d) = self.theta_d.sin_cos();
@@ -67,11 +68,11 @@ impl HalfAngles {
 const DATABASE: [usize; 3] = [90, 90, 180];
 
 /// Sizes of the densities: angles of the viewer, and nodes of the half vector's position.
-const EYES: usize = 16;
+const VIEWERS: usize = 16;
 const WIDTH: usize = 64;
 const HEIGHT: usize = 33;
 
-/// Fraction of samples from a cosine distribution, for what the densities miss.
+/// Fraction of samples from a cosine distribution, for directions that the densities miss.
 const EVEN: f64 = 0.15;
 
 impl Merl {
@@ -79,7 +80,7 @@ impl Merl {
     pub const SIZES: [usize; 3] = DATABASE;
 
     /// A table of `sizes` bins: θ_h with finer bins towards the normal, θ_d, and φ_d, which runs
-    /// fastest. `None` unless each size is at least 2, all bins are there, and all values are
+    /// fastest. `None` unless each size is at least 2, the number of values fits, and all are
     /// finite and not negative.
     pub fn new(sizes: [usize; 3], values: Vec<[f32; 3]>) -> Option<Merl> {
         let [h, d, p] = sizes;
@@ -146,9 +147,9 @@ impl Merl {
 
     /// For each angle of the viewer, the reflected light by position of the half vector.
     fn importance(&self) -> Option<Tables> {
-        let mut values = Vec::with_capacity(EYES * WIDTH * HEIGHT);
-        for eye in 0..EYES {
-            let (sin, cos) = eye_angle(eye).min(1.55).sin_cos();
+        let mut values = Vec::with_capacity(VIEWERS * WIDTH * HEIGHT);
+        for viewer in 0..VIEWERS {
+            let (sin, cos) = viewer_angle(viewer).min(1.55).sin_cos();
             let wo = DVec3::new(sin, 0.0, cos);
             for k in 0..WIDTH * HEIGHT {
                 let node = |k: usize, n: usize| k as f64 / (n - 1) as f64;
@@ -169,20 +170,20 @@ impl Merl {
     }
 
     fn mix(&self, wo: DVec3) -> Mix {
-        mix([&[0.0], &EYE_ANGLES], [0.0, square::polar(wo)])
+        mix([&[0.0], &VIEWER_ANGLES], [0.0, square::polar(wo)])
     }
 }
 
-/// Angle to the normal of a viewer of the densities.
-fn eye_angle(eye: usize) -> f64 {
-    f64::from(EYE_ANGLES[eye])
+/// Angle to the normal of the k-th viewing direction of the densities.
+fn viewer_angle(viewer: usize) -> f64 {
+    f64::from(VIEWER_ANGLES[viewer])
 }
 
-const EYE_ANGLES: [f32; EYES] = {
-    let mut angles = [0.0; EYES];
+const VIEWER_ANGLES: [f32; VIEWERS] = {
+    let mut angles = [0.0; VIEWERS];
     let mut k = 0;
-    while k < EYES {
-        angles[k] = k as f32 * (std::f32::consts::FRAC_PI_2 / (EYES - 1) as f32);
+    while k < VIEWERS {
+        angles[k] = k as f32 * (std::f32::consts::FRAC_PI_2 / (VIEWERS - 1) as f32);
         k += 1;
     }
     angles
@@ -198,8 +199,8 @@ fn angles(sizes: [usize; 3], bin: [usize; 3]) -> HalfAngles {
     }
 }
 
-/// The bins whose middles are around `x` in 0..=1, with weights; beyond the middles of the first
-/// and the last, those.
+/// The two bins whose middles enclose `x` in 0..=1, with weights; clamped to the first and the
+/// last.
 fn edged(x: f64, count: usize) -> [(usize, f64); 2] {
     let at = (x * count as f64 - 0.5).clamp(0.0, (count - 1) as f64);
     let low = (at as usize).min(count - 2);
@@ -207,7 +208,7 @@ fn edged(x: f64, count: usize) -> [(usize, f64); 2] {
     [(low, 1.0 - t), (low + 1, t)]
 }
 
-/// The same where the last bin is beside the first.
+/// The same for a periodic table, whose last bin is adjacent to the first.
 fn around(x: f64, count: usize) -> [(usize, f64); 2] {
     let at = x * count as f64 - 0.5;
     let t = at - at.floor();
@@ -265,7 +266,7 @@ mod tests {
         check(1.0, 0.2, 0.1);
     }
 
-    /// Every entry is found at the middle of its bin, and φ_d goes on from π at 0.
+    /// Every entry is reproduced at the middle of its bin, and φ_d is periodic with π.
     #[test]
     fn entries_are_found_where_they_stand() {
         let values = (0..60).map(|k| [k as f32, 0.0, 1.0]).collect();

@@ -16,14 +16,14 @@ use glam::DVec3;
 use std::fmt;
 use std::sync::Arc;
 
-/// A measured BRDF, for directions above the surface only; light and viewer are used in the roles
-/// that they had in the measurement.
+/// A measured BRDF, for directions above the surface only; light and viewer have the roles that
+/// they had in the measurement.
 #[derive(Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Measured {
-    /// In half angles, without grain.
+    /// In half angles, isotropic.
     Merl(Merl),
-    /// On grids that follow the material.
+    /// On grids adapted to the material.
     Rgl(Box<Rgl>),
 }
 
@@ -37,7 +37,7 @@ impl Measured {
 }
 
 impl fmt::Debug for Measured {
-    /// What it is, without its million numbers.
+    /// Describes the table without its million numbers.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Measured::Merl(merl) => write!(f, "Merl {:?}", merl.sizes()),
@@ -69,12 +69,13 @@ impl Reflect for Table {
     }
 }
 
-/// Lobes at least this wide are matt, in degrees. Half of what Lambert's surface reflects lies
+/// Lobes at least this wide are matt, in degrees. A Lambertian surface reflects half of the light
 /// within 45°.
 const WIDE: f64 = 35.0;
 
-/// Within which angle of the normal half of what is reflected of light along it goes. However
-/// narrow, measurements are no mirrors: their peaks are as wide as the lamp that they were seen by.
+/// The angle about the normal that contains half of the light reflected at normal incidence.
+/// However narrow, measurements are no perfect mirrors: their peaks are as wide as the lamp of the
+/// measurement.
 fn spread(model: &dyn Reflect) -> Spread {
     let wo = DVec3::Z;
     let weighed = |u: [f64; 3]| {

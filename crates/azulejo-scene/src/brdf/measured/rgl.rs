@@ -1,4 +1,4 @@
-//! Tables on grids that follow the material, as the RGL database has them.
+//! Tables on grids adapted to the material, as in the RGL database.
 
 use super::super::BrdfError;
 use super::super::lobe::{Reflect, Spread};
@@ -33,15 +33,15 @@ pub struct Rgl {
 pub struct RglTensors {
     /// Angles to the normal, radians, rising.
     pub theta_i: Vec<f32>,
-    /// Angles around it, radians, rising; two at most for materials without grain.
+    /// Angles around it, radians, rising; two at most for isotropic materials.
     pub phi_i: Vec<f32>,
     /// Distribution of facets: height × width.
     pub ndf: Grid,
-    /// Area of them that is seen: height × width.
+    /// Their projected area: height × width.
     pub sigma: Grid,
     /// Distribution of visible facets: φi × θi × height × width.
     pub vndf: Grid,
-    /// What is reflected, on the warped grid: φi × θi × height × width.
+    /// Luminance of the reflected light on the warped grid: φi × θi × height × width.
     pub luminance: Grid,
     /// The same in red, green and blue: φi × θi × 3 × height × width.
     pub rgb: Grid,
@@ -60,18 +60,18 @@ pub struct Grid {
     pub values: Vec<f32>,
 }
 
-/// Fraction of samples from a cosine distribution, for what the tables miss.
+/// Fraction of samples from a cosine distribution, for directions that the tables miss.
 const EVEN: f64 = 0.1;
 
-/// Cosines and areas below this count as this, so that nothing is divided by 0.
+/// Lower bound for cosines and areas, to avoid division by 0.
 const GRAZING: f64 = 1e-6;
 
 impl Rgl {
     /// Checks sizes and values and builds the tables.
     ///
     /// # Errors
-    /// [`BrdfError::Other`] where sizes do not go together, angles do not rise, or values are not
-    /// finite or negative.
+    /// [`BrdfError::Other`] if sizes are inconsistent, angles do not rise, or values are negative
+    /// or not finite.
     pub fn new(tensors: RglTensors) -> Result<Rgl, BrdfError> {
         let RglTensors { theta_i, phi_i, .. } = &tensors;
         for (name, angles) in [("theta_i", theta_i), ("phi_i", phi_i)] {
@@ -95,7 +95,7 @@ impl Rgl {
         })
     }
 
-    /// Whether it is the same around the normal.
+    /// Whether it is isotropic.
     pub fn is_isotropic(&self) -> bool {
         self.phi.len() <= 2
     }
@@ -110,7 +110,7 @@ impl Rgl {
         mix([&self.phi, &self.theta], [phi, square::polar(wo)])
     }
 
-    /// By how much half vectors are turned back.
+    /// The angle by which half vectors are rotated back.
     fn turn(&self, wo: DVec3) -> f64 {
         if self.is_isotropic() {
             square::azimuth(wo)
@@ -152,7 +152,7 @@ fn tables(name: &str, grid: Grid, count: usize) -> Result<Tables, BrdfError> {
     })
 }
 
-/// Into how many parts symmetry divides the turn.
+/// The number of equal parts into which symmetry divides a full turn.
 fn parts(phi: &[f32]) -> Result<u8, BrdfError> {
     let [first, .., last] = phi else { return Ok(1) };
     if phi.len() <= 2 {
@@ -184,13 +184,13 @@ impl Reflect for Rgl {
         let of = |c: usize| self.rgb.at(&channel(&mix, c), warped);
         let whole = [(0, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)];
         let facets = self.facets.as_ref().map_or(1.0, |[ndf, sigma]| {
-            let eye = [
+            let viewer = [
                 square::of_polar(square::polar(wo)),
                 square::of_azimuth(square::azimuth(wo)),
             ];
-            ndf.at(&whole, place) / (4.0 * sigma.at(&whole, eye).max(GRAZING))
+            ndf.at(&whole, place) / (4.0 * sigma.at(&whole, viewer).max(GRAZING))
         });
-        // The tables hold what is reflected of light in its slanted beam.
+        // The tables include the cosine of the incident light.
         Rgb::new(of(0), of(1), of(2)) * (facets / wi.z.max(GRAZING))
     }
 

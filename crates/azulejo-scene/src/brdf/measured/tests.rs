@@ -25,7 +25,7 @@ fn merl(model: &str) -> (Brdf, Brdf) {
     (model, brdf(Measured::Merl(table)))
 }
 
-/// The table gives the model back where it is smooth over bins, and reflects as much.
+/// The table reproduces the model where it is smooth over bins, and has the same albedo.
 #[test]
 fn merl_tables_are_near_their_models() {
     let check = |text: &str, tolerance: f64| {
@@ -50,7 +50,7 @@ fn merl_tables_are_near_their_models() {
     check("ward_gmd rd = 0.1 rs = 0.5 ax = 0.2 ay = 0.2", 0.05);
 }
 
-/// GGX facets that mirror all light, on RGL's warped grid. The tables say what the model says.
+/// Perfectly reflecting GGX facets on RGL's warped grid. The tables agree with the model.
 fn rgl(phi_i: &[f32], facets: Ggx) -> Rgl {
     let theta_i: Vec<f32> = (0..8).map(|k| k as f32 / 7.0 * 1.5).collect();
     let (w, h) = (48, 32);
@@ -161,7 +161,8 @@ fn samples_follow_their_density() {
     }
 }
 
-/// The largest deviation of a cell's count from what the density says, in standard deviations.
+/// The largest deviation of a cell's count from its expectation by the density, in standard
+/// deviations.
 fn deviation(brdf: &Brdf, wo: DVec3) -> f64 {
     const N: usize = 60_000;
     let (rows, columns) = (8, 16);
@@ -195,7 +196,7 @@ fn deviation(brdf: &Brdf, wo: DVec3) -> f64 {
         let area = std::f64::consts::TAU / (rows * fine * columns * fine) as f64;
         expected[cell(wi)] += brdf.pdf(wo, wi) * area * N as f64;
     }
-    // A hundredth for the quadrature of the expectation.
+    // Allows for an error of 1 % of the expectation, which is found by quadrature.
     let off = |(n, e): (&f64, &f64)| ((n - e).abs() - 0.01 * e).max(0.0) / e.max(10.0).sqrt();
     counts.iter().zip(&expected).map(off).fold(0.0, f64::max)
 }

@@ -97,9 +97,9 @@ impl Tables {
 #[derive(Clone, PartialEq)]
 pub(super) struct Warp {
     tables: Tables,
-    /// What lies before each node of a row, in cells' areas.
+    /// Cumulative integral before each node of a row, in units of cells.
     in_row: Vec<f64>,
-    /// What lies below each row.
+    /// Cumulative integral below each row.
     below: Vec<f64>,
 }
 
@@ -135,7 +135,7 @@ impl Warp {
         mix.iter().map(|&(table, weight)| weight * at(table)).sum()
     }
 
-    /// What lies before a column, between two rows.
+    /// Cumulative integral before a column, interpolated between two rows.
     fn before(&self, mix: &Mix, column: usize, row: usize, t: f64) -> f64 {
         lerp(
             self.in_row(mix, column, row),
@@ -158,7 +158,7 @@ impl Warp {
         self.tables.at(mix, place) * self.scale(mix)
     }
 
-    /// The position for two numbers in 0..1.
+    /// Samples a position from two numbers in 0..1.
     pub fn sample(&self, mix: &Mix, [u, v]: [f64; 2]) -> [f64; 2] {
         let (w, h) = (self.tables.width, self.tables.height);
         let wanted = v.clamp(0.0, 1.0) * self.all(mix);
@@ -176,7 +176,7 @@ impl Warp {
         ]
     }
 
-    /// The numbers of which [`sample`](Warp::sample) makes a position.
+    /// The inverse of [`sample`](Warp::sample): the numbers that yield a position.
     pub fn invert(&self, mix: &Mix, place: [f64; 2]) -> [f64; 2] {
         let w = self.tables.width;
         let ([column, row], [s, t]) = self.tables.cell(place);
@@ -220,7 +220,8 @@ fn cumulate(nodes: impl Iterator<Item = f64>, sums: &mut Vec<f64>) {
     }
 }
 
-/// The last of `0..count` that `holds`, if those that do come first; 0 if none does.
+/// The last index of `0..count` for which `holds` is true, given that it is true for a prefix; 0 if
+/// for none.
 fn last(count: usize, holds: impl Fn(usize) -> bool) -> usize {
     let (mut low, mut high) = (0, count);
     while high - low > 1 {
@@ -234,12 +235,12 @@ fn last(count: usize, holds: impl Fn(usize) -> bool) -> usize {
     low
 }
 
-/// The integral from 0 to `t` of what goes from `a` at 0 to `b` at 1.
+/// The integral from 0 to `t` of the linear function with value `a` at 0 and `b` at 1.
 fn until(a: f64, b: f64, t: f64) -> f64 {
     t * (a + 0.5 * t * (b - a))
 }
 
-/// Where that integral reaches `sum`.
+/// The `t` at which that integral reaches `sum`.
 fn part(a: f64, b: f64, sum: f64) -> f64 {
     let root = (a * a + 2.0 * (b - a) * sum).max(0.0).sqrt();
     let t = 2.0 * sum / (a + root);

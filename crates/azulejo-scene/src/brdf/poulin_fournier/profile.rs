@@ -1,21 +1,20 @@
-//! The section through the cylinders: what is seen of it, from where.
+//! The section through the cylinders, and its visible parts by direction.
 
 use glam::DVec3;
 
 /// One period of the section across parallel cylinders of radius 1 along x, axes `d` apart. The
-/// surface's part that the outside can see is an arc of each, and a floor between them unless
-/// they meet.
+/// visible part of the surface is an arc of each, and a floor between them unless they touch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Profile {
     pub d: f64,
     /// Height of the floor above the axes.
     h: f64,
-    /// Where the arc ends on both sides, as an angle from the top.
+    /// The ends of the arc on both sides, as an angle from the top.
     arc: f64,
     floor: Range,
 }
 
-/// From, to; empty where the second is not greater.
+/// Lower and upper end; empty if the second is not greater.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Range(f64, f64);
 
@@ -34,7 +33,7 @@ impl Range {
         (self.1 - self.0).max(0.0)
     }
 
-    /// The point at a share of the way.
+    /// The point at a fraction of the way.
     pub fn at(&self, t: f64) -> f64 {
         self.0 + t * (self.1 - self.0)
     }
@@ -77,7 +76,7 @@ impl Profile {
         Profile { d, h, arc, floor }
     }
 
-    /// What can be seen from `w`, over the horizon.
+    /// The parts that are visible from `w`, above the horizon.
     pub fn seen(&self, w: DVec3) -> VisibleSection {
         let everything = VisibleSection {
             arc: Range(-self.arc, self.arc),
@@ -87,7 +86,7 @@ impl Profile {
         if slope >= self.arc {
             return everything;
         }
-        // From the side of larger y, the next cylinder stands before what is far down.
+        // From the side of larger y, the next cylinder hides the lower parts.
         let (sin, cos) = slope.sin_cos();
         let shaded = (1.0 - self.d * sin).clamp(-1.0, 1.0).acos() - slope;
         let edge = self.d - (1.0 - self.h * cos) / sin;
@@ -104,7 +103,7 @@ impl Profile {
         }
     }
 
-    /// What faces `w`, in the shade or not.
+    /// The parts that face `w`, in shadow or not.
     pub fn facing(&self, w: DVec3) -> VisibleSection {
         let e = elevation(w);
         VisibleSection {
@@ -115,7 +114,7 @@ impl Profile {
 }
 
 impl VisibleSection {
-    /// What is seen from both.
+    /// The parts visible from both.
     pub fn and(&self, other: &VisibleSection) -> VisibleSection {
         VisibleSection {
             arc: self.arc.and(&other.arc),
@@ -123,7 +122,7 @@ impl VisibleSection {
         }
     }
 
-    /// ∫ (n·a)(n·b) ds over what both see.
+    /// ∫ (n·a)(n·b) ds over the parts visible from both.
     pub fn product(&self, a: DVec3, b: DVec3) -> f64 {
         let flat = self.floor.length() * a.z * b.z;
         if self.arc.length() <= 0.0 {
@@ -136,7 +135,7 @@ impl VisibleSection {
         flat + (0.5 * arc * a.y.hypot(a.z) * b.y.hypot(b.z)).max(0.0)
     }
 
-    /// ∫ n·w ds: how wide what is seen from `w` looks from there.
+    /// ∫ n·w ds: the projected width of the parts visible from `w`.
     pub fn projected(&self, w: DVec3) -> f64 {
         self.arc_projected(w) + self.floor.length() * w.z
     }
@@ -146,7 +145,7 @@ impl VisibleSection {
         w.y.hypot(w.z) * 2.0 * middle.sin() * (0.5 * self.arc.length()).sin()
     }
 
-    /// The normal at a random point, as probable as it looks large from `w`.
+    /// The normal at a random point, with probability by projected width from `w`.
     pub fn normal(&self, w: DVec3, u: f64) -> DVec3 {
         let wanted = u * self.projected(w);
         if wanted >= self.arc_projected(w) {

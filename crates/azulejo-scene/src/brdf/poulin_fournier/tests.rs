@@ -1,4 +1,4 @@
-//! Against a section that is sampled, with rays that look for what stands in the way.
+//! Against a sampled section, with rays that find occluders.
 
 use super::profile::{Profile, normal};
 use super::*;
@@ -9,7 +9,7 @@ fn direction(theta: f64, phi: f64) -> DVec3 {
     DVec3::new(st * cp, st * sp, ct)
 }
 
-/// Whether a ray of the section leaves the surface without meeting a cylinder or the floor.
+/// Whether a ray in the section leaves the surface without hitting a cylinder or the floor.
 fn is_open(d: f64, h: f64, from: DVec2, towards: DVec2) -> bool {
     let reach = (2.0 / towards.y.max(1e-3) / d).ceil() as i32 + 2;
     let clear = |k: i32| {
@@ -103,7 +103,7 @@ fn cylinders_are_those_of_brute_force() {
 
 #[test]
 fn what_is_seen_fills_the_view() {
-    // The outside sees one period as wide as it is, shaded or not.
+    // The projected width of the visible parts is that of one period, shadowed or not.
     for (d, h) in [
         (2.0, 0.0),
         (1.2, 0.2),

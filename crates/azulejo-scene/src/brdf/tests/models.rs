@@ -1,4 +1,4 @@
-//! Every model of the table, by the checks that others use, too.
+//! Every model of the table, by the public checks.
 
 use super::*;
 use check::{Effort, direction};

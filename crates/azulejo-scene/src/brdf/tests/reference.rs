@@ -1,4 +1,4 @@
-//! A table of values that another program calculated, if it is there.
+//! Comparison with a table of values from another program, if it is available.
 
 use super::{brdf, direction};
 

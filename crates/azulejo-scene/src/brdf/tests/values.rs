@@ -1,9 +1,9 @@
-//! Values in closed form or from the papers, and what models become at their limits.
+//! Values in closed form or from the papers, and limits of models.
 
 use super::*;
 use std::f64::consts::{PI, TAU};
 
-/// The albedo of light along a direction, in degrees.
+/// The albedo for a direction at an angle, in degrees.
 fn check_albedo(text: &str, (theta, phi): (f64, f64), expected: f64, tolerance: f64) {
     let found = check::albedo(&brdf(text), direction(theta, phi)).r;
     assert!(
@@ -15,7 +15,7 @@ fn check_albedo(text: &str, (theta, phi): (f64, f64), expected: f64, tolerance: 
 #[test]
 fn albedos_are_the_known_ones() {
     let check = |text: &str, theta: f64, expected: f64| {
-        // Half of the last of three digits.
+        // Half a unit of the third digit.
         let digit = 10f64.powf(expected.log10().floor() - 2.0).max(1e-3);
         check_albedo(text, (theta, 20.0), expected, 0.51 * digit);
     };
@@ -99,7 +99,7 @@ fn white_facets_that_reflect_again_lose_nothing() {
 
 #[test]
 fn phong_creates_light_from_grazing_light() {
-    // Of the light that arrives along wi; what arrives from all sides for wo stays below 1.
+    // This is the albedo for incidence along wi; the integral over wi for a given wo stays below 1.
     let phong = brdf("phong n = 20");
     let reflected = |theta: f64| {
         let (wi, n) = (direction(theta, 0.0), 400);
@@ -179,7 +179,7 @@ fn smooth_waves_are_a_mirror() {
     let found = mirror("he_torrance_mirror sigma0 = 1e-4 tau = 0.1 eta = 1.5");
     let smooth = mirror("fresnel_dielectric eta = 1.5");
     assert!((found.g - smooth.g).abs() < 1e-5 * smooth.g, "{found:?}");
-    // The same comes with what is spread, and shorter waves lose more.
+    // The full model has the same specular part; shorter waves lose more.
     let both = brdf("he_torrance sigma0 = 0.1 tau = 2 metal = silver");
     let alone = mirror("he_torrance_mirror sigma0 = 0.1 tau = 2 metal = silver");
     assert_eq!(both.mirror(0.5), alone);
@@ -223,7 +223,7 @@ fn parameters_that_make_no_surface_are_refused() {
 
 #[test]
 fn samples_of_cylinders_weigh_little() {
-    // Without bounds on single samples, means would not settle.
+    // Without bounded sample weights means would not converge.
     let check = |text: &str, most: f64| {
         for theta in [10.0, 60.0, 85.0, 89.5] {
             let weights = check::weights(&brdf(text), direction(theta, 80.0), 20_000);
