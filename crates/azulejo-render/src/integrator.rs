@@ -139,14 +139,6 @@ impl<'a> Integrator<'a> {
         self.resolve(scratch, found);
     }
 
-    /// Irradiance of the front from the first pass, W/m².
-    fn irradiance(&self, at: &DiffuseHit) -> Rgb {
-        self.scene
-            .interpolator
-            .lookup(&at.ray, &at.hit)
-            .irradiance()
-    }
-
     /// Runs the deferred gathers and adds what they find to their rays.
     fn resolve(&self, scratch: &mut Scratch, found: &mut [RayRadiance]) {
         let options = GatherOptions {
@@ -244,7 +236,8 @@ impl<'a> CameraPath<'_, 'a> {
         let shows_patches =
             self.integrator.gather.is_none() || (self.integrator.is_solved && !segment.is_sharp);
         if shows_patches && at.front {
-            return self.integrator.irradiance(at) * reflectance * FRAC_1_PI;
+            let solved = self.integrator.scene.interpolator.lookup(&at.ray, &at.hit);
+            return solved.irradiance() * reflectance * FRAC_1_PI;
         }
         let tracer = self.integrator.tracer();
         let point = tracer.resolve(&tracer.world_ray(&segment.ray), &at.hit);
