@@ -3,6 +3,7 @@
 use crate::{root, sources};
 use std::collections::BTreeSet;
 use std::fs;
+use std::path::{Path, PathBuf};
 
 fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| !c.is_alphanumeric() && c != '_')
@@ -75,4 +76,65 @@ fn pages_quote_code_as_it_is() {
         }
     }
     assert!(quotations > 1, "no quotation was found");
+}
+
+/// Pages for readers, in the root and under `docs`.
+fn pages(folder: &Path) -> Vec<(PathBuf, String)> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).expect("a readable folder") {
+        let path = entry.expect("a readable entry").path();
+        if path.is_dir() && folder.ends_with("docs") {
+            found.extend(pages(&path));
+        } else if path.extension().is_some_and(|e| e == "md") {
+            let text = fs::read_to_string(&path).expect("a page of text");
+            found.push((path, text));
+        }
+    }
+    found
+}
+
+#[test]
+fn benchmarks_that_pages_name_exist() {
+    let mut all = pages(&root());
+    all.extend(pages(&root().join("docs")));
+    let mut checked = 0;
+    for (page, text) in all {
+        for command in text.split("cargo bench ").skip(1) {
+            let mut words = command.split(|c: char| c.is_whitespace() || c == '`');
+            let (Some("-p"), Some(package)) = (words.next(), words.next()) else {
+                panic!("{}: cargo bench without -p PACKAGE", page.display());
+            };
+            let manifest = root().join("crates").join(package).join("Cargo.toml");
+            let manifest = fs::read_to_string(&manifest).expect("the manifest of a benchmark");
+            // Without --bench, all of the package's run.
+            let name = match words.next() {
+                Some("--bench") => words.next().unwrap_or(""),
+                _ => continue,
+            };
+            let entry = format!("[[bench]]\nname = \"{name}\"");
+            let place = page.display();
+            assert!(
+                manifest.contains(&entry),
+                "{place}: {package} has no benchmark `{name}`"
+            );
+            checked += 1;
+        }
+    }
+    assert!(checked > 5, "the commands are not found");
+}
+
+#[test]
+fn links_of_pages_lead_somewhere() {
+    let mut all = pages(&root());
+    all.extend(pages(&root().join("docs")));
+    for (page, text) in all {
+        for link in text.split("](").skip(1) {
+            let target = link.split([')', '#']).next().unwrap_or("");
+            if target.is_empty() || target.contains("://") {
+                continue;
+            }
+            let file = page.parent().expect("a folder").join(target);
+            assert!(file.exists(), "{}: no {target}", page.display());
+        }
+    }
 }
