@@ -1,6 +1,6 @@
-//! How fast GRF is read and written: MB of text per second of one thread, best of several runs.
+//! Throughput of reading and writing GRF: MB of text per second on one thread, best of several runs.
 //!
-//! `cargo bench -p azulejo-formats --bench grf -- [FILE...]`; without files, a grid made up here.
+//! `cargo bench -p azulejo-formats --bench grf -- [FILE...]`; without files, a generated grid.
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
 use azulejo_formats::{Folder, grf};
@@ -57,7 +57,7 @@ fn measure(name: &str, bytes: &[u8]) {
     );
 }
 
-/// A quad in each of `n × n` cells, numbers as exporters write them.
+/// A quad in each of `n × n` cells, with numbers formatted as exporters do.
 fn grid(n: usize, is_solved: bool) -> String {
     let mut text = String::from("begin mesh\nbegin vertices\n");
     for k in 0..=n * n + 2 * n {

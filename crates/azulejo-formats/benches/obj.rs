@@ -1,6 +1,6 @@
-//! How fast OBJ is read: MB of text per second of one thread, best of several runs.
+//! Throughput of reading OBJ: MB of text per second on one thread, best of several runs.
 //!
-//! `cargo bench -p azulejo-formats --bench obj -- [FILE...]`; without files, a grid made up here.
+//! `cargo bench -p azulejo-formats --bench obj -- [FILE...]`; without files, a generated grid.
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
 use azulejo_formats::{Folder, obj};
@@ -56,7 +56,7 @@ fn measure(name: &str, bytes: &[u8]) {
     );
 }
 
-/// Two triangles in each of `n × n` cells, numbers as exporters write them.
+/// Two triangles in each of `n × n` cells, with numbers formatted as exporters do.
 fn grid(n: usize, attributes: bool) -> String {
     let mut text = String::new();
     let points =

@@ -6,8 +6,8 @@
 //!   "point_lights": [ { "position": [0, 2, 0], "intensity": [10, 10, 10] } ] }
 //! ```
 //!
-//! `up` may be missing (y), and so may `width` and `height`. Everything else in the file is
-//! passed over, so that it may hold notes and other programs' data.
+//! `up` may be missing (default: y), and so may `width` and `height`. Everything else in the file
+//! is ignored, so that it may hold notes and other programs' data.
 
 use crate::ReadError;
 use crate::reading::text::decoded;
@@ -15,11 +15,12 @@ use azulejo_scene::{Camera, Light, LightKind, Rgb};
 use glam::DVec3;
 use serde_json::Value;
 
-/// The camera of the file; `name` stands in messages.
+/// Reads the camera of the file; `name` is used in messages.
 ///
 /// # Errors
-/// No JSON, no `camera`, a field that is missing or no number, or a camera that sees nothing:
-/// `eye` = `target`, `up` along the view, a field of view outside 0..180 degrees.
+/// Malformed JSON, no `camera`, a field that is missing or not a number, or a camera without a
+/// valid view: `eye` = `target`, `up` along the view direction, a field of view outside
+/// 0..180 degrees.
 pub fn read(bytes: &[u8], name: &str) -> Result<Camera, ReadError> {
     let file = File::parse(bytes, name)?;
     let camera = file.member(&file.value, "camera")?;
@@ -37,7 +38,7 @@ pub fn read(bytes: &[u8], name: &str) -> Result<Camera, ReadError> {
     };
     let (right, up, forward) = camera.axes();
     if !(right.is_finite() && up.is_finite() && forward.is_finite()) {
-        return Err(file.error("eye, target and up that span no plane", "a view"));
+        return Err(file.error("eye, target and up that do not span a plane", "a view"));
     }
     if !(camera.vertical_fov > 0.0 && camera.vertical_fov < std::f64::consts::PI) {
         return Err(file.error("a \"vfov_deg\" outside 0..180", "an angle in degrees"));
@@ -45,16 +46,16 @@ pub fn read(bytes: &[u8], name: &str) -> Result<Camera, ReadError> {
     Ok(camera)
 }
 
-/// The point lights of the file, often none. Intensities in W/sr.
+/// Reads the point lights of the file, often none. Intensities are in W/sr.
 ///
 /// # Errors
-/// No JSON, a field that is missing or no number, a negative intensity.
+/// Malformed JSON, a field that is missing or not a number, a negative intensity.
 pub fn read_lights(bytes: &[u8], name: &str) -> Result<Vec<Light>, ReadError> {
     let file = File::parse(bytes, name)?;
     let lights = match &file.value["point_lights"] {
         Value::Null => &[],
         Value::Array(lights) => lights.as_slice(),
-        _ => return Err(file.error("\"point_lights\" that is no list", "a list")),
+        _ => return Err(file.error("\"point_lights\" that is not a list", "a list")),
     };
     let light = |value: &Value| {
         let intensity = file.vector(value, "intensity")?;
@@ -108,7 +109,7 @@ impl File<'_> {
         let value = self.member(object, key)?;
         value
             .as_f64()
-            .ok_or_else(|| self.error(format!("a \"{key}\" that is no number"), "a number"))
+            .ok_or_else(|| self.error(format!("a \"{key}\" that is not a number"), "a number"))
     }
 
     fn vector(&self, object: &Value, key: &str) -> Result<DVec3, ReadError> {
@@ -119,13 +120,13 @@ impl File<'_> {
         match numbers.as_deref() {
             Some(&[x, y, z]) => Ok(DVec3::new(x, y, z)),
             _ => Err(self.error(
-                format!("a \"{key}\" that is no list of three numbers"),
+                format!("a \"{key}\" that is not a list of three numbers"),
                 "[x, y, z]",
             )),
         }
     }
 
-    /// Width and height, if there are both.
+    /// Width and height, if both are present.
     fn size(&self, camera: &Value) -> Result<Option<(u32, u32)>, ReadError> {
         if camera.get("width").is_none() && camera.get("height").is_none() {
             return Ok(None);
@@ -181,7 +182,7 @@ mod tests {
         check(
             "[0, 1, 5]",
             "[0, 1]",
-            "c.json: found a \"eye\" that is no list of three",
+            "c.json: found a \"eye\" that is not a list of three",
         );
         check("[0, 1, 5]", "[0, 1, 0]", "c.json: found eye, target and up");
         check("90", "180", "c.json: found a \"vfov_deg\" outside");

@@ -1,6 +1,7 @@
-//! Bytes to [`Scene`](azulejo_scene::Scene) and back, and pictures to files.
+//! Reads [`Scene`](azulejo_scene::Scene)s from the bytes of model files and writes them, and reads
+//! and writes pictures.
 //!
-//! | room | purpose | may use |
+//! | module | purpose | may use |
 //! |---|---|---|
 //! | `reading` | bytes, text, numbers, files, options, errors, warnings, recognition | – |
 //! | [`picture`] | PNG, JPEG, Radiance HDR, OpenEXR | – |
@@ -11,12 +12,12 @@
 //! | `read` | recognises a format and calls its reader | all above |
 //!
 //! Every format is a module with `read` and, where it makes sense, `write`. A reader returns
-//! [`Loaded`]: the scene, which keeps every promise of
-//! [`Scene::validate`](azulejo_scene::Scene::validate), and warnings that count what was
-//! skipped; or a [`ReadError`] that states which file, where in it, what was found and what was
-//! expected. Nothing in a file makes a reader panic, hang or reserve memory that the file's own
-//! size does not justify. Other files that a model names (includes, materials, pictures) come
-//! through one small trait, [`Files`], so that a folder, a test's map of strings and a sandbox
+//! [`Loaded`]: a scene that is valid in the sense of
+//! [`Scene::validate`](azulejo_scene::Scene::validate), with warnings that count what was
+//! skipped; or a [`ReadError`] with the file, the position, what was found and what was
+//! expected. No file makes a reader panic, hang or reserve memory that the file's own
+//! size does not justify. Other files that a model names (includes, materials, pictures) are
+//! read through a small trait, [`Files`], so that a folder, files in memory and a sandbox
 //! work alike.
 
 pub mod brdf;

@@ -1,4 +1,4 @@
-//! Models and drawings in whatever format they are: recognised once, then read by the format's
+//! Models and drawings of any supported format: recognised once, then read by the format's
 //! own reader.
 
 use crate::outline::{Drawing, svg};
@@ -12,24 +12,24 @@ use azulejo_scene::Scene;
 /// A model and the format that it was recognised as.
 #[derive(Clone, Debug)]
 pub struct RecognisedModel {
-    /// Valid in the sense of [`Scene::validate`], in the axes and the unit of its file.
+    /// The model; valid in the sense of [`Scene::validate`], in the axes and the unit of its file.
     pub scene: Scene,
-    /// What was skipped, mended or guessed.
+    /// What was skipped, repaired or guessed.
     pub warnings: Vec<Warning>,
-    /// The format that the content is in.
+    /// The format of the file.
     pub format: Format,
 }
 
-/// Reads a model in any of the formats, packed with gzip or not. `name` stands in messages;
-/// `files` gives the files that the model names, relative to the model's folder.
+/// Reads a model in any supported format, compressed with gzip or not. `name` is used in messages;
+/// `files` provides the files that the model names, relative to the model's folder.
 ///
 /// # Errors
-/// Bytes in none of the formats, and the errors of the format's own reader.
+/// An unknown format, and the errors of the format's own reader.
 pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<RecognisedModel, ReadError> {
     read_with(bytes, name, files, &ReadOptions::default())
 }
 
-/// [`read`] with other options than the default.
+/// Like [`read`], with options.
 ///
 /// # Errors
 /// As [`read`].
@@ -65,7 +65,7 @@ pub fn read_with(
     })
 }
 
-/// Reads an SVG or DXF drawing, recognised by its content. `name` stands in messages.
+/// Reads an SVG or DXF drawing, recognised by its content. `name` is used in messages.
 ///
 /// # Errors
 /// Another format, and the errors of [`svg::read`] and [`dxf::read_figures`].
@@ -91,7 +91,7 @@ mod tests {
     use crate::outline::{ppe, ppf};
     use crate::{Loaded, Memory, Position, brdf, camera_json};
 
-    /// The same text as UTF-8 with a mark, and as UTF-16 of either byte order with and without.
+    /// The text as UTF-8 with a byte-order mark, and as UTF-16 in both byte orders with and without one.
     fn encodings(text: &str) -> [Vec<u8>; 5] {
         let utf16 = |text: &str, bytes: fn(u16) -> [u8; 2]| -> Vec<u8> {
             text.encode_utf16().flat_map(bytes).collect()
@@ -113,7 +113,7 @@ mod tests {
         }
     }
 
-    /// One small model of every format that has a text form, with the name of its file.
+    /// A small model in every format that has a text form, with its file name.
     const MODELS: [(Format, &str, &str); 16] = [
         (
             Format::Grf,

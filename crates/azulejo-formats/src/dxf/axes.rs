@@ -1,13 +1,13 @@
-//! The coordinate systems of flat entities.
+//! Object coordinate systems (OCS) of planar entities.
 
 use glam::{DMat3, DVec3};
 
 /// Axes of an entity's own coordinates in those of the drawing, by its extrusion direction: the
-/// columns of the matrix, the last of them the direction.
+/// columns of the matrix, the last of which is the direction.
 ///
-/// *DXF Reference*, "Arbitrary Axis Algorithm". Without a direction they are the drawing's.
+/// *DXF Reference*, "Arbitrary Axis Algorithm". Without a direction they are the drawing's axes.
 pub(super) fn world_from_entity(extrusion: DVec3) -> DMat3 {
-    // Exact for nearly all there are, and for the mirrored ones.
+    // Exact for the two directions of nearly all entities.
     if extrusion == DVec3::Z {
         return DMat3::IDENTITY;
     }
@@ -36,7 +36,7 @@ mod tests {
     #[test]
     fn by_hand() {
         check([0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
-        // What MIRROR makes of a drawing.
+        // The result of MIRROR.
         check([0.0, 0.0, -1.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
         // A wall that faces along x, and one along −y.
         check([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
@@ -46,7 +46,7 @@ mod tests {
         // Y × (a, 0, c) = (c, 0, −a) as long as a and the y of the direction are below 1/64.
         let (a, c) = (0.01, f64::sqrt(1.0 - 1e-4));
         check([a, 0.0, c], [c, 0.0, -a], [0.0, 1.0, 0.0]);
-        // Z × (a, 0, c) = (0, a, 0) behind that.
+        // Z × (a, 0, c) = (0, a, 0) beyond that.
         let (a, c) = (0.02, f64::sqrt(1.0 - 4e-4));
         check([a, 0.0, c], [0.0, 1.0, 0.0], [-c, 0.0, a]);
     }
@@ -65,7 +65,7 @@ mod tests {
             prop_assert!((axes * axes.transpose()).abs_diff_eq(DMat3::IDENTITY, 1e-12));
             prop_assert!((axes.determinant() - 1.0).abs() < 1e-12);
             prop_assert!((axes.z_axis - direction.normalize()).length() < 1e-12);
-            // The x axis stays in the drawing's plane of x and y, but near the pole.
+            // The x axis stays in the drawing's xy plane, except near the pole.
             prop_assert!(axes.x_axis.z.abs() < 1.0 / 63.0);
         }
     }

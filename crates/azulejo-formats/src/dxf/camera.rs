@@ -1,18 +1,18 @@
-//! Views in perspective, from the VIEW and VPORT tables.
+//! Perspective views from the VIEW and VPORT tables.
 
 use super::axes::world_from_entity;
 use super::record::Record;
 use azulejo_scene::Camera;
 use glam::DQuat;
 
-/// Width of the film that a lens's length is said for, millimetres.
+/// Film width to which lens lengths refer, in millimetres.
 const FILM: f64 = 36.0;
 
-/// The camera of a VIEW or VPORT; `None` for one in parallel projection, which has no eye.
+/// The camera of a VIEW or VPORT; `None` for a parallel projection, which has no eye point.
 pub(super) fn camera(record: &Record) -> Option<Camera> {
     const PERSPECTIVE: i64 = 1;
     let is_view = record.kind == b"VIEW";
-    // Direction, target, twist; a view says its width, a viewport its proportions.
+    // Codes of direction, target, twist; a view has a width, a viewport an aspect ratio.
     let (direction, target, twist) = if is_view { (11, 12, 50) } else { (16, 17, 51) };
     let aspect = match (is_view, record.real(41, 0.0)) {
         (true, width) => width / record.real(40, 0.0),
@@ -31,7 +31,7 @@ pub(super) fn camera(record: &Record) -> Option<Camera> {
         .filter(|lens| *lens > 0.0)
         .unwrap_or(50.0);
     let axes = world_from_entity(to_eye);
-    // A twist turns the picture counter-clockwise, so it turns the camera clockwise.
+    // The twist rotates the image counter-clockwise, hence the camera clockwise.
     let untwist = DQuat::from_axis_angle(axes.z_axis, -record.real(twist, 0.0).to_radians());
     let camera = Camera {
         name: record.text(2).trim_start_matches('*').to_owned(),
@@ -44,7 +44,7 @@ pub(super) fn camera(record: &Record) -> Option<Camera> {
     is_usable(&camera).then_some(camera)
 }
 
-/// Whether it has a direction, and an angle that can be drawn.
+/// Whether the camera has a view direction and a usable field of view.
 fn is_usable(camera: &Camera) -> bool {
     let (right, up, forward) = camera.axes();
     let angle = 1e-6..std::f64::consts::PI - 1e-6;

@@ -1,21 +1,21 @@
-//! Colours: 255 by number, the rest by their red, green and blue.
+//! Colours: by the AutoCAD colour index, or as red, green and blue.
 
 use super::record::Record;
 use azulejo_scene::Rgb;
 use std::fmt;
 
-/// A colour as an entity or a layer names it.
+/// The colour of an entity or a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Color {
     /// That of the entity's layer.
     ByLayer,
-    /// That of the INSERT which places the entity's block.
+    /// That of the INSERT that instantiates the entity's block.
     ByBlock,
-    /// Its own.
+    /// The entity's own colour.
     Own(Paint),
 }
 
-/// A colour that says what it looks like.
+/// An explicit colour.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Paint {
     /// The AutoCAD colour index, 1..=255.
@@ -24,11 +24,11 @@ pub(super) enum Paint {
     True(u32),
 }
 
-/// The colour of a screen's pen: black on white and white on black. It says nothing about a
-/// surface, and layers have it until somebody chooses another.
+/// The default pen colour: black on white and white on black. It does not describe a
+/// surface, and layers have it until the user chooses another.
 pub(super) const FOREGROUND: Paint = Paint::Index(7);
 
-/// Reflectance of surfaces whose colour says nothing.
+/// Reflectance of surfaces without a meaningful colour.
 const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
 
 impl Color {
@@ -57,7 +57,7 @@ impl Paint {
         Some(Paint::True(value as u32 & 0xff_ffff))
     }
 
-    /// A colour of a MATERIAL: its highest byte says what the others are.
+    /// A colour of a MATERIAL: its highest byte determines the meaning of the others.
     pub fn of_material(value: i64) -> Paint {
         const BY_INDEX: i64 = 0xc3;
         match (value >> 24) & 0xff {
@@ -74,7 +74,7 @@ impl Paint {
         }
     }
 
-    /// The colour on a screen (sRGB), linear.
+    /// The displayed colour (sRGB) as linear light.
     pub fn linear(self) -> Rgb {
         let [r, g, b] = match self {
             Paint::Index(index) => index_to_rgb(index),
@@ -105,8 +105,8 @@ fn decoded(byte: u8) -> f64 {
 
 /// The AutoCAD colour index as red, green and blue.
 ///
-/// 1 to 9 are named colours, 250 to 255 greys. Between them, tens are 24 hues of 15° each from
-/// red; units are five brightnesses, and odd ones are half as saturated.
+/// 1 to 9 are named colours, 250 to 255 greys. In between, the tens are 24 hues in steps of 15° from
+/// red; the units are five brightness levels, and odd ones are half as saturated.
 fn index_to_rgb(index: u8) -> [u8; 3] {
     const NAMED: [[u8; 3]; 10] = [
         [0, 0, 0],
@@ -128,7 +128,7 @@ fn index_to_rgb(index: u8) -> [u8; 3] {
             let (hue, unit) = (f64::from(index / 10 - 1) / 4.0, index % 10);
             let brightness = BRIGHTNESSES[usize::from(unit / 2)];
             let saturation = if unit % 2 == 1 { 0.5 } else { 1.0 };
-            // Sixths of the circle around red, green and blue, at 0, 2 and 4.
+            // Sixths of the colour circle, with red, green and blue at 0, 2 and 4.
             [0.0, 2.0, 4.0].map(|peak: f64| {
                 let away = (hue - peak).abs();
                 let share = (2.0 - away.min(6.0 - away)).clamp(0.0, 1.0);
@@ -175,7 +175,7 @@ mod tests {
             Paint::of_material(0xc200_ff00).reflectance(),
             Rgb::new(0.0, 1.0, 0.0)
         );
-        // As signed numbers of 32 bits, too.
+        // Also as signed 32-bit numbers.
         assert_eq!(Paint::of_material(0xc300_0005 - (1 << 32)), Paint::Index(5));
         assert_eq!(Paint::True(0xff_8000).to_string(), "#ff8000");
     }

@@ -1,22 +1,22 @@
-//! Arcs in straight pieces.
+//! Arcs divided into straight segments.
 
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// Straight pieces of a full circle. They leave it by at most 1 − cos(π/32), or 0.5 % of the
-/// radius, and their number makes a circle as wide and as high as it is.
+/// Segments of a full circle. They deviate by at most 1 − cos(π/32), or 0.5 % of the
+/// radius; a multiple of four preserves the extents of a circle.
 pub(super) const PIECES: f64 = 32.0;
 
-/// How many straight pieces an arc gets, for an angle in radians.
+/// Number of segments of an arc, for an angle in radians.
 pub(super) fn pieces(angle: f64) -> usize {
-    // The margin keeps rounding from adding a piece.
+    // The margin keeps rounding from adding a segment.
     (angle.abs() * PIECES / TAU - 1e-9)
         .ceil()
         .clamp(1.0, PIECES) as usize
 }
 
-/// From `start` counter-clockwise to `end`, degrees: start and angle in radians, the angle above
-/// 0 and at most a full turn, which it also is where both are the same but for rounding.
+/// The arc counter-clockwise from `start` to `end`, in degrees: start and angle in radians. The angle
+/// is above 0 and at most a full turn, which it also is if both are equal up to rounding.
 pub(super) fn sweep(start: f64, end: f64) -> (f64, f64) {
     let angle = (end - start).rem_euclid(360.0);
     let angle = if angle < 1e-7 { 360.0 } else { angle };
@@ -24,7 +24,7 @@ pub(super) fn sweep(start: f64, end: f64) -> (f64, f64) {
 }
 
 /// An arc of an ellipse around `centre`: the points `centre + cos t·x + sin t·y`, `t` from
-/// `start` over `angle`. A full turn ends before it comes back to its first point.
+/// `start` over `angle`. A full turn does not repeat its first point.
 pub(super) fn ellipse(centre: DVec3, x: DVec3, y: DVec3, (start, angle): (f64, f64)) -> Vec<DVec3> {
     let count = pieces(angle);
     let points = count + usize::from(!is_full(angle));
@@ -40,21 +40,21 @@ pub(super) fn is_full(angle: f64) -> bool {
     angle > TAU - 1e-9
 }
 
-/// A point of an arc, and the unit vector along the arc there.
+/// A point of an arc, and the unit tangent there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Station {
     /// The point.
     pub point: DVec2,
-    /// The direction.
+    /// The tangent.
     pub tangent: DVec2,
 }
 
-/// The way from `from` to `to`, which are not the same: straight for a bulge of 0, otherwise an
+/// The segment from `from` to `to`, which must differ: straight for a bulge of 0, otherwise an
 /// arc of the angle 4·atan(bulge), counter-clockwise if that is positive.
 pub(super) fn bulged(from: DVec2, to: DVec2, bulge: f64) -> Vec<Station> {
     let chord = to - from;
     let along = chord.normalize();
-    // More than this is a full circle to the last digit, and its sine too small to divide by.
+    // Beyond this it is a full circle to the last digit, and its sine is too small to divide by.
     let half = 2.0 * bulge.clamp(-1e6, 1e6).atan();
     if half.abs() < 1e-9 {
         return [from, to]

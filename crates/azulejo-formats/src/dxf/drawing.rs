@@ -1,5 +1,5 @@
-//! A drawing as it stands in its file: layers, and blocks with their surfaces in the blocks'
-//! own coordinates, nothing of it placed yet.
+//! The content of a drawing file: layers, and blocks with their surfaces in the blocks'
+//! own coordinates, before any INSERT is applied.
 
 use super::color::{Color, FOREGROUND, Paint};
 use super::ids::{AppearanceId, BlockId, LayerId};
@@ -11,39 +11,39 @@ use std::collections::HashMap;
 /// One file.
 #[derive(Debug)]
 pub(super) struct DxfDrawing {
-    /// Its name.
+    /// Its file name.
     pub file: String,
-    /// Metres per unit, if the file says so.
+    /// Metres per unit, if the file defines it.
     pub metres_per_unit: Option<f64>,
     /// Layers, in the order in which they are first named.
     pub layers: Vec<Layer>,
-    /// What entities look like.
+    /// Appearances of entities.
     pub appearances: Vec<Appearance>,
     /// The model space, and the blocks in the order in which they are first named.
     pub blocks: Vec<DxfBlock>,
     /// MATERIALs by their handles.
     pub finishes: HashMap<u64, Finish>,
-    /// Views in perspective.
+    /// Perspective views.
     pub cameras: Vec<Camera>,
 }
 
 /// A layer.
 #[derive(Debug)]
 pub(super) struct Layer {
-    /// Its name; `0` is the one that stands in for another inside of blocks.
+    /// Its name; inside blocks, `0` stands for the layer of the INSERT.
     pub name: String,
-    /// The colour of what is drawn on it in the layer's colour.
+    /// The colour of entities with colour by layer.
     pub paint: Paint,
     /// Handle of its MATERIAL, or 0.
     pub finish: u64,
-    /// Hidden; blocks that are placed on it show what they have on other layers.
+    /// Off; blocks inserted on it still show their entities on other layers.
     pub is_off: bool,
-    /// Hidden, with all that is in blocks placed on it.
+    /// Frozen; blocks inserted on it are hidden, too.
     pub is_frozen: bool,
 }
 
 impl Layer {
-    /// A layer that nobody has described.
+    /// A layer without an entry in the layer table.
     pub fn new(name: String) -> Layer {
         Layer {
             name,
@@ -54,13 +54,13 @@ impl Layer {
         }
     }
 
-    /// Whether entities on it stand on the layer of their block's INSERT.
+    /// Whether entities on it belong to the layer of their block's INSERT.
     pub fn is_zero(&self) -> bool {
         self.name == "0"
     }
 }
 
-/// What decides the material of an entity.
+/// What determines the material of an entity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Appearance {
     /// Its layer.
@@ -76,69 +76,69 @@ pub(super) struct Appearance {
 pub(super) enum Finish {
     /// That of the entity's layer.
     ByLayer,
-    /// That of the INSERT which places the entity's block.
+    /// That of the INSERT that instantiates the entity's block.
     ByBlock,
-    /// The drawing's default: the colour alone counts.
+    /// The drawing's default: only the colour matters.
     Plain,
-    /// A described one.
+    /// An explicit material.
     Described {
         /// Its name.
         name: String,
-        /// Its own colour, if it has one and not that of the entity.
+        /// Its own colour, unless it uses that of the entity.
         paint: Option<Paint>,
-        /// Multiplies the colour, 0..=1.
+        /// Factor of the colour, 0..=1.
         factor: f64,
-        /// Index of refraction, if one can see through it.
+        /// Index of refraction, if it is transparent.
         ior: Option<f64>,
     },
 }
 
-/// What a block holds.
+/// The content of a block.
 #[derive(Debug, Default)]
 pub(super) struct DxfBlock {
-    /// Its name; the model space and anonymous blocks have none.
+    /// Its name; empty for the model space and anonymous blocks.
     pub name: String,
-    /// The point that an INSERT places.
+    /// The base point, which an INSERT moves to its insertion point.
     pub base: DVec3,
     /// Whether its definition has been read.
     pub is_defined: bool,
-    /// The file that holds its content, if it is an external reference.
+    /// The file with its content, if it is an external reference.
     pub external: Option<String>,
     /// Its surfaces.
     pub surfaces: Surfaces,
     /// Its lights, with the layer of each.
     pub lights: Vec<(LayerId, Light)>,
-    /// The blocks placed in it.
+    /// The INSERTs in it.
     pub inserts: Vec<Insert>,
 }
 
-/// A block placed once, or in rows and columns.
+/// An instance of a block, or an array of instances.
 #[derive(Debug)]
 pub(super) struct Insert {
-    /// Which block.
+    /// The block.
     pub block: BlockId,
-    /// What its parts look like that leave it to the INSERT.
+    /// Appearance of entities with colour or material by block.
     pub appearance: AppearanceId,
-    /// Turns and scales the block.
+    /// Rotates and scales the block.
     pub matrix: DMat3,
-    /// Where the block's base point goes.
+    /// Insertion point of the block's base point.
     pub origin: DVec3,
-    /// From one column to the next.
+    /// Offset from one column to the next.
     pub column_step: DVec3,
-    /// From one row to the next.
+    /// Offset from one row to the next.
     pub row_step: DVec3,
     /// Number of columns, 1 or more.
     pub columns: u32,
     /// Number of rows, 1 or more.
     pub rows: u32,
-    /// Where it stands in the file.
+    /// Its offset in the file.
     pub offset: usize,
-    /// Whether its block cannot be placed.
+    /// Whether its block cannot be instantiated.
     pub is_refused: bool,
 }
 
 impl Insert {
-    /// How many times the block is placed.
+    /// Number of instances.
     pub fn count(&self) -> u64 {
         u64::from(self.columns) * u64::from(self.rows)
     }

@@ -1,4 +1,4 @@
-//! Entities: what each kind becomes.
+//! Conversion of entities to surfaces and lights.
 
 use super::axes::world_from_entity;
 use super::curve::{ellipse, is_full, sweep};
@@ -6,11 +6,11 @@ use super::drawing::Insert;
 use super::ids::AppearanceId;
 use super::light::light;
 use super::mesh_entity::Cage;
-use super::outline::{Outline, Vertex};
+use super::outline::{DxfOutline, Vertex};
 use super::parse::DxfParser;
 use super::polyline::{Polyline, PolylineKind};
 use super::record::Record;
-use super::surfaces::{Corners, LayerMesh, Line};
+use super::surfaces::{FaceCorners, LayerMesh, Line};
 use crate::ReadError;
 use crate::reading::text::{shortened, text};
 use glam::{DMat3, DVec2, DVec3};
@@ -21,12 +21,12 @@ const COST_OF_CIRCLE: u64 = 256;
 type Done = Result<(), ReadError>;
 
 impl<'a> DxfParser<'a, '_> {
-    /// Takes an entity, or what belongs to one.
+    /// Handles an entity, or a record that belongs to one.
     pub fn entity(&mut self, record: &Record<'a>) -> Done {
         match record.kind {
             b"VERTEX" => self.vertex(record),
             b"SEQEND" => return self.finish_polyline(true),
-            // Text that goes with an INSERT.
+            // Text attached to an INSERT.
             b"ATTRIB" => {}
             b"POLYLINE" => self.begin_polyline(record),
             _ if self.is_left_out(record) => {}
@@ -35,14 +35,14 @@ impl<'a> DxfParser<'a, '_> {
         Ok(())
     }
 
-    /// Whether an entity is not to be seen in the model.
+    /// Whether an entity is not part of the visible model.
     fn is_left_out(&mut self, record: &Record<'a>) -> bool {
         let why = if record.integer(67, 0) == 1 {
             "entity in paper space: left out"
         } else if record.integer(60, 0) == 1 {
             "invisible entity: left out"
         } else if self.current().is_none() {
-            "entity between blocks: left out"
+            "entity outside blocks: left out"
         } else {
             return false;
         };
@@ -88,7 +88,7 @@ impl<'a> DxfParser<'a, '_> {
         } else {
             third
         };
-        let corners = Corners::new([record.point(10), record.point(11), third, fourth]);
+        let corners = FaceCorners::new([record.point(10), record.point(11), third, fourth]);
         if !corners.are_a_face() {
             return self.warn(
                 "3DFACE with fewer than three different corners: skipped",
@@ -102,7 +102,7 @@ impl<'a> DxfParser<'a, '_> {
         }
     }
 
-    /// A filled quadrilateral, whose third and fourth corners are in the order of a Z.
+    /// A filled quadrilateral, whose third and fourth corners are swapped.
     fn solid(&mut self, record: &Record<'a>) {
         let (axes, offset) = extrusion(record);
         let third = flat_point(record, 12);
@@ -111,7 +111,7 @@ impl<'a> DxfParser<'a, '_> {
         } else {
             third
         };
-        let corners = Corners::new([
+        let corners = FaceCorners::new([
             flat_point(record, 10),
             flat_point(record, 11),
             fourth,
@@ -138,7 +138,7 @@ impl<'a> DxfParser<'a, '_> {
         mesh.prism(&outline, offset, appearance, 0);
     }
 
-    /// A line, which has the drawing's coordinates and not those of its extrusion.
+    /// A line, in coordinates of the drawing and not of its extrusion.
     fn line(&mut self, record: &Record<'a>) {
         let (_, offset) = extrusion(record);
         if offset == DVec3::ZERO {
@@ -204,7 +204,7 @@ impl<'a> DxfParser<'a, '_> {
         let width = record.real(43, 0.0);
         let mut vertices: Vec<Vertex> = Vec::new();
         for pair in &record.pairs {
-            // Numbers without a vertex before them belong to the whole.
+            // Numbers before the first vertex belong to the whole polyline.
             let number = || record.finite(pair.value).unwrap_or(0.0);
             match (pair.code, vertices.last_mut()) {
                 (10, _) => vertices.push(Vertex {
@@ -219,7 +219,7 @@ impl<'a> DxfParser<'a, '_> {
                 _ => {}
             }
         }
-        let outline = Outline {
+        let outline = DxfOutline {
             vertices,
             is_closed: record.integer(70, 0) & CLOSED != 0,
             elevation: record.real(38, 0.0),
@@ -241,7 +241,7 @@ impl<'a> DxfParser<'a, '_> {
         let cage = Cage::read(record);
         if cage.level > 0 {
             let message = format!(
-                "MESH of smoothness {}: its control cage is taken as it is",
+                "MESH of smoothness {}: its control cage is used without subdivision",
                 cage.level
             );
             self.warn(message, record.offset);
@@ -249,8 +249,7 @@ impl<'a> DxfParser<'a, '_> {
         self.spend(cage.cost())?;
         if let Some((mesh, appearance)) = self.site(record) {
             let lost = cage.draw(mesh, appearance);
-            let message =
-                "face of a MESH with too few corners or with one that is no vertex: skipped";
+            let message = "face of a MESH with too few or invalid corners: skipped";
             self.warn_many(message.to_owned(), lost, record.offset);
         }
         Ok(())
@@ -267,7 +266,7 @@ impl<'a> DxfParser<'a, '_> {
                 if record.integer(72, INVERSE_SQUARE) != INVERSE_SQUARE
                     || record.integer(292, 0) != 0
                 {
-                    let message = "LIGHT with an attenuation or limits of its own: falls with the square of the distance";
+                    let message = "LIGHT with an attenuation or limits of its own: falls off with the inverse square of the distance";
                     self.warn(message, record.offset);
                 }
             }
@@ -304,7 +303,7 @@ impl<'a> DxfParser<'a, '_> {
         }
     }
 
-    /// A scale, which may be negative but not 0.
+    /// A scale factor, which may be negative but not 0.
     fn scale(&mut self, record: &Record, code: i16) -> f64 {
         let scale = record.real(code, 1.0);
         if scale != 0.0 {
@@ -316,11 +315,11 @@ impl<'a> DxfParser<'a, '_> {
 
     fn begin_polyline(&mut self, record: &Record<'a>) {
         let appearance = self.appearance(record);
-        let outline = Outline {
+        let outline = DxfOutline {
             elevation: flat_point(record, 10).z,
             thickness: record.real(39, 0.0),
             extrusion: record.point(210),
-            ..Outline::default()
+            ..DxfOutline::default()
         };
         let mut polyline = Polyline::new(record, appearance, outline);
         polyline.is_left_out = self.is_left_out(record);
@@ -338,10 +337,10 @@ impl<'a> DxfParser<'a, '_> {
         }
     }
 
-    /// Draws the POLYLINE that has been read, if there is one.
+    /// Draws the current POLYLINE, if there is one.
     ///
     /// # Errors
-    /// More pieces than allowed.
+    /// More segments than allowed.
     pub fn finish_polyline(&mut self, is_complete: bool) -> Done {
         let Some(polyline) = self.polyline.take() else {
             return Ok(());
@@ -362,9 +361,7 @@ impl<'a> DxfParser<'a, '_> {
                 "POLYLINE without thickness or width: has no surface",
                 polyline.offset,
             ),
-            PolylineKind::Spatial => {
-                self.warn("POLYLINE in space: has no surface", polyline.offset)
-            }
+            PolylineKind::Spatial => self.warn("spatial POLYLINE: has no surface", polyline.offset),
             PolylineKind::Mesh => self.polygon_mesh(&polyline),
             PolylineKind::Polyface => self.polyface_mesh(&polyline),
         }
@@ -386,7 +383,7 @@ impl<'a> DxfParser<'a, '_> {
         let is_whole = polyline.draw_mesh(block.surfaces.on(polyline.appearance.layer), appearance);
         if !is_whole {
             let message =
-                "polygon mesh whose vertices are not rows times columns: whole rows are kept";
+                "polygon mesh whose vertex count is not rows × columns: complete rows are kept";
             self.warn(message, polyline.offset);
         }
     }
@@ -394,32 +391,31 @@ impl<'a> DxfParser<'a, '_> {
     fn polyface_mesh(&mut self, polyline: &Polyline) {
         let Some(block) = self.current() else { return };
         let lost = polyline.draw_polyface(block.surfaces.on(polyline.appearance.layer));
-        let message =
-            "face of a polyface mesh with too few corners or with one that is no vertex: skipped";
+        let message = "face of a polyface mesh with too few or invalid corners: skipped";
         self.warn_many(message.to_owned(), lost, polyline.offset);
     }
 }
 
-/// What is said about an entity that has no surface or none that can be read.
+/// The warning about an entity that is not supported.
 fn skipped(kind: &str) -> String {
     match kind {
         "3DSOLID" | "BODY" | "REGION" | "SURFACE" | "EXTRUDEDSURFACE" | "LOFTEDSURFACE"
         | "NURBSURFACE" | "PLANESURFACE" | "REVOLVEDSURFACE" | "SWEPTSURFACE" => {
             format!(
-                "{kind}: a solid of ACIS, whose data nobody documents: skipped; export it as a mesh"
+                "{kind}: ACIS solid, whose data format is undocumented: skipped; export it as a mesh"
             )
         }
-        _ => format!("{kind}: has no surface that is read: skipped"),
+        _ => format!("{kind}: not read or without a surface: skipped"),
     }
 }
 
-/// Axes of an entity, and what it is extruded by.
+/// Axes of an entity, and its extrusion vector.
 fn extrusion(record: &Record) -> (DMat3, DVec3) {
     let axes = world_from_entity(record.point(210));
     (axes, record.real(39, 0.0) * axes.z_axis)
 }
 
-/// A point of a flat entity. Before release 11 its height was said once, in group 38.
+/// A point of a planar entity. Before release 11 the elevation was stored once, in group 38.
 fn flat_point(record: &Record, code: i16) -> DVec3 {
     let mut point = record.point(code);
     if point.z == 0.0 && record.find(code + 20).is_none() {
@@ -428,7 +424,7 @@ fn flat_point(record: &Record, code: i16) -> DVec3 {
     point
 }
 
-/// Centre, half axes, and where it begins and how far it goes, radians.
+/// Centre, half axes, and start and angle in radians.
 type Ellipse = (DVec3, DVec3, DVec3, (f64, f64));
 
 fn circle(record: &Record, axes: DMat3) -> Ellipse {
@@ -445,7 +441,7 @@ fn circle(record: &Record, axes: DMat3) -> Ellipse {
     )
 }
 
-/// An ellipse has the drawing's coordinates; its parameters are radians.
+/// An ellipse has the drawing's coordinates; its parameters are in radians.
 fn whole_ellipse(record: &Record, axes: DMat3) -> Ellipse {
     let major = record.point(11);
     let minor = record.real(40, 1.0) * axes.z_axis.cross(major);

@@ -17,8 +17,8 @@ use glam::{DMat3, DVec2};
 use std::collections::HashMap;
 
 /// Reads the closed polylines, circles, ellipses and splines of a drawing's model space as plane
-/// figures, seen from above. All outlines of a layer make one figure, with holes where one is in
-/// another ([`FillRule::EvenOdd`]). What is open, or not drawn flat, is left out with a warning.
+/// figures, seen from above. All outlines of a layer form one figure, with holes where one is inside
+/// another ([`FillRule::EvenOdd`]). Open and non-horizontal outlines are left out with a warning.
 ///
 /// # Errors
 /// A file without sections, and one whose outlines have more curves than `options` allow.
@@ -72,11 +72,11 @@ struct FigureReader<'a> {
     /// Layers by their names, each with its outlines.
     layers: Vec<(String, Pen)>,
     by_name: HashMap<String, usize>,
-    /// The old kind of polyline, whose vertices are records of their own.
+    /// The old kind of polyline, whose vertices are separate records.
     polyline: Option<Polyline>,
 }
 
-/// A polyline in its own plane: vertices, and the bulge of the way behind each.
+/// A polyline in its own plane: vertices, each with the bulge of the segment after it.
 struct Polyline {
     offset: usize,
     layer: usize,
@@ -154,7 +154,7 @@ impl FigureReader<'_> {
         }
     }
 
-    /// The entity's plane seen from above, if it lies flat.
+    /// The entity's plane seen from above, if it is horizontal.
     fn plane(&mut self, record: &Record) -> Option<DMat3> {
         let axes = world_from_entity(record.point(210));
         if axes.z_axis.z.abs() > 1.0 - 1e-9 {
@@ -213,7 +213,7 @@ impl FigureReader<'_> {
         let flags = record.integer(70, 0);
         let kind = match flags {
             f if f & MESHES != 0 => Some("POLYLINE that is a mesh: left out"),
-            f if f & SMOOTHED != 0 => Some("smoothed POLYLINE: its straight pieces are taken"),
+            f if f & SMOOTHED != 0 => Some("smoothed POLYLINE: its straight pieces are used"),
             _ => None,
         };
         if let Some(message) = kind {
@@ -259,7 +259,7 @@ impl FigureReader<'_> {
             self.warn("open polyline: left out", polyline.offset);
             return Ok(());
         }
-        // A bulge divides an arc into no more than eight pieces.
+        // A bulge is divided into at most eight pieces.
         let pen = self.pen(polyline.layer, 8 * vertices.len())?;
         let flat = |p: DVec2| (plane * p.extend(0.0)).truncate();
         let is_mirrored = plane.z_axis.z < 0.0;
@@ -291,7 +291,7 @@ impl FigureReader<'_> {
         Ok(())
     }
 
-    /// An ellipse's centre and axes are the drawing's coordinates, not the entity's.
+    /// An ellipse's centre and axes are in the drawing's coordinates, not the entity's.
     fn ellipse(&mut self, record: &Record) -> Done {
         use std::f64::consts::TAU;
         let layer = self.layer(record);
@@ -332,12 +332,12 @@ impl FigureReader<'_> {
     }
 }
 
-/// The way to `to`: straight for a bulge of 0, otherwise an arc of the angle 4·atan(bulge),
+/// Draws the segment to `to`: straight for a bulge of 0, otherwise an arc of the angle 4·atan(bulge),
 /// counter-clockwise if that is positive.
 fn bulged(pen: &mut Pen, to: DVec2, bulge: f64) {
     let from = pen.at();
     let chord = to - from;
-    // More than this is a full circle to the last digit, and its sine too small to divide by.
+    // Beyond this it is a full circle to the last digit, and its sine is too small to divide by.
     let half = 2.0 * bulge.clamp(-1e6, 1e6).atan();
     if chord == DVec2::ZERO {
         return;

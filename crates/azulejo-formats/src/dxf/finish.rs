@@ -1,4 +1,4 @@
-//! MATERIALs, and what entities without one look like.
+//! MATERIALs, and materials of entities without one.
 
 use super::color::{FOREGROUND, Paint};
 use super::drawing::Finish;
@@ -6,7 +6,7 @@ use super::record::Record;
 use azulejo_scene::{Dielectric, Material, Rgb};
 
 impl Finish {
-    /// Reads a MATERIAL, with names for what it has that is not used.
+    /// Reads a MATERIAL, and the names of its properties that are not used.
     pub fn read(record: &Record) -> (Finish, Vec<&'static str>) {
         let name = record.text(1);
         let reserved = match name.to_ascii_lowercase().as_str() {
@@ -41,8 +41,8 @@ impl Finish {
     }
 }
 
-/// The material of a surface on a layer, in the layer's colour or in one of its own, of a
-/// MATERIAL or of none.
+/// The material of a surface on a layer, in the layer's colour or its own, with or without
+/// a MATERIAL.
 pub(super) fn material(
     layer: &str,
     layer_paint: Paint,
@@ -66,7 +66,7 @@ pub(super) fn material(
     if let Some(ior) = *ior {
         return glass(name, ior);
     }
-    // White by a MATERIAL's own will is white.
+    // White set explicitly by a MATERIAL is white.
     let color = match own {
         Some(FOREGROUND) => Rgb::WHITE,
         Some(own) => own.reflectance(),

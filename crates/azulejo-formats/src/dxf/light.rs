@@ -1,11 +1,11 @@
-//! LIGHT, from release 2007 on.
+//! LIGHT entities, which exist since release 2007.
 
 use super::color::{Color, Paint};
 use super::record::Record;
 use azulejo_scene::{Light, LightKind, Rgb};
 use glam::{DAffine3, DVec3};
 
-/// The light of an entity, in the coordinates of its block, or why there is none.
+/// The light of an entity in its block's coordinates, or the reason why there is none.
 pub(super) fn light(record: &Record) -> Result<Light, &'static str> {
     if record.integer(290, 1) == 0 {
         return Err("that is off");
@@ -27,7 +27,7 @@ pub(super) fn light(record: &Record) -> Result<Light, &'static str> {
             intensity,
         },
         (3, Some(direction)) => spot(record, position, direction, intensity),
-        (1 | 3, None) => return Err("that points nowhere"),
+        (1 | 3, None) => return Err("without a direction"),
         _ => return Err("of unknown type"),
     };
     Ok(Light {
@@ -36,7 +36,7 @@ pub(super) fn light(record: &Record) -> Result<Light, &'static str> {
     })
 }
 
-/// Angles are those of whole cones, degrees.
+/// Angles are full cone angles in degrees.
 fn spot(record: &Record, position: DVec3, direction: DVec3, intensity: Rgb) -> LightKind {
     let half = |code, default| 0.5 * record.real(code, default).clamp(0.0, 360.0).to_radians();
     let outer = half(51, 50.0);
@@ -49,8 +49,8 @@ fn spot(record: &Record, position: DVec3, direction: DVec3, intensity: Rgb) -> L
     }
 }
 
-/// A light of a block that is placed; `None` where the place is beyond all numbers. Its strength
-/// is what the file says, whatever the scale.
+/// A light of an inserted block; `None` if its position overflows. Its intensity
+/// does not depend on the scale.
 pub(super) fn placed(light: &Light, map: &DAffine3) -> Option<Light> {
     let mut light = light.clone();
     let turned = |d: DVec3| (map.matrix3 * d).try_normalize().unwrap_or(d);

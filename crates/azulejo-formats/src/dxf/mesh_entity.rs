@@ -5,19 +5,19 @@ use super::record::Record;
 use super::surfaces::LayerMesh;
 use glam::DVec3;
 
-/// A MESH as it stands in the file, before any subdivision.
+/// The control cage of a MESH, before any subdivision.
 #[derive(Debug, Default)]
 pub(super) struct Cage {
-    /// How often the surface is to be subdivided.
+    /// Number of subdivisions.
     pub level: i64,
     points: Vec<DVec3>,
     /// Number of corners and the corners of each face, one face after the other.
     faces: Vec<i64>,
-    /// How many entries `faces` should have.
+    /// Declared number of entries of `faces`.
     entries: i64,
 }
 
-/// Which list the groups belong to: the codes of some stand in several.
+/// The list that the groups belong to, since several lists use the same codes.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum List {
     Head,
@@ -57,13 +57,13 @@ impl Cage {
         cage
     }
 
-    /// Most vertices and corners that it makes.
+    /// Most vertices and corners that it adds.
     pub fn cost(&self) -> u64 {
         (self.points.len() + self.faces.len()) as u64
     }
 
-    /// Adds its polygons to a mesh. Returns how many are lost, because they have too few corners
-    /// or one that is no vertex; a face list that ends early counts as one.
+    /// Adds its polygons to a mesh. Returns how many faces were skipped, because they have too few
+    /// corners or an invalid one; a face list that ends early counts as one.
     pub fn draw(&self, mesh: &mut LayerMesh, appearance: AppearanceId) -> usize {
         let first = mesh.vertices(self.points.iter().copied());
         let is_vertex = |corner: &i64| (0..self.points.len() as i64).contains(corner);

@@ -1,9 +1,9 @@
 //! DXF, the drawing interchange format of AutoCAD, as text and binary, from release 10 to 2018.
 //!
-//! What is read: faces, meshes, filled areas, lines, curves and polylines that thickness or width
-//! gives a surface, blocks placed by INSERT, layers, colours, MATERIALs, lights, views in
-//! perspective, units, external references. Everything else is named and counted.
-//! `docs/formats/dxf.md` says how every entity is understood.
+//! The reader supports faces, meshes, filled areas, lines, curves and polylines with thickness or
+//! width, blocks inserted by INSERT, layers, colours, MATERIALs, lights, perspective
+//! views, units and external references. Everything else is counted in warnings.
+//! `docs/formats/dxf.md` documents how every entity is interpreted.
 
 mod axes;
 mod camera;
@@ -38,11 +38,11 @@ use project::Project;
 
 pub use figures::read_figures;
 
-/// Reads a drawing. External references come through `files`; `name` stands in messages.
+/// Reads a drawing. External references are read through `files`; `name` is used in messages.
 ///
 /// # Errors
-/// A file without sections, and one whose blocks and curves unfold to more than `options` allow.
-/// Anything less is mended with a warning.
+/// A file without sections, and one whose blocks and curves expand to more than `options` allow.
+/// All other damage is repaired with a warning.
 pub fn read(
     bytes: &[u8],
     name: &str,
@@ -62,7 +62,7 @@ pub fn read(
         photometric: false,
     };
     if scene.objects.is_empty() {
-        warnings.add_whole(name, "there is no surface in it");
+        warnings.add_whole(name, "the drawing contains no surfaces");
     }
     Ok(Loaded {
         scene,

@@ -1,4 +1,4 @@
-//! Flat polylines with bulges, widths and thickness, and what surface they have.
+//! Planar polylines with bulges, widths and thickness, and their surfaces.
 
 use super::axes::world_from_entity;
 use super::curve::{Station, bulged};
@@ -8,42 +8,42 @@ use glam::{DMat3, DVec2, DVec3};
 
 /// A polyline in its plane.
 #[derive(Debug, Default)]
-pub(super) struct Outline {
-    /// Its vertices, each with the way to the next.
+pub(super) struct DxfOutline {
+    /// Its vertices, each with the segment to the next.
     pub vertices: Vec<Vertex>,
-    /// Whether the last leads back to the first.
+    /// Whether the last vertex is connected to the first.
     pub is_closed: bool,
-    /// Height of its plane.
+    /// Elevation of its plane.
     pub elevation: f64,
-    /// How far it rises from there.
+    /// Thickness: how far it is extruded from there.
     pub thickness: f64,
-    /// Direction in which its plane looks; zero for +z.
+    /// Normal of its plane; zero for +z.
     pub extrusion: DVec3,
 }
 
 /// A vertex of a flat polyline.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Vertex {
-    /// Where it is.
+    /// Its position.
     pub point: DVec2,
-    /// Width at the start and at the end of the way to the next vertex.
+    /// Width at the start and at the end of the segment to the next vertex.
     pub widths: [f64; 2],
-    /// Tangent of a quarter of the angle of the arc to the next; 0 for a straight way.
+    /// Bulge: tangent of a quarter of the angle of the arc to the next vertex; 0 for a straight line.
     pub bulge: f64,
 }
 
-/// Cosine of the angle between two arcs from which on they are one smooth curve.
+/// Least cosine of the angle between two arcs that form one smooth curve.
 const SMOOTH: f64 = 0.999;
 
-/// Where two wide parts meet, their edges are drawn out until they meet, unless that is more than
+/// Where two wide segments meet, their edges are extended until they meet, unless that is more than
 /// this many half widths away.
 const LONGEST_MITRE: f64 = 4.0;
 
-/// A straight piece of a polyline, an arc's pieces included.
+/// A straight piece of a polyline, including the pieces of arcs.
 #[derive(Clone, Copy, Debug)]
 struct Piece {
     ends: [End; 2],
-    /// Number of the smooth curve that it belongs to; 0 for a straight part.
+    /// Number of the smooth curve that it belongs to; 0 for a straight segment.
     curve: u32,
 }
 
@@ -52,14 +52,14 @@ struct Piece {
 struct End {
     station: Station,
     half_width: f64,
-    /// From the middle to the left edge.
+    /// Vector from the centre line to the left edge.
     side: DVec2,
-    /// Whether the neighbour's edges go on from here.
+    /// Whether the neighbour's edges start here.
     is_joined: bool,
 }
 
-impl Outline {
-    /// Whether it has a surface, and not only a place.
+impl DxfOutline {
+    /// Whether it has a surface.
     pub fn has_surface(&self) -> bool {
         self.thickness != 0.0 || self.is_wide()
     }
@@ -69,7 +69,7 @@ impl Outline {
         self.vertices.iter().any(wide)
     }
 
-    /// Most vertices and corners that [`Outline::draw`] makes.
+    /// Most vertices and corners that [`DxfOutline::draw`] adds.
     pub fn cost(&self) -> u64 {
         let pieces = |v: &Vertex| match v.bulge {
             0.0 => 1,
@@ -133,7 +133,7 @@ impl Outline {
         mesh.wall(&line, space.up(), appearance, groups);
     }
 
-    /// Its straight pieces, joined where they meet.
+    /// Its straight pieces, mitred where they meet.
     fn pieces(&self) -> Vec<Piece> {
         let mut pieces = Vec::new();
         let mut curves = 0;
@@ -145,8 +145,8 @@ impl Outline {
         };
         for way in 0..ways {
             let (from, to) = (&self.vertices[way], &self.vertices[(way + 1) % count]);
-            // Ways without length have no direction. The difference is asked about because it
-            // may vanish where the points differ.
+            // Segments without length have no direction. The difference is tested because it
+            // may underflow although the points differ.
             if (to.point - from.point).try_normalize().is_some() {
                 add_way(from, to.point, &mut curves, &mut pieces);
             }
@@ -163,7 +163,7 @@ impl Outline {
     }
 }
 
-/// Adds the pieces of the way from one vertex to the next.
+/// Adds the pieces of the segment from one vertex to the next.
 fn add_way(from: &Vertex, to: DVec2, curves: &mut u32, pieces: &mut Vec<Piece>) {
     let stations = bulged(from.point, to, from.bulge);
     let count = stations.len() - 1;
@@ -199,13 +199,13 @@ fn is_smooth(a: &Station, b: &Station) -> bool {
     a.tangent.dot(b.tangent) > SMOOTH
 }
 
-/// Lets the edges of a piece and of the next end at the same points, where both are equally wide
-/// and do not turn back too sharply.
+/// Lets the edges of a piece and of the next end at the same points, if both are equally wide
+/// and the angle between them is not too sharp.
 fn join(pieces: &mut [Piece], joint: usize) {
     let next = (joint + 1) % pieces.len();
     let (a, b) = (pieces[joint].ends[1], pieces[next].ends[0]);
     let (n, m) = (a.station.tangent.perp(), b.station.tangent.perp());
-    // The mitre is the vector whose shares along both normals are 1.
+    // The mitre is the vector whose projections on both normals are 1.
     let stretch = 1.0 + n.dot(m);
     let is_short = stretch > 2.0 / (LONGEST_MITRE * LONGEST_MITRE);
     let is_even = (a.half_width - b.half_width).abs() <= 1e-9 * a.half_width;
@@ -218,7 +218,7 @@ fn join(pieces: &mut [Piece], joint: usize) {
     }
 }
 
-/// Where a polyline's plane is.
+/// The coordinate system and extrusion of a polyline.
 #[derive(Clone, Copy, Debug)]
 struct Space {
     axes: DMat3,
@@ -236,7 +236,7 @@ impl Space {
     }
 }
 
-/// A polyline with width: flat, or a body if it has thickness.
+/// A polyline with width: flat, or a solid if it has thickness.
 struct Band {
     space: Space,
     /// The smoothing group of each curve.
@@ -244,7 +244,7 @@ struct Band {
     appearance: AppearanceId,
 }
 
-/// Vertices across a band: right and left below, then right and left above if it is thick.
+/// Vertices across a band: lower right and left, then upper right and left if it is thick.
 type Across = [u32; 4];
 
 impl Band {
@@ -257,7 +257,7 @@ impl Band {
             let a = a.unwrap_or_else(|| self.across(&start, mesh));
             let closes = i > 0 && i + 1 == pieces.len() && end.is_joined;
             let b = if closes {
-                // Those of the first piece's start, which were the first made.
+                // The vertices at the start of the first piece, which were added first.
                 self.numbered(first_vertex)
             } else {
                 self.across(&end, mesh)
@@ -276,7 +276,7 @@ impl Band {
         self.numbered(first)
     }
 
-    /// The vertices across that begin with this; the upper ones of a flat band are the lower.
+    /// The vertices across that begin with this; the upper ones of a flat band equal the lower.
     fn numbered(&self, first: u32) -> Across {
         let above = if self.space.height > 0.0 { 2 } else { 0 };
         [first, first + 1, first + above, first + above + 1]

@@ -1,12 +1,12 @@
-//! Groups: a code that says what a value means, and the value. As text each is a line of its
-//! own; the binary form has the same groups.
+//! Groups: pairs of a code that determines the meaning of a value, and the value. In text form each
+//! has its own line; the binary form has the same groups.
 
 use crate::reading::cursor::is_line_end;
 
 /// A group: its code and its value.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pair<'a> {
-    /// What the value means; 0 begins an entity or another thing of the file's structure.
+    /// The meaning of the value; 0 begins a record.
     pub code: i16,
     /// The value.
     pub value: Value<'a>,
@@ -15,16 +15,16 @@ pub(super) struct Pair<'a> {
 /// The value of a group.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Value<'a> {
-    /// Text, which in a text file may be a number not yet read.
+    /// Text, which in a text file may be an unparsed number.
     Text(&'a [u8]),
-    /// A number of the binary form.
+    /// A floating-point number of the binary form.
     Real(f64),
-    /// A whole number of the binary form.
+    /// An integer of the binary form.
     Integer(i64),
 }
 
 impl<'a> Value<'a> {
-    /// The value as a number; `None` for what is none.
+    /// The value as a number; `None` if it is not one.
     #[inline]
     pub fn real(self) -> Option<f64> {
         match self {
@@ -38,7 +38,7 @@ impl<'a> Value<'a> {
         }
     }
 
-    /// The value as a whole number; fractions, which some writers add, are cut off.
+    /// The value as an integer; fractions, which some writers add, are truncated.
     #[inline]
     pub fn integer(self) -> Option<i64> {
         match self {
@@ -57,7 +57,7 @@ impl<'a> Value<'a> {
     }
 }
 
-/// A whole number of up to nine digits with blanks around it.
+/// An integer of up to nine digits with blanks around it.
 #[inline]
 fn whole(text: &[u8]) -> Option<i64> {
     let text = text.trim_ascii();
@@ -80,49 +80,49 @@ fn whole(text: &[u8]) -> Option<i64> {
     Some(if negative { -value } else { value })
 }
 
-/// How the groups are written.
+/// The encoding of the groups.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
-    /// Two lines each.
+    /// Text, two lines each.
     Text,
-    /// A code of one byte, as until release 12; 255 announces one of two bytes.
+    /// Binary with codes of one byte, until release 12; 255 is followed by a code of two bytes.
     Bytes,
-    /// A code of two bytes.
+    /// Binary with codes of two bytes.
     Words,
 }
 
-/// What begins a binary file, before a few bytes that transfers as text change.
+/// Start of a binary file, without the following bytes that text-mode transfers change.
 const MARK: &[u8] = b"AutoCAD Binary DXF";
 
-/// What follows the mark.
+/// The bytes after the mark.
 const AFTER_MARK: &[u8] = b"\r\n\x1a\0";
 
-/// Comments, which may stand anywhere.
+/// Comments, which may occur anywhere.
 const COMMENT: i16 = 999;
 
-/// Codes that are none of the format; lines that hold them are out of step.
+/// Valid codes; other numbers mean that the lines are out of step.
 const CODES: std::ops::RangeInclusive<i64> = -5..=1071;
 
-/// A place in a file, and the groups from there on.
+/// A position in a file, from which groups are read.
 #[derive(Debug)]
 pub(super) struct Pairs<'a> {
     bytes: &'a [u8],
     at: usize,
-    /// How the groups are written.
+    /// The encoding of the groups.
     pub encoding: Encoding,
-    /// Whether the binary mark lost its carriage return on the way.
+    /// Whether the binary mark lost its carriage return in a transfer.
     pub mark_is_damaged: bool,
-    /// What is wrong with the groups.
+    /// Malformed groups.
     pub damage: Option<Damage>,
 }
 
-/// Lines that should be group codes and are none; in a binary file, the first unknown code, behind
+/// Lines that should be group codes but are not; in a binary file, the first unknown code, after
 /// which nothing can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Damage {
-    /// Where the first is.
+    /// Offset of the first.
     pub offset: usize,
-    /// How many there are.
+    /// Number of them.
     pub count: usize,
 }
 
@@ -144,30 +144,30 @@ impl<'a> Pairs<'a> {
 
     fn begin_binary(&mut self, rest: &[u8]) {
         self.mark_is_damaged = !rest.starts_with(AFTER_MARK);
-        // The first code is 0, so the zero that ends the mark ends a damaged one as well.
+        // The first code is 0, so the zero byte that ends the mark also ends a damaged one.
         let mark = rest
             .iter()
             .position(|b| *b == 0)
             .map_or(rest.len(), |end| end + 1);
         self.at = MARK.len() + mark;
-        // In one byte the code 0 is followed by the S of SECTION.
+        // With one-byte codes, the code 0 is followed by the S of SECTION.
         self.encoding = match self.bytes.get(self.at + 1) {
             Some(0) => Encoding::Words,
             _ => Encoding::Bytes,
         };
     }
 
-    /// Where the next group begins.
+    /// Offset of the next group.
     pub fn offset(&self) -> usize {
         self.at
     }
 
-    /// What has not been read.
+    /// The unread bytes.
     pub fn rest(&self) -> &'a [u8] {
         &self.bytes[self.at.min(self.bytes.len())..]
     }
 
-    /// The next group that is no comment.
+    /// The next group that is not a comment.
     #[inline]
     pub fn next(&mut self) -> Option<Pair<'a>> {
         loop {
@@ -181,8 +181,8 @@ impl<'a> Pairs<'a> {
         }
     }
 
-    /// Two lines. A line that should be a code and is none is passed over, so that the pairs
-    /// fall into step again behind a line that was lost.
+    /// Reads two lines. A line that should be a code but is not is skipped, so that the pairs
+    /// get back into step after a lost line.
     #[inline]
     fn text_pair(&mut self) -> Option<Pair<'a>> {
         loop {
@@ -215,7 +215,7 @@ impl<'a> Pairs<'a> {
         }
     }
 
-    /// The next line, whatever ends it: LF, CR, CR LF, or the CR CR LF of a careless transfer.
+    /// The next line, ended by LF, CR, CR LF, or CR CR LF of a bad transfer.
     #[inline]
     fn line(&mut self) -> Option<&'a [u8]> {
         let rest = self.bytes.get(self.at..).filter(|rest| !rest.is_empty())?;
@@ -237,7 +237,7 @@ impl<'a> Pairs<'a> {
         let start = self.at;
         let code = self.binary_code()?;
         let Some(kind) = ValueKind::of(code) else {
-            // Nobody knows how long the value is.
+            // The length of the value is unknown.
             self.damage = Some(Damage {
                 offset: start,
                 count: 1,
@@ -288,7 +288,7 @@ impl<'a> Pairs<'a> {
     }
 }
 
-/// Whether a value may be the name of an entity: out of step there are numbers instead.
+/// Whether a value may be the name of an entity: out of step, there are numbers instead.
 fn begins_a_name(value: &[u8]) -> bool {
     match value.trim_ascii() {
         [] => false,
@@ -297,7 +297,7 @@ fn begins_a_name(value: &[u8]) -> bool {
     }
 }
 
-/// How the value of a group is written in binary.
+/// The binary encoding of the value of a group.
 enum ValueKind {
     Text,
     Chunk,
@@ -341,7 +341,7 @@ mod tests {
 
     type Groups = Vec<(i16, String)>;
 
-    /// All groups, and where and how often they are damaged.
+    /// All groups, and position and count of damage.
     fn all(bytes: &[u8]) -> (Groups, Option<(usize, usize)>) {
         let mut pairs = Pairs::new(bytes);
         let mut found = Vec::new();

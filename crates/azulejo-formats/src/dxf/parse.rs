@@ -1,4 +1,4 @@
-//! From the records of a file to a [`DxfDrawing`]: sections, tables, blocks.
+//! Converts the records of a file to a [`DxfDrawing`]: sections, tables, blocks.
 
 use super::color::{Color, Paint};
 use super::drawing::{Appearance, DxfBlock, DxfDrawing, Finish, Layer};
@@ -13,10 +13,10 @@ use crate::reading::warnings::Warnings;
 use crate::{Position, ReadError, ReadOptions};
 use std::collections::HashMap;
 
-/// Reads a file's content.
+/// Parses the content of a file.
 ///
 /// # Errors
-/// A file without any section, and one whose curves have more pieces than `options` allow.
+/// A file without any section, and one whose curves have more segments than `options` allow.
 pub(super) fn parse(
     bytes: &[u8],
     file: &str,
@@ -32,16 +32,16 @@ pub(super) fn parse(
     Ok(parser.drawing)
 }
 
-/// What the records mean, by the section that they stand in.
+/// The current section, which determines the meaning of records.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Section {
-    /// None, which only damage makes: entities are taken as if they were in the section for them.
+    /// None, only in damaged files: entities are read as in the ENTITIES section.
     None,
     Tables,
     Blocks,
     Entities,
     Objects,
-    /// One without anything to see.
+    /// One without visible content.
     Other,
 }
 
@@ -50,7 +50,7 @@ pub(super) struct DxfParser<'a, 'w> {
     bytes: &'a [u8],
     source: Records<'a>,
     warnings: &'w mut Warnings,
-    /// What has been read.
+    /// The drawing so far.
     pub drawing: DxfDrawing,
     section: Section,
     has_sections: bool,
@@ -58,7 +58,7 @@ pub(super) struct DxfParser<'a, 'w> {
     block: Option<BlockId>,
     /// The POLYLINE that is being read.
     pub polyline: Option<Polyline>,
-    /// What curves may still unfold to.
+    /// The remaining budget for curves.
     pub budget: Budget,
     layers: Known<'a, LayerId>,
     blocks: Known<'a, BlockId>,
@@ -66,10 +66,10 @@ pub(super) struct DxfParser<'a, 'w> {
     last_look: Option<(Appearance, AppearanceId)>,
 }
 
-/// Things by their names, which do not tell capitals from small letters.
+/// Ids by case-insensitive name.
 #[derive(Debug)]
 struct Known<'a, Id> {
-    /// The last one asked for: entities of a layer mostly follow each other.
+    /// The last name looked up: consecutive entities mostly share a layer.
     last: Option<(&'a [u8], Id)>,
     by_bytes: HashMap<&'a [u8], Id>,
     by_name: HashMap<String, Id>,
@@ -84,7 +84,7 @@ impl<'a, Id: Copy> Known<'a, Id> {
         }
     }
 
-    /// The one of this name, made by `make` if it is new.
+    /// The id of this name, created by `make` if it is new.
     fn find(&mut self, bytes: &'a [u8], make: impl FnOnce(&str) -> Id) -> Id {
         if let Some((last, id)) = self.last
             && last == bytes
@@ -165,7 +165,7 @@ impl<'a, 'w> DxfParser<'a, 'w> {
         if self.has_sections && !has_end {
             let end = self.bytes.len();
             self.warn(
-                "the file ends without its EOF: what comes before is kept",
+                "the file ends without an EOF: what precedes the end is used",
                 end,
             );
         }
@@ -182,7 +182,9 @@ impl<'a, 'w> DxfParser<'a, 'w> {
             (b"LAYER", Section::Tables) => self.layer_entry(record),
             (b"VIEW" | b"VPORT", Section::Tables) => self.view(record),
             (b"MATERIAL", Section::Objects) => self.material(record),
-            (b"SUN", Section::Objects) => self.warn("SUN: a light that is not read", record.offset),
+            (b"SUN", Section::Objects) => {
+                self.warn("SUN: light that is not supported", record.offset)
+            }
             (_, Section::Tables | Section::Objects | Section::Other) => {}
             (b"BLOCK", Section::Blocks) => self.begin_block(record),
             (b"ENDBLK", Section::Blocks) => self.block = None,
@@ -217,7 +219,7 @@ impl<'a, 'w> DxfParser<'a, 'w> {
         let was_defined = block.is_defined;
         let is_external = record.integer(70, 0) & (EXTERNAL | OVERLAID) != 0;
         *block = DxfBlock {
-            // Anonymous blocks are named by programs, not by people.
+            // Anonymous blocks are named by programs, not by users.
             name: if name.starts_with('*') {
                 String::new()
             } else {
@@ -230,18 +232,18 @@ impl<'a, 'w> DxfParser<'a, 'w> {
         };
         if was_defined {
             self.warn(
-                "BLOCK of a name that was defined before: the later holds",
+                "BLOCK whose name is already defined: the later definition is used",
                 record.offset,
             );
         }
     }
 
-    /// The block that entities go to.
+    /// The block that entities are added to.
     pub fn current(&mut self) -> Option<&mut DxfBlock> {
         self.block.map(|id| &mut self.drawing.blocks[id as usize])
     }
 
-    /// The block of a name, defined or not yet.
+    /// The id of a block, defined or not yet.
     pub fn block_id(&mut self, name: &'a [u8]) -> BlockId {
         let list = &mut self.drawing.blocks;
         self.blocks.find(name, |name| {
@@ -253,9 +255,9 @@ impl<'a, 'w> DxfParser<'a, 'w> {
         })
     }
 
-    /// The layer of a name.
+    /// The id of a layer.
     pub fn layer_id(&mut self, name: &'a [u8]) -> LayerId {
-        // Entities without a layer are on the first there is.
+        // Entities without a layer are on the first one.
         let name = if name.is_empty() { b"0" } else { name };
         let list = &mut self.drawing.layers;
         self.layers.find(name, |name| {
@@ -273,7 +275,7 @@ impl<'a, 'w> DxfParser<'a, 'w> {
         }
     }
 
-    /// The index of an appearance.
+    /// The id of an appearance.
     pub fn look_id(&mut self, appearance: Appearance) -> AppearanceId {
         if let Some((last, id)) = self.last_look
             && last == appearance
@@ -336,11 +338,11 @@ impl<'a, 'w> DxfParser<'a, 'w> {
         let has_rest = rest.clone().any(|b| !b.is_ascii_whitespace() && *b != 0);
         let end = pairs.offset();
         if mark_is_damaged {
-            self.warn("the mark of a binary file lost a byte, as transfers as text do: numbers may be wrong", 0);
+            self.warn("the header of the binary file lost a byte, as in transfers as text: numbers may be wrong", 0);
         }
         match damage {
             Some(Damage { offset, count }) if is_text => {
-                let message = "line that should be a group code and is none: passed over";
+                let message = "line that should be a group code but is not: skipped";
                 self.warn_many(message.to_owned(), count, offset);
             }
             Some(Damage { offset, .. }) => {
@@ -349,7 +351,7 @@ impl<'a, 'w> DxfParser<'a, 'w> {
             None => {}
         }
         if self.has_sections && has_rest {
-            self.warn("what stands behind the EOF is not read", end);
+            self.warn("data after the EOF is not read", end);
         }
     }
 
@@ -363,14 +365,14 @@ impl<'a, 'w> DxfParser<'a, 'w> {
     }
 }
 
-/// Where an offset is, for people.
+/// The position of an offset, for messages.
 pub(super) fn position(bytes: &[u8], encoding: Encoding, offset: usize) -> Position {
     if encoding != Encoding::Text {
         return Position::Byte(offset as u64);
     }
     let before = &bytes[..offset.min(bytes.len())];
     let feeds = before.iter().filter(|b| **b == b'\n').count();
-    // Files of old Macintosh computers have nothing but carriage returns.
+    // Files of old Macintosh computers have only carriage returns.
     let ends = match feeds {
         0 => before.iter().filter(|b| **b == b'\r').count(),
         _ => feeds,

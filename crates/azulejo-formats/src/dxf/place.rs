@@ -1,4 +1,4 @@
-//! From drawings to a scene: every INSERT becomes a copy of its block.
+//! Converts drawings to a scene: every INSERT becomes a copy of its block.
 
 use super::color::{Color, FOREGROUND, Paint};
 use super::drawing::{Appearance, DxfBlock, DxfDrawing, Finish, Insert, Layer};
@@ -17,9 +17,9 @@ use std::collections::HashMap;
 /// Longest path of blocks in an object's name, in bytes; names of deeper blocks are left out.
 const LONGEST_PATH: usize = 1000;
 
-/// Puts everything in its place.
+/// Instantiates all blocks.
 pub(super) fn place(mut project: Project, warnings: &mut Warnings) -> Scene {
-    // The drawing's own surfaces are placed once, as they are: they need no copy.
+    // The drawing's own surfaces are instantiated only once, so they need not be copied.
     let surfaces = std::mem::take(&mut project.root_mut().surfaces);
     let mut placer = Placer {
         project: &project,
@@ -44,16 +44,16 @@ pub(super) fn place(mut project: Project, warnings: &mut Warnings) -> Scene {
     scene
 }
 
-/// What a block takes over from the INSERT that places it.
+/// What a block inherits from its INSERT.
 #[derive(Clone, Debug)]
 struct Context<'a> {
-    /// Names of the blocks that lead here, joined by `/`.
+    /// Names of the enclosing blocks, joined by `/`.
     path: String,
-    /// What stands in for layer 0; none for the drawing itself.
+    /// The layer that replaces layer 0; none for the drawing itself.
     layer: Option<EffectiveLayer<'a>>,
-    /// The colour of what takes its INSERT's.
+    /// The colour of entities with colour by block.
     paint: Paint,
-    /// The MATERIAL of what takes its INSERT's.
+    /// The MATERIAL of entities with material by block.
     finish: Option<&'a Finish>,
 }
 
@@ -68,14 +68,14 @@ impl Default for Context<'_> {
     }
 }
 
-/// A layer, which may be one of another drawing, with its MATERIAL.
+/// A layer, possibly of another drawing, with its MATERIAL.
 #[derive(Clone, Copy, Debug)]
 struct EffectiveLayer<'a> {
     layer: &'a Layer,
     finish: Option<&'a Finish>,
 }
 
-/// An appearance in its context.
+/// An appearance with the inherited properties of its context.
 struct Resolved<'a> {
     plane: EffectiveLayer<'a>,
     paint: Paint,
@@ -90,7 +90,7 @@ struct Placer<'a, 'w> {
 }
 
 impl<'a> Placer<'a, '_> {
-    /// Adds a block's lights, and what is placed in it.
+    /// Adds a block's lights and its inserted blocks.
     fn add_contents(&mut self, node: Node, map: &DAffine3, context: &Context<'a>) {
         let (drawing, block) = self.project.get(node);
         for (layer, light) in &block.lights {
@@ -146,7 +146,7 @@ impl<'a> Placer<'a, '_> {
         self.add_contents(node, map, context);
     }
 
-    /// Adds a mesh in its place.
+    /// Adds a transformed mesh.
     fn add_mesh(
         &mut self,
         drawing: &'a DxfDrawing,
@@ -158,7 +158,7 @@ impl<'a> Placer<'a, '_> {
             return;
         }
         if !mesh.positions.iter().all(|p| p.is_finite()) {
-            let message = "surfaces beyond all numbers, by scales within scales: left out";
+            let message = "surfaces whose coordinates overflow, by nested scales: left out";
             return self.warnings.add_whole(&drawing.file, message);
         }
         let mut known: HashMap<AppearanceId, MaterialId> = HashMap::new();
@@ -194,7 +194,7 @@ impl<'a> Placer<'a, '_> {
             .index(material(&layer.name, layer.paint, paint, finish))
     }
 
-    /// An appearance with all that it takes from its layer and its INSERT.
+    /// An appearance with everything that it inherits from its layer and its INSERT.
     fn resolved(
         &self,
         drawing: &'a DxfDrawing,
@@ -224,7 +224,7 @@ impl<'a> Placer<'a, '_> {
         }
     }
 
-    /// The layer of something in a block, if it is to be seen.
+    /// The layer of an entity in a block, if it is visible.
     fn shown(
         &mut self,
         drawing: &'a DxfDrawing,
@@ -241,13 +241,13 @@ impl<'a> Placer<'a, '_> {
 
     fn note_hidden(&mut self, layer: &Layer) {
         let name = shortened(&layer.name);
-        let message = format!("layer \"{name}\" is off or frozen: what is on it is left out");
+        let message = format!("layer \"{name}\" is off or frozen: its content is left out");
         self.warnings
             .add_whole(&self.project.drawings[0].file, message);
     }
 }
 
-/// The layer of something in a block: layer 0 is that of the INSERT.
+/// The layer of an entity in a block: layer 0 becomes that of the INSERT.
 fn plane_in<'a>(drawing: &'a DxfDrawing, id: LayerId, context: &Context<'a>) -> EffectiveLayer<'a> {
     let layer = &drawing.layers[id as usize];
     match context.layer {
@@ -259,7 +259,7 @@ fn plane_in<'a>(drawing: &'a DxfDrawing, id: LayerId, context: &Context<'a>) -> 
     }
 }
 
-/// A path with one name more, unless one of them is empty or it becomes too long.
+/// A path with a name appended, unless one of them is empty or it becomes too long.
 fn joined(path: &str, name: &str) -> String {
     match (path, name) {
         ("", name) => name.to_owned(),

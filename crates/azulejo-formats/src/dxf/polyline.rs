@@ -1,12 +1,12 @@
-//! POLYLINE with the VERTEX records behind it: flat and spatial lines, meshes of rows and
-//! columns, and meshes of any faces.
+//! POLYLINE with its VERTEX records: planar and spatial polylines, polygon meshes of rows and
+//! columns, and polyface meshes.
 
 use super::color::Color;
 use super::drawing::Appearance;
 use super::ids::AppearanceId;
-use super::outline::{Outline, Vertex};
+use super::outline::{DxfOutline, Vertex};
 use super::record::Record;
-use super::surfaces::{Corners, LayerMesh};
+use super::surfaces::{FaceCorners, LayerMesh};
 use glam::DVec3;
 
 /// Bits of group 70 of a POLYLINE.
@@ -31,19 +31,19 @@ mod vertex_flag {
 pub(super) struct Polyline {
     /// Its flags.
     flags: i64,
-    /// What it looks like; faces may have colours of their own.
+    /// Its appearance; faces may have colours of their own.
     pub appearance: Appearance,
-    /// Where it begins in the file.
+    /// Its offset in the file.
     pub offset: usize,
     /// Whether it is not to be drawn.
     pub is_left_out: bool,
-    /// Numbers of rows and columns, and their numbers once it is smoothed.
+    /// Numbers of rows and columns, before and after smoothing.
     sizes: [[usize; 2]; 2],
-    /// Widths of vertices that do not say theirs.
+    /// Default widths of vertices.
     widths: [f64; 2],
-    /// Of a flat one.
-    pub outline: Outline,
-    /// The points of all others, without those that only control a curve.
+    /// The outline of a planar polyline.
+    pub outline: DxfOutline,
+    /// The points of all other kinds, without control points.
     points: Vec<DVec3>,
     /// The faces of a polyface mesh.
     faces: Vec<PolyFace>,
@@ -56,22 +56,22 @@ struct PolyFace {
     appearance: AppearanceId,
 }
 
-/// What a POLYLINE is.
+/// The kind of a POLYLINE.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PolylineKind {
-    /// A flat line.
+    /// A planar polyline.
     Flat,
-    /// A line through space.
+    /// A spatial polyline.
     Spatial,
-    /// A mesh of rows and columns.
+    /// A polygon mesh of rows and columns.
     Mesh,
-    /// A mesh of faces.
+    /// A polyface mesh.
     Polyface,
 }
 
 impl Polyline {
     /// Begins with the POLYLINE record.
-    pub fn new(record: &Record, appearance: Appearance, outline: Outline) -> Polyline {
+    pub fn new(record: &Record, appearance: Appearance, outline: DxfOutline) -> Polyline {
         let size = |code| record.integer(code, 0).clamp(0, 1 << 24) as usize;
         let flags = record.integer(70, 0);
         Polyline {
@@ -81,7 +81,7 @@ impl Polyline {
             is_left_out: false,
             sizes: [[size(71), size(72)], [size(73), size(74)]],
             widths: [record.real(40, 0.0), record.real(41, 0.0)],
-            outline: Outline {
+            outline: DxfOutline {
                 is_closed: flags & flag::CLOSED != 0,
                 ..outline
             },
@@ -90,7 +90,7 @@ impl Polyline {
         }
     }
 
-    /// What it is.
+    /// Its kind.
     pub fn kind(&self) -> PolylineKind {
         match self.flags {
             f if f & flag::POLYFACE != 0 => PolylineKind::Polyface,
@@ -100,7 +100,7 @@ impl Polyline {
         }
     }
 
-    /// What a VERTEX that is a face looks like.
+    /// The appearance of a VERTEX that is a face.
     pub fn look_of(&self, vertex: &Record) -> Appearance {
         let own = vertex.find(62).or(vertex.find(420));
         match own {
@@ -112,7 +112,7 @@ impl Polyline {
         }
     }
 
-    /// Takes a VERTEX and what it looks like.
+    /// Adds a VERTEX with its appearance.
     pub fn add(&mut self, record: &Record, appearance: AppearanceId) {
         let flags = record.integer(70, 0);
         match self.kind() {
@@ -130,7 +130,7 @@ impl Polyline {
         }
     }
 
-    /// Vertices that are places have both bits, faces have one.
+    /// Vertices that are positions have both bits, faces have one.
     fn add_to_polyface(&mut self, record: &Record, flags: i64, appearance: AppearanceId) {
         if flags & vertex_flag::PLACE != 0 || flags & vertex_flag::POLYFACE == 0 {
             self.points.push(record.point(10));
@@ -142,7 +142,7 @@ impl Polyline {
         }
     }
 
-    /// Adds a mesh of rows and columns. Returns whether it has as many vertices as those need.
+    /// Adds a mesh of rows and columns. Returns whether the number of vertices matches.
     pub fn draw_mesh(&self, mesh: &mut LayerMesh, appearance: AppearanceId) -> bool {
         let [asked, columns] = self.size();
         let rows = asked.min(self.points.len() / columns.max(1));
@@ -168,7 +168,7 @@ impl Polyline {
         asked * columns == self.points.len()
     }
 
-    /// Rows and columns that it should have. Smoothed meshes have their own numbers.
+    /// Declared numbers of rows and columns. Smoothed meshes have separate ones.
     fn size(&self) -> [usize; 2] {
         let [given, smoothed] = self.sizes;
         let fits = |size: [usize; 2]| size[0] * size[1] == self.points.len();
@@ -176,19 +176,20 @@ impl Polyline {
         if is_smoothed { smoothed } else { given }
     }
 
-    /// Adds a mesh of faces. Returns how many are lost, because they have fewer than three corners
-    /// or one that is no vertex.
+    /// Adds a mesh of faces. Returns how many were skipped, because they have fewer than three corners
+    /// or an invalid one.
     pub fn draw_polyface(&self, mesh: &mut LayerMesh) -> usize {
         let mut lost = 0;
         let first = mesh.vertices(self.points.iter().copied());
         for face in &self.faces {
-            // A corner 0 ends the face; a negative one hides the edge behind it, not the face.
+            // A corner 0 ends the face; a negative one hides the edge after it, not the face.
             let given = face.corners.iter().take_while(|corner| **corner != 0);
             let vertices = given.map(|corner| corner.unsigned_abs() - 1);
             let exist = vertices
                 .clone()
                 .all(|vertex| vertex < self.points.len() as u64);
-            let corners = Corners::new(vertices.map(|vertex| first.wrapping_add(vertex as u32)));
+            let corners =
+                FaceCorners::new(vertices.map(|vertex| first.wrapping_add(vertex as u32)));
             if exist && corners.are_a_face() {
                 mesh.face(corners.as_slice(), face.appearance)
             } else {
@@ -198,7 +199,7 @@ impl Polyline {
         lost
     }
 
-    /// Most vertices and corners that it makes.
+    /// Most vertices and corners that it adds.
     pub fn cost(&self) -> u64 {
         match self.kind() {
             PolylineKind::Flat => self.outline.cost(),

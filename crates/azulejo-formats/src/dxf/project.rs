@@ -1,4 +1,4 @@
-//! A drawing with all that it refers to: which block is in which, and how much they unfold to.
+//! A drawing with all external references: nesting of blocks, and how much they expand to.
 
 use super::drawing::{DxfBlock, DxfDrawing, Insert};
 use super::ids::{BlockId, MODEL_SPACE};
@@ -13,23 +13,23 @@ use crate::{FileError, Files, ReadError, ReadOptions};
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-/// Blocks within blocks, external references included; deeper ones are left out.
+/// Deepest nesting of blocks, external references included; deeper ones are left out.
 const DEEPEST: u32 = 64;
 
 /// Most external files.
 const MOST_FILES: usize = 1000;
 
-/// What an INSERT, a light or an object costs, in elements, beside its vertices and corners.
+/// Cost of an INSERT, a light or an object in elements, besides its vertices and corners.
 const COST_OF_NODE: u64 = 8;
 
-/// All drawings; the first is the one that was asked for.
+/// All drawings; the first is the one being read.
 #[derive(Debug)]
 pub(super) struct Project {
     /// The drawings.
     pub drawings: Vec<DxfDrawing>,
-    /// What external references lead to, by the drawing and the block that name them.
+    /// Drawings of external references, by the drawing and the block that name them.
     references: HashMap<Node, usize>,
-    /// What each block unfolds to.
+    /// What each block expands to.
     extents: HashMap<Node, Extent>,
 }
 
@@ -42,14 +42,14 @@ pub(super) struct Node {
     pub block: BlockId,
 }
 
-/// What a block unfolds to.
+/// What a block expands to.
 #[derive(Clone, Copy, Debug, Default)]
 struct Extent {
-    /// Vertices, corners and what nodes cost.
+    /// Vertices, corners and the cost of nodes.
     elements: u64,
-    /// Blocks within blocks, at most.
+    /// Greatest nesting depth of blocks.
     height: u32,
-    /// Whether it is still being looked at: an INSERT that leads here closes a circle.
+    /// Whether it is still being computed: an INSERT that leads here closes a cycle.
     is_open: bool,
 }
 
@@ -57,7 +57,7 @@ impl Project {
     /// Reads a drawing, and the files that its blocks refer to.
     ///
     /// # Errors
-    /// What [`parse`] says of the drawing itself, and one that unfolds to more than `options`
+    /// Errors of [`parse`] for the drawing itself, and a drawing that expands to more than `options`
     /// allow.
     pub fn read(
         bytes: &[u8],
@@ -101,7 +101,7 @@ impl Project {
         &mut self.drawings[0].blocks[MODEL_SPACE as usize]
     }
 
-    /// What an INSERT in a block places; nothing if that is not there or empty.
+    /// The block that an INSERT instantiates; `None` if that is missing or empty.
     pub fn target(&self, node: Node, insert: &Insert) -> Option<Node> {
         if insert.is_refused {
             return None;
@@ -114,7 +114,7 @@ impl Project {
         (extent.elements > 0).then_some(target)
     }
 
-    /// The block, or what it refers to.
+    /// The block, or the drawing that it refers to.
     fn followed(&self, node: Node) -> Node {
         match self.references.get(&node) {
             Some(&drawing) => Node {
@@ -134,9 +134,9 @@ impl Node {
     };
 }
 
-/// Where a drawing comes from.
+/// The source of a drawing.
 struct DrawingSource<'a> {
-    /// Its name as the first drawing's folder knows it; empty for the first.
+    /// Its path relative to the first drawing's folder; empty for the first.
     path: String,
     bytes: Cow<'a, [u8]>,
 }
@@ -144,9 +144,9 @@ struct DrawingSource<'a> {
 /// A project under construction.
 struct ProjectReader<'a, 'w> {
     project: Project,
-    /// In the order of the drawings.
+    /// Sources in the order of the drawings.
     sources: Vec<DrawingSource<'a>>,
-    /// Which drawing each external file is, or why it is none.
+    /// The drawing of each external file, or why it could not be read.
     by_path: HashMap<String, Result<usize, String>>,
     bytes_left: u64,
     files: &'a dyn Files,
@@ -155,7 +155,7 @@ struct ProjectReader<'a, 'w> {
 }
 
 impl ProjectReader<'_, '_> {
-    /// Finds out what a block unfolds to. INSERTs that cannot be followed are marked, with a
+    /// Computes what a block expands to. INSERTs that cannot be followed are marked, with a
     /// warning.
     fn extent(&mut self, node: Node, depth: u32) -> Extent {
         let open = Extent {
@@ -184,7 +184,7 @@ impl ProjectReader<'_, '_> {
         extent
     }
 
-    /// What an INSERT's block unfolds to, or why it cannot be followed.
+    /// What an INSERT's block expands to, or why it cannot be followed.
     fn inserted(&mut self, node: Node, insert: usize, depth: u32) -> Result<Extent, String> {
         let block = self.project.get(node).1.inserts[insert].block;
         let target = Node { block, ..node };
@@ -236,7 +236,7 @@ impl ProjectReader<'_, '_> {
         Ok(())
     }
 
-    /// The drawing in a file that another drawing names, or what is wrong with it.
+    /// The drawing in a file that another drawing names, or the reason of failure.
     fn external(&mut self, from: usize, name: &str) -> Result<usize, String> {
         let mut problem = FileError::Missing.to_string();
         for path in candidates(&self.sources[from].path, name) {
@@ -283,7 +283,7 @@ impl ProjectReader<'_, '_> {
     }
 }
 
-/// Elements of a block without what is placed in it.
+/// Elements of a block without its inserted blocks.
 fn own_elements(block: &DxfBlock) -> u64 {
     let meshes = block.surfaces.meshes.iter().map(|m| {
         let (vertices, corners) = (m.mesh.positions.len(), m.mesh.faces.corners.len());
@@ -296,8 +296,8 @@ fn too_deep() -> String {
     format!("is more than {DEEPEST} blocks deep")
 }
 
-/// Names under which an external file may be found: as it is written, and beside the drawing,
-/// because most are written for the computer of somebody else; each as DXF in place of DWG.
+/// Possible paths of an external file: as written, and beside the drawing,
+/// because most were written on another computer; each as DXF in place of DWG.
 fn candidates(from: &str, name: &str) -> Vec<String> {
     let plain = name.replace('\\', "/");
     let alone = plain.rsplit('/').next().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Records: what stands between one group of code 0 and the next, such as an entity.
+//! Records, such as entities: the groups from one of code 0 to the next.
 
 use super::pairs::{Pair, Pairs, Value};
 use crate::reading::text::text;
@@ -9,33 +9,33 @@ use std::cell::Cell;
 /// Larger numbers are damage, and their squares could overflow.
 const LARGEST: f64 = 1e100;
 
-/// From this code on, applications keep data of their own.
+/// First code of data of applications.
 const FIRST_OF_APPLICATIONS: i16 = 1000;
 
-/// An entity, a table's entry or another thing that begins with a group of code 0.
+/// An entity, a table entry or another item that begins with a group of code 0.
 #[derive(Debug, Default)]
 pub(super) struct Record<'a> {
-    /// What it is: `LINE`, `SECTION`...
+    /// Its type: `LINE`, `SECTION`...
     pub kind: &'a [u8],
-    /// Where it begins in the file.
+    /// Its offset in the file.
     pub offset: usize,
-    /// Its groups behind the first, without applications' own data.
+    /// Its groups after the first, without application data.
     pub pairs: Vec<Pair<'a>>,
-    /// How many values that should be numbers were none since anybody last asked.
+    /// Number of malformed numeric values since the last [`Record::take_malformed`].
     malformed: Cell<usize>,
 }
 
 /// The records of a file.
 #[derive(Debug)]
 pub(super) struct Records<'a> {
-    /// What is left of the file.
+    /// The unread groups.
     pub pairs: Pairs<'a>,
-    /// The kind of the next record, and where it begins.
+    /// Type and offset of the next record.
     next: Option<(&'a [u8], usize)>,
 }
 
 impl<'a> Records<'a> {
-    /// The start of a file. Groups before the first of code 0 belong to nothing.
+    /// The start of a file. Groups before the first of code 0 are ignored.
     pub fn new(bytes: &'a [u8]) -> Records<'a> {
         let mut records = Records {
             pairs: Pairs::new(bytes),
@@ -45,7 +45,7 @@ impl<'a> Records<'a> {
         records
     }
 
-    /// Replaces `record` by the next; `false` at the end.
+    /// Replaces `record` by the next one; `false` at the end.
     pub fn read(&mut self, record: &mut Record<'a>) -> bool {
         let Some((kind, offset)) = self.next.take() else {
             return false;
@@ -58,7 +58,7 @@ impl<'a> Records<'a> {
         true
     }
 
-    /// Gathers groups up to the next record.
+    /// Collects groups up to the next record.
     fn collect(&mut self, into: &mut Vec<Pair<'a>>) {
         loop {
             let offset = self.pairs.offset();
@@ -84,36 +84,36 @@ impl<'a> Record<'a> {
         Some(pair.value)
     }
 
-    /// A number, or `default` where it is missing or malformed.
+    /// A number, or `default` if it is missing or malformed.
     pub fn real(&self, code: i16, default: f64) -> f64 {
         self.find(code)
             .map_or(default, |value| self.finite(value).unwrap_or(default))
     }
 
-    /// A whole number, or `default` where it is missing or malformed.
+    /// An integer, or `default` if it is missing or malformed.
     pub fn integer(&self, code: i16, default: i64) -> i64 {
         self.find(code)
             .map_or(default, |value| self.whole(value).unwrap_or(default))
     }
 
-    /// Text as it stands in the file, without blanks around it; empty where it is missing.
+    /// Text as stored in the file, without blanks around it; empty if it is missing.
     pub fn bytes(&self, code: i16) -> &'a [u8] {
         self.find(code).map(Value::text).unwrap_or_default()
     }
 
-    /// Text, decoded; empty where it is missing.
+    /// Text, decoded; empty if it is missing.
     pub fn text(&self, code: i16) -> Cow<'a, str> {
         decoded(self.bytes(code))
     }
 
-    /// A handle: the number under which other records know this one; 0 where it is missing.
+    /// A handle: the number by which other records refer to this one; 0 if it is missing.
     pub fn handle(&self, code: i16) -> u64 {
         let digits = std::str::from_utf8(self.bytes(code)).unwrap_or_default();
         u64::from_str_radix(digits, 16).unwrap_or(0)
     }
 
-    /// A point whose x has this code, whose y ten more and whose z twenty more; 0 for each that
-    /// is missing.
+    /// A point whose x has this code, y the code plus ten and z the code plus twenty; missing
+    /// coordinates are 0.
     #[inline]
     pub fn point(&self, code: i16) -> DVec3 {
         match self.pairs.iter().position(|pair| pair.code == code) {
@@ -126,7 +126,7 @@ impl<'a> Record<'a> {
         }
     }
 
-    /// The number of a code, which is expected at a place but may be anywhere.
+    /// The number of a code, which is expected at an index but may be anywhere.
     #[inline]
     fn coordinate(&self, at: usize, code: i16) -> f64 {
         match self.pairs.get(at) {
@@ -135,14 +135,14 @@ impl<'a> Record<'a> {
         }
     }
 
-    /// A value as a number; `None` and a mark on the record if it is none.
+    /// A value as a number; `None` and counted as malformed if it is not one.
     #[inline]
     pub fn finite(&self, value: Value<'a>) -> Option<f64> {
         let number = value.real().filter(|value| value.abs() <= LARGEST);
         self.note(number)
     }
 
-    /// A value as a whole number; `None` and a mark on the record if it is none.
+    /// A value as an integer; `None` and counted as malformed if it is not one.
     pub fn whole(&self, value: Value<'a>) -> Option<i64> {
         self.note(value.integer())
     }
@@ -155,18 +155,18 @@ impl<'a> Record<'a> {
         value
     }
 
-    /// How many numbers were malformed since the last call.
+    /// Number of malformed values since the last call.
     pub fn take_malformed(&self) -> usize {
         self.malformed.take()
     }
 }
 
-/// Longest name that is kept, in characters: what the format allows, so that a long path through
+/// Longest name that is kept, in characters: the limit of the format, so that a long path through
 /// blocks cannot fill memory.
 const LONGEST_NAME: usize = 255;
 
 /// Bytes as text: UTF-8 or Latin-1, with `\U+XXXX` for characters that older releases could not
-/// write. What is longer than a name may be is cut.
+/// represent. Text longer than a name may be is truncated.
 pub(super) fn decoded(bytes: &[u8]) -> Cow<'_, str> {
     let text = text(bytes);
     let text = if text.contains("\\U+") {

@@ -1,9 +1,9 @@
-//! SPLINE: B-splines in Bézier pieces.
+//! SPLINE: B-splines converted to Bézier curves.
 
 use super::record::Record;
 use glam::{DVec2, DVec3};
 
-/// The cubic pieces of a closed, flat spline of degree 1 to 3, one after the other, or why there
+/// The consecutive cubic pieces of a closed, flat spline of degree 1 to 3, or the reason why there
 /// are none.
 pub(super) fn curves(record: &Record) -> Result<Vec<[DVec2; 4]>, &'static str> {
     let degree = record.integer(71, 3);
@@ -21,7 +21,7 @@ pub(super) fn curves(record: &Record) -> Result<Vec<[DVec2; 4]>, &'static str> {
         return Err("with weights");
     }
     if controls.len() <= degree || knots.len() != controls.len() + degree + 1 {
-        return Err("without control points, or with another number of knots than they need");
+        return Err("without control points, or with the wrong number of knots");
     }
     if !knots.is_sorted() {
         return Err("whose knots are out of order");
@@ -69,7 +69,7 @@ fn piece(controls: &[DVec2], knots: &[f64], degree: usize, span: usize) -> [DVec
 }
 
 /// The polar form of the spline's polynomial in a span, by de Boor's algorithm: Ramshaw,
-/// *Blossoms are polar forms* (1989). Only as many arguments count as the degree is.
+/// *Blossoms are polar forms* (1989). Only the first `degree` arguments are used.
 fn blossom(
     controls: &[DVec2],
     knots: &[f64],
@@ -90,7 +90,7 @@ fn blossom(
     points[degree]
 }
 
-/// Flat points of a record: x of `code`, y of ten more.
+/// The points of a record projected to the xy plane: x of `code`, y of `code` + 10.
 fn points(record: &Record, code: i16) -> Vec<DVec3> {
     let mut points: Vec<DVec3> = Vec::new();
     for pair in &record.pairs {
@@ -134,7 +134,7 @@ mod tests {
 
     #[test]
     fn uniform_splines_pass_the_known_points() {
-        // A closed uniform cubic: at a knot it passes (a + 4 b + c) / 6.
+        // A closed uniform cubic: at a knot it passes through (a + 4 b + c) / 6.
         let square = [[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, -1.0]];
         let controls: Vec<[f64; 2]> = square.iter().chain(&square[..3]).copied().collect();
         let knots: Vec<f64> = (0..11).map(f64::from).collect();
@@ -159,7 +159,7 @@ mod tests {
         let check = |degree, knots: &[f64], why| assert_eq!(spline(degree, knots, &open), Err(why));
         check(3, &clamped, "that is open");
         check(5, &clamped, "of a degree above 3");
-        let count = "without control points, or with another number of knots than they need";
+        let count = "without control points, or with the wrong number of knots";
         check(3, &clamped[1..], count);
         check(3, &[0.0; 8], "whose knots are all the same");
         check(

@@ -9,12 +9,12 @@ use std::collections::HashMap;
 /// The meshes of a block.
 #[derive(Debug, Default)]
 pub(super) struct Surfaces {
-    /// In the order in which layers are first drawn on.
+    /// In the order in which layers are first used.
     pub meshes: Vec<LayerMesh>,
     by_layer: HashMap<LayerId, usize>,
 }
 
-/// What is drawn on one layer.
+/// The surfaces on one layer.
 #[derive(Debug)]
 pub(super) struct LayerMesh {
     /// The layer.
@@ -28,7 +28,7 @@ pub(super) struct LayerMesh {
 impl Surfaces {
     /// The mesh of a layer.
     pub fn on(&mut self, layer: LayerId) -> &mut LayerMesh {
-        // Entities of a layer mostly follow each other.
+        // Consecutive entities mostly share a layer.
         let at = match self.meshes.last() {
             Some(last) if last.layer == layer => self.meshes.len() - 1,
             _ => self.index(layer),
@@ -69,21 +69,21 @@ impl LayerMesh {
     pub fn smooth_face(&mut self, corners: &[u32], appearance: AppearanceId, group: u32) {
         let before = self.mesh.faces.len();
         self.mesh.push_face(corners, appearance);
-        // Most meshes have nothing smooth and no groups.
+        // Most meshes have no smooth faces and no groups.
         if group != 0 || !self.mesh.smoothing.is_empty() {
             self.mesh.smoothing.resize(before, 0);
             self.mesh.smoothing.push(group);
         }
     }
 
-    /// A smoothing group of its own for a curved surface.
+    /// A new smoothing group for a curved surface.
     pub fn new_group(&mut self) -> u32 {
         self.last_group += 1;
         self.last_group
     }
 
-    /// Adds the surface that a line sweeps along `offset`. `groups` gives the smoothing group of
-    /// the part behind each point. A closed line faces outside.
+    /// Adds the surface that a polyline sweeps along `offset`. `groups` yields the smoothing group of
+    /// the segment after each point. A closed line faces outside.
     pub fn wall(
         &mut self,
         line: &Line,
@@ -112,7 +112,7 @@ impl LayerMesh {
         self.polygon_of(first, 1, points, up, appearance);
     }
 
-    /// A polygon of vertices that are there already, each `step` behind the one before.
+    /// A polygon of existing vertices, each `step` after the previous one.
     fn polygon_of(
         &mut self,
         first: u32,
@@ -128,8 +128,8 @@ impl LayerMesh {
         self.face(&corners, appearance);
     }
 
-    /// Adds the closed body that a polygon sweeps along `offset`, with its smoothing group for
-    /// the side.
+    /// Adds the closed solid that a polygon sweeps along `offset`, with the smoothing group of
+    /// its side.
     pub fn prism(&mut self, outline: &Line, offset: DVec3, appearance: AppearanceId, group: u32) {
         let first = self.mesh.positions.len() as u32;
         self.wall(outline, offset, appearance, |_| group);
@@ -138,34 +138,34 @@ impl LayerMesh {
     }
 }
 
-/// A line of straight parts.
+/// A line of straight segments.
 #[derive(Debug)]
 pub(super) struct Line {
     /// Its points.
     pub points: Vec<DVec3>,
-    /// Whether it goes back to the first.
+    /// Whether the last point is connected to the first.
     pub is_closed: bool,
 }
 
 impl Line {
-    /// Number of straight parts.
+    /// Number of segments.
     pub fn parts(&self) -> usize {
         let ends = usize::from(!self.is_closed);
         self.points.len().saturating_sub(ends)
     }
 }
 
-/// Up to four corners, of which neighbours are not the same: a triangle may be given as a face of
-/// four corners, one of them twice.
+/// Up to four corners without equal neighbours: a triangle may be stored as a face of
+/// four corners, one of them repeated.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Corners<T> {
+pub(super) struct FaceCorners<T> {
     corners: [T; 4],
     count: usize,
 }
 
-impl<T: Copy + Default + PartialEq> Corners<T> {
+impl<T: Copy + Default + PartialEq> FaceCorners<T> {
     /// The first four of these, without repetitions.
-    pub fn new(given: impl IntoIterator<Item = T>) -> Corners<T> {
+    pub fn new(given: impl IntoIterator<Item = T>) -> FaceCorners<T> {
         let mut corners = [T::default(); 4];
         let mut count = 0;
         for corner in given.into_iter().take(4) {
@@ -177,7 +177,7 @@ impl<T: Copy + Default + PartialEq> Corners<T> {
         while count > 1 && corners[count - 1] == corners[0] {
             count -= 1;
         }
-        Corners { corners, count }
+        FaceCorners { corners, count }
     }
 
     /// Whether there are enough for a face.

@@ -1,12 +1,12 @@
-//! How long a unit of the drawing is.
+//! The length of a unit of the drawing.
 
 use super::record::Record;
 
-/// Metres per unit, as the header's variables say it.
+/// Metres per unit, by the variables of the header.
 ///
-/// $INSUNITS names the unit. Where it does not, architects' and engineers' lengths ($LUNITS 4 and
-/// 3) are feet and inches of a unit that is the inch. $MEASUREMENT only chooses between patterns
-/// for inches and for millimetres, and says nothing about a unit.
+/// $INSUNITS names the unit. If it does not, architectural and engineering lengths ($LUNITS 4 and
+/// 3) are feet and inches with the inch as unit. $MEASUREMENT only chooses between patterns
+/// for inches and for millimetres, and does not define a unit.
 pub(super) fn metres_per_unit(header: &Record) -> Option<f64> {
     const INCH: f64 = 0.0254;
     let named = integer(header, b"$INSUNITS").and_then(metres);
@@ -24,9 +24,9 @@ fn integer(header: &Record, name: &[u8]) -> Option<i64> {
     header.whole(header.pairs.get(at + 1)?.value)
 }
 
-/// The length of a unit of $INSUNITS; `None` for 0, which is none.
+/// The length of a unit of $INSUNITS; `None` for 0, which means no unit.
 fn metres(unit: i64) -> Option<f64> {
-    /// The foot of surveyors in the United States.
+    /// The survey foot of the United States.
     const SURVEY_FOOT: f64 = 1200.0 / 3937.0;
     const LENGTHS: [f64; 24] = [
         0.0254,

@@ -1,4 +1,4 @@
-//! Numbers out of buffers.
+//! Reads numbers from buffers.
 
 use super::buffers::Buffers;
 use gltf_json::accessor::sparse::Sparse;
@@ -7,18 +7,18 @@ use gltf_json::buffer::View;
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
 
-/// What accessors read from. Faults are words, because what they spoil is only a part of the
-/// file, and the reader of that part knows what to make of it.
+/// The data that accessors read from. Faults are strings, because they affect only a part of the
+/// file, and the reader of that part decides what to do.
 #[derive(Debug)]
 pub(super) struct Data<'a> {
-    /// The file.
+    /// The JSON document.
     pub root: &'a Root,
     /// Its buffers.
     pub buffers: Buffers<'a>,
 }
 
-/// Elements of one accessor, or the values of a sparse one: each begins `stride` bytes behind
-/// the one before.
+/// Elements of one accessor, or the values of a sparse one: each begins `stride` bytes after
+/// the previous one.
 #[derive(Clone, Copy)]
 struct Elements<'a> {
     bytes: &'a [u8],
@@ -28,7 +28,7 @@ struct Elements<'a> {
 }
 
 impl<'a> Elements<'a> {
-    /// Checks that all elements are there.
+    /// Checks that all elements lie within the bytes.
     fn new(
         view: &'a [u8],
         offset: u64,
@@ -68,7 +68,7 @@ impl<'a> Elements<'a> {
         (0..self.count).map(move |i| &self.bytes[i * self.stride..][..self.size])
     }
 
-    /// Makes something of the numbers of every element, which are `S` bytes each.
+    /// Converts the numbers of every element, which are `S` bytes each.
     fn numbers<const S: usize, const N: usize, T>(
         self,
         number: impl Fn([u8; S]) -> f64,
@@ -81,8 +81,8 @@ impl<'a> Elements<'a> {
         self.iter().map(element).collect()
     }
 
-    /// As [`Elements::numbers`], for numbers of any type. What is normalised becomes shares of
-    /// its type's largest value.
+    /// Like [`Elements::numbers`], for components of any type. Normalised integers are divided by
+    /// the largest value of their type.
     fn decoded<const N: usize, T>(
         self,
         kind: ComponentType,
@@ -108,7 +108,7 @@ impl<'a> Elements<'a> {
         }
     }
 
-    /// Whole numbers without a sign.
+    /// Unsigned integers.
     fn indices(self, kind: ComponentType) -> Result<Vec<u32>, String> {
         fn each<const S: usize>(e: Elements, number: impl Fn([u8; S]) -> u32) -> Vec<u32> {
             let elements = e.iter().filter_map(<[u8]>::first_chunk);
@@ -118,7 +118,7 @@ impl<'a> Elements<'a> {
             ComponentType::U8 => Ok(each(self, |[b]| b.into())),
             ComponentType::U16 => Ok(each(self, |b| u16::from_le_bytes(b).into())),
             ComponentType::U32 => Ok(each(self, u32::from_le_bytes)),
-            _ => Err("indices that are no whole numbers".to_owned()),
+            _ => Err("indices that are not integers".to_owned()),
         }
     }
 }
@@ -144,13 +144,13 @@ impl Data<'_> {
         accessor.ok_or_else(|| format!("accessor {index} does not exist"))
     }
 
-    /// How many elements an accessor says it has. Nobody has looked yet whether they are there.
+    /// The number of elements of an accessor according to the JSON; they may not exist.
     pub fn count(&self, index: Index<Accessor>) -> Result<usize, String> {
         let count = self.accessor(index)?.count.0;
         usize::try_from(count).map_err(|_| format!("accessor {index} has {count} elements"))
     }
 
-    /// How many numbers each element of an accessor has.
+    /// Number of components of each element of an accessor.
     pub fn width(&self, index: Index<Accessor>) -> Result<usize, String> {
         Ok(match valid(&self.accessor(index)?.type_)? {
             Type::Scalar => 1,
@@ -162,12 +162,12 @@ impl Data<'_> {
         })
     }
 
-    /// Makes something of each of the `count` elements of an accessor. Whoever asks has
+    /// Converts each of the `count` elements of an accessor. The caller has
     /// justified their number: a sparse accessor may have a billion elements in no bytes.
     ///
     /// # Errors
-    /// Words for another number of elements or another type than is asked for, and for elements
-    /// that are not there.
+    /// The reason, for another number of elements or another type than requested, and for elements
+    /// that lie outside the buffer.
     pub fn read<const N: usize, T: Clone>(
         &self,
         index: Index<Accessor>,
@@ -176,7 +176,9 @@ impl Data<'_> {
     ) -> Result<Vec<T>, String> {
         let accessor = self.accessor(index)?;
         if self.width(index)? != N {
-            return Err(format!("accessor {index} has not {N} numbers per element"));
+            return Err(format!(
+                "accessor {index} does not have {N} components per element"
+            ));
         }
         self.expect_count(index, count)?;
         let (kind, normalized) = (valid(&accessor.component_type)?.0, accessor.normalized);
@@ -216,7 +218,7 @@ impl Data<'_> {
         let accessor = self.accessor(index)?;
         let kind = valid(&accessor.component_type)?.0;
         if accessor.sparse.is_some() || self.width(index)? != 1 {
-            // Nobody writes sparse indices; the way by floating point is exact, too.
+            // Sparse indices do not occur in practice; reading them through floating point is exact, too.
             return self.read(index, count, |[i]| i as u32);
         }
         self.expect_count(index, count)?;
@@ -237,12 +239,12 @@ impl Data<'_> {
     ) -> Result<Elements<'_>, String> {
         let bytes = self.buffers.view(view)?;
         let stride = self.root.get(view).and_then(|v| v.byte_stride);
-        // Some writers say 0 for "one behind the other".
+        // Some writers store 0 for "tightly packed".
         let stride = stride.map(|s| s.0).filter(|s| *s > 0);
         Elements::new(bytes, offset, stride, size, count)
     }
 
-    /// The elements that a sparse accessor changes, with their indices.
+    /// The elements that a sparse accessor replaces, with their indices.
     fn sparse<const N: usize, T>(
         &self,
         sparse: &Sparse,

@@ -1,7 +1,7 @@
-//! Vertices of one primitive: what its attributes say, moved by morph targets and joints.
+//! Vertices of one primitive: its attributes, deformed by morph targets and joints.
 
-use super::material::Surface;
-use super::mesh::{Builder, Fault, Pose, lost, skipped};
+use super::material::GltfSurface;
+use super::mesh::{Fault, GltfMeshBuilder, Pose, lost, skipped};
 use super::skin::Joints;
 use super::vertices::Vertices;
 use crate::reading::options::Exhausted;
@@ -13,19 +13,19 @@ use gltf_json::accessor::Accessor;
 use gltf_json::mesh::{Primitive, Semantic};
 use gltf_json::validation::Checked;
 
-/// For every vertex four joints and their weights.
+/// For every vertex, four joints and their weights.
 type Influences = (Vec<[f64; 4]>, Vec<[f64; 4]>);
 
 fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<Index<Accessor>> {
     primitive.attributes.get(&Checked::Valid(semantic)).copied()
 }
 
-impl Builder<'_, '_> {
-    /// Adds the vertices of a primitive, and says which they are: the first and how many.
+impl GltfMeshBuilder<'_, '_> {
+    /// Adds the vertices of a primitive, and returns the index of the first and their number.
     pub fn vertices(
         &mut self,
         primitive: &Primitive,
-        surface: &Surface,
+        surface: &GltfSurface,
         pose: Pose,
         vertices: &mut Vertices,
     ) -> Result<(u32, u32), Fault> {
@@ -55,8 +55,8 @@ impl Builder<'_, '_> {
         Ok((first, count as u32))
     }
 
-    /// Reads what gives vertices their colours: texture coordinates, colours, irradiance.
-    fn colours(&mut self, primitive: &Primitive, surface: &Surface, vertices: &mut Vertices) {
+    /// Reads the attributes that colour vertices: texture coordinates, colours, irradiance.
+    fn colours(&mut self, primitive: &Primitive, surface: &GltfSurface, vertices: &mut Vertices) {
         let count = vertices.len();
         if let Some(uvs) = attribute(primitive, Semantic::TexCoords(surface.set)) {
             let read = self.data.read(uvs, count, |uv| uv_of(surface, uv));
@@ -73,7 +73,7 @@ impl Builder<'_, '_> {
         }
     }
 
-    /// An attribute that a mesh can do without.
+    /// An optional attribute; a fault is a warning.
     fn optional<T>(&mut self, read: Result<Vec<T>, String>, what: &str) -> Vec<T> {
         read.unwrap_or_else(|fault| {
             self.say(&format!("{what} left out: {fault}"));
@@ -119,7 +119,7 @@ impl Builder<'_, '_> {
         Ok(())
     }
 
-    /// Puts the vertices where their joints are.
+    /// Transforms the vertices by their joints.
     fn hang(&mut self, primitive: &Primitive, joints: &Joints, vertices: &mut Vertices) {
         let count = vertices.len();
         let mut influences = Vec::new();
@@ -161,8 +161,8 @@ impl Builder<'_, '_> {
     }
 }
 
-/// Texture coordinates as azulejo has them, with v upwards.
-fn uv_of(surface: &Surface, uv: [f64; 2]) -> DVec2 {
+/// Texture coordinates in azulejo's convention, with v upwards.
+fn uv_of(surface: &GltfSurface, uv: [f64; 2]) -> DVec2 {
     let uv = surface.picture_from_uv.transform_point2(uv.into());
     DVec2::new(uv.x, 1.0 - uv.y)
 }

@@ -1,4 +1,4 @@
-//! The bytes of buffers and of the views into them.
+//! The bytes of buffers and of buffer views.
 
 use super::meshopt;
 use super::uri::{self, Uri};
@@ -9,11 +9,11 @@ use gltf_json::{Buffer, Index, Root};
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-/// All buffers of a file. One that cannot be had says why to those who want something of it.
+/// All buffers of a file. Reading from one that could not be loaded returns the reason.
 #[derive(Debug)]
 pub(super) struct Buffers<'a> {
     root: &'a Root,
-    /// The content of each buffer, as an index: buffers of one URI are one.
+    /// Index of the content of each buffer: buffers of the same URI share it.
     contents: Vec<usize>,
     list: Vec<Result<Cow<'a, [u8]>, String>>,
     /// Views that were compressed (`EXT_meshopt_compression`), by their index.
@@ -21,7 +21,7 @@ pub(super) struct Buffers<'a> {
 }
 
 impl<'a> Buffers<'a> {
-    /// Loads every buffer; `bin` is what the GLB brought.
+    /// Loads every buffer; `bin` is the BIN chunk of a GLB.
     pub fn load(
         root: &'a Root,
         bin: Option<&'a [u8]>,
@@ -51,7 +51,7 @@ impl<'a> Buffers<'a> {
         buffers
     }
 
-    /// Bytes of all buffers together, as they stand in the files.
+    /// Total size of all buffers in bytes, before decompression.
     pub fn size(&self) -> usize {
         self.list.iter().flatten().map(|b| b.len()).sum()
     }
@@ -59,7 +59,7 @@ impl<'a> Buffers<'a> {
     /// The bytes of a view.
     ///
     /// # Errors
-    /// Words for a buffer that cannot be had, and a view that reaches beyond it.
+    /// The reason, for a buffer that could not be loaded or a view that exceeds it.
     pub fn view(&self, index: Index<View>) -> Result<&[u8], String> {
         if let Some(unpacked) = self.unpacked.get(&index.value()) {
             return unpacked.as_deref().map_err(String::clone);
@@ -69,7 +69,7 @@ impl<'a> Buffers<'a> {
         self.part(view.buffer.value(), offset, view.byte_length.0)
     }
 
-    /// Some bytes of a buffer.
+    /// A range of bytes of a buffer.
     fn part(&self, buffer: usize, offset: u64, length: u64) -> Result<&[u8], String> {
         let content = self.contents.get(buffer).map(|&place| &self.list[place]);
         let content = content.ok_or("a buffer out of range")?;
@@ -88,7 +88,7 @@ impl<'a> Buffers<'a> {
         })
     }
 
-    /// Decodes every view that is compressed. Unless the file is damaged, each is wanted.
+    /// Decompresses every compressed view; in an undamaged file each one is used.
     fn unpack(&mut self, options: &ReadOptions) {
         let mut left = options.most_unpacked;
         for (i, view) in self.root.buffer_views.iter().enumerate() {
@@ -97,7 +97,7 @@ impl<'a> Buffers<'a> {
             };
             let unpacked = packed.and_then(|packed| {
                 let enough = left.checked_sub(packed.size());
-                left = enough.ok_or("compressed data that unpacks to more than is allowed")?;
+                left = enough.ok_or("compressed data that decompresses to more than is allowed")?;
                 packed.decode(self.part(packed.buffer, packed.offset, packed.length)?)
             });
             self.unpacked.insert(i, unpacked);
@@ -127,7 +127,7 @@ fn content<'a>(
                 .map_err(|e| format!("buffer \"{shown}\": {e}"))?;
             let enough = left.checked_sub(bytes.len() as u64);
             *left = enough.ok_or_else(|| {
-                format!("buffer \"{shown}\": the buffers are larger than is allowed together")
+                format!("buffer \"{shown}\": the buffers are together larger than allowed")
             })?;
             Ok(Cow::Owned(bytes))
         }

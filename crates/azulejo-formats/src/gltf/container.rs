@@ -1,24 +1,24 @@
-//! The outer shape of a file: JSON text alone, or the chunks of a GLB.
+//! The container of a file: JSON text alone, or the chunks of a GLB.
 
 use super::messages::GltfMessages;
 use crate::reading::bytes::Bytes;
 use crate::{Position, ReadError};
 
-/// What a file is made of.
+/// The parts of a file.
 #[derive(Debug)]
 pub(super) struct Container<'a> {
     /// The JSON text without padding.
     pub json: &'a [u8],
-    /// Where it begins in a GLB; `None` if the whole file is text.
+    /// Its offset in a GLB; `None` if the whole file is text.
     pub json_start: Option<u64>,
-    /// The bytes that a GLB carries behind its JSON.
+    /// The bytes of a GLB after its JSON.
     pub bin: Option<&'a [u8]>,
 }
 
-/// Takes a file apart.
+/// Splits a file into its parts.
 ///
 /// # Errors
-/// A GLB of another version than 2, or whose JSON is missing or cut off.
+/// A GLB of another version than 2, or whose JSON is missing or truncated.
 pub(super) fn split<'a>(
     bytes: &'a [u8],
     file: &str,
@@ -50,7 +50,7 @@ fn glb<'a>(
         return Err(ReadError::at_byte(file, 4, found, "version 2"));
     }
     if u64::from(length) != bytes.len() as u64 {
-        let message = "GLB whose length is not that of its header: read to its real end";
+        let message = "GLB whose length differs from that in its header: read to its actual end";
         said.at(message, Position::Byte(8));
     }
     let json_start = at.offset() + 8;
@@ -72,7 +72,7 @@ fn glb<'a>(
     })
 }
 
-/// The first chunk of type BIN, to the end of the file if it is cut off.
+/// The first chunk of type BIN, up to the end of the file if it is truncated.
 fn bin<'a>(at: &mut Bytes<'a>, said: &mut GltfMessages) -> Option<&'a [u8]> {
     let mut bin = None;
     while at.left() > 0 {
@@ -88,14 +88,14 @@ fn bin<'a>(at: &mut Bytes<'a>, said: &mut GltfMessages) -> Option<&'a [u8]> {
                 let kind = kind.escape_ascii();
                 said.at(&format!("chunk of type \"{kind}\": skipped"), start);
             }
-            // Some writers pad the end of the file beyond its last chunk.
+            // Some writers pad the end of the file after its last chunk.
             None => return bin,
         }
     }
     bin
 }
 
-/// The next chunk: its type, its content, and whether all of it is there.
+/// The next chunk: its type, its content, and whether it is complete.
 fn chunk<'a>(at: &mut Bytes<'a>) -> Option<(&'a [u8; 4], &'a [u8], bool)> {
     let length = at.u32_le()? as usize;
     let kind = at.take(4)?.first_chunk()?;
@@ -104,7 +104,7 @@ fn chunk<'a>(at: &mut Bytes<'a>) -> Option<(&'a [u8; 4], &'a [u8], bool)> {
     Some((kind, content, whole))
 }
 
-/// Padding is blanks; some writers pad with zeros.
+/// JSON is padded with blanks; some writers use zeros.
 fn without_padding(json: &[u8]) -> &[u8] {
     let end = json.iter().rposition(|b| !matches!(b, 0 | b' '));
     &json[..end.map_or(0, |e| e + 1)]
@@ -129,7 +129,7 @@ pub(super) mod tests {
         glb
     }
 
-    /// Checks what JSON and BIN a file holds, and how many warnings it earns.
+    /// Checks JSON and BIN of a file, and the number of its warnings.
     fn check(bytes: &[u8], expected: Result<(&str, Option<&[u8]>, usize), &str>) {
         let mut said = GltfMessages::default();
         match (split(bytes, "a.glb", &mut said), expected) {

@@ -1,4 +1,4 @@
-//! JSON to the literal mirror of a file, checked as far as its JSON alone allows.
+//! Parses and checks the JSON document, as far as possible without the buffers.
 
 use super::container::Container;
 use super::messages::GltfMessages;
@@ -20,23 +20,23 @@ const SUPPORTED: [&str; 13] = [
     "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
-    // What these two add changes nothing about the geometry or the light.
+    // These two affect neither the geometry nor the light.
     "KHR_xmp_json_ld",
     "KHR_node_visibility",
 ];
 
-/// Bytes that each JSON object must bring along. In memory an empty `{}` is as large as a
-/// material with everything in it, and a hostile file may be made of nothing else.
+/// Least number of bytes in the file for each JSON object. In memory an empty `{}` is as large as a
+/// complete material, and a hostile file may consist of nothing else.
 const BYTES_PER_OBJECT: usize = 20;
 
-/// Objects that need no justification.
+/// Number of objects that are accepted in a file of any size.
 const FREE_OBJECTS: usize = 1000;
 
-/// Reads and checks the JSON of a file.
+/// Parses and checks the JSON of a file.
 ///
 /// # Errors
-/// What is no JSON or no glTF 2.0, with its place; indices out of range; required extensions
-/// that are not supported.
+/// Text that is not JSON or not glTF 2.0, with its position; indices out of range; required
+/// extensions that are not supported.
 pub(super) fn parse(
     container: &Container,
     file: &str,
@@ -51,7 +51,7 @@ pub(super) fn parse(
         return Err(ReadError::whole(
             file,
             found,
-            "objects with something in them",
+            "fewer objects without content",
         ));
     }
     let mut root = Root::from_slice(container.json).map_err(|e| malformed(&e, container, file))?;
@@ -61,7 +61,7 @@ pub(super) fn parse(
     Ok(root)
 }
 
-/// The error for JSON that is none, or has values of other types than glTF's.
+/// The error for malformed JSON, or values of other types than glTF's.
 fn malformed(e: &gltf_json::Error, container: &Container, file: &str) -> ReadError {
     let said = e.to_string();
     let what = said.split(" at line ").next().unwrap_or(&said);
@@ -86,7 +86,7 @@ fn malformed(e: &gltf_json::Error, container: &Container, file: &str) -> ReadErr
     }
 }
 
-/// The version that the JSON gives itself, if it is JSON at all.
+/// The version that the JSON declares, if it is JSON at all.
 fn version_of(json: &[u8]) -> Option<String> {
     let value: serde_json::Value = serde_json::from_slice(json).ok()?;
     Some(value.get("asset")?.get("version")?.as_str()?.to_owned())
@@ -101,14 +101,14 @@ fn check_version(root: &Root, file: &str) -> Result<(), ReadError> {
     Err(ReadError::whole(file, found, "glTF 2.0"))
 }
 
-/// Refuses what cannot be read without an unknown extension; names what is read without one.
+/// Rejects unsupported required extensions; warns about unsupported optional ones.
 fn check_extensions(root: &mut Root, file: &str, said: &mut GltfMessages) -> Result<(), ReadError> {
     for name in root.extensions_required.drain(..) {
         if !SUPPORTED.contains(&name.as_str()) {
-            let found = format!("an extension that is required: \"{}\"", shortened(&name));
+            let found = format!("the required extension \"{}\"", shortened(&name));
             let expected = match name.as_str() {
                 "KHR_draco_mesh_compression" => "a file without Draco compression",
-                _ => "a file that can do without it",
+                _ => "a file that does not require it",
             };
             return Err(ReadError::whole(file, found, expected));
         }
@@ -121,8 +121,8 @@ fn check_extensions(root: &mut Root, file: &str, said: &mut GltfMessages) -> Res
     Ok(())
 }
 
-/// Checks indices and enumerations by the rules of `gltf-json`; some of its errors are of no
-/// consequence for a reader that looks at the data itself.
+/// Checks indices and enumerations by the rules of `gltf-json`; some of its errors do not
+/// matter for a reader that examines the data itself.
 fn check(root: &Root, file: &str, said: &mut GltfMessages) -> Result<(), ReadError> {
     check_positions(root, file)?;
     let mut first = None;
@@ -144,7 +144,7 @@ fn check(root: &Root, file: &str, said: &mut GltfMessages) -> Result<(), ReadErr
         Error::IndexOutOfBounds => "an index out of range",
         Error::Missing => "nothing",
         Error::Oversize => "a number too large",
-        Error::Invalid | Error::Unsupported => "a value that glTF does not know",
+        Error::Invalid | Error::Unsupported => "a value that is not valid in glTF",
     };
     let path = shortened(path.as_str());
     Err(ReadError::whole(
@@ -179,12 +179,12 @@ fn consequence(path: &str, error: Error) -> Consequence {
     use Consequence::{None, Warning};
     let bound = path.ends_with("[\"POSITION\"].min") || path.ends_with("[\"POSITION\"].max");
     match error {
-        // Integer positions (KHR_mesh_quantization) have bounds beyond a single's range.
+        // Integer positions (KHR_mesh_quantization) have bounds beyond the range of a single.
         Error::Invalid if bound => None,
-        Error::Missing if bound => Warning("positions without min and max, which glTF demands"),
+        Error::Missing if bound => Warning("positions without min and max, which glTF requires"),
         Error::Missing if path.ends_with("[\"POSITION\"]") => None,
         Error::Invalid if path.contains(".attributes[") => {
-            Warning("vertex attribute of a name that glTF does not know: skipped")
+            Warning("vertex attribute with an unknown name: skipped")
         }
         _ if path.starts_with("animations[") => None,
         _ => Consequence::Error,

@@ -1,4 +1,4 @@
-//! Irradiance in the colours of vertices, and the words beside it that say so.
+//! Irradiance in vertex colours, and the extras that mark it.
 
 use azulejo_scene::{Rgb, Scene, Shape};
 use gltf_json::Mesh;
@@ -7,13 +7,13 @@ use serde_json::{Value, json};
 /// How a mesh stores its irradiance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Stored {
-    /// Which set of colours: `COLOR_0` or `COLOR_1`.
+    /// The set of colours: `COLOR_0` or `COLOR_1`.
     pub set: u32,
     /// Irradiance of a colour of 1.
     pub scale: f64,
 }
 
-/// What the extras of a mesh say about irradiance, if anything.
+/// The description of irradiance in the extras of a mesh, if there is one.
 pub(super) fn of(mesh: &Mesh) -> Option<Stored> {
     let extras: Value = serde_json::from_str(mesh.extras.as_ref()?.get()).ok()?;
     let irradiance = extras.get("azulejo")?.get("irradiance")?;
@@ -28,8 +28,8 @@ pub(super) fn of(mesh: &Mesh) -> Option<Stored> {
     (stored.scale > 0.0 && stored.scale.is_finite()).then_some(stored)
 }
 
-/// A scale for all meshes of a scene, so that viewers show them equally bright: a power of two,
-/// by which no number loses a digit, that leaves no colour above 1, as glTF demands.
+/// A common scale for all meshes of a scene, so that viewers show them equally bright: a power of
+/// two, so that no number loses a digit, with no colour above 1, as glTF requires.
 pub(super) fn scale(scene: &Scene) -> f64 {
     let lights = scene.objects.iter().map(|o| match &o.shape {
         Shape::Mesh(mesh) => mesh.irradiance.as_slice(),
@@ -41,8 +41,8 @@ pub(super) fn scale(scene: &Scene) -> f64 {
         .map(|e: &Rgb| e.max_channel())
         .fold(0.0, f64::max);
     if most > 0.0 {
-        // Twice the least power of two above, or a half of it, is as good where the logarithm
-        // is rounded; a colour above 1 is not.
+        // If the logarithm is rounded, twice the least sufficient power of two, or half of it, would
+        // do as well, except that a colour must not exceed 1.
         most.log2().ceil().exp2().max(most)
     } else {
         1.0
@@ -50,7 +50,7 @@ pub(super) fn scale(scene: &Scene) -> f64 {
 }
 
 impl Stored {
-    /// The extras of a mesh that stores its irradiance so.
+    /// The extras of a mesh that stores its irradiance in this way.
     pub fn extras(&self, photometric: bool) -> Value {
         json!({
             "azulejo": {

@@ -1,4 +1,4 @@
-//! Parts of glTF's JSON that nodes, lights, cameras and materials share.
+//! Parts of glTF's JSON shared by nodes, lights, cameras and materials.
 
 use azulejo_scene::Rgb;
 use serde_json::{Map, Value, json};

@@ -1,4 +1,4 @@
-//! What glTF cannot hold.
+//! What glTF cannot represent.
 
 use super::write_material::is_one_colour;
 use crate::surface::gloss::is_repainted;
@@ -6,9 +6,9 @@ use crate::surface::model::gltf_mr;
 use crate::surface::tessellate::exact_counts;
 use azulejo_scene::{LightKind, Material, Mesh, Rgb, Scene, Shape};
 
-/// What [`write()`](super::write()) would leave out of a scene, or change, in words: "2 lights".
+/// What [`write()`](super::write()) would omit from a scene or change, as text: "2 lights".
 ///
-/// That all numbers become single precision goes without saying.
+/// The rounding of all numbers to single precision is not mentioned.
 pub fn losses(scene: &Scene) -> Vec<String> {
     let meshes = |lost: fn(&Mesh) -> bool| {
         let meshes = scene.objects.iter().filter_map(|o| match &o.shape {
@@ -49,7 +49,7 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         ),
         (
             materials(|m| m.dielectric.is_none() && m.brdf.is_none() && !is_one_colour(m)),
-            "materials that mirror another colour than they scatter",
+            "materials whose mirror and diffuse colours differ",
         ),
         (
             materials(is_odd_glass),
@@ -67,17 +67,17 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         (usize::from(scene.fog.is_some()), "fog"),
         (
             usize::from(watts),
-            "unit of light, watts, whose numbers other programs take for lumens",
+            "light unit (watts), whose values other programs take for lumens",
         ),
     ];
     let said = |&(count, what): &(usize, &str)| (count > 0).then(|| format!("{count} {what}"));
     counts.iter().filter_map(said).collect()
 }
 
-/// Widest half angle of a spot light there.
+/// Largest half angle of a spot light in glTF.
 const MOST_CONE: f64 = std::f64::consts::FRAC_PI_2;
 
-/// glTF's glass is denser than what is around it, and scatters nothing.
+/// glTF's glass is denser than its surroundings, and has no diffuse reflection.
 fn is_odd_glass(m: &Material) -> bool {
     m.dielectric
         .is_some_and(|g| g.ior < 1.0 || m.diffuse != Rgb::BLACK)

@@ -15,14 +15,14 @@ use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
 use std::collections::HashMap;
 
-/// What primitives without a material reflect. glTF's own default is white, but nothing reflects
-/// all light.
+/// Reflectance of primitives without a material. glTF's own default is white, but no surface
+/// reflects all light.
 const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
 
-/// Index of refraction where no extension says one.
+/// Index of refraction without an extension that defines it.
 const DEFAULT_IOR: f64 = 1.5;
 
-/// Below this roughness glass is taken for clear without a word.
+/// Glass below this roughness is taken as clear without a warning.
 const CLEAR: f64 = 0.1;
 
 /// From this share of transmitted light on, a surface is glass.
@@ -30,14 +30,14 @@ const LEAST_TRANSMISSION: f64 = 0.5;
 
 /// A material as primitives use it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Surface {
+pub(super) struct GltfSurface {
     /// Its index in the scene.
     pub id: MaterialId,
-    /// Whether a picture belongs to it.
+    /// Whether it has a texture.
     pub is_textured: bool,
-    /// The set of texture coordinates that its picture uses.
+    /// The set of texture coordinates that its texture uses.
     pub set: u32,
-    /// What becomes of those coordinates before the picture is looked up.
+    /// The transform of those coordinates.
     pub picture_from_uv: DAffine2,
 }
 
@@ -47,11 +47,11 @@ pub(super) struct Surfaces<'a> {
     pictures: Pictures<'a>,
     materials: Materials,
     gloss: Gloss,
-    known: HashMap<Option<usize>, Surface>,
+    known: HashMap<Option<usize>, GltfSurface>,
 }
 
 impl<'a> Surfaces<'a> {
-    /// None yet.
+    /// No materials yet.
     pub fn new(data: &'a Data<'a>, files: &'a dyn Files) -> Surfaces<'a> {
         Surfaces {
             root: data.root,
@@ -62,17 +62,17 @@ impl<'a> Surfaces<'a> {
         }
     }
 
-    /// All that were used, and their pictures.
+    /// All materials that were used, and their textures.
     pub fn finish(self) -> (Vec<Material>, Vec<Texture>) {
         (self.materials.into_list(), self.pictures.finish())
     }
 
-    /// A material of the file, or that of primitives without one.
+    /// A material of the file, or the default one of primitives without a material.
     pub fn of(
         &mut self,
         index: Option<Index<gltf_json::Material>>,
         said: &mut GltfMessages,
-    ) -> Surface {
+    ) -> GltfSurface {
         let key = index.map(|i| i.value());
         if let Some(&known) = self.known.get(&key) {
             return known;
@@ -91,7 +91,7 @@ impl<'a> Surfaces<'a> {
                 let read = reader.material();
                 let uv = reader.coordinates();
                 let surface = self.plain(read);
-                Surface {
+                GltfSurface {
                     id: surface.id,
                     ..uv
                 }
@@ -101,8 +101,8 @@ impl<'a> Surfaces<'a> {
         surface
     }
 
-    fn plain(&mut self, material: Material) -> Surface {
-        Surface {
+    fn plain(&mut self, material: Material) -> GltfSurface {
+        GltfSurface {
             id: self.materials.index(material),
             is_textured: false,
             set: 0,
@@ -111,7 +111,7 @@ impl<'a> Surfaces<'a> {
     }
 }
 
-/// One material on its way.
+/// State of reading one material.
 struct MaterialReader<'r, 'a> {
     json: &'r gltf_json::Material,
     index: usize,
@@ -120,9 +120,9 @@ struct MaterialReader<'r, 'a> {
     said: &'r mut GltfMessages,
 }
 
-/// A factor that a file should keep in 0..=1.
+/// A factor clamped to 0..=1.
 fn share(value: f32) -> f64 {
-    // No JSON can spell NaN.
+    // JSON cannot represent NaN.
     f64::from(value).clamp(0.0, 1.0)
 }
 
@@ -150,7 +150,7 @@ impl MaterialReader<'_, '_> {
         material
     }
 
-    /// Radiance in cd/m²: factor, strength, and the mean of the picture.
+    /// Radiance in cd/m²: factor, strength, and the mean of the texture.
     fn emission(&mut self) -> Rgb {
         let extensions = self.json.extensions.as_ref();
         let strength = extensions.and_then(|e| e.emissive_strength.as_ref());
@@ -165,21 +165,21 @@ impl MaterialReader<'_, '_> {
         }
         match self.pictures.mean(picture.index) {
             Ok(mean) => {
-                self.say("emissive texture: its mean shines from all of the surface");
+                self.say("emissive texture: the whole surface emits its mean");
                 emission * mean
             }
             Err(fault) => {
                 self.say(&format!(
-                    "emissive texture, {fault}: the surface does not shine"
+                    "emissive texture, {fault}: the surface does not emit light"
                 ));
                 Rgb::BLACK
             }
         }
     }
 
-    /// A transmitting surface, with which `true` returns.
+    /// Makes the material a transmitting one and returns `true`, if it is.
     ///
-    /// A thin wall is a pane: what both its surfaces mirror is left out of what passes. A volume is
+    /// A thin wall is a pane: what its two surfaces mirror is subtracted from what passes. A volume is
     /// the boundary of a solid body; absorption inside is moved to its boundary, which light that
     /// crosses the body passes twice.
     fn glass(&mut self, material: &mut Material) -> bool {
@@ -200,7 +200,7 @@ impl MaterialReader<'_, '_> {
             self.say("frosted glass: taken as clear");
         }
         if transmission.transmission_texture.is_some() || pbr.base_color_texture.is_some() {
-            self.say("picture of glass: not used");
+            self.say("texture of glass: not used");
         }
         let [r, g, b, _] = pbr.base_color_factor.0;
         let tint = color([r, g, b]) * transmitted;
@@ -240,7 +240,7 @@ impl MaterialReader<'_, '_> {
             .unwrap_or(DEFAULT_IOR)
     }
 
-    /// By what the reflection of a dielectric is scaled.
+    /// The factor of the specular reflection of a dielectric.
     fn specular(&self) -> Rgb {
         let extensions = self.json.extensions.as_ref();
         match extensions.and_then(|e| e.specular.as_ref()) {
@@ -249,7 +249,7 @@ impl MaterialReader<'_, '_> {
         }
     }
 
-    /// A surface that no light passes.
+    /// A surface that transmits no light.
     fn opaque(&mut self, material: &mut Material) {
         let pbr = &self.json.pbr_metallic_roughness;
         let [r, g, b, alpha] = pbr.base_color_factor.0;
@@ -257,7 +257,7 @@ impl MaterialReader<'_, '_> {
         let (metallic, roughness) = (share(pbr.metallic_factor.0), share(pbr.roughness_factor.0));
         let has_picture = pbr.base_color_texture.is_some();
         if pbr.metallic_roughness_texture.is_some() {
-            self.say("picture of metal and roughness: not used, the surface is matt");
+            self.say("metallic-roughness texture: not used, the surface is diffuse");
             material.diffuse = base;
         } else {
             let metal = self.metal(base, metallic);
@@ -265,7 +265,7 @@ impl MaterialReader<'_, '_> {
             if let Err(message) = gloss.metallic_roughness(material, metal, metallic, roughness) {
                 self.say(message);
             }
-            // The picture multiplies what is scattered.
+            // The texture multiplies the diffuse reflectance.
             material.diffuse = Rgb::from([0, 1, 2].map(|k| match metal[k] {
                 0.0 => 0.0,
                 colored => material.diffuse[k] * (base[k] / colored),
@@ -274,7 +274,7 @@ impl MaterialReader<'_, '_> {
         }
         let see_through = self.json.alpha_mode.as_ref().value() != Some(&AlphaMode::Opaque);
         if see_through && (alpha < 1.0 || has_picture) {
-            self.say("see-through material (alphaMode): opaque");
+            self.say("transparent material (alphaMode): taken as opaque");
         }
         if let Some(info) = &pbr.base_color_texture {
             let (texture, problem) = self.pictures.index(info.index);
@@ -285,18 +285,18 @@ impl MaterialReader<'_, '_> {
         }
     }
 
-    /// The base colour of metals: the mean of the picture colours what they reflect.
+    /// The base colour of metals: the mean of the texture multiplies their reflectance.
     fn metal(&mut self, base: Rgb, metallic: f64) -> Rgb {
         let pbr = &self.json.pbr_metallic_roughness;
         let picture = pbr.base_color_texture.as_ref().filter(|_| metallic > 0.0);
         let mean = picture.and_then(|info| self.pictures.mean(info.index).ok());
         if picture.is_some() {
-            self.say("picture of a metal: colours what it scatters, and its mean what it mirrors");
+            self.say("texture of a metal: multiplies diffuse reflection, and its mean multiplies mirror reflection");
         }
         base * mean.unwrap_or(Rgb::WHITE)
     }
 
-    /// What changes nothing here.
+    /// Warns about properties that have no effect here.
     fn name_the_rest(&mut self) {
         let json = self.json;
         let extensions = json.extensions.as_ref();
@@ -305,7 +305,7 @@ impl MaterialReader<'_, '_> {
             (json.occlusion_texture.is_some(), "occlusion map: not used"),
             (
                 extensions.is_some_and(|e| e.unlit.is_some()),
-                "material without shading (KHR_materials_unlit): lit as a matt one",
+                "material without shading (KHR_materials_unlit): lit as diffuse",
             ),
         ];
         for (found, message) in rest {
@@ -315,12 +315,12 @@ impl MaterialReader<'_, '_> {
         }
     }
 
-    /// The coordinates that the picture of the base colour uses.
-    fn coordinates(&self) -> Surface {
+    /// The texture coordinates of the base colour texture.
+    fn coordinates(&self) -> GltfSurface {
         let info = self.json.pbr_metallic_roughness.base_color_texture.as_ref();
         let transform = info.and_then(transform_of);
         let set = transform.and_then(|t| t.tex_coord);
-        Surface {
+        GltfSurface {
             id: 0,
             is_textured: info.is_some(),
             set: set.or(info.map(|i| i.tex_coord)).unwrap_or(0),
@@ -333,9 +333,9 @@ fn transform_of(info: &Info) -> Option<&TextureTransform> {
     info.extensions.as_ref()?.texture_transform.as_ref()
 }
 
-/// `KHR_texture_transform`: scale, then rotation counter-clockwise as the picture is seen, then
-/// offset. The formula of its specification turns the other way than its words and its example
-/// say; the words are what programs follow.
+/// `KHR_texture_transform`: scale, then rotation counter-clockwise as the texture is seen, then
+/// offset. The formula in its specification turns the other way than its text and its example;
+/// programs follow the text.
 fn map_of(transform: &TextureTransform) -> DAffine2 {
     let [x, y] = transform.scale.0.map(f64::from);
     let offset = DVec2::from(transform.offset.0.map(f64::from));

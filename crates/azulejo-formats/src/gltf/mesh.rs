@@ -1,8 +1,8 @@
-//! Meshes: primitives over vertices that they share.
+//! Meshes: primitives over shared vertices.
 
 use super::accessor::Data;
 use super::irradiance::Stored;
-use super::material::{Surface, Surfaces};
+use super::material::{GltfSurface, Surfaces};
 use super::messages::GltfMessages;
 use super::skin::Joints;
 use super::topology;
@@ -15,23 +15,23 @@ use gltf_json::mesh::{Mode, MorphTarget, Primitive, Semantic};
 use gltf_json::validation::Checked;
 use std::collections::{BTreeMap, HashMap};
 
-/// How messages about primitives begin whose numbers are not there.
+/// Start of messages about primitives whose data is missing.
 pub(super) const LOST: &str = "primitive left out: ";
 
-/// Elements that a primitive counts for, by the time it takes, even if nothing comes of it.
+/// Cost of a primitive in elements, for the time it takes, even if it is left out.
 const ELEMENTS_PER_PRIMITIVE: u64 = 16;
 
 type Attributes = BTreeMap<Checked<Semantic>, Index<Accessor>>;
 
-/// What a mesh is read with.
-pub(super) struct Builder<'b, 'a> {
-    /// The numbers.
+/// What is needed to read a mesh.
+pub(super) struct GltfMeshBuilder<'b, 'a> {
+    /// The buffers.
     pub data: &'a Data<'a>,
     /// The materials so far.
     pub surfaces: &'b mut Surfaces<'a>,
-    /// What the file may still unfold to.
+    /// How many more elements the file may expand to.
     pub budget: &'b mut Budget,
-    /// Where losses are counted.
+    /// Collects the warnings.
     pub said: &'b mut GltfMessages,
     /// How the mesh stores its irradiance, if it has any.
     pub irradiance: Option<Stored>,
@@ -41,17 +41,17 @@ pub(super) struct Builder<'b, 'a> {
     pub primitive: usize,
 }
 
-/// How the node that places a mesh changes its vertices.
+/// How the node that instantiates a mesh deforms its vertices.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pose<'p> {
     /// Weights of the morph targets.
     pub weights: &'p [f32],
-    /// The joints that carry the vertices, for a skin.
+    /// The joints of a skin.
     pub joints: Option<&'p Joints>,
 }
 
-/// Everything on which the vertices of a primitive depend: primitives that agree in it share
-/// them, as they share them in the file.
+/// Everything that the vertices of a primitive depend on: primitives with the same pool share
+/// their vertices, as in the file.
 #[derive(PartialEq, Eq, Hash)]
 struct Pool<'a> {
     attributes: &'a Attributes,
@@ -61,7 +61,7 @@ struct Pool<'a> {
 }
 
 impl<'a> Pool<'a> {
-    fn of(primitive: &'a Primitive, surface: &Surface) -> Pool<'a> {
+    fn of(primitive: &'a Primitive, surface: &GltfSurface) -> Pool<'a> {
         let number = |i: &Index<Accessor>| i.value() as u32;
         let target = |t: &MorphTarget| {
             [
@@ -81,9 +81,9 @@ impl<'a> Pool<'a> {
 
 /// Why a primitive is not read.
 pub(super) enum Fault {
-    /// It alone, for this reason.
+    /// Only this primitive is left out, for this reason.
     Skipped(String),
-    /// More vertices and corners than the file may unfold to.
+    /// The file expands to more vertices and corners than allowed.
     Exhausted(Exhausted),
 }
 
@@ -99,19 +99,19 @@ impl From<Exhausted> for Fault {
     }
 }
 
-impl<'a> Builder<'_, 'a> {
-    /// Counts a loss of the primitive that is being read.
+impl<'a> GltfMeshBuilder<'_, 'a> {
+    /// Counts a warning about the current primitive.
     pub fn say(&mut self, message: &str) {
         let (mesh, primitive) = (self.mesh, self.primitive);
         let place = || format!("meshes[{mesh}].primitives[{primitive}]");
         self.said.of(message, place);
     }
 
-    /// Reads the mesh in its own coordinates, or in the world's if it hangs on joints; `None` if
+    /// Reads the mesh in its own coordinates, or in those of the world if it is skinned; `None` if
     /// nothing of it is left.
     ///
     /// # Errors
-    /// More vertices and corners than the file may unfold to.
+    /// The file expands to more vertices and corners than allowed.
     pub fn mesh(&mut self, pose: Pose) -> Result<Option<Mesh>, Exhausted> {
         let Some(json) = self.data.root.meshes.get(self.mesh) else {
             return Ok(None);
@@ -132,7 +132,7 @@ impl<'a> Builder<'_, 'a> {
         }
         if finish(&mut mesh, vertices) > 0 {
             let index = self.mesh;
-            let message = "mesh with vertices without a usable normal: their faces' own";
+            let message = "mesh with vertices without a usable normal: face normals used";
             self.said.of(message, || format!("meshes[{index}]"));
         }
         Ok(Some(mesh))
@@ -169,11 +169,11 @@ impl<'a> Builder<'_, 'a> {
         let corners = self.corners(primitive, count)?;
         let triangles = topology::triangles(mode, &corners);
         if triangles.left_over > 0 {
-            self.say("corners that make no whole triangle: left out");
+            self.say("corners that do not form a complete triangle: left out");
         }
         let outside = triangles.push_into(mesh, vertices, first, count, surface.id);
         if outside > 0 {
-            self.say("triangles without all of their vertices: left out");
+            self.say("triangles with missing vertices: left out");
         }
         Ok(())
     }
@@ -189,12 +189,12 @@ impl<'a> Builder<'_, 'a> {
     }
 }
 
-/// A primitive that is left out as it is.
+/// The fault of a primitive that is left out for a message of its own.
 pub(super) fn skipped(message: &str) -> Fault {
     Fault::Skipped(message.to_owned())
 }
 
-/// A primitive whose numbers are not there.
+/// The message about a primitive whose data is missing.
 pub(super) fn lost(fault: String) -> String {
     format!("{LOST}{fault}")
 }

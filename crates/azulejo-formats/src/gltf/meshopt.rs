@@ -1,24 +1,24 @@
 //! Decoders of `EXT_meshopt_compression` (Kapoulkine and Rock, 2021; appendices A and B of the
-//! extension's specification), for the numbers of vertices and for their indices.
+//! extension's specification), for vertex attributes and for indices.
 
 use crate::reading::bytes::Bytes;
 use gltf_json::Value;
 use gltf_json::buffer::View;
 
-/// Bytes that one byte of compressed data may stand for: two bits for 16 bytes.
+/// Most bytes that a byte of compressed data may encode: two bits for 16 bytes.
 const MOST_BYTES_PER_BYTE: u64 = 64;
 
-/// Elements of a group, which is compressed in one way.
+/// Elements of a group, which are encoded with the same number of bits.
 const GROUP: usize = 16;
 
-/// A compressed view, as its JSON describes it.
+/// The description of a compressed view in JSON.
 #[derive(Debug)]
 pub(super) struct Packed {
     /// Index of the buffer that holds it.
     pub buffer: usize,
-    /// Where it begins in the buffer.
+    /// Its offset in the buffer.
     pub offset: u64,
-    /// How many bytes it has.
+    /// Its compressed size in bytes.
     pub length: u64,
     stride: usize,
     count: usize,
@@ -46,7 +46,7 @@ impl Packed {
     pub fn of(view: &View) -> Option<Result<Packed, String>> {
         let extensions = &view.extensions.as_ref()?.others;
         let read = Packed::read(extensions.get("EXT_meshopt_compression")?);
-        Some(read.ok_or_else(|| "compressed data that its JSON describes wrongly".to_owned()))
+        Some(read.ok_or_else(|| "compressed data with an invalid description".to_owned()))
     }
 
     fn read(json: &Value) -> Option<Packed> {
@@ -75,7 +75,7 @@ impl Packed {
         packed.is_sound().then_some(packed)
     }
 
-    /// Whether the numbers fit each other, and no byte promises more than it can hold.
+    /// Whether the numbers are consistent, and no byte would expand to more than it can encode.
     fn is_sound(&self) -> bool {
         let stride = self.stride;
         let fits = match (self.mode, self.filter) {
@@ -94,15 +94,15 @@ impl Packed {
         fits && self.size() <= most
     }
 
-    /// Bytes that it unpacks to.
+    /// Decompressed size in bytes.
     pub fn size(&self) -> u64 {
         (self.count as u64).saturating_mul(self.stride as u64)
     }
 
-    /// Decodes `bytes`, which are the compressed data.
+    /// Decodes `bytes`, the compressed data.
     ///
     /// # Errors
-    /// Words for data that ends too soon or begins with another version's mark.
+    /// The reason, for data that ends too soon or begins with the header of another version.
     pub fn decode(&self, bytes: &[u8]) -> Result<Vec<u8>, String> {
         let decoded = match self.mode {
             Mode::Attributes => attributes(bytes, self.count, self.stride),
@@ -137,10 +137,10 @@ fn zigzag_wide(v: u32) -> u32 {
     (v >> 1) ^ (v & 1).wrapping_neg()
 }
 
-/// Mode 0. Elements stand in blocks; in a block, the first bytes of all elements are followed by
-/// the second bytes, each as its difference from the element before.
+/// Mode 0. Elements are stored in blocks; in a block, the first bytes of all elements are followed by
+/// the second bytes, each as its difference from the previous element.
 fn attributes(bytes: &[u8], count: usize, stride: usize) -> Option<Vec<u8>> {
-    // The first element's base stands in the tail, padded at its front to 32 bytes.
+    // The base of the first element is in the tail, padded at its front to 32 bytes.
     let tail = bytes.len().checked_sub(stride.max(32))?;
     let mut last = bytes.get(bytes.len() - stride..)?.to_vec();
     let mut data = Bytes::new(&bytes[..tail]);
@@ -157,7 +157,7 @@ fn attributes(bytes: &[u8], count: usize, stride: usize) -> Option<Vec<u8>> {
     Some(elements)
 }
 
-/// One byte of each element of a block: every `stride`-th of `block`, as sums from `last`.
+/// Decodes one byte of each element of a block: every `stride`-th of `block`, as sums from `last`.
 fn byte_column(data: &mut Bytes, block: &mut [u8], stride: usize, last: &mut u8) -> Option<()> {
     let count = block.len().div_ceil(stride);
     let groups = count.div_ceil(GROUP);
@@ -167,7 +167,7 @@ fn byte_column(data: &mut Bytes, block: &mut [u8], stride: usize, last: &mut u8)
         let mode = headers[group / 4] >> (group % 4 * 2) & 3;
         for delta in deltas(data, mode)? {
             *last = last.wrapping_add(zigzag(delta));
-            // The last group may be longer than what is left of the block.
+            // The last group may be longer than the rest of the block.
             let Some(slot) = slots.next() else { break };
             *slot = *last;
         }
@@ -175,8 +175,8 @@ fn byte_column(data: &mut Bytes, block: &mut [u8], stride: usize, last: &mut u8)
     Some(())
 }
 
-/// The differences of a group, 0, 2, 4 or 8 bits each, the largest value of 2 or 4 bits standing
-/// for a byte that follows the bits of the group.
+/// The differences of a group, 0, 2, 4 or 8 bits each. The largest value of 2 or 4 bits means that
+/// a byte after the bits of the group holds the difference.
 fn deltas(data: &mut Bytes, mode: u8) -> Option<[u8; GROUP]> {
     let bits = match mode {
         0 => return Some([0; GROUP]),
@@ -198,7 +198,7 @@ fn deltas(data: &mut Bytes, mode: u8) -> Option<[u8; GROUP]> {
     Some(deltas)
 }
 
-/// A number of 7 bits per byte, the lowest first; the highest bit says that more follow.
+/// A number of 7 bits per byte, lowest bits first; the highest bit means that more follow.
 fn varint(data: &mut Bytes) -> Option<u32> {
     let mut value = 0;
     for shift in (0..35).step_by(7) {
@@ -211,7 +211,7 @@ fn varint(data: &mut Bytes) -> Option<u32> {
     None
 }
 
-/// Mode 2: each index as its difference from one of two that came before.
+/// Mode 2: each index as its difference from one of the previous two.
 fn indices(bytes: &[u8], count: usize) -> Option<Vec<u32>> {
     let mut data = Bytes::new(&bytes[..bytes.len().checked_sub(4)?]);
     if data.u8_le()? & 0xfe != 0xd0 {
@@ -227,7 +227,7 @@ fn indices(bytes: &[u8], count: usize) -> Option<Vec<u32>> {
     (0..count).map(|_| next()).collect()
 }
 
-/// The last 16 of something, counted backwards from the latest.
+/// The last 16 values, indexed backwards from the latest.
 #[derive(Clone, Copy)]
 struct Recent<T> {
     ring: [T; 16],
@@ -252,7 +252,7 @@ impl<T: Copy + Default> Recent<T> {
     }
 }
 
-/// Decoder of mode 1, which says of each triangle what it shares with those before.
+/// Decoder of mode 1, which encodes what each triangle shares with previous ones.
 struct Triangles<'a> {
     data: Bytes<'a>,
     next: u32,
@@ -261,7 +261,7 @@ struct Triangles<'a> {
     vertices: Recent<u32>,
 }
 
-/// Mode 1: a byte for each triangle, what the bytes leave open, and a table of frequent codes.
+/// Mode 1: a byte for each triangle, the data that these leave open, and a table of frequent codes.
 fn triangles(bytes: &[u8], count: usize) -> Option<Vec<u32>> {
     let (head, table) = bytes.split_last_chunk::<16>()?;
     let mut data = Bytes::new(head);
@@ -293,7 +293,7 @@ impl Triangles<'_> {
         self.next.wrapping_sub(1)
     }
 
-    /// A vertex that stands in the data, as its difference from the one there before.
+    /// A vertex in the data, as its difference from the previous one there.
     fn explicit(&mut self) -> Option<u32> {
         let delta = zigzag_wide(varint(&mut self.data)?);
         self.last = self.last.wrapping_add(delta);
@@ -321,7 +321,7 @@ impl Triangles<'_> {
         Some([a, b, c])
     }
 
-    /// A triangle of three vertices, by a code of the table or one that stands in the data.
+    /// A triangle of three vertices, by a code in the table or in the data.
     fn without_edge(&mut self, code: u8, table: &[u8; 16]) -> Option<[u32; 3]> {
         let from_table = code < 0xe;
         let pair = if from_table {
@@ -350,7 +350,7 @@ impl Triangles<'_> {
         Some([a, b, c])
     }
 
-    /// A vertex by half of a code, and whether the recent ones do not hold it yet.
+    /// A vertex by half of a code, and whether it must be added to the recent ones.
     fn vertex(&mut self, half: u8, from_table: bool) -> Option<(u32, bool)> {
         match half {
             0 => Some((self.fresh(), true)),
@@ -361,7 +361,7 @@ impl Triangles<'_> {
     }
 }
 
-/// Puts every `N` bytes through a filter.
+/// Applies a filter to every `N` bytes.
 fn each<const N: usize>(bytes: &mut [u8], filter: impl Fn([u8; N]) -> [u8; N]) {
     let (elements, _) = bytes.as_chunks_mut::<N>();
     for element in elements {
@@ -381,7 +381,7 @@ fn octahedral_shorts(element: [u8; 8]) -> [u8; 8] {
     bytes_of([x, y, z].map(|v| (v * 32767.0).round() as i16), w)
 }
 
-/// A unit vector by its place on an unfolded octahedron.
+/// A unit vector from its octahedral encoding.
 fn octahedral(x: f32, y: f32, one: f32) -> [f32; 3] {
     let (x, y) = (x / one, y / one);
     let z = 1.0 - x.abs() - y.abs();
@@ -391,7 +391,7 @@ fn octahedral(x: f32, y: f32, one: f32) -> [f32; 3] {
     [x / length, y / length, z / length]
 }
 
-/// A unit quaternion by its three smaller components.
+/// A unit quaternion from its three smaller components.
 fn quaternion(element: [u8; 8]) -> [u8; 8] {
     let [x, y, z, code] = shorts(element);
     let scale = std::f32::consts::FRAC_1_SQRT_2 / f32::from(code | 3);
@@ -406,7 +406,7 @@ fn quaternion(element: [u8; 8]) -> [u8; 8] {
     bytes_of([x, y, z], w)
 }
 
-/// A single from 8 bits of exponent over 24 bits of mantissa.
+/// A single-precision number from an exponent in the upper 8 bits and a mantissa in the lower 24.
 fn exponential(element: [u8; 4]) -> [u8; 4] {
     let value = i32::from_le_bytes(element);
     let mantissa = value << 8 >> 8;
@@ -430,7 +430,7 @@ fn bytes_of([x, y, z]: [i16; 3], w: i16) -> [u8; 8] {
 mod tests {
     use super::*;
 
-    /// Packed data of this JSON, which says everything but where it stands.
+    /// Packed data described by this JSON, whose position is added.
     fn packed(json: &str, length: usize) -> Option<Packed> {
         let json = format!("{{\"buffer\":0,\"byteLength\":{length},{json}}}");
         Packed::read(&serde_json::from_str(&json).unwrap())
@@ -446,7 +446,7 @@ mod tests {
             .collect()
     }
 
-    /// Checks what meshoptimizer 0.25 made of some data, and that no cut of it does harm.
+    /// Decodes what meshoptimizer 0.25 wrote, and checks that no truncation does harm.
     fn check(json: &str, hex: &str, expected: &[u8]) {
         let file = bytes(hex);
         let packed = packed(json, file.len()).unwrap();

@@ -1,15 +1,15 @@
-//! What was said about a file while it was read: each message once, with its first place.
+//! Messages about a file while it is read: each reported once, with its first location.
 
 use crate::Position;
 use crate::reading::warnings::Warnings;
 use std::collections::HashMap;
 
-/// Different messages kept apart, which is more than anybody is shown.
+/// Distinct messages kept, which is more than are ever shown.
 const KEPT: usize = 1000;
 
-/// Messages, each counted, with the first place where it was true.
+/// Messages, each counted, with its first location.
 ///
-/// JSON that has been read knows no lines any more, so a place is a path: `meshes[3]`.
+/// Parsed JSON has no line numbers any more, so a location is a path: `meshes[3]`.
 #[derive(Debug, Default)]
 pub(super) struct GltfMessages {
     list: Vec<Message>,
@@ -25,7 +25,7 @@ struct Message {
 }
 
 impl GltfMessages {
-    /// Counts a message about the part of the file at `place`.
+    /// Counts a message about the part of the file with path `place`.
     pub fn of(&mut self, message: &str, place: impl FnOnce() -> String) {
         self.add(message, Position::Whole, place);
     }
@@ -52,18 +52,18 @@ impl GltfMessages {
                 count: 1,
             });
         } else {
-            // Whatever it is, the reader of a thousand messages learns only that there are more.
+            // Beyond the limit, only the number of messages matters.
             self.list[KEPT - 1].count += 1;
         }
     }
 
-    /// The first message that begins so.
+    /// The first message that begins with `start`.
     pub fn first_of(&self, start: &str) -> Option<&str> {
         let mut texts = self.list.iter().map(|m| m.text.as_str());
         texts.find(|text| text.starts_with(start))
     }
 
-    /// Turns all messages into warnings.
+    /// Converts all messages to warnings.
     pub fn report(self, file: &str, warnings: &mut Warnings) {
         for m in self.list {
             let text = match m.place.as_str() {

@@ -1,8 +1,8 @@
 //! glTF 2.0, JSON or binary (GLB).
 //!
-//! The page `docs/formats/gltf.md` says what becomes of what. `gltf-json`, the lower half of the
-//! `gltf` crate, mirrors the file literally; its upper half is not used, because it looks at
-//! buffers only behind panics.
+//! The page `docs/formats/gltf.md` documents the conversion. `gltf-json`, the lower half of the
+//! `gltf` crate, mirrors the file literally; its upper half is not used, because it
+//! panics on damaged buffers.
 
 mod accessor;
 mod attributes;
@@ -47,11 +47,11 @@ use walk::GltfWalk;
 
 /// Reads a glTF or GLB file.
 ///
-/// `name` stands in messages; `files` gives the buffers and pictures that the file names.
+/// `name` is used in messages; `files` provides the buffers and textures that the file names.
 ///
 /// # Errors
-/// Text that is no JSON, JSON that is no glTF 2.0, indices out of range, nodes above themselves,
-/// required extensions that are not supported, and files whose every mesh is damaged.
+/// Text that is not JSON, JSON that is not glTF 2.0, indices out of range, nodes that are their own
+/// ancestors, required extensions that are not supported, and files all of whose meshes are damaged.
 pub fn read(
     bytes: &[u8],
     name: &str,
@@ -79,7 +79,7 @@ pub fn read(
     })
 }
 
-/// Metres, y up and photometric units, by the standard; but azulejo's own files say if their
+/// Metres, y up and photometric units, by the standard; azulejo's own files declare whether their
 /// light is in watts.
 fn units(root: &Root) -> Units {
     let extras = root.asset.extras.as_ref();
@@ -92,7 +92,7 @@ fn units(root: &Root) -> Units {
     }
 }
 
-/// Says what nobody should have to find out, and refuses files of which nothing is left.
+/// Warns about animations and empty scenes, and rejects files without a readable mesh.
 fn check_result(
     scene: &Scene,
     root: &Root,
@@ -100,7 +100,7 @@ fn check_result(
     said: &mut GltfMessages,
 ) -> Result<(), ReadError> {
     if !root.animations.is_empty() {
-        said.whole("animations: not used, nodes stand as at rest");
+        said.whole("animations: not used, nodes are in their rest pose");
     }
     if !scene.objects.is_empty() {
         return Ok(());

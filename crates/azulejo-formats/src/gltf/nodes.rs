@@ -1,36 +1,36 @@
-//! The tree of nodes: which hangs on which, and where they stand.
+//! The tree of nodes: their parents and their transforms.
 
 use crate::ReadError;
 use glam::{DAffine3, DQuat, DVec3};
 use gltf_json::{Node, Root};
 
-/// Most nodes above a node, itself included.
+/// Most nodes from a root to a node, itself included.
 pub(super) const MOST_LEVELS: usize = 256;
 
-/// Numbers of a node's map beyond which nothing can be placed. Positions are singles, so that
-/// what is placed stays finite.
+/// Largest number in the transform of a node. Positions are in single precision, so that
+/// transformed positions stay finite.
 const MOST_PLACE: f64 = 1e100;
 
-/// The nodes of a file, none of which is above itself.
+/// The nodes of a file, without cycles.
 #[derive(Debug)]
 pub(super) struct Tree<'a> {
     nodes: &'a [Node],
     parents: Vec<Option<u32>>,
-    /// Where each node stands; empty if there are no skins, which alone ask.
+    /// World transform of each node; empty without skins, which alone need it.
     places: Vec<DAffine3>,
 }
 
 impl<'a> Tree<'a> {
-    /// Finds every node's parent; of several, which glTF forbids, the first.
+    /// Finds the parent of every node; if there are several, which glTF forbids, the first.
     ///
     /// # Errors
-    /// Nodes that are above themselves.
+    /// Nodes that are their own ancestors.
     pub fn of(root: &'a Root, file: &str) -> Result<Tree<'a>, ReadError> {
         let nodes = root.nodes.as_slice();
         if let Some(node) = on_a_cycle(nodes) {
             return Err(ReadError::whole(
                 file,
-                format!("a node above itself: nodes[{node}]"),
+                format!("a node that is its own ancestor: nodes[{node}]"),
                 "nodes that form a tree",
             ));
         }
@@ -61,12 +61,12 @@ impl<'a> Tree<'a> {
             .map(|(i, _)| i)
     }
 
-    /// Where a node stands that is a joint of a skin.
+    /// World transform of a node that is a joint of a skin.
     pub fn world_from_joint(&self, node: usize) -> DAffine3 {
         self.places.get(node).copied().unwrap_or_default()
     }
 
-    /// Where a node stands, nodes above it included.
+    /// World transform of a node, ancestors included.
     fn place(&self, node: usize) -> DAffine3 {
         let mut map = DAffine3::IDENTITY;
         let mut next = Some(node);
@@ -87,7 +87,7 @@ pub(super) fn children(node: &Node) -> impl Iterator<Item = usize> {
     node.children.iter().flatten().map(|child| child.value())
 }
 
-/// A node that is above itself, if there is one.
+/// A node that is its own ancestor, if there is one.
 fn on_a_cycle(nodes: &[Node]) -> Option<usize> {
     #[derive(Clone, Copy, PartialEq)]
     enum Seen {
@@ -121,7 +121,7 @@ fn on_a_cycle(nodes: &[Node]) -> Option<usize> {
     None
 }
 
-/// A node's own map: its matrix, or translation, rotation and scale.
+/// The local transform of a node: its matrix, or translation, rotation and scale.
 pub(super) fn parent_from_node(node: &Node) -> DAffine3 {
     if let Some(matrix) = node.matrix {
         return affine(matrix.map(f64::from));
@@ -135,7 +135,7 @@ pub(super) fn parent_from_node(node: &Node) -> DAffine3 {
     )
 }
 
-/// The map of a translation, a quaternion of any length and a scale.
+/// The transform of a translation, a quaternion of any length and a scale.
 pub(super) fn placed(translation: DVec3, rotation: [f64; 4], scale: DVec3) -> DAffine3 {
     let [x, y, z, w] = rotation;
     let length = (x * x + y * y + z * z + w * w).sqrt();
@@ -147,15 +147,15 @@ pub(super) fn placed(translation: DVec3, rotation: [f64; 4], scale: DVec3) -> DA
     DAffine3::from_scale_rotation_translation(scale, rotation, translation)
 }
 
-/// An affine map of a matrix of four columns, whose last row says nothing.
+/// The affine transform of a matrix of four columns; its last row is ignored.
 pub(super) fn affine(m: [f64; 16]) -> DAffine3 {
     let column = |k: usize| DVec3::new(m[4 * k], m[4 * k + 1], m[4 * k + 2]);
     DAffine3::from_cols(column(0), column(1), column(2), column(3))
 }
 
-/// Whether what a map places is somewhere.
+/// Whether a transform is finite and within range.
 pub(super) fn is_usable(map: &DAffine3) -> bool {
-    // NaN compares as false.
+    // Comparisons with NaN are false.
     map.to_cols_array().iter().all(|v| v.abs() < MOST_PLACE)
 }
 

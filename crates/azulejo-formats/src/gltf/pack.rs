@@ -1,11 +1,11 @@
-//! The numbers of a file under way: one buffer, its views and their accessors.
+//! The binary data of a file being written: one buffer, its views and their accessors.
 
 use serde_json::{Value, json};
 
 /// glTF's name for single precision.
 const FLOAT: u32 = 5126;
 
-/// What a view is for, as glTF numbers it.
+/// The purpose of a view, with glTF's numbers.
 #[derive(Clone, Copy, Debug)]
 enum Target {
     Vertices = 34_962,
@@ -17,9 +17,9 @@ enum Target {
 pub(super) struct Pack {
     /// Its bytes.
     pub bin: Vec<u8>,
-    /// What its pieces are.
+    /// Its views.
     pub views: Vec<Value>,
-    /// How they are read.
+    /// Its accessors.
     pub accessors: Vec<Value>,
 }
 
@@ -41,7 +41,7 @@ impl Pack {
         self.accessor(json!({ "componentType": FLOAT, "count": count, "type": kind::<N>() }))
     }
 
-    /// As [`Pack::attribute`], with the least and the greatest values, as positions need them.
+    /// Like [`Pack::attribute`], with the least and the greatest values, as positions require them.
     pub fn positions(&mut self, values: impl ExactSizeIterator<Item = [f64; 3]>) -> usize {
         let count = values.len();
         let (least, greatest) = self.vectors(values);
@@ -55,10 +55,10 @@ impl Pack {
         }))
     }
 
-    /// Adds indices of vertices, of which there are `vertices`, and returns their accessor.
+    /// Adds indices into `vertices` vertices, and returns their accessor.
     pub fn indices(&mut self, indices: &[u32], vertices: usize) -> usize {
         let offset = self.start();
-        // The largest number of each type is no index.
+        // The largest number of each type is reserved.
         let is_short = vertices <= usize::from(u16::MAX);
         for &i in indices {
             if is_short {
@@ -93,13 +93,13 @@ impl Pack {
         (least, greatest)
     }
 
-    /// Where the next piece begins: numbers stand at multiples of their size.
+    /// Offset of the next piece: numbers are aligned to their size.
     fn start(&mut self) -> usize {
         self.bin.resize(self.bin.len().next_multiple_of(4), 0);
         self.bin.len()
     }
 
-    /// Makes a view of what was added since `offset`.
+    /// Adds a view of the bytes since `offset`.
     fn close(&mut self, offset: usize, target: Option<Target>) -> usize {
         let length = self.bin.len() - offset;
         let mut view = json!({ "buffer": 0, "byteOffset": offset, "byteLength": length });

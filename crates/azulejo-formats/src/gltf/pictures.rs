@@ -1,4 +1,4 @@
-//! Pictures of materials: files beside the model, data in URIs and pieces of buffers.
+//! Textures of materials: files beside the model, data URIs and buffer views.
 
 use super::accessor::Data;
 use super::uri::{self, Uri};
@@ -9,8 +9,8 @@ use gltf_json::{Index, Root};
 use std::borrow::Cow;
 use std::collections::HashMap;
 
-/// How often the bytes of the buffers may be decoded as pictures, so that a hostile file cannot
-/// have one picture decoded a thousand times: once as a colour, and once as a light.
+/// How often the bytes of the buffers may be decoded as textures, so that a hostile file cannot
+/// have one picture decoded a thousand times: once as a colour, and once as an emission.
 const MOST_DECODED: usize = 2;
 
 /// The pictures of a file, each loaded once.
@@ -21,12 +21,12 @@ pub(super) struct Pictures<'a> {
     textures: Textures,
     /// Bytes of buffers that may still be decoded.
     left: usize,
-    /// By index of the image.
+    /// Loaded textures by index of the image.
     known: HashMap<usize, TextureId>,
     means: HashMap<usize, Result<Rgb, String>>,
 }
 
-/// Where the bytes of a picture are.
+/// Where the bytes of a picture come from.
 enum PictureSource<'a> {
     /// In the file itself.
     Embedded(Cow<'a, [u8]>),
@@ -35,7 +35,7 @@ enum PictureSource<'a> {
 }
 
 impl<'a> Pictures<'a> {
-    /// None yet.
+    /// No pictures yet.
     pub fn new(data: &'a Data<'a>, files: &'a dyn Files) -> Pictures<'a> {
         Pictures {
             root: data.root,
@@ -48,18 +48,18 @@ impl<'a> Pictures<'a> {
         }
     }
 
-    /// All that were asked for.
+    /// All pictures that were requested.
     pub fn finish(self) -> Vec<Texture> {
         self.textures.into_list()
     }
 
-    /// The picture of a texture, if it has one at all, and what to warn of.
+    /// The texture's picture, if it has one, and a warning if there is one.
     pub fn index(
         &mut self,
         texture: Index<gltf_json::Texture>,
     ) -> (Option<TextureId>, Option<String>) {
         let Some(image) = self.image(texture) else {
-            let problem = "texture without a PNG or JPEG: not shown";
+            let problem = "texture without a PNG or JPEG: not used";
             return (None, Some(problem.to_owned()));
         };
         if let Some(&known) = self.known.get(&image) {
@@ -80,10 +80,10 @@ impl<'a> Pictures<'a> {
         (Some(id), problem)
     }
 
-    /// The mean of a texture's picture, as linear light.
+    /// The mean of a texture as linear light.
     ///
     /// # Errors
-    /// Words for a picture that cannot be had.
+    /// The reason, for a picture that cannot be loaded.
     pub fn mean(&mut self, texture: Index<gltf_json::Texture>) -> Result<Rgb, String> {
         let image = self.image(texture).ok_or("which has no PNG or JPEG")?;
         if let Some(known) = self.means.get(&image) {
@@ -110,7 +110,7 @@ impl<'a> Pictures<'a> {
         self.root.get(source).map(|_| source.value())
     }
 
-    /// An embedded picture's name, which stands where others have their file's.
+    /// The name of an embedded picture, used in place of a file name.
     fn name(&self, image: usize) -> String {
         let name = self.root.images[image].name.clone();
         name.filter(|n| !n.is_empty())

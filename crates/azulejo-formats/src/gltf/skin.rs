@@ -1,4 +1,4 @@
-//! Skins: vertices that hang on joints, at rest.
+//! Skins: vertices bound to joints, in the rest pose.
 
 use super::accessor::Data;
 use super::nodes::{Tree, affine, is_usable};
@@ -6,17 +6,17 @@ use glam::{DAffine3, DMat3, DVec3};
 use gltf_json::Index;
 use gltf_json::skin::Skin;
 
-/// Where the joints of a skin take its vertices.
+/// The transforms of the joints of a skin.
 #[derive(Debug)]
 pub(super) struct Joints {
     world_from_mesh: Vec<DAffine3>,
 }
 
 impl Joints {
-    /// The joints of a skin as the nodes stand.
+    /// The joints of a skin with the current transforms of the nodes.
     ///
     /// # Errors
-    /// Words for matrices that are not there.
+    /// The reason, for missing matrices.
     pub fn of(index: Index<Skin>, data: &Data, tree: &Tree) -> Result<Joints, String> {
         let skin = data.root.get(index).ok_or("a skin out of range")?;
         let mut world_from_mesh: Vec<DAffine3> = skin
@@ -34,14 +34,14 @@ impl Joints {
                 *map *= inverse;
             }
         }
-        // What hangs on a joint that is nowhere is nowhere, too.
+        // Vertices bound to a joint with an unusable transform become NaN.
         for map in world_from_mesh.iter_mut().filter(|m| !is_usable(m)) {
             *map = DAffine3::NAN;
         }
         Ok(Joints { world_from_mesh })
     }
 
-    /// Where some joints take a vertex, given their indices and weights.
+    /// The blended transform of a vertex, given its joints' indices and weights.
     pub fn blend(&self, influences: impl Iterator<Item = (f64, f64)>) -> DAffine3 {
         let (mut sum, mut total) = (ZERO, 0.0);
         for (joint, weight) in influences {

@@ -1,4 +1,4 @@
-//! What is read, and what is written and read back.
+//! Reading, and writing and reading back.
 
 mod errors;
 mod materials;
@@ -9,13 +9,13 @@ mod scenes;
 use crate::{Loaded, Memory, ReadOptions, gltf};
 use azulejo_scene::{Mesh, Scene, Shape};
 
-/// JSON of a file: `more` behind the asset.
+/// JSON of a file: `more` after the asset.
 fn json(more: &str) -> String {
     format!("{{\"asset\":{{\"version\":\"2.0\"}},{more}}}")
 }
 
-/// A triangle in the plane z = 0, its three positions at the start of a buffer of floats that go
-/// on with `more`; accessor 0. Other accessors follow by `accessors`, each with its comma.
+/// A triangle in the plane z = 0, its three positions at the start of a buffer of floats that
+/// continues with `more`; accessor 0. Other accessors follow in `accessors`, each with its comma.
 fn triangle(more: &[f32], accessors: &str, rest: &str) -> String {
     let positions = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     let floats = positions.iter().chain(more);
@@ -51,7 +51,7 @@ fn loaded(file: &[u8]) -> Loaded {
     loaded
 }
 
-/// The scene of a file that earns these warnings, in their order.
+/// The scene of a file with these warnings, in their order.
 fn read(file: &str, warnings: &[&str]) -> Scene {
     let loaded = loaded(file.as_bytes());
     let found: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();

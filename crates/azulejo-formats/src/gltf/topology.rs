@@ -9,11 +9,11 @@ use gltf_json::mesh::Mode;
 pub(super) struct Triangles<'a> {
     mode: Mode,
     corners: &'a [u32],
-    /// Corners that make no triangle.
+    /// Number of corners that form no triangle.
     pub left_over: usize,
 }
 
-/// The triangles that `corners` make.
+/// The triangles that `corners` form.
 pub(super) fn triangles(mode: Mode, corners: &[u32]) -> Triangles<'_> {
     let left_over = match mode {
         Mode::Triangles => corners.len() % 3,
@@ -44,8 +44,8 @@ impl Triangles<'_> {
         }
     }
 
-    /// Adds the triangles to a mesh; their vertices are the `count` from `first` on. Says how
-    /// many have no vertices, or vertices that are nowhere.
+    /// Adds the triangles to a mesh; their vertices are the `count` from `first` on. Returns the
+    /// number of triangles with missing or non-finite vertices.
     pub fn push_into(
         &self,
         mesh: &mut Mesh,

@@ -1,20 +1,20 @@
-//! URIs: data that stands in them, and names of files.
+//! URIs: embedded data and file names.
 
 use std::borrow::Cow;
 
-/// What a URI gives.
+/// The target of a URI.
 #[derive(Debug, PartialEq)]
 pub(super) enum Uri<'a> {
-    /// Bytes that stand in the URI itself.
+    /// Bytes embedded in the URI itself.
     Data(Vec<u8>),
     /// The name of a file, relative to the model's.
     File(Cow<'a, str>),
 }
 
-/// Reads a URI.
+/// Parses a URI.
 ///
 /// # Errors
-/// Words for a URI that names neither data nor a file.
+/// The reason, for a URI that is neither data nor a file name.
 pub(super) fn read(uri: &str) -> Result<Uri<'_>, String> {
     if let Some(rest) = uri.strip_prefix("data:") {
         return data(rest).map(Uri::Data);
@@ -29,17 +29,17 @@ pub(super) fn read(uri: &str) -> Result<Uri<'_>, String> {
     }))
 }
 
-/// The bytes behind `data:`, RFC 2397.
+/// The bytes after `data:`, RFC 2397.
 fn data(rest: &str) -> Result<Vec<u8>, String> {
     let (kind, content) = rest.split_once(',').ok_or("a data URI without a comma")?;
     if kind.ends_with(";base64") {
-        base64(content.as_bytes()).ok_or_else(|| "a data URI that is no base64".to_owned())
+        base64(content.as_bytes()).ok_or_else(|| "a data URI that is not base64".to_owned())
     } else {
         Ok(percent_decoded(content).into_owned())
     }
 }
 
-/// `%41` becomes `A`; what is no two digits behind a `%` stays as it is.
+/// `%41` becomes `A`; a `%` without two hexadecimal digits is kept.
 fn percent_decoded(text: &str) -> Cow<'_, [u8]> {
     let bytes = text.as_bytes();
     if !bytes.contains(&b'%') {
@@ -64,7 +64,7 @@ fn percent_decoded(text: &str) -> Cow<'_, [u8]> {
     plain.into()
 }
 
-/// Writes a file's name as a URI: what has a meaning of its own in one is escaped.
+/// A file name as a URI: reserved characters are escaped.
 pub(super) fn escaped(name: &str) -> String {
     let mut uri = String::with_capacity(name.len());
     for b in name.replace('\\', "/").bytes() {
@@ -78,7 +78,7 @@ pub(super) fn escaped(name: &str) -> String {
     uri
 }
 
-/// Value of each base64 character; 64 for those that are none.
+/// Value of each base64 character; 64 for all others.
 const SEXTETS: [u8; 256] = {
     let mut table = [64; 256];
     let alphabet = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -137,7 +137,7 @@ mod tests {
         check("data:;base64,Zm9v", data(b"foo"));
         check("data:;base64,+/-_", data(&[0xfb, 0xff, 0xbf]));
         check("data:,a%20b%2", data(b"a b%2"));
-        check("data:;base64,Zm9v!", Err("no base64"));
+        check("data:;base64,Zm9v!", Err("not base64"));
         check("data:;base64,Z", data(b""));
         check("data:", Err("without a comma"));
         check("http://a/b.bin", Err("outside"));

@@ -1,4 +1,4 @@
-//! Vertices of a mesh under construction, and what a mesh makes of them.
+//! Vertices of a mesh under construction, and their conversion to mesh attributes.
 
 use super::irradiance::Stored;
 use azulejo_scene::{Attribute, Mesh, Rgb};
@@ -7,9 +7,9 @@ use glam::{DVec2, DVec3};
 /// Lists by vertex. But for the positions, each is empty or as long as the positions.
 #[derive(Clone, Debug)]
 pub(super) struct Vertices {
-    /// Positions; those that are not finite are nowhere.
+    /// Positions; ones that are not finite are unusable.
     pub positions: Vec<DVec3>,
-    /// Unit normals; zero where there is none.
+    /// Unit normals; zero if missing.
     pub normals: Vec<DVec3>,
     /// Texture coordinates.
     pub uvs: Vec<DVec2>,
@@ -17,12 +17,12 @@ pub(super) struct Vertices {
     pub colors: Vec<Rgb>,
     /// Irradiance.
     pub light: Vec<Rgb>,
-    /// Which colours of the file are irradiance.
+    /// The set of colours that stores irradiance.
     pub irradiance: Option<Stored>,
 }
 
 impl Vertices {
-    /// None, of a mesh that keeps its irradiance so.
+    /// No vertices, of a mesh that stores its irradiance in this way.
     pub fn new(irradiance: Option<Stored>) -> Vertices {
         Vertices {
             positions: Vec::new(),
@@ -34,18 +34,18 @@ impl Vertices {
         }
     }
 
-    /// How many.
+    /// Number of vertices.
     pub fn len(&self) -> usize {
         self.positions.len()
     }
 
-    /// Whether faces can stand on a vertex.
+    /// Whether a vertex exists and has a finite position.
     pub fn is_somewhere(&self, vertex: u32) -> bool {
         let position = self.positions.get(vertex as usize);
         position.is_some_and(|p| p.is_finite())
     }
 
-    /// Takes a set of colours for what it is.
+    /// Stores a set of colours as irradiance or as colours.
     pub fn set_colors(&mut self, set: u32, values: Vec<Rgb>) {
         let finite = |c: f64| if c.is_finite() { c.max(0.0) } else { 0.0 };
         match self.irradiance {
@@ -65,7 +65,7 @@ impl Vertices {
         }
     }
 
-    /// Gives normals unit length, and coordinates that are not finite a place.
+    /// Gives normals unit length, and replaces texture coordinates that are not finite.
     pub fn make_usable(&mut self) {
         for normal in self.normals.iter_mut().filter(|n| !is_unit(**n)) {
             *normal = normal.normalize_or_zero();
@@ -75,7 +75,7 @@ impl Vertices {
         }
     }
 
-    /// Appends the vertices of another primitive; what only one of the two has gets neutral
+    /// Appends the vertices of another primitive; attributes that only one of the two has get neutral
     /// values in the other.
     pub fn append(&mut self, other: Vertices) {
         let (here, there) = (self.len(), other.len());
@@ -102,8 +102,8 @@ impl Vertices {
     }
 }
 
-/// Whether a vector has length 1 as far as single precision can say. Such normals stay as they
-/// are in both directions, so that they do not drift.
+/// Whether a vector has length 1 within single precision. Such normals are kept
+/// unchanged in both directions, so that they do not drift.
 pub(super) fn is_unit(normal: DVec3) -> bool {
     (normal.length_squared() - 1.0).abs() < 1e-6
 }
@@ -123,11 +123,11 @@ fn retain<T>(list: &mut Vec<T>, marked: &[bool]) {
     list.retain(|_| marks.next().copied().unwrap_or(false));
 }
 
-/// Gives a mesh, which has its faces, the vertices that they stand on, and says how many have no
+/// Gives a mesh with faces its vertices, and returns how many of them have no
 /// usable normal though others have one.
 pub(super) fn finish(mesh: &mut Mesh, mut vertices: Vertices) -> usize {
     drop_strangers(mesh, &mut vertices);
-    // What no face uses may be nowhere.
+    // Unused vertices may have non-finite positions.
     for position in vertices.positions.iter_mut().filter(|p| !p.is_finite()) {
         *position = DVec3::ZERO;
     }
@@ -150,7 +150,7 @@ pub(super) fn finish(mesh: &mut Mesh, mut vertices: Vertices) -> usize {
     missing
 }
 
-/// Drops the vertices that no face uses, if they are most of them: some writers keep the
+/// Drops the vertices that no face uses, if they are the majority: some writers keep the
 /// vertices of all meshes in one list.
 fn drop_strangers(mesh: &mut Mesh, vertices: &mut Vertices) {
     let mut used = vec![false; vertices.len()];
@@ -175,7 +175,7 @@ fn drop_strangers(mesh: &mut Mesh, vertices: &mut Vertices) {
     vertices.retain(&used);
 }
 
-/// Normals by corner: those of the vertices, and for vertices without one those of the faces.
+/// Normals per corner: those of the vertices, and face normals for vertices without one.
 fn with_face_normals(mesh: &Mesh, mut values: Vec<DVec3>) -> Attribute<DVec3> {
     let mut corners = mesh.faces.corners.clone();
     for face in 0..mesh.faces.len() {
@@ -185,7 +185,7 @@ fn with_face_normals(mesh: &Mesh, mut values: Vec<DVec3>) -> Attribute<DVec3> {
         if !missing.contains(&true) {
             continue;
         }
-        // A face without area is seen by nobody; any unit vector does.
+        // A face without area is invisible; any unit vector will do.
         let own = values.len() as u32;
         values.push(mesh.face_area_vector(face).normalize_or(DVec3::Z));
         for (corner, missing) in corners[range].iter_mut().zip(missing) {

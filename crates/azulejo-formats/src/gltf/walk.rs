@@ -1,9 +1,9 @@
-//! From the nodes of a scene to objects, lights and cameras in the world.
+//! Converts the nodes of a scene to objects, lights and cameras in the world.
 
 use super::accessor::Data;
 use super::irradiance::{self, Stored};
 use super::material::Surfaces;
-use super::mesh::{Builder, Pose};
+use super::mesh::{GltfMeshBuilder, Pose};
 use super::messages::GltfMessages;
 use super::nodes::{MOST_LEVELS, Tree, children, is_usable, parent_from_node, placed};
 use super::skin::Joints;
@@ -18,13 +18,13 @@ use gltf_json::validation::Checked;
 use gltf_json::{Index, Node, Root};
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// Bytes that an object may take for itself, counted against the elements of the budget.
+/// Bytes of an object's own data that count as one element of the budget.
 const BYTES_PER_ELEMENT: usize = 100;
 
-/// Elements that an object without vertices counts for.
+/// Cost in elements of an object without vertices.
 const ELEMENTS_PER_OBJECT: u64 = 10;
 
-/// Elements that a visit to a node counts for, by the time it takes: files can make a few nodes
+/// Cost in elements of visiting a node, for the time it takes: a few nodes can
 /// be visited millions of times.
 const ELEMENTS_PER_NODE: u64 = 16;
 
@@ -47,11 +47,11 @@ pub(super) struct GltfWalk<'w, 'a> {
     file: &'w str,
 }
 
-/// Where the walk is.
+/// The ancestors of the current node.
 #[derive(Clone, Copy)]
 struct NodePlacement<'p> {
     world: DAffine3,
-    /// Names of the nodes above.
+    /// Names of the ancestors.
     path: &'p str,
     level: usize,
 }
@@ -78,17 +78,17 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         }
     }
 
-    /// Reads the default scene; without one the first, and without scenes all nodes.
+    /// Reads the default scene; if none is declared the first, and without scenes all nodes.
     ///
     /// # Errors
-    /// Nodes too deep, and more of everything than the file may unfold to.
+    /// Nodes nested too deeply, and a file that expands to more than allowed.
     pub fn scene(mut self) -> Result<Scene, ReadError> {
         let root = self.root();
         let chosen = root.scene.map_or(0, |s| s.value());
         for (i, scene) in root.scenes.iter().enumerate() {
             if i != chosen {
                 let name = shortened(scene.name.as_deref().unwrap_or("without a name"));
-                let message = format!("scene {name}: skipped, another is shown");
+                let message = format!("scene {name}: skipped, another scene is read");
                 self.said.of(&message, || format!("scenes[{i}]"));
             }
         }
@@ -127,18 +127,18 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
             return Ok(());
         };
         if place.level == MOST_LEVELS {
-            let found = format!("more than {MOST_LEVELS} nodes one below the other");
-            return Err(ReadError::whole(self.file, found, "a flatter file"));
+            let found = format!("nodes nested more than {MOST_LEVELS} deep");
+            return Err(ReadError::whole(self.file, found, "fewer levels"));
         }
         self.spend(ELEMENTS_PER_NODE)?;
         if is_hidden(node) {
-            let message = "hidden node: left out, and what is below it";
+            let message = "hidden node: left out with its children";
             self.said.of(message, || format!("nodes[{index}]"));
             return Ok(());
         }
         let world = place.world * parent_from_node(node);
         if !is_usable(&world) {
-            let message = "node that is nowhere: left out, and what is below it";
+            let message = "node with an unusable transform: left out with its children";
             self.said.of(message, || format!("nodes[{index}]"));
             return Ok(());
         }
@@ -156,7 +156,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         Ok(())
     }
 
-    /// What hangs on a node itself.
+    /// The content of a node itself.
     fn content(
         &mut self,
         index: usize,
@@ -176,8 +176,8 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         Ok(())
     }
 
-    /// The name of what hangs on a node: the path of the nodes' names, or, if the node has none,
-    /// the thing's own behind it.
+    /// The name of the content of a node: the path of the nodes' names, with the content's own name
+    /// appended if the node has none.
     fn name(&self, node: &Node, own: Option<&str>, place: NodePlacement) -> String {
         match node.name.as_deref() {
             Some(name) if !name.is_empty() => place.path.to_owned(),
@@ -201,7 +201,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
             weights: weights.unwrap_or_default(),
             joints: joints.as_ref(),
         };
-        let mut builder = Builder {
+        let mut builder = GltfMeshBuilder {
             data: self.data,
             surfaces: &mut self.surfaces,
             budget: &mut self.budget,
@@ -229,7 +229,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         }
     }
 
-    /// The joints on which a node's mesh hangs, if it does.
+    /// The joints of a node's mesh, if it is skinned.
     fn joints(&mut self, index: usize, node: &Node) -> Result<Option<Joints>, ReadError> {
         let Some(skin) = node.skin else {
             return Ok(None);
@@ -247,7 +247,8 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
 
     fn object(&mut self, name: String, mut mesh: Mesh, world: &DAffine3) -> Result<(), ReadError> {
         if !is_usable(world) {
-            self.said.whole("instance that is nowhere: left out");
+            self.said
+                .whole("instance with an unusable transform: left out");
             return Ok(());
         }
         self.spend(ELEMENTS_PER_OBJECT + (name.len() / BYTES_PER_ELEMENT) as u64)?;
@@ -260,7 +261,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         Ok(())
     }
 
-    /// Where `EXT_mesh_gpu_instancing` puts the copies of a node's mesh, if it does.
+    /// The transforms of a node's instances by `EXT_mesh_gpu_instancing`, if it has any.
     fn instances(&mut self, index: usize, node: &Node) -> Option<Vec<DAffine3>> {
         let extension = node
             .extensions
@@ -291,7 +292,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         let given = lists.iter().flatten().next();
         let count = data.count(*given.ok_or("no attributes")?)?;
         let most = self.budget.spend(3 * count as u64);
-        most.map_err(|Exhausted { .. }| format!("{count} of them"))?;
+        most.map_err(|Exhausted { .. }| format!("too many ({count})"))?;
         let [translation, rotation, scale] = lists;
         let vectors = |list: Option<Index<Accessor>>, rest| match list {
             Some(list) => data.read(list, count, DVec3::from),
@@ -322,7 +323,8 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         let (Some(forward), Some(up)) =
             ((-axes.z_axis).try_normalize(), axes.y_axis.try_normalize())
         else {
-            self.said.of("camera that looks nowhere: skipped", at);
+            self.said
+                .of("camera without a viewing direction: skipped", at);
             return;
         };
         let camera = Camera {
@@ -350,12 +352,12 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         let at = || format!("lights[{index}]");
         if json.range.is_some() {
             self.said.of(
-                "range of a light: not used, light falls with the square of the distance",
+                "range of a light: not used, light falls off with the inverse square of the distance",
                 at,
             );
         }
         let Some(kind) = kind_of(json, &place.world) else {
-            self.said.of("light that shines nowhere: skipped", at);
+            self.said.of("light without a direction: skipped", at);
             return;
         };
         let name = named(place, json.name.as_deref());
@@ -363,7 +365,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
     }
 }
 
-/// The kind of a light in the world, if its direction is one.
+/// The kind of a light in the world, if its direction is valid.
 fn kind_of(json: &khr_lights_punctual::Light, world: &DAffine3) -> Option<LightKind> {
     let intensity = Rgb::from(json.color.map(f64::from)) * f64::from(json.intensity);
     let intensity = intensity.map(|c| if c.is_finite() { c.max(0.0) } else { 0.0 });
@@ -408,7 +410,7 @@ fn is_hidden(node: &Node) -> bool {
     found.and_then(|v| v.get("visible")?.as_bool()) == Some(false)
 }
 
-/// A path and a name behind it. A path that has become too long to be a name begins anew.
+/// A path with a name appended. A path that is too long starts again from the name.
 fn joined(path: &str, name: &str) -> String {
     let end = name.floor_char_boundary(MOST_PATH.min(name.len()));
     let name = &name[..end];

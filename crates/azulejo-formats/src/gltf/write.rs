@@ -1,4 +1,4 @@
-//! Scenes to glTF.
+//! Writes scenes as glTF.
 
 use super::irradiance;
 use super::json_parts::{factor_and_strength, named};
@@ -11,17 +11,17 @@ use serde_json::{Map, Value, json};
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 use std::io::{self, Write};
 
-/// Distance of the plane in front of which a camera shows nothing, metres. glTF wants one.
+/// Distance of the near plane of cameras in metres, which glTF requires.
 const NEAR: f64 = 0.01;
 
 /// Writes a scene as one binary file, GLB.
 ///
-/// One node per object, with triangles in single precision. Where the scene is not in metres or
-/// not y up, a node above all the others says so. [`losses`](super::losses) says what does not
-/// fit into the format.
+/// One node per object, with triangles in single precision. If the scene is not in metres or
+/// not y up, a root node converts it. [`losses`](super::losses) lists what the format cannot
+/// represent.
 ///
 /// # Errors
-/// What `out` says, and a scene that needs more than 4 GiB.
+/// Errors of `out`, and a scene that needs more than 4 GiB.
 pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
     let mut document = Document::of(scene)?;
     let mut json = document.json(None)?;
@@ -44,11 +44,11 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
     out.flush()
 }
 
-/// Writes a scene as two files: JSON, and its numbers and pictures beside it under the name
-/// `bin_name`. Otherwise as [`write()`].
+/// Writes a scene as two files: JSON, and a file `bin_name` beside it with numbers and
+/// textures. Otherwise like [`write()`].
 ///
 /// # Errors
-/// What `json` and `bin` say.
+/// Errors of `json` and `bin`.
 pub fn write_json(
     scene: &Scene,
     bin_name: &str,
@@ -62,7 +62,7 @@ pub fn write_json(
     bin.flush()
 }
 
-/// A file under way.
+/// State of writing a file.
 struct Document<'a> {
     scene: &'a Scene,
     pack: Pack,
@@ -120,7 +120,7 @@ impl<'a> Document<'a> {
     fn light(&mut self, light: &Light) {
         let size = self.scene.units.metres();
         let (kind, colour, position, direction) = match light.kind {
-            // The distances that the light falls with are in metres there.
+            // glTF's falloff uses distances in metres.
             LightKind::Point {
                 position,
                 intensity,
@@ -169,7 +169,7 @@ impl<'a> Document<'a> {
         self.cameras.push(json.into());
     }
 
-    /// The JSON text; `bin_name` is the file that holds the numbers, if they are not in a GLB.
+    /// The JSON text; `bin_name` is the file with the numbers, if they are not in a GLB.
     fn json(&self, bin_name: Option<&str>) -> io::Result<Vec<u8>> {
         let mut nodes = self.nodes.clone();
         let mut roots: Vec<usize> = (0..nodes.len()).collect();
@@ -197,7 +197,7 @@ impl<'a> Document<'a> {
             ("cameras", &self.cameras),
             ("nodes", &nodes),
         ];
-        // glTF has no empty lists.
+        // glTF does not allow empty lists.
         for (name, list) in lists.into_iter().filter(|(_, list)| !list.is_empty()) {
             root.insert(name.into(), json!(list));
         }
@@ -219,7 +219,7 @@ impl<'a> Document<'a> {
     }
 }
 
-/// Who wrote the file, and what the numbers of its light mean.
+/// The generator, and the unit of light.
 fn asset(units: &Units) -> Value {
     json!({
         "version": "2.0",
@@ -228,7 +228,7 @@ fn asset(units: &Units) -> Value {
     })
 }
 
-/// The node that turns and scales a scene to metres and y up, if it is not so already.
+/// The node that rotates and scales a scene to metres and y up, if necessary.
 fn above_all(units: &Units) -> Option<Value> {
     let mut node = Map::new();
     if units.up == Up::Z {
@@ -242,7 +242,7 @@ fn above_all(units: &Units) -> Option<Value> {
     (!node.is_empty()).then(|| node.into())
 }
 
-/// Places a node that looks along its −z axis.
+/// Sets the transform of a node whose content faces its −z axis.
 fn place(node: &mut Map<String, Value>, position: DVec3, direction: Option<DVec3>, up: DVec3) {
     if position != DVec3::ZERO {
         node.insert("translation".into(), json!(position.to_array()));
@@ -255,7 +255,7 @@ fn place(node: &mut Map<String, Value>, position: DVec3, direction: Option<DVec3
     node.insert("rotation".into(), json!(rotation.to_array()));
 }
 
-/// Angles of a spot light. glTF's are below a right angle, and the inner less than the outer.
+/// Angles of a spot light. In glTF they are below a right angle, the inner less than the outer.
 fn cone(inner: f64, outer: f64) -> Value {
     let outer = outer.clamp(1e-6, FRAC_PI_2);
     let inner = inner.min(outer * (1.0 - 1e-6));

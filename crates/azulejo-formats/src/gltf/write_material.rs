@@ -1,4 +1,4 @@
-//! Materials and pictures to glTF.
+//! Writes materials and textures as glTF.
 
 use super::json_parts::{factor_and_strength, named};
 use super::pack::Pack;
@@ -11,11 +11,11 @@ use serde_json::{Map, Value, json};
 use std::collections::{BTreeSet, HashMap};
 use std::io;
 
-/// Thickness that tells a solid body from a thin wall, metres. Only programs that do not trace
-/// rays make more of it.
+/// Thickness that distinguishes a solid body from a thin wall, in metres. Its value matters only to
+/// programs that do not trace rays.
 const SOLID: f64 = 0.01;
 
-/// The materials of a file under way, in the order of the scene's.
+/// The materials of a file being written, in the order of the scene's.
 #[derive(Debug, Default)]
 pub(super) struct Materials {
     /// The materials.
@@ -24,14 +24,14 @@ pub(super) struct Materials {
     pub textures: Vec<Value>,
     /// The pictures of the textures.
     pub images: Vec<Value>,
-    /// What extensions they use.
+    /// The extensions that they use.
     pub extensions: BTreeSet<&'static str>,
-    /// Twins without a picture, by the index of the material that has one.
+    /// Copies without texture, by the index of the material that has one.
     plain: HashMap<MaterialId, usize>,
 }
 
 impl Materials {
-    /// Writes the materials of a scene; the pixels of their pictures go into `pack`.
+    /// Writes the materials of a scene; the pixels of their textures go into `pack`.
     ///
     /// # Errors
     /// A picture without pixels.
@@ -48,7 +48,7 @@ impl Materials {
         Ok(materials)
     }
 
-    /// The index of a material for a mesh without texture coordinates: glTF allows it no picture.
+    /// The index of a material for a mesh without texture coordinates, on which glTF allows no texture.
     pub fn plain(&mut self, material: MaterialId) -> usize {
         let of_material = &self.list[material as usize];
         let picture = &of_material["pbrMetallicRoughness"]["baseColorTexture"];
@@ -92,7 +92,7 @@ impl Materials {
         list.insert(name.into(), value);
     }
 
-    /// The factor of an emission, which is at most 1; what is brighter needs an extension.
+    /// The emission factor, which is at most 1; stronger emission needs an extension.
     fn emission(&mut self, emission: Rgb, extensions: &mut Map<String, Value>) -> Rgb {
         if emission.max_channel() <= 1.0 {
             return emission;
@@ -125,14 +125,14 @@ impl Materials {
     }
 }
 
-/// Surfaces act on both sides here; but lamps may shine from one, and of a body's boundary glTF
-/// knows the other side without being told.
+/// Surfaces act on both sides in azulejo; but lamps may emit from one side only, and the boundary
+/// of a body in glTF has both sides anyway.
 fn has_two_sides(m: &Material) -> bool {
     let is_solid = m.dielectric.is_some_and(|g| is_solid(&g));
     !is_solid && (!m.is_emitter() || m.emits_back)
 }
 
-/// Without a volume glass is a thin pane there; one of index 1 is the same as a body's boundary.
+/// Glass without a volume is a thin pane in glTF; one of index 1 equals the boundary of a body.
 fn is_solid(glass: &Dielectric) -> bool {
     glass.ior > 1.0 && !glass.thin
 }
@@ -146,7 +146,7 @@ fn metallic_roughness(base: Rgb, metallic: f64, roughness: f64) -> Value {
     })
 }
 
-/// Metals colour what they mirror; of other models glTF can say the nearest metal.
+/// Metals colour their mirror reflection; for other models glTF has only the nearest metal.
 fn opaque(m: &Material) -> Value {
     if let Some((base, metallic, roughness)) = gltf_mr(m) {
         return metallic_roughness(base, metallic, roughness);
@@ -163,12 +163,12 @@ fn opaque(m: &Material) -> Value {
     metallic_roughness(base, share, slope.sqrt())
 }
 
-/// How much of what a surface reflects is mirrored.
+/// The mirrored share of a surface's reflectance.
 fn mirrored_share(m: &Material) -> f64 {
     m.mirror.mean() / (m.diffuse + m.mirror).mean()
 }
 
-/// Whether one colour and one share say all about a surface that mirrors and scatters.
+/// Whether one colour and one share describe a surface with mirror and diffuse reflection.
 pub(super) fn is_one_colour(m: &Material) -> bool {
     let share = mirrored_share(m);
     let off = m.mirror - (m.diffuse + m.mirror) * share;

@@ -1,4 +1,4 @@
-//! Objects to meshes: triangles by material over one list of vertices.
+//! Writes objects as meshes: triangles by material over one list of vertices.
 
 use super::irradiance::Stored;
 use super::pack::Pack;
@@ -22,7 +22,7 @@ pub(super) fn mesh(
     if mesh.faces.is_empty() {
         return None;
     }
-    let corners = Corners::of(&mesh);
+    let corners = MergedCorners::of(&mesh);
     let stored = Stored {
         set: u32::from(!mesh.colors.is_empty()),
         scale,
@@ -50,20 +50,20 @@ pub(super) fn mesh(
 
 /// The vertices that glTF needs: one for each combination of a vertex with a normal and texture
 /// coordinates.
-struct Corners {
+struct MergedCorners {
     /// Vertex, normal and texture coordinates, as indices into the mesh's lists.
     vertices: Vec<[u32; 3]>,
-    /// For each corner of the mesh, which of them it is.
+    /// Index of the combination of each corner of the mesh.
     corners: Vec<u32>,
 }
 
-impl Corners {
-    fn of(mesh: &Mesh) -> Corners {
+impl MergedCorners {
+    fn of(mesh: &Mesh) -> MergedCorners {
         let by_corner = |a: Option<&Vec<u32>>, corner: usize, v: u32| a.map_or(v, |a| a[corner]);
         let normals = mesh.normals.as_ref().and_then(|a| a.corners.as_ref());
         let uvs = mesh.uvs.as_ref().and_then(|a| a.corners.as_ref());
         if normals.is_none() && uvs.is_none() {
-            return Corners {
+            return MergedCorners {
                 vertices: (0..mesh.positions.len() as u32).map(|v| [v; 3]).collect(),
                 corners: mesh.faces.corners.clone(),
             };
@@ -78,10 +78,10 @@ impl Corners {
             })
         });
         let corners = corners.collect();
-        Corners { vertices, corners }
+        MergedCorners { vertices, corners }
     }
 
-    /// A list of the mesh by new vertices.
+    /// A list of the mesh, indexed by new vertices.
     fn of_vertices<'c, T: Copy, const N: usize>(
         &'c self,
         list: &'c [T],
@@ -95,7 +95,7 @@ impl Corners {
 
 fn attributes(
     mesh: &Mesh,
-    corners: &Corners,
+    corners: &MergedCorners,
     stored: Stored,
     pack: &mut Pack,
 ) -> Map<String, Value> {
@@ -103,7 +103,7 @@ fn attributes(
     let positions = corners.of_vertices(&mesh.positions, 0, |p| p.to_array());
     attributes.insert("POSITION".into(), json!(pack.positions(positions)));
     if let Some(Attribute { values, .. }) = &mesh.normals {
-        // A valid scene's normals may be off by a thousandth, glTF's by less.
+        // Normals of a valid scene may be off by a thousandth, those of glTF by less.
         let exact = |n: DVec3| if is_unit(n) { n } else { n.normalize() };
         let normals = corners.of_vertices(values, 1, move |n| exact(n).to_array());
         attributes.insert("NORMAL".into(), json!(pack.attribute(normals)));
@@ -128,7 +128,7 @@ fn attributes(
 }
 
 /// The triangles of each material, in the order in which the materials are first used.
-fn by_material(mesh: &Mesh, corners: &Corners) -> Vec<(MaterialId, Vec<u32>)> {
+fn by_material(mesh: &Mesh, corners: &MergedCorners) -> Vec<(MaterialId, Vec<u32>)> {
     let mut lists: Vec<(MaterialId, Vec<u32>)> = Vec::new();
     let mut known = HashMap::new();
     let mut triangles = Vec::new();

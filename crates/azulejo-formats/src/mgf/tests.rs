@@ -407,7 +407,7 @@ fn small_files_stay_small() {
         };
         let error = read(text.as_bytes(), "t.mgf", files, &options).unwrap_err();
         assert!(
-            error.to_string().contains("unfold to more than 100000"),
+            error.to_string().contains("expand to more than 100000"),
             "{error}"
         );
     };

@@ -1,4 +1,4 @@
-//! From the flat lists of a file to a scene: one mesh per object, each with its own vertices.
+//! Converts the flat lists of a file to a scene: one mesh per object, each with its own vertices.
 
 use super::lists::{NONE, ObjLists};
 use super::mtl::Library;
@@ -9,7 +9,7 @@ use azulejo_scene::{Attribute, Faces, MaterialId, Mesh, Object, Rgb, Scene, Shap
 use glam::{DVec2, DVec3};
 use std::ops::Range;
 
-/// Builds the scene of a file whose indices are all in range.
+/// Builds the scene of a file whose indices have been checked.
 pub(super) fn assemble(
     mut raw: ObjLists,
     mut library: Library,
@@ -21,7 +21,7 @@ pub(super) fn assemble(
         .iter()
         .map(|name| library.find_or_default(name, file, warnings))
         .collect();
-    // The last entry stands for faces before the first `usemtl`.
+    // The last entry is for faces before the first `usemtl`.
     let nameless = |list: &Vec<u32>| list.contains(&NONE);
     let mut surfaces = raw.surfaces.iter().map(|s| &s.mesh.face_materials);
     if nameless(&raw.face_materials) || surfaces.any(nameless) {
@@ -31,7 +31,7 @@ pub(super) fn assemble(
         warnings.add_whole(file, "no faces: the scene is empty");
     }
     let mut surfaces = std::mem::take(&mut raw.surfaces).into_iter().peekable();
-    let mut builder = Builder {
+    let mut builder = ObjMeshBuilder {
         raw: &raw,
         materials: &materials,
         local: Vec::new(),
@@ -62,7 +62,7 @@ pub(super) fn assemble(
     }
 }
 
-/// Names and faces of the parts: what stands before the first `o` or `g`, and from each to the
+/// Names and face ranges of the parts: what precedes the first `o` or `g`, and from each to the
 /// next.
 fn parts(raw: &ObjLists) -> Vec<(&str, Range<usize>)> {
     let all = raw.face_materials.len();
@@ -76,16 +76,16 @@ fn parts(raw: &ObjLists) -> Vec<(&str, Range<usize>)> {
         .collect()
 }
 
-struct Builder<'a> {
+struct ObjMeshBuilder<'a> {
     raw: &'a ObjLists,
     materials: &'a [MaterialId],
-    /// New index of each old one while a list is renumbered; all [`NONE`] in between.
+    /// New index of each old one while a list is renumbered; all [`NONE`] between uses.
     local: Vec<u32>,
     warnings: &'a mut Warnings,
     file: &'a str,
 }
 
-impl Builder<'_> {
+impl ObjMeshBuilder<'_> {
     fn mesh(&mut self, range: Range<usize>) -> Mesh {
         let raw = self.raw;
         let corners = raw.faces.starts[range.start] as usize..raw.faces.starts[range.end] as usize;
@@ -112,13 +112,13 @@ impl Builder<'_> {
         mesh
     }
 
-    /// Material of a face; all without one share the last entry.
+    /// Material of a face; all faces without one share the last entry.
     fn material(&self, named: u32) -> MaterialId {
         self.materials[(named as usize).min(self.materials.len() - 1)]
     }
 
-    /// The indices that occur, in order, and for each entry its place among them.
-    /// [`NONE`] stays what it is.
+    /// The distinct indices in increasing order, and for each entry its position among them.
+    /// [`NONE`] is kept.
     fn renumber(&mut self, indices: &[u32]) -> (Vec<u32>, Vec<u32>) {
         let mut used = Vec::new();
         for &i in indices.iter().filter(|i| **i != NONE) {
@@ -143,7 +143,7 @@ impl Builder<'_> {
         (used, renumbered)
     }
 
-    /// Sorts indices that `local` marks, by looking through their range where that is quicker.
+    /// Sorts indices that are marked in `local`, by scanning their range where that is faster.
     fn order(&self, used: &mut Vec<u32>) {
         let low = used.iter().min().map_or(0, |i| *i as usize);
         let high = used.iter().max().map_or(0, |i| *i as usize);
@@ -163,7 +163,7 @@ impl Builder<'_> {
         }
         let mut values: Vec<DVec2> = used.iter().map(|&t| self.raw.uvs[t as usize]).collect();
         if local.contains(&NONE) {
-            self.warn("object with texture coordinates on some corners only: (0, 0) on the others");
+            self.warn("object with texture coordinates at only some corners: (0, 0) at the others");
             let origin = values.len() as u32;
             values.push(DVec2::ZERO);
             local
@@ -192,7 +192,7 @@ impl Builder<'_> {
         }
         let mut values: Vec<DVec3> = used.iter().map(|&n| raw.normals[n as usize]).collect();
         if local.contains(&NONE) {
-            self.warn("object with normals on some corners only: the face's own on the others");
+            self.warn("object with normals at only some corners: face normals at the others");
             fill_with_face_normals(mesh, &mut values, &mut local);
         }
         Some(per_vertex_if_possible(mesh, values, local))
@@ -203,14 +203,14 @@ impl Builder<'_> {
     }
 }
 
-/// Gives corners without a normal that of their face.
+/// Gives corners without a normal the normal of their face.
 fn fill_with_face_normals(mesh: &Mesh, values: &mut Vec<DVec3>, local: &mut [u32]) {
     for face in 0..mesh.faces.len() {
         let corners = &mut local[mesh.faces.corner_range(face)];
         if !corners.contains(&NONE) {
             continue;
         }
-        // A face without area is seen by nobody; any unit vector does.
+        // A face without area is invisible; any unit vector will do.
         let normal = area_vector(&mesh.face_positions(face)).normalize_or(DVec3::Z);
         let own = values.len() as u32;
         values.push(normal);

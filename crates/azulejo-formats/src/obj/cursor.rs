@@ -1,7 +1,7 @@
 //! Lines, words and numbers of OBJ and MTL, over bytes.
 //!
 //! A line ends with LF, CR or CRLF. A backslash before the end of a line continues it. A word
-//! that begins with `#` begins a comment, which no backslash continues, because comments hold
+//! that begins with `#` begins a comment, which no backslash continues, because comments contain
 //! Windows paths. Names are UTF-8 or, failing that, Latin-1.
 
 use crate::reading::cursor::{TextCursor, column, is_line_end};
@@ -9,7 +9,7 @@ use crate::reading::number;
 use crate::reading::text::{quoted, text};
 use crate::{Position, ReadError};
 
-/// A cursor over the statements of a file, which knows the line that it is on.
+/// A cursor over the statements of a file.
 #[derive(Clone, Debug)]
 pub(super) struct StatementCursor<'a> {
     file: &'a str,
@@ -18,19 +18,19 @@ pub(super) struct StatementCursor<'a> {
     line_start: usize,
 }
 
-/// Space, tab and what else nobody sees. NUL is among them: one exporter of 1991 writes it
-/// behind its line ends; [`StatementCursor::new`] lets no other NUL pass but at the end of the file, where
-/// tapes and disks filled their blocks.
+/// White space other than line ends. NUL is included: one exporter of 1991 writes it after its
+/// line ends. [`StatementCursor::new`] rejects all other NULs except at the end of the file, where
+/// tapes and disks padded their blocks.
 #[inline]
 fn is_blank(b: u8) -> bool {
     matches!(b, b' ' | b'\t' | 0x0b | 0x0c | 0)
 }
 
 impl<'a> StatementCursor<'a> {
-    /// The start of a text file; `file` is its name in messages.
+    /// A cursor at the start of a text file; `file` is its name in messages.
     ///
     /// # Errors
-    /// Bytes that are no text: a NUL that neither follows a line end nor fills the file's end.
+    /// Bytes that are not text: a NUL that neither follows a line end nor pads the end of the file.
     pub fn new(bytes: &'a [u8], file: &'a str) -> Result<StatementCursor<'a>, ReadError> {
         let text = bytes.len() - bytes.iter().rev().take_while(|b| **b == 0).count();
         let bytes = &bytes[..text];
@@ -44,20 +44,20 @@ impl<'a> StatementCursor<'a> {
             Some(at) => Err(ReadError::at_byte(
                 file,
                 at as u64,
-                "a zero byte, which no text file holds",
+                "a zero byte, which does not occur in text files",
                 "OBJ or MTL text",
             )),
             None => Ok(cursor),
         }
     }
 
-    /// Line and column of the cursor. Takes time in proportion to the column.
+    /// Line and column of the cursor. Takes time proportional to the column.
     pub fn position(&self) -> Position {
         let before = &self.text.bytes()[self.line_start..self.text.offset()];
         Position::Line(self.line, column(before))
     }
 
-    /// The byte behind the cursor, for coming back to by [`StatementCursor::error_at`].
+    /// Offset of the next byte, for a later [`StatementCursor::error_at`].
     pub fn offset(&self) -> usize {
         self.text.offset()
     }
@@ -77,7 +77,7 @@ impl<'a> StatementCursor<'a> {
         }
     }
 
-    /// Whether the backslash at the cursor stands before a line end, or at the end of the file.
+    /// Whether the backslash at the cursor precedes a line end or the end of the file.
     fn continues(&self) -> bool {
         self.text.peek_at(1).is_none_or(is_line_end)
     }
@@ -89,8 +89,8 @@ impl<'a> StatementCursor<'a> {
         }
     }
 
-    /// Goes to the first word of the next statement and takes it; `None` at the end of the file.
-    /// One comment is a statement: `#MRGB `, in which ZBrush writes colours.
+    /// Advances to the first word of the next statement and consumes it; `None` at the end of the file.
+    /// One comment counts as a statement: `#MRGB `, in which ZBrush writes colours.
     #[inline]
     pub fn keyword(&mut self) -> Option<&'a [u8]> {
         loop {
@@ -124,7 +124,7 @@ impl<'a> StatementCursor<'a> {
         Some(&self.text.bytes()[start..self.text.offset()])
     }
 
-    /// Skips blanks; whether the statement has no more words.
+    /// Skips blanks; returns whether the statement has no more words.
     #[inline]
     pub fn at_end(&mut self) -> bool {
         self.skip_blanks();
@@ -156,7 +156,7 @@ impl<'a> StatementCursor<'a> {
 
     /// The rest of the statement as a name: words with the blanks between them, trimmed.
     ///
-    /// A comment may follow behind a blank, but a name may begin with `#`.
+    /// A comment may follow after a blank, but a name may begin with `#`.
     pub fn name(&mut self) -> String {
         self.skip_blanks();
         let mut name = String::new();
@@ -183,8 +183,8 @@ impl<'a> StatementCursor<'a> {
         name
     }
 
-    /// The next `N` words as numbers, if all of them are plain; else none is taken, and
-    /// [`StatementCursor::number`] says why.
+    /// The next `N` words as numbers, if all of them are plain; else none is consumed, and
+    /// [`StatementCursor::number`] reports the reason.
     #[inline]
     pub fn plain_numbers<const N: usize>(&mut self) -> Option<[f64; N]> {
         let before = self.text;
@@ -209,11 +209,11 @@ impl<'a> StatementCursor<'a> {
         Some(values)
     }
 
-    /// The next word as a number, NaN and infinities included, with whether its exponent's sign
-    /// was misplaced; `None` when the statement has no more words.
+    /// The next word as a number, NaN and infinities included, and whether its exponent's sign
+    /// was misplaced; `None` if the statement has no more words.
     ///
     /// # Errors
-    /// A word that is no number.
+    /// A word that is not a number.
     #[inline]
     pub fn number(&mut self) -> Result<Option<number::Number>, ReadError> {
         if self.at_end() {
@@ -230,7 +230,7 @@ impl<'a> StatementCursor<'a> {
         self.odd_number().map(Some)
     }
 
-    /// What C libraries print for numbers that are none: `nan`, `-nan(ind)`, `1.#QNAN`, `inf`.
+    /// What C libraries print for values that are not numbers: `nan`, `-nan(ind)`, `1.#QNAN`, `inf`.
     #[cold]
     fn odd_number(&mut self) -> Result<number::Number, ReadError> {
         let start = self.text.offset();
@@ -249,7 +249,7 @@ impl<'a> StatementCursor<'a> {
     }
 
     /// A decimal integer at the cursor, without skipping blanks; `None` if there is none, or one
-    /// beyond 18 digits.
+    /// of more than 18 digits.
     #[inline]
     pub fn integer(&mut self) -> Option<i64> {
         let sign = self.text.peek();
@@ -271,7 +271,7 @@ impl<'a> StatementCursor<'a> {
         Some(if sign == Some(b'-') { -value } else { value })
     }
 
-    /// Passes a `/` if one stands at the cursor.
+    /// Consumes a `/` if it comes next.
     #[inline]
     pub fn slash(&mut self) -> bool {
         let found = self.at_slash();
@@ -279,7 +279,7 @@ impl<'a> StatementCursor<'a> {
         found
     }
 
-    /// Whether a `/` stands at the cursor.
+    /// Whether a `/` comes next.
     #[inline]
     pub fn at_slash(&self) -> bool {
         self.text.peek() == Some(b'/')
@@ -302,7 +302,7 @@ impl<'a> StatementCursor<'a> {
         self.error_saying(offset, found, expected)
     }
 
-    /// An error at byte `offset` in the words of the caller.
+    /// An error at byte `offset` with the caller's description.
     #[cold]
     pub fn error_saying(
         &self,
@@ -314,7 +314,7 @@ impl<'a> StatementCursor<'a> {
     }
 }
 
-/// Where a NUL stands that does not follow a line end.
+/// Offset of the first NUL that does not follow a line end.
 fn stray_nul(bytes: &[u8]) -> Option<usize> {
     if !bytes.contains(&0) {
         return None;

@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 /// No real index reaches it, because the file is less than 4 GiB.
 pub(super) const NONE: u32 = u32::MAX;
 
-/// What an OBJ file says, in its own order and with its own numbering, from zero.
+/// The content of an OBJ file, in its own order, numbered from zero.
 #[derive(Debug, Default)]
 pub(super) struct ObjLists {
     pub positions: Vec<DVec3>,
@@ -18,7 +18,7 @@ pub(super) struct ObjLists {
     /// Weights of the vertices up to the last whose weight is not 1.
     pub weights: Vec<f64>,
     pub uvs: Vec<DVec2>,
-    /// Unit length, or zero for one that cannot be used.
+    /// Unit length, or zero for unusable ones.
     pub normals: Vec<DVec3>,
     pub faces: Faces,
     /// Texture coordinate of each corner or [`NONE`]; empty when no corner has one.
@@ -27,10 +27,10 @@ pub(super) struct ObjLists {
     pub corner_normals: Vec<u32>,
     /// Index into `material_names`, or [`NONE`].
     pub face_materials: Vec<u32>,
-    /// Smoothing group of each face; empty as long as all are 0.
+    /// Smoothing group of each face; empty while all are 0.
     pub smoothing: Vec<u32>,
     pub material_names: Vec<String>,
-    /// Where each `o` and each `g` begins.
+    /// The parts: one for each `o` and each `g`.
     pub parts: Vec<ObjPart>,
     /// Free-form surfaces, in the order of their parts.
     pub surfaces: Vec<Tessellated>,

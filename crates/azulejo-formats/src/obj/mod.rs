@@ -1,10 +1,10 @@
 //! Wavefront OBJ and its material files, MTL.
 //!
-//! What is read: vertices with colours, texture coordinates and normals, polygons of any number
-//! of corners and any shape, free-form surfaces with their trimming curves, objects, groups,
-//! smoothing groups, materials with reflectance, emission, mirrors, glass and pictures. Points,
-//! lines and curves are counted and skipped. `docs/formats/obj.md` says how every statement is
-//! understood.
+//! The reader supports vertices with colours, texture coordinates and normals, polygons of any
+//! number of corners and any shape, free-form surfaces with trimming curves, objects, groups,
+//! smoothing groups, and materials with reflectance, emission, mirrors, glass and textures. Points,
+//! lines and curves are counted and skipped. `docs/formats/obj.md` documents how every statement is
+//! interpreted.
 
 mod assemble;
 mod cursor;

@@ -12,19 +12,19 @@ use azulejo_scene::{Dielectric, Material, MaterialId, Rgb, Scene, TextureId};
 use glam::DVec2;
 use std::collections::HashMap;
 
-/// Reflectance of what a file leaves without a material.
+/// Reflectance of faces without a material.
 const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
 
-/// Index of refraction of glass that does not say its own.
+/// Index of refraction of glass without `Ni`.
 const DEFAULT_IOR: f64 = 1.5;
 
 /// By how much shares that were scaled to a sum of 1 may exceed it.
 const ROUNDING: f64 = 1e-12;
 
-/// Reads a material library on its own: a scene with materials and textures, without objects.
+/// Reads a material library by itself: a scene with materials and textures, without objects.
 ///
 /// # Errors
-/// A malformed number, a statement before the first `newmtl`, bytes that are no text.
+/// A malformed number, bytes that are not text.
 pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadError> {
     let (mut library, mut warnings) = (Library::default(), Warnings::default());
     library.add(bytes, name, files, &mut warnings)?;
@@ -45,12 +45,12 @@ pub(super) struct Library {
     pub textures: Textures,
     by_name: HashMap<String, MaterialId>,
     gloss: Gloss,
-    /// Of the materials whose picture does not lie as the model's texture coordinates say.
+    /// Placements of the textures that deviate from the model's texture coordinates, by material.
     placements: HashMap<MaterialId, PicturePlacement>,
 }
 
 impl Library {
-    /// The material of that name, or a new grey one under it, with a warning.
+    /// The material of that name, or a new grey one, with a warning.
     pub fn find_or_default(
         &mut self,
         name: &str,
@@ -60,19 +60,19 @@ impl Library {
         if let Some(&known) = self.by_name.get(name) {
             return known;
         }
-        let message = "material that no library defines: grey, reflectance 0.5";
+        let message = "material that no library defines: taken as grey with reflectance 0.5";
         warnings.add_whole(file, format!("{message}, for \"{}\"", shortened(name)));
         self.insert(Material::diffuse(name, DEFAULT_REFLECTANCE))
     }
 
-    /// The grey material of faces that name none.
+    /// The grey material of faces without `usemtl`.
     pub fn default_material(&mut self) -> MaterialId {
         self.materials
             .push(Material::diffuse("default", DEFAULT_REFLECTANCE));
         (self.materials.len() - 1) as MaterialId
     }
 
-    /// How the picture of a material lies; `None` for as the model says.
+    /// The texture placement of a material; `None` if it follows the model's texture coordinates.
     pub fn placement(&self, material: MaterialId) -> Option<PicturePlacement> {
         self.placements.get(&material).copied()
     }
@@ -124,7 +124,7 @@ impl Library {
     }
 }
 
-/// What a `newmtl` block says; `None` for what it does not say.
+/// The content of a `newmtl` block; `None` for missing statements.
 #[derive(Debug, Default)]
 struct Definition {
     name: String,
@@ -187,15 +187,15 @@ impl MtlParser<'_> {
                     (m.map_kd, m.placement) = (Some(picture), placement);
                 }
             }
-            // The ambient term stands for the light that azulejo computes; sharpness for
-            // pictures of surroundings that it does not use.
+            // Ambient reflectance stands for indirect light, which azulejo computes; `sharpness` applies to
+            // environment maps, which it does not use.
             b"Ka" | b"map_Ka" | b"sharpness" => {}
             _ => self.unused(keyword),
         }
         Ok(())
     }
 
-    /// A finite number that must be there.
+    /// A required finite number.
     fn number(&mut self) -> Result<f64, ReadError> {
         self.cursor.skip_blanks();
         let start = self.cursor.offset();
@@ -205,7 +205,7 @@ impl MtlParser<'_> {
         }
     }
 
-    /// What changes nothing when it is zero, as Blender writes it for most materials.
+    /// A statement without effect if it is zero, as Blender writes it for most materials.
     fn unless_zero(&mut self, keyword: &[u8]) {
         self.cursor.skip_blanks();
         if self.cursor.plain_numbers() != Some([0.0]) {
@@ -228,7 +228,7 @@ impl MtlParser<'_> {
         self.number()
     }
 
-    /// One number for grey or three, or `xyz` or `spectral`, which give nothing but a warning.
+    /// One number for grey or three, or `xyz` or `spectral`, which are skipped with a warning.
     fn color(&mut self) -> Result<Option<Rgb>, ReadError> {
         let mut ahead = self.cursor.clone();
         if let Some(b"xyz" | b"spectral") = ahead.word() {
@@ -242,7 +242,7 @@ impl MtlParser<'_> {
         Ok(Some(Rgb::new(r, self.number()?, self.number()?)))
     }
 
-    /// The picture that `map_Kd` names, behind its options.
+    /// The texture named by `map_Kd`, after its options.
     fn texture(&mut self) -> Option<TextureId> {
         let name = self.cursor.name();
         if name.is_empty() {
@@ -256,8 +256,8 @@ impl MtlParser<'_> {
         Some(id)
     }
 
-    /// Options stand before the file: `-s 1 1 1`, `-clamp on`... Those that would change how the
-    /// picture looks, but for its place, are named and skipped.
+    /// Options before the file name: `-s 1 1 1`, `-clamp on`... Those that would change the
+    /// texture beyond its placement are skipped with a warning.
     fn options(&mut self) -> PicturePlacement {
         let mut placement = PicturePlacement::default();
         loop {
@@ -290,30 +290,28 @@ impl MtlParser<'_> {
             let option = text(option).into_owned();
             self.cursor = ahead;
             if !plain {
-                self.warn(format!(
-                    "option \"{option}\" of a picture is not used: skipped"
-                ));
+                self.warn(format!("texture option \"{option}\" is not used: skipped"));
             }
         }
     }
 
-    /// Turns a finished block into a material.
+    /// Converts a finished block to a material.
     fn define(&mut self, m: Definition) {
         let mut material = Material {
             emission: self.at_least_black(m.ke.unwrap_or_default(), &m),
             ..Material::default()
         };
         match self.surface(&m) {
-            Surface::Matt => self.matt(&m, &mut material),
-            Surface::Mirror => self.mirror(&m, &mut material),
-            Surface::Rough => self.rough(&m, &mut material),
-            Surface::Glass(ior) => self.glass(&m, ior, &mut material),
+            MtlSurface::Matt => self.matt(&m, &mut material),
+            MtlSurface::Mirror => self.mirror(&m, &mut material),
+            MtlSurface::Rough => self.rough(&m, &mut material),
+            MtlSurface::Glass(ior) => self.glass(&m, ior, &mut material),
         }
         material.textures.extend(m.map_kd);
         material.name = m.name;
         let id = match self.library.by_name.get(&material.name) {
             Some(&earlier) => {
-                let what = "is defined again: the later definition holds";
+                let what = "is defined again: the later definition is used";
                 self.warn_about(&material.name, what);
                 self.library.materials[earlier as usize] = material;
                 earlier
@@ -333,47 +331,47 @@ impl MtlParser<'_> {
         self.warnings.add_whole(self.file, message);
     }
 
-    /// What `illum` makes of a surface, or `Pm` and `Pr`, which programs write that know no
+    /// The surface type by `illum`, or by `Pm` and `Pr` of programs that do not write
     /// `illum`.
-    fn surface(&mut self, m: &Definition) -> Surface {
+    fn surface(&mut self, m: &Definition) -> MtlSurface {
         let model = m.illum.unwrap_or(2.0);
         let ior = m.ni.filter(|ni| *ni > 1.0);
         let is_rough = m.metallic.is_some_and(|share| share > 0.0) || m.roughness.is_some();
         match model as i64 {
-            0..=5 if is_rough && (model != 4.0 || ior.is_none()) => Surface::Rough,
-            0..=2 => Surface::Matt,
-            3 | 5 => Surface::Mirror,
+            0..=5 if is_rough && (model != 4.0 || ior.is_none()) => MtlSurface::Rough,
+            0..=2 => MtlSurface::Matt,
+            3 | 5 => MtlSurface::Mirror,
             4 if ior.is_none() => {
                 self.warnings.add_whole(
                     self.file,
-                    "material with illum 4 and Ni of 1 or none, as Maya writes for every surface: opaque",
+                    "material with illum 4 and Ni of 1 or none, as Maya writes for every surface: taken as opaque",
                 );
-                Surface::Matt
+                MtlSurface::Matt
             }
             4 | 6 | 7 => {
                 if ior.is_none() {
                     self.warn_about(&m.name, "is glass without an Ni above 1: taken as 1.5");
                 }
-                Surface::Glass(ior.unwrap_or(DEFAULT_IOR))
+                MtlSurface::Glass(ior.unwrap_or(DEFAULT_IOR))
             }
             _ => {
-                self.warn_about(&m.name, "has an unknown illum: taken as matt");
-                Surface::Matt
+                self.warn_about(&m.name, "has an unknown illum: taken as diffuse");
+                MtlSurface::Matt
             }
         }
     }
 
-    /// `Pm` and `Pr` are glTF's metalness and roughness, of the base colour `Kd`.
+    /// `Pm` and `Pr` are glTF's metalness and roughness, with base colour `Kd`.
     fn rough(&mut self, m: &Definition, material: &mut Material) {
         let base = self.reflectance(m.kd.unwrap_or(missing_kd(m)), m);
         let share = |given: Option<f64>, missing: f64| given.unwrap_or(missing).clamp(0.0, 1.0);
         let (metallic, roughness) = (share(m.metallic, 0.0), share(m.roughness, 1.0));
         if m.roughness.is_none() {
-            let message = "metal (Pm) without roughness (Pr): as rough as can be";
+            let message = "metal (Pm) without roughness (Pr): taken as fully rough";
             self.warnings.add_whole(self.file, message);
         }
         if m.map_kd.is_some() && metallic > 0.0 {
-            let message = "picture (map_Kd) of a metal: it reflects Kd alone";
+            let message = "texture (map_Kd) of a metal: mirror reflection uses only Kd";
             self.warnings.add_whole(self.file, message);
         }
         let gloss = &mut self.library.gloss;
@@ -386,7 +384,7 @@ impl MtlParser<'_> {
         material.diffuse = self.reflectance(m.kd.unwrap_or(missing_kd(m)), m);
         self.say_if_see_through(m);
         if m.illum.unwrap_or(2.0) >= 2.0 {
-            // More than 1 is a highlight that is sharp and bright.
+            // A sum above 1 means a sharp and bright highlight.
             let ks = m.ks.unwrap_or_default();
             let highlight = Highlight::half(m.ns.unwrap_or(1.0), ks);
             let made = self.library.gloss.highlight(material, highlight);
@@ -396,7 +394,7 @@ impl MtlParser<'_> {
 
     fn say_if_see_through(&mut self, m: &Definition) {
         if m.opacity.is_some_and(|d| d < 1.0) {
-            let message = "see-through material (d or Tr) with illum 0 to 2: opaque";
+            let message = "transparent material (d or Tr) with illum 0 to 2: taken as opaque";
             self.warnings.add_whole(self.file, message);
         }
     }
@@ -416,7 +414,7 @@ impl MtlParser<'_> {
         if exceeds {
             self.warn_about(
                 &m.name,
-                "reflects more than it gets (Kd + Ks > 1): both scaled down",
+                "reflects more light than it receives (Kd + Ks > 1): both scaled down",
             );
         }
         (material.diffuse, material.mirror) = (diffuse * scale, mirror * scale);
@@ -424,7 +422,7 @@ impl MtlParser<'_> {
 
     fn glass(&mut self, m: &Definition, ior: f64, material: &mut Material) {
         if m.kd.is_some_and(|kd| !kd.is_black()) {
-            let message = "Kd of a glass material: not used, Fresnel's equations divide the light";
+            let message = "Kd of a glass material: not used, the Fresnel equations determine reflectance and transmittance";
             self.warnings.add_whole(self.file, message);
         }
         material.mirror = Rgb::WHITE;
@@ -450,23 +448,23 @@ impl MtlParser<'_> {
     fn at_least_black(&mut self, given: Rgb, m: &Definition) -> Rgb {
         let clamped = given.map(|c| c.max(0.0));
         if clamped != given {
-            self.warn_about(&m.name, "emits less than nothing: clamped to 0");
+            self.warn_about(&m.name, "has negative emission: clamped to 0");
         }
         clamped
     }
 }
 
-/// The surfaces that `illum` and `Pm` choose from.
-enum Surface {
+/// The surface types that `illum` and `Pm` select.
+enum MtlSurface {
     Matt,
     Mirror,
-    /// By `Pm` and `Pr`.
+    /// Metallic-roughness by `Pm` and `Pr`.
     Rough,
     /// With its index of refraction, above 1.
     Glass(f64),
 }
 
-/// One to three numbers: as many as stand there.
+/// One to three numbers, as many as there are.
 fn vector(cursor: &mut StatementCursor) -> Vec<f64> {
     let mut given = Vec::new();
     while given.len() < 3 {
@@ -481,7 +479,7 @@ fn vector(cursor: &mut StatementCursor) -> Vec<f64> {
     given
 }
 
-/// What a matt surface reflects that does not say: nothing if it is a lamp, all of its picture,
+/// Reflectance of a diffuse surface without `Kd`: none if it is a lamp, 1 if it has a texture,
 /// otherwise the default grey.
 fn missing_kd(m: &Definition) -> Rgb {
     if m.map_kd.is_some() {

@@ -1,10 +1,10 @@
-//! How a picture lies on a surface: the options `-s` and `-o`, moved into texture coordinates.
+//! Texture placement: the options `-s` and `-o`, applied to texture coordinates.
 
 use azulejo_scene::{Attribute, MaterialId, Mesh};
 use glam::DVec2;
 use std::collections::HashMap;
 
-/// From texture coordinates of the model to those of the picture.
+/// Maps texture coordinates of the model to those of the texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct PicturePlacement {
     pub scale: DVec2,
@@ -21,15 +21,15 @@ impl Default for PicturePlacement {
 }
 
 impl PicturePlacement {
-    /// As programs agree on it: scaled about the origin, then moved. What is too large to be a
-    /// number stays where it was.
+    /// Scaled about the origin, then translated, as most programs do it. Coordinates that overflow
+    /// stay unchanged.
     fn apply(self, uv: DVec2) -> DVec2 {
         let placed = uv * self.scale + self.offset;
         if placed.is_finite() { placed } else { uv }
     }
 }
 
-/// Moves the texture coordinates of faces whose material places its picture.
+/// Transforms the texture coordinates of faces whose material has a placement.
 pub(super) fn place(
     mesh: &mut Mesh,
     placement_of: impl Fn(MaterialId) -> Option<PicturePlacement>,
@@ -60,7 +60,7 @@ pub(super) fn place(
     mesh.uvs = Some(per_vertex_if_possible(mesh, values, corners));
 }
 
-/// Values per vertex when every vertex has but one of them, else per corner.
+/// Values per vertex if every vertex has only one of them, else per corner.
 pub(super) fn per_vertex_if_possible<T: Copy>(
     mesh: &Mesh,
     values: Vec<T>,
@@ -75,7 +75,7 @@ pub(super) fn per_vertex_if_possible<T: Copy>(
         agrees
     });
     if unique {
-        // Every vertex has a value, because it stands in a mesh only if a face uses it.
+        // Every vertex has a value, because a mesh holds only vertices that its faces use.
         Attribute::per_vertex(of_vertex.iter().map(|&k| values[k as usize]).collect())
     } else {
         Attribute {

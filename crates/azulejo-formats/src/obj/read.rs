@@ -1,4 +1,4 @@
-//! From statements to flat lists, in one pass over the bytes.
+//! Reads statements into flat lists, in one pass over the bytes.
 
 use super::assemble::assemble;
 use super::cursor::StatementCursor;
@@ -16,24 +16,24 @@ use glam::{DVec2, DVec3};
 use std::collections::{HashMap, HashSet};
 
 /// Largest file in bytes. Every vertex, corner and face takes at least two bytes, so that
-/// indices fit 32 bits with room to spare.
+/// indices fit in 32 bits.
 const LARGEST: u64 = 4 << 30;
 
-/// Reads a Wavefront OBJ file. `name` stands in messages; `files` gives the material libraries
-/// and pictures, by their names relative to the model.
+/// Reads a Wavefront OBJ file. `name` is used in messages; `files` provides the material libraries
+/// and textures, by their names relative to the model.
 ///
-/// One object comes out for each run of faces under one `o` and `g`, named `o/g`, and one for
-/// the free-form surfaces among them. It holds the positions that its faces use, in the order of
-/// the file. Missing material libraries and pictures are warnings, and so is all that is skipped.
+/// Each run of faces under one `o` and `g` becomes an object, named `o/g`; the free-form surfaces
+/// among them become another. An object holds the positions that its faces use, in file
+/// order. Missing material libraries and textures and all skipped statements cause warnings.
 ///
 /// # Errors
-/// A number, index or material that is malformed or out of range; bytes that are no text; a file
-/// of 4 GiB or more; surfaces of more polygons than [`ReadOptions`] allow.
+/// A malformed number, an index that is malformed or out of range, bytes that are not text, a file
+/// of 4 GiB or more, surfaces with more polygons than [`ReadOptions`] allow.
 pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Loaded, ReadError> {
     read_with(bytes, name, files, &ReadOptions::default())
 }
 
-/// [`read`] with other choices than the default.
+/// Like [`read`], with options.
 ///
 /// # Errors
 /// As [`read`].
@@ -73,7 +73,7 @@ pub fn read_with(
     })
 }
 
-/// A file under way.
+/// State of reading a file.
 pub(super) struct ObjReader<'a> {
     pub(super) cursor: StatementCursor<'a>,
     pub(super) file: &'a str,
@@ -81,7 +81,7 @@ pub(super) struct ObjReader<'a> {
     pub(super) raw: ObjLists,
     pub(super) budget: Budget,
     pub(super) free_form: FreeForm,
-    /// The largest vertex index that was ahead of its vertex, and the byte where it stands.
+    /// The largest vertex index that preceded its vertex, and its offset in the file.
     ahead: (i64, usize),
     pub(super) material: u32,
     smoothing: u32,
@@ -89,7 +89,7 @@ pub(super) struct ObjReader<'a> {
     object: String,
     /// The first vertex that has a weight.
     weight_at: Option<Position>,
-    /// Colours from ZBrush that wait for the end of their block.
+    /// Colours from ZBrush whose block has not ended.
     polypaint: Vec<Rgb>,
     material_index: HashMap<String, u32>,
     library: Library,
@@ -167,7 +167,7 @@ impl<'a> ObjReader<'a> {
             self.warn(format!("\"{word}\" does not change the geometry: skipped"));
         } else if matches!(keyword, b"usemap" | b"maplib") {
             self.warn(format!(
-                "\"{word}\" (pictures outside of materials) is not used: skipped"
+                "\"{word}\" (textures outside materials) is not used: skipped"
             ));
         } else {
             self.warn(format!("unknown statement \"{word}\": skipped"));
@@ -186,7 +186,7 @@ impl<'a> ObjReader<'a> {
         Ok(Some(number.value))
     }
 
-    /// `N` numbers that must be there.
+    /// `N` required numbers.
     #[inline]
     fn numbers<const N: usize>(&mut self, expected: &str) -> Result<[f64; N], ReadError> {
         let mut values = [0.0; N];
@@ -239,7 +239,7 @@ impl<'a> ObjReader<'a> {
             (3, [r, g, b, _]) => (1.0, Some([r, g, b])),
             (4, [w, r, g, b]) => (w, Some([r, g, b])),
             _ => {
-                self.warn("numbers behind x, y and z that are neither weight nor colour: skipped");
+                self.warn("numbers after x, y and z that are neither weight nor colour: skipped");
                 return Ok(());
             }
         };
@@ -260,20 +260,19 @@ impl<'a> ObjReader<'a> {
         Ok(())
     }
 
-    /// Says that weights were given in vain.
+    /// Warns if no surface has used the weights.
     fn unused_weights(&mut self) {
         let Some(position) = self.weight_at.filter(|_| !self.free_form.weights_used) else {
             return;
         };
-        let message =
-            "a vertex with a weight w: not used, only rational surfaces are divided by it";
+        let message = "vertex with a weight w: not used, weights apply only to rational surfaces";
         let count = self.raw.weights.iter().filter(|w| **w != 1.0).count();
         self.warnings
             .add_many(self.file, message.to_owned(), count, || position);
     }
 
     /// ZBrush writes colours into comments, `#MRGB` and eight hexadecimal digits for each vertex:
-    /// a mask, red, green and blue. A block of them is about the latest vertices.
+    /// a mask, red, green and blue. A block applies to the latest vertices.
     fn polypaint(&mut self) {
         let digits = self.cursor.word().unwrap_or_default();
         for vertex in digits.chunks(8) {
@@ -290,7 +289,7 @@ impl<'a> ObjReader<'a> {
         }
     }
 
-    /// Gives the colours of a block to the vertices before it.
+    /// Assigns the colours of a block to the vertices before it.
     #[cold]
     fn end_polypaint(&mut self) {
         let colors = std::mem::take(&mut self.polypaint);
@@ -370,7 +369,7 @@ impl<'a> ObjReader<'a> {
         Ok(())
     }
 
-    /// `v`, `v/vt`, `v//vn` or `v/vt/vn` as indices from zero; what is missing behind a slash is
+    /// `v`, `v/vt`, `v//vn` or `v/vt/vn` as indices from zero; missing ones after a slash are
     /// [`NONE`].
     #[inline(always)]
     pub(super) fn corner(&mut self) -> Result<[u32; 3], ReadError> {
@@ -406,7 +405,7 @@ impl<'a> ObjReader<'a> {
     }
 
     /// An index from zero into a list of `count` texture coordinates or normals; [`NONE`] if it
-    /// is absent, or cannot be: the shape stands without it.
+    /// is missing or out of range: the shape does not depend on it.
     #[inline]
     fn attribute(&mut self, count: usize, start: usize) -> Result<u32, ReadError> {
         let Some(given) = self.cursor.integer() else {
@@ -431,8 +430,8 @@ impl<'a> ObjReader<'a> {
     #[cold]
     pub(super) fn out_of_range(&self, given: i64, start: usize) -> ReadError {
         let expected = match (given, self.raw.positions.len()) {
-            (0, _) => "1 for the first or -1 for the latest".to_owned(),
-            (_, 0) => "vertices to be there first".to_owned(),
+            (0, _) => "1 for the first vertex or -1 for the latest".to_owned(),
+            (_, 0) => "vertices to be defined".to_owned(),
             (1.., count) => format!("1 to {count}, the number of vertices in the file"),
             (_, count) => format!("-{count} to -1, the number of vertices so far"),
         };
@@ -440,7 +439,7 @@ impl<'a> ObjReader<'a> {
             .error_saying(start, format!("vertex {given}"), expected)
     }
 
-    /// Faces may stand before their vertices; only the whole file tells whether they come.
+    /// Faces may precede their vertices; whether those exist is known only at the end of the file.
     fn check_references(&mut self) -> Result<(), ReadError> {
         let (given, start) = self.ahead;
         if given > self.raw.positions.len() as i64 {
@@ -488,7 +487,7 @@ impl<'a> ObjReader<'a> {
             Some(group) => group,
             None => {
                 if word != b"off" && word != b"on" {
-                    self.warn("smoothing group that is no number: taken as off");
+                    self.warn("smoothing group that is not a number: taken as off");
                 }
                 u32::from(word == b"on")
             }
@@ -512,7 +511,7 @@ impl<'a> ObjReader<'a> {
         };
     }
 
-    /// `mtllib` with one name that may hold blanks, or with several.
+    /// `mtllib` with one name that may contain blanks, or with several.
     fn material_library(&mut self) -> Result<(), ReadError> {
         let position = self.cursor.position();
         let names = self.cursor.name();
@@ -536,15 +535,16 @@ impl<'a> ObjReader<'a> {
     }
 }
 
-/// What [`StatementCursor::keyword`] gives for ZBrush's comments.
+/// What [`StatementCursor::keyword`] returns for ZBrush's comments.
 const POLYPAINT: &[u8] = b"#MRGB";
 
 const CORNER: &str = "a corner like 1, 1/2, 1//3 or 1/2/3";
 
-const NO_SUCH_ATTRIBUTE: &str = "corner whose texture coordinate or normal does not exist: without";
+const NO_SUCH_ATTRIBUTE: &str =
+    "corner whose texture coordinate or normal does not exist: taken without it";
 
-/// From an index as OBJ writes it, from 1 or backwards from −1, to one from 0. One beyond the
-/// `count` so far stays: what it means may follow. [`NONE`] for 0 and what is before the first.
+/// Converts an index of OBJ, which counts from 1 or backwards from −1, to one from 0. One beyond the
+/// `count` so far is kept: it may be defined later. [`NONE`] for 0 and what precedes the first.
 #[inline]
 fn from_zero(given: i64, count: usize) -> u32 {
     if given > 0 {
@@ -556,13 +556,13 @@ fn from_zero(given: i64, count: usize) -> u32 {
     }
 }
 
-/// Forgets the indices that `count` does not reach and says how many there were.
+/// Removes the indices that are not below `count` and returns how many there were.
 fn drop_beyond(indices: &mut [u32], count: usize) -> usize {
     let beyond = |i: &&mut u32| **i != NONE && **i as usize >= count;
     indices.iter_mut().filter(beyond).map(|i| *i = NONE).count()
 }
 
-/// Adds to an error in a library who asked for the library.
+/// Adds the including file to an error in a material library.
 fn included_from(mut error: ReadError, file: &str, position: Position) -> ReadError {
     if let Position::Line(line, _) = position {
         error.included_from.insert(0, (file.to_owned(), line));
@@ -581,21 +581,21 @@ fn put(list: &mut Vec<u32>, corner: usize, value: u32) {
     }
 }
 
-/// Length 1, or zero when that is impossible.
+/// A vector scaled to length 1, or zero if that is impossible.
 fn unit_or_zero(n: DVec3) -> DVec3 {
     let largest = n.abs().max_element();
     if (n.length_squared() - 1.0).abs() < 1e-15 {
-        // What was written by us stays the same to the last bit.
+        // Normals that azulejo wrote stay the same to the last bit.
         n
     } else if n.is_finite() && largest > 0.0 {
-        // Dividing first keeps the square of the length from overflow and underflow.
+        // Dividing first avoids overflow and underflow of the squared length.
         (n / largest).normalize_or_zero()
     } else {
         DVec3::ZERO
     }
 }
 
-/// The files that one `mtllib` names: its whole text if there is such a file, otherwise the
+/// The files that an `mtllib` names: its whole text if there is such a file, otherwise the
 /// pieces that end in `.mtl`, otherwise its words.
 fn library_names(text: &str, files: &dyn Files) -> Vec<String> {
     let words: Vec<&str> = text.split_whitespace().collect();

@@ -1,4 +1,4 @@
-//! Rules of OBJ and MTL, each by a small file.
+//! Rules of OBJ and MTL, each in a small file.
 
 use super::read;
 use crate::surface::model::gltf_mr;
@@ -32,13 +32,13 @@ fn only_mesh(text: impl AsRef<[u8]>) -> Mesh {
     mesh(&loaded, 0).clone()
 }
 
-/// The faces that a text makes of the square's vertices.
+/// Checks the faces that a text adds to the square's vertices.
 fn check_faces(text: &str, expected: &[&[u32]]) {
     let mesh = only_mesh(format!("{SQUARE}{text}"));
     assert_eq!(mesh.faces.iter().collect::<Vec<_>>(), expected, "{text}");
 }
 
-/// The error of a text behind the square's vertices, up to its drawing.
+/// The first line of the error of a text after the square's vertices.
 fn check_error(text: &str, expected: &str) {
     let Err(error) = read(
         format!("{SQUARE}{text}").as_bytes(),
@@ -51,7 +51,7 @@ fn check_error(text: &str, expected: &str) {
     assert_eq!(said.lines().next(), Some(expected), "{text}");
 }
 
-/// Messages and counts of the warnings of a text behind the square's vertices.
+/// Messages and counts of the warnings of a text after the square's vertices.
 fn check_warnings(text: &str, expected: &[(&str, usize)]) {
     let loaded = load(format!("{SQUARE}{text}"));
     let said: Vec<(&str, usize)> = loaded
@@ -90,7 +90,7 @@ fn indices_count_from_where_they_stand() {
 fn wrong_indices() {
     check_error(
         "f 1 0 3",
-        "a.obj:5:5: found vertex 0, expected 1 for the first or -1 for the latest",
+        "a.obj:5:5: found vertex 0, expected 1 for the first vertex or -1 for the latest",
     );
     check_error(
         "f 1 2 5",
@@ -122,7 +122,7 @@ fn wrong_indices() {
     );
     let error = read(b"f -1 2 3\nv 0 0 0", "a.obj", &Memory::new()).unwrap_err();
     assert_eq!(&*error.found, "vertex -1");
-    let missing = "corner whose texture coordinate or normal does not exist: without";
+    let missing = "corner whose texture coordinate or normal does not exist: taken without it";
     check_warnings("vn 0 0 1\nf 1/9/1 2/0/1 3//1", &[(missing, 2)]);
     check_warnings("vt 0 0\nf 1//-1 2/-2/1 3//1", &[(missing, 4)]);
 }
@@ -237,11 +237,11 @@ fn other_encodings() {
     for bytes in [marked, big, little] {
         assert_eq!(load(&bytes).scene, expected);
         assert_eq!(detect(&bytes), Ok(Format::Obj));
-        // Without its mark.
+        // Without a byte-order mark.
         if let [0xfe | 0xff, _, rest @ ..] = bytes.as_slice() {
             assert_eq!(load(rest).scene, expected);
             assert_eq!(detect(rest), Ok(Format::Obj));
-            // Cut in the middle of a character.
+            // Truncated in the middle of a character.
             assert_eq!(load([rest, b"\n"].concat()).scene, expected);
         }
     }
@@ -301,7 +301,7 @@ fn vertices_with_more_than_a_place() {
     check_warnings(
         "v 1 2 3 0.5\nf 1 2 5",
         &[(
-            "a vertex with a weight w: not used, only rational surfaces are divided by it",
+            "vertex with a weight w: not used, weights apply only to rational surfaces",
             1,
         )],
     );
@@ -312,7 +312,7 @@ fn vertices_with_more_than_a_place() {
     check_warnings(
         "v 1 2 3 4 5\nf 1 2 5",
         &[(
-            "numbers behind x, y and z that are neither weight nor colour: skipped",
+            "numbers after x, y and z that are neither weight nor colour: skipped",
             1,
         )],
     );
@@ -341,7 +341,7 @@ fn colours_from_zbrush() {
     check_warnings("#MRGB 0080808\nf 1 2 3", &[(bad, 1)]);
     let many = "more #MRGB colours than vertices: skipped";
     check_warnings(&format!("{}f 1 2 3", lines.repeat(3)), &[(many, 1)]);
-    // Without its blank it is a comment like any other.
+    // Without its blank it is an ordinary comment.
     check_warnings("#MRGBX\nf 1 2 3", &[]);
 }
 
@@ -391,11 +391,11 @@ fn missing_attributes_are_filled() {
         [
             ("normal that is zero or not finite: dropped", 2),
             (
-                "object with texture coordinates on some corners only: (0, 0) on the others",
+                "object with texture coordinates at only some corners: (0, 0) at the others",
                 1
             ),
             (
-                "object with normals on some corners only: the face's own on the others",
+                "object with normals at only some corners: face normals at the others",
                 1
             ),
         ]
@@ -417,7 +417,7 @@ fn smoothing_groups() {
     );
     check_warnings(
         "s -1\nf 1 2 3",
-        &[("smoothing group that is no number: taken as off", 1)],
+        &[("smoothing group that is not a number: taken as off", 1)],
     );
 }
 
@@ -437,7 +437,7 @@ fn what_has_no_surface_is_counted() {
         "f 1 2 3\nbevel on",
         &[("\"bevel\" does not change the geometry: skipped", 1)],
     );
-    let pictures = "\"usemap\" (pictures outside of materials) is not used: skipped";
+    let pictures = "\"usemap\" (textures outside materials) is not used: skipped";
     check_warnings("f 1 2 3\nusemap a.png", &[(pictures, 1)]);
     check_warnings("", &[("no faces: the scene is empty", 1)]);
     check_warnings(
@@ -449,7 +449,7 @@ fn what_has_no_surface_is_counted() {
     );
 }
 
-/// Reads a triangle of material `m`, defined by `mtl`; the material and the warnings.
+/// Reads a triangle of material `m`, defined by `mtl`; returns the material and the warnings.
 fn material(mtl: &str) -> (Material, Vec<String>) {
     let files = Memory::new().with("m.mtl", format!("newmtl m\n{mtl}"));
     let loaded = load_with(format!("mtllib m.mtl\n{SQUARE}usemtl m\nf 1 2 3"), &files);
@@ -493,13 +493,13 @@ fn matt_materials() {
         Material::diffuse("", Rgb::new(1.0, 0.0, 0.5)),
         &[over],
     );
-    let dark = "material \"m\" emits less than nothing: clamped to 0";
+    let dark = "material \"m\" has negative emission: clamped to 0";
     check_material(
         "Kd 0.25\nKe -1 0 0",
         Material::diffuse("", quarter),
         &[dark],
     );
-    let clear = "see-through material (d or Tr) with illum 0 to 2: opaque";
+    let clear = "transparent material (d or Tr) with illum 0 to 2: taken as opaque";
     check_material("d 0.5", Material::diffuse("", half), &[clear]);
     check_material("Tr 0.5", Material::diffuse("", half), &[clear]);
     check_material("Tr 0\nd 1", Material::diffuse("", half), &[]);
@@ -511,7 +511,7 @@ fn matt_materials() {
     check_material(
         "illum 9",
         Material::diffuse("", half),
-        &["material \"m\" has an unknown illum: taken as matt"],
+        &["material \"m\" has an unknown illum: taken as diffuse"],
     );
 }
 
@@ -527,7 +527,7 @@ fn glossy_materials_are_kept() {
     assert!(scaled.diffuse.r < 0.75);
     assert_eq!(
         said,
-        ["glossy material that reflects more than it gets: all of it scaled down"]
+        ["glossy material that reflects more light than it receives: scaled down"]
     );
     check_material(
         "Kd 0.25\nKs 0.5\nillum 1",
@@ -545,7 +545,8 @@ fn mirrors_and_glass() {
         ..Material::default()
     };
     check_material("Kd 0.25\nKs 0.75\nillum 5", both.clone(), &[]);
-    let scaled = "material \"m\" reflects more than it gets (Kd + Ks > 1): both scaled down";
+    let scaled =
+        "material \"m\" reflects more light than it receives (Kd + Ks > 1): both scaled down";
     let dim = Material {
         diffuse: Rgb::grey(0.5),
         mirror: Rgb::grey(0.5),
@@ -562,14 +563,13 @@ fn mirrors_and_glass() {
     let thin = "material \"m\" is glass without an Ni above 1: taken as 1.5";
     check_material("Ni 1\nillum 7", Material::dielectric("", 1.5), &[thin]);
     check_material("illum 6", Material::dielectric("", 1.5), &[thin]);
-    let maya =
-        "material with illum 4 and Ni of 1 or none, as Maya writes for every surface: opaque";
+    let maya = "material with illum 4 and Ni of 1 or none, as Maya writes for every surface: taken as opaque";
     check_material(
         "Kd 0.25\nNi 1\nTf 1 1 1\nillum 4",
         Material::diffuse("", Rgb::grey(0.25)),
         &[maya],
     );
-    let kd = "Kd of a glass material: not used, Fresnel's equations divide the light";
+    let kd = "Kd of a glass material: not used, the Fresnel equations determine reflectance and transmittance";
     check_material(
         "Kd 0.5\nNi 1.5\nillum 7",
         Material::dielectric("", 1.5),
@@ -604,8 +604,8 @@ fn libraries() {
         said,
         [
             "a.obj:7:7: material library \"nowhere.mtl\": there is no such file",
-            "a.obj: material that no library defines: grey, reflectance 0.5, for \"two\"",
-            "a.obj: material that no library defines: grey, reflectance 0.5, for \"one\"",
+            "a.obj: material that no library defines: taken as grey with reflectance 0.5, for \"two\"",
+            "a.obj: material that no library defines: taken as grey with reflectance 0.5, for \"one\"",
         ]
     );
 }
@@ -652,11 +652,11 @@ fn pictures() {
     assert_eq!(loaded.scene.materials[0].diffuse, Rgb::WHITE);
     assert_eq!(loaded.scene.materials[2].textures, [2]);
     let said: Vec<&str> = loaded.warnings.iter().map(|w| w.message.as_str()).collect();
-    let unused = |option: &str| format!("option \"{option}\" of a picture is not used: skipped");
+    let unused = |option: &str| format!("texture option \"{option}\" is not used: skipped");
     assert_eq!(said[0], unused("-clamp"));
     assert_eq!(
         said[1],
-        "picture \"sub/no.png\" is not shown: there is no such file"
+        "picture \"sub/no.png\" is not used: there is no such file"
     );
 }
 
@@ -682,7 +682,7 @@ fn metals() {
         Material::dielectric("", 1.5),
         &[],
     );
-    let silent = "metal (Pm) without roughness (Pr): as rough as can be";
+    let silent = "metal (Pm) without roughness (Pr): taken as fully rough";
     check_rough("Kd 0.5\nPm 1\nPr 0.5\nillum 3", 1.0, 0.5, &[]);
     check_rough("Kd 0.5\nPm 1", 1.0, 1.0, &[silent]);
     check_rough("Kd 0.5\nPr 0.25", 0.0, 0.25, &[]);
@@ -704,7 +704,7 @@ fn metals() {
     }
 }
 
-/// Texture coordinates of a triangle of two objects, the first with these options on its picture.
+/// Texture coordinates of a triangle of two objects, the first with these options on its texture.
 fn check_placement(options: &str, expected: [[f64; 2]; 3], warnings: usize) {
     let mtl = format!("newmtl m\nmap_Kd {options} a.png\nnewmtl n\n");
     let files = Memory::new().with("m.mtl", mtl);
@@ -715,7 +715,7 @@ fn check_placement(options: &str, expected: [[f64; 2]; 3], warnings: usize) {
     let found = [0, 1, 2].map(|k| uvs.at(k, k as u32).to_array());
     assert_eq!(found, expected, "{options}");
     assert_eq!(uvs.at(5, 3).to_array(), [1.0, 2.0], "{options}");
-    // One warning is that there is no such picture.
+    // One warning is about the missing texture.
     assert_eq!(loaded.warnings.len(), 1 + warnings, "{options}");
 }
 
@@ -768,7 +768,7 @@ fn cut_or_changed_anywhere() {
     }
 }
 
-/// Reads, and if there is a scene, it is a valid one.
+/// Reads; a resulting scene must be valid.
 fn survive(obj: &[u8], mtl: &[u8]) {
     let files = Memory::new().with("m.mtl", mtl);
     match read(obj, "a.obj", &files) {

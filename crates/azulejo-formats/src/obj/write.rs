@@ -1,4 +1,4 @@
-//! Scenes to OBJ and MTL.
+//! Writes scenes as OBJ and MTL.
 
 use crate::surface::gloss::is_repainted;
 use crate::surface::model::gltf_mr;
@@ -9,14 +9,14 @@ use std::collections::HashSet;
 use std::fmt;
 use std::io::{self, BufWriter, Write};
 
-/// Writes a scene as a model, `obj`, and its materials, `mtl`; `mtl_name` is the file name under
-/// which the model names its materials.
+/// Writes a scene as a model, `obj`, and its materials, `mtl`; `mtl_name` is the file name by
+/// which the model refers to its materials.
 ///
 /// Numbers are the shortest that read back to the same value. Exact primitives become polygons.
-/// [`losses`] says what else does not fit into the format.
+/// [`losses`] lists what else the format cannot represent.
 ///
 /// # Errors
-/// What `obj` and `mtl` say.
+/// Errors of `obj` and `mtl`.
 pub fn write(
     scene: &Scene,
     mtl_name: &str,
@@ -45,7 +45,7 @@ pub fn write(
     model.out.flush()
 }
 
-/// What [`write()`] would leave out of a scene, or change, in words: "2 lights".
+/// What [`write()`] would omit from a scene or change, as text: "2 lights".
 pub fn losses(scene: &Scene) -> Vec<String> {
     let meshes = || {
         scene.objects.iter().filter_map(|o| match &o.shape {
@@ -60,7 +60,7 @@ pub fn losses(scene: &Scene) -> Vec<String> {
     let counts = [
         (scene.lights.len(), "lights without area"),
         (scene.cameras.len(), "cameras"),
-        (lit, "meshes whose irradiance is left out"),
+        (lit, "meshes whose irradiance is not written"),
         (primitives, "exact primitives that become polygons"),
         (solids, "exact shapes that become polygons"),
         (
@@ -73,7 +73,7 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         ),
         (
             materials(|m| model(m).is_some_and(|model| model.is_approximate(m))),
-            "reflection models that MTL has only like",
+            "reflection models that MTL can only approximate",
         ),
         (
             materials(is_odd_glass),
@@ -84,14 +84,14 @@ pub fn losses(scene: &Scene) -> Vec<String> {
     counts.iter().filter_map(said).collect()
 }
 
-/// MTL's glass is denser than what is around it, and divides light by Fresnel's equations alone.
+/// MTL's glass is denser than its surroundings and follows the Fresnel equations alone.
 fn is_odd_glass(m: &Material) -> bool {
     let plain = m.diffuse.is_black() && m.mirror == Rgb::WHITE;
     m.dielectric
         .is_some_and(|g| g.ior <= 1.0 || g.thin || !plain)
 }
 
-/// An OBJ file under way. Indices count through the whole file, from 1.
+/// State of writing an OBJ file. Indices count through the whole file, from 1.
 struct Model<'a> {
     out: BufWriter<&'a mut dyn Write>,
     materials: &'a [String],
@@ -169,7 +169,7 @@ fn index<T>(list: Option<&Attribute<T>>, base: usize, corner: usize, vertex: u32
     Some(base + local as usize)
 }
 
-/// What MTL can say of a reflection model.
+/// What MTL can represent of a reflection model.
 #[derive(Clone, Copy)]
 enum Shine {
     Highlight(Highlight),
@@ -184,7 +184,7 @@ fn model(m: &Material) -> Option<Shine> {
 }
 
 impl Shine {
-    /// Whether what is read back is another model, or another diffuse reflectance.
+    /// Whether reading back yields another model, or another diffuse reflectance.
     fn is_approximate(self, m: &Material) -> bool {
         match self {
             Shine::Highlight(highlight) => highlight.angle == Angle::Mirrored,
@@ -239,7 +239,7 @@ fn write_material(scene: &Scene, m: &Material, name: &str, out: &mut dyn Write) 
     writeln!(out)
 }
 
-/// Numbers with blanks between, each the shortest that reads back to the same value.
+/// Numbers separated by blanks, each the shortest that reads back to the same value.
 struct Numbers<'a>(&'a [f64]);
 
 impl fmt::Display for Numbers<'_> {
@@ -257,7 +257,7 @@ impl fmt::Display for Numbers<'_> {
     }
 }
 
-/// A name as one line can hold it, so that a reader finds it unchanged: without control
+/// A name in a form that reads back unchanged from one line: without control
 /// characters, blanks around it, what would begin a comment, or continue the line.
 fn one_line(name: &str) -> String {
     let printable: String = name
@@ -272,7 +272,7 @@ fn one_line(name: &str) -> String {
     line
 }
 
-/// Materials are told apart by name alone: each gets one of its own.
+/// Materials are identified by name alone, so each gets a unique one.
 fn unique_names(materials: &[Material]) -> Vec<String> {
     let mut taken = HashSet::new();
     materials
@@ -400,7 +400,7 @@ mod tests {
         if mesh.smoothing.iter().all(|s| *s == 0) {
             mesh.smoothing.clear();
         }
-        // A second visit to the first face's vertices gives them second normals.
+        // The first face's vertices are used again with second normals.
         let again: Vec<u32> = mesh.faces.get(0).to_vec();
         mesh.push_face(&again, 0);
         if !mesh.smoothing.is_empty() {
@@ -446,7 +446,7 @@ mod tests {
         })
     }
 
-    /// Replaces a highlight whose numbers differ by rounding alone.
+    /// Replaces a highlight whose numbers differ only by rounding.
     fn keep_rounded(found: &mut Material, known: &Material) {
         if let (Some(a), Some(b)) = (Highlight::of(found), Highlight::of(known)) {
             let far = (a.ks - b.ks).map(f64::abs).max_channel();

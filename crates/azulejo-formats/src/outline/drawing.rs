@@ -1,4 +1,4 @@
-//! Flat drawings: filled figures, to be extruded.
+//! Two-dimensional drawings: filled figures, to be extruded.
 
 use crate::Warning;
 use azulejo_scene::{Figure, Rgb};
@@ -8,19 +8,19 @@ use azulejo_scene::{Figure, Rgb};
 pub struct Drawing {
     /// The figures, in units of the drawing, y up.
     pub shapes: Vec<Filled>,
-    /// Length of a unit in metres, if the drawing says it.
+    /// Length of a unit in metres, if the drawing defines it.
     pub metres_per_unit: Option<f64>,
-    /// What was left out, mended or guessed.
+    /// What was left out, repaired or guessed.
     pub warnings: Vec<Warning>,
 }
 
 /// A figure and its paint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Filled {
-    /// What is inside of it is filled.
+    /// The figure whose inside is filled.
     pub figure: Figure,
-    /// Its colour, linear; `None` where the drawing does not say one that is the same everywhere.
+    /// Its colour, linear; `None` if the drawing does not define a uniform one.
     pub color: Option<Rgb>,
-    /// What the drawing calls it; may be empty.
+    /// Its name in the drawing; may be empty.
     pub name: String,
 }

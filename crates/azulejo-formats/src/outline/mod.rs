@@ -1,7 +1,7 @@
-//! Flat outlines: fonts and their encodings, typefaces, drawings.
+//! Two-dimensional outlines: fonts and their encodings, typefaces, drawings.
 //!
-//! They end in a [`Figure`](azulejo_scene::Figure) or a [`Font`](azulejo_scene::Font), not in a
-//! scene.
+//! Their readers return a [`Figure`](azulejo_scene::Figure) or a [`Font`](azulejo_scene::Font)
+//! rather than a scene.
 
 pub(crate) mod drawing;
 pub(crate) mod pen;

@@ -1,23 +1,23 @@
-//! Figures drawn stroke by stroke, as fonts and SVG describe them.
+//! Drawing of figures by commands, as fonts and SVG describe them.
 
 use azulejo_scene::{Contour, Curve, Figure, FillRule};
 use glam::DVec2;
 use std::f64::consts::{FRAC_PI_4, TAU};
 
-/// Draws the contours of a figure. Every contour is closed, by a straight line if need be.
+/// Draws the contours of a figure. Every contour is closed, by a straight line if necessary.
 #[derive(Debug, Default)]
 pub(crate) struct Pen {
     contours: Vec<Contour>,
-    /// Curves of the contour that is being drawn.
+    /// Curves of the current contour.
     curves: Vec<Curve>,
     start: DVec2,
     at: DVec2,
 }
 
-/// The points `centre + cos t·x + sin t·y`.
+/// The ellipse `centre + cos t·x + sin t·y`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Ellipse {
-    /// The middle.
+    /// The centre.
     pub centre: DVec2,
     /// One of two conjugate half diameters.
     pub x: DVec2,
@@ -36,17 +36,17 @@ impl Ellipse {
 }
 
 impl Pen {
-    /// Where the pen is.
+    /// The current point.
     pub fn at(&self) -> DVec2 {
         self.at
     }
 
-    /// Where the contour began.
+    /// The start of the current contour.
     pub fn start(&self) -> DVec2 {
         self.start
     }
 
-    /// Closes the contour that was drawn and begins another.
+    /// Closes the current contour and begins another.
     pub fn move_to(&mut self, to: DVec2) {
         self.close();
         (self.start, self.at) = (to, to);
@@ -58,7 +58,7 @@ impl Pen {
         self.at = to;
     }
 
-    /// Draws a quadratic Bézier curve, as the cubic one that it is.
+    /// Draws a quadratic Bézier curve, exactly converted to a cubic one.
     pub fn quadratic_to(&mut self, control: DVec2, to: DVec2) {
         let toward = |end: DVec2| end + 2.0 / 3.0 * (control - end);
         self.cubic_to(toward(self.at), toward(to), to);
@@ -74,10 +74,10 @@ impl Pen {
         self.at = to;
     }
 
-    /// Draws an arc of the ellipse `centre + cos t·x + sin t·y`, from the point at `t = start`,
-    /// where the pen is, over `angle` to the point `to`; all but the ends are found here.
+    /// Draws an arc of the ellipse `centre + cos t·x + sin t·y`, from the current point at
+    /// `t = start` over `angle` to the point `to`; only the inner points are computed.
     ///
-    /// Pieces of at most an eighth of a turn leave the ellipse by less than 5e-6 of its axes.
+    /// Pieces of at most an eighth of a turn deviate from the ellipse by less than 5e-6 of its axes.
     pub fn arc_to(&mut self, ellipse: Ellipse, start: f64, angle: f64, to: DVec2) {
         // The margin keeps rounding from adding a piece.
         let count = (angle.abs() / FRAC_PI_4 - 1e-9).ceil().clamp(1.0, 64.0);
@@ -95,7 +95,7 @@ impl Pen {
         }
     }
 
-    /// Draws a whole ellipse, counter-clockwise from its first axis if the second is to the left.
+    /// Draws a whole ellipse, counter-clockwise from its first axis if the second is to its left.
     pub fn ellipse(&mut self, ellipse: Ellipse) {
         let first = ellipse.at(0.0);
         self.move_to(first);
@@ -103,7 +103,7 @@ impl Pen {
         self.close();
     }
 
-    /// Goes back to where the contour began, which ends it. Whether the pen was there already.
+    /// Closes the contour at its start; returns whether the current point was there already.
     pub fn close(&mut self) -> bool {
         let is_closed = self.at == self.start;
         if !is_closed {
@@ -116,7 +116,7 @@ impl Pen {
         is_closed
     }
 
-    /// What was drawn.
+    /// The figure that was drawn.
     pub fn finish(mut self, rule: FillRule) -> Figure {
         self.close();
         Figure {

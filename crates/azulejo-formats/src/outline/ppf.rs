@@ -4,15 +4,15 @@
 //! /A 2            name, number of contours
 //! 3               number of curves of the first contour
 //! l 0.1 0         start of a line
-//! c 0.5 0 1 0 1 1 start and two control points of a curve
+//! l 0 1           the last curve ends at the start of the contour
 //! l 0 1           what comes last ends where the contour begins
 //! ...
 //! ```
 //!
-//! Every contour is closed by the way it is written. What is inside follows the even-odd rule
-//! ([`FillRule::EvenOdd`](azulejo_scene::FillRule::EvenOdd)) over all contours of a glyph, whichever way they run: where an outline
-//! crosses itself, or two of them overlap, what is gone around twice is outside. A contour
-//! without area, such as a single line, has no inside, and a glyph without contours is a blank.
+//! Every contour is closed by construction. What is inside follows the even-odd rule
+//! ([`FillRule::EvenOdd`](azulejo_scene::FillRule::EvenOdd)) over all contours of a glyph, whatever their orientation: where an outline
+//! crosses itself, or two of them overlap, the area surrounded twice is outside. A contour
+//! without area, such as a single line, has no inside, and a glyph without contours is blank.
 
 use crate::reading::text::{decoded, shortened, text};
 use crate::reading::warnings::Warnings;
@@ -23,10 +23,10 @@ use glam::DVec2;
 use std::collections::btree_map::Entry;
 use std::io::{self, Write};
 
-/// Bytes of the shortest curve, `l 0 0` and a blank: room is made for no more of them.
+/// Bytes of the shortest curve, `l 0 0` and a blank: no more curves than could fit are reserved.
 const SHORTEST_CURVE: usize = 6;
 
-/// Whether a file may be a PPF: text whose first word, behind remarks, is a glyph's name.
+/// Whether a file may be a PPF: text whose first word after comments is a glyph's name.
 pub fn is_ppf(bytes: &[u8]) -> bool {
     let bytes = decoded(bytes);
     let mut lines = bytes.split(|b| *b == b'\n').map(<[u8]>::trim_ascii);
@@ -34,14 +34,14 @@ pub fn is_ppf(bytes: &[u8]) -> bool {
     first.is_some_and(|l| l.starts_with(b"/"))
 }
 
-/// Reads a font. `name` stands in messages.
+/// Reads a font. `name` is used in messages.
 ///
-/// Beyond what RTRACE takes: remarks from `#` to the end of the line where a word may begin,
-/// capital letters for the curves, and a letter without a blank before its first number. Of
-/// several glyphs of one name the first counts, with a warning.
+/// Extensions beyond RTRACE: comments from `#` to the end of the line where a word may begin,
+/// capital letters for the curves, and a letter without a blank before its first number. If
+/// several glyphs have the same name, the first is used, with a warning.
 ///
 /// # Errors
-/// Text that is no PPF: what stands where, and in which glyph.
+/// Text that is not PPF, with the position and the glyph.
 pub fn read(bytes: &[u8], name: &str) -> Result<(Font, Vec<Warning>), ReadError> {
     let bytes = &*decoded(bytes);
     let mut reader = PpfReader {
@@ -60,7 +60,10 @@ pub fn read(bytes: &[u8], name: &str) -> Result<(Font, Vec<Warning>), ReadError>
                 entry.insert(glyph);
             }
             Entry::Occupied(entry) => {
-                let message = format!("glyph /{} again: the first counts", shortened(entry.key()));
+                let message = format!(
+                    "glyph /{} is defined again: the first definition is used",
+                    shortened(entry.key())
+                );
                 warnings.add(name, message, || reader.words.position(at));
             }
         }
@@ -79,16 +82,16 @@ struct PpfReader<'a> {
     glyph: String,
 }
 
-/// Where in a font the reader is, for messages.
+/// The current position in a font, for messages.
 #[derive(Clone, Copy)]
 enum PpfSection {
     /// Before the first glyph.
     Start,
     /// At a glyph's number of contours.
     Glyph,
-    /// In one of so many contours, counted from 1.
+    /// In a contour, counted from 1, of so many.
     Contour(u32, u32),
-    /// Behind a glyph of so many contours.
+    /// After a glyph of so many contours.
     Behind(u32),
 }
 
@@ -120,7 +123,7 @@ impl PpfReader<'_> {
         Ok(Contour { curves })
     }
 
-    /// One curve, behind `done` of `count`.
+    /// Reads a curve, after `done` of `count`.
     fn curve(&mut self, done: usize, count: u32) -> Result<Curve, ReadError> {
         self.skip();
         let at = self.words.offset();
@@ -140,7 +143,7 @@ impl PpfReader<'_> {
         }
     }
 
-    /// Passes over one letter, unless it begins a word.
+    /// Consumes a single letter, unless it begins a word.
     fn letter(&mut self) -> Option<u8> {
         let letter = self.words.peek()?;
         let behind = self.words.from(self.words.offset() + 1);
@@ -171,13 +174,13 @@ impl PpfReader<'_> {
         count.ok_or_else(|| self.error(at, what))
     }
 
-    /// Whether only blanks and remarks are left.
+    /// Whether only blanks and comments are left.
     fn is_at_end(&mut self) -> bool {
         self.skip();
         self.words.at_end()
     }
 
-    /// Passes over blanks and remarks.
+    /// Skips blanks and comments.
     fn skip(&mut self) {
         self.words.skip_blanks();
         while self.words.peek() == Some(b'#') {
@@ -195,7 +198,7 @@ impl PpfReader<'_> {
             PpfSection::Contour(i, count) => {
                 format!(" in contour {i} of {count} of glyph /{glyph}")
             }
-            PpfSection::Behind(count) => format!(" behind the {count} contours of glyph /{glyph}"),
+            PpfSection::Behind(count) => format!(" after the {count} contours of glyph /{glyph}"),
         };
         let error = self.words.error(at, expected);
         ReadError {
@@ -205,19 +208,19 @@ impl PpfReader<'_> {
     }
 }
 
-/// Writes a font so that [`read`] gives the same outlines back, in the order of their names.
+/// Writes a font so that [`read`] returns the same outlines, in the order of their names.
 ///
-/// Advances have no place in PPF: a reader takes the largest x, as [`Glyph::new`] does. Nor have
-/// fill rules: a figure filled by [`FillRule::NonZero`](azulejo_scene::FillRule::NonZero) whose contours overlap becomes another.
+/// PPF does not store advances: a reader takes the largest x, as [`Glyph::new`] does. Nor does it store
+/// fill rules: a figure filled by [`FillRule::NonZero`](azulejo_scene::FillRule::NonZero) whose contours overlap changes.
 ///
 /// # Errors
-/// What `out` says, and [`io::ErrorKind::InvalidInput`] for what has no spelling: names that are
+/// Errors of `out`, and [`io::ErrorKind::InvalidInput`] for what cannot be represented: names that are
 /// empty or contain blanks or control characters, contours without curves, and coordinates that
 /// are not finite.
 pub fn write(font: &Font, out: &mut (impl Write + ?Sized)) -> io::Result<()> {
     for (name, glyph) in &font.glyphs {
         let spelled = text_of(name, &glyph.figure)
-            .ok_or_else(|| refusal(format!("PPF has no spelling for glyph \"{name}\"")))?;
+            .ok_or_else(|| refusal(format!("PPF cannot represent glyph \"{name}\"")))?;
         out.write_all(spelled.as_bytes())?;
     }
     Ok(())
@@ -227,7 +230,7 @@ fn refusal(message: String) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, message)
 }
 
-/// A glyph as it stands in the file.
+/// The text of a glyph; `None` if it cannot be represented.
 fn text_of(name: &str, figure: &Figure) -> Option<String> {
     if name.is_empty() || name.bytes().any(|b| b <= b' ') {
         return None;
@@ -390,7 +393,7 @@ mod tests {
         );
         check(
             "/A 1\n1\nl 0 0 \nl 1 1",
-            "4:1: found \"l\" behind the 1 contours of glyph /A, expected \"/\" and the name of \
+            "4:1: found \"l\" after the 1 contours of glyph /A, expected \"/\" and the name of \
              a glyph",
         );
         check(
@@ -425,7 +428,7 @@ mod tests {
         let said: Vec<String> = warnings.iter().map(ToString::to_string).collect();
         assert_eq!(
             said,
-            ["a.ppf:3:1: glyph /A again: the first counts (2 times)"]
+            ["a.ppf:3:1: glyph /A is defined again: the first definition is used (2 times)"]
         );
     }
 
@@ -439,7 +442,7 @@ mod tests {
 
     #[test]
     fn outlines_that_cross_themselves_are_even_odd() {
-        // A star of five points in one stroke: its middle is gone around twice.
+        // A star of five points in one stroke: its middle is surrounded twice.
         let star = only("/star 1 5 l 0 1 l .59 -.81 l -.95 .31 l .95 .31 l -.59 -.81");
         assert!(!star.figure.contains(v(0.0, 0.0)));
         assert!(star.figure.contains(v(0.0, 0.8)));
@@ -487,7 +490,7 @@ mod tests {
         ]
     }
 
-    /// Contours of one glyph and the next.
+    /// Contours of several glyphs.
     fn outlines() -> impl Strategy<Value = Vec<Vec<Vec<Curve>>>> {
         use proptest::collection::vec;
         vec(vec(vec(curve(), 1..6), 0..4), 1..5)
@@ -513,7 +516,7 @@ mod tests {
         }
     }
 
-    /// A font of RTRACE, where the folder that holds them is named.
+    /// A font of RTRACE, if the folder that holds them is given.
     fn stock(name: &str) -> Option<Vec<u8>> {
         let path = azulejo_testing::data()?.join("corpus/sff/fonts");
         Some(std::fs::read(path.join(name)).unwrap())
@@ -529,7 +532,10 @@ mod tests {
             assert_eq!(font.glyphs.len(), 213, "{name}");
             assert_eq!(warnings.len(), 1);
             let message = &warnings[0].message;
-            assert_eq!(message, "glyph /periodcentered again: the first counts");
+            assert_eq!(
+                message,
+                "glyph /periodcentered is defined again: the first definition is used"
+            );
             let mut again = Vec::new();
             write(&font, &mut again).unwrap();
             assert_eq!(read(&again, name), Ok((font, Vec::new())));
@@ -545,7 +551,7 @@ mod tests {
         );
     }
 
-    /// Curves, box and areas of the typeface that Costa 1992 prints two letters of.
+    /// Curves, box and areas of the typeface of which Costa 1992 prints two letters.
     #[test]
     fn stock_glyphs_have_the_measures_of_the_paper() {
         let Some(bytes) = stock("bangkok.ppf") else {

@@ -1,4 +1,4 @@
-//! Why pictures are refused, and how large they may be.
+//! Errors of picture readers, and the limit on the size of pictures.
 
 use azulejo_scene::Image;
 use std::fmt;
@@ -7,7 +7,7 @@ use std::fmt;
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PictureError {
-    /// The bytes are not of this format, or are damaged; the text says how.
+    /// The bytes are not in this format, or are damaged; the text gives the reason.
     Malformed(String),
     /// More pixels than a picture may have.
     TooLarge {
@@ -24,7 +24,7 @@ impl fmt::Display for PictureError {
             PictureError::Malformed(how) => f.write_str(how),
             PictureError::TooLarge { width, height } => write!(
                 f,
-                "the picture claims {width} × {height} pixels, more than {MOST_PIXELS} or than its bytes can hold"
+                "the picture claims to have {width} × {height} pixels: more than {MOST_PIXELS}, or more than its bytes can hold"
             ),
         }
     }
@@ -32,14 +32,14 @@ impl fmt::Display for PictureError {
 
 impl std::error::Error for PictureError {}
 
-/// Largest picture read, in pixels: 1.6 GB once it is decoded.
+/// Largest picture that is read, in pixels: 1.6 GB once it is decoded.
 const MOST_PIXELS: u64 = 1 << 27;
 
-/// Pixels that one byte of a file can stand for. The densest, DEFLATE, makes 1032 bytes of one,
-/// hence 8256 pixels of one bit.
+/// Most pixels that one byte of a file can encode. The densest compression, DEFLATE, makes 1032
+/// bytes of one, hence 8256 pixels of one bit.
 const MOST_PIXELS_PER_BYTE: u64 = 8256;
 
-/// Refuses sizes that would take memory which the file's own length does not justify.
+/// Rejects sizes that would take memory which the file's own length does not justify.
 pub(crate) fn check_size(width: u64, height: u64, bytes: usize) -> Result<(), PictureError> {
     let justified = (bytes as u64).saturating_mul(MOST_PIXELS_PER_BYTE);
     // A side of 0 does not make the other one free: readers allocate whole rows.
@@ -58,12 +58,12 @@ pub(crate) fn malformed(how: impl fmt::Display) -> PictureError {
     PictureError::Malformed(how.to_string())
 }
 
-/// Panics unless the picture has the pixels that its size promises, as every writer needs.
+/// Panics unless the number of pixels matches the picture's size, as every writer requires.
 pub(crate) fn assert_whole(image: &Image) {
     assert_eq!(
         image.pixels.len(),
         image.width as usize * image.height as usize,
-        "a picture whose size is not that of its pixels"
+        "a picture whose size does not match its pixels"
     );
 }
 
@@ -88,7 +88,7 @@ pub(crate) mod tests {
         }
     }
 
-    /// Cuts a file at every byte, and changes every byte: `read` must return, and must refuse
+    /// Cuts a file at every byte, and changes every byte: `read` must return, and must reject
     /// what is cut before its last tenth.
     pub(crate) fn damage(file: &[u8], read: impl Fn(&[u8]) -> bool) {
         assert!(read(file));

@@ -1,11 +1,11 @@
-//! OpenEXR: linear pictures without loss.
+//! OpenEXR: lossless linear pictures.
 
 use super::error::{PictureError, assert_whole, check_size, malformed};
 use ::exr::prelude::*;
 use azulejo_scene::Image as Picture;
 use std::io::{self, Cursor};
 
-/// Reads the first layer that has channels R, G and B, as it stands: linear, no colour
+/// Reads the first layer that has channels R, G and B as linear values, without colour
 /// management. Alpha is ignored.
 ///
 /// # Errors
@@ -33,13 +33,13 @@ pub fn read(bytes: &[u8]) -> std::result::Result<Picture, PictureError> {
     Ok(image.layer_data.channel_data.pixels)
 }
 
-/// Writes a picture as 32-bit floats, compressed without loss.
+/// Writes a picture as 32-bit floats with lossless compression.
 ///
 /// # Errors
-/// What `out` says, and a picture without pixels.
+/// Errors of `out`, and a picture without pixels.
 ///
 /// # Panics
-/// If the picture has not `width × height` pixels.
+/// If the picture does not have `width × height` pixels.
 pub fn write(image: &Picture, out: &mut dyn io::Write) -> io::Result<()> {
     assert_whole(image);
     let channels = SpecificChannels::rgb(|Vec2(x, y): Vec2<usize>| {
@@ -53,7 +53,7 @@ pub fn write(image: &Picture, out: &mut dyn io::Write) -> io::Result<()> {
     };
     let size = (image.width as usize, image.height as usize);
     let layer = Layer::new(size, LayerAttributes::default(), encoding, channels);
-    // The format's table of offsets is written last, which asks for a seekable target.
+    // The format's table of offsets is written last, which requires a seekable target.
     let mut file = Cursor::new(Vec::new());
     Image::from_layer(layer)
         .write()

@@ -1,23 +1,23 @@
-//! Radiance HDR: linear pictures, three mantissas under one exponent.
+//! Radiance HDR: linear pictures, three mantissas with a common exponent.
 //!
-//! G. Ward, *Real Pixels*, Graphics Gems II, 1991, and the pages of the Radiance program. A
+//! G. Ward, *Real Pixels*, Graphics Gems II, 1991, and the manual pages of Radiance. A
 //! value has 8 bits of mantissa, so that the largest channel is exact to 0.4 %.
 
 use super::error::{PictureError, assert_whole, check_size, malformed};
 use azulejo_scene::Image;
 use std::io::{self, Write};
 
-/// Widths whose rows are compressed channel by channel; others are written plainly.
+/// Widths whose rows are compressed channel by channel; others are written uncompressed.
 const COMPRESSED_WIDTHS: std::ops::RangeInclusive<usize> = 8..=0x7fff;
 
-/// Shortest run worth a run, and longest that a byte can count, in the channel-wise scheme.
+/// Shortest run that is encoded as one, and the longest whose length fits, channel by channel.
 const RUN: std::ops::RangeInclusive<usize> = 4..=127;
 
 /// Four bytes of a pixel: mantissas of red, green and blue, and their exponent.
 type Rgbe = [u8; 4];
 
-/// Reads a Radiance picture, its exposure undone. All three ways of storing rows are read; rows
-/// may go up or down and either way along, columns may not come first.
+/// Reads a Radiance picture and divides by its exposure. All three row encodings are read; rows
+/// may be in either vertical and horizontal direction, but columns may not come first.
 ///
 /// # Errors
 /// [`PictureError`]: damaged, cut short, XYZ colours, or larger than its bytes justify.
@@ -30,10 +30,7 @@ pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
     let mut row = vec![Rgbe::default(); layout.width];
     for y in 0..layout.height {
         input.row(&mut row).ok_or_else(|| {
-            malformed(format!(
-                "the picture breaks off in row {y} of {}",
-                layout.height
-            ))
+            malformed(format!("the picture ends in row {y} of {}", layout.height))
         })?;
         let target = if layout.upward {
             layout.height - 1 - y
@@ -51,13 +48,13 @@ pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
     Ok(image)
 }
 
-/// Writes a picture, compressed. Negative values and NaN become 0, larger ones than 1.7e38 that.
+/// Writes a picture, compressed. Negative values and NaN become 0, values above 1.7e38 are clamped.
 ///
 /// # Errors
-/// What `out` says.
+/// Errors of `out`.
 ///
 /// # Panics
-/// If the picture has not `width × height` pixels.
+/// If the picture does not have `width × height` pixels.
 pub fn write(image: &Image, out: &mut dyn Write) -> io::Result<()> {
     assert_whole(image);
     let (width, height) = (image.width as usize, image.height as usize);
@@ -83,7 +80,7 @@ pub fn write(image: &Image, out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-/// Radiance's own rounding: mantissas are cut off, and read back as the middle of their step.
+/// Radiance's own rounding: mantissas are truncated, and read back as the middle of their step.
 fn encode(pixel: [f32; 3]) -> Rgbe {
     const LARGEST: f32 = 1.7e38;
     // NaN is not above 0 either.
@@ -107,7 +104,7 @@ fn decode([r, g, b, e]: Rgbe) -> [f32; 3] {
     [r, g, b].map(|c| ((f64::from(c) + 0.5) * scale) as f32)
 }
 
-/// One channel of a row as runs (128 + length, value) and stretches (length, values).
+/// One channel of a row as runs (128 + length, value) and literals (length, values).
 fn compress(values: &[u8], out: &mut Vec<u8>) {
     let run_at = |at: usize| {
         let same = values[at..]
@@ -133,10 +130,12 @@ fn compress(values: &[u8], out: &mut Vec<u8>) {
     }
 }
 
-/// The lines up to the empty one; the product of their exposures.
+/// Reads the lines up to the empty one; returns the product of their exposures.
 fn header(input: &mut Input) -> Result<f32, PictureError> {
     if !input.bytes.starts_with(b"#?") {
-        return Err(malformed("no Radiance picture: it does not begin with #?"));
+        return Err(malformed(
+            "not a Radiance picture: it does not begin with #?",
+        ));
     }
     let mut exposure = 1.0;
     loop {
@@ -165,7 +164,7 @@ fn factor(value: &str) -> Result<f32, PictureError> {
         .ok_or_else(|| malformed(format!("exposure {value:?}, expected a number above 0")))
 }
 
-/// What the resolution line says: `-Y height +X width`.
+/// The resolution line: `-Y height +X width`.
 struct Layout {
     width: usize,
     height: usize,
@@ -191,13 +190,13 @@ impl Layout {
     }
 }
 
-/// The bytes that are left.
+/// The unread bytes.
 struct Input<'a> {
     bytes: &'a [u8],
 }
 
 impl<'a> Input<'a> {
-    /// Takes a line of the header, without its end.
+    /// Reads a line of the header, without its end.
     fn line(&mut self) -> Option<&'a str> {
         let end = self.bytes.iter().position(|b| *b == b'\n')?;
         let line = std::str::from_utf8(&self.bytes[..end]).unwrap_or("?");
@@ -211,7 +210,7 @@ impl<'a> Input<'a> {
         Some(*first)
     }
 
-    /// Takes one row; `None` if the bytes end or do not add up to it.
+    /// Reads one row; `None` if the bytes end or do not fit it.
     fn row(&mut self, row: &mut [Rgbe]) -> Option<()> {
         let width = row.len();
         let mark = [2, 2, (width >> 8) as u8, width as u8];
@@ -223,7 +222,7 @@ impl<'a> Input<'a> {
         }
     }
 
-    /// One channel of a row, as [`compress`] makes it.
+    /// Reads one channel of a row, as [`compress`] writes it.
     fn channel(&mut self, row: &mut [Rgbe], channel: usize) -> Option<()> {
         let mut at = 0;
         while at < row.len() {
@@ -248,8 +247,8 @@ impl<'a> Input<'a> {
         Some(())
     }
 
-    /// Whole pixels; mantissas of 1, 1, 1 repeat the pixel before, as often as the exponent
-    /// says, each next such pixel counting 256 times more.
+    /// Reads whole pixels; mantissas of 1, 1, 1 repeat the previous pixel, with the count in the
+    /// exponent, each consecutive such pixel counting 256 times more.
     fn pixels(&mut self, row: &mut [Rgbe]) -> Option<()> {
         let (mut at, mut shift) = (0, 0);
         while at < row.len() {

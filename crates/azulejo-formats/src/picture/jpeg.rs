@@ -1,4 +1,4 @@
-//! JPEG: pictures on surfaces in.
+//! JPEG: reads textures.
 
 use super::error::{PictureError, check_size, malformed};
 use super::srgb::linear_table;
@@ -8,17 +8,17 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-/// More passes over a progressive picture than this take time that no encoder asks for.
+/// Limit on the passes of a progressive picture: no encoder writes more, and each takes time.
 const MOST_SCANS: usize = 64;
 
 /// Reads a JPEG as linear light.
 ///
 /// Baseline or progressive; grey, YCbCr, RGB, CMYK and YCCK. Values are taken as sRGB, whatever
-/// colour profile the file carries. Where the data is damaged behind the header, what could be
-/// decoded is given, as browsers do.
+/// colour profile the file contains. If the data after the header is damaged, what could be
+/// decoded is returned, as in browsers.
 ///
 /// # Errors
-/// [`PictureError`]: no JPEG, or larger than its bytes justify.
+/// [`PictureError`]: not a JPEG, or larger than its bytes justify.
 pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
     let options = DecoderOptions::default()
         .jpeg_set_out_colorspace(ColorSpace::RGB)
@@ -34,7 +34,7 @@ pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
     let samples = decoder.decode().map_err(malformed)?;
     let (pixels, _) = samples.as_chunks::<3>();
     if pixels.len() != width * height {
-        return Err(malformed("a JPEG of other than one or three colours"));
+        return Err(malformed("a JPEG with neither one nor three channels"));
     }
     let linear = linear_table();
     Ok(Image {
@@ -102,14 +102,14 @@ mod tests {
     #[test]
     fn damaged_files_are_refused_or_read() {
         for hex in [GREY, PROGRESSIVE] {
-            // Behind its header a JPEG may end anywhere and still be a picture.
+            // After its header a JPEG may end anywhere and still be a picture.
             let file = bytes(hex);
             assert!(read(&file[..100]).is_err());
             damage(&file, |bytes| {
                 bytes.len() == file.len() && read(bytes).is_ok()
             });
         }
-        // A header that promises more than the bytes can hold.
+        // A header that claims more pixels than the bytes can hold.
         let mut file = bytes(GREY);
         let size = file.windows(2).position(|w| w == [0xff, 0xc0]).unwrap() + 5;
         file[size..size + 4].fill(0xff);

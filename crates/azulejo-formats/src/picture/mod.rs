@@ -12,7 +12,7 @@ pub use error::PictureError;
 use azulejo_scene::Image;
 use error::malformed;
 
-/// Reads a picture as linear light: PNG, JPEG or Radiance HDR, told apart by its content.
+/// Reads a PNG, JPEG or Radiance HDR picture as linear light, recognised by its content.
 ///
 /// # Errors
 /// [`PictureError`]: another format, damaged, or larger than its bytes justify.
@@ -22,7 +22,7 @@ pub fn decode(bytes: &[u8]) -> Result<Image, PictureError> {
         [b'#', b'?', ..] => hdr::read(bytes),
         [0x89, b'P', b'N', b'G', ..] => png::read(bytes),
         _ => Err(malformed(
-            "a picture that is none of PNG, JPEG and Radiance HDR",
+            "a picture that is neither PNG, JPEG nor Radiance HDR",
         )),
     }
 }

@@ -1,4 +1,4 @@
-//! PNG: pictures on surfaces in, finished pictures out.
+//! PNG: reads textures, writes finished pictures.
 
 use super::error::{PictureError, check_size, malformed};
 use super::srgb::{linear_from_srgb, linear_table, srgb_bytes, srgb_from_linear};
@@ -8,8 +8,8 @@ use std::io::{self, Cursor, Write};
 
 /// Reads a PNG as linear light.
 ///
-/// Any depth and colour type; values are taken as sRGB, whatever the file's own colour chunks
-/// say. Transparency is ignored. Animations give their first picture.
+/// Any depth and colour type. Values are taken as sRGB, whatever the file's own colour chunks
+/// specify. Transparency is ignored. Of an animation, the first frame is read.
 ///
 /// # Errors
 /// [`PictureError`]: damaged, cut short, or larger than its bytes justify.
@@ -43,7 +43,7 @@ pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
     })
 }
 
-/// Linear light of samples of 8 bits, or of 16, big end first.
+/// Linear light of 8-bit samples, or of big-endian 16-bit samples.
 fn linear_samples(samples: &[u8], depth: BitDepth) -> Vec<f32> {
     if depth == BitDepth::Sixteen {
         let (pairs, _) = samples.as_chunks::<2>();
@@ -57,10 +57,10 @@ fn linear_samples(samples: &[u8], depth: BitDepth) -> Vec<f32> {
 /// Writes finished pixels as PNG: `rgb` holds three sRGB bytes per pixel, rows from the top.
 ///
 /// # Errors
-/// What `out` says, and a picture without pixels.
+/// Errors of `out`, and a picture without pixels.
 ///
 /// # Panics
-/// If `rgb` has not `3 × width × height` bytes.
+/// If `rgb` does not have `3 × width × height` bytes.
 pub fn write(width: u32, height: u32, rgb: &[u8], out: &mut dyn Write) -> io::Result<()> {
     assert_eq!(
         rgb.len(),
@@ -77,11 +77,11 @@ pub fn write(width: u32, height: u32, rgb: &[u8], out: &mut dyn Write) -> io::Re
     Ok(writer.finish()?)
 }
 
-/// Writes linear light as PNG, sRGB: with 8 bits where they say it exactly, else with 16. What is
-/// brighter than white becomes white.
+/// Writes linear light as an sRGB PNG: with 8 bits if they represent it exactly, else with 16.
+/// Values above 1 become white.
 ///
 /// # Errors
-/// What `out` says, and a picture without pixels.
+/// Errors of `out`, and a picture without pixels.
 pub fn write_linear(image: &Image, out: &mut dyn Write) -> io::Result<()> {
     let (bytes, table) = (srgb_bytes(image), linear_table());
     let values = image.pixels.iter().flatten();
@@ -104,14 +104,14 @@ pub fn write_linear(image: &Image, out: &mut dyn Write) -> io::Result<()> {
     Ok(writer.finish()?)
 }
 
-/// Writes a picture of at most 256 colours as PNG: `indices` holds one of `palette` per pixel, rows
-/// from the top; colours are sRGB.
+/// Writes a picture of at most 256 colours as PNG: `indices` holds an index into `palette` for each
+/// pixel, rows from the top; colours are sRGB.
 ///
 /// # Errors
-/// What `out` says, and a picture without pixels.
+/// Errors of `out`, and a picture without pixels.
 ///
 /// # Panics
-/// If `indices` has not `width × height` bytes.
+/// If `indices` does not have `width × height` bytes.
 pub fn write_indexed(
     width: u32,
     height: u32,
@@ -129,7 +129,7 @@ pub fn write_indexed(
     encoder.set_depth(BitDepth::Eight);
     encoder.set_palette(palette.concat());
     encoder.set_compression(Compression::High);
-    // Numbers of colours beside each other say nothing of each other.
+    // Filters predict a pixel from its neighbours, which means nothing for palette indices.
     encoder.set_filter(png::Filter::NoFilter);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     let mut writer = encoder.write_header()?;
@@ -232,7 +232,7 @@ mod tests {
         let pixels: Vec<u8> = (0..16 * 16 * 3).map(|i| (i * 7) as u8).collect();
         write(16, 16, &pixels, &mut file).unwrap();
         damage(&file, |bytes| read(bytes).is_ok());
-        // A header that promises more than the bytes can hold.
+        // A header that claims more pixels than the bytes can hold.
         file[16..24].copy_from_slice(&[0, 1, 0, 0, 0, 1, 0, 0]);
         assert!(read(&file).is_err());
     }

@@ -19,7 +19,7 @@ pub(crate) fn srgb_from_linear(v: f32) -> f32 {
     }
 }
 
-/// The pixels as sRGB bytes, three a pixel. What is brighter than white becomes white.
+/// The pixels as sRGB bytes, three per pixel. Values above 1 become white.
 pub(crate) fn srgb_bytes(image: &Image) -> Vec<u8> {
     let byte = |&v: &f32| (255.0 * srgb_from_linear(v)).round().clamp(0.0, 255.0) as u8;
     image.pixels.iter().flatten().map(byte).collect()

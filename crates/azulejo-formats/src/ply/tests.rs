@@ -389,7 +389,7 @@ fn corners_with_texture_coordinates() {
         &loaded,
         &[
             "a.ply: face without a texture coordinate for each corner: (0, 0) is used",
-            "a.ply: picture \"a.png\" is not shown: there is no such file",
+            "a.ply: picture \"a.png\" is not used: there is no such file",
         ],
     );
     let square = mesh(&loaded.scene, 0);

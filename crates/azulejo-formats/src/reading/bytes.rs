@@ -1,17 +1,17 @@
-//! Numbers from the bytes of binary formats, checked against their end.
+//! Bounds-checked reads of numbers from the bytes of binary formats.
 
-/// A place in the bytes of a binary file, or of a piece of one.
+/// A cursor over the bytes of a binary file, or of a piece of one.
 ///
-/// Every read either succeeds and moves on, or returns `None` and stays.
+/// Every read either succeeds and advances, or returns `None` and leaves the cursor unchanged.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bytes<'a> {
     bytes: &'a [u8],
-    /// Where `bytes` begin in the file.
+    /// Offset of `bytes` in the file.
     start: usize,
     at: usize,
 }
 
-/// Readers of one little-endian number.
+/// Defines methods that read one little-endian number each.
 macro_rules! numbers {
     ($($name:ident $kind:ty),*) => {$(
         #[doc = concat!("The next little-endian `", stringify!($kind), "`.")]
@@ -23,7 +23,7 @@ macro_rules! numbers {
 }
 
 impl<'a> Bytes<'a> {
-    /// The start of a file.
+    /// A cursor at the start of a file.
     pub fn new(bytes: &'a [u8]) -> Bytes<'a> {
         Bytes {
             bytes,
@@ -32,12 +32,12 @@ impl<'a> Bytes<'a> {
         }
     }
 
-    /// Where in the file the next byte is.
+    /// Offset of the next byte in the file.
     pub fn offset(&self) -> u64 {
         (self.start + self.at) as u64
     }
 
-    /// How many bytes are left.
+    /// Number of bytes left.
     pub fn left(&self) -> usize {
         self.bytes.len() - self.at
     }
@@ -51,7 +51,7 @@ impl<'a> Bytes<'a> {
         Some(taken)
     }
 
-    /// The next `count` bytes as a piece of their own.
+    /// The next `count` bytes as a separate cursor.
     pub fn piece(&mut self, count: usize) -> Option<Bytes<'a>> {
         let start = self.start + self.at;
         let bytes = self.take(count)?;
@@ -62,7 +62,7 @@ impl<'a> Bytes<'a> {
         })
     }
 
-    /// Passes over `count` bytes.
+    /// Skips `count` bytes.
     pub fn skip(&mut self, count: usize) -> Option<()> {
         self.take(count).map(|_| ())
     }

@@ -1,23 +1,23 @@
-//! The cursor of all text formats, and where in a text an offset lies.
+//! The cursor of all text formats, and the conversion of offsets to lines and columns.
 //!
-//! A line ends with LF, CR or CR LF. Lines and columns count from 1, columns in characters. Marks
-//! of byte order and UTF-16 are gone before: see [`decoded`](super::text::decoded).
+//! A line ends with LF, CR or CR LF. Lines and columns count from 1, columns in characters.
+//! Byte-order marks and UTF-16 have been removed before: see [`decoded`](super::text::decoded).
 
 use super::text::text;
 use crate::{Position, ReadError};
 use std::borrow::Cow;
 
-/// A point in a text, given as bytes or as `str`, from which it is read forwards.
+/// A position in a text, given as bytes or as `str`, from which it is read forwards.
 ///
-/// Copying it is how a scanner looks ahead. The cursor knows bytes and line ends; what stands
-/// between words, and what begins a comment, is up to each format.
+/// Scanners look ahead with a copy. The cursor handles bytes and line ends; separators and
+/// comments are up to each format.
 #[derive(Debug)]
 pub(crate) struct TextCursor<'a, T: ?Sized = [u8]> {
     text: &'a T,
     at: usize,
 }
 
-// Derived implementations would ask for a `T` that can be copied.
+// Derived implementations would require `T: Clone`.
 impl<T: ?Sized> Copy for TextCursor<'_, T> {}
 
 impl<T: ?Sized> Clone for TextCursor<'_, T> {
@@ -26,14 +26,14 @@ impl<T: ?Sized> Clone for TextCursor<'_, T> {
     }
 }
 
-/// Whether a byte ends a line, alone or as a part of CR LF.
+/// Whether a byte ends a line, alone or as part of CR LF.
 #[inline]
 pub(crate) fn is_line_end(byte: u8) -> bool {
     matches!(byte, b'\n' | b'\r')
 }
 
 impl<'a, T: AsRef<[u8]> + ?Sized> TextCursor<'a, T> {
-    /// The start of a text.
+    /// A cursor at the start of a text.
     pub fn new(text: &'a T) -> Self {
         TextCursor { text, at: 0 }
     }
@@ -44,13 +44,13 @@ impl<'a, T: AsRef<[u8]> + ?Sized> TextCursor<'a, T> {
         TextCursor { at: offset, ..self }
     }
 
-    /// The whole text, wherever the cursor is.
+    /// The whole text, whatever the position.
     #[inline]
     pub fn text(&self) -> &'a T {
         self.text
     }
 
-    /// The bytes of the whole text.
+    /// The bytes of the whole text, whatever the position.
     #[inline]
     pub fn bytes(&self) -> &'a [u8] {
         self.text.as_ref()
@@ -80,31 +80,31 @@ impl<'a, T: AsRef<[u8]> + ?Sized> TextCursor<'a, T> {
         self.peek().is_none_or(is_line_end)
     }
 
-    /// The next byte, which is not passed.
+    /// The next byte, which is not consumed.
     #[inline]
     pub fn peek(&self) -> Option<u8> {
         self.peek_at(0)
     }
 
-    /// The byte `ahead` bytes behind the next one.
+    /// The byte `ahead` bytes after the next one.
     #[inline]
     pub fn peek_at(&self, ahead: usize) -> Option<u8> {
         self.bytes().get(self.at + ahead).copied()
     }
 
-    /// Passes `count` bytes, which must be there.
+    /// Skips `count` bytes, which must exist.
     #[inline]
     pub fn advance(&mut self, count: usize) {
         self.at += count;
     }
 
-    /// Goes to byte `offset`, which must not be beyond the end.
+    /// Moves to byte `offset`, which must not be beyond the end.
     #[inline]
     pub fn move_to(&mut self, offset: usize) {
         self.at = offset;
     }
 
-    /// Passes bytes as long as they match, and returns them.
+    /// Consumes bytes as long as they match, and returns them.
     #[inline]
     pub fn take_while(&mut self, matches: impl Fn(u8) -> bool) -> &'a [u8] {
         let start = self.at;
@@ -114,14 +114,14 @@ impl<'a, T: AsRef<[u8]> + ?Sized> TextCursor<'a, T> {
         &self.bytes()[start..self.at]
     }
 
-    /// The bytes up to the end of the line, which are not passed.
+    /// The bytes up to the end of the line, which are not consumed.
     pub fn line_ahead(&self) -> &'a [u8] {
         let rest = self.rest();
         let length = rest.iter().position(|&b| is_line_end(b));
         &rest[..length.unwrap_or(rest.len())]
     }
 
-    /// Passes the rest of the line, but not its end, and returns it.
+    /// Consumes the rest of the line, but not its end, and returns it.
     #[inline]
     pub fn take_line(&mut self) -> &'a [u8] {
         let line = self.line_ahead();
@@ -129,7 +129,7 @@ impl<'a, T: AsRef<[u8]> + ?Sized> TextCursor<'a, T> {
         line
     }
 
-    /// Passes one line end if one stands here.
+    /// Consumes one line end if it comes next.
     #[inline]
     pub fn pass_line_end(&mut self) -> bool {
         let length = match self.rest() {
@@ -141,12 +141,12 @@ impl<'a, T: AsRef<[u8]> + ?Sized> TextCursor<'a, T> {
         length > 0
     }
 
-    /// Line and column of a byte. Takes time in proportion to its offset.
+    /// Line and column of a byte. Takes time proportional to its offset.
     pub fn position(&self, offset: usize) -> Position {
         position(self.bytes(), offset)
     }
 
-    /// An error at byte `offset`, with its line.
+    /// An error at byte `offset`, with its source line.
     #[cold]
     pub fn error(
         &self,
@@ -163,7 +163,7 @@ impl<'a, T: AsRef<[u8]> + ?Sized> TextCursor<'a, T> {
     }
 }
 
-/// Line and column of a byte. Takes time in proportion to its offset.
+/// Line and column of a byte. Takes time proportional to its offset.
 pub(crate) fn position(bytes: &[u8], offset: usize) -> Position {
     let before = &bytes[..offset.min(bytes.len())];
     let start = line_start(before);
@@ -176,21 +176,21 @@ pub(crate) fn position(bytes: &[u8], offset: usize) -> Position {
     Position::Line(lines.count() as u32 + 1, column(&before[start..]))
 }
 
-/// The column behind `before`, the part of a line before it.
+/// The column after `before`, the part of a line before it.
 pub(crate) fn column(before: &[u8]) -> u32 {
     text(before).chars().count() as u32 + 1
 }
 
-/// Where the last line of `before` begins.
+/// Offset at which the last line of `before` begins.
 fn line_start(before: &[u8]) -> usize {
     let end = before.iter().rposition(|&b| is_line_end(b));
     end.map_or(0, |end| end + 1)
 }
 
-/// How far behind an offset its line is shown.
+/// Most bytes of a line shown after an offset.
 const MOST_BEHIND: usize = 1000;
 
-/// The line around a byte, cut far behind it; `None` if it begins more than `most_before` bytes
+/// The line around a byte, cut far after it; `None` if it begins more than `most_before` bytes
 /// before.
 pub(crate) fn line_around(bytes: &[u8], offset: usize, most_before: usize) -> Option<String> {
     let offset = offset.min(bytes.len());
@@ -209,7 +209,7 @@ pub(crate) fn line_around(bytes: &[u8], offset: usize, most_before: usize) -> Op
     Some(valid.map_or_else(|| text(line), Cow::Borrowed).into_owned())
 }
 
-/// Lines and columns of offsets in one text; quickest for offsets that grow.
+/// Lines and columns of offsets in one text; fastest for increasing offsets.
 #[derive(Default)]
 pub(crate) struct Locator {
     offset: usize,
@@ -225,7 +225,7 @@ impl Locator {
         }
         let bytes = text.as_bytes();
         for at in self.offset..offset {
-            // CR LF counts at its LF; a CR alone is an old Macintosh's line end.
+            // CR LF counts at its LF; a lone CR is the line end of old Macintosh computers.
             let ends = match bytes[at] {
                 b'\n' => true,
                 b'\r' => bytes.get(at + 1) != Some(&b'\n'),

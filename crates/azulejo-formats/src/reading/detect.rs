@@ -1,4 +1,4 @@
-//! Which format bytes are in, by what they say rather than by the file's name.
+//! Recognises the format of a file by its content rather than by its name.
 
 use super::gzip;
 use super::text::decoded;
@@ -11,7 +11,7 @@ use std::io::Read;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Format {
-    /// GRanada File, azulejo's own.
+    /// GRanada File, azulejo's own format.
     Grf,
     /// Wavefront OBJ.
     Obj,
@@ -31,16 +31,16 @@ pub enum Format {
     Ply,
     /// Stereolithography, ASCII or binary.
     Stl,
-    /// RTRACE's scenes.
+    /// Scenes of RTRACE.
     Sff,
-    /// The language that was translated to SFF.
+    /// The scene language from which SFF was generated.
     Scn,
-    /// View3D's input.
+    /// Input of View3D.
     View3d,
 }
 
 impl Format {
-    /// Its name for people.
+    /// The name of the format as users know it.
     pub fn name(self) -> &'static str {
         match self {
             Format::Grf => "GRF",
@@ -60,10 +60,10 @@ impl Format {
     }
 }
 
-/// Bytes in none of the formats that can be read.
+/// The error for bytes in none of the supported formats.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unrecognised {
-    /// What they look like: "a PNG picture", "text of no known kind".
+    /// A description of what they seem to be: "a PNG picture", "text in no known format".
     pub looks_like: &'static str,
 }
 
@@ -75,11 +75,11 @@ impl fmt::Display for Unrecognised {
 
 impl std::error::Error for Unrecognised {}
 
-/// What every message asks for instead.
+/// What errors list as expected.
 pub(crate) const EXPECTED: &str =
     "a model in 3DS, DXF, glTF, GRF, MGF, OBJ, OpenFlight, PLY, SCN, SFF, STL, View3D, VRML or X3D";
 
-/// Recognises the format of a model by its content or, where that leaves it open, by its name.
+/// Recognises the format of a model by its content or, if that is ambiguous, by its file name.
 ///
 /// # Errors
 /// As [`detect`].
@@ -87,8 +87,8 @@ pub fn recognise(bytes: &[u8], name: &str) -> Result<Format, Unrecognised> {
     by_extension(name, detect(bytes))
 }
 
-/// A format that has neither mark nor words is known by its name, where the content does not say
-/// something else.
+/// A format without magic bytes or keywords is recognised by the file name, unless the content
+/// contradicts it.
 fn by_extension(
     name: &str,
     detected: Result<Format, Unrecognised>,
@@ -98,27 +98,27 @@ fn by_extension(
     match &detected {
         Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".sff") => Ok(Format::Sff),
         Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".scn") => Ok(Format::Scn),
-        // One letter begins a line in several formats.
+        // A single letter begins a line in several formats.
         Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".vs3") => Ok(Format::View3d),
         Ok(Format::Grf | Format::Mgf | Format::Obj | Format::Scn) if name.ends_with(".vs3") => {
             Ok(Format::View3d)
         }
-        // Words that several languages have, and remarks behind a semicolon.
+        // Words that several languages share, and comments after a semicolon.
         Ok(Format::Grf | Format::Mgf | Format::Obj) if name.ends_with(".scn") => Ok(Format::Scn),
         _ => detected,
     }
 }
 
-/// What text without a word of any format looks like.
-const PLAIN_TEXT: &str = "text of no known kind";
+/// Description of text without a keyword of any format.
+const PLAIN_TEXT: &str = "text in no known format";
 
-/// How much of a file is looked at: enough to come past a long comment at its head.
+/// Bytes of a file that are examined: enough to get past a long comment at its start.
 const LOOKED_AT: usize = 1 << 16;
 
-/// Recognises the format of a model, packed with gzip or not.
+/// Recognises the format of a model, compressed with gzip or not.
 ///
 /// # Errors
-/// [`Unrecognised`], with a name for what it is instead where that is well known.
+/// [`Unrecognised`], which names the actual format if it is well known.
 pub fn detect(bytes: &[u8]) -> Result<Format, Unrecognised> {
     let start = unpacked_start(bytes);
     let found = match known_mark(&start) {
@@ -128,13 +128,13 @@ pub fn detect(bytes: &[u8]) -> Result<Format, Unrecognised> {
     found.map_err(|looks_like| Unrecognised { looks_like })
 }
 
-/// The bytes, or the first of those that they unpack to.
+/// The bytes, or the first of their decompressed bytes.
 fn unpacked_start(bytes: &[u8]) -> Cow<'_, [u8]> {
     if !gzip::is_gzip(bytes) {
         return Cow::Borrowed(bytes);
     }
     let mut start = Vec::new();
-    // What could be unpacked before the damage tells the format as well as the whole.
+    // What could be decompressed before the damage is enough to recognise the format.
     let _ = MultiGzDecoder::new(bytes)
         .take(LOOKED_AT as u64)
         .read_to_end(&mut start);
@@ -143,7 +143,7 @@ fn unpacked_start(bytes: &[u8]) -> Cow<'_, [u8]> {
 
 type Detection = Result<Format, &'static str>;
 
-/// Formats that begin with bytes of their own.
+/// Formats that begin with magic bytes.
 fn known_mark(bytes: &[u8]) -> Option<Detection> {
     use Format::*;
     const MARKS: [(&[u8], Detection); 22] = [
@@ -181,20 +181,20 @@ fn known_mark(bytes: &[u8]) -> Option<Detection> {
         .or_else(|| is_binary_stl(bytes).then_some(Ok(Stl)))
 }
 
-/// A header record: opcode 1 and a length that some revision gives it.
+/// A header record: opcode 1 and a length that occurs in some revision.
 fn is_openflight(bytes: &[u8]) -> bool {
     matches!(bytes, [0, 1, high, low, ..]
         if (128..=1024).contains(&u16::from_be_bytes([*high, *low])))
 }
 
-/// The main chunk, and a chunk that may stand first in it.
+/// The main chunk, followed by a chunk that may come first in it.
 fn is_3ds(bytes: &[u8]) -> bool {
     let first = |at: usize| Some(u16::from_le_bytes([*bytes.get(at)?, *bytes.get(at + 1)?]));
     first(0) == Some(0x4d4d) && matches!(first(6), None | Some(0x0002 | 0x3d3d | 0x3d3e | 0xb000))
 }
 
-/// 80 bytes of anything, a count, and 50 bytes for each triangle. Some writers add a few bytes
-/// behind, some begin the 80 bytes like the text format, and a few wrote the other byte order.
+/// 80 arbitrary bytes, a count, and 50 bytes for each triangle. Some writers append a few bytes,
+/// some begin the 80 bytes like the text format, and a few used the other byte order.
 fn is_binary_stl(bytes: &[u8]) -> bool {
     let length = bytes.len() as u64;
     let expected = |count: u32| 84 + 50 * u64::from(count);
@@ -205,7 +205,7 @@ fn is_binary_stl(bytes: &[u8]) -> bool {
     })
 }
 
-/// The first word that begins a line and belongs to one format decides.
+/// The first word at the start of a line that belongs to one format decides.
 fn by_words(head: &[u8]) -> Detection {
     let mut lines = head
         .split(|b| matches!(b, b'\n' | b'\r'))
@@ -223,18 +223,18 @@ fn by_words(head: &[u8]) -> Detection {
     if let Some(found) = lines.clone().find_map(|line| by_line(line, head)) {
         return found;
     }
-    // `o` and `p` are words of OBJ and of MGF, and OBJ is the likelier.
+    // `o` and `p` are keywords of OBJ and of MGF; OBJ is more likely.
     if lines.clone().any(|l| matches!(first_word(l), b"o" | b"p")) {
         return Ok(Format::Obj);
     }
     match lines.next() {
-        None => Err("nothing but blanks"),
-        Some(_) if head.contains(&0) => Err("binary data of no known kind"),
+        None => Err("only white space"),
+        Some(_) if head.contains(&0) => Err("binary data in no known format"),
         Some(_) => Err(PLAIN_TEXT),
     }
 }
 
-/// Lines in pairs of a group code and a value; the first pair begins a section, behind comments.
+/// Pairs of lines with a group code and a value; the first pair after comments begins a section.
 fn is_dxf<'a>(mut lines: impl Iterator<Item = &'a [u8]>) -> bool {
     while let (Some(code), Some(value)) = (lines.next(), lines.next()) {
         match code {
@@ -247,7 +247,7 @@ fn is_dxf<'a>(mut lines: impl Iterator<Item = &'a [u8]>) -> bool {
 }
 
 /// Records of View3D: a geometry, which is one word, or a control line of pairs, before the first
-/// numbered vertex or surface. Faces of OBJ have three words and more, and colours of MGF a name.
+/// numbered vertex or surface. Faces of OBJ have three or more words, and colours of MGF a name.
 fn is_view3d<'a>(lines: impl Iterator<Item = &'a [u8]>) -> bool {
     let words = |line: &'a [u8]| {
         let words = line.split(|b| matches!(b, b' ' | b'\t' | b','));
@@ -274,8 +274,8 @@ fn is_view3d<'a>(lines: impl Iterator<Item = &'a [u8]>) -> bool {
     false
 }
 
-/// Titles, which may be anything but numbers, and how many numbers stand at least in the lines
-/// between them: eye, look, up and angles; background and ambient light.
+/// Section titles, which may be anything but numbers, and the least count of numbers on the lines
+/// between them: eye, target, up and angles; background and ambient light.
 fn is_sff<'a>(lines: impl Iterator<Item = &'a [u8]>) -> bool {
     let is_number = |word: &[u8]| std::str::from_utf8(word).is_ok_and(|w| w.parse::<f64>().is_ok());
     let numbers = |line: &[u8]| {
@@ -292,7 +292,7 @@ fn is_sff<'a>(lines: impl Iterator<Item = &'a [u8]>) -> bool {
     }) == [true; 8]
 }
 
-/// A command of SCN: its keyword, which other languages may have too, and what stands behind it.
+/// A command of SCN: its keyword, which other languages may share, and what follows it.
 fn is_scn(word: &[u8], line: &[u8]) -> bool {
     let behind = first_word(line[word.len()..].trim_ascii_start());
     let names_one = || {
@@ -346,7 +346,7 @@ fn first_word(line: &[u8]) -> &[u8] {
 }
 
 fn by_line(line: &[u8], head: &[u8]) -> Option<Detection> {
-    // Zero bytes may cling to the first word.
+    // Zero bytes may be attached to the first word.
     let zeros = line.iter().take_while(|b| **b == 0).count();
     let line = &line[zeros..];
     let word = first_word(line);
@@ -442,10 +442,13 @@ mod tests {
     #[test]
     fn what_it_is_instead() {
         check(b"", Err("an empty file"));
-        check(b" \n\t\n", Err("nothing but blanks"));
+        check(b" \n\t\n", Err("only white space"));
         check(b"\x89PNG\r\n\x1a\n", Err("a PNG picture"));
         check(b"\x1f\x8b\x08", Err("an empty file"));
-        check(b"MM\x07\0\0\0\x01\x01", Err("binary data of no known kind"));
+        check(
+            b"MM\x07\0\0\0\x01\x01",
+            Err("binary data in no known format"),
+        );
         check(
             b"<?xml version='1.0'?>\n<COLLADA/>",
             Err("XML that is not X3D"),
@@ -454,7 +457,7 @@ mod tests {
             b"newmtl a\nKd 1 1 1",
             Err("a material library (MTL); give the OBJ that names it"),
         );
-        check(b"Dear diary", Err("text of no known kind"));
-        check(b"\x02\x00\x03", Err("binary data of no known kind"));
+        check(b"Dear diary", Err("text in no known format"));
+        check(b"\x02\x00\x03", Err("binary data in no known format"));
     }
 }

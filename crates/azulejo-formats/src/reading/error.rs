@@ -1,31 +1,31 @@
-//! What readers return.
+//! Results of readers: scenes with warnings, and errors.
 
 use azulejo_scene::Scene;
 use std::fmt;
 
-/// A scene and what was lost on the way to it.
+/// A scene and the warnings of its reader.
 #[derive(Clone, Debug, Default)]
 pub struct Loaded {
     /// Valid in the sense of [`Scene::validate`].
     pub scene: Scene,
-    /// What was skipped, mended or guessed.
+    /// What was skipped, repaired or guessed.
     pub warnings: Vec<Warning>,
 }
 
-/// Something in a file that was skipped, mended or guessed, said once with a count.
+/// Something in a file that was skipped, repaired or guessed, reported once with a count.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Warning {
     /// File name as given to the reader.
     pub file: String,
-    /// Where it was first seen.
+    /// Position of the first occurrence.
     pub position: Position,
     /// What was found and what was done about it.
     pub message: String,
-    /// How many times.
+    /// Number of occurrences.
     pub count: usize,
 }
 
-/// A place in a file.
+/// A position in a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Position {
     /// The file as a whole.
@@ -39,21 +39,21 @@ pub enum Position {
 
 /// Why a file could not be read.
 ///
-/// Its `Display` is what a person needs: file, place, what was found, what was expected, the
-/// source line with a mark under the place, and how the file was reached if it was included.
+/// `Display` shows all of it: file, position, what was found, what was expected, the
+/// source line with a mark under the position, and how the file was reached if it was included.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ReadError {
     /// File name as given to the reader.
     pub file: String,
-    /// Where in it.
+    /// Position in the file.
     pub position: Position,
-    /// What stood there.
+    /// What was found there.
     pub found: Box<str>,
-    /// What would have been right, or what to do.
+    /// What was expected there, or what the user can do.
     pub expected: Box<str>,
-    /// The text of the line, for text files.
+    /// The source line, for text files.
     pub source_line: Option<String>,
-    /// The files that led here by include, outermost first, each with the line of its include.
+    /// The files that included this one, outermost first, each with the line of its include.
     pub included_from: Vec<(String, u32)>,
 }
 
@@ -75,7 +75,7 @@ impl ReadError {
     }
 
     /// An error at a line and column of a text file; `text` is the whole file, from which the
-    /// line is drawn.
+    /// source line is taken.
     pub fn at_line(
         file: impl Into<String>,
         text: &str,

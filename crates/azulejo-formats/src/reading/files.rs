@@ -1,14 +1,14 @@
-//! Where the files come from that a model names.
+//! Access to the files that a model names.
 
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 use std::{fmt, fs, io};
 
-/// Gives readers the files that a model names, by the name that stands in the model.
+/// Provides readers with the files that a model names, by the name used in the model.
 ///
-/// Names are relative to the model's own folder, with `/` or `\` between folders. Models come
-/// from systems that do not tell capitals from small letters: a name that does not exist as it is
-/// written may be given by one that differs in capitals alone.
+/// Names are relative to the model's own folder, with `/` or `\` between folders. Many models come
+/// from case-insensitive systems: if no file has exactly the given name, one whose name differs
+/// only in case may be returned instead.
 pub trait Files {
     /// The content of a file.
     ///
@@ -17,11 +17,11 @@ pub trait Files {
     fn read(&self, name: &str) -> Result<Vec<u8>, FileError>;
 }
 
-/// The name of a file as the model's own folder knows it, when `name` stands in the file `of`,
-/// which the model names so itself: `parts/a.flt` and `../b.flt` make `b.flt`.
+/// The name of a file relative to the model's own folder, where `name` occurs in the file `of`,
+/// itself given relative to that folder: `parts/a.flt` and `../b.flt` make `b.flt`.
 ///
-/// What leads out of the model's folder keeps its leading `..`, and an absolute name stays as it
-/// is; [`Files::read`] refuses both unless they are allowed.
+/// A name that leads out of the model's folder keeps its leading `..`, and an absolute name is
+/// returned unchanged; [`Files::read`] refuses both unless they are allowed.
 pub(crate) fn beside(of: &str, name: &str) -> String {
     let name = name.replace('\\', "/");
     let of = of.replace('\\', "/");
@@ -42,8 +42,8 @@ pub(crate) fn beside(of: &str, name: &str) -> String {
     path.join("/")
 }
 
-/// The bytes of a file that is named in the file `of`, and its name as the scene's folder knows it:
-/// beside `of`, beside the scene, or there without the folders of its name.
+/// The bytes of a file that is named in the file `of`, and its name relative to the model's folder.
+/// It is searched beside `of`, beside the model, and in both places without the folders of its name.
 pub(crate) fn open_beside(
     files: &dyn Files,
     of: &str,
@@ -66,7 +66,7 @@ pub(crate) fn open_beside(
     first.map(|bytes| (wanted, bytes))
 }
 
-/// Why a named file could not be had.
+/// Why a named file could not be read.
 #[derive(Debug)]
 pub enum FileError {
     /// There is no such file.
@@ -78,7 +78,7 @@ pub enum FileError {
         /// The limit in bytes.
         limit: u64,
     },
-    /// The operating system refused.
+    /// The operating system reported an error.
     Io(io::Error),
 }
 
@@ -95,7 +95,7 @@ impl fmt::Display for FileError {
 
 impl std::error::Error for FileError {}
 
-/// The files below one folder, and below folders that the user allows by name.
+/// The files below one folder, and below other folders that the user allows.
 #[derive(Clone, Debug)]
 pub struct Folder {
     root: PathBuf,
@@ -124,7 +124,7 @@ impl Folder {
         Folder::new(model.parent().unwrap_or(Path::new(".")))
     }
 
-    /// Also gives files below another folder, when a model names them by `..` or absolutely.
+    /// Also provides files below another folder, if a model names them by `..` or absolutely.
     pub fn allow(mut self, folder: impl Into<PathBuf>) -> Folder {
         self.allowed.push(folder.into());
         self
@@ -155,7 +155,7 @@ impl Folder {
     }
 }
 
-/// The canonical path below `root` that differs from `path` in capitals alone.
+/// The canonical path below `root` that differs from `path` only in case.
 fn in_other_capitals(root: &Path, path: &Path) -> Option<PathBuf> {
     let mut real = root.to_path_buf();
     for part in path.components() {
@@ -174,7 +174,7 @@ fn in_other_capitals(root: &Path, path: &Path) -> Option<PathBuf> {
             .filter_map(|entry| Some(entry.ok()?.file_name()))
             .filter(|name| name.to_string_lossy().to_lowercase() == wanted)
             .collect();
-        // The order of a folder is the file system's own; the choice must not be.
+        // The order of directory entries depends on the file system; the choice must not.
         alike.sort();
         real.push(alike.first()?);
     }
@@ -193,7 +193,7 @@ impl Files for Folder {
         let path = self.resolve(name)?;
         let meta = fs::metadata(&path).map_err(not_found)?;
         if !meta.is_file() {
-            // A pipe or a device would never end.
+            // Reading a pipe or a device would never end.
             return Err(FileError::Io(io::Error::new(
                 io::ErrorKind::InvalidInput,
                 "not a regular file",
@@ -206,14 +206,14 @@ impl Files for Folder {
     }
 }
 
-/// Files in memory, for tests and for models that come over a wire.
+/// Files in memory, for tests and for models received over a network.
 #[derive(Clone, Debug, Default)]
 pub struct Memory {
     files: BTreeMap<String, Vec<u8>>,
 }
 
 impl Memory {
-    /// No files: whatever a model names is missing.
+    /// No files: every file that a model names is missing.
     pub fn new() -> Memory {
         Memory::default()
     }

@@ -1,19 +1,19 @@
-//! Files that someone has packed with gzip.
+//! Decompression of files compressed with gzip.
 
 use crate::{ReadError, ReadOptions};
 use flate2::read::MultiGzDecoder;
 use std::borrow::Cow;
 use std::io::Read;
 
-/// Whether bytes begin as gzip does.
+/// Whether bytes begin with the magic number of gzip.
 pub(crate) fn is_gzip(bytes: &[u8]) -> bool {
     bytes.starts_with(b"\x1f\x8b")
 }
 
-/// The bytes, unpacked if they are packed.
+/// The bytes, decompressed if they are compressed.
 ///
 /// # Errors
-/// Damage, and more bytes than `options` allow.
+/// Damaged data, and more bytes than `options` allow.
 pub(crate) fn unpacked<'a>(
     bytes: &'a [u8],
     file: &str,
@@ -26,12 +26,12 @@ pub(crate) fn unpacked<'a>(
     MultiGzDecoder::new(bytes)
         .take(options.most_unpacked.saturating_add(1))
         .read_to_end(&mut content)
-        .map_err(|e| ReadError::whole(file, format!("damaged gzip ({e})"), "a whole file"))?;
+        .map_err(|e| ReadError::whole(file, format!("damaged gzip ({e})"), "a complete file"))?;
     if content.len() as u64 > options.most_unpacked {
         let most = options.most_unpacked;
         return Err(ReadError::whole(
             file,
-            format!("gzip that unpacks to more than {most} bytes"),
+            format!("gzip data that decompresses to more than {most} bytes"),
             "a smaller file, or a higher limit (ReadOptions::most_unpacked)",
         ));
     }

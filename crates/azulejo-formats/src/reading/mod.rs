@@ -1,5 +1,5 @@
-//! What every reader stands on: bytes, text and numbers, the files around a model, options,
-//! errors and warnings, and which format bytes are in. Nothing here knows a format's content.
+//! The basis of every reader: bytes, text and numbers, the files around a model, options,
+//! errors and warnings, and format recognition. Nothing here depends on the content of a format.
 
 pub(crate) mod bytes;
 pub(crate) mod cursor;

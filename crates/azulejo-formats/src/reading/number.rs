@@ -1,4 +1,4 @@
-//! Decimal numbers from bytes, fast where that is exact.
+//! Decimal numbers from bytes, with a fast path where that is exact.
 
 /// Powers of ten that are exact in `f64`.
 const EXACT_TENS: [f64; 23] = [
@@ -9,17 +9,17 @@ const EXACT_TENS: [f64; 23] = [
 /// A number at the start of some bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Number {
-    /// Its value, correctly rounded; infinite when the exponent is too large.
+    /// Its value, correctly rounded; infinite if the exponent is too large.
     pub value: f64,
-    /// How many bytes it took.
+    /// Number of bytes consumed.
     pub length: usize,
-    /// Whether it was spelled `3.1+e2`, the exponent's sign before its letter.
+    /// Whether it was written like `3.1+e2`, with the exponent's sign before the letter.
     pub misplaced_sign: bool,
 }
 
-/// The run of digits at `at`: appends them to `mantissa` and returns where they end.
+/// Appends the run of digits at `at` to `mantissa` and returns the offset of its end.
 ///
-/// The mantissa wraps on overflow; the caller counts digits before it trusts it.
+/// The mantissa wraps on overflow; the caller checks the number of digits before using it.
 #[inline]
 fn digits(bytes: &[u8], mut at: usize, mantissa: &mut u64) -> usize {
     while let Some(&eight) = bytes.get(at..).and_then(|rest| rest.first_chunk::<8>()) {
@@ -53,17 +53,17 @@ const TENS: [u64; 9] = [
     100_000_000,
 ];
 
-/// Value and number of the digits with which eight bytes begin.
+/// Value and number of the leading digits of eight bytes.
 ///
-/// All at once, because a branch for every digit costs more than the arithmetic: numbers in files
-/// are of all lengths. Lemire, *Number parsing at a gigabyte per second* (2021).
+/// They are handled all at once, because a branch for every digit costs more than the arithmetic:
+/// numbers in files have all lengths. Lemire, *Number parsing at a gigabyte per second* (2021).
 #[inline]
 fn leading_digits(bytes: [u8; 8]) -> (u64, usize) {
     let digits = u64::from_le_bytes(bytes) ^ 0x3030_3030_3030_3030;
-    // The high bit of every byte above 9; a carry reaches only bytes behind the first of them.
+    // The high bit of every byte above 9; a carry reaches only bytes after the first of them.
     let others = (digits.wrapping_add(0x7676_7676_7676_7676) | digits) & 0x8080_8080_8080_8080;
     let count = (others.trailing_zeros() / 8) as usize;
-    // What is no digit is shifted out, zeros come before the first.
+    // Non-digits are shifted out, zeros come before the first digit.
     let Some(v) = digits.checked_shl(64 - 8 * count as u32) else {
         return (0, 0);
     };
@@ -74,11 +74,11 @@ fn leading_digits(bytes: [u8; 8]) -> (u64, usize) {
 }
 
 /// Reads the decimal number at the start of `bytes`: optional sign, digits with an optional
-/// point among, before or behind them, optional exponent. `None` when there is none.
+/// decimal point among, before or after them, optional exponent. `None` if there is none.
 ///
 /// Up to 15 digits and powers of ten up to 22 are one exact product or quotient of two exact
 /// numbers, hence correctly rounded (Clinger, *How to read floating point numbers accurately*,
-/// PLDI 1990). The rest goes through the standard library.
+/// PLDI 1990). Other numbers are converted by the standard library.
 #[inline]
 pub(crate) fn parse(bytes: &[u8]) -> Option<Number> {
     let sign = bytes.first().copied().unwrap_or_default();
@@ -144,7 +144,7 @@ struct Exponent {
     misplaced_sign: bool,
 }
 
-/// The exponent at the start of `bytes`: `e5`, `E-5`, or by a common slip `-e5`.
+/// The exponent at the start of `bytes`: `e5`, `E-5`, or by a common mistake `-e5`.
 fn exponent(bytes: &[u8]) -> Option<Exponent> {
     let letter = |i: usize| matches!(bytes.get(i), Some(b'e' | b'E'));
     let sign = |i: usize| matches!(bytes.get(i), Some(b'+' | b'-'));
@@ -162,7 +162,7 @@ fn exponent(bytes: &[u8]) -> Option<Exponent> {
     if length == start {
         return None;
     }
-    // More digits than this are zero or infinity whatever they are.
+    // More digits than this mean zero or infinity, whatever they are.
     let magnitude = bytes[start..length]
         .iter()
         .fold(0i64, |e, b| (e * 10 + i64::from(b - b'0')).min(100_000_000));

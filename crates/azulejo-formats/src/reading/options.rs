@@ -1,31 +1,30 @@
-//! What a reader may be told, and how much a file may unfold to.
+//! Options of readers, and limits on how much a file may expand to.
 
 use crate::ReadError;
 
-/// Choices for readers. The default suits a scene that is to be lit.
+/// Options of readers. The default suits scenes that are to be lit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReadOptions {
-    /// Which of several versions of the same thing is taken, in formats that have levels of
-    /// detail (OpenFlight, VRML, X3D).
+    /// Which level of detail is read, in formats that have them (OpenFlight, VRML, X3D).
     pub lod: Lod,
-    /// Most vertices, corners of faces and nodes that a model may unfold to. Instances, arrays
-    /// and curves make much of little, and every placed mesh has its own vertices here.
+    /// Most vertices, corners of faces and nodes that a model may expand to. Instances, arrays
+    /// and curves expand a small file, and every instance of a mesh has its own vertices here.
     pub most_elements: u64,
-    /// Most bytes that a compressed file may unpack to.
+    /// Most bytes that a compressed file may decompress to.
     pub most_unpacked: u64,
 }
 
-/// Which level of detail is taken.
+/// Which level of detail is read.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Lod {
-    /// The finest.
+    /// The finest level.
     #[default]
     Finest,
-    /// The coarsest that is not empty.
+    /// The coarsest level that is not empty.
     Coarsest,
-    /// What a viewer sees from this distance, in the file's units, >= 0.
+    /// The level that a viewer shows at this distance, in the file's units, >= 0.
     Distance(f64),
-    /// All of them, one inside the other.
+    /// All levels together.
     All,
 }
 
@@ -40,12 +39,12 @@ impl Default for ReadOptions {
 }
 
 impl ReadOptions {
-    /// Limits in proportion to a file of `length` bytes that nobody trusts: what it unfolds to
+    /// Limits in proportion to an untrusted file of `length` bytes: what it expands to
     /// takes at most about 64 times its memory.
     pub fn in_proportion(length: usize) -> ReadOptions {
         let length = length as u64;
         ReadOptions {
-            // An element takes up to a hundred bytes, and the smallest files may unfold too.
+            // An element takes up to a hundred bytes, and even the smallest files may expand a little.
             most_elements: 64 * length / 100 + 10_000,
             most_unpacked: 64 * length + 10_000,
             ..ReadOptions::default()
@@ -53,7 +52,7 @@ impl ReadOptions {
     }
 }
 
-/// Refuses files in which corners or vertices could not be counted in 32 bits.
+/// Rejects files whose corners or vertices might not be countable in 32 bits.
 pub(crate) fn check_length(bytes: &[u8], file: &str) -> Result<(), ReadError> {
     if bytes.len() <= u32::MAX as usize {
         return Ok(());
@@ -62,7 +61,7 @@ pub(crate) fn check_length(bytes: &[u8], file: &str) -> Result<(), ReadError> {
     Err(ReadError::whole(file, found, "less than 4 GiB"))
 }
 
-/// Counts what a file unfolds to, so that a small file cannot fill memory.
+/// Counts the elements that a file expands to, so that a small file cannot fill memory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Budget {
     most: u64,
@@ -70,7 +69,7 @@ pub(crate) struct Budget {
 }
 
 impl Budget {
-    /// All that `options` allow.
+    /// The whole budget that `options` allow.
     pub fn new(options: &ReadOptions) -> Budget {
         Budget {
             most: options.most_elements,
@@ -78,10 +77,10 @@ impl Budget {
         }
     }
 
-    /// Takes `elements` away, before they are made.
+    /// Subtracts `elements`, before they are created.
     ///
     /// # Errors
-    /// [`Exhausted`] when there are not so many left.
+    /// [`Exhausted`] if fewer are left.
     pub fn spend(&mut self, elements: u64) -> Result<(), Exhausted> {
         match self.left.checked_sub(elements) {
             Some(left) => {
@@ -96,17 +95,17 @@ impl Budget {
     }
 }
 
-/// The model unfolds to more than the options allow; holds how much that is.
+/// The model expands to more elements than the options allow; holds that limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Exhausted(u64);
 
 impl Exhausted {
-    /// The error for a person.
+    /// The error to report for `file`.
     pub fn error(self, file: &str) -> ReadError {
         ReadError::whole(
             file,
             format!(
-                "instances, arrays or curves that unfold to more than {} vertices and corners",
+                "instances, arrays or curves that expand to more than {} vertices and corners",
                 self.0
             ),
             "a smaller model, or a higher limit (ReadOptions::most_elements)",

@@ -1,12 +1,12 @@
-//! Bytes of text files as text.
+//! Decoding of the bytes of text files.
 
 use std::borrow::Cow;
 
-/// The bytes of a text file as all readers take them: UTF-8 without a byte-order mark, or else
+/// The bytes of a text file as all readers expect them: UTF-8 without a byte-order mark, or else
 /// Latin-1.
 ///
-/// UTF-16 becomes UTF-8 where a mark or plain letters stand at its start, and a lone half of a
-/// pair becomes U+FFFD. All other bytes stay as they are and are not copied.
+/// UTF-16 is converted to UTF-8 if the text starts with a byte-order mark or with plain letters; an
+/// unpaired surrogate becomes U+FFFD. All other bytes are returned as they are, without copying.
 pub(crate) fn decoded(bytes: &[u8]) -> Cow<'_, [u8]> {
     let decode = |text: &[u8], unit: fn([u8; 2]) -> u16| {
         let (pairs, _) = text.as_chunks::<2>();
@@ -24,7 +24,7 @@ pub(crate) fn decoded(bytes: &[u8]) -> Cow<'_, [u8]> {
     }
 }
 
-/// Whether bytes may begin a text.
+/// Whether these bytes may begin a text.
 fn are_letters(start: [u8; 3]) -> bool {
     start
         .iter()
@@ -39,7 +39,7 @@ pub(crate) fn text(bytes: &[u8]) -> Cow<'_, str> {
     }
 }
 
-/// [`decoded`] for bytes that nobody else needs.
+/// [`decoded`] for owned bytes.
 pub(crate) fn into_decoded(bytes: Vec<u8>) -> Vec<u8> {
     let changed = match decoded(&bytes) {
         Cow::Borrowed(same) if same.len() == bytes.len() => None,

@@ -1,9 +1,9 @@
-//! Warnings, each said once with a count.
+//! Warnings, each reported once with a count.
 
 use crate::{Position, Warning};
 
-/// Different messages kept; what comes after them is only counted, so that a hostile file
-/// cannot fill memory with complaints about itself.
+/// Distinct messages kept; later ones are only counted, so that a hostile file
+/// cannot fill memory with warnings about itself.
 const KEPT: usize = 100;
 
 /// Collects warnings in the order in which they first appear.
@@ -14,7 +14,7 @@ pub(crate) struct Warnings {
 }
 
 impl Warnings {
-    /// Counts a warning. Where it stands is asked only for the first of its file and message,
+    /// Counts a warning. `position` is called only for the first of its file and message,
     /// because finding the column in a long line takes time.
     pub fn add(&mut self, file: &str, message: String, position: impl FnOnce() -> Position) {
         self.add_many(file, message, 1, position);
@@ -48,7 +48,7 @@ impl Warnings {
         }
     }
 
-    /// Counts the warnings of another file that was read on the way.
+    /// Adds the warnings of another file that this one refers to.
     pub fn extend(&mut self, others: Vec<Warning>) {
         for other in others {
             let position = other.position;
@@ -56,13 +56,15 @@ impl Warnings {
         }
     }
 
-    /// All of them; the last entry counts those that were too many to keep.
+    /// All warnings; the last entry counts those that were not kept.
     pub fn finish(mut self, file: &str) -> Vec<Warning> {
         if self.beyond > 0 {
             self.list.push(Warning {
                 file: file.to_owned(),
                 position: Position::Whole,
-                message: format!("more warnings, beyond the first {KEPT} kinds, not shown"),
+                message: format!(
+                    "further warnings after the first {KEPT} distinct ones: not shown"
+                ),
                 count: self.beyond,
             });
         }

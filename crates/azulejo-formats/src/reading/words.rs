@@ -1,25 +1,25 @@
-//! Text formats whose words stand between blanks: STL, PLY and SFF.
+//! Words separated by white space, for the text formats STL, PLY and SFF.
 
 use super::cursor::{TextCursor, is_line_end};
 use super::number;
 use super::text::{quoted, text};
 use crate::{Position, ReadError};
 
-/// A cursor over a text whose words stand between blanks.
+/// A cursor over a text of words separated by white space.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Words<'a> {
     file: &'a str,
     cursor: TextCursor<'a>,
 }
 
-/// Blanks, line ends and other control characters stand between words.
+/// Words are separated by blanks, line ends and other control characters.
 #[inline]
 fn is_blank(byte: u8) -> bool {
     byte <= b' '
 }
 
 impl<'a> Words<'a> {
-    /// The start of a text. `file` stands in messages.
+    /// A cursor at the start of a text. `file` is used in messages.
     pub fn new(bytes: &'a [u8], file: &'a str) -> Words<'a> {
         Words {
             file,
@@ -47,12 +47,12 @@ impl<'a> Words<'a> {
         before.next().is_none_or(|&b| is_line_end(b))
     }
 
-    /// What is left of the line, which is not passed.
+    /// The rest of the line, which is not consumed.
     pub fn line_ahead(&self) -> &'a [u8] {
         self.cursor.line_ahead()
     }
 
-    /// Passes over blanks and line ends.
+    /// Skips blanks and line ends.
     #[inline]
     pub fn skip_blanks(&mut self) {
         self.cursor.take_while(is_blank);
@@ -66,7 +66,7 @@ impl<'a> Words<'a> {
         (!word.is_empty()).then_some(word)
     }
 
-    /// What is left of the line, without the blanks around it. Its end is passed.
+    /// The rest of the line, without the blanks around it. Consumes the line end.
     pub fn rest_of_line(&mut self) -> &'a [u8] {
         let line = self.cursor.take_line();
         self.cursor.pass_line_end();
@@ -89,7 +89,7 @@ impl<'a> Words<'a> {
         self.odd_number()
     }
 
-    /// What C libraries print for numbers that are none: `nan`, `-nan(ind)`, `1.#QNAN`, `inf`.
+    /// What C libraries print for values that are not numbers: `nan`, `-nan(ind)`, `1.#QNAN`, `inf`.
     #[cold]
     fn odd_number(&mut self) -> Result<f64, ReadError> {
         let start = self.offset();
@@ -101,7 +101,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Passes over blanks before the next word or line end.
+    /// Skips blanks before the next word or line end.
     #[inline]
     pub fn skip_spaces(&mut self) {
         self.cursor.take_while(|b| is_blank(b) && !is_line_end(b));
@@ -125,7 +125,7 @@ impl<'a> Words<'a> {
         self.cursor.at_end()
     }
 
-    /// The next word as a decimal integer of at most nine digits. Another word is not passed.
+    /// The next word as a decimal integer of at most nine digits. Any other word is not consumed.
     #[inline]
     pub fn small_integer(&mut self) -> Option<u32> {
         self.skip_spaces();
@@ -160,7 +160,7 @@ impl<'a> Words<'a> {
         self.error_saying(offset, found, expected)
     }
 
-    /// An error at byte `offset` in the words of the caller.
+    /// An error at byte `offset` with the caller's description.
     #[cold]
     pub fn error_saying(
         &self,

@@ -422,7 +422,7 @@ mod tests {
         bomb += "A20";
         check(
             &bomb,
-            "a.scn: found instances, arrays or curves that unfold to more than",
+            "a.scn: found instances, arrays or curves that expand to more than",
         );
     }
 }

@@ -320,7 +320,7 @@ fn pictures_and_their_places() {
     check_warnings(
         &without,
         &[(
-            "picture \"C:/MAPS/WOOD.PNG\" is not shown: there is no such file",
+            "picture \"C:/MAPS/WOOD.PNG\" is not used: there is no such file",
             1,
         )],
     );

@@ -1,4 +1,4 @@
-//! Glossy materials of other formats as reflection models: one place for all of them.
+//! Glossy materials of all formats as reflection models.
 
 use crate::surface::phong::Highlight;
 use azulejo_scene::brdf::Description;
@@ -6,15 +6,15 @@ use azulejo_scene::{Brdf, Material, Rgb};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Distinct models of one file. Each takes a millisecond to make as a rule, forty at worst, and a few
-/// bytes of a file to say.
+/// Distinct models of one file. Creating one usually takes a millisecond, forty at worst, but only a
+/// few bytes of a file.
 const MOST_MODELS: usize = 1 << 12;
 
-/// The warning about more of them.
-const TOO_MANY: &str = "more glossy materials than 4096: matt";
+/// The warning about further ones.
+const TOO_MANY: &str = "more than 4096 glossy materials: taken as diffuse";
 
-/// The warning about what would create energy.
-const TOO_MUCH: &str = "glossy material that reflects more than it gets: all of it scaled down";
+/// The warning about materials that would create energy.
+const TOO_MUCH: &str = "glossy material that reflects more light than it receives: scaled down";
 
 /// The reflection models of one file, each once.
 #[derive(Debug, Default)]
@@ -23,7 +23,7 @@ pub(crate) struct Gloss {
 }
 
 impl Gloss {
-    /// The model of a description whose numbers are in range; `None` of one too many.
+    /// The model of a description whose numbers are in range; `None` if there are too many models.
     pub fn model(&mut self, description: Description) -> Option<Arc<Brdf>> {
         let text = description.to_string();
         if let Some(known) = self.known.get(&text) {
@@ -37,10 +37,10 @@ impl Gloss {
         made
     }
 
-    /// Adds a highlight to what scatters and mirrors.
+    /// Adds a highlight to the diffuse and mirror reflectance of a material.
     ///
     /// # Errors
-    /// A warning: it is left out, or everything is scaled down to be possible.
+    /// A warning: the highlight is left out, or everything is scaled down to conserve energy.
     pub fn highlight(
         &mut self,
         material: &mut Material,
@@ -53,22 +53,22 @@ impl Gloss {
         let sum = (material.diffuse + material.mirror + ks).max_channel();
         let scale = if sum > 1.0 + 1e-9 { 1.0 / sum } else { 1.0 };
         let (kd, ks) = (within(material.diffuse * scale), ks * scale);
-        // The last bit of a sum must not refuse a model.
+        // Rounding of a sum must not cause a model to be refused.
         let ks = Rgb::from([0, 1, 2].map(|k| ks[k].min(1.0 - kd[k])));
         let brdf = self.model(highlight.description(kd, ks)).ok_or(TOO_MANY)?;
         (material.diffuse, material.mirror) = (kd, within(material.mirror * scale));
         material.brdf = Some(brdf.limited());
-        // What lobes reflect of even light is known to about a hundredth.
+        // The albedo of lobes under uniform light is known to about a hundredth.
         material.limit_reflectance();
         if scale < 1.0 { Err(TOO_MUCH) } else { Ok(()) }
     }
 
-    /// Makes a surface of glTF's base colour, metalness and roughness, all in 0..=1.
+    /// Sets a material from glTF's base colour, metalness and roughness, all in 0..=1.
     ///
-    /// Metals without roughness are mirrors; dielectrics as rough as can be are matt.
+    /// Metals without roughness are mirrors; fully rough dielectrics are diffuse.
     ///
     /// # Errors
-    /// A warning: it becomes matt.
+    /// A warning: the material becomes diffuse.
     pub fn metallic_roughness(
         &mut self,
         material: &mut Material,
@@ -97,10 +97,10 @@ impl Gloss {
         Ok(())
     }
 
-    /// Makes a surface of a description.
+    /// Sets the reflection model of a material from a description.
     ///
     /// # Errors
-    /// A warning: the surface stays what it is.
+    /// A warning: the material stays unchanged.
     pub fn cover(
         &mut self,
         material: &mut Material,
@@ -111,7 +111,7 @@ impl Gloss {
     }
 }
 
-/// Gives a material a model and what goes with it.
+/// Sets the model of a material and the fields that depend on it.
 fn cover(material: &mut Material, brdf: Arc<Brdf>) {
     let covered = Material::with_brdf("", brdf);
     material.diffuse = within(covered.diffuse);
@@ -124,7 +124,7 @@ fn within(color: Rgb) -> Rgb {
     color.map(|c| c.clamp(0.0, 1.0))
 }
 
-/// Whether the diffuse reflectance of a material is not what its model says.
+/// Whether the diffuse reflectance of a material differs from that of its model.
 pub(crate) fn is_repainted(material: &Material) -> bool {
     let of_model = |brdf: &Arc<Brdf>| within(brdf.mean_diffuse()) != material.diffuse;
     material.brdf.as_ref().is_some_and(of_model)

@@ -3,14 +3,14 @@
 use azulejo_scene::{Material, MaterialId, Rgb};
 use std::collections::HashMap;
 
-/// Materials in the order in which they are first used; equal ones are one.
+/// Materials in the order in which they are first used; equal ones are merged.
 #[derive(Debug, Default)]
 pub(crate) struct Materials {
     list: Vec<Material>,
     known: HashMap<Key, MaterialId>,
 }
 
-/// Everything that makes two materials different, with numbers as bits.
+/// Everything that distinguishes two materials, with numbers as bits.
 #[derive(Debug, PartialEq, Eq, Hash)]
 struct Key {
     name: String,
@@ -53,15 +53,15 @@ impl Materials {
         })
     }
 
-    /// A material that was added.
+    /// The material with an index.
     ///
     /// # Panics
-    /// If there is none of that index.
+    /// If there is no material with that index.
     pub fn get(&self, id: MaterialId) -> &Material {
         &self.list[id as usize]
     }
 
-    /// All of them, in the order of their indices.
+    /// All materials, in the order of their indices.
     pub fn into_list(self) -> Vec<Material> {
         self.list
     }

@@ -1,4 +1,4 @@
-//! What the formats share about surfaces: materials and their reflection models, textures, and
+//! What all formats share for surfaces: materials and their reflection models, textures, and
 //! the vertices, normals and polygons of meshes.
 
 pub(crate) mod gloss;

@@ -1,9 +1,9 @@
-//! The reflection model of a material, as writers look it up.
+//! Access to the reflection model of a material, for writers.
 
 use azulejo_scene::brdf::{Description, Model, Value};
 use azulejo_scene::{Material, Rgb};
 
-/// The one model of a material that has one.
+/// The model of a material that has exactly one.
 pub(crate) fn model_of(material: &Material) -> Option<&Model> {
     match material.brdf.as_deref()?.description() {
         Description::Model(model) => Some(model),
@@ -36,11 +36,11 @@ pub(crate) fn gltf_mr(material: &Material) -> Option<(Rgb, f64, f64)> {
     Some((color(model, "base")?, metallic, roughness))
 }
 
-/// About the slope of the facets of a glossy surface, as a Beckmann distribution with a lobe as
-/// wide has it; half of all slopes if the model does not say.
+/// Approximate facet slope of a glossy surface: that of the Beckmann distribution whose lobe is
+/// equally wide. 0.5 if the model does not define one.
 pub(crate) fn slope(model: &Model) -> f64 {
     let of = |name: &str| number(model, name).filter(|x| *x > 0.0);
-    // Around the mirrored direction angles are twice those to the half vector.
+    // Around the mirror direction, angles are twice those to the half vector.
     let mirrored = |n: f64| (2.0 / (4.0 * n + 2.0)).sqrt();
     let half = |n: f64| (2.0 / (n + 2.0)).sqrt();
     let exponent = match &*model.name {

@@ -1,46 +1,46 @@
 //! Highlights as MTL, 3DS, VRML and OpenFlight describe them.
 //!
-//! Their shading adds Ks cosⁿ to Kd cos θ, each times the light that arrives, and neither bounds
+//! Their shading adds Ks cosⁿ to Kd cos θ, each times the arriving light, and neither bounds
 //! nor normalises the highlight. A reflection model with the same highlight along the normal is
-//! f_r = Kd/π + Ks/π cosⁿ; `blinn` and `lewis` are that, reciprocal and with ks in place of Ks as
+//! f_r = Kd/π + Ks/π cosⁿ. `blinn` and `lewis` are its reciprocal forms, where Ks is replaced by ks,
 //! the share that the lobe reflects of light along the normal, which cannot exceed 1 − Kd.
 
 use super::model::{color, model_of, number};
 use azulejo_scene::brdf::Description;
 use azulejo_scene::{Material, Rgb};
 
-/// The largest exponent of a model; more is as good as a mirror.
+/// The largest exponent of a model; sharper lobes are practically mirrors.
 const SHARPEST: f64 = 1e6;
 
 /// The brightest highlight; all but the sharpest lobes are scaled down long before.
 const BRIGHTEST: f64 = 1e6;
 
-/// A highlight by a format's shading.
+/// A highlight as a format's shading defines it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Highlight {
     pub angle: Angle,
     /// The exponent.
     pub n: f64,
-    /// How bright the highlight is.
+    /// Peak value of the highlight, Ks.
     pub ks: Rgb,
 }
 
-/// Which angle a highlight's cosine is of.
+/// The angle whose cosine a highlight uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Angle {
-    /// Between the normal and the vector halfway between light and viewer.
+    /// Between the normal and the half vector of light and viewer.
     Half,
-    /// Between the viewer and the mirrored light.
+    /// Between the viewer and the mirrored light direction.
     Mirrored,
 }
 
-/// A number in 0..=most; what is none is 0.
+/// A number in 0..=most; NaN becomes 0.
 fn bounded(x: f64, most: f64) -> f64 {
     if x > 0.0 { x.min(most) } else { 0.0 }
 }
 
 impl Highlight {
-    /// Around the normal, as MTL, VRML and OpenFlight have it. What is no number is 0.
+    /// A highlight around the normal, as in MTL, VRML and OpenFlight. NaN becomes 0.
     pub fn half(n: f64, ks: Rgb) -> Highlight {
         Highlight {
             angle: Angle::Half,
@@ -49,7 +49,7 @@ impl Highlight {
         }
     }
 
-    /// Around the mirrored light, as 3DS has it.
+    /// A highlight around the mirrored light direction, as in 3DS.
     pub fn mirrored(n: f64, ks: Rgb) -> Highlight {
         Highlight {
             angle: Angle::Mirrored,
@@ -57,7 +57,7 @@ impl Highlight {
         }
     }
 
-    /// What the lobe reflects of light along the normal, for a highlight of 1.
+    /// The share that the lobe reflects of light along the normal, for a highlight of 1.
     fn share(angle: Angle, n: f64) -> f64 {
         match angle {
             Angle::Half => 8.0 * ((-0.5 * n).exp2() + n) / ((n + 2.0) * (n + 4.0)),
@@ -65,7 +65,7 @@ impl Highlight {
         }
     }
 
-    /// What the lobe reflects of light along the normal.
+    /// The share that the lobe reflects of light along the normal.
     pub fn reflectance(&self) -> Rgb {
         self.ks * Highlight::share(self.angle, self.n)
     }
@@ -80,7 +80,7 @@ impl Highlight {
         Description::model(name, parameters)
     }
 
-    /// The highlight of a material that has one of these models and no other.
+    /// The highlight of a material that has exactly one of these models.
     pub fn of(material: &Material) -> Option<Highlight> {
         let model = model_of(material)?;
         let angle = match &*model.name {
@@ -97,7 +97,7 @@ impl Highlight {
         })
     }
 
-    /// The nearest one around the normal: angles to the mirrored light are about twice those to
+    /// The nearest highlight around the normal: angles to the mirrored light are about twice those to
     /// the half vector.
     pub fn around_normal(self) -> Highlight {
         match self.angle {
@@ -149,7 +149,7 @@ mod tests {
     fn what_reflects_too_much_is_scaled_and_said() {
         let mut material = Material::diffuse("", Rgb::grey(0.8));
         let made = Gloss::default().highlight(&mut material, Highlight::half(0.0, Rgb::WHITE));
-        assert!(made.is_err_and(|m| m.contains("more than it gets")));
+        assert!(made.is_err_and(|m| m.contains("more light than it receives")));
         assert!((material.diffuse.r - 0.8 / 1.8).abs() < 0.01);
         assert!(material.brdf.unwrap().albedo(DVec3::Z).r < 1.0 + 1e-3);
     }

@@ -1,4 +1,4 @@
-//! Normals of smooth surfaces, for formats that say which faces are smooth and leave the
+//! Normals of smooth surfaces, for formats that specify which faces are smooth and leave the
 //! normals to the reader.
 
 use azulejo_scene::math::area_vector;
@@ -6,8 +6,8 @@ use azulejo_scene::{Attribute, Mesh};
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// More faces than this around one point are joined by nobody: each pair is asked about, and a
-/// hostile file could make the pairs too many.
+/// Around a point with more faces than this none are joined: every pair is tested, and a
+/// hostile file could make their number too large.
 const MOST_AROUND: usize = 256;
 
 /// Normals of the corners of a mesh.
@@ -15,7 +15,7 @@ const MOST_AROUND: usize = 256;
 /// At a corner, the normals of its face and of the faces around the same position that
 /// `are_joined` to it are summed, each weighted by its angle there (Thürmer and Wüthrich,
 /// *Computing vertex normals from polygonal facets*, 1998). Vertices at equal positions count as
-/// one, since seams of textures part vertices and not surfaces. Corners of faces without area
+/// one, since texture seams separate vertices and not surfaces. Corners of faces without area
 /// that are joined to nothing get +z.
 pub(crate) fn corner_normals(
     mesh: &Mesh,
@@ -49,12 +49,12 @@ pub(crate) fn corner_normals(
     }
 }
 
-/// Whether two unit normals differ by less than an angle, whose cosine is given.
+/// Whether the angle between two unit normals is less than one, given by its cosine.
 pub(crate) fn within(a: DVec3, b: DVec3, cos_angle: f64) -> bool {
     a.dot(b) >= cos_angle
 }
 
-/// Which faces meet at a position, and at what angle each.
+/// Which faces meet at each position, and at what angle.
 struct Around {
     /// Position of each vertex, as an index into `starts`.
     place: Vec<u32>,
@@ -104,7 +104,7 @@ impl Around {
     }
 }
 
-/// Angle of a polygon at its corner `k`; 0 where an edge has no length.
+/// Angle of a polygon at its corner `k`; 0 if an edge has no length.
 fn angle(mesh: &Mesh, polygon: &[u32], k: usize) -> f64 {
     let n = polygon.len();
     let at = |i: usize| mesh.positions[polygon[i % n] as usize];
@@ -112,11 +112,11 @@ fn angle(mesh: &Mesh, polygon: &[u32], k: usize) -> f64 {
     a.cross(b).length().atan2(a.dot(b))
 }
 
-/// Distinct normals of each vertex, so that smooth vertices store one.
+/// Distinct normals of each vertex, so that smooth vertices store only one.
 #[derive(Default)]
 struct Values {
     values: Vec<DVec3>,
-    /// By vertex and bits of the normal.
+    /// Keyed by vertex and bits of the normal.
     known: HashMap<(u32, [u64; 3]), u32>,
 }
 
@@ -134,8 +134,8 @@ impl Values {
 mod tests {
     use super::*;
 
-    /// Two unit squares that share the y axis as an edge, with a right angle between, their
-    /// vertices apart.
+    /// Two unit squares that share the y axis as an edge at a right angle, with separate
+    /// vertices.
     fn corner() -> Mesh {
         let mut mesh = Mesh {
             positions: [

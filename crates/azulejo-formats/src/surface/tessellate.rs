@@ -1,12 +1,12 @@
-//! Objects as polygons, for formats that have nothing else.
+//! Objects as polygons, for formats without exact shapes.
 
 use azulejo_scene::{Exact, Mesh, Object, Primitive, Rgb, Scene, Shape, SurfaceGrid, SurfaceLight};
 use std::borrow::Cow;
 
-/// Chord error of exact shapes, which become polygons, relative to the size of a solid.
+/// Chord error of tessellated exact shapes, relative to the size of a solid.
 const CHORD_ERROR: f64 = 1e-3;
 
-/// The polygons of an object: its own, or those that stand for an exact shape, whose
+/// The polygons of an object: its own, or the tessellation of an exact shape, whose
 /// irradiance is left out.
 pub(crate) fn mesh_of(object: &Object) -> Cow<'_, Mesh> {
     match &object.shape {
@@ -14,7 +14,7 @@ pub(crate) fn mesh_of(object: &Object) -> Cow<'_, Mesh> {
         Shape::Primitive(primitive) => Cow::Owned(primitive.tessellate(&grids(primitive))),
         Shape::Exact(exact) => {
             let sizes = exact.solids.iter().map(|s| s.bounds().diagonal());
-            // Of a letter, not of the line that it is in.
+            // The size of a letter, not of its whole line.
             let largest = sizes.fold(0.0, f64::max);
             Cow::Owned(exact.tessellate(CHORD_ERROR * largest))
         }
@@ -23,8 +23,8 @@ pub(crate) fn mesh_of(object: &Object) -> Cow<'_, Mesh> {
 
 /// The polygons of an object with its irradiance, solved exact primitives included.
 ///
-/// Where the light is known on a coarser grid than the shape asks for, each of its cells is
-/// divided evenly: the solved values stay at their points, bilinear ones come between.
+/// If the irradiance grid is coarser than the tessellation requires, each of its cells is
+/// divided evenly: the solved values stay at their points, with bilinear interpolation between.
 pub(crate) fn lit_mesh_of(object: &Object) -> Cow<'_, Mesh> {
     if let Shape::Exact(Exact {
         proxy: Some(proxy), ..
@@ -54,8 +54,8 @@ pub(crate) fn lit_mesh_of(object: &Object) -> Cow<'_, Mesh> {
     Cow::Owned(mesh)
 }
 
-/// How many objects are exact primitives, and how many are other exact shapes: prisms, patches,
-/// and what set operations make of solids.
+/// Counts of objects that are exact primitives, and of those that are other exact shapes: prisms,
+/// patches, and results of set operations.
 pub(crate) fn exact_counts(scene: &Scene) -> [usize; 2] {
     let count = |is: fn(&Shape) -> bool| scene.objects.iter().filter(|o| is(&o.shape)).count();
     [
@@ -69,7 +69,7 @@ fn grids(primitive: &Primitive) -> Vec<SurfaceGrid> {
     primitive.grids(chord_error, f64::INFINITY)
 }
 
-/// The light of a solved exact primitive that has a grid for each of its parts.
+/// The irradiance of a solved exact primitive that has a grid for each of its parts.
 fn light_of(object: &Object) -> Option<&SurfaceLight> {
     let Shape::Primitive(primitive) = &object.shape else {
         return None;
@@ -78,7 +78,7 @@ fn light_of(object: &Object) -> Option<&SurfaceLight> {
     (light.grids.len() == primitive.kind.parts()).then_some(light)
 }
 
-/// Light at the vertices of `grids`, in the order of [`Primitive::tessellate`].
+/// Irradiance at the vertices of `grids`, in the order of [`Primitive::tessellate`].
 fn sampled(light: &SurfaceLight, grids: &[SurfaceGrid]) -> Vec<Rgb> {
     let mut values = Vec::with_capacity(grids.iter().map(SurfaceGrid::vertices).sum());
     for (part, grid) in grids.iter().enumerate() {
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
     use glam::{DAffine3, DVec3};
 
-    /// A square of one material under a light that grows along u, known at its four corners.
+    /// A square of one material whose irradiance increases along u, known at its four corners.
     fn lit_square() -> Object {
         let mut square = Primitive::parallelogram(DVec3::ZERO, DVec3::X, DVec3::Y, 0);
         let corners = [1.0, 3.0, 1.0, 3.0].map(Rgb::grey).to_vec();

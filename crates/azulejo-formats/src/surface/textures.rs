@@ -9,7 +9,7 @@ use std::collections::HashMap;
 /// Most pixels that the pictures of one model may have together: 1.6 GB once they are decoded.
 const MOST_PIXELS: usize = 1 << 27;
 
-/// Pictures in the order in which they are first named; one file is one picture.
+/// Pictures in the order in which they are first named, one per file.
 #[derive(Debug, Default)]
 pub(crate) struct Textures {
     list: Vec<Texture>,
@@ -18,13 +18,13 @@ pub(crate) struct Textures {
 }
 
 impl Textures {
-    /// The index of the picture `name`, which stands in the file `of` (empty for the model
-    /// itself, else its name as the model's folder knows it), and what to warn of.
+    /// The index of the picture `name`, which is named in the file `of` (empty for the model
+    /// itself, else its name relative to the model's folder), and a warning if there is one.
     ///
-    /// The picture is looked for beside `of`, beside the model, and there without the folders of
-    /// its name, which are those of its author's machine. PNG, JPEG and Radiance HDR are loaded,
-    /// told apart by their content; one that cannot be had keeps its name, and the first to ask for
-    /// it hears why.
+    /// The picture is searched beside `of`, beside the model, and in both places without the folders
+    /// of its name, which often exist only on its author's machine. PNG, JPEG and Radiance HDR are
+    /// loaded, recognised by their content. A picture that cannot be loaded keeps its name, and only
+    /// the first request for it returns the warning.
     pub fn index(
         &mut self,
         of: &str,
@@ -49,8 +49,8 @@ impl Textures {
         (id, problem)
     }
 
-    /// Adds a picture that stands in the model's own file, under a name of its own, and says
-    /// what to warn of; `read` are its bytes, or why they cannot be had.
+    /// Adds a picture that is embedded in the model's own file, under a unique name, and returns
+    /// a warning if there is one; `read` holds its bytes, or why they cannot be read.
     pub fn embedded(
         &mut self,
         name: String,
@@ -60,7 +60,7 @@ impl Textures {
         let decoded = read.and_then(decode);
         let image = decoded.and_then(|image| self.admit(image));
         let shown = shortened(&name);
-        let said = |why| format!("picture \"{shown}\" is not shown: {why}");
+        let said = |why| format!("picture \"{shown}\" is not used: {why}");
         let problem = image.as_ref().err().map(said);
         let id = self.list.len() as TextureId;
         self.list.push(Texture {
@@ -70,46 +70,48 @@ impl Textures {
         (id, problem)
     }
 
-    /// Whether a picture's pixels are there.
+    /// Whether the pixels of a picture are loaded.
     pub fn is_loaded(&self, id: TextureId) -> bool {
         self.list
             .get(id as usize)
             .is_some_and(|t| t.image.is_some())
     }
 
-    /// Counts the pixels of one more picture.
+    /// Counts the pixels of a further picture.
     fn admit(&mut self, image: Image) -> Result<Image, String> {
         let pixels = self.pixels + image.pixels.len();
         if pixels > MOST_PIXELS {
-            return Err(format!("the pictures have more than {MOST_PIXELS} pixels"));
+            return Err(format!(
+                "the pictures have more than {MOST_PIXELS} pixels in total"
+            ));
         }
         self.pixels = pixels;
         Ok(image)
     }
 
-    /// Adds a picture whose pixels stand in the model as numbers, under a name of its own.
+    /// Adds a picture whose pixels are numbers in the model, under a unique name.
     ///
     /// # Errors
-    /// The pictures have too many pixels.
+    /// The pictures have too many pixels together.
     pub fn drawn(&mut self, name: String, image: Image) -> Result<TextureId, String> {
         let image = Some(self.admit(image)?);
         self.list.push(Texture { path: name, image });
         Ok((self.list.len() - 1) as TextureId)
     }
 
-    /// The pixels of a picture, if it could be had.
+    /// The pixels of a picture, if it could be loaded.
     pub fn image(&self, id: TextureId) -> Option<&Image> {
         self.list.get(id as usize)?.image.as_ref()
     }
 
-    /// All of them, in the order of their indices.
+    /// All pictures, in the order of their indices.
     pub fn into_list(self) -> Vec<Texture> {
         self.list
     }
 }
 
-/// The first of a picture's possible places where it is, with its bytes; or the first place and
-/// what is wrong there.
+/// The first of a picture's possible paths that exists, with its bytes; or the first path and
+/// the error there.
 fn find(wanted: &str, name: &str, files: &dyn Files) -> (String, Result<Vec<u8>, FileError>) {
     let read = files.read(wanted);
     if !matches!(read, Err(FileError::Missing | FileError::Outside)) {
@@ -127,7 +129,7 @@ fn find(wanted: &str, name: &str, files: &dyn Files) -> (String, Result<Vec<u8>,
 }
 
 /// A file's name with `/` between folders and no `.` among them, so that a file is not read and
-/// kept again for every way to spell its name.
+/// stored again for each spelling of its name.
 pub(crate) fn one_spelling(name: &str) -> String {
     let parts = name.split(['/', '\\']).filter(|p| !matches!(*p, "" | "."));
     let path = parts.collect::<Vec<_>>().join("/");
@@ -155,8 +157,8 @@ mod tests {
         bytes
     }
 
-    /// Asks for `names`, which stand in the file `of`: expects these indices, pictures, and
-    /// how many of them are missing.
+    /// Requests `names`, which occur in the file `of`: expects these indices, pictures, and
+    /// number of missing ones.
     fn check(of: &str, names: &[&str], indices: &[u32], paths: &[&str], missing: usize) {
         let files = Memory::new()
             .with("wood.hdr", picture())

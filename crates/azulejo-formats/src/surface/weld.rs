@@ -1,23 +1,23 @@
-//! Equal positions made one, for formats that repeat every position.
+//! Merging of equal positions, for formats that repeat every position.
 
 use glam::DVec3;
 use std::hash::{BuildHasher, RandomState};
 
 /// Collects positions, each once, in the order in which they first appear.
 ///
-/// The hash is keyed anew for every file, so that no file can be made to collide. It decides
-/// nothing but time.
+/// The hash is keyed anew for every file, so that no file can be made to collide. It affects
+/// only the running time.
 #[derive(Debug)]
 pub(crate) struct Welder {
     pub positions: Vec<DVec3>,
-    /// Index into `positions` plus one, 0 for a free place; a power of two long.
+    /// Index into `positions` plus one, 0 for a free slot; the length is a power of two.
     table: Vec<u32>,
-    /// Odd.
+    /// Odd key of the hash, random for every file.
     key: u64,
 }
 
 impl Welder {
-    /// A welder with room for about so many positions.
+    /// A welder with room for about `expected` positions.
     pub fn new(expected: usize) -> Welder {
         Welder {
             positions: Vec::with_capacity(expected),
@@ -35,7 +35,7 @@ impl Welder {
         loop {
             match self.table[place] {
                 0 => return self.add(position, place),
-                // Bits and not values are compared, so that NaN ends the search too.
+                // Bits and not values are compared, so that the search ends for NaN, too.
                 known if bits(self.positions[known as usize - 1]) == bits(position) => {
                     return known - 1;
                 }

@@ -1,9 +1,9 @@
-//! Blocks and where they are placed; layers, colours and MATERIALs.
+//! Blocks and their instances; layers, colours and MATERIALs.
 
 use super::*;
 use azulejo_scene::{Material, Rgb};
 
-/// A triangle with the corners (0, 0, 0), (1, 0, 0) and (0, 1, 0), with more groups.
+/// A triangle with the corners (0, 0, 0), (1, 0, 0) and (0, 1, 0), with additional groups.
 fn triangle(more: &str) -> String {
     format!("0 3DFACE; {more}; @10 0 0 0; @11 1 0 0; @12 0 1 0;")
 }
@@ -17,7 +17,7 @@ fn drawing(blocks: &str, entities: &str) -> String {
     file(&[("BLOCKS", blocks), ("ENTITIES", entities)])
 }
 
-/// Where an INSERT of these groups puts the triangle of a block with the base point (0, 0, 1).
+/// Checks where an INSERT of these groups puts the triangle of a block with base point (0, 0, 1).
 fn check_insert(groups: &str, expected: &[[f64; 3]]) {
     let text = drawing(
         &block("a", "@10 0 0 1", &triangle("8 0")),
@@ -40,7 +40,7 @@ fn placements() {
         "41 2; 42 3; 43 4",
         &[[0.0, 0.0, -4.0], [2.0, 0.0, -4.0], [0.0, 3.0, -4.0]],
     );
-    // A mirrored face is turned around, so that its front stays the front.
+    // A mirrored face is reversed, so that its front stays the front.
     check_insert(
         "41 -2",
         &[[0.0, 0.0, -1.0], [0.0, 1.0, -1.0], [-2.0, 0.0, -1.0]],
@@ -65,7 +65,7 @@ fn arrays() {
     );
     let loaded = load(text);
     assert_eq!(names(&loaded), ["a/tiles"; 6]);
-    // Steps are turned with the block but not scaled: columns go along y, rows along −x.
+    // Steps are rotated with the block but not scaled: columns along y, rows along −x.
     let corner = |i| mesh(&loaded, i).positions[0];
     let expected = [[10, 0], [10, 4], [10, 8], [5, 0], [5, 4], [5, 8]];
     for (i, [x, y]) in expected.into_iter().enumerate() {
@@ -159,7 +159,7 @@ fn depth_is_limited() {
             "{top}"
         );
     }
-    // The way from below is as long as the way from above.
+    // The depth from below equals the depth from above.
     let inserts: String = (0..200).map(|i| format!("0 INSERT; 2 b{i};")).collect();
     let all = load(drawing(&blocks, &inserts));
     assert_eq!(all.scene.objects.len(), 63);
@@ -179,10 +179,10 @@ fn bombs_are_refused_before_they_go_off() {
         .unwrap_err()
         .to_string();
     assert!(
-        said.starts_with("a.dxf: found instances, arrays or curves that unfold to more than"),
+        said.starts_with("a.dxf: found instances, arrays or curves that expand to more than"),
         "{said}"
     );
-    // Nothing times anything is nothing.
+    // A large array of an empty block costs nothing.
     let empty = blocks.replace("3DFACE", "POINT");
     assert_eq!(
         load(drawing(&empty, "0 INSERT; 2 b19")).scene.objects.len(),
@@ -204,7 +204,7 @@ fn overflow_leaves_the_object_out() {
     assert_eq!(names(&loaded), ["b0/0"]);
     assert_eq!(
         warnings(&loaded),
-        [": surfaces beyond all numbers, by scales within scales: left out"]
+        [": surfaces whose coordinates overflow, by nested scales: left out"]
     );
 }
 
@@ -285,11 +285,11 @@ fn hidden_layers() {
     assert_eq!(
         warnings(&loaded),
         [
-            ": layer \"off\" is off or frozen: what is on it is left out",
-            ": layer \"frozen\" is off or frozen: what is on it is left out",
+            ": layer \"off\" is off or frozen: its content is left out",
+            ": layer \"frozen\" is off or frozen: its content is left out",
         ]
     );
-    // A block on a layer that is off shows what it has on others, on a frozen one nothing.
+    // A block on a layer that is off shows its entities on other layers, on a frozen one none.
     let blocks = block("a", "", &["8 0", "8 red", "8 off"].map(triangle).concat());
     check_layers(&blocks, "0 INSERT; 2 a; 8 off", &["a/red"], &["red"]);
     check_layers(&blocks, "0 INSERT; 2 a; 8 frozen", &[], &[]);

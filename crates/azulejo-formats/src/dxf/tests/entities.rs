@@ -1,11 +1,11 @@
-//! What each kind of entity becomes.
+//! Conversion of each type of entity.
 
 use super::*;
 use crate::dxf::curve::PIECES;
 use azulejo_scene::{LightKind, Rgb};
 use std::f64::consts::PI;
 
-/// Area of the polygon that stands for a circle of radius 1.
+/// Area of the polygon that approximates a circle of radius 1.
 fn disc() -> f64 {
     0.5 * PIECES * (2.0 * PI / PIECES).sin()
 }
@@ -37,7 +37,7 @@ fn faces() {
         entities("0 3DFACE; @10 0 0 0; @11 1 0 0; @12 1 0 0; @13 0 0 0"),
         &[
             ":5:1: 3DFACE with fewer than three different corners: skipped",
-            ": there is no surface in it",
+            ": the drawing contains no surfaces",
         ],
     );
 }
@@ -54,7 +54,7 @@ fn lines() {
             [1.0, 0.0, 6.0],
         ]],
     );
-    // Ends are the drawing's, thickness goes along the direction of extrusion.
+    // End points are in the drawing's axes, thickness is along the extrusion direction.
     let tilted = only_mesh(&entities(
         "0 LINE; @10 1 0 2; @11 1 3 2; 39 5; @210 0.6 0 0.8",
     ));
@@ -67,14 +67,14 @@ fn lines() {
             [4.0, 0.0, 6.0],
         ]],
     );
-    // Release 10 says the height once.
+    // Release 10 stores the elevation once.
     let old = only_mesh(&entities("0 LINE; 38 7; @10 0 0; @11 1 0; 39 1"));
     assert_eq!(old.positions[0], DVec3::new(0.0, 0.0, 7.0));
     check_warnings(
         entities("0 LINE; @10 0 0 0; @11 1 0 0"),
         &[
             ":5:1: LINE without thickness or width: has no surface",
-            ": there is no surface in it",
+            ": the drawing contains no surfaces",
         ],
     );
 }
@@ -98,7 +98,7 @@ fn filled_areas() {
         check_body(&body, 24.0);
         assert_eq!(body.bounds().max.z, if thickness > 0.0 { 5.0 } else { 1.0 });
     }
-    // A triangle, against the clock and with it, looks up.
+    // A triangle, clockwise and counter-clockwise, faces up.
     for text in [
         "@10 0 0 0; @11 1 0 0; @12 0 1 0; @13 0 1 0",
         "@10 0 0 0; @11 0 1 0; @12 1 0 0",
@@ -110,7 +110,7 @@ fn filled_areas() {
         entities("0 SOLID; @10 0 0 0; @11 1 0 0; @12 0 0 0; @13 1 0 0"),
         &[
             ":5:1: SOLID with fewer than three different corners: skipped",
-            ": there is no surface in it",
+            ": the drawing contains no surfaces",
         ],
     );
 }
@@ -180,7 +180,7 @@ fn circles_arcs_and_ellipses() {
         &[
             ":5:1: CIRCLE without thickness or width: has no surface (2 times)",
             ":15:1: ARC without thickness or width: has no surface",
-            ": there is no surface in it",
+            ": the drawing contains no surfaces",
         ],
     );
 }
@@ -208,7 +208,7 @@ fn thin_polylines() {
         ],
     );
     assert_eq!(open.positions.len(), 6);
-    // Closed, either way around, the front is outside; a point given twice is one.
+    // Closed, in either direction, the front is outside; a repeated point counts once.
     for points in [
         "@10 0 0; @10 1 0; @10 1 0; @10 1 1; @10 0 1",
         "@10 0 0; @10 0 1; @10 1 1; @10 1 0",
@@ -269,7 +269,7 @@ fn wide_polylines() {
         ],
     );
     assert_eq!(band.positions.len(), 6);
-    // With thickness: bodies, open and closed.
+    // With thickness: solids, open and closed.
     let wall = only_mesh(&entities(
         "0 LWPOLYLINE; 43 2; 39 3; @10 0 0; @10 9 0; @10 9 5",
     ));
@@ -310,7 +310,7 @@ fn widths_may_change() {
             ],
         ],
     );
-    // A way that turns back on itself has no mitre.
+    // A segment that turns back on itself has no mitre.
     let back = only_mesh(&entities(
         "0 LWPOLYLINE; 43 2; 39 1; @10 0 0; @10 5 0; @10 1 0",
     ));
@@ -320,7 +320,7 @@ fn widths_may_change() {
 
 #[test]
 fn old_polylines() {
-    // The same band as an LWPOLYLINE; heights of vertices do not count, nor do control points.
+    // The same band as an LWPOLYLINE; elevations of vertices and control points are ignored.
     let text = "0 POLYLINE; 66 1; @10 0 0 4; 70 0; 40 2; 41 2;
         0 VERTEX; @10 0 0 4; 0 VERTEX; @10 9 0 4; 0 VERTEX; @10 7 7 4; 70 16;
         0 VERTEX; @10 9 5 4; 40 1; 41 1; 0 SEQEND";
@@ -348,14 +348,14 @@ fn old_polylines() {
             0 POLYLINE; 0 VERTEX; @10 0 0 1; 0 VERTEX; @10 1 0 1; 0 SEQEND",
         ),
         &[
-            ":5:1: POLYLINE in space: has no surface",
+            ":5:1: spatial POLYLINE: has no surface",
             ":27:1: POLYLINE without thickness or width: has no surface",
-            ": there is no surface in it",
+            ": the drawing contains no surfaces",
         ],
     );
 }
 
-/// A polygon mesh of three rows and two columns, with more flags and groups.
+/// A polygon mesh of three rows and two columns, with additional flags and groups.
 fn polygon_mesh(flags: i32, more: &str) -> String {
     let vertex = |(x, y): (i32, i32)| format!("0 VERTEX; @10 {x} {y} 0; 70 64;");
     let places = [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)];
@@ -379,12 +379,12 @@ fn meshes_of_rows_and_columns() {
     let closed = only_mesh(&entities(&polygon_mesh(33, "71 2; 72 3;")));
     assert_eq!(closed.faces.len(), 6);
     assert_eq!(closed.faces.get(2), [2, 5, 3, 0]);
-    // Smoothed: the control points are left out, the numbers are others.
+    // Smoothed: control points are left out, and the dimensions differ.
     let control = "71 9; 72 9; 73 3; 74 2; 75 6; 0 VERTEX; @10 9 9 9; 70 80;";
     let smooth = only_mesh(&entities(&polygon_mesh(4, control)));
     assert_eq!((smooth.faces.len(), smooth.positions.len()), (2, 6));
 
-    let message = "polygon mesh whose vertices are not rows times columns: whole rows are kept";
+    let message = "polygon mesh whose vertex count is not rows × columns: complete rows are kept";
     let short = load(entities(&polygon_mesh(0, "71 4; 72 2;")));
     assert_eq!(warnings(&short), [format!(":5:1: {message}")]);
     assert_eq!(mesh(&short, 0).faces.len(), 2);
@@ -393,7 +393,7 @@ fn meshes_of_rows_and_columns() {
         warnings(&none),
         [
             format!(":5:1: {message}"),
-            ": there is no surface in it".into()
+            ": the drawing contains no surfaces".into()
         ]
     );
 }
@@ -409,9 +409,7 @@ fn meshes_of_faces() {
     let loaded = load(entities(text));
     assert_eq!(
         warnings(&loaded),
-        [
-            ":5:1: face of a polyface mesh with too few corners or with one that is no vertex: skipped (2 times)",
-        ]
+        [":5:1: face of a polyface mesh with too few or invalid corners: skipped (2 times)",]
     );
     let mesh = mesh(&loaded, 0);
     assert_eq!(
@@ -442,10 +440,10 @@ fn cages() {
     ));
     assert_eq!(
         warnings(&smooth),
-        [":5:1: MESH of smoothness 2: its control cage is taken as it is"]
+        [":5:1: MESH of smoothness 2: its control cage is used without subdivision"]
     );
     assert_eq!(mesh(&smooth, 0).positions, cage.positions);
-    // Corners that do not exist, and a list that ends inside of a face.
+    // Corners that do not exist, and a list that ends inside a face.
     let lost = |faces: &str| {
         let text = format!("0 MESH; 92 3; @10 0 0 0; @10 1 0 0; @10 1 1 0; {faces}");
         let loaded = load(entities(&text));
@@ -495,11 +493,11 @@ fn lights() {
     let said = warnings(&loaded);
     assert!(said[0].ends_with("LIGHT that is off: left out"), "{said:?}");
     assert!(
-        said[1].ends_with("LIGHT that points nowhere: left out"),
+        said[1].ends_with("LIGHT without a direction: left out"),
         "{said:?}"
     );
     assert!(
-        said[2].contains("falls with the square of the distance"),
+        said[2].contains("falls off with the inverse square of the distance"),
         "{said:?}"
     );
 }
@@ -512,13 +510,13 @@ fn everything_else_is_named() {
             0 LINE; 67 1; 0 3DFACE; 60 1; 0 MESH; 93 0; 440 33554559",
         ),
         &[
-            ":5:1: TEXT: has no surface that is read: skipped (2 times)",
-            ":9:1: 3DSOLID: a solid of ACIS, whose data nobody documents: skipped; export it as a mesh",
+            ":5:1: TEXT: not read or without a surface: skipped (2 times)",
+            ":9:1: 3DSOLID: ACIS solid, whose data format is undocumented: skipped; export it as a mesh",
             ":17:1: VERTEX without a POLYLINE: skipped",
             ":23:1: entity in paper space: left out",
             ":27:1: invisible entity: left out",
             ":31:1: transparent entity: opaque",
-            ": there is no surface in it",
+            ": the drawing contains no surfaces",
         ],
     );
 }

@@ -46,7 +46,7 @@ fn outlines_have_their_areas() {
     check_area(&light(1, &round), 4.0 + 0.5 * PI);
     round[1].2 = -1.0;
     check_area(&light(1, &round), 4.0 - 0.5 * PI);
-    // Seen from below it is mirrored, bulge and all.
+    // Seen from below it is mirrored, including its bulge.
     round[1].2 = 1.0;
     let below = light(1, &round) + "210\n0\n220\n0\n230\n-1\n";
     check_area(&below, 4.0 + 0.5 * PI);
@@ -117,6 +117,6 @@ fn what_is_left_out_is_said() {
     );
     check(
         "0\nSPLINE\n71\n3\n",
-        "SPLINE without control points, or with another number of knots than they need: left out",
+        "SPLINE without control points, or with the wrong number of knots: left out",
     );
 }

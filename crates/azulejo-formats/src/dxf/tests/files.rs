@@ -16,7 +16,7 @@ fn units() {
     assert_eq!(load(entities(FACE)).scene.units.metres_per_unit, None);
 }
 
-/// Groups of text in a binary file, with codes of one byte or two.
+/// Text groups in a binary file, with codes of one byte or two.
 fn binary(groups: &[(i16, &[u8])], wide: bool) -> Vec<u8> {
     let mut bytes = b"AutoCAD Binary DXF\r\n\x1a\0".to_vec();
     for (code, value) in groups {
@@ -59,7 +59,7 @@ fn binary_files() {
             mesh(&loaded, 0),
             &[&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]]],
         );
-        // Cut anywhere it is read as far as it goes, or refused.
+        // Truncated anywhere, it is read as far as it goes, or rejected.
         for end in 0..bytes.len() {
             if let Ok(loaded) = try_load(&bytes[..end], &Memory::new()) {
                 assert!(!loaded.warnings.is_empty(), "{end}");
@@ -70,9 +70,9 @@ fn binary_files() {
     check_warnings(
         &bytes,
         &[
-            ": byte 46 (0x2e): the file ends without its EOF: what comes before is kept",
+            ": byte 46 (0x2e): the file ends without an EOF: what precedes the end is used",
             ": byte 43 (0x2b): unknown group code: the rest is not read",
-            ": there is no surface in it",
+            ": the drawing contains no surfaces",
         ],
     );
 }
@@ -98,20 +98,20 @@ fn names_in_all_encodings() {
 #[test]
 fn damage_is_passed_over() {
     let whole = entities(&format!("{FACE}{FACE}"));
-    // A value is lost: the file falls into step again, the face has a corner elsewhere.
+    // A value is lost: the file gets back into step, and one corner of the face moves.
     let lost = whole.replacen("11\n1\n", "11\n", 1);
     let loaded = load(&lost);
     assert_eq!(mesh(&loaded, 0).faces.len(), 2);
     assert_eq!(warnings(&loaded).len(), 1, "{:?}", loaded.warnings);
-    let passed = "line that should be a group code and is none: passed over";
+    let passed = "line that should be a group code but is not: skipped";
     let loaded = load(whole.replacen("8\nwalls", "8\nwalls\nrubbish", 1));
     assert_eq!(mesh(&loaded, 0).faces.len(), 2);
     assert_eq!(warnings(&loaded), [format!(":9:1: {passed}")]);
-    // A section without its end, an end without its file, an entity outside of sections.
+    // A section without its end, a file without EOF, an entity outside sections.
     check_warnings(whole.replace("0\nENDSEC\n", ""), &[]);
     check_warnings(
         whole.replace("0\nEOF\n", ""),
-        &[":51:1: the file ends without its EOF: what comes before is kept"],
+        &[":51:1: the file ends without an EOF: what precedes the end is used"],
     );
     for section in ["ENTITIES", "BLOCKS"] {
         let empty = format!("2\n{section}\n0\nENDSEC\n");
@@ -120,7 +120,7 @@ fn damage_is_passed_over() {
     }
     check_warnings(
         whole + "\nrubbish\n",
-        &[":53:1: what stands behind the EOF is not read"],
+        &[":53:1: data after the EOF is not read"],
     );
 }
 
@@ -132,7 +132,7 @@ fn malformed_numbers_are_named() {
         &[
             ":5:1: 3DFACE with fewer than three different corners: skipped",
             ":5:1: 3DFACE with a number that is malformed or out of range: taken as missing (2 times)",
-            ": there is no surface in it",
+            ": the drawing contains no surfaces",
         ],
     );
 }
@@ -164,7 +164,7 @@ fn no_drawing_at_all() {
     assert!(said("AutoCAD Binary DXF").starts_with("a.dxf: byte 0 (0x0): found"));
     check_warnings(
         "0\nSECTION\n2\nENTITIES\n0\nENDSEC\n0\nEOF\n",
-        &[": there is no surface in it"],
+        &[": the drawing contains no surfaces"],
     );
 }
 
@@ -198,7 +198,7 @@ fn external_references() {
             "{path}"
         );
     }
-    // A reference of a reference is sought beside it; one that leads back ends the way.
+    // A reference within a reference is searched beside it; a cycle is cut.
     let files = Memory::new()
         .with("x/b.dxf", referring("../a.dxf"))
         .with("a.dxf", referring("x/b.dxf"));
@@ -253,7 +253,7 @@ fn views_in_perspective() {
     // 36 mm of film at 50 mm are 39.6° wide; three quarters of that high.
     let expected = 2.0 * (0.75 * 18.0 / 50.0f64).atan();
     assert!((door.vertical_fov - expected).abs() < 1e-12);
-    // The picture turns counter-clockwise, so what was right is up.
+    // The image is rotated counter-clockwise, so what was right is up.
     assert!((active.up - DVec3::X).length() < 1e-12, "{}", active.up);
     assert!((active.vertical_fov - 90f64.to_radians()).abs() < 1e-12);
     let ray: math::Ray = door.ray(0.5, 0.5, 1.0);

@@ -1,4 +1,4 @@
-//! Rules of DXF, each by a small drawing.
+//! Rules of DXF, each in a small drawing.
 
 mod blocks;
 mod entities;
@@ -10,7 +10,7 @@ use crate::{Files, Loaded, Memory, ReadError, ReadOptions};
 use azulejo_scene::{Mesh, Shape};
 use glam::DVec3;
 
-/// The lines of groups that are written as `code value; code value`. `@10 1 2 3` is a point: its
+/// The lines of groups written as `code value; code value`. `@10 1 2 3` is a point: its
 /// coordinates have the codes 10, 20 and 30.
 fn groups(text: &str) -> String {
     let mut lines = String::new();
@@ -34,7 +34,7 @@ fn groups(text: &str) -> String {
     lines
 }
 
-/// Sections of the names and groups.
+/// A file of these sections, each with its name and groups.
 fn file(sections: &[(&str, &str)]) -> String {
     let section = |(name, text): &(&str, &str)| {
         let name = groups(&format!("0 SECTION; 2 {name}"));
@@ -44,7 +44,7 @@ fn file(sections: &[(&str, &str)]) -> String {
     body + "0\nEOF\n"
 }
 
-/// A drawing with nothing but entities.
+/// A drawing with only entities.
 fn entities(text: &str) -> String {
     file(&[("ENTITIES", text)])
 }
@@ -70,7 +70,7 @@ fn mesh(loaded: &Loaded, object: usize) -> &Mesh {
     }
 }
 
-/// The one mesh of a drawing that is read without a warning.
+/// The only mesh of a drawing that is read without a warning.
 fn only_mesh(text: &str) -> Mesh {
     let loaded = load(text);
     assert_eq!(loaded.warnings, [], "{text}");
@@ -97,7 +97,7 @@ fn materials(loaded: &Loaded) -> Vec<&str> {
         .collect()
 }
 
-/// What a drawing's warnings say, with their line and count.
+/// The warnings of a drawing, with their line and count.
 fn warnings(loaded: &Loaded) -> Vec<String> {
     let said = loaded.warnings.iter().map(ToString::to_string);
     said.map(|w| w.trim_start_matches("a.dxf").to_owned())
@@ -115,7 +115,7 @@ fn polygons(mesh: &Mesh) -> Vec<Vec<DVec3>> {
         .collect()
 }
 
-/// Checks polygons corner by corner, to rounding.
+/// Checks polygons corner by corner, up to rounding.
 fn check_polygons(mesh: &Mesh, expected: &[&[[f64; 3]]]) {
     let found = polygons(mesh);
     let same = |a: &DVec3, b: &[f64; 3]| (*a - DVec3::from_array(*b)).length() < 1e-9;
@@ -127,7 +127,7 @@ fn check_polygons(mesh: &Mesh, expected: &[&[[f64; 3]]]) {
     assert!(is_same, "{found:?}\nand not {expected:?}");
 }
 
-/// Checks that a mesh is closed and that its fronts are outside: every edge is there once in each
+/// Checks that a mesh is closed and that its fronts are outside: every edge occurs once in each
 /// direction, and the volume is as given.
 fn check_body(mesh: &Mesh, volume: f64) {
     let mut edges = std::collections::HashMap::new();

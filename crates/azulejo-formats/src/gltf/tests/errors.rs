@@ -1,4 +1,4 @@
-//! Files that cannot be read, and what is said of them.
+//! Unreadable files and their errors.
 
 use super::{accessor, json, one_mesh, triangle};
 use crate::{Memory, ReadOptions, gltf};
@@ -31,13 +31,13 @@ fn a_mesh_of_which_nothing_is_left() {
     );
     check(
         &short.replace("\"VEC3\"", "\"VEC2\""),
-        "has not 3 numbers per element",
+        "does not have 3 components per element",
     );
     let beyond = short.replace("\"byteLength\":36}", "\"byteLength\":37}");
     check(&beyond, "beyond the 36 bytes of its buffer");
     let lost = "{\"attributes\":{\"POSITION\":0},\"indices\":1}";
     let floats = triangle(&[1.0; 3], &accessor(5126, 3, "SCALAR"), &one_mesh(lost));
-    check(&floats, "no whole numbers");
+    check(&floats, "that are not integers");
     let wide = short.replace("\"byteLength\":36}", "\"byteLength\":36,\"byteStride\":4}");
     check(&wide, "elements of 12 bytes every 4 bytes");
 }
@@ -53,7 +53,7 @@ fn bombs() {
          \"values\":{{\"bufferView\":0}}}},\"min\":[0,0,0],\"max\":[1,1,0]}}],{}",
         one_mesh("{\"attributes\":{\"POSITION\":0}}")
     ));
-    check(&sparse, "unfold to more than");
+    check(&sparse, "expand to more than");
     // Each of thirty nodes has the next as a child twice.
     let nodes: String = (1..30)
         .map(|i| format!("{{\"children\":[{i},{i}]}},"))
@@ -69,24 +69,24 @@ fn bombs() {
     check_with(
         triangle(&[], "", &rest).as_bytes(),
         &few,
-        "unfold to more than 10000",
+        "expand to more than 10000",
     );
-    // A mesh of nothing but points, in thousands of places.
+    // A mesh of nothing but points, in thousands of instances.
     let points = "{\"attributes\":{},\"mode\":0},".repeat(900);
     let nodes = "{\"mesh\":0},".repeat(900);
     let rest = format!(
         "\"nodes\":[{nodes}{{}}],\"meshes\":[{{\"primitives\":[{points}{{\"attributes\":{{}}}}]}}]"
     );
-    check_with(json(&rest).as_bytes(), &few, "unfold to more than 10000");
+    check_with(json(&rest).as_bytes(), &few, "expand to more than 10000");
     let chain: String = (1..400)
         .map(|i| format!("{{\"children\":[{i}]}},"))
         .collect();
     check(
         &json(&format!("\"nodes\":[{chain}{{}}]")),
-        "more than 256 nodes",
+        "nested more than 256 deep",
     );
     check(
         &json("\"nodes\":[{\"children\":[0]}]"),
-        "a node above itself: nodes[0]",
+        "a node that is its own ancestor: nodes[0]",
     );
 }

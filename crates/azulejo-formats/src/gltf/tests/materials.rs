@@ -67,7 +67,7 @@ fn emission_is_in_candela_per_square_metre() {
     let found = scene(
         &picture,
         &picture_of(&[[255; 3], [0; 3]]),
-        &["its mean shines"],
+        &["emits its mean"],
     );
     let mean = found.materials[0].emission;
     assert!((mean.r - 0.5).abs() < 1e-6, "{mean:?}");
@@ -75,7 +75,7 @@ fn emission_is_in_candela_per_square_metre() {
     let dark = scene(
         &picture,
         missing,
-        &["no such file: the surface does not shine"],
+        &["no such file: the surface does not emit light"],
     );
     assert_eq!(dark.materials[0].emission, Rgb::BLACK);
 }
@@ -102,8 +102,8 @@ fn panes_and_bodies_of_glass() {
         thin: true,
     };
     assert_eq!(glass(&transmits(1.0), &[]), (Some(pane), Rgb::WHITE));
-    // A quarter of the light is left at the distance 2, half of it at the thickness 1, and the
-    // boundary takes the root of that, since a ray passes it twice.
+    // A quarter of the light is left at the distance 2, half of it at the thickness 1; the
+    // boundary has the square root of that, since a ray passes it twice.
     let volume = "\"KHR_materials_volume\":{\"thicknessFactor\":1,\"attenuationDistance\":2,\
         \"attenuationColor\":[0.0625,1,1]},\"KHR_materials_ior\":{\"ior\":1.25},\
         \"KHR_materials_specular\":{\"specularFactor\":0.5}";
@@ -115,7 +115,7 @@ fn panes_and_bodies_of_glass() {
     let found = glass(&format!("{},{volume}", transmits(1.0)), &[]);
     assert_eq!(found, (Some(body), Rgb::grey(0.5)));
     let little = ["transmits less than half"];
-    // Smooth plastic mirrors by Schlick's formula from 4 %: 4 + 96/21 % of even light.
+    // Smooth plastic has Schlick's Fresnel reflectance from 4 %: 4 + 96/21 % for uniform light.
     let (glass, mirror) = glass(&transmits(0.25), &little);
     assert!(
         glass.is_none() && (mirror.r - 0.0857).abs() < 5e-3,
@@ -145,7 +145,7 @@ fn pictures_and_their_coordinates() {
     assert_eq!(found.materials[0].textures, [0]);
     assert_eq!(found.textures[0].path, "wood");
     assert_eq!(found.textures[0].image.as_ref().unwrap().pixels, [[1.0; 3]]);
-    // The lower left quarter of the picture, turned: (0, 0) is its lower left corner in azulejo,
+    // The lower left quarter of the texture, rotated: (0, 0) is its lower left corner in azulejo,
     // the coordinates (0, 0), (0, 1) and (0, 0) of the file come from its lower edge.
     let uvs = &super::mesh_of(&found, 0).uvs.as_ref().unwrap().values;
     let expected = [DVec2::ZERO, DVec2::new(0.5, 0.0), DVec2::ZERO];
@@ -164,9 +164,9 @@ fn what_is_not_used_is_named() {
         )
     );
     let warnings = [
-        "picture of metal and roughness",
-        "see-through",
-        "\"image 0\" is not shown",
+        "metallic-roughness texture",
+        "transparent material",
+        "\"image 0\" is not used",
         "normal map",
         "occlusion map",
         "KHR_materials_unlit",

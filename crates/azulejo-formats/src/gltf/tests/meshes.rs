@@ -1,17 +1,17 @@
-//! Attributes, indices and what moves vertices.
+//! Attributes, indices and deformation of vertices.
 
 use super::{accessor, mesh_of, one_mesh, read, triangle};
 use azulejo_scene::Rgb;
 use glam::{DVec2, DVec3};
 
-/// Bits as a float, to put other numbers into the buffer.
+/// Bits as a float, to put other data into the buffer.
 fn bits(bytes: [u8; 4]) -> f32 {
     f32::from_le_bytes(bytes)
 }
 
 const PLAIN: &str = "{\"attributes\":{\"POSITION\":0}}";
 
-/// The grey of primitives without a material is no reason to warn.
+/// The default grey of primitives without a material causes no warning.
 #[test]
 fn a_triangle_without_indices() {
     let scene = read(&triangle(&[], "", &one_mesh(PLAIN)), &[]);
@@ -45,7 +45,7 @@ fn triangles_out_of_range_are_left_out() {
         &accessor(5121, 8, "SCALAR"),
         &one_mesh("{\"attributes\":{\"POSITION\":0},\"indices\":1}"),
     );
-    let warnings = ["no whole triangle", "without all of their vertices"];
+    let warnings = ["not form a complete triangle", "with missing vertices"];
     let scene = read(&file, &warnings);
     assert_eq!(mesh_of(&scene, 0).faces.len(), 1);
 }
@@ -59,7 +59,7 @@ fn positions_that_are_nowhere() {
         &accessor(5126, 4, "VEC3"),
         &one_mesh("{\"attributes\":{\"POSITION\":1},\"mode\":5}"),
     );
-    let warnings = ["without min and max", "without all of their vertices"];
+    let warnings = ["without min and max", "with missing vertices"];
     let scene = read(&file, &warnings);
     let mesh = mesh_of(&scene, 0);
     assert_eq!((mesh.faces.len(), mesh.positions[0]), (1, DVec3::ZERO));
@@ -104,7 +104,7 @@ fn primitives_share_what_they_share_in_the_file() {
     assert_eq!(mesh.faces.corners, [0, 1, 2, 0, 1, 2, 3, 4, 5]);
 }
 
-/// `KHR_mesh_quantization`: bytes that are shares, four for each vector.
+/// `KHR_mesh_quantization`: normalised bytes, four for each vector.
 #[test]
 fn quantised_positions() {
     let more = [[0u8, 0, 0, 0], [127, 0, 0, 0], [0, 0x81, 0x80, 0]].map(bits);
@@ -201,7 +201,7 @@ fn morph_targets_by_their_weights() {
     check(",\"weights\":[0.5]", ",\"weights\":[0.25]", 1.0);
 }
 
-/// The node of a skinned mesh says nothing about where it is: its joints do.
+/// The node of a skinned mesh does not affect its position: its joints do.
 #[test]
 fn skins_at_rest() {
     let joints = [bits([0, 1, 0, 0]); 3];

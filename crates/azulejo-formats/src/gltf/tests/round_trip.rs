@@ -1,4 +1,4 @@
-//! What is written is read.
+//! Scenes that are written are read back unchanged.
 
 use crate::{Memory, ReadOptions, gltf};
 use azulejo_scene::{
@@ -27,7 +27,7 @@ fn read_back(scene: &Scene) -> Scene {
     loaded.scene
 }
 
-/// Numbers that single precision holds.
+/// Numbers that single precision represents exactly.
 fn number(most: f64) -> impl Strategy<Value = f64> {
     (-most..most).prop_map(|v| f64::from(v as f32))
 }
@@ -74,7 +74,7 @@ fn surface() -> impl Strategy<Value = Material> {
     prop_oneof![mixed, glass, lamp, textured]
 }
 
-/// Triangles over vertices of which each has one of everything, sorted by material.
+/// Triangles over vertices with one value of each attribute, sorted by material.
 fn mesh() -> impl Strategy<Value = Mesh> {
     let extras = any::<[bool; 4]>();
     (3usize..12, 1usize..8, extras).prop_flat_map(|(vertices, faces, has)| {
@@ -156,8 +156,8 @@ fn scene() -> impl Strategy<Value = Scene> {
     })
 }
 
-/// Leaves what no face uses out of a scene, in the order in which faces use it, as a reader
-/// finds it.
+/// Removes what no face uses from a scene, and orders the rest by first use, as a reader
+/// does.
 fn as_used(scene: &Scene) -> Scene {
     let mut used = Scene {
         materials: Vec::new(),
@@ -187,7 +187,7 @@ fn as_used(scene: &Scene) -> Scene {
     used
 }
 
-/// Whether two scenes are the same but for the rounding of colours and directions.
+/// Whether two scenes are equal up to rounding of colours and directions.
 fn assert_alike(found: &Scene, expected: &Scene) {
     let rounded = |scene: &Scene| {
         let mut scene = scene.clone();
@@ -215,7 +215,7 @@ proptest! {
             }
             _ => true,
         });
-        // Without texture coordinates there is no picture.
+        // Without texture coordinates there is no texture.
         let warned = expected.objects.iter().any(|o| match &o.shape {
             Shape::Mesh(mesh) => mesh.uvs.is_none()
                 && mesh.face_materials.iter().any(|m| !expected.materials[*m as usize].textures.is_empty()),
@@ -251,7 +251,7 @@ fn two_files_are_one_scene() {
     );
 }
 
-/// A square of one face with a normal for each corner and a hard edge in its coordinates.
+/// A square of one face with a normal for each corner and a discontinuity in its coordinates.
 #[test]
 fn values_of_corners_part_vertices() {
     let mut scene = Scene::default();
@@ -397,7 +397,7 @@ fn pictures_without_pixels_are_named() {
     assert_eq!(loaded.warnings.len(), 1);
 }
 
-/// glTF allows no picture on a mesh without texture coordinates, and there azulejo shows none.
+/// glTF does not allow textures on meshes without texture coordinates, where azulejo ignores them.
 #[test]
 fn pictures_without_coordinates() {
     let mut scene = Scene::default();

@@ -424,7 +424,7 @@ fn instances_that_double() {
     }
     check_hostile(
         &text,
-        "instances, arrays or curves that unfold to more than",
+        "instances, arrays or curves that expand to more than",
     );
 }
 

@@ -2,10 +2,10 @@
 
 use std::rc::Rc;
 
-/// Largest degree that is evaluated: beyond it polynomials lose their digits.
+/// Largest degree that is evaluated: polynomials of higher degree lose precision.
 pub(super) const MOST_DEGREE: usize = 30;
 
-/// Catmull and Rom's cubic, rows as in [`BasisKind::Matrix`].
+/// The Catmull–Rom cubic, rows as in [`BasisKind::Matrix`].
 const CARDINAL: [f64; 16] = [
     0.0, -0.5, 1.0, -0.5, //
     1.0, 0.0, -2.5, 1.5, //
@@ -18,13 +18,13 @@ const CARDINAL: [f64; 16] = [
 pub(super) enum BasisKind {
     /// Bernstein polynomials; neighbouring spans share a control point.
     Bezier,
-    /// Cox and de Boor's functions over any knots.
+    /// Cox and de Boor's functions over arbitrary knots.
     BSpline,
     /// Polynomials in the span's own parameter 0..=1.
     Matrix {
-        /// One row for each control point of a span, coefficients by rising power.
+        /// One row per control point of a span, with coefficients in ascending powers.
         rows: Rc<[f64]>,
-        /// By how many control points the next span begins later.
+        /// Number of control points from one span to the next.
         step: usize,
     },
 }
@@ -38,7 +38,7 @@ impl BasisKind {
         }
     }
 
-    /// Control points that are the polynomial's coefficients.
+    /// Control points that are the coefficients of the polynomial.
     pub fn taylor(degree: usize) -> BasisKind {
         let n = degree + 1;
         let rows = (0..n * n).map(|k| f64::from(u8::from(k % (n + 1) == 0)));
@@ -49,16 +49,16 @@ impl BasisKind {
     }
 }
 
-/// The functions of one direction: their family, degree and parameter values.
+/// The basis functions of one direction: their family, degree and parameter values.
 #[derive(Clone, Debug)]
 pub(super) struct Basis {
     kind: BasisKind,
     degree: usize,
-    /// Knots of a B-spline; where the spans of the others meet.
+    /// Knots of a B-spline; the boundaries of spans of the others.
     parm: Vec<f64>,
 }
 
-/// The functions that are not zero at some parameter, and their derivatives.
+/// The non-zero functions at some parameter, and their derivatives.
 #[derive(Clone, Debug)]
 pub(super) struct Weights {
     /// Control point of the first of them.
@@ -68,7 +68,7 @@ pub(super) struct Weights {
 }
 
 impl Basis {
-    /// The functions, if `parm` suits them, else what is wrong.
+    /// The basis, or what is wrong with `parm`.
     pub fn new(kind: BasisKind, degree: usize, parm: Vec<f64>) -> Result<Basis, String> {
         if !(1..=MOST_DEGREE).contains(&degree) {
             return Err(format!("degree {degree}, expected 1 to {MOST_DEGREE}"));
@@ -96,7 +96,7 @@ impl Basis {
         if rises && from < to && (to - from).is_finite() {
             Ok(basis)
         } else {
-            Err("parameter values (parm) that do not rise".to_owned())
+            Err("parameter values (parm) that do not increase".to_owned())
         }
     }
 
@@ -114,7 +114,7 @@ impl Basis {
         self.degree
     }
 
-    /// Where spans begin and end; some of a B-spline may be empty.
+    /// The boundaries of spans; some spans of a B-spline may be empty.
     fn spans(&self) -> &[f64] {
         match self.kind {
             BasisKind::BSpline => &self.parm[self.degree..self.parm.len() - self.degree],
@@ -128,7 +128,7 @@ impl Basis {
         (spans[0], spans[spans.len() - 1])
     }
 
-    /// `from`, `to`, and where spans meet in between.
+    /// `from`, `to`, and the boundaries of spans in between.
     pub fn breaks(&self, from: f64, to: f64) -> Vec<f64> {
         let inner = self.spans().iter().copied();
         let mut breaks = vec![from];
@@ -138,7 +138,7 @@ impl Basis {
         breaks
     }
 
-    /// The functions at `t`, which lies in the range.
+    /// The functions at `t`, which must be in the range.
     pub fn at(&self, t: f64) -> Weights {
         let spans = self.spans();
         let to = spans[spans.len() - 1];
@@ -156,7 +156,7 @@ impl Basis {
     }
 
     /// Piegl and Tiller, *The NURBS Book*, algorithm A2.2, with the first derivatives by
-    /// equation 2.7. The knots that are subtracted enclose a span that is not empty.
+    /// equation 2.7. The knots that are subtracted enclose a non-empty span.
     fn cox_de_boor(&self, first: usize, t: f64) -> Weights {
         let (knots, n) = (&self.parm, self.degree);
         let span = first + n;
@@ -185,7 +185,7 @@ impl Basis {
     }
 }
 
-/// Bernstein polynomials over a span of some length, built up degree by degree.
+/// Bernstein polynomials over a span of length `length`, built up degree by degree.
 fn bernstein(first: usize, n: usize, t: f64, length: f64) -> Weights {
     let mut values = vec![0.0; n + 1];
     let mut slopes = vec![0.0; n + 1];
@@ -232,7 +232,7 @@ fn polynomials(first: usize, n: usize, rows: &[f64], t: f64, length: f64) -> Wei
 mod tests {
     use super::*;
 
-    /// Value and slope at `t` of a curve with these control points.
+    /// Value and derivative at `t` of a curve with these control points.
     fn curve(kind: BasisKind, degree: usize, parm: &[f64], points: &[f64], t: f64) -> (f64, f64) {
         let basis = Basis::new(kind, degree, parm.to_vec()).unwrap();
         assert_eq!(basis.count(), points.len());
@@ -249,7 +249,7 @@ mod tests {
         );
     }
 
-    /// The cubic t³ − 2t + 1 over 0..=1, with its slope.
+    /// The cubic t³ − 2t + 1 over 0..=1, with its derivative.
     fn cubic(t: f64) -> (f64, f64) {
         (t * t * t - 2.0 * t + 1.0, 3.0 * t * t - 2.0)
     }
@@ -276,7 +276,7 @@ mod tests {
                 cubic(t),
             );
         }
-        // A cardinal spline meets its inner points, and leaves along their neighbours.
+        // A cardinal spline interpolates its inner points, with tangents along their neighbours.
         let (value, slope) = curve(BasisKind::cardinal(), 3, &[0.0, 1.0], &cardinal, 0.0);
         check((value, slope), (1.0, -1.0));
         let (value, slope) = curve(BasisKind::cardinal(), 3, &[0.0, 1.0], &cardinal, 1.0);
@@ -319,10 +319,20 @@ mod tests {
         check(BasisKind::Bezier, 0, &[0.0, 1.0], "degree 0");
         check(BasisKind::Bezier, 31, &[0.0, 1.0], "degree 31");
         check(BasisKind::Bezier, 3, &[0.0], "1 parameter values");
-        check(BasisKind::Bezier, 3, &[0.0, 0.0], "do not rise");
-        check(BasisKind::Bezier, 3, &[0.0, 2.0, 1.0], "do not rise");
-        check(BasisKind::Bezier, 3, &[0.0, f64::NAN, 1.0], "do not rise");
-        check(BasisKind::Bezier, 3, &[f64::MIN, f64::MAX], "do not rise");
+        check(BasisKind::Bezier, 3, &[0.0, 0.0], "do not increase");
+        check(BasisKind::Bezier, 3, &[0.0, 2.0, 1.0], "do not increase");
+        check(
+            BasisKind::Bezier,
+            3,
+            &[0.0, f64::NAN, 1.0],
+            "do not increase",
+        );
+        check(
+            BasisKind::Bezier,
+            3,
+            &[f64::MIN, f64::MAX],
+            "do not increase",
+        );
         check(BasisKind::BSpline, 2, &[0.0; 5], "expected 6 or more");
         check(
             BasisKind::cardinal(),

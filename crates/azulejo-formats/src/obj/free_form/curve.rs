@@ -5,7 +5,7 @@ use super::surface::{Lines, Refused, divided, whole_pieces};
 use crate::reading::options::Budget;
 use glam::{DVec2, DVec3};
 
-/// In how many parts a span is looked at to learn how it bends, for each degree.
+/// Samples per span and degree from which the curvature is estimated.
 const PARTS_PER_DEGREE: usize = 4;
 
 /// A curve in two dimensions.
@@ -17,7 +17,7 @@ pub(super) struct Curve {
 }
 
 impl Curve {
-    /// A curve, if there are as many control points as its functions want.
+    /// A curve, if the number of control points matches its basis.
     pub fn new(basis: Basis, points: Vec<DVec3>) -> Result<Curve, String> {
         let (found, expected) = (points.len(), basis.count());
         if found != expected {
@@ -35,7 +35,7 @@ impl Curve {
         if rational {
             sum.truncate() / sum.z
         } else {
-            // Not all families of functions add up to 1.
+            // Not all families of functions sum to 1.
             sum.truncate()
         }
     }
@@ -61,7 +61,7 @@ impl Curve {
         let pieces = |span: usize| {
             let (a, b) = (breaks[span], breaks[span + 1]);
             let tick = |k: usize| self.at(a + (b - a) * (k as f64 / parts as f64), rational);
-            // A line of degree 1 is straight whatever rounding says.
+            // A line of degree 1 is straight, whatever rounding suggests.
             let seen = if self.basis.degree() == 1 {
                 0
             } else {

@@ -1,8 +1,8 @@
 //! Free-form statements: from `cstype` to `end`.
 //!
 //! Attributes (`cstype`, `deg`, `bmat`, `step`, `stech`) hold until they change. An element
-//! (`surf`, `curv2`, `curv`) is followed by its body (`parm`, `trim`, `hole`...) and `end`, where
-//! it is made into polygons or kept for the loops of surfaces to come.
+//! (`surf`, `curv2`, `curv`) is followed by its body (`parm`, `trim`, `hole`...) and `end`, at which
+//! it is converted to polygons or kept for the loops of later surfaces.
 
 mod basis;
 mod curve;
@@ -21,9 +21,9 @@ use curve::Curve;
 use glam::{DVec2, DVec3};
 use region::Loops;
 use std::rc::Rc;
-use surface::{Lines, Net, Refused, Surface, Technique};
+use surface::{FreeFormSurface, Lines, Net, Refused, Technique};
 
-/// What free-form statements have said so far.
+/// The state of free-form statements.
 #[derive(Debug, Default)]
 pub(super) struct FreeForm {
     rational: bool,
@@ -32,19 +32,19 @@ pub(super) struct FreeForm {
     step: [usize; 2],
     matrix: [Rc<[f64]>; 2],
     technique: Technique,
-    /// `vp`, with 0 and 1 for what is missing.
+    /// `vp`, with missing coordinates set to 0 and 1.
     points: Vec<DVec3>,
-    /// `curv2` in the order of the file; `None` for those that cannot be used.
+    /// `curv2` in file order; `None` for unusable ones.
     curves: Vec<Option<Curve>>,
     element: Option<Element>,
     /// Whether any surface has used the weights of its vertices.
     pub weights_used: bool,
 }
 
-/// Polygons of the surfaces of one part of the file, their materials as the file counts them.
+/// Polygons of the surfaces of one part of the file, with material indices of the file.
 #[derive(Debug)]
 pub(super) struct Tessellated {
-    /// How many parts had begun.
+    /// Number of parts begun so far.
     pub part: usize,
     pub mesh: Mesh,
 }
@@ -60,13 +60,13 @@ enum Family {
     Taylor,
 }
 
-/// A curve or surface whose `end` has not come.
+/// A curve or surface before its `end`.
 #[derive(Debug)]
 struct Element {
     position: Position,
     what: What,
     parm: [Vec<f64>; 2],
-    /// `trim` and `hole`.
+    /// Loops of `trim` and `hole`.
     loops: Vec<Vec<Piece>>,
     /// Whether there was a `trim`; holes alone are cut out of the whole surface.
     trimmed: bool,
@@ -80,7 +80,7 @@ enum What {
         material: MaterialId,
     },
     Trimming(Vec<DVec3>),
-    /// What has no surface, or cannot be used: only its body is passed over.
+    /// An element without a surface, or an unusable one: its body is skipped.
     Nothing,
 }
 
@@ -89,7 +89,7 @@ enum What {
 struct Piece {
     from: f64,
     to: f64,
-    /// Into [`FreeForm::curves`].
+    /// Index into [`FreeForm::curves`].
     curve: usize,
 }
 
@@ -123,7 +123,7 @@ impl FreeForm {
         Basis::new(kind, degree, parm)
     }
 
-    /// The region that loops leave of a surface; empty when nothing trims it.
+    /// The region of a surface that its loops leave; empty if it is not trimmed.
     fn region(
         &self,
         element: &Element,
@@ -136,13 +136,13 @@ impl FreeForm {
             for piece in pieces {
                 let curve = self.curves.get(piece.curve).and_then(Option::as_ref);
                 let curve = curve.ok_or_else(|| {
-                    Refused::Because("a loop of a trimming curve that does not exist".to_owned())
+                    Refused::Because("a loop with a trimming curve that does not exist".to_owned())
                 })?;
                 points.extend(curve.flatten(piece.from, piece.to, lines, budget)?);
             }
             points.dedup();
             if !points.iter().all(|p| p.is_finite()) {
-                let why = "a trimming curve of points that are not finite";
+                let why = "a trimming curve with points that are not finite";
                 return Err(Refused::Because(why.to_owned()));
             }
             if points.len() >= 3 {
@@ -159,7 +159,7 @@ impl FreeForm {
 }
 
 impl ObjReader<'_> {
-    /// Takes a statement, unless it is none of free-form geometry.
+    /// Handles a statement; returns `false` if it is not one of free-form geometry.
     #[cold]
     pub(super) fn free_form(&mut self, keyword: &[u8]) -> Result<bool, ReadError> {
         match keyword {
@@ -192,12 +192,14 @@ impl ObjReader<'_> {
         Ok(true)
     }
 
-    /// The numbers of a statement; a warning when one is malformed or not finite.
+    /// The numbers of a statement; a warning if one is malformed or not finite.
     fn values(&mut self, keyword: &str) -> Option<Vec<f64>> {
         let mut values = Vec::new();
         while !self.cursor.at_end() {
             let Some(value) = self.value() else {
-                self.warn(format!("\"{keyword}\" with what is no number: skipped"));
+                self.warn(format!(
+                    "\"{keyword}\" with a malformed or infinite number: skipped"
+                ));
                 return None;
             };
             values.push(value);
@@ -205,7 +207,7 @@ impl ObjReader<'_> {
         Some(values)
     }
 
-    /// The next number, if it is one and finite.
+    /// The next number, if it is valid and finite.
     fn value(&mut self) -> Option<f64> {
         self.cursor.skip_blanks();
         let [value] = self.cursor.plain_numbers()?;
@@ -218,7 +220,7 @@ impl ObjReader<'_> {
             Some(b"u") => Some(0),
             Some(b"v") => Some(1),
             _ => {
-                self.warn(format!("\"{keyword}\" of neither u nor v: skipped"));
+                self.warn(format!("\"{keyword}\" for neither u nor v: skipped"));
                 None
             }
         }
@@ -229,7 +231,7 @@ impl ObjReader<'_> {
         let values = self.values("vp").unwrap_or_default();
         let at = |k: usize, missing| values.get(k).copied().unwrap_or(missing);
         let point = DVec3::new(at(0, 0.0), at(1, 0.0), at(2, 1.0));
-        // One that cannot be used keeps its place, because points are told by number.
+        // An unusable vertex keeps its index, because points are referenced by number.
         self.free_form.points.push(point);
     }
 
@@ -287,7 +289,7 @@ impl ObjReader<'_> {
                 Technique::Curvature(distance, angle.to_radians())
             }
             _ => {
-                self.warn("\"stech\" that cannot be understood: skipped");
+                self.warn("malformed \"stech\": skipped");
                 Technique::default()
             }
         };
@@ -297,7 +299,7 @@ impl ObjReader<'_> {
     fn begin(&mut self, what: What) -> Result<(), ReadError> {
         let position = self.cursor.position();
         if self.free_form.element.is_some() {
-            self.warn("curve or surface without end before the next: ended");
+            self.warn("curve or surface without end before the next one: ended there");
             self.end()?;
         }
         self.free_form.element = Some(Element::new(position, what));
@@ -332,7 +334,7 @@ impl ObjReader<'_> {
                 return Err(self.out_of_range(i64::from(vertex) + 1, start));
             };
             if normal != super::lists::NONE {
-                self.warn("normals of a surface's control points: not used, it has its own");
+                self.warn("normals of control points: not used, those of the surface are computed");
             }
             net.points.push(point);
             let weight = self.raw.weights.get(vertex as usize).copied();
@@ -362,7 +364,7 @@ impl ObjReader<'_> {
             let weight = if self.free_form.rational { p.z } else { 1.0 };
             Some(DVec3::new(p.x, p.y, weight))
         };
-        // Where one is missing the others do not suffice, which `end` will say.
+        // If one is missing, `end` will report that the others do not suffice.
         let points = values.iter().filter_map(point).collect();
         self.begin(What::Trimming(points))
     }
@@ -407,7 +409,7 @@ impl ObjReader<'_> {
         let mut net = self.net()?;
         self.free_form.rational = kept;
         if net.points.len() != 16 {
-            self.warn("patch of other than 16 control points: skipped");
+            self.warn("patch without exactly 16 control points: skipped");
             return Ok(());
         }
         net.points = net.points.chunks(4).rev().flatten().copied().collect();
@@ -430,10 +432,10 @@ impl ObjReader<'_> {
         ended
     }
 
-    /// Makes what has begun.
+    /// Finishes the current element.
     pub(super) fn end(&mut self) -> Result<(), ReadError> {
         let Some(mut element) = self.free_form.element.take() else {
-            self.warn("\"end\" of nothing: skipped");
+            self.warn("\"end\" without a curve or surface: skipped");
             return Ok(());
         };
         let position = element.position;
@@ -485,7 +487,7 @@ impl ObjReader<'_> {
         let axis = |axis, parm| free_form.basis(axis, parm).map_err(Refused::Because);
         let (u, v) = (axis(0, u)?, axis(1, v)?);
         positive(net.weights.iter().copied()).map_err(Refused::Because)?;
-        let surface = Surface::new(u, v, net).map_err(Refused::Because)?;
+        let surface = FreeFormSurface::new(u, v, net).map_err(Refused::Because)?;
         let range = surface
             .within(range)
             .ok_or_else(|| Refused::Because("a range outside its parameters".to_owned()))?;
@@ -497,7 +499,7 @@ impl ObjReader<'_> {
             &mut self.budget,
         )?;
         if patch.is_empty() {
-            let why = "loops that leave nothing of it";
+            let why = "loops that cut all of it away";
             return Err(Refused::Because(why.to_owned()));
         }
         let part = self.raw.parts.len();
@@ -515,19 +517,19 @@ impl ObjReader<'_> {
     /// Ends an element that the file left open.
     pub(super) fn end_of_file(&mut self) -> Result<(), ReadError> {
         if self.free_form.element.is_some() {
-            self.warn("curve or surface without end at the end of the file: ended");
+            self.warn("curve or surface without end at the end of the file: ended there");
             self.end()?;
         }
         Ok(())
     }
 }
 
-/// Whole numbers for u and v; 0 for what is missing or below, and large ones cut.
+/// Integers for u and v; missing or negative ones become 0, large ones are clamped.
 fn whole_pair(values: &[f64]) -> [usize; 2] {
     [0, 1].map(|axis| values.get(axis).map_or(0, |v| v.clamp(0.0, 1e6) as usize))
 }
 
-/// From an index from 1, or backwards from −1, to one from 0.
+/// Converts an index that counts from 1, or backwards from −1, to one from 0.
 fn from_one(given: f64, count: usize) -> Option<usize> {
     let index = if given > 0.0 {
         given - 1.0

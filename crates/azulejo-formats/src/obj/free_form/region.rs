@@ -1,15 +1,15 @@
-//! Regions of the plane between closed loops, cut along the lines of a grid.
+//! Regions of the plane bounded by closed loops, cut along the lines of a grid.
 
 use super::surface::Refused;
 use crate::reading::options::Budget;
 use earcut::Earcut;
 use glam::DVec2;
 
-/// Closed polygons. What an odd number of them surrounds is inside, whichever way they run.
+/// Closed polygons. A point is inside if an odd number of them surrounds it, whatever their orientation.
 pub(super) type Loops = Vec<Vec<DVec2>>;
 
-/// Cuts a region into the cells of a grid, and every piece into convex polygons that run
-/// counter-clockwise. Neighbouring pieces have the same points on their common line.
+/// Cuts a region into the cells of a grid, and every piece into counter-clockwise convex
+/// polygons. Neighbouring pieces have the same points on their common line.
 pub(super) fn cells(
     loops: Loops,
     us: &[f64],
@@ -38,7 +38,7 @@ fn slices(
     };
     let inside = split(split(loops, axis, first).1, axis, last).0;
     let mut slices = Vec::new();
-    // Halving keeps the work in proportion to the logarithm of the lines; the depth, too.
+    // Halving keeps work and depth logarithmic in the number of lines.
     let mut waiting = vec![(inside, lines)];
     while let Some((part, lines)) = waiting.pop() {
         let points: usize = part.iter().map(Vec::len).sum();
@@ -58,18 +58,18 @@ fn slices(
     Ok(slices)
 }
 
-/// A piece of a loop on one side of a line, from the crossing where it comes to the one where it
-/// goes.
+/// A piece of a loop on one side of a line, from the crossing where it enters to the one where it
+/// leaves.
 struct Chain {
     ends: [usize; 2],
     points: Vec<DVec2>,
 }
 
-/// What lies below a line, at a coordinate of an axis, and what lies on it or above.
+/// Splits loops at coordinate `at` of an axis into what lies below it, and what lies on it or above.
 ///
-/// Along the line, inside and outside take turns at the crossings: between the first and the
-/// second, the third and the fourth... the cut closes the loops. This holds for loops that touch
-/// or cross each other, too.
+/// Along the line, inside and outside alternate at the crossings: between the first and the
+/// second, the third and the fourth... the cut closes the loops. This also holds for loops that
+/// touch or cross each other.
 fn split(loops: Loops, axis: usize, at: f64) -> (Loops, Loops) {
     let mut whole = [Loops::new(), Loops::new()];
     let mut chains = [Vec::new(), Vec::new()];
@@ -119,7 +119,7 @@ fn split(loops: Loops, axis: usize, at: f64) -> (Loops, Loops) {
     (below, above)
 }
 
-/// Where the edge from `p` to `q` meets the line.
+/// The intersection of the edge from `p` to `q` with the line.
 fn crossing(p: DVec2, q: DVec2, axis: usize, at: f64) -> DVec2 {
     let share = (at - p[axis]) / (q[axis] - p[axis]);
     let mut point = p + share * (q - p);
@@ -127,7 +127,7 @@ fn crossing(p: DVec2, q: DVec2, axis: usize, at: f64) -> DVec2 {
     point
 }
 
-/// For each crossing the one to which the cut leads from it.
+/// For each crossing, the one that the cut connects it with.
 fn partners(crossings: &[DVec2], axis: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..crossings.len()).collect();
     order.sort_by(|&a, &b| crossings[a][axis].total_cmp(&crossings[b][axis]));
@@ -138,7 +138,7 @@ fn partners(crossings: &[DVec2], axis: usize) -> Vec<usize> {
     partners
 }
 
-/// Chains of one side, joined along the cut to closed loops.
+/// The chains of one side, joined along the cut to closed loops.
 fn joined(chains: Vec<Chain>, partners: &[usize]) -> Loops {
     let mut at_crossing = vec![(0, 0); partners.len()];
     for (k, chain) in chains.iter().enumerate() {
@@ -170,7 +170,7 @@ fn joined(chains: Vec<Chain>, partners: &[usize]) -> Loops {
     loops
 }
 
-/// Whether points are neither all on one line of the grid nor all on one across it.
+/// Whether points lie neither all on one line of the grid nor all on one line across it.
 fn has_extent(points: &[DVec2]) -> bool {
     let first = points[0];
     points.iter().any(|p| p.x != first.x) && points.iter().any(|p| p.y != first.y)
@@ -183,10 +183,10 @@ fn area(points: &[DVec2]) -> f64 {
     pairs.map(|w| (w[0] - origin).perp_dot(w[1] - origin)).sum()
 }
 
-/// The convex polygons of a cell: the cell itself where it is whole, otherwise triangles.
+/// The convex polygons of a cell: the cell itself if it is whole, otherwise triangles.
 fn triangles(loops: Loops, budget: &mut Budget) -> Result<Vec<Vec<DVec2>>, Refused> {
     if !loops.iter().flatten().all(|p| p.is_finite()) {
-        let why = "a trimming curve of points that are not finite";
+        let why = "a trimming curve with points that are not finite";
         return Err(Refused::Because(why.to_owned()));
     }
     if let [only] = loops.as_slice()
@@ -195,7 +195,7 @@ fn triangles(loops: Loops, budget: &mut Budget) -> Result<Vec<Vec<DVec2>>, Refus
         return Ok(vec![convex]);
     }
     let points: u64 = loops.iter().map(|l| l.len() as u64).sum();
-    // Telling holes from what surrounds them, and cutting ears, may ask every pair.
+    // Assigning holes to outlines and cutting ears may test every pair.
     budget.spend(points * loops.len() as u64 + points * points / 16)?;
     let mut polygons = Vec::new();
     for rings in with_holes(loops) {
@@ -221,7 +221,7 @@ fn triangles(loops: Loops, budget: &mut Budget) -> Result<Vec<Vec<DVec2>>, Refus
     Ok(polygons)
 }
 
-/// A triangle or quadrilateral that has no dent, counter-clockwise.
+/// A convex triangle or quadrilateral, counter-clockwise.
 fn convex(points: &[DVec2]) -> Option<Vec<DVec2>> {
     let mut points = points.to_vec();
     let n = points.len();
@@ -233,9 +233,9 @@ fn convex(points: &[DVec2]) -> Option<Vec<DVec2>> {
     (n <= 4 && (0..n).all(turns_left)).then_some(points)
 }
 
-/// Every outline with its holes behind it.
+/// Every outline, followed by its holes.
 fn with_holes(mut loops: Loops) -> Vec<Loops> {
-    // What surrounds a loop is larger than it.
+    // A loop is smaller than the loop that surrounds it.
     loops.sort_by(|a, b| area(b).abs().total_cmp(&area(a).abs()));
     let mut outlines: Vec<Loops> = Vec::new();
     let mut outline_of: Vec<Option<usize>> = Vec::new();
@@ -259,7 +259,7 @@ fn with_holes(mut loops: Loops) -> Vec<Loops> {
     outlines
 }
 
-/// Whether one loop lies in another, by the middle of its first edge.
+/// Whether one loop lies in another, by the midpoint of its first edge.
 fn surrounds(outer: &[DVec2], inner: &[DVec2]) -> bool {
     let p = inner[0].midpoint(inner[1]);
     let mut previous = outer[outer.len() - 1];
@@ -342,7 +342,7 @@ mod tests {
         backwards.reverse();
         check(vec![unit.clone(), backwards], 0.9);
         check(vec![hole], 0.1);
-        // Half a cell, its edge along a line of the grid.
+        // Half a cell, with an edge along a line of the grid.
         check(vec![rectangle((0.0, 0.0), (0.5, 1.0))], 0.5);
         let triangle = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)].map(DVec2::from);
         check(vec![triangle.to_vec()], 0.5);
@@ -355,7 +355,7 @@ mod tests {
     }
 
     proptest! {
-        /// Cutting keeps the area, and neighbours meet point to point.
+        /// Cutting keeps the area, and neighbours share all points of their common edges.
         #[test]
         fn stars(radii in prop::collection::vec(0.05..0.45f64, 3..40)) {
             let n = radii.len() as f64;

@@ -1,50 +1,50 @@
-//! Points of free-form surfaces, and how finely they are divided.
+//! Evaluation of free-form surfaces, and how finely they are divided.
 
 use super::basis::{Basis, Weights};
 use crate::reading::options::{Budget, Exhausted};
 use azulejo_scene::math::Aabb;
 use glam::{DVec2, DVec3, DVec4};
 
-/// Distance of a surface from its polygons, relative to its size: as the exact primitives have
-/// it when they become polygons.
+/// Distance of a surface from its polygons, relative to its size: the same as for tessellated
+/// exact primitives.
 const CHORD_ERROR: f64 = 1e-3;
 
 /// Most pieces that one span is divided into.
 const MOST_PIECES: f64 = 256.0;
 
-/// Control points, those of u one after the other.
+/// Control points, u varying fastest.
 #[derive(Debug, Default)]
 pub(super) struct Net {
     pub points: Vec<DVec3>,
-    /// As many, > 0; empty for what is not rational.
+    /// As many weights, > 0; empty if the surface is not rational.
     pub weights: Vec<f64>,
-    /// As many, or empty: then the parameters are the texture coordinates.
+    /// As many texture coordinates, or empty: then the parameters serve as texture coordinates.
     pub uvs: Vec<DVec2>,
 }
 
 /// A surface over the rectangle of its parameters.
 #[derive(Debug)]
-pub(super) struct Surface {
+pub(super) struct FreeFormSurface {
     pub u: Basis,
     pub v: Basis,
     net: Net,
 }
 
-/// How finely `stech` wants surfaces divided.
+/// How finely `stech` requires surfaces to be divided.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) enum Technique {
-    /// By the chord error that holds everywhere.
+    /// By the default chord error.
     #[default]
     Chord,
     /// Into as many pieces per span as the degree times these.
     Parametric(f64, f64),
     /// Into edges no longer than this.
     Spatial(f64),
-    /// By a distance and an angle, in radians, from the true surface.
+    /// By the largest distance from the true surface and the largest angle in radians.
     Curvature(f64, f64),
 }
 
-/// What a surface is at one place.
+/// A point of a surface.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sample {
     pub position: DVec3,
@@ -66,12 +66,12 @@ impl From<Exhausted> for Refused {
     }
 }
 
-impl Surface {
-    /// A surface, if there are as many control points as its directions want.
-    pub fn new(u: Basis, v: Basis, net: Net) -> Result<Surface, String> {
+impl FreeFormSurface {
+    /// A surface, if the number of control points matches its bases.
+    pub fn new(u: Basis, v: Basis, net: Net) -> Result<FreeFormSurface, String> {
         let (found, expected) = (net.points.len(), [u.count(), v.count()]);
         match expected[0].checked_mul(expected[1]) {
-            Some(product) if product == found => Ok(Surface { u, v, net }),
+            Some(product) if product == found => Ok(FreeFormSurface { u, v, net }),
             _ => Err(format!(
                 "{found} control points, expected {} × {}",
                 expected[0], expected[1]
@@ -79,8 +79,8 @@ impl Surface {
         }
     }
 
-    /// The part of a rectangle `[u0, u1, v0, v1]` that lies in the surface's own; `None` when
-    /// there is no such part.
+    /// The part of a rectangle `[u0, u1, v0, v1]` within the range of the surface; `None` if
+    /// there is none.
     pub fn within(&self, [u0, u1, v0, v1]: [f64; 4]) -> Option<[f64; 4]> {
         let ((a, b), (c, d)) = (self.u.range(), self.v.range());
         let both = [u0.max(a), u1.min(b), v0.max(c), v1.min(d)];
@@ -111,7 +111,7 @@ impl Surface {
             }
         }
         if self.net.weights.is_empty() {
-            // Not all families of functions add up to 1.
+            // Not all families of functions sum to 1.
             (p.w, pu.w, pv.w) = (1.0, 0.0, 0.0);
         }
         let position = p.truncate() / p.w;
@@ -127,13 +127,13 @@ impl Surface {
         }
     }
 
-    /// What one sample costs, in elements of the budget.
+    /// The cost of a sample, in elements of the budget.
     pub fn cost(&self) -> u64 {
         1 + ((self.u.degree() + 1) * (self.v.degree() + 1) / 16) as u64
     }
 
     /// Parameters of u and of v between which the surface is nearly flat, and the chord error
-    /// that they are meant for.
+    /// for which they were chosen.
     pub fn lines(
         &self,
         range: [f64; 4],
@@ -176,7 +176,7 @@ pub(super) struct Lines {
     pub speed: DVec2,
 }
 
-/// In how many parts a span is looked at to learn how it bends.
+/// Samples per span from which the curvature is estimated.
 fn parts(degree: usize) -> usize {
     (2 * degree).max(4)
 }
@@ -189,18 +189,18 @@ pub(super) fn divided(breaks: &[f64], pieces: impl Fn(usize) -> usize) -> Vec<f6
         lines.extend((0..n).map(|k| ends[0] + (ends[1] - ends[0]) * (k as f64 / n as f64)));
     }
     lines.extend(breaks.last());
-    // Spans may be as short as the spacing of numbers.
+    // Spans may be as short as the spacing of floating-point numbers.
     lines.dedup();
     lines
 }
 
-/// A whole number of pieces from an estimate, which may be anything.
+/// The number of pieces for an estimate, which may be any number.
 pub(super) fn whole_pieces(estimate: f64) -> usize {
-    // A slack of rounding keeps what is straight in one piece. What is no number becomes 0.
+    // The margin for rounding keeps straight spans in one piece. NaN becomes 0.
     ((estimate - 1e-9).ceil().clamp(1.0, MOST_PIECES) as usize).max(1)
 }
 
-/// A regular grid of points that tells how a surface bends.
+/// A regular grid of samples from which the curvature of a surface is estimated.
 struct Coarse {
     /// Parts of each span of u and of v.
     parts: [usize; 2],
@@ -211,7 +211,7 @@ struct Coarse {
 
 impl Coarse {
     fn new(
-        surface: &Surface,
+        surface: &FreeFormSurface,
         breaks: &[Vec<f64>; 2],
         parts: [usize; 2],
         budget: &mut Budget,
@@ -243,11 +243,11 @@ impl Coarse {
         self.points[row * self.columns + column]
     }
 
-    /// Pieces that a span of an axis needs.
+    /// The number of pieces that a span of an axis needs.
     ///
     /// A chord over an n-th of the span is |P″|/8n² away from the curve at most (de Boor, *A
-    /// Practical Guide to Splines*, II.9), a bilinear patch as much as |P_uv|/4 from its two
-    /// triangles; differences of the grid stand for the derivatives.
+    /// Practical Guide to Splines*, II.9), a bilinear patch up to |P_uv|/4 from its two
+    /// triangles; differences of the grid approximate the derivatives.
     fn pieces(
         &self,
         axis: usize,
@@ -289,7 +289,7 @@ impl Coarse {
                 }
             }
             most.length = most.length.max(length);
-            // Between n steps there are n − 1 angles; the ends turn as much as half a step.
+            // n steps have n − 1 angles between them; each end turns as much as half a step.
             let steps = self.parts[axis] as f64;
             most.angle = most.angle.max(angle * steps / (steps - 1.0));
         }
@@ -320,7 +320,7 @@ struct Bends {
     angle: f64,
 }
 
-/// Every span divided into the same number of parts; never shortened, so that the grid is
+/// Every span divided into the same number of parts; parts are never merged, so that the grid is
 /// regular.
 fn even(breaks: &[f64], parts: usize) -> Vec<f64> {
     let span = |ends: &[f64]| {

@@ -1,20 +1,20 @@
 //! Free-form surfaces as polygons.
 
 use super::region::{Loops, cells};
-use super::surface::{Lines, Refused, Sample, Surface, Technique};
+use super::surface::{FreeFormSurface, Lines, Refused, Sample, Technique};
 use crate::reading::options::Budget;
 use azulejo_scene::{Attribute, Faces, MaterialId, Mesh};
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 
-/// How far from a pole, where parameters do not span a plane, its normal is looked for: a part
-/// of the surface.
+/// Distance from a pole, where the parameters do not span a plane, at which its normal is
+/// evaluated instead: a share of the surface.
 const BESIDE_A_POLE: f64 = 1e-3;
 
-/// The polygons of a surface over a rectangle of its parameters, or over what `loops` leave of
-/// it. Normals are those of the surface.
+/// The polygons of a surface over a rectangle of its parameters, or over the region that `loops`
+/// leave of it. Normals are those of the surface.
 pub(super) fn tessellate(
-    surface: &Surface,
+    surface: &FreeFormSurface,
     range: [f64; 4],
     technique: Technique,
     loops: impl FnOnce(&Lines, &mut Budget) -> Result<Loops, Refused>,
@@ -39,10 +39,10 @@ pub(super) fn tessellate(
     }
 }
 
-/// Polygons of one surface, everything by vertex.
+/// Polygons of one surface, with all attributes per vertex.
 #[derive(Debug, Default)]
 pub(super) struct Patch {
-    /// Parameters of the middle.
+    /// Parameters of the centre.
     middle: DVec2,
     positions: Vec<DVec3>,
     normals: Vec<DVec3>,
@@ -53,7 +53,7 @@ pub(super) struct Patch {
 impl Patch {
     fn grid(
         &mut self,
-        surface: &Surface,
+        surface: &FreeFormSurface,
         lines: &Lines,
         budget: &mut Budget,
     ) -> Result<(), Refused> {
@@ -80,7 +80,7 @@ impl Patch {
 
     fn trimmed(
         &mut self,
-        surface: &Surface,
+        surface: &FreeFormSurface,
         lines: &Lines,
         loops: Loops,
         budget: &mut Budget,
@@ -100,19 +100,19 @@ impl Patch {
         Ok(())
     }
 
-    /// Adds the surface's point at parameters, and returns its index.
-    fn vertex(&mut self, surface: &Surface, at: DVec2) -> u32 {
+    /// Adds the point of the surface at parameters, and returns its index.
+    fn vertex(&mut self, surface: &FreeFormSurface, at: DVec2) -> u32 {
         self.push(surface, at, surface.at(at.x, at.y))
     }
 
-    fn push(&mut self, surface: &Surface, at: DVec2, sample: Sample) -> u32 {
+    fn push(&mut self, surface: &FreeFormSurface, at: DVec2, sample: Sample) -> u32 {
         let normal = normal(&sample).or_else(|| {
             let inward = at + BESIDE_A_POLE * (self.middle - at);
             normal(&surface.at(inward.x, inward.y))
         });
         self.positions.push(sample.position);
         self.uvs.push(sample.uv);
-        // Where a surface has no area, any unit vector does.
+        // Where a surface has no area, any unit vector will do.
         self.normals.push(normal.unwrap_or(DVec3::Z));
         (self.positions.len() - 1) as u32
     }
@@ -121,7 +121,7 @@ impl Patch {
         self.faces.is_empty()
     }
 
-    /// Adds the polygons to a mesh that holds nothing else.
+    /// Adds the polygons to a mesh that contains no others.
     pub fn add_to(self, mesh: &mut Mesh, material: MaterialId) {
         let base = mesh.positions.len() as u32;
         mesh.positions.extend(self.positions);
@@ -136,11 +136,11 @@ impl Patch {
     }
 }
 
-/// Unit normal on the side from which v is left of u; `None` where the parameters span no plane.
+/// Unit normal on the side from which v is left of u; `None` if the parameters do not span a plane.
 fn normal(sample: &Sample) -> Option<DVec3> {
     let scaled = |d: DVec3| d / d.abs().max_element();
     let across = scaled(sample.du).cross(scaled(sample.dv));
-    // Two directions a millionth of a degree apart are one, with rounding.
+    // Directions a millionth of a degree apart are equal within rounding.
     (across.length_squared() > 1e-16)
         .then(|| across.try_normalize())
         .flatten()

@@ -1,4 +1,4 @@
-//! Free-form statements, each by a small file with a surface that is known otherwise.
+//! Free-form statements, each in a small file with a surface known in closed form.
 
 use crate::{Loaded, Memory, ReadOptions, obj};
 use azulejo_scene::{Mesh, Shape};
@@ -45,8 +45,8 @@ fn check_warnings(text: &str, expected: &[&str]) {
 const SQUARE: &str = "v 0 0 0\nv 2 0 0\nv 0 2 0\nv 2 2 0\ncstype bezier\ndeg 1 1\n";
 const SURFACE: &str = "surf 0 1 0 1 1 2 3 4\nparm u 0 1\nparm v 0 1\n";
 
-/// Control points of the saddle z = xy − x over 0..=3 squared, cubic by squared degree, in the
-/// order u first; `points` gives those of x, y by their place and the rest from blossoms.
+/// Control points of the saddle z = xy − x over 0..=3 squared, cubic by quadratic, in the
+/// order u first; `xs` and `ys` are their coordinates.
 fn net(xs: &[f64], ys: &[f64]) -> String {
     let mut text = String::new();
     for y in ys {
@@ -130,7 +130,7 @@ fn one_surface_in_every_family() {
     check_saddle(&only_mesh(&matrix), area);
 }
 
-/// An octant of the unit sphere, of which one edge is the pole.
+/// An octant of the unit sphere, with one edge collapsed to the pole.
 fn octant() -> String {
     let w = FRAC_1_SQRT_2;
     format!(
@@ -163,11 +163,11 @@ fn rational_surfaces_are_round() {
         "{}",
         mesh.area()
     );
-    // Without `rat` the weights count for nothing.
+    // Without `rat` the weights have no effect.
     let plain = octant().replace("rat ", "");
     check_warnings(
         &(plain + "end\n"),
-        &["a vertex with a weight w: not used, only rational surfaces are divided by it"],
+        &["vertex with a weight w: not used, weights apply only to rational surfaces"],
     );
 }
 
@@ -188,7 +188,7 @@ fn techniques_are_obeyed() {
     assert!((80..=100).contains(&angles), "{angles}");
     check_warnings(
         &format!("stech cspace 0\n{SQUARE}{SURFACE}end"),
-        &["\"stech\" that cannot be understood: skipped"],
+        &["malformed \"stech\": skipped"],
     );
 }
 
@@ -206,11 +206,11 @@ fn texture_coordinates() {
     assert_eq!(given.uvs.unwrap().values[3].to_array(), [5.0, 6.0]);
     check_warnings(
         &format!("{SQUARE}vn 0 0 1\nsurf 0 1 0 1 1//1 2 3 4\nparm u 0 1\nparm v 0 1\nend"),
-        &["normals of a surface's control points: not used, it has its own"],
+        &["normals of control points: not used, those of the surface are computed"],
     );
 }
 
-/// A circle around (0.5, 0.5) in the plane of parameters, a rational spline of four quarters.
+/// A circle around (0.5, 0.5) in the parameter plane, a rational spline of four quarters.
 fn circle(radius: f64) -> String {
     let mut text = String::new();
     let w = FRAC_1_SQRT_2;
@@ -252,7 +252,7 @@ fn trimming() {
     check_area(&format!("{circle}{SURFACE}trim 0 2 1 2 4 1\nend"), hole);
     // Half of the circle: the chord closes it.
     check_area(&format!("{circle}{SURFACE}trim 0 2 1\nend"), hole / 2.0);
-    // The outline that exporters write where nothing is cut off.
+    // The outline that exporters write where nothing is trimmed.
     let outline = "vp 0 0\nvp 1 0\nvp 1 1\nvp 0 1\ncurv2 -4 -3 -2 -1 -4\nparm u 0 1 2 3 4\nend\n";
     check_area(&format!("{circle}{outline}{SURFACE}trim 0 4 2\nend"), 4.0);
     let both = format!("{circle}{outline}{SURFACE}trim 0 4 2\nhole 0 4 1\nend");
@@ -260,7 +260,7 @@ fn trimming() {
     check_area(&format!("stech cparmb 7\n{both}"), 4.0 - hole);
     check_warnings(
         &format!("{circle}{outline}{SURFACE}trim 0 4 2\ntrim 0 4 2\nend\nf 1 2 3"),
-        &["free-form curve or surface with loops that leave nothing of it: skipped"],
+        &["free-form curve or surface with loops that cut all of it away: skipped"],
     );
 }
 
@@ -276,7 +276,7 @@ fn a_trimmed_dome_has_no_cracks() {
             *edges.entry((a.min(b), a.max(b))).or_insert(0) += if a < b { 1 } else { -1 };
         }
     }
-    // What only one face has lies on the rim or around the hole, nowhere else.
+    // Edges of only one face lie on the rim or around the hole, nowhere else.
     let uvs = &mesh.uvs.as_ref().unwrap().values;
     let on_border = |v: u32| {
         let p = uvs[v as usize];
@@ -330,7 +330,7 @@ fn old_patches() {
     assert!(only_mesh(&format!("{points}cdp{}", list(16))).faces.len() > 1);
     check_warnings(
         &format!("{points}bzp 1 2 3\nf 1 2 3"),
-        &["patch of other than 16 control points: skipped"],
+        &["patch without exactly 16 control points: skipped"],
     );
 }
 
@@ -350,7 +350,7 @@ fn what_cannot_be_is_named() {
     check(("deg 1 1", "deg 1"), &skipped("degree 0, expected 1 to 30"));
     check(
         ("parm u 0 1", "parm u 1 0"),
-        &skipped("parameter values (parm) that do not rise"),
+        &skipped("parameter values (parm) that do not increase"),
     );
     check(
         ("parm u 0 1\n", ""),
@@ -370,15 +370,15 @@ fn what_cannot_be_is_named() {
     );
     check(
         ("1\nend", "1\ntrim 0 1 1\nend"),
-        &skipped("a loop of a trimming curve that does not exist"),
+        &skipped("a loop with a trimming curve that does not exist"),
     );
     check(
         ("end\n", ""),
-        "curve or surface without end at the end of the file: ended",
+        "curve or surface without end at the end of the file: ended there",
     );
     check(
         ("deg 1 1", "deg 1 1\ndeg x"),
-        "\"deg\" with what is no number: skipped",
+        "\"deg\" with a malformed or infinite number: skipped",
     );
     check(
         ("surf 0 1 0 1 1", "surf a 1"),
@@ -386,9 +386,12 @@ fn what_cannot_be_is_named() {
     );
     check(
         ("deg 1 1", "deg 1 1\nparm w 1"),
-        "\"parm\" of neither u nor v: skipped",
+        "\"parm\" for neither u nor v: skipped",
     );
-    check(("deg 1 1", "deg 1 1\nend"), "\"end\" of nothing: skipped");
+    check(
+        ("deg 1 1", "deg 1 1\nend"),
+        "\"end\" without a curve or surface: skipped",
+    );
     check(
         ("deg 1 1", "deg 1 1\ntrim 0 1 1"),
         "\"trim or hole\" outside a curve or surface: skipped",
@@ -407,7 +410,7 @@ fn what_cannot_be_is_named() {
     );
     check_warnings(
         &format!("{SQUARE}{SURFACE}f 1 2 3\n{SURFACE}end"),
-        &["curve or surface without end before the next: ended"],
+        &["curve or surface without end before the next one: ended there"],
     );
     check_warnings(
         &format!("v 0 0 0 0\n{SQUARE}cstype rat bezier\n{SURFACE}end\nf 1 2 3"),
@@ -431,10 +434,10 @@ fn many_malformed_statements_take_no_time() {
     check_warnings(
         &format!("{SQUARE}f 1 2 3\n{text}"),
         &[
-            "\"deg\" with what is no number: skipped",
-            "\"step\" with what is no number: skipped",
+            "\"deg\" with a malformed or infinite number: skipped",
+            "\"step\" with a malformed or infinite number: skipped",
             "\"surf\" without four numbers for its range: skipped",
-            "\"vp\" with what is no number: skipped",
+            "\"vp\" with a malformed or infinite number: skipped",
         ],
     );
     let options = "map_Kd -s 1 x a.png\nPc x\n".repeat(20_000);

@@ -265,7 +265,7 @@ fn check_budget(bytes: &[u8]) {
         ..ReadOptions::default()
     };
     let said = error(bytes, &options);
-    assert!(said.contains("unfold to more than 100000"), "{said}");
+    assert!(said.contains("expand to more than 100000"), "{said}");
 }
 
 /// Truncates a file at every byte and changes every byte: it must be read or rejected, and any

@@ -285,7 +285,7 @@ fn materials_glow_and_shine() {
     };
     let highlight = Highlight::half(20.0, Rgb::new(1.0, 0.5, 0.25));
     let mut expected = expected;
-    let warning = "glossy material that reflects more than it gets: all of it scaled down";
+    let warning = "glossy material that reflects more light than it receives: scaled down";
     let made = Gloss::default().highlight(&mut expected, highlight);
     assert_eq!(made, Err(warning));
     check_material(&[glossy], lit(), expected, &[(warning, 1)]);
@@ -356,7 +356,7 @@ fn pictures_are_named() {
     assert_eq!(
         messages,
         [
-            "picture \"C:/art/brick.rgb\" is not shown: there is no such file",
+            "picture \"C:/art/brick.rgb\" is not used: there is no such file",
             "face with a texture, but without texture coordinates",
             "texture index that is not in the palette: ignored",
         ]

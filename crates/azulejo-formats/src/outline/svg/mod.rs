@@ -1,8 +1,8 @@
-//! SVG drawings: what is filled in them.
+//! SVG drawings: their filled shapes.
 //!
 //! Paths and basic shapes become [`Figure`](azulejo_scene::Figure)s, with all transforms applied,
-//! y turned up, and arcs as cubic curves. Strokes, text and pictures are left out and counted.
-//! `docs/formats/svg.md` says how every element is understood.
+//! y up, and arcs as cubic curves. Strokes, text and images are left out and counted.
+//! `docs/formats/svg.md` documents how every element is interpreted.
 
 mod path;
 mod shapes;
@@ -18,15 +18,15 @@ use crate::reading::text::decoded_text;
 use crate::{ReadError, ReadOptions};
 use roxmltree::{Document, ParsingOptions};
 
-/// Reads a drawing. `name` stands in messages.
+/// Reads a drawing. `name` is used in messages.
 ///
 /// # Errors
 /// XML that is not well-formed or declares entities, another element than `svg`, and a drawing
-/// that unfolds to more than `options` allow. Anything less is left out with a warning.
+/// that expands to more than `options` allow. Anything less is left out with a warning.
 pub fn read(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<Drawing, ReadError> {
     let text = decoded_text(bytes);
     if let Some(at) = text.find("<!ENTITY") {
-        // One entity may stand for a megabyte, and be named a million times.
+        // An entity may stand for a megabyte, and be referenced a million times.
         let (found, expected) = ("XML that declares entities of its own", "SVG without them");
         return Err(ReadError::at_byte(name, at as u64, found, expected));
     }
@@ -50,7 +50,7 @@ pub fn read(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<Drawing, 
     walk::read(&xml, name, options)
 }
 
-/// Whether bytes are XML with an element `svg` near its beginning.
+/// Whether bytes are XML with an element `svg` near the beginning.
 pub(crate) fn is_svg(bytes: &[u8]) -> bool {
     const LOOKED_AT: usize = 1 << 14;
     let head = &bytes[..bytes.len().min(LOOKED_AT)];

@@ -1,20 +1,20 @@
-//! Path data: the `d` of a path.
+//! Path data: the `d` attribute of a path.
 
 use super::values::SvgScanner;
 use crate::outline::pen::{Ellipse, Pen};
 use glam::DVec2;
 use std::f64::consts::{PI, TAU};
 
-/// What became of path data.
+/// The problems found in path data.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Outcome {
-    /// Contours that do not come back to where they begin, nor are closed by Z.
+    /// Number of contours that neither return to their start nor are closed by Z.
     pub open: usize,
-    /// Whether something stood in it that is no path data: what comes before is drawn.
+    /// Whether it contains an error: only what precedes the error is drawn.
     pub is_cut: bool,
 }
 
-/// Draws path data as far as it is well-formed, as SVG 2 asks for (9.5.4).
+/// Draws path data up to the first error, as SVG 2 requires (9.5.4).
 pub(super) fn draw(data: &str, pen: &mut Pen) -> Outcome {
     let mut path = Path {
         pen,
@@ -39,7 +39,7 @@ struct Path<'a, 'p> {
     has_moved: bool,
 }
 
-/// The control point that a smooth curve behind this one mirrors.
+/// The control point that a following smooth curve mirrors.
 #[derive(Clone, Copy)]
 enum Last {
     Cubic(DVec2),
@@ -66,14 +66,14 @@ impl Last {
 }
 
 impl Path<'_, '_> {
-    /// All commands; `None` at what is none.
+    /// All commands; `None` at an error.
     fn commands(&mut self) -> Option<()> {
         let mut command = 0;
         while let Some(next) = self.data.peek() {
             if next.is_ascii_alphabetic() {
                 command = self.data.byte()?;
             } else {
-                // Numbers alone repeat the command; behind a place they are lines.
+                // Numbers alone repeat the command; after a move they are lines.
                 command = match command {
                     b'M' => b'L',
                     b'm' => b'l',
@@ -122,7 +122,7 @@ impl Path<'_, '_> {
         Some(())
     }
 
-    /// Where a line, a horizontal or a vertical one goes.
+    /// The end of a general, horizontal or vertical line.
     fn line_end(&mut self, command: u8, base: DVec2) -> Option<DVec2> {
         let at = self.pen.at();
         Some(match command {
@@ -142,7 +142,7 @@ impl Path<'_, '_> {
 
     fn end_contour(&mut self) {
         let (from, to) = (self.pen.start(), self.pen.at());
-        // Relative numbers add up with their rounding.
+        // Relative coordinates accumulate rounding errors.
         let size = from.abs().max(to.abs()).max_element();
         self.open += usize::from(from.distance(to) > 1e-5 * size);
     }
@@ -175,7 +175,7 @@ impl Path<'_, '_> {
     }
 }
 
-/// An arc by its centre.
+/// An arc in centre parametrisation.
 #[derive(Debug)]
 struct Arc {
     ellipse: Ellipse,
@@ -184,8 +184,8 @@ struct Arc {
 }
 
 impl Arc {
-    /// From the ends to the centre: SVG 2, appendix B.2.4. `None` where a radius is 0 or the ends
-    /// are the same point: a line then.
+    /// From the end points to the centre: SVG 2, appendix B.2.4. `None` if a radius is 0 or the end
+    /// points are equal: then it is a line.
     fn new(
         from: DVec2,
         to: DVec2,
@@ -198,10 +198,10 @@ impl Arc {
             return None;
         }
         let axis = DVec2::from_angle(turned);
-        // Half the way back, in a frame where the ellipse is the unit circle.
+        // Half of the chord, in a frame where the ellipse is the unit circle.
         let half = DVec2::from_angle(-turned).rotate(0.5 * (from - to)) / radii;
         let length = half.length();
-        // Radii that are too small to reach are scaled up until they do.
+        // Radii that are too small are scaled up until the arc reaches its end.
         let (radii, half) = if length > 1.0 {
             (radii * length, half / length)
         } else {
@@ -215,7 +215,7 @@ impl Arc {
         if !is_positive {
             angle -= TAU;
         }
-        // Half a turn is the same on either side but for rounding.
+        // Half a turn is the same on either side up to rounding.
         if is_large && angle.abs() < PI - 1e-6 || !angle.is_finite() {
             return None;
         }
@@ -242,7 +242,7 @@ mod tests {
         (pen.finish(FillRule::NonZero), outcome)
     }
 
-    /// The same figure by other commands.
+    /// Checks that other commands draw the same figure.
     fn check_same(a: &str, b: &str) {
         let (found, outcome) = drawn(a);
         assert_eq!(outcome, Outcome::default(), "{a}");
@@ -284,7 +284,7 @@ mod tests {
         check("M0 0A1 1 0 0 1 2 0", [1.0, -1.0], 4);
         check("M0 0A1 1 0 0 0 2 0", [1.0, 1.0], 4);
         check("M0 0a1 1 0 1 0 2 0", [1.0, 1.0], 4);
-        // Too small: as large as it must be.
+        // Too small radii are enlarged.
         check("M0 0A.5.5 0 0 1 2 0", [1.0, -1.0], 4);
         let s = 0.5f64.sqrt();
         check("M1 0A1 1 0 0 1 0 1", [s, s], 2);

@@ -7,7 +7,7 @@ use glam::DVec2;
 use roxmltree::Node;
 use std::f64::consts::FRAC_PI_2;
 
-/// Draws the outline of a shape; `None` for elements that are none, or lack what they need.
+/// Draws the outline of a shape; `None` for other elements, and for those without required attributes.
 pub(super) fn draw(element: Node, pen: &mut Pen) -> Option<Outcome> {
     let value = |name: &str| match element.attribute(name) {
         Some(text) => length(text).map(|(value, _)| value),
@@ -47,7 +47,7 @@ fn upright(centre: DVec2, radii: DVec2) -> Ellipse {
     }
 }
 
-/// Radii of a rectangle's corners: one stands for both, and they fill no more than the sides.
+/// Corner radii of a rectangle: one sets both, and they are at most half the sides.
 fn radii(element: Node, size: DVec2) -> Option<DVec2> {
     let radius = |name: &str| match element.attribute(name) {
         Some(text) if text.trim() != "auto" => length(text).map(|(r, _)| Some(r.max(0.0))),
@@ -81,7 +81,7 @@ fn rectangle(corner: DVec2, size: DVec2, radii: DVec2, pen: &mut Pen) {
     pen.close();
 }
 
-/// Lines through points; an odd number at the end is damage.
+/// Lines through points; an odd number at the end is an error.
 fn polygon(element: Node, is_closed: bool, pen: &mut Pen) -> Outcome {
     let mut points = SvgScanner::new(element.attribute("points").unwrap_or(""));
     let mut is_cut = false;

@@ -1,33 +1,33 @@
-//! What decides how an element is painted, and what it inherits.
+//! The properties by which an element is painted, and their inheritance.
 
 use super::style_sheet::StyleSheet;
 use super::values::color;
 use azulejo_scene::{FillRule, Rgb};
 use roxmltree::Node;
 
-/// The properties that matter here, as an element has or inherits them.
+/// The relevant properties of an element, its own or inherited.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Style {
-    /// What its inside is painted with.
+    /// How its inside is painted.
     pub fill: Paint,
-    /// What is inside of it.
+    /// The fill rule.
     pub rule: FillRule,
-    /// Whether its outline is drawn.
+    /// Whether it has a stroke.
     pub is_stroked: bool,
-    /// Whether it is seen at all.
+    /// Whether it is visible.
     pub is_visible: bool,
-    /// What `currentColor` means.
+    /// The value of `currentColor`.
     current: Paint,
 }
 
-/// Paint of an inside.
+/// The paint of the inside of a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Paint {
     /// Not painted.
     None,
     /// One colour, linear.
     Color(Rgb),
-    /// Gradients, patterns, and colours of unknown names.
+    /// Gradients, patterns, and unknown colour names.
     Other,
 }
 
@@ -44,9 +44,9 @@ impl Default for Style {
 }
 
 impl Style {
-    /// The style of an element in one of this style; `None` if it and all in it are not displayed.
+    /// The style of a child element of one with this style; `None` if it and its content are not displayed.
     ///
-    /// Attributes count least, then rules of the style sheet, then the element's own `style`.
+    /// Attributes have the lowest priority, then rules of the style sheet, then the element's own `style`.
     pub fn of(mut self, element: Node, sheet: &StyleSheet) -> Option<Style> {
         let mut is_displayed = true;
         for attribute in element.attributes() {

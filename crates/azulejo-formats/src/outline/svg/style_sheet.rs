@@ -1,4 +1,4 @@
-//! The simple rules of style sheets: by class, by id, by element.
+//! The simple rules of style sheets: by class, id or element.
 
 use roxmltree::{Document, Node};
 use std::collections::HashMap;
@@ -6,14 +6,14 @@ use std::collections::HashMap;
 /// Rules of all `style` elements.
 #[derive(Debug, Default)]
 pub(super) struct StyleSheet {
-    /// Declarations by selector: `.class`, `#id`, `element` or `*`, each with its place in order.
+    /// Declarations by selector: `.class`, `#id`, `element` or `*`, each with its position in the sheet.
     rules: HashMap<String, Vec<(String, String)>>,
-    /// Rules whose selectors say more than that: they are not applied.
+    /// Number of rules with other selectors, which are not applied.
     pub not_applied: usize,
 }
 
 impl StyleSheet {
-    /// Reads the rules of a document.
+    /// Reads the style sheets of a document.
     pub fn new(xml: &Document) -> StyleSheet {
         let mut sheet = StyleSheet::default();
         let styles = xml.descendants().filter(|n| n.tag_name().name() == "style");
@@ -49,7 +49,7 @@ impl StyleSheet {
         }
     }
 
-    /// What the rules say of an element, the weakest first: by element, by class, by id.
+    /// The declarations for an element, lowest priority first: by element, by class, by id.
     pub fn declarations<'s>(
         &'s self,
         element: Node<'s, '_>,
@@ -78,7 +78,7 @@ fn matters(name: &str) -> bool {
     NAMES.contains(&name)
 }
 
-/// Whether a selector is one name alone.
+/// Whether a selector is a single name.
 fn is_simple(selector: &str) -> bool {
     let name = selector.strip_prefix(['.', '#']).unwrap_or(selector);
     let is_name = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_');

@@ -169,23 +169,23 @@ fn what_is_used_is_drawn_where_it_is_used() {
 fn what_is_left_out_is_said() {
     check_warning("<text>a</text>", 0, "text: left out");
     check_warning("<image/>", 0, "image: left out");
-    let stroked = "outline that is drawn but not filled: left out";
+    let stroked = "shape with a stroke but no fill: left out";
     check_warning("<path fill='none' stroke='red' d='M0 0h1v1z'/>", 0, stroked);
     check_warning(
         "<path d='M0 0h1v1'/>",
         1,
-        "open outline: closed by a straight line, as filling does",
+        "open outline: closed by a straight line, as for filling",
     );
-    let cut = "path or points that are not well-formed: drawn up to there";
+    let cut = "malformed path or points: drawn up to the error";
     check_warning("<path d='M0 0h1v1zX'/>", 1, cut);
     check_warning("<polygon points='0 0 1 0 1 1 7'/>", 1, cut);
-    let paint = "paint that is not one plain colour: not kept";
+    let paint = "paint that is not a single colour: not kept";
     check_warning("<path fill='url(#g)' d='M0 0h1v1z'/>", 1, paint);
     check_warning("<g clip-path='url(#c)'/>", 0, "clip-path: not applied");
     check_warning(
         "<g transform='spin(3)'/>",
         0,
-        "transform that is not well-formed: not applied",
+        "malformed transform: not applied",
     );
     check_warning(
         "<rect width='50%' height='1'/>",
@@ -195,11 +195,11 @@ fn what_is_left_out_is_said() {
     check_warning(
         "<use href='#no'/>",
         0,
-        "use of what is not in the file: left out",
+        "use of an element that does not exist: left out",
     );
-    let deep = "use within use, more than 32 deep: left out";
+    let deep = "use nested more than 32 deep: left out";
     check_warning("<g id='a'><use href='#a'/></g>", 0, deep);
-    let sheet = "rule of a style sheet for more than one class, id or element: not applied";
+    let sheet = "style sheet rule whose selector is not a single class, id or element: not applied";
     check_warning("<style>g > path {fill:red}</style>", 0, sheet);
 }
 

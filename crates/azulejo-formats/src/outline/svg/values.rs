@@ -1,24 +1,24 @@
-//! Numbers, lengths, transforms and colours as SVG writes them.
+//! Numbers, lengths, transforms and colours in SVG syntax.
 
 use crate::reading::number;
 use azulejo_scene::Rgb;
 use glam::{DAffine2, DMat2, DVec2};
 
-/// Reads what stands between blanks and commas.
+/// Reads values separated by blanks and commas.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SvgScanner<'a> {
     rest: &'a [u8],
 }
 
 impl<'a> SvgScanner<'a> {
-    /// The start of a text.
+    /// A scanner at the start of a text.
     pub fn new(text: &'a str) -> SvgScanner<'a> {
         SvgScanner {
             rest: text.as_bytes(),
         }
     }
 
-    /// The next byte behind blanks and commas, which is not passed.
+    /// The next byte after blanks and commas, which is not consumed.
     pub fn peek(&mut self) -> Option<u8> {
         let is_blank = |b: &u8| b.is_ascii_whitespace() || *b == b',';
         let blanks = self.rest.iter().take_while(|b| is_blank(b)).count();
@@ -33,7 +33,7 @@ impl<'a> SvgScanner<'a> {
         Some(byte)
     }
 
-    /// The next number, which ends where it cannot go on: `1.5.5-3` are three.
+    /// The next number, which ends where it cannot continue: `1.5.5-3` is three numbers.
     pub fn number(&mut self) -> Option<f64> {
         self.peek()?;
         let found = number::parse(self.rest)?;
@@ -47,7 +47,7 @@ impl<'a> SvgScanner<'a> {
         Some(DVec2::new(self.number()?, self.number()?))
     }
 
-    /// One digit, 0 or 1, with or without a blank behind it.
+    /// One digit, 0 or 1, with or without a following blank.
     pub fn flag(&mut self) -> Option<bool> {
         let flag = match self.peek()? {
             b'0' => false,
@@ -58,7 +58,7 @@ impl<'a> SvgScanner<'a> {
         Some(flag)
     }
 
-    /// All that is left as numbers.
+    /// All remaining numbers.
     pub fn numbers(mut self) -> Option<Vec<f64>> {
         let mut numbers = Vec::new();
         while self.peek().is_some() {
@@ -71,7 +71,7 @@ impl<'a> SvgScanner<'a> {
 /// Larger numbers are damage, and their squares could overflow.
 const LARGEST: f64 = 1e30;
 
-/// Metres in a unit of CSS, and how many of SVG's own units it is: 96 to the inch.
+/// The length of a CSS unit in SVG's user units, of which there are 96 to the inch.
 fn unit(name: &str) -> Option<f64> {
     const PER_INCH: f64 = 96.0;
     Some(match name {
@@ -85,7 +85,7 @@ fn unit(name: &str) -> Option<f64> {
     })
 }
 
-/// A length in SVG's own units, and whether it names one that exists outside of screens.
+/// A length in SVG's user units, and whether its unit is a physical one.
 pub(super) fn length(text: &str) -> Option<(f64, bool)> {
     let text = text.trim();
     let found = number::parse(text.as_bytes())?;
@@ -94,7 +94,7 @@ pub(super) fn length(text: &str) -> Option<(f64, bool)> {
     (value.abs() <= LARGEST).then_some((value, !matches!(name, "" | "px")))
 }
 
-/// A list of transforms as one map; `None` where it is not well-formed.
+/// A list of transforms as one; `None` if it is malformed.
 pub(super) fn transform(text: &str) -> Option<DAffine2> {
     let mut map = DAffine2::IDENTITY;
     let mut rest = text.trim_matches(is_separator);

@@ -1,4 +1,4 @@
-//! From the elements of a document to its filled figures.
+//! Converts the elements of a document to filled figures.
 
 use super::path::Outcome;
 use super::shapes;
@@ -16,10 +16,10 @@ use glam::{DAffine2, DVec2};
 use roxmltree::{Document, Node};
 use std::collections::HashMap;
 
-/// `use` within `use`; deeper ones are left out, and with them those that hold themselves.
+/// Deepest nesting of `use`; deeper ones are left out, and thereby recursive ones.
 const DEEPEST_USE: u32 = 32;
 
-/// Reads all that is filled.
+/// Reads all filled shapes.
 pub(super) fn read(
     xml: &Document,
     file: &str,
@@ -33,13 +33,14 @@ pub(super) fn read(
         file,
         warnings: Warnings::default(),
         sheet: StyleSheet::new(xml),
-        // Of several elements with one id the first counts.
+        // If several elements have the same id, the first is used.
         ids: ids.collect::<Vec<_>>().into_iter().rev().collect(),
         budget: Budget::new(options),
         shapes: Vec::new(),
     };
     let skipped = walk.sheet.not_applied;
-    let message = "rule of a style sheet for more than one class, id or element: not applied";
+    let message =
+        "style sheet rule whose selector is not a single class, id or element: not applied";
     walk.warnings
         .add_many(file, message.to_owned(), skipped, || Position::Whole);
     let (map, metres_per_unit) = viewport(xml.root_element());
@@ -51,8 +52,8 @@ pub(super) fn read(
     })
 }
 
-/// Turns y up, with the lower left corner of the view at the origin, and says how long a unit is,
-/// where the drawing has a size outside of screens.
+/// The transform that turns y up, with the lower left corner of the view at the origin, and the
+/// length of a unit in metres, if the drawing has a physical size.
 fn viewport(root: Node) -> (DAffine2, Option<f64>) {
     const METRES: f64 = 0.0254 / 96.0;
     let side = |name: &str| root.attribute(name).and_then(length);
@@ -82,18 +83,18 @@ struct SvgWalk<'a, 'i> {
     shapes: Vec<Filled>,
 }
 
-/// An element that is still to be drawn, and where.
+/// An element to be drawn, with its transform and style.
 #[derive(Clone, Copy)]
 struct Site<'a, 'i> {
     element: Node<'a, 'i>,
     map: DAffine2,
     style: Style,
-    /// How many `use` lead here.
+    /// Nesting depth of `use`.
     depth: u32,
 }
 
 impl<'a, 'i> SvgWalk<'a, 'i> {
-    /// Elements in their order, without recursion: files nest as deeply as they are long.
+    /// Draws elements in document order, without recursion: nesting may be as deep as a file is long.
     fn all(&mut self, map: DAffine2) -> Result<(), ReadError> {
         let mut open = vec![Site {
             element: self.xml.root_element(),
@@ -129,13 +130,13 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
         });
     }
 
-    /// The element's own transform, and the place of one that has a place.
+    /// The element's own transform, and its x and y for elements that have them.
     fn own_map(&mut self, element: Node) -> DAffine2 {
         let map = match element.attribute("transform").map(transform) {
             None => DAffine2::IDENTITY,
             Some(Some(map)) => map,
             Some(None) => {
-                self.warn("transform that is not well-formed: not applied", element);
+                self.warn("malformed transform: not applied", element);
                 DAffine2::IDENTITY
             }
         };
@@ -157,7 +158,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
         map * DAffine2::from_translation(DVec2::new(value("x"), value("y")))
     }
 
-    /// Says what about an element has no effect here.
+    /// Warns about attributes of an element that are not applied.
     fn note_ignored(&mut self, element: Node) {
         for name in ["clip-path", "mask", "filter"] {
             if element.attribute(name).is_some_and(|v| v.trim() != "none") {
@@ -182,7 +183,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
         match target {
             Some(_) if site.depth == DEEPEST_USE => {
                 self.warn(
-                    format!("use within use, more than {DEEPEST_USE} deep: left out"),
+                    format!("use nested more than {DEEPEST_USE} deep: left out"),
                     element,
                 );
             }
@@ -191,11 +192,11 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
                 depth: site.depth + 1,
                 ..site
             }),
-            None => self.warn("use of what is not in the file: left out", element),
+            None => self.warn("use of an element that does not exist: left out", element),
         }
     }
 
-    /// Elements that draw something else, or nothing.
+    /// Warns about elements that are not supported.
     fn left_out(&mut self, name: &str, element: Node) {
         const SILENT: [&str; 16] = [
             "defs",
@@ -229,7 +230,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
         }
         if site.style.fill == Paint::None {
             if site.style.is_stroked {
-                self.warn("outline that is drawn but not filled: left out", element);
+                self.warn("shape with a stroke but no fill: left out", element);
             }
             return Ok(());
         }
@@ -256,7 +257,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
             Paint::None | Paint::Other => None,
         };
         if color.is_none() {
-            self.warn("paint that is not one plain colour: not kept", element);
+            self.warn("paint that is not a single colour: not kept", element);
         }
         let name = element.attribute("id").unwrap_or_default();
         self.shapes.push(Filled {
@@ -269,19 +270,19 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
 
     fn note(&mut self, outcome: Outcome, element: Node) {
         if outcome.is_cut {
-            let message = "path or points that are not well-formed: drawn up to there";
+            let message = "malformed path or points: drawn up to the error";
             self.warn(message, element);
         }
         for _ in 0..outcome.open.min(1) {
             self.warn(
-                "open outline: closed by a straight line, as filling does",
+                "open outline: closed by a straight line, as for filling",
                 element,
             );
         }
     }
 }
 
-/// The last child first, so that the first is taken from the stack first.
+/// Pushes the last child first, so that the first one is popped first.
 fn push_children<'a, 'i>(site: Site<'a, 'i>, open: &mut Vec<Site<'a, 'i>>) {
     let children = site.element.children().rev().filter(Node::is_element);
     open.extend(children.map(|element| Site { element, ..site }));

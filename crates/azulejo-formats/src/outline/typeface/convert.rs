@@ -1,4 +1,4 @@
-//! Typefaces as PPF fonts.
+//! Conversion of typefaces to PPF fonts.
 
 use super::face::{SettingError, Typeface};
 use super::overlap::{difference, union};
@@ -8,17 +8,17 @@ use read_fonts::ps::agl;
 use read_fonts::types::GlyphId;
 use std::collections::BTreeMap;
 
-/// Part of a typeface as PPF and PPE hold it.
+/// Part of a typeface as PPF and PPE represent it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Converted {
     /// Outlines by glyph name, coordinates rounded to a millionth of an em.
     pub font: Font,
     /// Glyph names by character.
     pub encoding: Encoding,
-    /// Characters that were asked for but have no glyph.
+    /// Requested characters that have no glyph.
     pub missing: Vec<char>,
-    /// Glyphs whose contours overlap in a way that could not be undone: PPF's even-odd rule makes
-    /// holes of what the typeface fills.
+    /// Glyphs whose overlapping contours could not be merged: PPF's even-odd rule leaves
+    /// holes where the typeface fills.
     pub overlapping: Vec<String>,
 }
 
@@ -32,12 +32,12 @@ impl Typeface {
         characters
     }
 
-    /// Takes the glyphs of some characters to PPF.
+    /// Converts the glyphs of some characters to PPF.
     ///
-    /// PPF has no side bearings: the pen moves by the largest x. Outlines are therefore shifted to
-    /// the right by what the typeface leaves behind them, so that text is as long as the typeface
-    /// makes it, but for kerning. Characters without ink are left out. Names are the typeface's
-    /// own, else those of Adobe's list, else `uni20AC`.
+    /// PPF has no side bearings: the advance is the largest x. Outlines are therefore shifted to
+    /// the right by their right side bearing, so that text is as long as in the typeface,
+    /// except for kerning. Characters without ink are left out. Names are those of the typeface,
+    /// else those of Adobe's list, else `uni20AC`.
     ///
     /// # Errors
     /// An outline that cannot be read.
@@ -65,7 +65,7 @@ impl Typeface {
         Ok(converted)
     }
 
-    /// Adds a glyph that is not there yet and returns its name; none if it has no ink.
+    /// Adds a glyph unless it exists and returns its name; none if it has no ink.
     fn add(
         &self,
         glyph: GlyphId,
@@ -85,7 +85,7 @@ impl Typeface {
         Ok(Some(name))
     }
 
-    /// The outline, shifted by the bearing on its right, without overlaps if that can be done,
+    /// The outline, shifted by its right side bearing, without overlaps if possible,
     /// rounded.
     fn for_ppf(&self, glyph: GlyphId) -> Result<(Figure, bool), SettingError> {
         let mut figure = self.figure(glyph)?;
@@ -100,7 +100,7 @@ impl Typeface {
         Ok((figure, is_whole))
     }
 
-    /// A name that PPF can spell and that no other glyph has.
+    /// A name that PPF can represent and that no other glyph has.
     fn ppf_name(&self, glyph: GlyphId, character: char, taken: &Font) -> String {
         let own = self.file.glyph_name(glyph).filter(|n| !n.is_synthesized());
         let spelled = |name: &str| name.bytes().all(|b| b.is_ascii_graphic() && b != b'/');
@@ -121,7 +121,7 @@ impl Typeface {
     }
 }
 
-/// The outline so that both fill rules fill the same, and whether that could be done.
+/// An outline for which both fill rules agree, and whether that was possible.
 fn disentangled(figure: Figure) -> (Figure, bool) {
     let even_odd = Figure {
         rule: FillRule::EvenOdd,
@@ -136,7 +136,7 @@ fn disentangled(figure: Figure) -> (Figure, bool) {
     }
 }
 
-/// Changes all points of a figure.
+/// Maps all points of a figure.
 fn map_points(figure: &mut Figure, map: impl Fn(DVec2) -> DVec2) {
     let curves = figure.contours.iter_mut().flat_map(|c| &mut c.curves);
     let map = |p: &mut DVec2| *p = map(*p);

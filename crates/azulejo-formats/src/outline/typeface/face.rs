@@ -52,7 +52,7 @@ impl fmt::Display for SettingError {
 
 impl std::error::Error for SettingError {}
 
-/// Formats that hold fonts but are not read, by their first bytes.
+/// Unsupported font formats, by their first bytes.
 const OTHERS: [(&[u8], &str); 4] = [
     (b"wOFF", "a WOFF font; unpack it to TTF or OTF"),
     (b"wOF2", "a WOFF2 font; unpack it to TTF or OTF"),
@@ -61,11 +61,11 @@ const OTHERS: [(&[u8], &str); 4] = [
 ];
 
 impl Typeface {
-    /// Reads a face of a font file (.ttf, .otf, .ttc, .otc, .pfb, .pfa, .t1, or CFF alone). `name`
-    /// stands in messages; `index` is 0 but in collections.
+    /// Reads a face of a font file (.ttf, .otf, .ttc, .otc, .pfb, .pfa, .t1, or bare CFF). `name`
+    /// is used in messages; `index` is 0 except in collections.
     ///
     /// # Errors
-    /// Bytes that are no font, a face that is not there, and a font without outlines. Tables are
+    /// Bytes that are not a font, a face that does not exist, and a font without outlines. Tables are
     /// read when they are needed: see [`SettingError::Damaged`].
     pub fn read(bytes: &[u8], name: &str, index: u32) -> Result<Typeface, ReadError> {
         const EXPECTED: &str = "a font in TrueType, OpenType or Type 1";
@@ -87,18 +87,18 @@ impl Typeface {
         Ok(Typeface { file })
     }
 
-    /// Whether the typeface has a glyph for a character, combined or not.
+    /// Whether the typeface has a glyph for a character, precomposed or combined.
     pub fn has(&self, character: char) -> bool {
         let glyph = self.file.charmap().map_unicode(character);
         glyph.is_some_and(|g| g != GlyphId::NOTDEF)
     }
 
-    /// Ems in a unit of the file.
+    /// Ems per unit of the file.
     pub(super) fn em(&self) -> f64 {
         1.0 / f64::from(self.file.units_per_em())
     }
 
-    /// The outline of a glyph; without contours for one that is blank.
+    /// The outline of a glyph; without contours for a blank one.
     pub(super) fn figure(&self, glyph: GlyphId) -> Result<Figure, SettingError> {
         let mut sink = Sink {
             pen: Pen::default(),
@@ -122,7 +122,7 @@ impl Typeface {
     }
 }
 
-/// Takes the outline from the font's units to ems.
+/// Converts the outline from font units to ems.
 struct Sink {
     pen: Pen,
     em: f64,

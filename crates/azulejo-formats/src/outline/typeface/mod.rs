@@ -1,8 +1,9 @@
-//! Typefaces as computers have them: TrueType, OpenType, Type 1, and text set in them.
+//! Typefaces in TrueType, OpenType and Type 1, and text set in them.
 //!
-//! Outlines come without hinting, in ems, y up, and as the font draws them: quadratic curves
-//! become the cubic ones that they are, and contours that overlap are filled as one
-//! ([`FillRule::NonZero`]). A variable font is read where its axes begin; glyphs that are
+//! Outlines are without hinting, in ems, y up, and as the font draws them: quadratic curves
+//! are exactly converted to cubic ones, and overlapping contours are filled as one
+//! ([`FillRule::NonZero`]). A variable font is read at the default of its axes; bitmap and
+//! colour glyphs are not drawn.
 //! pictures or painted in colours are not drawn.
 
 mod convert;

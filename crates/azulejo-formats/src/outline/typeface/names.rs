@@ -3,8 +3,8 @@
 use azulejo_scene::{Encoding, Font};
 use read_fonts::ps::agl;
 
-/// ASCII characters that stand for typographic ones where those have no glyph of their own: the
-/// other way round than Adobe's list, because PPF fonts draw quotes and minus signs.
+/// ASCII characters used for typographic ones that have no glyph of their own: the
+/// reverse of Adobe's list, because PPF fonts draw quotes and minus signs.
 const STAND_INS: [(u32, &str); 5] = [
     (0x27, "quoteright"),
     (0x2d, "hyphen"),
@@ -13,8 +13,8 @@ const STAND_INS: [(u32, &str); 5] = [
     (0x7e, "tilde"),
 ];
 
-/// The encoding of a font that comes without one, by the Adobe Glyph List: `eacute` is `é`, and
-/// `uni20AC` is `€`. Variants, such as `A.swash`, stand for their letter only where it has no
+/// The encoding of a font without one, by the Adobe Glyph List: `eacute` is `é`, and
+/// `uni20AC` is `€`. Variants, such as `A.swash`, are used only for letters that have no
 /// plain glyph.
 pub fn encoding_of(font: &Font) -> Encoding {
     let mut encoding = Encoding::default();

@@ -1,30 +1,30 @@
-//! Contours that overlap become the outline of their union.
+//! Converts overlapping contours to the outline of their union.
 
 use azulejo_scene::figure::Segment;
 use azulejo_scene::{Contour, Curve, Figure, FillRule};
 use glam::DVec2;
 use std::collections::HashMap;
 
-/// Larger figures are left as they are: every pair of curves is looked at.
+/// Largest figure that is converted: every pair of curves is tested.
 const MOST_CURVES: usize = 2000;
 
-/// Most steps toward the crossings of one pair of curves; those that lie on each other take more.
+/// Most steps toward the crossings of one pair of curves; coincident curves would take more.
 const MOST_STEPS: usize = 20_000;
 
-/// How near parameters of crossings come to the true ones.
+/// Accuracy of the parameters of crossings.
 const NEAR: f64 = 1e-11;
 
-/// Parameters so near to an end are at the end.
+/// Parameters this near to an end are at the end.
 const AT_END: f64 = 1e-7;
 
-/// Differences that are none: see [`difference`].
+/// Negligible differences: see [`difference`].
 const UNSEEN: f64 = 1e-4;
 
-/// What a figure fills, in contours that do not cross, for which both fill rules are the same.
-/// `None` where curves lie on each other, or touch without crossing.
+/// The inside of a figure, as contours that do not cross, for which both fill rules agree.
+/// `None` if curves coincide, or touch without crossing.
 ///
-/// Every curve is cut where others cross it, and the pieces are kept that have the inside on one
-/// side alone.
+/// Every curve is cut where others cross it, and only the pieces are kept that have the inside on
+/// exactly one side.
 pub(super) fn union(figure: &Figure) -> Option<Figure> {
     let segments: Vec<Segment> = figure.segments().collect();
     if segments.len() > MOST_CURVES {
@@ -62,7 +62,7 @@ fn all_cuts(segments: &[Segment]) -> Option<Vec<Vec<Cut>>> {
                 match (at_end(s), at_end(t)) {
                     // Neighbours meet, and contours may touch at corners.
                     (true, true) => {}
-                    // A corner on another curve cuts only that.
+                    // A corner on another curve cuts only that curve.
                     (true, false) => cuts[j].push((t, corner(&segments[i], s))),
                     (false, true) => cuts[i].push((s, corner(&segments[j], t))),
                     (false, false) => {
@@ -81,7 +81,7 @@ fn at_end(t: f64) -> bool {
     !(AT_END..=1.0 - AT_END).contains(&t)
 }
 
-/// The end of a curve that a parameter is at.
+/// The end of a curve at a parameter.
 fn corner(segment: &Segment, t: f64) -> DVec2 {
     if t < 0.5 {
         segment.start()
@@ -90,7 +90,7 @@ fn corner(segment: &Segment, t: f64) -> DVec2 {
     }
 }
 
-/// Looks for the crossings of two curves by halving both.
+/// Searches the crossings of two curves by bisecting both.
 struct Search<'a> {
     curves: [&'a Segment; 2],
     found: Vec<(f64, f64)>,
@@ -146,7 +146,7 @@ fn part(segment: &Segment, from: f64, to: f64) -> Segment {
     }
 }
 
-/// A curve cut to pieces, whose ends are the points of the cuts.
+/// A curve cut into pieces, whose ends are the points of the cuts.
 fn pieces(segment: &Segment, mut cuts: Vec<Cut>) -> Vec<Segment> {
     cuts.sort_by(|a, b| a.0.total_cmp(&b.0));
     // Both curves at a corner cut there.
@@ -165,8 +165,8 @@ fn pieces(segment: &Segment, mut cuts: Vec<Cut>) -> Vec<Segment> {
     found
 }
 
-/// A piece with the inside on its left; none if it has the same on both sides. `None` outside
-/// where that cannot be told.
+/// A piece oriented with the inside on its left; `Some(None)` if both sides are the same, and `None`
+/// if that cannot be determined.
 fn oriented(figure: &Figure, piece: Segment) -> Option<Option<Segment>> {
     const ASIDE: f64 = 1e-6;
     if piece.start() == piece.end() && matches!(piece, Segment::Line(_)) {
@@ -189,7 +189,7 @@ fn reversed(piece: Segment) -> Segment {
     }
 }
 
-/// Pieces end to end. Which way a chain goes where several meet does not matter to what is inside.
+/// Joins pieces end to end. The choice where several chains meet does not affect the inside.
 fn chained(edges: Vec<Segment>) -> Option<Vec<Contour>> {
     let key = |p: DVec2| (p + DVec2::ZERO).to_array().map(f64::to_bits);
     let mut by_start: HashMap<_, Vec<usize>> = HashMap::new();
@@ -228,10 +228,10 @@ fn curve(edge: &Segment) -> Curve {
     }
 }
 
-/// By how much the insides of two figures differ, each by its own rule: the mean difference of
+/// By how much the insides of two figures differ, each by its own fill rule: the mean difference of
 /// their widths along scan lines.
 ///
-/// For figures of the same contours it is exact. For others it has the errors of chords, which are
+/// It is exact for figures with the same contours. For others it has the errors of chords, which are
 /// largest where a curve runs along a scan line: about 1e-5 in all.
 pub(super) fn difference(a: &Figure, b: &Figure) -> f64 {
     const LINES: u32 = 400;
@@ -245,7 +245,7 @@ pub(super) fn difference(a: &Figure, b: &Figure) -> f64 {
     (0..LINES).map(at).sum::<f64>() / f64::from(LINES)
 }
 
-/// How much of the horizontal line at `y` is inside.
+/// The length of the horizontal line at `y` that is inside.
 fn width_inside(polygons: &[Vec<DVec2>], rule: FillRule, y: f64) -> f64 {
     let mut crossings = Vec::new();
     for corners in polygons {
@@ -318,7 +318,7 @@ mod tests {
             square(pen, v(0.5, 0.5), 1.0);
         };
         check(two, 1, 1.75);
-        // Half of a disc stands out of a square.
+        // Half of a disc protrudes from a square.
         let knob = |pen: &mut Pen| {
             square(pen, v(0.0, 0.0), 1.0);
             disc(pen, v(1.0, 0.51), 0.25);

@@ -10,7 +10,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use unicode_bidi::BidiInfo;
 
-/// Sets lines in one typeface; glyphs that come again share their figures.
+/// Sets lines in one typeface; repeated glyphs share their figures.
 pub struct Setting<'a> {
     typeface: &'a Typeface,
     shaper: ShaperFont<'a, 'static>,
@@ -26,7 +26,7 @@ struct Run {
 }
 
 impl Typeface {
-    /// Begins to set text.
+    /// Starts setting text.
     pub fn setting(&self) -> Setting<'_> {
         Setting {
             typeface: self,
@@ -37,8 +37,8 @@ impl Typeface {
 }
 
 impl Setting<'_> {
-    /// Sets one line with the font's kerning, ligatures and marks, `spacing` ems more between
-    /// clusters. What is right-to-left runs so, by Unicode's bidirectional algorithm. A tab
+    /// Sets one line with the font's kerning, ligatures and marks, with `spacing` extra ems between
+    /// clusters. Right-to-left text is ordered by Unicode's bidirectional algorithm. A tab
     /// counts as a blank.
     ///
     /// # Errors
@@ -78,7 +78,7 @@ impl Setting<'_> {
         }
     }
 
-    /// Adds the characters of clusters that came out as the font's sign for "no glyph".
+    /// Adds the characters of clusters that were shaped to the font's missing-glyph sign.
     fn find_missing(
         &self,
         text: &str,
@@ -159,8 +159,8 @@ fn visual_runs(text: &str) -> Vec<Run> {
     runs
 }
 
-/// Cuts text where the script changes. Characters of no script of their own, such as blanks and
-/// accents, go with what stands before them, at the start with what follows.
+/// Splits text where the script changes. Characters without a script of their own, such as blanks and
+/// accents, belong to the preceding run, at the start to the following one.
 fn script_runs(text: &str, bytes: Range<usize>, is_rtl: bool) -> Vec<Run> {
     let mut runs: Vec<Run> = Vec::new();
     for (at, c) in text[bytes.clone()].char_indices() {
@@ -187,7 +187,7 @@ fn script_runs(text: &str, bytes: Range<usize>, is_rtl: bool) -> Vec<Run> {
 mod tests {
     use super::*;
 
-    /// The runs' texts, those from right to left in brackets.
+    /// Checks the texts of the runs, those from right to left in brackets.
     fn check(text: &str, expected: &[&str]) {
         let shown = |run: Run| {
             if run.is_rtl {
