@@ -132,7 +132,7 @@ pub struct Seen {
     /// Form factor of light that was cut between mirrors.
     pub cut: Rgb,
     /// Pixels from which rays have to continue, by the number of mirrors on the way; their form
-    /// factors are in `shares` too. At each order either all pixels of a patch are listed or none.
+    /// factors are in `shares` too. No share mixes listed pixels with others.
     pub specular: Vec<SpecularPixel>,
 }
 
