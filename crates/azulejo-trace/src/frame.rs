@@ -14,7 +14,7 @@ pub(crate) struct LocalFrame {
 impl LocalFrame {
     pub(crate) fn around(bounds: &Aabb) -> LocalFrame {
         let half = 0.5 * bounds.size().max_element();
-        // A single point, or a size that no power of two brings to 1, is left as it is.
+        // A single point, or a size that no power of two scales to 1, is not scaled.
         let scale = (-half.log2().ceil()).exp2();
         LocalFrame {
             centre: bounds.centre(),

@@ -1,8 +1,8 @@
-//! What a [`Tracer`](crate::Tracer) reports about a hit, in double precision.
+//! Hits of a [`Tracer`](crate::Tracer), in double precision.
 
 use glam::DVec3;
 
-/// What an item number of a [`KernelHit`](crate::KernelHit) means.
+/// The surface that an item number of a [`KernelHit`](crate::KernelHit) stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Item {
     /// Index of the object in its scene: the instance's scene if there is an instance.
@@ -10,7 +10,7 @@ pub struct Item {
     /// Face of the mesh, part of the primitive, or index of the leaf among an exact shape's
     /// [`leaves`](azulejo_scene::Exact::leaves).
     pub face: u32,
-    /// Which of the face's triangles, in the order of
+    /// Index of the triangle of the face, in the order of
     /// [`Mesh::triangulate`](azulejo_scene::Mesh::triangulate); 0 for all other shapes.
     pub triangle: u32,
     /// Whether the object is an exact primitive.
@@ -29,10 +29,10 @@ pub struct Hit {
     /// Face of the mesh, part of the primitive, or index of the leaf among an exact shape's
     /// [`leaves`](azulejo_scene::Exact::leaves).
     pub face: u32,
-    /// Which of the face's triangles, in the order of
-    /// [`Mesh::triangulate`](azulejo_scene::Mesh::triangulate). On a prism 0 is the figure's
-    /// plane, 1 the parallel one, and the figure's curves count from 2; on a mesh that is a leaf,
-    /// its triangles count over all faces. 0 for a primitive.
+    /// Index of the triangle of the face, in the order of
+    /// [`Mesh::triangulate`](azulejo_scene::Mesh::triangulate). On a prism 0 is the figure's plane,
+    /// 1 the parallel one, and the figure's curves count from 2; on a mesh that is a leaf, its
+    /// triangles count over all faces. 0 for a primitive.
     pub triangle: u32,
     /// Barycentric weight of the triangle's corner 1, or `u` of the primitive's part or the
     /// patch. On a prism's side, the parameter of the curve; on its planes, the figure's x.

@@ -1,10 +1,10 @@
-//! Item buffers: which patch does each pixel of a hemicube show?
+//! Item buffers: the patch that is visible in each pixel of a hemicube.
 //!
-//! A [`World`] is what is drawn: triangles with the numbers of their patches, and flat mirrors. A
-//! [`Device`] keeps a world in its memory and draws hemicubes of it ([`ItemBuffers::draw`]), many
-//! at a time, each reduced to shares of form factor per patch. There are two kinds of devices: the
-//! processor, which is always available, and graphics cards, which programs supply. They share
-//! [`UnitCube`] and [`HemicubeView`], so that both draw from the same viewpoints.
+//! A [`World`] holds triangles with the numbers of their patches, and flat mirrors. A [`Device`]
+//! keeps a world in its memory and draws hemicubes of it ([`ItemBuffers::draw`]), many at a time,
+//! each reduced to form factors by patch. There are two kinds of devices: the processor, which is
+//! always available, and graphics cards, which programs supply. They share [`UnitCube`] and
+//! [`HemicubeView`], so that both draw from the same viewpoints.
 
 #[cfg(test)]
 mod drawn_tests;
@@ -22,10 +22,10 @@ use azulejo_scene::Rgb;
 use glam::DVec3;
 use std::fmt;
 
-/// What item buffers show.
+/// The content of item buffers.
 #[derive(Clone, Debug, Default)]
 pub struct World {
-    /// Everything that can be seen or stand in the way.
+    /// All surfaces that can be visible or occlude others.
     pub triangles: Vec<Facet>,
     /// Number of patches; patch numbers are below.
     pub patches: u32,
@@ -33,8 +33,8 @@ pub struct World {
     pub mirror_of: Vec<u32>,
     /// Flat mirrors. All patches in one plane with one reflectance are one mirror.
     pub mirrors: Vec<Mirror>,
-    /// For each patch whether light continues there in a way that item buffers cannot draw: by a
-    /// curved mirror or by glass. Empty: nowhere.
+    /// For each patch whether it reflects or transmits light in a way that item buffers cannot
+    /// draw: a curved mirror or glass. Empty: none does.
     pub is_bent: Vec<bool>,
     /// The direction that is up, for light that leaves the world: unit length.
     pub up: DVec3,
@@ -52,7 +52,7 @@ pub struct Facet {
     pub patch: u32,
 }
 
-/// The plane of a mirror. It mirrors on both sides.
+/// The plane of a mirror, which reflects on both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mirror {
     /// A point of the plane.
@@ -68,9 +68,10 @@ pub struct Mirror {
 pub struct View {
     /// The viewpoint, in scene units.
     pub eye: DVec3,
-    /// Unit normal of the surface that it stands on.
+    /// Unit normal of the surface at the viewpoint.
     pub normal: DVec3,
-    /// Turn of the hemicube about the normal, radians: different turns make noise of aliasing.
+    /// Rotation of the hemicube about the normal, radians: different rotations turn aliasing into
+    /// noise.
     pub turn: f64,
 }
 
@@ -92,46 +93,46 @@ impl View {
 pub struct Settings {
     /// Pixels along the side of the top face: even, 2..=[`MOST_RESOLUTION`].
     pub resolution: u32,
-    /// How light continues at mirrors.
+    /// The treatment of mirrors.
     pub mirrors: Beyond,
 }
 
-/// Finest hemicube: 12 million pixels.
+/// Largest resolution of a hemicube: 12 million pixels.
 pub const MOST_RESOLUTION: u32 = 2048;
 
-/// What a device does with pixels that show a specular patch, beside depositing their share in it.
+/// The treatment of pixels that show a specular patch, besides counting their form factor for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Beyond {
     /// Flat mirrors are windows to the reflected world, drawn in the window's pixels, whose shares
-    /// continue with the mirror's reflectance; and so on until what a pixel still carries is below
-    /// `cut` times its own share in all channels, or after `depth` mirrors. What was cut is in
-    /// [`Seen::cut`]. Pixels of bent patches are listed as in [`Beyond::List`], in whatever window
-    /// they are; a patch that is both bent and of a mirror is bent.
+    /// continue with the mirror's reflectance; and so on until the weight of a pixel is below `cut`
+    /// times its original one in all channels, or after `depth` mirrors. The weight that was cut is
+    /// in [`Seen::cut`]. Pixels of bent patches are listed as in [`Beyond::List`], in all windows;
+    /// a patch that is both bent and part of a mirror counts as bent.
     Windows {
         /// Weight below which a chain ends.
         cut: f32,
-        /// Most mirrors in a chain.
+        /// Largest number of mirrors in a chain.
         depth: u32,
     },
     /// Pixels of mirrors and of bent patches are listed in [`Seen::specular`], for rays to continue.
     List,
 }
 
-/// What one hemicube saw.
+/// The form factors from one hemicube.
 ///
-/// At order 0 the shares and what escapes make 1; what is seen behind each mirror, escapes there
-/// or is cut there makes the mirror's share times its reflectance. Devices that add in single
-/// precision keep that to about 1e-6, the processor to 1e-12.
+/// At order 0 the shares and the escaped light sum to 1; what is visible behind each mirror,
+/// escapes there or is cut there sums to the mirror's share times its reflectance. Devices that add
+/// in single precision keep that to about 1e-6, the processor to 1e-12.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Seen {
-    /// Shares of form factor by side and order, sorted by both; each pair once.
+    /// Form factors by side and order, sorted by both; each pair once.
     pub shares: Vec<Share>,
-    /// Share that hits nothing, upwards and downwards.
+    /// Form factor of light that hits nothing, upwards and downwards.
     pub escaped: [Rgb; 2],
-    /// Share that was cut off between mirrors.
+    /// Form factor of light that was cut between mirrors.
     pub cut: Rgb,
-    /// Pixels at which rays have to continue, by the number of mirrors on the way; their shares are in
-    /// `shares` too, and no share is of a patch both listed and not.
+    /// Pixels from which rays have to continue, by the number of mirrors on the way; their form
+    /// factors are in `shares` too. No share mixes listed pixels with others.
     pub specular: Vec<SpecularPixel>,
 }
 
@@ -140,7 +141,7 @@ pub struct Seen {
 pub struct Share {
     /// Twice the patch, one more for its back.
     pub side: u32,
-    /// Mirrors on the way; 2 stands for more too.
+    /// Number of mirrors on the way; 2 for more.
     pub order: u8,
     /// Form factor, per channel.
     pub weight: Rgb,
@@ -149,31 +150,33 @@ pub struct Share {
 /// A pixel that shows a mirror or a bent patch.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpecularPixel {
-    /// Where the last leg of the line of sight begins: the viewpoint, or the point on the last
-    /// mirror on the way (off its plane by rounding, towards the leg).
+    /// Start of the last segment of the line of sight: the viewpoint, or the point on the last
+    /// mirror on the way (off its plane by rounding, towards the segment).
     pub origin: DVec3,
     /// Direction of the pixel's centre in the world, after the mirrors on the way; unit length.
     pub direction: DVec3,
-    /// Distance from `origin` to what it shows, in scene units, to about 1e-4 of itself and of the
-    /// distance from the viewpoint to `origin`.
+    /// Distance from `origin` to the visible surface, in scene units, to about 1e-4 of itself and
+    /// of the distance from the viewpoint to `origin`.
     pub distance: f64,
     /// Twice the patch that it shows, one more for its back.
     pub side: u32,
-    /// Mirrors on the way.
+    /// Number of mirrors on the way.
     pub order: u8,
     /// The pixel's share, after those mirrors.
     pub weight: Rgb,
 }
 
-/// Why nothing was drawn.
+/// Reasons for failing to draw item buffers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum DrawError {
-    /// There is no such device, or its driver refuses. Names what was looked for and what to do.
+    /// There is no such device, or its driver refuses. The text has what was searched and what to
+    /// do.
     Missing(String),
-    /// The world or the hemicubes exceed what the device can hold: what, its size, the limit.
+    /// The world or the hemicubes exceed the capacity of the device. The text has what, its size,
+    /// and the limit.
     TooLarge(String),
-    /// The device was lost midway: reset, unplugged, or out of memory.
+    /// The device was lost while drawing: reset, unplugged, or out of memory.
     Lost(String),
 }
 
@@ -191,7 +194,7 @@ impl std::error::Error for DrawError {}
 
 /// Something that can draw item buffers.
 pub trait Device: Send + Sync + fmt::Debug {
-    /// What it is, for reports: the processor, or a card with its driver.
+    /// Its name for reports: the processor, or a card with its driver.
     fn name(&self) -> String;
 
     /// Copies a world to the device.
@@ -203,22 +206,23 @@ pub trait Device: Send + Sync + fmt::Debug {
 
 /// A world on a device.
 pub trait ItemBuffers: Send + Sync {
-    /// How many views a call should bring, so that the device is busy.
+    /// Number of views per call that keeps the device busy.
     fn batch(&self) -> usize;
 
-    /// Draws hemicubes: one [`Seen`] per view, in their order. The answer depends on each view,
-    /// the world and the settings alone, not on threads or on what else is drawn.
+    /// Draws hemicubes: one [`Seen`] per view, in their order. The result depends on each view, the
+    /// world and the settings alone, not on threads or other views.
     ///
     /// # Errors
     /// [`DrawError::Lost`], [`DrawError::TooLarge`].
     fn draw(&self, views: &[View]) -> Result<Vec<Seen>, DrawError>;
 }
 
-/// The pixels of a hemicube, and what share of the hemisphere's form factor each has.
+/// The pixels of a hemicube, and the delta form factor of each.
 ///
 /// Pixel numbers: the top face row by row (y up, then x), then the upper halves of the faces
 /// towards +x, −x, +y, −y, each row by row from the horizon up. On a side face the columns run
-/// along +y, −y, −x, +x, so that each is seen from the viewpoint with z up and the columns to the left.
+/// along +y, −y, −x, +x, so that each appears from the viewpoint with z up and the columns to the
+/// left.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hemicube {
     resolution: u32,
@@ -235,7 +239,8 @@ impl Hemicube {
         };
         // The midpoint rule: top 1 / π (x² + y² + 1)², side z / π (y² + z² + 1)², both times the
         // pixel's area (Cohen and Greenberg 1985, eq. 10 and 11); as direction · normal over the
-        // fourth power of its length they are one. Their sum is 1 up to O(1/n²): divided by it.
+        // fourth power of its length they are one. Their sum is 1 up to O(1/n²), by which they are
+        // divided.
         let raw = |p: u32| {
             let d = cube.unnormalised(p);
             d.z / d.length_squared().powi(2)

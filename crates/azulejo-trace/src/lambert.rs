@@ -1,10 +1,10 @@
-//! What a point receives from a polygon, exactly; polygons clipped to planes and windows; their
+//! Exact form factors from a point to a polygon; clipping of polygons to planes and windows; their
 //! mirror images.
 //!
 //! The form factor from a surface element to a polygon is a sum over the polygon's edges (J. H.
 //! Lambert, *Photometria*, 1760): F = 1/(2π) Σ γₖ uₖ·n, where γₖ is the angle under which edge k
 //! appears and uₖ the unit normal of the plane through it and the element. The angles come from
-//! `atan2(|a × b|, a · b)`, which keeps its digits for thin and for wide angles alike.
+//! `atan2(|a × b|, a · b)`, which is accurate for small and large angles alike.
 //!
 //! A polygon is a slice of corners in one plane, counter-clockwise seen from its front; it may be
 //! concave but must not cross itself. Points further apart than about 1e150 overflow, and a
@@ -15,14 +15,14 @@ use glam::DVec3;
 use std::f64::consts::TAU;
 use std::ops::Deref;
 
-/// Share of the plane's tilt below which a point counts as lying in a polygon's plane.
+/// Relative tolerance within which a point counts as lying in a polygon's plane.
 const COPLANAR: f64 = 1e-14;
 
 /// Form factor from a surface element at `point` with unit `normal` to `polygon`.
 ///
-/// In 0..=1: the part of the element's diffuse light that reaches the front of the polygon, when
-/// nothing stands between. The part of the polygon below the element's horizon is cut off. Zero
-/// if the point lies behind the polygon or in its plane, if the polygon has no area, and for
+/// In 0..=1: the fraction of the element's diffuse light that reaches the front of the polygon if
+/// nothing is in between. The part of the polygon below the element's horizon is clipped. Zero if
+/// the point lies behind the polygon or in its plane, if the polygon has no area, and for
 /// coordinates that are not finite. Relative error about 1e-16 times the distance over the size of
 /// the polygon. Takes 80 ns for a small quadrilateral, 130 ns for one that fills the view, 160 ns
 /// if the horizon cuts it.
@@ -40,14 +40,14 @@ pub fn point_to_polygon(point: DVec3, normal: DVec3, polygon: &[DVec3]) -> f64 {
         return 0.0;
     }
     let is_above = |&corner: &DVec3| (corner - point).dot(normal) >= 0.0;
-    // Most polygons lie above the horizon whole, and clipping would double the cost.
+    // Most polygons lie entirely above the horizon, and clipping would double the cost.
     let vector = if polygon.iter().all(is_above) {
         contour_sum(point, polygon)
     } else {
         contour_sum(point, &clip(polygon, point, normal))
     };
     let f = vector.dot(normal);
-    // Rounding may leave the sum a hair outside its range; NaN fails the comparison.
+    // Rounding may take the sum slightly outside of its range; NaN fails the comparison.
     if f > 0.0 && f.is_finite() {
         f.min(1.0)
     } else {
@@ -55,13 +55,13 @@ pub fn point_to_polygon(point: DVec3, normal: DVec3, polygon: &[DVec3]) -> f64 {
     }
 }
 
-/// Irradiance vector at `point` of a `polygon` that emits one unit of exitance: no horizon.
+/// Irradiance vector at `point` due to a `polygon` with an exitance of 1, without a horizon.
 ///
 /// Its product with a unit normal n is the form factor from an element with that normal, provided
-/// the whole polygon lies above the element's horizon; one vector so serves several normals. It
-/// is signed: it points towards a polygon that shows its front, away from one that shows its
-/// back, and is zero within rounding for a point in the polygon's plane but outside it.
-/// Not clamped; zero if the coordinates are not finite.
+/// the whole polygon lies above the element's horizon, so one vector serves several normals. It is
+/// signed: it points towards a polygon that faces the point, away from one that faces away, and is
+/// zero within rounding for a point in the polygon's plane but outside it. Not clamped; zero if the
+/// coordinates are not finite.
 pub fn polygon_vector(point: DVec3, polygon: &[DVec3]) -> DVec3 {
     let vector = contour_sum(point, polygon);
     if vector.is_finite() {
@@ -85,7 +85,7 @@ pub fn is_in_front(point: DVec3, polygon: &[DVec3]) -> bool {
         && height * height > COPLANAR * COPLANAR * away.length_squared() * area.length_squared()
 }
 
-/// Lambert's sum round a closed contour, over 2π.
+/// Lambert's sum around a closed contour, divided by 2π.
 fn contour_sum(point: DVec3, contour: &[DVec3]) -> DVec3 {
     let Some(&last) = contour.last() else {
         return DVec3::ZERO;
@@ -99,7 +99,8 @@ fn contour_sum(point: DVec3, contour: &[DVec3]) -> DVec3 {
     sum / TAU
 }
 
-/// γ u of one edge, `a` and `b` its ends seen from the element: positive sums face the element.
+/// γ u of the edge from `a` to `b`, both relative to the element: polygons that face the element
+/// have positive sums.
 fn edge_vector(a: DVec3, b: DVec3) -> DVec3 {
     // a × (b - a) rather than a × b: far away, the product of two long vectors loses digits.
     let cross = (b - a).cross(a);
@@ -108,7 +109,7 @@ fn edge_vector(a: DVec3, b: DVec3) -> DVec3 {
 
 /// γ / |a × b| for the angle γ between a and b, from |a × b|² and a · b.
 ///
-/// Zero for an edge in line with the element, which spans no plane and counts for nothing.
+/// Zero for an edge collinear with the element, which spans no plane and contributes nothing.
 fn angle_over_sine(sine_squared: f64, cosine: f64) -> f64 {
     let t = sine_squared / (cosine * cosine);
     if t < 1.0 / 64.0 && cosine > 0.0 {
@@ -123,7 +124,7 @@ fn angle_over_sine(sine_squared: f64, cosine: f64) -> f64 {
     }
 }
 
-/// Coefficients of atan(x)/x in powers of x²; the first one left out adds 3e-18 at x = 1/8.
+/// Coefficients of atan(x)/x in powers of x²; the first omitted term is 3e-18 at x = 1/8.
 const SMALL_ANGLE: [f64; 9] = [
     1.0,
     -1.0 / 3.0,
@@ -138,10 +139,10 @@ const SMALL_ANGLE: [f64; 9] = [
 
 /// The part of `polygon` on the side of a plane that `plane_normal` (any length) points to.
 ///
-/// Sutherland and Hodgman 1974. Corners in the plane are kept; a polygon that does no more than
-/// touch the plane comes back empty, or within rounding as a sliver. A concave polygon that falls
-/// apart stays one contour, its parts joined by edges that run there and back along the plane,
-/// which every contour integral cancels. Corners that are not numbers are left out.
+/// Sutherland and Hodgman 1974. Corners in the plane are kept; a polygon that only touches the
+/// plane yields an empty one or, within rounding, a sliver. A concave polygon that is cut into
+/// several parts remains one contour, its parts joined by coincident opposite edges in the plane,
+/// which cancel in every contour integral. Corners with NaN are left out.
 pub fn clip(polygon: &[DVec3], plane_point: DVec3, plane_normal: DVec3) -> ArrayPolygon {
     let height = |p: DVec3| (p - plane_point).dot(plane_normal);
     let mut clipped = ArrayPolygon::default();
@@ -152,7 +153,7 @@ pub fn clip(polygon: &[DVec3], plane_point: DVec3, plane_normal: DVec3) -> Array
     let mut highest = height_a;
     for &b in polygon {
         let height_b = height(b);
-        // Always from the inner end to the outer, so that neighbours with a common edge agree.
+        // Always from the inner end to the outer one, so that neighbours with a common edge agree.
         if height_a > 0.0 && height_b < 0.0 {
             clipped.push(a.lerp(b, height_a / (height_a - height_b)));
         } else if height_a < 0.0 && height_b > 0.0 {
@@ -170,11 +171,12 @@ pub fn clip(polygon: &[DVec3], plane_point: DVec3, plane_normal: DVec3) -> Array
     }
 }
 
-/// The part of `polygon` that an `eye` sees through a convex `window`.
+/// The part of `polygon` that is visible from the viewpoint `eye` through a convex `window`.
 ///
-/// That is the part inside the pyramid from the eye through the window's edges and beyond the
-/// window's plane. The window may show the eye either side. Empty if the eye lies in the window's
-/// plane within rounding, where the window is seen edge-on, or if the window has no area.
+/// That is the part inside the pyramid from the viewpoint through the window's edges and beyond the
+/// window's plane. Either side of the window may face the viewpoint. Empty if the viewpoint lies in
+/// the window's plane within rounding, so that the window is seen edge-on, or if the window has no
+/// area.
 pub fn clip_to_window(polygon: &[DVec3], eye: DVec3, window: &[DVec3]) -> ArrayPolygon {
     let front = is_in_front(eye, window);
     let back = !front && is_in_back(eye, window);
@@ -182,13 +184,14 @@ pub fn clip_to_window(polygon: &[DVec3], eye: DVec3, window: &[DVec3]) -> ArrayP
         return ArrayPolygon::default();
     }
     let outward = area_vector(window);
-    // A window that shows its front has its edges running counter-clockwise round the line of
-    // sight reversed; the sign makes all planes of the pyramid face inwards.
+    // The edges of a window that faces the viewpoint are counter-clockwise about the reversed line
+    // of sight; the sign makes all planes of the pyramid face inwards.
     let sign = if front { -1.0 } else { 1.0 };
     let mut seen = clip(polygon, window[0], sign * outward);
     for (k, &a) in window.iter().enumerate() {
         let b = window[(k + 1) % window.len()];
-        // From a, not from the eye: an eye close to the window leaves its own rounding out.
+        // Relative to a, not to the viewpoint: the rounding of a viewpoint close to the window then
+        // cancels.
         seen = clip(&seen, a, sign * (a - eye).cross(b - a));
     }
     seen
@@ -204,7 +207,7 @@ fn is_in_back(point: DVec3, polygon: &[DVec3]) -> bool {
 
 /// The mirror image of `point` in a plane; `plane_normal` of any length but zero.
 ///
-/// A zero normal spans no plane and leaves the point where it is.
+/// A zero normal defines no plane and leaves the point unchanged.
 pub fn mirror_point(point: DVec3, plane_point: DVec3, plane_normal: DVec3) -> DVec3 {
     let squared = plane_normal.length_squared();
     if squared > 0.0 {
@@ -216,38 +219,41 @@ pub fn mirror_point(point: DVec3, plane_point: DVec3, plane_normal: DVec3) -> DV
 
 /// The mirror image of `polygon` in a plane, as a polygon of the mirrored world.
 ///
-/// The order of the corners is reversed, because a mirror turns the winding: the front of the
-/// image is the image of the front, and what saw the front directly sees it by the mirror.
+/// The order of the corners is reversed, because a mirror reverses the winding: the front of the
+/// image is the image of the front.
 pub fn mirror_polygon(polygon: &[DVec3], plane_point: DVec3, plane_normal: DVec3) -> ArrayPolygon {
     let image = |&p: &DVec3| mirror_point(p, plane_point, plane_normal);
     polygon.iter().rev().map(image).collect()
 }
 
-/// Rounding of the points of a hull, relative to how far they reach.
+/// Rounding of the points of a hull, relative to their extent.
 const HULL_ROUNDING: f64 = 1e-12;
 
-/// A hull turns by more than this at each corner, relative to its sides.
+/// Smallest turn at each corner of a hull, relative to its sides.
 const HULL_TURN: f64 = 1e-9;
 
-/// The convex hull of points in a plane, counter-clockwise about its unit `normal`, without corners
-/// that do not turn. Andrew, *Another efficient algorithm for convex hulls in two dimensions*, 1979.
+/// The convex hull of points in a plane, counter-clockwise about its unit `normal`, without
+/// collinear corners. Andrew, *Another efficient algorithm for convex hulls in two dimensions*,
+/// 1979.
 pub fn convex_hull(points: impl Iterator<Item = DVec3>, normal: DVec3) -> ArrayPolygon {
     let frame = Frame::from_normal(normal);
     let mut corners: Vec<(DVec3, DVec3)> = points.map(|p| (frame.to_local(p), p)).collect();
     let reach = |p: &(DVec3, DVec3)| p.0.truncate().abs().max_element();
-    // Rounded, and with but one zero, so that corners one above the other are sorted as such.
+    // Rounded, and without negative zeros, so that corners with the same abscissa are sorted as
+    // such.
     let cell = HULL_ROUNDING * corners.iter().map(reach).fold(f64::MIN_POSITIVE, f64::max);
     for (p, _) in &mut corners {
         *p = (*p / cell).round() * cell + DVec3::ZERO;
     }
     corners.sort_by(|(p, _), (q, _)| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
-    // Andrew's monotone chain: below from left to right, then above from right to left.
+    // Andrew's monotone chain: the lower hull from left to right, then the upper one from right to
+    // left.
     let half = |ring: &mut Vec<(DVec3, DVec3)>, start: usize, p: (DVec3, DVec3)| {
         let is_corner = |ring: &[(DVec3, DVec3)]| {
             let [.., (q, _), (r, _)] = ring else {
                 return true;
             };
-            // Those that are one, or in line, but for rounding, are none.
+            // Points that coincide or are collinear within rounding are no corners.
             (*r - *q).cross(p.0 - *r).z > HULL_TURN * p.0.distance_squared(*q)
         };
         while ring.len() > start + 1 && !is_corner(ring) {
@@ -264,12 +270,12 @@ pub fn convex_hull(points: impl Iterator<Item = DVec3>, normal: DVec3) -> ArrayP
     ring.into_iter().map(|(_, p)| p).collect()
 }
 
-/// A polygon kept on the stack up to [`ArrayPolygon::INLINE`] corners, beyond that on the heap.
+/// A polygon stored inline up to [`ArrayPolygon::INLINE`] corners, beyond that on the heap.
 #[derive(Clone, Debug)]
 pub struct ArrayPolygon {
     inline: [DVec3; ArrayPolygon::INLINE],
     len: usize,
-    /// Holds all corners once there are too many for `inline`, until then empty.
+    /// Holds all corners once they exceed `inline`; empty until then.
     spilled: Vec<DVec3>,
 }
 
@@ -373,7 +379,7 @@ mod tests {
 
     #[test]
     fn the_horizon_cuts() {
-        // A wall that reaches as far below the horizon as above it.
+        // A wall that extends as far below the horizon as above it.
         let wall = [
             dvec3(1., 0., -1.),
             dvec3(1., 0., 1.),
@@ -458,7 +464,8 @@ mod tests {
         let big = ABOVE.map(|p| dvec3(8.0 * p.x - 4.0, 8.0 * p.y - 4.0, 2.0));
         let eye = dvec3(0.4, 0.3, 0.0);
         let mut window = ABOVE;
-        // Twice as far as the window: four times its area, and it covers what the window covers.
+        // At twice the distance of the window and with four times its area it covers the same solid
+        // angle.
         for _side in 0..2 {
             let seen = clip_to_window(&big, eye, &window);
             assert!((area_vector(&seen).length() - 4.0).abs() < 1e-14);
@@ -513,7 +520,7 @@ mod tests {
     }
 
     proptest! {
-        /// An element inside a tetrahedron sees nothing but its four faces.
+        /// The form factors from an element inside a tetrahedron to its four faces sum to 1.
         #[test]
         fn closure(corners in [point(), point(), point(), point()], n in point(), w in [0.05..1.0, 0.05..1.0, 0.05..1.0, 0.05..1.0]) {
             let [a, b, c, d] = corners;

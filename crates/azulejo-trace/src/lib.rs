@@ -1,18 +1,18 @@
-//! What does a point see?
+//! Visibility: ray queries, sampling and gathering of light.
 //!
-//! [`Tracer`] answers for one ray or for batches of them: which surface a ray hits first, or
-//! whether it hits any. It is built from a scene once, holds a copy of what it needs and never
-//! changes. The kernel below it tests eight boxes and four triangles at a time, in `f32` around
-//! the scene's centre, and [`Tracer::resolve`] computes a hit again in `f64`. Exact shapes (prisms,
-//! patches and the results of set operations on solids) are intersected in `f64` throughout.
+//! [`Tracer`] finds the first surface that a ray hits, or whether it hits any, for single rays and
+//! batches. It is built from a scene once, holds a copy of the data that it needs and is immutable.
+//! Its kernel tests eight boxes and four triangles at a time, in `f32` around the scene's centre,
+//! and [`Tracer::resolve`] computes a hit again in `f64`. Exact shapes (prisms, patches and the
+//! results of set operations on solids) are intersected in `f64` throughout.
 //!
-//! Above it, each using those before: [`sampling`] (scrambled Sobol points and the directions they
-//! map to), [`lambert`] (the irradiance at a point due to a polygon, exactly), [`lights`]
-//! (sampling of light sources), [`follow`] (paths through mirrors and glass), and [`Gatherer`]
-//! (irradiance at points, for both passes). Triangles may be left to Embree instead ([`Kernel`];
-//! feature `embree`). [`item_buffer`] answers the same question by rasterising: what a patch sees
-//! through the pixels of a hemicube. [`Progress`] counts long work, measures it, pauses and stops
-//! it.
+//! The other modules, each of which uses those before it: [`sampling`] (scrambled Sobol points and
+//! the directions they map to), [`lambert`] (the irradiance at a point due to a polygon, exactly),
+//! [`lights`] (sampling of light sources), [`follow`] (paths through mirrors and glass), and
+//! [`Gatherer`] (irradiance at points, for both passes). Embree can trace the triangles instead
+//! ([`Kernel`]; feature `embree`). [`item_buffer`] solves visibility by rasterisation: it finds the
+//! patches that are visible through the pixels of a hemicube. [`Progress`] reports the progress of
+//! long work, pauses and stops it.
 //!
 //! ```
 //! use azulejo_scene::{math::Ray, synthetic::cube_room};

@@ -1,4 +1,4 @@
-//! Reports, pauses and cancels long work.
+//! Progress reports, pausing and cancelling of long computations.
 
 use std::collections::VecDeque;
 use std::fmt;
@@ -6,15 +6,15 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-/// Most measures that are kept until they are taken; older ones are dropped.
+/// Largest number of measures that are stored until they are taken; older ones are dropped.
 const MOST_MEASURES: usize = 4096;
 
-/// Counts work, pauses it and stops it; shared between the worker threads and those that watch.
+/// Counts work, pauses it and stops it; shared between worker threads and observers.
 ///
-/// A worker calls [`advance`](Progress::advance) once per patch row or tile: that counts, waits
-/// while the work is paused, and returns an error once it is cancelled. A watcher reads
-/// [`done`](Progress::done), [`total`](Progress::total), [`stage`](Progress::stage) and what was
-/// [measured](Progress::take_measures), and calls [`pause`](Progress::pause),
+/// A worker calls [`advance`](Progress::advance) once per patch row or tile: this counts, waits
+/// while the work is paused, and returns an error once it is cancelled. An observer reads
+/// [`done`](Progress::done), [`total`](Progress::total), [`stage`](Progress::stage) and the
+/// [measures](Progress::take_measures), and calls [`pause`](Progress::pause),
 /// [`resume`](Progress::resume) and [`cancel`](Progress::cancel).
 #[derive(Debug, Default)]
 pub struct Progress {
@@ -33,30 +33,30 @@ pub struct Progress {
 #[derive(Debug, Default)]
 struct Clock {
     deadline: Option<Instant>,
-    /// Since when the work has been paused, or its deadline set if that is later.
+    /// Start of the current pause, or the time at which the deadline was set if that is later.
     paused: Option<Instant>,
 }
 
-/// How accurate a result is so far.
+/// The accuracy of a result so far.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Measure {
-    /// How far the light on patches is from being in balance. The systems of all replicates are
-    /// solved one after the other, and again if their rows are refined.
+    /// The convergence of the solver. The systems of all replicates are solved one after the other,
+    /// and again if their rows are refined.
     Residual {
-        /// Which of the independent replicates, from 0.
+        /// Index of the independent replicate, from 0.
         replicate: u32,
-        /// Bounces of light that were followed, from 1.
+        /// Number of bounces computed, from 1.
         iteration: u32,
         /// With a matrix the largest change of a patch in this bounce, relative to the brightest
-        /// patch; without, the power that is still to be shot, relative to what the first bounce
-        /// reflected. Falls to the solver's tolerance.
+        /// patch; without, the unshot power, relative to the power reflected by the first bounce.
+        /// Falls to the solver's tolerance.
         value: f64,
     },
-    /// Estimated relative RMS error of the radiosity that patches reflect.
+    /// Estimated relative RMS error of the reflected radiosity of patches.
     PatchError(f64),
-    /// Estimated relative RMS error of the irradiance that is gathered; the last one is the
-    /// result's.
+    /// Estimated relative RMS error of the gathered irradiance; the last value is that of the
+    /// result.
     Error(f64),
 }
 
@@ -81,14 +81,14 @@ impl fmt::Display for Cancelled {
 
 impl std::error::Error for Cancelled {}
 
-/// Locks a mutex even if a thread panicked with it: every change is one assignment, so that the
-/// value is whole all the same.
+/// Locks a mutex even if it is poisoned: every change is one assignment, so the value is
+/// consistent.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Progress {
-    /// Nothing done yet, never paused or cancelled, no deadline.
+    /// Progress with nothing done, not paused or cancelled, without deadline.
     pub fn new() -> Progress {
         Progress::default()
     }
@@ -126,7 +126,7 @@ impl Progress {
     /// Stops all work at its next step, at once if it is paused.
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
-        // While this holds the lock no thread is between checking and falling asleep.
+        // While the lock is held, no thread is between checking the state and falling asleep.
         let _clock = lock(&self.clock);
         self.released.notify_all();
     }
@@ -136,11 +136,11 @@ impl Progress {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Makes all work sleep at its next step, until it is [resumed](Progress::resume) or
-    /// cancelled. The time until then does not count against a deadline.
+    /// Suspends all work at its next step until it is [resumed](Progress::resume) or cancelled. The
+    /// time until then does not count against a deadline.
     ///
-    /// The threads that do the work sleep, those of a pool too: work that may be paused beside other
-    /// work belongs in a thread pool of its own.
+    /// The worker threads sleep, including those of a thread pool: work that may be paused while
+    /// other work continues needs a thread pool of its own.
     pub fn pause(&self) {
         let mut clock = lock(&self.clock);
         clock.paused.get_or_insert_with(Instant::now);
@@ -162,7 +162,7 @@ impl Progress {
         self.paused.load(Ordering::Relaxed)
     }
 
-    /// Sets the time at which refinement should end with what it has; unlike after
+    /// Sets the time at which refinement should end with its current result; unlike after
     /// [`cancel`](Progress::cancel), the work then finishes with a result.
     pub fn set_deadline(&self, deadline: Instant) {
         let mut clock = lock(&self.clock);
@@ -177,12 +177,12 @@ impl Progress {
         clock.deadline.is_some_and(|d| now() >= d)
     }
 
-    /// Steps of the current stage that are done.
+    /// Number of completed steps of the current stage.
     pub fn done(&self) -> u64 {
         self.done.load(Ordering::Relaxed)
     }
 
-    /// Steps of the current stage.
+    /// Number of steps of the current stage.
     pub fn total(&self) -> u64 {
         self.total.load(Ordering::Relaxed)
     }
@@ -192,8 +192,8 @@ impl Progress {
         lock(&self.stage).clone()
     }
 
-    /// Stores how accurate the result is so far, for those that watch. Whether anyone does makes no
-    /// difference to the work.
+    /// Stores the accuracy of the result so far, for observers. Observers do not influence the
+    /// computation.
     pub fn measured(&self, measure: Measure) {
         let mut measures = lock(&self.measures);
         if measures.len() == MOST_MEASURES {
@@ -205,7 +205,7 @@ impl Progress {
         });
     }
 
-    /// The measures since the last call, the oldest first; no more than the last 4096.
+    /// Takes the measures since the last call, the oldest first; at most the last 4096.
     pub fn take_measures(&self) -> Vec<Measured> {
         lock(&self.measures).drain(..).collect()
     }
@@ -217,7 +217,7 @@ mod tests {
     use std::thread;
     use std::time::Duration;
 
-    /// Longer than any thread needs to get to its next step, on a busy machine too.
+    /// Longer than any thread needs for a step, even on a busy machine.
     const PATIENCE: Duration = Duration::from_secs(60);
 
     fn wait_until(what: &str, is_so: impl Fn() -> bool) {
@@ -228,7 +228,7 @@ mod tests {
         }
     }
 
-    /// Several threads that work without end; `watch` must cancel them.
+    /// Runs several threads that work until cancelled, which `watch` must do.
     fn working(progress: &Progress, watch: impl FnOnce()) {
         thread::scope(|scope| {
             for _ in 0..3 {
@@ -241,7 +241,7 @@ mod tests {
         assert!(progress.is_cancelled());
     }
 
-    /// The steps that are done once every thread has reached its next step.
+    /// The number of steps once every thread has reached its next step.
     fn standing(progress: &Progress) -> u64 {
         let start = Instant::now();
         let mut before = progress.done();
@@ -271,7 +271,7 @@ mod tests {
     #[test]
     fn paused_work_ends_when_it_is_cancelled() {
         let progress = Progress::new();
-        // That the threads are joined is what is tested.
+        // The test is that the threads can be joined.
         working(&progress, || {
             progress.pause();
             standing(&progress);

@@ -1,13 +1,13 @@
 //! Sample points: scrambled Sobol sequences, and the maps from the square to disks and
 //! hemispheres.
 //!
-//! Every random number in azulejo is a function of what it is for (patch or pixel, sample index,
+//! Every random number in azulejo is a function of its purpose (patch or pixel, sample index,
 //! dimension), never of the order in which threads run.
 
 use azulejo_scene::math::Frame;
 use glam::DVec3;
 
-/// Sobol dimensions that [`sobol`] offers.
+/// Number of Sobol dimensions of [`sobol`].
 pub const DIMENSIONS: usize = 8;
 
 /// Direction numbers of the first eight dimensions, bit-reversed so that scrambling by
@@ -76,8 +76,8 @@ fn sobol_reversed(index: u32, dimension: usize) -> u32 {
 
 /// Owen scrambling by hashing, of a bit-reversed integer, to a number in 0..1.
 ///
-/// Laine and Karras 2011 as improved by Burley, *Practical Hash-based Owen Scrambling*, JCGT
-/// 9(4), 2020: each bit is flipped by a hash of the more significant ones alone.
+/// Laine and Karras 2011 as improved by Burley, *Practical Hash-based Owen Scrambling*, JCGT 9(4),
+/// 2020: each bit is flipped by a hash of the more significant ones.
 fn owen_scramble_reversed(reversed: u32, seed: u32) -> f32 {
     let mut x = reversed ^ reversed.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(seed);
@@ -104,7 +104,8 @@ pub fn sobol(index: u32, dimension: usize, seed: u32) -> f32 {
     owen_scramble_reversed(sobol_reversed(index, dimension), seed)
 }
 
-/// The first points of the 4-D Sobol sequence, kept so that each use pays for scrambling only.
+/// The first points of the 4-D Sobol sequence, precomputed so that each use pays for scrambling
+/// only.
 #[derive(Clone, Debug)]
 pub struct SobolTable {
     reversed: Vec<[u32; 4]>,
@@ -161,7 +162,7 @@ pub fn uniform(words: &[u32]) -> f32 {
     unit_f32(hash(words))
 }
 
-/// The unit disk from the unit square, areas kept, neighbours kept.
+/// Maps the unit square to the unit disk, preserving areas and adjacency.
 ///
 /// Shirley and Chiu, *A Low Distortion Map Between Disk and Square*, JGT 2(3), 1997.
 pub fn concentric_disk(u1: f64, u2: f64) -> (f64, f64) {
@@ -193,13 +194,13 @@ fn sin_cos_quarter(x: f64) -> (f64, f64) {
     (x * sin, cos)
 }
 
-/// A direction about +z with density cos θ/π (Malley's method).
+/// Samples a direction about +z with density cos θ/π (Malley's method).
 pub fn cosine_hemisphere(u1: f64, u2: f64) -> DVec3 {
     let (x, y) = concentric_disk(u1, u2);
     DVec3::new(x, y, (1.0 - x * x - y * y).max(0.0).sqrt())
 }
 
-/// A direction about the unit normal of `frame` with density cos θ/π.
+/// Samples a direction about the unit normal of `frame` with density cos θ/π.
 pub fn cosine_about(frame: &Frame, u1: f64, u2: f64) -> DVec3 {
     frame.to_world(cosine_hemisphere(u1, u2))
 }

@@ -50,7 +50,7 @@ fn cube() -> Vec<Vec<DVec3>> {
     faces.map(|f| f.map(at).to_vec()).to_vec()
 }
 
-/// Makes mirrors of some patches, each with a plane of its own.
+/// Turns some patches into mirrors, each with a plane of its own.
 fn with_mirrors(mut world: World, mirrors: &[(u32, f64)]) -> World {
     world.mirror_of = vec![NO_MIRROR; world.patches as usize];
     for &(patch, reflectance) in mirrors {
@@ -84,7 +84,7 @@ fn share(seen: &Seen, side: u32, order: u8) -> f64 {
     found.map_or(0.0, |s| s.weight.r)
 }
 
-/// Everything that the first level shows.
+/// All shares of the first level.
 fn total(seen: &Seen) -> f64 {
     let straight = seen.shares.iter().filter(|s| s.order == 0);
     straight.map(|s| s.weight.r).sum::<f64>() + (seen.escaped[0] + seen.escaped[1]).mean()
@@ -113,7 +113,7 @@ fn inside_a_cube_every_wall_has_its_share() {
     }
 }
 
-/// The nearest facet in front of the eye: its distance and side.
+/// The nearest facet in front of the viewpoint: its distance and side.
 fn cast(world: &World, eye: DVec3, direction: DVec3) -> Option<(f64, u32)> {
     let meet = |facet: &Facet| {
         let [a, b, c] = facet.corners.map(|p| p - eye);
@@ -144,7 +144,7 @@ fn cast_all(world: &World, view: View, resolution: u32) -> (Vec<f64>, f64) {
     (shares, escaped)
 }
 
-/// Triangles of all sizes, about the eye, through its horizon and its faces' planes.
+/// Triangles of all sizes around the viewpoint, through its horizon and its faces' planes.
 fn clutter(seed: u32, count: u32) -> World {
     let random = |words: [u32; 3]| {
         let at = |k| 2.0 * f64::from(uniform(&[seed, words[0], words[1], words[2], k])) - 1.0;
@@ -200,7 +200,7 @@ fn of_facets_in_one_plane_the_lowest_patch_is_seen() {
         normal: dvec3(0.1, -0.3, 1.0).normalize(),
         ..up_from(dvec3(0.3, 0.4, 0.1))
     };
-    // The same square cut otherwise, tilted, and back to back.
+    // The same square divided differently, tilted, and back to back.
     let tilt = |p: DVec3| dvec3(p.x, p.y, 1.0 + 0.37 * p.x - 0.21 * p.y);
     let square = [(0., 0.), (0., 1.), (1., 1.), (1., 0.)].map(|(x, y)| tilt(dvec3(x, y, 0.0)));
     let turned = [1, 2, 3, 0].map(|k| square[k]).to_vec();
@@ -287,7 +287,7 @@ fn mirrors_are_listed() {
 
 #[test]
 fn a_window_shows_the_mirror_image() {
-    // A mirror on one wall of a cube: what its image shows is the other half of a longer box.
+    // A mirror on one wall of a cube: its image is the other half of a longer box.
     let world = with_mirrors(world(&cube()), &[(3, 0.5)]);
     let eye = dvec3(0.3, 0.6, 1e-6);
     for (n, tolerance) in [(64, 0.01), (256, 0.002)] {
@@ -348,7 +348,7 @@ fn nothing_is_lost_between_mirrors() {
         depth: 0,
     };
     check(&[(2, 0.8), (4, 0.8)], none, 0.1..0.5);
-    // Only mirrors: whatever is not cut is absorbed by them; perfect ones keep everything.
+    // Only mirrors: light that is not cut is absorbed by them; perfect ones absorb nothing.
     check(&[0, 1, 2, 3, 4, 5].map(|p| (p, 0.7)), WINDOWS, 0.0..1e-6);
     let shallow = Beyond::Windows {
         cut: 1e-7,
@@ -358,7 +358,7 @@ fn nothing_is_lost_between_mirrors() {
     check(&[(3, 0.0)], WINDOWS, 0.0..1e-9);
 }
 
-/// A row of mirrors that face each other by twos, each its own plane.
+/// A row of pairs of mirrors that face each other, each with its own plane.
 #[test]
 fn very_many_mirrors_end() {
     let count = 20_000;

@@ -9,28 +9,28 @@ const EDGE_ON: f64 = 1e-9;
 
 /// A face: an image whose points (x, y), −1..=1, lie in the direction x u + y v + w.
 pub(super) struct Face {
-    /// u to the columns' end, v to the rows' end, w through the middle.
+    /// u along the columns, v along the rows, w through the middle.
     pub axes: [DVec3; 3],
     /// The same.
     pub rows: [[f32; 3]; 3],
     pub eye: DVec3,
-    /// The viewpoint, and what is left of it beyond single precision.
+    /// The viewpoint, and the remainder beyond single precision.
     pub high: [f32; 3],
     pub low: [f32; 3],
-    /// Whether right and left are exchanged.
+    /// Whether the image is mirrored.
     pub is_turned: bool,
-    /// Where a reflected world begins.
+    /// The plane behind which the reflected world begins.
     pub begin: Option<Begin>,
 }
 
-/// The plane of a mirror as the border of the world that it shows.
+/// The plane of a mirror as the border of the reflected world.
 pub(super) struct Begin {
     pub plane: Plane,
     /// As [`Depth::nearness`].
     pub nearness: [f64; 3],
 }
 
-/// How near a plane is at the points of an image.
+/// The nearness of a plane at the points of an image.
 pub(super) struct Depth {
     /// Coefficients of x, y and 1 in 1/w, w the distance along the face's axis.
     pub nearness: [f64; 3],

@@ -1,4 +1,4 @@
-//! The world made ready for drawing: packets of facets under a tree of boxes.
+//! The world prepared for drawing: packets of facets under a tree of boxes.
 
 use super::view::{LocalMirror, PatchOptics, Plane, UnitCube};
 use super::{Facet, World};
@@ -10,13 +10,13 @@ use std::collections::HashMap;
 pub(super) const LANES: usize = 8;
 /// A node of the binary tree with no more facets than this is a leaf.
 const LEAF: usize = 2 * LANES;
-/// Facets thinner than this, as a part of their longest edge, are left out: no pixel shows them,
-/// and their planes are rounding.
+/// Facets thinner than this, relative to their longest edge, are left out: they cover no pixel, and
+/// their planes are mere rounding.
 const THINNEST: f64 = 1e-9;
-/// DistinctPlanes closer than this in normal and offset are one, so that what lies in one plane has one
+/// Planes closer than this in normal and offset are merged, so that coplanar facets have the same
 /// depth. Relative to half the world's size.
 const SAME_PLANE: f64 = 1.0 / (1u64 << 27) as f64;
-/// Boxes are taken this much larger than they are, for rounding on the way to the screen.
+/// Boxes are enlarged by this much, for the rounding of projections.
 const BOX_SLACK: f32 = 4e-6;
 
 /// Facets side by side.
@@ -26,17 +26,17 @@ pub(super) struct FacetPacket {
     pub facets: [PlaneFacet; LANES],
 }
 
-/// What a facet is, beside where its corners are.
+/// The properties of a facet besides its corners.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PlaneFacet {
     pub patch: u32,
     /// Its plane.
     pub plane: u32,
-    /// Whether the front is where the plane's normal points.
+    /// Whether the plane's normal points to the front.
     pub is_upright: bool,
 }
 
-/// A box, and the packets in it if it is a leaf. A node's first child stands right behind it.
+/// A box, and the packets in it if it is a leaf. A node is followed by its first child.
 pub(super) struct FacetNode {
     pub centre: [f32; 3],
     pub half: [f32; 3],
@@ -46,7 +46,7 @@ pub(super) struct FacetNode {
     pub packets: [u32; 2],
 }
 
-/// A world made ready. Immutable.
+/// A prepared world. Immutable.
 pub(super) struct LocalWorld {
     pub local: UnitCube,
     pub nodes: Vec<FacetNode>,
@@ -59,8 +59,8 @@ pub(super) struct LocalWorld {
 }
 
 impl LocalWorld {
-    /// Leaves out facets with a corner that is not finite, without area, or of patches that there
-    /// are not.
+    /// Prepares a world. Facets with a corner that is not finite, without area, or of nonexistent
+    /// patches are left out.
     pub fn new(world: &World) -> LocalWorld {
         let is_sound = |corners: &[DVec3; 3]| corners.iter().all(|c| c.is_finite());
         let is_drawn = |t: &&Facet| t.patch < world.patches && is_sound(&t.corners);
@@ -98,7 +98,7 @@ impl LocalWorld {
     }
 }
 
-/// DistinctPlanes of facets, each once.
+/// The distinct planes of facets.
 #[derive(Default)]
 struct DistinctPlanes {
     planes: Vec<Plane>,
@@ -120,7 +120,7 @@ impl DistinctPlanes {
             return None;
         }
         let normal = across.normalize();
-        // One of the two signs, whatever the facet's front: by the first component that counts.
+        // The sign does not depend on the facet's front, but on the first significant component.
         let first = normal.to_array().into_iter().find(|x| x.abs() > 1e-4)?;
         let is_upright = first > 0.0;
         let normal = if is_upright { normal } else { -normal };
@@ -160,7 +160,7 @@ fn tree(facets: &[LocalFacet]) -> (Vec<FacetNode>, Vec<FacetPacket>) {
     (grown.nodes, grown.packets)
 }
 
-/// The tree as it is copied, with leaves that fill packets.
+/// Converts the tree to one whose leaves are packets.
 struct Grown<'a> {
     facets: &'a [LocalFacet],
     references: &'a [Reference],

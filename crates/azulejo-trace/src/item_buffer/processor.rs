@@ -17,18 +17,18 @@ use std::sync::Mutex;
 /// pool, each alone on its thread. Never fails.
 ///
 /// Works in `f32` about the world's centre, planes in `f64`. Facets thinner than 1e-9 of their
-/// length, with corners that are not finite, or of patches that there are not are left out. Of
-/// facets in one plane (to 1e-8 of the world's size) the lowest patch is seen. What lies in the
-/// viewpoint's own plane is not seen, and neither is, in a mirror, what is nearer to its plane than
-/// 2e-6 of half the world's size or, if that is more, of the mirrored viewpoint's distance. The
-/// memory of a thread is 8 bytes a pixel, up to 36 where no two neighbours show the same patch of a
-/// mirror, and 24 a patch, however many mirrors face each other.
+/// length, with corners that are not finite, or of nonexistent patches are left out. Of coplanar
+/// facets (to 1e-8 of the world's size) the lowest patch is visible. Facets in the viewpoint's own
+/// plane are invisible, and so are, in a mirror, those nearer to its plane than 2e-6 of half the
+/// world's size or, if that is more, of the mirrored viewpoint's distance. Each thread needs 8
+/// bytes per pixel, up to 36 where no two neighbours show the same patch of a mirror, and 24 per
+/// patch, regardless of how many mirrors face each other.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Processor;
 
 /// Views per thread in a call.
 const BATCH: usize = 16;
-/// Pixels per thread in a call, as long as that leaves one view: all may be listed.
+/// Pixels per thread in a call, but at least one view: all pixels may be listed.
 const MOST_PIXELS: usize = 1 << 20;
 
 impl Device for Processor {
@@ -45,7 +45,7 @@ impl Device for Processor {
 pub struct ProcessorBuffers {
     world: LocalWorld,
     cube: Hemicube,
-    /// What pixels carry, in `f64`: sums to 1 to the last digits.
+    /// Delta form factors of the pixels, in `f64`; their sum is 1 to the last digits.
     weights: Vec<f64>,
     beyond: Beyond,
     /// Centres of columns and rows, −1..1.
@@ -73,7 +73,7 @@ struct RasterScratch {
     tally: Tally,
 }
 
-/// Pixels side by side in one row of a face.
+/// Consecutive pixels in one row of a face.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct PixelRun {
     first: u32,
@@ -147,8 +147,8 @@ impl ProcessorBuffers {
         }
     }
 
-    /// Level by level: what is seen behind k mirrors is drawn once everything behind fewer is
-    /// known, into the pixels that show the last of them. Windows of one level never overlap.
+    /// Draws level by level: the view behind k mirrors is drawn after all views behind fewer, into
+    /// the pixels that show the last mirror. Windows of one level never overlap.
     fn see_with(&self, view: &View, scratch: &mut RasterScratch) -> Seen {
         let mut seen = Seen::default();
         let count = self.side() as u32;
@@ -176,7 +176,8 @@ impl ProcessorBuffers {
         seen
     }
 
-    /// Draws what is seen in some pixels, sorted, and adds it up; mirrors are for the next level.
+    /// Draws some pixels, which are sorted, and adds up their form factors; mirrors are left to the
+    /// next level.
     fn draw_view(
         &self,
         view: &HemicubeView,
@@ -253,7 +254,7 @@ impl ProcessorBuffers {
         }
         let first = next.runs.len();
         for &(_, run) in group {
-            // Pieces of one mirror, side by side, are one run.
+            // Adjacent pieces of one mirror form one run.
             match next.runs[first..].last_mut() {
                 Some(last) if last.end() == run.first && self.column_and_row(run.first).0 > 0 => {
                     last.count += run.count;
@@ -267,7 +268,7 @@ impl ProcessorBuffers {
         });
     }
 
-    /// What the pixels of a run carry before any mirror.
+    /// The delta form factor of a run's pixels, before any mirror.
     fn weight(&self, run: PixelRun) -> f64 {
         self.weights[run.pixels()].iter().sum()
     }
@@ -362,7 +363,7 @@ impl DrawnFace<'_> {
         }
     }
 
-    /// What a pixel carries.
+    /// The weight of a pixel.
     fn share(&self, pixel: u32) -> Rgb {
         self.view.tint * self.buffers.weights[pixel as usize]
     }
@@ -379,7 +380,7 @@ impl DrawnFace<'_> {
         let local = &self.buffers.world.local;
         let direction = self.face.direction(x, y);
         let along = 1.0 / f64::from(nearness);
-        // The leg begins where the view leaves the last mirror.
+        // The segment begins where the line of sight leaves the last mirror.
         let start = self.face.begin.as_ref().map_or(0.0, |begin| {
             let [a, b, c] = begin.nearness;
             (1.0 / (a * x + b * y + c)).min(along)

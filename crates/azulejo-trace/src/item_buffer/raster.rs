@@ -1,11 +1,11 @@
 //! Draws facets into the pixels of one face.
 //!
-//! Nothing is clipped: a pixel's direction hits a facet if it is a combination of the directions
-//! to the corners with no negative weight, and the weights are linear in the image wherever the
+//! Nothing is clipped: a pixel's direction hits a facet if it is a combination of the directions to
+//! the corners with no negative weight, and the weights are linear in the image wherever the
 //! corners are (Olano and Greer, *Triangle Scan Conversion using 2D Homogeneous Coordinates*,
 //! 1997). Two facets with a common edge compute its weight from the same products, so no pixel
-//! falls between them. What is kept as depth is 1/w, which is linear too; it belongs to the
-//! plane, so that facets in one plane are equally deep to the bit, and the lowest patch wins.
+//! falls between them. The depth value is 1/w, which is linear too; it is computed from the plane,
+//! so that coplanar facets have bit-identical depths, and the lowest patch wins.
 
 #![allow(
     clippy::needless_range_loop,
@@ -17,22 +17,22 @@ use super::prepared_world::{FacetNode, FacetPacket, LANES, LocalWorld, PlaneFace
 use super::view::Plane;
 use std::ops::Range;
 
-/// The side that a pixel without one shows.
+/// The side of a pixel that shows none.
 pub(super) const NOTHING: u32 = u32::MAX;
 
-/// Wider facets are cut to the pixels between their edges row by row.
+/// Facets wider than this are limited to the pixels between their edges in each row.
 const WIDE: usize = 24;
 
-/// What sums of a few products may be off, relative to the products.
+/// Rounding error of sums of a few products, relative to the products.
 const ROUNDING: f32 = 8.0 * f32::EPSILON;
 
-/// Half-spaces that a [`Cone`] has room for.
+/// Largest number of half-spaces of a [`Cone`].
 const PLANES: usize = 8;
 
-/// Room for nodes that are drawn later: more than the depth of any tree.
+/// Size of the stack of nodes: more than the depth of any tree.
 const STACK: usize = crate::kernel::DEEPEST + 1;
 
-/// Columns and rows of a face that are drawn; rows count from below the horizon on side faces too.
+/// Columns and rows of a face that are drawn; rows start below the horizon on side faces too.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Region {
     pub columns: Range<usize>,
@@ -45,7 +45,7 @@ impl Region {
         rows: 0..0,
     };
 
-    /// Grows until it holds some pixels of a row.
+    /// Grows to include some pixels of a row.
     pub fn add(&mut self, columns: Range<usize>, row: usize) {
         let grow = |range: &mut Range<usize>, more: Range<usize>| {
             *range = if range.start >= range.end {
@@ -92,7 +92,7 @@ pub(super) fn draw(world: &LocalWorld, face: &Face, region: &Region, canvas: &mu
             continue;
         }
         let (first, second) = (index + 1, index + node.second as usize);
-        // The nearer child first: what it hides is not drawn twice.
+        // The nearer child first: what it occludes is then rejected by depth.
         let is_swapped = painter.along(second) < painter.along(first);
         let (near, far) = if is_swapped {
             (second, first)
@@ -104,8 +104,8 @@ pub(super) fn draw(world: &LocalWorld, face: &Face, region: &Region, canvas: &mu
     }
 }
 
-/// The half-spaces that hold all that a region shows: its four borders, what lies before the eye,
-/// and what lies behind the mirror.
+/// The half-spaces that bound the visible part of a region: its four borders, the front of the
+/// viewpoint, and the space behind the mirror.
 struct Cone {
     normals: [[f32; PLANES]; 3],
     absolute: [[f32; PLANES]; 3],
@@ -146,7 +146,7 @@ impl Cone {
                 n[0][k] * v[0] + n[1][k] * v[1] + n[2][k] * v[2]
             };
             let middle = product(&self.normals, node.centre);
-            // Far viewpoints have large offsets, whose rounding must not hide a box.
+            // Distant viewpoints have large offsets, whose rounding must not reject a box.
             let slack = product(&self.absolute, node.half) + 1e-6 * self.offsets[k].abs();
             is_outside |= middle + slack < self.offsets[k];
         }
@@ -166,14 +166,14 @@ struct Painter<'a, 'b> {
     canvas: &'a mut Canvas<'b>,
 }
 
-/// Corners of a packet as the face sees them, `[3 * corner + axis][lane]`.
+/// Corners of a packet in the coordinates of the face, `[3 * corner + axis][lane]`.
 type FaceCorners = [[f32; LANES]; 9];
 
-/// For the lanes of a packet the columns and rows between which pixels may lie, as whole numbers.
+/// For each lane of a packet the range of columns and rows of its pixels, as whole numbers.
 struct Extents {
     columns: [[f32; LANES]; 2],
     rows: [[f32; LANES]; 2],
-    /// Whether a corner is not before the eye.
+    /// Whether a corner is not in front of the viewpoint.
     is_beside: [bool; LANES],
     /// Whether there may be any pixel.
     is_seen: [bool; LANES],
@@ -181,7 +181,8 @@ struct Extents {
 
 /// A facet ready to be filled in: functions of the image as coefficients of x, y and 1.
 struct Fill {
-    /// Not negative in the pixels of the facet: its three edges, and what lies behind the mirror.
+    /// Functions that are not negative in the pixels of the facet: its three edges, and the
+    /// distance behind the mirror.
     inside: [[f32; 3]; 4],
     nearness: [f32; 3],
     side: u32,
@@ -201,7 +202,7 @@ impl<'a, 'b> Painter<'a, 'b> {
             centre(region.rows.start),
             centre(region.rows.end - 1),
         ];
-        // A little wider, so that rounding takes no pixel off.
+        // Slightly wider, so that rounding loses no pixel.
         let borders = [
             borders[0] - 1e-5,
             borders[1] + 1e-5,
@@ -221,7 +222,7 @@ impl<'a, 'b> Painter<'a, 'b> {
         }
     }
 
-    /// How far the middle of a node is along the face's axis.
+    /// Distance of a node's centre along the face's axis.
     fn along(&self, node: usize) -> f32 {
         let (c, w) = (self.world.nodes[node].centre, self.face.rows[2]);
         c[0] * w[0] + c[1] * w[1] + c[2] * w[2]
@@ -237,7 +238,7 @@ impl<'a, 'b> Painter<'a, 'b> {
         }
     }
 
-    /// Corners relative to the eye, along the face's axes.
+    /// Corners relative to the viewpoint, along the face's axes.
     #[inline]
     fn place(&self, packet: &FacetPacket) -> FaceCorners {
         let Face {
@@ -247,7 +248,8 @@ impl<'a, 'b> Painter<'a, 'b> {
         for corner in 0..3 {
             let at = 3 * corner;
             for lane in 0..LANES {
-                // The first difference is exact for what is near, so near things keep their digits.
+                // The first difference is exact for points near the viewpoint, so they keep their
+                // precision.
                 let q = [0, 1, 2].map(|k| (packet.corners[at + k][lane] - high[k]) - low[k]);
                 for (k, m) in m.iter().enumerate() {
                     seen[at + k][lane] = m[0] * q[0] + m[1] * q[1] + m[2] * q[2];
@@ -296,7 +298,7 @@ impl<'a, 'b> Painter<'a, 'b> {
                 extents.rows[end][lane] = r[end];
             }
             extents.is_beside[lane] = is_beside;
-            // Lanes not in use hold NaN, and are never before the eye.
+            // Unused lanes hold NaN and are never in front of the viewpoint.
             let is_within = larger(w) > 0.0;
             let has_pixels = is_beside | ((c[0] <= c[1]) & (r[0] <= r[1]));
             extents.is_seen[lane] = is_within & !is_outside & has_pixels;
@@ -331,8 +333,8 @@ impl<'a, 'b> Painter<'a, 'b> {
         }
     }
 
-    /// Columns (axis 0) or rows (axis 1) that may show the part before the eye of a facet that
-    /// reaches beside or behind it.
+    /// Columns (axis 0) or rows (axis 1) of the part in front of the viewpoint of a facet that
+    /// extends beside or behind it.
     fn spread(&self, corners: &[[f32; 3]; 3], axis: usize) -> Option<Range<usize>> {
         let range = [&self.region.columns, &self.region.rows][axis];
         let (mut least, mut most) = (f32::INFINITY, f32::NEG_INFINITY);
@@ -343,7 +345,7 @@ impl<'a, 'b> Painter<'a, 'b> {
                 (least, most) = (least.min(x), most.max(x));
             }
             if (a[2] > 0.0) != (b[2] > 0.0) {
-                // Towards the plane of the eye the edge runs off to one end of the image.
+                // Towards the plane of the viewpoint the edge leaves the image at one end.
                 let x = a[axis] * b[2] - b[axis] * a[2];
                 let x = if a[2] > 0.0 { -x } else { x };
                 if x >= 0.0 {
@@ -360,7 +362,7 @@ impl<'a, 'b> Painter<'a, 'b> {
         (last >= first as f32).then(|| first..last as usize + 1)
     }
 
-    /// `corners` as the face sees them, `placed` as they are in the world.
+    /// `corners` in the coordinates of the face, `placed` in those of the world.
     fn prepare(
         &self,
         facet: &PlaneFacet,
@@ -374,9 +376,9 @@ impl<'a, 'b> Painter<'a, 'b> {
         } else {
             1.0
         };
-        // 2 a × b as (a + b) × (b − a), the difference taken before the eye is far away: seen
-        // behind many mirrors the corners have lost digits that the edge between them needs.
-        // Either way round it is the same but for the sign, to the bit.
+        // 2 a × b as (a + b) × (b − a), with the difference in world coordinates: behind many
+        // mirrors the viewpoint is far away, and relative to it the corners have lost digits that
+        // the edge needs. Exchanging a and b changes only the sign, to the bit.
         let edge = |k: usize, l: usize| {
             let ([px, py, pz], [qx, qy, qz]) = (placed[k], placed[l]);
             let along = [qx - px, qy - py, qz - pz];
@@ -414,7 +416,8 @@ impl<'a, 'b> Painter<'a, 'b> {
             let (mut left, mut right) = (-1.0f32, 1.0f32);
             for (e, inverse) in fill.inside.iter().zip(inverse) {
                 let x = -(e[1] * y + e[2]) * inverse;
-                // Where the edge runs along the row, its rounding reaches over many pixels.
+                // Where the edge is nearly parallel to the row, its rounding extends over many
+                // pixels.
                 let slack = ROUNDING * (e[1].abs() + e[2].abs()) * inverse.abs();
                 if e[0] > 0.0 {
                     left = left.max(x - slack);
@@ -440,7 +443,7 @@ impl<'a, 'b> Painter<'a, 'b> {
         let nearness = &mut self.canvas.nearness[pixels.clone()];
         let sides = &mut self.canvas.sides[pixels];
         let at_row = |e: &[f32; 3]| (e[0], e[1] * y + e[2]);
-        // One by one: a map over the array is a call that nobody inlines.
+        // One by one, because a map over the array is not inlined.
         let [a, b, c, d] = &fill.inside;
         let (a, b, c, d) = (at_row(a), at_row(b), at_row(c), at_row(d));
         let near = at_row(&fill.nearness);
@@ -460,7 +463,7 @@ impl<'a, 'b> Painter<'a, 'b> {
     }
 }
 
-/// Plain comparisons: `f32::min` also minds NaN, at a price.
+/// Plain comparisons: `f32::min` also handles NaN, which costs time.
 fn smaller([a, b, c]: [f32; 3]) -> f32 {
     let ab = if b < a { b } else { a };
     if c < ab { c } else { ab }

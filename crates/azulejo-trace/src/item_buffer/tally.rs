@@ -1,9 +1,9 @@
-//! Adds up the shares of pixels by what they show.
+//! Adds up the form factors of pixels by the side that they show.
 
 use super::Share;
 use azulejo_scene::Rgb;
 
-/// Orders that are kept apart: without mirrors, by one mirror, by more.
+/// Number of orders that are distinguished: no mirror, one mirror, more.
 const ORDERS: usize = 3;
 const FREE: u32 = u32::MAX;
 
@@ -35,7 +35,7 @@ impl Tally {
         self.sums[*slot as usize] += share;
     }
 
-    /// The sums, sorted by side and order; nothing is left.
+    /// Takes the sums, sorted by side and order.
     pub fn take(&mut self) -> Vec<Share> {
         self.keys.sort_unstable();
         let share = |&key: &u32| {

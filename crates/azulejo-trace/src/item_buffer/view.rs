@@ -1,5 +1,5 @@
-//! What the processor and cards share of a hemicube: the coordinates it is drawn in, and the
-//! viewpoint with its images behind mirrors.
+//! Common to the processor and cards: the local coordinates of hemicubes, and the viewpoint with
+//! its images behind mirrors.
 
 use super::{Mirror, NO_MIRROR, View, World};
 use azulejo_scene::Rgb;
@@ -48,7 +48,7 @@ pub struct UnitCube {
 }
 
 impl UnitCube {
-    /// The map for a world with these points. A single point, or none, is left at its size.
+    /// The map for a world with these points. A single point, or none, is not scaled.
     pub fn around(points: impl Iterator<Item = DVec3>) -> UnitCube {
         let nothing = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let (low, high) = points.fold(nothing, |(low, high), p| (low.min(p), high.max(p)));
@@ -103,7 +103,7 @@ impl LocalMirror {
     }
 }
 
-/// What becomes of light at a patch, as far as item buffers can follow it.
+/// The reflection of light at a patch, as far as item buffers can follow it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PatchOptics {
     /// It is not followed: the patch is diffuse.
@@ -115,7 +115,7 @@ pub enum PatchOptics {
 }
 
 impl World {
-    /// What becomes of light at a patch.
+    /// The reflection of light at a patch.
     pub fn optics(&self, patch: u32) -> PatchOptics {
         if self.is_bent.get(patch as usize) == Some(&true) {
             return PatchOptics::Bent;
@@ -129,7 +129,7 @@ impl World {
     }
 }
 
-/// A hemicube in local coordinates, as it is or as mirrors show it.
+/// A hemicube in local coordinates, direct or through mirrors.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HemicubeView {
     /// The viewpoint, or its image behind the mirrors.
@@ -142,15 +142,15 @@ pub struct HemicubeView {
     pub tint: Rgb,
     /// The last mirror on the way, or [`NO_MIRROR`].
     pub mirror: u32,
-    /// Where the last mirror's world begins: points with less than the plane's offset are not part
-    /// of it.
+    /// The plane at which the last mirror's world begins: points below its offset are not part of
+    /// it.
     pub begin: Option<Plane>,
     /// The precision of the backend that draws it.
     pub precision: DepthPrecision,
 }
 
 impl HemicubeView {
-    /// A hemicube as it is, without mirrors.
+    /// A hemicube without mirrors.
     pub fn new(view: &View, local: &UnitCube, precision: DepthPrecision) -> HemicubeView {
         HemicubeView {
             eye: local.point(view.eye),
@@ -163,8 +163,8 @@ impl HemicubeView {
         }
     }
 
-    /// What a mirror shows of it, seen from the side on which the viewpoint is. `number` is the
-    /// mirror's place in [`World::mirrors`].
+    /// Its reflection in a mirror, on the side of the viewpoint. `number` is the mirror's index in
+    /// [`World::mirrors`].
     pub fn behind(&self, number: u32, mirror: &LocalMirror) -> HemicubeView {
         let Plane { normal, offset } = mirror.plane;
         let height = normal.dot(self.eye) - offset;
@@ -198,8 +198,9 @@ impl HemicubeView {
         }
     }
 
-    /// How near the begin of a reflected world is in a face with these axes: the coefficients of
-    /// u, v and 1 in 1/w, with w the distance along the face's last axis. `None` without mirrors.
+    /// The nearness of the plane at which the reflected world begins, in a face with these axes:
+    /// the coefficients of u, v and 1 in 1/w, with w the distance along the face's last axis.
+    /// `None` without mirrors.
     pub fn begin_nearness(&self, axes: &[DVec3; 3]) -> Option<[f64; 3]> {
         let plane = self.begin.as_ref()?;
         // n · (eye + w d) = offset, so 1/w = n · d / away.
@@ -223,9 +224,10 @@ mod tests {
         DVec3::from([0, 1, 2].map(|axis| number(k, dimension + axis)))
     }
 
-    /// The share of points of a mirror's plane that come out in the world behind it as a card
-    /// computes it, all in single precision: 1/w of the plane and of its begin, the plane as that
-    /// of a facet in the mirror. Seen from `distance`, in world halves, with `step` to the begin.
+    /// The fraction of points of a mirror's plane that count as behind it as a card computes it,
+    /// all in single precision: 1/w of the plane, taken as that of a facet in the mirror, and of
+    /// the plane at which the reflected world begins. Seen from `distance`, in world halves, with
+    /// `step` between the two planes.
     fn leak(distance: f64, step: impl Fn(DVec3) -> f64) -> f64 {
         let (mut seen, mut leaked) = (0, 0);
         for k in 0..3000 {
@@ -236,7 +238,7 @@ mod tests {
             let away = vector(k, 12).normalize();
             let away = if away.dot(normal) < 0.0 { away } else { -away };
             let eye = target + distance * away;
-            // A face whose image holds the target.
+            // A face whose image contains the target.
             let frame = azulejo_scene::math::Frame::from_normal(-away);
             let axes = [frame.x, frame.y, frame.z + 0.4 * frame.x + 0.3 * frame.y];
             let w = axes[2].normalize();

@@ -9,18 +9,18 @@ use glam::{DVec3, Vec3A, Vec4, Vec4Swizzles};
 use std::ops::Range;
 
 const BINS: usize = 16;
-/// Leaves larger than this are divided whatever it costs.
+/// Leaves larger than this are divided at any cost.
 const LARGEST_LEAF: usize = 16;
-/// Cost of passing a binary node, in units of testing a packet.
+/// Cost of traversing a binary node, in units of testing a packet.
 const STEP_COST: f32 = 1.0;
-/// From this depth on ranges are halved by count, so that no input makes a deep tree.
+/// From this depth on ranges are halved by count, so that the depth is bounded for any input.
 const HALVING_DEPTH: u32 = 48;
-/// No path is longer: [`HALVING_DEPTH`] and the halvings of 2^32 references.
+/// Length of the longest path: [`HALVING_DEPTH`] and the halvings of 2^32 references.
 pub(crate) const DEEPEST: usize = HALVING_DEPTH as usize + 33;
-/// Ranges longer than this are built by two threads.
+/// Ranges longer than this are divided between two threads.
 const SHARED_WORK: usize = 16 * 1024;
 
-/// A box, `f32`; lanes 3 mean nothing.
+/// A box, `f32`; lanes 3 are unused.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Bounds {
     pub min: Vec4,
@@ -57,7 +57,7 @@ impl Bounds {
     }
 }
 
-/// A box with the number of what is in it.
+/// A box with the number of its content.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reference {
     /// Lane 3 carries the number, as the bits of a float: [`Reference::FIRST_ID`] and up.
@@ -66,8 +66,8 @@ pub(crate) struct Reference {
 }
 
 impl Reference {
-    /// Numbers count from here, so that as floats they are small but not denormal, which would
-    /// slow down arithmetic with all four lanes.
+    /// Numbers start here, so that as floats they are small but not denormal, which would slow down
+    /// arithmetic on all four lanes.
     const FIRST_ID: u32 = 0x2000_0000;
 
     pub(crate) fn new(min: [f32; 3], max: [f32; 3], id: u32) -> Reference {
@@ -82,7 +82,7 @@ impl Reference {
         }
     }
 
-    /// Whether the box can stand in a tree.
+    /// Whether the box is valid for a tree.
     pub(crate) fn is_finite(&self) -> bool {
         self.min.xyz().is_finite() && self.max.xyz().is_finite()
     }
@@ -107,7 +107,7 @@ impl Reference {
     }
 }
 
-/// A node of the binary tree; its left child stands right behind it.
+/// A node of the binary tree; its left child is the next node.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BinaryNode {
     pub bounds: Bounds,
@@ -122,7 +122,7 @@ impl BinaryNode {
         self.right == 0
     }
 
-    /// Whether a line may cross the box, widened by `margin` and by what an `f32` may be off.
+    /// Whether a line may cross the box, enlarged by `margin` and by the rounding of `f32`.
     pub(crate) fn may_be_crossed(&self, origin: DVec3, inverse: DVec3, margin: f64) -> bool {
         let corner = |v: Vec4| v.xyz().as_dvec3() - origin;
         let low = corner(self.bounds.min) - margin;
@@ -239,7 +239,7 @@ impl BvhBuilder {
         self.alone(nodes, high, first + middle, right, depth + 1);
     }
 
-    /// Orders the references into two parts; `None` if they are one leaf.
+    /// Partitions the references in two; `None` if they form one leaf.
     fn divide(
         &self,
         references: &mut [Reference],
@@ -270,7 +270,7 @@ impl BvhBuilder {
         Some(at(count / 2, references))
     }
 
-    /// Other shapes take far longer to intersect than a box: each is a leaf of its own.
+    /// Other shapes take much longer to intersect than a box: each is a leaf of its own.
     fn divide_others(
         &self,
         references: &mut [Reference],
@@ -310,7 +310,7 @@ fn at(middle: usize, references: &[Reference]) -> (usize, Extent, Extent) {
     (middle, Extent::of(low), Extent::of(high))
 }
 
-/// Number of packets that so many triangles fill.
+/// Number of packets for this many triangles.
 #[inline]
 fn packets(count: u32) -> f32 {
     count.div_ceil(PACKET as u32) as f32
@@ -326,7 +326,7 @@ struct Binning {
 impl Binning {
     fn new(centres2: &Bounds) -> Binning {
         let size = centres2.max - centres2.min;
-        // A width that is nothing, or too small to be inverted, puts all into bin 0.
+        // A width of zero, or too small to be inverted, puts all into bin 0.
         let usable = size.cmpgt(Vec4::splat(1e-34));
         let scale = Vec4::select(usable, (BINS as f32 * (1.0 - 1e-6)) / size, Vec4::ZERO);
         Binning {
@@ -342,7 +342,7 @@ impl Binning {
         x.xyz().to_array().map(lowest_bits)
     }
 
-    /// Bin of one axis, the same as [`bins`](Binning::bins) has.
+    /// Bin of one axis, as in [`bins`](Binning::bins).
     #[inline]
     fn bin(&self, axis: usize, r: &Reference) -> usize {
         let centre2 = r.min[axis] + r.max[axis];
@@ -358,7 +358,7 @@ fn lowest_bits(x: f32) -> usize {
     (x.to_bits() & (BINS as u32 - 1)) as usize
 }
 
-/// A plane that divides references, and what the two sides cost.
+/// A plane that divides references, and the cost of the two sides.
 struct SplitPlane {
     binning: Binning,
     axis: usize,
@@ -419,8 +419,8 @@ impl SplitPlane {
     }
 }
 
-/// The gap between bins with the smallest cost: first bin of the right side, and the cost, which
-/// is infinite if all is in one bin.
+/// The split between bins with the smallest cost: first bin of the right side, and the cost, which
+/// is infinite if all references are in one bin.
 fn cheapest_gap(bins: &[(Bounds, u32); BINS]) -> (usize, f32) {
     let mut right_costs = [f32::INFINITY; BINS];
     let (mut bounds, mut count) = (Bounds::EMPTY, 0);

@@ -1,4 +1,4 @@
-//! The tree that rays traverse: nodes of eight boxes over packets of triangles.
+//! The bounding volume hierarchy: nodes of eight boxes over packets of triangles.
 
 use super::build::{BinaryNode, Bounds, Reference};
 use super::triangle::{PACKET, Packet};
@@ -10,8 +10,8 @@ pub(crate) const WIDTH: usize = 8;
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BvhNode {
-    /// `[2 * axis + side][child]`, side 0 is the lower one. A child that is not there has an
-    /// empty box, which no ray hits.
+    /// `[2 * axis + side][child]`, side 0 is the lower one. Unused children have an empty box,
+    /// which no ray hits.
     pub planes: [[f32; WIDTH]; 6],
     /// [`Child`] in its packed form.
     pub children: [u32; WIDTH],
@@ -39,10 +39,10 @@ impl BvhNode {
     }
 }
 
-/// What a child is: a node, some packets, or some shapes that are not triangles.
+/// A child: a node, some packets, or some shapes that are not triangles.
 ///
 /// Packed: bit 31 marks leaves, bit 30 other shapes, bits 26–29 hold the count less one, the rest
-/// is where they begin.
+/// the first index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Child;
 
@@ -51,7 +51,7 @@ impl Child {
     pub(crate) const OTHER: u32 = 1 << 30;
     const COUNT_SHIFT: u32 = 26;
     const FIRST: u32 = (1 << Child::COUNT_SHIFT) - 1;
-    /// The most packets, or other shapes, in one leaf.
+    /// Largest number of packets, or other shapes, in one leaf.
     pub(crate) const MOST: usize = 16;
 
     fn leaf(kind: u32, first: usize, count: usize) -> u32 {
@@ -62,7 +62,7 @@ impl Child {
         Child::LEAF | kind | ((count as u32 - 1) << Child::COUNT_SHIFT) | first as u32
     }
 
-    /// What a leaf holds.
+    /// The content of a leaf.
     #[inline(always)]
     pub(crate) fn range(leaf: u32) -> std::ops::Range<usize> {
         let first = (leaf & Child::FIRST) as usize;
@@ -76,11 +76,11 @@ pub(crate) struct Bvh {
     /// The root is the first; none for an empty scene.
     pub nodes: Vec<BvhNode>,
     pub packets: Vec<Packet>,
-    /// The shapes of leaves of other shapes, by the positions that the leaves name.
+    /// The shapes that are not triangles, in the order to which leaves refer.
     pub others: Vec<u32>,
 }
 
-/// A triangle as the kernel sees it.
+/// A triangle in kernel coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct KernelTriangle {
     pub corners: [[f32; 3]; 3],
@@ -88,7 +88,8 @@ pub(crate) struct KernelTriangle {
 }
 
 impl Bvh {
-    /// Widens a binary tree. References below `triangles.len()` are triangles, the rest others.
+    /// Collapses a binary tree to nodes of eight. References below `triangles.len()` are triangles,
+    /// the rest others.
     pub(crate) fn collapse(
         binary: &[BinaryNode],
         references: &[Reference],
@@ -153,7 +154,7 @@ struct Source<'a> {
 }
 
 impl Source<'_> {
-    /// Replaces the inner node of largest area by its two children until eight are open.
+    /// Replaces the inner node of largest area by its two children until there are eight.
     fn open(&self, root: usize, opened: &mut [usize; WIDTH]) -> usize {
         opened[0] = root;
         let mut count = 1;

@@ -1,8 +1,8 @@
-//! Embree 3 or 4 instead of our own kernel for triangles: loaded at run time, if it is installed.
+//! Embree 3 or 4 as the kernel for triangles, loaded at run time if it is installed.
 //!
-//! Wald et al., *Embree: A Kernel Framework for Efficient CPU Ray Tracing*, SIGGRAPH 2014. The
-//! same rays give the same hits as our kernel's but for rounding, so each checks the other.
-//! Nothing of Embree is needed to build this: its few functions are found by name.
+//! Wald et al., *Embree: A Kernel Framework for Efficient CPU Ray Tracing*, SIGGRAPH 2014. Hits
+//! agree with those of our own kernel up to rounding, so each validates the other. Building this
+//! needs nothing of Embree: its functions are found by name.
 #![allow(unsafe_code, reason = "Embree is a C library")]
 
 use super::bvh::KernelTriangle;
@@ -18,8 +18,8 @@ use std::{error, fmt};
 
 type Pointer = *mut c_void;
 
-// Numbers of rtcore_common.h, rtcore_buffer.h, rtcore_geometry.h and rtcore_device.h, which
-// Embree 3 and 4 share.
+// Constants of rtcore_common.h, rtcore_buffer.h, rtcore_geometry.h and rtcore_device.h, common to
+// Embree 3 and 4.
 const TRIANGLES: c_int = 0;
 const INDEX_BUFFER: c_int = 0;
 const VERTEX_BUFFER: c_int = 1;
@@ -30,7 +30,7 @@ const VERSION: c_int = 0;
 const OUT_OF_MEMORY: c_int = 4;
 const NOTHING: c_uint = c_uint::MAX;
 
-/// Where the library may be, the newest first.
+/// Names of the library, the newest first.
 const NAMES: [&str; 4] = if cfg!(windows) {
     ["embree4.dll", "embree3.dll", "embree.dll", "libembree4.dll"]
 } else if cfg!(target_os = "macos") {
@@ -49,7 +49,7 @@ const NAMES: [&str; 4] = if cfg!(windows) {
     ]
 };
 
-/// Why there is no Embree to trace with.
+/// Reasons why Embree is not available.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum EmbreeError {
@@ -57,7 +57,7 @@ pub enum EmbreeError {
     Missing {
         /// The names, in the order tried.
         tried: Vec<PathBuf>,
-        /// The system's words.
+        /// The message of the system.
         said: String,
     },
     /// A library that lacks one of Embree's functions.
@@ -74,7 +74,7 @@ pub enum EmbreeError {
         /// The version that it reports, as 31305 for 3.13.5.
         version: isize,
     },
-    /// Embree refused with this code of its enum `RTCError`.
+    /// Embree failed with this code of its enum `RTCError`.
     Refused {
         /// The code.
         code: i32,
@@ -124,7 +124,7 @@ fn reason(error: &dyn error::Error) -> String {
     }
 }
 
-/// 31305 as 3.13.5.
+/// Formats 31305 as 3.13.5.
 fn dotted(version: isize) -> String {
     format!(
         "{}.{}.{}",
@@ -134,24 +134,24 @@ fn dotted(version: isize) -> String {
     )
 }
 
-/// Embree, loaded and ready. Copies share it.
+/// A loaded Embree library. Copies share it.
 #[derive(Clone, Debug)]
 pub struct Embree(Arc<Device>);
 
 impl PartialEq for Embree {
-    /// Copies of one are equal.
+    /// Copies of the same instance are equal.
     fn eq(&self, other: &Embree) -> bool {
         Arc::ptr_eq(&self.0, &other.0)
     }
 }
 
-/// The library, what is called of it, and a device to build on.
+/// The library, its functions, and a device.
 #[derive(Debug)]
 struct Device {
     functions: Functions,
     device: Pointer,
     version: isize,
-    /// Never unloaded: threads that Embree started may outlive all that we know of.
+    /// Never unloaded: threads that Embree started may outlive all known handles.
     _library: ManuallyDrop<Library>,
 }
 
@@ -165,17 +165,17 @@ type Query = unsafe extern "C" fn(Pointer, Pointer, Pointer);
 
 macro_rules! functions {
     ($($field:ident = $name:literal: fn($($a:ty),*) $(-> $r:ty)?;)*) => {
-        /// What is called of the library.
+        /// The functions of the library that are used.
         #[derive(Debug)]
         struct Functions {
             $($field: unsafe extern "C" fn($($a),*) $(-> $r)?,)*
         }
 
         impl Functions {
-            /// The functions of a library, or the name of one that it lacks.
+            /// Looks up the functions of a library; the error is the name of a missing one.
             ///
             /// # Safety
-            /// If the library has functions of all these names, they are Embree's.
+            /// If the library has functions with all of these names, they must be Embree's.
             unsafe fn of(library: &Library) -> Result<Functions, &'static str> {
                 Ok(Functions {
                     // SAFETY: the caller's promise.
@@ -186,8 +186,8 @@ macro_rules! functions {
     };
 }
 
-// As rtcore.h declares them. The queries take (scene, context, ray) in Embree 3 and
-// (scene, ray, arguments) in 4.
+// As declared in rtcore.h. The queries take (scene, context, ray) in Embree 3 and (scene, ray,
+// arguments) in 4.
 functions! {
     new_device = "rtcNewDevice": fn(*const c_char) -> Pointer;
     release_device = "rtcReleaseDevice": fn(Pointer);
@@ -220,7 +220,7 @@ impl Embree {
         };
         let mut said = String::new();
         for name in &names {
-            // SAFETY: that the library's initialisers do no harm is the caller's trust in it.
+            // SAFETY: the caller trusts the library's initialisers.
             match unsafe { Library::new(name.as_os_str()) } {
                 Ok(library) => return Embree::of(library, Path::new(name)),
                 Err(error) => said = reason(&error),
@@ -234,18 +234,18 @@ impl Embree {
 
     fn of(library: Library, path: &Path) -> Result<Embree, EmbreeError> {
         let library = ManuallyDrop::new(library);
-        // SAFETY: no other library has Embree's names.
+        // SAFETY: only Embree has functions of these names.
         let functions = unsafe { Functions::of(&library) };
         let functions = functions.map_err(|function| EmbreeError::NotEmbree {
             path: path.to_owned(),
             function,
         })?;
-        // With several threads Embree's trees are not the same every time, and neither are its
-        // answers where a ray hits two triangles at once.
-        // SAFETY: the configuration is a C string; the device is checked before it is used.
+        // With several threads Embree's trees vary from run to run, and so do its hits where a ray
+        // hits two triangles at once. SAFETY: the configuration is a C string; the device is
+        // checked before it is used.
         let device = unsafe { (functions.new_device)(c"threads=1".as_ptr()) };
         if device.is_null() {
-            // SAFETY: no device stands for errors of `rtcNewDevice` itself.
+            // SAFETY: a null device stands for errors of `rtcNewDevice` itself.
             let code = unsafe { (functions.error)(null_mut()) };
             return Err(EmbreeError::Refused { code });
         }
@@ -295,7 +295,7 @@ unsafe impl Sync for EmbreeScene {}
 
 impl EmbreeScene {
     /// Builds a tree of medium quality over `count` triangles; `triangle` returns the corners of
-    /// each and the number that its hits shall have. `is_robust` requests watertight edges.
+    /// each and the item number of its hits. `is_robust` requests watertight edges.
     ///
     /// # Errors
     /// [`EmbreeError::Refused`] if there is not enough memory.
@@ -312,8 +312,8 @@ impl EmbreeScene {
         let corners = u32::try_from(3 * count).map_err(|_| EmbreeError::Refused {
             code: OUT_OF_MEMORY,
         })?;
-        // SAFETY: all pointers come from Embree, which refuses null; buffers are as long as requested
-        // for, and all of them is written before they are committed.
+        // SAFETY: all pointers come from Embree, which refuses null; buffers have the requested
+        // size and are written completely before they are committed.
         let scene = unsafe {
             let scene = (functions.new_scene)(device);
             (functions.set_flags)(scene, if is_robust { ROBUST } else { 0 });
@@ -340,7 +340,7 @@ impl EmbreeScene {
             embree: embree.clone(),
             items: (0..count).map(|k| triangle(k).1).collect(),
         };
-        // SAFETY: the device lives as long as `embree`. It reports whatever failed first.
+        // SAFETY: the device lives as long as `embree`. It reports the first failure.
         match unsafe { (functions.error)(device) } {
             0 => Ok(built),
             code => Err(EmbreeError::Refused { code }),
@@ -380,7 +380,7 @@ impl EmbreeScene {
     pub fn any(&self, rays: &[KernelRay], blocked: &mut [bool]) {
         let query = EmbreeQuery::new(self, self.embree.0.functions.occluded);
         for (ray, blocked) in rays.iter().zip(blocked) {
-            // A ray that is blocked ends before it begins.
+            // For a blocked ray Embree sets `tfar` to −∞.
             *blocked = query.trace(ray).is_some_and(|found| found.t_far < 0.0);
         }
     }
@@ -395,7 +395,7 @@ impl Drop for EmbreeScene {
     }
 }
 
-/// `RTCRayHit`, with room for what builds with more levels of instances keep behind it.
+/// `RTCRayHit`, with room for the additional instance IDs of builds with more levels of instances.
 #[repr(C, align(16))]
 #[derive(Clone, Copy)]
 struct RayHit {
@@ -414,8 +414,8 @@ struct RayHit {
     instances: [c_uint; 17],
 }
 
-/// `RTCIntersectContext` of Embree 3, incoherent. Builds with more levels of instances keep their
-/// number, 0, before the instances' own numbers, which nobody reads here.
+/// `RTCIntersectContext` of Embree 3, incoherent. Builds with more levels of instances store their
+/// number, 0, before the instance IDs, which are not read here.
 #[repr(C)]
 struct Context {
     flags: c_int,
@@ -440,7 +440,7 @@ impl EmbreeQuery {
         }
     }
 
-    /// `None` for a ray that cannot hit anything, which Embree must not see.
+    /// `None` for a ray that cannot hit anything, which must not be passed to Embree.
     #[inline]
     fn trace(&self, ray: &KernelRay) -> Option<RayHit> {
         if !can_hit(ray) {

@@ -1,4 +1,4 @@
-//! The choice of the kernel that traces triangles: our own, or another.
+//! The choice of the kernel that traces triangles: our own or another.
 
 use super::bvh::KernelTriangle;
 #[cfg(feature = "embree")]
@@ -19,7 +19,7 @@ pub enum Kernel {
     Embree(Embree),
 }
 
-/// Triangles that another kernel than our own traces. Without features there is no such kernel.
+/// Triangles in a kernel other than our own. Without features there is no such kernel.
 #[derive(Clone, Debug)]
 pub(crate) enum ForeignKernel {
     #[cfg(feature = "embree")]
@@ -34,7 +34,7 @@ pub(crate) enum ForeignKernel {
     )
 )]
 impl ForeignKernel {
-    /// `None` if it is our own kernel's task, or if the other one ran out of memory.
+    /// `None` if our own kernel is selected, or if the other one ran out of memory.
     pub(crate) fn new(kernel: &Kernel, triangles: &[KernelTriangle]) -> Option<ForeignKernel> {
         match kernel {
             Kernel::Own => None,

@@ -1,16 +1,16 @@
-//! The kernel: finds the first triangle or other shape that a ray hits, or whether there is any.
+//! The kernel: finds the first triangle or other shape that a ray hits, or whether it hits any.
 //!
-//! It knows neither scenes nor the world: it takes triangles and boxes in coordinates of −1..=1,
-//! and answers with item numbers ([`KernelHit`]). What stands in its leaves besides triangles it
-//! reaches through [`OtherShapes`] alone. What it offers:
+//! It is independent of scenes and the world: it takes triangles and boxes in coordinates of
+//! −1..=1, and returns item numbers ([`KernelHit`]). Other shapes in its leaves are intersected
+//! through [`OtherShapes`]. Its parts:
 //!
 //! - [`binary_tree`] orders boxes ([`Reference`]) into a tree. Meshes that are solids and item
-//!   buffers walk that tree themselves.
+//!   buffers traverse that tree themselves.
 //! - [`Bvh::collapse`] widens it to nodes of eight boxes above packets of four triangles.
 //! - [`InstructionSet::closest`] and [`InstructionSet::any`] trace batches of rays through it, in
 //!   AVX2 where the machine has it and in plain Rust elsewhere, with the same hits to the bit.
-//! - [`Kernel`] and [`ForeignKernel`] leave the triangles to another library instead: Embree, as
-//!   far as there is any.
+//! - [`Kernel`] and [`ForeignKernel`] let another library trace the triangles, which is Embree so
+//!   far.
 //! - [`vectorised`] runs other code with the same choice of instructions.
 //!
 //! | what | where | after |

@@ -1,13 +1,13 @@
-//! What the kernel computes once per ray, before it traverses the tree.
+//! Per-ray values that are computed once, before traversal.
 
 use super::ray::KernelRay;
 
 /// Directions shorter than this along their longest axis hit nothing.
 const SHORTEST_DIRECTION: f32 = 1e-25;
 
-/// Components of the direction are kept this far from zero, relative to the largest, so that
-/// no product with the inverse is 0 · ∞; over the scene's width a ray moves aside by less than
-/// the rounding of its origin.
+/// Lower bound of the direction's components, relative to the largest, so that no product with the
+/// inverse is 0 · ∞; over the scene's width this displaces a ray by less than the rounding of its
+/// origin.
 const SMALLEST_COMPONENT: f32 = 1e-10;
 
 /// A ray with the values that each test of a box or triangle needs.
@@ -25,7 +25,7 @@ pub(crate) struct PreparedRay {
     pub near_row: [usize; 3],
     /// The axis of the longest component last.
     pub axes: [usize; 3],
-    /// Shear that turns the direction into the last axis, and the scale along it.
+    /// Shear that maps the direction to the last axis, and the scale along it.
     pub shear: [f32; 3],
     pub t_min: f32,
     /// Bound of all coordinates, the ray's and the scene's.
@@ -40,7 +40,7 @@ pub(crate) fn can_hit(ray: &KernelRay) -> bool {
 }
 
 impl PreparedRay {
-    /// A ray yet to be prepared.
+    /// A placeholder for a prepared ray.
     pub(crate) const NONE: PreparedRay = PreparedRay {
         origin: [0.0; 3],
         direction: [0.0; 3],
@@ -66,7 +66,7 @@ impl PreparedRay {
         } else {
             2
         };
-        // A comparison with NaN is false, so this also turns those away.
+        // Comparisons with NaN are false, so this rejects NaN too.
         let sum = o[0].abs() + o[1].abs() + o[2].abs() + size[0] + size[1] + size[2];
         let usable = sum < f32::INFINITY && size[last] >= SHORTEST_DIRECTION;
         if !(usable && ray.t_min < ray.t_max) {

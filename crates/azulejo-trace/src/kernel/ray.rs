@@ -1,7 +1,6 @@
-//! Rays and hits as the kernel sees them: single precision, in the kernel's own coordinates.
+//! Rays and hits of the kernel: single precision, in kernel coordinates.
 
-/// A ray in the kernel's own coordinates, `f32`; [`Tracer::kernel_ray`](crate::Tracer::kernel_ray)
-/// makes one.
+/// A ray in kernel coordinates, `f32`; [`Tracer::kernel_ray`](crate::Tracer::kernel_ray) makes one.
 ///
 /// Points `origin + t direction` for `t_min <= t < t_max`; `t` is the same as along the world's
 /// ray. A ray with a number that is not finite (but `t_max`, which may be infinite), or with a
@@ -9,19 +8,19 @@
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KernelRay {
-    /// Where `t` is zero.
+    /// The point at `t` = 0.
     pub origin: [f32; 3],
-    /// The nearest parameter that counts; less than 0 is taken for 0.
+    /// The smallest valid parameter; negative values count as 0.
     pub t_min: f32,
     /// Any length; `t` is in units of it.
     pub direction: [f32; 3],
-    /// The first parameter that counts no more.
+    /// The end of the range of valid parameters, excluded.
     pub t_max: f32,
 }
 
 /// The first hit of a [`KernelRay`]: 16 bytes.
 ///
-/// Of several items at exactly the same `t` it is the one with the smallest number, so the answer
+/// Of several items at exactly the same `t` it is the one with the smallest number, so the result
 /// does not depend on the order of traversal.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,19 +29,19 @@ pub struct KernelHit {
     pub t: f32,
     /// What was hit ([`Tracer::item`](crate::Tracer::item) describes it), or [`KernelHit::MISS`].
     pub item: u32,
-    /// Where on the item. The kind of shape decides how the bits are read: as two parameters
-    /// ([`KernelHit::uv`]) or as a [`SolidPart`].
+    /// Position on the item. The interpretation of the bits depends on the shape: two parameters
+    /// ([`KernelHit::uv`]) or a [`SolidPart`].
     location: [u32; 2],
 }
 
-/// Where a hit lies on a leaf of an exact shape: what is needed to compute the point again.
+/// Position of a hit on a leaf of an exact shape: the data for computing the point again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct SolidPart {
-    /// Which part of the leaf's surface; less than 2^31.
+    /// Index of the part of the leaf's surface; less than 2^31.
     pub part: u32,
     /// Parameter on that part.
     pub parameter: f32,
-    /// Whether the ray comes in here; for an open surface, whether it hits the front.
+    /// Whether the ray enters here; for an open surface, whether it hits the front.
     pub enters: bool,
 }
 
@@ -53,7 +52,7 @@ impl KernelHit {
     /// A ray that hit nothing.
     pub const NOTHING: KernelHit = KernelHit::before(f32::INFINITY);
 
-    /// No hit yet, while only hits at or before `t` count.
+    /// No hit yet; only hits at or before `t` count.
     #[inline(always)]
     pub(crate) const fn before(t: f32) -> KernelHit {
         KernelHit {
@@ -88,7 +87,7 @@ impl KernelHit {
         self.item != KernelHit::MISS
     }
 
-    /// Where on a triangle (barycentric weights of corners 1 and 2) or on a primitive's part
+    /// Position on a triangle (barycentric weights of corners 1 and 2) or on a primitive's part
     /// (its `u` and `v`).
     ///
     /// Has no meaning for items of other shapes: [`Tracer::resolve`](crate::Tracer::resolve)
@@ -98,7 +97,7 @@ impl KernelHit {
         self.location.map(f32::from_bits)
     }
 
-    /// Where on a leaf of an exact shape; has no meaning for other items.
+    /// Position on a leaf of an exact shape; has no meaning for other items.
     pub(crate) fn solid_part(&self) -> SolidPart {
         let [packed, parameter] = self.location;
         SolidPart {

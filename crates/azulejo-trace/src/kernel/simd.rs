@@ -1,7 +1,7 @@
 //! The kernel in vector instructions, chosen at run time.
 //!
 //! `unsafe` is needed for loads from arrays of known length, and for calls of functions that need
-//! instructions whose presence has been checked.
+//! instructions whose availability has been checked.
 #![allow(
     unsafe_code,
     reason = "vector instructions double the speed of the kernel"
@@ -17,7 +17,7 @@ use super::triangle::{Packet, PacketHits};
 /// An instruction set for the kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum InstructionSet {
-    /// Plain Rust, whatever the compiler makes of it.
+    /// Plain Rust, for any processor.
     Portable,
     /// AVX2, and FMA for boxes.
     #[cfg(target_arch = "x86_64")]
@@ -54,7 +54,7 @@ impl InstructionSet {
         if self == InstructionSet::Avx2
             && let Some(isa) = Avx2::detect()
         {
-            // SAFETY: the value of `isa` is the proof that AVX2 and FMA are there.
+            // SAFETY: the value of `isa` proves that AVX2 and FMA are available.
             return unsafe { closest_avx2(isa, scene, rays, hits) };
         }
         closest(Portable, scene, rays, hits);
@@ -71,7 +71,7 @@ impl InstructionSet {
         if self == InstructionSet::Avx2
             && let Some(isa) = Avx2::detect()
         {
-            // SAFETY: the value of `isa` is the proof that AVX2 and FMA are there.
+            // SAFETY: the value of `isa` proves that AVX2 and FMA are available.
             return unsafe { any_avx2(isa, scene, rays, blocked) };
         }
         any(Portable, scene, rays, blocked);
@@ -120,17 +120,17 @@ fn any_avx2<O: OtherShapes + ?Sized>(
     any(isa, scene, rays, blocked);
 }
 
-/// Work that gains from being compiled for several instruction sets.
+/// Work that benefits from being compiled for several instruction sets.
 pub(crate) trait Vectorised {
     type Output;
 
-    /// Does the work. Implementations are `#[inline(always)]`, and so is what takes the time in
-    /// them: only what is inlined is compiled for the instructions of the caller.
+    /// Does the work. Implementations are `#[inline(always)]`, and so are the hot functions that
+    /// they call: only inlined code is compiled for the instruction set of the caller.
     fn run(self) -> Self::Output;
 }
 
-/// Runs `work` in AVX2 where the machine has it. Without fused multiplications, so that results
-/// are the same to the bit everywhere.
+/// Runs `work` compiled for AVX2 if the machine has it. Without fused multiplications, so that
+/// results are bit-identical everywhere.
 #[inline(always)]
 pub(crate) fn vectorised<W: Vectorised>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
@@ -156,7 +156,7 @@ mod avx2 {
     use super::{BvhNode, Instructions, Packet, PacketHits, PreparedRay, WIDTH};
     use std::arch::x86_64::*;
 
-    /// Proof that AVX2, FMA and the bit instructions are there: nothing else makes one.
+    /// Proof that AVX2, FMA and the bit instructions are available: constructed by `detect` alone.
     #[derive(Clone, Copy, Debug)]
     pub(crate) struct Avx2(());
 
@@ -174,15 +174,16 @@ mod avx2 {
     }
 
     /// # Safety
-    /// AVX2 and FMA must be there; in a function that enables them, so that it is inlined.
+    /// AVX2 and FMA must be available. Call it in a function that enables them, so that it is
+    /// inlined.
     #[inline(always)]
     unsafe fn row(node: &BvhNode, row: usize) -> __m256 {
-        // SAFETY: a row is eight floats; aligned, because nodes are and rows are 32 bytes.
+        // SAFETY: a row is eight floats, aligned because nodes are aligned and rows have 32 bytes.
         unsafe { _mm256_load_ps(node.planes[row % 6].as_ptr()) }
     }
 
     /// # Safety
-    /// SSE must be there.
+    /// SSE must be available.
     #[inline(always)]
     unsafe fn lanes(v: __m128) -> [f32; PACKET] {
         let mut lanes = [0.0; PACKET];
@@ -194,7 +195,8 @@ mod avx2 {
     /// Sheared coordinates of three corners.
     type Corners = [[f32; PACKET]; 3];
 
-    /// Decides the lanes of a mask in double precision; which of them are hit within the range.
+    /// Resolves the lanes of a mask in double precision; returns those that are hit within the
+    /// range.
     #[cold]
     #[inline(never)]
     fn recheck(
@@ -216,7 +218,7 @@ mod avx2 {
         met
     }
 
-    /// For each mask the lanes that are in it, one after the other (AVX-512's compress).
+    /// For each mask the indices of its lanes, packed (AVX-512's compress).
     static COMPRESS: [[u8; WIDTH]; 256] = compress();
 
     const fn compress() -> [[u8; WIDTH]; 256] {
@@ -242,7 +244,7 @@ mod avx2 {
             const LINE: usize = 64;
             let start = std::ptr::from_ref(value).cast::<i8>();
             for k in 0..size_of::<T>().div_ceil(LINE) {
-                // SAFETY: prefetching reads nothing, and the addresses lie in `value`.
+                // SAFETY: prefetching has no effect on memory, and the addresses lie in `value`.
                 unsafe { _mm_prefetch::<_MM_HINT_T0>(start.add(k * LINE)) };
             }
         }

@@ -34,7 +34,7 @@ fn mesh_scene(triangles: &[[DVec3; 3]]) -> Scene {
     scene
 }
 
-/// Every triangle of every packet, one after the other.
+/// Tests every triangle of every packet.
 fn brute_force(bvh: &Bvh, ray: &KernelRay) -> KernelHit {
     let mut hit = KernelHit::before(ray.t_max.next_down());
     let Some(prepared) = PreparedRay::new(ray) else {
@@ -57,8 +57,8 @@ fn brute_force(bvh: &Bvh, ray: &KernelRay) -> KernelHit {
     }
 }
 
-/// The same hits, to the last bit, from brute force and from the tree at every level, whether
-/// rays come one by one or as a batch.
+/// Hits are bit-identical by brute force and by the tree with every instruction set, for single
+/// rays and for batches.
 fn check_against_brute_force(tracer: &Tracer, rays: &[KernelRay]) {
     let expected: Vec<KernelHit> = rays.iter().map(|r| brute_force(&tracer.bvh, r)).collect();
     let scene = tracer.kernel_scene();
@@ -181,7 +181,7 @@ fn a_room_agrees_with_brute_force() {
 
 #[test]
 fn axis_parallel_rays_are_not_led_astray() {
-    // Products of zero and infinity would let these rays into every box.
+    // With products of zero and infinity these rays would hit every box.
     let mut node = BvhNode {
         planes: [[0.25; WIDTH]; 6],
         children: [0; WIDTH],
@@ -270,7 +270,7 @@ fn any_hit_of_other_shapes_respects_the_range() {
     assert!(tracer.others.any(0, &ray, 2.0) && !tracer.others.any(0, &ray, 1.9));
 }
 
-/// Embree's triangles beside ours, and our own shapes among them.
+/// Embree's triangles compared with ours, mixed with our own shapes.
 #[cfg(feature = "embree")]
 mod embree {
     use super::*;
@@ -283,8 +283,8 @@ mod embree {
         azulejo_testing::require(Need::Embree, Embree::load(None)).map(Kernel::Embree)
     }
 
-    /// The same hits to rounding. Two triangles that are hit at the same distance are both right;
-    /// so is either answer where a ray passes within rounding of an edge, of which few may be.
+    /// Hits agree up to rounding. Of two triangles at the same distance either is correct, and so
+    /// are hit and miss where a ray passes an edge within rounding, which may happen to a few rays.
     fn check_alike(scene: &Scene, kernel: &Kernel, rays: impl Fn(&Tracer) -> Vec<KernelRay>) {
         let (ours, theirs) = (Tracer::new(scene), Tracer::with_kernel(scene, kernel));
         assert_eq!((ours.kernel(), &theirs.kernel()), (Kernel::Own, kernel));
@@ -333,7 +333,8 @@ mod embree {
                     .objects
                     .push(Object::new("ball", Shape::Primitive(ball)));
             }
-            // Those that aim at corners and edges of the soup are left out: there either is right.
+            // Rays towards corners and edges of the soup are left out: there either result is
+            // correct.
             let inside = |k: &usize| ![1, 2].contains(&(k % 5));
             check_alike(&scene, &kernel, |tracer| {
                 let all = (0..10).map(|part| rays(tracer, &soup, &mut Random(seed + part)));

@@ -1,14 +1,14 @@
 //! Traverses the tree: the same code for every instruction set.
 //!
-//! Boxes are tested with a margin for all rounding of the ray and of the test itself (in the
-//! spirit of Ize, *Robust BVH Ray Traversal*, JCGT 2(2), 2013, but paid once per ray), triangles
-//! with the watertight test of Woop, Benthin and Wald, JCGT 2(1), 2013. Products in the edge
-//! functions are rounded one by one, never fused, so two triangles that share an edge always
-//! agree on its sign, and every instruction set finds the same hits.
+//! Boxes are tested with a margin for all rounding of the ray and of the test itself (similar to
+//! Ize, *Robust BVH Ray Traversal*, JCGT 2(2), 2013, but once per ray), triangles with the
+//! watertight test of Woop, Benthin and Wald, JCGT 2(1), 2013. Products in the edge functions are
+//! rounded separately, never fused, so two triangles that share an edge always agree on its sign,
+//! and every instruction set finds the same hits.
 //!
-//! A tree of some megabytes does not fit the caches, and a ray spends most of its time waiting
-//! for nodes. So a batch keeps several rays in flight ([`LANES`]): each prefetches its next node
-//! and then lets the others work.
+//! A tree of some megabytes does not fit into the caches, and a ray spends most of its time waiting
+//! for nodes. Therefore a batch keeps several rays in flight ([`LANES`]): each prefetches its next
+//! node and yields to the others.
 
 use super::build::DEEPEST;
 use super::bvh::{Bvh, BvhNode, Child, WIDTH};
@@ -17,11 +17,11 @@ use super::ray::{KernelHit, KernelRay};
 use super::triangle::{PACKET, Packet, PacketHits};
 use glam::Vec3;
 
-/// Room for all siblings along the longest path, and for a whole node above them.
+/// Room for all siblings along the longest path, and for one more node.
 const STACK: usize = (WIDTH - 1) * DEEPEST + 2 * WIDTH;
 
-/// Rays that one thread has in flight. While one waits for its next node to come from memory the
-/// others continue: in trees larger than the caches this nearly doubles the rate.
+/// Rays that one thread has in flight. While one waits for its next node from memory the others
+/// continue: in trees larger than the caches this nearly doubles the rate.
 const LANES: usize = 8;
 
 /// Fewer rays than this do not justify setting up all lanes.
@@ -29,16 +29,16 @@ const FEW_RAYS: usize = 4 * LANES;
 
 /// The few operations that differ between instruction sets.
 ///
-/// An implementing type is the proof that its instructions are there.
+/// A value of an implementing type proves that its instructions are available.
 pub(crate) trait Instructions: Copy {
-    /// The boxes that the ray hits before `t_max`, as a mask; `near` receives where it enters them.
+    /// The boxes that the ray hits before `t_max`, as a mask; `near` receives the parameters of
+    /// entry.
     fn boxes(self, ray: &PreparedRay, node: &BvhNode, t_max: f32, near: &mut [f32; WIDTH]) -> u32;
 
-    /// Pushes the children of a mask, one after the other; all eight entries may be
-    /// overwritten.
+    /// Pushes the children of a mask; eight entries may be overwritten.
     fn put(self, mask: u32, children: &[u32; WIDTH], stack: &mut [u64; WIDTH]);
 
-    /// The triangles that the ray hits at `t <= t_max`, as a mask, and where.
+    /// The triangles that the ray hits at `t <= t_max`, as a mask, and their hits.
     fn triangles(
         self,
         ray: &PreparedRay,
@@ -51,15 +51,15 @@ pub(crate) trait Instructions: Copy {
     fn prefetch<T>(self, value: &T);
 }
 
-/// A child on the stack: the distance of its box (as bits, which order like the numbers they are
-/// of, none being negative) above the packed child.
+/// A child on the stack: the distance of its box (as bits, which are ordered like the numbers since
+/// none is negative) above the packed child.
 #[inline(always)]
 fn entry(near: f32, child: u32) -> u64 {
     (u64::from(near.to_bits()) << 32) | u64::from(child)
 }
 
-/// Pushes the children of a mask, which is not 0, farthest first, except for the nearest: returns
-/// that one, and how many were pushed.
+/// Pushes the children of a mask, which is not 0, farthest first, except for the nearest; returns
+/// that one and the number of those pushed.
 #[inline(always)]
 pub(crate) fn put_sorted(
     mut mask: u32,
@@ -92,21 +92,21 @@ pub(crate) fn put_sorted(
 
 /// The shapes in leaves that are not triangles.
 pub(crate) trait OtherShapes {
-    /// Replaces `hit` if the ray hits `shape` nearer.
+    /// Replaces `hit` if the ray hits `shape` at a smaller distance.
     fn closest(&self, shape: u32, ray: &KernelRay, hit: &mut KernelHit);
 
     /// Whether the ray hits `shape` at `t <= t_max`.
     fn any(&self, shape: u32, ray: &KernelRay, t_max: f32) -> bool;
 }
 
-/// What rays are traced against: the tree, and the shapes that its leaves refer to.
+/// The geometry that rays are traced against: the tree, and the shapes to which its leaves refer.
 pub(crate) struct KernelScene<'a, O: ?Sized> {
     pub bvh: &'a Bvh,
     pub others: &'a O,
 }
 
-/// Calls `done` with the index of each ray and its nearest hit, in any order; with `ANY`, with any
-/// hit at all.
+/// Calls `done` with the index and the nearest hit of each ray, in any order; with `ANY`, any hit
+/// suffices.
 #[inline(always)]
 pub(crate) fn trace<I: Instructions, O: OtherShapes + ?Sized, const ANY: bool>(
     isa: I,
@@ -121,8 +121,8 @@ pub(crate) fn trace<I: Instructions, O: OtherShapes + ?Sized, const ANY: bool>(
     }
 }
 
-/// Whether neighbours among the rays mostly start at one point: then they visit the same nodes,
-/// which the previous ray has left in the cache.
+/// Whether consecutive rays mostly start at the same point: then they visit the same nodes, which
+/// the previous ray left in the cache.
 fn are_coherent(rays: &[KernelRay]) -> bool {
     const SAMPLES: usize = 16;
     let stride = rays.len() / SAMPLES;
@@ -172,10 +172,10 @@ fn trace_lanes<I: Instructions, O: OtherShapes + ?Sized, const ANY: bool, const 
     }
 }
 
-/// How far one ray has come through the tree.
+/// The state of the traversal of one ray.
 struct TraversalState {
     ray: PreparedRay,
-    /// Best so far; `t` bounds what still counts.
+    /// The nearest hit so far; its `t` bounds further hits.
     hit: KernelHit,
     /// The next node or leaf, a packed [`Child`].
     current: u32,
@@ -219,7 +219,7 @@ impl TraversalState {
         false
     }
 
-    /// Visits one child; whether there are more to visit.
+    /// Visits one child; returns whether there are more.
     #[inline(always)]
     fn step<I: Instructions, O: OtherShapes + ?Sized, const ANY: bool, const N: usize>(
         &mut self,
@@ -246,14 +246,14 @@ impl TraversalState {
             if !self.pop::<ANY>() {
                 return false;
             }
-            // What comes from the stack was prefetched when it was pushed, or a while ago.
+            // Children from the stack were prefetched when they were pushed, or earlier.
             if N > 1 {
                 self.prefetch_waiting(isa, bvh);
             }
         }
     }
 
-    /// Tests what is in the current leaf; whether anything was hit.
+    /// Tests the content of the current leaf; returns whether anything was hit.
     #[inline(always)]
     fn intersect_leaf<I: Instructions, O: OtherShapes + ?Sized, const ANY: bool>(
         &mut self,
@@ -288,7 +288,7 @@ impl TraversalState {
         if mask == 0 {
             return None;
         }
-        // Never short: see `STACK`.
+        // Never too short: see `STACK`.
         let room = self.stack.get_mut(self.waiting..self.waiting + WIDTH)?;
         let room: &mut [u64; WIDTH] = room.try_into().ok()?;
         if !ANY {
@@ -297,14 +297,14 @@ impl TraversalState {
             return Some(next);
         }
         if N > 1 {
-            // No branches: the next ray can begin before this one knows its children.
+            // No branches: the next ray can start before this one's children are known.
             let next = node.children[mask.trailing_zeros() as usize % WIDTH];
             mask &= mask - 1;
             isa.put(mask, &node.children, room);
             self.waiting += mask.count_ones() as usize;
             return Some(next);
         }
-        // Branches, so that a processor that predicts them runs ahead of its memory.
+        // Branches, so that branch prediction hides the latency of memory.
         let mut count = 0;
         loop {
             let child = node.children[mask.trailing_zeros() as usize % WIDTH];
@@ -318,7 +318,7 @@ impl TraversalState {
         }
     }
 
-    /// Tests triangles; whether anything was hit, for `ANY`.
+    /// Tests triangles; returns whether anything was hit, for `ANY`.
     #[inline(always)]
     fn intersect_triangles<I: Instructions, const ANY: bool>(
         &mut self,
@@ -348,7 +348,7 @@ impl TraversalState {
         false
     }
 
-    /// Pops the next child that may hold something nearer.
+    /// Pops the next child that may contain a nearer hit.
     #[inline(always)]
     fn pop<const ANY: bool>(&mut self) -> bool {
         while self.waiting > 0 {

@@ -1,11 +1,12 @@
-//! Triangles in packets of four, and what settles the cases that single precision cannot.
+//! Triangles in packets of four, and the test in double precision for cases that single precision
+//! cannot decide.
 
 use super::prepared_ray::PreparedRay;
 
 /// Triangles in one packet.
 pub(crate) const PACKET: usize = 4;
 
-/// Four triangles side by side. Lanes that are not in use hold NaN, which no ray hits.
+/// Four triangles in SIMD layout. Unused lanes hold NaN, which no ray hits.
 #[repr(C, align(32))]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Packet {
@@ -35,7 +36,7 @@ impl Packet {
     }
 }
 
-/// Where a packet's lanes were hit: valid in the lanes of the mask that comes with it.
+/// The hits of a packet's lanes, valid in the lanes of the accompanying mask.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(16))]
 pub(crate) struct PacketHits {
@@ -51,10 +52,10 @@ impl PacketHits {
     }
 }
 
-/// Decides what single precision could not: whether a triangle is hit, and at which `t`, `u`, `v`.
+/// Tests a triangle in double precision: whether it is hit, and at which `t`, `u`, `v`.
 ///
-/// Called if an edge function is zero, which may be rounding, or if the triangle is so thin, as
-/// the ray sees it, that `t` would be worth little ([`is_thin`]). `x`, `y` are the sheared
+/// Called if an edge function is zero, which may be rounding, or if the triangle is so thin in
+/// projection along the ray that `t` would be inaccurate ([`is_thin`]). `x`, `y` are the sheared
 /// corners: they decide, because neighbours share them to the last bit, and their products are
 /// exact in `f64`. A ray exactly on an edge hits both triangles there.
 #[cold]
@@ -90,7 +91,7 @@ pub(crate) fn intersect_exactly(
 }
 
 /// Weights of the corners for the triangle's point nearest to the axis of the shear, which passes
-/// through it or, by rounding, beside it; `None` for a triangle seen exactly from its edge.
+/// through it or, by rounding, beside it; `None` for a triangle seen exactly edge-on.
 fn on_triangle(x: [f64; 3], y: [f64; 3]) -> Option<[f64; 3]> {
     let weights = weights(x, y);
     let whole: f64 = weights.iter().sum();
@@ -110,7 +111,7 @@ fn on_triangle(x: [f64; 3], y: [f64; 3]) -> Option<[f64; 3]> {
     Some(nearest)
 }
 
-/// Edge functions opposite the three corners, as the axis of the shear sees them.
+/// Edge functions opposite the three corners, at the axis of the shear.
 fn weights(x: [f64; 3], y: [f64; 3]) -> [f64; 3] {
     let edge = |p: usize, q: usize| x[p] * y[q] - y[p] * x[q];
     [edge(2, 1), edge(0, 2), edge(1, 0)]
@@ -118,7 +119,7 @@ fn weights(x: [f64; 3], y: [f64; 3]) -> [f64; 3] {
 
 /// Whether rounding moves the point where a ray hits a triangle by more than the rounding of the
 /// ray's own origin: `widths` are the largest sheared coordinates, `whole` is the sum of the edge
-/// functions, `reach` the size of the coordinates at hand.
+/// functions, `reach` the magnitude of the coordinates.
 #[inline(always)]
 pub(crate) fn is_thin(widths: [f32; 3], whole: f32, reach: f32) -> bool {
     widths[0] * widths[1] * widths[2] > THIN * reach * whole.abs()

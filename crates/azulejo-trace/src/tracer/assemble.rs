@@ -1,4 +1,5 @@
-//! From a scene to a tracer: gathers triangles and shapes, places them, builds the tree.
+//! Construction of a tracer from a scene: collects and transforms triangles and shapes, and builds
+//! the tree.
 
 use super::placed::{Placed, PlacedPrimitive, PlacedTracer};
 use super::{Instance, MeshPositions, Tracer, TriangleItem};
@@ -13,8 +14,8 @@ use glam::{DAffine3, DVec3};
 
 /// Builds a tracer.
 ///
-/// Items are numbered through the meshes' triangles, then the primitives' parts, then the exact
-/// shapes' leaves, then the instances' items, each in the order of the scene.
+/// Items are numbered consecutively: the meshes' triangles, then the primitives' parts, then the
+/// exact shapes' leaves, then the instances' items, each in the order of the scene.
 pub(crate) fn assemble(scene: &Scene, instances: Vec<Instance>, kernel: &Kernel) -> Tracer {
     let placed: Vec<(u32, Instance, DAffine3)> = (0..)
         .zip(instances)
@@ -80,7 +81,7 @@ fn finite(bounds: Aabb) -> Aabb {
     }
 }
 
-/// The box around the corners of the placed tracer's box.
+/// The box around the transformed corners of the instance's box.
 fn instance_bounds(instance: &Instance) -> Aabb {
     let inner = instance.tracer.bounds();
     if inner.is_empty() {
@@ -104,7 +105,7 @@ struct Parts {
     /// Boxes of `others` in kernel coordinates.
     other_bounds: Vec<Aabb>,
     items: u32,
-    /// The farthest that an instance reaches from its own centre, in world units.
+    /// The largest distance that an instance extends from its own centre, in world units.
     reach: f64,
 }
 
@@ -122,7 +123,7 @@ impl Parts {
         }
     }
 
-    /// Takes the next `count` item numbers; returns the first.
+    /// Reserves the next `count` item numbers; returns the first.
     fn number_items(&mut self, count: usize) -> u32 {
         let first = self.items;
         let after = u32::try_from(count).ok().and_then(|c| first.checked_add(c));
@@ -241,7 +242,7 @@ impl Parts {
         });
         let first_other = self.kernel_triangles.len() as u32;
         let others = (first_other..).zip(&self.other_bounds).map(|(id, b)| {
-            // Outward, so that rounding does not cut the shape off.
+            // Outward, so that rounding does not clip the shape.
             let (min, max) = (single(b.min), single(b.max));
             Reference::new(min.map(f32::next_down), max.map(f32::next_up), id)
         });

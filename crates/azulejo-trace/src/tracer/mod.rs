@@ -16,10 +16,10 @@ use glam::{DAffine3, DVec3};
 use placed::Placed;
 use std::sync::Arc;
 
-/// How far [`Tracer::leaving`] moves, in units of the local coordinates' rounding.
+/// The offset of [`Tracer::leaving`], in units of the rounding of local coordinates.
 const LEAVING_ULPS: f64 = 16.0;
 
-/// Rays that are traced at a time through our own kernel after another kernel's triangles.
+/// Rays per batch that are traced through our own kernel after another kernel's triangles.
 const PIECE: usize = 64;
 
 /// A ray that hits nothing.
@@ -30,20 +30,20 @@ const NO_RAY: KernelRay = KernelRay {
     t_max: 0.0,
 };
 
-/// A scene prepared for rays: which surface does a ray hit first, and is it blocked?
+/// A scene prepared for ray queries: the first surface that a ray hits, and whether it hits any.
 ///
-/// Immutable, a copy of all it needs, `Send` and `Sync`. It relies on the promises of
-/// [`Scene::validate`]; triangles with a coordinate that is not finite are left out, so are those
-/// without area.
+/// Immutable, with a copy of all required data, `Send` and `Sync`. It relies on the invariants of
+/// [`Scene::validate`]; triangles with a coordinate that is not finite or without area are left
+/// out.
 ///
-/// The kernel works in `f32`, relative to the scene's centre and size, so far-away and huge models
-/// keep their digits; [`resolve`](Tracer::resolve) computes the point again in `f64`. All
-/// surfaces are hit from both sides. The tests of boxes and triangles are watertight: no ray
-/// slips through between two triangles that share an edge.
+/// The kernel works in `f32`, relative to the scene's centre and size, so distant and huge models
+/// lose no precision; [`resolve`](Tracer::resolve) computes the point again in `f64`. All surfaces
+/// are hit from both sides. The tests of boxes and triangles are watertight: no ray slips through
+/// between two triangles that share an edge.
 #[derive(Clone, Debug)]
 pub struct Tracer {
     pub(crate) bvh: Bvh,
-    /// The kernel with the triangles, if they are not in `bvh`.
+    /// The other kernel with the triangles, if they are not in `bvh`.
     pub(crate) foreign: Option<ForeignKernel>,
     pub(crate) instructions: InstructionSet,
     pub(crate) frame: LocalFrame,
@@ -57,12 +57,12 @@ pub struct Tracer {
     pub(crate) items: u32,
 }
 
-/// A tracer placed in another tracer's world.
+/// An instance of a tracer in another tracer's world.
 #[derive(Clone, Debug)]
 pub struct Instance {
-    /// The tracer that is placed.
+    /// The instanced tracer.
     pub tracer: Arc<Tracer>,
-    /// Where; invertible, or the instance is left out.
+    /// Its transform; if it is not invertible, the instance is left out.
     pub world_from_instance: DAffine3,
 }
 
@@ -89,8 +89,8 @@ impl Tracer {
         Tracer::with_instances(scene, Vec::new())
     }
 
-    /// Prepares a scene for another kernel. Where that runs out of memory, our own is
-    /// used; [`kernel`](Tracer::kernel) returns which.
+    /// Prepares a scene for the given kernel. If that runs out of memory, our own is used;
+    /// [`kernel`](Tracer::kernel) returns the one in use.
     ///
     /// # Panics
     /// As [`new`](Tracer::new).
@@ -98,7 +98,7 @@ impl Tracer {
         assemble(scene, Vec::new(), kernel)
     }
 
-    /// Prepares a scene with other tracers placed in it; their triangles are not copied.
+    /// Prepares a scene with instances of other tracers, whose triangles are not copied.
     ///
     /// # Panics
     /// If the scene and all its instances have more than 2^32 − 1 items together, or the scene
@@ -107,7 +107,7 @@ impl Tracer {
         assemble(scene, instances, &Kernel::Own)
     }
 
-    /// The kernel that traces triangles here.
+    /// The kernel that traces triangles.
     pub fn kernel(&self) -> Kernel {
         self.foreign
             .as_ref()
@@ -146,7 +146,7 @@ impl Tracer {
         }
     }
 
-    /// The ray in the world again, as exact as `f32` kept it.
+    /// The ray in world coordinates, as exact as `f32` allows.
     pub fn world_ray(&self, ray: &KernelRay) -> Ray {
         Ray {
             origin: self.frame.world_point(double(ray.origin)),
@@ -184,10 +184,10 @@ impl Tracer {
         self.items
     }
 
-    /// What an item's number means.
+    /// The surface that an item number stands for.
     ///
     /// # Panics
-    /// For a number that no hit of this tracer has.
+    /// If the tracer has no item with this number.
     pub fn item(&self, item: u32) -> Item {
         if let Some(t) = self.triangles.get(item as usize) {
             return Item {
@@ -222,8 +222,8 @@ impl Tracer {
 
     /// The surface point of a hit, computed again in double precision.
     ///
-    /// The position lies on the surface to `f64` rounding; it is the ray's point up to the
-    /// kernel's rounding.
+    /// The position lies on the surface to `f64` rounding; along the ray it agrees with the hit up
+    /// to the kernel's rounding.
     ///
     /// # Panics
     /// For a miss, or a hit of another tracer.
@@ -252,10 +252,10 @@ impl Tracer {
         }
     }
 
-    /// Where a ray may start that leaves the surface at `position` to the side of the unit vector
-    /// `normal`: no ray from there toward that side hits the surface it leaves.
+    /// The origin for rays that leave the surface at `position` towards the side of the unit vector
+    /// `normal`: no ray from there to that side hits the surface that it leaves.
     ///
-    /// It moves by 16 · 2⁻²³ times the largest of: the position's distance from the scene's
+    /// The offset is 16 · 2⁻²³ times the largest of: the position's distance from the scene's
     /// centre (along an axis), half the scene's largest extent, and that of each instance. In a
     /// room of 10 units: 1e-5 units.
     pub fn leaving(&self, position: DVec3, normal: DVec3) -> DVec3 {
@@ -272,7 +272,7 @@ impl Tracer {
         if self.others.is_empty() {
             return;
         }
-        // Shapes that are nearer than the triangles, in pieces that need no memory of their own.
+        // Shapes that are nearer than the triangles, in batches that need no allocation.
         for (rays, hits) in rays.chunks(PIECE).zip(hits.chunks_mut(PIECE)) {
             let mut nearer = [NO_RAY; PIECE];
             for ((to, ray), hit) in nearer.iter_mut().zip(rays).zip(&*hits) {

@@ -9,7 +9,7 @@ use azulejo_scene::math::{Ray, normal_matrix};
 use glam::DAffine3;
 use std::sync::Arc;
 
-/// A shape that stands in leaves of its own.
+/// A shape other than a triangle, in leaves of its own.
 #[derive(Clone, Debug)]
 pub(crate) enum Placed {
     Primitive(Box<PlacedPrimitive>),
@@ -25,10 +25,10 @@ pub(crate) struct PlacedPrimitive {
     pub shape: ExactPrimitive,
 }
 
-/// A tracer in another tracer's world.
+/// An instance of a tracer in another tracer's world.
 #[derive(Clone, Debug)]
 pub(crate) struct PlacedTracer {
-    /// Which of the instances it is.
+    /// Index of the instance.
     pub index: u32,
     pub first_item: u32,
     pub tracer: Arc<Tracer>,
@@ -83,7 +83,7 @@ impl PlacedPrimitive {
             direction: ray.direction,
         });
         let (t, u, v) = match self.shape.nearest_to(&line, f64::from(hit.t)) {
-            // By rounding another part may be hit; then the kernel's own answer stands.
+            // By rounding another part may be hit; then the kernel's result is kept.
             Some(p) if p.part == part => (p.t, p.u, p.v),
             _ => {
                 let [u, v] = hit.uv().map(f64::from);
