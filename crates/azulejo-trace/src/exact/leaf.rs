@@ -143,7 +143,7 @@ impl ExactLeaf {
     }
 }
 
-/// A normal of the outside, transformed by a map.
+/// An outward normal, transformed by a map.
 pub(crate) fn outward(map: DMat3, normal: DVec3) -> DVec3 {
     (normal_matrix(map) * normal).normalize_or_zero()
 }

@@ -84,7 +84,7 @@ pub(crate) struct Crossing {
     pub s: f64,
     /// Whether the contour crosses to the line's left (1) or from there (−1).
     pub sense: i32,
-    /// Which curve.
+    /// Index of the curve.
     pub curve: u32,
     /// Parameter of the crossing on the curve, 0..=1.
     pub parameter: f64,

@@ -112,7 +112,7 @@ impl ExactPatch {
         }
     }
 
-    /// One Newton step toward the line, if the Jacobian is not singular.
+    /// One Newton step toward the line; none if it is large or not finite.
     fn nearer(&self, line: &Line3, at: DVec2) -> DVec2 {
         let (p, du, dv) = self.patch.at(at.x, at.y);
         let d = line.direction;
