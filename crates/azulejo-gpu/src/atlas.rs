@@ -1,20 +1,20 @@
-//! The layout of hemicubes in the textures that they are drawn in.
+//! The layout of hemicubes in textures.
 
 use azulejo_trace::item_buffer::DrawError;
 
 /// Faces of a hemicube: the top, and those towards +x, −x, +y, −y.
 pub const FACES: usize = 5;
 
-/// Tiles side by side, one hemicube each: `n` columns, and rows in the order of
-/// [`Hemicube`](azulejo_trace::item_buffer::Hemicube)'s pixels, so that a tile read row by row is
-/// a hemicube.
+/// A grid of tiles, one hemicube each: `n` columns, and rows in the order of
+/// [`Hemicube`](azulejo_trace::item_buffer::Hemicube)'s pixels, so that a tile read row by row is a
+/// hemicube.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Atlas {
     /// Pixels along the side of the top face.
     pub resolution: u32,
     /// Tiles in a row.
     pub columns: u32,
-    /// Tiles in all.
+    /// Number of tiles.
     pub tiles: u32,
 }
 
@@ -52,7 +52,7 @@ impl Atlas {
         }
         let wanted = (pixels / u64::from(3 * n * n)).min(most_bytes / atlas.tile_bytes());
         let wanted = wanted.clamp(1, 1 << 16) as u32;
-        // Nearly square, for textures are limited in either direction.
+        // Nearly square, because textures are limited in either direction.
         let square = f64::from(3 * wanted).sqrt().ceil() as u32;
         atlas.columns = square.min(edge / n).min(wanted);
         let rows = wanted.div_ceil(atlas.columns).min(edge / (3 * n));
@@ -106,12 +106,12 @@ impl Atlas {
         (((row - n) / half) as usize + 1, column, (row - n) % half)
     }
 
-    /// Bytes from row to row where pixels are read back: copies require multiples of 256.
+    /// Row stride in bytes for reading back: copies require multiples of 256.
     pub fn row_bytes(&self) -> u32 {
         (4 * self.resolution).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT)
     }
 
-    /// Bytes of a tile that is read back.
+    /// Size of a tile in bytes when read back.
     pub fn tile_bytes(&self) -> u64 {
         u64::from(self.row_bytes()) * u64::from(3 * self.resolution)
     }

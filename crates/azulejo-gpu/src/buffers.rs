@@ -12,15 +12,16 @@ use azulejo_trace::item_buffer::{
 };
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Pixels in an atlas, at most: of real cards 20 bytes each and twice, for the next atlas is
-/// drawn while the last is read. Software drivers fare better with what the caches hold.
+/// Largest number of pixels of an atlas. Hardware needs 20 bytes for each, twice, because the next
+/// atlas is drawn while the last is read. Software drivers are faster with an atlas that fits into
+/// the caches.
 const MOST_PIXELS: u64 = 1 << 24;
 const MOST_PIXELS_SOFTWARE: u64 = 1 << 20;
-/// Views in an atlas, at most: more do not make the card busier.
+/// Largest number of views in an atlas: more do not increase utilisation.
 const MOST_TILES: u32 = 256;
-/// Bytes of sums per atlas, at most.
+/// Largest size of the sums of an atlas, in bytes.
 const MOST_SUMS: u64 = 128 << 20;
-/// Facets in a cluster. Real cards draw a facet sooner than the processor decides to leave it out.
+/// Facets in a cluster. Hardware draws a facet in less time than the processor needs to cull it.
 const CLUSTER: u32 = 1024;
 const CLUSTER_SOFTWARE: u32 = 64;
 
@@ -28,11 +29,11 @@ const CLUSTER_SOFTWARE: u32 = 64;
 pub struct Buffers {
     shared: Arc<Shared>,
     mesh: Mesh,
-    /// Shares of the pixels of a hemicube.
+    /// Delta form factors of the pixels of a hemicube.
     weights: Vec<f64>,
     beyond: Beyond,
     atlas: Atlas,
-    /// How many units of the card's whole numbers make the share 1.
+    /// The integer on the card that stands for a form factor of 1.
     scale: f64,
     /// One is drawn while the other is read.
     targets: Mutex<[AtlasTarget; 2]>,
@@ -45,7 +46,7 @@ struct PendingViews {
     readback: Readback,
 }
 
-/// What will be read back of them.
+/// The data that will be read back.
 enum Readback {
     Pixels(Vec<Mapping>),
     Sums(Mapping),
@@ -112,7 +113,7 @@ impl Buffers {
         }
     }
 
-    /// Sends views to the card.
+    /// Submits views to the card.
     fn begin(&self, target: &mut AtlasTarget, views: &[View]) -> PendingViews {
         let context = self.context();
         let traversal = |(tile, view)| {
@@ -145,7 +146,7 @@ impl Buffers {
         }
     }
 
-    /// Reads what was drawn, and draws behind mirrors, level by level, until nothing is left.
+    /// Reads the pixels, and draws reflected worlds level by level until there are no more windows.
     fn finish(
         &self,
         target: &mut AtlasTarget,
@@ -178,7 +179,8 @@ impl Buffers {
         ))
     }
 
-    /// Takes the card's sums, and the pixels of those tiles in which light continues at some.
+    /// Reads the card's sums, and the pixels of those tiles in which some pixels continue into
+    /// mirrors or rays.
     fn read_sums(
         &self,
         target: &AtlasTarget,
@@ -218,7 +220,7 @@ impl Buffers {
         )
     }
 
-    /// Draws and reads what is behind one more mirror.
+    /// Draws and reads the views behind one more mirror.
     fn next_level(
         &self,
         target: &mut AtlasTarget,
@@ -255,7 +257,7 @@ impl Buffers {
         )
     }
 
-    /// Gives each traversal the pixels of its tile, which were read back in the same order.
+    /// Passes each traversal the pixels of its tile, which were read back in the same order.
     fn read(
         &self,
         mappings: Vec<Mapping>,
@@ -291,7 +293,7 @@ impl Buffers {
 
 impl ItemBuffers for Buffers {
     fn batch(&self) -> usize {
-        // One atlas to draw, one to read, and as many again.
+        // One atlas to draw, one to read, and the same again as a margin.
         4 * self.atlas.tiles as usize
     }
 
@@ -318,8 +320,8 @@ impl ItemBuffers for Buffers {
     }
 }
 
-/// Where shares are added up, unless it was requested: on the card if it is a real one and its sums
-/// are less to read back than the pixels.
+/// The default place of the summation: the card, if it is hardware and its sums are smaller to read
+/// back than the pixels.
 fn choose(
     shared: &Shared,
     cube: &Hemicube,
@@ -339,14 +341,14 @@ fn choose(
     }
 }
 
-/// Bytes of sums that an atlas may have.
+/// Largest size of the sums of an atlas, in bytes.
 fn most_sums(shared: &Shared) -> u64 {
     let limits = &shared.limits;
     let binding = limits.max_storage_buffer_binding_size;
     MOST_SUMS.min(limits.max_buffer_size).min(binding)
 }
 
-/// Two targets, with fewer tiles than wanted if the card's memory is short.
+/// Two targets, with fewer tiles than requested if the card's memory is short.
 fn targets(shared: &Shared, wanted: &mut TargetOptions) -> Result<[AtlasTarget; 2], DrawError> {
     loop {
         let pair = [
@@ -369,8 +371,8 @@ fn targets(shared: &Shared, wanted: &mut TargetOptions) -> Result<[AtlasTarget; 
     }
 }
 
-/// Processes each item, on as many threads as rayon has. Not on rayon's own: one of those, waiting
-/// here, might start another drawing and wait for the card that it holds itself.
+/// Processes each item, on as many threads as rayon has. Not on rayon's own threads: one of those,
+/// waiting here, might start another drawing and wait for the card that it holds itself.
 fn side_by_side<T: Send, S, R: Send>(
     items: &mut [T],
     start: impl Fn() -> S + Sync,

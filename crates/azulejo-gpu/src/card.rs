@@ -1,4 +1,4 @@
-//! Graphics cards: finding one, opening it, and noticing its loss.
+//! Graphics cards: finding and opening one, and detecting its loss.
 
 use crate::buffers::Buffers;
 use crate::pipelines::Pipelines;
@@ -7,10 +7,10 @@ use azulejo_trace::item_buffer::{Device, DrawError, ItemBuffers, Settings, World
 use std::fmt;
 use std::sync::{Arc, Mutex};
 
-/// The interface through which a card is searched.
+/// The graphics interface through which a card is used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Backend {
-    /// The best card by either: a real one before a software driver, Vulkan before OpenGL. The
+    /// The best card by either: hardware before software drivers, Vulkan before OpenGL. The
     /// environment variable `WGPU_BACKEND` (`vulkan`, `gl` or both with a comma) narrows it.
     #[default]
     Auto,
@@ -20,7 +20,7 @@ pub enum Backend {
     Gl,
 }
 
-/// A graphics card, or a software driver that acts as one.
+/// A graphics card, or a software driver in its place.
 #[derive(Clone)]
 pub struct Card {
     shared: Arc<Shared>,
@@ -31,13 +31,13 @@ impl Card {
     /// Finds a card and opens it. Software drivers count; see [`Card::is_software`].
     ///
     /// # Errors
-    /// [`DrawError::Missing`]: no adapter, or none that can do this; names those there are and
-    /// what to install.
+    /// [`DrawError::Missing`]: no adapter, or none with the required features; lists the adapters
+    /// found and what to install.
     pub fn open(backend: Backend) -> Result<Card, DrawError> {
         Card::open_within(backend, |limits| limits)
     }
 
-    /// As [`open`](Card::open), with the adapter's limits changed: for tests of small ones.
+    /// As [`open`](Card::open), with changed limits of the adapter, to test small ones.
     pub(crate) fn open_within(
         backend: Backend,
         narrow: impl Fn(wgpu::Limits) -> wgpu::Limits,
@@ -82,20 +82,20 @@ impl Card {
         })
     }
 
-    /// The same card, with a fixed way of adding up instead of the one that is probably faster. Both
-    /// give the same shares to 1e-6. A card without compute shaders reads back.
+    /// The same card with a fixed place of summation instead of the one that is probably faster.
+    /// Results agree to 1e-6. Without compute shaders pixels are always read back.
     pub fn reducing(mut self, reduction: Reduction) -> Card {
         self.reduction = Some(reduction);
         self
     }
 
-    /// Whether this is the processor under a graphics interface (Mesa's llvmpipe and lavapipe,
-    /// SwiftShader): correct results, but no faster than the processor.
+    /// Whether this is a software driver (Mesa's llvmpipe and lavapipe, SwiftShader): correct
+    /// results, but no faster than the processor.
     pub fn is_software(&self) -> bool {
         self.shared.is_software
     }
 
-    /// Ends the card as if it were unplugged.
+    /// Destroys the device as if it were unplugged.
     #[cfg(test)]
     pub(crate) fn destroy(&self) {
         self.shared.device.destroy();
@@ -120,7 +120,7 @@ impl fmt::Debug for Card {
     }
 }
 
-/// The interfaces to search, if `variable` is the environment's choice.
+/// The interfaces to search, given the value of the environment variable.
 fn wanted(backend: Backend, variable: Option<String>) -> Result<wgpu::Backends, DrawError> {
     let ours = wgpu::Backends::VULKAN | wgpu::Backends::GL;
     match backend {
@@ -171,7 +171,7 @@ fn best_adapter(wanted: wgpu::Backends) -> Result<wgpu::Adapter, DrawError> {
         .ok_or_else(|| DrawError::Missing(missing(wanted)))
 }
 
-/// Whether an adapter can draw patch numbers at all.
+/// Whether an adapter can draw patch numbers.
 fn can_draw(adapter: &wgpu::Adapter) -> bool {
     let usages = |format| adapter.get_texture_format_features(format).allowed_usages;
     [
@@ -182,7 +182,7 @@ fn can_draw(adapter: &wgpu::Adapter) -> bool {
     .all(|format| usages(format).contains(wgpu::TextureUsages::RENDER_ATTACHMENT))
 }
 
-/// The message if there is no adapter: what was looked for, what is there, what to do.
+/// The message if there is no adapter: what was searched, what was found, what to do.
 fn missing(wanted: wgpu::Backends) -> String {
     let looked_for = match wanted {
         w if w == wgpu::Backends::VULKAN => "Vulkan",
@@ -204,7 +204,7 @@ fn missing(wanted: wgpu::Backends) -> String {
     )
 }
 
-/// An adapter in words.
+/// Describes an adapter.
 fn described(info: &wgpu::AdapterInfo) -> String {
     let interface = match info.backend {
         wgpu::Backend::Vulkan => "Vulkan",
@@ -224,7 +224,7 @@ fn described(info: &wgpu::AdapterInfo) -> String {
     text + ")"
 }
 
-/// Drivers that are the processor. OpenGL does not report it, so names decide there.
+/// Whether an adapter is a software driver. OpenGL does not report this, so names decide there.
 fn is_software(info: &wgpu::AdapterInfo) -> bool {
     let name = info.name.to_lowercase();
     let known = ["llvmpipe", "softpipe", "swiftshader", "swrast", "software"];

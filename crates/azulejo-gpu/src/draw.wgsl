@@ -1,8 +1,8 @@
-// Draws the facets of a world into one face of a hemicube: which side of which patch each pixel
-// shows. A face is an image whose points (u, v) lie in the direction u x + v y + w.
+// Draws the facets of a world into one face of a hemicube: each pixel gets the visible side and
+// patch. A face is an image whose points (u, v) lie in the direction u x + v y + w.
 
 struct Face {
-    // The eye, and what is left of it beyond single precision.
+    // The viewpoint, and the remainder beyond single precision.
     eye: vec4f,
     eye_rest: vec4f,
     // Axes of the face in the world: x along the columns, y along the rows, w through the middle.
@@ -11,7 +11,8 @@ struct Face {
     w: vec4f,
     // 1/w of the plane behind which a reflected world begins: coefficients of u, v and 1.
     begin: vec4f,
-    // Where in the atlas the face begins, pixels to u and v, and v of the first row's edge.
+    // Origin of the face in the atlas, the scale from pixels to u and v, and v of the first row's
+    // edge.
     origin: vec4f,
     // Clip coordinate y is `rows.x` w + `rows.y` v; `rows.z` is the nearest w.
     rows: vec4f,
@@ -20,7 +21,7 @@ struct Face {
 }
 
 @group(0) @binding(0) var<uniform> face: Face;
-// The number of the window that each pixel of the atlas belongs to.
+// The number of the window of each pixel of the atlas.
 @group(1) @binding(0) var windows: texture_2d<u32>;
 
 struct Corner {
@@ -37,20 +38,20 @@ fn corner(
     @location(1) plane: vec4f,
     @location(2) ids: vec2u,
 ) -> Corner {
-    // The first difference is exact for what is near, so near points keep their digits.
+    // The first difference is exact for points near the viewpoint, so they keep their precision.
     let p = (position - face.eye.xyz) - face.eye_rest.xyz;
     let seen = vec3f(dot(p, face.x.xyz), dot(p, face.y.xyz), dot(p, face.w.xyz));
     // n · (eye + w d) = offset, so 1/w = n · d / away. It comes from the plane and not from the
-    // corners, so all facets in one plane are equally deep, on every card.
+    // corners, so coplanar facets have equal depths on every card.
     let n = plane.xyz;
     let away = (plane.w - dot(n, face.eye.xyz)) - dot(n, face.eye_rest.xyz);
     let along = vec3f(dot(n, face.x.xyz), dot(n, face.y.xyz), dot(n, face.w.xyz));
     var corner: Corner;
     let y = face.rows.x * seen.z + face.rows.y * seen.y;
-    // A constant z clips what is nearer; the depth is the fragment's.
+    // A constant z clips nearer points; the depth is set by the fragment shader.
     corner.position = vec4f(seen.x, y, face.rows.z, seen.z);
     corner.nearness = along / away;
-    // The lowest bit of the side tells whether the plane's normal points to the back.
+    // The lowest bit of the side is set if the plane's normal points to the back.
     let is_behind = u32(away > 0.0) ^ (ids.x & 1u);
     corner.ids = vec2u((ids.x & 0xfffffffeu) | is_behind, ids.y);
     return corner;
@@ -61,7 +62,7 @@ struct Pixel {
     @builtin(frag_depth) depth: f32,
 }
 
-// With the nearness, where distances are wanted.
+// With the nearness, if distances are requested.
 struct FarPixel {
     @location(0) side: u32,
     @location(1) nearness: u32,
@@ -73,7 +74,7 @@ fn image_point(position: vec4f) -> vec3f {
     return vec3f(uv.x - 1.0, uv.y + face.origin.w, 1.0);
 }
 
-// Nearness of a pixel of the facet; that of an edge-on facet is nothing but rounding.
+// Nearness of a pixel of the facet; that of an edge-on facet is mere rounding.
 fn nearness(corner: Corner) -> f32 {
     let near = dot(corner.nearness, image_point(corner.position));
     if !(near > 0.0 && near < 1e9) {
@@ -82,7 +83,7 @@ fn nearness(corner: Corner) -> f32 {
     return near;
 }
 
-// The same, of what is in this window and behind its mirror.
+// The same, restricted to this window and to points behind its mirror.
 fn nearness_in_window(corner: Corner) -> f32 {
     let place = vec2i(corner.position.xy);
     let near = nearness(corner);

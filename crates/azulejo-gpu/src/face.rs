@@ -1,5 +1,5 @@
-//! One face of a hemicube, or the part of it that is a window: the parameters for the card, and the
-//! facets that it has to draw.
+//! One face of a hemicube, or its part within a window: the parameters for the card, and the facets
+//! to draw.
 
 use crate::atlas::{Atlas, Rectangle};
 use crate::mesh::{Cone, Mesh};
@@ -9,7 +9,7 @@ use std::ops::Range;
 /// Words of `Face` in draw.wgsl.
 pub const WORDS: usize = 36;
 
-/// Facets nearer to the eye than this along a face's axis are clipped; in local coordinates,
+/// Facets nearer to the viewpoint than this along a face's axis are clipped; in local coordinates,
 /// below the rounding of single precision.
 const NEAREST: f32 = 1e-8;
 
@@ -19,11 +19,11 @@ pub struct FaceDrawing {
     pub words: [u32; WORDS],
     pub viewport: Rectangle,
     pub scissor: Rectangle,
-    /// Facets that may be in it.
+    /// Ranges of facets that may be visible in it.
     pub facets: Vec<Range<u32>>,
 }
 
-/// Columns and rows of a face.
+/// A range of columns and rows of a face.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FaceRegion {
     pub columns: Range<u32>,
@@ -31,7 +31,7 @@ pub struct FaceRegion {
 }
 
 impl FaceRegion {
-    /// No pixel yet.
+    /// An empty range.
     pub const EMPTY: FaceRegion = FaceRegion {
         columns: Range {
             start: u32::MAX,
@@ -43,7 +43,7 @@ impl FaceRegion {
         },
     };
 
-    /// All of a face.
+    /// All columns and rows of a face.
     pub fn whole(resolution: u32, face: usize) -> FaceRegion {
         FaceRegion {
             columns: 0..resolution,
@@ -55,7 +55,7 @@ impl FaceRegion {
         }
     }
 
-    /// Grows until it holds a pixel.
+    /// Grows to include a pixel.
     pub fn add(&mut self, column: u32, row: u32) {
         let grow = |range: &mut Range<u32>, k: u32| {
             *range = range.start.min(k)..range.end.max(k + 1);
@@ -65,7 +65,7 @@ impl FaceRegion {
     }
 }
 
-/// The part of a face that shows what `view` sees. `window` is its number in the atlas.
+/// A part of a face of `view`. `window` is its number in the atlas.
 pub fn face_drawing(
     mesh: &Mesh,
     atlas: &Atlas,
@@ -94,9 +94,9 @@ pub fn face_drawing(
     let rest = (view.eye - eye.as_dvec3()).as_vec3();
     let begin = view.begin_nearness(&axes);
     let [x, y, w] = axes.map(|a| a.as_vec3());
-    // Without a mirror the world begins at once.
+    // Without a mirror the world begins at the viewpoint.
     let [a, b, c] = begin.map_or([0.0, 0.0, f32::MAX], |b| b.map(|x| x as f32));
-    // Rows run down in the texture and up in clip space.
+    // Rows increase downwards in the texture, y upwards in clip space.
     let rows = if is_top { [0.0, -1.0] } else { [1.0, -2.0] };
     let numbers = [
         [eye.x, eye.y, eye.z, 0.0],

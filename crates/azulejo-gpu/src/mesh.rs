@@ -1,5 +1,5 @@
-//! A world in the card's memory: facets in clusters of those that are near each other, under a
-//! tree of boxes that finds the clusters that a face may show.
+//! A world in the card's memory: clusters of nearby facets under a tree of boxes, which finds the
+//! clusters that may be visible in a face.
 
 use crate::pipelines::CORNER_WORDS;
 use crate::shared::Shared;
@@ -10,17 +10,17 @@ use glam::DVec3;
 use std::collections::HashMap;
 use std::ops::Range;
 
-/// Facets thinner than this, as a part of their longest edge, are left out: no pixel shows them,
-/// and their planes are rounding.
+/// Facets thinner than this, relative to their longest edge, are left out: they cover no pixel, and
+/// their planes are mere rounding.
 const THINNEST: f64 = 1e-9;
-/// Planes closer than this in normal and offset are one, so that what lies in one plane has one
+/// Planes closer than this in normal and offset are merged, so that coplanar facets have the same
 /// depth. Relative to half the world's size.
 const SAME_PLANE: f64 = 1.0 / (1u64 << 27) as f64;
-/// Boxes are taken this much larger than they are, for rounding on the way to the screen.
+/// Boxes are enlarged by this much, for the rounding of projections.
 const BOX_SLACK: f64 = 4e-6;
-/// Bytes of a facet.
+/// Size of a facet in bytes.
 const FACET_BYTES: u64 = 3 * 4 * CORNER_WORDS as u64;
-/// Most bytes in a buffer, unless the card allows fewer.
+/// Largest size of a buffer in bytes, unless the card allows less.
 const MOST_BYTES: u64 = 256 << 20;
 
 /// A world on the card. Immutable.
@@ -39,8 +39,8 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Leaves out facets with a corner that is not finite, without area, or of patches that there
-    /// are not.
+    /// Copies a world to the card. Facets with a corner that is not finite, without area, or of
+    /// nonexistent patches are left out.
     ///
     /// # Errors
     /// [`DrawError::TooLarge`].
@@ -79,7 +79,7 @@ impl Mesh {
         self.optics[patch as usize]
     }
 
-    /// Whether any patch is of a mirror.
+    /// Whether any patch is part of a mirror.
     pub fn has_mirrors(&self) -> bool {
         let is_mirror = |o: &PatchOptics| matches!(o, PatchOptics::Mirror(_));
         self.optics.iter().any(is_mirror)
@@ -90,7 +90,7 @@ impl Mesh {
         self.optics.contains(&PatchOptics::Bent)
     }
 
-    /// Ranges of facets that a cone may show.
+    /// Ranges of facets that may be visible in a cone.
     pub fn in_cone(&self, cone: &Cone) -> Vec<Range<u32>> {
         let size = self.clusters.size;
         let facets = |c: Range<u32>| size * c.start..(size * c.end).min(self.facets);
@@ -118,20 +118,20 @@ impl Mesh {
     }
 }
 
-/// A facet as it goes to the card.
+/// A facet in the card's format.
 struct Prepared {
     corners: [[f32; 3]; 3],
     /// Normal and offset of its plane.
     plane: [f32; 4],
-    /// Twice the patch, one more if the front is not where the plane's normal points.
+    /// Twice the patch, one more if the plane's normal points to the back.
     side: u32,
     mirror: u32,
-    /// Position on a curve that fills space (Morton 1966).
+    /// Position on a space-filling curve (Morton 1966).
     morton: u64,
 }
 
-/// Facets in the order in which they are drawn: near ones together, and of those at one point the
-/// lowest patch first, which wins where they are equally deep.
+/// Facets in the order in which they are drawn: nearby ones together, and of those at the same
+/// point the lowest patch first, which wins at equal depth.
 fn prepared(sound: &[&Facet], local: &UnitCube, optics: &[PatchOptics]) -> Vec<Prepared> {
     let mut planes = CardPlanes::default();
     let mut facets = Vec::with_capacity(sound.len());
@@ -174,7 +174,7 @@ impl CardPlanes {
             return None;
         }
         let normal = across.normalize();
-        // One of the two signs, whatever the facet's front: by the first component that counts.
+        // The sign does not depend on the facet's front, but on the first significant component.
         let first = normal.to_array().into_iter().find(|x| x.abs() > 1e-4)?;
         let is_upright = first > 0.0;
         let normal = if is_upright { normal } else { -normal };
@@ -182,7 +182,7 @@ impl CardPlanes {
         let step = |x: f64| (x / SAME_PLANE).round() as i64;
         let key = [normal.x, normal.y, normal.z, normal.dot(middle)].map(step);
         let plane = self.known.entry(key).or_insert_with(|| {
-            // The offset belongs to the normal as the card knows it.
+            // The offset must fit the normal as the card has it, rounded.
             let rounded = normal.as_vec3();
             let offset = rounded.as_dvec3().dot(middle) as f32;
             [rounded.x, rounded.y, rounded.z, offset]
@@ -229,7 +229,7 @@ fn upload(
                 shared.limits.max_buffer_size
             ))
         })?;
-        // In pieces, so that the copies on the way stay small.
+        // In pieces, so that the temporary copies stay small.
         const PIECE: usize = 1 << 16;
         for (number, piece) in part.chunks(PIECE).enumerate() {
             let words: Vec<u32> = piece.iter().flat_map(corner_words).collect();
@@ -251,7 +251,7 @@ fn corner_words(facet: &Prepared) -> impl Iterator<Item = u32> + '_ {
     })
 }
 
-/// Runs of facets and the boxes around them.
+/// Clusters of facets and the boxes around them.
 struct Clusters {
     /// Facets in a cluster.
     size: u32,
@@ -340,7 +340,7 @@ fn halves(range: &Range<u32>) -> [Range<u32>; 2] {
     [range.start..middle, middle..range.end]
 }
 
-/// Where a box lies relative to a [`Cone`].
+/// The position of a box relative to a [`Cone`].
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Containment {
     Outside,
@@ -348,8 +348,8 @@ enum Containment {
     Across,
 }
 
-/// Half-spaces that hold all that a part of an image shows: its four borders, what lies before the
-/// viewpoint, and what lies behind the mirror.
+/// Half-spaces that bound the part of the world visible in a part of an image: its four borders,
+/// the front of the viewpoint, and the space behind the mirror.
 pub struct Cone {
     planes: Vec<Plane>,
 }

@@ -1,6 +1,6 @@
 //! The pipelines of draw.wgsl and sum.wgsl.
 
-/// Patch numbers, and whatever else is a whole number per pixel.
+/// Format of patch numbers and other integers per pixel.
 pub const NUMBERS: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
 pub const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
@@ -8,13 +8,13 @@ pub const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 pub const CORNER_WORDS: usize = 9;
 
 pub struct Pipelines {
-    /// The face that is drawn, at an offset.
+    /// The face that is drawn, at a dynamic offset.
     pub face: wgpu::BindGroupLayout,
     /// Which window each pixel belongs to.
     pub windows: wgpu::BindGroupLayout,
-    /// By whether they are drawn in windows, and whether the nearness is kept too.
+    /// Indexed by whether windows are drawn, and whether the nearness is stored too.
     draw: [[wgpu::RenderPipeline; 2]; 2],
-    /// Unless the card has no compute shaders.
+    /// `None` if the card has no compute shaders.
     pub sum: Option<wgpu::ComputePipeline>,
 }
 
@@ -90,12 +90,12 @@ fn draw_pipeline(
             compilation_options: wgpu::PipelineCompilationOptions::default(),
             buffers: &[Some(corner_layout())],
         },
-        // Both sides are seen; which one, the shader finds from the plane.
+        // Both sides are visible; the shader determines the side from the plane.
         primitive: wgpu::PrimitiveState::default(),
         depth_stencil: Some(wgpu::DepthStencilState {
             format: DEPTH,
             depth_write_enabled: Some(true),
-            // The depth is a nearness: more is nearer, 0 is nowhere.
+            // The depth is a nearness: larger is nearer, 0 is infinitely far.
             depth_compare: Some(wgpu::CompareFunction::Greater),
             stencil: wgpu::StencilState::default(),
             bias: wgpu::DepthBiasState::default(),

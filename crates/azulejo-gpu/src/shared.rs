@@ -1,17 +1,17 @@
-//! An opened card: what all worlds in its memory have in common.
+//! An opened card, shared by all worlds in its memory.
 
 use crate::pipelines::Pipelines;
 use azulejo_trace::item_buffer::DrawError;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-/// Where the shares of pixels are added up.
+/// The place where the form factors of pixels are summed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reduction {
-    /// Pixels are read back and the processor adds them up: best where the card is the
-    /// processor, and where pixels are fewer than patches.
+    /// Pixels are read back and summed by the processor: best for software drivers, and if there
+    /// are fewer pixels than patches.
     ReadBack,
-    /// The card adds up, in integers, so that no order of additions changes a bit.
+    /// The card sums in integers, so that the result does not depend on the order of additions.
     Compute,
 }
 
@@ -24,30 +24,30 @@ pub struct Shared {
     pub can_compute: bool,
     pub pipelines: Pipelines,
     pub info: wgpu::AdapterInfo,
-    /// Why the card is lost, once it is.
+    /// The reason of the card's loss, once it is lost.
     pub lost: Arc<Mutex<Option<String>>>,
-    /// Held by the thread that works with the card: wgpu's OpenGL panics if a thread waits for
-    /// another's context too long.
+    /// Held by the thread that uses the card: wgpu's OpenGL panics if a thread waits too long for
+    /// another's context.
     pub gate: Mutex<()>,
 }
 
-/// A card that has not answered for so long counts as lost.
+/// A card that has not responded for this long counts as lost.
 const PATIENCE: Duration = Duration::from_secs(120);
 
 impl Shared {
-    /// Waits until no other thread works with the card.
+    /// Waits until no other thread uses the card.
     pub fn gate(&self) -> MutexGuard<'_, ()> {
         self.gate.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// An error if the card was lost meanwhile.
+    /// Returns an error if the card has been lost.
     pub fn check(&self) -> Result<(), DrawError> {
         let lost = self.lost.lock().unwrap_or_else(PoisonError::into_inner);
         lost.as_ref()
             .map_or(Ok(()), |why| Err(DrawError::Lost(why.clone())))
     }
 
-    /// Waits until a submission is done and its callbacks have run.
+    /// Waits until a submission is complete and its callbacks have run.
     pub fn wait(&self, submission: wgpu::SubmissionIndex) -> Result<(), DrawError> {
         let poll = wgpu::PollType::Wait {
             submission_index: Some(submission),
@@ -66,13 +66,13 @@ impl Shared {
         }
     }
 
-    /// Notes that the card is lost, and why.
+    /// Records the loss of the card and its reason.
     pub fn lose(&self, why: String) -> DrawError {
         note(&self.lost, why.clone());
         DrawError::Lost(why)
     }
 
-    /// Allocates in the card's memory; `None` if that does not suffice.
+    /// Allocates in the card's memory; `None` if there is not enough.
     pub fn allocate<T>(&self, make: impl FnOnce(&wgpu::Device) -> T) -> Option<T> {
         let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
         let made = make(&self.device);
@@ -83,7 +83,7 @@ impl Shared {
     }
 }
 
-/// Keeps the first reason: what follows it are its consequences.
+/// Keeps the first reason, because later ones are its consequences.
 fn note(lost: &Mutex<Option<String>>, why: String) {
     let mut lost = lost.lock().unwrap_or_else(PoisonError::into_inner);
     lost.get_or_insert(why);

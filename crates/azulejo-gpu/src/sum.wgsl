@@ -1,5 +1,5 @@
-// Adds up the shares of pixels by the side that they show, in 64-bit integers of two words: no
-// order of additions changes the sum.
+// Sums the form factors of pixels by visible side, in 64-bit integers of two words, so that the sum
+// does not depend on the order of additions.
 
 struct Sizes {
     // Pixels along a face, tiles in a row of the atlas, sums per tile, patches.
@@ -11,14 +11,14 @@ struct Sizes {
 
 @group(0) @binding(0) var<uniform> sizes: Sizes;
 @group(0) @binding(1) var sides: texture_2d<u32>;
-// Shares of the pixels of a hemicube, below 2^27 each.
+// Delta form factors of the pixels of a hemicube, below 2^27 each.
 @group(0) @binding(2) var<storage, read> weights: array<u32>;
 // For each tile the world's up along the axes of its hemicube.
 @group(0) @binding(3) var<storage, read> ups: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> sums: array<atomic<u32>>;
 
 const NOTHING: u32 = 0xffffffffu;
-// Pixels of a column that one invocation reads: what is equal in them is added at once.
+// Pixels of a column per invocation: those of the same side are added at once.
 const RUN: u32 = 16u;
 
 // The point where a pixel's direction intersects the cube of side 2.
@@ -38,7 +38,7 @@ fn direction(column: u32, row: u32) -> vec3f {
     }
 }
 
-// Where the share of a pixel goes: behind all sides stand what leaves upwards and downwards.
+// The index of a pixel's sum: after all sides follow the light that leaves upwards and downwards.
 fn slot(side: u32, tile: u32, column: u32, row: u32) -> u32 {
     if side != NOTHING {
         return side;

@@ -1,4 +1,4 @@
-//! Adds up shares by what they show.
+//! Sums of form factors by side.
 
 use azulejo_scene::Rgb;
 use azulejo_trace::item_buffer::{Hemicube, Share};
@@ -27,7 +27,7 @@ impl Tally {
         *sum += share;
     }
 
-    /// The sums by side, sorted; nothing is left.
+    /// Takes the sums by side, sorted.
     pub fn take(&mut self) -> impl Iterator<Item = (u32, f64)> + '_ {
         self.sides.sort_unstable();
         let sums = &mut self.sums;
@@ -36,11 +36,11 @@ impl Tally {
     }
 }
 
-/// Shares of one view, from all windows.
+/// Form factors of one view, from all windows.
 #[derive(Default)]
 pub struct Shares {
     found: Vec<(u32, u8, Rgb)>,
-    /// How many there were when they were last put together.
+    /// Their number when they were last merged.
     together: usize,
 }
 
@@ -53,7 +53,7 @@ impl Shares {
     }
 
     fn put_together(&mut self) {
-        // A stable sort keeps the order of the finds, so sums depend on nothing else.
+        // A stable sort keeps the order of insertion, on which alone the sums depend.
         self.found.sort_by_key(|&(side, order, _)| (side, order));
         self.found.dedup_by(|next, kept| {
             let is_same = (next.0, next.1) == (kept.0, kept.1);
@@ -65,7 +65,7 @@ impl Shares {
         self.together = self.found.len();
     }
 
-    /// Each side and order once, sorted.
+    /// Takes the sums: each side and order once, sorted.
     pub fn finished(mut self) -> Vec<Share> {
         self.put_together();
         let share = |(side, order, share): (u32, u8, Rgb)| Share {
@@ -77,13 +77,13 @@ impl Shares {
     }
 }
 
-/// Shares of a hemicube's pixels, which sum to 1.
+/// Delta form factors of a hemicube's pixels, which sum to 1.
 pub fn exact_weights(cube: &Hemicube) -> Vec<f64> {
     let sum: f64 = cube.weights().iter().map(|&w| f64::from(w)).sum();
     cube.weights().iter().map(|&w| f64::from(w) / sum).collect()
 }
 
-/// The same as whole numbers, and how many make 1. Each is at most 2^27, so that 16 of them can be
+/// The same as integers, and the integer for 1. Each is at most 2^27, so that 16 of them can be
 /// added in 32 bits, and rounded to 2^-28 of the largest.
 pub fn whole_weights(weights: &[f64]) -> (Vec<u32>, f64) {
     let largest = weights.iter().fold(0.0, |a: f64, &b| a.max(b));

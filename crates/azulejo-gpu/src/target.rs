@@ -1,4 +1,4 @@
-//! Textures to draw in, and the way back from them.
+//! Textures to draw into, and their readback.
 
 use crate::atlas::Atlas;
 use crate::face::{FaceDrawing, WORDS};
@@ -8,27 +8,27 @@ use crate::shared::{Reduction, Shared};
 use azulejo_trace::item_buffer::DrawError;
 use std::sync::mpsc::{Receiver, channel};
 
-/// The side that a pixel without one shows.
+/// The side of a pixel that shows none.
 pub const NOTHING: u32 = u32::MAX;
 
-/// Most drawings in a submission: it limits the memory of their uniforms.
+/// Largest number of drawings in a submission: it limits the memory of their uniforms.
 const MOST_DRAWINGS: usize = 1 << 14;
 
 /// An atlas in the card's memory.
 pub struct AtlasTarget {
     pub atlas: Atlas,
     sides: wgpu::Texture,
-    /// Nearness of what the pixels show, if wanted.
+    /// Nearness of the visible surface at each pixel, if requested.
     nearness: Option<wgpu::Texture>,
     depth: wgpu::TextureView,
     windows: Option<WindowNumbers>,
-    /// Where pixels are read back, sides and nearness.
+    /// Buffers for reading back pixels, sides and nearness.
     back: Vec<wgpu::Buffer>,
     faces: Faces,
     sums: Option<Sums>,
 }
 
-/// Which window each pixel belongs to.
+/// The window of each pixel.
 struct WindowNumbers {
     texture: wgpu::Texture,
     group: wgpu::BindGroup,
@@ -38,11 +38,11 @@ struct WindowNumbers {
 struct Faces {
     buffer: wgpu::Buffer,
     group: wgpu::BindGroup,
-    /// Bytes from one to the next.
+    /// Stride in bytes.
     stride: u32,
 }
 
-/// Sums by side, made on the card.
+/// Sums by side, computed on the card.
 struct Sums {
     group: wgpu::BindGroup,
     ups: wgpu::Buffer,
@@ -50,35 +50,35 @@ struct Sums {
     back: wgpu::Buffer,
 }
 
-/// What a target is for.
+/// The purpose of a target.
 pub struct TargetOptions<'a> {
     pub atlas: Atlas,
     pub nearness: bool,
     pub windows: bool,
     pub reduction: Reduction,
-    /// Shares of the cube's pixels as whole numbers.
+    /// Delta form factors of the hemicube's pixels as integers.
     pub weights: &'a [u32],
     pub patches: u32,
 }
 
-/// Something on its way back to the processor's memory.
+/// A readback to the processor's memory in progress.
 pub struct Mapping {
     buffer: wgpu::Buffer,
     bytes: u64,
     outcome: Receiver<Result<(), wgpu::BufferAsyncError>>,
 }
 
-/// The pixels that drawings go to.
+/// The pixels into which drawings are made.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum DrawInto {
-    /// Pixels of the world that is seen without mirrors.
+    /// Pixels of the directly visible world.
     Faces,
     /// Pixels of windows.
     Windows,
 }
 
 impl AtlasTarget {
-    /// `None` if the card's memory does not suffice.
+    /// `None` if the card has not enough memory.
     pub fn new(shared: &Shared, wanted: &TargetOptions) -> Option<AtlasTarget> {
         shared.allocate(|device| {
             let used = wgpu::TextureUsages::RENDER_ATTACHMENT;
@@ -105,10 +105,10 @@ impl AtlasTarget {
         })
     }
 
-    /// Draws drawings; those of one call start from empty pixels.
+    /// Submits drawings; those of one call start with cleared pixels.
     pub fn draw(&mut self, shared: &Shared, mesh: &Mesh, drawings: &[FaceDrawing], into: DrawInto) {
         self.faces.hold(shared, drawings.len().min(MOST_DRAWINGS));
-        // Without drawings the pixels are emptied all the same.
+        // Pixels are cleared even without drawings.
         for first in (0..drawings.len().max(1)).step_by(MOST_DRAWINGS) {
             let part = &drawings[first..drawings.len().min(first + MOST_DRAWINGS)];
             self.faces.write(shared, part);
@@ -126,7 +126,7 @@ impl AtlasTarget {
         }
     }
 
-    /// Begins a pass over the atlas, which empties it or draws over it.
+    /// Begins a pass over the atlas, which clears it or draws over it.
     fn begin<'a>(
         &self,
         encoder: &'a mut wgpu::CommandEncoder,
@@ -176,7 +176,7 @@ impl AtlasTarget {
         }
     }
 
-    /// Sets the window that the pixels of some rows of a tile belong to.
+    /// Sets the window of the pixels in some rows of a tile.
     pub fn set_windows(&self, shared: &Shared, tile: u32, first_row: u32, numbers: &[u32]) {
         let Some(windows) = &self.windows else {
             return;
@@ -208,8 +208,8 @@ impl AtlasTarget {
         );
     }
 
-    /// Starts to read tiles back: sides, and nearness if it is kept. In each, tiles stand one
-    /// behind the other in the order in which they are named.
+    /// Starts reading back tiles: sides, and nearness if it is stored. Tiles are consecutive, in
+    /// the given order.
     pub fn read_back(
         &self,
         shared: &Shared,
@@ -262,8 +262,8 @@ impl AtlasTarget {
         );
     }
 
-    /// Starts to add up the first tiles on the card and to read the sums back. `ups`: the world's
-    /// up along the axes of each. `None` if this target was not made for that.
+    /// Starts the summation of the first tiles on the card and the readback of the sums. `ups` are
+    /// the world's up along the axes of each. `None` if this target was not made for that.
     pub fn add_up(
         &self,
         shared: &Shared,
@@ -337,7 +337,7 @@ impl Faces {
         }
     }
 
-    /// Grows until it holds so many.
+    /// Grows to hold this many.
     fn hold(&mut self, shared: &Shared, count: usize) {
         if count as u64 * u64::from(self.stride) > self.buffer.size() {
             *self = Faces::new(shared, count.next_power_of_two());
@@ -415,7 +415,7 @@ impl Sums {
     }
 }
 
-/// Bytes of a tile's sums.
+/// Size of a tile's sums in bytes.
 pub fn sum_bytes(patches: u32) -> u64 {
     8 * (2 * u64::from(patches) + 2)
 }
@@ -424,7 +424,7 @@ impl Mapping {
     fn new(buffer: &wgpu::Buffer, bytes: u64) -> Mapping {
         let (sender, outcome) = channel();
         buffer.map_async(wgpu::MapMode::Read, 0..bytes, move |result| {
-            // Nobody waits any more if another error came first.
+            // The receiver is gone if another error came first.
             let _ = sender.send(result);
         });
         Mapping {
@@ -434,7 +434,7 @@ impl Mapping {
         }
     }
 
-    /// Hands the numbers to `read`, once the submission is done.
+    /// Passes the numbers to `read` once the submission is complete.
     pub fn read<T>(self, shared: &Shared, read: impl FnOnce(&[u32]) -> T) -> Result<T, DrawError> {
         match self.outcome.try_recv() {
             Ok(Ok(())) => {}

@@ -1,4 +1,4 @@
-//! Cards against what is known.
+//! Cards against closed forms and the processor.
 
 use crate::{Backend, Card, Reduction};
 use azulejo_scene::Rgb;
@@ -8,7 +8,7 @@ use azulejo_trace::item_buffer::{
 };
 use glam::DVec3;
 
-/// One card for each interface that works here. Records a skip if none does.
+/// One card for each interface that works on this machine. Records a skip if none does.
 fn by_interface() -> Vec<(Backend, Card)> {
     let cards: Vec<_> = [Backend::Vulkan, Backend::Gl]
         .into_iter()
@@ -27,7 +27,7 @@ fn found() -> Vec<Card> {
     by_interface().into_iter().map(|(_, card)| card).collect()
 }
 
-/// The same, by either way to add up.
+/// The same, for both places of summation.
 fn cards() -> Vec<Card> {
     let ways = [Reduction::ReadBack, Reduction::Compute];
     let both = |card: Card| ways.map(|way| card.clone().reducing(way));
@@ -119,7 +119,7 @@ fn wall(seen: &Seen, per_wall: u32, wall: u32, order: u8) -> f64 {
     found.map(|s| s.weight.r).sum()
 }
 
-/// What is absorbed where reflectances are those of the mirrors, and escapes or was cut.
+/// The light that is absorbed, with the reflectances of the mirrors, escapes or was cut.
 fn balance(world: &World, seen: &Seen) -> Rgb {
     let kept = |side: u32| match world.mirror_of.get(side as usize / 2) {
         _ if world.is_bent.get(side as usize / 2) == Some(&true) => Rgb::WHITE,
@@ -160,7 +160,7 @@ fn an_eye_in_the_middle_of_the_floor_sees_five_walls() {
     }
 }
 
-/// Whatever there is of it: boxes at random, seen from inside, fronts outwards.
+/// Random boxes, seen from inside, fronts outwards.
 fn clutter(count: u32) -> World {
     let mut world = room(2);
     let number = |k: u32, d: u32| f64::from(azulejo_trace::sampling::uniform(&[k, d]));
@@ -208,7 +208,7 @@ fn difference(a: &Seen, b: &Seen) -> f64 {
     sums.values().map(|d: &f64| d.abs()).sum()
 }
 
-/// The same worlds by the card and by the processor: pixels on edges may differ.
+/// The same worlds by the card and by the processor; pixels on edges may differ.
 #[test]
 fn the_processor_sees_the_same() {
     let mut mirrored = clutter(300);
@@ -255,7 +255,7 @@ fn neighbours_threads_and_repetition_change_nothing() {
     let settings = windows(16);
     for card in cards() {
         let buffers = card.load(&world, &settings).expect("loads");
-        // More than one batch, so that tiles and atlases change.
+        // More than one batch, so that several tiles and atlases are used.
         let views = views(2 * buffers.batch() as u32 + 3);
         let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let draw = |threads| {
@@ -346,7 +346,7 @@ fn only_mirrors_and_a_mirror_that_faces_itself() {
         let seen = &draw(&card, &world, &windows(16), &[FLOOR])[0];
         assert_close(balance(&world, seen).r, 1.0, 1e-6, &card.name());
     }
-    // The eye in the mirror's own plane, and the mirror all there is.
+    // The viewpoint in the mirror's own plane, and a world of the mirror alone.
     let mut alone = room(1);
     mirror_wall(&mut alone, 4, Rgb::grey(0.6));
     alone.triangles.retain(|t| t.patch == 4);
@@ -363,7 +363,7 @@ fn only_mirrors_and_a_mirror_that_faces_itself() {
     }
 }
 
-/// Facets all about, each a mirror of its own: 100,000 of them.
+/// 100,000 facets in all directions, each a mirror of its own.
 #[test]
 fn countless_mirrors_end_with_a_residue() {
     let mut world = World {
@@ -439,7 +439,7 @@ fn bad_worlds_are_drawn_without_their_bad_parts() {
     }
 }
 
-/// Of two facets in one place the lower patch is seen, by its own side.
+/// Of two coincident facets the lower patch is visible, with its own side.
 #[test]
 fn coincident_facets_have_an_order() {
     let mut world = room(1);
@@ -552,7 +552,7 @@ fn a_lost_card_says_so_and_stays_lost() {
     }
 }
 
-/// The device goes while others draw.
+/// The device is lost while other threads draw.
 #[test]
 fn a_card_may_be_lost_midway() {
     let world = clutter(500);
@@ -570,9 +570,9 @@ fn a_card_may_be_lost_midway() {
     }
 }
 
-/// A tilted mirror, hung on a wall in the same plane: the wall is not seen in the mirror, from
-/// whatever distance. With a step that does not grow with it, all of the mirror would show the wall
-/// at 100.
+/// A tilted mirror on a wall in the same plane: the wall is not visible in the mirror from any
+/// distance. With a step that does not grow with the distance, all of the mirror would show the
+/// wall at 100.
 #[test]
 fn far_mirrors_do_not_show_the_wall_that_they_hang_on() {
     let normal = DVec3::new(0.3, -0.5, 0.8).normalize();

@@ -1,5 +1,5 @@
-//! The traversal of one view through its mirrors: what has been found so far, and the windows that
-//! are drawn next, level by level.
+//! The traversal of one view through its mirrors, level by level: the results so far, and the
+//! windows to draw next.
 
 use crate::atlas::{Atlas, FACES};
 use crate::face::{FaceDrawing, FaceRegion, face_drawing};
@@ -11,15 +11,15 @@ use azulejo_trace::item_buffer::{Beyond, HemicubeView, PatchOptics, Seen, Specul
 use glam::DVec3;
 use std::ops::Range;
 
-/// Most windows that are drawn for one view; what further ones would show counts as cut. Worlds
-/// of countless small mirrors that face each other would otherwise never be done. Tests get there
-/// sooner.
+/// Largest number of windows that are drawn for one view; light through further ones counts as cut.
+/// Worlds of many small mirrors that face each other would otherwise never finish. Tests use a
+/// smaller limit.
 const MOST_WINDOWS: usize = if cfg!(test) { 500 } else { 16_384 };
 
-/// What all views of a batch have in common.
+/// Data that all views of a batch share.
 pub struct ViewContext<'a> {
     pub mesh: &'a Mesh,
-    /// Shares of the pixels of a hemicube, which sum to 1.
+    /// Delta form factors of the pixels of a hemicube, which sum to 1.
     pub weights: &'a [f64],
     pub atlas: &'a Atlas,
     pub beyond: Beyond,
@@ -29,9 +29,9 @@ pub struct ViewContext<'a> {
 #[derive(Clone, Copy)]
 pub struct Pixels<'a> {
     pub sides: &'a [u32],
-    /// 1/w in local coordinates, as bits; there if distances are wanted.
+    /// 1/w in local coordinates, as bits; present if distances are requested.
     pub nearness: Option<&'a [u32]>,
-    /// Words from row to row.
+    /// Row stride in words.
     pub stride: usize,
 }
 
@@ -40,27 +40,27 @@ struct WindowPixels {
     view: HemicubeView,
     /// Its pixels, among those of the level.
     pixels: Range<usize>,
-    /// What they carry in the strongest channel.
+    /// Their weight in the strongest channel.
     share: f64,
 }
 
-/// One view on its way through the mirrors.
+/// The traversal of one view.
 pub struct ViewTraversal {
-    /// The tile that it is drawn in.
+    /// Its tile in the atlas.
     pub tile: u32,
     view: HemicubeView,
     shares: Shares,
     seen: Seen,
-    /// Mirrors on the way.
+    /// Number of mirrors on the way.
     depth: u32,
     windows: Vec<WindowPixels>,
-    /// Pixels of the windows, sorted in each.
+    /// Pixels of the windows, sorted within each.
     pixels: Vec<u32>,
-    /// Windows opened so far.
+    /// Number of windows opened so far.
     opened: usize,
 }
 
-/// What the card has to draw for windows: their faces, and for each pixel of some rows its window.
+/// Drawings of windows: their faces, and the window of each pixel in some rows.
 pub struct WindowRequest {
     pub drawings: Vec<FaceDrawing>,
     pub first_row: u32,
@@ -81,7 +81,7 @@ impl ViewTraversal {
         }
     }
 
-    /// The faces of the world as it is seen without mirrors.
+    /// The faces of the directly visible world.
     pub fn straight(&self, context: &ViewContext) -> Vec<FaceDrawing> {
         let face = |face| {
             let region = FaceRegion::whole(context.atlas.resolution, face);
@@ -101,8 +101,8 @@ impl ViewTraversal {
         !self.windows.is_empty()
     }
 
-    /// Takes what the card has added up, in units of 1/`scale`; returns whether pixels have to be
-    /// read, because light continues at some of them.
+    /// Takes the sums of the card, in units of 1/`scale`; returns whether pixels have to be read
+    /// because light continues at some of them.
     pub fn add_sums(&mut self, context: &ViewContext, sums: &[u32], scale: f64) -> bool {
         let mut goes_on = false;
         for (slot, words) in (0u32..).zip(sums.chunks_exact(2)) {
@@ -122,7 +122,8 @@ impl ViewTraversal {
         goes_on
     }
 
-    /// Reads all pixels of the straight view. Shares are added up unless the card has done it.
+    /// Reads all pixels of the direct view. Their form factors are summed unless the card has done
+    /// so.
     pub fn read_all(&mut self, context: &ViewContext, pixels: Pixels, tally: Option<&mut Tally>) {
         let mut reader = PixelReader::new(context, &self.view, 0, pixels, tally);
         let n = context.atlas.resolution;
@@ -152,7 +153,7 @@ impl ViewTraversal {
         self.open(context, found);
     }
 
-    /// Opens windows for pixels that show mirrors, grouped by the view that sees them.
+    /// Opens windows for pixels that show mirrors, grouped by view.
     fn open(&mut self, context: &ViewContext, found: Vec<(HemicubeView, Vec<(u32, u32)>)>) {
         let Beyond::Windows { cut, depth } = context.beyond else {
             return;
@@ -184,13 +185,13 @@ impl ViewTraversal {
         self.opened += self.windows.len();
     }
 
-    /// Closes windows until few enough are left, the weakest first.
+    /// Closes windows until their number is within the limit, the weakest first.
     fn keep_the_strongest(&mut self, weights: &[f64]) {
         let room = MOST_WINDOWS - self.opened.min(MOST_WINDOWS);
         if self.windows.len() <= room {
             return;
         }
-        // Stable: among equals the first found stay.
+        // Stable: of equal ones the first are kept.
         self.windows.sort_by(|a, b| b.share.total_cmp(&a.share));
         for window in self.windows.drain(room..) {
             let pixels = &self.pixels[window.pixels];
@@ -199,7 +200,7 @@ impl ViewTraversal {
         }
     }
 
-    /// What the card has to draw next; windows are numbered from 1.
+    /// The next drawings of the card; windows are numbered from 1.
     pub fn request(&self, context: &ViewContext) -> WindowRequest {
         let n = context.atlas.resolution;
         let rows = self.windows.iter().flat_map(|w| {
@@ -231,7 +232,7 @@ impl ViewTraversal {
         request
     }
 
-    /// All that was found; nothing is left.
+    /// Takes the results.
     pub fn take(&mut self) -> Seen {
         Seen {
             shares: std::mem::take(&mut self.shares).finished(),
@@ -291,10 +292,10 @@ impl<'a> PixelReader<'a> {
         }
     }
 
-    /// Takes neighbours in a row that show one side.
+    /// Adds consecutive pixels in a row that show the same side.
     fn run(&mut self, side: u32, pixels: Range<u32>) {
         let weights = &self.context.weights[pixels.start as usize..pixels.end as usize];
-        // A number that is no side's can only come from a broken driver: nothing is there.
+        // An invalid side can only come from a broken driver: it counts as nothing.
         if side == NOTHING || side / 2 >= self.context.mesh.patches {
             if self.tally.is_some() {
                 for (p, weight) in pixels.zip(weights) {
@@ -342,7 +343,7 @@ impl<'a> PixelReader<'a> {
         let word = (p / n) as usize * self.pixels.stride + (p % n) as usize;
         let nearness = self.pixels.nearness.map_or(0, |bits| bits[word]);
         let along = 1.0 / f64::from(f32::from_bits(nearness)).max(1e-30);
-        // The leg begins at the last mirror on the way.
+        // The segment begins at the last mirror on the way.
         let start = self.view.begin_nearness(&axes).map_or(0.0, |[a, b, c]| {
             (1.0 / (a * u + b * v + c).max(1e-30)).min(along)
         });
@@ -361,7 +362,7 @@ impl<'a> PixelReader<'a> {
         self.depth.min(2) as u8
     }
 
-    /// Hands over what was found; returns the pixels that show mirrors.
+    /// Adds the results to the view's; returns the pixels that show mirrors.
     fn finished(self, seen: &mut Seen, shares: &mut Shares) -> Vec<(u32, u32)> {
         let order = self.order();
         let tint = self.view.tint;

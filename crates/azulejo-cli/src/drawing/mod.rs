@@ -299,7 +299,7 @@ fn list(numbers: impl Iterator<Item = f64>) -> String {
     numbers.map(|n| n.to_string()).collect::<Vec<_>>().join(" ")
 }
 
-/// Two decimals are finer than any screen.
+/// Two decimals are finer than the pixels of any screen.
 fn round(x: f64) -> f64 {
     (100.0 * x).round() / 100.0
 }
@@ -309,7 +309,7 @@ pub fn hex([r, g, b]: Color) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// Text with the characters escaped that mean something in XML and HTML.
+/// Text with the special characters of XML and HTML escaped.
 pub fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for c in text.chars() {

@@ -1,4 +1,4 @@
-//! Reduction of an image to a palette of 256 colours, which halves its file.
+//! Reduction of an image to a palette of 256 colours, which halves the size of its file.
 
 use super::{Color, RgbImage};
 use std::collections::BTreeMap;

@@ -11,7 +11,7 @@ use tiny_skia::{
     Transform,
 };
 
-/// Space after each letter, em: the advance of a PPF glyph ends where its ink does.
+/// Space after each letter, em: the advance of a PPF glyph ends with its ink.
 const SPACING: f64 = 0.045;
 
 /// Space between words, em.

@@ -9,7 +9,7 @@ use glam::DVec2;
 pub struct GreyCanvas {
     /// Width and height in pixels.
     pub size: [usize; 2],
-    /// Share of each pixel that is covered with ink, rows from the top.
+    /// Fraction of each pixel that is covered with ink, rows from the top.
     ink: Vec<f32>,
 }
 

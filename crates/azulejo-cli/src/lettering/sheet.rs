@@ -60,7 +60,7 @@ struct SheetLayout {
     cell: [usize; 2],
     /// The baseline, in pixels below the top of a cell.
     base: f64,
-    /// Each glyph's name set in the font, if it has the letters.
+    /// The name of each glyph, set in the font if it has the letters.
     names: Vec<Option<Line>>,
 }
 
@@ -116,7 +116,7 @@ impl SheetLayout {
         paper
     }
 
-    /// Names stand at the bottom of their cells, smaller where they would not fit.
+    /// Names are at the bottom of their cells, smaller where they would not fit.
     fn draw_name(&self, name: &Line, corner: DVec2, paper: &mut GreyCanvas) {
         let room = 0.92 * self.cell[0] as f64;
         let size = (NAME_SIZE * self.em).min(room / name.advance.max(1e-9));

@@ -1,4 +1,4 @@
-//! Flat outlines become one object of prisms in a scene of its own.
+//! Conversion of flat outlines to a scene with one object of prisms.
 
 use super::args::{FrameArgs, SurfaceArgs};
 use crate::failure::Failure;
@@ -26,7 +26,7 @@ impl FrameArgs {
 }
 
 impl SurfaceArgs {
-    /// The material, where `color` is what nobody chose another for.
+    /// The material; `color` is the default.
     pub fn material(&self, name: &str, color: Rgb) -> Material {
         let shines = self.mirror.is_some() || self.emission.is_some();
         let otherwise = if shines { Rgb::BLACK } else { color };
@@ -57,7 +57,7 @@ pub fn scene(name: &str, materials: Vec<Material>, prisms: Vec<Prism>) -> Result
         let message = "--color and --mirror together reflect more than arrives";
         return Err(Failure::misuse(message));
     }
-    // Sizes and places that are numbers by themselves may have no product.
+    // Sizes and positions that are finite may have a product that is not.
     match scene.validate() {
         Ok(()) => Ok(scene),
         Err(e) => Err(Failure::failed(format_args!(
@@ -66,7 +66,7 @@ pub fn scene(name: &str, materials: Vec<Material>, prisms: Vec<Prism>) -> Result
     }
 }
 
-/// Writes the scene and says what is in it.
+/// Writes the scene and reports its content.
 pub fn write(
     scene: &Scene,
     output: &ModelOutput,
@@ -100,7 +100,7 @@ mod tests {
     use super::*;
     use glam::{DVec2, DVec3};
 
-    /// Where a point of an outline goes, on the front and on the back.
+    /// The positions of a point of an outline on the front and on the back.
     fn check(args: FrameArgs, front: [f64; 3], back: [f64; 3]) {
         let map = args.frame(2.0, 0.5).world_from_glyph(DVec2::new(1.0, 0.0));
         for (z, expected) in [(0.0, front), (1.0, back)] {

@@ -1,4 +1,4 @@
-//! `text`: a string in, solid letters out.
+//! `text`: converts a string to solid letters.
 
 use super::args::TextArgs;
 use super::{solid, typeface};
@@ -10,7 +10,7 @@ use azulejo::models::read_bytes;
 use azulejo_scene::Rgb;
 use std::path::Path;
 
-/// The longest text; letters have their outlines in common, but each has its place.
+/// Largest length of a text; letters share their outlines, but each has its own prism.
 const LONGEST: usize = 1 << 20;
 
 /// Runs `text`.
@@ -27,7 +27,7 @@ pub fn run(args: &TextArgs, session: &mut Session) -> Result<Report, Failure> {
     solid::write(&scene, &output, &args.output, session)
 }
 
-/// What to write.
+/// The text to write.
 fn text(args: &TextArgs) -> Result<String, Failure> {
     let path = match (&args.text, &args.file) {
         (Some(text), _) if text != "-" => return Ok(text.replace("\\n", "\n")),
@@ -50,7 +50,7 @@ fn text(args: &TextArgs) -> Result<String, Failure> {
     })
 }
 
-/// The text's first words, for a name.
+/// The first words of the text, as a name.
 fn title(text: &str) -> String {
     const LONGEST_NAME: usize = 40;
     let line = text.lines().map(str::trim).find(|l| !l.is_empty());

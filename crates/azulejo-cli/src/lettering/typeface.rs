@@ -9,7 +9,7 @@ use azulejo_formats::outline::{ppe, ppf};
 use azulejo_scene::{Encoding, Font, Line, PlacedGlyph};
 use std::path::Path;
 
-/// What is in a font file.
+/// The content of a font file.
 pub enum FontFile {
     /// RTRACE's glyphs by name.
     Ppf(Font),
@@ -72,7 +72,7 @@ pub fn set(
     Ok(lines.align.align().stack(placed, lines.line_spacing))
 }
 
-/// Sets line after line; an error names the line it is in.
+/// Sets line by line; an error contains the number of its line.
 fn each_line<E: std::fmt::Display>(
     text: &str,
     mut set: impl FnMut(&str) -> Result<Line, E>,

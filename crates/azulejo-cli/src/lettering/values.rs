@@ -122,12 +122,12 @@ fn code(text: &str) -> Result<u32, String> {
     })
 }
 
-/// Which characters of a typeface.
+/// A selection of characters of a typeface.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Characters {
-    /// Every one that has a glyph.
+    /// All that have a glyph.
     All,
-    /// First and last of each range.
+    /// First and last character of each range.
     Ranges(Vec<(u32, u32)>),
 }
 

@@ -7,21 +7,21 @@ use azulejo_scene::Operation;
 use azulejo_scene::math::Aabb;
 use glam::DVec3;
 
-/// A solid that is made of leaves.
+/// A solid composed of leaves.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
     pub leaves: Vec<TreeLeaf>,
     pub root: CsgNode,
 }
 
-/// A leaf, and whether its visible surface is turned inside out.
+/// A leaf, and whether its visible surface is reversed.
 #[derive(Clone, Debug)]
 pub(crate) struct TreeLeaf {
     pub shape: ExactLeaf,
     pub is_turned: bool,
 }
 
-/// A part of the tree with a box around it, in the tracer's own coordinates.
+/// A node of the CSG tree with its bounding box, in the tracer's own coordinates.
 #[derive(Clone, Debug)]
 pub(crate) struct CsgNode {
     pub bounds: Aabb,
@@ -32,7 +32,7 @@ pub(crate) struct CsgNode {
 pub(crate) enum CsgNodeKind {
     /// A closed shape, by its index among the leaves.
     Leaf(u32),
-    /// Pieces that close a volume together.
+    /// Open pieces that together enclose a volume.
     Shell(Vec<CsgNode>),
     Csg {
         operation: Operation,
@@ -42,8 +42,8 @@ pub(crate) enum CsgNodeKind {
 }
 
 impl CsgNode {
-    /// The union of several parts, halved again and again where they are far apart: a ray at a
-    /// page of letters visits a few of them.
+    /// The union of several parts, recursively halved where they are far apart, so that a ray
+    /// through a page of letters visits few of them.
     pub(crate) fn union(mut parts: Vec<CsgNode>) -> CsgNode {
         let boxes = parts.iter().map(|n| n.bounds);
         let bounds = boxes.fold(Aabb::EMPTY, Aabb::union);
@@ -66,15 +66,15 @@ impl CsgNode {
     }
 }
 
-/// Layers of matter or of nothing that are thinner than this vanish: they are the rounding of
-/// surfaces that should coincide. The scene is about 2 across.
+/// Solid or empty layers thinner than this are dropped: they come from the rounding of surfaces
+/// that should coincide. The scene is about 2 across.
 const SLIVER: f64 = 1e-9;
 
-/// Hits on two pieces of a shell nearer together than this may be one, at a seam.
+/// Hits on two pieces of a shell closer than this may be one hit at a seam.
 const SEAM: f64 = 1e-6;
 
 impl Tree {
-    /// All boundaries of the solid on a line, in order, in and out by turns.
+    /// All boundaries of the solid on a line, in order, alternately entering and leaving.
     pub(crate) fn boundaries(&self, line: &Line3) -> Vec<Boundary> {
         let mut out = Vec::new();
         let pass = LinePass {
@@ -88,8 +88,8 @@ impl Tree {
     }
 }
 
-/// One line on its way through the tree. Every function appends boundaries to a list, in order,
-/// in and out by turns, and leaves what was there.
+/// The traversal of the tree along one line. Every function appends boundaries to a list, in order,
+/// alternately entering and leaving, and keeps what is in the list.
 struct LinePass<'a> {
     leaves: &'a [TreeLeaf],
     line: &'a Line3,
@@ -142,7 +142,7 @@ impl LinePass<'_> {
         }
     }
 
-    /// Which of a shell's hits happened twice, in two pieces that touch.
+    /// Finds hits of a shell that occur twice, in two adjacent pieces.
     fn doubled(&self, hits: &[Boundary]) -> Option<usize> {
         let gap = |k: &usize| hits[*k].hit.t - hits[k - 1].hit.t;
         let seams = (1..hits.len()).filter(|&k| hits[k].leaf != hits[k - 1].leaf);
@@ -183,7 +183,7 @@ impl LinePass<'_> {
         }
     }
 
-    /// Appends a boundary, or takes the last one away where the two enclose a sliver.
+    /// Appends a boundary, or removes the last one if the two enclose a sliver.
     fn push(&self, first: usize, boundary: &Boundary, out: &mut Vec<Boundary>) {
         let last = out[first..].last();
         if last.is_some_and(|l| boundary.hit.t - l.hit.t <= self.sliver) {
@@ -194,7 +194,7 @@ impl LinePass<'_> {
     }
 }
 
-/// Whether a line may cross a box, widened by far more than rounding.
+/// Whether a line may cross a box, enlarged by much more than rounding.
 fn may_be_crossed(bounds: &Aabb, origin: DVec3, inverse: DVec3) -> bool {
     let margin = DVec3::splat(1e-9 * (1.0 + origin.abs().max_element()));
     let (a, b) = (bounds.min - margin - origin, bounds.max + margin - origin);

@@ -1,4 +1,4 @@
-//! A leaf of an exact shape: one that is not made of others.
+//! A leaf of an exact shape: a solid that is not a compound.
 
 use super::line::Line3;
 use super::mesh::ExactMesh;
@@ -43,9 +43,9 @@ pub(crate) struct LeafHit {
     /// Which part of the surface: a plane or curve of a prism, a triangle, the part of a
     /// primitive. Less than 2^30.
     pub part: u32,
-    /// Where on the part, as far as it is needed to compute the point again.
+    /// Position on the part, as far as it is needed to compute the point again.
     pub parameter: f32,
-    /// Whether the line comes in here; for an open surface, whether it hits the front.
+    /// Whether the line enters here; for an open surface, whether it hits the front.
     pub enters: bool,
 }
 
@@ -74,7 +74,7 @@ pub(crate) enum ExactLeaf {
     Prism(ExactPrism),
     Patch(ExactPatch),
     Mesh(ExactMesh),
-    /// What no ray can hit: a shape whose map does not invert in double precision.
+    /// A shape that no ray can hit, because its map cannot be inverted in double precision.
     Nothing,
 }
 
@@ -102,7 +102,8 @@ impl ExactLeaf {
             .reduce(|a, b| if b.t < a.t { b } else { a })
     }
 
-    /// All hits on the line. Those with a closed shape come in order, in and out by turns.
+    /// All hits on the line. Those with a closed shape are in order, alternately entering and
+    /// leaving.
     pub(crate) fn all(&self, line: &Line3, leaf: u32, out: &mut Vec<Boundary>) {
         match self {
             ExactLeaf::Primitive(p) => {
@@ -142,12 +143,12 @@ impl ExactLeaf {
     }
 }
 
-/// A normal of the outside, transformed by a map.
+/// An outward normal, transformed by a map.
 pub(crate) fn outward(map: DMat3, normal: DVec3) -> DVec3 {
     (normal_matrix(map) * normal).normalize_or_zero()
 }
 
-/// A normal or its opposite: the one that a line in `direction` arrives at if it `enters`.
+/// `normal` or its opposite: the side from which a line in `direction` arrives if it `enters`.
 pub(crate) fn facing(normal: DVec3, direction: DVec3, enters: bool) -> DVec3 {
     if (normal.dot(direction) < 0.0) == enters {
         normal

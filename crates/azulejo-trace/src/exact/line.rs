@@ -21,7 +21,7 @@ impl Line3 {
         }
     }
 
-    /// The line under a map; `t` stays what it is.
+    /// The line under a map; `t` is unchanged.
     #[inline(always)]
     pub(crate) fn mapped(&self, map: &DAffine3) -> Line3 {
         Line3 {

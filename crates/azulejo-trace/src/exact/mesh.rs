@@ -1,4 +1,4 @@
-//! Rays against polygons that are a solid: all hits, in and out by turns.
+//! Rays against meshes that are solids: all hits, alternately entering and leaving.
 
 use super::leaf::{Boundary, LeafHit, LeafPoint, facing};
 use super::line::Line3;
@@ -8,7 +8,7 @@ use azulejo_scene::Mesh;
 use azulejo_scene::math::Ray;
 use glam::{DVec2, DVec3};
 
-/// A mesh prepared for rays of which all hits are wanted.
+/// A mesh prepared for finding all hits of a line.
 #[derive(Clone, Debug)]
 pub(crate) struct ExactMesh {
     positions: Vec<DVec3>,
@@ -16,11 +16,11 @@ pub(crate) struct ExactMesh {
     tree: Vec<BinaryNode>,
     /// Triangles in the order of the tree's leaves.
     order: Vec<u32>,
-    /// Whether lines go in and out by turns, whichever way faces are turned.
+    /// Whether lines alternately enter and leave, regardless of the orientation of faces.
     is_closed: bool,
 }
 
-/// Boxes are widened by this share of the coordinates at hand: far more than any rounding.
+/// Boxes are enlarged by this fraction of the coordinates, which is much more than any rounding.
 const MARGIN: f64 = 1e-6;
 
 /// The projection along a line onto a plane whose origin is the line.
@@ -58,19 +58,19 @@ impl LineView {
 }
 
 /// Whether the edge between two points crosses the positive x axis, half-open: an edge gives the
-/// same answer to every triangle it bounds, so a line hits an even number of triangles of a mesh
-/// whose edges all have an even number.
+/// same result for all of its triangles, so a line hits an even number of triangles of a mesh whose
+/// edges all have an even number of triangles.
 fn crosses(a: DVec2, b: DVec2) -> bool {
     if (a.y >= 0.0) == (b.y >= 0.0) {
         return false;
     }
-    // One order of the two, whichever triangle the edge is taken from.
+    // A fixed order of the two, independent of the triangle.
     let (low, high) = if a.y < b.y { (a, b) } else { (b, a) };
     low.perp_dot(high) > 0.0
 }
 
 impl ExactMesh {
-    /// From a mesh whose points go through `local`.
+    /// Prepares a mesh, whose points are transformed by `local`.
     pub(crate) fn new(mesh: &Mesh, local: impl Fn(DVec3) -> DVec3) -> ExactMesh {
         let positions: Vec<DVec3> = mesh.positions.iter().map(|&p| local(p)).collect();
         let mut triangles = Vec::with_capacity(mesh.faces.triangle_count());
@@ -99,8 +99,8 @@ impl ExactMesh {
         }
     }
 
-    /// All hits in order; with a closed mesh in and out by turns, with an open one by the
-    /// way its faces are turned.
+    /// All hits in order; alternately entering and leaving for a closed mesh, by the orientation of
+    /// faces for an open one.
     pub(crate) fn all(&self, line: &Line3, leaf: u32, out: &mut Vec<Boundary>) {
         let first = out.len();
         let view = LineView::along(line);
@@ -118,7 +118,7 @@ impl ExactMesh {
             }
         });
         if self.is_closed && (out.len() - first) % 2 == 1 {
-            // A face whose triangles leave out a corner that its neighbour has.
+            // A face whose triangles omit a corner that its neighbour has.
             out.pop();
         }
         let found = &mut out[first..];
@@ -167,7 +167,7 @@ impl ExactMesh {
         let weights = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];
         let whole: f64 = weights.iter().sum();
         let t = (weights[0] * ta + weights[1] * tb + weights[2] * tc) / whole;
-        // Seen from its edge it is hit anywhere between its nearest and farthest corner.
+        // Seen edge-on it is hit anywhere between its nearest and farthest corner.
         let (low, high) = (ta.min(tb).min(tc), ta.max(tb).max(tc));
         Some(if t.is_finite() {
             t.max(low).min(high)
@@ -185,7 +185,7 @@ impl ExactMesh {
         self.triangles[triangle as usize].map(|v| self.positions[v as usize])
     }
 
-    /// The point of a triangle that the line hits or comes nearest to.
+    /// The point of a triangle that the line hits, or the nearest to it.
     pub(crate) fn resolve(&self, line: &Line3, hit: &LeafHit) -> LeafPoint {
         let ray = Ray::new(line.origin, line.direction);
         let at = point_on_triangle(self.corners(hit.part), &ray, hit.t);

@@ -1,8 +1,8 @@
 //! Exact shapes: prisms, patches, meshes as solids, and the results of set operations on them.
 //!
 //! Everything here works in double precision in the tracer's own coordinates, in which the scene
-//! lies in −1..=1; [`resolve`](PlacedExact::resolve) does the same again along the ray as it was
-//! before it was rounded to `f32`.
+//! lies in −1..=1; [`resolve`](PlacedExact::resolve) repeats it along the ray before rounding to
+//! `f32`.
 
 mod csg;
 mod leaf;
@@ -130,7 +130,7 @@ impl ExactSolid {
         }
     }
 
-    /// A leaf, and whether it is turned inside out.
+    /// A leaf, and whether it is reversed.
     fn leaf(&self, leaf: u32) -> (&ExactLeaf, bool) {
         match self {
             ExactSolid::Leaf(leaf) => (leaf, false),
@@ -142,7 +142,7 @@ impl ExactSolid {
     }
 }
 
-/// Figures prepared for rays, each once however many prisms share it.
+/// Figures prepared for rays, each once, shared by its prisms.
 #[derive(Default)]
 pub(crate) struct Outlines(HashMap<*const Figure, Arc<Outline>>);
 
@@ -164,7 +164,7 @@ pub(crate) struct Preparation<'a> {
     pub frame: &'a LocalFrame,
 }
 
-/// A solid as it goes into the tracer: its box in the world beside it.
+/// A prepared solid for the tracer, with its bounding box in the world.
 pub(crate) struct Prepared {
     pub placed: PlacedExact,
     pub bounds: Aabb,
@@ -172,8 +172,8 @@ pub(crate) struct Prepared {
 }
 
 impl Preparation<'_> {
-    /// Appends the prepared form of `solid`, whose first leaf has the given numbers: one shape, or for
-    /// open pieces outside of set operations one for each.
+    /// Appends the prepared form of `solid`, whose first leaf has the given numbers: one shape, or
+    /// one for each of the open pieces outside of set operations.
     pub(crate) fn add(
         &mut self,
         solid: &Solid,
@@ -211,7 +211,7 @@ impl Preparation<'_> {
         });
     }
 
-    /// `None` for a solid that is made of others.
+    /// `None` for a compound.
     fn leaf(&mut self, solid: &Solid) -> Option<ExactLeaf> {
         match solid {
             Solid::Primitive(p) => Some(self.primitive(p)),

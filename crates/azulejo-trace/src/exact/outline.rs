@@ -1,5 +1,5 @@
-//! A plane figure prepared for lines: which of its curves does one cross, and how often do its
-//! contours go around a point?
+//! A plane figure prepared for queries: the curves that a line crosses, and the winding number of a
+//! point.
 
 use crate::kernel::{Vectorised, vectorised};
 use azulejo_scene::figure::{Rectangle, Segment, bernstein, crossings};
@@ -9,37 +9,36 @@ use glam::DVec2;
 /// Children of one node.
 const WIDTH: usize = 4;
 
-/// Room for nodes on the stack: the tree's depth is at most 16 levels over the contours and 16 within
-/// one, and each level leaves [`WIDTH`] − 1 siblings.
+/// Size of the stack of nodes: the tree's depth is at most 16 levels over the contours and 16
+/// within one, and each level leaves [`WIDTH`] − 1 siblings.
 const STACK: usize = 2 * 16 * WIDTH;
 
 /// See [`Outline::sliver`]; relative to the figure's size.
 const SLIVER: f64 = 1e-10;
 
-/// A figure whose curves stand in a tree of runs: consecutive curves of a contour, and above them
+/// A figure with its curves in a tree of runs: consecutive curves of a contour, and above them
 /// whole contours.
 ///
-/// A line has two sides, and points on it belong to one of them. Whatever lies between the ends
-/// of a run, the contour crosses the line as often (counted by direction) as the sides of the
-/// run's two ends tell; so a run that is wholly ahead of what matters need not be visited.
-/// Sides are taken at the joints of curves alone, by the one expression [`Line2::side`]: both
-/// neighbours agree on it, and all crossings of a closed contour add up to nothing whatever
-/// rounding does. A line that goes in comes out.
+/// A line has two sides, and points on it belong to one of them. The signed number of crossings of
+/// a run with the line depends only on the sides of the run's two ends; so a run entirely beyond
+/// the relevant part of the line need not be visited. Sides are evaluated at the joints of curves
+/// only, by the one expression [`Line2::side`]: both neighbours agree on it, and all crossings of a
+/// closed contour sum to zero in spite of rounding. A line that enters also leaves.
 #[derive(Clone, Debug)]
 pub(crate) struct Outline {
     pub rule: FillRule,
     pub bounds: Rectangle,
-    /// Crossings nearer together than this have nothing between them: the rounding of contours
-    /// that run on top of each other.
+    /// Crossings closer than this have nothing between them: they come from the rounding of
+    /// coincident contours.
     pub sliver: f64,
     /// Control points; those of a straight line divide it into thirds.
     curves: Vec<[DVec2; 4]>,
     nodes: Vec<RunNode>,
-    /// What the figure is as a whole, if it has any curve.
+    /// The root of the tree, if the figure has any curve.
     root: Option<u32>,
 }
 
-/// Four runs side by side. Those that are not there hold NaN, which no line crosses.
+/// Four runs in SIMD layout. Unused ones hold NaN, which no line crosses.
 #[repr(C, align(32))]
 #[derive(Clone, Copy, Debug)]
 struct RunNode {
@@ -49,13 +48,13 @@ struct RunNode {
     starts: [[f64; WIDTH]; 2],
     /// x and y of the runs' ends.
     ends: [[f64; WIDTH]; 2],
-    /// A node, or a curve with one of the marks below.
+    /// A node, or a curve with one of the flags below.
     children: [u32; WIDTH],
 }
 
-/// Marks a child that is a curve.
+/// Flag of a child that is a curve.
 const CUBIC: u32 = 1 << 31;
-/// Marks, together with [`CUBIC`], a curve that is a straight line.
+/// Flag, together with [`CUBIC`], of a curve that is a straight line.
 const STRAIGHT: u32 = 1 << 30;
 const INDEX: u32 = STRAIGHT - 1;
 
@@ -78,16 +77,16 @@ pub(crate) struct Line2 {
     start: f64,
 }
 
-/// Where a line crosses a curve.
+/// A crossing of a line with a curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Crossing {
     /// Distance along the line.
     pub s: f64,
-    /// Whether the contour goes to the line's left (1) or from there (−1).
+    /// Whether the contour crosses to the line's left (1) or from there (−1).
     pub sense: i32,
-    /// Which curve.
+    /// Index of the curve.
     pub curve: u32,
-    /// Where on it, 0..=1.
+    /// Parameter of the crossing on the curve, 0..=1.
     pub parameter: f64,
 }
 
@@ -103,7 +102,8 @@ impl Line2 {
         }
     }
 
-    /// Signed distance of a point, left positive. Rounding keeps its order in each coordinate.
+    /// Signed distance of a point, left positive. Monotonic in each coordinate in spite of
+    /// rounding.
     #[inline(always)]
     fn distance(&self, p: DVec2) -> f64 {
         self.normal.x * p.x + self.normal.y * p.y - self.offset
@@ -115,18 +115,18 @@ impl Line2 {
         i32::from(self.distance(p) >= 0.0)
     }
 
-    /// How far along the line a point is.
+    /// The position of a point along the line.
     #[inline(always)]
     fn along(&self, p: DVec2) -> f64 {
         self.direction.x * p.x + self.direction.y * p.y - self.start
     }
 }
 
-/// Which of the four runs of a node a line crosses, one bit per run.
+/// The runs of a node that a line crosses.
 struct RunsCrossed {
-    /// Runs to visit.
+    /// Runs to visit, one bit per run.
     open: u32,
-    /// Crossings, by direction, of the runs that are wholly ahead.
+    /// Signed crossings of the runs that are entirely ahead.
     beyond: i32,
 }
 
@@ -150,7 +150,7 @@ impl Outline {
         outline
     }
 
-    /// The control points of a curve that a [`Crossing`] names.
+    /// The control points of the curve of a [`Crossing`].
     pub(crate) fn curve(&self, curve: u32) -> &[DVec2; 4] {
         &self.curves[curve as usize]
     }
@@ -179,7 +179,7 @@ impl Outline {
         }
     }
 
-    /// Puts consecutive runs under one; `None` if there are none.
+    /// Joins consecutive runs to one; `None` if there are none.
     fn pack(&mut self, mut runs: Vec<CurveRun>) -> Option<CurveRun> {
         while runs.len() > 1 {
             let groups = runs.len().div_ceil(WIDTH);
@@ -202,7 +202,7 @@ impl Outline {
         CurveRun {
             bounds: (runs.iter()).fold(Rectangle::EMPTY, |b, r| b.union(r.bounds)),
             start: runs[0].start,
-            // Several whole contours have no ends: what goes around comes back.
+            // Several whole contours have no ends, because each is closed.
             end: if runs.iter().all(|r| r.start == r.end) {
                 runs[0].start
             } else {
@@ -212,11 +212,11 @@ impl Outline {
         }
     }
 
-    /// Visits the crossings between `s0` and `s1`, in any order. The visitor returns up to where
-    /// crossings still matter to it, or `None` to stop.
+    /// Visits the crossings between `s0` and `s1`, in any order. The visitor returns the position
+    /// up to which further crossings matter, or `None` to stop.
     ///
-    /// Returns how often the contours go around the point at `s0`, crossings at that very point
-    /// being ahead of it; a number without meaning if the visitor stopped.
+    /// Returns the winding number of the point at `s0`, with crossings at that very point being
+    /// ahead of it; the number is meaningless if the visitor stopped.
     pub(crate) fn cross(
         &self,
         line: &Line2,
@@ -231,7 +231,7 @@ impl Outline {
         })
     }
 
-    /// [`cross`](Outline::cross), for whichever instructions it is compiled with.
+    /// [`cross`](Outline::cross), compiled for the instruction set of the caller.
     #[inline(always)]
     fn cross_here(
         &self,
@@ -278,8 +278,8 @@ impl Outline {
         }
     }
 
-    /// The crossings with one curve. One that is wholly ahead is given one crossing at infinity
-    /// that counts for all.
+    /// The crossings with one curve. A curve entirely ahead gets a single crossing at infinity for
+    /// all.
     #[inline(always)]
     fn meet(&self, line: &Line2, child: u32, [s0, s1]: [f64; 2]) -> [Option<Crossing>; 3] {
         let curve = child & INDEX;
@@ -304,7 +304,7 @@ impl Outline {
             return [Some(crossing(f64::INFINITY, 1.0, sense)), None, None];
         }
         if child & STRAIGHT != 0 {
-            // Its inner control points follow by rounding: only the ends are exact.
+            // Only its ends are exact; the inner control points are rounded.
             let sense = i32::from(sides[3]) - i32::from(sides[0]);
             let t = (d[0] / (d[0] - d[3])).clamp(0.0, 1.0);
             let at = crossing(s[0] + t * (s[3] - s[0]), t, sense);
@@ -315,7 +315,7 @@ impl Outline {
     }
 }
 
-/// [`Outline::cross`] as work that gains from testing the four runs of a node side by side.
+/// [`Outline::cross`] as vectorised work: the four runs of a node are tested at once.
 struct CrossLine<'a, V> {
     outline: &'a Outline,
     line: &'a Line2,
@@ -353,8 +353,8 @@ impl RunNode {
 
     /// Tests the rectangles of all four runs.
     ///
-    /// The extremes of distance are those at two corners of the rectangle, by the expressions
-    /// that points are measured with: no point of the run comes out beyond them.
+    /// The extremes of distance are at two corners of the rectangle, computed by the same
+    /// expressions as for points: no point of the run is beyond them.
     #[inline(always)]
     fn meet(&self, line: &Line2, [s0, s1]: [f64; 2]) -> RunsCrossed {
         let (n, u) = (line.normal, line.direction);
@@ -390,7 +390,7 @@ mod tests {
     use super::*;
     use azulejo_scene::Curve;
 
-    /// `count` rings of `curves` waves each, side by side, every other one turned around.
+    /// `count` rings of `curves` waves each, side by side, every other one reversed.
     fn rings(count: usize, curves: usize) -> Figure {
         let ring = |k: usize| {
             let centre = DVec2::new((k % 7) as f64, (k / 7) as f64);
@@ -421,7 +421,7 @@ mod tests {
         Line2::new(from, DVec2::from_angle(angle))
     }
 
-    /// All crossings, by the instructions of this machine or by plain ones.
+    /// All crossings, by the best instruction set of this machine or in plain Rust.
     fn listed(outline: &Outline, line: &Line2, plain: bool) -> Vec<Crossing> {
         let mut found = Vec::new();
         let list = |crossing: Crossing| {

@@ -12,26 +12,26 @@ pub(crate) struct ExactPatch {
     patch: BicubicPatch,
 }
 
-/// Halvings of one parameter after which a piece counts as a point.
+/// Number of halvings of one parameter after which a piece counts as a point.
 const FINEST: u32 = 12;
 
-/// Pieces examined for one line: enough for any smooth patch; one that folds onto the line
-/// everywhere would have no end.
+/// Largest number of pieces examined for one line: enough for any smooth patch; without a limit, a
+/// patch that folds onto the line would never finish.
 const MOST_PIECES: usize = 2000;
 
-/// Hits nearer together than this, in both parameters, are one.
+/// Hits closer than this in both parameters are merged.
 const SAME: f64 = 1e-7;
 
 /// A Newton step shorter than this is the last.
 const LAST_STEP: f64 = 1e-9;
 
-/// How far outside of 0..=1 a parameter may come out by rounding.
+/// Amount by which rounding may take a parameter outside of 0..=1.
 const OVER: f64 = 1e-9;
 
-/// Control points projected along a line: the line is the origin.
+/// Control points projected along a line, which becomes the origin.
 type Net = [[DVec2; 4]; 4];
 
-/// A piece of the patch: its net, and where it lies among the parameters.
+/// A piece of the patch: its control net and its range of parameters.
 struct Piece {
     net: Net,
     corner: DVec2,
@@ -40,7 +40,7 @@ struct Piece {
 }
 
 impl ExactPatch {
-    /// From a patch in the tracer's own coordinates.
+    /// Prepares a patch in the tracer's own coordinates.
     pub(crate) fn new(patch: BicubicPatch) -> ExactPatch {
         ExactPatch { patch }
     }
@@ -63,8 +63,7 @@ impl ExactPatch {
         }));
     }
 
-    /// Halves the patch where its net's box holds the line, until Newton's method is sure of
-    /// what it finds.
+    /// Halves pieces whose control net's box contains the line until Newton's method is safe.
     fn search(&self, line: &Line3, found: &mut Vec<DVec2>) {
         let frame = Frame::from_normal(line.direction.normalize());
         let see = |p: DVec3| {
@@ -113,7 +112,7 @@ impl ExactPatch {
         }
     }
 
-    /// One Newton step toward the line, if it leads anywhere.
+    /// One Newton step toward the line; none if it is large or not finite.
     fn nearer(&self, line: &Line3, at: DVec2) -> DVec2 {
         let (p, du, dv) = self.patch.at(at.x, at.y);
         let d = line.direction;
@@ -130,7 +129,7 @@ impl ExactPatch {
         }
     }
 
-    /// Unit normal, also at corners where control points fall together.
+    /// Unit normal, also at corners with coincident control points.
     fn normal(&self, at: DVec2, du: DVec3, dv: DVec3) -> DVec3 {
         let normal = du.cross(dv);
         let size = self.patch.bounds().diagonal();
@@ -143,7 +142,7 @@ impl ExactPatch {
     }
 }
 
-/// Parameters as a hit carries them: `u` in 30 bits, `v` as it is.
+/// Parameters as stored in a hit: `u` in 30 bits, `v` unchanged.
 fn pack(at: DVec2) -> (u32, f32) {
     ((at.x * UNIT).round() as u32, at.y as f32)
 }
@@ -168,8 +167,8 @@ impl Piece {
         low.cmple(DVec2::ZERO).all() && high.cmpge(DVec2::ZERO).all()
     }
 
-    /// Whether no two points of the piece fall together, by the ranges of its derivatives: the
-    /// Jacobian has one sign whichever values of them are taken.
+    /// Whether the projected piece is injective, by the ranges of its derivatives: the Jacobian has
+    /// the same sign for all values in these ranges.
     fn is_one_to_one(&self) -> bool {
         let n = &self.net;
         let across = |i: usize| (0..3).map(move |k| n[i][k + 1] - n[i][k]);
@@ -180,7 +179,7 @@ impl Piece {
         a > d || b < c
     }
 
-    /// The two halves along the parameter whose turn it is.
+    /// The two halves along the parameter that is divided next.
     fn halves(&self) -> [Piece; 2] {
         let along_u = self.depth.is_multiple_of(2);
         let net = if along_u {
@@ -233,8 +232,8 @@ fn product(a: (f64, f64), b: (f64, f64)) -> (f64, f64) {
     (low, all.iter().copied().fold(f64::NEG_INFINITY, f64::max))
 }
 
-/// The parameters at which the net's patch is zero, if they are within the piece or, by rounding,
-/// beside it.
+/// The parameters at which the projected patch is zero, if they are within the piece or, by
+/// rounding, just outside of it.
 fn newton(net: &Net, corner: DVec2, size: DVec2) -> Option<DVec2> {
     let mut at = corner + 0.5 * size;
     let over = DVec2::splat(OVER);
@@ -250,7 +249,7 @@ fn newton(net: &Net, corner: DVec2, size: DVec2) -> Option<DVec2> {
             let within = at.cmpge(corner - over).all() && at.cmple(corner + size + over).all();
             return within.then(|| at.clamp(DVec2::ZERO, DVec2::ONE));
         }
-        // Not far beyond the piece, where another part of the patch might attract it.
+        // Not far beyond the piece, where it might converge to another part of the patch.
         at = (at + step).clamp(corner - size, corner + 2.0 * size);
     }
     None

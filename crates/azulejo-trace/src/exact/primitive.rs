@@ -1,4 +1,4 @@
-//! Exact primitives: the intervals of a line inside them.
+//! Exact primitives: the interval of a line inside them.
 
 use super::leaf::{LeafHit, LeafPoint, facing};
 use super::line::Line3;
@@ -13,7 +13,7 @@ pub(crate) struct ExactPrimitive {
     object_from_local: DAffine3,
 }
 
-/// Where a ray hits a primitive.
+/// A hit of a ray on a primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PrimitiveHit {
     pub t: f64,
@@ -36,13 +36,13 @@ impl ExactPrimitive {
         })
     }
 
-    /// A line of the kernel's coordinates in object space; `t` stays what it is.
+    /// Transforms a line from kernel coordinates to object space; `t` is unchanged.
     #[inline(always)]
     pub(crate) fn object_line(&self, local: &Line3) -> Line3 {
         local.mapped(&self.object_from_local)
     }
 
-    /// A line of the world in object space; `t` stays what it is.
+    /// Transforms a line from the world to object space; `t` is unchanged.
     #[inline(always)]
     pub(crate) fn object_line_from_world(&self, world: &Line3) -> Line3 {
         world.mapped(&self.object_from_world)
@@ -56,7 +56,7 @@ impl ExactPrimitive {
         Some(self.hit_at(line, t))
     }
 
-    /// The hit nearest to `t_guess`, wherever on the line it is.
+    /// The hit nearest to `t_guess`, anywhere on the line.
     pub(crate) fn nearest_to(&self, line: &Line3, t_guess: f64) -> Option<PrimitiveHit> {
         let (enter, leave) = self.crossings(line)?;
         let t = if (enter - t_guess).abs() <= (leave - t_guess).abs() {
@@ -67,7 +67,7 @@ impl ExactPrimitive {
         t.is_finite().then(|| self.hit_at(line, t))
     }
 
-    /// All hits on the line: in and out by turns with a closed shape.
+    /// All hits on the line, alternately entering and leaving for a closed shape.
     pub(crate) fn hits(&self, line: &Line3) -> [Option<LeafHit>; 2] {
         let own = self.object_line(line);
         let Some((enter, leave)) = self.crossings(&own) else {
@@ -84,7 +84,7 @@ impl ExactPrimitive {
                 let enters = own.direction.z < 0.0;
                 [Some(hit(enter, enters)), None]
             }
-            // Of an open side one crossing may be missing: then both are the same.
+            // An open side may have a single crossing: then both are the same.
             PrimitiveKind::Tube { .. } if enter == leave => {
                 let normal = self.at(&own, enter).normal;
                 [Some(hit(enter, normal.dot(line.direction) < 0.0)), None]
@@ -121,11 +121,11 @@ impl ExactPrimitive {
         PrimitiveHit { t, part, u, v }
     }
 
-    /// Where the line enters and leaves.
+    /// The parameters at which the line enters and leaves.
     ///
     /// All closed primitives are convex, so the part of the line inside is one interval, the
-    /// intersection of the intervals of the surfaces that bound them: no ray slips through
-    /// where two parts meet.
+    /// intersection of the intervals of the bounding surfaces: no ray slips through at the edge
+    /// between two parts.
     fn crossings(&self, line: &Line3) -> Option<(f64, f64)> {
         let (o, d) = (line.origin, line.direction);
         let (enter, leave) = match self.shape.kind {
@@ -143,7 +143,7 @@ impl ExactPrimitive {
 fn object_from_world(shape: &Primitive) -> Option<DAffine3> {
     let mut map = shape.world_from_object;
     if shape.kind == PrimitiveKind::Square {
-        // The third axis is not used; any other direction serves.
+        // The third axis is not used; any independent direction serves.
         let m = map.matrix3;
         map.matrix3.z_axis = m.x_axis.cross(m.y_axis).normalize_or_zero();
     }
@@ -154,7 +154,7 @@ fn object_from_world(shape: &Primitive) -> Option<DAffine3> {
 type Interval = (f64, f64);
 const EVERYWHERE: Interval = (f64::NEG_INFINITY, f64::INFINITY);
 
-/// `inside` cut down to where 0 <= o + t d <= 1; `None` if nothing is left.
+/// The part of `inside` where 0 <= o + t d <= 1; `None` if it is empty.
 fn slab(o: f64, d: f64, inside: Interval) -> Option<Interval> {
     if d == 0.0 {
         return (0.0..=1.0).contains(&o).then_some(inside);
@@ -184,11 +184,11 @@ fn tapered(line: &Line3, top: f64) -> Option<Interval> {
     quadric(a, b, c, Some(slab(o.z, d.z, EVERYWHERE)?))
 }
 
-/// The side of such a cone alone: where the line crosses it, as an interval whose ends are the
-/// crossings; one crossing is an interval of one point.
+/// The side of such a cone alone: the interval between the crossings of the line; a single crossing
+/// is an interval of one point.
 fn tube(line: &Line3, top: f64) -> Option<Interval> {
     let (enter, leave) = tapered(line, top)?;
-    // An end that the planes did not cut off is on the side.
+    // An end that was not clipped by the planes is on the side.
     let planes = slab(line.origin.z, line.direction.z, EVERYWHERE)?;
     match (enter > planes.0, leave < planes.1) {
         (true, true) => Some((enter, leave)),
@@ -198,13 +198,13 @@ fn tube(line: &Line3, top: f64) -> Option<Interval> {
     }
 }
 
-/// |o|² − 1, from the factors that do not cancel when the origin is on the sphere.
+/// |o|² − 1, from factors that do not cancel when the origin is on the sphere.
 fn sphere_constant(line: &Line3) -> f64 {
     let r = line.origin.length();
     (r - 1.0) * (r + 1.0)
 }
 
-/// Where a t² + 2 b t + c <= 0 within `bounds`, which must hold at most one connected piece.
+/// The interval of `bounds` where a t² + 2 b t + c <= 0, which must be connected.
 fn quadric(a: f64, b: f64, c: f64, bounds: Option<Interval>) -> Option<Interval> {
     let bounds = bounds.unwrap_or(EVERYWHERE);
     let cut = |piece: Interval| {
@@ -213,7 +213,7 @@ fn quadric(a: f64, b: f64, c: f64, bounds: Option<Interval>) -> Option<Interval>
     };
     let discriminant = b * b - a * c;
     if discriminant < 0.0 {
-        // No sign change: inside everywhere (a steep line in a cone), or nowhere.
+        // No sign change: inside everywhere (a steep line in a cone) or nowhere.
         return if a < 0.0 { cut(EVERYWHERE) } else { None };
     }
     // Press et al., Numerical Recipes, eq. (5.6.4): the sum that does not cancel.

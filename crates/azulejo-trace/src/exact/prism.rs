@@ -1,9 +1,9 @@
 //! Rays against extruded figures.
 //!
 //! Kajiya, *New Techniques for Ray Tracing Procedurally Defined Objects*, ACM TOG 2(3), 1983,
-//! section 3. In the figure's own space the prism stands upright between z = 0 and z = 1,
-//! whatever its extrusion: there a ray lies between the two planes for one interval, and over it
-//! the ray's shadow on the figure's plane crosses the contours.
+//! section 3. In figure space the prism is upright between z = 0 and z = 1 for any extrusion: a ray
+//! lies between the two planes for one interval, over which its projection onto the figure's plane
+//! crosses the contours.
 
 use super::leaf::{Boundary, LeafHit, LeafPoint, Span, outward};
 use super::line::Line3;
@@ -20,26 +20,26 @@ pub(crate) struct ExactPrism {
     local_from_figure: DAffine3,
 }
 
-/// Parts by number: the figure's plane, the parallel one, then the curves.
+/// Part numbers: the figure's plane, the parallel one, then the curves.
 const FRONT: u32 = 0;
 const BACK: u32 = 1;
 const CURVES: u32 = 2;
 
-/// A line over the figure.
+/// A line in figure space.
 struct Passage {
-    /// Its shadow; without a direction of its own for a line along the extrusion.
+    /// Its projection; the direction is arbitrary for a line along the extrusion.
     shadow: Line2,
-    /// Length of the shadow of one unit of `t`.
+    /// Length of the projection of one unit of `t`.
     speed: f64,
-    /// Where it is between the planes.
+    /// The interval between the planes.
     between: Span,
-    /// The parts where it comes in and goes out.
+    /// The parts where it enters and leaves.
     planes: [u32; 2],
 }
 
 /// The first crossing of a line with the contours.
 struct Nearest {
-    /// How often they go around the point where it starts.
+    /// The winding number of the point where the line starts.
     winding: i32,
     crossing: Option<Crossing>,
     /// Distance of the second crossing, if it is about as near as the first; else more.
@@ -47,7 +47,7 @@ struct Nearest {
 }
 
 impl Passage {
-    /// `None` for a line beside the planes.
+    /// `None` for a line that is never between the planes.
     #[inline(always)]
     fn new(line: &Line3) -> Option<Passage> {
         let (o, d) = (line.origin, line.direction);
@@ -76,7 +76,7 @@ impl Passage {
         })
     }
 
-    /// Distances along the shadow. A shadow that is a point has only one, 0.
+    /// The range of distances along the projection. A projection that is a point has only one, 0.
     #[inline(always)]
     fn shadow_span(&self, span: Span) -> [f64; 2] {
         if self.speed == 0.0 {
@@ -85,7 +85,7 @@ impl Passage {
         [span.first * self.speed, span.last * self.speed]
     }
 
-    /// Where a crossing is on the line, kept within `span`.
+    /// The parameter of a crossing on the line, clamped to `span`.
     #[inline(always)]
     fn t(&self, crossing: &Crossing, span: Span) -> f64 {
         if self.speed == 0.0 {
@@ -147,7 +147,7 @@ impl ExactPrism {
         leaves.then(|| at_plane(within.last, passage.planes[1], false))
     }
 
-    /// The crossing that comes first, and how near the second one is.
+    /// The first crossing, and the distance of the second one.
     #[inline(always)]
     fn nearest(&self, passage: &Passage, within: Span) -> Nearest {
         let [s0, s1] = passage.shadow_span(within);
@@ -172,13 +172,13 @@ impl ExactPrism {
         nearest
     }
 
-    /// [`first`](ExactPrism::first) where not every crossing is a boundary: contours overlap, or
-    /// run on top of each other.
+    /// [`first`](ExactPrism::first) where not every crossing is a boundary because contours overlap
+    /// or coincide.
     #[cold]
     fn first_of_all(&self, passage: &Passage, within: Span, span: Span) -> Option<LeafHit> {
         let mut first = None;
         self.boundaries(passage, within, |hit| {
-            // The ends of the range are hits only where the planes are.
+            // The ends of the range are hits only if they are on the planes.
             let is_plane = hit.part < CURVES;
             let comes_in = is_plane && hit.enters && span.first <= passage.between.first;
             let goes_out = is_plane && !hit.enters && passage.between.last <= span.last;
@@ -198,7 +198,7 @@ impl ExactPrism {
         }
     }
 
-    /// The boundaries on the line within `within`, its ends being boundaries where they are inside.
+    /// The boundaries on the line within `within`, whose ends are boundaries if they are inside.
     fn boundaries(&self, passage: &Passage, within: Span, mut visit: impl FnMut(LeafHit)) {
         let range = passage.shadow_span(within);
         let mut crossings = Vec::new();
@@ -223,7 +223,7 @@ impl ExactPrism {
         }
     }
 
-    /// The crossings that lead in or out, but for those with nothing between them.
+    /// The crossings that enter or leave, except for pairs with nothing between them.
     fn changes<'a>(&self, mut winding: i32, crossings: &'a [Crossing]) -> Vec<&'a Crossing> {
         let rule = self.outline.rule;
         let mut changes: Vec<&Crossing> = Vec::with_capacity(crossings.len());
@@ -243,8 +243,8 @@ impl ExactPrism {
         changes
     }
 
-    /// The surface point near a hit, in double precision, with the parameter on
-    /// its curve and the height over the figure's plane.
+    /// The surface point near a hit, in double precision, with the parameter on its curve and the
+    /// height above the figure's plane.
     pub(crate) fn resolve(&self, line: &Line3, hit: &LeafHit) -> LeafPoint {
         let own = line.mapped(&self.figure_from_local);
         let (o, d) = (own.origin, own.direction);
@@ -283,8 +283,8 @@ impl ExactPrism {
     }
 }
 
-/// Newton's method from the hit's own parameter: where the line crosses the curve, or the
-/// point of the curve where it stops; `t` and the parameter.
+/// Newton's method from the hit's own parameter for the crossing of line and curve, or the point of
+/// the curve at which it ends; returns `t` and the parameter.
 fn nearest_crossing(points: [DVec2; 4], line: &Line3, hit: &LeafHit) -> (f64, f64) {
     let (origin, across) = (line.origin.truncate(), line.direction.truncate());
     let normal = across.perp();
@@ -309,7 +309,7 @@ fn nearest_crossing(points: [DVec2; 4], line: &Line3, hit: &LeafHit) -> (f64, f6
     (if along.is_finite() { along } else { hit.t }, t)
 }
 
-/// Direction of a curve, also where two control points are one.
+/// Direction of a curve, also where two control points coincide.
 fn tangent(curve: &Segment, t: f64) -> DVec2 {
     let tangent = curve.derivative(t);
     let size = (curve.end() - curve.start()).length();

@@ -7,7 +7,7 @@ use glam::DVec3;
 /// The point where `ray` hits the triangle, or the triangle's nearest point to it: the kernel works
 /// with rounded corners and may report a ray that misses by the size of that rounding.
 ///
-/// `t_guess` is the kernel's answer; it is kept for a ray in the plane of the triangle.
+/// `t_guess` is the kernel's result, which is kept for a ray in the plane of the triangle.
 pub(crate) fn point_on_triangle(corners: [DVec3; 3], ray: &Ray, t_guess: f64) -> ResolvedPoint {
     let [a, b, c] = corners;
     let (ab, ac) = (b - a, c - a);
@@ -27,8 +27,8 @@ pub(crate) fn point_on_triangle(corners: [DVec3; 3], ray: &Ray, t_guess: f64) ->
     }
 }
 
-/// Weights of the second and third corner for the point `p` from the first, clamped to the
-/// triangle.
+/// Weights of the second and third corner for the point at offset `p` from the first, clamped to
+/// the triangle.
 fn barycentric(ab: DVec3, ac: DVec3, area: DVec3, p: DVec3) -> (f64, f64) {
     let scale = area.length_squared();
     let u = (p.cross(ac).dot(area) / scale).clamp(0.0, 1.0);

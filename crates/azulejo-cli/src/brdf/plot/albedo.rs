@@ -21,7 +21,7 @@ const PARTS: [(&str, Color); 4] = [
     ("mirror, or nearly", [233, 196, 218]),
 ];
 
-/// Lines of the channels, where they differ.
+/// Colours of the channels' lines, where they differ.
 const CHANNELS: [(&str, Color); 3] = [
     ("R", [190, 60, 40]),
     ("G", [0, 120, 90]),
@@ -33,7 +33,7 @@ const NEAR: f64 = 0.015;
 
 /// The albedo at one angle.
 struct AlbedoRow {
-    /// Radians.
+    /// Angle of incidence.
     degrees: f64,
     /// Of each part.
     parts: [f64; 4],
@@ -46,7 +46,7 @@ struct AlbedoChart {
     /// Lower left corner.
     origin: DVec2,
     size: DVec2,
-    /// What is at the top.
+    /// The value at the top.
     most: f64,
 }
 
@@ -83,7 +83,7 @@ pub fn draw(subject: &PlotSubject, panel: Panel, sheet: &mut Drawing) -> Result<
 
 fn reflected(brdf: &Brdf, k: usize, phi: f64) -> AlbedoRow {
     let degrees = LAST * k as f64 / (ANGLES - 1) as f64;
-    // Halfway between the axes of models that are not the same around the normal, unless asked.
+    // For anisotropic models halfway between the axes, unless requested otherwise.
     let phi = if phi == 0.0 { FRAC_PI_4 } else { phi };
     let wo = super::polar::in_plane(degrees.to_radians(), phi);
     let parts = [
@@ -103,7 +103,7 @@ fn has_part(rows: &[AlbedoRow], part: usize) -> bool {
     rows.iter().any(|r| r.parts[part] > 0.0)
 }
 
-/// The parts that there are.
+/// Draws the legend of the parts that occur.
 fn legend(rows: &[AlbedoRow], panel: &Panel, sheet: &mut Drawing) {
     let mut at = panel.at + DVec2::new(38.0, 46.0);
     for (k, (name, color)) in PARTS.into_iter().enumerate() {
@@ -177,7 +177,7 @@ impl AlbedoChart {
         }
         for (channel, (name, color)) in CHANNELS.into_iter().enumerate() {
             let points = line(&|r| r.all[channel]);
-            // Beside each other, since the lines may begin at one place.
+            // Side by side, since the lines may start at the same point.
             let start = points[0] + DVec2::new(4.0 + 11.0 * channel as f64, -4.0);
             sheet.dashed(points, color, 2.0, dashes);
             if dashes.is_empty() {

@@ -23,7 +23,7 @@ struct PolarLobe {
     dashes: &'static [f64],
 }
 
-/// Where the half circle is, and what its radius means.
+/// The position of the half circle, and the scale of its radius.
 struct PolarAxes {
     center: DVec2,
     radius: f64,
@@ -107,7 +107,7 @@ fn points(brdf: &Brdf, incidence: f64, phi: f64) -> Vec<(f64, f64)> {
 }
 
 impl PolarAxes {
-    /// A place at an angle to the normal, and at a share of the radius.
+    /// The point at an angle to the normal and a fraction of the radius.
     fn at(&self, angle: f64, share: f64) -> DVec2 {
         self.center + self.radius * share * DVec2::new(angle.sin(), -angle.cos())
     }
@@ -176,7 +176,7 @@ impl PolarAxes {
         }
     }
 
-    /// What is mirrored exactly has no f_r: a line with its reflectance.
+    /// Perfect specular reflection has no finite f_r: a line with its reflectance.
     fn mirrored(&self, lobe: &PolarLobe, sheet: &mut Drawing) {
         let end = self.at(lobe.angle, 1.0);
         let dashes = if lobe.dashes.is_empty() {
@@ -192,7 +192,7 @@ impl PolarAxes {
         }
     }
 
-    /// Where light comes from, and its angle.
+    /// The direction of the light, and its angle.
     fn arrow(&self, lobe: &PolarLobe, sheet: &mut Drawing) {
         let (from, to) = (self.at(-lobe.angle, 1.13), self.at(-lobe.angle, 1.02));
         let along = (to - from).normalize();

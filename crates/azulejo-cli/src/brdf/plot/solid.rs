@@ -1,4 +1,4 @@
-//! A lobe as a solid, seen from the side.
+//! A lobe as a solid, in a view from the side.
 
 use super::{Panel, PlotSubject, brightness, in_order, label, percent, power, power_words, seen};
 use crate::drawing::{COLORS, Drawing, FAINT, INK, RgbImage, TextAnchor};
@@ -11,17 +11,17 @@ use std::f64::consts::{PI, TAU};
 /// Angle of incidence in degrees, the same in all plots so that they can be compared.
 const INCIDENCE: f64 = 45.0;
 
-/// Rings about the mirrored direction, and points of each.
+/// Rings about the specular direction, and points of each.
 const RINGS: usize = 120;
 const SECTORS: usize = 180;
 
-/// Pixels of the image are means of this many by as many.
+/// Pixels of the image are means of this many by this many samples.
 const FINE: usize = 3;
 
-/// Half the length of an axis' name.
+/// Half the length of an axis label.
 const LABEL: f64 = 32.0;
 
-/// Where the viewer is: about the normal and above the surface, degrees.
+/// The direction of the viewer: azimuth, and angle above the surface, degrees.
 const VIEW: [f64; 2] = [-106.0, 24.0];
 
 /// Draws the panel.
@@ -86,7 +86,7 @@ fn values(
         let sector = |k: usize| {
             let turn = TAU * k as f64 / SECTORS as f64;
             let side = frame.to_world(DVec3::new(turn.cos(), turn.sin(), 0.0));
-            // How far the great circle toward `side` goes above the surface.
+            // The extent above the surface of the great circle towards `side`.
             let reach = axis.z.atan2(-side.z).min(PI);
             // Denser around the axis, where the lobe may be narrow.
             let (sin, cos) = (0.9999 * reach * share.powf(2.2)).sin_cos();
@@ -134,7 +134,7 @@ impl LobeView {
         self.center() + self.zoom * DVec2::new(p.dot(self.right), -p.dot(self.up))
     }
 
-    /// Light's way, and what is mirrored exactly.
+    /// The incident light and its perfect specular reflection.
     fn light(&self, at: DVec2, light: DVec3, mirrored: f64, sheet: &mut Drawing) {
         let place = |p: DVec3| at + self.place(p);
         let [from, to] = [1.12, 0.04].map(|t| place(light * t));
@@ -154,7 +154,7 @@ impl LobeView {
         }
     }
 
-    /// Names of the axes, where the body leaves room.
+    /// Labels of the axes, where the body leaves room.
     fn axes(&self, at: DVec2, body: &[Vec<DVec3>], sheet: &mut Drawing) {
         let names = if self.zoom > 120.0 {
             ["tangent", "bitangent"]
@@ -200,7 +200,7 @@ impl LobeView {
             for x in 0..canvas.width {
                 let at = DVec2::new(x as f64 + 0.5, y as f64 + 0.5) / fine - self.center();
                 let flat = at / self.zoom;
-                // The point of the surface that is seen there.
+                // The point of the surface that is visible there.
                 let up = -flat.y / self.up.truncate().length();
                 let forward = DVec2::new(-self.toward.x, -self.toward.y).normalize();
                 let p = flat.x * self.right.truncate() + up * forward;
@@ -248,7 +248,7 @@ impl LobeView {
                     (b - a).perp_dot(p - a) / area
                 };
                 let weights = [0, 1, 2].map(weight);
-                // A hair more than the triangle, so that none is missed between two.
+                // Slightly more than the triangle, so that no pixel between two is missed.
                 if weights.iter().any(|w| *w < -1e-6) {
                     continue;
                 }
@@ -263,7 +263,7 @@ impl LobeView {
         }
     }
 
-    /// Whether a line of the net of angles passes: every 15 degrees to the normal, 30 about it.
+    /// Whether a grid line passes here: every 15 degrees of the angle to the normal, 30 of azimuth.
     fn is_line(&self, point: DVec3) -> bool {
         let r = point.length();
         if r * self.zoom < 12.0 {

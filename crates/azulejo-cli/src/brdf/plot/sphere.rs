@@ -8,25 +8,25 @@ use azulejo_scene::{Brdf, Rgb};
 use azulejo_trace::sampling::{SobolTable, seeds};
 use glam::{DVec2, DVec3};
 
-/// Samples of the lamp, and of the model, in one round.
+/// Samples of the lamp, and of the model, per round.
 const ROUND: usize = 32;
 
-/// The most rounds at a point.
+/// Largest number of rounds at a point.
 const ROUNDS: usize = 32;
 
-/// Rounds that tell how far they differ.
+/// Number of rounds from which their spread is estimated.
 const LEAST: usize = 4;
 
-/// Places in a pixel for what is mirrored exactly, by as many.
+/// Points per pixel, in either direction, for perfect specular reflection.
 const PLACES: u32 = 4;
 
-/// The standard error at which a point is done, of light that shows as 1.
+/// The standard error at which a point is finished, of a displayed value of 1.
 const GOOD: f64 = 0.0015;
 
 /// The lamp: a square that faces the sphere.
 struct SquareLamp {
     center: DVec3,
-    /// Half its sides.
+    /// Half the length of its sides.
     sides: [DVec3; 2],
     normal: DVec3,
     area: f64,
@@ -34,7 +34,7 @@ struct SquareLamp {
 }
 
 impl SquareLamp {
-    /// To the left, above, and before the sphere, whose radius is 1.
+    /// To the left, above, and in front of the sphere, whose radius is 1.
     fn new() -> SquareLamp {
         let center = DVec3::new(-2.2, 2.6, 2.6);
         let normal = -center.normalize();
@@ -49,13 +49,13 @@ impl SquareLamp {
         }
     }
 
-    /// A point of it, from two numbers in 0..1.
+    /// Samples a point of it from two numbers in 0..1.
     fn point(&self, u: [f64; 2]) -> DVec3 {
         let [a, b] = u.map(|u| 2.0 * u - 1.0);
         self.center + a * self.sides[0] + b * self.sides[1]
     }
 
-    /// Density of its points as directions from `from`, 1/sr; `None` where it is not seen.
+    /// Density of its points as directions from `from`, 1/sr; `None` where it is not visible.
     fn density(&self, from: DVec3, direction: DVec3) -> Option<f64> {
         let cos = -direction.dot(self.normal);
         let along = (self.center - from).dot(self.normal) / direction.dot(self.normal);
@@ -79,7 +79,7 @@ struct SpherePoint {
 }
 
 impl SpherePoint {
-    /// The place of the sphere that is seen at a place of the unit circle, or at its edge.
+    /// The point of the sphere that is visible at a point of the unit disk, or at its edge.
     fn seen_at(place: DVec2) -> SpherePoint {
         let place = place.clamp_length_max(0.9995);
         SpherePoint::new(place.extend((1.0 - place.length_squared()).sqrt()))
@@ -106,14 +106,14 @@ impl SpherePoint {
     }
 }
 
-/// What lights spheres of one model.
+/// The illumination of spheres of one model.
 struct SphereScene<'a> {
     brdf: &'a Brdf,
     lamp: SquareLamp,
     points: SobolTable,
 }
 
-/// Light from around, without the lamp: a dark floor below, a sky that brightens upward.
+/// Light from the surroundings, without the lamp: a dark floor below, a sky that brightens upward.
 fn surroundings(direction: DVec3) -> f64 {
     let above = ((direction.y + 0.06) / 0.12).clamp(0.0, 1.0);
     let sky = 0.12 + 0.33 * direction.y.max(0.0);
@@ -160,7 +160,7 @@ fn picture(subject: &PlotSubject, brdf: &Brdf, side: u32) -> Result<RgbImage, Fa
 }
 
 impl SphereScene<'_> {
-    /// One pixel of a picture with that many on each side.
+    /// One pixel of an image with this many on each side.
     fn pixel(&self, x: u32, y: u32, side: u32) -> [u8; 3] {
         // The sphere is the unit circle, with a little space around it.
         let at = |x: f64, y: f64| {
@@ -181,14 +181,14 @@ impl SphereScene<'_> {
             );
             light += self.mirrored(&SpherePoint::seen_at(place)) / f64::from(PLACES * PLACES);
         }
-        // The mean of what is shown, not of light, keeps the edge of the sphere smooth.
+        // Averaging displayed values instead of light keeps the edge of the sphere smooth.
         let covered = covered.min(1.0);
         let shown = Tone::Filmic.map(light).map(srgb_from_linear);
         let mixed = shown * covered + Rgb::grey(1.0 - covered);
         mixed.to_array().map(|c| (255.0 * c).round() as u8)
     }
 
-    /// What is mirrored exactly.
+    /// Light by perfect specular reflection.
     fn mirrored(&self, spot: &SpherePoint) -> Rgb {
         let reflectance = self.brdf.mirror(spot.wo.z);
         if reflectance.is_black() {
@@ -202,8 +202,9 @@ impl SphereScene<'_> {
         reflectance * (lamp + surroundings(wi))
     }
 
-    /// The light in the rest, until it is known well enough: samples of the lamp and of the model,
-    /// weighed by their densities (Veach and Guibas 1995, the power heuristic).
+    /// Light by the other parts, to the required standard error: samples of the lamp and of the
+    /// model, combined by multiple importance sampling (Veach and Guibas 1995, the power
+    /// heuristic).
     fn scattered(&self, spot: &SpherePoint, key: [u32; 2]) -> Rgb {
         let (mut sum, mut squares) = (Rgb::BLACK, 0.0);
         for round in 1..=ROUNDS {
@@ -213,7 +214,7 @@ impl SphereScene<'_> {
             let n = round as f64;
             let mean = sum.mean() / n;
             let error = ((squares / n - mean * mean).max(0.0) / (n - 1.0).max(1.0)).sqrt();
-            // Bright light is compressed: as much more error does not show.
+            // Bright light is compressed, so a proportionally larger error is invisible.
             if round >= LEAST && error < GOOD * (1.0 + 4.0 * mean) {
                 return sum / n;
             }
@@ -264,8 +265,8 @@ fn power_weight(own: f64, other: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// The lamp's light at the point that it faces, by both kinds of samples together, against
-    /// the form factor of its polygon.
+    /// The irradiance at the point that the lamp faces, by both sampling techniques together,
+    /// against the form factor of its polygon.
     #[test]
     fn a_matt_sphere_is_as_bright_as_the_form_factor_says() {
         let brdf = Brdf::new("diffuse kd = 1".parse().unwrap()).unwrap();
