@@ -349,7 +349,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_say_where_in_which_glyph() {
+    fn errors_name_position_and_glyph() {
         let check = |text: &str, message: &str| {
             let error = read(text.as_bytes(), "a.ppf").unwrap_err().to_string();
             let first = error.lines().next().unwrap();
@@ -420,14 +420,14 @@ mod tests {
     }
 
     #[test]
-    fn the_first_glyph_of_a_name_counts() {
+    fn the_first_glyph_of_a_name_is_used() {
         let text = "/A 0\n/B 0\n/A 1 1 l 0 0\n /A 0\n";
         let (font, warnings) = read(text.as_bytes(), "a.ppf").unwrap();
         assert_eq!(font.glyphs.len(), 2);
         assert_eq!(font.glyphs["A"].figure.contours, []);
-        let said: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+        let messages: Vec<String> = warnings.iter().map(ToString::to_string).collect();
         assert_eq!(
-            said,
+            messages,
             ["a.ppf:3:1: glyph /A is defined again: the first definition is used (2 times)"]
         );
     }
@@ -461,7 +461,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_spelling_is_refused() {
+    fn unrepresentable_fonts_are_refused() {
         let check = |name: &str, figure: Figure| {
             let font = Font {
                 glyphs: [(name.to_owned(), Glyph::new(figure))].into(),
@@ -498,7 +498,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_written_is_read(
+        fn written_fonts_are_read_back(
             name in "[A-Za-z0-9./#_é-]{1,12}",
             outlines in outlines(),
         ) {
