@@ -58,7 +58,7 @@ fn glb<'a>(
         Some((b"JSON", json, true)) => json,
         Some((b"JSON", _, false)) => {
             let found = "a JSON chunk that is cut off";
-            return Err(ReadError::at_byte(file, 12, found, "a whole file"));
+            return Err(ReadError::at_byte(file, 12, found, "a complete file"));
         }
         _ => {
             let found = "a GLB that does not begin with its JSON";

@@ -187,8 +187,8 @@ impl MtlParser<'_> {
                     (m.map_kd, m.placement) = (Some(picture), placement);
                 }
             }
-            // Ambient reflectance stands for indirect light, which azulejo computes; `sharpness` applies to
-            // environment maps, which it does not use.
+            // Ambient reflectance stands for indirect light, which azulejo computes; `sharpness`
+            // applies to environment maps, which it does not use.
             b"Ka" | b"map_Ka" | b"sharpness" => {}
             _ => self.unused(keyword),
         }

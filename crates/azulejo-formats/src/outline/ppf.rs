@@ -10,9 +10,9 @@
 //! ```
 //!
 //! Every contour is closed by construction. What is inside follows the even-odd rule
-//! ([`FillRule::EvenOdd`](azulejo_scene::FillRule::EvenOdd)) over all contours of a glyph, whatever their orientation: where an outline
-//! crosses itself, or two of them overlap, the area surrounded twice is outside. A contour
-//! without area, such as a single line, has no inside, and a glyph without contours is blank.
+//! ([`FillRule::EvenOdd`](azulejo_scene::FillRule::EvenOdd)) over all contours of a glyph, whatever
+//! their orientation: where an outline crosses itself, or two of them overlap, the area surrounded
+//! twice is outside. A contour without area, such as a single line, has no inside, and a glyph without contours is blank.
 
 use crate::reading::text::{decoded, shortened, text};
 use crate::reading::warnings::Warnings;
@@ -210,8 +210,9 @@ impl PpfReader<'_> {
 
 /// Writes a font so that [`read`] returns the same outlines, in the order of their names.
 ///
-/// PPF does not store advances: a reader takes the largest x, as [`Glyph::new`] does. Nor does it store
-/// fill rules: a figure filled by [`FillRule::NonZero`](azulejo_scene::FillRule::NonZero) whose contours overlap changes.
+/// PPF does not store advances: a reader takes the largest x, as [`Glyph::new`] does. Nor does it
+/// store fill rules: a figure filled by [`FillRule::NonZero`](azulejo_scene::FillRule::NonZero)
+/// whose contours overlap changes.
 ///
 /// # Errors
 /// Errors of `out`, and [`io::ErrorKind::InvalidInput`] for what cannot be represented: names that are
