@@ -86,8 +86,8 @@ impl File<'_> {
             let (line, column) = (e.line() as u32, e.column() as u32);
             let text = String::from_utf8_lossy(bytes);
             // The message repeats its position at the end.
-            let said = e.to_string();
-            let why = said.split(" at line ").next().unwrap_or_default();
+            let message = e.to_string();
+            let why = message.split(" at line ").next().unwrap_or_default();
             let found = format!("malformed JSON ({why})");
             ReadError::at_line(name, &text, line, column.max(1), found, "a JSON file")
         })?;
@@ -170,12 +170,12 @@ mod tests {
         let text = WHOLE.replacen(from, to, 1);
         let lights = read_lights(text.as_bytes(), "c.json").map(|_| ());
         let both = read(text.as_bytes(), "c.json").map(|_| ()).and(lights);
-        let said = both.map_or_else(|e| e.to_string(), |()| "fine".into());
-        assert!(said.starts_with(expected), "{said}");
+        let message = both.map_or_else(|e| e.to_string(), |()| "fine".into());
+        assert!(message.starts_with(expected), "{message}");
     }
 
     #[test]
-    fn what_is_missing_or_wrong_is_named() {
+    fn missing_or_invalid_fields_are_reported() {
         check(r#""up": [0, 1, 0],"#, "", "fine");
         check(r#""width": 64, "height": 48"#, r#""far": 1"#, "fine");
         check("camera", "kamera", "c.json: found no \"camera\"");

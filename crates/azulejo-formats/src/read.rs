@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mark_of_byte_order_is_no_column() {
+    fn the_byte_order_mark_is_not_a_column() {
         for text in ["\u{feff}v x", "v x"] {
             let error = obj::read(text.as_bytes(), "a.obj", &Memory::new()).unwrap_err();
             assert_eq!(error.position, Position::Line(1, 3));

@@ -8,7 +8,7 @@ use azulejo_scene::{Camera, Light};
 use glam::{DMat3, DVec3};
 use std::collections::HashMap;
 
-/// One file.
+/// The content of one file.
 #[derive(Debug)]
 pub(super) struct DxfDrawing {
     /// Its file name.

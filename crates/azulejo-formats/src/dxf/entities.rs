@@ -72,7 +72,7 @@ impl<'a> DxfParser<'a, '_> {
     fn site(&mut self, record: &Record<'a>) -> Option<(&mut LayerMesh, AppearanceId)> {
         const OPACITY_IS_GIVEN: i64 = 0x0200_0000;
         let appearance = self.appearance(record);
-        let id = self.look_id(appearance);
+        let id = self.appearance_id(appearance);
         let opacity = record.integer(440, 0);
         if opacity & OPACITY_IS_GIVEN != 0 && opacity & 0xff != 0xff {
             self.warn("transparent entity: opaque", record.offset);
@@ -280,7 +280,7 @@ impl<'a> DxfParser<'a, '_> {
             return self.warn("INSERT without a block: skipped", record.offset);
         }
         let appearance = self.appearance(record);
-        let appearance = self.look_id(appearance);
+        let appearance = self.appearance_id(appearance);
         let block = self.block_id(name);
         let axes = world_from_entity(record.point(210));
         let turn = axes * DMat3::from_rotation_z(record.real(50, 0.0).to_radians());
@@ -328,10 +328,10 @@ impl<'a> DxfParser<'a, '_> {
 
     fn vertex(&mut self, record: &Record) {
         let appearance = match &self.polyline {
-            Some(polyline) => polyline.look_of(record),
+            Some(polyline) => polyline.appearance_of(record),
             None => return self.warn("VERTEX without a POLYLINE: skipped", record.offset),
         };
-        let appearance = self.look_id(appearance);
+        let appearance = self.appearance_id(appearance);
         if let Some(polyline) = &mut self.polyline {
             polyline.add(record, appearance);
         }
@@ -369,7 +369,7 @@ impl<'a> DxfParser<'a, '_> {
     }
 
     fn flat_polyline(&mut self, polyline: &Polyline) {
-        let appearance = self.look_id(polyline.appearance);
+        let appearance = self.appearance_id(polyline.appearance);
         if let Some(block) = self.current() {
             polyline
                 .outline
@@ -378,7 +378,7 @@ impl<'a> DxfParser<'a, '_> {
     }
 
     fn polygon_mesh(&mut self, polyline: &Polyline) {
-        let appearance = self.look_id(polyline.appearance);
+        let appearance = self.appearance_id(polyline.appearance);
         let Some(block) = self.current() else { return };
         let is_whole = polyline.draw_mesh(block.surfaces.on(polyline.appearance.layer), appearance);
         if !is_whole {

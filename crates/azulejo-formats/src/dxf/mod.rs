@@ -14,12 +14,12 @@ mod entities;
 mod figures;
 mod finish;
 mod ids;
+mod instantiate;
 mod light;
 mod mesh_entity;
 mod outline;
 mod pairs;
 mod parse;
-mod place;
 mod polyline;
 mod project;
 mod record;
@@ -54,7 +54,7 @@ pub fn read(
     let mut project = Project::read(bytes, name, files, options, &mut warnings)?;
     let metres_per_unit = project.drawings[0].metres_per_unit;
     let cameras = std::mem::take(&mut project.drawings[0].cameras);
-    let mut scene = place::place(project, &mut warnings);
+    let mut scene = instantiate::instantiate(project, &mut warnings);
     scene.cameras = cameras;
     scene.units = Units {
         metres_per_unit,

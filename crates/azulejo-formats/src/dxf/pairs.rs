@@ -387,7 +387,7 @@ mod tests {
     }
 
     #[test]
-    fn lost_lines_are_passed_over() {
+    fn lost_lines_are_skipped() {
         // The x of a point lost its value.
         let (found, damage) = all(b"0\nLINE\n10\n20\n2.5\n30\n3.5\n0\nEOF\n");
         let codes: Vec<i16> = found.iter().map(|(code, _)| *code).collect();

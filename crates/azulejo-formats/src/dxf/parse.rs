@@ -276,7 +276,7 @@ impl<'a, 'w> DxfParser<'a, 'w> {
     }
 
     /// The id of an appearance.
-    pub fn look_id(&mut self, appearance: Appearance) -> AppearanceId {
+    pub fn appearance_id(&mut self, appearance: Appearance) -> AppearanceId {
         if let Some((last, id)) = self.last_look
             && last == appearance
         {

@@ -22,7 +22,7 @@ mod flag {
 /// Bits of group 70 of a VERTEX.
 mod vertex_flag {
     pub const CONTROL_POINT: i64 = 16;
-    pub const PLACE: i64 = 64;
+    pub const POSITION: i64 = 64;
     pub const POLYFACE: i64 = 128;
 }
 
@@ -101,7 +101,7 @@ impl Polyline {
     }
 
     /// The appearance of a VERTEX that is a face.
-    pub fn look_of(&self, vertex: &Record) -> Appearance {
+    pub fn appearance_of(&self, vertex: &Record) -> Appearance {
         let own = vertex.find(62).or(vertex.find(420));
         match own {
             Some(_) => Appearance {
@@ -132,7 +132,7 @@ impl Polyline {
 
     /// Vertices that are positions have both bits, faces have one.
     fn add_to_polyface(&mut self, record: &Record, flags: i64, appearance: AppearanceId) {
-        if flags & vertex_flag::PLACE != 0 || flags & vertex_flag::POLYFACE == 0 {
+        if flags & vertex_flag::POSITION != 0 || flags & vertex_flag::POLYFACE == 0 {
             self.points.push(record.point(10));
         } else {
             self.faces.push(PolyFace {
@@ -144,8 +144,8 @@ impl Polyline {
 
     /// Adds a mesh of rows and columns. Returns whether the number of vertices matches.
     pub fn draw_mesh(&self, mesh: &mut LayerMesh, appearance: AppearanceId) -> bool {
-        let [asked, columns] = self.size();
-        let rows = asked.min(self.points.len() / columns.max(1));
+        let [rows_declared, columns] = self.size();
+        let rows = rows_declared.min(self.points.len() / columns.max(1));
         if rows < 2 || columns < 2 {
             return false;
         }
@@ -165,7 +165,7 @@ impl Polyline {
                 mesh.face(&corners, appearance);
             }
         }
-        asked * columns == self.points.len()
+        rows_declared * columns == self.points.len()
     }
 
     /// Declared numbers of rows and columns. Smoothed meshes have separate ones.

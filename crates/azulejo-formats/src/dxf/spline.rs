@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn others_are_named() {
+    fn other_splines_are_reported() {
         let clamped = [0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0];
         let open = [[0.0, 0.0], [1.0, 2.0], [-1.0, 2.0], [0.0, 1.0]];
         let check = |degree, knots: &[f64], why| assert_eq!(spline(degree, knots, &open), Err(why));

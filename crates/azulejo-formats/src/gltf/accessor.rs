@@ -218,7 +218,7 @@ impl Data<'_> {
         let accessor = self.accessor(index)?;
         let kind = valid(&accessor.component_type)?.0;
         if accessor.sparse.is_some() || self.width(index)? != 1 {
-            // Sparse indices do not occur in practice; reading them through floating point is exact, too.
+            // Sparse indices do not occur in practice; reading them as floating point is exact, too.
             return self.read(index, count, |[i]| i as u32);
         }
         self.expect_count(index, count)?;

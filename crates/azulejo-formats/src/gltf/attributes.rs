@@ -1,7 +1,7 @@
 //! Vertices of one primitive: its attributes, deformed by morph targets and joints.
 
 use super::material::GltfSurface;
-use super::mesh::{Fault, GltfMeshBuilder, Pose, lost, skipped};
+use super::mesh::{Fault, GltfMeshBuilder, Pose, left_out, skipped};
 use super::skin::Joints;
 use super::vertices::Vertices;
 use crate::reading::options::Exhausted;
@@ -31,7 +31,7 @@ impl GltfMeshBuilder<'_, '_> {
     ) -> Result<(u32, u32), Fault> {
         let positions = attribute(primitive, Semantic::Positions);
         let positions = positions.ok_or_else(|| skipped("primitive without positions: skipped"))?;
-        let count = self.data.count(positions).map_err(lost)?;
+        let count = self.data.count(positions).map_err(left_out)?;
         self.budget.spend(count as u64)?;
         let end = vertices.len() as u64 + count as u64;
         if end >= u64::from(u32::MAX) {
@@ -39,14 +39,14 @@ impl GltfMeshBuilder<'_, '_> {
         }
         let mut added = Vertices::new(vertices.irradiance);
         let read = self.data.read(positions, count, DVec3::from);
-        added.positions = read.map_err(lost)?;
+        added.positions = read.map_err(left_out)?;
         if let Some(normals) = attribute(primitive, Semantic::Normals) {
             let read = self.data.read(normals, count, DVec3::from);
             added.normals = self.optional(read, "normals");
         }
         self.morph(primitive, pose.weights, &mut added)?;
         if let Some(joints) = pose.joints {
-            self.hang(primitive, joints, &mut added);
+            self.apply_joints(primitive, joints, &mut added);
         }
         self.colours(primitive, surface, &mut added);
         added.make_usable();
@@ -62,7 +62,7 @@ impl GltfMeshBuilder<'_, '_> {
             let read = self.data.read(uvs, count, |uv| uv_of(surface, uv));
             vertices.uvs = self.optional(read, "texture coordinates");
         } else if surface.is_textured {
-            self.say("textured primitive without texture coordinates");
+            self.warn("textured primitive without texture coordinates");
         }
         for set in [0, 1] {
             if let Some(colors) = attribute(primitive, Semantic::Colors(set)) {
@@ -76,7 +76,7 @@ impl GltfMeshBuilder<'_, '_> {
     /// An optional attribute; a fault is a warning.
     fn optional<T>(&mut self, read: Result<Vec<T>, String>, what: &str) -> Vec<T> {
         read.unwrap_or_else(|fault| {
-            self.say(&format!("{what} left out: {fault}"));
+            self.warn(&format!("{what} left out: {fault}"));
             Vec::new()
         })
     }
@@ -112,7 +112,7 @@ impl GltfMeshBuilder<'_, '_> {
                         let moved = list.iter_mut().zip(deltas);
                         moved.for_each(|(v, d)| *v += f64::from(weight) * d);
                     }
-                    Err(fault) => self.say(&format!("morph target left out: {fault}")),
+                    Err(fault) => self.warn(&format!("morph target left out: {fault}")),
                 }
             }
         }
@@ -120,7 +120,7 @@ impl GltfMeshBuilder<'_, '_> {
     }
 
     /// Transforms the vertices by their joints.
-    fn hang(&mut self, primitive: &Primitive, joints: &Joints, vertices: &mut Vertices) {
+    fn apply_joints(&mut self, primitive: &Primitive, joints: &Joints, vertices: &mut Vertices) {
         let count = vertices.len();
         let mut influences = Vec::new();
         for set in 0..2 {
@@ -131,7 +131,7 @@ impl GltfMeshBuilder<'_, '_> {
             };
             match self.influences(indices, weights, count) {
                 Ok(read) => influences.push(read),
-                Err(fault) => self.say(&format!("joints left out: {fault}")),
+                Err(fault) => self.warn(&format!("joints left out: {fault}")),
             }
         }
         for vertex in 0..count {

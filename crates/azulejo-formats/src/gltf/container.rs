@@ -22,10 +22,10 @@ pub(super) struct Container<'a> {
 pub(super) fn split<'a>(
     bytes: &'a [u8],
     file: &str,
-    said: &mut GltfMessages,
+    messages: &mut GltfMessages,
 ) -> Result<Container<'a>, ReadError> {
     if bytes.starts_with(b"glTF") {
-        return glb(bytes, file, said);
+        return glb(bytes, file, messages);
     }
     Ok(Container {
         json: bytes,
@@ -37,7 +37,7 @@ pub(super) fn split<'a>(
 fn glb<'a>(
     bytes: &'a [u8],
     file: &str,
-    said: &mut GltfMessages,
+    messages: &mut GltfMessages,
 ) -> Result<Container<'a>, ReadError> {
     let mut at = Bytes::new(bytes);
     let header = (at.skip(4), at.u32_le(), at.u32_le());
@@ -51,14 +51,14 @@ fn glb<'a>(
     }
     if u64::from(length) != bytes.len() as u64 {
         let message = "GLB whose length differs from that in its header: read to its actual end";
-        said.at(message, Position::Byte(8));
+        messages.at(message, Position::Byte(8));
     }
     let json_start = at.offset() + 8;
     let json = match chunk(&mut at) {
         Some((b"JSON", json, true)) => json,
         Some((b"JSON", _, false)) => {
             let found = "a JSON chunk that is cut off";
-            return Err(ReadError::at_byte(file, 12, found, "a whole file"));
+            return Err(ReadError::at_byte(file, 12, found, "a complete file"));
         }
         _ => {
             let found = "a GLB that does not begin with its JSON";
@@ -68,12 +68,12 @@ fn glb<'a>(
     Ok(Container {
         json: without_padding(json),
         json_start: Some(json_start),
-        bin: bin(&mut at, said),
+        bin: bin(&mut at, messages),
     })
 }
 
 /// The first chunk of type BIN, up to the end of the file if it is truncated.
-fn bin<'a>(at: &mut Bytes<'a>, said: &mut GltfMessages) -> Option<&'a [u8]> {
+fn bin<'a>(at: &mut Bytes<'a>, messages: &mut GltfMessages) -> Option<&'a [u8]> {
     let mut bin = None;
     while at.left() > 0 {
         let start = Position::Byte(at.offset());
@@ -81,12 +81,12 @@ fn bin<'a>(at: &mut Bytes<'a>, said: &mut GltfMessages) -> Option<&'a [u8]> {
             Some((b"BIN\0", content, whole)) if bin.is_none() => {
                 bin = Some(content);
                 if !whole {
-                    said.at("BIN chunk that is cut off: read as far as it goes", start);
+                    messages.at("BIN chunk that is cut off: read as far as it goes", start);
                 }
             }
             Some((kind, ..)) => {
                 let kind = kind.escape_ascii();
-                said.at(&format!("chunk of type \"{kind}\": skipped"), start);
+                messages.at(&format!("chunk of type \"{kind}\": skipped"), start);
             }
             // Some writers pad the end of the file after its last chunk.
             None => return bin,
@@ -131,11 +131,11 @@ pub(super) mod tests {
 
     /// Checks JSON and BIN of a file, and the number of its warnings.
     fn check(bytes: &[u8], expected: Result<(&str, Option<&[u8]>, usize), &str>) {
-        let mut said = GltfMessages::default();
-        match (split(bytes, "a.glb", &mut said), expected) {
+        let mut messages = GltfMessages::default();
+        match (split(bytes, "a.glb", &mut messages), expected) {
             (Ok(found), Ok((json, bin, warned))) => {
                 let mut warnings = Warnings::default();
-                said.report("a.glb", &mut warnings);
+                messages.report("a.glb", &mut warnings);
                 assert_eq!((found.json, found.bin), (json.as_bytes(), bin));
                 assert_eq!(warnings.finish("a.glb").len(), warned);
             }

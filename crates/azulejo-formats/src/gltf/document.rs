@@ -40,7 +40,7 @@ const FREE_OBJECTS: usize = 1000;
 pub(super) fn parse(
     container: &Container,
     file: &str,
-    said: &mut GltfMessages,
+    messages: &mut GltfMessages,
 ) -> Result<Root, ReadError> {
     let objects = container.json.iter().filter(|b| **b == b'{').count();
     if objects.saturating_sub(FREE_OBJECTS) > container.json.len() / BYTES_PER_OBJECT {
@@ -56,15 +56,15 @@ pub(super) fn parse(
     }
     let mut root = Root::from_slice(container.json).map_err(|e| malformed(&e, container, file))?;
     check_version(&root, file)?;
-    check_extensions(&mut root, file, said)?;
-    check(&root, file, said)?;
+    check_extensions(&mut root, file, messages)?;
+    check(&root, file, messages)?;
     Ok(root)
 }
 
 /// The error for malformed JSON, or values of other types than glTF's.
 fn malformed(e: &gltf_json::Error, container: &Container, file: &str) -> ReadError {
-    let said = e.to_string();
-    let what = said.split(" at line ").next().unwrap_or(&said);
+    let message = e.to_string();
+    let what = message.split(" at line ").next().unwrap_or(&message);
     let (line, column) = (e.line(), e.column());
     let expected = match version_of(container.json) {
         Some(version) if !version.starts_with('2') => {
@@ -102,7 +102,11 @@ fn check_version(root: &Root, file: &str) -> Result<(), ReadError> {
 }
 
 /// Rejects unsupported required extensions; warns about unsupported optional ones.
-fn check_extensions(root: &mut Root, file: &str, said: &mut GltfMessages) -> Result<(), ReadError> {
+fn check_extensions(
+    root: &mut Root,
+    file: &str,
+    messages: &mut GltfMessages,
+) -> Result<(), ReadError> {
     for name in root.extensions_required.drain(..) {
         if !SUPPORTED.contains(&name.as_str()) {
             let found = format!("the required extension \"{}\"", shortened(&name));
@@ -115,7 +119,7 @@ fn check_extensions(root: &mut Root, file: &str, said: &mut GltfMessages) -> Res
     }
     for name in &root.extensions_used {
         if !SUPPORTED.contains(&name.as_str()) {
-            said.whole(&format!("extension \"{}\": not used", shortened(name)));
+            messages.whole(&format!("extension \"{}\": not used", shortened(name)));
         }
     }
     Ok(())
@@ -123,7 +127,7 @@ fn check_extensions(root: &mut Root, file: &str, said: &mut GltfMessages) -> Res
 
 /// Checks indices and enumerations by the rules of `gltf-json`; some of its errors do not
 /// matter for a reader that examines the data itself.
-fn check(root: &Root, file: &str, said: &mut GltfMessages) -> Result<(), ReadError> {
+fn check(root: &Root, file: &str, messages: &mut GltfMessages) -> Result<(), ReadError> {
     check_positions(root, file)?;
     let mut first = None;
     root.validate(root, Path::new, &mut |path, error| {
@@ -133,7 +137,7 @@ fn check(root: &Root, file: &str, said: &mut GltfMessages) -> Result<(), ReadErr
         let path = path();
         match consequence(path.as_str(), error) {
             Consequence::None => {}
-            Consequence::Warning(message) => said.of(message, || path.0),
+            Consequence::Warning(message) => messages.of(message, || path.0),
             Consequence::Error => first = Some((path, error)),
         }
     });
@@ -196,16 +200,16 @@ mod tests {
     use super::*;
 
     fn check(json: &str, expected: Result<usize, &str>) {
-        let mut said = GltfMessages::default();
+        let mut messages = GltfMessages::default();
         let container = Container {
             json: json.as_bytes(),
             json_start: None,
             bin: None,
         };
-        match (parse(&container, "a.gltf", &mut said), expected) {
+        match (parse(&container, "a.gltf", &mut messages), expected) {
             (Ok(_), Ok(warned)) => {
                 let mut warnings = crate::reading::warnings::Warnings::default();
-                said.report("a.gltf", &mut warnings);
+                messages.report("a.gltf", &mut warnings);
                 assert_eq!(warnings.finish("a.gltf").len(), warned, "{json}");
             }
             (Err(e), Err(part)) => assert!(e.to_string().contains(part), "{e}"),
@@ -267,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn many_empty_objects_are_no_file() {
+    fn many_empty_objects_are_refused() {
         let nodes = |n: usize| with(&format!(",\"nodes\":[{}{{}}]", "{},".repeat(n)));
         check(&nodes(900), Ok(0));
         check(&nodes(9000), Err("9003 objects in"));

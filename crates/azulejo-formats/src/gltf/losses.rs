@@ -70,8 +70,8 @@ pub fn losses(scene: &Scene) -> Vec<String> {
             "light unit (watts), whose values other programs take for lumens",
         ),
     ];
-    let said = |&(count, what): &(usize, &str)| (count > 0).then(|| format!("{count} {what}"));
-    counts.iter().filter_map(said).collect()
+    let described = |&(count, what): &(usize, &str)| (count > 0).then(|| format!("{count} {what}"));
+    counts.iter().filter_map(described).collect()
 }
 
 /// Largest half angle of a spot light in glTF.

@@ -71,7 +71,7 @@ impl<'a> Surfaces<'a> {
     pub fn of(
         &mut self,
         index: Option<Index<gltf_json::Material>>,
-        said: &mut GltfMessages,
+        messages: &mut GltfMessages,
     ) -> GltfSurface {
         let key = index.map(|i| i.value());
         if let Some(&known) = self.known.get(&key) {
@@ -86,7 +86,7 @@ impl<'a> Surfaces<'a> {
                     index: key.unwrap_or(0),
                     pictures: &mut self.pictures,
                     gloss: &mut self.gloss,
-                    said,
+                    messages,
                 };
                 let read = reader.material();
                 let uv = reader.coordinates();
@@ -117,7 +117,7 @@ struct MaterialReader<'r, 'a> {
     index: usize,
     pictures: &'r mut Pictures<'a>,
     gloss: &'r mut Gloss,
-    said: &'r mut GltfMessages,
+    messages: &'r mut GltfMessages,
 }
 
 /// A factor clamped to 0..=1.
@@ -131,9 +131,9 @@ fn color([r, g, b]: [f32; 3]) -> Rgb {
 }
 
 impl MaterialReader<'_, '_> {
-    fn say(&mut self, message: &str) {
+    fn warn(&mut self, message: &str) {
         let index = self.index;
-        self.said.of(message, || format!("materials[{index}]"));
+        self.messages.of(message, || format!("materials[{index}]"));
     }
 
     fn material(&mut self) -> Material {
@@ -165,11 +165,11 @@ impl MaterialReader<'_, '_> {
         }
         match self.pictures.mean(picture.index) {
             Ok(mean) => {
-                self.say("emissive texture: the whole surface emits its mean");
+                self.warn("emissive texture: the whole surface emits its mean");
                 emission * mean
             }
             Err(fault) => {
-                self.say(&format!(
+                self.warn(&format!(
                     "emissive texture, {fault}: the surface does not emit light"
                 ));
                 Rgb::BLACK
@@ -192,15 +192,15 @@ impl MaterialReader<'_, '_> {
         let transmitted = share(transmission.transmission_factor.0) * of_rest;
         if transmitted < LEAST_TRANSMISSION {
             if transmitted > 0.0 {
-                self.say("material that transmits less than half of its light: opaque");
+                self.warn("material that transmits less than half of its light: opaque");
             }
             return false;
         }
         if share(pbr.roughness_factor.0) >= CLEAR {
-            self.say("frosted glass: taken as clear");
+            self.warn("frosted glass: taken as clear");
         }
         if transmission.transmission_texture.is_some() || pbr.base_color_texture.is_some() {
-            self.say("texture of glass: not used");
+            self.warn("texture of glass: not used");
         }
         let [r, g, b, _] = pbr.base_color_factor.0;
         let tint = color([r, g, b]) * transmitted;
@@ -257,13 +257,13 @@ impl MaterialReader<'_, '_> {
         let (metallic, roughness) = (share(pbr.metallic_factor.0), share(pbr.roughness_factor.0));
         let has_picture = pbr.base_color_texture.is_some();
         if pbr.metallic_roughness_texture.is_some() {
-            self.say("metallic-roughness texture: not used, the surface is diffuse");
+            self.warn("metallic-roughness texture: not used, the surface is diffuse");
             material.diffuse = base;
         } else {
             let metal = self.metal(base, metallic);
             let gloss = &mut *self.gloss;
             if let Err(message) = gloss.metallic_roughness(material, metal, metallic, roughness) {
-                self.say(message);
+                self.warn(message);
             }
             // The texture multiplies the diffuse reflectance.
             material.diffuse = Rgb::from([0, 1, 2].map(|k| match metal[k] {
@@ -274,13 +274,13 @@ impl MaterialReader<'_, '_> {
         }
         let see_through = self.json.alpha_mode.as_ref().value() != Some(&AlphaMode::Opaque);
         if see_through && (alpha < 1.0 || has_picture) {
-            self.say("transparent material (alphaMode): taken as opaque");
+            self.warn("transparent material (alphaMode): taken as opaque");
         }
         if let Some(info) = &pbr.base_color_texture {
             let (texture, problem) = self.pictures.index(info.index);
             material.textures.extend(texture);
             if let Some(problem) = problem {
-                self.say(&problem);
+                self.warn(&problem);
             }
         }
     }
@@ -291,7 +291,7 @@ impl MaterialReader<'_, '_> {
         let picture = pbr.base_color_texture.as_ref().filter(|_| metallic > 0.0);
         let mean = picture.and_then(|info| self.pictures.mean(info.index).ok());
         if picture.is_some() {
-            self.say("texture of a metal: multiplies diffuse reflection, and its mean multiplies mirror reflection");
+            self.warn("texture of a metal: multiplies diffuse reflection, and its mean multiplies mirror reflection");
         }
         base * mean.unwrap_or(Rgb::WHITE)
     }
@@ -310,7 +310,7 @@ impl MaterialReader<'_, '_> {
         ];
         for (found, message) in rest {
             if found {
-                self.say(message);
+                self.warn(message);
             }
         }
     }

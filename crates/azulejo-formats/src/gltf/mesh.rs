@@ -16,7 +16,7 @@ use gltf_json::validation::Checked;
 use std::collections::{BTreeMap, HashMap};
 
 /// Start of messages about primitives whose data is missing.
-pub(super) const LOST: &str = "primitive left out: ";
+pub(super) const LEFT_OUT: &str = "primitive left out: ";
 
 /// Cost of a primitive in elements, for the time it takes, even if it is left out.
 const ELEMENTS_PER_PRIMITIVE: u64 = 16;
@@ -32,7 +32,7 @@ pub(super) struct GltfMeshBuilder<'b, 'a> {
     /// How many more elements the file may expand to.
     pub budget: &'b mut Budget,
     /// Collects the warnings.
-    pub said: &'b mut GltfMessages,
+    pub messages: &'b mut GltfMessages,
     /// How the mesh stores its irradiance, if it has any.
     pub irradiance: Option<Stored>,
     /// Index of the mesh.
@@ -101,10 +101,10 @@ impl From<Exhausted> for Fault {
 
 impl<'a> GltfMeshBuilder<'_, 'a> {
     /// Counts a warning about the current primitive.
-    pub fn say(&mut self, message: &str) {
+    pub fn warn(&mut self, message: &str) {
         let (mesh, primitive) = (self.mesh, self.primitive);
         let place = || format!("meshes[{mesh}].primitives[{primitive}]");
-        self.said.of(message, place);
+        self.messages.of(message, place);
     }
 
     /// Reads the mesh in its own coordinates, or in those of the world if it is skinned; `None` if
@@ -123,7 +123,7 @@ impl<'a> GltfMeshBuilder<'_, 'a> {
             self.primitive = p;
             match self.primitive(primitive, pose, &mut vertices, &mut pools, &mut mesh) {
                 Ok(()) => {}
-                Err(Fault::Skipped(message)) => self.say(&message),
+                Err(Fault::Skipped(message)) => self.warn(&message),
                 Err(Fault::Exhausted(exhausted)) => return Err(exhausted),
             }
         }
@@ -133,7 +133,7 @@ impl<'a> GltfMeshBuilder<'_, 'a> {
         if finish(&mut mesh, vertices) > 0 {
             let index = self.mesh;
             let message = "mesh with vertices without a usable normal: face normals used";
-            self.said.of(message, || format!("meshes[{index}]"));
+            self.messages.of(message, || format!("meshes[{index}]"));
         }
         Ok(Some(mesh))
     }
@@ -156,7 +156,7 @@ impl<'a> GltfMeshBuilder<'_, 'a> {
             Checked::Valid(Mode::Points) => return Err(skipped("points: skipped")),
             _ => return Err(skipped("lines: skipped")),
         };
-        let surface = self.surfaces.of(primitive.material, self.said);
+        let surface = self.surfaces.of(primitive.material, self.messages);
         let pool = Pool::of(primitive, &surface);
         let (first, count) = match pools.get(&pool) {
             Some(&known) => known,
@@ -169,11 +169,11 @@ impl<'a> GltfMeshBuilder<'_, 'a> {
         let corners = self.corners(primitive, count)?;
         let triangles = topology::triangles(mode, &corners);
         if triangles.left_over > 0 {
-            self.say("corners that do not form a complete triangle: left out");
+            self.warn("corners that do not form a complete triangle: left out");
         }
         let outside = triangles.push_into(mesh, vertices, first, count, surface.id);
         if outside > 0 {
-            self.say("triangles with missing vertices: left out");
+            self.warn("triangles with missing vertices: left out");
         }
         Ok(())
     }
@@ -183,9 +183,9 @@ impl<'a> GltfMeshBuilder<'_, 'a> {
             self.budget.spend(vertices.into())?;
             return Ok((0..vertices).collect());
         };
-        let count = self.data.count(index).map_err(lost)?;
+        let count = self.data.count(index).map_err(left_out)?;
         self.budget.spend(count as u64)?;
-        Ok(self.data.indices(index, count).map_err(lost)?)
+        Ok(self.data.indices(index, count).map_err(left_out)?)
     }
 }
 
@@ -195,6 +195,6 @@ pub(super) fn skipped(message: &str) -> Fault {
 }
 
 /// The message about a primitive whose data is missing.
-pub(super) fn lost(fault: String) -> String {
-    format!("{LOST}{fault}")
+pub(super) fn left_out(fault: String) -> String {
+    format!("{LEFT_OUT}{fault}")
 }

@@ -489,7 +489,7 @@ mod tests {
     }
 
     #[test]
-    fn triangles_of_a_grid_and_strangers() {
+    fn triangles_of_a_grid_and_isolated_ones() {
         check_indices(
             "\"byteStride\":4,\"count\":105,\"mode\":\"TRIANGLES\"",
             "e1fe1e100e100e100ece1e160e150e140ece1e140e140e140ece1e140e140e140effffff0f0af80029ff \
@@ -543,7 +543,7 @@ mod tests {
     }
 
     #[test]
-    fn descriptions_that_cannot_be() {
+    fn invalid_descriptions() {
         let refused = |json: &str, length| assert!(packed(json, length).is_none(), "{json}");
         refused("\"byteStride\":4,\"count\":1", 99);
         refused("\"byteStride\":3,\"count\":1,\"mode\":\"ATTRIBUTES\"", 99);

@@ -19,15 +19,15 @@ pub(super) struct GltfMessages {
 #[derive(Debug)]
 struct Message {
     text: String,
-    place: String,
+    location: String,
     position: Position,
     count: usize,
 }
 
 impl GltfMessages {
-    /// Counts a message about the part of the file with path `place`.
-    pub fn of(&mut self, message: &str, place: impl FnOnce() -> String) {
-        self.add(message, Position::Whole, place);
+    /// Counts a message about the part of the file with path `location`.
+    pub fn of(&mut self, message: &str, location: impl FnOnce() -> String) {
+        self.add(message, Position::Whole, location);
     }
 
     /// Counts a message about a byte or a line.
@@ -40,14 +40,14 @@ impl GltfMessages {
         self.at(message, Position::Whole);
     }
 
-    fn add(&mut self, message: &str, position: Position, place: impl FnOnce() -> String) {
+    fn add(&mut self, message: &str, position: Position, location: impl FnOnce() -> String) {
         if let Some(&known) = self.known.get(message) {
             self.list[known].count += 1;
         } else if self.list.len() < KEPT {
             self.known.insert(message.to_owned(), self.list.len());
             self.list.push(Message {
                 text: message.to_owned(),
-                place: place(),
+                location: location(),
                 position,
                 count: 1,
             });
@@ -66,10 +66,10 @@ impl GltfMessages {
     /// Converts all messages to warnings.
     pub fn report(self, file: &str, warnings: &mut Warnings) {
         for m in self.list {
-            let text = match m.place.as_str() {
+            let text = match m.location.as_str() {
                 "" => m.text,
-                place if m.count > 1 => format!("{} (first at {place})", m.text),
-                place => format!("{} (at {place})", m.text),
+                location if m.count > 1 => format!("{} (first at {location})", m.text),
+                location => format!("{} (at {location})", m.text),
             };
             warnings.add_many(file, text, m.count, || m.position);
         }
@@ -81,18 +81,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_message_once_with_its_first_place() {
-        let mut said = GltfMessages::default();
-        said.of("points: skipped", || "meshes[3]".into());
-        said.of("points: skipped", || "meshes[4]".into());
-        said.of("lines: skipped", || "meshes[5]".into());
-        said.whole("no normals");
+    fn each_message_once_with_its_first_location() {
+        let mut messages = GltfMessages::default();
+        messages.of("points: skipped", || "meshes[3]".into());
+        messages.of("points: skipped", || "meshes[4]".into());
+        messages.of("lines: skipped", || "meshes[5]".into());
+        messages.whole("no normals");
         for i in 0..2 * KEPT {
-            said.whole(&i.to_string());
+            messages.whole(&i.to_string());
         }
-        assert_eq!(said.first_of("lines"), Some("lines: skipped"));
+        assert_eq!(messages.first_of("lines"), Some("lines: skipped"));
         let mut warnings = Warnings::default();
-        said.report("a.gltf", &mut warnings);
+        messages.report("a.gltf", &mut warnings);
         let list = warnings.finish("a.gltf");
         let shown: Vec<String> = list.iter().take(3).map(ToString::to_string).collect();
         assert_eq!(

@@ -59,20 +59,20 @@ pub fn read(
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
     let bytes = &*decoded(bytes);
-    let mut said = GltfMessages::default();
-    let container = container::split(bytes, name, &mut said)?;
-    let root = document::parse(&container, name, &mut said)?;
+    let mut messages = GltfMessages::default();
+    let container = container::split(bytes, name, &mut messages)?;
+    let root = document::parse(&container, name, &mut messages)?;
     let tree = Tree::of(&root, name)?;
     let data = Data {
         root: &root,
         buffers: Buffers::load(&root, container.bin, files, options),
     };
     let surfaces = Surfaces::new(&data, files);
-    let mut scene = GltfWalk::new(&data, &tree, surfaces, options, &mut said, name).scene()?;
+    let mut scene = GltfWalk::new(&data, &tree, surfaces, options, &mut messages, name).scene()?;
     scene.units = units(&root);
-    check_result(&scene, &root, name, &mut said)?;
+    check_result(&scene, &root, name, &mut messages)?;
     let mut warnings = Warnings::default();
-    said.report(name, &mut warnings);
+    messages.report(name, &mut warnings);
     Ok(Loaded {
         scene,
         warnings: warnings.finish(name),
@@ -97,17 +97,17 @@ fn check_result(
     scene: &Scene,
     root: &Root,
     file: &str,
-    said: &mut GltfMessages,
+    messages: &mut GltfMessages,
 ) -> Result<(), ReadError> {
     if !root.animations.is_empty() {
-        said.whole("animations: not used, nodes are in their rest pose");
+        messages.whole("animations: not used, nodes are in their rest pose");
     }
     if !scene.objects.is_empty() {
         return Ok(());
     }
-    if let Some(found) = said.first_of(mesh::LOST) {
+    if let Some(found) = messages.first_of(mesh::LEFT_OUT) {
         return Err(ReadError::whole(file, found, "a mesh that can be read"));
     }
-    said.whole("no faces: the scene is empty");
+    messages.whole("no faces: the scene is empty");
     Ok(())
 }

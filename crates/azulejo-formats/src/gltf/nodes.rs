@@ -9,7 +9,7 @@ pub(super) const MOST_LEVELS: usize = 256;
 
 /// Largest number in the transform of a node. Positions are in single precision, so that
 /// transformed positions stay finite.
-const MOST_PLACE: f64 = 1e100;
+const LARGEST_ENTRY: f64 = 1e100;
 
 /// The nodes of a file, without cycles.
 #[derive(Debug)]
@@ -17,7 +17,7 @@ pub(super) struct Tree<'a> {
     nodes: &'a [Node],
     parents: Vec<Option<u32>>,
     /// World transform of each node; empty without skins, which alone need it.
-    places: Vec<DAffine3>,
+    world_transforms: Vec<DAffine3>,
 }
 
 impl<'a> Tree<'a> {
@@ -45,10 +45,12 @@ impl<'a> Tree<'a> {
         let mut tree = Tree {
             nodes,
             parents,
-            places: Vec::new(),
+            world_transforms: Vec::new(),
         };
         if !root.skins.is_empty() {
-            tree.places = (0..nodes.len()).map(|node| tree.place(node)).collect();
+            tree.world_transforms = (0..nodes.len())
+                .map(|node| tree.world_from_node(node))
+                .collect();
         }
         Ok(tree)
     }
@@ -63,11 +65,11 @@ impl<'a> Tree<'a> {
 
     /// World transform of a node that is a joint of a skin.
     pub fn world_from_joint(&self, node: usize) -> DAffine3 {
-        self.places.get(node).copied().unwrap_or_default()
+        self.world_transforms.get(node).copied().unwrap_or_default()
     }
 
     /// World transform of a node, ancestors included.
-    fn place(&self, node: usize) -> DAffine3 {
+    fn world_from_node(&self, node: usize) -> DAffine3 {
         let mut map = DAffine3::IDENTITY;
         let mut next = Some(node);
         for _ in 0..MOST_LEVELS {
@@ -156,7 +158,7 @@ pub(super) fn affine(m: [f64; 16]) -> DAffine3 {
 /// Whether a transform is finite and within range.
 pub(super) fn is_usable(map: &DAffine3) -> bool {
     // Comparisons with NaN are false.
-    map.to_cols_array().iter().all(|v| v.abs() < MOST_PLACE)
+    map.to_cols_array().iter().all(|v| v.abs() < LARGEST_ENTRY)
 }
 
 #[cfg(test)]
@@ -186,13 +188,13 @@ mod tests {
     }
 
     #[test]
-    fn places() {
+    fn world_transforms() {
         let root = root(
             "{\"translation\":[1,0,0],\"rotation\":[0,0,2,2],\"children\":[1]},\
              {\"matrix\":[2,0,0,0, 0,2,0,0, 0,0,2,0, 3,0,0,1]}",
         );
         let tree = Tree::of(&root, "a.gltf").unwrap();
-        let placed = tree.place(1).transform_point3(DVec3::X);
+        let placed = tree.world_from_node(1).transform_point3(DVec3::X);
         assert!(
             (placed - DVec3::new(1.0, 5.0, 0.0)).length() < 1e-12,
             "{placed}"

@@ -60,7 +60,7 @@ impl Triangles<'_> {
         mesh.faces.corners.reserve(3 * triangles);
         mesh.face_materials.reserve(triangles);
         for triangle in (0..triangles).map(|i| self.get(i)) {
-            let usable = |&v: &u32| v < count && vertices.is_somewhere(first + v);
+            let usable = |&v: &u32| v < count && vertices.is_usable(first + v);
             if triangle.iter().all(usable) {
                 mesh.push_face(&triangle.map(|v| first + v), material);
             } else {

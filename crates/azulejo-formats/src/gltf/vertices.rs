@@ -40,7 +40,7 @@ impl Vertices {
     }
 
     /// Whether a vertex exists and has a finite position.
-    pub fn is_somewhere(&self, vertex: u32) -> bool {
+    pub fn is_usable(&self, vertex: u32) -> bool {
         let position = self.positions.get(vertex as usize);
         position.is_some_and(|p| p.is_finite())
     }
@@ -126,7 +126,7 @@ fn retain<T>(list: &mut Vec<T>, marked: &[bool]) {
 /// Gives a mesh with faces its vertices, and returns how many of them have no
 /// usable normal though others have one.
 pub(super) fn finish(mesh: &mut Mesh, mut vertices: Vertices) -> usize {
-    drop_strangers(mesh, &mut vertices);
+    drop_unused(mesh, &mut vertices);
     // Unused vertices may have non-finite positions.
     for position in vertices.positions.iter_mut().filter(|p| !p.is_finite()) {
         *position = DVec3::ZERO;
@@ -152,7 +152,7 @@ pub(super) fn finish(mesh: &mut Mesh, mut vertices: Vertices) -> usize {
 
 /// Drops the vertices that no face uses, if they are the majority: some writers keep the
 /// vertices of all meshes in one list.
-fn drop_strangers(mesh: &mut Mesh, vertices: &mut Vertices) {
+fn drop_unused(mesh: &mut Mesh, vertices: &mut Vertices) {
     let mut used = vec![false; vertices.len()];
     for &v in &mesh.faces.corners {
         used[v as usize] = true;

@@ -32,7 +32,7 @@ const ELEMENTS_PER_NODE: u64 = 16;
 const MOST_PATH: usize = 1000;
 
 /// Translations, rotations and scales of instances.
-type Places = (Vec<DVec3>, Vec<[f64; 4]>, Vec<DVec3>);
+type InstanceTransforms = (Vec<DVec3>, Vec<[f64; 4]>, Vec<DVec3>);
 
 /// A scene under construction.
 pub(super) struct GltfWalk<'w, 'a> {
@@ -42,7 +42,7 @@ pub(super) struct GltfWalk<'w, 'a> {
     /// How each mesh stores its irradiance, if it has any.
     irradiance: Vec<Option<Stored>>,
     budget: Budget,
-    said: &'w mut GltfMessages,
+    messages: &'w mut GltfMessages,
     scene: Scene,
     file: &'w str,
 }
@@ -63,7 +63,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         tree: &'w Tree<'a>,
         surfaces: Surfaces<'a>,
         options: &ReadOptions,
-        said: &'w mut GltfMessages,
+        messages: &'w mut GltfMessages,
         file: &'w str,
     ) -> GltfWalk<'w, 'a> {
         GltfWalk {
@@ -72,7 +72,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
             surfaces,
             irradiance: data.root.meshes.iter().map(irradiance::of).collect(),
             budget: Budget::new(options),
-            said,
+            messages,
             scene: Scene::default(),
             file,
         }
@@ -89,7 +89,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
             if i != chosen {
                 let name = shortened(scene.name.as_deref().unwrap_or("without a name"));
                 let message = format!("scene {name}: skipped, another scene is read");
-                self.said.of(&message, || format!("scenes[{i}]"));
+                self.messages.of(&message, || format!("scenes[{i}]"));
             }
         }
         let start = NodePlacement {
@@ -122,32 +122,32 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         spent.map_err(|exhausted| exhausted.error(self.file))
     }
 
-    fn node(&mut self, index: usize, place: NodePlacement) -> Result<(), ReadError> {
+    fn node(&mut self, index: usize, placement: NodePlacement) -> Result<(), ReadError> {
         let Some(node) = self.root().nodes.get(index) else {
             return Ok(());
         };
-        if place.level == MOST_LEVELS {
+        if placement.level == MOST_LEVELS {
             let found = format!("nodes nested more than {MOST_LEVELS} deep");
             return Err(ReadError::whole(self.file, found, "fewer levels"));
         }
         self.spend(ELEMENTS_PER_NODE)?;
         if is_hidden(node) {
             let message = "hidden node: left out with its children";
-            self.said.of(message, || format!("nodes[{index}]"));
+            self.messages.of(message, || format!("nodes[{index}]"));
             return Ok(());
         }
-        let world = place.world * parent_from_node(node);
+        let world = placement.world * parent_from_node(node);
         if !is_usable(&world) {
             let message = "node with an unusable transform: left out with its children";
-            self.said.of(message, || format!("nodes[{index}]"));
+            self.messages.of(message, || format!("nodes[{index}]"));
             return Ok(());
         }
         let own = node.name.as_deref().unwrap_or("");
-        let path = joined(place.path, own);
+        let path = joined(placement.path, own);
         let here = NodePlacement {
             world,
             path: &path,
-            level: place.level + 1,
+            level: placement.level + 1,
         };
         self.content(index, node, here)?;
         for child in children(node) {
@@ -161,27 +161,27 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         &mut self,
         index: usize,
         node: &'a Node,
-        place: NodePlacement,
+        placement: NodePlacement,
     ) -> Result<(), ReadError> {
         if let Some(mesh) = node.mesh {
-            self.mesh(index, node, mesh.value(), place)?;
+            self.mesh(index, node, mesh.value(), placement)?;
         }
         if let Some(camera) = node.camera {
-            self.camera(camera, place);
+            self.camera(camera, placement);
         }
         let extension = node.extensions.as_ref();
         if let Some(light) = extension.and_then(|e| e.khr_lights_punctual.as_ref()) {
-            self.light(light.light, place);
+            self.light(light.light, placement);
         }
         Ok(())
     }
 
     /// The name of the content of a node: the path of the nodes' names, with the content's own name
     /// appended if the node has none.
-    fn name(&self, node: &Node, own: Option<&str>, place: NodePlacement) -> String {
+    fn name(&self, node: &Node, own: Option<&str>, placement: NodePlacement) -> String {
         match node.name.as_deref() {
-            Some(name) if !name.is_empty() => place.path.to_owned(),
-            _ => joined(place.path, own.unwrap_or("")),
+            Some(name) if !name.is_empty() => placement.path.to_owned(),
+            _ => joined(placement.path, own.unwrap_or("")),
         }
     }
 
@@ -190,7 +190,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         index: usize,
         node: &'a Node,
         mesh: usize,
-        place: NodePlacement,
+        placement: NodePlacement,
     ) -> Result<(), ReadError> {
         let Some(json) = self.root().meshes.get(mesh) else {
             return Ok(());
@@ -205,7 +205,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
             data: self.data,
             surfaces: &mut self.surfaces,
             budget: &mut self.budget,
-            said: &mut *self.said,
+            messages: &mut *self.messages,
             irradiance: self.irradiance.get(mesh).copied().flatten(),
             mesh,
             primitive: 0,
@@ -214,13 +214,13 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         let Some(built) = built.map_err(|e| e.error(self.file))? else {
             return Ok(());
         };
-        let name = self.name(node, json.name.as_deref(), place);
+        let name = self.name(node, json.name.as_deref(), placement);
         match self.instances(index, node) {
             None if joints.is_some() => self.object(name, built, &DAffine3::IDENTITY),
-            None => self.object(name, built, &place.world),
+            None => self.object(name, built, &placement.world),
             Some(maps) => {
                 for map in maps {
-                    let world = place.world * map;
+                    let world = placement.world * map;
                     self.spend((built.positions.len() + built.faces.corners.len()) as u64)?;
                     self.object(name.clone(), built.clone(), &world)?;
                 }
@@ -240,14 +240,14 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         Ok(joints
             .map_err(|fault| {
                 let message = format!("skin left out: {fault}");
-                self.said.of(&message, || format!("nodes[{index}]"));
+                self.messages.of(&message, || format!("nodes[{index}]"));
             })
             .ok())
     }
 
     fn object(&mut self, name: String, mut mesh: Mesh, world: &DAffine3) -> Result<(), ReadError> {
         if !is_usable(world) {
-            self.said
+            self.messages
                 .whole("instance with an unusable transform: left out");
             return Ok(());
         }
@@ -273,7 +273,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
             u32::try_from(index).ok().map(Index::new)
         };
         let lists = ["TRANSLATION", "ROTATION", "SCALE"].map(attribute);
-        match self.places(lists) {
+        match self.instance_transforms(lists) {
             Ok((translations, rotations, scales)) => Some(
                 (0..translations.len())
                     .map(|i| placed(translations[i], rotations[i], scales[i]))
@@ -281,13 +281,16 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
             ),
             Err(fault) => {
                 let message = format!("instances left out: {fault}");
-                self.said.of(&message, || format!("nodes[{index}]"));
+                self.messages.of(&message, || format!("nodes[{index}]"));
                 None
             }
         }
     }
 
-    fn places(&mut self, lists: [Option<Index<Accessor>>; 3]) -> Result<Places, String> {
+    fn instance_transforms(
+        &mut self,
+        lists: [Option<Index<Accessor>>; 3],
+    ) -> Result<InstanceTransforms, String> {
         let data = self.data;
         let given = lists.iter().flatten().next();
         let count = data.count(*given.ok_or("no attributes")?)?;
@@ -309,26 +312,26 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         ))
     }
 
-    fn camera(&mut self, index: Index<gltf_json::Camera>, place: NodePlacement) {
+    fn camera(&mut self, index: Index<gltf_json::Camera>, placement: NodePlacement) {
         let Some(json) = self.root().get(index) else {
             return;
         };
         let at = || format!("cameras[{index}]");
         let Some(perspective) = &json.perspective else {
-            self.said.of("orthographic camera: skipped", at);
+            self.messages.of("orthographic camera: skipped", at);
             return;
         };
-        let eye = place.world.translation;
-        let axes = place.world.matrix3;
+        let eye = placement.world.translation;
+        let axes = placement.world.matrix3;
         let (Some(forward), Some(up)) =
             ((-axes.z_axis).try_normalize(), axes.y_axis.try_normalize())
         else {
-            self.said
+            self.messages
                 .of("camera without a viewing direction: skipped", at);
             return;
         };
         let camera = Camera {
-            name: named(place, json.name.as_deref()),
+            name: named(placement, json.name.as_deref()),
             eye,
             // Far from the origin a step of one would be lost in rounding.
             target: eye + forward * (1e-3 * eye.length()).max(1.0),
@@ -341,26 +344,27 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         if sees && right.is_finite() && up.is_finite() && forward.is_finite() {
             self.scene.cameras.push(camera);
         } else {
-            self.said.of("camera without a usable view: skipped", at);
+            self.messages
+                .of("camera without a usable view: skipped", at);
         }
     }
 
-    fn light(&mut self, index: Index<khr_lights_punctual::Light>, place: NodePlacement) {
+    fn light(&mut self, index: Index<khr_lights_punctual::Light>, placement: NodePlacement) {
         let Some(json) = self.root().get(index) else {
             return;
         };
         let at = || format!("lights[{index}]");
         if json.range.is_some() {
-            self.said.of(
+            self.messages.of(
                 "range of a light: not used, light falls off with the inverse square of the distance",
                 at,
             );
         }
-        let Some(kind) = kind_of(json, &place.world) else {
-            self.said.of("light without a direction: skipped", at);
+        let Some(kind) = kind_of(json, &placement.world) else {
+            self.messages.of("light without a direction: skipped", at);
             return;
         };
-        let name = named(place, json.name.as_deref());
+        let name = named(placement, json.name.as_deref());
         self.scene.lights.push(Light { name, kind });
     }
 }
@@ -396,8 +400,8 @@ fn kind_of(json: &khr_lights_punctual::Light, world: &DAffine3) -> Option<LightK
 }
 
 /// The name of a light or a camera: the path of the nodes' names, or else its own.
-fn named(place: NodePlacement, own: Option<&str>) -> String {
-    match place.path {
+fn named(placement: NodePlacement, own: Option<&str>) -> String {
+    match placement.path {
         "" => joined("", own.unwrap_or("")),
         path => path.to_owned(),
     }

@@ -173,7 +173,7 @@ impl<'a> Document<'a> {
     fn json(&self, bin_name: Option<&str>) -> io::Result<Vec<u8>> {
         let mut nodes = self.nodes.clone();
         let mut roots: Vec<usize> = (0..nodes.len()).collect();
-        if let Some(mut above) = above_all(&self.scene.units)
+        if let Some(mut above) = root_node(&self.scene.units)
             && !nodes.is_empty()
         {
             above["children"] = json!(roots);
@@ -229,7 +229,7 @@ fn asset(units: &Units) -> Value {
 }
 
 /// The node that rotates and scales a scene to metres and y up, if necessary.
-fn above_all(units: &Units) -> Option<Value> {
+fn root_node(units: &Units) -> Option<Value> {
     let mut node = Map::new();
     if units.up == Up::Z {
         let turn = json!([-FRAC_1_SQRT_2, 0, 0, FRAC_1_SQRT_2]);

@@ -2,7 +2,7 @@
 
 use super::lists::{NONE, ObjLists};
 use super::mtl::Library;
-use super::placement::{per_vertex_if_possible, place};
+use super::placement::{apply_placement, per_vertex_if_possible};
 use crate::reading::warnings::Warnings;
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{Attribute, Faces, MaterialId, Mesh, Object, Rgb, Scene, Shape};
@@ -42,7 +42,7 @@ pub(super) fn assemble(
     for (part, (name, faces)) in parts(&raw).into_iter().enumerate() {
         if !faces.is_empty() {
             let mut mesh = builder.mesh(faces);
-            place(&mut mesh, |material| library.placement(material));
+            apply_placement(&mut mesh, |material| library.placement(material));
             objects.push(Object::new(name, Shape::Mesh(mesh)));
         }
         while let Some(surface) = surfaces.next_if(|s| s.part == part) {
@@ -50,7 +50,7 @@ pub(super) fn assemble(
             for material in &mut mesh.face_materials {
                 *material = builder.material(*material);
             }
-            place(&mut mesh, |material| library.placement(material));
+            apply_placement(&mut mesh, |material| library.placement(material));
             objects.push(Object::new(name, Shape::Mesh(mesh)));
         }
     }

@@ -187,8 +187,8 @@ impl MtlParser<'_> {
                     (m.map_kd, m.placement) = (Some(picture), placement);
                 }
             }
-            // Ambient reflectance stands for indirect light, which azulejo computes; `sharpness` applies to
-            // environment maps, which it does not use.
+            // Ambient reflectance stands for indirect light, which azulejo computes; `sharpness`
+            // applies to environment maps, which it does not use.
             b"Ka" | b"map_Ka" | b"sharpness" => {}
             _ => self.unused(keyword),
         }
@@ -302,7 +302,7 @@ impl MtlParser<'_> {
             ..Material::default()
         };
         match self.surface(&m) {
-            MtlSurface::Matt => self.matt(&m, &mut material),
+            MtlSurface::Diffuse => self.diffuse(&m, &mut material),
             MtlSurface::Mirror => self.mirror(&m, &mut material),
             MtlSurface::Rough => self.rough(&m, &mut material),
             MtlSurface::Glass(ior) => self.glass(&m, ior, &mut material),
@@ -339,14 +339,14 @@ impl MtlParser<'_> {
         let is_rough = m.metallic.is_some_and(|share| share > 0.0) || m.roughness.is_some();
         match model as i64 {
             0..=5 if is_rough && (model != 4.0 || ior.is_none()) => MtlSurface::Rough,
-            0..=2 => MtlSurface::Matt,
+            0..=2 => MtlSurface::Diffuse,
             3 | 5 => MtlSurface::Mirror,
             4 if ior.is_none() => {
                 self.warnings.add_whole(
                     self.file,
                     "material with illum 4 and Ni of 1 or none, as Maya writes for every surface: taken as opaque",
                 );
-                MtlSurface::Matt
+                MtlSurface::Diffuse
             }
             4 | 6 | 7 => {
                 if ior.is_none() {
@@ -356,7 +356,7 @@ impl MtlParser<'_> {
             }
             _ => {
                 self.warn_about(&m.name, "has an unknown illum: taken as diffuse");
-                MtlSurface::Matt
+                MtlSurface::Diffuse
             }
         }
     }
@@ -377,12 +377,12 @@ impl MtlParser<'_> {
         let gloss = &mut self.library.gloss;
         let made = gloss.metallic_roughness(material, base, metallic, roughness);
         self.warn_if(made);
-        self.say_if_see_through(m);
+        self.warn_if_transparent(m);
     }
 
-    fn matt(&mut self, m: &Definition, material: &mut Material) {
+    fn diffuse(&mut self, m: &Definition, material: &mut Material) {
         material.diffuse = self.reflectance(m.kd.unwrap_or(missing_kd(m)), m);
-        self.say_if_see_through(m);
+        self.warn_if_transparent(m);
         if m.illum.unwrap_or(2.0) >= 2.0 {
             // A sum above 1 means a sharp and bright highlight.
             let ks = m.ks.unwrap_or_default();
@@ -392,7 +392,7 @@ impl MtlParser<'_> {
         }
     }
 
-    fn say_if_see_through(&mut self, m: &Definition) {
+    fn warn_if_transparent(&mut self, m: &Definition) {
         if m.opacity.is_some_and(|d| d < 1.0) {
             let message = "transparent material (d or Tr) with illum 0 to 2: taken as opaque";
             self.warnings.add_whole(self.file, message);
@@ -456,7 +456,7 @@ impl MtlParser<'_> {
 
 /// The surface types that `illum` and `Pm` select.
 enum MtlSurface {
-    Matt,
+    Diffuse,
     Mirror,
     /// Metallic-roughness by `Pm` and `Pr`.
     Rough,

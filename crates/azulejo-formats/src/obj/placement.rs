@@ -30,7 +30,7 @@ impl PicturePlacement {
 }
 
 /// Transforms the texture coordinates of faces whose material has a placement.
-pub(super) fn place(
+pub(super) fn apply_placement(
     mesh: &mut Mesh,
     placement_of: impl Fn(MaterialId) -> Option<PicturePlacement>,
 ) {

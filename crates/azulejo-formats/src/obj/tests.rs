@@ -47,19 +47,19 @@ fn check_error(text: &str, expected: &str) {
     ) else {
         panic!("{text}: read");
     };
-    let said = error.to_string();
-    assert_eq!(said.lines().next(), Some(expected), "{text}");
+    let message = error.to_string();
+    assert_eq!(message.lines().next(), Some(expected), "{text}");
 }
 
 /// Messages and counts of the warnings of a text after the square's vertices.
 fn check_warnings(text: &str, expected: &[(&str, usize)]) {
     let loaded = load(format!("{SQUARE}{text}"));
-    let said: Vec<(&str, usize)> = loaded
+    let messages: Vec<(&str, usize)> = loaded
         .warnings
         .iter()
         .map(|w| (w.message.as_str(), w.count))
         .collect();
-    assert_eq!(said, expected, "{text}");
+    assert_eq!(messages, expected, "{text}");
 }
 
 #[test]
@@ -76,7 +76,7 @@ fn index_forms() {
 }
 
 #[test]
-fn indices_count_from_where_they_stand() {
+fn negative_indices_count_back_from_their_line() {
     let text =
         "v 9 0 0\nv 0 0 0\nv 1 0 0\nf -1 -2 -3\nv 0 2 0\nf -1 -2 -3\nf 6 1 2\nv 0 0 0\nv 6 6 6\n";
     let mesh = only_mesh(text);
@@ -162,7 +162,7 @@ fn wrong_numbers() {
 }
 
 #[test]
-fn an_error_is_drawn_whatever_ends_the_lines() {
+fn an_error_shows_its_line_with_any_line_end() {
     for end in ["\n", "\r\n", "\r"] {
         let text = format!("# ñ{end}{end}v 0 0 0{end}f 1 ñ 2 \\{end} 1 é 7 # x{end}v 1 1 1{end}");
         let error = read(text.as_bytes(), "a.obj", &Memory::new()).unwrap_err();
@@ -287,7 +287,7 @@ fn groups_are_parts_of_objects() {
 }
 
 #[test]
-fn vertices_with_more_than_a_place() {
+fn vertices_with_weights_and_colours() {
     let colored = only_mesh("v 0 0 0\nv 1 0 0 1 0 0.5\nv 0 1 0 1 0 0 1\nf 1 2 3");
     let colors = [Rgb::WHITE, Rgb::new(1.0, 0.0, 0.5), Rgb::new(0.0, 0.0, 1.0)];
     assert_eq!(colored.colors, colors);
@@ -381,13 +381,13 @@ fn missing_attributes_are_filled() {
     let normals = mesh.normals.as_ref().unwrap();
     assert_eq!((normals.at(0, 0), normals.at(5, 3)), (DVec3::Y, DVec3::Z));
     assert_eq!(mesh.uvs.as_ref().unwrap().at(5, 3), DVec2::ZERO);
-    let said: Vec<(&str, usize)> = loaded
+    let warnings: Vec<(&str, usize)> = loaded
         .warnings
         .iter()
         .map(|w| (w.message.as_str(), w.count))
         .collect();
     assert_eq!(
-        said,
+        warnings,
         [
             ("normal that is zero or not finite: dropped", 2),
             (
@@ -422,7 +422,7 @@ fn smoothing_groups() {
 }
 
 #[test]
-fn what_has_no_surface_is_counted() {
+fn statements_without_surface_are_counted() {
     let points = "points (p) have no surface: skipped";
     let lines = "lines (l) have no surface: skipped";
     check_warnings(
@@ -459,17 +459,17 @@ fn material(mtl: &str) -> (Material, Vec<String>) {
 }
 
 fn check_material(mtl: &str, expected: Material, warnings: &[&str]) {
-    let (found, said) = material(mtl);
+    let (found, messages) = material(mtl);
     let expected = Material {
         name: "m".into(),
         ..expected
     };
     assert_eq!(found, expected, "{mtl}");
-    assert_eq!(said, warnings, "{mtl}");
+    assert_eq!(messages, warnings, "{mtl}");
 }
 
 #[test]
-fn matt_materials() {
+fn diffuse_materials() {
     let (half, quarter) = (Rgb::grey(0.5), Rgb::grey(0.25));
     check_material("", Material::diffuse("", half), &[]);
     check_material(
@@ -517,16 +517,16 @@ fn matt_materials() {
 
 #[test]
 fn glossy_materials_are_kept() {
-    let (found, said) = material("Kd 0.25\nKs 0.5\nNs 20");
+    let (found, messages) = material("Kd 0.25\nKs 0.5\nNs 20");
     assert_eq!(found.diffuse, Rgb::grey(0.25));
     let highlight = Highlight::of(&found).unwrap();
     assert_eq!((highlight.angle, highlight.n), (Angle::Half, 20.0));
     assert!((highlight.ks.r - 0.5).abs() < 1e-12);
-    assert_eq!(said, Vec::<String>::new());
-    let (scaled, said) = material("Kd 0.75\nKs 1\nNs 1");
+    assert_eq!(messages, Vec::<String>::new());
+    let (scaled, messages) = material("Kd 0.75\nKs 1\nNs 1");
     assert!(scaled.diffuse.r < 0.75);
     assert_eq!(
-        said,
+        messages,
         ["glossy material that reflects more light than it receives: scaled down"]
     );
     check_material(
@@ -599,9 +599,9 @@ fn libraries() {
         [0.5, 0.2]
     );
     let loaded = load_with(text("mtllib nowhere.mtl"), &files);
-    let said: Vec<String> = loaded.warnings.iter().map(|w| w.to_string()).collect();
+    let warnings: Vec<String> = loaded.warnings.iter().map(|w| w.to_string()).collect();
     assert_eq!(
-        said,
+        warnings,
         [
             "a.obj:7:7: material library \"nowhere.mtl\": there is no such file",
             "a.obj: material that no library defines: taken as grey with reflectance 0.5, for \"two\"",
@@ -611,7 +611,7 @@ fn libraries() {
 }
 
 #[test]
-fn an_error_in_a_library_says_who_asked() {
+fn an_error_in_a_library_names_the_model() {
     let check = |mtl: &str, expected: &str| {
         let files = Memory::new().with("m.mtl", mtl);
         let error = read(b"\nmtllib m.mtl\n", "a.obj", &files).unwrap_err();
@@ -651,20 +651,20 @@ fn pictures() {
     assert_eq!(loaded.scene.materials[0].textures, [0]);
     assert_eq!(loaded.scene.materials[0].diffuse, Rgb::WHITE);
     assert_eq!(loaded.scene.materials[2].textures, [2]);
-    let said: Vec<&str> = loaded.warnings.iter().map(|w| w.message.as_str()).collect();
+    let warnings: Vec<&str> = loaded.warnings.iter().map(|w| w.message.as_str()).collect();
     let unused = |option: &str| format!("texture option \"{option}\" is not used: skipped");
-    assert_eq!(said[0], unused("-clamp"));
+    assert_eq!(warnings[0], unused("-clamp"));
     assert_eq!(
-        said[1],
+        warnings[1],
         "picture \"sub/no.png\" is not used: there is no such file"
     );
 }
 
 fn check_rough(mtl: &str, metallic: f64, roughness: f64, warnings: &[&str]) {
-    let (found, said) = material(mtl);
+    let (found, messages) = material(mtl);
     let expected = Some((Rgb::grey(0.5), metallic, roughness));
     assert_eq!(gltf_mr(&found), expected, "{mtl}");
-    assert_eq!(said, warnings, "{mtl}");
+    assert_eq!(messages, warnings, "{mtl}");
 }
 
 #[test]
@@ -743,7 +743,7 @@ fn placed_pictures_on_surfaces() {
 }
 
 #[test]
-fn cut_or_changed_anywhere() {
+fn truncated_or_changed_anywhere() {
     let obj = format!(
         "o a\r\nmtllib m.mtl\n{SQUARE}v 1 1 1 1 0 0\nvt 0 1\nvn 0 0 1\ng b\ns 1\nusemtl m\nf 1/1/1 2//1 -1 \\\n 4\nl 1 2\n# x"
     );

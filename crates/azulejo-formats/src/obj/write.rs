@@ -80,8 +80,8 @@ pub fn losses(scene: &Scene) -> Vec<String> {
             "dielectrics that MTL cannot describe exactly",
         ),
     ];
-    let said = |&(count, what): &(usize, &str)| (count > 0).then(|| format!("{count} {what}"));
-    counts.iter().filter_map(said).collect()
+    let described = |&(count, what): &(usize, &str)| (count > 0).then(|| format!("{count} {what}"));
+    counts.iter().filter_map(described).collect()
 }
 
 /// MTL's glass is denser than its surroundings and follows the Fresnel equations alone.
@@ -171,24 +171,24 @@ fn index<T>(list: Option<&Attribute<T>>, base: usize, corner: usize, vertex: u32
 
 /// What MTL can represent of a reflection model.
 #[derive(Clone, Copy)]
-enum Shine {
+enum MtlModel {
     Highlight(Highlight),
     /// Base colour, metalness and roughness.
     Rough(Rgb, f64, f64),
 }
 
-fn model(m: &Material) -> Option<Shine> {
+fn model(m: &Material) -> Option<MtlModel> {
     let highlight = Highlight::of(m).filter(|_| m.mirror.is_black());
-    let rough = || gltf_mr(m).map(|(base, metallic, rough)| Shine::Rough(base, metallic, rough));
-    highlight.map(Shine::Highlight).or_else(rough)
+    let rough = || gltf_mr(m).map(|(base, metallic, rough)| MtlModel::Rough(base, metallic, rough));
+    highlight.map(MtlModel::Highlight).or_else(rough)
 }
 
-impl Shine {
+impl MtlModel {
     /// Whether reading back yields another model, or another diffuse reflectance.
     fn is_approximate(self, m: &Material) -> bool {
         match self {
-            Shine::Highlight(highlight) => highlight.angle == Angle::Mirrored,
-            Shine::Rough(..) => is_repainted(m),
+            MtlModel::Highlight(highlight) => highlight.angle == Angle::Mirrored,
+            MtlModel::Rough(..) => is_repainted(m),
         }
     }
 }
@@ -197,7 +197,7 @@ fn write_material(scene: &Scene, m: &Material, name: &str, out: &mut dyn Write) 
     let color = |c: Rgb| c.to_array();
     let model = model(m);
     let kd = match model {
-        Some(Shine::Rough(base, ..)) => base,
+        Some(MtlModel::Rough(base, ..)) => base,
         _ => m.diffuse,
     };
     writeln!(out, "newmtl {name}\nKd {}", Numbers(&color(kd)))?;
@@ -212,13 +212,13 @@ fn write_material(scene: &Scene, m: &Material, name: &str, out: &mut dyn Write) 
             Numbers(&transmittance),
             Numbers(&[glass.ior])
         )?;
-    } else if let Some(Shine::Rough(_, metallic, roughness)) = model {
+    } else if let Some(MtlModel::Rough(_, metallic, roughness)) = model {
         let (metallic, roughness) = ([metallic], [roughness]);
         let (metallic, roughness) = (Numbers(&metallic), Numbers(&roughness));
         writeln!(out, "Pm {metallic}\nPr {roughness}\nillum 2")?;
     } else if !m.mirror.is_black() {
         writeln!(out, "Ks {}\nillum 3", Numbers(&color(m.mirror)))?;
-    } else if let Some(Shine::Highlight(highlight)) = model {
+    } else if let Some(MtlModel::Highlight(highlight)) = model {
         let highlight = highlight.around_normal();
         writeln!(
             out,
@@ -459,7 +459,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(200))]
         #[test]
-        fn what_is_written_is_read(scene in scene()) {
+        fn written_scenes_are_read_back(scene in scene()) {
             prop_assert_eq!(scene.validate(), Ok(()));
             prop_assert_eq!(losses(&scene), Vec::<String>::new());
             let mut back = read_back(&scene);
@@ -495,7 +495,7 @@ mod tests {
     }
 
     #[test]
-    fn primitives_become_polygons_and_the_rest_is_said() {
+    fn primitives_become_polygons_and_losses_are_reported() {
         let mut scene = Scene::default();
         let white = scene.add_material(Material::diffuse("white", Rgb::grey(0.5)));
         let ball = Primitive::sphere(DVec3::ZERO, 2.0, white);

@@ -124,15 +124,18 @@ mod tests {
     }
 
     #[test]
-    fn the_last_name_counts() {
+    fn the_last_name_is_used() {
         let (encoding, warnings) = read(b"65/A\n65/Alpha\n65/Alpha\n", "a.ppe").unwrap();
         assert_eq!(encoding.names[&65], "Alpha");
-        let said: Vec<String> = warnings.iter().map(ToString::to_string).collect();
-        assert_eq!(said, ["a.ppe:2:1: code 65 again: the last name is used"]);
+        let messages: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+        assert_eq!(
+            messages,
+            ["a.ppe:2:1: code 65 again: the last name is used"]
+        );
     }
 
     #[test]
-    fn what_is_written_is_read() {
+    fn written_encodings_are_read_back() {
         let names = [(0, "a"), (35, "#"), (47, "/"), (0x10_ffff, "Ünï")];
         let encoding = Encoding {
             names: names.map(|(c, n)| (c, n.to_owned())).into(),
@@ -143,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_spelling_is_refused() {
+    fn unrepresentable_names_are_refused() {
         for (code, name) in [(65, ""), (65, "a b"), (65, "a\n"), (0x11_0000, "A")] {
             let names = [(code, name.to_owned())].into();
             assert!(

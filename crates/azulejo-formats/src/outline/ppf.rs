@@ -10,9 +10,9 @@
 //! ```
 //!
 //! Every contour is closed by construction. What is inside follows the even-odd rule
-//! ([`FillRule::EvenOdd`](azulejo_scene::FillRule::EvenOdd)) over all contours of a glyph, whatever their orientation: where an outline
-//! crosses itself, or two of them overlap, the area surrounded twice is outside. A contour
-//! without area, such as a single line, has no inside, and a glyph without contours is blank.
+//! ([`FillRule::EvenOdd`](azulejo_scene::FillRule::EvenOdd)) over all contours of a glyph, whatever
+//! their orientation: where an outline crosses itself, or two of them overlap, the area surrounded
+//! twice is outside. A contour without area, such as a single line, has no inside, and a glyph without contours is blank.
 
 use crate::reading::text::{decoded, shortened, text};
 use crate::reading::warnings::Warnings;
@@ -210,8 +210,9 @@ impl PpfReader<'_> {
 
 /// Writes a font so that [`read`] returns the same outlines, in the order of their names.
 ///
-/// PPF does not store advances: a reader takes the largest x, as [`Glyph::new`] does. Nor does it store
-/// fill rules: a figure filled by [`FillRule::NonZero`](azulejo_scene::FillRule::NonZero) whose contours overlap changes.
+/// PPF does not store advances: a reader takes the largest x, as [`Glyph::new`] does. Nor does it
+/// store fill rules: a figure filled by [`FillRule::NonZero`](azulejo_scene::FillRule::NonZero)
+/// whose contours overlap changes.
 ///
 /// # Errors
 /// Errors of `out`, and [`io::ErrorKind::InvalidInput`] for what cannot be represented: names that are
@@ -349,7 +350,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_say_where_in_which_glyph() {
+    fn errors_name_position_and_glyph() {
         let check = |text: &str, message: &str| {
             let error = read(text.as_bytes(), "a.ppf").unwrap_err().to_string();
             let first = error.lines().next().unwrap();
@@ -420,14 +421,14 @@ mod tests {
     }
 
     #[test]
-    fn the_first_glyph_of_a_name_counts() {
+    fn the_first_glyph_of_a_name_is_used() {
         let text = "/A 0\n/B 0\n/A 1 1 l 0 0\n /A 0\n";
         let (font, warnings) = read(text.as_bytes(), "a.ppf").unwrap();
         assert_eq!(font.glyphs.len(), 2);
         assert_eq!(font.glyphs["A"].figure.contours, []);
-        let said: Vec<String> = warnings.iter().map(ToString::to_string).collect();
+        let messages: Vec<String> = warnings.iter().map(ToString::to_string).collect();
         assert_eq!(
-            said,
+            messages,
             ["a.ppf:3:1: glyph /A is defined again: the first definition is used (2 times)"]
         );
     }
@@ -461,7 +462,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_spelling_is_refused() {
+    fn unrepresentable_fonts_are_refused() {
         let check = |name: &str, figure: Figure| {
             let font = Font {
                 glyphs: [(name.to_owned(), Glyph::new(figure))].into(),
@@ -498,7 +499,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_written_is_read(
+        fn written_fonts_are_read_back(
             name in "[A-Za-z0-9./#_é-]{1,12}",
             outlines in outlines(),
         ) {

@@ -294,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_encoding_is_clamped() {
+    fn unrepresentable_values_are_clamped() {
         let pixels = vec![[f32::NAN, -1.0, 0.0], [f32::INFINITY, 1.0, 0.0]];
         let image = Image {
             width: 2,

@@ -440,7 +440,7 @@ mod tests {
     }
 
     #[test]
-    fn what_it_is_instead() {
+    fn other_formats_are_named() {
         check(b"", Err("an empty file"));
         check(b" \n\t\n", Err("only white space"));
         check(b"\x89PNG\r\n\x1a\n", Err("a PNG picture"));

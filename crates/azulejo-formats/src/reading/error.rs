@@ -171,7 +171,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_error_is_drawn_with_its_line() {
+    fn an_error_shows_its_line() {
         let text = "begin mesh\n  begin vertices\n    (1, x, 2)\n";
         let mut e = ReadError::at_line("cube.grf", text, 3, 9, "the word \"x\"", "a number");
         e.included_from.push(("room.grf".into(), 12));

@@ -257,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn capitals_are_forgiven() {
+    fn case_may_differ() {
         let files = Memory::new().with("Wood.PNG", "1").with("wood.png", "2");
         assert_eq!(files.read("wood.png").unwrap(), b"2");
         assert_eq!(files.read("WOOD.png").unwrap(), b"1");
@@ -265,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_keeps_its_readers_inside() {
+    fn files_outside_the_folder_are_refused() {
         let folder = Folder::new(env!("CARGO_MANIFEST_DIR"))
             .allow(concat!(env!("CARGO_MANIFEST_DIR"), "/src"));
         assert!(folder.read("Cargo.toml").is_ok());

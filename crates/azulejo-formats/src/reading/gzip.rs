@@ -59,8 +59,8 @@ mod tests {
             most_unpacked: 999,
             ..options
         };
-        let said = unpacked(&packed, "a", &tight).unwrap_err().to_string();
-        assert!(said.contains("more than 999 bytes"), "{said}");
+        let message = unpacked(&packed, "a", &tight).unwrap_err().to_string();
+        assert!(message.contains("more than 999 bytes"), "{message}");
         let cut = &packed[..packed.len() - 9];
         assert!(
             unpacked(cut, "a", &options)

@@ -10,7 +10,7 @@ const KEPT: usize = 100;
 #[derive(Debug, Default)]
 pub(crate) struct Warnings {
     list: Vec<Warning>,
-    beyond: usize,
+    dropped: usize,
 }
 
 impl Warnings {
@@ -37,7 +37,7 @@ impl Warnings {
         if let Some(warning) = known.find(|w| w.message == message && w.file == file) {
             warning.count += count;
         } else if self.list.len() == KEPT {
-            self.beyond += count;
+            self.dropped += count;
         } else if count > 0 {
             self.list.push(Warning {
                 file: file.to_owned(),
@@ -58,14 +58,14 @@ impl Warnings {
 
     /// All warnings; the last entry counts those that were not kept.
     pub fn finish(mut self, file: &str) -> Vec<Warning> {
-        if self.beyond > 0 {
+        if self.dropped > 0 {
             self.list.push(Warning {
                 file: file.to_owned(),
                 position: Position::Whole,
                 message: format!(
                     "further warnings after the first {KEPT} distinct ones: not shown"
                 ),
-                count: self.beyond,
+                count: self.dropped,
             });
         }
         self.list

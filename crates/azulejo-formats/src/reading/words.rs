@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_are_none() {
+    fn words_that_are_not_numbers() {
         let mut words = Words::new(b"nan -inf 1.#QNAN 1x", "a.stl");
         assert!(words.number().unwrap().is_nan());
         assert_eq!(words.number(), Ok(f64::INFINITY));

@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn what_reflects_too_much_is_scaled_and_said() {
+    fn excessive_reflectance_is_scaled_with_a_warning() {
         let mut material = Material::diffuse("", Rgb::grey(0.8));
         let made = Gloss::default().highlight(&mut material, Highlight::half(0.0, Rgb::WHITE));
         assert!(made.is_err_and(|m| m.contains("more light than it receives")));
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_are_none_make_no_highlight() {
+    fn nan_makes_no_highlight() {
         let made = Highlight::half(f64::NAN, Rgb::grey(f64::NAN));
         assert_eq!((made.n, made.ks), (0.0, Rgb::BLACK));
         assert_eq!(Highlight::half(f64::INFINITY, Rgb::WHITE).n, SHARPEST);

@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn light_comes_along() {
+    fn irradiance_is_kept() {
         let square = lit_square();
         let mesh = lit_mesh_of(&square);
         assert_eq!(mesh.irradiance, [1.0, 3.0, 1.0, 3.0].map(Rgb::grey));

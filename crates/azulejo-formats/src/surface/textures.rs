@@ -60,8 +60,8 @@ impl Textures {
         let decoded = read.and_then(decode);
         let image = decoded.and_then(|image| self.admit(image));
         let shown = shortened(&name);
-        let said = |why| format!("picture \"{shown}\" is not used: {why}");
-        let problem = image.as_ref().err().map(said);
+        let warning = |why| format!("picture \"{shown}\" is not used: {why}");
+        let problem = image.as_ref().err().map(warning);
         let id = self.list.len() as TextureId;
         self.list.push(Texture {
             path: name,
@@ -164,8 +164,8 @@ mod tests {
             .with("wood.hdr", picture())
             .with("maps/tile.hdr", picture());
         let mut textures = Textures::default();
-        let asked = names.iter().map(|n| textures.index(of, n, &files));
-        let (found, problems): (Vec<_>, Vec<_>) = asked.unzip();
+        let results = names.iter().map(|n| textures.index(of, n, &files));
+        let (found, problems): (Vec<_>, Vec<_>) = results.unzip();
         assert_eq!(found, indices);
         let list = textures.into_list();
         let found: Vec<&str> = list.iter().map(|t| t.path.as_str()).collect();
@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_keeps_its_name() {
+    fn missing_pictures_keep_their_names() {
         check(
             "",
             &["a.jpg", "b/c.jpg", "a.jpg"],

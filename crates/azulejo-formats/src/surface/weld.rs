@@ -31,21 +31,21 @@ impl Welder {
     pub fn index(&mut self, position: DVec3) -> u32 {
         // Adding zero makes 0 of −0.
         let position = position + DVec3::ZERO;
-        let mut place = self.place(position);
+        let mut slot = self.slot(position);
         loop {
-            match self.table[place] {
-                0 => return self.add(position, place),
+            match self.table[slot] {
+                0 => return self.add(position, slot),
                 // Bits and not values are compared, so that the search ends for NaN, too.
                 known if bits(self.positions[known as usize - 1]) == bits(position) => {
                     return known - 1;
                 }
-                _ => place = (place + 1) & (self.table.len() - 1),
+                _ => slot = (slot + 1) & (self.table.len() - 1),
             }
         }
     }
 
     #[inline]
-    fn place(&self, position: DVec3) -> usize {
+    fn slot(&self, position: DVec3) -> usize {
         let mixed = bits(position).iter().fold(self.key, |hash, word| {
             (hash ^ word).wrapping_mul(self.key).rotate_left(29)
         });
@@ -54,9 +54,9 @@ impl Welder {
     }
 
     #[inline]
-    fn add(&mut self, position: DVec3, place: usize) -> u32 {
+    fn add(&mut self, position: DVec3, slot: usize) -> u32 {
         self.positions.push(position);
-        self.table[place] = self.positions.len() as u32;
+        self.table[slot] = self.positions.len() as u32;
         if 2 * self.positions.len() > self.table.len() {
             self.grow();
         }
@@ -67,11 +67,11 @@ impl Welder {
     fn grow(&mut self) {
         self.table = vec![0; 2 * self.table.len()];
         for index in 0..self.positions.len() {
-            let mut place = self.place(self.positions[index]);
-            while self.table[place] != 0 {
-                place = (place + 1) & (self.table.len() - 1);
+            let mut slot = self.slot(self.positions[index]);
+            while self.table[slot] != 0 {
+                slot = (slot + 1) & (self.table.len() - 1);
             }
-            self.table[place] = index as u32 + 1;
+            self.table[slot] = index as u32 + 1;
         }
     }
 }

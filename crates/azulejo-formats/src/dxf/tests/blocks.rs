@@ -118,7 +118,7 @@ fn blocks_may_follow_and_anonymous_ones_have_no_name() {
 }
 
 #[test]
-fn what_cannot_be_placed() {
+fn inserts_that_cannot_be_followed() {
     let a = block("a", "", "0 INSERT; 2 b");
     let b = block("b", "", &format!("0 INSERT; 2 a; {}", triangle("8 0")));
     let loaded = load(drawing(
@@ -166,7 +166,7 @@ fn depth_is_limited() {
 }
 
 #[test]
-fn bombs_are_refused_before_they_go_off() {
+fn expansion_bombs_are_refused() {
     let mut blocks = block("b0", "", &triangle("8 0"));
     for i in 1..20 {
         blocks += &block(
@@ -175,12 +175,12 @@ fn bombs_are_refused_before_they_go_off() {
             &format!("0 INSERT; 2 b{}; 70 1000; 71 1000", i - 1),
         );
     }
-    let said = try_load(drawing(&blocks, "0 INSERT; 2 b19"), &Memory::new())
+    let message = try_load(drawing(&blocks, "0 INSERT; 2 b19"), &Memory::new())
         .unwrap_err()
         .to_string();
     assert!(
-        said.starts_with("a.dxf: found instances, arrays or curves that expand to more than"),
-        "{said}"
+        message.starts_with("a.dxf: found instances, arrays or curves that expand to more than"),
+        "{message}"
     );
     // A large array of an empty block costs nothing.
     let empty = blocks.replace("3DFACE", "POINT");

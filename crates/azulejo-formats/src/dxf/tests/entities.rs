@@ -490,20 +490,23 @@ fn lights() {
     };
     assert!((direction - DVec3::new(0.6, 0.0, 0.8)).length() < 1e-15);
     assert_eq!(irradiance, Rgb::grey(2.0));
-    let said = warnings(&loaded);
-    assert!(said[0].ends_with("LIGHT that is off: left out"), "{said:?}");
+    let messages = warnings(&loaded);
     assert!(
-        said[1].ends_with("LIGHT without a direction: left out"),
-        "{said:?}"
+        messages[0].ends_with("LIGHT that is off: left out"),
+        "{messages:?}"
     );
     assert!(
-        said[2].contains("falls off with the inverse square of the distance"),
-        "{said:?}"
+        messages[1].ends_with("LIGHT without a direction: left out"),
+        "{messages:?}"
+    );
+    assert!(
+        messages[2].contains("falls off with the inverse square of the distance"),
+        "{messages:?}"
     );
 }
 
 #[test]
-fn everything_else_is_named() {
+fn other_entities_are_reported() {
     check_warnings(
         entities(
             "0 TEXT; 1 a; 0 3DSOLID; 1 xyz; 0 TEXT; 1 b; 0 VERTEX; 0 ATTRIB; 0 SEQEND;

@@ -83,12 +83,12 @@ fn layers_are_figures_with_holes() {
 }
 
 #[test]
-fn what_is_left_out_is_said() {
+fn left_out_outlines_are_reported() {
     let check = |entities: &str, message: &str| {
         let drawing = drawing(entities);
-        let said: Vec<&str> = drawing.warnings.iter().map(|w| &*w.message).collect();
+        let messages: Vec<&str> = drawing.warnings.iter().map(|w| &*w.message).collect();
         assert_eq!(
-            (drawing.shapes.len(), said),
+            (drawing.shapes.len(), messages),
             (0, vec![message]),
             "{entities}"
         );

@@ -96,7 +96,7 @@ fn names_in_all_encodings() {
 }
 
 #[test]
-fn damage_is_passed_over() {
+fn damage_is_skipped() {
     let whole = entities(&format!("{FACE}{FACE}"));
     // A value is lost: the file gets back into step, and one corner of the face moves.
     let lost = whole.replacen("11\n1\n", "11\n", 1);
@@ -125,7 +125,7 @@ fn damage_is_passed_over() {
 }
 
 #[test]
-fn malformed_numbers_are_named() {
+fn malformed_numbers_are_reported() {
     let text = entities(&FACE.replace("@11 1 0 0", "@11 1,5 0 1e999"));
     check_warnings(
         text,
@@ -155,13 +155,13 @@ fn every_beginning_of_a_file_is_read_or_refused() {
 
 #[test]
 fn no_drawing_at_all() {
-    let said = |text: &str| try_load(text, &Memory::new()).unwrap_err().to_string();
+    let error = |text: &str| try_load(text, &Memory::new()).unwrap_err().to_string();
     assert!(
-        said("Dear diary,\n")
+        error("Dear diary,\n")
             .starts_with("a.dxf:1:1: found a file without any section, expected a section")
     );
-    assert!(said("").starts_with("a.dxf:1:1: found a file without any section"));
-    assert!(said("AutoCAD Binary DXF").starts_with("a.dxf: byte 0 (0x0): found"));
+    assert!(error("").starts_with("a.dxf:1:1: found a file without any section"));
+    assert!(error("AutoCAD Binary DXF").starts_with("a.dxf: byte 0 (0x0): found"));
     check_warnings(
         "0\nSECTION\n2\nENTITIES\n0\nENDSEC\n0\nEOF\n",
         &[": the drawing contains no surfaces"],
@@ -203,10 +203,10 @@ fn external_references() {
         .with("x/b.dxf", referring("../a.dxf"))
         .with("a.dxf", referring("x/b.dxf"));
     let loaded = load_with(referring("x/b.dxf"), &files);
-    let said: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
+    let messages: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
     assert!(
-        said[0].starts_with("a.dxf:27:1: INSERT of block \"part\", which contains itself"),
-        "{said:?}"
+        messages[0].starts_with("a.dxf:27:1: INSERT of block \"part\", which contains itself"),
+        "{messages:?}"
     );
 }
 

@@ -99,8 +99,9 @@ fn materials(loaded: &Loaded) -> Vec<&str> {
 
 /// The warnings of a drawing, with their line and count.
 fn warnings(loaded: &Loaded) -> Vec<String> {
-    let said = loaded.warnings.iter().map(ToString::to_string);
-    said.map(|w| w.trim_start_matches("a.dxf").to_owned())
+    let messages = loaded.warnings.iter().map(ToString::to_string);
+    messages
+        .map(|w| w.trim_start_matches("a.dxf").to_owned())
         .collect()
 }
 

@@ -5,8 +5,8 @@ use crate::{Memory, ReadOptions, gltf};
 
 fn check_with(file: &[u8], options: &ReadOptions, part: &str) {
     let read = gltf::read(file, "a.gltf", &Memory::new(), options);
-    let said = read.map(|loaded| loaded.warnings).unwrap_err().to_string();
-    assert!(said.contains(part), "{said}, expected {part}");
+    let message = read.map(|loaded| loaded.warnings).unwrap_err().to_string();
+    assert!(message.contains(part), "{message}, expected {part}");
 }
 
 fn check(file: &str, part: &str) {
@@ -14,7 +14,7 @@ fn check(file: &str, part: &str) {
 }
 
 #[test]
-fn a_mesh_of_which_nothing_is_left() {
+fn files_without_a_readable_mesh() {
     let primitive = |p: &str| one_mesh(&format!("{{\"attributes\":{{{p}}}}}"));
     let missing = json(&format!(
         "\"buffers\":[{{\"byteLength\":36,\"uri\":\"x.bin\"}}],\

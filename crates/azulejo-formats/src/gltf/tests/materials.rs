@@ -31,7 +31,7 @@ fn pbr(json: &str) -> String {
 }
 
 #[test]
-fn matt_mirrored_and_glossy() {
+fn diffuse_mirrored_and_glossy() {
     let colour = "\"baseColorFactor\":[0.5,0.25,0,1]";
     let base = Rgb::new(0.5, 0.25, 0.0);
     let matt = material(&pbr(&format!("{colour},\"metallicFactor\":0")), &[]);
@@ -154,7 +154,7 @@ fn pictures_and_their_coordinates() {
 }
 
 #[test]
-fn what_is_not_used_is_named() {
+fn unused_properties_are_reported() {
     let json = format!(
         "{},\"normalTexture\":{{\"index\":0}},\"occlusionTexture\":{{\"index\":0}},\
          \"alphaMode\":\"MASK\",\"extensions\":{{\"KHR_materials_unlit\":{{}}}}",

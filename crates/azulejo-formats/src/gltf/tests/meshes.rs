@@ -51,7 +51,7 @@ fn triangles_out_of_range_are_left_out() {
 }
 
 #[test]
-fn positions_that_are_nowhere() {
+fn positions_that_are_not_finite() {
     let (nan, one) = (f32::NAN, 1.0);
     let more = [0.0, 0.0, nan, 0.0, 0.0, one, 0.0, one, 0.0, one, 0.0, 0.0];
     let file = triangle(
@@ -86,7 +86,7 @@ fn normals_and_texture_coordinates() {
 
 /// Two primitives over the same attributes share the vertices; a third has others.
 #[test]
-fn primitives_share_what_they_share_in_the_file() {
+fn primitives_share_vertices_as_in_the_file() {
     let more = [0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0, 1.0];
     let file = triangle(
         &more,
@@ -154,7 +154,7 @@ fn colours_are_linear_and_clamped() {
 }
 
 #[test]
-fn most_vertices_unused_means_none_unused() {
+fn unused_vertices_are_dropped_if_they_are_the_majority() {
     let more = [bits([0, 0, 0, 0]), bits([0, 0, 0, 0])];
     let positions = ",{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}";
     let file = triangle(
@@ -240,6 +240,6 @@ fn meshopt_views() {
         &crate::Memory::new(),
         &crate::ReadOptions::default(),
     );
-    let said = error.unwrap_err().to_string();
-    assert!(said.contains("damaged compressed data"), "{said}");
+    let message = error.unwrap_err().to_string();
+    assert!(message.contains("damaged compressed data"), "{message}");
 }

@@ -204,7 +204,7 @@ fn assert_alike(found: &Scene, expected: &Scene) {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
     #[test]
-    fn what_is_written_is_read(scene in scene()) {
+    fn written_scenes_are_read_back(scene in scene()) {
         prop_assert_eq!(scene.validate(), Ok(()));
         // A vertex list of which half is unused is cut down.
         let expected = as_used(&scene);
@@ -253,7 +253,7 @@ fn two_files_are_one_scene() {
 
 /// A square of one face with a normal for each corner and a discontinuity in its coordinates.
 #[test]
-fn values_of_corners_part_vertices() {
+fn corner_values_split_vertices() {
     let mut scene = Scene::default();
     scene.add_material(Material::diffuse("white", Rgb::grey(0.5)));
     let mut mesh = Mesh {
@@ -283,7 +283,7 @@ fn values_of_corners_part_vertices() {
 
 /// A scene in millimetres with z up: a lamp, a camera and a triangle that faces up.
 #[test]
-fn other_units_are_turned_and_scaled() {
+fn other_units_are_converted() {
     let mut scene = Scene::default();
     scene.add_material(Material::diffuse("white", Rgb::grey(0.5)));
     let mut mesh = Mesh {
@@ -368,7 +368,7 @@ fn other_units_are_turned_and_scaled() {
 }
 
 #[test]
-fn pictures_without_pixels_are_named() {
+fn pictures_without_pixels_are_reported() {
     let mut scene = Scene::default();
     scene.textures.push(Texture {
         path: "maps/a b.png".into(),

@@ -59,12 +59,12 @@ fn instances_of_an_extension() {
     let scene = read(&triangle(&more, &places, &format!("{nodes}{MESH}")), &[]);
     let places: Vec<f64> = (0..2).map(|i| mesh_of(&scene, i).positions[0].x).collect();
     assert_eq!(places, [1.0, 2.0]);
-    let damaged = triangle(&[], &places_out_of_range(), &format!("{nodes}{MESH}"));
+    let damaged = triangle(&[], &instances_out_of_range(), &format!("{nodes}{MESH}"));
     let scene = read(&damaged, &["instances left out"]);
     assert_eq!(scene.objects.len(), 1);
 }
 
-fn places_out_of_range() -> String {
+fn instances_out_of_range() -> String {
     super::accessor(5126, 2, "VEC3")
 }
 

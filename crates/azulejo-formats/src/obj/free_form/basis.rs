@@ -311,10 +311,10 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_is_said() {
+    fn invalid_parameters_are_reported() {
         let check = |kind: BasisKind, degree, parm: &[f64], expected: &str| {
-            let said = Basis::new(kind, degree, parm.to_vec()).unwrap_err();
-            assert!(said.contains(expected), "{said}");
+            let message = Basis::new(kind, degree, parm.to_vec()).unwrap_err();
+            assert!(message.contains(expected), "{message}");
         };
         check(BasisKind::Bezier, 0, &[0.0, 1.0], "degree 0");
         check(BasisKind::Bezier, 31, &[0.0, 1.0], "degree 31");

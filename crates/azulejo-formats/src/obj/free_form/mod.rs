@@ -64,7 +64,7 @@ enum Family {
 #[derive(Debug)]
 struct Element {
     position: Position,
-    what: What,
+    what: ElementKind,
     parm: [Vec<f64>; 2],
     /// Loops of `trim` and `hole`.
     loops: Vec<Vec<Piece>>,
@@ -73,7 +73,7 @@ struct Element {
 }
 
 #[derive(Debug)]
-enum What {
+enum ElementKind {
     Surface {
         range: [f64; 4],
         net: Net,
@@ -94,7 +94,7 @@ struct Piece {
 }
 
 impl Element {
-    fn new(position: Position, what: What) -> Element {
+    fn new(position: Position, what: ElementKind) -> Element {
         Element {
             position,
             what,
@@ -136,14 +136,14 @@ impl FreeForm {
             for piece in pieces {
                 let curve = self.curves.get(piece.curve).and_then(Option::as_ref);
                 let curve = curve.ok_or_else(|| {
-                    Refused::Because("a loop with a trimming curve that does not exist".to_owned())
+                    Refused::Reason("a loop with a trimming curve that does not exist".to_owned())
                 })?;
                 points.extend(curve.flatten(piece.from, piece.to, lines, budget)?);
             }
             points.dedup();
             if !points.iter().all(|p| p.is_finite()) {
                 let why = "a trimming curve with points that are not finite";
-                return Err(Refused::Because(why.to_owned()));
+                return Err(Refused::Reason(why.to_owned()));
             }
             if points.len() >= 3 {
                 region.push(points);
@@ -173,7 +173,7 @@ impl ObjReader<'_> {
             b"curv2" => self.trimming_curve()?,
             b"curv" => {
                 self.warn("free-form curves (curv) have no surface: skipped");
-                self.begin(What::Nothing)?;
+                self.begin(ElementKind::Nothing)?;
             }
             b"parm" => self.parameters(),
             b"trim" | b"hole" => self.trimming_loop(keyword == b"trim"),
@@ -296,7 +296,7 @@ impl ObjReader<'_> {
     }
 
     /// Begins an element; one that has not ended ends now.
-    fn begin(&mut self, what: What) -> Result<(), ReadError> {
+    fn begin(&mut self, what: ElementKind) -> Result<(), ReadError> {
         let position = self.cursor.position();
         if self.free_form.element.is_some() {
             self.warn("curve or surface without end before the next one: ended there");
@@ -312,11 +312,11 @@ impl ObjReader<'_> {
         for value in &mut range {
             let Some(given) = self.value() else {
                 self.warn("\"surf\" without four numbers for its range: skipped");
-                return self.begin(What::Nothing);
+                return self.begin(ElementKind::Nothing);
             };
             *value = given;
         }
-        let what = What::Surface {
+        let what = ElementKind::Surface {
             range,
             net: self.net()?,
             material: self.material,
@@ -366,7 +366,7 @@ impl ObjReader<'_> {
         };
         // If one is missing, `end` will report that the others do not suffice.
         let points = values.iter().filter_map(point).collect();
-        self.begin(What::Trimming(points))
+        self.begin(ElementKind::Trimming(points))
     }
 
     /// `parm u ...` and `parm v ...`.
@@ -419,7 +419,7 @@ impl ObjReader<'_> {
             b"cdp" => (Family::Cardinal, vec![0.0, 1.0]),
             _ => (Family::Bezier, vec![0.0, 1.0]),
         };
-        self.begin(What::Surface {
+        self.begin(ElementKind::Surface {
             range: [0.0, 1.0, 0.0, 1.0],
             net,
             material: self.material,
@@ -439,18 +439,18 @@ impl ObjReader<'_> {
             return Ok(());
         };
         let position = element.position;
-        let made = match std::mem::replace(&mut element.what, What::Nothing) {
-            What::Nothing => Ok(()),
-            What::Trimming(points) => {
+        let made = match std::mem::replace(&mut element.what, ElementKind::Nothing) {
+            ElementKind::Nothing => Ok(()),
+            ElementKind::Trimming(points) => {
                 let curve = self.trimming(&mut element, points);
                 let (curve, made) = match curve {
                     Ok(curve) => (Some(curve), Ok(())),
-                    Err(why) => (None, Err(Refused::Because(why))),
+                    Err(why) => (None, Err(Refused::Reason(why))),
                 };
                 self.free_form.curves.push(curve);
                 made
             }
-            What::Surface {
+            ElementKind::Surface {
                 range,
                 net,
                 material,
@@ -459,7 +459,7 @@ impl ObjReader<'_> {
         match made {
             Ok(()) => Ok(()),
             Err(Refused::Budget(exhausted)) => Err(exhausted.error(self.file)),
-            Err(Refused::Because(why)) => {
+            Err(Refused::Reason(why)) => {
                 let message = format!("free-form curve or surface with {why}: skipped");
                 self.warnings.add(self.file, message, || position);
                 Ok(())
@@ -484,13 +484,13 @@ impl ObjReader<'_> {
     ) -> Result<(), Refused> {
         let [u, v] = std::mem::take(&mut element.parm);
         let free_form = &self.free_form;
-        let axis = |axis, parm| free_form.basis(axis, parm).map_err(Refused::Because);
+        let axis = |axis, parm| free_form.basis(axis, parm).map_err(Refused::Reason);
         let (u, v) = (axis(0, u)?, axis(1, v)?);
-        positive(net.weights.iter().copied()).map_err(Refused::Because)?;
-        let surface = FreeFormSurface::new(u, v, net).map_err(Refused::Because)?;
+        positive(net.weights.iter().copied()).map_err(Refused::Reason)?;
+        let surface = FreeFormSurface::new(u, v, net).map_err(Refused::Reason)?;
         let range = surface
             .within(range)
-            .ok_or_else(|| Refused::Because("a range outside its parameters".to_owned()))?;
+            .ok_or_else(|| Refused::Reason("a range outside its parameters".to_owned()))?;
         let patch = tessellate::tessellate(
             &surface,
             range,
@@ -500,7 +500,7 @@ impl ObjReader<'_> {
         )?;
         if patch.is_empty() {
             let why = "loops that cut all of it away";
-            return Err(Refused::Because(why.to_owned()));
+            return Err(Refused::Reason(why.to_owned()));
         }
         let part = self.raw.parts.len();
         let surfaces = &mut self.raw.surfaces;

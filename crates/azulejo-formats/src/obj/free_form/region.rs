@@ -187,7 +187,7 @@ fn area(points: &[DVec2]) -> f64 {
 fn triangles(loops: Loops, budget: &mut Budget) -> Result<Vec<Vec<DVec2>>, Refused> {
     if !loops.iter().flatten().all(|p| p.is_finite()) {
         let why = "a trimming curve with points that are not finite";
-        return Err(Refused::Because(why.to_owned()));
+        return Err(Refused::Reason(why.to_owned()));
     }
     if let [only] = loops.as_slice()
         && let Some(convex) = convex(only)

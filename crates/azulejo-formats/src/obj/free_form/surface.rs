@@ -57,7 +57,7 @@ pub(super) struct Sample {
 #[derive(Debug)]
 pub(super) enum Refused {
     Budget(Exhausted),
-    Because(String),
+    Reason(String),
 }
 
 impl From<Exhausted> for Refused {
@@ -148,7 +148,7 @@ impl FreeFormSurface {
         let coarse = Coarse::new(self, &breaks, parts, budget)?;
         let size = Aabb::around(coarse.points.iter().copied()).diagonal();
         if !size.is_finite() {
-            return Err(Refused::Because("points that are not finite".to_owned()));
+            return Err(Refused::Reason("points that are not finite".to_owned()));
         }
         let tolerance = CHORD_ERROR * size;
         let along = |axis: usize| -> Vec<f64> {

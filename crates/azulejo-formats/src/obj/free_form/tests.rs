@@ -37,8 +37,8 @@ fn only_mesh(text: &str) -> Mesh {
 
 fn check_warnings(text: &str, expected: &[&str]) {
     let loaded = load(text);
-    let said: Vec<&str> = loaded.warnings.iter().map(|w| w.message.as_str()).collect();
-    assert_eq!(said, expected, "{text}");
+    let messages: Vec<&str> = loaded.warnings.iter().map(|w| w.message.as_str()).collect();
+    assert_eq!(messages, expected, "{text}");
 }
 
 /// A square of the plane z = 0 from (0, 0) to (2, 2), bilinear, over parameters 0..=1.
@@ -294,7 +294,7 @@ fn a_trimmed_dome_has_no_cracks() {
 }
 
 #[test]
-fn surfaces_stand_beside_faces() {
+fn surfaces_and_faces_in_one_file() {
     let text = format!(
         "{SQUARE}usemtl a\nf 1 2 4 3\no wing\ng tip\nusemtl b\n{SURFACE}end\nf 1 2 3\n{SURFACE}end\n\
          g root\n{SURFACE}end\n"
@@ -335,7 +335,7 @@ fn old_patches() {
 }
 
 #[test]
-fn what_cannot_be_is_named() {
+fn invalid_elements_are_reported() {
     let check = |changed: (&str, &str), expected: &str| {
         let text = format!("{SQUARE}f 1 2 3\n{SURFACE}end\n");
         assert!(text.contains(changed.0), "{}", changed.0);
@@ -475,7 +475,7 @@ fn small_files_cannot_fill_memory() {
 }
 
 #[test]
-fn cut_or_changed_anywhere() {
+fn truncated_or_changed_anywhere() {
     let text = format!(
         "{SQUARE}{}{SURFACE}trim 0 4 1\nend\nstech cparma 2 1\n{}hole 0 4 -1\nend\n",
         circle(0.4),

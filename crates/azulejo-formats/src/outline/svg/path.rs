@@ -295,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_damaged_is_drawn_up_to_there() {
+    fn path_data_is_drawn_up_to_the_first_error() {
         let check = |data: &str, curves: usize| {
             let (figure, outcome) = drawn(data);
             assert!(outcome.is_cut, "{data}");

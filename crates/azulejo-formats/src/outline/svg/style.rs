@@ -44,9 +44,10 @@ impl Default for Style {
 }
 
 impl Style {
-    /// The style of a child element of one with this style; `None` if it and its content are not displayed.
+    /// The style of a child element of one with this style; `None` if it and its content are not
+    /// displayed.
     ///
-    /// Attributes have the lowest priority, then rules of the style sheet, then the element's own `style`.
+    /// In rising priority: attributes, rules of the style sheet, the element's own `style`.
     pub fn of(mut self, element: Node, sheet: &StyleSheet) -> Option<Style> {
         let mut is_displayed = true;
         for attribute in element.attributes() {

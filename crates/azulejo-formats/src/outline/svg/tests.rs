@@ -12,16 +12,20 @@ fn drawing(content: &str) -> Drawing {
 /// The only shape of a drawing without warnings.
 fn only(content: &str) -> Filled {
     let drawing = drawing(content);
-    let said: Vec<String> = drawing.warnings.iter().map(ToString::to_string).collect();
-    assert_eq!((drawing.shapes.len(), said), (1, Vec::new()), "{content}");
+    let messages: Vec<String> = drawing.warnings.iter().map(ToString::to_string).collect();
+    assert_eq!(
+        (drawing.shapes.len(), messages),
+        (1, Vec::new()),
+        "{content}"
+    );
     drawing.shapes.into_iter().next().unwrap()
 }
 
 fn check_warning(content: &str, shapes: usize, message: &str) {
     let drawing = drawing(content);
     assert_eq!(drawing.shapes.len(), shapes, "{content}");
-    let said: Vec<&str> = drawing.warnings.iter().map(|w| &*w.message).collect();
-    assert_eq!(said, [message], "{content}");
+    let messages: Vec<&str> = drawing.warnings.iter().map(|w| &*w.message).collect();
+    assert_eq!(messages, [message], "{content}");
 }
 
 #[test]
@@ -150,7 +154,7 @@ fn what_is_hidden_is_not_drawn() {
 }
 
 #[test]
-fn what_is_used_is_drawn_where_it_is_used() {
+fn use_draws_with_its_own_transform() {
     let defs = "<defs><g id='a'><rect id='r' width='1' height='1'/></g></defs>";
     let check = |content: &str, min: [f64; 2]| {
         let found = only(&format!("{defs}{content}")).figure.bounds().min;
@@ -166,7 +170,7 @@ fn what_is_used_is_drawn_where_it_is_used() {
 }
 
 #[test]
-fn what_is_left_out_is_said() {
+fn left_out_elements_are_reported() {
     check_warning("<text>a</text>", 0, "text: left out");
     check_warning("<image/>", 0, "image: left out");
     let stroked = "shape with a stroke but no fill: left out";
@@ -215,7 +219,7 @@ fn other_files_are_refused() {
 }
 
 #[test]
-fn small_files_do_not_unfold_without_end() {
+fn expansion_is_limited() {
     let mut content = String::from("<g id='g0'><path d='M0 0h1v1z'/></g>");
     for i in 1..30 {
         let inner = format!("<use href='#g{}'/>", i - 1);

@@ -41,7 +41,7 @@ mod tests {
     use azulejo_scene::{Figure, Glyph};
 
     #[test]
-    fn names_tell_characters() {
+    fn glyph_names_determine_characters() {
         let names = [
             "A",
             "A.swash",

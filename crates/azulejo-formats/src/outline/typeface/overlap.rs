@@ -311,7 +311,7 @@ mod tests {
     }
 
     #[test]
-    fn what_overlaps_is_one() {
+    fn overlapping_contours_are_merged() {
         check(|pen| square(pen, v(0.0, 0.0), 1.0), 1, 1.0);
         let two = |pen: &mut Pen| {
             square(pen, v(0.0, 0.0), 1.0);
@@ -355,7 +355,7 @@ mod tests {
     }
 
     #[test]
-    fn sides_that_lie_on_each_other_are_left() {
+    fn coincident_sides_are_not_merged() {
         let mut pen = Pen::default();
         square(&mut pen, v(0.0, 0.0), 1.0);
         square(&mut pen, v(0.5, 0.0), 1.0);

@@ -332,7 +332,7 @@ fn what_materials_mean() {
     assert_eq!((highlight.angle, highlight.n), (Angle::Half, 64.0));
     assert!((highlight.ks.r - 0.5).abs() < 1e-12);
     let bright = "specularColor 1 1 1 shininess 0";
-    check_warning(&body(bright), "more than it gets", 1);
+    check_warning(&body(bright), "more light than it receives", 1);
     check_warning(&body("transparency 0.5"), "material with transparency", 1);
     check_warning(&body("transparency 1"), "invisible", 1);
     check_warning(&body("reflSpecular 0 0 0"), "Material.reflSpecular", 1);

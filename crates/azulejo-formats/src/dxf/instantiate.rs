@@ -18,7 +18,7 @@ use std::collections::HashMap;
 const LONGEST_PATH: usize = 1000;
 
 /// Instantiates all blocks.
-pub(super) fn place(mut project: Project, warnings: &mut Warnings) -> Scene {
+pub(super) fn instantiate(mut project: Project, warnings: &mut Warnings) -> Scene {
     // The drawing's own surfaces are instantiated only once, so they need not be copied.
     let surfaces = std::mem::take(&mut project.root_mut().surfaces);
     let mut placer = Placer {
@@ -206,7 +206,7 @@ impl<'a> Placer<'a, '_> {
             color,
             finish,
         } = drawing.appearances[appearance as usize];
-        let plane = plane_in(drawing, layer, context);
+        let plane = layer_in(drawing, layer, context);
         let paint = match color {
             Color::ByLayer => plane.layer.paint,
             Color::ByBlock => context.paint,
@@ -231,7 +231,7 @@ impl<'a> Placer<'a, '_> {
         id: LayerId,
         context: &Context<'a>,
     ) -> Option<&'a Layer> {
-        let layer = plane_in(drawing, id, context).layer;
+        let layer = layer_in(drawing, id, context).layer;
         if layer.is_off || layer.is_frozen {
             self.note_hidden(layer);
             return None;
@@ -248,7 +248,7 @@ impl<'a> Placer<'a, '_> {
 }
 
 /// The layer of an entity in a block: layer 0 becomes that of the INSERT.
-fn plane_in<'a>(drawing: &'a DxfDrawing, id: LayerId, context: &Context<'a>) -> EffectiveLayer<'a> {
+fn layer_in<'a>(drawing: &'a DxfDrawing, id: LayerId, context: &Context<'a>) -> EffectiveLayer<'a> {
     let layer = &drawing.layers[id as usize];
     match context.layer {
         Some(outer) if layer.is_zero() => outer,
