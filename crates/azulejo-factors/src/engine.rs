@@ -62,7 +62,7 @@ impl Default for Hemicube {
 /// The renderer of item buffers.
 #[derive(Clone, Debug, Default)]
 pub enum HemicubeBackend {
-    /// The processor, by software rasterisation.
+    /// The processor, by software rasterization.
     #[default]
     Processor,
     /// Another device. The processor takes over if it fails, and the report mentions it.

@@ -9,7 +9,7 @@
 //! | [`outline`] | fonts, encodings, typefaces, drawings | `reading` |
 //! | [`brdf`], [`camera_json`] | reflection models; cameras and lights | `reading` |
 //! | [`grf`], [`obj`], [`gltf`], ... | one folder per model format | all above |
-//! | `read` | recognises a format and calls its reader | all above |
+//! | `read` | recognizes a format and calls its reader | all above |
 //!
 //! Every format is a module with `read` and, where it makes sense, `write`. A reader returns
 //! [`Loaded`]: a scene that is valid in the sense of
@@ -42,8 +42,8 @@ pub mod view3d;
 pub mod vrml;
 
 pub use picture::{PictureError, decode as read_picture};
-pub use read::{RecognisedModel, read, read_drawing, read_with};
-pub use reading::detect::{Format, Unrecognised, detect, recognise};
+pub use read::{RecognizedModel, read, read_drawing, read_with};
+pub use reading::detect::{Format, Unrecognized, detect, recognize};
 pub use reading::error::{Loaded, Position, ReadError, Warning};
 pub use reading::files::{FileError, Files, Folder, Memory};
 pub use reading::options::{Lod, ReadOptions};

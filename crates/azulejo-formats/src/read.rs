@@ -1,17 +1,17 @@
-//! Models and drawings of any supported format: recognised once, then read by the format's
+//! Models and drawings of any supported format: recognized once, then read by the format's
 //! own reader.
 
 use crate::outline::{Drawing, svg};
-use crate::reading::detect::{EXPECTED, Format, detect, recognise};
+use crate::reading::detect::{EXPECTED, Format, detect, recognize};
 use crate::reading::gzip;
 use crate::reading::text::decoded;
 use crate::{Files, ReadError, ReadOptions, Warning};
 use crate::{dxf, gltf, grf, mgf, obj, openflight, ply, scn, sff, stl, studio3ds, view3d, vrml};
 use azulejo_scene::Scene;
 
-/// A model and the format that it was recognised as.
+/// A model and the format that it was recognized as.
 #[derive(Clone, Debug)]
-pub struct RecognisedModel {
+pub struct RecognizedModel {
     /// The model; valid in the sense of [`Scene::validate`], in the axes and the unit of its file.
     pub scene: Scene,
     /// What was skipped, repaired or guessed.
@@ -25,7 +25,7 @@ pub struct RecognisedModel {
 ///
 /// # Errors
 /// An unknown format, and the errors of the format's own reader.
-pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<RecognisedModel, ReadError> {
+pub fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<RecognizedModel, ReadError> {
     read_with(bytes, name, files, &ReadOptions::default())
 }
 
@@ -38,10 +38,10 @@ pub fn read_with(
     name: &str,
     files: &dyn Files,
     options: &ReadOptions,
-) -> Result<RecognisedModel, ReadError> {
+) -> Result<RecognizedModel, ReadError> {
     let bytes = &*gzip::unpacked(bytes, name, options)?;
-    let format = recognise(bytes, name)
-        .map_err(|unrecognised| ReadError::whole(name, unrecognised.looks_like, EXPECTED))?;
+    let format = recognize(bytes, name)
+        .map_err(|unrecognized| ReadError::whole(name, unrecognized.looks_like, EXPECTED))?;
     let read = match format {
         Format::Grf => grf::read_with,
         Format::Obj => obj::read_with,
@@ -58,14 +58,14 @@ pub fn read_with(
         Format::View3d => view3d::read,
     };
     let loaded = read(bytes, name, files, options)?;
-    Ok(RecognisedModel {
+    Ok(RecognizedModel {
         scene: loaded.scene,
         warnings: loaded.warnings,
         format,
     })
 }
 
-/// Reads an SVG or DXF drawing, recognised by its content. `name` is used in messages.
+/// Reads an SVG or DXF drawing, recognized by its content. `name` is used in messages.
 ///
 /// # Errors
 /// Another format, and the errors of [`svg::read`] and [`dxf::read_figures`].
@@ -81,7 +81,7 @@ pub fn read_drawing(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<D
             let found = format!("a model in {}", other.name());
             Err(ReadError::whole(name, found, EXPECTED))
         }
-        Err(unrecognised) => Err(ReadError::whole(name, unrecognised.looks_like, EXPECTED)),
+        Err(unrecognized) => Err(ReadError::whole(name, unrecognized.looks_like, EXPECTED)),
     }
 }
 

@@ -17,7 +17,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// the caches.
 const MOST_PIXELS: u64 = 1 << 24;
 const MOST_PIXELS_SOFTWARE: u64 = 1 << 20;
-/// Largest number of views in an atlas: more do not increase utilisation.
+/// Largest number of views in an atlas: more do not increase utilization.
 const MOST_TILES: u32 = 256;
 /// Largest size of the sums of an atlas, in bytes.
 const MOST_SUMS: u64 = 128 << 20;

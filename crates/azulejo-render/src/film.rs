@@ -11,7 +11,7 @@ const TILE: u32 = 16;
 
 /// An image plane of `width × height` pixels, and the sample positions of each.
 ///
-/// The pixel filter is a tent of one pixel's radius, realised by sampling positions in proportion
+/// The pixel filter is a tent of one pixel's radius, realized by sampling positions in proportion
 /// to it (Ernst, Stamminger and Greiner, *Filter Importance Sampling*, IEEE RT 2006). It is
 /// smoother than a box along edges, and unlike a filter with negative lobes it makes no dark
 /// rings around lamps, which are a hundred times brighter than what is beside them. As each

@@ -18,7 +18,7 @@ pub struct FresnelSplit {
 ///
 /// `direction` is unit and points against the unit normal `n` (`direction · n <= 0`); `eta` > 0 is
 /// the index of refraction of the far side over that of the near side. Snell's law and Fresnel's
-/// equations for unpolarised light, exact. At grazing incidence everything is reflected.
+/// equations for unpolarized light, exact. At grazing incidence everything is reflected.
 pub fn split(direction: DVec3, n: DVec3, eta: f64) -> FresnelSplit {
     let cos_i = (-direction.dot(n)).clamp(0.0, 1.0);
     let reflected = reflect(direction, n);
@@ -42,7 +42,7 @@ pub fn split(direction: DVec3, n: DVec3, eta: f64) -> FresnelSplit {
 /// Splits a ray at a thin pane, which stands for both of its surfaces: transmitted light continues
 /// straight.
 ///
-/// Arguments as for [`split`]. For either polarisation each surface reflects the fraction R; with
+/// Arguments as for [`split`]. For either polarization each surface reflects the fraction R; with
 /// all interreflections between the two, 2R/(1 + R) is reflected and (1 − R)/(1 + R) transmitted.
 /// Light from either side is split in the same way.
 pub fn pane(direction: DVec3, n: DVec3, eta: f64) -> FresnelSplit {
@@ -52,7 +52,7 @@ pub fn pane(direction: DVec3, n: DVec3, eta: f64) -> FresnelSplit {
     }
     let cos_i = (-direction.dot(n)).clamp(0.0, 1.0);
     let cos_t = (1.0 - (1.0 - cos_i * cos_i) / (eta * eta)).max(0.0).sqrt();
-    let both = polarised(cos_i, cos_t, eta).map(|r| 2.0 * r / (1.0 + r));
+    let both = polarized(cos_i, cos_t, eta).map(|r| 2.0 * r / (1.0 + r));
     FresnelSplit {
         reflectance: 0.5 * (both[0] + both[1]),
         refracted: Some(direction),
@@ -60,16 +60,16 @@ pub fn pane(direction: DVec3, n: DVec3, eta: f64) -> FresnelSplit {
     }
 }
 
-/// Fresnel reflectance of unpolarised light: the mean over both polarisations.
+/// Fresnel reflectance of unpolarized light: the mean over both polarizations.
 fn reflectance(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
-    let [perpendicular, parallel] = polarised(cos_i, cos_t, eta);
+    let [perpendicular, parallel] = polarized(cos_i, cos_t, eta);
     0.5 * (perpendicular + parallel)
 }
 
-/// Fresnel reflectance of light polarised perpendicular and parallel to the plane of incidence.
+/// Fresnel reflectance of light polarized perpendicular and parallel to the plane of incidence.
 ///
 /// Hecht, *Optics*, 4th ed., eqs. (4.34) and (4.40), with the indices divided by the near one.
-fn polarised(cos_i: f64, cos_t: f64, eta: f64) -> [f64; 2] {
+fn polarized(cos_i: f64, cos_t: f64, eta: f64) -> [f64; 2] {
     let perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
     let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
     [perpendicular * perpendicular, parallel * parallel]
@@ -97,7 +97,7 @@ mod tests {
         check(0.0, 1.0 / 1.5, 0.04);
         check(30.0, 1.0, 0.0);
         check(90.0, 1.5, 1.0);
-        // At Brewster's angle only the perpendicular polarisation is mirrored.
+        // At Brewster's angle only the perpendicular polarization is mirrored.
         let brewster = 1.5f64.atan();
         let rs = (2.0 * brewster).cos().powi(2);
         check(brewster.to_degrees(), 1.5, 0.5 * rs);

@@ -167,7 +167,7 @@ pub fn reflect(direction: DVec3, n: DVec3) -> DVec3 {
 }
 
 /// The matrix that transforms normals when `m` transforms points: its inverse transpose,
-/// unnormalised.
+/// unnormalized.
 pub fn normal_matrix(m: DMat3) -> DMat3 {
     // Cofactors instead of the inverse: a flattened object keeps a usable normal.
     let (a, b, c) = (m.x_axis, m.y_axis, m.z_axis);

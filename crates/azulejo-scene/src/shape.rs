@@ -1,4 +1,4 @@
-//! Shapes: meshes, and primitives with their parameterisation.
+//! Shapes: meshes, and primitives with their parameterization.
 
 use crate::math::{Aabb, normal_matrix};
 use crate::{Exact, MaterialId, Mesh, Rgb};

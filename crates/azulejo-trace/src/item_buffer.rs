@@ -242,7 +242,7 @@ impl Hemicube {
         // fourth power of its length they are one. Their sum is 1 up to O(1/n²), by which they are
         // divided.
         let raw = |p: u32| {
-            let d = cube.unnormalised(p);
+            let d = cube.unnormalized(p);
             d.z / d.length_squared().powi(2)
         };
         let raw: Vec<f64> = (0..cube.pixels()).map(raw).collect();
@@ -268,11 +268,11 @@ impl Hemicube {
 
     /// Direction of a pixel's centre in the hemicube's axes, unit length.
     pub fn direction(&self, pixel: u32) -> DVec3 {
-        self.unnormalised(pixel).normalize()
+        self.unnormalized(pixel).normalize()
     }
 
     /// The point where the direction intersects the cube of side 2.
-    fn unnormalised(&self, pixel: u32) -> DVec3 {
+    fn unnormalized(&self, pixel: u32) -> DVec3 {
         let n = self.resolution;
         let at = |k: u32| (2.0 * f64::from(k) + 1.0) / f64::from(n) - 1.0;
         if pixel < n * n {

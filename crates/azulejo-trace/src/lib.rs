@@ -10,7 +10,7 @@
 //! the directions they map to), [`lambert`] (the irradiance at a point due to a polygon, exactly),
 //! [`lights`] (sampling of light sources), [`follow`] (paths through mirrors and glass), and
 //! [`Gatherer`] (irradiance at points, for both passes). Embree can trace the triangles instead
-//! ([`Kernel`]; feature `embree`). [`item_buffer`] solves visibility by rasterisation: it finds the
+//! ([`Kernel`]; feature `embree`). [`item_buffer`] solves visibility by rasterization: it finds the
 //! patches that are visible through the pixels of a hemicube. [`Progress`] reports the progress of
 //! long work, pauses and stops it.
 //!

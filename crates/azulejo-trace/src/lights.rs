@@ -64,7 +64,7 @@ impl<'a> Lights<'a> {
     pub fn new(surfaces: &Surfaces<'a>) -> Lights<'a> {
         let mut flat = flat_emitters(surfaces.scene);
         let mut curved = curved_emitters(surfaces.scene);
-        let ends = normalised(&mut flat, &mut curved);
+        let ends = normalized(&mut flat, &mut curved);
         let (mut delta, mut ambient) = (Vec::new(), Rgb::BLACK);
         for light in &surfaces.scene.lights {
             match light.kind {
@@ -195,7 +195,7 @@ impl<'a> Lights<'a> {
 }
 
 /// Divides the power of all emitters by its sum; returns the sums up to each.
-fn normalised(flat: &mut [FlatEmitter], curved: &mut [CurvedEmitter]) -> Vec<f64> {
+fn normalized(flat: &mut [FlatEmitter], curved: &mut [CurvedEmitter]) -> Vec<f64> {
     let flat = flat.iter_mut().map(|l| &mut l.emission.share);
     let curved = curved.iter_mut().map(|l| &mut l.emission.share);
     let mut shares: Vec<&mut f64> = flat.chain(curved).collect();

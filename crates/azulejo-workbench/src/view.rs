@@ -85,7 +85,7 @@ pub enum ColorMap {
     /// Blue, green, yellow.
     #[default]
     Viridis,
-    /// Blue to yellow, optimised for colour vision deficiency.
+    /// Blue to yellow, optimized for colour vision deficiency.
     Cividis,
     /// Black, purple, white.
     Magma,

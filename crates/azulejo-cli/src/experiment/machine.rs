@@ -72,7 +72,7 @@ fn build() -> &'static str {
     if cfg!(debug_assertions) {
         "debug build: times are not meaningful"
     } else {
-        "optimised build"
+        "optimized build"
     }
 }
 

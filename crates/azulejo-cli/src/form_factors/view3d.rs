@@ -12,7 +12,7 @@ use azulejo_factors::{Closure, Engine, FaceId, FormFactorOptions, FormFactors, P
 use azulejo_formats::view3d::{
     FactorHeader, MatrixLayout, View3dControls, View3dDocument, View3dModel, write_factors,
 };
-use azulejo_formats::{Format, ReadOptions, recognise};
+use azulejo_formats::{Format, ReadOptions, recognize};
 use azulejo_scene::{Material, Scene};
 use std::fs::File;
 use std::io::{self, Read, Write};
@@ -83,7 +83,7 @@ fn is_view3d(path: &Path) -> bool {
     let mut start = Vec::new();
     let is_file = path.metadata().is_ok_and(|m| m.is_file());
     let mut read = || File::open(path)?.take(START).read_to_end(&mut start);
-    is_file && read().is_ok() && recognise(&start, &path.to_string_lossy()) == Ok(Format::View3d)
+    is_file && read().is_ok() && recognize(&start, &path.to_string_lossy()) == Ok(Format::View3d)
 }
 
 impl View3dInput {

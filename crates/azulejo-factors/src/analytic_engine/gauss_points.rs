@@ -1,7 +1,7 @@
 //! Exchange areas of unoccluded pairs, by Gauss's rule on both facets.
 //!
 //! With the same number of points for all pairs, the sum over pairs of points is a plain loop over
-//! columns, which the compiler vectorises. For facets of radii r₁ and r₂ at distance d, m² points
+//! columns, which the compiler vectorizes. For facets of radii r₁ and r₂ at distance d, m² points
 //! on each have a relative error of about c (r₁ + r₂)^2m / d^2m.
 
 use super::gauss_square;

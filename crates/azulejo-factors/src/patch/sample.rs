@@ -170,7 +170,7 @@ fn lifted(densities: [f64; 4]) -> [f64; 4] {
 }
 
 /// A point of the unit square by a bilinear density with the values `w` at (0,0), (1,0), (1,1)
-/// and (0,1), all > 0; and the density there, normalised.
+/// and (0,1), all > 0; and the density there, normalized.
 fn sample_bilinear(w: [f64; 4], u1: f64, u2: f64) -> (f64, f64, f64) {
     if w.iter().all(|x| (x - w[0]).abs() <= 1e-9 * w[0]) {
         return (u1, u2, 1.0);

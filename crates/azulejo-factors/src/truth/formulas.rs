@@ -257,7 +257,7 @@ pub fn diffuse_fresnel(n: f64) -> f64 {
 }
 
 /// Share of diffuse light that passes a clear pane of index n, with all internal reflections: the
-/// mean of (1 − R)/(1 + R) over both polarisations.
+/// mean of (1 − R)/(1 + R) over both polarizations.
 pub fn diffuse_pane(n: f64) -> f64 {
     let passed = |amplitude: f64| {
         let r = amplitude * amplitude;

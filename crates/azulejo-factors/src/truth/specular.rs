@@ -216,7 +216,7 @@ fn glass() -> Vec<Case> {
         ),
         pane.asks(below, above).case(
             "pane_1.5",
-            "mean of (1 − R)/(1 + R) over both polarisations",
+            "mean of (1 − R)/(1 + R) over both polarizations",
             CaseKind::Glass,
             "infinite planes before and behind a clear thin pane of index 1.5",
             Truth::quadrature(diffuse_pane(1.5)),

@@ -1,4 +1,4 @@
-//! Recognises the formats of measured data.
+//! Recognizes the formats of measured data.
 
 use super::{LoadedBrdf, merl, rgl, tensors};
 use crate::{ReadError, Warning};
@@ -35,7 +35,7 @@ mod tests {
         let found = measured(&bytes, "a.binary").unwrap().unwrap();
         assert!(matches!(found.content, Content::Measured(_)));
 
-        // A table whose size is not that of the database is recognised, and rejected.
+        // A table whose size is not that of the database is recognized, and rejected.
         let bytes = merl::tests::file([6, 5, 8], "diffuse kd = 0.5");
         let error = measured(&bytes, "a.bsdf")
             .unwrap()

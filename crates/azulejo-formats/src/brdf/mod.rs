@@ -1,6 +1,6 @@
 //! Files of reflection models: azulejo's text format ([`text`]), and measured data.
 //!
-//! [`read`] recognises them by their content; file names and extensions do not matter, because
+//! [`read`] recognizes them by their content; file names and extensions do not matter, because
 //! other programs use `.brdf` for various formats.
 
 pub(crate) mod inline;

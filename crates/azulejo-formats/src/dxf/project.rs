@@ -269,7 +269,7 @@ impl ProjectReader<'_, '_> {
         match detect(&bytes) {
             Ok(Format::Dxf) => {}
             Ok(other) => return Err(refused(&format!("{}, not DXF", other.name()))),
-            Err(unrecognised) => return Err(refused(unrecognised.looks_like)),
+            Err(unrecognized) => return Err(refused(unrecognized.looks_like)),
         }
         let bytes = into_decoded(bytes);
         let drawing = parse(&bytes, path, self.options, self.warnings)

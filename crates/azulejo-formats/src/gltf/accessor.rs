@@ -81,7 +81,7 @@ impl<'a> Elements<'a> {
         self.iter().map(element).collect()
     }
 
-    /// Like [`Elements::numbers`], for components of any type. Normalised integers are divided by
+    /// Like [`Elements::numbers`], for components of any type. Normalized integers are divided by
     /// the largest value of their type.
     fn decoded<const N: usize, T>(
         self,

@@ -122,7 +122,7 @@ fn is_camera(camera: &Camera) -> bool {
     spans && camera.vertical_fov > 0.0 && camera.vertical_fov < std::f64::consts::PI
 }
 
-/// The normalised vector, unchanged if it is a unit vector already; `None` for zero.
+/// The normalized vector, unchanged if it is a unit vector already; `None` for zero.
 fn unit(v: DVec3) -> Option<DVec3> {
     // Half of the tolerance of a scene, so that values in a file are preserved bit by bit.
     if (v.length() - 1.0).abs() < 5e-4 {

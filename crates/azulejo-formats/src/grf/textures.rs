@@ -4,7 +4,7 @@ use crate::{Files, Loaded, Position, Warning, picture};
 use azulejo_scene::Image;
 
 /// Loads the images of a scene's textures that are not loaded yet: PNG, JPEG and Radiance HDR,
-/// recognised by their content. An image that cannot be read stays without pixels, with a warning
+/// recognized by their content. An image that cannot be read stays without pixels, with a warning
 /// under `name`, the model's name in messages.
 pub fn load_textures(loaded: &mut Loaded, name: &str, files: &dyn Files) {
     for texture in &mut loaded.scene.textures {

@@ -8,7 +8,7 @@ use glam::{DAffine3, DMat3, DVec3};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct InheritedState {
     pub world: DAffine3,
-    /// Transforms normals to world coordinates, without normalising them.
+    /// Transforms normals to world coordinates, without normalizing them.
     pub normals: DMat3,
     /// Whether the orientation of faces is reversed.
     pub mirrored: bool,

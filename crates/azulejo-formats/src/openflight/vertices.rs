@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct FltVertex {
     pub position: DVec3,
-    /// Not normalised, but non-zero.
+    /// Not normalized, but non-zero.
     pub normal: Option<DVec3>,
     pub uv: Option<DVec2>,
 }

@@ -12,7 +12,7 @@ pub use error::PictureError;
 use azulejo_scene::Image;
 use error::malformed;
 
-/// Reads a PNG, JPEG or Radiance HDR picture as linear light, recognised by its content.
+/// Reads a PNG, JPEG or Radiance HDR picture as linear light, recognized by its content.
 ///
 /// # Errors
 /// [`PictureError`]: another format, damaged, or larger than its bytes justify.

@@ -1,4 +1,4 @@
-//! Recognises the format of a file by its content rather than by its name.
+//! Recognizes the format of a file by its content rather than by its name.
 
 use super::gzip;
 use super::text::decoded;
@@ -62,37 +62,37 @@ impl Format {
 
 /// The error for bytes in none of the supported formats.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Unrecognised {
+pub struct Unrecognized {
     /// A description of what they seem to be: "a PNG picture", "text in no known format".
     pub looks_like: &'static str,
 }
 
-impl fmt::Display for Unrecognised {
+impl fmt::Display for Unrecognized {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "found {}, expected {EXPECTED}", self.looks_like)
     }
 }
 
-impl std::error::Error for Unrecognised {}
+impl std::error::Error for Unrecognized {}
 
 /// What errors list as expected.
 pub(crate) const EXPECTED: &str =
     "a model in 3DS, DXF, glTF, GRF, MGF, OBJ, OpenFlight, PLY, SCN, SFF, STL, View3D, VRML or X3D";
 
-/// Recognises the format of a model by its content or, if that is ambiguous, by its file name.
+/// Recognizes the format of a model by its content or, if that is ambiguous, by its file name.
 ///
 /// # Errors
 /// As [`detect`].
-pub fn recognise(bytes: &[u8], name: &str) -> Result<Format, Unrecognised> {
+pub fn recognize(bytes: &[u8], name: &str) -> Result<Format, Unrecognized> {
     by_extension(name, detect(bytes))
 }
 
-/// A format without magic bytes or keywords is recognised by the file name, unless the content
+/// A format without magic bytes or keywords is recognized by the file name, unless the content
 /// contradicts it.
 fn by_extension(
     name: &str,
-    detected: Result<Format, Unrecognised>,
-) -> Result<Format, Unrecognised> {
+    detected: Result<Format, Unrecognized>,
+) -> Result<Format, Unrecognized> {
     let lower = name.to_ascii_lowercase();
     let name = lower.strip_suffix(".gz").unwrap_or(&lower);
     match &detected {
@@ -115,17 +115,17 @@ const PLAIN_TEXT: &str = "text in no known format";
 /// Bytes of a file that are examined: enough to get past a long comment at its start.
 const LOOKED_AT: usize = 1 << 16;
 
-/// Recognises the format of a model, compressed with gzip or not.
+/// Recognizes the format of a model, compressed with gzip or not.
 ///
 /// # Errors
-/// [`Unrecognised`], which names the actual format if it is well known.
-pub fn detect(bytes: &[u8]) -> Result<Format, Unrecognised> {
+/// [`Unrecognized`], which names the actual format if it is well known.
+pub fn detect(bytes: &[u8]) -> Result<Format, Unrecognized> {
     let start = unpacked_start(bytes);
     let found = match known_mark(&start) {
         Some(found) => found,
         None => by_words(&decoded(&start[..start.len().min(LOOKED_AT)])),
     };
-    found.map_err(|looks_like| Unrecognised { looks_like })
+    found.map_err(|looks_like| Unrecognized { looks_like })
 }
 
 /// The bytes, or the first of their decompressed bytes.
@@ -134,7 +134,7 @@ fn unpacked_start(bytes: &[u8]) -> Cow<'_, [u8]> {
         return Cow::Borrowed(bytes);
     }
     let mut start = Vec::new();
-    // What could be decompressed before the damage is enough to recognise the format.
+    // What could be decompressed before the damage is enough to recognize the format.
     let _ = MultiGzDecoder::new(bytes)
         .take(LOOKED_AT as u64)
         .read_to_end(&mut start);

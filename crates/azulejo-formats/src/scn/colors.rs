@@ -46,7 +46,7 @@ fn snake(name: &str) -> Option<String> {
     Some(snake)
 }
 
-/// Capitalised names whose colour differs from that of the lower-case spelling, or that have no
+/// Capitalized names whose colour differs from that of the lower-case spelling, or that have no
 /// lower-case spelling.
 const CAMEL: &str = "Coral:ff7f00 Goldenrod:dbdb70 IndianRed1:ff6a6a Orchid:db70db \
     Plum:eaadea Tan:db9370 VioletRed:d02090 White:fcfcfc";

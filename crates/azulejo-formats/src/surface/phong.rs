@@ -1,7 +1,7 @@
 //! Highlights as MTL, 3DS, VRML and OpenFlight describe them.
 //!
 //! Their shading adds Ks cosⁿ to Kd cos θ, each times the arriving light, and neither bounds
-//! nor normalises the highlight. A reflection model with the same highlight along the normal is
+//! nor normalizes the highlight. A reflection model with the same highlight along the normal is
 //! f_r = Kd/π + Ks/π cosⁿ. `blinn` and `lewis` are its reciprocal forms, where Ks is replaced by ks,
 //! the share that the lobe reflects of light along the normal, which cannot exceed 1 − Kd.
 

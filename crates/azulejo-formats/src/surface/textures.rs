@@ -23,7 +23,7 @@ impl Textures {
     ///
     /// The picture is searched beside `of`, beside the model, and in both places without the folders
     /// of its name, which often exist only on its author's machine. PNG, JPEG and Radiance HDR are
-    /// loaded, recognised by their content. A picture that cannot be loaded keeps its name, and only
+    /// loaded, recognized by their content. A picture that cannot be loaded keeps its name, and only
     /// the first request for it returns the warning.
     pub fn index(
         &mut self,

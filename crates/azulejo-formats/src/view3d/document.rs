@@ -24,7 +24,7 @@ pub struct View3dControls {
     pub row: u32,
     /// The single column, from 1, if a row is given; 0 for all.
     pub column: u32,
-    /// Whether the surfaces are an enclosure, so that rows are normalised to sum to 1.
+    /// Whether the surfaces are an enclosure, so that rows are normalized to sum to 1.
     pub encl: bool,
     /// Whether to compute grey interchange factors instead of view factors.
     pub emit: bool,

@@ -8,7 +8,7 @@ use std::io::{self, Write};
 pub struct FactorHeader {
     /// Text or binary.
     pub layout: MatrixLayout,
-    /// Whether rows were normalised to sum to 1.
+    /// Whether rows were normalized to sum to 1.
     pub encl: bool,
     /// Whether it holds grey interchange factors.
     pub emit: bool,

@@ -283,7 +283,7 @@ impl<'f> ExtrusionFaces<'f> {
     }
 }
 
-/// Normalised arc length of each point, 0 to 1; evenly spaced if the line has no length.
+/// Normalized arc length of each point, 0 to 1; evenly spaced if the line has no length.
 fn shares<T: Copy>(points: &[T], distance: impl Fn(T, T) -> f64) -> Vec<f64> {
     let mut sum = 0.0;
     let mut shares = vec![0.0];

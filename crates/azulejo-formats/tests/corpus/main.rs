@@ -12,7 +12,7 @@ mod counts;
 mod rules;
 mod truth;
 
-use azulejo_formats::{Folder, ReadError, RecognisedModel, grf};
+use azulejo_formats::{Folder, ReadError, RecognizedModel, grf};
 use counts::Counts;
 use rules::{Exception, Expected, Quantity, Rules};
 use std::path::Path;
@@ -91,7 +91,7 @@ fn check(corpus: &Path, row: &Row, rules: &Rules) -> Line {
     line
 }
 
-fn read(path: &Path, allowed: Option<std::path::PathBuf>) -> Result<RecognisedModel, ReadError> {
+fn read(path: &Path, allowed: Option<std::path::PathBuf>) -> Result<RecognizedModel, ReadError> {
     let bytes = std::fs::read(path).expect("a readable file");
     let name = path.file_name().expect("a file name").to_string_lossy();
     let mut folder = Folder::of_model(path);
@@ -123,7 +123,7 @@ impl Line {
 
     fn accepted(
         &mut self,
-        loaded: &RecognisedModel,
+        loaded: &RecognizedModel,
         row: &Row,
         rules: &Rules,
         exceptions: &[&Exception],
@@ -173,7 +173,7 @@ impl Line {
 }
 
 /// Size of the scene as GRF, the last column of Table 1 of *Wannabe Amazing* (2001).
-fn grf_size(loaded: &RecognisedModel) -> u64 {
+fn grf_size(loaded: &RecognizedModel) -> u64 {
     let mut written = Vec::new();
     grf::write(&loaded.scene, &mut written).expect("memory takes all");
     written.len() as u64

@@ -1,11 +1,11 @@
 //! OBJ scenes with known content; `tests/corpus` compares the others with other programs.
 
-use azulejo_formats::{Folder, ReadError, RecognisedModel, camera_json};
+use azulejo_formats::{Folder, ReadError, RecognizedModel, camera_json};
 use azulejo_scene::{LightKind, Mesh, Object, Rgb, Shape};
 use azulejo_testing::data;
 use std::path::Path;
 
-fn read(path: &Path) -> Result<RecognisedModel, ReadError> {
+fn read(path: &Path) -> Result<RecognizedModel, ReadError> {
     let bytes = std::fs::read(path).expect("a readable file");
     let name = path.file_name().expect("a file name").to_string_lossy();
     let loaded = azulejo_formats::read(&bytes, &name, &Folder::of_model(path))?;
@@ -21,7 +21,7 @@ fn mesh(object: &Object) -> &Mesh {
 }
 
 /// Sums of vertices, faces and triangles.
-fn count(loaded: &RecognisedModel) -> [usize; 3] {
+fn count(loaded: &RecognizedModel) -> [usize; 3] {
     let meshes = || loaded.scene.objects.iter().map(mesh);
     [
         meshes().map(|m| m.positions.len()).sum(),

@@ -1,6 +1,6 @@
 //! RTRACE's own scenes, with the files that they refer to.
 
-use azulejo_formats::{Memory, RecognisedModel, read, sff};
+use azulejo_formats::{Memory, RecognizedModel, read, sff};
 use azulejo_scene::{Operation, PrimitiveKind, Scene, Shape, Solid};
 use azulejo_testing::data;
 use std::path::Path;
@@ -17,7 +17,7 @@ fn stock(folder: &Path) -> Memory {
         .with("csg.t3d", file("scenes/csg.t3d"))
 }
 
-fn load(folder: &Path, path: &str) -> RecognisedModel {
+fn load(folder: &Path, path: &str) -> RecognizedModel {
     let bytes = std::fs::read(folder.join(path)).expect("a stock scene");
     let name = path.rsplit('/').next().unwrap_or(path);
     let loaded = read(&bytes, name, &stock(folder)).unwrap_or_else(|e| panic!("{e}"));

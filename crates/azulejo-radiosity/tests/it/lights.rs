@@ -360,7 +360,7 @@ fn add_pane(scene: &mut Scene, z: f64) {
 }
 
 /// Share of diffuse light that a pane of n = 1.5 passes: ∫ 2μ (1 − R)/(1 + R) dμ with R(μ) the
-/// mean of both polarisations. That paths carry no polarisation costs 0.8%: with it, the share
+/// mean of both polarizations. That paths carry no polarization costs 0.8%: with it, the share
 /// would be 0.8509383009.
 const PANE: f64 = 0.8445559401246554;
 
@@ -393,7 +393,7 @@ fn a_pane_passes_its_share() {
     );
 }
 
-/// A thin pane treats both surfaces for either polarisation: the exact share passes, and the rest
+/// A thin pane treats both surfaces for either polarization: the exact share passes, and the rest
 /// is reflected.
 #[test]
 fn a_thin_pane_passes_its_exact_share() {

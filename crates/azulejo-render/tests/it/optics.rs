@@ -117,7 +117,7 @@ fn a_hall_of_perfect_mirrors_ends() {
     assert_close(found[0], Rgb::BLACK, 0.0);
 }
 
-/// Reflectance of one boundary for light at `cos` in air, polarisations apart.
+/// Reflectance of one boundary for light at `cos` in air, polarizations apart.
 fn fresnel(cos: f64, ior: f64) -> [f64; 2] {
     let cos_t = (1.0 - (1.0 - cos * cos) / (ior * ior)).sqrt();
     [
@@ -155,7 +155,7 @@ fn check_pane(degrees: f64) {
         &[(target - DVec3::new(sin, 0.0, cos), target)],
         &options,
     );
-    // The renderer carries no polarisation: the mean reflectance goes into the series
+    // The renderer carries no polarization: the mean reflectance goes into the series
     // T² (1 + R² + R⁴ + ...) = (1 − R)/(1 + R).
     let r = 0.5 * fresnel(cos, 1.5).iter().sum::<f64>();
     assert_close(found[0], Rgb::grey((1.0 - r) / (1.0 + r)), 2e-3);

@@ -1,4 +1,4 @@
-//! Blinn's lobe around the half vector, normalised: `blinn`.
+//! Blinn's lobe around the half vector, normalized: `blinn`.
 //!
 //! J. F. Blinn, *Models of light reflection for computer synthesized pictures*, SIGGRAPH 1977. The
 //! factor makes the albedo exactly ks at normal incidence; (n + 8)/(8π), which is often used,
@@ -53,7 +53,7 @@ pub(super) struct Blinn {
 }
 
 /// C(n), 1/sr.
-pub(super) fn normalisation(n: f64) -> f64 {
+pub(super) fn normalization(n: f64) -> f64 {
     (n + 2.0) * (n + 4.0) / (8.0 * PI * ((-0.5 * n).exp2() + n))
 }
 
@@ -70,7 +70,7 @@ pub(super) fn sample_half(n: f64, u: f64) -> f64 {
 impl Reflect for Blinn {
     fn eval(&self, wo: DVec3, wi: DVec3) -> Rgb {
         let cos = HalfVector::new(wo, wi).cos_h();
-        self.albedo * (normalisation(self.exponent) * cos.powf(self.exponent))
+        self.albedo * (normalization(self.exponent) * cos.powf(self.exponent))
     }
 
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {

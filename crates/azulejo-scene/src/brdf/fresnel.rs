@@ -62,7 +62,7 @@ fn schlick(f0: Rgb, tint: Rgb, c: f64) -> Rgb {
     (of(c) - dip * (c * (1.0 - c).powi(6))).map(|f| f.clamp(0.0, 1.0))
 }
 
-/// A boundary to a metal of index η + ik, unpolarised light.
+/// A boundary to a metal of index η + ik, unpolarized light.
 fn conductor(c: f64, eta: f64, k: f64) -> f64 {
     // At grazing incidence all light is reflected; the terms below may be 0/0 there.
     let c = c.max(1e-12);
@@ -76,7 +76,7 @@ fn conductor(c: f64, eta: f64, k: f64) -> f64 {
     (0.5 * (rs + rp)).clamp(0.0, 1.0)
 }
 
-/// A boundary to a transparent body, unpolarised light; 1 where reflection is total.
+/// A boundary to a transparent body, unpolarized light; 1 where reflection is total.
 fn dielectric(c: f64, eta: f64) -> f64 {
     let direction = glam::DVec3::new((1.0 - c * c).max(0.0).sqrt(), 0.0, -c);
     crate::fresnel::split(direction, glam::DVec3::Z, eta).reflectance

@@ -8,7 +8,7 @@ mod profile;
 
 use super::BrdfError;
 use super::arguments::Arguments;
-use super::blinn::{half_pdf, normalisation, sample_half};
+use super::blinn::{half_pdf, normalization, sample_half};
 use super::lobe::{Lobe, Reflect, Spread};
 use super::lobes::median_angle;
 use super::microfacet::{HalfVector, mirrored_by};
@@ -159,7 +159,7 @@ impl Reflect for ShinyCylinders {
         let sum = self.integral(&both, h, n, |cos, normal| {
             cos.powf(n) * normal.dot(wo).max(0.0) * normal.dot(wi).max(0.0)
         });
-        self.albedo * (normalisation(n) * sum / (self.profile.d * wo.z * wi.z))
+        self.albedo * (normalization(n) * sum / (self.profile.d * wo.z * wi.z))
     }
 
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {

@@ -191,7 +191,7 @@ mod tests {
         check(1.0, 0.9, 0.0, 1.0);
     }
 
-    /// The paper's A is only approximately normalised: never above 1, and 3 % below it at p = ½.
+    /// The paper's A is only approximately normalized: never above 1, and 3 % below it at p = ½.
     #[test]
     fn brushed_metal_reflects_no_more() {
         let check = |isotropy: f64, expected: f64| {

@@ -1,7 +1,7 @@
 //! Torrance and Sparrow's facets with Gaussian angles: `torrance_sparrow_gauss`.
 //!
 //! K. E. Torrance, E. M. Sparrow, *Theory for off-specular reflection from roughened surfaces*,
-//! JOSA 57(9), 1967. The paper's distribution is not normalised; this one is.
+//! JOSA 57(9), 1967. The paper's distribution is not normalized; this one is.
 
 use super::arguments::Arguments;
 use super::lobe::{Lobe, Reflect, Spread};

@@ -1,4 +1,4 @@
-//! Ward's Gaussian lobe, stretched along x or y, with three normalisations: `ward`, `ward_duer`,
+//! Ward's Gaussian lobe, stretched along x or y, with three normalizations: `ward`, `ward_duer`,
 //! `ward_gmd`.
 //!
 //! The three share the exponential of the half vector's slope and how it is sampled (B. Walter,

@@ -1,7 +1,7 @@
 //! A plane figure prepared for queries: the curves that a line crosses, and the winding number of a
 //! point.
 
-use crate::kernel::{Vectorised, vectorised};
+use crate::kernel::{Vectorized, vectorized};
 use azulejo_scene::figure::{Rectangle, Segment, bernstein, crossings};
 use azulejo_scene::{Contour, Figure, FillRule};
 use glam::DVec2;
@@ -223,7 +223,7 @@ impl Outline {
         range: [f64; 2],
         visit: impl FnMut(Crossing) -> Option<f64>,
     ) -> i32 {
-        vectorised(CrossLine {
+        vectorized(CrossLine {
             outline: self,
             line,
             range,
@@ -315,7 +315,7 @@ impl Outline {
     }
 }
 
-/// [`Outline::cross`] as vectorised work: the four runs of a node are tested at once.
+/// [`Outline::cross`] as vectorized work: the four runs of a node are tested at once.
 struct CrossLine<'a, V> {
     outline: &'a Outline,
     line: &'a Line2,
@@ -323,7 +323,7 @@ struct CrossLine<'a, V> {
     visit: V,
 }
 
-impl<V: FnMut(Crossing) -> Option<f64>> Vectorised for CrossLine<'_, V> {
+impl<V: FnMut(Crossing) -> Option<f64>> Vectorized for CrossLine<'_, V> {
     type Output = i32;
 
     #[inline(always)]

@@ -1,4 +1,4 @@
-//! One face of a hemicube for the rasteriser.
+//! One face of a hemicube for the rasterizer.
 
 use super::view::{HemicubeView, Plane};
 use glam::DVec3;

@@ -220,7 +220,7 @@ impl Embree {
         };
         let mut said = String::new();
         for name in &names {
-            // SAFETY: the caller trusts the library's initialisers.
+            // SAFETY: the caller trusts the library's initializers.
             match unsafe { Library::new(name.as_os_str()) } {
                 Ok(library) => return Embree::of(library, Path::new(name)),
                 Err(error) => said = reason(&error),

@@ -11,7 +11,7 @@
 //!   AVX2 where the machine has it and in plain Rust elsewhere, with the same hits to the bit.
 //! - [`Kernel`] and [`ForeignKernel`] let another library trace the triangles, which is Embree so
 //!   far.
-//! - [`vectorised`] runs other code with the same choice of instructions.
+//! - [`vectorized`] runs other code with the same choice of instructions.
 //!
 //! | what | where | after |
 //! |---|---|---|
@@ -41,5 +41,5 @@ pub(crate) use foreign::ForeignKernel;
 pub use foreign::Kernel;
 pub(crate) use ray::SolidPart;
 pub use ray::{KernelHit, KernelRay};
-pub(crate) use simd::{InstructionSet, Vectorised, vectorised};
+pub(crate) use simd::{InstructionSet, Vectorized, vectorized};
 pub(crate) use traversal::{KernelScene, OtherShapes};

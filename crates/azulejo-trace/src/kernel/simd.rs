@@ -121,7 +121,7 @@ fn any_avx2<O: OtherShapes + ?Sized>(
 }
 
 /// Work that benefits from being compiled for several instruction sets.
-pub(crate) trait Vectorised {
+pub(crate) trait Vectorized {
     type Output;
 
     /// Does the work. Implementations are `#[inline(always)]`, and so are the hot functions that
@@ -132,7 +132,7 @@ pub(crate) trait Vectorised {
 /// Runs `work` compiled for AVX2 if the machine has it. Without fused multiplications, so that
 /// results are bit-identical everywhere.
 #[inline(always)]
-pub(crate) fn vectorised<W: Vectorised>(work: W) -> W::Output {
+pub(crate) fn vectorized<W: Vectorized>(work: W) -> W::Output {
     #[cfg(target_arch = "x86_64")]
     if Avx2::detect().is_some() {
         // SAFETY: `detect` has just found AVX2 and all bit instructions that the function enables.
@@ -143,7 +143,7 @@ pub(crate) fn vectorised<W: Vectorised>(work: W) -> W::Output {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
-fn run_avx2<W: Vectorised>(work: W) -> W::Output {
+fn run_avx2<W: Vectorized>(work: W) -> W::Output {
     work.run()
 }
 

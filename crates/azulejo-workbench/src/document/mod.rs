@@ -74,7 +74,7 @@ pub struct SourceFile {
     pub name: String,
     /// Its path.
     pub path: PathBuf,
-    /// Its format, if it was recognised.
+    /// Its format, if it was recognized.
     pub format: Option<Format>,
 }
 

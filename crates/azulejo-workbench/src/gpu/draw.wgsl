@@ -38,7 +38,7 @@ struct Frame {
     is_logarithmic: f32,
     // 1 for the luminance, 0 for the mean of the channels.
     is_luminance: f32,
-    // Largest channel of the fog's colour: without exposure, fog is a normalised colour.
+    // Largest channel of the fog's colour: without exposure, fog is a normalized colour.
     fog_scale: f32,
     unused: f32,
 }

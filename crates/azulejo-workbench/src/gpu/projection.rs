@@ -87,7 +87,7 @@ impl Projection {
     }
 
     /// The ray through a point of the image, in pixels from the upper left corner; its direction is
-    /// normalised.
+    /// normalized.
     pub fn ray(&self, pixel: DVec2) -> Ray {
         let unit = pixel / self.size;
         let ndc = DVec2::new(2.0 * unit.x - 1.0, 1.0 - 2.0 * unit.y);

@@ -166,7 +166,7 @@ impl Renderer {
         catch_errors(&self.device, || target.read(&self.device, &self.queue))
     }
 
-    /// Whether the adapter is a software rasteriser; frames without
+    /// Whether the adapter is a software rasterizer; frames without
     /// [`ViewportFrame::antialiasing`] are then about three times as fast.
     pub fn is_software(&self) -> bool {
         let info = self.device.adapter_info();

@@ -10,7 +10,7 @@ use azulejo_workbench::ui::{PanelTab, Viewport, Workbench};
 use azulejo_workbench::view::Shading;
 use egui_kittest::{Harness, SnapshotOptions};
 
-/// Drivers and font rasterisers round and blend differently: this detects missing, displaced or
+/// Drivers and font rasterizers round and blend differently: this detects missing, displaced or
 /// recoloured parts, not shades.
 fn tolerance() -> SnapshotOptions {
     SnapshotOptions::new()

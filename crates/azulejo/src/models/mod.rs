@@ -24,7 +24,7 @@ mod pictures;
 mod reading;
 mod written;
 
-pub use azulejo_formats::RecognisedModel;
+pub use azulejo_formats::RecognizedModel;
 pub use merging::{Change, branch_name, changes, name_branch};
 pub use reading::{MAX_FILE, MAX_STREAM, ReadFailure, Reading, read, read_bytes};
 pub use written::{

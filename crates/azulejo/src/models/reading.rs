@@ -1,7 +1,7 @@
 //! Reading of model files.
 
 use crate::files::Refused;
-use azulejo_formats::{FileError, Files, Folder, ReadError, ReadOptions, RecognisedModel};
+use azulejo_formats::{FileError, Files, Folder, ReadError, ReadOptions, RecognizedModel};
 use azulejo_trace::{Cancelled, Progress};
 use std::fmt;
 use std::fs::{self, File};
@@ -72,7 +72,7 @@ pub fn read(
     path: &Path,
     reading: &Reading,
     progress: &Progress,
-) -> Result<RecognisedModel, ReadFailure> {
+) -> Result<RecognizedModel, ReadFailure> {
     let bytes = read_file(path, progress)?;
     progress.begin("parsing", 0);
     progress.advance(0)?;

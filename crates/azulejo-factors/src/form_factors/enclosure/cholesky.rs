@@ -61,7 +61,7 @@ impl Cholesky {
     }
 }
 
-/// Sum of products, in eight partial sums that vectorise.
+/// Sum of products, in eight partial sums that vectorize.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a, a_rest) = a.as_chunks::<8>();
     let (b, b_rest) = b.as_chunks::<8>();

@@ -104,7 +104,7 @@ fn primitives_share_vertices_as_in_the_file() {
     assert_eq!(mesh.faces.corners, [0, 1, 2, 0, 1, 2, 3, 4, 5]);
 }
 
-/// `KHR_mesh_quantization`: normalised bytes, four for each vector.
+/// `KHR_mesh_quantization`: normalized bytes, four for each vector.
 #[test]
 fn quantised_positions() {
     let more = [[0u8, 0, 0, 0], [127, 0, 0, 0], [0, 0x81, 0x80, 0]].map(bits);

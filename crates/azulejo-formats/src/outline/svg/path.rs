@@ -175,7 +175,7 @@ impl Path<'_, '_> {
     }
 }
 
-/// An arc in centre parametrisation.
+/// An arc in centre parametrization.
 #[derive(Debug)]
 struct Arc {
     ellipse: Ellipse,

@@ -121,7 +121,7 @@ fn compare(cells: &[(f64, u32)], samples: f64) -> (f64, u32) {
     (statistic, count.saturating_sub(1))
 }
 
-/// Probability that χ² of that many degrees of freedom is larger: the regularised incomplete
+/// Probability that χ² of that many degrees of freedom is larger: the regularized incomplete
 /// gamma function Q(k/2, χ²/2), by its series or its continued fraction (Lentz).
 fn exceeded(statistic: f64, degrees: u32) -> f64 {
     let (a, x) = (0.5 * f64::from(degrees), 0.5 * statistic);

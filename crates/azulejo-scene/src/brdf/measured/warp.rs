@@ -109,7 +109,7 @@ impl Warp {
         let (w, h) = (tables.width, tables.height);
         let (mut in_row, mut below) = (Vec::new(), Vec::new());
         for table in tables.values.chunks_exact_mut(w * h) {
-            normalise(table, w);
+            normalize(table, w);
             let rows = in_row.len();
             for row in table.chunks_exact(w) {
                 cumulate(row.iter().map(|v| f64::from(*v)), &mut in_row);
@@ -190,7 +190,7 @@ impl Warp {
 }
 
 /// Scales a table of rows of `width` to the sum 1 of its cells' means.
-fn normalise(table: &mut [f32], width: usize) {
+fn normalize(table: &mut [f32], width: usize) {
     let row = |row: &[f32]| {
         row.windows(2)
             .map(|p| 0.5 * (f64::from(p[0]) + f64::from(p[1])))

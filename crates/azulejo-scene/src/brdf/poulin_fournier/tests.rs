@@ -52,7 +52,7 @@ fn brute_force(d: f64, h: f64, (kd, ks, n): (f64, f64, f64), wo: DVec3, wi: DVec
             return 0.0;
         }
         let open = is_open(d, h, point, section(wi)) && is_open(d, h, point, section(wo));
-        let lobe = ks * normalisation(n) * normal.dot(half).max(0.0).powf(n);
+        let lobe = ks * normalization(n) * normal.dot(half).max(0.0).powf(n);
         f64::from(u8::from(open)) * (kd / std::f64::consts::PI + lobe) * ni * no * length
     };
     let points = sampled(d, h, 20_000);
@@ -133,6 +133,6 @@ fn what_is_seen_fills_the_view() {
 fn far_apart_cylinders_are_their_floor() {
     let shiny = ShinyCylinders::new(Rgb::WHITE, 20.0, Profile::new(1e6, 0.5));
     let (wo, wi) = (direction(40.0, 170.0), direction(30.0, 0.0));
-    let floor = normalisation(20.0) * HalfVector::new(wo, wi).cos_h().powf(20.0);
+    let floor = normalization(20.0) * HalfVector::new(wo, wi).cos_h().powf(20.0);
     assert!((shiny.eval(wo, wi).r / floor - 1.0).abs() < 1e-5);
 }
