@@ -23,7 +23,7 @@ pub enum EngineName {
     Rays,
     /// The same rays, traced by Embree
     Embree,
-    /// Item buffers rendered from each patch, on the CPU or a graphics card
+    /// Item buffers rendered from each patch, on the processor or a graphics card
     Hemicube,
     /// Item buffers for direct visibility, rays for paths through mirrors and glass
     Hybrid,
@@ -34,9 +34,9 @@ pub enum EngineName {
 /// Backends that render hemicubes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum GpuName {
-    /// A graphics card if there is one, otherwise the CPU
+    /// A graphics card if there is one, otherwise the processor
     Auto,
-    /// The CPU
+    /// The processor
     Off,
     /// Vulkan
     Vulkan,
@@ -139,7 +139,7 @@ impl EngineArgs {
             Ok(kernel) => Ok(kernel),
             Err(why) if is_required => Err(Failure::failed(why)),
             Err(why) => {
-                notes.push(format!("own kernel instead of Embree: {why}"));
+                notes.push(format!("built-in kernel instead of Embree: {why}"));
                 Ok(Kernel::Own)
             }
         }
@@ -165,10 +165,10 @@ fn fastest_device(notes: &mut Vec<String>) -> HemicubeBackend {
     match open_card(GpuName::Auto) {
         Ok((card, false)) => return HemicubeBackend::Device(card),
         Ok((card, true)) => notes.push(format!(
-            "hemicubes are rendered on the CPU: {} is a software driver (select it with --gpu vulkan or gl)",
+            "hemicubes are rendered on the processor: {} is a software driver (select it with --gpu vulkan or gl)",
             card.name()
         )),
-        Err(why) => notes.push(format!("hemicubes are rendered on the CPU: {why}")),
+        Err(why) => notes.push(format!("hemicubes are rendered on the processor: {why}")),
     }
     HemicubeBackend::Processor
 }
@@ -210,11 +210,11 @@ fn load_embree(_: Option<PathBuf>) -> Result<Kernel, String> {
 }
 
 /// Name of the graphics card that `--gpu auto` would use.
-pub fn card_name() -> Result<String, String> {
+pub fn fastest_card_name() -> Result<String, String> {
     open_card(GpuName::Auto).map(|(card, _)| card.name())
 }
 
-/// The version of the Embree that would be loaded without `--embree`.
+/// The version of Embree that would be loaded without `--embree`.
 #[cfg(feature = "embree")]
 pub fn embree_version() -> Result<String, String> {
     let path = std::env::var_os(EMBREE_VARIABLE).map(PathBuf::from);
@@ -247,7 +247,7 @@ impl PreparedEngine {
     pub fn describe(&self, ran: &EngineUsed, report: &mut Report) {
         let words = match ran.device.as_str() {
             "" => ran.name.clone(),
-            device => format!("{}, by {device}", ran.name),
+            device => format!("{} ({device})", ran.name),
         };
         report.fact("engine", ran.name.clone(), "engine", words);
         report.value("device", ran.device.clone());

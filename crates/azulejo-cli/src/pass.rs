@@ -85,10 +85,11 @@ pub fn describe(
     report.line(
         "rays",
         format!(
-            "{} from patches, {} from {} points",
+            "{} from patches, {} from {} {}",
             count(pass.patch_rays),
             count(gathered),
-            count(pass.points)
+            count(pass.points),
+            if pass.points == 1 { "point" } else { "points" }
         ),
     );
     report.value("patch_rays", pass.patch_rays);

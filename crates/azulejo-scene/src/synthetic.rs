@@ -18,7 +18,7 @@ pub use cornell_box::{CornellVariant, cornell_box};
 pub use cornell_thesis::{cornell_thesis, cornell_thesis_at};
 pub use furnished_room::furnished_room;
 pub use room_with_table::room_with_table;
-pub use street::{street, street_at};
+pub use street::{street, street_with_detail};
 
 use crate::{Material, MaterialId, Mesh, Object, Rgb, Scene, Shape};
 use glam::DVec3;

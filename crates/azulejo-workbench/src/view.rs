@@ -136,7 +136,7 @@ pub enum Backdrop {
     /// One colour, sRGB.
     Color([u8; 3]),
     /// An image.
-    Image(Arc<Image>, Fit),
+    Image(Arc<Image>, BackgroundFit),
 }
 
 /// Images are compared by address: comparing pixels in every frame would take too long.
@@ -155,7 +155,7 @@ impl PartialEq for Backdrop {
 
 /// How an image fills the background.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Fit {
+pub enum BackgroundFit {
     /// Scaled to the size of the viewport.
     #[default]
     Scaled,
@@ -241,7 +241,7 @@ pub struct ModelView {
 impl Default for ModelView {
     fn default() -> ModelView {
         ModelView {
-            camera: whole(Aabb::EMPTY, Up::Y),
+            camera: camera_around(Aabb::EMPTY, Up::Y),
             shading: Shading::default(),
             exposure: None,
             false_color: FalseColor::default(),
@@ -254,7 +254,7 @@ impl Default for ModelView {
 }
 
 /// A camera that sees all of `bounds`; a unit cube if they are empty.
-pub fn whole(bounds: Aabb, up: Up) -> Camera {
+pub fn camera_around(bounds: Aabb, up: Up) -> Camera {
     let bounds = if bounds.is_empty() {
         Aabb::around([DVec3::splat(-0.5), DVec3::splat(0.5)])
     } else {
@@ -354,7 +354,7 @@ impl ModelView {
 }
 
 /// A display colour as linear light.
-pub fn linear(color: [u8; 3]) -> Rgb {
+pub fn linear_from_srgb(color: [u8; 3]) -> Rgb {
     let channel = |c: u8| {
         let c = f64::from(c) / 255.0;
         if c <= 0.040_45 {
@@ -440,7 +440,7 @@ mod tests {
             (camera.eye, camera.target) = (eye, target);
             sees_most(&camera, bounds)
         };
-        assert!(sees_most(&whole(bounds, Up::Z), bounds));
+        assert!(sees_most(&camera_around(bounds, Up::Z), bounds));
         assert!(looks_from(DVec3::new(0.0, 0.5, 5.0), DVec3::ZERO));
         assert!(!looks_from(DVec3::new(0.0, 0.0, 0.5), DVec3::ZERO));
         assert!(!looks_from(

@@ -1,6 +1,6 @@
 //! The machine on which a suite runs.
 
-use crate::engine::{card_name, embree_version};
+use crate::engine::{embree_version, fastest_card_name};
 use crate::report::bytes;
 use serde_json::{Value, json};
 
@@ -26,7 +26,7 @@ impl MachineInfo {
             threads: rayon::current_num_threads(),
             memory: azulejo::machine::memory(),
             embree: embree_version(),
-            card: card_name(),
+            card: fastest_card_name(),
         }
     }
 

@@ -271,7 +271,8 @@ fn wait_for(
     loop {
         progress.advance(0)?;
         let status = child.0.try_wait();
-        let status = status.map_err(|e| Failure::failed(format_args!("lost a process: {e}")))?;
+        let status =
+            status.map_err(|e| Failure::failed(format_args!("cannot wait for a process: {e}")))?;
         match status {
             Some(status) if status.success() => return Ok(Ok(text(stdout))),
             Some(status) => {

@@ -200,7 +200,7 @@ fn scene(origin: &Origin) -> Result<Scene, Failure> {
         Origin::Cube => synthetic::cube_room(),
         &Origin::RoomWithTable(facets) => synthetic::room_with_table(facets),
         &Origin::CornellThesis(mirrors, detail) => synthetic::cornell_thesis_at(mirrors, detail),
-        &Origin::Street(detail) => synthetic::street_at(detail),
+        &Origin::Street(detail) => synthetic::street_with_detail(detail),
         Origin::File(path, _) => {
             let (bytes, name) = (models::read_bytes(path)?, path.to_string_lossy());
             let (folder, options) = (Folder::of_model(path), ReadOptions::default());

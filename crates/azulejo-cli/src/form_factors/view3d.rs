@@ -235,8 +235,9 @@ fn describe(scaled: &Scaled, key: &str, report: &mut Report) {
         error,
         moved,
     } = scaled;
+    let plural = if *sweeps == 1 { "" } else { "s" };
     let words = format!(
-        "scaled in {sweeps} sweeps, {} of the light moved, {} in the worst row",
+        "scaled in {sweeps} sweep{plural}, {} of the light moved, {} in the worst row",
         percent(moved.total),
         percent(moved.most)
     );

@@ -19,7 +19,7 @@ fn files_that_are_no_models() {
     folder.write("binary.grf", [0u8, 255, 3, 200, 7, 0, 0, 9].repeat(100));
     folder.write("empty.obj", "");
     for (name, expected) in [
-        ("folder", "is a directory"),
+        ("folder", "is a folder"),
         ("missing.grf", "No such file"),
         ("empty.grf", "empty"),
         ("binary.grf", "binary.grf"),

@@ -79,20 +79,20 @@ pub(crate) struct PairCounts {
     /// Partially occluded.
     pub partial: u64,
     /// Fully occluded.
-    pub hidden: u64,
+    pub occluded: u64,
     /// Left to shadow rays.
     pub unresolved: u64,
 }
 
 impl PairCounts {
     /// The inverse of [`counts`](PairCounts::counts).
-    pub fn of([bulk, single, close, partial, hidden, unresolved]: [u64; 6]) -> PairCounts {
+    pub fn of([bulk, single, close, partial, occluded, unresolved]: [u64; 6]) -> PairCounts {
         PairCounts {
             bulk,
             single,
             close,
             partial,
-            hidden,
+            occluded,
             unresolved,
         }
     }
@@ -104,7 +104,7 @@ impl PairCounts {
             self.single,
             self.close,
             self.partial,
-            self.hidden,
+            self.occluded,
             self.unresolved,
         ]
     }
@@ -114,7 +114,7 @@ impl PairCounts {
         self.single += other.single;
         self.close += other.close;
         self.partial += other.partial;
-        self.hidden += other.hidden;
+        self.occluded += other.occluded;
         self.unresolved += other.unresolved;
     }
 }
@@ -218,7 +218,7 @@ impl<'a> PairTraversal<'a> {
             let shaft = ClusterShaft::new(&row.cluster.bounds, &column.bounds, image.graze);
             if !self.cull(&shaft, obstructions) {
                 self.obstructions.truncate(top);
-                self.counts.hidden += (row_range.len() * node.range.len()) as u64;
+                self.counts.occluded += (row_range.len() * node.range.len()) as u64;
                 return;
             }
         }
@@ -347,7 +347,7 @@ impl<'a> PairTraversal<'a> {
         let is_seen = self.cull_for_pair(a, b, obstructions);
         let kept = top..self.obstructions.len();
         if !is_seen {
-            self.counts.hidden += 1;
+            self.counts.occluded += 1;
         } else if kept.is_empty() {
             let (value, error) = self.whole(row, column, is_whole);
             found.add(row, column, image.weight * value, image.weight * error);

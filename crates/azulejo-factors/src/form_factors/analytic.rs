@@ -209,10 +209,10 @@ fn settled_remainder(
 fn notes(all: &AllPairs, is_complete: bool, rays: u32) -> Vec<String> {
     let t = &all.counts;
     let mut notes = vec![format!(
-        "{} pairs are unoccluded, {} partially occluded, {} hidden",
+        "{} pairs are unoccluded, {} partially occluded, {} fully occluded",
         t.bulk + t.single + t.close,
         t.partial,
-        t.hidden
+        t.occluded
     )];
     if t.unresolved > 0 {
         notes.push(format!(

@@ -306,7 +306,7 @@ impl<'a> Lexer<'a> {
         if first == b'"' {
             return match self.file_name() {
                 Some(name) => format!("the text \"{}\"", shortened(name)),
-                None => "a text that is not closed on its line".into(),
+                None => "a string that does not end on its line".into(),
             };
         }
         if is_word_byte(first) || matches!(first, b'+' | b'-' | b'.') {

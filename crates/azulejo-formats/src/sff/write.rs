@@ -75,7 +75,7 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         ),
         (
             scene.objects.iter().enumerate().filter(colored).count(),
-            "meshes with colors",
+            "meshes with vertex colours",
         ),
         (scene.cameras.len().saturating_sub(1), "further cameras"),
         (usize::from(scene.fog.is_some()), "fog"),

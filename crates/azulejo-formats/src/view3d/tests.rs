@@ -71,7 +71,7 @@ fn a_file_is_mirrored() {
 }
 
 #[test]
-fn it_is_recognised_by_its_words() {
+fn it_is_recognized_by_its_words() {
     let check = |text: &str, expected| assert_eq!(detect(text.as_bytes()).ok(), expected, "{text}");
     check(SQUARES, Some(Format::View3d));
     check(

@@ -21,11 +21,11 @@ use house::House;
 /// After B. Sena, "Radiosity with specular surfaces", 2019, whose street in Bayonne has 61,795
 /// quadrilaterals, 2,407 of them in the sky; nothing else is taken from it.
 pub fn street() -> Scene {
-    street_at(1.0)
+    street_with_detail(1.0)
 }
 
 /// [`street`] with about `detail` times as many facets, 0.02..=16.
-pub fn street_at(detail: f64) -> Scene {
+pub fn street_with_detail(detail: f64) -> Scene {
     let detail = detail.clamp(0.02, 16.0).sqrt();
     let site = Site::new(detail);
     let dome = Dome::new(detail);

@@ -223,7 +223,7 @@ fn street_has_the_facets_of_the_thesis() {
 #[test]
 fn street_is_closed_at_any_detail() {
     for detail in [0.02, 0.1, 0.5, 1.0, 1.7] {
-        let scene = street_at(detail);
+        let scene = street_with_detail(detail);
         scene.validate().unwrap();
         check_flat_and_convex(&scene);
         check_all_closed(meshes(&scene));

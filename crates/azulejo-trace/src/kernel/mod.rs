@@ -9,7 +9,7 @@
 //! - [`Bvh::collapse`] widens it to nodes of eight boxes above packets of four triangles.
 //! - [`InstructionSet::closest`] and [`InstructionSet::any`] trace batches of rays through it, in
 //!   AVX2 where the machine has it and in plain Rust elsewhere, with the same hits to the bit.
-//! - [`Kernel`] and [`ForeignKernel`] let another library trace the triangles, which is Embree so
+//! - [`Kernel`] and [`ExternalKernel`] let another library trace the triangles, which is Embree so
 //!   far.
 //! - [`vectorized`] runs other code with the same choice of instructions.
 //!
@@ -25,7 +25,7 @@ mod build;
 mod bvh;
 #[cfg(feature = "embree")]
 pub mod embree;
-mod foreign;
+mod external;
 mod portable;
 mod prepared_ray;
 mod ray;
@@ -37,8 +37,8 @@ mod triangle;
 
 pub(crate) use build::{BinaryNode, DEEPEST, Reference, binary_tree};
 pub(crate) use bvh::{Bvh, KernelTriangle};
-pub(crate) use foreign::ForeignKernel;
-pub use foreign::Kernel;
+pub(crate) use external::ExternalKernel;
+pub use external::Kernel;
 pub(crate) use ray::SolidPart;
 pub use ray::{KernelHit, KernelRay};
 pub(crate) use simd::{InstructionSet, Vectorized, vectorized};

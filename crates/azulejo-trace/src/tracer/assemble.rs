@@ -6,7 +6,7 @@ use super::{Instance, MeshPositions, Tracer, TriangleItem};
 use crate::exact::{ExactPrimitive, Outlines, Preparation};
 use crate::frame::{LocalFrame, double, single};
 use crate::kernel::{
-    Bvh, ForeignKernel, InstructionSet, Kernel, KernelTriangle, Reference, binary_tree,
+    Bvh, ExternalKernel, InstructionSet, Kernel, KernelTriangle, Reference, binary_tree,
 };
 use azulejo_scene::math::Aabb;
 use azulejo_scene::{Mesh, Scene, Shape, Solid};
@@ -254,8 +254,8 @@ impl Parts {
     }
 
     fn finish(mut self, bounds: Aabb, kernel: &Kernel) -> Tracer {
-        let foreign = ForeignKernel::new(kernel, &self.kernel_triangles);
-        if foreign.is_some() {
+        let external = ExternalKernel::new(kernel, &self.kernel_triangles);
+        if external.is_some() {
             self.kernel_triangles.clear();
         }
         let mut references = self.references();
@@ -264,7 +264,7 @@ impl Parts {
         let bvh = Bvh::collapse(&binary, &references, &self.kernel_triangles);
         Tracer {
             bvh,
-            foreign,
+            external,
             instructions: InstructionSet::detect(),
             frame: self.frame,
             bounds,

@@ -7,7 +7,7 @@ use crate::exact::point_on_triangle;
 use crate::frame::{LocalFrame, double, single};
 use crate::hit::{Hit, Item};
 use crate::kernel::{
-    Bvh, ForeignKernel, InstructionSet, Kernel, KernelHit, KernelRay, KernelScene,
+    Bvh, ExternalKernel, InstructionSet, Kernel, KernelHit, KernelRay, KernelScene,
 };
 use assemble::assemble;
 use azulejo_scene::Scene;
@@ -44,7 +44,7 @@ const NO_RAY: KernelRay = KernelRay {
 pub struct Tracer {
     pub(crate) bvh: Bvh,
     /// The other kernel with the triangles, if they are not in `bvh`.
-    pub(crate) foreign: Option<ForeignKernel>,
+    pub(crate) external: Option<ExternalKernel>,
     pub(crate) instructions: InstructionSet,
     pub(crate) frame: LocalFrame,
     pub(crate) bounds: Aabb,
@@ -109,16 +109,16 @@ impl Tracer {
 
     /// The kernel that traces triangles.
     pub fn kernel(&self) -> Kernel {
-        self.foreign
+        self.external
             .as_ref()
-            .map_or(Kernel::Own, ForeignKernel::kernel)
+            .map_or(Kernel::Own, ExternalKernel::kernel)
     }
 
-    /// Its name, for reports: `own kernel, AVX2` or `Embree 3.13.5`.
+    /// Its name, for reports: `built-in kernel, AVX2` or `Embree 3.13.5`.
     pub fn kernel_name(&self) -> String {
-        match &self.foreign {
-            None => format!("own kernel, {}", self.instructions.name()),
-            Some(foreign) => foreign.name(),
+        match &self.external {
+            None => format!("built-in kernel, {}", self.instructions.name()),
+            Some(external) => external.name(),
         }
     }
 
@@ -265,10 +265,10 @@ impl Tracer {
     }
 
     pub(crate) fn closest_into(&self, rays: &[KernelRay], hits: &mut [KernelHit]) {
-        let Some(foreign) = &self.foreign else {
+        let Some(external) = &self.external else {
             return self.instructions.closest(&self.kernel_scene(), rays, hits);
         };
-        foreign.closest(rays, hits);
+        external.closest(rays, hits);
         if self.others.is_empty() {
             return;
         }
@@ -296,10 +296,10 @@ impl Tracer {
     }
 
     pub(crate) fn any_into(&self, rays: &[KernelRay], blocked: &mut [bool]) {
-        let Some(foreign) = &self.foreign else {
+        let Some(external) = &self.external else {
             return self.instructions.any(&self.kernel_scene(), rays, blocked);
         };
-        foreign.any(rays, blocked);
+        external.any(rays, blocked);
         if self.others.is_empty() {
             return;
         }

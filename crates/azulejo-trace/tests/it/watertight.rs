@@ -79,7 +79,7 @@ fn no_ray_escapes_from_rooms_streets_and_boxes() {
     check_closed(&room, air(2.0, 1.5, 1.7), air(1.9, 1.4, 0.7), 200_000);
     let thesis = synthetic::cornell_thesis_at(20, 0.2);
     check_closed(&thesis, air(0.0, -0.5, 1.3), air(0.9, 0.3, 0.1), 200_000);
-    let street = synthetic::street_at(0.2);
+    let street = synthetic::street_with_detail(0.2);
     check_closed(&street, air(0.0, 0.0, 9.0), air(55.0, 4.0, 8.0), 200_000);
 }
 

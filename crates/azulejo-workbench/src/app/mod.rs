@@ -26,7 +26,7 @@ use crate::history::History;
 use crate::jobs::{Job, JobKind, JobMessage, Jobs, RepaintRequest};
 use crate::preferences::Preferences;
 use crate::recovery::Recovery;
-use crate::view::{Backdrop, ModelView, sees_most, whole};
+use crate::view::{Backdrop, ModelView, camera_around, sees_most};
 use azulejo::formats::Warning;
 use azulejo::scene::Image;
 use std::collections::HashMap;
@@ -478,7 +478,7 @@ impl App {
         let bounds = self.document.bounds(None);
         let own = self.document.cameras.first().map(|c| c.camera.clone());
         let own = own.filter(|camera| sees_most(camera, bounds) || self.is_room());
-        let framing = || whole(bounds, self.document.units.up);
+        let framing = || camera_around(bounds, self.document.units.up);
         self.view.camera = own.unwrap_or_else(framing);
     }
 

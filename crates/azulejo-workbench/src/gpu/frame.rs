@@ -1,7 +1,7 @@
 //! The input of the renderer, as plain data.
 
 use super::Overlay;
-use crate::view::{ColorMap, Fit, Shading};
+use crate::view::{BackgroundFit, ColorMap, Shading};
 use azulejo::render::Tone;
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{Camera, Fog, Image, Material, Mesh};
@@ -211,7 +211,7 @@ pub enum Background<'a> {
         /// The image.
         picture: TextureSource<'a>,
         /// How it fills the viewport.
-        fit: Fit,
+        fit: BackgroundFit,
         /// Colour around it.
         around: [u8; 3],
     },

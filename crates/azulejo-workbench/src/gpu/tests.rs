@@ -1,7 +1,7 @@
 //! Rendered images, checked by pixel on every installed driver.
 
 use super::*;
-use crate::view::{ColorMap, Fit, Shading};
+use crate::view::{BackgroundFit, ColorMap, Shading};
 use azulejo::render::{Tone, srgb_from_linear};
 use azulejo::scene::{Attribute, Camera, Fog, Image, Material, Mesh, Primitive, Rgb, SurfaceGrid};
 use azulejo_testing::Need;
@@ -481,12 +481,42 @@ fn backgrounds_fill_the_picture_as_told() {
             upper: [200; 3],
         };
         assert_near(at(gradient, 3, 15), [152; 3], 2, "gradient");
-        assert_near(at(image(Fit::Scaled), 16, 16), [255, 0, 0], 40, "scaled");
-        assert_near(at(image(Fit::Scaled), 48, 48), [0, 255, 255], 40, "scaled");
-        assert_near(at(image(Fit::Centered), 3, 3), [9, 99, 9], 1, "centred");
-        assert_near(at(image(Fit::Centered), 31, 31), [255, 0, 0], 2, "centred");
-        assert_near(at(image(Fit::Tiled), 0, 0), [255, 0, 0], 2, "tiled");
-        assert_near(at(image(Fit::Tiled), 2, 3), [0, 0, 255], 2, "tiled");
+        assert_near(
+            at(image(BackgroundFit::Scaled), 16, 16),
+            [255, 0, 0],
+            40,
+            "scaled",
+        );
+        assert_near(
+            at(image(BackgroundFit::Scaled), 48, 48),
+            [0, 255, 255],
+            40,
+            "scaled",
+        );
+        assert_near(
+            at(image(BackgroundFit::Centered), 3, 3),
+            [9, 99, 9],
+            1,
+            "centred",
+        );
+        assert_near(
+            at(image(BackgroundFit::Centered), 31, 31),
+            [255, 0, 0],
+            2,
+            "centred",
+        );
+        assert_near(
+            at(image(BackgroundFit::Tiled), 0, 0),
+            [255, 0, 0],
+            2,
+            "tiled",
+        );
+        assert_near(
+            at(image(BackgroundFit::Tiled), 2, 3),
+            [0, 0, 255],
+            2,
+            "tiled",
+        );
     });
 }
 

@@ -3,7 +3,7 @@
 use super::frame::{Background, ColorScalar, ViewportFrame};
 use super::geometry::GpuMesh;
 use super::projection::Projection;
-use crate::view::{Fit, Shading};
+use crate::view::{BackgroundFit, Shading};
 use azulejo::render::{REINHARD_WHITE, Tone};
 use azulejo::scene::{Material, Rgb};
 use glam::{DAffine3, DMat3, DVec3, Mat4};
@@ -178,9 +178,9 @@ fn backdrop(background: &Background, has_picture: bool) -> ([u8; 3], [u8; 3], f3
         Background::Image { fit, around, .. } => {
             let kind = match (has_picture, fit) {
                 (false, _) => 0.0,
-                (true, Fit::Centered) => 1.0,
-                (true, Fit::Scaled) => 2.0,
-                (true, Fit::Tiled) => 3.0,
+                (true, BackgroundFit::Centered) => 1.0,
+                (true, BackgroundFit::Scaled) => 2.0,
+                (true, BackgroundFit::Tiled) => 3.0,
             };
             (around, around, kind)
         }
@@ -194,9 +194,9 @@ fn placement(background: &Background, picture: Option<[u32; 2]>, size: [f32; 2])
     };
     let picture = picture.map(|n| n as f32);
     match fit {
-        Fit::Scaled => [1.0 / size[0], 1.0 / size[1], 0.0, 0.0],
-        Fit::Tiled => [1.0 / picture[0], 1.0 / picture[1], 0.0, 0.0],
-        Fit::Centered => {
+        BackgroundFit::Scaled => [1.0 / size[0], 1.0 / size[1], 0.0, 0.0],
+        BackgroundFit::Tiled => [1.0 / picture[0], 1.0 / picture[1], 0.0, 0.0],
+        BackgroundFit::Centered => {
             // Whole pixels keep the image sharp.
             let offset = |k: usize| -(0.5 * (size[k] - picture[k])).floor() / picture[k];
             [1.0 / picture[0], 1.0 / picture[1], offset(0), offset(1)]

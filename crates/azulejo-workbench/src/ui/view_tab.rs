@@ -5,7 +5,7 @@ use super::inputs;
 use super::panel_context::PanelContext;
 use crate::command::{Command, FileRequest};
 use crate::document::Edit;
-use crate::view::{Backdrop, COLORS, ColorMap, Fit, ModelView, linear};
+use crate::view::{Backdrop, BackgroundFit, COLORS, ColorMap, ModelView, linear_from_srgb};
 use azulejo::scene::Fog;
 use egui::{Color32, ComboBox, DragValue, Sense, Slider, Ui};
 
@@ -130,9 +130,9 @@ fn background(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
             cx.send(Command::RequestFile(FileRequest::Backdrop));
         }
         if let Backdrop::Image(_, fit) = &mut view.backdrop {
-            ui.selectable_value(fit, Fit::Scaled, cx.tr("scaled"));
-            ui.selectable_value(fit, Fit::Centered, cx.tr("centred"));
-            ui.selectable_value(fit, Fit::Tiled, cx.tr("tiled"));
+            ui.selectable_value(fit, BackgroundFit::Scaled, cx.tr("scaled"));
+            ui.selectable_value(fit, BackgroundFit::Centered, cx.tr("centred"));
+            ui.selectable_value(fit, BackgroundFit::Tiled, cx.tr("tiled"));
         }
     });
 }
@@ -146,7 +146,7 @@ fn own_background(ui: &mut Ui, cx: &mut PanelContext) {
             .checkbox(&mut has, cx.tr("saved with the scene"))
             .changed()
         {
-            let quiet = linear([64, 96, 160]);
+            let quiet = linear_from_srgb([64, 96, 160]);
             cx.edit(Edit::SetBackground(has.then_some(quiet)));
         }
         if let Some(mut radiance) = old {
@@ -164,7 +164,7 @@ fn fog(ui: &mut Ui, cx: &mut PanelContext, view: &mut ModelView) {
     let reach = cx.app.document.bounds(None).diagonal().max(1e-3);
     if ui.checkbox(&mut has, cx.tr("Fog in the scene")).changed() {
         let fog = Fog {
-            color: linear([160, 170, 180]),
+            color: linear_from_srgb([160, 170, 180]),
             visibility: 3.0 * reach,
             exponential: true,
         };

@@ -34,7 +34,7 @@ pub enum ReadFailure {
     Cancelled,
     /// The file could not be read, or is larger than [`MAX_FILE`] or [`MAX_STREAM`].
     File(Refused),
-    /// The path is a directory.
+    /// The path is a folder.
     Directory(PathBuf),
     /// The content is not a model, or is damaged.
     Content(ReadError),
@@ -46,7 +46,7 @@ impl fmt::Display for ReadFailure {
             ReadFailure::Cancelled => Cancelled.fmt(f),
             ReadFailure::File(refused) => refused.fmt(f),
             ReadFailure::Directory(path) => {
-                write!(f, "{} is a directory, expected a file", path.display())
+                write!(f, "{} is a folder, expected a file", path.display())
             }
             ReadFailure::Content(error) => error.fmt(f),
         }
@@ -229,7 +229,7 @@ mod tests {
         let reading = Reading::default();
         for (path, said) in [
             (&missing, "No such file or directory"),
-            (&folder, "is a directory, expected a file"),
+            (&folder, "is a folder, expected a file"),
             (&picture, "found a PNG picture, expected a model in"),
         ] {
             let failure = read(path, &reading, &Progress::new()).unwrap_err();

@@ -125,7 +125,7 @@ fn blocks() {
     );
     check(
         "def a = texture \"wood.png\nbegin end",
-        "test.grf:1:17: found a text that is not closed on its line, expected a file name, \"in double quotes\" on one line",
+        "test.grf:1:17: found a string that does not end on its line, expected a file name, \"in double quotes\" on one line",
     );
 }
 

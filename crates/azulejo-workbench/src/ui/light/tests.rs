@@ -63,7 +63,7 @@ fn solved(app: &mut App, balance: EnergyBalance) {
         method: Method::Matrix,
         engine_used: EngineUsed {
             name: "rays".into(),
-            device: "own kernel".into(),
+            device: "built-in kernel".into(),
             notes: vec!["glass bends light".into()],
         },
         patches: 1_234,
@@ -260,7 +260,7 @@ fn the_balance_is_shown_with_a_caution_where_it_does_not_add_up() {
         harness.get_by_role_and_label(Role::Meter, &format!("Unaccounted {lost}"));
         let caution = harness.query_by_label_contains("does not close");
         assert_eq!(caution.is_some(), cautions);
-        harness.get_by_label("rays (own kernel)");
+        harness.get_by_label("rays (built-in kernel)");
         harness.get_by_label_contains("3.0 MiB");
         harness.get_by_label_contains("glass bends light");
         harness.get_by_label_contains("Done: error 2.7 %");

@@ -21,7 +21,7 @@ pub enum Kernel {
 
 /// Triangles in a kernel other than our own. Without features there is no such kernel.
 #[derive(Clone, Debug)]
-pub(crate) enum ForeignKernel {
+pub(crate) enum ExternalKernel {
     #[cfg(feature = "embree")]
     Embree(Arc<EmbreeScene>),
 }
@@ -33,15 +33,15 @@ pub(crate) enum ForeignKernel {
         reason = "without features there is no value to call these on"
     )
 )]
-impl ForeignKernel {
+impl ExternalKernel {
     /// `None` if our own kernel is selected, or if the other one ran out of memory.
-    pub(crate) fn new(kernel: &Kernel, triangles: &[KernelTriangle]) -> Option<ForeignKernel> {
+    pub(crate) fn new(kernel: &Kernel, triangles: &[KernelTriangle]) -> Option<ExternalKernel> {
         match kernel {
             Kernel::Own => None,
             #[cfg(feature = "embree")]
             Kernel::Embree(embree) => {
                 let scene = EmbreeScene::of(embree, triangles).ok()?;
-                Some(ForeignKernel::Embree(Arc::new(scene)))
+                Some(ExternalKernel::Embree(Arc::new(scene)))
             }
         }
     }
@@ -49,28 +49,28 @@ impl ForeignKernel {
     pub(crate) fn kernel(&self) -> Kernel {
         match *self {
             #[cfg(feature = "embree")]
-            ForeignKernel::Embree(ref scene) => Kernel::Embree(scene.embree().clone()),
+            ExternalKernel::Embree(ref scene) => Kernel::Embree(scene.embree().clone()),
         }
     }
 
     pub(crate) fn name(&self) -> String {
         match *self {
             #[cfg(feature = "embree")]
-            ForeignKernel::Embree(ref scene) => format!("Embree {}", scene.embree().version()),
+            ExternalKernel::Embree(ref scene) => format!("Embree {}", scene.embree().version()),
         }
     }
 
     pub(crate) fn closest(&self, rays: &[KernelRay], hits: &mut [KernelHit]) {
         match *self {
             #[cfg(feature = "embree")]
-            ForeignKernel::Embree(ref scene) => scene.closest(rays, hits),
+            ExternalKernel::Embree(ref scene) => scene.closest(rays, hits),
         }
     }
 
     pub(crate) fn any(&self, rays: &[KernelRay], blocked: &mut [bool]) {
         match *self {
             #[cfg(feature = "embree")]
-            ForeignKernel::Embree(ref scene) => scene.any(rays, blocked),
+            ExternalKernel::Embree(ref scene) => scene.any(rays, blocked),
         }
     }
 }
