@@ -24,7 +24,7 @@ const HIT: usize = 5;
 /// Rays between two polls of the progress.
 const BATCH: usize = 4096;
 
-/// ProbeResults of numbers to be written.
+/// Rows of numbers to be written.
 struct ProbeResults {
     columns: usize,
     values: Vec<f64>,

@@ -63,7 +63,7 @@ pub struct MatrixArgs {
     /// One row per face, object or material instead of per patch
     #[arg(long, value_name = "GROUP", value_enum)]
     pub by: Option<GroupBy>,
-    /// Enforce closure: adjust rows within their standard errors so that they sum to 1 (in open
+    /// Enforce closure: adjust pairs in proportion to their variances so that rows sum to 1 (in open
     /// scenes with sky and ground)
     #[arg(long, value_name = "WHEN", value_enum, num_args = 0..=1, require_equals = true,
           default_value = "closed", default_missing_value = "always")]

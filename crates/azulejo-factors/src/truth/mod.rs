@@ -131,7 +131,7 @@ pub enum Provenance {
     Formula,
     /// An integral of a closed formula, evaluated to rounding.
     Quadrature,
-    /// A number from elsewhere, with so many significant digits.
+    /// A number from elsewhere, with this many significant digits.
     Constant {
         /// Number of digits.
         digits: u32,
@@ -159,7 +159,7 @@ impl Truth {
         }
     }
 
-    /// A constant with so many significant digits.
+    /// A constant with this many significant digits.
     fn constant(value: f64, digits: u32, origin: &'static str) -> Truth {
         let first = value.abs().log10().floor() as i32;
         Truth {

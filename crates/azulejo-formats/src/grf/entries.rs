@@ -119,7 +119,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         match self.lexer.peek() {
             Some(b'"') => match self.lexer.escaped_text() {
                 Some(text) => Ok(EntryValue::Text(unescaped(text))),
-                None => Err(self.unexpected("a text that ends with `\"` on the same line")),
+                None => Err(self.unexpected("a string that ends with `\"` on the same line")),
             },
             Some(b'(') => {
                 let mut vectors = Vec::new();

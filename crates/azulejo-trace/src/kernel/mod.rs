@@ -13,7 +13,7 @@
 //!   far.
 //! - [`vectorized`] runs other code with the same choice of instructions.
 //!
-//! | what | where | after |
+//! | what | where | source |
 //! |---|---|---|
 //! | building by the surface area heuristic, in bins | `build` | Wald, *On fast Construction of SAH-based Bounding Volume Hierarchies*, 2007 |
 //! | nodes of eight boxes | `bvh` | Dammertz, Hanika and Keller, *Shallow Bounding Volume Hierarchies for Fast SIMD Ray Tracing of Incoherent Rays*, EGSR 2008 |

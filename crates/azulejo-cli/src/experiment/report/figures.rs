@@ -20,7 +20,7 @@ pub struct ChartSpec {
 /// An axis with its quantity and unit.
 #[derive(Clone, Copy)]
 pub struct ChartAxis {
-    /// PlotQuantity and unit.
+    /// Quantity and unit.
     pub label: &'static str,
     /// Whether the axis is logarithmic.
     pub is_logarithmic: bool,

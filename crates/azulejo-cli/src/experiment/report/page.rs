@@ -253,7 +253,9 @@ fn table_head<'a>(
     for (name, title) in columns {
         write!(out, "<th class=\"n\" title=\"{title}\">{name}</th>")?;
     }
-    out.push_str("<th class=\"n\" title=\"repetitions\">n</th><th>ran</th></tr></thead><tbody>\n");
+    out.push_str(
+        "<th class=\"n\" title=\"repetitions\">n</th><th>engine used</th></tr></thead><tbody>\n",
+    );
     Ok(())
 }
 
@@ -276,7 +278,7 @@ fn write_row(out: &mut String, row: &RepeatedRun) -> std::fmt::Result {
         "<td class=\"n\">{}</td><td title=\"{}\">{}</td></tr>",
         row.count(),
         escaped(&notes.join("; ")),
-        escaped(&format!("{ran}, {device}"))
+        escaped(&format!("{ran} ({device})"))
     )
 }
 
@@ -289,7 +291,7 @@ fn summary_of_truths(
     out.push_str(
         "<table><thead><tr><th>engine</th><th class=\"n\">cases</th><th class=\"n\">within 4 σ</th>\
          <th class=\"n\">median |error|</th><th class=\"n\">largest |error|</th><th class=\"n\">time, s</th>\
-         <th>ran</th></tr></thead><tbody>\n",
+         <th>engine used</th></tr></thead><tbody>\n",
     );
     for name in settings {
         let mine: Vec<&&TruthRecord> = truths.iter().filter(|t| t.setting == **name).collect();
