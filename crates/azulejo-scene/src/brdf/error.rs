@@ -63,7 +63,7 @@ pub enum BrdfError {
     },
     /// The model reflects more light than it receives.
     Energy {
-        /// The names of what was added up.
+        /// The names of the summands.
         what: String,
         /// The sum.
         sum: f64,
