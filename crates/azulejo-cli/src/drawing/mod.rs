@@ -284,7 +284,8 @@ impl RgbImage {
     fn png(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
         // Writing into memory does not fail.
-        let _ = azulejo_formats::picture::png::write(self.width, self.height, &self.rgb, &mut bytes);
+        let _ =
+            azulejo_formats::picture::png::write(self.width, self.height, &self.rgb, &mut bytes);
         bytes
     }
 }
