@@ -195,7 +195,7 @@ impl<'a> GltfMeshBuilder<'_, 'a> {
     }
 }
 
-/// The fault of a primitive that is left out for a message of its own.
+/// The fault of a primitive that is skipped with this message.
 pub(super) fn skipped(message: &str) -> Fault {
     Fault::Skipped(message.to_owned())
 }
