@@ -525,7 +525,11 @@ fn nodes_are_used_again() {
         &["c: Sphere from -1 -1 -1 to 1 1 1"; 2],
     );
     check_warning("Cube {} USE nobody", "USE nobody refers to no node", 1);
-    check_warning("DEF a Group { Cube {} USE a }", "USE a refers to the node that contains it", 1);
+    check_warning(
+        "DEF a Group { Cube {} USE a }",
+        "USE a refers to the node that contains it",
+        1,
+    );
 }
 
 #[test]
