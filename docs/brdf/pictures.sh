@@ -1,5 +1,5 @@
 #!/bin/sh
-# Draws the pictures of all models anew, by the commands that stand on their pages.
+# Redraws the images of all models with the commands on their pages.
 # AZULEJO names the program; without it, it is built.
 set -eu
 cd "$(dirname "$0")/../.."

@@ -31,8 +31,8 @@ impl Atlas {
         let edge = limits.max_texture_dimension_2d;
         if 3 * n > edge {
             return Err(DrawError::TooLarge(format!(
-                "a hemicube of {n} pixels is an image of {n} × {} pixels, and this card's end \
-                 at {edge}; ask for {} pixels at most",
+                "a hemicube of {n} pixels is an image of {n} × {} pixels, but the card's \
+                 limit is {edge}; use at most {} pixels",
                 3 * n,
                 edge / 3 / 2 * 2
             )));
@@ -45,8 +45,8 @@ impl Atlas {
         let most_bytes = limits.max_buffer_size;
         if atlas.tile_bytes() > most_bytes {
             return Err(DrawError::TooLarge(format!(
-                "a hemicube of {n} pixels takes {} bytes, and this card's buffers end at \
-                 {most_bytes}; ask for fewer pixels",
+                "a hemicube of {n} pixels takes {} bytes, but the card's buffers are limited \
+                 to {most_bytes}; use fewer pixels",
                 atlas.tile_bytes()
             )));
         }

@@ -362,8 +362,8 @@ fn targets(shared: &Shared, wanted: &mut TargetOptions) -> Result<[AtlasTarget; 
         if wanted.atlas.tiles == 1 {
             let n = wanted.atlas.resolution;
             return Err(DrawError::TooLarge(format!(
-                "a hemicube of {n} pixels ({} bytes, several times) does not fit into what the \
-                 world leaves of its memory; ask for fewer pixels",
+                "a hemicube of {n} pixels ({} bytes, several times) does not fit into the memory \
+                 that the world leaves free; use fewer pixels",
                 wanted.atlas.tile_bytes()
             )));
         }

@@ -133,8 +133,8 @@ fn wanted(backend: Backend, variable: Option<String>) -> Result<wgpu::Backends, 
             let named = wgpu::Backends::from_comma_list(&asked) & ours;
             if named.is_empty() {
                 return Err(DrawError::Missing(format!(
-                    "WGPU_BACKEND is \"{asked}\", which names no graphics driver interface that \
-                     azulejo uses: set it to vulkan, gl or vulkan,gl, or unset it"
+                    "WGPU_BACKEND is \"{asked}\", which is no graphics interface that azulejo \
+                     uses: set it to vulkan, gl or vulkan,gl, or unset it"
                 )));
             }
             Ok(named)
@@ -192,15 +192,15 @@ fn missing(wanted: wgpu::Backends) -> String {
     let all = adapters(wgpu::Backends::VULKAN | wgpu::Backends::GL);
     let names: Vec<String> = all.iter().map(|a| described(&a.get_info())).collect();
     let found = if names.is_empty() {
-        "none at all".to_owned()
+        "none".to_owned()
     } else {
         names.join(", ")
     };
     format!(
         "no graphics card or driver through {looked_for}; adapters found: {found}. Install a \
          driver: the card's own, or Mesa's for machines without one (Debian and Ubuntu: apt \
-         install mesa-vulkan-drivers libvulkan1 libegl1 libgl1-mesa-dri); or let the processor \
-         draw"
+         install mesa-vulkan-drivers libvulkan1 libegl1 libgl1-mesa-dri); or use the \
+         processor"
     )
 }
 

@@ -58,7 +58,7 @@ impl Mesh {
         let per_buffer = per_buffer as u32 / cluster * cluster;
         if per_buffer == 0 {
             let most = shared.limits.max_buffer_size;
-            let error = format!("{cluster} facets, and its buffers end at {most} bytes");
+            let error = format!("{cluster} facets, but its buffers are limited to {most} bytes");
             return Err(DrawError::TooLarge(error));
         }
         let mirror = |m| LocalMirror::new(m, &local);
@@ -224,8 +224,8 @@ fn upload(
         let buffer = buffer.ok_or_else(|| {
             let (count, bytes) = (facets.len(), facets.len() as u64 * FACET_BYTES);
             DrawError::TooLarge(format!(
-                "{count} facets take {bytes} bytes, which its memory has not; its buffers end at \
-                 {} bytes",
+                "{count} facets take {bytes} bytes, more than its free memory; its buffers are \
+                 limited to {} bytes",
                 shared.limits.max_buffer_size
             ))
         })?;

@@ -59,7 +59,7 @@ impl Shared {
             Ok(_) => Ok(()),
             Err(wgpu::PollError::Timeout) => {
                 let seconds = PATIENCE.as_secs();
-                let why = format!("{} did not answer for {seconds} s", self.info.name);
+                let why = format!("{} did not respond for {seconds} s", self.info.name);
                 Err(self.lose(why))
             }
             Err(other) => Err(self.lose(other.to_string())),

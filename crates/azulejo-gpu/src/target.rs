@@ -439,7 +439,7 @@ impl Mapping {
         match self.outcome.try_recv() {
             Ok(Ok(())) => {}
             Ok(Err(e)) => return Err(shared.lose(e.to_string())),
-            Err(e) => return Err(shared.lose(format!("no answer: {e}"))),
+            Err(e) => return Err(shared.lose(format!("no response: {e}"))),
         }
         let view = self.buffer.get_mapped_range(0..self.bytes);
         let view = view.map_err(|e| shared.lose(e.to_string()))?;

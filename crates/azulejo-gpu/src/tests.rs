@@ -187,7 +187,7 @@ fn views(count: u32) -> Vec<View> {
     (0..count).map(view).collect()
 }
 
-/// Views that stand on the walls of the room, ever closer to its edges.
+/// Views from the walls of the room, ever closer to its edges.
 fn views_near_edges() -> Vec<View> {
     let view = |k: i32| View {
         eye: DVec3::new(0.3, 0.6 * 10f64.powi(-k), 4e-6),

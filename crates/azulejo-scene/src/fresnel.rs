@@ -97,7 +97,7 @@ mod tests {
         check(0.0, 1.0 / 1.5, 0.04);
         check(30.0, 1.0, 0.0);
         check(90.0, 1.5, 1.0);
-        // At Brewster's angle only the perpendicular polarization is mirrored.
+        // At Brewster's angle only the perpendicular polarization is reflected.
         let brewster = 1.5f64.atan();
         let rs = (2.0 * brewster).cos().powi(2);
         check(brewster.to_degrees(), 1.5, 0.5 * rs);

@@ -131,7 +131,7 @@ impl Material {
         }
     }
 
-    /// The lobes that reflect around the mirrored direction, if there are any; none on glass.
+    /// The lobes that reflect around the specular direction, if there are any; none on glass.
     pub fn glossy(&self) -> Option<&Lobes> {
         let glossy = self.brdf.as_deref().map(Brdf::glossy);
         glossy.filter(|lobes| !lobes.is_empty() && self.dielectric.is_none())
@@ -202,7 +202,7 @@ impl Material {
         }
     }
 
-    /// Whether light that arrives can leave in a mirrored or refracted direction, or near it.
+    /// Whether incident light can leave in or near the specular or refracted direction.
     pub fn is_specular(&self) -> bool {
         self.dielectric.is_some() || !self.mirror.is_black() || self.glossy().is_some()
     }

@@ -411,7 +411,7 @@ impl Primitive {
     fn is_reversed(&self, part: usize) -> bool {
         let mirrored = self.world_from_object.matrix3.determinant() < 0.0
             && self.kind != PrimitiveKind::Square;
-        // On an upper cap u still turns counter-clockwise, so u × v looks down.
+        // On an upper cap u still turns counter-clockwise, so u × v points down.
         let upper_cap = matches!(
             (self.kind, part),
             (PrimitiveKind::Cylinder | PrimitiveKind::Cone { .. }, 2)

@@ -150,7 +150,7 @@ impl fmt::Display for TextError {
             ),
             TextError::NoGlyph(name) => write!(f, "the font has no glyph `{name}`"),
             TextError::OpenName(name) => {
-                write!(f, "`/{name}` opens a glyph's name that no `/` closes")
+                write!(f, "`/{name}` opens a glyph name that is not closed by `/`")
             }
         }
     }

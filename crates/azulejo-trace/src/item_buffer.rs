@@ -170,11 +170,11 @@ pub struct SpecularPixel {
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum DrawError {
-    /// There is no such device, or its driver refuses. The text has what was searched and what to
-    /// do.
+    /// There is no such device, or its driver refuses. The text states what was searched and how to
+    /// fix it.
     Missing(String),
-    /// The world or the hemicubes exceed the capacity of the device. The text has what, its size,
-    /// and the limit.
+    /// The world or the hemicubes exceed the capacity of the device. The text states which, its
+    /// size, and the limit.
     TooLarge(String),
     /// The device was lost while drawing: reset, unplugged, or out of memory.
     Lost(String),

@@ -54,14 +54,14 @@ pub fn scene(name: &str, materials: Vec<Material>, prisms: Vec<Prism>) -> Result
     let shape = Shape::Exact(Exact::new(solids));
     scene.objects.push(Object::new(name, shape));
     if !scene.materials.iter_mut().all(Material::limit_reflectance) {
-        let message = "--color and --mirror together reflect more than arrives";
+        let message = "--color and --mirror together exceed 1, which creates energy";
         return Err(Failure::misuse(message));
     }
     // Sizes and positions that are finite may have a product that is not.
     match scene.validate() {
         Ok(()) => Ok(scene),
         Err(e) => Err(Failure::failed(format_args!(
-            "sizes or places are out of range: {e}"
+            "sizes or positions are out of range: {e}"
         ))),
     }
 }

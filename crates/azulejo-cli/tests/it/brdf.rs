@@ -95,7 +95,7 @@ fn misuse_is_explained() {
         ("brdf eval lewis m=3", "no parameter `m`"),
         ("brdf eval lewis", "needs `n`"),
         ("brdf eval lewis n=-3", "between 0 and"),
-        ("brdf eval lewis n=3 kd=0.6 ks=0.6", "more than arrives"),
+        ("brdf eval lewis n=3 kd=0.6 ks=0.6", "create energy"),
     ] {
         folder.fails(&format!("{line} {angles}"), 2, said);
     }

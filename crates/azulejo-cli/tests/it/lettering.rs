@@ -154,7 +154,7 @@ fn lettering_that_has_no_meaning_is_refused() {
         (
             "text A --font tiny.ttf -o a.grf --color 0.8 --mirror 0.8",
             2,
-            "more than arrives",
+            "creates energy",
         ),
         ("text A --font tiny.ttf -o a.txt", 2, "unknown model format"),
         (

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 ///
 /// *DXF Reference*, "Arbitrary Axis Algorithm". Without a direction they are the drawing's axes.
 pub(super) fn world_from_entity(extrusion: DVec3) -> DMat3 {
-    // Exact for the two directions of nearly all entities.
+    // The default direction needs no rounding.
     if extrusion == DVec3::Z {
         return DMat3::IDENTITY;
     }

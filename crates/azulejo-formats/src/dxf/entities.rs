@@ -5,12 +5,12 @@ use super::curve::{ellipse, is_full, sweep};
 use super::drawing::Insert;
 use super::ids::AppearanceId;
 use super::light::light;
-use super::mesh_entity::Cage;
+use super::mesh_entity::ControlCage;
 use super::outline::{DxfOutline, Vertex};
 use super::parse::DxfParser;
 use super::polyline::{Polyline, PolylineKind};
 use super::record::Record;
-use super::surfaces::{FaceCorners, LayerMesh, Line};
+use super::surfaces::{FaceCorners, LayerMesh, LineString};
 use crate::ReadError;
 use crate::reading::text::{shortened, text};
 use glam::{DMat3, DVec2, DVec3};
@@ -18,11 +18,11 @@ use glam::{DMat3, DVec2, DVec3};
 /// Most vertices and corners of an extruded circle.
 const COST_OF_CIRCLE: u64 = 256;
 
-type Done = Result<(), ReadError>;
+type ReadResult = Result<(), ReadError>;
 
 impl<'a> DxfParser<'a, '_> {
     /// Handles an entity, or a record that belongs to one.
-    pub fn entity(&mut self, record: &Record<'a>) -> Done {
+    pub fn entity(&mut self, record: &Record<'a>) -> ReadResult {
         match record.kind {
             b"VERTEX" => self.vertex(record),
             b"SEQEND" => return self.finish_polyline(true),
@@ -50,7 +50,7 @@ impl<'a> DxfParser<'a, '_> {
         true
     }
 
-    fn draw(&mut self, record: &Record<'a>) -> Done {
+    fn draw(&mut self, record: &Record<'a>) -> ReadResult {
         match record.kind {
             b"3DFACE" => self.face(record),
             b"INSERT" => self.insert(record),
@@ -131,7 +131,7 @@ impl<'a> DxfParser<'a, '_> {
         if offset == DVec3::ZERO {
             return mesh.polygon(&points, axes.z_axis, appearance);
         }
-        let outline = Line {
+        let outline = LineString {
             points,
             is_closed: true,
         };
@@ -147,7 +147,7 @@ impl<'a> DxfParser<'a, '_> {
         let points = vec![flat_point(record, 10), flat_point(record, 11)];
         if let Some((mesh, appearance)) = self.site(record) {
             mesh.wall(
-                &Line {
+                &LineString {
                     points,
                     is_closed: false,
                 },
@@ -159,7 +159,7 @@ impl<'a> DxfParser<'a, '_> {
     }
 
     /// A circle, arc or ellipse.
-    fn curve(&mut self, record: &Record<'a>) -> Done {
+    fn curve(&mut self, record: &Record<'a>) -> ReadResult {
         let (axes, offset) = extrusion(record);
         if offset == DVec3::ZERO {
             self.no_surface(record);
@@ -170,7 +170,7 @@ impl<'a> DxfParser<'a, '_> {
             b"ELLIPSE" => whole_ellipse(record, axes),
             _ => circle(record, axes),
         };
-        let line = Line {
+        let line = LineString {
             points: ellipse(centre, x, y, range),
             is_closed: is_full(range.1),
         };
@@ -194,12 +194,12 @@ impl<'a> DxfParser<'a, '_> {
         );
     }
 
-    fn spend(&mut self, elements: u64) -> Done {
+    fn spend(&mut self, elements: u64) -> ReadResult {
         let file = &self.drawing.file;
         self.budget.spend(elements).map_err(|e| e.error(file))
     }
 
-    fn light_polyline(&mut self, record: &Record<'a>) -> Done {
+    fn light_polyline(&mut self, record: &Record<'a>) -> ReadResult {
         const CLOSED: i64 = 1;
         let width = record.real(43, 0.0);
         let mut vertices: Vec<Vertex> = Vec::new();
@@ -237,8 +237,8 @@ impl<'a> DxfParser<'a, '_> {
         Ok(())
     }
 
-    fn mesh(&mut self, record: &Record<'a>) -> Done {
-        let cage = Cage::read(record);
+    fn mesh(&mut self, record: &Record<'a>) -> ReadResult {
+        let cage = ControlCage::read(record);
         if cage.level > 0 {
             let message = format!(
                 "MESH of smoothness {}: its control cage is used without subdivision",
@@ -341,7 +341,7 @@ impl<'a> DxfParser<'a, '_> {
     ///
     /// # Errors
     /// More segments than allowed.
-    pub fn finish_polyline(&mut self, is_complete: bool) -> Done {
+    pub fn finish_polyline(&mut self, is_complete: bool) -> ReadResult {
         let Some(polyline) = self.polyline.take() else {
             return Ok(());
         };

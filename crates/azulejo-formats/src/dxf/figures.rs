@@ -85,12 +85,12 @@ struct Polyline {
     plane: Option<DMat3>,
 }
 
-type Done = Result<(), ReadError>;
+type ReadResult = Result<(), ReadError>;
 
 const CLOSED: i64 = 1;
 
 impl FigureReader<'_> {
-    fn record(&mut self, record: &Record) -> Done {
+    fn record(&mut self, record: &Record) -> ReadResult {
         match record.kind {
             b"SECTION" => self.begin_section(record),
             b"ENDSEC" => {
@@ -125,7 +125,7 @@ impl FigureReader<'_> {
             });
     }
 
-    fn entity(&mut self, record: &Record) -> Done {
+    fn entity(&mut self, record: &Record) -> ReadResult {
         const IN_PAPER_SPACE: i64 = 1;
         if record.integer(67, 0) == IN_PAPER_SPACE || record.integer(60, 0) == 1 {
             self.warn(
@@ -186,7 +186,7 @@ impl FigureReader<'_> {
         Ok(&mut self.layers[layer].1)
     }
 
-    fn light_polyline(&mut self, record: &Record) -> Done {
+    fn light_polyline(&mut self, record: &Record) -> ReadResult {
         let mut vertices: Vec<(DVec2, f64)> = Vec::new();
         for pair in &record.pairs {
             let number = || record.finite(pair.value).unwrap_or(0.0);
@@ -241,14 +241,14 @@ impl FigureReader<'_> {
         }
     }
 
-    fn finish_polyline(&mut self) -> Done {
+    fn finish_polyline(&mut self) -> ReadResult {
         match self.polyline.take() {
             Some(polyline) => self.draw(polyline),
             None => Ok(()),
         }
     }
 
-    fn draw(&mut self, polyline: Polyline) -> Done {
+    fn draw(&mut self, polyline: Polyline) -> ReadResult {
         let Some(plane) = polyline.plane else {
             return Ok(());
         };
@@ -275,7 +275,7 @@ impl FigureReader<'_> {
         Ok(())
     }
 
-    fn circle(&mut self, record: &Record) -> Done {
+    fn circle(&mut self, record: &Record) -> ReadResult {
         let layer = self.layer(record);
         let Some(plane) = self.plane(record) else {
             return Ok(());
@@ -292,7 +292,7 @@ impl FigureReader<'_> {
     }
 
     /// An ellipse's centre and axes are in the drawing's coordinates, not the entity's.
-    fn ellipse(&mut self, record: &Record) -> Done {
+    fn ellipse(&mut self, record: &Record) -> ReadResult {
         use std::f64::consts::TAU;
         let layer = self.layer(record);
         let turn = record.real(42, TAU) - record.real(41, 0.0);
@@ -313,7 +313,7 @@ impl FigureReader<'_> {
         Ok(())
     }
 
-    fn spline(&mut self, record: &Record) -> Done {
+    fn spline(&mut self, record: &Record) -> ReadResult {
         let layer = self.layer(record);
         match spline::curves(record) {
             Ok(spline) => {

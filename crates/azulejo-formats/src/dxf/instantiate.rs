@@ -4,7 +4,7 @@ use super::color::{Color, FOREGROUND, Paint};
 use super::drawing::{Appearance, DxfBlock, DxfDrawing, Finish, Insert, Layer};
 use super::finish::material;
 use super::ids::{AppearanceId, LayerId};
-use super::light::placed;
+use super::light::transformed;
 use super::project::{Node, Project};
 use super::surfaces::LayerMesh;
 use crate::reading::text::shortened;
@@ -95,7 +95,7 @@ impl<'a> Placer<'a, '_> {
         let (drawing, block) = self.project.get(node);
         for (layer, light) in &block.lights {
             if self.shown(drawing, *layer, context).is_some() {
-                self.scene.lights.extend(placed(light, map));
+                self.scene.lights.extend(transformed(light, map));
             }
         }
         for insert in &block.inserts {

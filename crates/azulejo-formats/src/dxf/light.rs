@@ -51,7 +51,7 @@ fn spot(record: &Record, position: DVec3, direction: DVec3, intensity: Rgb) -> L
 
 /// A light of an inserted block; `None` if its position overflows. Its intensity
 /// does not depend on the scale.
-pub(super) fn placed(light: &Light, map: &DAffine3) -> Option<Light> {
+pub(super) fn transformed(light: &Light, map: &DAffine3) -> Option<Light> {
     let mut light = light.clone();
     let turned = |d: DVec3| (map.matrix3 * d).try_normalize().unwrap_or(d);
     match &mut light.kind {

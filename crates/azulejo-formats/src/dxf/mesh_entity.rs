@@ -7,7 +7,7 @@ use glam::DVec3;
 
 /// The control cage of a MESH, before any subdivision.
 #[derive(Debug, Default)]
-pub(super) struct Cage {
+pub(super) struct ControlCage {
     /// Number of subdivisions.
     pub level: i64,
     points: Vec<DVec3>,
@@ -26,10 +26,10 @@ enum List {
     Rest,
 }
 
-impl Cage {
+impl ControlCage {
     /// Reads a record.
-    pub fn read(record: &Record) -> Cage {
-        let mut cage = Cage::default();
+    pub fn read(record: &Record) -> ControlCage {
+        let mut cage = ControlCage::default();
         let mut list = List::Head;
         for pair in &record.pairs {
             match (list, pair.code) {

@@ -3,7 +3,7 @@
 use super::axes::world_from_entity;
 use super::curve::{Station, bulged};
 use super::ids::AppearanceId;
-use super::surfaces::{LayerMesh, Line};
+use super::surfaces::{LayerMesh, LineString};
 use glam::{DMat3, DVec2, DVec3};
 
 /// A polyline in its plane.
@@ -89,7 +89,7 @@ impl DxfOutline {
         if pieces.is_empty() {
             return;
         }
-        let space = Space {
+        let space = ExtrusionFrame {
             axes: world_from_entity(self.extrusion),
             low: self.elevation + self.thickness.min(0.0),
             height: self.thickness.abs(),
@@ -112,7 +112,7 @@ impl DxfOutline {
     fn draw_wall(
         &self,
         pieces: &[Piece],
-        space: &Space,
+        space: &ExtrusionFrame,
         groups: &[u32],
         mesh: &mut LayerMesh,
         appearance: AppearanceId,
@@ -125,7 +125,7 @@ impl DxfOutline {
         if !self.is_closed {
             points.push(space.low(last));
         }
-        let line = Line {
+        let line = LineString {
             points,
             is_closed: self.is_closed,
         };
@@ -220,13 +220,13 @@ fn join(pieces: &mut [Piece], joint: usize) {
 
 /// The coordinate system and extrusion of a polyline.
 #[derive(Clone, Copy, Debug)]
-struct Space {
+struct ExtrusionFrame {
     axes: DMat3,
     low: f64,
     height: f64,
 }
 
-impl Space {
+impl ExtrusionFrame {
     fn low(&self, p: DVec2) -> DVec3 {
         self.axes * p.extend(self.low)
     }
@@ -238,19 +238,19 @@ impl Space {
 
 /// A polyline with width: flat, or a solid if it has thickness.
 struct Band {
-    space: Space,
+    space: ExtrusionFrame,
     /// The smoothing group of each curve.
     groups: Vec<u32>,
     appearance: AppearanceId,
 }
 
 /// Vertices across a band: lower right and left, then upper right and left if it is thick.
-type Across = [u32; 4];
+type CrossSection = [u32; 4];
 
 impl Band {
     fn draw(&self, pieces: &[Piece], mesh: &mut LayerMesh) {
         let first_vertex = mesh.mesh.positions.len() as u32;
-        let mut before: Option<Across> = None;
+        let mut before: Option<CrossSection> = None;
         for (i, piece) in pieces.iter().enumerate() {
             let [start, end] = piece.ends;
             let a = before.filter(|_| start.is_joined && i > 0);
@@ -267,7 +267,7 @@ impl Band {
         }
     }
 
-    fn across(&self, end: &End, mesh: &mut LayerMesh) -> Across {
+    fn across(&self, end: &End, mesh: &mut LayerMesh) -> CrossSection {
         let sides = [end.station.point - end.side, end.station.point + end.side];
         let first = mesh.vertices(sides.map(|p| self.space.low(p)));
         if self.space.height > 0.0 {
@@ -277,12 +277,12 @@ impl Band {
     }
 
     /// The vertices across that begin with this; the upper ones of a flat band equal the lower.
-    fn numbered(&self, first: u32) -> Across {
+    fn numbered(&self, first: u32) -> CrossSection {
         let above = if self.space.height > 0.0 { 2 } else { 0 };
         [first, first + 1, first + above, first + above + 1]
     }
 
-    fn draw_piece(&self, piece: &Piece, a: Across, b: Across, mesh: &mut LayerMesh) {
+    fn draw_piece(&self, piece: &Piece, a: CrossSection, b: CrossSection, mesh: &mut LayerMesh) {
         let [right, left, high_right, high_left] = [0, 1, 2, 3].map(|i| [a[i], b[i]]);
         mesh.face(
             &[high_right[0], high_right[1], high_left[1], high_left[0]],

@@ -60,24 +60,24 @@ pub(super) struct DxfParser<'a, 'w> {
     pub polyline: Option<Polyline>,
     /// The remaining budget for curves.
     pub budget: Budget,
-    layers: Known<'a, LayerId>,
-    blocks: Known<'a, BlockId>,
+    layers: IdsByName<'a, LayerId>,
+    blocks: IdsByName<'a, BlockId>,
     appearances: HashMap<Appearance, AppearanceId>,
     last_look: Option<(Appearance, AppearanceId)>,
 }
 
 /// Ids by case-insensitive name.
 #[derive(Debug)]
-struct Known<'a, Id> {
+struct IdsByName<'a, Id> {
     /// The last name looked up: consecutive entities mostly share a layer.
     last: Option<(&'a [u8], Id)>,
     by_bytes: HashMap<&'a [u8], Id>,
     by_name: HashMap<String, Id>,
 }
 
-impl<'a, Id: Copy> Known<'a, Id> {
-    fn new() -> Known<'a, Id> {
-        Known {
+impl<'a, Id: Copy> IdsByName<'a, Id> {
+    fn new() -> IdsByName<'a, Id> {
+        IdsByName {
             last: None,
             by_bytes: HashMap::new(),
             by_name: HashMap::new(),
@@ -136,8 +136,8 @@ impl<'a, 'w> DxfParser<'a, 'w> {
             block: Some(MODEL_SPACE),
             polyline: None,
             budget: Budget::new(options),
-            layers: Known::new(),
-            blocks: Known::new(),
+            layers: IdsByName::new(),
+            blocks: IdsByName::new(),
             appearances: HashMap::new(),
             last_look: None,
         }

@@ -86,7 +86,7 @@ impl LayerMesh {
     /// the segment after each point. A closed line faces outside.
     pub fn wall(
         &mut self,
-        line: &Line,
+        line: &LineString,
         offset: DVec3,
         appearance: AppearanceId,
         groups: impl Fn(usize) -> u32,
@@ -130,7 +130,13 @@ impl LayerMesh {
 
     /// Adds the closed solid that a polygon sweeps along `offset`, with the smoothing group of
     /// its side.
-    pub fn prism(&mut self, outline: &Line, offset: DVec3, appearance: AppearanceId, group: u32) {
+    pub fn prism(
+        &mut self,
+        outline: &LineString,
+        offset: DVec3,
+        appearance: AppearanceId,
+        group: u32,
+    ) {
         let first = self.mesh.positions.len() as u32;
         self.wall(outline, offset, appearance, |_| group);
         self.polygon_of(first, 2, &outline.points, -offset, appearance);
@@ -140,14 +146,14 @@ impl LayerMesh {
 
 /// A line of straight segments.
 #[derive(Debug)]
-pub(super) struct Line {
+pub(super) struct LineString {
     /// Its points.
     pub points: Vec<DVec3>,
     /// Whether the last point is connected to the first.
     pub is_closed: bool,
 }
 
-impl Line {
+impl LineString {
     /// Number of segments.
     pub fn parts(&self) -> usize {
         let ends = usize::from(!self.is_closed);

@@ -92,7 +92,7 @@ impl<'a> Buffers<'a> {
     fn unpack(&mut self, options: &ReadOptions) {
         let mut left = options.most_unpacked;
         for (i, view) in self.root.buffer_views.iter().enumerate() {
-            let Some(packed) = meshopt::Packed::of(view) else {
+            let Some(packed) = meshopt::CompressedView::of(view) else {
                 continue;
             };
             let unpacked = packed.and_then(|packed| {

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 /// How a mesh stores its irradiance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Stored {
+pub(super) struct StoredIrradiance {
     /// The set of colours: `COLOR_0` or `COLOR_1`.
     pub set: u32,
     /// Irradiance of a colour of 1.
@@ -14,10 +14,10 @@ pub(super) struct Stored {
 }
 
 /// The description of irradiance in the extras of a mesh, if there is one.
-pub(super) fn of(mesh: &Mesh) -> Option<Stored> {
+pub(super) fn of(mesh: &Mesh) -> Option<StoredIrradiance> {
     let extras: Value = serde_json::from_str(mesh.extras.as_ref()?.get()).ok()?;
     let irradiance = extras.get("azulejo")?.get("irradiance")?;
-    let stored = Stored {
+    let stored = StoredIrradiance {
         set: match irradiance.get("attribute")?.as_str()? {
             "COLOR_0" => 0,
             "COLOR_1" => 1,
@@ -49,7 +49,7 @@ pub(super) fn scale(scene: &Scene) -> f64 {
     }
 }
 
-impl Stored {
+impl StoredIrradiance {
     /// The extras of a mesh that stores its irradiance in this way.
     pub fn extras(&self, photometric: bool) -> Value {
         json!({

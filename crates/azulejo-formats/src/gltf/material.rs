@@ -177,7 +177,7 @@ impl MaterialReader<'_, '_> {
         }
     }
 
-    /// Makes the material a transmitting one and returns `true`, if it is.
+    /// Makes the material transmitting and returns `true`, if the file declares it as such.
     ///
     /// A thin wall is a pane: what its two surfaces mirror is subtracted from what passes. A volume is
     /// the boundary of a solid body; absorption inside is moved to its boundary, which light that

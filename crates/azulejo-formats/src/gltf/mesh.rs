@@ -1,7 +1,7 @@
 //! Meshes: primitives over shared vertices.
 
 use super::accessor::Data;
-use super::irradiance::Stored;
+use super::irradiance::StoredIrradiance;
 use super::material::{GltfSurface, Surfaces};
 use super::messages::GltfMessages;
 use super::skin::Joints;
@@ -34,7 +34,7 @@ pub(super) struct GltfMeshBuilder<'b, 'a> {
     /// Collects the warnings.
     pub messages: &'b mut GltfMessages,
     /// How the mesh stores its irradiance, if it has any.
-    pub irradiance: Option<Stored>,
+    pub irradiance: Option<StoredIrradiance>,
     /// Index of the mesh.
     pub mesh: usize,
     /// Index of the primitive in it.
@@ -50,18 +50,18 @@ pub(super) struct Pose<'p> {
     pub joints: Option<&'p Joints>,
 }
 
-/// Everything that the vertices of a primitive depend on: primitives with the same pool share
+/// Everything that the vertices of a primitive depend on: primitives with the same key share
 /// their vertices, as in the file.
 #[derive(PartialEq, Eq, Hash)]
-struct Pool<'a> {
+struct VertexKey<'a> {
     attributes: &'a Attributes,
     targets: Vec<[Option<u32>; 2]>,
     set: u32,
     picture_from_uv: [u64; 6],
 }
 
-impl<'a> Pool<'a> {
-    fn of(primitive: &'a Primitive, surface: &GltfSurface) -> Pool<'a> {
+impl<'a> VertexKey<'a> {
+    fn of(primitive: &'a Primitive, surface: &GltfSurface) -> VertexKey<'a> {
         let number = |i: &Index<Accessor>| i.value() as u32;
         let target = |t: &MorphTarget| {
             [
@@ -70,7 +70,7 @@ impl<'a> Pool<'a> {
             ]
         };
         let targets = primitive.targets.iter().flatten();
-        Pool {
+        VertexKey {
             attributes: &primitive.attributes,
             targets: targets.map(target).collect(),
             set: surface.set,
@@ -118,10 +118,16 @@ impl<'a> GltfMeshBuilder<'_, 'a> {
         };
         let mut mesh = Mesh::default();
         let mut vertices = Vertices::new(self.irradiance);
-        let mut pools = HashMap::new();
+        let mut vertex_ranges = HashMap::new();
         for (p, primitive) in json.primitives.iter().enumerate() {
             self.primitive = p;
-            match self.primitive(primitive, pose, &mut vertices, &mut pools, &mut mesh) {
+            match self.primitive(
+                primitive,
+                pose,
+                &mut vertices,
+                &mut vertex_ranges,
+                &mut mesh,
+            ) {
                 Ok(()) => {}
                 Err(Fault::Skipped(message)) => self.warn(&message),
                 Err(Fault::Exhausted(exhausted)) => return Err(exhausted),
@@ -144,7 +150,7 @@ impl<'a> GltfMeshBuilder<'_, 'a> {
         primitive: &'a Primitive,
         pose: Pose,
         vertices: &mut Vertices,
-        pools: &mut HashMap<Pool<'a>, (u32, u32)>,
+        vertex_ranges: &mut HashMap<VertexKey<'a>, (u32, u32)>,
         mesh: &mut Mesh,
     ) -> Result<(), Fault> {
         let targets = primitive.targets.as_ref().map_or(0, Vec::len);
@@ -157,12 +163,12 @@ impl<'a> GltfMeshBuilder<'_, 'a> {
             _ => return Err(skipped("lines: skipped")),
         };
         let surface = self.surfaces.of(primitive.material, self.messages);
-        let pool = Pool::of(primitive, &surface);
-        let (first, count) = match pools.get(&pool) {
+        let key = VertexKey::of(primitive, &surface);
+        let (first, count) = match vertex_ranges.get(&key) {
             Some(&known) => known,
             None => {
                 let range = self.vertices(primitive, &surface, pose, vertices)?;
-                pools.insert(pool, range);
+                vertex_ranges.insert(key, range);
                 range
             }
         };
@@ -189,7 +195,7 @@ impl<'a> GltfMeshBuilder<'_, 'a> {
     }
 }
 
-/// The fault of a primitive that is left out for a message of its own.
+/// The fault of a primitive that is skipped with this message.
 pub(super) fn skipped(message: &str) -> Fault {
     Fault::Skipped(message.to_owned())
 }

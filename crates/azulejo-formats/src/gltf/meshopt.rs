@@ -13,7 +13,7 @@ const GROUP: usize = 16;
 
 /// The description of a compressed view in JSON.
 #[derive(Debug)]
-pub(super) struct Packed {
+pub(super) struct CompressedView {
     /// Index of the buffer that holds it.
     pub buffer: usize,
     /// Its offset in the buffer.
@@ -41,18 +41,18 @@ enum Filter {
     Exponential,
 }
 
-impl Packed {
+impl CompressedView {
     /// The compression of a view, if it has any.
-    pub fn of(view: &View) -> Option<Result<Packed, String>> {
+    pub fn of(view: &View) -> Option<Result<CompressedView, String>> {
         let extensions = &view.extensions.as_ref()?.others;
-        let read = Packed::read(extensions.get("EXT_meshopt_compression")?);
+        let read = CompressedView::read(extensions.get("EXT_meshopt_compression")?);
         Some(read.ok_or_else(|| "compressed data with an invalid description".to_owned()))
     }
 
-    fn read(json: &Value) -> Option<Packed> {
+    fn read(json: &Value) -> Option<CompressedView> {
         let number = |key: &str| json.get(key).and_then(Value::as_u64);
         let word = |key: &str| json.get(key).and_then(Value::as_str);
-        let packed = Packed {
+        let packed = CompressedView {
             buffer: usize::try_from(number("buffer")?).ok()?,
             offset: number("byteOffset").unwrap_or(0),
             length: number("byteLength")?,
@@ -431,9 +431,9 @@ mod tests {
     use super::*;
 
     /// Packed data described by this JSON, whose position is added.
-    fn packed(json: &str, length: usize) -> Option<Packed> {
+    fn packed(json: &str, length: usize) -> Option<CompressedView> {
         let json = format!("{{\"buffer\":0,\"byteLength\":{length},{json}}}");
-        Packed::read(&serde_json::from_str(&json).unwrap())
+        CompressedView::read(&serde_json::from_str(&json).unwrap())
     }
 
     fn bytes(hex: &str) -> Vec<u8> {

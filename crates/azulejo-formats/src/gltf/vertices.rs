@@ -1,6 +1,6 @@
 //! Vertices of a mesh under construction, and their conversion to mesh attributes.
 
-use super::irradiance::Stored;
+use super::irradiance::StoredIrradiance;
 use azulejo_scene::{Attribute, Mesh, Rgb};
 use glam::{DVec2, DVec3};
 
@@ -18,12 +18,12 @@ pub(super) struct Vertices {
     /// Irradiance.
     pub light: Vec<Rgb>,
     /// The set of colours that stores irradiance.
-    pub irradiance: Option<Stored>,
+    pub irradiance: Option<StoredIrradiance>,
 }
 
 impl Vertices {
     /// No vertices, of a mesh that stores its irradiance in this way.
-    pub fn new(irradiance: Option<Stored>) -> Vertices {
+    pub fn new(irradiance: Option<StoredIrradiance>) -> Vertices {
         Vertices {
             positions: Vec::new(),
             normals: Vec::new(),

@@ -1,7 +1,7 @@
 //! Converts the nodes of a scene to objects, lights and cameras in the world.
 
 use super::accessor::Data;
-use super::irradiance::{self, Stored};
+use super::irradiance::{self, StoredIrradiance};
 use super::material::Surfaces;
 use super::mesh::{GltfMeshBuilder, Pose};
 use super::messages::GltfMessages;
@@ -40,7 +40,7 @@ pub(super) struct GltfWalk<'w, 'a> {
     tree: &'w Tree<'a>,
     surfaces: Surfaces<'a>,
     /// How each mesh stores its irradiance, if it has any.
-    irradiance: Vec<Option<Stored>>,
+    irradiance: Vec<Option<StoredIrradiance>>,
     budget: Budget,
     messages: &'w mut GltfMessages,
     scene: Scene,

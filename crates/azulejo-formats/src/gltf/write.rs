@@ -146,7 +146,7 @@ impl<'a> Document<'a> {
             json.insert("spot".into(), cone(inner, outer));
         }
         let mut node = named(&light.name);
-        place(&mut node, position, direction, self.scene.units.up.axis());
+        set_transform(&mut node, position, direction, self.scene.units.up.axis());
         let extension = json!({ "KHR_lights_punctual": { "light": self.lights.len() } });
         node.insert("extensions".into(), extension);
         self.nodes.push(node.into());
@@ -163,7 +163,7 @@ impl<'a> Document<'a> {
         json.insert("perspective".into(), perspective);
         let mut node = named(&camera.name);
         let forward = (camera.target - camera.eye).normalize();
-        place(&mut node, camera.eye, Some(forward), camera.up);
+        set_transform(&mut node, camera.eye, Some(forward), camera.up);
         node.insert("camera".into(), json!(self.cameras.len()));
         self.nodes.push(node.into());
         self.cameras.push(json.into());
@@ -243,7 +243,12 @@ fn root_node(units: &Units) -> Option<Value> {
 }
 
 /// Sets the transform of a node whose content faces its −z axis.
-fn place(node: &mut Map<String, Value>, position: DVec3, direction: Option<DVec3>, up: DVec3) {
+fn set_transform(
+    node: &mut Map<String, Value>,
+    position: DVec3,
+    direction: Option<DVec3>,
+    up: DVec3,
+) {
     if position != DVec3::ZERO {
         node.insert("translation".into(), json!(position.to_array()));
     }

@@ -1,6 +1,6 @@
 //! Writes objects as meshes: triangles by material over one list of vertices.
 
-use super::irradiance::Stored;
+use super::irradiance::StoredIrradiance;
 use super::pack::Pack;
 use super::vertices::is_unit;
 use super::write_material::Materials;
@@ -23,7 +23,7 @@ pub(super) fn mesh(
         return None;
     }
     let corners = MergedCorners::of(&mesh);
-    let stored = Stored {
+    let stored = StoredIrradiance {
         set: u32::from(!mesh.colors.is_empty()),
         scale,
     };
@@ -96,7 +96,7 @@ impl MergedCorners {
 fn attributes(
     mesh: &Mesh,
     corners: &MergedCorners,
-    stored: Stored,
+    stored: StoredIrradiance,
     pack: &mut Pack,
 ) -> Map<String, Value> {
     let mut attributes = Map::new();

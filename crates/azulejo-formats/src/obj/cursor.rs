@@ -299,12 +299,12 @@ impl<'a> StatementCursor<'a> {
         let found = there
             .word()
             .map_or_else(|| "the end of the line".to_owned(), quoted);
-        self.error_saying(offset, found, expected)
+        self.error_with(offset, found, expected)
     }
 
     /// An error at byte `offset` with the caller's description.
     #[cold]
-    pub fn error_saying(
+    pub fn error_with(
         &self,
         offset: usize,
         found: impl Into<String>,

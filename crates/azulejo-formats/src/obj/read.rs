@@ -9,7 +9,7 @@ use crate::picture::srgb::linear_from_srgb;
 use crate::reading::options::Budget;
 use crate::reading::text::{decoded, shortened, text};
 use crate::reading::warnings::Warnings;
-use crate::surface::textures::one_spelling;
+use crate::surface::textures::normalized_path;
 use crate::{Files, Loaded, Position, ReadError, ReadOptions};
 use azulejo_scene::Rgb;
 use glam::{DVec2, DVec3};
@@ -212,7 +212,7 @@ impl<'a> ObjReader<'a> {
         };
         if !position.is_finite() {
             let found = format!("a vertex at {position}");
-            return Err(self.cursor.error_saying(start, found, "finite coordinates"));
+            return Err(self.cursor.error_with(start, found, "finite coordinates"));
         }
         self.raw.positions.push(position);
         if self.cursor.at_end() {
@@ -232,7 +232,7 @@ impl<'a> ObjReader<'a> {
         }
         if extras.iter().any(|e| !e.is_finite()) {
             let found = "a number that is not finite";
-            return Err(self.cursor.error_saying(start, found, "a weight or colour"));
+            return Err(self.cursor.error_with(start, found, "a weight or colour"));
         }
         let (weight, color) = match (count, extras) {
             (1, [w, ..]) => (w, None),
@@ -436,7 +436,7 @@ impl<'a> ObjReader<'a> {
             (_, count) => format!("-{count} to -1, the number of vertices so far"),
         };
         self.cursor
-            .error_saying(start, format!("vertex {given}"), expected)
+            .error_with(start, format!("vertex {given}"), expected)
     }
 
     /// Faces may precede their vertices; whether those exist is known only at the end of the file.
@@ -516,7 +516,7 @@ impl<'a> ObjReader<'a> {
         let position = self.cursor.position();
         let names = self.cursor.name();
         for name in library_names(&names, self.files) {
-            let name = one_spelling(&name);
+            let name = normalized_path(&name);
             if !self.libraries_read.insert(name.clone()) {
                 continue;
             }

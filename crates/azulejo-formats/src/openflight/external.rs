@@ -8,7 +8,7 @@ use super::walk::{BYTES_PER_ELEMENT, FltSource, FltWalker};
 use crate::reading::files::beside;
 use crate::reading::text::shortened;
 use crate::reading::warnings::Warnings;
-use crate::surface::textures::one_spelling;
+use crate::surface::textures::normalized_path;
 use crate::{FileError, Files, Position, ReadError};
 use glam::{DAffine3, DVec3};
 use std::borrow::Cow;
@@ -156,7 +156,7 @@ impl FltWalker<'_> {
         if self.externals.open.len() == MOST_OPEN {
             return Err(format!("files nested more than {MOST_OPEN} deep"));
         }
-        let name = &one_spelling(name);
+        let name = &normalized_path(name);
         let base = name.rsplit('/').next().unwrap_or(name);
         let path = beside(source.path, name);
         match self.open(path) {

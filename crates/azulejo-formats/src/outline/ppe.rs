@@ -33,7 +33,7 @@ pub fn read(bytes: &[u8], name: &str) -> Result<(Encoding, Vec<Warning>), ReadEr
         }
         let Some((code, glyph)) = entry(line) else {
             let found = format!("\"{}\"", shortened(&text(line)));
-            return Err(words.error_saying(at, found, EXPECTED));
+            return Err(words.error_with(at, found, EXPECTED));
         };
         let before = encoding.names.insert(code, glyph.clone());
         if before.is_some_and(|b| b != glyph) {

@@ -4,15 +4,16 @@
 //! /A 2            name, number of contours
 //! 3               number of curves of the first contour
 //! l 0.1 0         start of a line
+//! c 0.5 0 1 0 1 1 start and two control points of a curve
 //! l 0 1           the last curve ends at the start of the contour
-//! l 0 1           what comes last ends where the contour begins
 //! ...
 //! ```
 //!
 //! Every contour is closed by construction. What is inside follows the even-odd rule
 //! ([`FillRule::EvenOdd`](azulejo_scene::FillRule::EvenOdd)) over all contours of a glyph, whatever
 //! their orientation: where an outline crosses itself, or two of them overlap, the area surrounded
-//! twice is outside. A contour without area, such as a single line, has no inside, and a glyph without contours is blank.
+//! twice is outside. A contour without area, such as a single line, has no inside, and a glyph
+//! without contours is blank.
 
 use crate::reading::text::{decoded, shortened, text};
 use crate::reading::warnings::Warnings;

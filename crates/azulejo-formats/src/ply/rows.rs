@@ -88,7 +88,7 @@ impl<'a> AsciiRows<'a> {
         let at = self.words.offset();
         let found = "the end of the line";
         let expected = "as many numbers as the header declares";
-        RowError::Error(Box::new(self.words.error_saying(at, found, expected)))
+        RowError::Error(Box::new(self.words.error_with(at, found, expected)))
     }
 }
 

@@ -157,12 +157,12 @@ impl<'a> Words<'a> {
             Some(word) => quoted(word),
             None => "the end of the file".to_owned(),
         };
-        self.error_saying(offset, found, expected)
+        self.error_with(offset, found, expected)
     }
 
     /// An error at byte `offset` with the caller's description.
     #[cold]
-    pub fn error_saying(
+    pub fn error_with(
         &self,
         offset: usize,
         found: impl Into<String>,

@@ -250,6 +250,6 @@ impl<'a> SffSources<'a> {
         expected: impl Into<String>,
     ) -> ReadError {
         let words = self.words(place.file);
-        words.error_saying(place.offset as usize, found, expected)
+        words.error_with(place.offset as usize, found, expected)
     }
 }

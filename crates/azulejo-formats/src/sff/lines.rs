@@ -97,7 +97,7 @@ impl<'a, 'w> SffLines<'a, 'w> {
                     "section"
                 };
                 let found = format!("the end of the {what}");
-                return Err(self.words.error_saying(end, found, expected));
+                return Err(self.words.error_with(end, found, expected));
             }
         }
         Ok(())
@@ -261,7 +261,7 @@ impl<'a, 'w> SffLines<'a, 'w> {
         expected: impl Into<String>,
     ) -> ReadError {
         let at = place.offset as usize;
-        self.words.error_saying(at, found, expected)
+        self.words.error_with(at, found, expected)
     }
 
     /// The underlying words, for blocks with rules of their own.

@@ -31,7 +31,7 @@ impl Textures {
         name: &str,
         files: &dyn Files,
     ) -> (TextureId, Option<String>) {
-        let name = one_spelling(name);
+        let name = normalized_path(name);
         let wanted = beside(of, &name);
         if let Some(&known) = self.known.get(&wanted) {
             return (known, None);
@@ -93,7 +93,7 @@ impl Textures {
     ///
     /// # Errors
     /// The pictures have too many pixels together.
-    pub fn drawn(&mut self, name: String, image: Image) -> Result<TextureId, String> {
+    pub fn add_pixels(&mut self, name: String, image: Image) -> Result<TextureId, String> {
         let image = Some(self.admit(image)?);
         self.list.push(Texture { path: name, image });
         Ok((self.list.len() - 1) as TextureId)
@@ -130,7 +130,7 @@ fn find(wanted: &str, name: &str, files: &dyn Files) -> (String, Result<Vec<u8>,
 
 /// A file's name with `/` between folders and no `.` among them, so that a file is not read and
 /// stored again for each spelling of its name.
-pub(crate) fn one_spelling(name: &str) -> String {
+pub(crate) fn normalized_path(name: &str) -> String {
     let parts = name.split(['/', '\\']).filter(|p| !matches!(*p, "" | "."));
     let path = parts.collect::<Vec<_>>().join("/");
     if name.starts_with(['/', '\\']) {

@@ -338,7 +338,7 @@ fn pixel_texture(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<Text
     let pixel_texture = match pixels(&numbers) {
         Some(image) => {
             let name = node.name.as_deref().unwrap_or("PixelTexture");
-            builder.textures.drawn(shortened(name), image)
+            builder.textures.add_pixels(shortened(name), image)
         }
         None => Err("it has fewer pixels than its size requires".to_owned()),
     };

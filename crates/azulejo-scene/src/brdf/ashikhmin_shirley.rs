@@ -65,7 +65,7 @@ impl Matt for AshikhminShirleyBase {
     }
 }
 
-/// √((nu + 1)(nv + 1))/(8π) F cosᵉ θh/(cos at h × max(cos θi, cos θo)), where the exponent e goes
+/// √((nu + 1)(nv + 1))/(8π) F cosᵉ θh/(cos at h × max(cos θi, cos θo)), where the exponent e varies
 /// from nu along the tangent to nv along the bitangent.
 #[derive(Clone, Debug)]
 pub(super) struct AshikhminShirley {

@@ -18,7 +18,7 @@ pub enum Description {
     Combination(Vec<(f64, Model)>),
     /// A model in another file.
     File {
-        /// The file's name as it stands, relative to the model.
+        /// The file's name as written, relative to the model.
         path: String,
         /// Its content; `None` if the file was not found. The model then reflects nothing.
         content: Option<Arc<Content>>,

@@ -63,7 +63,7 @@ pub enum BrdfError {
     },
     /// The model reflects more light than it receives.
     Energy {
-        /// The names of what was added up.
+        /// The names of the summands.
         what: String,
         /// The sum.
         sum: f64,
@@ -115,10 +115,7 @@ impl fmt::Display for BrdfError {
                 "`{name}` is {value}; it must be between {least} and {most}"
             ),
             BrdfError::Energy { what, sum } => {
-                write!(
-                    f,
-                    "{what} is {sum}: more than 1 would reflect more than arrives"
-                )
+                write!(f, "{what} is {sum}: more than 1 would create energy")
             }
             BrdfError::Other(text) => f.write_str(text),
             BrdfError::Syntax { found, expected } => {

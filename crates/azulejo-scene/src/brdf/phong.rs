@@ -42,7 +42,7 @@ fn make(arguments: &Arguments) -> Result<Vec<Lobe>, BrdfError> {
     ])
 }
 
-/// ks cosⁿ α/cos θi, α the angle to the mirrored direction.
+/// ks cosⁿ α/cos θi, α the angle to the specular direction.
 #[derive(Clone, Debug)]
 pub(super) struct Phong {
     /// Not an albedo: with ks = 1, n = 20, the albedo is 0.29 at normal incidence, but 1.6 at 89°.

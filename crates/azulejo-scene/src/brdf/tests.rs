@@ -36,7 +36,7 @@ fn bad_descriptions_are_refused_with_reasons() {
     check("lewis n = 3 n = 4", "twice");
     check("lewis n = -1", "between 0 and");
     check("lewis n = NaN", "between 0 and");
-    check("lewis n = 3 kd = 0.6 ks = 0.6", "more than arrives");
+    check("lewis n = 3 kd = 0.6 ks = 0.6", "create energy");
     check("combination weight = 2 diffuse kd = 0.5", "more than 1");
     check("", "found nothing");
     check("fresnel_conductor eta = 1 F = 0.5", "one Fresnel term");

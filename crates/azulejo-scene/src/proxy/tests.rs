@@ -128,7 +128,7 @@ fn prisms_of_polygons() {
     check_prism(figure(&[&unit, &hole], EvenOdd), 0.75, 1e-9);
     check_prism(figure(&[&unit, &hole], NonZero), 1.0, 1e-9);
     check_prism(figure(&[&unit, &turned], NonZero), 0.75, 1e-9);
-    // Overlapping: together, or without what they share.
+    // Overlapping: their union, or without their intersection.
     let other = square(0.5, 1.5);
     let union = check_prism(figure(&[&unit, &other], NonZero), 1.75, 1e-9);
     assert_eq!(
@@ -393,7 +393,7 @@ fn letters_are_cut_out_of_boxes() {
         rule: FillRule::EvenOdd,
     };
     let area = 0.6 * ring.signed_area();
-    // The letter's back lies in the box, its front stands out.
+    // The letter's back is inside the box, its front protrudes.
     let map = DAffine3::from_translation(p(0.0, 0.0, 0.5));
     let letter = || prism(ring.clone(), map);
     let unit = || cuboid(DVec3::ZERO, DVec3::ONE);

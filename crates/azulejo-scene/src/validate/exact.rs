@@ -49,7 +49,7 @@ impl Checker {
             None => Ok(()),
             Some(m) => Err(Invalid {
                 place: "mesh".into(),
-                problem: format!("material {m} is that of none of the solids"),
+                problem: format!("material {m} belongs to none of the solids"),
             }),
         }
     }
@@ -171,7 +171,9 @@ impl Solid {
                 _ => None,
             },
             Solid::Patch(_) => Some("a patch"),
-            Solid::Mesh(m) if !m.is_closed() => Some("a mesh with an edge that has not two faces"),
+            Solid::Mesh(m) if !m.is_closed() => {
+                Some("a mesh with an edge that does not have two faces")
+            }
             Solid::Mesh(_) | Solid::Prism(_) | Solid::Shell(_) | Solid::Csg(_) => None,
         }
     }
@@ -298,7 +300,7 @@ mod tests {
         open(primitive(PrimitiveKind::Tube { top: 0.5 }), "a tube");
         open(
             Solid::Mesh(triangle(0)),
-            "a mesh with an edge that has not two faces",
+            "a mesh with an edge that does not have two faces",
         );
         let nested = |depth: usize| {
             let shell = |inner, _| Solid::Shell(vec![inner]);
@@ -324,7 +326,7 @@ mod tests {
         };
         assert_eq!(
             with_proxy(triangle(1)),
-            "objects[0] \"o\": proxy: mesh: material 1 is that of none of the solids"
+            "objects[0] \"o\": proxy: mesh: material 1 belongs to none of the solids"
         );
         let mut dark = triangle(0);
         dark.irradiance = vec![Rgb::WHITE];

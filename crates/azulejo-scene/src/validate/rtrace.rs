@@ -39,7 +39,7 @@ fn validate_view(rtrace: &Rtrace) -> Check {
     ensure(
         seen && angles.iter().all(|a| *a > 0.0 && *a < FRAC_PI_2),
         || "rtrace: view".into(),
-        || format!("{points:?} and half angles {angles:?} do not span a picture"),
+        || format!("{points:?} and half angles {angles:?} do not define a view"),
     )?;
     ensure(
         is_light_color(rtrace.background) && is_light_color(rtrace.ambient),
@@ -149,7 +149,7 @@ fn validate_corner_surfaces(rtrace: &Rtrace, scene: &Scene) -> Check {
         let known = rtrace.surfaces.len();
         let mut surfaces = faces.iter().flatten();
         ensure(surfaces.all(|s| (*s as usize) < known), place, || {
-            format!("a surface out of the {known} there are")
+            format!("a surface is out of range: there are {known}")
         })?;
     }
     Ok(())

@@ -88,7 +88,7 @@ impl fmt::Display for EmbreeError {
                 let names: Vec<String> = tried.iter().map(|p| p.display().to_string()).collect();
                 write!(
                     f,
-                    "Embree is not there (tried {}; {said}): install it, on Debian and Ubuntu by \
+                    "Embree was not found (tried {}; {said}): install it, on Debian and Ubuntu by \
                      \"apt install libembree-dev\", or give the path of its library",
                     names.join(", ")
                 )
@@ -106,9 +106,9 @@ impl fmt::Display for EmbreeError {
             ),
             EmbreeError::Refused {
                 code: OUT_OF_MEMORY,
-            } => f.write_str("Embree has not enough memory"),
+            } => f.write_str("Embree is out of memory"),
             EmbreeError::Refused { code } => {
-                write!(f, "Embree does not run on this machine: its error {code}")
+                write!(f, "Embree does not run on this machine: error {code}")
             }
         }
     }

@@ -89,14 +89,14 @@ pub fn in_plane(angle: f64, phi: f64) -> DVec3 {
     DVec3::new(sin * phi.cos(), sin * phi.sin(), cos)
 }
 
-/// The curve of a lobe, sampled more densely around the mirror direction, where it may be narrow.
+/// The curve of a lobe, sampled more densely around the specular direction, where it may be narrow.
 fn points(brdf: &Brdf, incidence: f64, phi: f64) -> Vec<(f64, f64)> {
     let wide = (-359..360).map(|k| f64::from(k) * FRAC_PI_2 / 360.0);
     let close = (-160..=160).map(|k: i32| {
         let t = f64::from(k) / 160.0;
         incidence + 0.25 * t * t.abs()
     });
-    // The mirror direction itself is left out: where the half vector is the normal, some anisotropic
+    // The specular direction itself is left out: where the half vector is the normal, some anisotropic
     // models are discontinuous.
     let is_drawn = |a: &f64| a.abs() < 0.9999 * FRAC_PI_2 && (a - incidence).abs() > 1e-9;
     let mut angles: Vec<f64> = wide.chain(close).filter(is_drawn).collect();

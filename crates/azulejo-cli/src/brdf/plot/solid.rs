@@ -73,7 +73,7 @@ pub fn draw(subject: &PlotSubject, panel: Panel, sheet: &mut Drawing) -> Result<
     Ok(())
 }
 
-/// Directions all over the hemisphere with f_r cos there, in rings about the mirrored direction.
+/// Directions all over the hemisphere with f_r cos there, in rings about the specular direction.
 fn values(
     subject: &PlotSubject,
     brdf: &Brdf,

@@ -145,7 +145,7 @@ impl FreeFormSurface {
             self.v.breaks(range[2], range[3]),
         ];
         let parts = [parts(self.u.degree()), parts(self.v.degree())];
-        let coarse = Coarse::new(self, &breaks, parts, budget)?;
+        let coarse = SampleGrid::new(self, &breaks, parts, budget)?;
         let size = Aabb::around(coarse.points.iter().copied()).diagonal();
         if !size.is_finite() {
             return Err(Refused::Reason("points that are not finite".to_owned()));
@@ -201,7 +201,7 @@ pub(super) fn whole_pieces(estimate: f64) -> usize {
 }
 
 /// A regular grid of samples from which the curvature of a surface is estimated.
-struct Coarse {
+struct SampleGrid {
     /// Parts of each span of u and of v.
     parts: [usize; 2],
     columns: usize,
@@ -209,13 +209,13 @@ struct Coarse {
     points: Vec<DVec3>,
 }
 
-impl Coarse {
+impl SampleGrid {
     fn new(
         surface: &FreeFormSurface,
         breaks: &[Vec<f64>; 2],
         parts: [usize; 2],
         budget: &mut Budget,
-    ) -> Result<Coarse, Exhausted> {
+    ) -> Result<SampleGrid, Exhausted> {
         let [columns, rows] = [0, 1].map(|k| parts[k] * (breaks[k].len() - 1) + 1);
         let count = (columns as u64).saturating_mul(rows as u64);
         budget.spend(count.saturating_mul(surface.cost()))?;
@@ -229,7 +229,7 @@ impl Coarse {
                     .map(|a| surface.sample(a, &b, DVec2::ZERO).position),
             );
         }
-        Ok(Coarse {
+        Ok(SampleGrid {
             parts,
             columns,
             rows,
@@ -270,10 +270,10 @@ impl Coarse {
         })
     }
 
-    fn bends(&self, axis: usize, span: usize) -> Bends {
+    fn bends(&self, axis: usize, span: usize) -> RowBends {
         let across = if axis == 0 { self.rows } else { self.columns };
         let ends = span * self.parts[axis]..(span + 1) * self.parts[axis];
-        let mut most = Bends::default();
+        let mut most = RowBends::default();
         for j in 0..across {
             let step = |i: usize| self.at(axis, i + 1, j) - self.at(axis, i, j);
             let (mut length, mut angle) = (0.0, 0.0);
@@ -310,7 +310,7 @@ impl Coarse {
 
 /// Largest values along the rows of a span.
 #[derive(Default)]
-struct Bends {
+struct RowBends {
     /// Second difference along the row.
     second: f64,
     /// Mixed difference with the next row.

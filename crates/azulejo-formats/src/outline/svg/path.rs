@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 /// The problems found in path data.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Outcome {
+pub(super) struct PathProblems {
     /// Number of contours that neither return to their start nor are closed by Z.
     pub open: usize,
     /// Whether it contains an error: only what precedes the error is drawn.
@@ -15,17 +15,17 @@ pub(super) struct Outcome {
 }
 
 /// Draws path data up to the first error, as SVG 2 requires (9.5.4).
-pub(super) fn draw(data: &str, pen: &mut Pen) -> Outcome {
+pub(super) fn draw(data: &str, pen: &mut Pen) -> PathProblems {
     let mut path = Path {
         pen,
         data: SvgScanner::new(data),
-        last: Last::Other,
+        last: PreviousCurve::Other,
         open: 0,
         has_moved: false,
     };
     let is_whole = path.commands().is_some();
     path.end_contour();
-    Outcome {
+    PathProblems {
         open: path.open,
         is_cut: !is_whole,
     }
@@ -34,33 +34,33 @@ pub(super) fn draw(data: &str, pen: &mut Pen) -> Outcome {
 struct Path<'a, 'p> {
     pen: &'p mut Pen,
     data: SvgScanner<'a>,
-    last: Last,
+    last: PreviousCurve,
     open: usize,
     has_moved: bool,
 }
 
 /// The control point that a following smooth curve mirrors.
 #[derive(Clone, Copy)]
-enum Last {
+enum PreviousCurve {
     Cubic(DVec2),
     Quadratic(DVec2),
     Other,
 }
 
-impl Last {
+impl PreviousCurve {
     /// The first control point of a smooth cubic curve from `at`.
     fn cubic(self, at: DVec2) -> DVec2 {
         match self {
-            Last::Cubic(control) => 2.0 * at - control,
-            Last::Quadratic(_) | Last::Other => at,
+            PreviousCurve::Cubic(control) => 2.0 * at - control,
+            PreviousCurve::Quadratic(_) | PreviousCurve::Other => at,
         }
     }
 
     /// The control point of a smooth quadratic curve from `at`.
     fn quadratic(self, at: DVec2) -> DVec2 {
         match self {
-            Last::Quadratic(control) => 2.0 * at - control,
-            Last::Cubic(_) | Last::Other => at,
+            PreviousCurve::Quadratic(control) => 2.0 * at - control,
+            PreviousCurve::Cubic(_) | PreviousCurve::Other => at,
         }
     }
 }
@@ -96,7 +96,7 @@ impl Path<'_, '_> {
         } else {
             DVec2::ZERO
         };
-        let last = std::mem::replace(&mut self.last, Last::Other);
+        let last = std::mem::replace(&mut self.last, PreviousCurve::Other);
         match upper {
             b'M' => self.move_to(base)?,
             b'Z' => {
@@ -151,14 +151,14 @@ impl Path<'_, '_> {
         let control2 = base + self.data.point()?;
         let to = base + self.data.point()?;
         self.pen.cubic_to(control1, control2, to);
-        self.last = Last::Cubic(control2);
+        self.last = PreviousCurve::Cubic(control2);
         Some(())
     }
 
     fn quadratic(&mut self, base: DVec2, control: DVec2) -> Option<()> {
         let to = base + self.data.point()?;
         self.pen.quadratic_to(control, to);
-        self.last = Last::Quadratic(control);
+        self.last = PreviousCurve::Quadratic(control);
         Some(())
     }
 
@@ -236,7 +236,7 @@ mod tests {
     use super::*;
     use azulejo_scene::{Figure, FillRule};
 
-    fn drawn(data: &str) -> (Figure, Outcome) {
+    fn drawn(data: &str) -> (Figure, PathProblems) {
         let mut pen = Pen::default();
         let outcome = draw(data, &mut pen);
         (pen.finish(FillRule::NonZero), outcome)
@@ -245,7 +245,7 @@ mod tests {
     /// Checks that other commands draw the same figure.
     fn check_same(a: &str, b: &str) {
         let (found, outcome) = drawn(a);
-        assert_eq!(outcome, Outcome::default(), "{a}");
+        assert_eq!(outcome, PathProblems::default(), "{a}");
         assert_eq!(found, drawn(b).0, "{a}");
     }
 
@@ -270,7 +270,7 @@ mod tests {
             let (figure, outcome) = drawn(data);
             assert_eq!(
                 outcome,
-                Outcome {
+                PathProblems {
                     open: 1,
                     is_cut: false
                 },
@@ -307,7 +307,7 @@ mod tests {
         check("M0 0L1 0L1 1L2", 3);
         check("M0 0L1 0A1 1 0 2 0 5 5", 2);
         check("M0 0L1 0L1e99 0", 2);
-        assert_eq!(drawn("").1, Outcome::default());
+        assert_eq!(drawn("").1, PathProblems::default());
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Basic shapes: rectangles, circles, ellipses, polygons.
 
-use super::path::{self, Outcome};
+use super::path::{self, PathProblems};
 use super::values::{SvgScanner, length};
 use crate::outline::pen::{Ellipse, Pen};
 use glam::DVec2;
@@ -8,7 +8,7 @@ use roxmltree::Node;
 use std::f64::consts::FRAC_PI_2;
 
 /// Draws the outline of a shape; `None` for other elements, and for those without required attributes.
-pub(super) fn draw(element: Node, pen: &mut Pen) -> Option<Outcome> {
+pub(super) fn draw(element: Node, pen: &mut Pen) -> Option<PathProblems> {
     let value = |name: &str| match element.attribute(name) {
         Some(text) => length(text).map(|(value, _)| value),
         None => Some(0.0),
@@ -36,7 +36,7 @@ pub(super) fn draw(element: Node, pen: &mut Pen) -> Option<Outcome> {
         "polyline" => return Some(polygon(element, false, pen)),
         _ => return None,
     }
-    Some(Outcome::default())
+    Some(PathProblems::default())
 }
 
 fn upright(centre: DVec2, radii: DVec2) -> Ellipse {
@@ -82,7 +82,7 @@ fn rectangle(corner: DVec2, size: DVec2, radii: DVec2, pen: &mut Pen) {
 }
 
 /// Lines through points; an odd number at the end is an error.
-fn polygon(element: Node, is_closed: bool, pen: &mut Pen) -> Outcome {
+fn polygon(element: Node, is_closed: bool, pen: &mut Pen) -> PathProblems {
     let mut points = SvgScanner::new(element.attribute("points").unwrap_or(""));
     let mut is_cut = false;
     let mut count = 0;
@@ -98,7 +98,7 @@ fn polygon(element: Node, is_closed: bool, pen: &mut Pen) -> Outcome {
         count += 1;
     }
     let comes_back = pen.close();
-    Outcome {
+    PathProblems {
         open: usize::from(!is_closed && !comes_back && count > 0),
         is_cut,
     }

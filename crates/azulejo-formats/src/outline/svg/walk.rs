@@ -1,6 +1,6 @@
 //! Converts the elements of a document to filled figures.
 
-use super::path::Outcome;
+use super::path::PathProblems;
 use super::shapes;
 use super::style::{Paint, Style};
 use super::style_sheet::StyleSheet;
@@ -85,7 +85,7 @@ struct SvgWalk<'a, 'i> {
 
 /// An element to be drawn, with its transform and style.
 #[derive(Clone, Copy)]
-struct Site<'a, 'i> {
+struct PendingElement<'a, 'i> {
     element: Node<'a, 'i>,
     map: DAffine2,
     style: Style,
@@ -96,7 +96,7 @@ struct Site<'a, 'i> {
 impl<'a, 'i> SvgWalk<'a, 'i> {
     /// Draws elements in document order, without recursion: nesting may be as deep as a file is long.
     fn all(&mut self, map: DAffine2) -> Result<(), ReadError> {
-        let mut open = vec![Site {
+        let mut open = vec![PendingElement {
             element: self.xml.root_element(),
             map,
             style: Style::default(),
@@ -107,8 +107,8 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
             let Some(style) = site.style.of(site.element, &self.sheet) else {
                 continue;
             };
-            let map = site.map * self.own_map(site.element);
-            let site = Site { map, style, ..site };
+            let map = site.map * self.own_transform(site.element);
+            let site = PendingElement { map, style, ..site };
             self.note_ignored(site.element);
             match site.element.tag_name().name() {
                 "svg" | "g" | "a" | "switch" | "symbol" => push_children(site, &mut open),
@@ -125,13 +125,13 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
     fn warn(&mut self, message: impl Into<String>, element: Node) {
         let xml = self.xml;
         self.warnings.add(self.file, message.into(), || {
-            let place = xml.text_pos_at(element.range().start);
-            Position::Line(place.row, place.col)
+            let start = xml.text_pos_at(element.range().start);
+            Position::Line(start.row, start.col)
         });
     }
 
     /// The element's own transform, and its x and y for elements that have them.
-    fn own_map(&mut self, element: Node) -> DAffine2 {
+    fn own_transform(&mut self, element: Node) -> DAffine2 {
         let map = match element.attribute("transform").map(transform) {
             None => DAffine2::IDENTITY,
             Some(Some(map)) => map,
@@ -171,7 +171,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
         }
     }
 
-    fn follow(&mut self, site: Site<'a, 'i>, open: &mut Vec<Site<'a, 'i>>) {
+    fn follow(&mut self, site: PendingElement<'a, 'i>, open: &mut Vec<PendingElement<'a, 'i>>) {
         const XLINK: &str = "http://www.w3.org/1999/xlink";
         let element = site.element;
         let link = element
@@ -187,7 +187,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
                     element,
                 );
             }
-            Some(&target) => open.push(Site {
+            Some(&target) => open.push(PendingElement {
                 element: target,
                 depth: site.depth + 1,
                 ..site
@@ -223,7 +223,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
         }
     }
 
-    fn fill(&mut self, site: Site) -> Result<(), ReadError> {
+    fn fill(&mut self, site: PendingElement) -> Result<(), ReadError> {
         let element = site.element;
         if !site.style.is_visible {
             return Ok(());
@@ -244,7 +244,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
         self.budget
             .spend(figure.curve_count() as u64)
             .map_err(|e| e.error(self.file))?;
-        place(&mut figure, &site.map);
+        transform_figure(&mut figure, &site.map);
         if figure.contours.is_empty() {
             return Ok(());
         }
@@ -268,7 +268,7 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
         Ok(())
     }
 
-    fn note(&mut self, outcome: Outcome, element: Node) {
+    fn note(&mut self, outcome: PathProblems, element: Node) {
         if outcome.is_cut {
             let message = "malformed path or points: drawn up to the error";
             self.warn(message, element);
@@ -283,20 +283,20 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
 }
 
 /// Pushes the last child first, so that the first one is popped first.
-fn push_children<'a, 'i>(site: Site<'a, 'i>, open: &mut Vec<Site<'a, 'i>>) {
+fn push_children<'a, 'i>(site: PendingElement<'a, 'i>, open: &mut Vec<PendingElement<'a, 'i>>) {
     let children = site.element.children().rev().filter(Node::is_element);
-    open.extend(children.map(|element| Site { element, ..site }));
+    open.extend(children.map(|element| PendingElement { element, ..site }));
 }
 
-fn place(figure: &mut Figure, map: &DAffine2) {
-    let place = |p: &mut DVec2| *p = map.transform_point2(*p);
+fn transform_figure(figure: &mut Figure, map: &DAffine2) {
+    let map_point = |p: &mut DVec2| *p = map.transform_point2(*p);
     let curves = figure.contours.iter_mut().flat_map(|c| &mut c.curves);
     curves.for_each(|curve| match curve {
-        Curve::Line { start } => place(start),
+        Curve::Line { start } => map_point(start),
         Curve::Cubic {
             start,
             control1,
             control2,
-        } => [start, control1, control2].into_iter().for_each(place),
+        } => [start, control1, control2].into_iter().for_each(map_point),
     });
 }

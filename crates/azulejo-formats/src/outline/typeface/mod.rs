@@ -4,7 +4,6 @@
 //! are exactly converted to cubic ones, and overlapping contours are filled as one
 //! ([`FillRule::NonZero`]). A variable font is read at the default of its axes; bitmap and
 //! colour glyphs are not drawn.
-//! pictures or painted in colours are not drawn.
 
 mod convert;
 mod face;

@@ -51,7 +51,7 @@ impl Setting<'_> {
         for run in visual_runs(&text) {
             let buffer = self.shape(&text, &run)?;
             if !self.find_missing(&text, &run, &buffer, &mut missing) {
-                self.place(&buffer, spacing, &mut pen, &mut line)?;
+                self.add_glyphs(&buffer, spacing, &mut pen, &mut line)?;
             }
         }
         if missing.is_empty() {
@@ -102,7 +102,7 @@ impl Setting<'_> {
         !none.is_empty()
     }
 
-    fn place(
+    fn add_glyphs(
         &mut self,
         shaped: &Buffer,
         spacing: f64,
@@ -111,14 +111,14 @@ impl Setting<'_> {
     ) -> Result<(), SettingError> {
         let em = self.typeface.em();
         let infos = shaped.glyph_infos();
-        for (i, (info, place)) in infos.iter().zip(shaped.glyph_positions()).enumerate() {
-            let offset = DVec2::new(f64::from(place.x_offset), f64::from(place.y_offset));
+        for (i, (info, shift)) in infos.iter().zip(shaped.glyph_positions()).enumerate() {
+            let offset = DVec2::new(f64::from(shift.x_offset), f64::from(shift.y_offset));
             let figure = self.figure(GlyphId::new(info.glyph_id))?;
             line.glyphs.push(PlacedGlyph {
                 figure,
                 pen: DVec2::new(*pen, 0.0) + em * offset,
             });
-            *pen += em * f64::from(place.x_advance);
+            *pen += em * f64::from(shift.x_advance);
             line.advance = *pen;
             // A letter and its marks stay together.
             if infos

@@ -177,7 +177,7 @@ impl V1Traversal<'_, '_, '_> {
         }
         let name = shortened(node.name.as_deref().unwrap_or("Texture2"));
         let drawn = match appearance::pixels(numbers) {
-            Some(image) => self.builder.textures.drawn(name, image),
+            Some(image) => self.builder.textures.add_pixels(name, image),
             None => Err("it has fewer pixels than its size requires".to_owned()),
         };
         let said = |why| self.warn(node, format!("pixels of a texture not used: {why}"));

@@ -147,7 +147,7 @@ pub fn check(brdf: &Brdf, effort: Effort) -> Report {
 }
 
 /// Exchanges light and viewer for pairs of directions: half of them at random, half near the
-/// mirrored direction, where lobes are steep.
+/// specular direction, where lobes are steep.
 pub fn reciprocity(brdf: &Brdf, pairs: u32) -> Reciprocity {
     let mut random = Random::new(1);
     let mut found = Reciprocity {

@@ -37,7 +37,7 @@ pub(super) fn mirrored_at([x, y]: [f64; 2], turn: f64, wo: DVec3) -> DVec3 {
     mirrored_by(wo, DVec3::new(sin * cos_phi, sin * sin_phi, cos))
 }
 
-/// Solid angle of mirrored directions per area of the square, sr.
+/// Solid angle of reflected directions per area of the square, sr.
 pub(super) fn solid_angle(half: &HalfVector) -> f64 {
     let theta = half.theta_h();
     // dω of the half vector is sin θ dθ dφ, and θ = x² π/2.

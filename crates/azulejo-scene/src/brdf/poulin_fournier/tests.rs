@@ -71,7 +71,7 @@ fn cylinders_are_those_of_brute_force() {
         let shiny = ShinyCylinders::new(Rgb::grey(ks), n, profile);
         let found = matt.eval(wo, wi).r + shiny.eval(wo, wi).r;
         let expected = brute_force(d, h, (kd, ks, n), wo, wi);
-        // The edges of shadows fall between the samples.
+        // The error comes from shadow edges between samples.
         assert!(
             (found - expected).abs() < 5e-4 * expected + 1e-6,
             "d = {d}, h = {h}, {wo} {wi}: {found} instead of {expected}"

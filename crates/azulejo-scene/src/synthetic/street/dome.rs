@@ -47,7 +47,7 @@ impl Dome {
         (half * half + 1.0).sqrt() - half
     }
 
-    /// Where a step around points; whole turns are the same direction to the bit.
+    /// The direction of a step around the dome; full turns give bit-identical directions.
     fn direction(&self, step: f64) -> DVec2 {
         let n = self.around() as f64;
         DVec2::from_angle(TAU * step.rem_euclid(n) / n)
@@ -83,8 +83,8 @@ impl Dome {
                     .map(|i| self.in_lozenge([i, j], size, first))
                     .collect()
             };
-            // Rows would go round against the clock, whose front is above: from the last to the
-            // first they show it below.
+            // Counter-clockwise rows would have their front above; from the last row to the first
+            // it is below.
             let rows: Vec<Vec<DVec3>> = (0..=size[1]).rev().map(row).collect();
             sheets.sheet(&rows, |_, _| Some(sky));
             first += size[0] + size[1];
@@ -94,8 +94,8 @@ impl Dome {
     /// The point (i, j) of a lozenge of a × b cells whose two outer sides are the steps from
     /// `first` around the field; (0, 0) is the zenith.
     ///
-    /// Shirley and Chiu's map of a square to a disk (1997), which keeps areas: lines i/a and j/b
-    /// become circles, whichever is larger, and the other number the place on that circle.
+    /// Shirley and Chiu's map of a square to a disk (1997), which keeps areas: the larger of i/a
+    /// and j/b selects the circle, and the other number the position on it.
     fn in_lozenge(&self, [i, j]: [usize; 2], [a, b]: [usize; 2], first: usize) -> DVec3 {
         let ratio = |p: usize, q: usize| p as f64 / q.max(1) as f64;
         let (circle, step) = if i * b >= j * a {
@@ -130,7 +130,7 @@ impl Dome {
     }
 }
 
-/// Every third point at most, spread evenly, but not fewer than `least`; an even number less.
+/// About a third of the points, spread evenly, but at least `least`; the number left out is even.
 fn thinned(ring: &[DVec2], least: usize) -> Vec<DVec2> {
     let third = ring.len().div_ceil(3);
     let n = (third + (ring.len() - third) % 2).max(least);
@@ -142,14 +142,14 @@ fn thinned(ring: &[DVec2], least: usize) -> Vec<DVec2> {
     starts.collect()
 }
 
-/// How many steps of an inner ring, 1 or 3, lie within each of `outer` steps outside.
+/// The number of steps of the inner ring, 1 or 3, within each of `outer` steps of the outer ring.
 fn steps_inside(inner: usize, outer: usize) -> impl Iterator<Item = usize> {
     let threes = (inner - outer) / 2;
     (0..outer).map(move |k| 1 + 2 * ((k + 1) * threes / outer - k * threes / outer))
 }
 
-/// Adds quadrilaterals between two rings on the ground, fronts up: one where a step inside meets
-/// one outside, four where it is three.
+/// Adds quadrilaterals between two rings on the ground, fronts up: one where an inner step
+/// corresponds to one outer step, four where it corresponds to three.
 fn add_ring(sheets: &mut Sheets, inner: &[DVec2], outer: &[DVec2], material: MaterialId) {
     let (inner, outer) = (raised(inner, 0.0), raised(outer, 0.0));
     let near = |k: usize| inner[k % inner.len()];

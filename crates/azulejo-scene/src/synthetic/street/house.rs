@@ -6,7 +6,7 @@ use crate::synthetic::Random;
 use crate::synthetic::sheets::{Plate, Sheets, between, border, raised};
 use glam::DVec3;
 
-/// Where a house stands among the lines of the site, in cells, and how high it is.
+/// The position of a house on the grid of the site, in cells, and its height.
 pub(super) struct House {
     corner: [usize; 2],
     size: [usize; 2],
@@ -21,7 +21,7 @@ pub(super) struct House {
 
 const STOREY: f64 = 3.0;
 
-/// Storeys of the houses, one side of the street after the other.
+/// Storeys of the houses, first of one side of the street, then of the other.
 const STOREYS: [usize; 24] = [
     5, 6, 5, 6, 5, 4, 6, 5, 6, 5, 5, 6, 5, 5, 6, 5, 6, 4, 6, 5, 5, 6, 5, 6,
 ];
@@ -73,7 +73,7 @@ impl House {
         let eaves = STOREY * self.storeys as f64;
         let mut rows = plate.at(eaves);
         for (j, row) in rows.iter_mut().enumerate() {
-            // The lines are even, so heights by number keep the two slopes flat.
+            // The lines are evenly spaced, so heights by index keep the two slopes flat.
             let up = j.min(deep - j) as f64 / (deep / 2) as f64;
             row.iter_mut().for_each(|p| p.z = eaves + self.rise * up);
         }
