@@ -250,7 +250,7 @@ mod tests {
         );
         check(
             &with(",\"extensionsRequired\":[\"X\"]"),
-            Err("required: \"X\""),
+            Err("the required extension \"X\""),
         );
     }
 
