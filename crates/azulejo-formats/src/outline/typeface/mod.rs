@@ -2,7 +2,7 @@
 //!
 //! Outlines are without hinting, in ems, y up, and as the font draws them: quadratic curves
 //! are exactly converted to cubic ones, and overlapping contours are filled as one
-//! ([`FillRule::NonZero`]). A variable font is read at the default of its axes; bitmap and
+//! ([`FillRule::NonZero`](azulejo_scene::FillRule::NonZero)). A variable font is read at the default of its axes; bitmap and
 //! colour glyphs are not drawn.
 
 mod convert;
