@@ -1,9 +1,17 @@
-//! Irradiance at points, to a requested error.
+//! Irradiance at points, to a requested error that includes the discretization.
+//!
+//! Reading the radiosity of patches is quick and leaves little noise, but patches that are too coarse
+//! for what a point sees leave an error that no number of rays removes: light leaks into dark rooms.
+//! So the points are divided into [strata](crate::strata) of brightness, and at a keyed sample of each
+//! stratum irradiance is also path traced, which reads no patch
+//! ([`Termination::Roulette`]). Where the two differ by more than a part of the requested error, all
+//! points of the stratum are path traced; elsewhere the difference is part of the stated error.
 
+use crate::strata::{Strata, StratumError};
 use azulejo_scene::Rgb;
 use azulejo_trace::{
     Cancelled, DiffuseLight, DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer,
-    Measure, Progress, REPLICATES,
+    Measure, Progress, Termination,
 };
 use rayon::prelude::*;
 
@@ -13,7 +21,7 @@ const CHUNK: usize = 8;
 
 /// Rays per point of the first pass to an error; later passes make a point's total a power of two
 /// times this, or one and a half times that.
-const FIRST_RAYS: u32 = 128;
+pub(crate) const FIRST_RAYS: u32 = 128;
 
 /// Rays per point if time is out before the first pass: every point gets some light.
 const HASTY_RAYS: u32 = 32;
@@ -25,21 +33,28 @@ pub const MOST_RAYS: u32 = 1 << 17;
 /// further.
 const GROWTH: f64 = 8.0;
 
-/// Decline of the variance, about rays^−1.2 (measured: between random, 1, and 2-D strata, 3/2).
-const RATE: f64 = 1.2;
-
-/// Share of the mean irradiance below which errors are relative to that share, so that dark points
-/// do not dominate.
-const DARK: f64 = 0.1;
+/// So few points are path traced: a sample to tell whether that is necessary would be all of them.
+const FEW_POINTS: usize = 64;
 
 /// When gathering stops: at an error, at a number of rays, or at whichever comes first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GatherEffort {
-    /// Relative RMS error of irradiance to reach, see [`Gathering::relative_error`]; `None` uses
-    /// all rays.
+    /// Error of irradiance to reach, see [`Gathering::relative_error`]; `None` uses all rays.
     pub error: Option<f64>,
     /// Most rays per point.
     pub rays: u32,
+    /// Whether points may be path traced. Not where bounces are limited: only the patches know which
+    /// bounce their light is of.
+    pub may_trace_paths: bool,
+}
+
+/// The points of a gather.
+#[derive(Clone, Copy)]
+pub struct GatherTargets<'a> {
+    /// The points.
+    pub points: &'a [GatherPoint],
+    /// The area for which each stands, square scene units; empty if all count alike.
+    pub areas: &'a [f64],
 }
 
 /// Irradiance at points, with the rays it took.
@@ -48,59 +63,83 @@ pub struct Gathering {
     pub gathered: Vec<Gathered>,
     /// Rays traced from each point.
     pub spent: Vec<u32>,
+    /// The points by brightness, and how each stratum is gathered.
+    pub strata: Strata,
 }
 
 impl Gathering {
+    /// No light yet at so many points.
+    pub fn new(targets: GatherTargets) -> Gathering {
+        let count = targets.points.len();
+        Gathering {
+            gathered: vec![Gathered::default(); count],
+            spent: vec![0; count],
+            strata: Strata::new(count, targets.areas),
+        }
+    }
+
     /// Mean number of rays per point.
     pub fn rays_per_point(&self) -> u32 {
         let sum: u64 = self.spent.iter().map(|&n| u64::from(n)).sum();
         (sum / self.spent.len().max(1) as u64) as u32
     }
 
-    /// Estimated root mean square, over points and channels, of error over irradiance; irradiance
-    /// below a tenth of the mean counts as a tenth of it.
+    /// Estimated error: the root mean square, over points and channels, of the error of irradiance,
+    /// noise and discretization, over the mean irradiance. Points count by their areas.
     pub fn relative_error(&self) -> f64 {
-        rms(&relative_variances(&self.gathered)) * self.gain().sqrt()
+        let parts = self.parts();
+        parts.noise.hypot(parts.discretization)
     }
 
-    /// Standard error of every point: the truth lies within two of them 95.4 times in 100.
+    /// The error by its causes.
+    pub fn parts(&self) -> ErrorParts {
+        self.strata.error(&self.errors())
+    }
+
+    /// The error of each stratum.
+    pub(crate) fn errors(&self) -> Vec<StratumError> {
+        self.strata.errors(&self.gathered)
+    }
+
+    /// Mean irradiance and error of the quarters of the points, from dark to bright.
+    pub fn quarters(&self) -> [QuarterError; 4] {
+        self.strata.quarters(&self.gathered, &self.errors())
+    }
+
+    /// Standard error of every point, discretization included: the truth lies within two of them
+    /// 95.4 times in 100.
     pub fn standard_errors(&self) -> Vec<Rgb> {
-        let scale = self.gain().sqrt();
-        self.gathered
-            .iter()
-            .map(|g| g.standard_error() * scale)
-            .collect()
+        let errors = self.errors();
+        let of = |(i, g): (usize, &Gathered)| {
+            let e = &errors[self.strata.of(i)];
+            let noise = g.standard_error() * e.gain.sqrt();
+            (noise * noise + Rgb::grey(e.discretization)).map(f64::sqrt)
+        };
+        self.gathered.iter().enumerate().map(of).collect()
     }
 
-    /// Variance of the estimates relative to that of independent replicates, a quarter to 1.
-    ///
-    /// Replicates are parts of one sequence, so two together are better distributed than each
-    /// alone. Comparing the variance of halves with that of quarters, over all points, measures how
-    /// much this helps; the whole is assumed to gain over halves what these gain over quarters.
-    fn gain(&self) -> f64 {
-        /// Weight of the conservative assumption, in points: a few points carry little information.
-        const DOUBT: f64 = 20.0;
-        let average = average(&self.gathered);
-        let (mut halves, mut quarters, mut count) = (0.0, 0.0, 0.0);
-        for g in &self.gathered {
-            let [a, b, c, d] = g.replicates;
-            let (half, variance, mean) = ((a + b - c - d) * 0.5, g.variance(), g.mean());
-            for k in (0..3).filter(|&k| average[k] > 0.0) {
-                let against = mean[k].max(DARK * average[k]).powi(2);
-                // Both estimate the variance of one of their parts, times one minus the parts'
-                // correlation.
-                halves += half[k] * half[k] / 2.0 / against;
-                quarters += REPLICATES as f64 * variance[k] / against;
-                count += 1.0 / 3.0;
-            }
-        }
-        let step = if quarters > 0.0 {
-            (2.0 * halves / quarters).clamp(0.5, 1.0)
-        } else {
-            1.0
-        };
-        (count * step * step + DOUBT) / (count + DOUBT)
+    /// Share of the points that are path traced.
+    pub fn path_traced(&self) -> f64 {
+        self.strata.path_traced()
     }
+}
+
+/// An error by its causes, both relative to the mean irradiance.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ErrorParts {
+    /// From the number of rays.
+    pub noise: f64,
+    /// From the size of the patches, measured at a sample of the points.
+    pub discretization: f64,
+}
+
+/// The error of a quarter of the points.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct QuarterError {
+    /// Mean irradiance, W/m².
+    pub mean: f64,
+    /// Root mean square of the error, W/m².
+    pub error: f64,
 }
 
 /// Gathers at all points until `effort` is reached or the progress is out of time.
@@ -113,28 +152,36 @@ impl Gathering {
 pub fn gather(
     gatherer: &Gatherer,
     light: &impl DiffuseLight,
-    points: &[GatherPoint],
+    targets: GatherTargets,
     effort: GatherEffort,
     seed: u32,
     progress: &Progress,
 ) -> Result<Gathering, Cancelled> {
-    gather_watched(gatherer, light, points, effort, seed, progress, &mut |_| ())
+    gather_watched(
+        gatherer,
+        light,
+        targets,
+        effort,
+        seed,
+        progress,
+        &mut |_| (),
+    )
 }
 
 /// As [`gather`]; passes intermediate results to `watch` after each pass but the last.
 pub(crate) fn gather_watched(
     gatherer: &Gatherer,
     light: &impl DiffuseLight,
-    points: &[GatherPoint],
+    targets: GatherTargets,
     effort: GatherEffort,
     seed: u32,
     progress: &Progress,
     watch: &mut dyn FnMut(&Gathering),
 ) -> Result<Gathering, Cancelled> {
-    let task = GatherPass {
+    let pass = GatherPass {
         gatherer,
         light,
-        points,
+        points: targets.points,
         seed,
         progress,
     };
@@ -144,31 +191,77 @@ pub(crate) fn gather_watched(
         Some(_) => FIRST_RAYS.min(most),
         None => most,
     };
-    let mut all = Gathering {
-        gathered: vec![Gathered::default(); points.len()],
-        spent: vec![0; points.len()],
-    };
-    task.raise(&mut all, &vec![rays; points.len()])?;
+    let mut all = Gathering::new(targets);
+    if effort.may_trace_paths && effort.error.is_some() && targets.points.len() <= FEW_POINTS {
+        all.strata.trace_paths(0);
+    }
+    pass.raise(&mut all, &vec![rays; targets.points.len()])?;
+    all.strata.divide(&all.gathered);
+    if effort.may_trace_paths {
+        pass.validate(&mut all, effort.error, most)?;
+    }
     loop {
-        let error = all.relative_error();
-        progress.measured(Measure::Error(error));
+        progress.measured(Measure::Error(all.relative_error()));
         let Some(goal) = effort.error else { break };
-        if progress.out_of_time() || error <= goal {
-            break;
-        }
-        let variances = relative_variances(&all.gathered);
-        let totals = allocate(&variances, &all.spent, goal / all.gain().sqrt(), most);
-        if totals == all.spent {
+        let totals = all.allocate(goal, most);
+        if progress.out_of_time() || totals == all.spent {
             break;
         }
         watch(&all);
-        task.raise(&mut all, &totals)?;
+        pass.raise(&mut all, &totals)?;
     }
     Ok(all)
 }
 
+impl Gathering {
+    /// Totals of rays that bring every stratum to its share of `goal`, as far as one pass should go.
+    fn allocate(&self, goal: f64, most: u32) -> Vec<u32> {
+        let mut totals = self.spent.clone();
+        let errors = self.errors();
+        let permitted = self.strata.permitted(&errors, goal);
+        for (stratum, (error, permitted)) in errors.iter().zip(permitted).enumerate() {
+            let points = self.strata.points(stratum);
+            // What discretization leaves to noise, and never less than a part.
+            let allowed = (permitted - error.discretization).max(0.25 * permitted);
+            if error.noise <= allowed {
+                continue;
+            }
+            let rate = match self.strata.termination(stratum) {
+                // Measured: between random, 1, and 2-D strata, 3/2.
+                Termination::Radiosity => 1.2,
+                // All but the first direction of a path is random.
+                Termination::Roulette => 1.0,
+            };
+            let variance = |&i: &u32| {
+                let own = self.strata.mean_of(self.gathered[i as usize].variance()) * error.gain;
+                // Four replicates estimate a point's variance badly; half of it is taken from all.
+                let shared = 0.5 * (own + error.noise);
+                (shared * f64::from(self.spent[i as usize]).powf(rate), i)
+            };
+            let strengths: Vec<(f64, u32)> = points.iter().map(variance).collect();
+            allocate(&strengths, &mut totals, rate, allowed, most);
+        }
+        totals
+    }
+}
+
+/// Raises totals of rays so that the mean variance of the points becomes `allowed` at least cost.
+///
+/// A point's variance falls with its rays n as strength n^−rate; the sum of rays is then least for n
+/// in proportion to strength^(1/(1 + rate)), by Lagrange.
+fn allocate(strengths: &[(f64, u32)], totals: &mut [u32], rate: f64, allowed: f64, most: u32) {
+    let power = 1.0 / (1.0 + rate);
+    let sum: f64 = strengths.iter().map(|s| s.0.powf(power)).sum();
+    let scale = (sum / (strengths.len() as f64 * allowed.max(f64::MIN_POSITIVE))).powf(1.0 / rate);
+    for &(strength, i) in strengths {
+        let spent = &mut totals[i as usize];
+        let wanted = (scale * strength.powf(power)).min(GROWTH * f64::from(*spent));
+        *spent = well_spread(*spent, wanted, most);
+    }
+}
+
 /// The constants of all passes.
-struct GatherPass<'a, L> {
+pub(crate) struct GatherPass<'a, L> {
     gatherer: &'a Gatherer<'a>,
     light: &'a L,
     points: &'a [GatherPoint],
@@ -176,38 +269,29 @@ struct GatherPass<'a, L> {
     progress: &'a Progress,
 }
 
+/// A group of points that are gathered alike: from so many rays, to so many, ending so.
+type Way = (u32, u32, Termination);
+
 impl<L: DiffuseLight> GatherPass<'_, L> {
     /// Raises every point to its total, in groups with the same start and total; points keep what
     /// they have when time runs out.
-    fn raise(&self, all: &mut Gathering, totals: &[u32]) -> Result<(), Cancelled> {
-        let groups: Vec<(u32, u32)> = all
-            .spent
-            .iter()
-            .copied()
-            .zip(totals.iter().copied())
-            .collect();
-        let mut ways = groups.clone();
+    pub fn raise(&self, all: &mut Gathering, totals: &[u32]) -> Result<(), Cancelled> {
+        let way = |i: usize| -> Way { (all.spent[i], totals[i], all.strata.termination_of(i)) };
+        let groups: Vec<Way> = (0..totals.len()).map(way).collect();
+        let mut ways: Vec<Way> = groups.iter().copied().filter(|w| w.1 > w.0).collect();
+        self.progress.begin("irradiance", ways.len() as u64);
         ways.sort_unstable();
         ways.dedup();
-        let work = groups.iter().filter(|(spent, total)| total > spent).count();
-        self.progress.begin("irradiance", work as u64);
-        for (spent, total) in ways.into_iter().filter(|(spent, total)| total > spent) {
+        for way in ways {
             let chosen: Vec<u32> = (0..groups.len() as u32)
-                .filter(|&i| groups[i as usize] == (spent, total))
+                .filter(|&i| groups[i as usize] == way)
                 .collect();
-            let rays = total - spent;
-            let found = self.pass(
-                &chosen,
-                &GatherOptions {
-                    rays,
-                    spent,
-                    seed: self.seed,
-                },
-            )?;
+            let (spent, total, termination) = way;
+            let found = self.gather_at(&chosen, spent..total, termination)?;
             for (&i, new) in chosen.iter().zip(found) {
                 if let Some(new) = new {
                     let old = &mut all.gathered[i as usize];
-                    *old = old.blend(&new, f64::from(rays) / f64::from(total));
+                    *old = old.blend(&new, f64::from(total - spent) / f64::from(total));
                     all.spent[i as usize] = total;
                 }
             }
@@ -215,13 +299,20 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         Ok(())
     }
 
-    /// Gathers once at the chosen points; `None` where time ran out.
-    fn pass(
+    /// Gathers once at the chosen points with a range of their rays; `None` where time ran out.
+    pub fn gather_at(
         &self,
         chosen: &[u32],
-        options: &GatherOptions,
+        rays: std::ops::Range<u32>,
+        termination: Termination,
     ) -> Result<Vec<Option<Gathered>>, Cancelled> {
-        let directions = DirectionTables::new(options);
+        let options = GatherOptions {
+            rays: rays.end - rays.start,
+            spent: rays.start,
+            seed: self.seed,
+            termination,
+        };
+        let directions = DirectionTables::new(&options);
         let chunks: Result<Vec<Vec<Option<Gathered>>>, Cancelled> = chosen
             .par_chunks(CHUNK)
             .map(|chunk| {
@@ -233,31 +324,22 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
                     chunk.iter().map(|&i| self.points[i as usize]).collect();
                 let found = self
                     .gatherer
-                    .gather_with(&points, options, &directions, self.light);
+                    .gather_with(&points, &options, &directions, self.light);
                 Ok(found.into_iter().map(Some).collect())
             })
             .collect();
         Ok(chunks?.into_iter().flatten().collect())
     }
-}
 
-/// Totals of rays that bring the root mean square of `variances` to `goal` at least cost, as far as
-/// one pass should go.
-///
-/// A point's variance falls with its rays n as n^−[`RATE`]; the sum of rays is then least for n in
-/// proportion to variance^(1/(1 + RATE)), by Lagrange.
-fn allocate(variances: &[f64], spent: &[u32], goal: f64, most: u32) -> Vec<u32> {
-    let mean = variances.iter().sum::<f64>() / variances.len() as f64;
-    // Four replicates estimate a point's variance badly; half of it is taken from all points.
-    let per_ray = |(v, &n): (&f64, &u32)| 0.5 * (v + mean) * f64::from(n).powf(RATE);
-    let strength: Vec<f64> = variances.iter().zip(spent).map(per_ray).collect();
-    let power = 1.0 / (1.0 + RATE);
-    let sum: f64 = strength.iter().map(|s| s.powf(power)).sum();
-    let scale = (sum / (strength.len() as f64 * goal * goal)).powf(1.0 / RATE);
-    let total = |(s, &n): (&f64, &u32)| {
-        well_spread(n, (scale * s.powf(power)).min(GROWTH * f64::from(n)), most)
-    };
-    strength.iter().zip(spent).map(total).collect()
+    /// Key of the random choice of a sample.
+    pub fn seed(&self) -> u32 {
+        self.seed
+    }
+
+    /// The progress.
+    pub fn progress(&self) -> &Progress {
+        self.progress
+    }
 }
 
 /// The total nearest to `wanted`, from `spent` to `most`, that is well distributed: a power of two,
@@ -270,32 +352,4 @@ fn well_spread(spent: u32, wanted: f64, most: u32) -> u32 {
         .find(enough)
         .unwrap_or(most)
         .clamp(spent, most.max(spent))
-}
-
-fn rms(variances: &[f64]) -> f64 {
-    (variances.iter().sum::<f64>() / variances.len().max(1) as f64).sqrt()
-}
-
-/// Relative variance of each point's estimate, mean of the channels that have light.
-fn relative_variances(gathered: &[Gathered]) -> Vec<f64> {
-    let average = average(gathered);
-    let lit = (0..3).filter(|&k| average[k] > 0.0).count().max(1) as f64;
-    let relative = |g: &Gathered| {
-        let (mean, variance) = (g.mean(), g.variance());
-        let channel = |k: usize| {
-            let against = mean[k].max(DARK * average[k]);
-            if against > 0.0 {
-                variance[k] / (against * against)
-            } else {
-                0.0
-            }
-        };
-        (0..3).map(channel).sum::<f64>() / lit
-    };
-    gathered.iter().map(relative).collect()
-}
-
-/// Mean irradiance of all points.
-fn average(gathered: &[Gathered]) -> Rgb {
-    gathered.iter().map(Gathered::mean).sum::<Rgb>() / gathered.len().max(1) as f64
 }

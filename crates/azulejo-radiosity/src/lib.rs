@@ -14,6 +14,7 @@
 //! | [`refine`] | more rays for the rows that dominate the error |
 //! | [`stochastic`] | Stochastic Jacobi, which needs no rows |
 //! | [`gather`], [`light`], [`vertices`] | irradiance at points, from the light on patches |
+//! | [`strata`], `validation` | where the patches are good enough for that, and where paths are traced |
 //!
 //! Exact shapes are divided as polygons ([`faceted`](azulejo_factors::faceted)).
 
@@ -25,7 +26,9 @@ pub mod refine;
 pub mod solve;
 pub mod solved;
 pub mod stochastic;
+pub mod strata;
 pub mod system;
+mod validation;
 pub mod vertices;
 
 pub use azulejo_factors::{Engine, EngineUsed, PatchSize, Patches, PointNormal};

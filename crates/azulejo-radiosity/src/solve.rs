@@ -1,6 +1,8 @@
 //! The first pass: from a scene to irradiance on its vertices, or at any points.
 
-use crate::gather::{GatherEffort, MOST_RAYS, gather, gather_watched};
+use crate::gather::{
+    ErrorParts, GatherEffort, GatherTargets, MOST_RAYS, QuarterError, gather, gather_watched,
+};
 use crate::preview::{Preview, PreviewReporter};
 use crate::refine::RefinementGoal;
 use crate::solved::SolvedPatches;
@@ -62,14 +64,17 @@ const MOST_PATCH_RAYS: u32 = 1 << 17;
 
 impl FirstPass {
     fn effort(&self) -> GatherEffort {
+        let may_trace_paths = self.bounces.is_none();
         match (self.error, self.rays) {
             (None, None) => GatherEffort {
                 error: Some(DEFAULT_ERROR),
                 rays: DEFAULT_RAYS,
+                may_trace_paths,
             },
             (error, rays) => GatherEffort {
                 error,
                 rays: rays.unwrap_or(MOST_RAYS),
+                may_trace_paths,
             },
         }
     }
@@ -192,9 +197,16 @@ pub struct Report {
     pub residual: f64,
     /// Energy balance, W.
     pub balance: EnergyBalance,
-    /// Estimated relative RMS error of irradiance: see
+    /// Estimated RMS error of irradiance over its mean: see
     /// [`Gathering::relative_error`](crate::gather::Gathering::relative_error).
     pub error: f64,
+    /// The same error by its causes.
+    pub error_parts: ErrorParts,
+    /// Mean irradiance and error of the quarters of the vertices or points, from dark to bright.
+    pub quarters: [QuarterError; 4],
+    /// Share of the vertices or points at which patches would have been too coarse, so that paths
+    /// were traced.
+    pub path_traced: f64,
 }
 
 /// A solved scene.
@@ -286,7 +298,10 @@ fn solve_for(
     let found = gather_watched(
         &solved.gatherer,
         &light,
-        &targets.points,
+        GatherTargets {
+            points: &targets.points,
+            areas: &targets.areas(&solved.patches),
+        },
         pass.effort(),
         seed,
         progress,
@@ -344,7 +359,10 @@ pub fn probe(
     let found = gather(
         &solved.gatherer,
         &light,
-        &places,
+        GatherTargets {
+            points: &places,
+            areas: &[],
+        },
         pass.effort(),
         seed,
         progress,

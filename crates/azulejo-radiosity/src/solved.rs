@@ -1,6 +1,6 @@
 //! The light on patches, before it is gathered.
 
-use crate::gather::Gathering;
+use crate::gather::{GatherTargets, Gathering};
 use crate::light::PatchLight;
 use crate::refine::{RefinementWork, refine};
 use crate::solve::{Estimate, FirstPass, Method, Report, SolveError};
@@ -37,10 +37,10 @@ pub fn radiosity(
 ) -> Result<PatchRadiosity, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
     let solved = SolvedPatches::new(&proxy, pass, progress, &mut |_, _| ())?;
-    let nothing = Gathering {
-        gathered: Vec::new(),
-        spent: Vec::new(),
-    };
+    let nothing = Gathering::new(GatherTargets {
+        points: &[],
+        areas: &[],
+    });
     let mut report = solved.report(&nothing);
     report.error = report.patch_error;
     Ok(PatchRadiosity {
@@ -173,6 +173,9 @@ impl<'a> SolvedPatches<'a> {
             residual: self.solution.convergence.residual,
             balance: self.solution.balance.scaled(square_metres),
             error: gathering.relative_error(),
+            error_parts: gathering.parts(),
+            quarters: gathering.quarters(),
+            path_traced: gathering.path_traced(),
         }
     }
 }

@@ -71,6 +71,17 @@ struct VertexValues<'a> {
 }
 
 impl Targets {
+    /// The area for which each point stands: a corner's share of the patches around it, square scene
+    /// units.
+    pub fn areas(&self, patches: &Patches) -> Vec<f64> {
+        let of_patch = |&p: &u32| {
+            let p = p as usize;
+            patches.area(p) / patches.corner_vertices(p).len() as f64
+        };
+        let of_vertex = |v: usize| patches.patches_at(v).iter().map(of_patch).sum();
+        (0..self.points.len()).map(of_vertex).collect()
+    }
+
     /// The irradiance gathered at the points, on the objects of the divided scene.
     pub fn irradiance(&self, scene: &Scene, patches: &Patches, found: &Gathering) -> Irradiance {
         let means = found.gathered.iter().map(Gathered::mean);

@@ -11,7 +11,9 @@ use azulejo_trace::interaction::{
     Branching, Continuation, Roulette, SPLIT_DEPTH, SurfaceInteraction,
 };
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{DiffuseHit, DiffuseLight, GatherOptions, GatherPoint, OutgoingRadiosity};
+use azulejo_trace::{
+    DiffuseHit, DiffuseLight, GatherOptions, GatherPoint, OutgoingRadiosity, Termination,
+};
 use azulejo_trace::{KernelHit, KernelRay, Surfaces, Tracer};
 use std::f64::consts::FRAC_1_PI;
 
@@ -145,6 +147,7 @@ impl<'a> Integrator<'a> {
             rays: self.gather.unwrap_or(BACK_RAYS),
             seed: self.seed,
             spent: 0,
+            termination: Termination::Radiosity,
         };
         let together = (GATHER_BATCH / options.rays.max(1)).max(1) as usize;
         for batch in scratch.deferred.chunks(together) {

@@ -42,6 +42,7 @@ mod tracer;
 pub use gather::{
     DiffuseHit, DiffuseLight, DirectLight, DirectionTables, GatherOptions, GatherPoint, Gathered,
     Gatherer, NextEvent, OutgoingRadiosity, RAYS_PER_FORMULA, REPLICATES, SurfaceSamples,
+    Termination,
 };
 pub use hit::{Hit, Item};
 #[cfg(feature = "embree")]

@@ -1,18 +1,83 @@
 //! Sums the light that the paths of a gather find.
 
 use super::next_event::NextEvent;
-use super::{DiffuseHit, DiffuseLight, GatherPoint, Gatherer, REPLICATES};
+use super::{
+    DiffuseHit, DiffuseLight, GatherPoint, Gatherer, MOST_SURVIVAL, REPLICATES, SURE_BOUNCES,
+    Termination,
+};
 use crate::follow::{Event, Path, Scratch, Via, follow};
+use crate::interaction::Roulette;
 use crate::sampling::{cosine_hemisphere, hash, uniform};
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
 use std::f64::consts::PI;
 
-/// A hit so near that its patch is too coarse to read.
+/// A hit from which a path goes on instead of reading the radiosity there.
 struct Contact {
     id: u32,
+    /// Weight of what the surface reflects.
     weight: Rgb,
     at: DiffuseHit,
+}
+
+/// What becomes of a path at a diffuse surface.
+enum PathEnd {
+    /// It reads this radiosity.
+    Read(Rgb),
+    /// What is reflected goes on, with this weight.
+    GoesOn(Rgb),
+    /// It ends.
+    Absorbed,
+}
+
+/// Decides where paths end that have left so many diffuse surfaces.
+struct Ending {
+    termination: Termination,
+    bounces: u32,
+    seed: u32,
+}
+
+impl Ending {
+    fn at(
+        &self,
+        light: &impl DiffuseLight,
+        path: &Path,
+        at: &DiffuseHit,
+        replicate: usize,
+    ) -> PathEnd {
+        let may_go_on = self.bounces < self.termination.most_bounces();
+        match self.termination {
+            Termination::Radiosity => {
+                let outgoing = light.outgoing(at, replicate);
+                if may_go_on && path.depth == 0 && at.hit.t < outgoing.footprint {
+                    PathEnd::GoesOn(path.weight * light.reflectance(at))
+                } else {
+                    PathEnd::Read(Rgb::from(outgoing.radiosity.map(f64::from)))
+                }
+            }
+            Termination::Roulette => {
+                let weight = path.weight * light.reflectance(at);
+                match self.survival(weight, path, at) {
+                    Some(odds) if may_go_on => PathEnd::GoesOn(weight / odds),
+                    _ => PathEnd::Absorbed,
+                }
+            }
+        }
+    }
+
+    /// Roulette by the weight of what is reflected; the paths of a gather begin with weight 1.
+    fn survival(&self, weight: Rgb, path: &Path, at: &DiffuseHit) -> Option<f64> {
+        if self.bounces < SURE_BOUNCES {
+            return (weight.max_channel() > 0.0).then_some(1.0);
+        }
+        let roulette = Roulette {
+            below: 1.0,
+            most: MOST_SURVIVAL,
+        };
+        let place = [path.id, at.hit.item, at.hit.t.to_bits()];
+        let chance = || uniform(&[hash(&[self.seed, 0x5c]), hash(&place)]).into();
+        roulette.survival(weight.max_channel(), chance)
+    }
 }
 
 /// Sums what paths find.
@@ -23,13 +88,20 @@ pub(super) struct Collector<'g, 'a, L> {
     sums: Vec<[[f64; 3]; REPLICATES]>,
     near: Vec<Contact>,
     next_event: NextEvent,
+    termination: Termination,
 }
 
 impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
-    pub(super) fn new(gatherer: &'g Gatherer<'a>, light: &'g L, points: usize) -> Self {
+    pub(super) fn new(
+        gatherer: &'g Gatherer<'a>,
+        light: &'g L,
+        points: usize,
+        termination: Termination,
+    ) -> Self {
         Collector {
             gatherer,
             light,
+            termination,
             sums: vec![[[0.0; 3]; REPLICATES]; points],
             near: Vec::new(),
             next_event: NextEvent::default(),
@@ -46,16 +118,21 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
         !self.near.is_empty()
     }
 
-    /// Follows `paths` and sums the light that they reach; hits that are too near are kept for
-    /// [`contacts`](Collector::contacts) if those are `allowed`.
+    /// Follows `paths`, which have left `bounces` diffuse surfaces, and sums the light that they
+    /// reach; hits from which they go on are kept for [`contacts`](Collector::contacts).
     pub(super) fn follow(
         &mut self,
         paths: &mut Vec<Path>,
         scratch: &mut Scratch,
         seed: u32,
-        allowed: bool,
+        bounces: u32,
     ) {
         let (gatherer, light) = (self.gatherer, self.light);
+        let ending = Ending {
+            termination: self.termination,
+            bounces,
+            seed,
+        };
         let ambient = gatherer.ambient() * PI;
         let (sums, near) = (&mut self.sums, &mut self.near);
         let next_event = &mut self.next_event;
@@ -68,17 +145,15 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
                     next_event.add(gatherer, path, &hit, path.id, seed);
                     let ray = path.ray;
                     let at = DiffuseHit { ray, hit, front };
-                    let outgoing = light.outgoing(&at, replicate);
                     let stray = gatherer.stray_exitance(path, &hit, front);
-                    if allowed && path.depth == 0 && hit.t < outgoing.footprint {
-                        near.push(Contact {
-                            id: path.id,
-                            weight: path.weight,
-                            at,
-                        });
-                        stray
-                    } else {
-                        stray + Rgb::from(outgoing.radiosity.map(f64::from))
+                    match ending.at(light, path, &at, replicate) {
+                        PathEnd::Read(radiosity) => stray + radiosity,
+                        PathEnd::GoesOn(weight) => {
+                            let id = path.id;
+                            near.push(Contact { id, weight, at });
+                            stray
+                        }
+                        PathEnd::Absorbed => stray,
                     }
                 }
             };
@@ -91,8 +166,8 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
         });
     }
 
-    /// Replaces the light of near hits by a gather at the hit: one sample of the direct light, and
-    /// one ray that continues. `origins` are the points of the gather. Fills `paths`.
+    /// Goes on from the hits that were kept: one sample of the direct light there, and one ray that
+    /// continues. `origins` are the points of the gather. Fills `paths`.
     pub(super) fn contacts(&mut self, origins: &[GatherPoint], paths: &mut Vec<Path>, seed: u32) {
         let gatherer = self.gatherer;
         let tracer = gatherer.surfaces.tracer;
@@ -106,7 +181,7 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
             } else {
                 -found.normal
             };
-            let weight = contact.weight * self.light.reflectance(&contact.at);
+            let weight = contact.weight;
             let key = hash(&[origins[contact.id as usize / REPLICATES].key, index as u32]);
             points.push((
                 GatherPoint {

@@ -44,6 +44,16 @@ pub const REPLICATES: usize = 4;
 /// many times in a row.
 const MOST_CONTACTS: u32 = 6;
 
+/// Diffuse surfaces after which roulette begins: the first few bounces carry most of the light.
+const SURE_BOUNCES: u32 = 1;
+
+/// Highest probability of survival of roulette: even where nothing is absorbed paths end, after some
+/// fifty bounces.
+const MOST_SURVIVAL: f64 = 0.98;
+
+/// Diffuse bounces after which a path is dropped. Roulette leaves one in e^1000 so long.
+const MOST_BOUNCES: u32 = 50_000;
+
 /// Rays over the hemisphere for each shadow ray per source.
 const SHADOW_SHARE: u32 = 4;
 
@@ -93,6 +103,30 @@ pub trait DiffuseLight: Sync {
     fn reflectance(&self, at: &DiffuseHit) -> Rgb;
 }
 
+/// Where a gather's paths end at diffuse surfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Termination {
+    /// At the first diffuse surface that is farther than its footprint, whose radiosity is read:
+    /// little noise, and the error of that radiosity.
+    #[default]
+    Radiosity,
+    /// By Russian roulette, as in a path tracer that samples a light at every hit (Kajiya, *The
+    /// rendering equation*, SIGGRAPH 1986; Arvo and Kirk, *Particle transport and image synthesis*,
+    /// 1990): no radiosity is read, so its discretization does no harm, for several times the rays
+    /// and more noise.
+    Roulette,
+}
+
+impl Termination {
+    /// Diffuse surfaces that a path may leave.
+    fn most_bounces(self) -> u32 {
+        match self {
+            Termination::Radiosity => MOST_CONTACTS,
+            Termination::Roulette => MOST_BOUNCES,
+        }
+    }
+}
+
 /// The number and the seed of a gather's samples.
 #[derive(Clone, Copy, Debug)]
 pub struct GatherOptions {
@@ -104,6 +138,8 @@ pub struct GatherOptions {
     pub spent: u32,
     /// Keys all random numbers, together with the key of each point.
     pub seed: u32,
+    /// Where paths end.
+    pub termination: Termination,
 }
 
 /// Gathers irradiance in a scene. Immutable; shared by all threads.
@@ -243,15 +279,15 @@ impl<'a> Gatherer<'a> {
         let first = (options.spent / REPLICATES as u32).div_ceil(SHADOW_SHARE);
         let shadow_rays = first..first + per_replicate.div_ceil(SHADOW_SHARE);
         let direct = self.direct_range(points, shadow_rays, options.seed);
-        let mut collector = Collector::new(self, light, points.len());
+        let mut collector = Collector::new(self, light, points.len(), options.termination);
         let mut paths = self.hemispheres(points, directions, options.seed);
         let mut scratch = Scratch::default();
-        for round in 0..=MOST_CONTACTS {
+        for round in 0..=options.termination.most_bounces() {
             collector.follow(
                 &mut paths,
                 &mut scratch,
                 hash(&[options.seed, options.spent, round]),
-                round < MOST_CONTACTS,
+                round,
             );
             if !collector.has_contacts() {
                 break;

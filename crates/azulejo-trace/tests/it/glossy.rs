@@ -4,6 +4,7 @@ use azulejo_scene::brdf::{Brdf, Description};
 use azulejo_scene::{Light, LightKind, Material, Object, Primitive, Rgb, Scene, Shape};
 use azulejo_trace::{
     DiffuseHit, DiffuseLight, GatherOptions, GatherPoint, Gatherer, OutgoingRadiosity, Surfaces,
+    Termination,
     Tracer,
 };
 use glam::DVec3;
@@ -71,6 +72,7 @@ fn gathered(scene: &Scene) -> (f64, f64) {
         rays: 1024,
         spent: 0,
         seed: 5,
+        termination: Termination::default(),
     };
     let found = gatherer.gather(&points, &options, &Dark);
     let values: Vec<f64> = found.iter().map(|g| g.mean().g).collect();

@@ -1,0 +1,147 @@
+//! Where patches are too coarse: irradiance from patches beside path traced irradiance, at a keyed
+//! sample of the points.
+
+use crate::gather::{FIRST_RAYS, GatherPass, Gathering};
+use azulejo_scene::Rgb;
+use azulejo_trace::sampling::hash;
+use azulejo_trace::{Cancelled, DiffuseLight, Gathered, REPLICATES, Termination};
+
+/// Points of the sample, per stratum.
+const SAMPLE: usize = 12;
+
+/// Part of the error permitted to a stratum that the discretization may make up.
+const SHARE: f64 = 0.5;
+
+/// Most rays of a sampled point: by then either answer costs little.
+const MOST_SAMPLE_RAYS: u32 = 1 << 13;
+
+/// One point of the sample, gathered both ways from the same directions.
+struct Comparison {
+    point: u32,
+    patches: Gathered,
+    paths: Gathered,
+}
+
+/// What the sample says of a stratum.
+enum Verdict {
+    /// The patches will do; the mean square of their error.
+    Good(f64),
+    /// They will not.
+    Bad,
+    /// More rays are needed to tell.
+    Open,
+}
+
+impl<L: DiffuseLight> GatherPass<'_, L> {
+    /// Decides for every stratum whether it may read patches, to reach `goal`, and path traces those
+    /// that may not. Without a goal, all read patches, and their error is measured.
+    pub fn validate(
+        &self,
+        all: &mut Gathering,
+        goal: Option<f64>,
+        most: u32,
+    ) -> Result<(), Cancelled> {
+        let permitted = match goal {
+            Some(goal) => all.strata.permitted(&all.errors(), goal),
+            None => vec![f64::INFINITY; all.strata.count()],
+        };
+        for (stratum, permitted) in permitted.into_iter().enumerate() {
+            if all.strata.termination(stratum) == Termination::Roulette {
+                continue;
+            }
+            let sample = self.sample(all.strata.points(stratum));
+            let allowed = SHARE * SHARE * permitted;
+            let (spent, sample, good) = self.compare(all, sample, allowed, most)?;
+            match good {
+                Some(discretization) => all.strata.read_patches(stratum, discretization),
+                None => {
+                    all.strata.trace_paths(stratum);
+                    for &i in all.strata.points(stratum) {
+                        all.gathered[i as usize] = Gathered::default();
+                        all.spent[i as usize] = 0;
+                    }
+                    for known in sample {
+                        all.gathered[known.point as usize] = known.paths;
+                        all.spent[known.point as usize] = spent;
+                    }
+                }
+            }
+        }
+        let first = FIRST_RAYS.min(most);
+        let totals: Vec<u32> = all.spent.iter().map(|&n| n.max(first)).collect();
+        self.raise(all, &totals)
+    }
+
+    /// The points of a stratum whose keys come first.
+    fn sample(&self, points: &[u32]) -> Vec<Comparison> {
+        let key = |&i: &u32| (hash(&[self.seed(), i, 0x7a1]), i);
+        let mut keyed: Vec<(u32, u32)> = points.iter().map(key).collect();
+        keyed.sort_unstable();
+        let new = |&(_, point): &(u32, u32)| Comparison {
+            point,
+            patches: Gathered::default(),
+            paths: Gathered::default(),
+        };
+        keyed.iter().take(SAMPLE).map(new).collect()
+    }
+
+    /// Gathers a sample both ways until it is clear whether the difference is within `allowed`: rays
+    /// spent, the sample, and the mean square of the difference if it is.
+    fn compare(
+        &self,
+        all: &Gathering,
+        mut sample: Vec<Comparison>,
+        allowed: f64,
+        most: u32,
+    ) -> Result<(u32, Vec<Comparison>, Option<f64>), Cancelled> {
+        let chosen: Vec<u32> = sample.iter().map(|c| c.point).collect();
+        let most = most.min(MOST_SAMPLE_RAYS);
+        let (mut spent, mut next) = (0, (2 * FIRST_RAYS).min(most));
+        loop {
+            let patches = self.gather_at(&chosen, spent..next, Termination::Radiosity)?;
+            let paths = self.gather_at(&chosen, spent..next, Termination::Roulette)?;
+            let share = f64::from(next - spent) / f64::from(next);
+            for (known, (patches, paths)) in sample.iter_mut().zip(patches.iter().zip(&paths)) {
+                if let (Some(patches), Some(paths)) = (patches, paths) {
+                    known.patches = known.patches.blend(patches, share);
+                    known.paths = known.paths.blend(paths, share);
+                }
+            }
+            spent = next;
+            let is_last = spent >= most || self.progress().out_of_time();
+            match judge(all, &sample, allowed, is_last) {
+                Verdict::Good(discretization) => return Ok((spent, sample, Some(discretization))),
+                Verdict::Bad => return Ok((spent, sample, None)),
+                Verdict::Open => next = (2 * spent).min(most),
+            }
+        }
+    }
+}
+
+/// Compares the mean square of the differences, less their noise, with what is `allowed`.
+fn judge(all: &Gathering, sample: &[Comparison], allowed: f64, is_last: bool) -> Verdict {
+    let (mut squares, mut noise) = (0.0, 0.0);
+    for known in sample {
+        let difference = Gathered {
+            replicates: std::array::from_fn::<Rgb, REPLICATES, _>(|r| {
+                known.patches.replicates[r] - known.paths.replicates[r]
+            }),
+        };
+        let (mean, variance) = (difference.mean(), difference.variance());
+        let variance = all.strata.mean_of(variance);
+        squares += all.strata.mean_of(mean * mean) - variance;
+        noise += variance * variance;
+    }
+    let count = sample.len().max(1) as f64;
+    // A square of a normal error varies by √2 of its mean, and its estimated variance by as much.
+    let (found, doubt) = (squares / count, (4.0 * noise).sqrt() / count);
+    if found + doubt <= allowed {
+        Verdict::Good(found.max(0.0) + 0.5 * doubt)
+    } else if found - 2.0 * doubt > allowed || (is_last && found > allowed) {
+        Verdict::Bad
+    } else if is_last {
+        Verdict::Good(found.max(0.0) + doubt)
+    } else {
+        Verdict::Open
+    }
+}
