@@ -2,82 +2,26 @@
 
 use super::next_event::NextEvent;
 use super::{
-    DiffuseHit, DiffuseLight, GatherPoint, Gatherer, MOST_SURVIVAL, REPLICATES, SURE_BOUNCES,
-    Termination,
+    DiffuseHit, DiffuseLight, DirectLight, GatherPoint, Gatherer, LIGHT_WEIGHT, MOST_SURVIVAL,
+    REPLICATES, SURVIVAL, Termination, UNKNOWN_SHARE,
 };
 use crate::follow::{Event, Path, Scratch, Via, follow};
-use crate::interaction::Roulette;
 use crate::sampling::{cosine_hemisphere, hash, uniform};
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
 use std::f64::consts::PI;
 
-/// A hit from which a path goes on instead of reading the radiosity there.
+/// A diffuse hit from which a path may go on.
 struct Contact {
     id: u32,
-    /// Weight of what the surface reflects.
+    /// Weight of the path that arrives.
     weight: Rgb,
     at: DiffuseHit,
-}
-
-/// What becomes of a path at a diffuse surface.
-enum PathEnd {
-    /// It reads this radiosity.
-    Read(Rgb),
-    /// What is reflected goes on, with this weight.
-    GoesOn(Rgb),
-    /// It ends.
-    Absorbed,
-}
-
-/// Decides where paths end that have left so many diffuse surfaces.
-struct Ending {
-    termination: Termination,
-    bounces: u32,
-    seed: u32,
-}
-
-impl Ending {
-    fn at(
-        &self,
-        light: &impl DiffuseLight,
-        path: &Path,
-        at: &DiffuseHit,
-        replicate: usize,
-    ) -> PathEnd {
-        let may_go_on = self.bounces < self.termination.most_bounces();
-        match self.termination {
-            Termination::Radiosity => {
-                let outgoing = light.outgoing(at, replicate);
-                if may_go_on && path.depth == 0 && at.hit.t < outgoing.footprint {
-                    PathEnd::GoesOn(path.weight * light.reflectance(at))
-                } else {
-                    PathEnd::Read(Rgb::from(outgoing.radiosity.map(f64::from)))
-                }
-            }
-            Termination::Roulette => {
-                let weight = path.weight * light.reflectance(at);
-                match self.survival(weight, path, at) {
-                    Some(odds) if may_go_on => PathEnd::GoesOn(weight / odds),
-                    _ => PathEnd::Absorbed,
-                }
-            }
-        }
-    }
-
-    /// Roulette by the weight of what is reflected; the paths of a gather begin with weight 1.
-    fn survival(&self, weight: Rgb, path: &Path, at: &DiffuseHit) -> Option<f64> {
-        if self.bounces < SURE_BOUNCES {
-            return (weight.max_channel() > 0.0).then_some(1.0);
-        }
-        let roulette = Roulette {
-            below: 1.0,
-            most: MOST_SURVIVAL,
-        };
-        let place = [path.id, at.hit.item, at.hit.t.to_bits()];
-        let chance = || uniform(&[hash(&[self.seed, 0x5c]), hash(&place)]).into();
-        roulette.survival(weight.max_channel(), chance)
-    }
+    /// The radiosity that was read there, which what the path goes on to find replaces; black if
+    /// none was.
+    read: Rgb,
+    /// Whether the hit is so near that its patch is too coarse to be read.
+    is_near: bool,
 }
 
 /// Sums what paths find.
@@ -89,6 +33,8 @@ pub(super) struct Collector<'g, 'a, L> {
     near: Vec<Contact>,
     next_event: NextEvent,
     termination: Termination,
+    /// Irradiance of each point as the patches give it: the scale of its roulette.
+    expected: Vec<f64>,
 }
 
 impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
@@ -105,12 +51,23 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
             sums: vec![[[0.0; 3]; REPLICATES]; points],
             near: Vec::new(),
             next_event: NextEvent::default(),
+            expected: Vec::new(),
         }
     }
 
     /// The sum of what the paths of each point and replicate found.
     pub(super) fn sums(&self) -> &[[[f64; 3]; REPLICATES]] {
         &self.sums
+    }
+
+    /// Takes what has been gathered so far, beside `direct` light, as the scale of each point.
+    pub(super) fn expect(&mut self, direct: &[DirectLight], rays: usize) {
+        let of = |(sums, direct): (&[[f64; 3]; REPLICATES], &DirectLight)| {
+            let found: Rgb = sums.iter().map(|&s| Rgb::from(s)).sum();
+            let direct = direct.lamps.mean() + direct.lights;
+            (direct + found / (rays * REPLICATES) as f64).max_channel()
+        };
+        self.expected = self.sums.iter().zip(direct).map(of).collect();
     }
 
     /// Whether hits wait for [`contacts`](Collector::contacts).
@@ -128,11 +85,8 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
         bounces: u32,
     ) {
         let (gatherer, light) = (self.gatherer, self.light);
-        let ending = Ending {
-            termination: self.termination,
-            bounces,
-            seed,
-        };
+        let termination = self.termination;
+        let may_go_on = bounces < termination.most_bounces();
         let ambient = gatherer.ambient() * PI;
         let (sums, near) = (&mut self.sums, &mut self.near);
         let next_event = &mut self.next_event;
@@ -146,15 +100,22 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
                     let ray = path.ray;
                     let at = DiffuseHit { ray, hit, front };
                     let stray = gatherer.stray_exitance(path, &hit, front);
-                    match ending.at(light, path, &at, replicate) {
-                        PathEnd::Read(radiosity) => stray + radiosity,
-                        PathEnd::GoesOn(weight) => {
-                            let id = path.id;
-                            near.push(Contact { id, weight, at });
-                            stray
+                    let outgoing = light.outgoing(&at, replicate);
+                    let is_near = hit.t < outgoing.footprint && path.depth == 0;
+                    let mut read = Rgb::from(outgoing.radiosity.map(f64::from));
+                    if may_go_on && (is_near || termination == Termination::Roulette) {
+                        if is_near {
+                            read = Rgb::BLACK;
                         }
-                        PathEnd::Absorbed => stray,
+                        near.push(Contact {
+                            id: path.id,
+                            weight: path.weight,
+                            at,
+                            read,
+                            is_near,
+                        });
                     }
+                    stray + read
                 }
             };
             let sum = &mut sums[point][replicate];
@@ -168,6 +129,9 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
 
     /// Goes on from the hits that were kept: one sample of the direct light there, and one ray that
     /// continues. `origins` are the points of the gather. Fills `paths`.
+    ///
+    /// What a hit reads is a control variate: with probability q the path finds S instead, and counts
+    /// R + (S − R)/q, whose mean is that of S whatever R is.
     pub(super) fn contacts(&mut self, origins: &[GatherPoint], paths: &mut Vec<Path>, seed: u32) {
         let gatherer = self.gatherer;
         let tracer = gatherer.surfaces.tracer;
@@ -175,43 +139,69 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
         let mut points = Vec::with_capacity(contacts.len());
         paths.clear();
         for (index, contact) in contacts.iter().enumerate() {
-            let found = tracer.resolve(&tracer.world_ray(&contact.at.ray), &contact.at.hit);
-            let normal = if contact.at.front {
+            let (id, at) = (contact.id, &contact.at);
+            let key = hash(&[origins[id as usize / REPLICATES].key, index as u32]);
+            let reflectance = self.light.reflectance(at);
+            let odds = self.survival(contact, reflectance);
+            if odds <= 0.0 || (odds < 1.0 && f64::from(uniform(&[seed, key, id, 2])) >= odds) {
+                continue;
+            }
+            let arriving = contact.weight / odds;
+            let sum = &mut self.sums[id as usize / REPLICATES][id as usize % REPLICATES];
+            (0..3).for_each(|k| sum[k] -= arriving[k] * contact.read[k]);
+            let found = tracer.resolve(&tracer.world_ray(&at.ray), &at.hit);
+            let normal = if at.front {
                 found.normal
             } else {
                 -found.normal
             };
-            let weight = contact.weight;
-            let key = hash(&[origins[contact.id as usize / REPLICATES].key, index as u32]);
-            points.push((
-                GatherPoint {
-                    position: found.position,
-                    normal,
-                    key,
-                },
-                weight,
-            ));
-            let [u1, u2] = [0, 1].map(|d| f64::from(uniform(&[seed, key, contact.id, d])));
+            let weight = arriving * reflectance;
+            let position = found.position;
+            let point = GatherPoint {
+                position,
+                normal,
+                key,
+            };
+            points.push((point, id, weight));
+            let [u1, u2] = [0, 1].map(|d| f64::from(uniform(&[seed, key, id, d])));
             let direction = Frame::from_normal(normal).to_world(cosine_hemisphere(u1, u2));
-            let ray =
-                tracer.kernel_ray(&Ray::new(tracer.leaving(found.position, normal), direction));
-            if weight.max_channel() > 0.0 {
-                paths.push(Path {
-                    ray,
-                    id: contact.id,
-                    weight,
-                    via: Via::Direct,
-                    depth: 0,
-                    density: 0.0,
-                });
-            }
+            let ray = tracer.kernel_ray(&Ray::new(tracer.leaving(position, normal), direction));
+            paths.push(Path {
+                ray,
+                id,
+                weight,
+                via: Via::Direct,
+                depth: 0,
+                density: 0.0,
+            });
         }
-        let at: Vec<GatherPoint> = points.iter().map(|(p, _)| *p).collect();
+        let at: Vec<GatherPoint> = points.iter().map(|p| p.0).collect();
         let direct = gatherer.direct_light().single_sample(&at, seed ^ 0x51);
-        for ((contact, (_, weight)), e) in contacts.iter().zip(&points).zip(direct) {
-            let sum =
-                &mut self.sums[contact.id as usize / REPLICATES][contact.id as usize % REPLICATES];
+        for (&(_, id, weight), e) in points.iter().zip(direct) {
+            let sum = &mut self.sums[id as usize / REPLICATES][id as usize % REPLICATES];
             (0..3).for_each(|k| sum[k] += weight[k] * e[k]);
         }
+    }
+
+    /// The probability with which a path goes on: always from near hits, elsewhere in proportion to
+    /// what it is expected to find, relative to what the point gets in all (Vorba and Křivánek,
+    /// *Adjoint-driven Russian roulette and splitting in light transport simulation*, SIGGRAPH 2016).
+    fn survival(&self, contact: &Contact, reflectance: Rgb) -> f64 {
+        if reflectance.is_black() {
+            return 0.0;
+        }
+        let weight = contact.weight.max_channel();
+        if self.termination == Termination::Radiosity {
+            return 1.0;
+        }
+        if contact.is_near {
+            return (weight / LIGHT_WEIGHT).min(1.0);
+        }
+        let expected = self.expected[contact.id as usize / REPLICATES];
+        // The light on a patch may be quite wrong, so a part does not depend on it.
+        let share = (contact.read.max_channel() / expected.max(f64::MIN_POSITIVE)).min(1.0);
+        let sure = UNKNOWN_SHARE * reflectance.max_channel();
+        let most = if weight >= 1.0 { 1.0 } else { MOST_SURVIVAL };
+        (SURVIVAL * weight * (share + sure)).min(most)
     }
 }
