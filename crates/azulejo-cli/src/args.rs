@@ -206,14 +206,15 @@ pub struct DivisionArgs {
 pub struct FirstPassArgs {
     #[command(flatten)]
     pub division: DivisionArgs,
-    /// Stop when the estimated relative error (RMS) of the irradiance is below this: 1% or 0.01
-    /// [default without --rays: 3%, with at most 2048 rays]
+    /// Stop when the estimated error (RMS) of the irradiance, noise and discretization, is below this
+    /// share of the mean irradiance: 1% or 0.01 [default without --rays: 3%, with at most 2048 rays]
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
     pub error: Option<f64>,
     /// Rays per patch, and at most as many per vertex or point
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub rays: Option<u32>,
-    /// Stop refining after this time and keep the result so far: 60s, 2m, 500ms
+    /// Stop refining after this time and keep the result so far, with its error: 60s, 2m, 500ms;
+    /// fails if by then some of the scene has no light yet
     #[arg(long, value_name = "TIME", value_parser = values::duration)]
     pub time: Option<Duration>,
     /// Number of diffuse reflections [default: until converged]
@@ -226,6 +227,9 @@ pub struct FirstPassArgs {
     /// Seed of the random numbers; the same seed gives the same result
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
+    /// Accept a solution in which more than 10% of the emitted power is unaccounted for
+    #[arg(long)]
+    pub allow_imbalance: bool,
     /// Write irradiance on the original vertices, without subdividing faces
     #[arg(long)]
     pub keep_mesh: bool,

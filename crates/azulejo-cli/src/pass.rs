@@ -59,16 +59,29 @@ pub fn power_unit(units: Units) -> &'static str {
 }
 
 /// Adds what the first pass did, and the error of its result.
+///
+/// # Errors
+/// If so much of the emitted power is missing that the result cannot be trusted, unless `args` allow
+/// it.
 pub fn describe(
     pass: &azulejo_radiosity::Report,
+    args: &FirstPassArgs,
     prepared: &PreparedEngine,
     units: Units,
     report: &mut Report,
-) {
+) -> Result<(), Failure> {
+    if pass.balance.is_broken() && !args.allow_imbalance {
+        return Err(Failure::failed(format_args!(
+            "{} of the emitted power is not accounted for, so nothing was written: request a smaller \
+             error, more rays or more time, or accept it with --allow-imbalance",
+            percent(pass.balance.error())
+        )));
+    }
     prepared.describe(&pass.engine_used, report);
     let method = match pass.method {
         Method::Matrix => "matrix",
         Method::Stochastic => "stochastic",
+        Method::Paths => "paths",
     };
     report.value("method", method);
     let words = match pass.method {
@@ -78,6 +91,7 @@ pub fn describe(
             bytes(pass.bytes as u64)
         ),
         Method::Stochastic => format!("{}, without a matrix", count(pass.patches)),
+        Method::Paths => format!("{}, without radiosity", count(pass.patches)),
     };
     report.fact("patches", pass.patches, "patches", words);
     report.value("matrix_bytes", pass.bytes);
@@ -109,16 +123,67 @@ pub fn describe(
     report.value("points", pass.points);
     report.value("rays_per_point", pass.point_rays);
     report.value("rays", pass.patch_rays + gathered);
-    let words = format!("{}, residual {}", pass.iterations, short(pass.residual));
-    report.fact("iterations", pass.iterations, "bounces", words);
-    report.value("residual", number(pass.residual));
-    energy(&pass.balance, units, report);
-    report.fact(
-        "error",
-        number(pass.error),
-        "estimated error",
+    if pass.method != Method::Paths {
+        let words = format!("{}, residual {}", pass.iterations, short(pass.residual));
+        report.fact("iterations", pass.iterations, "bounces", words);
+        report.value("residual", number(pass.residual));
+        energy(&pass.balance, units, report);
+    }
+    errors(pass, args, report);
+    Ok(())
+}
+
+/// Adds the estimated error, by its causes and by brightness, beside the one that was requested.
+fn errors(pass: &azulejo_radiosity::Report, args: &FirstPassArgs, report: &mut Report) {
+    let parts = pass.error_parts;
+    let words = format!(
+        "{} of the mean irradiance ({} noise, {} discretization)",
         percent(pass.error),
+        percent(parts.noise),
+        percent(parts.discretization)
     );
+    report.fact("error", number(pass.error), "estimated error", words);
+    report.value("error_noise", number(parts.noise));
+    report.value("error_discretization", number(parts.discretization));
+    let relative = pass
+        .quarters
+        .map(|q| q.error / q.mean.max(f64::MIN_POSITIVE));
+    let share = |&r: &f64| {
+        if r < 10.0 {
+            percent(r)
+        } else {
+            "more than its light".to_owned()
+        }
+    };
+    let words: Vec<String> = relative.iter().map(share).collect();
+    report.line(
+        "by quarters",
+        format!("{} (dark to bright)", words.join(", ")),
+    );
+    report.value("quarter_means", numbers(pass.quarters.map(|q| q.mean)));
+    report.value("quarter_errors", numbers(pass.quarters.map(|q| q.error)));
+    if pass.path_traced > 0.0 {
+        let words = format!(
+            "{} of the {}, where patches are too coarse",
+            percent(pass.path_traced),
+            if pass.points == 1 { "point" } else { "points" }
+        );
+        report.line("path traced", words);
+    }
+    report.value("path_traced", number(pass.path_traced));
+    report.value("rays_needed", number(pass.rays_needed));
+    let requested = args
+        .error
+        .filter(|e| pass.error > *e && pass.rays_needed > 1.0);
+    if let Some(requested) = requested {
+        let more = short(pass.rays_needed);
+        let words = format!(
+            "{} was not reached: it would take about {more} times the rays from points; allow more \
+             time or rays, or request a larger error",
+            percent(requested)
+        );
+        report.line("caution", words);
+    }
 }
 
 /// Adds the energy balance, in W or lm and as shares.
@@ -139,7 +204,7 @@ fn energy(balance: &EnergyBalance, units: Units, report: &mut Report) {
     if balance.is_off() {
         report.line(
             "caution",
-            "the energy balance is off: request a smaller error, more rays or more time",
+            "more than 2% of the energy is unaccounted for: request a smaller error, more rays or more time",
         );
     }
     report.value("emitted", numbers(balance.emitted.to_array()));

@@ -17,14 +17,14 @@ use rayon::prelude::*;
 
 /// Points gathered together: enough to fill the tracer's batches, few enough that their paths stay
 /// in the cache.
-const CHUNK: usize = 8;
+pub(crate) const CHUNK: usize = 8;
 
 /// Rays per point of the first pass to an error; later passes make a point's total a power of two
 /// times this, or one and a half times that.
 pub(crate) const FIRST_RAYS: u32 = 128;
 
-/// Rays per point if time is out before the first pass: every point gets some light.
-const HASTY_RAYS: u32 = 32;
+/// Rays per point of the first pass if there is a deadline: every point gets some light.
+pub(crate) const HASTY_RAYS: u32 = 32;
 
 /// Most rays per point of any gather.
 pub const MOST_RAYS: u32 = 1 << 17;
@@ -43,9 +43,34 @@ pub struct GatherEffort {
     pub error: Option<f64>,
     /// Most rays per point.
     pub rays: u32,
-    /// Whether points may be path traced. Not where bounces are limited: only the patches know which
-    /// bounce their light is of.
-    pub may_trace_paths: bool,
+    /// Which points are path traced.
+    pub paths: Paths,
+}
+
+/// Which points of a gather are path traced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Paths {
+    /// Those where a sample shows that patches are too coarse.
+    Measured,
+    /// All: there is no light on patches to be read.
+    Always,
+    /// None: where bounces are limited, only the patches know which bounce their light is of.
+    Never,
+}
+
+/// Why there is no irradiance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GatherError {
+    /// The caller cancelled.
+    Cancelled,
+    /// Long after the deadline some points still had no light.
+    OutOfTime,
+}
+
+impl From<Cancelled> for GatherError {
+    fn from(_: Cancelled) -> GatherError {
+        GatherError::Cancelled
+    }
 }
 
 /// The points of a gather.
@@ -65,6 +90,8 @@ pub struct Gathering {
     pub spent: Vec<u32>,
     /// The points by brightness, and how each stratum is gathered.
     pub strata: Strata,
+    /// How many times as many rays the requested error would take; 1 if it is reached.
+    pub rays_needed: f64,
 }
 
 impl Gathering {
@@ -75,6 +102,7 @@ impl Gathering {
             gathered: vec![Gathered::default(); count],
             spent: vec![0; count],
             strata: Strata::new(count, targets.areas),
+            rays_needed: 1.0,
         }
     }
 
@@ -148,7 +176,7 @@ pub struct QuarterError {
 /// they reduce the error most.
 ///
 /// # Errors
-/// [`Cancelled`].
+/// [`GatherError`].
 pub fn gather(
     gatherer: &Gatherer,
     light: &impl DiffuseLight,
@@ -156,7 +184,7 @@ pub fn gather(
     effort: GatherEffort,
     seed: u32,
     progress: &Progress,
-) -> Result<Gathering, Cancelled> {
+) -> Result<Gathering, GatherError> {
     gather_watched(
         gatherer,
         light,
@@ -177,7 +205,7 @@ pub(crate) fn gather_watched(
     seed: u32,
     progress: &Progress,
     watch: &mut dyn FnMut(&Gathering),
-) -> Result<Gathering, Cancelled> {
+) -> Result<Gathering, GatherError> {
     let pass = GatherPass {
         gatherer,
         light,
@@ -187,23 +215,34 @@ pub(crate) fn gather_watched(
     };
     let most = effort.rays.clamp(1, MOST_RAYS);
     let rays = match effort.error {
-        _ if progress.out_of_time() => HASTY_RAYS.min(most),
+        _ if progress.has_deadline() => HASTY_RAYS.min(most),
         Some(_) => FIRST_RAYS.min(most),
         None => most,
     };
     let mut all = Gathering::new(targets);
-    if effort.may_trace_paths && effort.error.is_some() && targets.points.len() <= FEW_POINTS {
-        all.strata.trace_paths(0);
+    let is_few = effort.error.is_some() && targets.points.len() <= FEW_POINTS;
+    match effort.paths {
+        Paths::Always => all.strata.trace_paths(0),
+        Paths::Measured if is_few => all.strata.trace_paths(0),
+        Paths::Measured | Paths::Never => {}
     }
     pass.raise(&mut all, &vec![rays; targets.points.len()])?;
+    if all.spent.contains(&0) {
+        return Err(GatherError::OutOfTime);
+    }
     all.strata.divide(&all.gathered);
-    if effort.may_trace_paths {
+    if effort.paths == Paths::Measured {
         pass.validate(&mut all, effort.error, most)?;
     }
     loop {
         progress.measured(Measure::Error(all.relative_error()));
-        let Some(goal) = effort.error else { break };
-        let totals = all.allocate(goal, most);
+        let totals = match effort.error {
+            Some(goal) => {
+                all.rays_needed = all.needed(goal);
+                all.allocate(goal, GROWTH, most)
+            }
+            None => vec![most; all.spent.len()],
+        };
         if progress.out_of_time() || totals == all.spent {
             break;
         }
@@ -214,13 +253,20 @@ pub(crate) fn gather_watched(
 }
 
 impl Gathering {
-    /// Totals of rays that bring every stratum to its share of `goal`, as far as one pass should go.
-    fn allocate(&self, goal: f64, most: u32) -> Vec<u32> {
+    /// How many times as many rays reach `goal`, if there is no limit to them.
+    fn needed(&self, goal: f64) -> f64 {
+        let sum = |rays: &[u32]| rays.iter().map(|&n| f64::from(n)).sum::<f64>();
+        let totals = self.allocate(goal, f64::INFINITY, u32::MAX);
+        sum(&totals) / sum(&self.spent).max(1.0)
+    }
+
+    /// Totals of rays that bring every stratum to its share of `goal`, each point to at most
+    /// `growth` times what it has, and to `most`.
+    fn allocate(&self, goal: f64, growth: f64, most: u32) -> Vec<u32> {
         let mut totals = self.spent.clone();
         let errors = self.errors();
         let permitted = self.strata.permitted(&errors, goal);
         for (stratum, (error, permitted)) in errors.iter().zip(permitted).enumerate() {
-            let points = self.strata.points(stratum);
             // What discretization leaves to noise, and never less than a part.
             let allowed = (permitted - error.discretization).max(0.25 * permitted);
             if error.noise <= allowed {
@@ -232,32 +278,36 @@ impl Gathering {
                 // All but the first direction of a path is random.
                 Termination::Roulette => 1.0,
             };
-            let variance = |&i: &u32| {
+            let strength = |&i: &u32| {
                 let own = self.strata.mean_of(self.gathered[i as usize].variance()) * error.gain;
                 // Four replicates estimate a point's variance badly; half of it is taken from all.
                 let shared = 0.5 * (own + error.noise);
-                (shared * f64::from(self.spent[i as usize]).powf(rate), i)
+                let spent = f64::from(self.spent[i as usize]);
+                (shared * spent.powf(rate), i)
             };
-            let strengths: Vec<(f64, u32)> = points.iter().map(variance).collect();
-            allocate(&strengths, &mut totals, rate, allowed, most);
+            let points = self.strata.points(stratum);
+            let strengths: Vec<(f64, u32)> = points.iter().map(strength).collect();
+            for (i, wanted) in cheapest(&strengths, rate, allowed) {
+                let total = &mut totals[i as usize];
+                *total = well_spread(*total, wanted.min(growth * f64::from(*total)), most);
+            }
         }
         totals
     }
 }
 
-/// Raises totals of rays so that the mean variance of the points becomes `allowed` at least cost.
+/// Rays that make the mean variance of points `allowed` at least cost, given the strength of each.
 ///
 /// A point's variance falls with its rays n as strength n^−rate; the sum of rays is then least for n
 /// in proportion to strength^(1/(1 + rate)), by Lagrange.
-fn allocate(strengths: &[(f64, u32)], totals: &mut [u32], rate: f64, allowed: f64, most: u32) {
+fn cheapest(strengths: &[(f64, u32)], rate: f64, allowed: f64) -> impl Iterator<Item = (u32, f64)> {
     let power = 1.0 / (1.0 + rate);
     let sum: f64 = strengths.iter().map(|s| s.0.powf(power)).sum();
-    let scale = (sum / (strengths.len() as f64 * allowed.max(f64::MIN_POSITIVE))).powf(1.0 / rate);
-    for &(strength, i) in strengths {
-        let spent = &mut totals[i as usize];
-        let wanted = (scale * strength.powf(power)).min(GROWTH * f64::from(*spent));
-        *spent = well_spread(*spent, wanted, most);
-    }
+    let mean = sum / strengths.len().max(1) as f64;
+    let scale = (mean / allowed.max(f64::MIN_POSITIVE)).powf(1.0 / rate);
+    strengths
+        .iter()
+        .map(move |&(s, i)| (i, scale * s.powf(power)))
 }
 
 /// The constants of all passes.
@@ -317,7 +367,11 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             .par_chunks(CHUNK)
             .map(|chunk| {
                 self.progress.advance(chunk.len() as u64)?;
-                if options.spent > 0 && self.progress.out_of_time() {
+                let is_over = match options.spent {
+                    0 => self.progress.is_overdue(),
+                    _ => self.progress.out_of_time(),
+                };
+                if is_over {
                     return Ok(vec![None; chunk.len()]);
                 }
                 let points: Vec<GatherPoint> =

@@ -63,7 +63,7 @@ pub struct RefinementWork {
 /// Refines `system`, whose rows took `rays` each; `coarse` is its solution. Solving the system
 /// afterwards gives the refined solution.
 ///
-/// Ends early when the progress is out of time. The result does not depend on threads.
+/// Ends early when the phase of the progress is over. The result does not depend on threads.
 ///
 /// # Errors
 /// [`Cancelled`].
@@ -101,7 +101,7 @@ pub fn refine(
         let strengths = strengths(&rows, system, patches);
         let reached = reached(&rows, &strengths);
         progress.measured(Measure::PatchError(reached.sqrt()));
-        if progress.out_of_time() || reached <= goal.error * goal.error {
+        if progress.phase_is_over() || reached <= goal.error * goal.error {
             break;
         }
         let totals = allocate(&rows, &strengths, costs, goal.error, most);
@@ -215,7 +215,7 @@ impl Refiner<'_> {
             .par_iter()
             .map_init(RayScratch::default, |work, task| {
                 self.progress.advance(steps(task))?;
-                if self.progress.out_of_time() {
+                if self.progress.phase_is_over() {
                     return Ok(None);
                 }
                 Ok(Some(match task.part {

@@ -1,7 +1,8 @@
 //! The first pass: from a scene to irradiance on its vertices, or at any points.
 
 use crate::gather::{
-    ErrorParts, GatherEffort, GatherTargets, MOST_RAYS, QuarterError, gather, gather_watched,
+    ErrorParts, GatherEffort, GatherError, GatherTargets, MOST_RAYS, Paths, QuarterError, gather,
+    gather_watched,
 };
 use crate::preview::{Preview, PreviewReporter};
 use crate::refine::RefinementGoal;
@@ -63,18 +64,22 @@ const DEFAULT_RAYS: u32 = 2048;
 const MOST_PATCH_RAYS: u32 = 1 << 17;
 
 impl FirstPass {
-    fn effort(&self) -> GatherEffort {
-        let may_trace_paths = self.bounces.is_none();
+    fn effort(&self, method: Method) -> GatherEffort {
+        let paths = match (self.bounces, method) {
+            (_, Method::Paths) => Paths::Always,
+            (None, _) => Paths::Measured,
+            (Some(_), _) => Paths::Never,
+        };
         match (self.error, self.rays) {
             (None, None) => GatherEffort {
                 error: Some(DEFAULT_ERROR),
                 rays: DEFAULT_RAYS,
-                may_trace_paths,
+                paths,
             },
             (error, rays) => GatherEffort {
                 error,
                 rays: rays.unwrap_or(MOST_RAYS),
-                may_trace_paths,
+                paths,
             },
         }
     }
@@ -122,6 +127,8 @@ pub enum SolveError {
     NoLight,
     /// There is no surface with an area.
     NoSurface,
+    /// The deadline passed before there was light on all vertices or points.
+    OutOfTime,
     /// The caller cancelled.
     Cancelled,
     /// Form factors failed for another reason. [`solve`] keeps to its memory and never returns
@@ -139,6 +146,15 @@ impl From<FactorsError> for SolveError {
     }
 }
 
+impl From<GatherError> for SolveError {
+    fn from(error: GatherError) -> SolveError {
+        match error {
+            GatherError::Cancelled => SolveError::Cancelled,
+            GatherError::OutOfTime => SolveError::OutOfTime,
+        }
+    }
+}
+
 impl From<Cancelled> for SolveError {
     fn from(_: Cancelled) -> SolveError {
         SolveError::Cancelled
@@ -152,6 +168,10 @@ impl fmt::Display for SolveError {
                 "nothing in the scene emits light: add a light, or a material that emits",
             ),
             SolveError::NoSurface => FactorsError::NoSurface.fmt(f),
+            SolveError::OutOfTime => f.write_str(
+                "the time was over before all of the scene had light: allow more time, \
+                 or ask for fewer patches",
+            ),
             SolveError::Cancelled => FactorsError::Cancelled.fmt(f),
             SolveError::Factors(error) => error.fmt(f),
         }
@@ -167,6 +187,8 @@ pub enum Method {
     Matrix,
     /// Stochastic Jacobi: power shot by rays, nothing stored (Neumann 1995).
     Stochastic,
+    /// None: a deadline left no time for patches, and paths were traced from every point.
+    Paths,
 }
 
 /// Statistics of a first pass, with its error.
@@ -207,6 +229,8 @@ pub struct Report {
     /// Share of the vertices or points at which patches would have been too coarse, so that paths
     /// were traced.
     pub path_traced: f64,
+    /// How many times as many rays from points the requested error would take; 1 if it is reached.
+    pub rays_needed: f64,
 }
 
 /// A solved scene.
@@ -225,8 +249,9 @@ pub struct LightSolution {
 /// objects' proxy meshes, with `keep_mesh` too.
 ///
 /// # Errors
-/// [`SolveError`]: no light, no surface, or cancelled. An expired deadline of `progress` is not an
-/// error: the result is then as good as the time allowed, and its error says how good.
+/// [`SolveError`]: no light, no surface, or cancelled. An expired deadline of `progress` is an error
+/// only if there is no light on some vertices yet: otherwise the result is as good as the time
+/// allowed, and its error says how good.
 pub fn solve(
     scene: &Scene,
     tracer: &Tracer,
@@ -302,7 +327,7 @@ fn solve_for(
             points: &targets.points,
             areas: &targets.areas(&solved.patches),
         },
-        pass.effort(),
+        pass.effort(solved.method),
         seed,
         progress,
         &mut |found| reporter.show_vertices(&targets, &solved.patches, found),
@@ -363,7 +388,7 @@ pub fn probe(
             points: &places,
             areas: &[],
         },
-        pass.effort(),
+        pass.effort(solved.method),
         seed,
         progress,
     )?;

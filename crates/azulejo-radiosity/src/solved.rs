@@ -1,6 +1,6 @@
 //! The light on patches, before it is gathered.
 
-use crate::gather::{GatherTargets, Gathering};
+use crate::gather::{CHUNK, GatherTargets, Gathering};
 use crate::light::PatchLight;
 use crate::refine::{RefinementWork, refine};
 use crate::solve::{Estimate, FirstPass, Method, Report, SolveError};
@@ -11,8 +11,22 @@ use azulejo_factors::row::Columns;
 use azulejo_factors::{Engine, EngineChoice, EngineUsed, Patches, ProxyScene, reflectances};
 use azulejo_scene::{Rgb, Scene};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Gathered, Gatherer, Measure, Progress, Surfaces, Tracer};
+use azulejo_trace::{
+    DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer, Measure, Progress, Surfaces,
+    Termination, Tracer,
+};
+use rayon::prelude::*;
 use std::f64::consts::PI;
+
+/// Share of the time until a deadline that a first solution for the patches may take; later, paths
+/// are traced without it.
+const PATCH_SHARE: f64 = 0.4;
+
+/// Share of the time that is left then for its refinement.
+const REFINEMENT_SHARE: f64 = 0.3;
+
+/// Paths from the middle of each side of a patch, where patches have no radiosity.
+const SIDE_RAYS: u32 = 16;
 
 /// The radiosity of every patch.
 pub struct PatchRadiosity {
@@ -41,6 +55,9 @@ pub fn radiosity(
         points: &[],
         areas: &[],
     });
+    if solved.method == Method::Paths {
+        return Err(SolveError::OutOfTime);
+    }
     let mut report = solved.report(&nothing);
     report.error = report.patch_error;
     Ok(PatchRadiosity {
@@ -57,7 +74,7 @@ pub(crate) struct SolvedPatches<'a> {
     reflectance: Vec<Rgb>,
     pub solution: RadiositySolution,
     spent: RefinementWork,
-    method: Method,
+    pub method: Method,
     engine_used: EngineUsed,
 }
 
@@ -91,27 +108,27 @@ impl<'a> SolvedPatches<'a> {
             rays,
             seed,
         };
-        let (solution, spent, method, engine_used) = if expected <= pass.memory {
-            let (solution, spent, engine_used) = parts.matrix(pass, progress, watch)?;
-            (solution, spent, Method::Matrix, engine_used)
+        progress.limit_phase(PATCH_SHARE);
+        let found = if expected <= pass.memory {
+            parts.matrix(pass, progress, watch)?
         } else {
-            let solution = stochastic::solve(
-                &gatherer,
-                &patches,
-                &reflectance,
-                rays,
-                pass.bounces,
-                seed,
-                progress,
-            )?;
-            (
-                solution,
-                RefinementWork::default(),
-                Method::Stochastic,
-                parts.shot(pass, expected),
-            )
+            parts.shoot(pass, expected, progress)?
         };
-        progress.measured(Measure::PatchError(solution.error(&patches)));
+        // The time does not suffice for patches. Only they can count bounces; all else is path traced.
+        let found = match found {
+            Some(found) => found,
+            None if pass.bounces.is_some() => return Err(SolveError::OutOfTime),
+            None => parts.without_patches(progress)?,
+        };
+        if found.method != Method::Paths {
+            progress.measured(Measure::PatchError(found.solution.error(&patches)));
+        }
+        let PatchSolution {
+            solution,
+            spent,
+            method,
+            engine_used,
+        } = found;
         Ok(SolvedPatches {
             gatherer,
             patches,
@@ -176,8 +193,17 @@ impl<'a> SolvedPatches<'a> {
             error_parts: gathering.parts(),
             quarters: gathering.quarters(),
             path_traced: gathering.path_traced(),
+            rays_needed: gathering.rays_needed,
         }
     }
+}
+
+/// The light on patches, and how it was found.
+struct PatchSolution {
+    solution: RadiositySolution,
+    spent: RefinementWork,
+    method: Method,
+    engine_used: EngineUsed,
 }
 
 /// The inputs of a solution.
@@ -190,19 +216,93 @@ struct SolverInputs<'a> {
 }
 
 impl SolverInputs<'_> {
-    /// The report where there is no matrix; `expected` is the size it would have.
-    fn shot(&self, pass: &FirstPass, expected: u64) -> EngineUsed {
+    /// What traced the rays, where no engine computed rows, and why.
+    fn rays_alone(&self, why: String) -> EngineUsed {
+        EngineUsed {
+            name: "rays".to_owned(),
+            device: self.gatherer.surfaces().tracer.kernel_name(),
+            notes: vec![why],
+        }
+    }
+
+    /// Stochastic Jacobi; `expected` is the size that a matrix would have.
+    fn shoot(
+        &self,
+        pass: &FirstPass,
+        expected: u64,
+        progress: &Progress,
+    ) -> Result<Option<PatchSolution>, SolveError> {
         let gibibytes = |bytes: u64| bytes as f64 / f64::from(1 << 30);
         let why = format!(
             "rays are shot without a matrix, because its rows may take {:.1} of {:.1} GiB",
             gibibytes(expected),
             gibibytes(pass.memory)
         );
-        EngineUsed {
-            name: "rays".to_owned(),
-            device: self.gatherer.surfaces().tracer.kernel_name(),
-            notes: vec![why],
-        }
+        let solution = stochastic::solve(
+            self.gatherer,
+            self.patches,
+            self.reflectance,
+            self.rays,
+            pass.bounces,
+            self.seed,
+            progress,
+        )?;
+        Ok(solution.map(|solution| PatchSolution {
+            solution,
+            spent: RefinementWork::default(),
+            method: Method::Stochastic,
+            engine_used: self.rays_alone(why),
+        }))
+    }
+
+    /// No radiosity: every point will be path traced. What arrives at the sides of patches, which
+    /// tells fronts from backs, is estimated by a few paths each.
+    fn without_patches(&self, progress: &Progress) -> Result<PatchSolution, SolveError> {
+        let patches = self.patches;
+        let mut solution = RadiositySolution::dark(2 * patches.len());
+        let light = PatchLight::new(
+            self.gatherer.surfaces(),
+            patches,
+            self.reflectance,
+            &solution.solutions,
+        );
+        let options = GatherOptions {
+            rays: SIDE_RAYS,
+            spent: 0,
+            seed: self.seed,
+            termination: Termination::Roulette,
+        };
+        let directions = DirectionTables::new(&options);
+        let point = |s: usize| {
+            let (position, normal) = (patches.centre(s / 2), patches.normal(s / 2));
+            GatherPoint {
+                position,
+                normal: if s.is_multiple_of(2) { normal } else { -normal },
+                key: s as u32,
+            }
+        };
+        let sides: Vec<GatherPoint> = (0..2 * patches.len()).map(point).collect();
+        progress.begin("irradiance of patches", sides.len() as u64);
+        let found: Vec<Vec<Gathered>> = sides
+            .par_chunks(CHUNK)
+            .map(|points| {
+                progress.advance(points.len() as u64)?;
+                if progress.is_overdue() {
+                    return Err(SolveError::OutOfTime);
+                }
+                let gatherer = self.gatherer;
+                Ok(gatherer.gather_with(points, &options, &directions, &light))
+            })
+            .collect::<Result<_, SolveError>>()?;
+        solution.incident = found.iter().flatten().map(Gathered::mean).collect();
+        let why =
+            "paths are traced from every point, because the time does not suffice for patches";
+        Ok(PatchSolution {
+            solution,
+            spent: RefinementWork::default(),
+            method: Method::Paths,
+            engine_used: self.rays_alone(why.to_owned()),
+        })
     }
 
     /// Rows, their solution, and the refinement of both.
@@ -211,7 +311,7 @@ impl SolverInputs<'_> {
         pass: &FirstPass,
         progress: &Progress,
         watch: CoarseCallback,
-    ) -> Result<(RadiositySolution, RefinementWork, EngineUsed), SolveError> {
+    ) -> Result<Option<PatchSolution>, SolveError> {
         let &SolverInputs {
             gatherer,
             patches,
@@ -230,21 +330,30 @@ impl SolverInputs<'_> {
         };
         let columns = Columns::Diffuse;
         let estimator = Estimator::new(&engine, gatherer, patches, rays, seed, columns);
-        let mut system = System::trace(gatherer, patches, reflectance, &estimator, seed, progress)?;
-        let engine_used = estimator.engine_used().because(why);
-        let coarse = system.solve_all(pass.bounces, progress)?;
+        let system = System::trace(gatherer, patches, reflectance, &estimator, seed, progress)?;
+        let Some(mut system) = system else {
+            return Ok(None);
+        };
+        let mut found = PatchSolution {
+            solution: system.solve_all(pass.bounces, progress)?,
+            spent: RefinementWork::default(),
+            method: Method::Matrix,
+            engine_used: estimator.engine_used().because(why),
+        };
         // Hemicubes have the requested number of pixels: rays beside them would only add noise.
         let is_drawn = matches!(estimator, Estimator::Hemicube(_));
         let Some(goal) = pass.goal().filter(|_| !is_drawn) else {
-            return Ok((coarse, RefinementWork::default(), engine_used));
+            return Ok(Some(found));
         };
-        if coarse.error(patches) <= goal.error || progress.out_of_time() {
-            return Ok((coarse, RefinementWork::default(), engine_used));
+        progress.limit_phase(REFINEMENT_SHARE);
+        let coarse = &found.solution;
+        if coarse.error(patches) <= goal.error || progress.phase_is_over() {
+            return Ok(Some(found));
         }
-        watch(patches, &coarse);
-        let spent = refine(
+        watch(patches, coarse);
+        found.spent = refine(
             &mut system,
-            &coarse,
+            coarse,
             gatherer,
             patches,
             estimator.rays(),
@@ -252,7 +361,7 @@ impl SolverInputs<'_> {
             seed,
             progress,
         )?;
-        let refined = system.solve_all(None, progress)?;
-        Ok((refined, spent, engine_used))
+        found.solution = system.solve_all(None, progress)?;
+        Ok(Some(found))
     }
 }

@@ -49,7 +49,8 @@ struct BatchResult {
     balance: EnergyBalance,
 }
 
-/// Solves for R with about `rays` rays per patch in all replicates together.
+/// Solves for R with about `rays` rays per patch in all replicates together; `None` if the phase of
+/// the progress is over before.
 ///
 /// # Errors
 /// [`Cancelled`].
@@ -61,14 +62,16 @@ pub fn solve(
     bounces: Option<u32>,
     seed: u32,
     progress: &Progress,
-) -> Result<RadiositySolution, Cancelled> {
+) -> Result<Option<RadiositySolution>, Cancelled> {
     let shooter = Shooter {
         gatherer,
         patches,
         reflectance,
         seed,
     };
-    let direct = shooter.direct(progress)?;
+    let Some(direct) = shooter.direct(progress)? else {
+        return Ok(None);
+    };
     let budget = u64::from(rays) * patches.len() as u64 / REPLICATES as u64;
     let mut found = RadiositySolution::new(2 * patches.len());
     for r in 0..REPLICATES {
@@ -93,6 +96,9 @@ pub fn solve(
             &mut found,
             progress,
         )?;
+        let Some(stray) = stray else {
+            return Ok(None);
+        };
         incident.iter_mut().zip(&stray).for_each(|(h, s)| *h += *s);
         let mut unshot: Vec<Rgb> = (0..incident.len())
             .map(|s| incident[s] * reflectance[s / 2])
@@ -125,6 +131,9 @@ pub fn solve(
                 &mut found,
                 progress,
             )?;
+            let Some(arrived) = arrived else {
+                return Ok(None);
+            };
             incident
                 .iter_mut()
                 .zip(&arrived)
@@ -136,8 +145,11 @@ pub fn solve(
         }
         found.add_replicate(solution, &incident, state);
     }
-    Ok(found)
+    Ok(Some(found))
 }
+
+/// Irradiance of a side per replicate, and the part that no patch emitted.
+type DirectOfSide = ([Rgb; REPLICATES], Rgb);
 
 struct Shooter<'a> {
     gatherer: &'a Gatherer<'a>,
@@ -163,15 +175,18 @@ impl Shooter<'_> {
     }
 
     /// H₀ of every diffuse side, one estimate per replicate, and the part that no patch emitted.
-    fn direct(&self, progress: &Progress) -> Result<Vec<([Rgb; REPLICATES], Rgb)>, Cancelled> {
+    fn direct(&self, progress: &Progress) -> Result<Option<Vec<DirectOfSide>>, Cancelled> {
         let sides = 2 * self.patches.len();
         progress.begin("direct light", sides as u64);
-        (0..sides as Side)
+        let all: Vec<Option<DirectOfSide>> = (0..sides as Side)
             .into_par_iter()
             .map_init(Scratch::default, |scratch, s| {
                 progress.advance(1)?;
+                if progress.phase_is_over() {
+                    return Ok(None);
+                }
                 if self.reflectance[(s / 2) as usize].is_black() {
-                    return Ok(Default::default());
+                    return Ok(Some(DirectOfSide::default()));
                 }
                 let points: [GatherPoint; REPLICATES] =
                     std::array::from_fn(|r| self.point(s, r as u32));
@@ -180,12 +195,13 @@ impl Shooter<'_> {
                 let mut lamps = ambient;
                 (0..REPLICATES).for_each(|r| lamps[r] += light[r].lamps.mean() + light[r].lights);
                 let lights = light.iter().map(|l| l.lights).sum::<Rgb>() / REPLICATES as f64;
-                Ok((
+                Ok(Some((
                     lamps,
                     lights + ambient.iter().copied().sum::<Rgb>() / REPLICATES as f64,
-                ))
+                )))
             })
-            .collect()
+            .collect::<Result<_, Cancelled>>()?;
+        Ok(all.into_iter().collect())
     }
 
     fn point(&self, s: Side, r: u32) -> GatherPoint {
@@ -254,7 +270,8 @@ impl Shooter<'_> {
         }
     }
 
-    /// Shoots a radiosity per side by `count` rays; returns the irradiance that arrives per side.
+    /// Shoots a radiosity per side by `count` rays; returns the irradiance that arrives per side,
+    /// `None` if the phase of the progress is over before.
     #[allow(
         clippy::too_many_arguments,
         reason = "private, two calls; a struct would only rename them"
@@ -268,16 +285,19 @@ impl Shooter<'_> {
         iteration: u32,
         found: &mut RadiositySolution,
         progress: &Progress,
-    ) -> Result<Vec<Rgb>, Cancelled> {
+    ) -> Result<Option<Vec<Rgb>>, Cancelled> {
         let mut power = vec![Rgb::BLACK; radiosity.len()];
         let total: f64 = self.total(radiosity).max_channel().max(0.0);
         if total <= 0.0 || count == 0 {
-            return Ok(power);
+            return Ok(Some(power));
         }
         progress.begin("shooting", count);
         let key = hash(&[self.seed, replicate, iteration, shot as u32]);
         let work = self.share_out(radiosity, count, uniform(&[key]).into());
         for block in split(&work, BLOCK) {
+            if progress.phase_is_over() {
+                return Ok(None);
+            }
             let batches: Vec<&[(Side, u32, Rgb)]> = split(block, BATCH).collect();
             let arrivals: Vec<BatchResult> = batches
                 .par_iter()
@@ -294,9 +314,8 @@ impl Shooter<'_> {
             }
         }
         found.rays += count;
-        Ok((0..power.len())
-            .map(|s| power[s] / self.patches.area(s / 2))
-            .collect())
+        let arrived = |s: usize| power[s] / self.patches.area(s / 2);
+        Ok(Some((0..power.len()).map(arrived).collect()))
     }
 
     /// Sides with their number of rays and the power of each ray: stratified over the sides' power,

@@ -36,19 +36,13 @@ pub struct Unknown {
     pub stray: [Rgb; REPLICATES],
     /// The part of H₀ that no patch emitted: lights without area and the surroundings.
     pub external: Rgb,
-    /// Shares of what leaves this side that are absorbed, escape, or are cut off; zero without a
-    /// row.
+    /// Shares of what leaves this side that are absorbed, escape, or are cut off.
     pub outcomes: [Rgb; 3],
 }
 
-/// The rows of all unknowns, or as many as time allowed.
-///
-/// Rows are traced in the order of the power that their patches reflect, the brightest first (Cohen
-/// et al., *A progressive refinement approach*, SIGGRAPH 1988), so that a system cut short by a
-/// deadline contains the most important rows; unknowns without rows are lit by those that have
-/// them.
+/// The rows of all unknowns.
 pub struct System {
-    /// The unknowns; the first ones have the matrices' rows, in the same order.
+    /// The unknowns, in the order of the matrices' rows.
     pub unknowns: Vec<Unknown>,
     /// One matrix per replicate; columns are sides.
     pub matrices: Vec<SparseMatrix>,
@@ -80,8 +74,11 @@ impl Convergence {
 
 impl System {
     /// Traces the rows of every side that light can reach: all fronts, then the backs that rays
-    /// from reached sides hit, and so on, until the progress is out of time. If no light starts in
-    /// front of any surface, as in a room that is inside out, backs come first too.
+    /// from reached sides hit, and so on. If no light starts in front of any surface, as in a room
+    /// that is inside out, backs come first too.
+    ///
+    /// `None` if the phase of the progress is over before: some rows alone would leave the rest of
+    /// the scene dark.
     ///
     /// # Errors
     /// [`Cancelled`].
@@ -92,7 +89,7 @@ impl System {
         estimator: &Estimator,
         seed: u32,
         progress: &Progress,
-    ) -> Result<System, Cancelled> {
+    ) -> Result<Option<System>, Cancelled> {
         let materials = &gatherer.surfaces().scene.materials;
         let reflects = |p: usize| {
             let m = &materials[patches.material(p) as usize];
@@ -129,29 +126,32 @@ impl System {
             progress.begin("direct light", wave.len() as u64);
             let unknown = |&s: &Side| {
                 progress.advance(1)?;
+                if progress.phase_is_over() {
+                    return Ok(None);
+                }
                 let material = &materials[patches.material((s / 2) as usize) as usize];
-                Ok(Unknown::new(
+                let light = direct(gatherer, patches, seed, s);
+                Ok(Some(Unknown::new(
                     s,
                     patches,
                     reflectance,
                     material,
-                    &direct(gatherer, patches, seed, s),
-                ))
+                    &light,
+                )))
             };
-            let mut unknowns: Vec<Unknown> = wave
+            let unknowns: Result<Option<Vec<Unknown>>, Cancelled> = wave
                 .par_iter()
                 .map(unknown)
-                .collect::<Result<_, Cancelled>>()?;
-            unknowns.sort_by(|a, b| {
-                b.reflected_power()
-                    .total_cmp(&a.reflected_power())
-                    .then(a.side.cmp(&b.side))
-            });
+                .collect::<Result<Vec<_>, _>>()
+                .map(|all| all.into_iter().collect());
+            let Some(mut unknowns) = unknowns? else {
+                return Ok(None);
+            };
             progress.begin("form factors", wave.len() as u64);
             wave.clear();
             for block in unknowns.chunks_mut(BLOCK * rayon::current_num_threads().max(1)) {
-                if progress.out_of_time() {
-                    break;
+                if progress.phase_is_over() {
+                    return Ok(None);
                 }
                 let sides: Vec<Side> = block.iter().map(|u| u.side).collect();
                 let rows = estimator.rows(&sides, progress)?;
@@ -168,12 +168,9 @@ impl System {
                 }
             }
             system.unknowns.append(&mut unknowns);
-            if progress.out_of_time() {
-                break;
-            }
             wave.sort_unstable();
         }
-        Ok(system)
+        Ok(Some(system))
     }
 
     fn push(&mut self, row: &Row) {
@@ -204,7 +201,6 @@ impl System {
         progress: &Progress,
     ) -> Result<(Vec<Rgb>, Convergence), Cancelled> {
         let most = bounces.unwrap_or(MOST_ITERATIONS);
-        let shares = self.reciprocal_shares(replicate);
         let mut reflected = vec![Rgb::BLACK; self.sides];
         let mut state = Convergence {
             iterations: 0,
@@ -212,7 +208,7 @@ impl System {
         };
         while state.iterations < most {
             progress.advance(0)?;
-            let arriving = self.arriving(replicate, &reflected, &shares);
+            let arriving = self.arriving(replicate, &reflected);
             let next = self
                 .unknowns
                 .iter()
@@ -236,46 +232,9 @@ impl System {
     }
 
     /// Irradiance of every unknown by diffusely reflected light.
-    ///
-    /// Unknowns with a row gather; the others receive `shares` of what those shoot, by reciprocity
-    /// A_i X_ij = A_j X_ji.
-    fn arriving(&self, replicate: usize, reflected: &[Rgb], shares: &[f64]) -> Vec<Rgb> {
+    fn arriving(&self, replicate: usize, reflected: &[Rgb]) -> Vec<Rgb> {
         let matrix = &self.matrices[replicate];
-        let mut arriving = matrix.map_rows(|i| matrix.row_times(i, reflected));
-        let rows = arriving.len();
-        if rows < self.unknowns.len() {
-            let power = self.shot(replicate, reflected);
-            let reached = self.unknowns[rows..].iter().zip(shares);
-            arriving.extend(reached.map(|(u, share)| power[u.side as usize] * (share / u.area)));
-        }
-        arriving
-    }
-
-    /// Power that the unknowns with rows send to every side, W.
-    fn shot(&self, replicate: usize, reflected: &[Rgb]) -> Vec<Rgb> {
-        let matrix = &self.matrices[replicate];
-        let mut power = vec![Rgb::BLACK; self.sides];
-        for (i, u) in self.unknowns[..matrix.rows()].iter().enumerate() {
-            let leaving = reflected[u.side as usize] * u.area;
-            matrix
-                .row(i)
-                .for_each(|(j, w)| power[j as usize] += leaving * w);
-        }
-        power
-    }
-
-    /// For every unknown without a row, the factor for its light by reciprocity.
-    ///
-    /// By reciprocity, the row of a small patch that a few rays of large ones hit by chance may sum
-    /// to more than 1, which would create light at every bounce: it is scaled to 1.
-    fn reciprocal_shares(&self, replicate: usize) -> Vec<f64> {
-        let rows = self.matrices[replicate].rows();
-        if rows == self.unknowns.len() {
-            return Vec::new();
-        }
-        let sums = self.shot(replicate, &vec![Rgb::WHITE; self.sides]);
-        let share = |u: &Unknown| 1.0 / (sums[u.side as usize].max_channel() / u.area).max(1.0);
-        self.unknowns[rows..].iter().map(share).collect()
+        matrix.map_rows(|i| matrix.row_times(i, reflected))
     }
 
     /// Energy balance, W, for the reflected light `reflected` (mean of the replicates, per side).
@@ -321,11 +280,6 @@ impl Unknown {
         self.direct[replicate] + self.stray[replicate]
     }
 
-    /// Power that leaves after one reflection, W, all channels together.
-    fn reflected_power(&self) -> f64 {
-        (self.direct.iter().copied().sum::<Rgb>() * self.reflectance).mean() * self.area
-    }
-
     /// Adds a row; `lost` is what vertex colours and textures of a patch absorb beyond its
     /// material.
     fn add_row(&mut self, row: &Row, lost: impl Fn(usize) -> Rgb) {
@@ -353,12 +307,7 @@ impl System {
         for r in 0..REPLICATES {
             let (solution, state) = self.solve(r, bounces, TOLERANCE, progress)?;
             let mut incident = vec![Rgb::BLACK; self.sides];
-            let shares = self.reciprocal_shares(r);
-            for (u, h) in self
-                .unknowns
-                .iter()
-                .zip(self.arriving(r, &solution, &shares))
-            {
+            for (u, h) in self.unknowns.iter().zip(self.arriving(r, &solution)) {
                 incident[u.side as usize] = u.unbounced(r) + h;
             }
             found.add_replicate(solution, &incident, state);
@@ -399,6 +348,14 @@ impl RadiositySolution {
             balance: EnergyBalance::default(),
             rays: 0,
             bytes: 0,
+        }
+    }
+
+    /// No light on so many sides: what gathers that read no patches take.
+    pub fn dark(sides: usize) -> RadiositySolution {
+        RadiositySolution {
+            solutions: vec![vec![Rgb::BLACK; sides]],
+            ..RadiositySolution::new(sides)
         }
     }
 
@@ -445,6 +402,12 @@ const TOLERANCE: f64 = 1e-6;
 /// Even facing perfect mirrors end here.
 const MOST_ITERATIONS: u32 = 2_000;
 
+/// Share of the emitted power that may be unaccounted for.
+const OFF: f64 = 0.02;
+
+/// Share of the emitted power without which a solution is none.
+const BROKEN: f64 = 0.1;
+
 /// The energy balance: where the emitted power went, per channel; W, where areas are in m².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EnergyBalance {
@@ -474,10 +437,14 @@ impl EnergyBalance {
         self.cut += other.cut * share;
     }
 
-    /// Whether more is missing than noise explains: more rays or more time are needed then.
+    /// Whether more is missing than should be: more rays or more time are needed then.
     pub fn is_off(&self) -> bool {
-        const LOST: f64 = 0.05;
-        self.error() > LOST
+        self.error() > OFF
+    }
+
+    /// Whether so much is missing that the solution cannot be trusted.
+    pub fn is_broken(&self) -> bool {
+        self.error() > BROKEN
     }
 
     /// |emitted − absorbed − escaped − cut| over emitted, all channels together; zero in the dark.
@@ -497,49 +464,4 @@ impl EnergyBalance {
 fn is_grey(m: &Material) -> bool {
     let is_glossy_grey = m.glossy().is_none_or(|lobes| lobes.mean_albedo().is_grey());
     m.mirror.is_grey() && is_glossy_grey && m.dielectric.is_none_or(|d| d.transmittance.is_grey())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn unknown(side: Side, area: f64) -> Unknown {
-        Unknown {
-            side,
-            area,
-            reflectance: Rgb::grey(0.9),
-            exitance: Rgb::BLACK,
-            direct: [Rgb::WHITE; REPLICATES],
-            stray: [Rgb::BLACK; REPLICATES],
-            external: Rgb::BLACK,
-            outcomes: [Rgb::BLACK; 3],
-        }
-    }
-
-    /// One of 16 rays of a wall meets a crumb a millionth of its size, whose own row was out of
-    /// time: by reciprocity alone the two would send each other ever more light.
-    #[test]
-    fn reciprocity_makes_no_light() {
-        let mut matrix = SparseMatrix::new(1);
-        matrix.push_row(&[Entry {
-            side: 2,
-            order: 0,
-            weight: Rgb::grey(1.0 / 16.0),
-        }]);
-        let system = System {
-            unknowns: vec![unknown(0, 1.0), unknown(2, 1e-6)],
-            matrices: vec![matrix; REPLICATES],
-            sides: 4,
-            rays: 16,
-        };
-        let (reflected, state) = system
-            .solve(0, None, 1e-9, &Progress::new())
-            .expect("nobody cancels");
-        assert!(state.residual <= 1e-9, "{}", state.residual);
-        // No more than in a closed furnace of this reflectance: 0.9 / (1 − 0.9).
-        assert!(
-            reflected.iter().all(|r| r.max_channel() < 9.0),
-            "{reflected:?}"
-        );
-    }
 }

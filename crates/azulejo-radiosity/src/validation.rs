@@ -1,7 +1,7 @@
 //! Where patches are too coarse: irradiance from patches beside path traced irradiance, at a keyed
 //! sample of the points.
 
-use crate::gather::{FIRST_RAYS, GatherPass, Gathering};
+use crate::gather::{FIRST_RAYS, GatherPass, Gathering, HASTY_RAYS};
 use azulejo_scene::Rgb;
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, DiffuseLight, Gathered, REPLICATES, Termination};
@@ -26,10 +26,10 @@ struct Comparison {
 enum Verdict {
     /// The patches will do; the mean square of their error.
     Good(f64),
-    /// They will not.
-    Bad,
-    /// More rays are needed to tell.
-    Open,
+    /// They will not; the same.
+    Bad(f64),
+    /// More rays are needed to tell; the same as far as known, and its standard error.
+    Open(f64, f64),
 }
 
 impl<L: DiffuseLight> GatherPass<'_, L> {
@@ -51,25 +51,52 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             }
             let sample = self.sample(all.strata.points(stratum));
             let allowed = SHARE * SHARE * permitted;
-            let (spent, sample, good) = self.compare(all, sample, allowed, most)?;
-            match good {
-                Some(discretization) => all.strata.read_patches(stratum, discretization),
-                None => {
-                    all.strata.trace_paths(stratum);
-                    for &i in all.strata.points(stratum) {
-                        all.gathered[i as usize] = Gathered::default();
-                        all.spent[i as usize] = 0;
-                    }
-                    for known in sample {
-                        all.gathered[known.point as usize] = known.paths;
-                        all.spent[known.point as usize] = spent;
-                    }
+            let (spent, sample, verdict) = self.compare(all, sample, allowed, most)?;
+            match verdict {
+                Verdict::Bad(found) | Verdict::Open(found, _)
+                    if found > allowed && !self.progress().out_of_time() =>
+                {
+                    self.trace_paths(all, stratum, found, (spent, sample), most)?;
                 }
+                Verdict::Good(found) | Verdict::Bad(found) => {
+                    all.strata.read_patches(stratum, found);
+                }
+                Verdict::Open(found, doubt) => all.strata.read_patches(stratum, found + doubt),
             }
         }
-        let first = FIRST_RAYS.min(most);
+        Ok(())
+    }
+
+    /// Path traces all points of a stratum, of which a sample is known. If the time does not suffice
+    /// for all, they keep what they have, whose mean square error is `discretization`.
+    fn trace_paths(
+        &self,
+        all: &mut Gathering,
+        stratum: usize,
+        discretization: f64,
+        (spent, sample): (u32, Vec<Comparison>),
+        most: u32,
+    ) -> Result<(), Cancelled> {
+        let before = (all.gathered.clone(), all.spent.clone());
+        let points = all.strata.points(stratum).to_vec();
+        all.strata.trace_paths(stratum);
+        points.iter().for_each(|&i| all.spent[i as usize] = 0);
+        for known in sample {
+            all.gathered[known.point as usize] = known.paths;
+            all.spent[known.point as usize] = spent;
+        }
+        let first = if self.progress().has_deadline() {
+            HASTY_RAYS.min(most)
+        } else {
+            FIRST_RAYS.min(most)
+        };
         let totals: Vec<u32> = all.spent.iter().map(|&n| n.max(first)).collect();
-        self.raise(all, &totals)
+        self.raise(all, &totals)?;
+        if points.iter().any(|&i| all.spent[i as usize] == 0) {
+            (all.gathered, all.spent) = before;
+            all.strata.read_patches(stratum, discretization);
+        }
+        Ok(())
     }
 
     /// The points of a stratum whose keys come first.
@@ -86,14 +113,14 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
     }
 
     /// Gathers a sample both ways until it is clear whether the difference is within `allowed`: rays
-    /// spent, the sample, and the mean square of the difference if it is.
+    /// spent, the sample, and the verdict.
     fn compare(
         &self,
         all: &Gathering,
         mut sample: Vec<Comparison>,
         allowed: f64,
         most: u32,
-    ) -> Result<(u32, Vec<Comparison>, Option<f64>), Cancelled> {
+    ) -> Result<(u32, Vec<Comparison>, Verdict), Cancelled> {
         let chosen: Vec<u32> = sample.iter().map(|c| c.point).collect();
         let most = most.min(MOST_SAMPLE_RAYS);
         let (mut spent, mut next) = (0, (2 * FIRST_RAYS).min(most));
@@ -109,17 +136,17 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             }
             spent = next;
             let is_last = spent >= most || self.progress().out_of_time();
-            match judge(all, &sample, allowed, is_last) {
-                Verdict::Good(discretization) => return Ok((spent, sample, Some(discretization))),
-                Verdict::Bad => return Ok((spent, sample, None)),
-                Verdict::Open => next = (2 * spent).min(most),
+            let verdict = judge(all, &sample, allowed);
+            if is_last || !matches!(verdict, Verdict::Open(..)) {
+                return Ok((spent, sample, verdict));
             }
+            next = (2 * spent).min(most);
         }
     }
 }
 
 /// Compares the mean square of the differences, less their noise, with what is `allowed`.
-fn judge(all: &Gathering, sample: &[Comparison], allowed: f64, is_last: bool) -> Verdict {
+fn judge(all: &Gathering, sample: &[Comparison], allowed: f64) -> Verdict {
     let (mut squares, mut noise) = (0.0, 0.0);
     for known in sample {
         let difference = Gathered {
@@ -137,11 +164,9 @@ fn judge(all: &Gathering, sample: &[Comparison], allowed: f64, is_last: bool) ->
     let (found, doubt) = (squares / count, (4.0 * noise).sqrt() / count);
     if found + doubt <= allowed {
         Verdict::Good(found.max(0.0) + 0.5 * doubt)
-    } else if found - 2.0 * doubt > allowed || (is_last && found > allowed) {
-        Verdict::Bad
-    } else if is_last {
-        Verdict::Good(found.max(0.0) + doubt)
+    } else if found - 2.0 * doubt > allowed {
+        Verdict::Bad(found)
     } else {
-        Verdict::Open
+        Verdict::Open(found.max(0.0), doubt)
     }
 }

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Largest number of measures that are stored until they are taken; older ones are dropped.
 const MOST_MEASURES: usize = 4096;
@@ -33,8 +33,19 @@ pub struct Progress {
 #[derive(Debug, Default)]
 struct Clock {
     deadline: Option<Instant>,
+    /// Time from setting the deadline to the deadline.
+    allowed: Duration,
+    /// End of the current phase, not after the deadline.
+    phase: Option<Instant>,
     /// Start of the current pause, or the time at which the deadline was set if that is later.
     paused: Option<Instant>,
+}
+
+impl Clock {
+    /// Now, or when the current pause began.
+    fn now(&self) -> Instant {
+        self.paused.unwrap_or_else(Instant::now)
+    }
 }
 
 /// The accuracy of a result so far.
@@ -151,7 +162,8 @@ impl Progress {
     pub fn resume(&self) {
         let mut clock = lock(&self.clock);
         if let Some(since) = clock.paused.take() {
-            clock.deadline = clock.deadline.and_then(|d| d.checked_add(since.elapsed()));
+            let later = |end: Option<Instant>| end.and_then(|d| d.checked_add(since.elapsed()));
+            (clock.deadline, clock.phase) = (later(clock.deadline), later(clock.phase));
         }
         self.paused.store(false, Ordering::Relaxed);
         self.released.notify_all();
@@ -167,14 +179,48 @@ impl Progress {
     pub fn set_deadline(&self, deadline: Instant) {
         let mut clock = lock(&self.clock);
         clock.deadline = Some(deadline);
+        clock.allowed = deadline.saturating_duration_since(Instant::now());
+        clock.phase = None;
         clock.paused = clock.paused.map(|_| Instant::now());
+    }
+
+    /// Whether there is a deadline.
+    pub fn has_deadline(&self) -> bool {
+        lock(&self.clock).deadline.is_some()
+    }
+
+    /// Begins a phase that may take `share`, in 0..=1, of the time that is left until the deadline;
+    /// without a deadline it has no end.
+    pub fn limit_phase(&self, share: f64) {
+        let mut clock = lock(&self.clock);
+        let now = clock.now();
+        let end = |d: Instant| {
+            now + d
+                .saturating_duration_since(now)
+                .mul_f64(share.clamp(0.0, 1.0))
+        };
+        clock.phase = clock.deadline.map(end);
     }
 
     /// Whether the deadline has passed.
     pub fn out_of_time(&self) -> bool {
         let clock = lock(&self.clock);
-        let now = || clock.paused.unwrap_or_else(Instant::now);
-        clock.deadline.is_some_and(|d| now() >= d)
+        clock.deadline.is_some_and(|d| clock.now() >= d)
+    }
+
+    /// Whether the current phase should end, or the deadline has passed.
+    pub fn phase_is_over(&self) -> bool {
+        let clock = lock(&self.clock);
+        let end = clock.phase.or(clock.deadline);
+        end.is_some_and(|d| clock.now() >= d)
+    }
+
+    /// Whether the deadline passed so long ago that work must end even without a result: a tenth of
+    /// the time that was given, and half a second.
+    pub fn is_overdue(&self) -> bool {
+        let clock = lock(&self.clock);
+        let grace = clock.allowed.mul_f64(0.1) + Duration::from_millis(500);
+        clock.deadline.is_some_and(|d| clock.now() >= d + grace)
     }
 
     /// Number of completed steps of the current stage.
@@ -215,7 +261,6 @@ impl Progress {
 mod tests {
     use super::*;
     use std::thread;
-    use std::time::Duration;
 
     /// Longer than any thread needs for a step, even on a busy machine.
     const PATIENCE: Duration = Duration::from_secs(60);
@@ -292,6 +337,25 @@ mod tests {
         wait_until("the deadline never comes", || progress.out_of_time());
         progress.resume();
         assert!(progress.out_of_time(), "there was nothing to resume");
+    }
+
+    #[test]
+    fn phases_end_before_the_deadline_and_grace_after_it() {
+        let progress = Progress::new();
+        progress.limit_phase(0.0);
+        assert!(
+            !progress.phase_is_over() && !progress.is_overdue(),
+            "no deadline"
+        );
+        progress.set_deadline(Instant::now() + Duration::from_secs(3600));
+        assert!(!progress.phase_is_over());
+        progress.limit_phase(0.0);
+        assert!(progress.phase_is_over() && !progress.out_of_time());
+        progress.limit_phase(0.5);
+        assert!(!progress.phase_is_over());
+        progress.set_deadline(Instant::now());
+        assert!(progress.phase_is_over() && progress.out_of_time() && !progress.is_overdue());
+        wait_until("the grace never ends", || progress.is_overdue());
     }
 
     #[test]

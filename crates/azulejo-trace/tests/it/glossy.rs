@@ -4,8 +4,7 @@ use azulejo_scene::brdf::{Brdf, Description};
 use azulejo_scene::{Light, LightKind, Material, Object, Primitive, Rgb, Scene, Shape};
 use azulejo_trace::{
     DiffuseHit, DiffuseLight, GatherOptions, GatherPoint, Gatherer, OutgoingRadiosity, Surfaces,
-    Termination,
-    Tracer,
+    Termination, Tracer,
 };
 use glam::DVec3;
 use std::f64::consts::PI;
