@@ -72,8 +72,8 @@ pub fn number(x: f64) -> Value {
     serde_json::Number::from_f64(x).map_or(Value::Null, Value::Number)
 }
 
-/// Three JSON numbers.
-pub fn numbers(xs: [f64; 3]) -> Value {
+/// JSON numbers.
+pub fn numbers<const N: usize>(xs: [f64; N]) -> Value {
     Value::Array(xs.map(number).to_vec())
 }
 

@@ -23,7 +23,7 @@ pub(crate) const CHUNK: usize = 8;
 /// times this, or one and a half times that.
 pub(crate) const FIRST_RAYS: u32 = 128;
 
-/// Rays per point of the first pass if there is a deadline: every point gets some light.
+/// Rays per patch and per point of the first pass if there is a deadline: all get some light soon.
 pub(crate) const HASTY_RAYS: u32 = 32;
 
 /// Most rays per point of any gather.
@@ -32,9 +32,6 @@ pub const MOST_RAYS: u32 = 1 << 17;
 /// Largest growth of a point's total per pass: early variances are too uncertain to be trusted
 /// further.
 const GROWTH: f64 = 8.0;
-
-/// So few points are path traced: a sample to tell whether that is necessary would be all of them.
-const FEW_POINTS: usize = 64;
 
 /// When gathering stops: at an error, at a number of rays, or at whichever comes first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -220,11 +217,8 @@ pub(crate) fn gather_watched(
         None => most,
     };
     let mut all = Gathering::new(targets);
-    let is_few = effort.error.is_some() && targets.points.len() <= FEW_POINTS;
-    match effort.paths {
-        Paths::Always => all.strata.trace_paths(0),
-        Paths::Measured if is_few => all.strata.trace_paths(0),
-        Paths::Measured | Paths::Never => {}
+    if effort.paths == Paths::Always {
+        all.strata.trace_paths(0);
     }
     pass.raise(&mut all, &vec![rays; targets.points.len()])?;
     if all.spent.contains(&0) {

@@ -127,6 +127,8 @@ pub enum SolveError {
     NoLight,
     /// There is no surface with an area.
     NoSurface,
+    /// After so many bounces light had not died out: hardly anything absorbs it, and it cannot escape.
+    Endless(u32),
     /// The deadline passed before there was light on all vertices or points.
     OutOfTime,
     /// The caller cancelled.
@@ -168,6 +170,11 @@ impl fmt::Display for SolveError {
                 "nothing in the scene emits light: add a light, or a material that emits",
             ),
             SolveError::NoSurface => FactorsError::NoSurface.fmt(f),
+            SolveError::Endless(bounces) => write!(
+                f,
+                "after {bounces} bounces the light has not died out, because surfaces reflect all or \
+                 nearly all of it: give some a lower reflectance, or limit the bounces"
+            ),
             SolveError::OutOfTime => f.write_str(
                 "the time was over before all of the scene had light: allow more time, \
                  or ask for fewer patches",

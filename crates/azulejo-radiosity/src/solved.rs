@@ -1,6 +1,6 @@
 //! The light on patches, before it is gathered.
 
-use crate::gather::{CHUNK, GatherTargets, Gathering};
+use crate::gather::{CHUNK, GatherTargets, Gathering, HASTY_RAYS};
 use crate::light::PatchLight;
 use crate::refine::{RefinementWork, refine};
 use crate::solve::{Estimate, FirstPass, Method, Report, SolveError};
@@ -98,7 +98,12 @@ impl<'a> SolvedPatches<'a> {
         }
         let gatherer = Gatherer::new(Surfaces::new(scene, tracer));
         let reflectance = reflectances(scene, &patches);
-        let (seed, rays) = (hash(&[pass.key(), 0]), pass.patch_rays());
+        let seed = hash(&[pass.key(), 0]);
+        let rays = if progress.has_deadline() {
+            pass.patch_rays().min(HASTY_RAYS)
+        } else {
+            pass.patch_rays()
+        };
         // Entries of eight bytes, hardly more of them than rays.
         let expected = patches.len() as u64 * u64::from(rays) * 8;
         let parts = SolverInputs {
@@ -120,6 +125,9 @@ impl<'a> SolvedPatches<'a> {
             None if pass.bounces.is_some() => return Err(SolveError::OutOfTime),
             None => parts.without_patches(progress)?,
         };
+        if pass.bounces.is_none() && !found.solution.convergence.is_reached {
+            return Err(SolveError::Endless(found.solution.convergence.iterations));
+        }
         if found.method != Method::Paths {
             progress.measured(Measure::PatchError(found.solution.error(&patches)));
         }

@@ -107,6 +107,7 @@ pub fn solve(
         let mut state = Convergence {
             iterations: 1,
             residual: 0.0,
+            is_reached: false,
         };
         let mut shots = 0.0;
         loop {
@@ -115,7 +116,8 @@ pub fn solve(
             state.residual = if first > 0.0 { power / first } else { 0.0 };
             shots += state.residual;
             progress.measured(state.measure(r));
-            if state.residual <= REST
+            state.is_reached = state.residual <= REST;
+            if state.is_reached
                 || shots > MOST_SHOTS
                 || bounces.is_some_and(|most| state.iterations >= most)
             {

@@ -59,6 +59,8 @@ pub struct Convergence {
     pub iterations: u32,
     /// Largest change of a patch in the last iteration, relative to the largest R.
     pub residual: f64,
+    /// Whether iteration ended because little light was left.
+    pub is_reached: bool,
 }
 
 impl Convergence {
@@ -205,6 +207,7 @@ impl System {
         let mut state = Convergence {
             iterations: 0,
             residual: 0.0,
+            is_reached: false,
         };
         while state.iterations < most {
             progress.advance(0)?;
@@ -225,6 +228,7 @@ impl System {
             state.residual = if largest > 0.0 { change / largest } else { 0.0 };
             progress.measured(state.measure(replicate));
             if state.residual <= tolerance {
+                state.is_reached = true;
                 break;
             }
         }
@@ -344,6 +348,7 @@ impl RadiositySolution {
             convergence: Convergence {
                 iterations: 0,
                 residual: 0.0,
+                is_reached: true,
             },
             balance: EnergyBalance::default(),
             rays: 0,
@@ -369,6 +374,7 @@ impl RadiositySolution {
             .for_each(|(mean, h)| *mean += *h * share);
         self.convergence.iterations = self.convergence.iterations.max(state.iterations);
         self.convergence.residual = self.convergence.residual.max(state.residual);
+        self.convergence.is_reached &= state.is_reached;
     }
 
     /// Estimated error of the reflected radiosity R: root mean square over the sides, weighted by

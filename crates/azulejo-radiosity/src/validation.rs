@@ -53,14 +53,13 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             let allowed = SHARE * SHARE * permitted;
             let (spent, sample, verdict) = self.compare(all, sample, allowed, most)?;
             match verdict {
-                Verdict::Bad(found) | Verdict::Open(found, _)
-                    if found > allowed && !self.progress().out_of_time() =>
-                {
+                Verdict::Bad(found) if !self.progress().out_of_time() => {
                     self.trace_paths(all, stratum, found, (spent, sample), most)?;
                 }
                 Verdict::Good(found) | Verdict::Bad(found) => {
                     all.strata.read_patches(stratum, found);
                 }
+                // To tell would take about as long as to path trace all: the doubt is stated instead.
                 Verdict::Open(found, doubt) => all.strata.read_patches(stratum, found + doubt),
             }
         }
@@ -164,7 +163,7 @@ fn judge(all: &Gathering, sample: &[Comparison], allowed: f64) -> Verdict {
     let (found, doubt) = (squares / count, (4.0 * noise).sqrt() / count);
     if found + doubt <= allowed {
         Verdict::Good(found.max(0.0) + 0.5 * doubt)
-    } else if found - 2.0 * doubt > allowed {
+    } else if found - doubt > allowed {
         Verdict::Bad(found)
     } else {
         Verdict::Open(found.max(0.0), doubt)

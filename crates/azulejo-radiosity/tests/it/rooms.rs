@@ -45,8 +45,8 @@ impl Matrix {
             &estimator,
             seed,
             &progress,
-        )
-        .unwrap();
+        );
+        let system = system.unwrap().expect("there is no deadline");
         let found = system.solve_all(pass.bounces, &progress).unwrap();
         let exitance = |p: usize| {
             scene.materials[patches.material(p) as usize]

@@ -113,6 +113,7 @@ pub const TABLE: &[Translation] = &[
         "de fatores de forma",
     ],
     ["without a matrix", "sin matriz", "sem matriz"],
+    ["without radiosity", "sin radiosidad", "sem radiosidade"],
     ["from patches", "desde parches", "a partir de parcelas"],
     ["from points", "desde puntos", "a partir de pontos"],
     ["Rays", "Rayos", "Raios"],

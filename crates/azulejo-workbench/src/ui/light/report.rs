@@ -31,6 +31,7 @@ fn rows(ui: &mut Ui, cx: &PanelContext, report: &Report) {
             format!("{patches}, {} {rows}", bytes(report.bytes))
         }
         Method::Stochastic => format!("{patches}, {}", cx.tr("without a matrix")),
+        Method::Paths => format!("{patches}, {}", cx.tr("without radiosity")),
     };
     row(ui, cx.tr("Patches"), "", text);
     let gathered = report.points as u64 * u64::from(report.point_rays);

@@ -6,6 +6,7 @@ use crate::first_pass::{EngineChoice, LightSettings, PatchFormFactors};
 use crate::jobs::JobKind;
 use crate::words::Language;
 use azulejo::factors::EngineUsed;
+use azulejo::radiosity::gather::{ErrorParts, QuarterError};
 use azulejo::radiosity::{EnergyBalance, Method, Report};
 use azulejo::scene::synthetic::{CornellVariant, cornell_box};
 use azulejo::scene::{Irradiance, Mesh, ObjectIrradiance, Rgb, Shape};
@@ -77,6 +78,13 @@ fn solved(app: &mut App, balance: EnergyBalance) {
         residual: 1.5e-4,
         balance,
         error: 0.027,
+        error_parts: ErrorParts {
+            noise: 0.025,
+            discretization: 0.01,
+        },
+        quarters: [QuarterError::default(); 4],
+        path_traced: 0.25,
+        rays_needed: 1.0,
     };
     let document = app.document.clone();
     let scene = document.scene();
