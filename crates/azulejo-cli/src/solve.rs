@@ -16,7 +16,7 @@ pub fn run(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
     let tracer = prepared.tracer(&scene)?;
     let light = pass::solve(&scene, &tracer, &args.first_pass, &prepared, session)?;
     let mut report = Report::default();
-    pass::describe(&light.report, &prepared, scene.units, &mut report);
+    pass::describe(&light.report, &prepared, &scene, &mut report);
     scene.set_irradiance(light.irradiance);
     session.write(&scene, &output)?;
     let path = args.output.display().to_string();

@@ -543,6 +543,27 @@ fn floors_get_their_share_beside_any_number_of_details() {
     }
 }
 
+/// One region of so many corners would take a minute.
+#[test]
+fn faces_of_many_corners_are_divided_by_their_triangles() {
+    let n = 20_000;
+    let spike = |k: u32| {
+        let angle = 2.0 * PI * f64::from(k) / f64::from(n);
+        let reach = if k % 2 == 0 { 1.0 } else { 0.7 };
+        (reach * angle.cos(), reach * angle.sin())
+    };
+    let saw = polygon(&(0..n).map(spike).collect::<Vec<_>>());
+    let expected = saw.area();
+    let scene = scene(vec![Shape::Mesh(saw)]);
+    let patches = Patches::new(&scene, PatchSize::Count(1000));
+    let sum: f64 = (0..patches.len()).map(|i| patches.area(i)).sum();
+    assert!((sum / expected - 1.0).abs() < 1e-6, "{sum} of {expected}");
+    let all = 0..patches.len();
+    let face = FaceId { object: 0, face: 0 };
+    assert_eq!(patches.patches_of_face(face), all);
+    assert!(all.len() < 22_000, "{} patches", all.len());
+}
+
 #[test]
 fn counts_come_near() {
     let check = |name: &str, scene: &Scene, count: usize| {
