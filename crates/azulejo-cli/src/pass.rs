@@ -7,7 +7,7 @@ use super::report::{Report, bytes, count, number, numbers, percent, short, tripl
 use super::session::Session;
 use azulejo::machine;
 use azulejo_radiosity::{EnergyBalance, FirstPass, LightSolution, Method, PatchSize, SolveError};
-use azulejo_scene::{Material, Rgb, Scene, Units};
+use azulejo_scene::{Material, MaterialId, Rgb, Scene, Shape, Units};
 use azulejo_trace::Tracer;
 
 /// The patch size for the library; `None` if the command line does not specify one.
@@ -156,7 +156,14 @@ fn caution(balance: &EnergyBalance, scene: &Scene) -> Option<&'static str> {
     }
     let found = (balance.absorbed + balance.escaped + balance.cut).mean() / balance.emitted.mean();
     let reflects_all = |m: &Material| (m.diffuse + m.mirror).max_channel() > NEARLY_ALL;
-    let is_endless = scene.materials.iter().any(reflects_all);
+    let is_used = |id: usize| {
+        scene
+            .objects
+            .iter()
+            .any(|o| uses(&o.shape, id as MaterialId))
+    };
+    let mut all = scene.materials.iter().enumerate();
+    let is_endless = all.any(|(id, m)| reflects_all(m) && is_used(id));
     Some(match found {
         share if share < 1.0 && is_endless => {
             "light goes on without end between surfaces that absorb nothing, so irradiance has no \
@@ -171,15 +178,30 @@ fn caution(balance: &EnergyBalance, scene: &Scene) -> Option<&'static str> {
     })
 }
 
+/// Whether any surface of a shape has a material.
+fn uses(shape: &Shape, material: MaterialId) -> bool {
+    match shape {
+        Shape::Mesh(mesh) => mesh.face_materials.contains(&material),
+        Shape::Primitive(primitive) => primitive.material == material,
+        Shape::Exact(exact) => exact.leaves().iter().any(|l| l.material() == material),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use azulejo_scene::{Object, Primitive};
+    use glam::DVec3;
 
     #[test]
     fn cautions_name_the_cause() {
         let check = |reflectance: f64, absorbed: f64, escaped: f64, expected: Option<&str>| {
             let mut scene = Scene::default();
-            scene.add_material(Material::diffuse("wall", Rgb::grey(reflectance)));
+            let wall = scene.add_material(Material::diffuse("wall", Rgb::grey(reflectance)));
+            scene.add_material(Material::diffuse("not used", Rgb::WHITE));
+            let sphere = Primitive::sphere(DVec3::ZERO, 1.0, wall);
+            let sphere = Object::new("sphere", Shape::Primitive(sphere));
+            scene.objects.push(sphere);
             let balance = EnergyBalance {
                 emitted: Rgb::grey(10.0),
                 absorbed: Rgb::grey(absorbed),

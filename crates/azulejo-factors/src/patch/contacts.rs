@@ -21,6 +21,8 @@ const TOUCH_COORDINATES: f64 = 1e-12;
 /// A line on a face's border matters only if the other face rises from it: the cosine of the angle
 /// between the planes is at most this.
 const STANDING_COSINE: f64 = 0.866_025_403_784_438_6;
+/// Triangles of one face that turn by less than 0.1° cannot cross.
+const SAME_PLANE_COSINE: f64 = 0.999_998_5;
 /// Most lines per face, the longest first.
 const LINES_PER_FACE: usize = 4096;
 /// Most triangles of exact shapes; further shapes make no lines.
@@ -229,7 +231,7 @@ impl<'a> ContactFacets<'a> {
     fn meet(&self, [a, b]: [u32; 2], [p, q]: [&Bounds; 2], found: &mut Vec<(u32, Contact)>) {
         let tolerance = p.margin + q.margin;
         // Neighbours that share a corner or an edge are the most frequent.
-        if p.common(q) <= 4.0 * tolerance || self.share_an_edge(a, b) {
+        if p.common(q) <= 4.0 * tolerance || self.share_an_edge(a, b) || self.are_one_face(a, b) {
             return;
         }
         let of_b = Reach::new(self, &FacetPlane::new(self, a), b, tolerance);
@@ -241,6 +243,14 @@ impl<'a> ContactFacets<'a> {
             self.lines_on(a, b, of_b.lies_in(), tolerance, found);
             self.lines_on(b, a, of_a.lies_in(), tolerance, found);
         }
+    }
+
+    /// The triangles of one flat face tile it, however many corners it has.
+    fn are_one_face(&self, a: u32, b: u32) -> bool {
+        let (Some(a), Some(b)) = (self.region(a), self.region(b)) else {
+            return false;
+        };
+        (a.object, a.face) == (b.object, b.face) && a.normal.dot(b.normal) > SAME_PLANE_COSINE
     }
 
     fn share_an_edge(&self, a: u32, b: u32) -> bool {
