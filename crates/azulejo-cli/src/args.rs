@@ -192,7 +192,8 @@ pub struct ConvertArgs {
 #[derive(Clone, Copy, Debug, Args)]
 #[group(multiple = false)]
 pub struct DivisionArgs {
-    /// Approximate number of patches
+    /// Approximate number of patches. Where whole faces alone need more than half of it, such as
+    /// those of letters, half of it is added to them for dividing the largest faces
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000_000))]
     pub patches: Option<u64>,
     /// Longest edge of a patch, in scene units; 0 does not divide faces

@@ -119,11 +119,8 @@ fn part<'s>(scene: &'s Scene, object: &'s Object) -> ObjectSummary<'s> {
             }
         }
         Shape::Exact(exact) => {
-            let skin = exact.tessellate(1e-3 * exact.bounds().diagonal());
-            let mut power = Rgb::BLACK;
-            for (face, &m) in skin.face_materials.iter().enumerate() {
-                power += emission(m) * (PI * skin.face_area_vector(face).length());
-            }
+            let areas = exact.areas(1e-3 * exact.bounds().diagonal());
+            let power: Rgb = areas.iter().map(|(&m, a)| emission(m) * (PI * a)).sum();
             let inventory = Inventory::of(exact);
             let materials: Vec<MaterialId> = exact.leaves().iter().map(|l| l.material()).collect();
             ObjectSummary {
@@ -133,7 +130,7 @@ fn part<'s>(scene: &'s Scene, object: &'s Object) -> ObjectSummary<'s> {
                 vertices: 0,
                 faces: 0,
                 triangles: 0,
-                area: skin.area(),
+                area: areas.values().sum(),
                 power: (!power.is_black()).then_some(power),
                 solved: exact.proxy.is_some(),
             }

@@ -7,7 +7,7 @@ use super::report::{Report, bytes, count, number, numbers, percent, short, tripl
 use super::session::Session;
 use azulejo::machine;
 use azulejo_radiosity::{EnergyBalance, FirstPass, LightSolution, Method, PatchSize, SolveError};
-use azulejo_scene::{Rgb, Scene, Units};
+use azulejo_scene::{Material, MaterialId, Rgb, Scene, Shape, Units};
 use azulejo_trace::Tracer;
 
 /// The patch size for the library; `None` if the command line does not specify one.
@@ -67,7 +67,7 @@ pub fn describe(
     pass: &azulejo_radiosity::Report,
     args: &FirstPassArgs,
     prepared: &PreparedEngine,
-    units: Units,
+    scene: &Scene,
     report: &mut Report,
 ) -> Result<(), Failure> {
     if pass.balance.is_broken() && !args.allow_imbalance {
@@ -127,7 +127,7 @@ pub fn describe(
         let words = format!("{}, residual {}", pass.iterations, short(pass.residual));
         report.fact("iterations", pass.iterations, "bounces", words);
         report.value("residual", number(pass.residual));
-        energy(&pass.balance, units, report);
+        energy(&pass.balance, scene, report);
     }
     errors(pass, args, report);
     Ok(())
@@ -187,7 +187,7 @@ fn errors(pass: &azulejo_radiosity::Report, args: &FirstPassArgs, report: &mut R
 }
 
 /// Adds the energy balance, in W or lm and as shares.
-fn energy(balance: &EnergyBalance, units: Units, report: &mut Report) {
+fn energy(balance: &EnergyBalance, scene: &Scene, report: &mut Report) {
     let emitted = balance.emitted.mean();
     let share = |power: Rgb| percent(power.mean() / emitted.max(f64::MIN_POSITIVE));
     report.line(
@@ -195,21 +195,94 @@ fn energy(balance: &EnergyBalance, units: Units, report: &mut Report) {
         format!(
             "{} {} emitted, {} absorbed, {} escaped, {} unaccounted for",
             triple(balance.emitted.to_array()),
-            power_unit(units),
+            power_unit(scene.units),
             share(balance.absorbed),
             share(balance.escaped),
             percent(balance.error())
         ),
     );
-    if balance.is_off() {
-        report.line(
-            "caution",
-            "more than 2% of the energy is unaccounted for: request a smaller error, more rays or more time",
-        );
+    if let Some(words) = caution(balance, scene) {
+        report.line("caution", words);
     }
     report.value("emitted", numbers(balance.emitted.to_array()));
     report.value("absorbed", numbers(balance.absorbed.to_array()));
     report.value("escaped", numbers(balance.escaped.to_array()));
     report.value("cut", numbers(balance.cut.to_array()));
     report.value("energy_error", number(balance.error()));
+}
+
+/// A reflectance from which light needs a thousand bounces to die out.
+const NEARLY_ALL: f64 = 0.999;
+
+/// What a balance that is off says about the scene, and what to do; `None` if it is not off.
+fn caution(balance: &EnergyBalance, scene: &Scene) -> Option<&'static str> {
+    if !balance.is_off() {
+        return None;
+    }
+    let found = (balance.absorbed + balance.escaped + balance.cut).mean() / balance.emitted.mean();
+    let reflects_all = |m: &Material| (m.diffuse + m.mirror).max_channel() > NEARLY_ALL;
+    let is_used = |id: usize| {
+        scene
+            .objects
+            .iter()
+            .any(|o| uses(&o.shape, id as MaterialId))
+    };
+    let mut all = scene.materials.iter().enumerate();
+    let is_endless = all.any(|(id, m)| reflects_all(m) && is_used(id));
+    Some(match found {
+        share if share < 1.0 && is_endless => {
+            "light goes on without end between surfaces that absorb nothing, so irradiance has no \
+             limit: lower the reflectances of 1, or open the scene"
+        }
+        share if share > 1.0 => {
+            "more light is absorbed than emitted: faces that coincide, as in a box without \
+             thickness, count several times; otherwise request a smaller error, more rays or more \
+             time"
+        }
+        _ => "the energy balance is off: request a smaller error, more rays or more time",
+    })
+}
+
+/// Whether any surface of a shape has a material.
+fn uses(shape: &Shape, material: MaterialId) -> bool {
+    match shape {
+        Shape::Mesh(mesh) => mesh.face_materials.contains(&material),
+        Shape::Primitive(primitive) => primitive.material == material,
+        Shape::Exact(exact) => exact.leaves().iter().any(|l| l.material() == material),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use azulejo_scene::{Object, Primitive};
+    use glam::DVec3;
+
+    #[test]
+    fn cautions_name_the_cause() {
+        let check = |reflectance: f64, absorbed: f64, escaped: f64, expected: Option<&str>| {
+            let mut scene = Scene::default();
+            let wall = scene.add_material(Material::diffuse("wall", Rgb::grey(reflectance)));
+            scene.add_material(Material::diffuse("not used", Rgb::WHITE));
+            let sphere = Primitive::sphere(DVec3::ZERO, 1.0, wall);
+            let sphere = Object::new("sphere", Shape::Primitive(sphere));
+            scene.objects.push(sphere);
+            let balance = EnergyBalance {
+                emitted: Rgb::grey(10.0),
+                absorbed: Rgb::grey(absorbed),
+                escaped: Rgb::grey(escaped),
+                cut: Rgb::BLACK,
+            };
+            let found = caution(&balance, &scene);
+            match expected {
+                None => assert_eq!(found, None),
+                Some(words) => assert!(found.is_some_and(|f| f.contains(words)), "{found:?}"),
+            }
+        };
+        check(1.0, 6.0, 3.9, None);
+        check(1.0, 0.0, 0.0, Some("without end"));
+        check(0.9, 0.0, 0.0, Some("smaller error"));
+        check(0.9, 8.0, 1.0, Some("smaller error"));
+        check(1.0, 290.0, 0.0, Some("coincide"));
+    }
 }

@@ -87,13 +87,7 @@ fn irradiance(
         .with_progress(|p| azulejo_radiosity::probe(scene, &tracer, &points, &options, p))
         .map_err(pass::failure)?;
     spent("tracing", "trace", clock, report);
-    pass::describe(
-        &probed.report,
-        &args.first_pass,
-        prepared,
-        scene.units,
-        report,
-    )?;
+    pass::describe(&probed.report, &args.first_pass, prepared, scene, report)?;
     let row = |e: &azulejo_radiosity::Estimate| [e.value.to_array(), e.error.to_array()].concat();
     Ok(ProbeResults {
         columns: IRRADIANCE,
@@ -113,13 +107,7 @@ fn radiance(
     if !scene.is_solved() {
         let tracer = prepared.tracer(scene)?;
         let light = pass::solve(scene, &tracer, &args.first_pass, prepared, session)?;
-        pass::describe(
-            &light.report,
-            &args.first_pass,
-            prepared,
-            scene.units,
-            report,
-        )?;
+        pass::describe(&light.report, &args.first_pass, prepared, scene, report)?;
         scene.set_irradiance(light.irradiance);
     }
     let tracer = build(scene, prepared, report)?;

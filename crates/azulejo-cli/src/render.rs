@@ -127,13 +127,7 @@ fn lit(
     }
     let tracer = prepared.tracer(scene)?;
     let light = pass::solve(scene, &tracer, &args.first_pass, &prepared, session)?;
-    pass::describe(
-        &light.report,
-        &args.first_pass,
-        &prepared,
-        scene.units,
-        report,
-    )?;
+    pass::describe(&light.report, &args.first_pass, &prepared, scene, report)?;
     scene.set_irradiance(light.irradiance);
     // The subdivided mesh has other faces than the one of the first tracer.
     prepared.tracer(scene)

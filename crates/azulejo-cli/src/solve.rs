@@ -20,7 +20,7 @@ pub fn run(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
         &light.report,
         &args.first_pass,
         &prepared,
-        scene.units,
+        &scene,
         &mut report,
     )?;
     scene.set_irradiance(light.irradiance);

@@ -41,7 +41,10 @@ fn edge(scene: &Scene, size: PatchSize) -> f64 {
 }
 
 fn area(scene: &Scene) -> f64 {
-    let rough = |exact: &Exact| exact.tessellate(ROUGH * exact.bounds().diagonal()).area();
+    let rough = |exact: &Exact| -> f64 {
+        let areas = exact.areas(ROUGH * exact.bounds().diagonal());
+        areas.values().sum()
+    };
     let of_shape = |shape: &Shape| match shape {
         Shape::Mesh(mesh) => mesh.area(),
         Shape::Primitive(primitive) => primitive.area(),

@@ -66,4 +66,5 @@ pub use shape::{Primitive, PrimitiveKind, Shape, SurfaceGrid, SurfaceLight, Surf
 pub use solid::{Csg, Exact, FigureBounds, Leaf, Operation, Solid};
 pub use text::{Align, Encoding, Font, Glyph, Line, PlacedGlyph, TextError, TextFrame};
 pub use tree::{MeshTriangle, OnTriangle, TriangleTree};
+pub use triangulate::MOST_FACE_CORNERS;
 pub use validate::Invalid;

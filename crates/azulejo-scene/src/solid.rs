@@ -4,6 +4,7 @@ use crate::figure::Rectangle;
 use crate::math::Aabb;
 use crate::{BicubicPatch, Figure, MaterialId, Mesh, Primitive, Prism};
 use glam::DAffine3;
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Exact shapes that are one object: a line of text, a solid cut out of others.
@@ -95,7 +96,12 @@ impl Exact {
     /// The smallest box around all solids; around both operands where they are joined by a set
     /// operation, around the left one of a difference.
     pub fn bounds(&self) -> Aabb {
-        bounds_of(&self.solids, &mut |figure| figure.bounds())
+        // A line of text has many prisms of few figures, whose curves need not be searched again.
+        let mut known: HashMap<*const Figure, Rectangle> = HashMap::new();
+        bounds_of(&self.solids, &mut |figure| {
+            let rectangle = known.entry(Arc::as_ptr(figure));
+            *rectangle.or_insert_with(|| figure.bounds())
+        })
     }
 
     /// Transforms the shape and its irradiance by an affine map.

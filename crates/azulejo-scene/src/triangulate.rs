@@ -8,6 +8,10 @@ use glam::{DVec2, DVec3};
 /// A triangle of a face: three positions among the face's corners, counted from 0.
 type FaceTriangle = [u32; 3];
 
+/// Most corners of a face that is read from a file. Ear clipping takes quadratic time in the worst
+/// case: seconds for this many, and an hour for a million.
+pub const MOST_FACE_CORNERS: usize = 1 << 16;
+
 /// Up to this many corners every apex of a fan is tried; the trials are quadratic.
 const BEST_FAN_CORNERS: usize = 32;
 
@@ -148,6 +152,9 @@ fn ears(flat: &[DVec2]) -> Option<Vec<FaceTriangle>> {
     (triangles.len() as u32 == n - 2).then_some(triangles)
 }
 
+/// Marks a side that no triangle has.
+const NONE: u32 = u32::MAX;
+
 /// Restores corners that ear clipping dropped because they lie on a straight line: the triangle on
 /// whose edge they lie is divided.
 fn restore_dropped(n: u32, triangles: &mut Vec<FaceTriangle>) {
@@ -158,35 +165,70 @@ fn restore_dropped(n: u32, triangles: &mut Vec<FaceTriangle>) {
     let Some(first) = used.iter().position(|&u| u) else {
         return;
     };
+    if used.iter().all(|&u| u) {
+        return;
+    }
     let ring: Vec<u32> = (0..n).map(|k| (first as u32 + k) % n).collect();
-    let mut from = 0;
-    for to in 1..=ring.len() {
-        if to < ring.len() && !used[ring[to] as usize] {
-            continue;
-        }
-        let (a, b) = (ring[from], ring[to % ring.len()]);
-        divide_edge(triangles, a, &ring[from + 1..to], b);
-        from = to;
+    let kept: Vec<usize> = (0..ring.len())
+        .filter(|&i| used[ring[i] as usize])
+        .chain([ring.len()])
+        .collect();
+    let sides = || kept.windows(2).map(|w| [w[0], w[1]]);
+    let mut next = vec![NONE; n as usize];
+    for [from, to] in sides() {
+        next[ring[from] as usize] = ring[to % ring.len()];
+    }
+    let mut outline = OutlineSides::new(next, triangles);
+    for [from, to] in sides().filter(|[from, to]| to - from > 1) {
+        outline.divide(triangles, ring[from], &ring[from + 1..to]);
     }
 }
 
-/// Replaces the triangle with the directed edge `a b` by a fan over `a`, `between`, `b`.
-fn divide_edge(triangles: &mut Vec<FaceTriangle>, a: u32, between: &[u32], b: u32) {
-    if between.is_empty() {
-        return;
-    }
-    for k in 0..triangles.len() {
-        for turn in 0..3 {
-            let [p, q, apex] = [0, 1, 2].map(|i| triangles[k][(i + turn) % 3]);
-            if (p, q) == (a, b) {
-                let mut last = a;
-                for &m in between {
-                    triangles.push([last, m, apex]);
-                    last = m;
+/// The triangle at each side of an outline. Looking for it among all triangles would be quadratic in
+/// the corners, of which a face can have a million.
+struct OutlineSides {
+    /// The corner after each corner that has triangles.
+    next: Vec<u32>,
+    /// The triangle with the directed edge from a corner to the next.
+    triangle: Vec<u32>,
+}
+
+impl OutlineSides {
+    fn new(next: Vec<u32>, triangles: &[FaceTriangle]) -> OutlineSides {
+        let mut sides = OutlineSides {
+            triangle: vec![NONE; next.len()],
+            next,
+        };
+        for (k, &[a, b, c]) in (0..).zip(triangles) {
+            for (p, q) in [(a, b), (b, c), (c, a)] {
+                let is_first = sides.triangle[p as usize] == NONE;
+                if sides.next[p as usize] == q && is_first {
+                    sides.triangle[p as usize] = k;
                 }
-                triangles[k] = [last, b, apex];
-                return;
             }
+        }
+        sides
+    }
+
+    /// Replaces the triangle at the side from `a` by a fan over `a`, `between` and the next corner.
+    fn divide(&mut self, triangles: &mut Vec<FaceTriangle>, a: u32, between: &[u32]) {
+        let (b, k) = (self.next[a as usize], self.triangle[a as usize]);
+        let Some(old) = triangles.get(k as usize).copied() else {
+            return;
+        };
+        let Some(apex) = old.into_iter().find(|&c| c != a && c != b) else {
+            return;
+        };
+        let first = triangles.len() as u32;
+        let mut last = a;
+        for &m in between {
+            triangles.push([last, m, apex]);
+            last = m;
+        }
+        triangles[k as usize] = [last, b, apex];
+        // The edge from the apex to `a` went to the first triangle of the fan.
+        if self.next[apex as usize] == a && self.triangle[apex as usize] == k {
+            self.triangle[apex as usize] = first;
         }
     }
 }
@@ -258,6 +300,33 @@ mod tests {
         let ring = [(0., 0.), (1., 0.), (2., 0.), (3., 0.), (3., 1.), (3., 2.)];
         let other = [(3., 3.), (2., 3.), (1., 3.), (0., 3.), (0., 2.), (0., 1.)];
         check(&[ring, other].concat());
+    }
+
+    /// Rounded coordinates put most corners of a fine circle on straight lines.
+    #[test]
+    fn faces_of_very_many_corners_take_no_quadratic_time() {
+        let n = 100_000;
+        let corner = |k: u32| {
+            let angle = f64::from(k) / f64::from(n) * std::f64::consts::TAU;
+            let coarse = |x: f64| (x * 1e6).round() * 1e-6;
+            DVec3::new(coarse(angle.cos()), coarse(angle.sin()), 0.0)
+        };
+        let mut mesh = Mesh {
+            positions: (0..n).map(corner).collect(),
+            ..Mesh::default()
+        };
+        mesh.push_face(&(0..n).collect::<Vec<_>>(), 0);
+        let triangles = mesh.triangulate(0);
+        let mut used = vec![false; n as usize];
+        triangles
+            .iter()
+            .flatten()
+            .for_each(|&k| used[k as usize] = true);
+        assert!(used.iter().all(|&u| u));
+        assert_eq!(triangles.len() as u32, n - 2);
+        let area = |t: &[u32; 3]| area_vector(&t.map(|k| mesh.positions[k as usize])).z;
+        let sum: f64 = triangles.iter().map(area).sum();
+        assert!((sum / mesh.face_area_vector(0).z - 1.0).abs() < 1e-9);
     }
 
     #[test]

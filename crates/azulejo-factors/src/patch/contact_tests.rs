@@ -337,6 +337,27 @@ fn exact_shapes_stand_on_floors() {
     );
 }
 
+/// Coincident faces are compared with others once, and all of them get the lines.
+#[test]
+fn coincident_faces_share_their_contacts() {
+    let (extent, at) = (DVec3::new(1.0, 0.7, 0.5), DVec3::new(-0.3, -0.4, 0.0));
+    let below = || floor(DVec2::splat(-2.0), DVec2::splat(2.0));
+    let mut all = vec![below(), below(), block(extent, 0.3, at)];
+    // Among so many a limit of the pairs would leave out the block, and the time would be minutes.
+    let mut many = floor(DVec2::splat(5.0), DVec2::splat(6.0));
+    let ring = many.faces.get(0).to_vec();
+    (0..200_000).for_each(|_| many.push_face(&ring, 0));
+    all.push(many);
+    let scene = scene(all.into_iter().map(Shape::Mesh).collect());
+    let outline = Outline::new(&scene);
+    let contacts = Contacts::new(&outline);
+    assert!(contacts.of(0).len() >= 4);
+    assert_eq!(contacts.of(0), contacts.of(1));
+    let patches = Patches::new(&scene, PatchSize::Edge(0.3));
+    let areas = sides_of(&patches, |p| is_below(p, extent, 0.3, at, 1e-6));
+    assert!((areas[1] - 0.7).abs() < 1e-6, "{areas:?}");
+}
+
 #[test]
 fn the_same_contacts_give_the_same_bits() {
     let scene = synthetic::cornell_box(synthetic::CornellVariant::Diffuse);

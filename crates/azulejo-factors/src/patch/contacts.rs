@@ -13,6 +13,7 @@ use azulejo_scene::math::area_vector;
 use azulejo_scene::{Primitive, Shape};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+use std::collections::HashMap;
 
 /// Tolerance of contacts, as a share of both diameters and of the coordinates.
 const TOUCH: f64 = 1e-6;
@@ -20,10 +21,14 @@ const TOUCH_COORDINATES: f64 = 1e-12;
 /// A line on a face's border matters only if the other face rises from it: the cosine of the angle
 /// between the planes is at most this.
 const STANDING_COSINE: f64 = 0.866_025_403_784_438_6;
+/// Triangles of one face that turn by less than 0.1° cannot cross.
+const SAME_PLANE_COSINE: f64 = 0.999_998_5;
 /// Most lines per face, the longest first.
 const LINES_PER_FACE: usize = 4096;
 /// Most triangles of exact shapes; further shapes make no lines.
 const EXACT_TRIANGLES: usize = 1 << 18;
+/// Most contacts that faces take over from faces that they coincide with.
+const MOST_COPIED: usize = 1 << 21;
 /// Chord error of these triangles, as a share of the shape's diameter.
 const EXACT_ERROR: f64 = 0.002;
 
@@ -50,9 +55,13 @@ impl Contacts {
     /// Finds the contacts of all flat regions of meshes, with each other and with exact shapes.
     pub fn new(outline: &Outline) -> Contacts {
         let facets = ContactFacets::new(outline);
-        let mut found = for_each_pair(&facets.boxes, |pair, boxes, found| {
-            facets.meet(pair, boxes, found);
+        let groups = facets.coincident();
+        let firsts: Vec<u32> = groups.chunk_by(|a, b| a.0 == b.0).map(|g| g[0].1).collect();
+        let boxes: Vec<Bounds> = (firsts.iter()).map(|&f| facets.boxes[f as usize]).collect();
+        let mut found = for_each_pair(&boxes, |pair, boxes, found| {
+            facets.meet(pair.map(|k| firsts[k as usize]), boxes, found);
         });
+        facets.copy_to_coincident(&groups, &mut found);
         found.extend(seams_below_walls(outline));
         let key = |c: &(u32, Contact)| (c.0, c.1.ends.map(|p| p.to_array()), c.1.inside);
         found.par_sort_unstable_by(|a, b| {
@@ -155,6 +164,42 @@ impl<'a> ContactFacets<'a> {
         }
     }
 
+    /// All facets, each after the first facet of the same edges, with which it coincides: pairs
+    /// `(first, facet)` in ascending order. A million coincident triangles are half a billion
+    /// pairs, which have no lines on each other and the same lines on everything else.
+    fn coincident(&self) -> Vec<(u32, u32)> {
+        let key = |f: u32| -> Option<[u32; 4]> {
+            let mut edges = *self.edges.get(f as usize)?;
+            edges.sort_unstable();
+            (self.count(f) <= 4).then_some(edges)
+        };
+        let mut first = HashMap::new();
+        let of_facet = |f: u32| match key(f) {
+            Some(key) => (*first.entry(key).or_insert(f), f),
+            None => (f, f),
+        };
+        let mut groups: Vec<(u32, u32)> = (0..self.boxes.len() as u32).map(of_facet).collect();
+        groups.sort_unstable();
+        groups
+    }
+
+    /// Gives every facet the contacts of the first that coincides with it.
+    fn copy_to_coincident(&self, groups: &[(u32, u32)], found: &mut Vec<(u32, Contact)>) {
+        let region = |f: u32| self.regions.get(f as usize).copied();
+        let mut others: HashMap<u32, Vec<u32>> = HashMap::new();
+        for &(first, facet) in groups.iter().filter(|g| g.0 != g.1) {
+            if let (Some(first), Some(other)) = (region(first), region(facet)) {
+                others.entry(first).or_default().push(other);
+            }
+        }
+        let copies = |&(first, contact): &(u32, Contact)| {
+            let others = others.get(&first).map_or(&[][..], |o| o);
+            others.iter().map(move |&o| (o, contact))
+        };
+        let copied: Vec<(u32, Contact)> = found.iter().flat_map(copies).take(MOST_COPIED).collect();
+        found.extend(copied);
+    }
+
     fn region(&self, facet: u32) -> Option<&Region> {
         let region = *self.regions.get(facet as usize)?;
         Some(&self.outline.regions[region as usize])
@@ -186,7 +231,7 @@ impl<'a> ContactFacets<'a> {
     fn meet(&self, [a, b]: [u32; 2], [p, q]: [&Bounds; 2], found: &mut Vec<(u32, Contact)>) {
         let tolerance = p.margin + q.margin;
         // Neighbours that share a corner or an edge are the most frequent.
-        if p.common(q) <= 4.0 * tolerance || self.share_an_edge(a, b) {
+        if p.common(q) <= 4.0 * tolerance || self.share_an_edge(a, b) || self.are_one_face(a, b) {
             return;
         }
         let of_b = Reach::new(self, &FacetPlane::new(self, a), b, tolerance);
@@ -198,6 +243,14 @@ impl<'a> ContactFacets<'a> {
             self.lines_on(a, b, of_b.lies_in(), tolerance, found);
             self.lines_on(b, a, of_a.lies_in(), tolerance, found);
         }
+    }
+
+    /// The triangles of one flat face tile it, however many corners it has.
+    fn are_one_face(&self, a: u32, b: u32) -> bool {
+        let (Some(a), Some(b)) = (self.region(a), self.region(b)) else {
+            return false;
+        };
+        (a.object, a.face) == (b.object, b.face) && a.normal.dot(b.normal) > SAME_PLANE_COSINE
     }
 
     fn share_an_edge(&self, a: u32, b: u32) -> bool {

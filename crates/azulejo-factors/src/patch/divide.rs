@@ -40,7 +40,10 @@ impl Division {
                 let edge = if edge > 0.0 { edge } else { f64::INFINITY };
                 Division::at(plan, plan.fitting(edge, MAX_PATCHES as f64))
             }
-            PatchSize::Count(count) => Division::of_count(plan, count.clamp(1, MAX_PATCHES)),
+            PatchSize::Count(count) => {
+                let target = PatchTarget::new(plan, count.clamp(1, MAX_PATCHES));
+                Division::of_count(plan, target)
+            }
             PatchSize::Squares(count) => {
                 let area: f64 = outline.regions.iter().map(|r| r.area).sum();
                 let edge = (area / count.max(1) as f64).sqrt();
@@ -49,7 +52,7 @@ impl Division {
                 let most = most.saturating_add(count.saturating_mul(MOST_CUTS));
                 let division = Division::at(plan, plan.fitting(edge, MAX_PATCHES as f64));
                 if division.patches() > most {
-                    Division::of_count(plan, most.clamp(1, MAX_PATCHES))
+                    Division::of_count(plan, PatchTarget::new(plan, most.clamp(1, MAX_PATCHES)))
                 } else {
                     division
                 }
@@ -58,14 +61,21 @@ impl Division {
     }
 
     /// The division whose count is nearest: the estimate is corrected by the actual result.
-    fn of_count(plan: DivisionPlan, count: usize) -> Division {
-        let target = count as f64;
-        let mut asked = target;
+    fn of_count(plan: DivisionPlan, target: PatchTarget) -> Division {
+        let mut asked = target.added;
         let mut best: Option<(f64, Division)> = None;
         for _ in 0..5 {
-            let division = Division::at(plan, plan.fitting(0.0, asked));
-            let ratio = division.patches() as f64 / target;
-            let error = (ratio.max(1e-300)).ln().abs();
+            let division = Division::at(plan, plan.fitting(0.0, target.expected + asked));
+            let added = division.patches().saturating_sub(target.whole);
+            let ratio = added as f64 / target.added;
+            // Equal faces are divided all at once or not at all; then rather not.
+            let is_far_beyond =
+                target.whole > 0 && division.patches() as f64 > 1.1 * target.total();
+            let error = if is_far_beyond {
+                f64::INFINITY
+            } else {
+                (ratio.max(1e-300)).ln().abs()
+            };
             if best.as_ref().is_none_or(|b| error < b.0) {
                 best = Some((error, division));
             }
@@ -96,6 +106,44 @@ impl Division {
 
     fn patches(&self) -> usize {
         self.cells.iter().map(Cells::len).sum()
+    }
+}
+
+/// How many patches a division aims at.
+#[derive(Clone, Copy)]
+struct PatchTarget {
+    /// Patches that are left out of the comparison: if they are most of all, no share of the total
+    /// would notice whether the large surfaces have any.
+    whole: usize,
+    /// The estimate of the same number.
+    expected: f64,
+    /// All other patches; at least 1.
+    added: f64,
+}
+
+impl PatchTarget {
+    fn total(self) -> f64 {
+        self.whole as f64 + self.added
+    }
+
+    /// `count` patches, of which undivided faces use at most half: what they need beyond that comes
+    /// on top.
+    fn new(plan: DivisionPlan, count: usize) -> PatchTarget {
+        let expected = plan.estimate(f64::INFINITY);
+        let half = 0.5 * count as f64;
+        if expected <= half {
+            return PatchTarget {
+                whole: 0,
+                expected: 0.0,
+                added: count as f64,
+            };
+        }
+        let most = MAX_PATCHES as f64 - expected;
+        PatchTarget {
+            whole: Division::at(plan, f64::INFINITY).patches(),
+            expected,
+            added: half.min(most).max(1.0),
+        }
     }
 }
 

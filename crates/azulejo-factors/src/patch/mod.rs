@@ -62,8 +62,11 @@ use std::ops::Range;
 /// The size of patches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PatchSize {
-    /// About this many patches in the whole scene: within 10% where the faces allow it, and at
-    /// least one per face.
+    /// About this many patches in the whole scene, to within 10% where faces and contacts allow it.
+    /// Faces need patches even if they stay whole: one for a triangle or quadrilateral, more where
+    /// the outline is not convex. If these are more than half of the count, half of it is added to
+    /// them for dividing the largest faces. So however many letters or details a scene has, the
+    /// room around them is divided.
     Count(usize),
     /// The edge of squares of which this many have the total area of all surfaces. Finer faces stay
     /// whole, so a detailed figure does not make the patches of the room around it coarser.

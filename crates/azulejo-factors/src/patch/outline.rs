@@ -12,6 +12,9 @@ const FLATNESS: f64 = 1e-5;
 const SMOOTH_COSINE: f64 = 0.866_025_403_784_438_6;
 /// Faces that turn by less than 0.1° are coplanar.
 const COPLANAR_COSINE: f64 = 0.999_998_5;
+/// Faces of more corners are divided triangle by triangle: to triangulate anew with a lattice inside,
+/// and to compare every corner with every line on the face, would take quadratic time.
+const REGION_CORNERS: usize = 2048;
 /// At an edge of many faces each is compared with this many before it: two is a manifold, more is
 /// an accident, and comparing all with all would be quadratic.
 const FACES_COMPARED: usize = 8;
@@ -422,10 +425,14 @@ fn triangle_form(points: &[DVec3; 3]) -> Form {
     }
 }
 
-/// The form of a whole face; `None` if only its triangles are flat, or it crosses itself.
+/// The form of a whole face; `None` if only its triangles are flat, if it crosses itself, or if it
+/// has very many corners.
 fn flat_form(points: &[DVec3], triangles: &[[u32; 3]]) -> Option<Form> {
     if let &[a, b, c] = points {
         return Some(triangle_form(&[a, b, c]));
+    }
+    if points.len() > REGION_CORNERS {
+        return None;
     }
     let vector = area_vector(points);
     let reach = longest_distance(points);

@@ -514,10 +514,54 @@ fn fine_figures_leave_patches_for_the_room() {
         let patches = Patches::new(&scene, size);
         patches.len() - faces
     };
-    assert!(of_floor(PatchSize::Count(300)) < 10);
+    let added = of_floor(PatchSize::Count(300));
+    assert!((120..180).contains(&added), "half of 300: {added}");
     let even = of_floor(PatchSize::Squares(300));
     // The figure crosses the floor, which divides it further.
     assert!((300..700).contains(&even), "{even}");
+}
+
+/// A million details must not hide in the tolerance of the count what the floor lacks.
+#[test]
+fn floors_get_their_share_beside_any_number_of_details() {
+    let pyramid = |k: u32| {
+        let at = DVec3::new(f64::from(k % 100), f64::from(k / 100), 1.0);
+        let ends = [DVec3::ZERO, 0.1 * DVec3::X, 0.1 * DVec3::Y, 0.1 * DVec3::Z];
+        let corners = ends.map(|p| at + p);
+        mesh(&corners, &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[0, 3, 2]])
+    };
+    let floor = || polygon(&[(-50., -50.), (150., -50.), (150., 150.), (-50., 150.)]);
+    for details in [0, 10, 60, 500, 10_000] {
+        let mut shapes: Vec<Shape> = (0..details).map(|k| Shape::Mesh(pyramid(k))).collect();
+        shapes.push(Shape::Mesh(floor()));
+        let patches = Patches::new(&scene(shapes), PatchSize::Count(400));
+        let of_floor = patches.patches_of(details).len();
+        // Half of 400 is left at least, and everything that the details do not use.
+        let expected = 200.max(400usize.saturating_sub(4 * details as usize));
+        let off = of_floor as f64 / expected as f64 - 1.0;
+        assert!(off.abs() < 0.1, "{details} details, {of_floor} patches");
+    }
+}
+
+/// One region of so many corners would take a minute.
+#[test]
+fn faces_of_many_corners_are_divided_by_their_triangles() {
+    let n = 20_000;
+    let spike = |k: u32| {
+        let angle = 2.0 * PI * f64::from(k) / f64::from(n);
+        let reach = if k % 2 == 0 { 1.0 } else { 0.7 };
+        (reach * angle.cos(), reach * angle.sin())
+    };
+    let saw = polygon(&(0..n).map(spike).collect::<Vec<_>>());
+    let expected = saw.area();
+    let scene = scene(vec![Shape::Mesh(saw)]);
+    let patches = Patches::new(&scene, PatchSize::Count(1000));
+    let sum: f64 = (0..patches.len()).map(|i| patches.area(i)).sum();
+    assert!((sum / expected - 1.0).abs() < 1e-6, "{sum} of {expected}");
+    let all = 0..patches.len();
+    let face = FaceId { object: 0, face: 0 };
+    assert_eq!(patches.patches_of_face(face), all);
+    assert!(all.len() < 22_000, "{} patches", all.len());
 }
 
 #[test]

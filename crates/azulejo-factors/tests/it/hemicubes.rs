@@ -325,7 +325,7 @@ fn curved_patches_see_as_their_facets() {
             .push(Object::new("sphere", Shape::Primitive(sphere)));
     }
     for engine in both(32, 8) {
-        let (patches, rows, _) = rows_of(&scene, PatchSize::Count(100), &engine, |patches| {
+        let (patches, rows, _) = rows_of(&scene, PatchSize::Count(90), &engine, |patches| {
             let inner = patches.patches_of(0).map(|p| side(p as u32, true));
             let outer = patches.patches_of(1).map(|p| side(p as u32, false));
             inner.chain(outer).collect()

@@ -284,6 +284,59 @@ fn a_line_of_text_stays_in_proportion() {
     assert!(skin(&scene, line).irradiance.len() > 500);
 }
 
+/// Letters have more faces than the count; the floor below them is divided all the same. As one
+/// patch with four vertices it would show a tenth of its light.
+#[test]
+fn letters_leave_patches_for_the_floor() {
+    let mut scene = Scene::default();
+    let grey = scene.add_material(surface(0.5, 0.0, 0.0));
+    let glow = scene.add_material(surface(0.0, 0.0, 10.0));
+    let square = |size: f64, z: f64, down: bool, material: u32| {
+        let mut corners = [(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)];
+        if down {
+            corners.reverse();
+        }
+        let mut mesh = Mesh {
+            positions: corners
+                .map(|(x, y)| size * dvec3(x, y, 0.0) + z * DVec3::Z)
+                .to_vec(),
+            ..Mesh::default()
+        };
+        mesh.push_face(&[0, 1, 2, 3], material);
+        Object::new("", Shape::Mesh(mesh))
+    };
+    scene.objects.push(square(6.0, 0.0, false, grey));
+    scene.objects.push(square(0.5, 2.0, true, glow));
+    let figure = Arc::new(letter_o());
+    let letter = |k: u32| {
+        let low = dvec3(f64::from(k % 10) - 5.0, f64::from(k / 10) - 5.0, 3.0);
+        Solid::Prism(Prism {
+            figure: Arc::clone(&figure),
+            world_from_figure: placed(low, dvec3(0.2, 0.2, 0.1)),
+            material: grey,
+        })
+    };
+    add_exact(&mut scene, (0..100).map(letter).collect());
+    let pass = FirstPass {
+        size: PatchSize::Count(500),
+        ..rays(32)
+    };
+    let tracer = Tracer::new(&scene);
+    let below = PointNormal {
+        position: DVec3::ZERO,
+        normal: DVec3::Z,
+    };
+    let found = probe(&scene, &tracer, &[below], &pass, &Progress::new()).unwrap();
+    let expected = found.estimates[0].value.mean();
+    solved(&mut scene, &pass);
+    let floor = mesh_of(&mut scene, 0);
+    let most = floor.irradiance.iter().map(|e| e.mean());
+    let most = most.fold(0.0, f64::max);
+    eprintln!("brightest vertex {most:.3}, below the lamp {expected:.3}");
+    assert!(floor.faces.len() > 200, "{} patches", floor.faces.len());
+    assert!((most / expected - 1.0).abs() < 0.15, "{most} {expected}");
+}
+
 #[test]
 fn other_functions_take_exact_shapes_too() {
     let low = dvec3(0.3, 0.3, 0.3);

@@ -25,15 +25,35 @@ pub(super) struct Facet {
     pub material: MaterialId,
 }
 
+/// A flattened figure, ready to be extruded.
+struct FlatPrism {
+    flat: FlatFigure,
+    /// Polygons of a cap, as indices of points.
+    caps: Vec<Vec<u32>>,
+    /// Outward normals at both ends of each side.
+    normals: Vec<[DVec2; 2]>,
+}
+
+impl FlatPrism {
+    fn new(figure: &Figure, tolerance: f64) -> FlatPrism {
+        let flat = FlatFigure::new(figure, tolerance);
+        FlatPrism {
+            caps: caps(&flat),
+            normals: side_normals(&flat),
+            flat,
+        }
+    }
+}
+
 /// Flattened figures, each once per tolerance.
 #[derive(Default)]
-pub(super) struct FlatFigureCache(HashMap<(*const Figure, u64), Rc<FlatFigure>>);
+pub(super) struct FlatFigureCache(HashMap<(*const Figure, u64), Rc<FlatPrism>>);
 
 impl FlatFigureCache {
-    fn get(&mut self, figure: &Arc<Figure>, tolerance: f64) -> Rc<FlatFigure> {
+    fn get(&mut self, figure: &Arc<Figure>, tolerance: f64) -> Rc<FlatPrism> {
         let key = (Arc::as_ptr(figure), tolerance.to_bits());
         let flat = self.0.entry(key);
-        Rc::clone(flat.or_insert_with(|| Rc::new(FlatFigure::new(figure, tolerance))))
+        Rc::clone(flat.or_insert_with(|| Rc::new(FlatPrism::new(figure, tolerance))))
     }
 }
 
@@ -151,7 +171,8 @@ fn of_prism(prism: &Prism, chord_error: f64, flats: &mut FlatFigureCache) -> Vec
     if !(tolerance > 0.0 && tolerance.is_finite()) {
         return Vec::new();
     }
-    let flat = flats.get(&prism.figure, tolerance);
+    let prepared = flats.get(&prism.figure, tolerance);
+    let flat = &prepared.flat;
     let cofactor = normal_matrix(m);
     let outward = |n: DVec3| (cofactor * n).normalize_or(DVec3::Z);
     let mirrors = m.determinant() < 0.0;
@@ -166,14 +187,14 @@ fn of_prism(prism: &Prism, chord_error: f64, flats: &mut FlatFigureCache) -> Vec
         });
     };
     let at = |k: u32, z: f64| map.transform_point3(flat.points[k as usize].extend(z));
-    for polygon in caps(&flat) {
+    for polygon in &prepared.caps {
         let (front, back) = (outward(-DVec3::Z), outward(DVec3::Z));
         let up = polygon.iter().map(|&k| (at(k, 1.0), back));
         push(up.collect());
         let down = polygon.iter().rev().map(|&k| (at(k, 0.0), front));
         push(down.collect());
     }
-    for (side, normals) in flat.border.iter().zip(side_normals(&flat)) {
+    for (side, normals) in flat.border.iter().zip(&prepared.normals) {
         let ([a, b], [na, nb]) = (*side, normals.map(|n| outward(n.extend(0.0))));
         let (low, high) = ([(a, na), (b, nb)], [(b, nb), (a, na)]);
         let low = low.map(|(k, n)| (at(k, 0.0), n));

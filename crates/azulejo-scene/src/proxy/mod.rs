@@ -2,12 +2,14 @@
 //!
 //! | module | content |
 //! |---|---|
+//! | `areas` | areas without a mesh of all prisms |
 //! | `flat_figure` | plane figures as polygons, also where contours cross or overlap |
 //! | `facet` | the faces of prisms, primitives, patches and meshes |
 //! | `cut` | set operations on faces |
 //! | `triangle_pair` | intersection of two triangles |
 //! | `builder` | the mesh under construction |
 
+mod areas;
 mod builder;
 mod cut;
 mod facet;
@@ -43,17 +45,28 @@ impl Exact {
         if !(size > 0.0 && size.is_finite() && chord_error > 0.0) {
             return Mesh::default();
         }
-        let most = |trial: u32| {
-            if trial < TRIALS {
-                MOST_FACES
-            } else {
-                usize::MAX
-            }
-        };
-        let error = |trial: u32| chord_error * COARSER.powi(trial as i32);
-        let mesh = |trial: u32| ProxyMesher::mesh(self, error(trial), SAME * size, most(trial));
-        (0..=TRIALS).find_map(mesh).unwrap_or_default()
+        mesh_of(self.solids.iter(), chord_error, size)
     }
+}
+
+/// The polygons of solids, with a chord error so large that there are not too many. `size` is that
+/// of the whole shape.
+fn mesh_of<'a>(
+    solids: impl Iterator<Item = &'a Solid> + Clone,
+    chord_error: f64,
+    size: f64,
+) -> Mesh {
+    let most = |trial: u32| {
+        if trial < TRIALS {
+            MOST_FACES
+        } else {
+            usize::MAX
+        }
+    };
+    let error = |trial: u32| chord_error * COARSER.powi(trial as i32);
+    let mesh =
+        |trial: u32| ProxyMesher::mesh(solids.clone(), error(trial), SAME * size, most(trial));
+    (0..=TRIALS).find_map(mesh).unwrap_or_default()
 }
 
 /// A proxy mesh under construction.
@@ -66,14 +79,19 @@ struct ProxyMesher {
 
 impl ProxyMesher {
     /// `None` if it would have more than `most` faces.
-    fn mesh(exact: &Exact, chord_error: f64, same: f64, most: usize) -> Option<Mesh> {
+    fn mesh<'a>(
+        mut solids: impl Iterator<Item = &'a Solid>,
+        chord_error: f64,
+        same: f64,
+        most: usize,
+    ) -> Option<Mesh> {
         let mut mesher = ProxyMesher {
             chord_error,
             builder: ProxyMeshBuilder::new(same),
             flats: FlatFigureCache::default(),
             most,
         };
-        mesher.add_all(&exact.solids)?;
+        solids.try_for_each(|s| mesher.add(s))?;
         Some(mesher.builder.finish())
     }
 

@@ -547,3 +547,52 @@ fn random_set_operations_agree_with_membership() {
         assert!(sum.length() < 1e-6, "case {case}: {sum}");
     }
 }
+
+/// Areas by material are those of the mesh, whatever the shape is composed of.
+#[test]
+fn areas_are_those_of_the_polygons() {
+    let ring = figure(&[&square(0.0, 1.0), &square(0.25, 0.75)], FillRule::EvenOdd);
+    let ring = Arc::new(ring);
+    let prism = |at: DVec3, slant: f64, material| {
+        let axes = DMat3::from_cols(DVec3::X, DVec3::Y, p(slant, 0.2, 0.5));
+        Solid::Prism(Prism {
+            figure: Arc::clone(&ring),
+            world_from_figure: DAffine3::from_mat3_translation(axes, at),
+            material,
+        })
+    };
+    let ball = |at: DVec3, material| {
+        let map = DAffine3::from_translation(at);
+        Solid::Primitive(Primitive::new(PrimitiveKind::Sphere, map, material))
+    };
+    let lens = Csg {
+        operation: Operation::Intersection,
+        left: vec![ball(p(9.0, 0.0, 0.0), 2)],
+        right: vec![ball(p(9.5, 0.0, 0.0), 0)],
+    };
+    let exact = Exact::new(vec![
+        prism(p(0.0, 0.0, 0.0), 0.0, 0),
+        prism(p(3.0, 1.0, 2.0), 0.0, 1),
+        Solid::Shell(vec![
+            prism(p(0.0, 4.0, 0.0), 0.3, 1),
+            ball(p(0.0, 9.0, 0.0), 0),
+        ]),
+        Solid::Csg(Box::new(lens)),
+    ]);
+    let mesh = exact.tessellate(0.01);
+    let mut expected = [0.0; 3];
+    for (face, &m) in mesh.face_materials.iter().enumerate() {
+        expected[m as usize] += mesh.face_area_vector(face).length();
+    }
+    let areas = exact.areas(0.01);
+    assert_eq!(areas.len(), 3);
+    for (material, area) in areas {
+        close(area, expected[material as usize], 1e-9);
+    }
+    // By hand: two faces of area 3/4, and four outer and four inner sides half as high as long.
+    let one = Exact::new(vec![prism(DVec3::ZERO, 0.0, 0)]).areas(0.01);
+    let slope = 0.5f64.hypot(0.2);
+    let sides = 2.0 * 1.5 * slope + 2.0 * 1.5 * 0.5;
+    close(one[&0], 1.5 + sides, 1e-12);
+    assert!(Exact::new(Vec::new()).areas(0.01).is_empty());
+}

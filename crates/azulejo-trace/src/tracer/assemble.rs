@@ -2,6 +2,7 @@
 //! the tree.
 
 use super::placed::{Placed, PlacedPrimitive, PlacedTracer};
+use super::twins::drop_twins;
 use super::{Instance, MeshPositions, Tracer, TriangleItem};
 use crate::exact::{ExactPrimitive, Outlines, Preparation};
 use crate::frame::{LocalFrame, double, single};
@@ -138,6 +139,7 @@ impl Parts {
             .map(|&p| single(self.frame.point(p)))
             .collect();
         let first_item = self.number_items(mesh.faces.triangle_count());
+        let start = self.kernel_triangles.len();
         let mut split = Vec::new();
         for (face, corners) in mesh.faces.iter().enumerate() {
             split.clear();
@@ -156,6 +158,11 @@ impl Parts {
                 }
             }
         }
+        let items = &self.triangles;
+        drop_twins(&mut self.kernel_triangles, start, |item| {
+            let face = items[item as usize].face as usize;
+            mesh.face_materials.get(face).copied().unwrap_or(0)
+        });
         self.meshes.push(MeshPositions {
             object,
             first_item,

@@ -2,6 +2,7 @@
 
 mod assemble;
 mod placed;
+mod twins;
 
 use crate::exact::point_on_triangle;
 use crate::frame::{LocalFrame, double, single};

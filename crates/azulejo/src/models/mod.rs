@@ -26,7 +26,7 @@ mod written;
 
 pub use azulejo_formats::RecognizedModel;
 pub use merging::{Change, branch_name, changes, name_branch};
-pub use reading::{MAX_FILE, MAX_STREAM, ReadFailure, Reading, read, read_bytes};
+pub use reading::{MAX_FILE, MAX_STREAM, ReadFailure, Reading, VastFace, read, read_bytes};
 pub use written::{
     FORMATS, ModelOutput, WriteFailure, WrittenFormat, by_extension, write, write_copy,
 };

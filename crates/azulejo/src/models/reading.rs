@@ -2,6 +2,7 @@
 
 use crate::files::Refused;
 use azulejo_formats::{FileError, Files, Folder, ReadError, ReadOptions, RecognizedModel};
+use azulejo_scene::{MOST_FACE_CORNERS, Object, Scene, Shape};
 use azulejo_trace::{Cancelled, Progress};
 use std::fmt;
 use std::fs::{self, File};
@@ -38,6 +39,56 @@ pub enum ReadFailure {
     Directory(PathBuf),
     /// The content is not a model, or is damaged.
     Content(ReadError),
+    /// A face has more than [`MOST_FACE_CORNERS`] corners.
+    Face(VastFace),
+}
+
+/// A face of too many corners.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct VastFace {
+    /// The model.
+    pub path: PathBuf,
+    /// Name of the object.
+    pub object: String,
+    /// Index of the face in it.
+    pub face: usize,
+    /// Its corners.
+    pub corners: usize,
+}
+
+impl VastFace {
+    /// The first in a scene.
+    fn find(scene: &Scene, path: &Path) -> Option<VastFace> {
+        let of_object = |object: &Object| {
+            let Shape::Mesh(mesh) = &object.shape else {
+                return None;
+            };
+            let corners = |w: &[u32]| (w[1] - w[0]) as usize;
+            let mut counts = mesh.faces.starts.windows(2).map(corners).enumerate();
+            let (face, corners) = counts.find(|c| c.1 > MOST_FACE_CORNERS)?;
+            Some(VastFace {
+                path: path.to_owned(),
+                object: object.name.clone(),
+                face,
+                corners,
+            })
+        };
+        scene.objects.iter().find_map(of_object)
+    }
+}
+
+impl fmt::Display for VastFace {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{}: object \"{}\", face {}: found {} corners, expected at most {MOST_FACE_CORNERS}; \
+             divide the face into smaller ones in the program that wrote it",
+            self.path.display(),
+            self.object,
+            self.face + 1,
+            self.corners
+        )
+    }
 }
 
 impl fmt::Display for ReadFailure {
@@ -49,6 +100,7 @@ impl fmt::Display for ReadFailure {
                 write!(f, "{} is a folder, expected a file", path.display())
             }
             ReadFailure::Content(error) => error.fmt(f),
+            ReadFailure::Face(face) => face.fmt(f),
         }
     }
 }
@@ -81,7 +133,11 @@ pub fn read(
     let read = azulejo_formats::read_with(&bytes, &name, &around, &reading.options);
     // What a reader makes of files that it was not given is no reason.
     progress.advance(0)?;
-    read.map_err(ReadFailure::Content)
+    let model = read.map_err(ReadFailure::Content)?;
+    match VastFace::find(&model.scene, path) {
+        None => Ok(model),
+        Some(face) => Err(ReadFailure::Face(face)),
+    }
 }
 
 /// The files around a model, with errors once the work is cancelled.
@@ -218,6 +274,27 @@ mod tests {
         progress.cancel();
         let read = around.read("a.mtl");
         assert!(matches!(read, Err(FileError::Io(_))), "{read:?}");
+    }
+
+    #[test]
+    fn faces_of_too_many_corners_are_named() {
+        let model = std::env::temp_dir().join(format!("azulejo-vast-{}.obj", std::process::id()));
+        let read_with = |corners: usize| {
+            let mut text = String::from("o tile\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no disc\n");
+            for k in 0..corners {
+                let angle = k as f64 / corners as f64 * std::f64::consts::TAU;
+                text += &format!("v {} {} 1\n", angle.cos(), angle.sin());
+            }
+            let ring: Vec<String> = (0..corners).map(|k| (k + 4).to_string()).collect();
+            text += &format!("f {}\n", ring.join(" "));
+            fs::write(&model, text).unwrap();
+            read(&model, &Reading::default(), &Progress::new())
+        };
+        assert!(read_with(MOST_FACE_CORNERS).is_ok());
+        let said = read_with(MOST_FACE_CORNERS + 1).unwrap_err().to_string();
+        let expected = "object \"disc\", face 1: found 65537 corners, expected at most 65536";
+        assert!(said.contains(expected), "{said}");
+        fs::remove_file(model).unwrap();
     }
 
     #[test]
