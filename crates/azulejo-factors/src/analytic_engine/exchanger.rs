@@ -2,7 +2,7 @@
 
 use super::images::{FlatMirror, ImageLimits, MirrorImage, MirrorImages};
 use super::occluders::SceneOccluders;
-use super::traversal::{ExchangeBlock, PairAccuracy, PairCounts, PairTraversal};
+use super::traversal::{ExchangeBlock, PairAccuracy, PairCounts, PairTraversal, RequestedRows};
 use super::{Facet, FacetTree};
 use crate::analytic::{exchange_area_fast, form_factor_fast};
 use crate::form_factors::journal::{
@@ -154,7 +154,8 @@ impl<'a> Exchanger<'a> {
         })
     }
 
-    /// Whole rows, in the requested order; empty for those without a facet.
+    /// Whole rows, in the requested order; empty for those without a facet. Each depends on its
+    /// own facet alone, whichever others are requested with it.
     pub fn rows(&self, rows: &[usize]) -> Vec<Orders> {
         let mut positions: Vec<u32> = rows
             .iter()
@@ -163,7 +164,9 @@ impl<'a> Exchanger<'a> {
             .collect();
         // Neighbours together, so that clusters are tested for many rows at once.
         positions.sort_unstable();
-        let groups = positions.par_chunks(GROUP);
+        let same_group = |a: &u32, b: &u32| a / GROUP as u32 == b / GROUP as u32;
+        let groups: Vec<&[u32]> = positions.chunk_by(same_group).collect();
+        let groups = groups.par_iter();
         let found: Vec<_> = groups.flat_map_iter(|g| self.group(g, false).0).collect();
         let mut places = vec![NOWHERE; self.sides.len()];
         for (k, &row) in rows.iter().enumerate() {
@@ -176,20 +179,37 @@ impl<'a> Exchanger<'a> {
         sorted
     }
 
-    /// Some rows, from the diagonal on if `upper`.
+    /// Some rows of one group of [`GROUP`] neighbours, from the diagonal on if `upper`.
+    ///
+    /// The traversal takes the whole group, because its clusters decide how pairs are computed:
+    /// with clusters of the requested rows alone, a row would depend on which others are requested,
+    /// and solvers request as many at a time as there are threads.
     fn group(&self, rows: &[u32], upper: bool) -> (Vec<(u32, Orders)>, PairCounts) {
-        let facets = || rows.iter().map(|&r| &self.facets.list[r as usize]);
+        let first = rows[0] as usize / GROUP * GROUP;
+        let whole = first..(first + GROUP).min(self.facets.list.len());
+        let facets = || self.facets.list[whole.clone()].iter();
+        let mut places = [None; GROUP];
+        for (place, &row) in rows.iter().enumerate() {
+            places[row as usize - first] = Some(place);
+        }
         let mut found: [Option<ExchangeBlock>; ORDERS] = Default::default();
         let mut counts = PairCounts::default();
         for image in &self.images {
             let images = image.rows(facets());
             let found = found[image.order]
                 .get_or_insert_with(|| ExchangeBlock::new(rows.len(), self.facets.list.len()));
-            let mut traversal = PairTraversal::new(image, &images, &self.facets, self.accuracy);
-            traversal.run(upper, found);
+            let requested = RequestedRows {
+                places: &places,
+                upper,
+            };
+            let mut traversal =
+                PairTraversal::new(image, &images, &self.facets, self.accuracy, requested);
+            traversal.run(found);
             for &(row, column) in &traversal.unresolved {
-                let (value, error) = self.by_shadow_rays(rows[row] as usize, column);
-                found.add(row, column, value, error);
+                let (value, error) = self.by_shadow_rays(first + row, column);
+                if let Some(place) = places[row] {
+                    found.add(place, column, value, error);
+                }
             }
             counts.add(&traversal.counts);
         }

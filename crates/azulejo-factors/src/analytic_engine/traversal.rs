@@ -50,9 +50,19 @@ impl ExchangeBlock {
     }
 }
 
+/// Which rows of a group are computed, and how much of them.
+#[derive(Clone, Copy)]
+pub(super) struct RequestedRows<'a> {
+    /// For each row of the group its row of the [`ExchangeBlock`], if it is requested.
+    pub places: &'a [Option<usize>],
+    /// Whether only pairs from the diagonal on are computed.
+    pub upper: bool,
+}
+
 /// A node of a binary tree over the rows of the group.
 struct RowNode {
     range: Range<usize>,
+    is_requested: bool,
     cluster: Cluster,
     /// The second half; 0 in a leaf. The first half is the next node.
     second: usize,
@@ -125,6 +135,7 @@ pub(super) struct PairTraversal<'a> {
     accuracy: PairAccuracy,
     rows: &'a FacetTree,
     columns: &'a FacetTree,
+    requested: RequestedRows<'a>,
     nodes: Vec<RowNode>,
     obstructions: Vec<u32>,
     /// The edges that matter of the obstructions of the current pair.
@@ -137,18 +148,21 @@ pub(super) struct PairTraversal<'a> {
 }
 
 impl<'a> PairTraversal<'a> {
-    /// A traversal of all pairs of `rows`, as seen in `image`, and `columns`.
+    /// A traversal of all pairs of those of `rows`, as seen in `image`, that are `requested`, and
+    /// `columns`.
     pub fn new(
         image: &'a MirrorImage,
         rows: &'a FacetTree,
         columns: &'a FacetTree,
         accuracy: PairAccuracy,
+        requested: RequestedRows<'a>,
     ) -> PairTraversal<'a> {
         let mut traversal = PairTraversal {
             image,
             accuracy,
             rows,
             columns,
+            requested,
             nodes: Vec::new(),
             obstructions: Vec::new(),
             edges: Vec::new(),
@@ -166,6 +180,9 @@ impl<'a> PairTraversal<'a> {
         let node = self.nodes.len();
         self.nodes.push(RowNode {
             cluster: Cluster::new(facets),
+            is_requested: self.requested.places[range.clone()]
+                .iter()
+                .any(Option::is_some),
             range: range.clone(),
             second: 0,
         });
@@ -177,12 +194,12 @@ impl<'a> PairTraversal<'a> {
         }
     }
 
-    /// All pairs of the rows with columns; with `upper` only those from the diagonal on.
-    pub fn run(&mut self, upper: bool, found: &mut ExchangeBlock) {
+    /// All pairs of the requested rows with columns.
+    pub fn run(&mut self, found: &mut ExchangeBlock) {
         let count = self.image.obstructions.len() + self.image.curved.len();
         self.obstructions.extend(0..count as u32);
         if !self.columns.tree.nodes.is_empty() {
-            self.visit(0, 0, 0..count, upper, found);
+            self.visit(0, 0, 0..count, found);
         }
         self.obstructions.clear();
     }
@@ -192,14 +209,15 @@ impl<'a> PairTraversal<'a> {
         r: usize,
         c: usize,
         obstructions: Range<usize>,
-        upper: bool,
         found: &mut ExchangeBlock,
     ) {
         let image = self.image;
+        let upper = self.requested.upper;
         let (row, column) = (&self.nodes[r], &self.columns.clusters[c]);
         let (row_range, second_row) = (row.range.clone(), row.second);
         let node = &self.columns.tree.nodes[c];
-        if row.cluster.is_empty()
+        if !row.is_requested
+            || row.cluster.is_empty()
             || column.is_empty()
             || upper && column.last_id < row.cluster.first_id
         {
@@ -226,12 +244,12 @@ impl<'a> PairTraversal<'a> {
         let (is_row_leaf, is_leaf) = (second_row == 0, node.is_leaf());
         let is_done = kept.is_empty()
             && facing == Facing::Towards
-            && self.clear(&row_range, r, c, upper, found);
+            && self.clear(&row_range, r, c, found);
         if is_done {
         } else if is_row_leaf && is_leaf {
             for row in row_range {
                 for column in node.range.start as usize..node.range.end as usize {
-                    self.pair(row, column, kept.clone(), upper, found);
+                    self.pair(row, column, kept.clone(), found);
                 }
             }
         } else {
@@ -239,11 +257,11 @@ impl<'a> PairTraversal<'a> {
             let halves_row = !is_row_leaf
                 && (is_leaf || size(&self.nodes[r].cluster.bounds) > size(&column.bounds));
             if halves_row {
-                self.visit(r + 1, c, kept.clone(), upper, found);
-                self.visit(second_row, c, kept, upper, found);
+                self.visit(r + 1, c, kept.clone(), found);
+                self.visit(second_row, c, kept, found);
             } else {
-                self.visit(r, c + 1, kept.clone(), upper, found);
-                self.visit(r, node.second as usize, kept, upper, found);
+                self.visit(r, c + 1, kept.clone(), found);
+                self.visit(r, node.second as usize, kept, found);
             }
         }
         self.obstructions.truncate(top);
@@ -276,7 +294,6 @@ impl<'a> PairTraversal<'a> {
         rows: &Range<usize>,
         r: usize,
         c: usize,
-        upper: bool,
         found: &mut ExchangeBlock,
     ) -> bool {
         let image = self.image;
@@ -301,9 +318,9 @@ impl<'a> PairTraversal<'a> {
         self.sums.resize(columns.len(), 0.0);
         for row in rows.clone() {
             let own = &self.rows.list[row];
-            if own.is_empty() {
+            let Some(place) = self.requested.places[row].filter(|_| !own.is_empty()) else {
                 continue;
-            }
+            };
             if is_four {
                 let points = self.rows.four.own(row);
                 self.columns
@@ -317,9 +334,9 @@ impl<'a> PairTraversal<'a> {
             }
             for (k, &value) in columns.clone().zip(&self.sums) {
                 let facet = &self.columns.list[k];
-                if (!upper || facet.id >= own.id) && !facet.is_empty() {
+                if (!self.requested.upper || facet.id >= own.id) && !facet.is_empty() {
                     let value = image.weight * value.max(0.0);
-                    found.add(row, k, value, error * value);
+                    found.add(place, k, value, error * value);
                 }
             }
         }
@@ -332,12 +349,14 @@ impl<'a> PairTraversal<'a> {
         row: usize,
         column: usize,
         obstructions: Range<usize>,
-        upper: bool,
         found: &mut ExchangeBlock,
     ) {
         let image = self.image;
         let (a, b) = (&self.rows.list[row], &self.columns.list[column]);
-        if a.is_empty() || b.is_empty() || upper && b.id < a.id {
+        let Some(place) = self.requested.places[row] else {
+            return;
+        };
+        if a.is_empty() || b.is_empty() || self.requested.upper && b.id < a.id {
             return;
         }
         let Some(is_whole) = facing(a, b, image.graze) else {
@@ -350,7 +369,7 @@ impl<'a> PairTraversal<'a> {
             self.counts.occluded += 1;
         } else if kept.is_empty() {
             let (value, error) = self.whole(row, column, is_whole);
-            found.add(row, column, image.weight * value, image.weight * error);
+            found.add(place, column, image.weight * value, image.weight * error);
         } else if kept.len() > MOST_OBSTRUCTIONS && image.order == 0
             || self.obstructions[kept.clone()]
                 .iter()
@@ -387,7 +406,7 @@ impl<'a> PairTraversal<'a> {
                 self.partial.exchange([a, b], is_whole, obstructions, goal)
             };
             let (value, error) = (image.weight * seen.value, image.weight * seen.error);
-            found.add(row, column, value, error);
+            found.add(place, column, value, error);
         }
         self.obstructions.truncate(top);
     }
