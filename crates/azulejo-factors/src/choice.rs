@@ -5,7 +5,7 @@
 
 use crate::engine::Engine;
 use crate::patch::Patches;
-use azulejo_scene::{Material, Scene};
+use azulejo_scene::Scene;
 
 /// With more patches than this, formulas for all pairs take minutes and gigabytes.
 const MOST_PAIRED: usize = 20_000;
@@ -26,7 +26,7 @@ pub struct EngineChoice {
     pub patches: usize,
     /// Share of the area that is flat, 0 to 1.
     pub flat: f64,
-    /// Whether there are mirrors, glass or glossy surfaces.
+    /// Whether there are patches of mirrors, glass or glossy surfaces.
     pub is_specular: bool,
     /// Bytes that may be used.
     pub memory: u64,
@@ -46,7 +46,10 @@ impl EngineChoice {
         EngineChoice {
             patches: patches.len(),
             flat: flat / f64::max(all, f64::MIN_POSITIVE),
-            is_specular: scene.materials.iter().any(Material::is_specular),
+            is_specular: patches
+                .materials_in_use(scene)
+                .iter()
+                .any(|m| m.is_specular()),
             memory,
         }
     }

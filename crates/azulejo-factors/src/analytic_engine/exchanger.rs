@@ -1,8 +1,11 @@
 //! Rows of exchange areas, distributed over threads.
 
+pub(crate) use super::horizon::Horizon;
 use super::images::{FlatMirror, ImageLimits, MirrorImage, MirrorImages};
 use super::occluders::SceneOccluders;
-use super::traversal::{ExchangeBlock, PairAccuracy, PairCounts, PairTraversal, RequestedRows};
+use super::traversal::{
+    ExchangeBlock, HorizonSplit, PairAccuracy, PairCounts, PairTraversal, RequestedRows,
+};
 use super::{Facet, FacetTree};
 use crate::analytic::{exchange_area_fast, form_factor_fast};
 use crate::form_factors::journal::{
@@ -16,6 +19,7 @@ use azulejo_scene::math::area_vector;
 use azulejo_trace::{Cancelled, Progress, Surfaces};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Rows computed together.
 const GROUP: usize = 16;
@@ -48,6 +52,8 @@ pub(crate) struct Exchanger<'a> {
     images: Vec<MirrorImage>,
     truncated: f64,
     accuracy: PairAccuracy,
+    /// For each patch, whether some side may see its back.
+    shows_back: Vec<bool>,
     /// Orders that are known completely by formulas.
     pub known: [bool; ORDERS],
     seed: u32,
@@ -91,6 +97,7 @@ impl<'a> Exchanger<'a> {
             positions,
             images: images.list,
             truncated: images.truncated,
+            shows_back: scene_occluders.shows_back,
             known,
             seed: options.seed,
         }
@@ -164,7 +171,6 @@ impl<'a> Exchanger<'a> {
             .collect();
         // Neighbours together, so that clusters are tested for many rows at once.
         positions.sort_unstable();
-        let same_group = |a: &u32, b: &u32| a / GROUP as u32 == b / GROUP as u32;
         let groups: Vec<&[u32]> = positions.chunk_by(same_group).collect();
         let groups = groups.par_iter();
         let found: Vec<_> = groups.flat_map_iter(|g| self.group(g, false).0).collect();
@@ -180,38 +186,19 @@ impl<'a> Exchanger<'a> {
     }
 
     /// Some rows of one group of [`GROUP`] neighbours, from the diagonal on if `upper`.
-    ///
-    /// The traversal takes the whole group, because its clusters decide how pairs are computed:
-    /// with clusters of the requested rows alone, a row would depend on which others are requested,
-    /// and solvers request as many at a time as there are threads.
     fn group(&self, rows: &[u32], upper: bool) -> (Vec<(u32, Orders)>, PairCounts) {
-        let first = rows[0] as usize / GROUP * GROUP;
-        let whole = first..(first + GROUP).min(self.facets.list.len());
-        let facets = || self.facets.list[whole.clone()].iter();
-        let mut places = [None; GROUP];
-        for (place, &row) in rows.iter().enumerate() {
-            places[row as usize - first] = Some(place);
-        }
+        let group = RowGroupPlaces::new(rows, self.facets.list.len());
+        let requested = RequestedRows {
+            places: &group.places,
+            upper,
+            split: None,
+        };
         let mut found: [Option<ExchangeBlock>; ORDERS] = Default::default();
         let mut counts = PairCounts::default();
         for image in &self.images {
-            let images = image.rows(facets());
             let found = found[image.order]
                 .get_or_insert_with(|| ExchangeBlock::new(rows.len(), self.facets.list.len()));
-            let requested = RequestedRows {
-                places: &places,
-                upper,
-            };
-            let mut traversal =
-                PairTraversal::new(image, &images, &self.facets, self.accuracy, requested);
-            traversal.run(found);
-            for &(row, column) in &traversal.unresolved {
-                let (value, error) = self.by_shadow_rays(first + row, column);
-                if let Some(place) = places[row] {
-                    found.add(place, column, value, error);
-                }
-            }
-            counts.add(&traversal.counts);
+            counts.add(&self.add_image(image, &group, requested, found));
         }
         let row = |(k, position): (usize, &u32)| {
             let sorted = |found: &Option<ExchangeBlock>| {
@@ -223,6 +210,121 @@ impl<'a> Exchanger<'a> {
             (id, found.each_ref().map(sorted))
         };
         (rows.iter().enumerate().map(row).collect(), counts)
+    }
+
+    /// Adds what an image contributes to the requested rows of a group.
+    fn add_image(
+        &self,
+        image: &MirrorImage,
+        group: &RowGroupPlaces,
+        requested: RequestedRows,
+        found: &mut ExchangeBlock,
+    ) -> PairCounts {
+        let rows = image.rows(self.facets.list[group.whole.clone()].iter());
+        let mut traversal =
+            PairTraversal::new(image, &rows, &self.facets, self.accuracy, requested);
+        traversal.run(found);
+        for &(row, column) in &traversal.unresolved {
+            let Some(place) = group.places[row] else {
+                continue;
+            };
+            let row = group.whole.start + row;
+            let (value, error) = self.by_shadow_rays(row, column, None);
+            found.add(place, column, value, error);
+            if let Some(split) = requested.split {
+                let (value, error) = self.by_shadow_rays(row, column, Some(split.up));
+                found.add_upward(place, column, value, error);
+            }
+        }
+        traversal.counts
+    }
+
+    /// Of some rows, what no matrix of theirs tells: how much leaves upwards of the light to columns
+    /// that a row's horizon cuts, and how much ends on columns from `rows` on, which are no rows.
+    /// Without mirrors.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn split_at_horizon(
+        &self,
+        of: &[usize],
+        up: DVec3,
+        rows: usize,
+        progress: &Progress,
+    ) -> Result<Vec<SplitRow>, Cancelled> {
+        let mut positions: Vec<u32> = of
+            .iter()
+            .map(|&row| self.positions[row])
+            .filter(|&p| p != NOWHERE)
+            .collect();
+        positions.sort_unstable();
+        let groups: Vec<&[u32]> = positions.chunk_by(same_group).collect();
+        let split = HorizonSplit {
+            up,
+            rows: rows as u32,
+            // Exact formulas know no horizon.
+            error: self.accuracy.partial.max(EXACT),
+        };
+        progress.begin("sky view factors", groups.len() as u64);
+        let group = |rows: &&[u32]| {
+            progress.advance(1)?;
+            let group = RowGroupPlaces::new(rows, self.facets.list.len());
+            let requested = RequestedRows {
+                places: &group.places,
+                upper: false,
+                split: Some(split),
+            };
+            let mut found = ExchangeBlock::with_upward(rows.len(), self.facets.list.len());
+            for image in self.images.iter().filter(|image| image.order == 0) {
+                self.add_image(image, &group, requested, &mut found);
+            }
+            let row = |(k, &position): (usize, &u32)| {
+                let id = self.facets.list[position as usize].id;
+                (id, self.split_row(&found, k, split.rows))
+            };
+            Ok(rows.iter().enumerate().map(row).collect())
+        };
+        let found: Vec<Vec<(u32, SplitRow)>> = groups
+            .par_iter()
+            .map(group)
+            .collect::<Result<_, Cancelled>>()?;
+        let mut sorted = vec![SplitRow::default(); of.len()];
+        let mut places = vec![NOWHERE; self.sides.len()];
+        for (k, &row) in of.iter().enumerate() {
+            places[row] = k as u32;
+        }
+        for (id, row) in found.into_iter().flatten() {
+            sorted[places[id as usize] as usize] = row;
+        }
+        Ok(sorted)
+    }
+
+    /// The sums of one row of a block, over columns in their fixed order.
+    fn split_row(&self, found: &ExchangeBlock, row: usize, rows: u32) -> SplitRow {
+        let (values, errors) = found.row(row);
+        let mut sums = SplitRow::default();
+        for (k, facet) in self.facets.list.iter().enumerate() {
+            sums.upward += found.upward(row)[k];
+            sums.variance += f64::from(errors[k]).powi(2);
+            if facet.id >= rows {
+                sums.hidden += values[k];
+            }
+        }
+        sums
+    }
+
+    /// A row's horizon.
+    pub fn horizon(&self, row: usize, up: DVec3) -> Horizon {
+        Horizon::new(&self.facets.list[self.positions[row] as usize], up)
+    }
+
+    /// Sides that are no rows although rows may see them.
+    pub fn hidden_sides(&self, is_column: impl Fn(u32, bool) -> bool) -> Vec<Side> {
+        let patches = (0..self.patches.len() as u32).filter(|&p| self.shows_back[p as usize]);
+        patches
+            .filter(|&p| !is_column(p, false))
+            .map(|p| 2 * p + 1)
+            .collect()
     }
 
     fn entries(&self, found: &ExchangeBlock, row: usize) -> Vec<Exchange> {
@@ -239,19 +341,60 @@ impl<'a> Exchanger<'a> {
     }
 
     /// A pair that is too complex for formulas.
-    fn by_shadow_rays(&self, row: usize, column: usize) -> (f64, f64) {
+    fn by_shadow_rays(&self, row: usize, column: usize, up: Option<DVec3>) -> (f64, f64) {
         let (a, b) = (&self.facets.list[row], &self.facets.list[column]);
         let view = View {
             patches: self.patches,
             surfaces: self.surfaces,
             pair: [a, b].map(|f| (self.sides[f.id as usize] / 2) as usize),
             normals: [a.normal, b.normal],
+            up,
             key: [self.seed, a.id.min(b.id), a.id.max(b.id)],
         };
         let whole = exchange_area_fast(a.polygon(), b.polygon(), self.accuracy.whole);
         let visible = view.visible();
         (whole * visible.share, whole * visible.error)
     }
+}
+
+/// Whether two positions belong to one group.
+fn same_group(a: &u32, b: &u32) -> bool {
+    a / GROUP as u32 == b / GROUP as u32
+}
+
+/// The requested rows of a group of [`GROUP`] neighbours in the tree.
+///
+/// The traversal takes the whole group, because its clusters decide how pairs are computed: with
+/// clusters of the requested rows alone, a row would depend on which others are requested, and
+/// solvers request as many at a time as there are threads.
+struct RowGroupPlaces {
+    /// Positions of the whole group.
+    whole: Range<usize>,
+    /// For each of these its place among the requested rows.
+    places: Vec<Option<usize>>,
+}
+
+impl RowGroupPlaces {
+    fn new(rows: &[u32], facets: usize) -> RowGroupPlaces {
+        let first = rows[0] as usize / GROUP * GROUP;
+        let whole = first..(first + GROUP).min(facets);
+        let mut places = vec![None; whole.len()];
+        for (place, &row) in rows.iter().enumerate() {
+            places[row as usize - first] = Some(place);
+        }
+        RowGroupPlaces { whole, places }
+    }
+}
+
+/// Exchange areas of one row that [`Exchanger::split_at_horizon`] sums up.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct SplitRow {
+    /// To columns that the horizon cuts and to those that are no rows: the part above the horizon.
+    pub upward: f64,
+    /// To columns that are no rows.
+    pub hidden: f64,
+    /// Variance of either.
+    pub variance: f64,
 }
 
 /// The result of [`Exchanger::all`].

@@ -1,6 +1,7 @@
 //! Hierarchical traversal of all pairs of some rows with all columns.
 
 use super::gauss_points::{FOUR, NINE};
+use super::horizon::{Elevation, Horizon};
 use super::images::MirrorImage;
 use super::partial::{PairGoal, PartialVisibility};
 use super::shaft::ClusterShaft;
@@ -25,6 +26,8 @@ pub(super) struct PairAccuracy {
 pub(super) struct ExchangeBlock {
     values: Vec<f64>,
     errors: Vec<f32>,
+    /// The parts that leave upwards, if they were requested.
+    upward: Vec<f64>,
     columns: usize,
 }
 
@@ -33,8 +36,28 @@ impl ExchangeBlock {
         ExchangeBlock {
             values: vec![0.0; rows * columns],
             errors: vec![0.0; rows * columns],
+            upward: Vec::new(),
             columns,
         }
+    }
+
+    /// The same with room for the parts that leave upwards.
+    pub fn with_upward(rows: usize, columns: usize) -> ExchangeBlock {
+        ExchangeBlock {
+            upward: vec![0.0; rows * columns],
+            ..ExchangeBlock::new(rows, columns)
+        }
+    }
+
+    /// What leaves a row upwards, by column.
+    pub fn upward(&self, row: usize) -> &[f64] {
+        &self.upward[row * self.columns..(row + 1) * self.columns]
+    }
+
+    pub fn add_upward(&mut self, row: usize, column: usize, value: f64, error: f64) {
+        let k = row * self.columns + column;
+        self.upward[k] += value;
+        self.errors[k] = self.errors[k].hypot(error as f32);
     }
 
     /// Values and errors of a row, by column.
@@ -57,6 +80,31 @@ pub(super) struct RequestedRows<'a> {
     pub places: &'a [Option<usize>],
     /// Whether only pairs from the diagonal on are computed.
     pub upper: bool,
+    /// Whether the parts that leave upwards are computed, and only of pairs that need it.
+    pub split: Option<HorizonSplit>,
+}
+
+/// Which pairs are split at the horizon: those with light both above and below it, and those with
+/// columns that are no rows, of which the whole exchange area is computed as well.
+#[derive(Clone, Copy)]
+pub(super) struct HorizonSplit {
+    pub up: DVec3,
+    /// Facets with numbers from this on are no rows.
+    pub rows: u32,
+    /// Absolute error of form factors.
+    pub error: f64,
+}
+
+impl HorizonSplit {
+    /// Whether no horizon cuts pairs of two clusters.
+    fn is_clear(&self, from: &Aabb, to: &Aabb) -> bool {
+        let range = |b: &Aabb| {
+            let (middle, reach) = (self.up.dot(b.centre()), self.up.abs().dot(0.5 * b.size()));
+            (middle - reach, middle + reach)
+        };
+        let ((low, high), (lowest, highest)) = (range(from), range(to));
+        lowest >= high || highest <= low
+    }
 }
 
 /// A node of a binary tree over the rows of the group.
@@ -204,13 +252,7 @@ impl<'a> PairTraversal<'a> {
         self.obstructions.clear();
     }
 
-    fn visit(
-        &mut self,
-        r: usize,
-        c: usize,
-        obstructions: Range<usize>,
-        found: &mut ExchangeBlock,
-    ) {
+    fn visit(&mut self, r: usize, c: usize, obstructions: Range<usize>, found: &mut ExchangeBlock) {
         let image = self.image;
         let upper = self.requested.upper;
         let (row, column) = (&self.nodes[r], &self.columns.clusters[c]);
@@ -223,6 +265,16 @@ impl<'a> PairTraversal<'a> {
         {
             return;
         }
+        let is_split = match self.requested.split {
+            None => false,
+            Some(split) => {
+                let is_clear = split.is_clear(&row.cluster.bounds, &column.bounds);
+                if is_clear && column.last_id < split.rows {
+                    return;
+                }
+                !is_clear
+            }
+        };
         let facing = match (
             row.cluster.facing(&column.bounds, image.graze),
             column.facing(&row.cluster.bounds, image.graze),
@@ -242,7 +294,8 @@ impl<'a> PairTraversal<'a> {
         }
         let kept = top..self.obstructions.len();
         let (is_row_leaf, is_leaf) = (second_row == 0, node.is_leaf());
-        let is_done = kept.is_empty()
+        let is_done = !is_split
+            && kept.is_empty()
             && facing == Facing::Towards
             && self.clear(&row_range, r, c, found);
         if is_done {
@@ -337,6 +390,12 @@ impl<'a> PairTraversal<'a> {
                 if (!self.requested.upper || facet.id >= own.id) && !facet.is_empty() {
                     let value = image.weight * value.max(0.0);
                     found.add(place, k, value, error * value);
+                    if let Some(split) = self.requested.split
+                        && Horizon::new(own, split.up).elevation(&Horizon::new(facet, split.up))
+                            == Elevation::Above
+                    {
+                        found.add_upward(place, k, value, 0.0);
+                    }
                 }
             }
         }
@@ -359,56 +418,105 @@ impl<'a> PairTraversal<'a> {
         if a.is_empty() || b.is_empty() || self.requested.upper && b.id < a.id {
             return;
         }
+        let split = self.requested.split;
+        let elevation =
+            split.map(|split| Horizon::new(a, split.up).elevation(&Horizon::new(b, split.up)));
+        let is_row = split.is_none_or(|split| b.id < split.rows);
+        if is_row && elevation.is_some_and(|e| e != Elevation::Mixed) {
+            return;
+        }
         let Some(is_whole) = facing(a, b, image.graze) else {
             return;
         };
+        // What a facet's plane cuts off is not seen, and need not be behind anything.
+        let seen_parts = if is_whole {
+            None
+        } else {
+            let parts = (a.in_front_of(b, image.graze), b.in_front_of(a, image.graze));
+            let (Some(a), Some(b)) = parts else {
+                return;
+            };
+            Some([a, b])
+        };
+        let error = split.map_or(self.accuracy.partial, |split| split.error);
+        let goal = PairGoal {
+            up: None,
+            error: error * a.area.min(b.area),
+            whole: self.accuracy.whole,
+            graze: image.graze,
+        };
+        let parts = seen_parts.as_ref().map_or([a, b], |[a, b]| [a, b]);
         let top = self.obstructions.len();
-        let is_seen = self.cull_for_pair(a, b, obstructions);
+        let is_seen = self.cull_for_pair(parts[0], parts[1], obstructions);
         let kept = top..self.obstructions.len();
         if !is_seen {
             self.counts.occluded += 1;
-        } else if kept.is_empty() {
-            let (value, error) = self.whole(row, column, is_whole);
-            found.add(place, column, image.weight * value, image.weight * error);
-        } else if kept.len() > MOST_OBSTRUCTIONS && image.order == 0
-            || self.obstructions[kept.clone()]
-                .iter()
-                .any(|&s| s as usize >= image.obstructions.len())
-        {
+        } else if self.is_too_complex(&kept) {
             self.unresolved.push((row, column));
             self.counts.unresolved += 1;
         } else {
-            self.counts.partial += 1;
-            let windows = image.windows;
-            let obstructions = self.obstructions[kept].iter().zip(&self.edges);
-            let obstructions = obstructions.map(|(&s, &edges)| {
-                (
-                    &image.obstructions[s as usize],
-                    edges,
-                    (s as usize) < windows,
-                )
-            });
-            let goal = PairGoal {
-                error: self.accuracy.partial * a.area.min(b.area),
-                whole: self.accuracy.whole,
-                graze: image.graze,
-            };
-            let seen = if self.accuracy.is_exact {
-                match image.lit_parts(a, b) {
-                    Some([a, b]) => {
-                        let obstructions = obstructions
-                            .map(|(obstruction, _, is_window)| (obstruction, is_window));
-                        exchange_area_past(&a, &b, obstructions, goal.error)
-                    }
-                    None => Approximate::default(),
+            if elevation.is_none() || !is_row {
+                let (value, error) = if kept.is_empty() {
+                    self.whole(row, column, is_whole)
+                } else {
+                    let seen = self.partly_seen(parts, kept.clone(), goal);
+                    (seen.value, seen.error)
+                };
+                found.add(place, column, image.weight * value, image.weight * error);
+                if elevation == Some(Elevation::Above) {
+                    found.add_upward(place, column, value, 0.0);
                 }
-            } else {
-                self.partial.exchange([a, b], is_whole, obstructions, goal)
-            };
-            let (value, error) = (image.weight * seen.value, image.weight * seen.error);
-            found.add(place, column, value, error);
+            }
+            if let (Some(split), Some(Elevation::Mixed)) = (split, elevation) {
+                let goal = PairGoal {
+                    up: Some(split.up),
+                    ..goal
+                };
+                let seen = self.partly_seen(parts, kept, goal);
+                found.add_upward(place, column, seen.value, seen.error);
+            }
         }
         self.obstructions.truncate(top);
+    }
+
+    /// Whether a pair with these obstructions is left to shadow rays.
+    fn is_too_complex(&self, kept: &Range<usize>) -> bool {
+        let image = self.image;
+        kept.len() > MOST_OBSTRUCTIONS && image.order == 0
+            || self.obstructions[kept.clone()]
+                .iter()
+                .any(|&s| s as usize >= image.obstructions.len())
+    }
+
+    /// A pair behind obstructions, or the part of it above the horizon.
+    fn partly_seen(
+        &mut self,
+        [a, b]: [&Facet; 2],
+        kept: Range<usize>,
+        goal: PairGoal,
+    ) -> Approximate {
+        let image = self.image;
+        self.counts.partial += 1;
+        let windows = image.windows;
+        let obstructions = self.obstructions[kept].iter().zip(&self.edges);
+        let obstructions = obstructions.map(|(&s, &edges)| {
+            (
+                &image.obstructions[s as usize],
+                edges,
+                (s as usize) < windows,
+            )
+        });
+        if !self.accuracy.is_exact || goal.up.is_some() {
+            return self.partial.exchange([a, b], obstructions, goal);
+        }
+        match image.lit_parts(a, b) {
+            Some([a, b]) => {
+                let obstructions =
+                    obstructions.map(|(obstruction, _, is_window)| (obstruction, is_window));
+                exchange_area_past(&a, &b, obstructions, goal.error)
+            }
+            None => Approximate::default(),
+        }
     }
 
     /// As [`cull`](PairTraversal::cull), for one pair; records which edges matter.

@@ -43,8 +43,8 @@ pub struct FormFactors {
     pub rest: Vec<RowRemainder>,
     /// Share of the light arriving at each column that ends there: 1 − ρ_s, 0 for glass.
     pub ends: Vec<f64>,
-    /// Expected error of each row, Σ_j E|error of X_ij|: √(2/π) times the sum of the standard
-    /// errors, for normal errors. In rooms with known entries 1.2 to 1.3 times the true one.
+    /// Expected error of each row, Σ_j E|error of X_ij|, with sky and ground: √(2/π) times the sum of
+    /// the standard errors, for normal errors. In rooms with known entries 1.2 to 1.3 times the true one.
     pub row_errors: Vec<f64>,
     /// Correlation of the errors of entries between two faces or objects, where rows are rendered
     /// from a handful of viewpoints.
@@ -244,10 +244,13 @@ impl FormFactors {
         self.exchange = ExchangeAreas::sum_of(&self.orders);
     }
 
-    /// Computes `row_errors`, which depend on the entries' errors alone.
+    /// Computes `row_errors` from the errors of entries, of the sky and of the ground.
     pub(super) fn update_row_errors(&mut self) {
         let expected = |e: &Exchange| FRAC_2_PI.sqrt() * f64::from(e.error);
         self.row_errors = self.per_area(self.exchange.sums(|_, e| [expected(e); 2]));
+        for (error, rest) in self.row_errors.iter_mut().zip(&self.rest) {
+            *error += FRAC_2_PI.sqrt() * (rest.sky_error + rest.ground_error);
+        }
     }
 
     fn factor(&self, i: usize, e: Exchange) -> (f64, f32) {

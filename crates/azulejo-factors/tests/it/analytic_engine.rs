@@ -100,6 +100,44 @@ fn mirrors_lose_nothing() {
     }
 }
 
+/// A strip across the side of a cylinder of 128 polygons, whose planes all cut the strip.
+#[test]
+fn a_round_body_is_not_in_its_own_way() {
+    let mut scene = Scene::default();
+    let grey = scenes::surface(0.5, 0.0, 0.0);
+    let corner = |k: i32| {
+        let angle = f64::from(k) * std::f64::consts::PI / 64.0;
+        dvec3(angle.sin(), -1.0, angle.cos())
+    };
+    let along = dvec3(0.0, 2.0, 0.0);
+    for k in 0..128 {
+        let edge = corner(k + 1) - corner(k);
+        scenes::add_sheet(&mut scene, corner(k), along, -edge, grey.clone());
+    }
+    let (place, across) = (dvec3(-2.0, -1.0, 2.0), dvec3(4.0, 0.0, 0.0));
+    scenes::add_sheet(&mut scene, place, along, across, grey);
+    let found = compute(&scene, &options());
+    let notes = &found.engine_used.notes;
+    assert!(!notes.iter().any(|n| n.contains("rays")), "{notes:?}");
+    let (strip, mut sum, mut variance) = (128, 0.0, 0.0);
+    for (_, value, error) in found.row(strip) {
+        sum += value;
+        variance += f64::from(error).powi(2);
+    }
+    let by_rays = FormFactorOptions {
+        engine: Engine::Rays,
+        analytic: false,
+        rays: 1 << 18,
+        ..options()
+    };
+    let by_rays: f64 = compute(&scene, &by_rays)
+        .row(strip)
+        .map(|(_, x, _)| x)
+        .sum();
+    assert!((sum - by_rays).abs() < 2e-4, "{sum} and {by_rays}");
+    assert!(variance.sqrt() < 3e-5, "{}", variance.sqrt());
+}
+
 #[test]
 fn threads_change_no_bit() {
     let scene = room_with_table(300);

@@ -238,6 +238,24 @@ fn orders_add_up_to_the_whole() {
     }
 }
 
+/// Materials that nothing is made of, as editors leave them in files, change nothing.
+#[test]
+fn unused_materials_do_not_prevent_closure() {
+    let plain = cube_room();
+    let mut listed = plain.clone();
+    listed.add_material(Material::mirror("unused", Rgb::new(0.9, 0.5, 0.1)));
+    listed.add_material(Material::dielectric("unused too", 1.5));
+    for closure in [Closure::Closed, Closure::Always] {
+        let options = FormFactorOptions {
+            closure,
+            size: PatchSize::Count(60),
+            ..options(0.0, 1 << 8)
+        };
+        let [plain, listed] = [&plain, &listed].map(|scene| compute(scene, &options));
+        assert!(plain.closed.is_some() && plain == listed);
+    }
+}
+
 #[test]
 fn closure_never_silently() {
     let always = |closure| FormFactorOptions {
