@@ -177,7 +177,8 @@ impl<'a> PreparedPlan<'a> {
         let seed = plan.options.seed;
         let (engine, why) = match &plan.options.engine {
             Engine::Auto => {
-                let choice = EngineChoice::of(scene, &plan.patches, plan.options.memory);
+                let surfaces = Surfaces::new(scene, tracer);
+                let choice = EngineChoice::of(&surfaces, &plan.patches, plan.options.memory);
                 let (engine, why) = choice.for_factors();
                 (engine, Some(why))
             }

@@ -315,7 +315,8 @@ impl<'a> Exchanger<'a> {
 
     /// A row's horizon.
     pub fn horizon(&self, row: usize, up: DVec3) -> Horizon {
-        Horizon::new(&self.facets.list[self.positions[row] as usize], up)
+        let facet = &self.facets.list[self.positions[row] as usize];
+        Horizon::new(facet, up, self.images[0].graze)
     }
 
     /// Sides that are no rows although rows may see them.

@@ -21,13 +21,16 @@ pub(crate) struct Horizon {
     high: f64,
     /// Cosine of the angle between its normal and the up direction.
     slope: f64,
+    /// Difference of heights that does not count: neighbours in a grid have a height in common, up
+    /// to rounding.
+    graze: f64,
 }
 
 /// Cosine of the slope from which a facet counts as horizontal.
 const LEVEL: f64 = 1.0 - 1e-12;
 
 impl Horizon {
-    pub(super) fn new(facet: &Facet, up: DVec3) -> Horizon {
+    pub(super) fn new(facet: &Facet, up: DVec3, graze: f64) -> Horizon {
         let heights = facet.polygon().iter().map(|p| up.dot(*p));
         let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| {
             (low.min(h), high.max(h))
@@ -36,6 +39,7 @@ impl Horizon {
             low,
             high,
             slope: facet.normal.dot(up),
+            graze,
         }
     }
 
@@ -52,9 +56,9 @@ impl Horizon {
 
     /// The same for parts that were cut, of any slope.
     pub(super) fn elevation_of_part(&self, other: &Horizon) -> Elevation {
-        if other.low >= self.high {
+        if other.low >= self.high - self.graze {
             Elevation::Above
-        } else if other.high <= self.low {
+        } else if other.high <= self.low + self.graze {
             Elevation::Below
         } else {
             Elevation::Mixed

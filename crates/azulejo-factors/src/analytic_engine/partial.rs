@@ -174,10 +174,9 @@ impl PartialVisibility {
     /// to the pair.
     fn part(&mut self, pair: PairPart, obstructions: &[Obstruction], goal: PairGoal) -> f64 {
         let PairPart { a, b, .. } = pair;
-        let goal = match goal
-            .up
-            .map(|up| Horizon::new(a, up).elevation_of_part(&Horizon::new(b, up)))
-        {
+        let goal = match goal.up.map(|up| {
+            Horizon::new(a, up, goal.graze).elevation_of_part(&Horizon::new(b, up, goal.graze))
+        }) {
             None | Some(Elevation::Mixed) => goal,
             Some(Elevation::Below) => return 0.0,
             Some(Elevation::Above) => PairGoal { up: None, ..goal },
@@ -226,11 +225,26 @@ impl PartialVisibility {
         if points == 3 && !fits(3) && pair.depth < MOST_DEPTH {
             return self.quartered(pair, ratio_a >= ratio_b, kept, goal);
         }
-        let seen = if ratio_a <= ratio_b {
-            self.integrate([a, b], 1.0, kept, points, is_far(ratio_b), goal)
-        } else {
-            self.integrate([b, a], -1.0, kept, points, is_far(ratio_a), goal)
+        let mut seen = |goal: PairGoal| {
+            if ratio_a <= ratio_b {
+                self.integrate([a, b], 1.0, kept, points, is_far(ratio_b), goal)
+            } else {
+                self.integrate([b, a], -1.0, kept, points, is_far(ratio_a), goal)
+            }
         };
+        if let Some(up) = goal.up.filter(|_| kept.is_empty() && !fits(points)) {
+            // Facets that touch: points err on what lies above and below alike.
+            let [above, below] = [up, -up].map(|up| {
+                let up = Some(up);
+                seen(PairGoal { up, ..goal })
+            });
+            return if above + below > 0.0 {
+                whole(a, b, goal) * above / (above + below)
+            } else {
+                0.0
+            };
+        }
+        let seen = seen(goal);
         let sees_part = goal.up.is_some() || kept.iter().any(|s| s.is_window);
         if pair.wants_seen && !sees_part {
             seen + whole(a, b, goal)

@@ -96,14 +96,19 @@ pub(super) struct HorizonSplit {
 }
 
 impl HorizonSplit {
-    /// Whether no horizon cuts pairs of two clusters.
-    fn is_clear(&self, from: &Aabb, to: &Aabb) -> bool {
+    fn elevation(&self, from: &Facet, to: &Facet, graze: f64) -> Elevation {
+        Horizon::new(from, self.up, graze).elevation(&Horizon::new(to, self.up, graze))
+    }
+
+    /// Whether no horizon cuts pairs of two clusters: then it cuts none of their facets, to which
+    /// `graze` is allowed.
+    fn is_clear(&self, from: &Aabb, to: &Aabb, graze: f64) -> bool {
         let range = |b: &Aabb| {
             let (middle, reach) = (self.up.dot(b.centre()), self.up.abs().dot(0.5 * b.size()));
             (middle - reach, middle + reach)
         };
         let ((low, high), (lowest, highest)) = (range(from), range(to));
-        lowest >= high || highest <= low
+        lowest >= high - 0.5 * graze || highest <= low + 0.5 * graze
     }
 }
 
@@ -268,7 +273,7 @@ impl<'a> PairTraversal<'a> {
         let is_split = match self.requested.split {
             None => false,
             Some(split) => {
-                let is_clear = split.is_clear(&row.cluster.bounds, &column.bounds);
+                let is_clear = split.is_clear(&row.cluster.bounds, &column.bounds, image.graze);
                 if is_clear && column.last_id < split.rows {
                     return;
                 }
@@ -391,8 +396,7 @@ impl<'a> PairTraversal<'a> {
                     let value = image.weight * value.max(0.0);
                     found.add(place, k, value, error * value);
                     if let Some(split) = self.requested.split
-                        && Horizon::new(own, split.up).elevation(&Horizon::new(facet, split.up))
-                            == Elevation::Above
+                        && split.elevation(own, facet, image.graze) == Elevation::Above
                     {
                         found.add_upward(place, k, value, 0.0);
                     }
@@ -419,8 +423,7 @@ impl<'a> PairTraversal<'a> {
             return;
         }
         let split = self.requested.split;
-        let elevation =
-            split.map(|split| Horizon::new(a, split.up).elevation(&Horizon::new(b, split.up)));
+        let elevation = split.map(|split| split.elevation(a, b, image.graze));
         let is_row = split.is_none_or(|split| b.id < split.rows);
         if is_row && elevation.is_some_and(|e| e != Elevation::Mixed) {
             return;
