@@ -24,8 +24,29 @@ use std::ops::Range;
 /// Rows computed together.
 const GROUP: usize = 16;
 
-/// Groups per journal block.
-const BLOCK: usize = 64;
+/// Fewest and most groups per journal block: enough for many threads.
+const BLOCK: [usize; 2] = [16, 64];
+
+/// Bytes of a journal block, within these limits.
+const BLOCK_BYTES: usize = 16 << 20;
+
+/// Groups per journal block of a matrix of so many rows.
+fn block_groups(rows: usize) -> usize {
+    let group = GROUP * size_of::<Exchange>() * rows.max(1);
+    (BLOCK_BYTES / group).clamp(BLOCK[0], BLOCK[1])
+}
+
+/// Bytes that an exchanger and its work take, besides the matrix: facets with their Gauss points and
+/// clusters, a group of rows for each thread, and a journal block in memory and as bytes.
+pub(crate) fn working_bytes(rows: usize, threads: usize) -> f64 {
+    let pair = (size_of::<f64>() + size_of::<f32>()) as f64;
+    let groups = (threads * GROUP * rows) as f64 * pair;
+    let block = (block_groups(rows) * GROUP * rows * size_of::<Exchange>()) as f64;
+    rows as f64 * FACET_BYTES + groups + block
+}
+
+/// Bytes per facet, about: its corners, thirteen Gauss points, and a share of the clusters.
+const FACET_BYTES: f64 = 1_200.0;
 
 /// Up to this many sides, rows are exact by default.
 const FEW: usize = 32;
@@ -136,7 +157,7 @@ impl<'a> Exchanger<'a> {
             let (rows, counts) = self.group(rows, true);
             Ok(RowGroup { rows, counts })
         };
-        let size = (groups.len(), BLOCK);
+        let size = (groups.len(), block_groups(self.sides.len()));
         let done = resumed(journal, JournalStage::Pairs, size, progress, |block| {
             groups[block].par_iter().map(group).collect()
         })?;
@@ -330,15 +351,17 @@ impl<'a> Exchanger<'a> {
 
     fn entries(&self, found: &ExchangeBlock, row: usize) -> Vec<Exchange> {
         let (values, errors) = found.row(row);
+        // Of the exact size: most of the memory is in these lists.
+        let count = values.iter().filter(|&&value| value > 0.0).count();
+        let mut entries = Vec::with_capacity(count);
         let places = 0..values.len();
-        places
-            .filter(|&c| values[c] > 0.0)
-            .map(|c| Exchange {
-                column: self.facets.list[c].id,
-                value: values[c],
-                error: errors[c],
-            })
-            .collect()
+        let seen = places.filter(|&c| values[c] > 0.0);
+        entries.extend(seen.map(|c| Exchange {
+            column: self.facets.list[c].id,
+            value: values[c],
+            error: errors[c],
+        }));
+        entries
     }
 
     /// A pair that is too complex for formulas.

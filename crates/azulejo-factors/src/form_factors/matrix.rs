@@ -125,8 +125,15 @@ pub struct Truncation {
     pub moved: Adjustment,
 }
 
-/// Entries per block of whole rows: 64 MiB.
-const BLOCK: usize = 1 << 22;
+/// Entries per block of whole rows: 8 MiB, and as much again while they are assembled.
+const BLOCK: usize = 1 << 19;
+
+/// Bytes that a block of whole rows takes while it is written, of a matrix of so many entries.
+pub(super) fn block_bytes(entries: f64, rows: f64) -> f64 {
+    let most = BLOCK as f64 + entries / rows.max(1.0);
+    // Lists grow by doubling.
+    2.0 * 2.0 * 16.0 * entries.min(most)
+}
 
 impl FormFactors {
     /// Number of rows.

@@ -232,8 +232,8 @@ fn open_rooms_agree_with_rays() {
             squares += (a - b).powi(2);
             errors += error.powi(2);
         }
-        let both = exact.row_errors[i];
-        assert!(both > found.sky_error + found.ground_error || both == 0.0 || found.sky == 0.0);
+        let expected = 0.79 * (found.sky_error + found.ground_error);
+        assert!(exact.row_errors[i] >= expected, "{i}: {found:?}");
     }
     assert!(squares < 1.3 * errors, "{squares:e} {errors:e}");
     assert!(exact.rays == 0);
