@@ -1,14 +1,19 @@
 //! What [`Engine::Auto`] means for a scene: the engine expected to reach the error soonest.
 //!
-//! Costs are those of one core, measured on rooms of 500 to 13,000 facets; only their ratios
-//! matter. Graphics cards are never chosen automatically, because their speed is unknown.
+//! Formulas cost by pairs that see each other: a town of 60,000 patches may have fewer of them than
+//! a room of 10,000. A few rays between random pairs show how many there are. Costs are those of
+//! one core, measured on rooms of 500 to 20,000 facets; only their ratios matter. Graphics cards are
+//! never chosen automatically, because their speed is unknown.
 
 use crate::engine::Engine;
 use crate::patch::Patches;
-use azulejo_scene::{Material, Scene};
+use azulejo_scene::math::Ray;
+use azulejo_trace::sampling::{seeds, sobol};
+use azulejo_trace::{KernelRay, Surfaces};
 
-/// With more patches than this, formulas for all pairs take minutes and gigabytes.
-const MOST_PAIRED: usize = 20_000;
+/// Formulas are worth this many times the time of rays: their rows are some fifty times better, for
+/// which rays would need a few hundred times as long.
+const WORTH: f64 = 30.0;
 
 /// Share of the area that has to be flat for formulas to be worth while.
 const MOSTLY_FLAT: f64 = 0.95;
@@ -16,8 +21,17 @@ const MOSTLY_FLAT: f64 = 0.95;
 /// Seconds per ray, including sampling its start and locating the patch it hits.
 const SECONDS_PER_RAY: f64 = 0.4e-6;
 
-/// Seconds per pair of patches by formulas, including shadows.
-const SECONDS_PER_PAIR: f64 = 2.5e-6;
+/// Seconds per pair of patches by formulas: unoccluded, partially occluded, and not seen at all.
+const SECONDS_PER_PAIR: [f64; 3] = [0.5e-6, 20e-6, 20e-9];
+
+/// Rays per row of a matrix by default.
+const ROW_RAYS: f64 = 4_096.0;
+
+/// Random pairs whose visibility is tested.
+const PAIRS: u32 = 2_048;
+
+/// Rays between the patches of such a pair.
+const RAYS_PER_PAIR: u32 = 4;
 
 /// The properties of a divided scene on which the automatic choice of an engine rests.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,15 +40,17 @@ pub struct EngineChoice {
     pub patches: usize,
     /// Share of the area that is flat, 0 to 1.
     pub flat: f64,
-    /// Whether there are mirrors, glass or glossy surfaces.
+    /// Whether there are patches of mirrors, glass or glossy surfaces.
     pub is_specular: bool,
+    /// Shares of all pairs that see each other: fully, and partially. Of sampled pairs.
+    pub visible: [f64; 2],
     /// Bytes that may be used.
     pub memory: u64,
 }
 
 impl EngineChoice {
-    /// The properties of `scene` as divided into `patches`.
-    pub fn of(scene: &Scene, patches: &Patches, memory: u64) -> EngineChoice {
+    /// The properties of a scene as divided into `patches`.
+    pub fn of(surfaces: &Surfaces, patches: &Patches, memory: u64) -> EngineChoice {
         let (mut flat, mut all) = (0.0, 0.0);
         for p in 0..patches.len() {
             let area = patches.area(p);
@@ -43,39 +59,65 @@ impl EngineChoice {
                 flat += area;
             }
         }
+        let materials = patches.materials_in_use(surfaces.scene);
         EngineChoice {
             patches: patches.len(),
             flat: flat / f64::max(all, f64::MIN_POSITIVE),
-            is_specular: scene.materials.iter().any(Material::is_specular),
+            is_specular: materials.iter().any(|m| m.is_specular()),
+            visible: visible_shares(surfaces, patches),
             memory,
         }
     }
 
-    /// Bytes for all pairs, if all see each other.
+    /// All pairs, each counted once.
+    fn pairs(&self) -> f64 {
+        0.5 * (self.patches as f64).powi(2)
+    }
+
+    /// Bytes for the pairs that see each other.
     fn pair_bytes(&self) -> f64 {
-        16.0 * 0.5 * (self.patches as f64).powi(2)
+        16.0 * self.pairs() * self.visible.iter().sum::<f64>()
     }
 
     fn fits(&self) -> bool {
         self.pair_bytes() <= self.memory as f64
     }
 
+    /// Seconds that formulas for all pairs take.
+    fn seconds(&self) -> f64 {
+        let [clear, partial] = self.visible;
+        let shares = [clear, partial, 1.0];
+        let costs = shares.iter().zip(SECONDS_PER_PAIR);
+        self.pairs() * costs.map(|(share, seconds)| share * seconds).sum::<f64>()
+    }
+
     /// The engine for a matrix of form factors, and the reason.
     pub fn for_factors(&self) -> (Engine, String) {
         let n = self.patches;
-        if n > MOST_PAIRED {
-            let why = format!("rays, because {n} patches are too many to pair by formulas");
-            (Engine::Rays, why)
-        } else if !self.fits() {
+        let seen = 100.0 * self.visible.iter().sum::<f64>();
+        let by_rays = n as f64 * ROW_RAYS * SECONDS_PER_RAY;
+        if !self.fits() {
             let gibibytes = self.pair_bytes() / f64::from(1 << 30);
-            let why = format!("rays, because all pairs of {n} patches may take {gibibytes:.1} GiB");
+            let why = format!(
+                "rays, because the {seen:.1}% of the pairs of {n} patches that see each other may \
+                 take {gibibytes:.1} GiB"
+            );
             (Engine::Rays, why)
         } else if self.flat < MOSTLY_FLAT {
             let curved = 100.0 * (1.0 - self.flat);
             let why = format!("rays, because {curved:.0}% of the area is curved");
             (Engine::Rays, why)
+        } else if self.seconds() > WORTH * by_rays {
+            let why = format!(
+                "rays, because {n} patches, of whose pairs {seen:.1}% see each other, are too many \
+                 to pair by formulas"
+            );
+            (Engine::Rays, why)
         } else {
-            let why = format!("analytic, because {n} flat patches can be paired by formulas");
+            let why = format!(
+                "analytic, because {n} flat patches, of whose pairs {seen:.1}% see each other, can \
+                 be paired by formulas"
+            );
             (Engine::Analytic, why)
         }
     }
@@ -87,10 +129,10 @@ impl EngineChoice {
         // A patch's error from N rays is about a half N^−0.63.
         let rays = (0.5 / error).powf(1.0 / 0.63).max(f64::from(least));
         let by_rays = n * rays * SECONDS_PER_RAY;
-        let by_formulas = 0.5 * n * n * SECONDS_PER_PAIR;
+        // Solvers request whole rows, which compute each pair twice.
+        let by_formulas = 2.0 * self.seconds();
         let is_possible = self.flat >= MOSTLY_FLAT && !self.is_specular;
-        let fits = self.fits() && self.patches <= MOST_PAIRED;
-        if is_possible && fits && by_formulas < by_rays {
+        if is_possible && self.fits() && by_formulas < by_rays {
             let why = format!(
                 "analytic, because {} flat patches are paired sooner than about {rays:.0} rays \
                  of each are traced",
@@ -109,14 +151,77 @@ impl EngineChoice {
     }
 }
 
+/// Shares of the pairs of fronts that see each other: fully, and partially, as a few rays between
+/// random points of random pairs tell.
+fn visible_shares(surfaces: &Surfaces, patches: &Patches) -> [f64; 2] {
+    if patches.is_empty() {
+        return [0.0; 2];
+    }
+    let (mut rays, mut pairs) = (Vec::new(), Vec::new());
+    let scrambling = seeds(&[0xf1]);
+    for k in 0..PAIRS {
+        let pick = |d: usize| {
+            let u = f64::from(sobol(k, d, scrambling[d]));
+            (u * patches.len() as f64) as usize % patches.len()
+        };
+        let (i, j) = (pick(0), pick(1));
+        for r in 0..RAYS_PER_PAIR {
+            let u = f64::from(sobol(RAYS_PER_PAIR * k + r, 2, scrambling[2]));
+            let v = f64::from(sobol(RAYS_PER_PAIR * k + r, 3, scrambling[3]));
+            if let Some(ray) = between(surfaces, patches, [i, j], [u, v]) {
+                rays.push(ray);
+                pairs.push(k);
+            }
+        }
+    }
+    let mut blocked = Vec::new();
+    surfaces.tracer.any(&rays, &mut blocked);
+    let (mut clear, mut partial) = (0u32, 0u32);
+    let results: Vec<(u32, bool)> = pairs.into_iter().zip(blocked).collect();
+    for pair in results.chunk_by(|a, b| a.0 == b.0) {
+        let free = pair.iter().filter(|(_, blocked)| !blocked).count() as u32;
+        clear += u32::from(free == RAYS_PER_PAIR);
+        partial += u32::from(free > 0 && free < RAYS_PER_PAIR);
+    }
+    [clear, partial].map(|count| f64::from(count) / f64::from(PAIRS))
+}
+
+/// A ray between points of two patches, if their fronts face each other there.
+fn between(
+    surfaces: &Surfaces,
+    patches: &Patches,
+    pair: [usize; 2],
+    [u, v]: [f64; 2],
+) -> Option<KernelRay> {
+    let tracer = surfaces.tracer;
+    // Different points on either side, so that the four rays of a pair are no parallels.
+    let [x, y] = [(pair[0], u, v), (pair[1], v, 1.0 - u)].map(|(p, u, v)| patches.sample(p, u, v));
+    let way = y.position - x.position;
+    let faces = way.dot(x.normal) > 0.0 && way.dot(y.normal) < 0.0;
+    let ends = || {
+        (
+            tracer.leaving(x.position, x.normal),
+            tracer.leaving(y.position, y.normal),
+        )
+    };
+    faces.then(|| {
+        let (from, to) = ends();
+        tracer.kernel_ray(&Ray::between(from, to))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::patch::PatchSize;
+    use azulejo_scene::synthetic::{cube_room, room_with_table, street_with_detail};
+    use azulejo_trace::Tracer;
 
     const ROOM: EngineChoice = EngineChoice {
         patches: 5_000,
         flat: 1.0,
         is_specular: false,
+        visible: [0.5, 0.1],
         memory: 4 << 30,
     };
 
@@ -132,7 +237,8 @@ mod tests {
         let curved = EngineChoice { flat: 0.5, ..ROOM };
         check(curved.for_factors(), &Engine::Rays, "50%");
         let many = EngineChoice {
-            patches: 20_001,
+            patches: 60_000,
+            memory: u64::MAX,
             ..ROOM
         };
         check(many.for_factors(), &Engine::Rays, "too many");
@@ -140,7 +246,40 @@ mod tests {
             memory: 100 << 20,
             ..ROOM
         };
-        check(tight.for_factors(), &Engine::Rays, "may take 0.2 GiB");
+        check(tight.for_factors(), &Engine::Rays, "may take 0.1 GiB");
+    }
+
+    /// Pairs that do not see each other cost next to nothing.
+    #[test]
+    fn factors_of_towns_are_formulas() {
+        let town = EngineChoice {
+            patches: 60_000,
+            visible: [0.006, 0.003],
+            ..ROOM
+        };
+        check(town.for_factors(), &Engine::Analytic, "0.9%");
+    }
+
+    fn shares(scene: &azulejo_scene::Scene) -> [f64; 2] {
+        let tracer = Tracer::new(scene);
+        let surfaces = Surfaces::new(scene, &tracer);
+        let patches = Patches::new(scene, PatchSize::Edge(0.0));
+        visible_shares(&surfaces, &patches)
+    }
+
+    #[test]
+    fn a_few_rays_tell_how_many_pairs_see_each_other() {
+        let [clear, partial] = shares(&cube_room());
+        // Of 36 ordered pairs of walls, six are a wall with itself.
+        assert!(
+            (clear - 5.0 / 6.0).abs() < 0.03 && partial == 0.0,
+            "{clear}"
+        );
+        // 61% of the pairs of the room are seen, by the analytic engine, 13% of all partially.
+        let [clear, partial] = shares(&room_with_table(500));
+        assert!((clear + partial - 0.61).abs() < 0.06, "{clear} {partial}");
+        let [clear, partial] = shares(&street_with_detail(0.1));
+        assert!(clear + partial < 0.35, "{clear} {partial}");
     }
 
     #[test]

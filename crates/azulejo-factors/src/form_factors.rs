@@ -26,6 +26,7 @@ mod merge;
 mod near;
 mod one_row;
 mod options;
+mod remainder;
 mod rows;
 mod shaft;
 mod sides;
@@ -130,13 +131,15 @@ impl<'a> Plan<'a> {
         PreparedPlan::new(self)
     }
 
-    fn is_to_close(&self, factors: &mut FormFactors, materials: &[Material]) -> bool {
+    /// Whether closure is to be enforced; materials that no patch has do not matter.
+    fn is_to_close(&self, factors: &mut FormFactors) -> bool {
+        let materials = self.patches.materials_in_use(&self.proxy.scene);
         let is_coloured = materials.iter().any(|m| !m.mirror.is_grey());
         let has_glass = materials.iter().any(|m| m.dielectric.is_some());
         let has_gloss = materials.iter().any(|m| m.glossy().is_some());
         match self.options.closure {
             Closure::Never => false,
-            Closure::Closed => factors.is_closed && !materials.iter().any(Material::is_specular),
+            Closure::Closed => factors.is_closed && !materials.iter().any(|m| m.is_specular()),
             Closure::Always if is_coloured || has_glass || has_gloss => {
                 let why = match (has_glass, has_gloss) {
                     (true, _) => "there is glass",
@@ -174,7 +177,8 @@ impl<'a> PreparedPlan<'a> {
         let seed = plan.options.seed;
         let (engine, why) = match &plan.options.engine {
             Engine::Auto => {
-                let choice = EngineChoice::of(scene, &plan.patches, plan.options.memory);
+                let surfaces = Surfaces::new(scene, tracer);
+                let choice = EngineChoice::of(&surfaces, &plan.patches, plan.options.memory);
                 let (engine, why) = choice.for_factors();
                 (engine, Some(why))
             }
@@ -221,7 +225,7 @@ impl<'a> PreparedPlan<'a> {
         let mut factors = self.estimate(journal, progress)?;
         self.describe(&mut factors);
         factors.is_closed = factors.loses_no_light();
-        if self.plan.is_to_close(&mut factors, self.materials()) {
+        if self.plan.is_to_close(&mut factors) {
             factors.close(progress)?;
         }
         factors.update_row_errors();

@@ -20,6 +20,8 @@ pub(crate) struct View<'a> {
     pub pair: [usize; 2],
     /// Normals of the sides that see each other.
     pub normals: [DVec3; 2],
+    /// With an up direction, light that leaves the first facet downwards counts as blocked.
+    pub up: Option<DVec3>,
     /// Seeds of the random numbers.
     pub key: [u32; 3],
 }
@@ -56,26 +58,28 @@ impl View<'_> {
     /// facets and weighted with the kernel (ratio estimator).
     fn looked(&self, rays: u32) -> Visible {
         let (mut shadow, mut kernels, mut blocked) = (Vec::new(), Vec::new(), Vec::new());
+        let mut is_down = Vec::new();
         for r in 0..REPLICATES as u32 {
             let [seed, i, j] = self.key;
             let scrambling = seeds(&[seed, i, j, r, rays]);
             for k in 0..rays {
                 let u = [0, 1, 2, 3].map(|d| f64::from(sobol(k, d, scrambling[d])));
-                let (ray, kernel) = self.connect(u);
+                let (ray, kernel, way) = self.connect(u);
                 shadow.push(ray);
                 kernels.push(kernel);
+                is_down.push(self.up.is_some_and(|up| way.dot(up) < 0.0));
             }
         }
         self.surfaces.tracer.any(&shadow, &mut blocked);
         let mut sums = [Kernels::default(); REPLICATES];
         for (index, (&kernel, &blocked)) in kernels.iter().zip(&blocked).enumerate() {
-            sums[index / rays as usize].add(kernel, !blocked);
+            sums[index / rays as usize].add(kernel, !blocked && !is_down[index]);
         }
         Visible::new(&sums)
     }
 
-    /// A shadow ray between two points, and the kernel's value there.
-    fn connect(&self, u: [f64; 4]) -> (KernelRay, f64) {
+    /// A shadow ray between two points, the kernel's value there, and the way from one to the other.
+    fn connect(&self, u: [f64; 4]) -> (KernelRay, f64, DVec3) {
         let point = |k: usize| {
             let at = self.patches.sample(self.pair[k], u[2 * k], u[2 * k + 1]);
             at.position
@@ -88,6 +92,7 @@ impl View<'_> {
         (
             tracer.kernel_ray(&ray),
             if kernel.is_finite() { kernel } else { 0.0 },
+            way,
         )
     }
 }

@@ -327,11 +327,10 @@ impl SolverInputs<'_> {
             rays,
             seed,
         } = self;
-        let scene = gatherer.surfaces().scene;
         let (engine, why) = match &pass.engine {
             Engine::Auto => {
-                let chosen =
-                    EngineChoice::of(scene, patches, pass.memory).for_light(pass.aim(), rays);
+                let choice = EngineChoice::of(gatherer.surfaces(), patches, pass.memory);
+                let chosen = choice.for_light(pass.aim(), rays);
                 (chosen.0, Some(chosen.1))
             }
             asked => (asked.clone(), None),

@@ -63,11 +63,15 @@ pub struct MatrixArgs {
     /// One row per face, object or material instead of per patch
     #[arg(long, value_name = "GROUP", value_enum)]
     pub by: Option<GroupBy>,
+    /// Replace what the engine finds by closed forms, for close pairs and emitters: with `never`,
+    /// the matrix shows the engine alone, and closure is enforced only on request
+    #[arg(long, value_name = "WHEN", value_enum, default_value_t = FormulasName::Auto)]
+    pub formulas: FormulasName,
     /// Enforce closure: adjust pairs in proportion to their variances so that rows sum to 1 (in open
-    /// scenes with sky and ground)
+    /// scenes with sky and ground) [default: closed; never with --formulas=never]
     #[arg(long, value_name = "WHEN", value_enum, num_args = 0..=1, require_equals = true,
-          default_value = "closed", default_missing_value = "always")]
-    pub closure: ClosureName,
+          default_missing_value = "always")]
+    pub closure: Option<ClosureName>,
     /// Drop pairs whose form factors are both below this share, and distribute their weight over
     /// the others; row sums and reciprocity are preserved
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
@@ -86,6 +90,26 @@ pub enum GroupBy {
     Object,
     /// Materials
     Material,
+}
+
+impl MatrixArgs {
+    /// When closure is enforced.
+    pub fn closure(&self) -> Closure {
+        match (self.closure, self.formulas) {
+            (Some(name), _) => name.into(),
+            (None, FormulasName::Auto) => Closure::Closed,
+            (None, FormulasName::Never) => Closure::Never,
+        }
+    }
+}
+
+/// Pairs that closed forms compute, whatever the engine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FormulasName {
+    /// Close pairs and pairs with emitters, where the formula has the smaller standard error
+    Auto,
+    /// None
+    Never,
 }
 
 /// Scenes in which closure is enforced.

@@ -8,12 +8,12 @@ mod summary;
 mod table;
 mod view3d;
 
-use super::engine::PreparedEngine;
+use super::engine::{EngineName, PreparedEngine};
 use super::failure::Failure;
 use super::report::{Report, bytes, count};
 use super::session::Session;
 use super::{input, pass};
-use args::{FormFactorArgs, FormatName};
+use args::{FormFactorArgs, FormatName, FormulasName};
 use azulejo::output::Output;
 use azulejo_factors::form_factors::{Forecast, Journal, NoJournal, Plan, PreparedPlan};
 use azulejo_factors::{
@@ -50,6 +50,7 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
     let output = Output::check(&args.output)?;
     let format = matrix_format(args, &output)?;
     session.claim_stdout(output.is_stdout())?;
+    refuse_contradiction(args)?;
     let engine = args.engine.prepare()?;
     let room = view3d::read(args, session)?;
     let scene = match &room {
@@ -100,6 +101,17 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
     let path = args.output.display().to_string();
     report.fact("output", path.clone(), "wrote", path);
     Ok(report)
+}
+
+/// The analytic engine without formulas would be nothing.
+fn refuse_contradiction(args: &FormFactorArgs) -> Result<(), Failure> {
+    let is_analytic = args.engine.engine == EngineName::Analytic;
+    if is_analytic && args.matrix.formulas == FormulasName::Never {
+        return Err(Failure::misuse(format_args!(
+            "--formulas=never does not apply to --engine analytic, which is formulas alone"
+        )));
+    }
+    Ok(())
 }
 
 /// Reads models whose rows are patches or groups of them.
@@ -157,8 +169,10 @@ fn grouped(
 fn options(args: &FormFactorArgs, prepared: &PreparedEngine) -> FormFactorOptions {
     let default = FormFactorOptions::default();
     let machine = || azulejo::machine::memory().unwrap_or(u64::MAX);
+    let has_formulas = args.matrix.formulas == FormulasName::Auto;
     let engine = match (&prepared.engine, args.rays) {
         (Engine::Auto, Some(_)) => Engine::Rays,
+        (Engine::Auto, None) if !has_formulas => Engine::Rays,
         (engine, _) => engine.clone(),
     };
     FormFactorOptions {
@@ -168,7 +182,8 @@ fn options(args: &FormFactorArgs, prepared: &PreparedEngine) -> FormFactorOption
         two_sided: args.two_sided,
         seed: args.seed,
         separate: args.matrix.separate,
-        closure: args.matrix.closure.into(),
+        closure: args.matrix.closure(),
+        analytic: has_formulas,
         memory: args.memory.unwrap_or_else(machine),
         ..default
     }

@@ -134,6 +134,26 @@ fn groups_keep_sums_and_reciprocity() {
     }
 }
 
+/// Without formulas there is the engine alone, and no closure that was not requested.
+#[test]
+fn the_engine_alone_is_shown_on_request() {
+    let folder = Folder::with_room();
+    let line = "form-factors room.obj -o f.npz --patches 150 --rays 256 --two-sided";
+    let error = |options: &str| {
+        let report = folder.json(&format!("{line} --closure=never {options}"));
+        report["row_error"].as_f64().unwrap()
+    };
+    assert!(error("--formulas=never") > 1.02 * error("--formulas=auto"));
+    let alone = folder.json(&format!("{line} --formulas=never"));
+    assert!(alone["closure"].is_null() && alone["engine"] == json!("rays"));
+    let closed = folder.json(&format!("{line} --formulas=never --closure"));
+    assert!(!closed["closure"].is_null());
+    let rays = "form-factors room.obj -o f.npz --patches 50 --formulas=never";
+    assert_eq!(folder.json(rays)["engine"], json!("rays"));
+    let refused = format!("{rays} --engine analytic");
+    folder.fails(&refused, 2, "--formulas=never does not apply");
+}
+
 #[test]
 fn what_was_moved_is_said() {
     let folder = Folder::with_room();

@@ -1,7 +1,7 @@
 //! A convex polygon that may occlude the view between two others.
 
 use azulejo_scene::math::area_vector;
-use azulejo_trace::lambert::ArrayPolygon;
+use azulejo_trace::lambert::{ArrayPolygon, clip};
 use glam::DVec3;
 
 /// The effect of a convex polygon on the lines of sight between two point sets.
@@ -79,8 +79,11 @@ impl Blocker {
 
     /// The effect on the lines from the convex hull of some points to that of others.
     ///
-    /// Where a plane separates the two, the lines between them cross it in the convex hull of the
-    /// points where lines between corners cross it. `graze` is the depth that does not count.
+    /// Where the plane separates the two, the lines between them cross it in the convex hull of the
+    /// points where lines between corners cross it. A polygon that the plane cuts is first cut
+    /// there, because only lines from its part above to what lies below matter: neighbours on a
+    /// convex body, whose planes cut everything around it, hide nothing from each other. `graze` is
+    /// the depth that does not count.
     pub fn effect(&self, a: &[DVec3], b: &[DVec3], graze: f64) -> Effect {
         let range = |points: &[DVec3]| {
             points
@@ -98,10 +101,33 @@ impl Blocker {
             return Effect::None;
         }
         let parts = (low_a >= -graze && high_b <= graze) || (high_a <= graze && low_b >= -graze);
-        if !parts {
-            return Effect::Partial(u64::MAX);
+        if parts {
+            return self.effect_on_crossings(a, b, graze);
         }
-        self.effect_on_crossings(a, b, graze)
+        let down = high_a > graze && low_b < -graze;
+        let up = !self.is_one_sided && high_b > graze && low_a < -graze;
+        let ways = [down.then_some([a, b]), up.then_some([b, a])];
+        let ways = ways.into_iter().flatten();
+        let effects = ways.map(|[above, below]| self.effect_downwards(above, below, graze));
+        let edges = effects.filter_map(|effect| match effect {
+            Effect::None => None,
+            Effect::Hides => Some(PLANE),
+            Effect::Partial(edges) => Some(edges | PLANE),
+        });
+        match edges.fold(0, |all, edges| all | edges) {
+            0 => Effect::None,
+            edges => Effect::Partial(edges),
+        }
+    }
+
+    /// The effect on lines from the part of one polygon above the plane to the part of another below.
+    fn effect_downwards(&self, above: &[DVec3], below: &[DVec3], graze: f64) -> Effect {
+        let Some(&place) = self.polygon.first() else {
+            return Effect::None;
+        };
+        let above = clip(above, place, self.normal);
+        let below = clip(below, place, -self.normal);
+        self.effect_on_crossings(&above, &below, graze)
     }
 
     fn effect_on_crossings(&self, a: &[DVec3], b: &[DVec3], graze: f64) -> Effect {
@@ -166,6 +192,38 @@ mod tests {
                     other => other,
                 };
                 assert_eq!(effect, expected);
+            }
+        }
+    }
+
+    /// Neighbours on a convex body, whose planes cut what lies around it.
+    #[test]
+    fn a_convex_body_hides_nothing_from_its_faces() {
+        let corner = |k: i32| {
+            let angle = f64::from(k) * std::f64::consts::PI / 64.0;
+            angle.sin_cos()
+        };
+        let side = |k: i32| {
+            let ((x, z), (u, w)) = (corner(k), corner(k + 1));
+            [
+                dvec3(x, 0., z),
+                dvec3(x, 9., z),
+                dvec3(u, 9., w),
+                dvec3(u, 0., w),
+            ]
+        };
+        let strip = [(-4., 0.), (4., 0.), (4., 9.), (-4., 9.)].map(|(x, y)| dvec3(x, y, 1.5));
+        let in_front = |of: &Blocker| clip(&strip, of.polygon[0], of.normal);
+        for seen in 0..128 {
+            let mut target = Blocker::new(side(seen).into_iter().collect()).unwrap();
+            if target.height(DVec3::ZERO) > 0.0 {
+                target = Blocker::new(side(seen).into_iter().rev().collect()).unwrap();
+            }
+            let strip = in_front(&target);
+            for other in (0..128).filter(|&k| k != seen && !strip.is_empty()) {
+                let other = Blocker::new(side(other).into_iter().collect()).unwrap();
+                let effect = other.effect(&strip, &target.polygon, 1e-12);
+                assert_eq!(effect, Effect::None, "{seen}");
             }
         }
     }

@@ -1,8 +1,11 @@
 //! Rows of exchange areas, distributed over threads.
 
+pub(crate) use super::horizon::Horizon;
 use super::images::{FlatMirror, ImageLimits, MirrorImage, MirrorImages};
 use super::occluders::SceneOccluders;
-use super::traversal::{ExchangeBlock, PairAccuracy, PairCounts, PairTraversal};
+use super::traversal::{
+    ExchangeBlock, HorizonSplit, PairAccuracy, PairCounts, PairTraversal, RequestedRows,
+};
 use super::{Facet, FacetTree};
 use crate::analytic::{exchange_area_fast, form_factor_fast};
 use crate::form_factors::journal::{
@@ -16,12 +19,34 @@ use azulejo_scene::math::area_vector;
 use azulejo_trace::{Cancelled, Progress, Surfaces};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Rows computed together.
 const GROUP: usize = 16;
 
-/// Groups per journal block.
-const BLOCK: usize = 64;
+/// Fewest and most groups per journal block: enough for many threads.
+const BLOCK: [usize; 2] = [16, 64];
+
+/// Bytes of a journal block, within these limits.
+const BLOCK_BYTES: usize = 16 << 20;
+
+/// Groups per journal block of a matrix of so many rows.
+fn block_groups(rows: usize) -> usize {
+    let group = GROUP * size_of::<Exchange>() * rows.max(1);
+    (BLOCK_BYTES / group).clamp(BLOCK[0], BLOCK[1])
+}
+
+/// Bytes that an exchanger and its work take, besides the matrix: facets with their Gauss points and
+/// clusters, a group of rows for each thread, and a journal block in memory and as bytes.
+pub(crate) fn working_bytes(rows: usize, threads: usize) -> f64 {
+    let pair = (size_of::<f64>() + size_of::<f32>()) as f64;
+    let groups = (threads * GROUP * rows) as f64 * pair;
+    let block = (block_groups(rows) * GROUP * rows * size_of::<Exchange>()) as f64;
+    rows as f64 * FACET_BYTES + groups + block
+}
+
+/// Bytes per facet, about: its corners, thirteen Gauss points, and a share of the clusters.
+const FACET_BYTES: f64 = 1_200.0;
 
 /// Up to this many sides, rows are exact by default.
 const FEW: usize = 32;
@@ -48,6 +73,8 @@ pub(crate) struct Exchanger<'a> {
     images: Vec<MirrorImage>,
     truncated: f64,
     accuracy: PairAccuracy,
+    /// For each patch, whether some side may see its back.
+    shows_back: Vec<bool>,
     /// Orders that are known completely by formulas.
     pub known: [bool; ORDERS],
     seed: u32,
@@ -91,6 +118,7 @@ impl<'a> Exchanger<'a> {
             positions,
             images: images.list,
             truncated: images.truncated,
+            shows_back: scene_occluders.shows_back,
             known,
             seed: options.seed,
         }
@@ -129,7 +157,7 @@ impl<'a> Exchanger<'a> {
             let (rows, counts) = self.group(rows, true);
             Ok(RowGroup { rows, counts })
         };
-        let size = (groups.len(), BLOCK);
+        let size = (groups.len(), block_groups(self.sides.len()));
         let done = resumed(journal, JournalStage::Pairs, size, progress, |block| {
             groups[block].par_iter().map(group).collect()
         })?;
@@ -154,7 +182,8 @@ impl<'a> Exchanger<'a> {
         })
     }
 
-    /// Whole rows, in the requested order; empty for those without a facet.
+    /// Whole rows, in the requested order; empty for those without a facet. Each depends on its
+    /// own facet alone, whichever others are requested with it.
     pub fn rows(&self, rows: &[usize]) -> Vec<Orders> {
         let mut positions: Vec<u32> = rows
             .iter()
@@ -163,7 +192,8 @@ impl<'a> Exchanger<'a> {
             .collect();
         // Neighbours together, so that clusters are tested for many rows at once.
         positions.sort_unstable();
-        let groups = positions.par_chunks(GROUP);
+        let groups: Vec<&[u32]> = positions.chunk_by(same_group).collect();
+        let groups = groups.par_iter();
         let found: Vec<_> = groups.flat_map_iter(|g| self.group(g, false).0).collect();
         let mut places = vec![NOWHERE; self.sides.len()];
         for (k, &row) in rows.iter().enumerate() {
@@ -176,22 +206,20 @@ impl<'a> Exchanger<'a> {
         sorted
     }
 
-    /// Some rows, from the diagonal on if `upper`.
+    /// Some rows of one group of [`GROUP`] neighbours, from the diagonal on if `upper`.
     fn group(&self, rows: &[u32], upper: bool) -> (Vec<(u32, Orders)>, PairCounts) {
-        let facets = || rows.iter().map(|&r| &self.facets.list[r as usize]);
+        let group = RowGroupPlaces::new(rows, self.facets.list.len());
+        let requested = RequestedRows {
+            places: &group.places,
+            upper,
+            split: None,
+        };
         let mut found: [Option<ExchangeBlock>; ORDERS] = Default::default();
         let mut counts = PairCounts::default();
         for image in &self.images {
-            let images = image.rows(facets());
             let found = found[image.order]
                 .get_or_insert_with(|| ExchangeBlock::new(rows.len(), self.facets.list.len()));
-            let mut traversal = PairTraversal::new(image, &images, &self.facets, self.accuracy);
-            traversal.run(upper, found);
-            for &(row, column) in &traversal.unresolved {
-                let (value, error) = self.by_shadow_rays(rows[row] as usize, column);
-                found.add(row, column, value, error);
-            }
-            counts.add(&traversal.counts);
+            counts.add(&self.add_image(image, &group, requested, found));
         }
         let row = |(k, position): (usize, &u32)| {
             let sorted = |found: &Option<ExchangeBlock>| {
@@ -205,33 +233,192 @@ impl<'a> Exchanger<'a> {
         (rows.iter().enumerate().map(row).collect(), counts)
     }
 
-    fn entries(&self, found: &ExchangeBlock, row: usize) -> Vec<Exchange> {
+    /// Adds what an image contributes to the requested rows of a group.
+    fn add_image(
+        &self,
+        image: &MirrorImage,
+        group: &RowGroupPlaces,
+        requested: RequestedRows,
+        found: &mut ExchangeBlock,
+    ) -> PairCounts {
+        let rows = image.rows(self.facets.list[group.whole.clone()].iter());
+        let mut traversal =
+            PairTraversal::new(image, &rows, &self.facets, self.accuracy, requested);
+        traversal.run(found);
+        for &(row, column) in &traversal.unresolved {
+            let Some(place) = group.places[row] else {
+                continue;
+            };
+            let row = group.whole.start + row;
+            let (value, error) = self.by_shadow_rays(row, column, None);
+            found.add(place, column, value, error);
+            if let Some(split) = requested.split {
+                let (value, error) = self.by_shadow_rays(row, column, Some(split.up));
+                found.add_upward(place, column, value, error);
+            }
+        }
+        traversal.counts
+    }
+
+    /// Of some rows, what no matrix of theirs tells: how much leaves upwards of the light to columns
+    /// that a row's horizon cuts, and how much ends on columns from `rows` on, which are no rows.
+    /// Without mirrors.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn split_at_horizon(
+        &self,
+        of: &[usize],
+        up: DVec3,
+        rows: usize,
+        progress: &Progress,
+    ) -> Result<Vec<SplitRow>, Cancelled> {
+        let mut positions: Vec<u32> = of
+            .iter()
+            .map(|&row| self.positions[row])
+            .filter(|&p| p != NOWHERE)
+            .collect();
+        positions.sort_unstable();
+        let groups: Vec<&[u32]> = positions.chunk_by(same_group).collect();
+        let split = HorizonSplit {
+            up,
+            rows: rows as u32,
+            // Exact formulas know no horizon.
+            error: self.accuracy.partial.max(EXACT),
+        };
+        progress.begin("sky view factors", groups.len() as u64);
+        let group = |rows: &&[u32]| {
+            progress.advance(1)?;
+            let group = RowGroupPlaces::new(rows, self.facets.list.len());
+            let requested = RequestedRows {
+                places: &group.places,
+                upper: false,
+                split: Some(split),
+            };
+            let mut found = ExchangeBlock::with_upward(rows.len(), self.facets.list.len());
+            for image in self.images.iter().filter(|image| image.order == 0) {
+                self.add_image(image, &group, requested, &mut found);
+            }
+            let row = |(k, &position): (usize, &u32)| {
+                let id = self.facets.list[position as usize].id;
+                (id, self.split_row(&found, k, split.rows))
+            };
+            Ok(rows.iter().enumerate().map(row).collect())
+        };
+        let found: Vec<Vec<(u32, SplitRow)>> = groups
+            .par_iter()
+            .map(group)
+            .collect::<Result<_, Cancelled>>()?;
+        let mut sorted = vec![SplitRow::default(); of.len()];
+        let mut places = vec![NOWHERE; self.sides.len()];
+        for (k, &row) in of.iter().enumerate() {
+            places[row] = k as u32;
+        }
+        for (id, row) in found.into_iter().flatten() {
+            sorted[places[id as usize] as usize] = row;
+        }
+        Ok(sorted)
+    }
+
+    /// The sums of one row of a block, over columns in their fixed order.
+    fn split_row(&self, found: &ExchangeBlock, row: usize, rows: u32) -> SplitRow {
         let (values, errors) = found.row(row);
-        let places = 0..values.len();
-        places
-            .filter(|&c| values[c] > 0.0)
-            .map(|c| Exchange {
-                column: self.facets.list[c].id,
-                value: values[c],
-                error: errors[c],
-            })
+        let mut sums = SplitRow::default();
+        for (k, facet) in self.facets.list.iter().enumerate() {
+            sums.upward += found.upward(row)[k];
+            sums.variance += f64::from(errors[k]).powi(2);
+            if facet.id >= rows {
+                sums.hidden += values[k];
+            }
+        }
+        sums
+    }
+
+    /// A row's horizon.
+    pub fn horizon(&self, row: usize, up: DVec3) -> Horizon {
+        let facet = &self.facets.list[self.positions[row] as usize];
+        Horizon::new(facet, up, self.images[0].graze)
+    }
+
+    /// Sides that are no rows although rows may see them.
+    pub fn hidden_sides(&self, is_column: impl Fn(u32, bool) -> bool) -> Vec<Side> {
+        let patches = (0..self.patches.len() as u32).filter(|&p| self.shows_back[p as usize]);
+        patches
+            .filter(|&p| !is_column(p, false))
+            .map(|p| 2 * p + 1)
             .collect()
     }
 
+    fn entries(&self, found: &ExchangeBlock, row: usize) -> Vec<Exchange> {
+        let (values, errors) = found.row(row);
+        // Of the exact size: most of the memory is in these lists.
+        let count = values.iter().filter(|&&value| value > 0.0).count();
+        let mut entries = Vec::with_capacity(count);
+        let places = 0..values.len();
+        let seen = places.filter(|&c| values[c] > 0.0);
+        entries.extend(seen.map(|c| Exchange {
+            column: self.facets.list[c].id,
+            value: values[c],
+            error: errors[c],
+        }));
+        entries
+    }
+
     /// A pair that is too complex for formulas.
-    fn by_shadow_rays(&self, row: usize, column: usize) -> (f64, f64) {
+    fn by_shadow_rays(&self, row: usize, column: usize, up: Option<DVec3>) -> (f64, f64) {
         let (a, b) = (&self.facets.list[row], &self.facets.list[column]);
         let view = View {
             patches: self.patches,
             surfaces: self.surfaces,
             pair: [a, b].map(|f| (self.sides[f.id as usize] / 2) as usize),
             normals: [a.normal, b.normal],
+            up,
             key: [self.seed, a.id.min(b.id), a.id.max(b.id)],
         };
         let whole = exchange_area_fast(a.polygon(), b.polygon(), self.accuracy.whole);
         let visible = view.visible();
         (whole * visible.share, whole * visible.error)
     }
+}
+
+/// Whether two positions belong to one group.
+fn same_group(a: &u32, b: &u32) -> bool {
+    a / GROUP as u32 == b / GROUP as u32
+}
+
+/// The requested rows of a group of [`GROUP`] neighbours in the tree.
+///
+/// The traversal takes the whole group, because its clusters decide how pairs are computed: with
+/// clusters of the requested rows alone, a row would depend on which others are requested, and
+/// solvers request as many at a time as there are threads.
+struct RowGroupPlaces {
+    /// Positions of the whole group.
+    whole: Range<usize>,
+    /// For each of these its place among the requested rows.
+    places: Vec<Option<usize>>,
+}
+
+impl RowGroupPlaces {
+    fn new(rows: &[u32], facets: usize) -> RowGroupPlaces {
+        let first = rows[0] as usize / GROUP * GROUP;
+        let whole = first..(first + GROUP).min(facets);
+        let mut places = vec![None; whole.len()];
+        for (place, &row) in rows.iter().enumerate() {
+            places[row as usize - first] = Some(place);
+        }
+        RowGroupPlaces { whole, places }
+    }
+}
+
+/// Exchange areas of one row that [`Exchanger::split_at_horizon`] sums up.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct SplitRow {
+    /// To columns that the horizon cuts and to those that are no rows: the part above the horizon.
+    pub upward: f64,
+    /// To columns that are no rows.
+    pub hidden: f64,
+    /// Variance of either.
+    pub variance: f64,
 }
 
 /// The result of [`Exchanger::all`].

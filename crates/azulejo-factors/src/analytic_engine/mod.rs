@@ -5,7 +5,8 @@
 //! are merged into large convex ones ([`convex_merge`], [`occluders`]). Unoccluded pairs take
 //! Gauss's rule ([`gauss_points`]) or, when close, a contour integral; partially occluded ones are
 //! cut along the discontinuities of the view ([`partial`]). Chains of planar mirrors are traversed
-//! in the same way, as images behind windows ([`images`]). [`exchanger`] distributes the rows over
+//! in the same way, as images behind windows ([`images`]). [`horizon`] tells light that leaves
+//! upwards from the rest. [`exchanger`] distributes the rows over
 //! threads.
 
 mod cluster_tree;
@@ -13,6 +14,7 @@ mod convex_merge;
 pub(crate) mod estimator;
 pub(crate) mod exchanger;
 mod gauss_points;
+mod horizon;
 mod images;
 mod occluders;
 mod partial;
@@ -77,7 +79,8 @@ impl Facet {
             Some(self.clone())
         } else {
             let part = clip(self.polygon(), other.corners[0], other.normal);
-            Some(Facet::new(self.id, &part, self.normal))
+            let part = Facet::new(self.id, &part, self.normal);
+            Some(part).filter(|part| part.count > 2)
         }
     }
 

@@ -19,6 +19,9 @@ pub(super) struct SceneOccluders {
     pub flat: Vec<Blocker>,
     /// Bounding boxes of objects with curved patches.
     pub curved: Vec<Aabb>,
+    /// For each patch, whether the sides may see its back: it is no part of a closed surface, or
+    /// some side is inside.
+    pub shows_back: Vec<bool>,
     /// Size of the scene.
     pub size: f64,
 }
@@ -48,6 +51,8 @@ impl SceneOccluders {
         let mut surface = vec![None; patches.len()];
         flat.iter().zip(closed).for_each(|(&i, of)| surface[i] = of);
         let entered = seen_from_inside(patches, surfaces, sides, &surface);
+        let is_inside = |of: &Option<u32>| of.is_none_or(|s| entered.contains(&s));
+        let shows_back = surface.iter().map(is_inside).collect();
         let blocker = |part: ConvexPolygon| {
             let mut blocker = Blocker::new(part.polygon.into_iter().collect())?;
             blocker.is_one_sided = part.surface.is_some_and(|s| !entered.contains(&s));
@@ -58,6 +63,7 @@ impl SceneOccluders {
         SceneOccluders {
             flat: blockers.filter(|b| !corners.is_wall(b, size)).collect(),
             curved,
+            shows_back,
             size,
         }
     }

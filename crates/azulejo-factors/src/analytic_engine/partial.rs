@@ -6,6 +6,7 @@
 //! cell and a few Gauss points per cell are enough. Where blockers or the other facet are too close
 //! for that, the facet is quartered first and the obstructions are tested again.
 
+use super::horizon::{Elevation, Horizon};
 use super::{Facet, MOST_CORNERS};
 use crate::analytic::{Approximate, Blocker, Effect, PLANE, edge_bit, exchange_area_fast, gauss};
 use azulejo_scene::math::area_vector;
@@ -111,9 +112,12 @@ impl Default for ClippedPolygon {
     }
 }
 
-/// The accuracy of a pair.
+/// What is computed of a pair, and its accuracy.
 #[derive(Clone, Copy)]
 pub(super) struct PairGoal {
+    /// With an up direction, only light that leaves the first facet upwards counts: what each of
+    /// its points sees above the horizon.
+    pub up: Option<DVec3>,
     /// Absolute error of the exchange area.
     pub error: f64,
     /// Relative error of formulas.
@@ -132,12 +136,11 @@ struct PairPart<'a> {
 }
 
 impl PartialVisibility {
-    /// Exchange area of a pair with obstructions, each with the edges that matter to the whole pair
-    /// and whether it is a window. With `is_whole` both facets are fully in front of each other.
+    /// Exchange area of two facets fully in front of each other, with obstructions, each with the
+    /// edges that matter to the whole pair and whether it is a window.
     pub fn exchange<'a>(
         &mut self,
         [a, b]: [&Facet; 2],
-        is_whole: bool,
         obstructions: impl Iterator<Item = (&'a Blocker, u64, bool)>,
         goal: PairGoal,
     ) -> Approximate {
@@ -147,28 +150,20 @@ impl PartialVisibility {
             is_window,
         });
         let obstructions: Vec<Obstruction> = all.collect();
-        let wants_seen = obstructions.iter().any(|s| s.is_window);
+        let wants_seen = goal.up.is_some() || obstructions.iter().any(|s| s.is_window);
         let pair = PairPart {
             a,
             b,
             depth: 0,
             wants_seen,
         };
-        let base = |a: &Facet, b: &Facet| if wants_seen { 0.0 } else { whole(a, b, goal) };
-        let value = if is_whole {
-            base(a, b) + self.culled(pair, &obstructions, goal)
-        } else {
-            let (Some(a), Some(b)) = (a.in_front_of(b, goal.graze), b.in_front_of(a, goal.graze))
-            else {
-                return Approximate::default();
+        let base = if wants_seen { 0.0 } else { whole(a, b, goal) };
+        let value = base
+            + if goal.up.is_some() {
+                self.part(pair, &obstructions, goal)
+            } else {
+                self.culled(pair, &obstructions, goal)
             };
-            let pair = PairPart {
-                a: &a,
-                b: &b,
-                ..pair
-            };
-            base(&a, &b) + self.part(pair, &obstructions, goal)
-        };
         Approximate {
             value: value.max(0.0),
             error: goal.error,
@@ -179,6 +174,13 @@ impl PartialVisibility {
     /// to the pair.
     fn part(&mut self, pair: PairPart, obstructions: &[Obstruction], goal: PairGoal) -> f64 {
         let PairPart { a, b, .. } = pair;
+        let goal = match goal.up.map(|up| {
+            Horizon::new(a, up, goal.graze).elevation_of_part(&Horizon::new(b, up, goal.graze))
+        }) {
+            None | Some(Elevation::Mixed) => goal,
+            Some(Elevation::Below) => return 0.0,
+            Some(Elevation::Above) => PairGoal { up: None, ..goal },
+        };
         let mut kept: Vec<Obstruction> = Vec::with_capacity(obstructions.len());
         for obstruction in obstructions {
             let effect = obstruction
@@ -199,7 +201,7 @@ impl PartialVisibility {
                 }),
             }
         }
-        if kept.is_empty() {
+        if kept.is_empty() && goal.up.is_none() {
             return if pair.wants_seen {
                 whole(a, b, goal)
             } else {
@@ -223,13 +225,28 @@ impl PartialVisibility {
         if points == 3 && !fits(3) && pair.depth < MOST_DEPTH {
             return self.quartered(pair, ratio_a >= ratio_b, kept, goal);
         }
-        let seen = if ratio_a <= ratio_b {
-            self.integrate([a, b], 1.0, kept, points, is_far(ratio_b), goal.graze)
-        } else {
-            self.integrate([b, a], -1.0, kept, points, is_far(ratio_a), goal.graze)
+        let mut seen = |goal: PairGoal| {
+            if ratio_a <= ratio_b {
+                self.integrate([a, b], 1.0, kept, points, is_far(ratio_b), goal)
+            } else {
+                self.integrate([b, a], -1.0, kept, points, is_far(ratio_a), goal)
+            }
         };
-        let has_window = kept.iter().any(|s| s.is_window);
-        if pair.wants_seen && !has_window {
+        if let Some(up) = goal.up.filter(|_| kept.is_empty() && !fits(points)) {
+            // Facets that touch: points err on what lies above and below alike.
+            let [above, below] = [up, -up].map(|up| {
+                let up = Some(up);
+                seen(PairGoal { up, ..goal })
+            });
+            return if above + below > 0.0 {
+                whole(a, b, goal) * above / (above + below)
+            } else {
+                0.0
+            };
+        }
+        let seen = seen(goal);
+        let sees_part = goal.up.is_some() || kept.iter().any(|s| s.is_window);
+        if pair.wants_seen && !sees_part {
             seen + whole(a, b, goal)
         } else {
             seen
@@ -288,9 +305,11 @@ impl PartialVisibility {
         obstructions: &[Obstruction],
         points: usize,
         is_far: bool,
-        graze: f64,
+        goal: PairGoal,
     ) -> f64 {
-        self.cut_cells(from, to, obstructions, graze);
+        self.cut_cells(from, to, obstructions, goal);
+        // What a point of the second facet sees below its horizon, it is seen from above.
+        let horizon = goal.up.map(|up| way * up);
         let rule = gauss(points);
         let mut sum = 0.0;
         let cells = std::mem::take(&mut self.cells);
@@ -303,7 +322,8 @@ impl PartialVisibility {
                     for &(v, weight_v) in rule {
                         let jacobian = (ab + v * twist).cross(ad + u * twist).dot(from.normal);
                         let place = a + u * ab + v * ad + u * v * twist;
-                        let view = self.view(place, [from, to], way, obstructions, is_far);
+                        let pair = [from, to];
+                        let view = self.view(place, pair, way, obstructions, is_far, horizon);
                         sum += weight_u * weight_v * jacobian * view;
                     }
                 }
@@ -314,11 +334,23 @@ impl PartialVisibility {
     }
 
     /// Cuts a facet along the discontinuities of the view of another.
-    fn cut_cells(&mut self, from: &Facet, to: &Facet, obstructions: &[Obstruction], graze: f64) {
+    fn cut_cells(
+        &mut self,
+        from: &Facet,
+        to: &Facet,
+        obstructions: &[Obstruction],
+        PairGoal { up, graze, .. }: PairGoal,
+    ) {
         self.cells.clear();
         let mut whole = ClippedPolygon::default();
         whole.set(from.polygon().iter().copied());
         self.cells.push(whole);
+        if let Some(up) = up {
+            // The horizon passes a corner at the corner's height.
+            to.polygon()
+                .iter()
+                .for_each(|&corner| self.cut(up, up.dot(corner), graze));
+        }
         for obstruction in obstructions {
             let p = &obstruction.blocker.polygon;
             if obstruction.edges & PLANE != 0 {
@@ -352,7 +384,8 @@ impl PartialVisibility {
         }
     }
 
-    /// Form factor density of what a point sees through windows, or minus the hidden part.
+    /// Form factor density of what a point sees through windows, or minus the hidden part; with a
+    /// `horizon` of what it sees on that side of its height.
     fn view(
         &mut self,
         eye: DVec3,
@@ -360,13 +393,21 @@ impl PartialVisibility {
         way: f64,
         obstructions: &[Obstruction],
         is_far: bool,
+        horizon: Option<DVec3>,
     ) -> f64 {
         let to = pair[1];
         let mut target = ClippedPolygon::default();
         target.set(to.polygon().iter().map(|&p| p - eye));
         let measure = |piece: &ClippedPolygon| measure(piece, pair, is_far);
         let mut sum = 0.0;
-        if obstructions[0].is_window {
+        if let Some(horizon) = horizon {
+            match inside(&target, &[(horizon, 0.0)], &mut self.rest, None) {
+                Some(part) => target = *part,
+                None => return 0.0,
+            }
+        }
+        let has_window = obstructions.first().is_some_and(|s| s.is_window);
+        if has_window || horizon.is_some() {
             for obstruction in obstructions.iter().take_while(|s| s.is_window) {
                 if !self.cone(eye, obstruction, to, way) {
                     return 0.0;

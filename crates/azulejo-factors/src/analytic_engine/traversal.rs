@@ -1,6 +1,7 @@
 //! Hierarchical traversal of all pairs of some rows with all columns.
 
 use super::gauss_points::{FOUR, NINE};
+use super::horizon::{Elevation, Horizon};
 use super::images::MirrorImage;
 use super::partial::{PairGoal, PartialVisibility};
 use super::shaft::ClusterShaft;
@@ -25,6 +26,8 @@ pub(super) struct PairAccuracy {
 pub(super) struct ExchangeBlock {
     values: Vec<f64>,
     errors: Vec<f32>,
+    /// The parts that leave upwards, if they were requested.
+    upward: Vec<f64>,
     columns: usize,
 }
 
@@ -33,8 +36,28 @@ impl ExchangeBlock {
         ExchangeBlock {
             values: vec![0.0; rows * columns],
             errors: vec![0.0; rows * columns],
+            upward: Vec::new(),
             columns,
         }
+    }
+
+    /// The same with room for the parts that leave upwards.
+    pub fn with_upward(rows: usize, columns: usize) -> ExchangeBlock {
+        ExchangeBlock {
+            upward: vec![0.0; rows * columns],
+            ..ExchangeBlock::new(rows, columns)
+        }
+    }
+
+    /// What leaves a row upwards, by column.
+    pub fn upward(&self, row: usize) -> &[f64] {
+        &self.upward[row * self.columns..(row + 1) * self.columns]
+    }
+
+    pub fn add_upward(&mut self, row: usize, column: usize, value: f64, error: f64) {
+        let k = row * self.columns + column;
+        self.upward[k] += value;
+        self.errors[k] = self.errors[k].hypot(error as f32);
     }
 
     /// Values and errors of a row, by column.
@@ -50,9 +73,49 @@ impl ExchangeBlock {
     }
 }
 
+/// Which rows of a group are computed, and how much of them.
+#[derive(Clone, Copy)]
+pub(super) struct RequestedRows<'a> {
+    /// For each row of the group its row of the [`ExchangeBlock`], if it is requested.
+    pub places: &'a [Option<usize>],
+    /// Whether only pairs from the diagonal on are computed.
+    pub upper: bool,
+    /// Whether the parts that leave upwards are computed, and only of pairs that need it.
+    pub split: Option<HorizonSplit>,
+}
+
+/// Which pairs are split at the horizon: those with light both above and below it, and those with
+/// columns that are no rows, of which the whole exchange area is computed as well.
+#[derive(Clone, Copy)]
+pub(super) struct HorizonSplit {
+    pub up: DVec3,
+    /// Facets with numbers from this on are no rows.
+    pub rows: u32,
+    /// Absolute error of form factors.
+    pub error: f64,
+}
+
+impl HorizonSplit {
+    fn elevation(&self, from: &Facet, to: &Facet, graze: f64) -> Elevation {
+        Horizon::new(from, self.up, graze).elevation(&Horizon::new(to, self.up, graze))
+    }
+
+    /// Whether no horizon cuts pairs of two clusters: then it cuts none of their facets, to which
+    /// `graze` is allowed.
+    fn is_clear(&self, from: &Aabb, to: &Aabb, graze: f64) -> bool {
+        let range = |b: &Aabb| {
+            let (middle, reach) = (self.up.dot(b.centre()), self.up.abs().dot(0.5 * b.size()));
+            (middle - reach, middle + reach)
+        };
+        let ((low, high), (lowest, highest)) = (range(from), range(to));
+        lowest >= high - 0.5 * graze || highest <= low + 0.5 * graze
+    }
+}
+
 /// A node of a binary tree over the rows of the group.
 struct RowNode {
     range: Range<usize>,
+    is_requested: bool,
     cluster: Cluster,
     /// The second half; 0 in a leaf. The first half is the next node.
     second: usize,
@@ -125,6 +188,7 @@ pub(super) struct PairTraversal<'a> {
     accuracy: PairAccuracy,
     rows: &'a FacetTree,
     columns: &'a FacetTree,
+    requested: RequestedRows<'a>,
     nodes: Vec<RowNode>,
     obstructions: Vec<u32>,
     /// The edges that matter of the obstructions of the current pair.
@@ -137,18 +201,21 @@ pub(super) struct PairTraversal<'a> {
 }
 
 impl<'a> PairTraversal<'a> {
-    /// A traversal of all pairs of `rows`, as seen in `image`, and `columns`.
+    /// A traversal of all pairs of those of `rows`, as seen in `image`, that are `requested`, and
+    /// `columns`.
     pub fn new(
         image: &'a MirrorImage,
         rows: &'a FacetTree,
         columns: &'a FacetTree,
         accuracy: PairAccuracy,
+        requested: RequestedRows<'a>,
     ) -> PairTraversal<'a> {
         let mut traversal = PairTraversal {
             image,
             accuracy,
             rows,
             columns,
+            requested,
             nodes: Vec::new(),
             obstructions: Vec::new(),
             edges: Vec::new(),
@@ -166,6 +233,9 @@ impl<'a> PairTraversal<'a> {
         let node = self.nodes.len();
         self.nodes.push(RowNode {
             cluster: Cluster::new(facets),
+            is_requested: self.requested.places[range.clone()]
+                .iter()
+                .any(Option::is_some),
             range: range.clone(),
             second: 0,
         });
@@ -177,34 +247,39 @@ impl<'a> PairTraversal<'a> {
         }
     }
 
-    /// All pairs of the rows with columns; with `upper` only those from the diagonal on.
-    pub fn run(&mut self, upper: bool, found: &mut ExchangeBlock) {
+    /// All pairs of the requested rows with columns.
+    pub fn run(&mut self, found: &mut ExchangeBlock) {
         let count = self.image.obstructions.len() + self.image.curved.len();
         self.obstructions.extend(0..count as u32);
         if !self.columns.tree.nodes.is_empty() {
-            self.visit(0, 0, 0..count, upper, found);
+            self.visit(0, 0, 0..count, found);
         }
         self.obstructions.clear();
     }
 
-    fn visit(
-        &mut self,
-        r: usize,
-        c: usize,
-        obstructions: Range<usize>,
-        upper: bool,
-        found: &mut ExchangeBlock,
-    ) {
+    fn visit(&mut self, r: usize, c: usize, obstructions: Range<usize>, found: &mut ExchangeBlock) {
         let image = self.image;
+        let upper = self.requested.upper;
         let (row, column) = (&self.nodes[r], &self.columns.clusters[c]);
         let (row_range, second_row) = (row.range.clone(), row.second);
         let node = &self.columns.tree.nodes[c];
-        if row.cluster.is_empty()
+        if !row.is_requested
+            || row.cluster.is_empty()
             || column.is_empty()
             || upper && column.last_id < row.cluster.first_id
         {
             return;
         }
+        let is_split = match self.requested.split {
+            None => false,
+            Some(split) => {
+                let is_clear = split.is_clear(&row.cluster.bounds, &column.bounds, image.graze);
+                if is_clear && column.last_id < split.rows {
+                    return;
+                }
+                !is_clear
+            }
+        };
         let facing = match (
             row.cluster.facing(&column.bounds, image.graze),
             column.facing(&row.cluster.bounds, image.graze),
@@ -224,14 +299,15 @@ impl<'a> PairTraversal<'a> {
         }
         let kept = top..self.obstructions.len();
         let (is_row_leaf, is_leaf) = (second_row == 0, node.is_leaf());
-        let is_done = kept.is_empty()
+        let is_done = !is_split
+            && kept.is_empty()
             && facing == Facing::Towards
-            && self.clear(&row_range, r, c, upper, found);
+            && self.clear(&row_range, r, c, found);
         if is_done {
         } else if is_row_leaf && is_leaf {
             for row in row_range {
                 for column in node.range.start as usize..node.range.end as usize {
-                    self.pair(row, column, kept.clone(), upper, found);
+                    self.pair(row, column, kept.clone(), found);
                 }
             }
         } else {
@@ -239,11 +315,11 @@ impl<'a> PairTraversal<'a> {
             let halves_row = !is_row_leaf
                 && (is_leaf || size(&self.nodes[r].cluster.bounds) > size(&column.bounds));
             if halves_row {
-                self.visit(r + 1, c, kept.clone(), upper, found);
-                self.visit(second_row, c, kept, upper, found);
+                self.visit(r + 1, c, kept.clone(), found);
+                self.visit(second_row, c, kept, found);
             } else {
-                self.visit(r, c + 1, kept.clone(), upper, found);
-                self.visit(r, node.second as usize, kept, upper, found);
+                self.visit(r, c + 1, kept.clone(), found);
+                self.visit(r, node.second as usize, kept, found);
             }
         }
         self.obstructions.truncate(top);
@@ -276,7 +352,6 @@ impl<'a> PairTraversal<'a> {
         rows: &Range<usize>,
         r: usize,
         c: usize,
-        upper: bool,
         found: &mut ExchangeBlock,
     ) -> bool {
         let image = self.image;
@@ -301,9 +376,9 @@ impl<'a> PairTraversal<'a> {
         self.sums.resize(columns.len(), 0.0);
         for row in rows.clone() {
             let own = &self.rows.list[row];
-            if own.is_empty() {
+            let Some(place) = self.requested.places[row].filter(|_| !own.is_empty()) else {
                 continue;
-            }
+            };
             if is_four {
                 let points = self.rows.four.own(row);
                 self.columns
@@ -317,9 +392,14 @@ impl<'a> PairTraversal<'a> {
             }
             for (k, &value) in columns.clone().zip(&self.sums) {
                 let facet = &self.columns.list[k];
-                if (!upper || facet.id >= own.id) && !facet.is_empty() {
+                if (!self.requested.upper || facet.id >= own.id) && !facet.is_empty() {
                     let value = image.weight * value.max(0.0);
-                    found.add(row, k, value, error * value);
+                    found.add(place, k, value, error * value);
+                    if let Some(split) = self.requested.split
+                        && split.elevation(own, facet, image.graze) == Elevation::Above
+                    {
+                        found.add_upward(place, k, value, 0.0);
+                    }
                 }
             }
         }
@@ -332,64 +412,114 @@ impl<'a> PairTraversal<'a> {
         row: usize,
         column: usize,
         obstructions: Range<usize>,
-        upper: bool,
         found: &mut ExchangeBlock,
     ) {
         let image = self.image;
         let (a, b) = (&self.rows.list[row], &self.columns.list[column]);
-        if a.is_empty() || b.is_empty() || upper && b.id < a.id {
+        let Some(place) = self.requested.places[row] else {
+            return;
+        };
+        if a.is_empty() || b.is_empty() || self.requested.upper && b.id < a.id {
+            return;
+        }
+        let split = self.requested.split;
+        let elevation = split.map(|split| split.elevation(a, b, image.graze));
+        let is_row = split.is_none_or(|split| b.id < split.rows);
+        if is_row && elevation.is_some_and(|e| e != Elevation::Mixed) {
             return;
         }
         let Some(is_whole) = facing(a, b, image.graze) else {
             return;
         };
+        // What a facet's plane cuts off is not seen, and need not be behind anything.
+        let seen_parts = if is_whole {
+            None
+        } else {
+            let parts = (a.in_front_of(b, image.graze), b.in_front_of(a, image.graze));
+            let (Some(a), Some(b)) = parts else {
+                return;
+            };
+            Some([a, b])
+        };
+        let error = split.map_or(self.accuracy.partial, |split| split.error);
+        let goal = PairGoal {
+            up: None,
+            error: error * a.area.min(b.area),
+            whole: self.accuracy.whole,
+            graze: image.graze,
+        };
+        let parts = seen_parts.as_ref().map_or([a, b], |[a, b]| [a, b]);
         let top = self.obstructions.len();
-        let is_seen = self.cull_for_pair(a, b, obstructions);
+        let is_seen = self.cull_for_pair(parts[0], parts[1], obstructions);
         let kept = top..self.obstructions.len();
         if !is_seen {
             self.counts.occluded += 1;
-        } else if kept.is_empty() {
-            let (value, error) = self.whole(row, column, is_whole);
-            found.add(row, column, image.weight * value, image.weight * error);
-        } else if kept.len() > MOST_OBSTRUCTIONS && image.order == 0
-            || self.obstructions[kept.clone()]
-                .iter()
-                .any(|&s| s as usize >= image.obstructions.len())
-        {
+        } else if self.is_too_complex(&kept) {
             self.unresolved.push((row, column));
             self.counts.unresolved += 1;
         } else {
-            self.counts.partial += 1;
-            let windows = image.windows;
-            let obstructions = self.obstructions[kept].iter().zip(&self.edges);
-            let obstructions = obstructions.map(|(&s, &edges)| {
-                (
-                    &image.obstructions[s as usize],
-                    edges,
-                    (s as usize) < windows,
-                )
-            });
-            let goal = PairGoal {
-                error: self.accuracy.partial * a.area.min(b.area),
-                whole: self.accuracy.whole,
-                graze: image.graze,
-            };
-            let seen = if self.accuracy.is_exact {
-                match image.lit_parts(a, b) {
-                    Some([a, b]) => {
-                        let obstructions = obstructions
-                            .map(|(obstruction, _, is_window)| (obstruction, is_window));
-                        exchange_area_past(&a, &b, obstructions, goal.error)
-                    }
-                    None => Approximate::default(),
+            if elevation.is_none() || !is_row {
+                let (value, error) = if kept.is_empty() {
+                    self.whole(row, column, is_whole)
+                } else {
+                    let seen = self.partly_seen(parts, kept.clone(), goal);
+                    (seen.value, seen.error)
+                };
+                found.add(place, column, image.weight * value, image.weight * error);
+                if elevation == Some(Elevation::Above) {
+                    found.add_upward(place, column, value, 0.0);
                 }
-            } else {
-                self.partial.exchange([a, b], is_whole, obstructions, goal)
-            };
-            let (value, error) = (image.weight * seen.value, image.weight * seen.error);
-            found.add(row, column, value, error);
+            }
+            if let (Some(split), Some(Elevation::Mixed)) = (split, elevation) {
+                let goal = PairGoal {
+                    up: Some(split.up),
+                    ..goal
+                };
+                let seen = self.partly_seen(parts, kept, goal);
+                found.add_upward(place, column, seen.value, seen.error);
+            }
         }
         self.obstructions.truncate(top);
+    }
+
+    /// Whether a pair with these obstructions is left to shadow rays.
+    fn is_too_complex(&self, kept: &Range<usize>) -> bool {
+        let image = self.image;
+        kept.len() > MOST_OBSTRUCTIONS && image.order == 0
+            || self.obstructions[kept.clone()]
+                .iter()
+                .any(|&s| s as usize >= image.obstructions.len())
+    }
+
+    /// A pair behind obstructions, or the part of it above the horizon.
+    fn partly_seen(
+        &mut self,
+        [a, b]: [&Facet; 2],
+        kept: Range<usize>,
+        goal: PairGoal,
+    ) -> Approximate {
+        let image = self.image;
+        self.counts.partial += 1;
+        let windows = image.windows;
+        let obstructions = self.obstructions[kept].iter().zip(&self.edges);
+        let obstructions = obstructions.map(|(&s, &edges)| {
+            (
+                &image.obstructions[s as usize],
+                edges,
+                (s as usize) < windows,
+            )
+        });
+        if !self.accuracy.is_exact || goal.up.is_some() {
+            return self.partial.exchange([a, b], obstructions, goal);
+        }
+        match image.lit_parts(a, b) {
+            Some([a, b]) => {
+                let obstructions =
+                    obstructions.map(|(obstruction, _, is_window)| (obstruction, is_window));
+                exchange_area_past(&a, &b, obstructions, goal.error)
+            }
+            None => Approximate::default(),
+        }
     }
 
     /// As [`cull`](PairTraversal::cull), for one pair; records which edges matter.

@@ -4,21 +4,18 @@ use super::exchange::{Exchange, ExchangeAreas};
 use super::forecast::Costs;
 use super::matrix::RowRemainder;
 use super::rows::RowTracing;
-use super::{FormFactors, Journal, MOST_RAYS, PreparedPlan, merge, refuse};
+use super::{FormFactors, Journal, PreparedPlan, merge, refuse};
 use crate::analytic_engine::exchanger::{AllPairs, Exchanger, ExchangerOptions};
 use crate::engine::{Engine, EngineUsed, Estimator};
 use crate::error::FactorsError;
-use crate::row::{Columns, Order, Side};
+use crate::row::{Columns, ORDERS, Order, Side};
 use azulejo_trace::Progress;
 use azulejo_trace::sampling::hash;
 
-/// Rays per row where they only sample where the light goes that reaches no column.
-const REMAINDER_RAYS: u32 = 256;
-
 impl PreparedPlan<'_> {
     /// All rows by formulas. Rays take the rest: curved patches; mirrors and glass without images;
-    /// rows that time ran out for; and in open scenes the directions, but not the amount, of light
-    /// that leaves.
+    /// rows that time ran out for; and in open scenes with mirrors the directions, but not the
+    /// amount, of light that leaves.
     pub(super) fn by_formulas(
         &self,
         journal: &dyn Journal,
@@ -28,13 +25,7 @@ impl PreparedPlan<'_> {
         let forecast = self.forecast(progress)?;
         refuse(options, forecast.rows, forecast.bytes as f64)?;
         let list: Vec<Side> = (0..n).map(|row| self.sides.side(row)).collect();
-        let wanted = ExchangerOptions {
-            accuracy: options.accuracy,
-            is_per_channel: false,
-            seed: hash(&[self.seed, 0]),
-        };
-        let surfaces = self.gatherer.surfaces();
-        let exchanger = Exchanger::new(&self.plan.patches, surfaces, list, wanted);
+        let exchanger = self.exchanger(list);
         let all = exchanger.all(journal, progress)?;
         let has_formula: Vec<bool> = (0..n).map(|i| exchanger.has(i)).collect();
         let is_known = |i: usize, j: u32, order: Order| {
@@ -44,11 +35,26 @@ impl PreparedPlan<'_> {
                 && all.is_done[i.min(j)]
         };
         let is_complete = exchanger.is_complete() && all.is_done.iter().all(|&done| done);
-        let rays = options.rays.min(if is_complete {
-            REMAINDER_RAYS
-        } else {
-            MOST_RAYS
-        });
+        let patches = &self.plan.patches;
+        let materials = patches.materials_in_use(&self.plan.proxy.scene);
+        if is_complete && !materials.iter().any(|m| m.is_specular()) {
+            let engine_used = EngineUsed {
+                name: "analytic".to_owned(),
+                device: self.gatherer.surfaces().tracer.kernel_name(),
+                notes: notes(&all, is_complete, 0),
+            };
+            let by_rays = FormFactors {
+                engine_used,
+                exchange: ExchangeAreas::from_rows(vec![Box::default(); n]),
+                orders: vec![ExchangeAreas::from_rows(vec![Box::default(); n]); ORDERS],
+                ..FormFactors::default()
+            };
+            let mut factors = joined(all, by_rays, options.separate);
+            self.describe(&mut factors);
+            factors.rest = self.remainders(&factors, &exchanger, progress)?;
+            return Ok(factors);
+        }
+        let rays = self.row_rays();
         let estimator = self.ray_estimator(rays);
         let tracing = RowTracing {
             sides: &self.sides,
@@ -74,6 +80,17 @@ impl PreparedPlan<'_> {
             settle_remainders(&mut factors, exchanger.truncated());
         }
         Ok(factors)
+    }
+
+    /// An exchanger between these sides.
+    pub(super) fn exchanger(&self, sides: Vec<Side>) -> Exchanger<'_> {
+        let wanted = ExchangerOptions {
+            accuracy: self.plan.options.accuracy,
+            is_per_channel: false,
+            seed: hash(&[self.seed, 0]),
+        };
+        let surfaces = self.gatherer.surfaces();
+        Exchanger::new(&self.plan.patches, surfaces, sides, wanted)
     }
 
     pub(super) fn ray_estimator(&self, rays: u32) -> Estimator<'_> {

@@ -1,11 +1,14 @@
 //! Forecast of the memory that a matrix takes.
 
+use super::matrix::block_bytes;
+use super::rows;
 use super::sides::Sides;
+use crate::analytic_engine::exchanger;
 use crate::engine::Estimator;
-use crate::row::{Row, Side};
+use crate::row::{Entry, ORDERS, Row, Side};
 use azulejo_scene::math::Ray;
 use azulejo_trace::sampling::{seeds, sobol};
-use azulejo_trace::{Cancelled, KernelRay, Progress, Tracer};
+use azulejo_trace::{Cancelled, KernelRay, Progress, REPLICATES, Tracer};
 
 /// Rows sampled to count their entries.
 const ROWS: usize = 24;
@@ -15,6 +18,9 @@ const PAIRS: u32 = 4_096;
 
 /// Up to this many rows all pairs are assumed to be visible: they fit anyway.
 const FEW: usize = 512;
+
+/// Bytes of a process before it reads a model, about.
+const PROCESS_BYTES: f64 = 8e6;
 
 /// Bytes per patch and row, about.
 pub(super) const PATCH_BYTES: f64 = 700.0;
@@ -81,12 +87,31 @@ impl Costs<'_> {
         };
         let matrix = pairs * PAIR_BYTES * self.matrices as f64;
         // Rows are freed while the matrix grows, but allocators seldom return the memory.
-        let bytes = n * PATCH_BYTES + entries * ENTRY_BYTES + matrix;
+        let bytes = PROCESS_BYTES
+            + n * PATCH_BYTES
+            + entries * ENTRY_BYTES
+            + matrix
+            + block_bytes(2.0 * pairs, n)
+            + self.working_bytes(found_by(0.25 * rays));
         Ok(Forecast {
             rows: self.sides.len(),
             pairs: pairs as u64,
             bytes: bytes as u64,
         })
+    }
+
+    /// Bytes of what is in work at a time; `found` is the number of columns that a replicate of a row
+    /// finds.
+    fn working_bytes(&self, found: f64) -> f64 {
+        let (rows, threads) = (self.sides.len(), rayon::current_num_threads());
+        if !self.by_rows {
+            return exchanger::working_bytes(rows, threads);
+        }
+        // A block of rows as their estimator returns them, and sorted by columns.
+        let block = rows::block_rows(self.rays).min(rows) as f64;
+        let columns = block * REPLICATES as f64 * found;
+        let sums = (threads * 2 * ORDERS * rows * size_of::<u32>()) as f64;
+        columns * (size_of::<Entry>() + size_of::<(u32, usize, f64)>()) as f64 + sums
     }
 
     /// Average number of patches that a row sees: the larger of what sampled rows find, corrected

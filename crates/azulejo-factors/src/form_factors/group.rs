@@ -32,6 +32,12 @@ impl FormFactors {
             rest: grouping.rest(),
             ends: grouping.each(|m| grouping.mean(m, |i| self.ends[i])),
             row_errors: Vec::new(),
+            // Sums over many pairs miss little, and no more than their errors.
+            unseen: if self.unseen.is_empty() {
+                Vec::new()
+            } else {
+                vec![0.0; count]
+            },
             design_effect: DesignEffect::default(),
             is_closed: self.is_closed,
             closed: self.closed,

@@ -5,6 +5,7 @@ use super::matrix::FormFactors;
 use super::near::{PairEstimate, PairEstimates};
 use super::rows::{RayEntries, RayEntry, RayRow, TracedRows};
 use super::sides::Sides;
+use super::spread::NoiseModel;
 use azulejo_trace::{Cancelled, Progress};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -56,7 +57,26 @@ pub(super) fn merge(
         factors.exchange = ExchangeAreas::sum_of(&orders);
         factors.orders = orders;
     }
+    if let NoiseModel::Hits { one_ray } = traced.noise {
+        factors.unseen = unseen(&factors.exchange, &areas, one_ray);
+    }
     Ok(factors)
+}
+
+/// The share of each row that no ray found: the expected sum of the pairs that a single ray found.
+///
+/// With N rays per row, the rays that find a pair, from either side, are a Poisson number of mean
+/// λ = N (X_ij + X_ji). The expectation of what is estimated by a single ray, λ e^−λ times the value
+/// of one hit, is X_ij e^−λ, that of what is missed.
+fn unseen(exchange: &ExchangeAreas, areas: &[f64], one_ray: f64) -> Vec<f64> {
+    let singles = exchange.sums(|i, e| {
+        let (a, b) = (areas[i], areas[e.column as usize]);
+        let hit = a * b / (a + b) * one_ray;
+        // Formulas may find as little, but with a small error.
+        let is_single = e.value < 1.5 * hit && f64::from(e.error) > 0.5 * e.value;
+        [if is_single { e.value } else { 0.0 }; 2]
+    });
+    singles.iter().zip(areas).map(|(s, a)| s / a).collect()
 }
 
 impl From<&PairEstimate> for Exchange {

@@ -226,6 +226,7 @@ impl<'a> PairSelector<'a> {
             surfaces,
             pair: [i, j].map(|row| self.sides.patch(row as usize)),
             normals: [a.normal, b.normal],
+            up: None,
             key: [seed, i, j],
         };
         let visible = view.visible();

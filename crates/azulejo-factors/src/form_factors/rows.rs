@@ -68,6 +68,11 @@ const BLOCK: [usize; 2] = [64, 256];
 /// Rays per block, within these limits.
 const BLOCK_RAYS: usize = 1 << 23;
 
+/// Rows per block.
+pub(super) fn block_rows(rays: u32) -> usize {
+    (BLOCK_RAYS / rays.max(1) as usize).clamp(BLOCK[0], BLOCK[1])
+}
+
 /// Degrees of freedom of the variance of four replicates.
 pub(super) const SPREAD_FREEDOM: f64 = 3.0;
 
@@ -94,7 +99,7 @@ impl RowTracing<'_> {
         let (n, rays) = (self.sides.len(), self.estimator.rays());
         progress.begin("form factors", n as u64);
         // Blocks must not depend on the machine, which may be another after an interruption.
-        let size = (BLOCK_RAYS / rays.max(1) as usize).clamp(BLOCK[0], BLOCK[1]);
+        let size = block_rows(rays);
         let rows = resumed(journal, JournalStage::Rows, (n, size), progress, |rows| {
             self.block(rows, progress)
         })?;

@@ -5,6 +5,9 @@ use azulejo_trace::REPLICATES;
 /// Degrees of freedom of the prior model of the noise, besides those of the replicates.
 const MODEL_FREEDOM: f64 = 4.0;
 
+/// Degrees of freedom of the variance of a pair by rays: four replicates from either side.
+pub(super) const PAIR_FREEDOM: f64 = 2.0 * (REPLICATES as f64 - 1.0) + MODEL_FREEDOM;
+
 /// Mean of the replicates, and the variance of that mean from their spread.
 pub(super) fn mean_and_variance(values: [f64; REPLICATES]) -> (f64, f64) {
     let n = REPLICATES as f64;
@@ -68,7 +71,7 @@ fn joined(value: f64, spread: f64, freedom: f64, one_ray: f64, missing: f64) -> 
 
 /// Student's t over the normal quantile at 95.4%: 1.142 with ten degrees of freedom, 1.216 with
 /// seven, 1.65 with three. Fisher's expansion in 1/ν (Abramowitz and Stegun, 26.7.5).
-fn student(freedom: f64) -> f64 {
+pub(super) fn student(freedom: f64) -> f64 {
     let (z, v) = (2.0f64, freedom);
     let first = (z.powi(3) + z) / (4.0 * v);
     let second = (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / (96.0 * v * v);

@@ -50,7 +50,7 @@ pub use reflectance::reflectances;
 pub use sample::{PatchPoint, Sampler};
 
 use azulejo_scene::math::area_vector;
-use azulejo_scene::{MaterialId, Primitive, Scene};
+use azulejo_scene::{Material, MaterialId, Primitive, Scene};
 use cells::{Cells, NO_CORNER};
 use contacts::Contacts;
 use divide::Division;
@@ -234,6 +234,16 @@ impl Patches {
     /// Material of the patch's face.
     pub fn material(&self, i: usize) -> MaterialId {
         self.region(i).material
+    }
+
+    /// The materials of the scene that some patch has; a scene may list others.
+    pub fn materials_in_use<'a>(&self, scene: &'a Scene) -> Vec<&'a Material> {
+        let mut ids: Vec<MaterialId> = (0..self.len()).map(|i| self.material(i)).collect();
+        ids.sort_unstable();
+        ids.dedup();
+        ids.iter()
+            .map(|&id| &scene.materials[id as usize])
+            .collect()
     }
 
     /// The face that the patch is a piece of.

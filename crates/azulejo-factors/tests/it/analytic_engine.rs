@@ -100,6 +100,145 @@ fn mirrors_lose_nothing() {
     }
 }
 
+/// A strip across the side of a cylinder of 128 polygons, whose planes all cut the strip.
+#[test]
+fn a_round_body_is_not_in_its_own_way() {
+    let mut scene = Scene::default();
+    let grey = scenes::surface(0.5, 0.0, 0.0);
+    let corner = |k: i32| {
+        let angle = f64::from(k) * std::f64::consts::PI / 64.0;
+        dvec3(angle.sin(), -1.0, angle.cos())
+    };
+    let along = dvec3(0.0, 2.0, 0.0);
+    for k in 0..128 {
+        let edge = corner(k + 1) - corner(k);
+        scenes::add_sheet(&mut scene, corner(k), along, -edge, grey.clone());
+    }
+    let (place, across) = (dvec3(-2.0, -1.0, 2.0), dvec3(4.0, 0.0, 0.0));
+    scenes::add_sheet(&mut scene, place, along, across, grey);
+    let found = compute(&scene, &options());
+    let notes = &found.engine_used.notes;
+    assert!(!notes.iter().any(|n| n.contains("rays")), "{notes:?}");
+    let (strip, mut sum, mut variance) = (128, 0.0, 0.0);
+    for (_, value, error) in found.row(strip) {
+        sum += value;
+        variance += f64::from(error).powi(2);
+    }
+    let by_rays = FormFactorOptions {
+        engine: Engine::Rays,
+        analytic: false,
+        rays: 1 << 18,
+        ..options()
+    };
+    let by_rays: f64 = compute(&scene, &by_rays)
+        .row(strip)
+        .map(|(_, x, _)| x)
+        .sum();
+    assert!((sum - by_rays).abs() < 2e-4, "{sum} and {by_rays}");
+    assert!(variance.sqrt() < 3e-5, "{}", variance.sqrt());
+}
+
+/// A lone facet sees (1 + cos β) / 2 of the sky.
+#[test]
+fn the_unobstructed_sky_is_exact() {
+    for degrees in [0.0f64, 17.0, 90.0, 135.0, 180.0] {
+        let mut scene = Scene::default();
+        let up = scene.units.up.axis();
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        let across = up.any_orthonormal_vector();
+        let along = across.cross(up) * cos + up * sin;
+        let grey = scenes::surface(0.5, 0.0, 0.0);
+        scenes::add_sheet(&mut scene, DVec3::ONE, along, across, grey);
+        let found = compute(&scene, &options());
+        let truth = 0.5 * (1.0 + along.cross(across).dot(up));
+        let rest = found.rest[0];
+        assert!((rest.sky - truth).abs() < 1e-15, "{degrees}: {rest:?}");
+        assert!((rest.ground - (1.0 - truth)).abs() < 1e-15, "{rest:?}");
+        assert!(found.rays == 0 && found.row_errors[0] == 0.0);
+    }
+}
+
+/// Two walls that face each other at different heights, with a sheet between them, whose back has
+/// no column: compared with a million rays per row.
+#[test]
+fn the_sky_between_walls() {
+    let mut scene = Scene::default();
+    let up = scene.units.up.axis();
+    let (out, across) = (
+        up.any_orthonormal_vector(),
+        up.cross(up.any_orthonormal_vector()),
+    );
+    let grey = || scenes::surface(0.5, 0.0, 0.0);
+    let far = 1.2 * out + 0.37 * up;
+    scenes::add_sheet(&mut scene, DVec3::ZERO, across, up, grey());
+    scenes::add_sheet(&mut scene, far, up, across, grey());
+    let sheet = 0.5 * out + 0.2 * across + 0.5 * up;
+    scenes::add_sheet(&mut scene, sheet, 0.5 * across, 0.4 * up, grey());
+    for accuracy in [None, Some(1e-5)] {
+        let found = compute(
+            &scene,
+            &FormFactorOptions {
+                accuracy,
+                ..options()
+            },
+        );
+        let by_rays = FormFactorOptions {
+            engine: Engine::Rays,
+            analytic: false,
+            rays: 1 << 20,
+            ..options()
+        };
+        let by_rays = compute(&scene, &by_rays);
+        for (i, (found, rays)) in found.rest.iter().zip(&by_rays.rest).enumerate() {
+            let error = 3.0 * (rays.sky_error + rays.ground_error);
+            for (a, b) in [
+                (found.sky, rays.sky),
+                (found.ground, rays.ground),
+                (found.hidden, rays.hidden),
+            ] {
+                assert!((a - b).abs() < error, "{i}: {found:?} {rays:?}");
+            }
+            assert!(error < 1e-3 && found.sky_error < 1e-4, "{found:?}");
+        }
+    }
+}
+
+/// Sky and ground beside an open Cornell box, compared with rays.
+#[test]
+fn open_rooms_agree_with_rays() {
+    let scene = cornell_box(CornellVariant::Diffuse);
+    let divided = FormFactorOptions {
+        size: PatchSize::Count(200),
+        ..options()
+    };
+    let exact = compute(&scene, &divided);
+    let by_rays = FormFactorOptions {
+        engine: Engine::Rays,
+        analytic: false,
+        rays: 1 << 14,
+        ..divided
+    };
+    let by_rays = compute(&scene, &by_rays);
+    let (mut squares, mut errors) = (0.0, 0.0);
+    for (i, (found, rays)) in exact.rest.iter().zip(&by_rays.rest).enumerate() {
+        for (a, b, error) in [
+            (found.sky, rays.sky, rays.sky_error),
+            (found.ground, rays.ground, rays.ground_error),
+        ] {
+            assert!(
+                (a - b).abs() < 5.0 * error + 2e-4,
+                "{i}: {found:?} {rays:?}"
+            );
+            squares += (a - b).powi(2);
+            errors += error.powi(2);
+        }
+        let expected = 0.79 * (found.sky_error + found.ground_error);
+        assert!(exact.row_errors[i] >= expected, "{i}: {found:?}");
+    }
+    assert!(squares < 1.3 * errors, "{squares:e} {errors:e}");
+    assert!(exact.rays == 0);
+}
+
 #[test]
 fn threads_change_no_bit() {
     let scene = room_with_table(300);

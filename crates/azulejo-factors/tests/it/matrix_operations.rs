@@ -238,6 +238,24 @@ fn orders_add_up_to_the_whole() {
     }
 }
 
+/// Materials that nothing is made of, as editors leave them in files, change nothing.
+#[test]
+fn unused_materials_do_not_prevent_closure() {
+    let plain = cube_room();
+    let mut listed = plain.clone();
+    listed.add_material(Material::mirror("unused", Rgb::new(0.9, 0.5, 0.1)));
+    listed.add_material(Material::dielectric("unused too", 1.5));
+    for closure in [Closure::Closed, Closure::Always] {
+        let options = FormFactorOptions {
+            closure,
+            size: PatchSize::Count(60),
+            ..options(0.0, 1 << 8)
+        };
+        let [plain, listed] = [&plain, &listed].map(|scene| compute(scene, &options));
+        assert!(plain.closed.is_some() && plain == listed);
+    }
+}
+
 #[test]
 fn closure_never_silently() {
     let always = |closure| FormFactorOptions {
@@ -357,21 +375,22 @@ fn interrupted_work_resumes_to_the_same_bits() {
         separate: true,
         ..options(0.09, 64)
     };
-    check_interrupted(&mirror_room(Rgb::grey(0.5)), &mirrors);
+    check_interrupted(&mirror_room(Rgb::grey(0.5)), &mirrors, &[1, 2, 3]);
     let formulas = FormFactorOptions {
         engine: Engine::Analytic,
-        ..options(0.07, 64)
+        ..options(0.05, 64)
     };
-    check_interrupted(&cube_room(), &formulas);
+    check_interrupted(&cube_room(), &formulas, &[1, 2]);
 }
 
-fn check_interrupted(scene: &Scene, options: &FormFactorOptions) {
+/// Work that is cancelled after some numbers of blocks, and resumed each time.
+fn check_interrupted(scene: &Scene, options: &FormFactorOptions, cuts: &[usize]) {
     let tracer = Tracer::new(scene);
     let plan = Plan::new(scene, &tracer, options).unwrap();
     let prepared = plan.prepare();
     let whole = prepared.compute(&NoJournal, &Progress::new()).unwrap();
     let mut blocks = HashMap::new();
-    for at in [1, 2, 3, usize::MAX] {
+    for &at in cuts.iter().chain(&[usize::MAX]) {
         let progress = Progress::new();
         let journal = Interrupting {
             blocks: Mutex::new(blocks),
@@ -384,7 +403,7 @@ fn check_interrupted(scene: &Scene, options: &FormFactorOptions) {
             assert_eq!(found, Err(FactorsError::Cancelled));
             assert_eq!(blocks.len(), at);
         } else {
-            assert!(found.unwrap() == whole && blocks.len() > 3);
+            assert!(found.unwrap() == whole && blocks.len() > cuts.len());
         }
     }
 }

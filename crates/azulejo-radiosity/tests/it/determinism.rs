@@ -1,6 +1,7 @@
 //! Bit-identical results for any number of threads; cancellation and deadlines.
 
 use crate::rooms::*;
+use azulejo_factors::Engine;
 use azulejo_radiosity::{Estimate, FirstPass, LightSolution, PatchSize, SolveError, probe, solve};
 use azulejo_scene::Scene;
 use azulejo_scene::synthetic::{CornellVariant, cornell_box};
@@ -70,6 +71,21 @@ fn threads_do_not_matter_to_probes() {
         })
     });
     assert!(found[0] == found[1] && found[1] == found[2]);
+}
+
+/// Rows of the analytic engine are computed in groups, and solvers request as many at a time as
+/// there are threads.
+#[test]
+fn threads_do_not_matter_to_formulas() {
+    let scene = cornell_box(CornellVariant::Diffuse);
+    let pass = FirstPass {
+        engine: Engine::Analytic,
+        ..pass()
+    };
+    let alone = solved(&scene, &pass, 1);
+    for threads in [2, 3, 8] {
+        assert!(solved(&scene, &pass, threads) == alone, "{threads} threads");
+    }
 }
 
 #[test]
