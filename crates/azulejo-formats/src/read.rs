@@ -58,8 +58,10 @@ pub fn read_with(
         Format::View3d => view3d::read,
     };
     let loaded = read(bytes, name, files, options)?;
+    let mut scene = loaded.scene;
+    scene.join_sides();
     Ok(RecognizedModel {
-        scene: loaded.scene,
+        scene,
         warnings: loaded.warnings,
         format,
     })

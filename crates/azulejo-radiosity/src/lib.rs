@@ -14,6 +14,7 @@
 //! | [`refine`] | more rays for the rows that dominate the error |
 //! | [`stochastic`] | Stochastic Jacobi, which needs no rows |
 //! | [`gather`], [`light`], [`vertices`] | irradiance at points, from the light on patches |
+//! | [`StoredSides`] | which side of a surface is stored |
 //!
 //! Exact shapes are divided as polygons ([`faceted`](azulejo_factors::faceted)).
 
@@ -22,6 +23,7 @@ pub mod gather;
 pub mod light;
 mod preview;
 pub mod refine;
+mod sides;
 pub mod solve;
 pub mod solved;
 pub mod stochastic;
@@ -30,6 +32,7 @@ pub mod vertices;
 
 pub use azulejo_factors::{Engine, EngineUsed, PatchSize, Patches, PointNormal};
 pub use preview::{Preview, PreviewStage};
+pub use sides::StoredSides;
 pub use solve::{
     Estimate, FirstPass, LightSolution, Method, Probed, Report, SolveError, probe, solve,
     solve_watched,

@@ -3,6 +3,7 @@
 use crate::gather::{GatherEffort, MOST_RAYS, gather, gather_watched};
 use crate::preview::{Preview, PreviewReporter};
 use crate::refine::RefinementGoal;
+use crate::sides::StoredSides;
 use crate::solved::SolvedPatches;
 use crate::system::EnergyBalance;
 use crate::vertices;
@@ -33,6 +34,8 @@ pub struct FirstPass {
     pub memory: u64,
     /// Write irradiance on the vertices of the given mesh instead of those of the patches.
     pub keep_mesh: bool,
+    /// Which side's irradiance the surfaces of meshes store.
+    pub sides: StoredSides,
 }
 
 impl Default for FirstPass {
@@ -47,6 +50,7 @@ impl Default for FirstPass {
             seed: 0,
             memory: 4 << 30,
             keep_mesh: false,
+            sides: StoredSides::default(),
         }
     }
 }
@@ -270,17 +274,12 @@ fn solve_for(
     progress: &Progress,
 ) -> Result<LightSolution, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
-    let mut reporter = PreviewReporter::new(watch, &proxy, pass.keep_mesh);
+    let mut reporter = PreviewReporter::new(watch, &proxy, pass);
     let solved = SolvedPatches::new(&proxy, pass, progress, &mut |patches, found| {
         reporter.show_patches(patches, found);
     })?;
     reporter.show_patches(&solved.patches, &solved.solution);
-    let targets = vertices::targets(
-        scene,
-        &solved.patches,
-        &solved.solution.incident,
-        pass.keep_mesh,
-    );
+    let targets = vertices::targets(scene, &solved.patches, &solved.solution, pass);
     let light = solved.light(pass);
     let seed = hash(&[pass.key(), 1]);
     let found = gather_watched(

@@ -116,17 +116,20 @@ impl Mesh {
         if let Some(normals) = &mut self.normals {
             turn_normals(normals, &self.faces, &turned);
         }
-        for face in turned {
-            let range = self.faces.corner_range(face);
-            let indices = [
-                self.normals.as_mut().and_then(|a| a.corners.as_mut()),
-                self.uvs.as_mut().and_then(|a| a.corners.as_mut()),
-                Some(&mut self.faces.corners),
-            ];
-            for corners in indices.into_iter().flatten() {
-                // The first corner stays, so that the face is triangulated as before.
-                corners[range.start + 1..range.end].reverse();
-            }
+        turned.into_iter().for_each(|f| self.reverse_face(f));
+    }
+
+    /// Reverses the corners of a face: its front becomes its back. Normals stay.
+    pub fn reverse_face(&mut self, face: usize) {
+        let range = self.faces.corner_range(face);
+        let indices = [
+            self.normals.as_mut().and_then(|a| a.corners.as_mut()),
+            self.uvs.as_mut().and_then(|a| a.corners.as_mut()),
+            Some(&mut self.faces.corners),
+        ];
+        for corners in indices.into_iter().flatten() {
+            // The first corner stays, so that the face is triangulated as before.
+            corners[range.start + 1..range.end].reverse();
         }
     }
 
