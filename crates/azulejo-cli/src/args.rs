@@ -232,10 +232,12 @@ pub struct FirstPassArgs {
     /// Which side's irradiance surfaces store [default: by what the file says of each surface]
     ///
     /// By default: the front where the file says that backs are culled; both sides where it says
-    /// that both are visible, unless the surface is closed and dark inside, or the mesh is kept.
-    /// Where it says nothing, the front, or the back if only that is lit; but the brighter side if
-    /// the object's faces contradict each other in more than 2% of their edges. Sides are chosen for
-    /// whole surfaces: faces that meet at edges.
+    /// that both are visible, or says nothing and the faces of the object contradict each other at
+    /// more than 2% of their edges; otherwise the front, or the back if only that is lit. Sides are
+    /// chosen for whole surfaces, faces that meet at edges. Closed surfaces lit from one side only
+    /// store that one; with --keep-mesh all surfaces store one. GRF stores both sides of a face;
+    /// GLB, glTF and PLY get a reversed copy of it. Where a picture shows a side that is not stored,
+    /// its light is gathered.
     #[arg(long, value_name = "SIDES")]
     pub sides: Option<SidesArg>,
     #[command(flatten)]

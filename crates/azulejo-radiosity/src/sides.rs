@@ -17,29 +17,32 @@ use std::collections::HashMap;
 /// Lamps and glass, whose sides differ, keep their fronts under every rule.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum StoredSides {
-    /// By what the file says of each surface ([`Sidedness`]). The front where backs are culled;
-    /// both sides where both are visible, unless the surface is closed and no light is inside.
-    /// Where the file says nothing, one side: the front, or the back if only that is lit, as in a
-    /// room whose walls face outwards. But if faces that share edges contradict each other in more
-    /// than [`CONTRADICTIONS`] of cases, their order says nothing, and each surface of the object
-    /// stores its brighter side. A mesh that is kept stores one side in any case.
+    /// By what the file says of each surface ([`Sidedness`]). The front where backs are culled; both
+    /// sides where both are visible. Where the file says nothing, one side: the front, or the back
+    /// if only that is lit, as in a room whose walls face outwards. But if more than a fiftieth of
+    /// the edges of an object's faces contradict each other, their order says nothing, and both
+    /// sides of its surfaces are stored.
+    ///
+    /// Closed surfaces of which only one side is lit store that one; a mesh that is
+    /// [kept](crate::FirstPass::keep_mesh) stores one side of every surface, which is the
+    /// [brighter](StoredSides::Brighter) one where the order of corners says nothing.
     #[default]
     BySurface,
     /// The front of every face.
     Front,
-    /// The brighter side of every surface: the back if it is [`CLEARLY`] brighter.
+    /// The brighter side of every surface: the back, if it is brighter by a quarter and by three
+    /// standard errors.
     Brighter,
-    /// Both sides of every surface, unless it is closed and no light is inside.
+    /// Both sides of every surface, unless it is closed and only one side is lit.
     Split,
 }
 
-/// How much brighter the back of a surface has to be to be stored instead of the front, beside three
-/// standard errors of the difference.
-pub const CLEARLY: f64 = 1.25;
+/// How much brighter a clearly brighter side is.
+const CLEARLY: f64 = 1.25;
 
 /// Share of edges at which an object's faces may contradict each other before their order counts
-/// for nothing.
-pub const CONTRADICTIONS: f64 = 0.02;
+/// for nothing: a few flipped faces are accidents.
+const CONTRADICTIONS: f64 = 0.02;
 
 /// Share of the back's light below which a front is unlit.
 const UNLIT: f64 = 1e-4;
@@ -80,11 +83,12 @@ pub(crate) fn choose(
         let is_double = match (rule, surface.sidedness) {
             (StoredSides::Split, _) => true,
             (StoredSides::BySurface, Sidedness::Two) => !keep_mesh,
+            (StoredSides::BySurface, Sidedness::Unsaid) => surface.is_doubtful && !keep_mesh,
             _ => false,
         };
         let both = is_double && !is_hollow;
         let turn = match (rule, surface.sidedness) {
-            // What is seen of a face that is there twice, or culled, follows from its corners.
+            // The corners of a face say which of its sides is which.
             _ if both => None,
             (StoredSides::BySurface, Sidedness::One) => None,
             (StoredSides::Brighter, _) => Some(light.is_back_clearly_brighter()),

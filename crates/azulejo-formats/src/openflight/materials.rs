@@ -73,7 +73,8 @@ impl FaceAttributes {
     /// The sides that the draw type shows.
     fn sidedness(&self) -> Sidedness {
         match self.draw {
-            0 => Sidedness::One,
+            // Type 4 is type 0 with an outline.
+            0 | 4 => Sidedness::One,
             1 => Sidedness::Two,
             _ => Sidedness::Unsaid,
         }

@@ -91,8 +91,7 @@ fn a_divided_mesh_gets_values_on_all_vertices() {
     scene.validate().unwrap();
 }
 
-/// A floor that faces down is reversed towards the light when it is divided; kept, it gets the
-/// light of its back.
+/// A floor that faces down is reversed towards the light, divided or kept.
 #[test]
 fn a_floor_upside_down() {
     let mut scene = bulb_over_floor();
