@@ -23,7 +23,7 @@ pub struct Mesh {
     pub irradiance: Vec<Rgb>,
     /// Standard error of each vertex's irradiance; empty when absent.
     pub irradiance_error: Vec<Rgb>,
-    /// Irradiance of the back; `None` where only that of the front is known.
+    /// Irradiance of the back; `None` where only that of the front is known, and in exact shapes.
     pub back: Option<Box<BackIrradiance>>,
     /// The polygons.
     pub faces: Faces,

@@ -336,6 +336,9 @@ fn back_irradiance(out: &mut GrfOutput<'_>, back: &BackIrradiance) -> io::Result
     let known = |v: &usize| back.irradiance[*v].is_some();
     let vertices: Vec<usize> = (0..back.irradiance.len()).filter(known).collect();
     let values: Vec<Rgb> = back.irradiance.iter().flatten().copied().collect();
+    if values.is_empty() {
+        return Ok(());
+    }
     out.write_all(b"ext irad_back begin\n")?;
     if vertices.len() < back.irradiance.len() {
         out.write_all(b"vertices =")?;

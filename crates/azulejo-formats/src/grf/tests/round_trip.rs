@@ -296,7 +296,9 @@ pub(super) fn a_mesh(materials: u32) -> impl Strategy<Value = Shape> {
                 normals: attribute(a.1),
                 uvs: attribute(a.2),
                 colors: a.3,
-                back: a.8.filter(|_| !a.4.is_empty()),
+                back: a
+                    .8
+                    .filter(|b| !a.4.is_empty() && b.irradiance.iter().any(Option::is_some)),
                 irradiance: a.4,
                 irradiance_error: a.5,
                 smoothing: a.7,
