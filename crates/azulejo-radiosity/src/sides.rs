@@ -77,7 +77,7 @@ pub(crate) fn choose(
     if rule == StoredSides::Front {
         return choices;
     }
-    for surface in Surfaces::new(scene, patches).into_list() {
+    for surface in SurfaceJoiner::new(scene, patches).into_list() {
         let light = LightOnSides::new(&surface, patches, found);
         let is_hollow = surface.is_closed && (light.is_back_unlit() || light.is_front_unlit());
         let is_double = match (rule, surface.sidedness) {
@@ -106,7 +106,7 @@ pub(crate) fn choose(
 }
 
 /// Patches that are one sheet.
-struct Surface {
+struct JoinedSurface {
     /// The patches in ascending order, each with whether it faces the other way than most of the
     /// surface's area.
     patches: Vec<(u32, bool)>,
@@ -118,7 +118,7 @@ struct Surface {
 }
 
 /// The surfaces of a scene's meshes while they are joined.
-struct Surfaces<'a> {
+struct SurfaceJoiner<'a> {
     scene: &'a Scene,
     patches: &'a Patches,
     /// The surface of each patch, as a tree of patches.
@@ -140,10 +140,10 @@ struct PatchEdge {
     is_forward: bool,
 }
 
-impl<'a> Surfaces<'a> {
-    fn new(scene: &'a Scene, patches: &'a Patches) -> Surfaces<'a> {
+impl<'a> SurfaceJoiner<'a> {
+    fn new(scene: &'a Scene, patches: &'a Patches) -> SurfaceJoiner<'a> {
         let count = patches.len();
-        let mut surfaces = Surfaces {
+        let mut surfaces = SurfaceJoiner {
             scene,
             patches,
             parents: (0..count as u32).collect(),
@@ -207,7 +207,7 @@ impl<'a> Surfaces<'a> {
             let mut rest = Vec::new();
             for of_object in left.chunk_by(|a, b| a.object == b.object) {
                 match of_object {
-                    &[a, b] => self.join(a, b),
+                    &[a, b] if self.sidedness(a) == self.sidedness(b) => self.join(a, b),
                     _ => rest.extend_from_slice(of_object),
                 }
             }
@@ -288,16 +288,16 @@ impl<'a> Surfaces<'a> {
         (root, opposite)
     }
 
-    fn into_list(mut self) -> Vec<Surface> {
+    fn into_list(mut self) -> Vec<JoinedSurface> {
         let mut of_root: HashMap<u32, usize> = HashMap::new();
-        let mut list: Vec<Surface> = Vec::new();
+        let mut list: Vec<JoinedSurface> = Vec::new();
         for patch in 0..self.patches.len() {
             if !self.has_surface(patch) {
                 continue;
             }
             let (root, opposite) = self.find(patch as u32);
             let index = *of_root.entry(root).or_insert_with(|| {
-                list.push(Surface {
+                list.push(JoinedSurface {
                     patches: Vec::new(),
                     is_closed: true,
                     is_doubtful: false,
@@ -326,7 +326,7 @@ pub(crate) fn is_mesh(object: &Object) -> bool {
     matches!(object.shape, Shape::Mesh(_))
 }
 
-impl Surface {
+impl JoinedSurface {
     /// Turns the surface over if most of its area faces the other way than its first patch.
     fn face_as_most(&mut self, patches: &Patches) {
         let area = |&(p, is_reversed): &(u32, bool)| {
@@ -346,7 +346,7 @@ struct LightOnSides {
 }
 
 impl LightOnSides {
-    fn new(surface: &Surface, patches: &Patches, found: &RadiositySolution) -> LightOnSides {
+    fn new(surface: &JoinedSurface, patches: &Patches, found: &RadiositySolution) -> LightOnSides {
         let mut light = LightOnSides {
             front: [0.0; REPLICATES],
             back: [0.0; REPLICATES],
