@@ -234,8 +234,31 @@ pub struct FirstPassArgs {
     /// Write irradiance on the original vertices, without subdividing faces
     #[arg(long)]
     pub keep_mesh: bool,
+    /// Which side's irradiance surfaces store [default: by what the file says of each surface]
+    ///
+    /// By default: the front where the file says that backs are culled; both sides where it says
+    /// that both are visible, or says nothing and the faces of the object contradict each other at
+    /// more than 2% of their edges; otherwise the front, or the back if only that is lit. Sides are
+    /// chosen for whole surfaces, faces that meet at edges. Closed surfaces lit from one side only
+    /// store that one; with --keep-mesh all surfaces store one. GRF stores both sides of a face;
+    /// GLB, glTF and PLY get a reversed copy of it. Where a picture shows a side that is not stored,
+    /// its light is gathered.
+    #[arg(long, value_name = "SIDES")]
+    pub sides: Option<SidesArg>,
     #[command(flatten)]
     pub engine: EngineArgs,
+}
+
+/// `--sides`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SidesArg {
+    /// The front of every face
+    Front,
+    /// The side of every surface that is brighter by a quarter and three standard errors, else the
+    /// front
+    Brighter,
+    /// Both: sheets are written twice, with a reversed copy for the back
+    Split,
 }
 
 /// `solve`
@@ -478,6 +501,7 @@ Examples:
   azulejo solve room.obj -o room.grf
   azulejo solve room.obj -o room.grf --patches 20000 --error 1%
   azulejo solve level.glb -o level-lit.glb --keep-mesh
+  azulejo solve hut.obj -o hut.glb --sides split
   azulejo solve room.obj -o room.grf --patch-size 0.1 --time 60s --json
   azulejo solve room.obj -o room.grf --engine embree";
 

@@ -1,12 +1,14 @@
 //! The first pass: its options, solution and summary.
 
-use super::args::{DivisionArgs, FirstPassArgs};
+use super::args::{DivisionArgs, FirstPassArgs, SidesArg};
 use super::engine::PreparedEngine;
 use super::failure::Failure;
 use super::report::{Report, bytes, count, number, numbers, percent, short, triple};
 use super::session::Session;
 use azulejo::machine;
-use azulejo_radiosity::{EnergyBalance, FirstPass, LightSolution, Method, PatchSize, SolveError};
+use azulejo_radiosity::{
+    EnergyBalance, FirstPass, LightSolution, Method, PatchSize, SolveError, StoredSides,
+};
 use azulejo_scene::{Material, MaterialId, Rgb, Scene, Shape, Units};
 use azulejo_trace::Tracer;
 
@@ -26,7 +28,17 @@ pub fn options(args: &FirstPassArgs, prepared: &PreparedEngine) -> FirstPass {
         seed: args.seed,
         memory: args.memory.unwrap_or_else(machine::memory_budget),
         keep_mesh: args.keep_mesh,
+        sides: sides(args.sides),
         engine: prepared.engine.clone(),
+    }
+}
+
+fn sides(arg: Option<SidesArg>) -> StoredSides {
+    match arg {
+        None => StoredSides::BySurface,
+        Some(SidesArg::Front) => StoredSides::Front,
+        Some(SidesArg::Brighter) => StoredSides::Brighter,
+        Some(SidesArg::Split) => StoredSides::Split,
     }
 }
 

@@ -1,6 +1,6 @@
 //! `solve`: the first pass, from scene to irradiance on its vertices.
 
-use super::args::SolveArgs;
+use super::args::{SidesArg, SolveArgs};
 use super::failure::Failure;
 use super::report::Report;
 use super::session::Session;
@@ -24,6 +24,9 @@ pub fn run(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
         &mut report,
     )?;
     scene.set_irradiance(light.irradiance);
+    if args.first_pass.sides == Some(SidesArg::Split) {
+        scene = scene.split_sides().into_owned();
+    }
     session.write(&scene, &output)?;
     let path = args.output.display().to_string();
     report.fact("output", path.clone(), "wrote", path);

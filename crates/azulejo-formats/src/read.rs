@@ -58,8 +58,10 @@ pub fn read_with(
         Format::View3d => view3d::read,
     };
     let loaded = read(bytes, name, files, options)?;
+    let mut scene = loaded.scene;
+    scene.join_sides();
     Ok(RecognizedModel {
-        scene: loaded.scene,
+        scene,
         warnings: loaded.warnings,
         format,
     })
@@ -90,6 +92,8 @@ mod tests {
     use super::*;
     use crate::outline::{ppe, ppf};
     use crate::{Loaded, Memory, Position, brdf, camera_json};
+    use azulejo_scene::{BackIrradiance, Material, Mesh, Object, Rgb, Scene, Shape, Sidedness};
+    use glam::DVec3;
 
     /// The text as UTF-8 with a byte-order mark, and as UTF-16 in both byte orders with and without one.
     fn encodings(text: &str) -> [Vec<u8>; 5] {
@@ -172,6 +176,102 @@ mod tests {
             "view\n0 0 10\n0 0 0\n0 1 0\n30 20\ncolors\n.1 .2 .3\n.1 .1 .1\n",
         ),
     ];
+
+    /// A sheet of a quadrilateral and a triangle with light on both sides, and a triangle with light
+    /// on its front.
+    fn sheets() -> Scene {
+        let mut scene = Scene::default();
+        let paper = Material {
+            sidedness: Sidedness::Two,
+            ..Material::diffuse("paper", Rgb::grey(0.5))
+        };
+        scene.add_material(paper);
+        let at = |x: f64, y: f64| DVec3::new(x, y, 0.0);
+        let outline = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (2.0, 0.5)];
+        let apart = [(5.0, 0.0), (6.0, 0.0), (5.0, 1.0)];
+        let mut mesh = Mesh {
+            positions: outline
+                .iter()
+                .chain(&apart)
+                .map(|&(x, y)| at(x, y))
+                .collect(),
+            ..Mesh::default()
+        };
+        mesh.push_face(&[0, 1, 2, 3], 0);
+        mesh.push_face(&[1, 4, 2], 0);
+        mesh.push_face(&[5, 6, 7], 0);
+        let light = |first: u32| (first..first + 8).map(|k| Rgb::grey(f64::from(k)));
+        mesh.irradiance = light(1).collect();
+        mesh.back = Some(Box::new(BackIrradiance {
+            irradiance: light(20).map(Some).take(5).chain([None; 3]).collect(),
+            error: Vec::new(),
+        }));
+        scene.objects.push(Object::new("sheets", Shape::Mesh(mesh)));
+        scene.validate().unwrap();
+        scene
+    }
+
+    /// The light on front and back at a point of a mesh.
+    fn light_at(mesh: &Mesh, place: DVec3) -> (f64, Option<f64>) {
+        let near = |p: &DVec3| p.distance(place) < 1e-6;
+        let v = mesh
+            .positions
+            .iter()
+            .position(near)
+            .expect("a vertex there");
+        let back = mesh.back.as_ref().and_then(|b| b.irradiance[v]);
+        (mesh.irradiance[v].mean(), back.map(Rgb::mean))
+    }
+
+    #[test]
+    fn both_sides_of_sheets_come_back_from_every_format() {
+        let given = sheets();
+        let Shape::Mesh(mesh) = &given.objects[0].shape else {
+            unreachable!("the scene is a mesh")
+        };
+        let split = given.split_sides();
+        type Writer = fn(&Scene, &mut dyn std::io::Write) -> std::io::Result<()>;
+        let files: [(&str, Writer, &Scene); 5] = [
+            ("a.grf", grf::write, &given),
+            ("a.grf", grf::write, &split),
+            ("a.glb", gltf::write, &given),
+            ("a.ply", ply::write, &given),
+            ("a.glb", gltf::write, &split),
+        ];
+        for (name, write, scene) in files {
+            let mut bytes = Vec::new();
+            write(scene, &mut bytes).unwrap();
+            let found = read(&bytes, name, &Memory::new()).unwrap().scene;
+            found.validate().unwrap();
+            let Shape::Mesh(read) = &found.objects[0].shape else {
+                panic!("{name}: a mesh")
+            };
+            assert!(
+                (read.area() - mesh.area()).abs() < 1e-6,
+                "{name}: {}",
+                read.area()
+            );
+            for (v, &p) in mesh.positions.iter().enumerate() {
+                let (front, back) = light_at(read, p);
+                assert!(
+                    (front - mesh.irradiance[v].mean()).abs() < 1e-4,
+                    "{name}: {front}"
+                );
+                let expected = mesh.back.as_ref().unwrap().irradiance[v].map(Rgb::mean);
+                assert_eq!(back.is_some(), expected.is_some(), "{name}: {p}");
+                let off = back.unwrap_or(0.0) - expected.unwrap_or(0.0);
+                assert!(off.abs() < 1e-4, "{name}: {back:?}");
+            }
+            if name != "a.ply" {
+                let of = |face: usize| {
+                    let id = read.face_materials[face];
+                    found.materials[id as usize].sidedness
+                };
+                let double = (0..read.faces.len()).filter(|&f| read.has_back(f));
+                assert!(double.map(of).all(|s| s == Sidedness::Two), "{name}");
+            }
+        }
+    }
 
     #[test]
     fn models_in_every_encoding_of_text() {

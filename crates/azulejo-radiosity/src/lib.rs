@@ -15,6 +15,7 @@
 //! | [`stochastic`] | Stochastic Jacobi, which needs no rows |
 //! | [`gather`], [`light`], [`vertices`] | irradiance at points, from the light on patches |
 //! | [`strata`], `validation` | where the patches are good enough for that, and where paths are traced |
+//! | [`StoredSides`] | which side of a surface is stored |
 //!
 //! Exact shapes are divided as polygons ([`faceted`](azulejo_factors::faceted)).
 
@@ -23,6 +24,7 @@ pub mod gather;
 pub mod light;
 mod preview;
 pub mod refine;
+mod sides;
 pub mod solve;
 pub mod solved;
 pub mod stochastic;
@@ -33,6 +35,7 @@ pub mod vertices;
 
 pub use azulejo_factors::{Engine, EngineUsed, PatchSize, Patches, PointNormal};
 pub use preview::{Preview, PreviewStage};
+pub use sides::StoredSides;
 pub use solve::{
     Estimate, FirstPass, LightSolution, Method, Probed, Report, SolveError, probe, solve,
     solve_watched,

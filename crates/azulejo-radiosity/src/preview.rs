@@ -1,6 +1,7 @@
 //! Previews of light while it is being solved.
 
 use crate::gather::Gathering;
+use crate::solve::FirstPass;
 use crate::system::RadiositySolution;
 use crate::vertices::{Targets, targets};
 use azulejo_factors::{Patches, ProxyScene};
@@ -35,7 +36,7 @@ pub enum PreviewStage {
 pub(crate) struct PreviewReporter<'w, 'a> {
     watch: Option<&'w mut dyn FnMut(Preview)>,
     proxy: &'a ProxyScene<'a>,
-    keep_mesh: bool,
+    pass: &'a FirstPass,
     last: Option<Instant>,
 }
 
@@ -44,21 +45,21 @@ impl<'w, 'a> PreviewReporter<'w, 'a> {
     pub fn new(
         watch: Option<&'w mut dyn FnMut(Preview)>,
         proxy: &'a ProxyScene<'a>,
-        keep_mesh: bool,
+        pass: &'a FirstPass,
     ) -> PreviewReporter<'w, 'a> {
         PreviewReporter {
             watch,
             proxy,
-            keep_mesh,
+            pass,
             last: None,
         }
     }
 
     /// Reports the light of patches.
     pub fn show_patches(&mut self, patches: &Patches, found: &RadiositySolution) {
-        let (given, scene, keep_mesh) = (self.proxy.given, &self.proxy.scene, self.keep_mesh);
+        let (given, scene, pass) = (self.proxy.given, &self.proxy.scene, self.pass);
         self.show(|| Preview {
-            irradiance: targets(given, patches, &found.incident, keep_mesh).interpolated(
+            irradiance: targets(given, patches, found, pass).interpolated(
                 scene,
                 patches,
                 &found.incident,

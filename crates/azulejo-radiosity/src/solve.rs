@@ -6,6 +6,7 @@ use crate::gather::{
 };
 use crate::preview::{Preview, PreviewReporter};
 use crate::refine::RefinementGoal;
+use crate::sides::StoredSides;
 use crate::solved::SolvedPatches;
 use crate::system::EnergyBalance;
 use crate::vertices;
@@ -36,6 +37,8 @@ pub struct FirstPass {
     pub memory: u64,
     /// Write irradiance on the vertices of the given mesh instead of those of the patches.
     pub keep_mesh: bool,
+    /// Which side's irradiance the surfaces of meshes store.
+    pub sides: StoredSides,
 }
 
 impl Default for FirstPass {
@@ -50,6 +53,7 @@ impl Default for FirstPass {
             seed: 0,
             memory: 4 << 30,
             keep_mesh: false,
+            sides: StoredSides::default(),
         }
     }
 }
@@ -314,17 +318,12 @@ fn solve_for(
     progress: &Progress,
 ) -> Result<LightSolution, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
-    let mut reporter = PreviewReporter::new(watch, &proxy, pass.keep_mesh);
+    let mut reporter = PreviewReporter::new(watch, &proxy, pass);
     let solved = SolvedPatches::new(&proxy, pass, progress, &mut |patches, found| {
         reporter.show_patches(patches, found);
     })?;
     reporter.show_patches(&solved.patches, &solved.solution);
-    let targets = vertices::targets(
-        scene,
-        &solved.patches,
-        &solved.solution.incident,
-        pass.keep_mesh,
-    );
+    let targets = vertices::targets(scene, &solved.patches, &solved.solution, pass);
     let light = solved.light(pass);
     let seed = hash(&[pass.key(), 1]);
     let found = gather_watched(

@@ -20,7 +20,7 @@ use std::f64::consts::FRAC_1_PI;
 /// Ends paths that carry little of what the camera sees: a hall of mirrors ends.
 const ROULETTE: Roulette = Roulette::below(Roulette::SHARE);
 
-/// Gather rays per hit on the back of a surface: the first pass computes irradiance for fronts.
+/// Gather rays per hit on a side of which the scene carries no irradiance.
 const BACK_RAYS: u32 = 32;
 
 /// About how many rays one call of the gatherer traces: bounds its memory.
@@ -238,9 +238,14 @@ impl<'a> CameraPath<'_, 'a> {
         }
         let shows_patches =
             self.integrator.gather.is_none() || (self.integrator.is_solved && !segment.is_sharp);
-        if shows_patches && at.front {
+        if shows_patches {
             let solved = self.integrator.scene.interpolator.lookup(&at.ray, &at.hit);
-            return solved.irradiance() * reflectance * FRAC_1_PI;
+            match solved.irradiance(at.front) {
+                Some(irradiance) => return irradiance * reflectance * FRAC_1_PI,
+                // Without a solution only lamps show.
+                None if at.front => return Rgb::BLACK,
+                None => {}
+            }
         }
         let tracer = self.integrator.tracer();
         let point = tracer.resolve(&tracer.world_ray(&segment.ray), &at.hit);
@@ -348,8 +353,8 @@ impl<'a> CameraPath<'_, 'a> {
 
 /// The irradiance of the first pass.
 impl DiffuseLight for Integrator<'_> {
-    /// Too coarse from nearer than the size of the patch, and from any distance on backs, of which
-    /// the first pass computes none.
+    /// Too coarse from nearer than the size of the patch, and from any distance on a side of which
+    /// the scene carries no irradiance.
     fn outgoing(&self, at: &DiffuseHit, _replicate: usize) -> OutgoingRadiosity {
         let material = self.surfaces().material(at.hit.item);
         if material.diffuse.is_black() {
@@ -357,13 +362,10 @@ impl DiffuseLight for Integrator<'_> {
         }
         let lookup = self.scene.interpolator.lookup(&at.ray, &at.hit);
         let reflectance = self.reflectance(at);
+        let known = lookup.irradiance(at.front);
         OutgoingRadiosity {
-            radiosity: (lookup.irradiance() * reflectance).to_f32(),
-            footprint: if at.front {
-                lookup.footprint()
-            } else {
-                f32::INFINITY
-            },
+            radiosity: (known.unwrap_or(Rgb::BLACK) * reflectance).to_f32(),
+            footprint: known.map_or(f32::INFINITY, |_| lookup.footprint()),
         }
     }
 

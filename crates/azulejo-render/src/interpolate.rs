@@ -157,7 +157,7 @@ impl<'a> Interpolator<'a> {
         let color = if mesh.colors.is_empty() {
             Rgb::WHITE
         } else {
-            weights.of_vertices(mesh, &mesh.colors)
+            weights.of_vertices(mesh, |v| mesh.colors[v])
         };
         let uv = (!material.textures.is_empty()).then(|| weights.uv(mesh));
         let image = |id| self.scene.textures[id as usize].image.as_ref();
@@ -263,19 +263,20 @@ fn cell_area(p: &Primitive, part: usize) -> f64 {
 }
 
 impl IrradianceLookup<'_> {
-    /// Irradiance of the first pass, W/m²; black where there is none.
-    pub fn irradiance(&self) -> Rgb {
-        match &self.source {
-            IrradianceSource::Mesh(mesh, _) if mesh.irradiance.is_empty() => Rgb::BLACK,
-            IrradianceSource::Mesh(mesh, weights)
-            | IrradianceSource::Exact(Some((mesh, weights))) => {
-                weights.of_vertices(mesh, &mesh.irradiance)
+    /// Irradiance of the first pass on a side, W/m²; `None` where none is stored for it.
+    pub fn irradiance(&self, front: bool) -> Option<Rgb> {
+        match (&self.source, front) {
+            (IrradianceSource::Mesh(mesh, weights), true)
+            | (IrradianceSource::Exact(Some((mesh, weights))), true) => {
+                let is_solved = !mesh.irradiance.is_empty();
+                is_solved.then(|| weights.of_vertices(mesh, |v| mesh.irradiance[v]))
             }
-            IrradianceSource::Exact(None) => Rgb::BLACK,
-            IrradianceSource::Primitive(p, part, u, v) => match &p.light {
-                Some(light) => light.at(*part, *u, *v),
-                None => Rgb::BLACK,
-            },
+            (IrradianceSource::Mesh(mesh, weights), false) => weights.of_backs(mesh),
+            (IrradianceSource::Primitive(p, part, u, v), true) => {
+                p.light.as_ref().map(|light| light.at(*part, *u, *v))
+            }
+            // Exact shapes carry the light of their outside.
+            (IrradianceSource::Primitive(..) | IrradianceSource::Exact(_), _) => None,
         }
     }
 
@@ -320,9 +321,21 @@ impl Weights {
         }
     }
 
+    /// The mean of the irradiance on the backs of vertices, if all of them have any.
+    fn of_backs(&self, mesh: &Mesh) -> Option<Rgb> {
+        let back = mesh.back.as_deref()?;
+        let at = |c: usize| back.irradiance[mesh.faces.corners[c] as usize];
+        // Corners that do not count repeat the first.
+        let is_known = self.corners.iter().all(|&c| at(c).is_some());
+        is_known.then(|| {
+            let known = |v: usize| back.irradiance[v].unwrap_or(Rgb::BLACK);
+            self.of_vertices(mesh, known)
+        })
+    }
+
     /// The mean of per-vertex values.
-    fn of_vertices(&self, mesh: &Mesh, values: &[Rgb]) -> Rgb {
-        let value = |k: usize| values[mesh.faces.corners[self.corners[k]] as usize];
+    fn of_vertices(&self, mesh: &Mesh, values: impl Fn(usize) -> Rgb) -> Rgb {
+        let value = |k: usize| values(mesh.faces.corners[self.corners[k]] as usize);
         let w = self.weights;
         (value(0) * w[0] + value(1) * w[1]) + (value(2) * w[2] + value(3) * w[3])
     }

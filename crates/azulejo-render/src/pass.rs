@@ -60,8 +60,9 @@ impl SecondPass {
 /// leave the scene find the background, or without one the ambient light; fog hides what is far
 /// from the viewer. Surfaces without irradiance reflect nothing diffusely: without a first pass and
 /// without [`gather`](SecondPass::gather) only lamps, their mirror images and the ambient light
-/// show. Vertices carry the irradiance of the front; where a path hits the back of a diffuse
-/// surface, irradiance is gathered there.
+/// show. Vertices carry the irradiance of the front, and of the back too where both sides of
+/// a sheet were solved; where a path hits the side of a diffuse surface that they do not carry,
+/// irradiance is gathered there.
 ///
 /// Counts pixels on `progress`.
 ///

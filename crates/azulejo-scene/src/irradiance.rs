@@ -9,6 +9,16 @@ pub struct Irradiance {
     pub objects: Vec<ObjectIrradiance>,
 }
 
+/// Irradiance on the backs of a mesh's faces, which is stored beside that of the fronts where both
+/// sides of a sheet are seen.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BackIrradiance {
+    /// W/m², one per vertex; `None` where no face needs it.
+    pub irradiance: Vec<Option<Rgb>>,
+    /// Standard error, one per vertex, black where there is no irradiance; or empty.
+    pub error: Vec<Rgb>,
+}
+
 /// Irradiance of one object.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ObjectIrradiance {
@@ -18,6 +28,11 @@ pub enum ObjectIrradiance {
         irradiance: Vec<Rgb>,
         /// Standard error, one per vertex or empty.
         error: Vec<Rgb>,
+        /// Irradiance of the back, if it was asked for.
+        back: Option<Box<BackIrradiance>>,
+        /// The faces, in ascending order, whose back is what the irradiance is for: they are to be
+        /// [turned](Mesh::turn_faces).
+        turned: Vec<u32>,
     },
     /// The mesh divided into patches, with irradiance on its vertices; for an exact shape, its
     /// proxy mesh.

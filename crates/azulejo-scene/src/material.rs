@@ -32,6 +32,9 @@ pub struct Material {
     pub emission: Rgb,
     /// Whether the back emits the same.
     pub emits_back: bool,
+    /// What the file says of the sides from which the surface is visible. Light does not depend on
+    /// it; the first pass chooses by it which side's irradiance is stored.
+    pub sidedness: Sidedness,
     /// Multiplies `diffuse`, where the mesh has texture coordinates. Several are multiplied
     /// with each other (GRF's multitexture).
     pub textures: Vec<TextureId>,
@@ -41,6 +44,18 @@ pub struct Material {
     /// ([`Brdf::mean_diffuse`], [`Brdf::mean_mirror`]), for algorithms that need no more; its
     /// glossy lobes are additional. [`Material::with_brdf`] keeps the three consistent.
     pub brdf: Option<Arc<Brdf>>,
+}
+
+/// From which sides a surface is visible, by the file that it comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Sidedness {
+    /// The file does not say, or its format cannot.
+    #[default]
+    Unsaid,
+    /// From the front only: backs are culled.
+    One,
+    /// From both sides.
+    Two,
 }
 
 /// Glass: the smooth boundary between the outside and a transparent body, or a thin pane.

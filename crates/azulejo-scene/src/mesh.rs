@@ -1,7 +1,7 @@
 //! Polygon meshes.
 
 use crate::math::{Aabb, area_vector};
-use crate::{MaterialId, Rgb};
+use crate::{BackIrradiance, MaterialId, Rgb};
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 
@@ -23,6 +23,8 @@ pub struct Mesh {
     pub irradiance: Vec<Rgb>,
     /// Standard error of each vertex's irradiance; empty when absent.
     pub irradiance_error: Vec<Rgb>,
+    /// Irradiance of the back; `None` where only that of the front is known, and in exact shapes.
+    pub back: Option<Box<BackIrradiance>>,
     /// The polygons.
     pub faces: Faces,
     /// Material of each face.

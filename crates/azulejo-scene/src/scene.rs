@@ -183,14 +183,8 @@ impl Scene {
         for (object, light) in self.objects.iter_mut().zip(irradiance.objects) {
             match (&mut object.shape, light) {
                 (Shape::Mesh(mesh), ObjectIrradiance::Refined(refined)) => *mesh = *refined,
-                (Shape::Mesh(mesh), ObjectIrradiance::Vertices { irradiance, error }) => {
-                    assert_eq!(
-                        irradiance.len(),
-                        mesh.positions.len(),
-                        "irradiance of another mesh"
-                    );
-                    mesh.irradiance = irradiance;
-                    mesh.irradiance_error = error;
+                (Shape::Mesh(mesh), given @ ObjectIrradiance::Vertices { .. }) => {
+                    mesh.set_irradiance(given)
                 }
                 (Shape::Primitive(p), ObjectIrradiance::Surface(light)) => p.light = Some(light),
                 (Shape::Exact(exact), ObjectIrradiance::Refined(proxy)) => {

@@ -278,6 +278,7 @@ fn validate_mesh(mesh: &Mesh, materials: usize) -> Check {
             || format!("{name} is negative or not finite"),
         )?;
     }
+    validate_back(mesh)?;
     let bad = mesh.positions.iter().position(|p| !p.is_finite());
     ensure(
         bad.is_none(),
@@ -289,6 +290,24 @@ fn validate_mesh(mesh: &Mesh, materials: usize) -> Check {
     })?;
     validate_attribute(mesh, "texture coordinate", mesh.uvs.as_ref(), |t| {
         t.is_finite()
+    })
+}
+
+/// The back's irradiance stands beside that of the front, of as many vertices.
+fn validate_back(mesh: &Mesh) -> Check {
+    let Some(back) = &mesh.back else {
+        return Ok(());
+    };
+    let (count, place) = (mesh.irradiance.len(), || "mesh".to_string());
+    let fits = back.irradiance.len() == count && [0, count].contains(&back.error.len());
+    ensure(fits, place, || {
+        let found = (back.irradiance.len(), back.error.len());
+        format!("irradiance and errors of {found:?} backs for {count} fronts")
+    })?;
+    let mut all = back.irradiance.iter().flatten().chain(&back.error);
+    let is_light = |c: &crate::Rgb| (0..3).all(|k| c[k] >= 0.0 && c[k].is_finite());
+    ensure(all.all(is_light), place, || {
+        "irradiance of a back is negative or not finite".into()
     })
 }
 

@@ -40,6 +40,10 @@ pub fn losses(scene: &Scene) -> Vec<String> {
             "meshes whose errors of irradiance are left out",
         ),
         (
+            meshes(|m| m.back.is_some()),
+            "meshes whose sheets are written twice, once with the light of each side",
+        ),
+        (
             materials(|m| m.textures.len() > 1),
             "materials of which only the first picture is kept",
         ),

@@ -6,7 +6,7 @@ use super::pictures::Pictures;
 use crate::Files;
 use crate::surface::gloss::Gloss;
 use crate::surface::materials::Materials;
-use azulejo_scene::{Dielectric, Material, MaterialId, Rgb, Texture};
+use azulejo_scene::{Dielectric, Material, MaterialId, Rgb, Sidedness, Texture};
 use glam::{DAffine2, DMat2, DVec2};
 use gltf_json::extensions::texture::TextureTransform;
 use gltf_json::material::AlphaMode;
@@ -143,6 +143,11 @@ impl MaterialReader<'_, '_> {
             ..Material::default()
         };
         material.emits_back = self.json.double_sided && material.is_emitter();
+        material.sidedness = if self.json.double_sided {
+            Sidedness::Two
+        } else {
+            Sidedness::One
+        };
         if !self.glass(&mut material) {
             self.opaque(&mut material);
         }

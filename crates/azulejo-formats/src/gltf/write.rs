@@ -17,12 +17,14 @@ const NEAR: f64 = 0.01;
 /// Writes a scene as one binary file, GLB.
 ///
 /// One node per object, with triangles in single precision. If the scene is not in metres or
-/// not y up, a root node converts it. [`losses`](super::losses) lists what the format cannot
+/// not y up, a root node converts it. Sheets with light on both sides are written twice
+/// ([`Scene::split_sides`]). [`losses`](super::losses) lists what the format cannot
 /// represent.
 ///
 /// # Errors
 /// Errors of `out`, and a scene that needs more than 4 GiB.
 pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
+    let scene = &*scene.split_sides();
     let mut document = Document::of(scene)?;
     let mut json = document.json(None)?;
     let mut bin = std::mem::take(&mut document.pack.bin);
@@ -55,6 +57,7 @@ pub fn write_json(
     json: &mut dyn Write,
     bin: &mut dyn Write,
 ) -> io::Result<()> {
+    let scene = &*scene.split_sides();
     let document = Document::of(scene)?;
     json.write_all(&document.json(Some(bin_name))?)?;
     bin.write_all(&document.pack.bin)?;

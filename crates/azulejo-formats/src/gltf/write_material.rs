@@ -6,7 +6,7 @@ use super::uri;
 use crate::picture::png;
 use crate::picture::srgb::srgb_bytes;
 use crate::surface::model::{gltf_mr, model_of, slope};
-use azulejo_scene::{Dielectric, Material, MaterialId, Rgb, Scene, Texture};
+use azulejo_scene::{Dielectric, Material, MaterialId, Rgb, Scene, Sidedness, Texture};
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeSet, HashMap};
 use std::io;
@@ -125,11 +125,11 @@ impl Materials {
     }
 }
 
-/// Surfaces act on both sides in azulejo; but lamps may emit from one side only, and the boundary
-/// of a body in glTF has both sides anyway.
+/// Surfaces act on both sides in azulejo; but lamps may emit from one side only, the boundary of a
+/// body in glTF has both sides anyway, and a file may have said that backs are culled.
 fn has_two_sides(m: &Material) -> bool {
     let is_solid = m.dielectric.is_some_and(|g| is_solid(&g));
-    !is_solid && (!m.is_emitter() || m.emits_back)
+    !is_solid && (!m.is_emitter() || m.emits_back) && m.sidedness != Sidedness::One
 }
 
 /// Glass without a volume is a thin pane in glTF; one of index 1 equals the boundary of a body.

@@ -3,7 +3,9 @@
 use super::brdf::GrfReflection;
 use super::solids::{ExactBlock, FigureBlock, SolidDefinition};
 use crate::{Position, ReadError};
-use azulejo_scene::{Attribute, Light, PrimitiveKind, Rgb, SurfaceLight};
+use azulejo_scene::{
+    Attribute, BackIrradiance, Light, PrimitiveKind, Rgb, Sidedness, SurfaceLight,
+};
 use azulejo_scene::{Camera, Faces, Fog, Units};
 use glam::{DAffine3, DVec2, DVec3};
 use std::sync::Arc;
@@ -308,6 +310,8 @@ pub(super) struct ObjectNotes {
     pub smoothing: Vec<u32>,
     /// Standard error of `irad`, one per vertex, or empty.
     pub irradiance_error: Vec<Rgb>,
+    /// Irradiance of the back, beside `irad`.
+    pub back: Option<Box<BackIrradiance>>,
     /// Irradiance on a light or primitive.
     pub light: Option<SurfaceLight>,
     /// Normals per corner, for skins and meshes in solids.
@@ -327,6 +331,7 @@ pub(super) struct MaterialNote {
     pub ior: Option<f64>,
     pub transmittance: Option<Rgb>,
     pub thin: bool,
+    pub sidedness: Sidedness,
     pub textures: Option<Vec<GrfName>>,
     pub brdf_file: Option<Arc<GrfReflection>>,
 }
@@ -340,6 +345,7 @@ impl MaterialNote {
             && !self.emits_back
             && self.ior.is_none()
             && !self.thin
+            && self.sidedness == Sidedness::Unsaid
             && self.textures.is_none()
             && self.brdf_file.is_none()
     }

@@ -10,7 +10,8 @@ use super::entries::{EntryValue, ExtensionEntries, ExtensionEntry};
 use super::parser::{GrfParser, ParseResult};
 use super::solids::is_solid;
 use azulejo_scene::{
-    Camera, Fog, Light, LightKind, PrimitiveKind, Rgb, SurfaceGrid, SurfaceLight, Units, Up,
+    BackIrradiance, Camera, Fog, Light, LightKind, PrimitiveKind, Rgb, Sidedness, SurfaceGrid,
+    SurfaceLight, Units, Up,
 };
 use glam::DAffine3;
 
@@ -294,9 +295,19 @@ impl<'a> GrfParser<'a, '_, '_> {
             ior: ior.map(|(ior, _)| ior),
             transmittance,
             thin: self.take_flag(entries, "thin")?.unwrap_or(false),
+            sidedness: self.take_sides(entries)?,
             textures: self.take_textures(entries)?,
             brdf_file: self.take_brdf_file(entries)?,
         })
+    }
+
+    fn take_sides(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Sidedness> {
+        match self.take_word(entries, "sides")? {
+            None => Ok(Sidedness::Unsaid),
+            Some(("one", _)) => Ok(Sidedness::One),
+            Some(("two", _)) => Ok(Sidedness::Two),
+            Some((word, offset)) => Err(self.fail(offset, format!("`{word}`"), "`one` or `two`")),
+        }
     }
 
     fn take_textures(
@@ -403,7 +414,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         )
     }
 
-    /// Reads `smoothing`, `irad_error` or `surface_light`, which apply to the preceding object.
+    /// Reads `smoothing`, `irad_error`, `irad_back` or `surface_light`, which apply to the preceding object.
     fn note_object(
         &mut self,
         name: &str,
@@ -418,6 +429,14 @@ impl<'a> GrfParser<'a, '_, '_> {
             ("irad_error", Some(BlockKind::Mesh(mesh))) => {
                 let vertices = mesh.vertices.positions.len();
                 mesh.notes.irradiance_error = self.rgb_list(entries, "values", vertices)?;
+            }
+            ("irad_back", Some(BlockKind::Mesh(mesh))) if !mesh.vertices.irradiance.is_empty() => {
+                let vertices = mesh.vertices.positions.len();
+                mesh.notes.back = Some(Box::new(self.back_irradiance(entries, vertices)?));
+            }
+            ("irad_back", Some(BlockKind::Mesh(_))) => {
+                let expected = "`irad` at the vertices of the mesh before it";
+                return Err(self.fail(entries.offset, "`ext irad_back`", expected));
             }
             ("surface_light", Some(BlockKind::AreaLight(light))) => {
                 light.notes.light = Some(self.surface_light(entries, PrimitiveKind::Square)?);
@@ -434,6 +453,45 @@ impl<'a> GrfParser<'a, '_, '_> {
             }
         }
         Ok(())
+    }
+
+    /// `values` and `errors` at the backs of `vertices`, by default of all.
+    fn back_irradiance(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+        count: usize,
+    ) -> ParseResult<BackIrradiance> {
+        let vertices = match entries.take("vertices") {
+            None => (0..count).collect(),
+            Some(entry) => {
+                let vertex = |n: &f64| (*n >= 0.0 && *n < count as f64).then_some(*n as usize);
+                let list = match &entry.value {
+                    EntryValue::Numbers(numbers) => numbers.iter().map(vertex).collect(),
+                    _ => None,
+                };
+                match list {
+                    Some(list) => list,
+                    None => return Err(self.wrong(&entry, &format!("vertices below {count}"))),
+                }
+            }
+        };
+        let vertices: Vec<usize> = vertices;
+        let mut back = BackIrradiance {
+            irradiance: vec![None; count],
+            error: Vec::new(),
+        };
+        let values = self.rgb_list(entries, "values", vertices.len())?;
+        for (&v, value) in vertices.iter().zip(values) {
+            back.irradiance[v] = Some(value);
+        }
+        if entries.has("errors") {
+            back.error = vec![Rgb::BLACK; count];
+            let errors = self.rgb_list(entries, "errors", vertices.len())?;
+            for (&v, error) in vertices.iter().zip(errors) {
+                back.error[v] = error;
+            }
+        }
+        Ok(back)
     }
 
     /// `count` integers, one for each of a number of parts.
@@ -523,7 +581,7 @@ impl<'a> GrfParser<'a, '_, '_> {
 }
 
 /// The names of known extensions.
-const KNOWN: [&str; 15] = [
+const KNOWN: [&str; 16] = [
     "units",
     "camera",
     "background",
@@ -535,6 +593,7 @@ const KNOWN: [&str; 15] = [
     "object",
     "smoothing",
     "irad_error",
+    "irad_back",
     "surface_light",
     "figure",
     "define",

@@ -10,8 +10,8 @@ use super::materials::surface;
 use super::solids::{Figures, exact_block};
 use azulejo_scene::brdf::{Description, Model};
 use azulejo_scene::{
-    Attribute, Brdf, Faces, Material, MaterialId, Mesh, Object, Primitive, PrimitiveKind, Rgb,
-    Scene, Shape, TextureId, Units,
+    Attribute, BackIrradiance, Brdf, Faces, Material, MaterialId, Mesh, Object, Primitive,
+    PrimitiveKind, Rgb, Scene, Shape, TextureId, Units,
 };
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
@@ -249,6 +249,7 @@ fn material_definition(
         ior: material.dielectric.map(|d| d.ior),
         transmittance: material.dielectric.map(|d| d.transmittance),
         thin: material.dielectric.is_some_and(|d| d.thin),
+        sidedness: material.sidedness,
         // If there is any texture, every material lists its own: GRF has no way to write "none".
         textures: (!textures.is_empty()).then(|| {
             let named = |&t: &TextureId| textures[t as usize].clone();
@@ -322,6 +323,7 @@ pub(super) fn polygons(mesh: Cow<'_, Mesh>, notes: ObjectNotes) -> MeshBlock {
         notes: ObjectNotes {
             smoothing: mesh.smoothing,
             irradiance_error: mesh.irradiance_error,
+            back: mesh.back,
             ..notes
         },
         ..MeshBlock::default()
@@ -418,6 +420,12 @@ impl VertexSplitter<'_> {
             colors: taken(&old.colors),
             irradiance: taken(&old.irradiance),
             irradiance_error: taken(&old.irradiance_error),
+            back: old.back.as_deref().map(|back| {
+                Box::new(BackIrradiance {
+                    irradiance: (0..count).map(|v| back.irradiance[position(v)]).collect(),
+                    error: taken(&back.error),
+                })
+            }),
             faces,
             face_materials: old.face_materials.clone(),
             smoothing: old.smoothing.clone(),

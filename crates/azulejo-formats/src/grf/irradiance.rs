@@ -1,10 +1,11 @@
 //! Stores irradiance in the document from which the scene was read.
 
 use super::document::{BlockKind, GrfBlock, GrfDocument, MeshBlock, VertexColumn};
-use super::placement::{OuterTransform, affine};
+use super::placement::{OuterTransform, affine, is_mirror, reverse_faces};
 use super::solids::{SkinBlock, skin_block};
 use azulejo_scene::{Mesh, Object, Scene, Shape, SurfaceLight};
 use glam::DAffine3;
+use std::borrow::Cow;
 
 impl GrfDocument {
     /// Copies the irradiance of a solved scene to the document that the scene was resolved from, so
@@ -12,11 +13,12 @@ impl GrfDocument {
     ///
     /// Included files that contain objects become part of the document, because their irradiance
     /// cannot be written elsewhere. Returns `false`, without any change, if the scene's objects are
-    /// no longer those of the document: meshes subdivided into patches, objects added or removed.
+    /// no longer those of the document: meshes subdivided into patches, faces turned over, objects added
+    /// or removed.
     /// [`GrfDocument::from_scene`] represents such a scene.
     pub fn set_irradiance(&mut self, scene: &Scene) -> bool {
         let mut objects = scene.objects.iter();
-        let is_same = all_match(&self.blocks, &mut objects) && objects.next().is_none();
+        let is_same = all_match(&self.blocks, &mut objects, None) && objects.next().is_none();
         if is_same {
             let mut objects = scene.objects.iter();
             self.blocks = lit(std::mem::take(&mut self.blocks), &mut objects, None);
@@ -27,11 +29,11 @@ impl GrfDocument {
 
 type Objects<'s> = std::slice::Iter<'s, Object>;
 
-fn all_match(blocks: &[GrfBlock], objects: &mut Objects<'_>) -> bool {
+fn all_match(blocks: &[GrfBlock], objects: &mut Objects<'_>, outer: OuterTransform) -> bool {
     blocks.iter().all(|block| match &block.kind {
         BlockKind::Mesh(mesh) => matches!(
             objects.next().map(|o| &o.shape),
-            Some(Shape::Mesh(solved)) if is_same_mesh(mesh, solved)
+            Some(Shape::Mesh(solved)) if is_same_mesh(mesh, solved, outer)
         ),
         BlockKind::AreaLight(_) | BlockKind::Primitive(_) => {
             matches!(objects.next().map(|o| &o.shape), Some(Shape::Primitive(_)))
@@ -39,21 +41,29 @@ fn all_match(blocks: &[GrfBlock], objects: &mut Objects<'_>) -> bool {
         BlockKind::Exact(_) => {
             matches!(objects.next().map(|o| &o.shape), Some(Shape::Exact(_)))
         }
+        BlockKind::Transform { steps, blocks } => {
+            let map = outer.unwrap_or(DAffine3::IDENTITY) * affine(steps);
+            all_match(blocks, objects, Some(map))
+        }
         BlockKind::Include { blocks, .. }
-        | BlockKind::Transform { blocks, .. }
         | BlockKind::Definitions {
             blocks: Some(blocks),
             ..
-        } => all_match(blocks, objects),
+        } => all_match(blocks, objects, outer),
         _ => true,
     })
 }
 
-fn is_same_mesh(block: &MeshBlock, mesh: &Mesh) -> bool {
+/// Whether the mesh has the block's vertices and faces, none of them turned to the light of its
+/// back.
+fn is_same_mesh(block: &MeshBlock, mesh: &Mesh, outer: OuterTransform) -> bool {
     let vertices = mesh.positions.len();
-    // Compare starts instead of corners: a mirroring transform reverses the faces.
+    let mut faces = Cow::Borrowed(&block.faces);
+    if is_mirror(outer) {
+        reverse_faces(faces.to_mut());
+    }
     block.vertices.positions.len() == vertices
-        && block.faces.starts == mesh.faces.starts
+        && *faces == mesh.faces
         && (mesh.irradiance.is_empty() || mesh.irradiance.len() == vertices)
 }
 
@@ -109,6 +119,7 @@ fn set_mesh(block: &mut MeshBlock, object: Option<&Object>) {
             .notes
             .irradiance_error
             .clone_from(&mesh.irradiance_error);
+        block.notes.back.clone_from(&mesh.back);
     }
 }
 

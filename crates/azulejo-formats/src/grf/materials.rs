@@ -3,7 +3,7 @@
 use super::brdf::{GrfReflection, has_diffuse, plain};
 use super::document::MaterialNote;
 use azulejo_scene::brdf::Description;
-use azulejo_scene::{Dielectric, Material, Rgb, TextureId};
+use azulejo_scene::{Dielectric, Material, Rgb, Sidedness, TextureId};
 
 /// Reflectance of surfaces for which a file defines none.
 pub(super) const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
@@ -62,6 +62,9 @@ impl DefinedMaterial {
             material.emission = emission;
         }
         material.emits_back |= note.emits_back;
+        if note.sidedness != Sidedness::Unsaid {
+            material.sidedness = note.sidedness;
+        }
         if let Some(ior) = note.ior {
             material.dielectric = Some(Dielectric {
                 ior,

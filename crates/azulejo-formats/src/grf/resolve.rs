@@ -503,6 +503,7 @@ impl<'d> GrfResolver<'d> {
                 "vertex without `irad` in a mesh with `irad`: read as black",
             ),
             irradiance_error: block.notes.irradiance_error.clone(),
+            back: block.notes.back.clone(),
             ..Mesh::default()
         };
         let uvs = self.filled(

@@ -6,7 +6,10 @@ use super::document::{
     MaterialNote, MeshBlock, ObjectNotes, PrimitiveBlock, TransformStep,
 };
 use azulejo_scene::brdf::{Description, Model, Value};
-use azulejo_scene::{Camera, Light, LightKind, PrimitiveKind, Rgb, SurfaceLight, Units, Up};
+use azulejo_scene::{
+    BackIrradiance, Camera, Light, LightKind, PrimitiveKind, Rgb, Sidedness, SurfaceLight, Units,
+    Up,
+};
 
 use super::solids;
 use glam::{DAffine3, DVec2, DVec3};
@@ -322,7 +325,32 @@ fn mesh_notes(out: &mut GrfOutput<'_>, notes: &ObjectNotes) -> io::Result<()> {
         rgb_list(out, "values", &notes.irradiance_error)?;
         out.write_all(b"end ext\n")?;
     }
-    Ok(())
+    match &notes.back {
+        Some(back) => back_irradiance(out, back),
+        None => Ok(()),
+    }
+}
+
+/// Irradiance on the backs of some vertices, or of all.
+fn back_irradiance(out: &mut GrfOutput<'_>, back: &BackIrradiance) -> io::Result<()> {
+    let known = |v: &usize| back.irradiance[*v].is_some();
+    let vertices: Vec<usize> = (0..back.irradiance.len()).filter(known).collect();
+    let values: Vec<Rgb> = back.irradiance.iter().flatten().copied().collect();
+    if values.is_empty() {
+        return Ok(());
+    }
+    out.write_all(b"ext irad_back begin\n")?;
+    if vertices.len() < back.irradiance.len() {
+        out.write_all(b"vertices =")?;
+        vertices.iter().try_for_each(|v| write!(out, " {v}"))?;
+        out.write_all(b"\n")?;
+    }
+    rgb_list(out, "values", &values)?;
+    if !back.error.is_empty() {
+        let errors: Vec<Rgb> = vertices.iter().map(|&v| back.error[v]).collect();
+        rgb_list(out, "errors", &errors)?;
+    }
+    out.write_all(b"end ext\n")
 }
 
 pub(super) fn rgb_list(out: &mut GrfOutput<'_>, key: &str, values: &[Rgb]) -> io::Result<()> {
@@ -527,6 +555,11 @@ fn material(out: &mut GrfOutput<'_>, note: &MaterialNote) -> io::Result<()> {
     }
     if note.thin {
         out.write_all(b" thin = true")?;
+    }
+    match note.sidedness {
+        Sidedness::Unsaid => {}
+        Sidedness::One => out.write_all(b" sides = one")?,
+        Sidedness::Two => out.write_all(b" sides = two")?,
     }
     if let Some(Description::File { path, .. }) = note.brdf_file.as_ref().map(|r| &r.description) {
         write!(out, " brdf_file = {}", Quoted(path))?;

@@ -3,7 +3,7 @@
 use super::color::Chroma;
 use crate::surface::gloss::Gloss;
 use azulejo_scene::brdf::Description;
-use azulejo_scene::{Dielectric, Material, MaterialId, Rgb};
+use azulejo_scene::{Dielectric, Material, MaterialId, Rgb, Sidedness};
 use std::f64::consts::PI;
 
 /// Surfaces below this roughness (RMS facet slope) are perfect mirrors.
@@ -35,8 +35,8 @@ impl MaterialComponent {
 /// A material as defined in the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct MgfMaterial {
-    /// Whether it is `sides 1`.
-    pub is_one_sided: bool,
+    /// What `sides` says, if it is there; two sides are but the default.
+    pub sidedness: Sidedness,
     /// `rd`: diffuse reflectance.
     pub rd: MaterialComponent,
     /// `td`: diffuse transmittance.
@@ -73,8 +73,13 @@ impl MgfMaterial {
 
     /// Whether the two sides differ in azulejo: only one of them emits, or it is glass.
     pub fn has_different_sides(&self) -> bool {
-        let is_solid = self.is_one_sided && self.is_glass() && self.ior.is_some();
-        (self.is_one_sided && self.ed.amount > 0.0) || is_solid
+        let is_solid = self.is_one_sided() && self.is_glass() && self.ior.is_some();
+        (self.is_one_sided() && self.ed.amount > 0.0) || is_solid
+    }
+
+    /// Whether it is `sides 1`.
+    pub fn is_one_sided(&self) -> bool {
+        self.sidedness == Sidedness::One
     }
 
     /// Converts it to an azulejo material, and collects what is lost. The back of a closed surface
@@ -91,7 +96,8 @@ impl MgfMaterial {
             name: name.to_owned(),
             diffuse: rd,
             emission: self.ed.color.rgb(self.ed.amount / PI),
-            emits_back: self.ed.amount > 0.0 && !self.is_one_sided && !is_closed,
+            emits_back: self.ed.amount > 0.0 && !self.is_one_sided() && !is_closed,
+            sidedness: self.sidedness,
             ..Material::default()
         };
         if !td.is_black() {
@@ -136,7 +142,7 @@ impl MgfMaterial {
             losses.push("diffuse reflection of glass is not supported: absorbed");
             material.diffuse = Rgb::BLACK;
         }
-        let solid = self.ior.filter(|_| self.is_one_sided);
+        let solid = self.ior.filter(|_| self.is_one_sided());
         material.mirror = Rgb::WHITE;
         material.dielectric = Some(match solid {
             Some(ior) => Dielectric {
@@ -269,7 +275,7 @@ mod tests {
         let reflected = (0.52f64 / 2.52).powi(2);
         let t = 0.88f64.sqrt() / (1.0 - reflected);
         let solid = MgfMaterial {
-            is_one_sided: true,
+            sidedness: Sidedness::One,
             ..sheet
         };
         check(solid, pane(1.52, Rgb::grey(t)), &[]);
@@ -277,20 +283,29 @@ mod tests {
 
     #[test]
     fn emission_by_sides() {
-        let lamp = |is_one_sided| MgfMaterial {
-            is_one_sided,
+        let lamp = |sidedness| MgfMaterial {
+            sidedness,
             ed: part(PI, 0.0),
             td: part(0.5, 0.0),
             ..MgfMaterial::default()
         };
-        let expected = |emits_back| Material {
+        let expected = |emits_back, sidedness| Material {
             emits_back,
+            sidedness,
             ..Material::emitter("m", Rgb::WHITE)
         };
-        check(lamp(false), expected(true), &["td"]);
-        check(lamp(true), expected(false), &["td"]);
+        check(
+            lamp(Sidedness::Unsaid),
+            expected(true, Sidedness::Unsaid),
+            &["td"],
+        );
+        check(
+            lamp(Sidedness::One),
+            expected(false, Sidedness::One),
+            &["td"],
+        );
         assert!(
-            !lamp(false)
+            !lamp(Sidedness::Unsaid)
                 .material("m", true, &mut Gloss::default())
                 .0
                 .emits_back

@@ -12,6 +12,7 @@ use crate::reading::options::{Budget, Exhausted};
 use crate::reading::text::{decoded, quoted, text};
 use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadOptions};
+use azulejo_scene::Sidedness;
 use azulejo_scene::math::normal_matrix;
 use glam::{DAffine3, DMat3, DVec3};
 use std::collections::HashMap;
@@ -350,8 +351,8 @@ impl<'r> MgfReader<'r> {
         surface.made = [None; 2];
         match keyword {
             b"sides" => match numbers(words)? {
-                [1.0] => surface.is_one_sided = true,
-                [2.0] => surface.is_one_sided = false,
+                [1.0] => surface.sidedness = Sidedness::One,
+                [2.0] => surface.sidedness = Sidedness::Two,
                 _ => return skip("sides must be 1 or 2: skipped"),
             },
             b"ir" => {

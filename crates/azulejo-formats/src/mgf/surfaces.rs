@@ -74,7 +74,7 @@ impl MgfReader<'_> {
             is_closed,
             &mut self.builder.gloss,
         );
-        if surface.is_one_sided {
+        if surface.is_one_sided() {
             losses.push("one-sided material (sides 1) is visible from behind, too");
         }
         if name.is_empty() && surface.made == [None; 2] && material == Default::default() {

@@ -2,7 +2,7 @@
 
 use super::read;
 use crate::{Loaded, Memory, ReadOptions};
-use azulejo_scene::{LightKind, Material, Mesh, Object, Primitive, Rgb, Shape, Up};
+use azulejo_scene::{LightKind, Material, Mesh, Object, Primitive, Rgb, Shape, Sidedness, Up};
 use glam::DVec3;
 use proptest::prelude::*;
 use std::f64::consts::PI;
@@ -291,6 +291,13 @@ fn emission_by_sides() {
         assert_eq!(material.emission, Rgb::grey(100.0 / PI));
         (material.emits_back, is_mesh)
     };
+    let said = |text: &str| {
+        let loaded = with_square(&format!("m wall =\n{text}\nf a b c\n"));
+        loaded.scene.materials[0].sidedness
+    };
+    assert_eq!(said("sides 1"), Sidedness::One);
+    assert_eq!(said("sides 2"), Sidedness::Two);
+    assert_eq!(said(""), Sidedness::Unsaid);
     assert_eq!(lamp(2, "f a b c"), (true, true));
     assert_eq!(lamp(1, "f a b c"), (false, true));
     assert_eq!(lamp(2, "cyl a .1 b"), (true, true));

@@ -9,7 +9,7 @@ use crate::surface::gloss::Gloss;
 use crate::surface::materials::Materials;
 use crate::surface::phong::Highlight;
 use crate::surface::textures::Textures;
-use azulejo_scene::{Material, MaterialId, Rgb};
+use azulejo_scene::{Material, MaterialId, Rgb, Sidedness};
 use std::collections::HashMap;
 
 /// Appearance attributes of faces and meshes, in record order.
@@ -70,6 +70,16 @@ impl FaceAttributes {
         matches!(self.light_mode, 2 | 3)
     }
 
+    /// The sides that the draw type shows.
+    fn sidedness(&self) -> Sidedness {
+        match self.draw {
+            // Type 4 is type 0 with an outline.
+            0 | 4 => Sidedness::One,
+            1 => Sidedness::Two,
+            _ => Sidedness::Unsaid,
+        }
+    }
+
     pub fn has_texture(&self) -> bool {
         self.texture >= 0
     }
@@ -128,7 +138,7 @@ struct FltMaterialKey {
     material: Option<i32>,
     texture: i32,
     color: [u64; 3],
-    two_sided: bool,
+    sidedness: Sidedness,
 }
 
 impl<'f> FltMaterials<'f> {
@@ -155,7 +165,7 @@ impl<'f> FltMaterials<'f> {
             material: style.is_lit().then_some(style.material),
             texture: style.texture,
             color: color.to_array().map(f64::to_bits),
-            two_sided: style.draw == 1,
+            sidedness: style.sidedness(),
         };
         if let Some(&known) = self.known.get(&request) {
             return known;
@@ -179,7 +189,8 @@ impl<'f> FltMaterials<'f> {
                 None => notes.add("material index that is not in the palette: white"),
             }
         }
-        material.emits_back = material.is_emitter() && request.two_sided;
+        material.emits_back = material.is_emitter() && request.sidedness == Sidedness::Two;
+        material.sidedness = request.sidedness;
         if !material.limit_reflectance() {
             notes.add("material with a reflectance outside 0..1: clamped");
         }

@@ -13,12 +13,14 @@ use std::io::{self, BufWriter, Write};
 ///
 /// Positions, texture coordinates and colours read back to the same values, normals and irradiance
 /// are in single precision. Exact primitives become polygons. Vertices whose corners have several
-/// normals or texture coordinates are written once for each. [`losses`] describes what else the
+/// normals or texture coordinates are written once for each, sheets with light on both sides twice
+/// ([`Scene::split_sides`]). [`losses`] describes what else the
 /// format cannot represent.
 ///
 /// # Errors
 /// Those of `out`, and more than 2³² vertices.
 pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
+    let scene = &*scene.split_sides();
     let parts: Vec<PlyPart<'_>> = scene
         .objects
         .iter()
@@ -69,6 +71,10 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         (
             materials(|m| m.textures.len() > 1),
             "materials of which only the first texture is kept",
+        ),
+        (
+            meshes_with(|m| m.back.is_some()),
+            "meshes whose sheets are written twice, once with the light of each side",
         ),
         (
             meshes_with(|m| m.smoothing.iter().any(|s| *s != 0)),

@@ -4,7 +4,7 @@ use super::chunk::{Chunk, ChunkWalker, name, vector};
 use crate::reading::bytes::Bytes;
 use crate::reading::text::shortened;
 use crate::surface::phong::Highlight;
-use azulejo_scene::{Material, Rgb};
+use azulejo_scene::{Material, Rgb, Sidedness};
 use glam::{DAffine2, DMat2, DVec2};
 
 /// Reflectance of faces without a material, or with one without a colour.
@@ -80,6 +80,12 @@ impl MaterialDefinition {
         let mut material = Material {
             emission: self.self_illumination.unwrap_or(0.0) * diffuse,
             emits_back: self.is_two_sided,
+            // Without the chunk backs are culled by default, which few programs do with 3DS files.
+            sidedness: if self.is_two_sided {
+                Sidedness::Two
+            } else {
+                Sidedness::Unsaid
+            },
             ..Material::diffuse(self.name.clone(), diffuse)
         };
         material.emits_back &= material.is_emitter();

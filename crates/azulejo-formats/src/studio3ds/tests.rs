@@ -1,7 +1,7 @@
 use super::read;
 use crate::surface::phong::Highlight;
 use crate::{Loaded, Memory, ReadOptions};
-use azulejo_scene::{LightKind, Mesh, Rgb, Shape, Up};
+use azulejo_scene::{LightKind, Mesh, Rgb, Shape, Sidedness, Up};
 use glam::{DVec2, DVec3};
 
 /// A chunk with its data and children.
@@ -239,6 +239,8 @@ fn materials_of_faces() {
         (red.emission, red.emits_back),
         (Rgb::new(0.5, 0.0, 0.0), true)
     );
+    assert_eq!(red.sidedness, Sidedness::Two);
+    assert_eq!(lost.sidedness, Sidedness::Unsaid);
     assert_eq!((lost.name.as_str(), lost.diffuse), ("lost", Rgb::grey(0.5)));
     check_warnings(
         &loaded,

@@ -1,6 +1,6 @@
 //! The materials of a scene under construction, each once.
 
-use azulejo_scene::{Material, MaterialId, Rgb};
+use azulejo_scene::{Material, MaterialId, Rgb, Sidedness};
 use std::collections::HashMap;
 
 /// Materials in the order in which they are first used; equal ones are merged.
@@ -16,6 +16,7 @@ struct Key {
     name: String,
     colors: [[u64; 3]; 3],
     emits_back: bool,
+    sidedness: Sidedness,
     dielectric: Option<(u64, [u64; 3], bool)>,
     textures: Vec<u32>,
     brdf: String,
@@ -31,6 +32,7 @@ impl Key {
             name: m.name.clone(),
             colors: [m.diffuse, m.mirror, m.emission].map(bits),
             emits_back: m.emits_back,
+            sidedness: m.sidedness,
             dielectric: m
                 .dielectric
                 .map(|d| (d.ior.to_bits(), bits(d.transmittance), d.thin)),
@@ -83,6 +85,11 @@ mod tests {
             ..grey()
         };
         assert_eq!(materials.index(lamp), 2);
-        assert_eq!(materials.into_list().len(), 3);
+        let sheet = Material {
+            sidedness: Sidedness::Two,
+            ..grey()
+        };
+        assert_eq!(materials.index(sheet), 3);
+        assert_eq!(materials.into_list().len(), 4);
     }
 }

@@ -3,11 +3,11 @@
 use super::appearance::{self, ShapeAppearance};
 use super::builder::{VrmlPlacement, VrmlSceneBuilder};
 use super::faces::{Binding, BoundPool, FaceSet, box_mapping, build};
-use super::tree::{VrmlNode, limited, triples};
+use super::tree::{FieldValue, VrmlNode, limited, triples};
 use super::world::{child, report, skip};
 use super::{elevation, extrusion, flat, solids, triangles};
 use crate::ReadError;
-use azulejo_scene::{MaterialId, Mesh, Rgb};
+use azulejo_scene::{MaterialId, Mesh, Rgb, Sidedness};
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
 use std::rc::Rc;
@@ -26,6 +26,8 @@ pub(super) struct SurfaceFields<'n> {
     pub ccw: bool,
     /// Whether the back is never visible.
     pub solid: bool,
+    /// What the field `solid` says, if it is there.
+    pub sidedness: Sidedness,
     /// Greatest angle between faces that are smoothed across their common edge, radians.
     pub crease_angle: f64,
     /// Whether other surfaces share the pool.
@@ -76,9 +78,20 @@ impl<'n> SurfaceFields<'n> {
             uvs: None,
             ccw: node.flag("ccw", true),
             solid: node.flag("solid", true),
+            sidedness: sidedness(node),
             crease_angle: node.number("creaseAngle", 0.0).max(0.0),
             is_shared: false,
         }
+    }
+}
+
+/// What a geometry's field `solid` says. Where it is absent, TRUE is but a default that exporters
+/// rely on whether or not the shape is solid.
+pub(super) fn sidedness(node: &VrmlNode) -> Sidedness {
+    match node.value("solid").and_then(FieldValue::flag) {
+        Some(true) => Sidedness::One,
+        Some(false) => Sidedness::Two,
+        None => Sidedness::Unsaid,
     }
 }
 
@@ -329,6 +342,7 @@ fn paint(
     let mut material = |color: Option<Rgb>| -> MaterialId {
         let mut material = shape_appearance.textured(color);
         material.emits_back = material.is_emitter() && !surface.solid;
+        material.sidedness = surface.sidedness;
         builder.materials.index(material)
     };
     if face_values.is_empty() {

@@ -2,6 +2,7 @@
 
 use super::appearance::ShapeAppearance;
 use super::builder::{ShapeOutcome, VrmlPlacement, VrmlSceneBuilder};
+use super::shape::sidedness;
 use super::solid::PlacedPrimitive;
 use super::tree::VrmlNode;
 use super::world::report;
@@ -56,6 +57,7 @@ pub(super) fn place(
         .any(|t| builder.textures.is_loaded(*t));
     let mut material = shape_appearance.textured(None);
     material.emits_back = material.is_emitter() && !node.flag("solid", true);
+    material.sidedness = sidedness(node);
     let material = builder.materials.index(material);
     if solid.is_closed() && !is_textured {
         let map = solid.object_from_unit;

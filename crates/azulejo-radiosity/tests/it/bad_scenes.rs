@@ -21,7 +21,9 @@ fn small() -> FirstPass {
 
 fn values(light: &LightSolution) -> Vec<Rgb> {
     let of = |o: &ObjectIrradiance| match o {
-        ObjectIrradiance::Vertices { irradiance, error } => [&irradiance[..], error].concat(),
+        ObjectIrradiance::Vertices {
+            irradiance, error, ..
+        } => [&irradiance[..], error].concat(),
         ObjectIrradiance::Refined(mesh) => [&mesh.irradiance[..], &mesh.irradiance_error].concat(),
         ObjectIrradiance::Surface(s) => [&s.irradiance[..], &s.error].concat(),
     };

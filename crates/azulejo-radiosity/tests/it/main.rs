@@ -18,4 +18,5 @@ mod refinement;
 mod rooms;
 #[path = "../../../azulejo-factors/tests/it/scenes.rs"]
 mod scenes;
+mod sides;
 mod vertices;

@@ -61,7 +61,10 @@ fn a_kept_mesh_gets_values_on_its_own_vertices() {
     };
     let before = mesh_of(&mut scene, 0).clone();
     let light = solve(&scene, &Tracer::new(&scene), &pass, &Progress::new()).unwrap();
-    let ObjectIrradiance::Vertices { irradiance, error } = &light.irradiance.objects[0] else {
+    let ObjectIrradiance::Vertices {
+        irradiance, error, ..
+    } = &light.irradiance.objects[0]
+    else {
         panic!("values for the mesh as given")
     };
     check_vertices("given", &before.positions, irradiance);
@@ -91,8 +94,7 @@ fn a_divided_mesh_gets_values_on_all_vertices() {
     scene.validate().unwrap();
 }
 
-/// A floor that faces down is reversed towards the light when it is divided; kept, it gets the
-/// light of its back.
+/// A floor that faces down is reversed towards the light, divided or kept.
 #[test]
 fn a_floor_upside_down() {
     let mut scene = bulb_over_floor();

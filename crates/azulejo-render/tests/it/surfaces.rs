@@ -3,8 +3,8 @@
 use crate::{assert_close, mesh_of, polygon, primitive, radiance_along};
 use azulejo_render::SecondPass;
 use azulejo_scene::{
-    Attribute, Image, Material, Primitive, PrimitiveKind, Rgb, Scene, SurfaceGrid, SurfaceLight,
-    Texture,
+    Attribute, BackIrradiance, Image, Light, LightKind, Material, Primitive, PrimitiveKind, Rgb,
+    Scene, SurfaceGrid, SurfaceLight, Texture,
 };
 use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::PI;
@@ -146,4 +146,42 @@ fn a_scene_without_a_first_pass_shows_its_lamps_only() {
         &SecondPass::default(),
     );
     assert_eq!(found, [Rgb::BLACK; 2]);
+}
+
+/// A sheet in a room of even radiance, with marked irradiance on its sides; seen from both.
+fn seen_of_sheet(back: Option<BackIrradiance>) -> [Rgb; 2] {
+    let mut scene = Scene::default();
+    let white = scene.add_material(Material::diffuse("white", Rgb::grey(0.5)));
+    let corners = [DVec3::ZERO, DVec3::X, DVec3::new(1.0, 1.0, 0.0), DVec3::Y];
+    let object = polygon(&mut scene, &corners, white);
+    let mesh = mesh_of(&mut scene, object);
+    mesh.irradiance = vec![Rgb::grey(4.0 * PI); 4];
+    mesh.back = back.map(Box::new);
+    scene.lights.push(Light {
+        name: String::new(),
+        kind: LightKind::Ambient {
+            radiance: Rgb::WHITE,
+        },
+    });
+    let middle = DVec3::new(0.4, 0.3, 0.0);
+    let rays = [DVec3::Z, -DVec3::Z].map(|side| (middle + side, middle));
+    let found = radiance_along(&scene, &rays, &SecondPass::default());
+    [found[0], found[1]]
+}
+
+#[test]
+fn each_side_shows_its_own_light() {
+    let back = |e: [Option<f64>; 4]| BackIrradiance {
+        irradiance: e.map(|e| e.map(|e| Rgb::grey(e * PI))).to_vec(),
+        error: Vec::new(),
+    };
+    let [front, behind] = seen_of_sheet(Some(back([Some(6.0); 4])));
+    assert_close(front, Rgb::grey(2.0), 1e-6);
+    assert_close(behind, Rgb::grey(3.0), 1e-6);
+    // What is not stored is gathered: the room's radiance.
+    for unknown in [None, Some(back([Some(6.0), None, Some(6.0), Some(6.0)]))] {
+        let [front, behind] = seen_of_sheet(unknown);
+        assert_close(front, Rgb::grey(2.0), 1e-6);
+        assert_close(behind, Rgb::grey(0.5), 1e-6);
+    }
 }

@@ -198,7 +198,9 @@ fn mesh_bytes(mesh: &Mesh) -> usize {
         &mesh.face_materials,
         &mesh.smoothing,
     ];
+    let back = mesh.back.as_deref();
     size_of::<Mesh>()
+        + back.map_or(0, |b| vector(&b.irradiance) + vector(&b.error))
         + vector(&mesh.positions)
         + mesh.normals.as_ref().map_or(0, attribute)
         + mesh.uvs.as_ref().map_or(0, attribute)

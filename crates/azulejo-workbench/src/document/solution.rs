@@ -134,6 +134,7 @@ pub(super) fn remove_irradiance(shape: &mut Shape) {
         Shape::Mesh(mesh) => {
             mesh.irradiance = Vec::new();
             mesh.irradiance_error = Vec::new();
+            mesh.back = None;
         }
         Shape::Primitive(p) => p.light = None,
         Shape::Exact(exact) => exact.proxy = None,

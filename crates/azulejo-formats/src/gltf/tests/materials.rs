@@ -3,7 +3,7 @@
 use super::{read, triangle};
 use crate::picture::png;
 use crate::surface::model::gltf_mr;
-use azulejo_scene::{Dielectric, Material, Rgb, Scene};
+use azulejo_scene::{Dielectric, Material, Rgb, Scene, Sidedness};
 use glam::DVec2;
 
 const PRIMITIVE: &str = "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":\
@@ -35,7 +35,11 @@ fn diffuse_mirrored_and_glossy() {
     let colour = "\"baseColorFactor\":[0.5,0.25,0,1]";
     let base = Rgb::new(0.5, 0.25, 0.0);
     let matt = material(&pbr(&format!("{colour},\"metallicFactor\":0")), &[]);
-    assert_eq!(matt, Material::diffuse("", base));
+    let expected = Material {
+        sidedness: Sidedness::One,
+        ..Material::diffuse("", base)
+    };
+    assert_eq!(matt, expected);
     let json = pbr(&format!(
         "{colour},\"metallicFactor\":0.75,\"roughnessFactor\":0"
     ));
@@ -63,6 +67,8 @@ fn emission_is_in_candela_per_square_metre() {
         (lamp.emission, lamp.emits_back),
         (Rgb::new(4.0, 2.0, 0.0), true)
     );
+    assert_eq!(lamp.sidedness, Sidedness::Two);
+    assert_eq!(material(&matt, &[]).sidedness, Sidedness::One);
     let picture = format!("{matt},\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{{\"index\":0}}");
     let found = scene(
         &picture,

@@ -4,8 +4,8 @@ use super::exact_shapes::{exact, shared_figures};
 use super::*;
 use azulejo_scene::brdf::Description;
 use azulejo_scene::{
-    Attribute, Brdf, Camera, Dielectric, Fog, Light, LightKind, Material, Object, Primitive,
-    PrimitiveKind, Rgb, SurfaceGrid, SurfaceLight, Texture, Units, Up,
+    Attribute, BackIrradiance, Brdf, Camera, Dielectric, Fog, Light, LightKind, Material, Object,
+    Primitive, PrimitiveKind, Rgb, Sidedness, SurfaceGrid, SurfaceLight, Texture, Units, Up,
 };
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use proptest::collection::vec;
@@ -208,12 +208,20 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
         share(),
         share(),
         option::weighted(0.2, dielectric),
-        (emission, any::<bool>()),
+        (emission, any::<bool>(), sidedness()),
         textures,
         option::weighted(0.2, brdf()),
     )
         .prop_map(
-            |(name, diffuse, mirror, dielectric, (emission, emits_back), textures, brdf)| {
+            |(
+                name,
+                diffuse,
+                mirror,
+                dielectric,
+                (emission, emits_back, sidedness),
+                textures,
+                brdf,
+            )| {
                 Material {
                     name,
                     diffuse,
@@ -221,11 +229,36 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
                     dielectric,
                     emission,
                     emits_back,
+                    sidedness,
                     textures,
                     brdf,
                 }
             },
         )
+}
+
+fn sidedness() -> impl Strategy<Value = Sidedness> {
+    prop_oneof![
+        Just(Sidedness::Unsaid),
+        Just(Sidedness::One),
+        Just(Sidedness::Two)
+    ]
+}
+
+/// Irradiance on the backs of some of `count` vertices.
+fn back(count: usize) -> impl Strategy<Value = Box<BackIrradiance>> {
+    let vertices = vec(option::of((light_rgb(), light_rgb())), count);
+    (vertices, any::<bool>()).prop_map(|(vertices, has_errors)| {
+        let error = vertices.iter().map(|v| v.unwrap_or_default().1);
+        Box::new(BackIrradiance {
+            irradiance: vertices.iter().map(|v| v.map(|v| v.0)).collect(),
+            error: if has_errors {
+                error.collect()
+            } else {
+                Vec::new()
+            },
+        })
+    })
 }
 
 /// A list of `count` values, or none.
@@ -255,6 +288,7 @@ pub(super) fn a_mesh(materials: u32) -> impl Strategy<Value = Shape> {
             all_or_none(count, light_rgb()),
             vec(0..materials, faces.len()),
             all_or_none(faces.len(), any::<u32>()),
+            option::of(back(count)),
         );
         attributes.prop_map(move |a| {
             let mut mesh = Mesh {
@@ -262,6 +296,9 @@ pub(super) fn a_mesh(materials: u32) -> impl Strategy<Value = Shape> {
                 normals: attribute(a.1),
                 uvs: attribute(a.2),
                 colors: a.3,
+                back: a
+                    .8
+                    .filter(|b| !a.4.is_empty() && b.irradiance.iter().any(Option::is_some)),
                 irradiance: a.4,
                 irradiance_error: a.5,
                 smoothing: a.7,

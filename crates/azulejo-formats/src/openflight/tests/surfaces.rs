@@ -6,7 +6,7 @@ use super::{check_warned, load, load_with, only_mesh, said};
 use crate::surface::gloss::Gloss;
 use crate::surface::phong::Highlight;
 use crate::{Memory, ReadOptions};
-use azulejo_scene::{Material, Rgb};
+use azulejo_scene::{Material, Rgb, Sidedness};
 use glam::{DVec2, DVec3};
 
 const ORIGIN: [f64; 3] = [0.0; 3];
@@ -166,7 +166,10 @@ fn check_material_of(
 }
 
 fn matt(r: f64, g: f64, b: f64) -> Material {
-    Material::diffuse("", Rgb::new(r, g, b))
+    Material {
+        sidedness: Sidedness::One,
+        ..Material::diffuse("", Rgb::new(r, g, b))
+    }
 }
 
 /// A palette of two colours.
@@ -272,6 +275,7 @@ fn materials_glow_and_shine() {
         name: "brick".into(),
         emission: Rgb::new(0.0, 2.0, 0.0),
         emits_back: true,
+        sidedness: Sidedness::Two,
         ..matt(0.5, 0.25, 1.0)
     };
     let warning = "material with negative emission: clamped to 0";

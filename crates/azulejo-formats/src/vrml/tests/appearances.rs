@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::surface::phong::{Angle, Highlight};
-use azulejo_scene::{Attribute, Material, Rgb};
+use azulejo_scene::{Attribute, Material, Rgb, Sidedness};
 use glam::DVec2;
 
 const QUAD: &str = "IndexedFaceSet { coord Coordinate { point [ 0 0 0, 2 0 0, 2 1 0, 0 1 0 ] } coordIndex [ 0 1 2 3 ] EXTRA }";
@@ -36,6 +36,13 @@ fn materials() {
         (lamp.emission, lamp.emits_back),
         (Rgb::new(1.0, 1.0, 0.0), true)
     );
+    let said = |geometry: &str| {
+        let (scene, _) = look("material Material { }", geometry);
+        scene.materials[0].sidedness
+    };
+    assert_eq!(said("solid FALSE"), Sidedness::Two);
+    assert_eq!(said("solid TRUE"), Sidedness::One);
+    assert_eq!(said(""), Sidedness::Unsaid);
     assert_eq!(material("material Material { }").diffuse, Rgb::grey(0.8));
     assert_eq!(material("").diffuse, Rgb::grey(0.8));
     let mirror = material("material Material { diffuseColor 1 0.5 0 mirror 0.75 }");

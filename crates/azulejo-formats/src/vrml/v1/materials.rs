@@ -5,7 +5,7 @@ use super::walk::V1Traversal;
 use crate::reading::text::shortened;
 use crate::surface::phong::Highlight;
 use crate::vrml::appearance;
-use azulejo_scene::{Material, MaterialId, Rgb, TextureId};
+use azulejo_scene::{Material, MaterialId, Rgb, Sidedness, TextureId};
 use std::collections::HashMap;
 
 /// VRML's specular exponent is its shininess times this, as in OpenGL.
@@ -29,6 +29,7 @@ struct V1MaterialKey {
     material: Option<(usize, u32)>,
     texture: Option<TextureId>,
     is_open: bool,
+    has_inside: bool,
     is_colored: bool,
 }
 
@@ -70,6 +71,7 @@ impl V1Traversal<'_, '_, '_> {
             material: self.state.material.map(|node| (node.at, i as u32)),
             texture: self.state.texture,
             is_open,
+            has_inside: self.state.hints.has_inside,
             is_colored,
         };
         if let Some(&known) = self.cache.materials.get(&key) {
@@ -85,6 +87,9 @@ impl V1Traversal<'_, '_, '_> {
             material.limit_reflectance();
         }
         material.emits_back = is_open && material.is_emitter();
+        if self.state.hints.has_inside {
+            material.sidedness = Sidedness::One;
+        }
         material.textures.extend(key.texture);
         let id = self.builder.materials.index(material);
         self.cache.materials.insert(key, id);

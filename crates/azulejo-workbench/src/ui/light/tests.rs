@@ -94,6 +94,8 @@ fn solved(app: &mut App, balance: EnergyBalance) {
         .map(|object| ObjectIrradiance::Vertices {
             irradiance: vec![Rgb::BLACK; positions(&object.shape)],
             error: Vec::new(),
+            back: None,
+            turned: Vec::new(),
         });
     let dark = Irradiance {
         objects: dark.collect(),
