@@ -42,7 +42,7 @@ impl Engine {
 pub struct Hemicube {
     /// Pixels along the side of the top face, even.
     pub resolution: u32,
-    /// Hemicubes per patch, rounded up to a multiple of four.
+    /// Hemicubes per patch: one, whose error is unknown, or more, rounded up to a multiple of four.
     pub points: u32,
     /// The renderer.
     pub device: HemicubeBackend,
@@ -165,6 +165,14 @@ impl<'a> Estimator<'a> {
     /// Whether all entries of a row share a handful of viewpoints.
     pub(crate) fn shares_viewpoints(&self) -> bool {
         matches!(self, Estimator::Hemicube(_))
+    }
+
+    /// Whether replicates of a row are independent, so that their spread tells its error.
+    pub(crate) fn knows_its_spread(&self) -> bool {
+        match self {
+            Estimator::Hemicube(estimator) => estimator.knows_its_spread(),
+            Estimator::Rays(_) | Estimator::Analytic(_) => true,
+        }
     }
 
     /// The rows of some sides, in order; each depends on its side alone. Advances `progress` by one
