@@ -23,7 +23,16 @@ pub fn run(
     folder: &Path,
     progress: &Progress,
 ) -> Result<Vec<TaskRecord>, Failure> {
+    let missing = match task {
+        Task::Run(_, setting, _) | Task::Truths(setting) => setting.missing(),
+        Task::Reference(..) => None,
+    };
+    let skipped = |reason| TaskOutcome::Skipped {
+        task: task.to_string(),
+        reason,
+    };
     let found = match task {
+        _ if missing.is_some() => missing.into_iter().map(skipped).collect(),
         Task::Reference(scene, setting, rows) => {
             let matrix = ComputedMatrix::new(scene, setting, REFERENCE_SEED, progress)?;
             let (run, reference) = matrix.measured(None, *rows);
@@ -156,6 +165,9 @@ impl ComputedMatrix {
             mirrors: self.choice.mirrors(),
             engine: self.setting.name.clone(),
             setting: self.setting.to_string(),
+            rays: self.setting.rays,
+            resolution: self.setting.args.resolution,
+            patch_points: self.setting.args.patch_points,
             seed: self.seed,
             ran: ran.name.clone(),
             device: ran.device.clone(),
@@ -169,7 +181,7 @@ impl ComputedMatrix {
             peak_bytes: self.peak_bytes,
             row_error_mean: row_errors.map(|e| e.0),
             row_error_max: row_errors.map(|e| e.1),
-            row_error_stated: metrics::mean_and_largest(&stated).0,
+            row_error_stated: Some(metrics::mean_and_largest(&stated).0).filter(|e| e.is_finite()),
             b_error_mean: b_errors.map(|e| e.0),
             b_error_max: b_errors.map(|e| e.1),
             closure_rms: metrics::mean_and_largest(&squares).0.sqrt(),
@@ -253,7 +265,7 @@ fn answered(
         value: answer.value,
         truth: case.truth.value,
         truth_error: case.truth.error,
-        standard_error: answer.error,
+        standard_error: Some(answer.error).filter(|e| e.is_finite()),
         standard_errors: off.is_finite().then_some(off),
         seconds: clock.wall(),
     })

@@ -163,8 +163,7 @@ impl RowTracing<'_> {
         let all = far.iter().chain([&near]);
         let error_groups = all.flat_map(|columns| design_effect::groups(columns, self.sides));
         // Rays start at independent points: their errors are not correlated.
-        let is_correlated =
-            self.estimator.shares_viewpoints() && self.estimator.knows_its_spread();
+        let is_correlated = self.estimator.shares_viewpoints() && self.estimator.knows_its_spread();
         let error_groups = error_groups.filter(|_| is_correlated);
         RayRow {
             error_groups: error_groups.collect(),

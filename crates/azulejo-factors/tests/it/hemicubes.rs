@@ -229,8 +229,9 @@ fn every_share_is_accounted_for() {
             let (patches, rows, ran) = rows_of(&scene, PatchSize::Count(24), &engine, fronts);
             let name = format!("{what} by {}", ran.name);
             check_closure(&name, &scene, &patches, &rows, 1e-9);
-            let cut = rows.iter().map(|r| r.cut.r).fold(0.0, f64::max);
-            assert!(cut < 1e-4, "{name}: cut {cut}");
+            // What windows drawn by chance carry too much or too little: about a step of their comb.
+            let cut = rows.iter().map(|r| r.cut.r.abs()).fold(0.0, f64::max);
+            assert!(cut < 5e-4, "{name}: cut {cut}");
         }
     }
 }
@@ -625,14 +626,17 @@ fn mirrored_body(diffuse: f64, mirror: f64) -> Scene {
     let wall = scene.add_material(surface(diffuse, mirror, 1.0));
     for i in 0..along {
         for j in 0..around {
-            let corners = [point(i, j), point(i, j + 1), point(i + 1, j + 1), point(i + 1, j)];
+            let corners = [
+                point(i, j),
+                point(i, j + 1),
+                point(i + 1, j + 1),
+                point(i + 1, j),
+            ];
             let corners = match i {
                 0 => vec![corners[0], corners[2], corners[3]],
                 _ if i + 1 == along => vec![corners[0], corners[1], corners[2]],
                 _ => corners.to_vec(),
             };
-            // Fronts inwards.
-            let corners: Vec<DVec3> = corners.into_iter().rev().collect();
             let numbers: Vec<u32> = (0..corners.len() as u32).collect();
             let mut face = Mesh {
                 positions: corners,
@@ -680,7 +684,10 @@ fn windows_of_a_closed_body_of_mirrors_come_to_an_end() {
         };
         let (b, h) = (mean(&b), mean(&h));
         eprintln!("{name}: B {b}, H {h}");
-        assert!((b - 3.5).abs() < 0.01 && (h - 5.0).abs() < 0.02, "{name}: {b} {h}");
+        assert!(
+            (b - 3.5).abs() < 0.01 && (h - 5.0).abs() < 0.02,
+            "{name}: {b} {h}"
+        );
         let cut = mean(&factors.rest.iter().map(|r| r.cut).collect::<Vec<_>>());
         assert!(cut.abs() < 1e-3, "{name}: cut {cut}");
     }
@@ -738,7 +745,11 @@ fn a_single_eye_has_an_unknown_error() {
         let (value, error) = factors.get(0, 1);
         let is_unknown = factors.row_errors.iter().all(|e| e.is_nan());
         assert_eq!((error.is_nan(), is_unknown), (eyes == 1, eyes == 1));
-        let note = factors.engine_used.notes.iter().any(|n| n.contains("unknown"));
+        let note = factors
+            .engine_used
+            .notes
+            .iter()
+            .any(|n| n.contains("unknown"));
         assert_eq!(note, eyes == 1, "{:?}", factors.engine_used.notes);
         if eyes == 1 {
             // The barycentre's own view of the opposite wall, closed: not that of the whole wall.

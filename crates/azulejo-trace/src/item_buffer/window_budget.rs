@@ -133,7 +133,10 @@ mod tests {
             let factors = budget.factors(&weights);
             let here = factors.iter().filter(|&&f| f > 0.0).count();
             // The comb may catch one more than its mean.
-            assert!(here <= (200 - drawn.min(200)).max(2 * FEWEST) / 2 + 1, "{level}: {here}");
+            assert!(
+                here <= (200 - drawn.min(200)).max(2 * FEWEST) / 2 + 1,
+                "{level}: {here}"
+            );
             drawn += here;
         }
         assert!(drawn <= 200 + 40 * (FEWEST + 1), "{drawn}");
