@@ -29,6 +29,8 @@ pub enum EngineName {
     Hybrid,
     /// Closed-form factors between polygons, with exact occlusion
     Analytic,
+    /// Particles shot from the lights; for solve, render and probe, not for form factors
+    Particles,
 }
 
 /// Backends that render hemicubes.
@@ -92,6 +94,7 @@ impl EngineArgs {
             EngineName::Hemicube => Engine::Hemicube(self.hemicube(&mut notes)?),
             EngineName::Hybrid => Engine::Hybrid(self.hemicube(&mut notes)?),
             EngineName::Analytic => Engine::Analytic,
+            EngineName::Particles => Engine::Particles,
         };
         Ok(PreparedEngine {
             engine,

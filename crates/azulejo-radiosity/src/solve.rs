@@ -160,7 +160,7 @@ impl std::error::Error for SolveError {}
 pub enum Method {
     /// Rows of form factors, then Jacobi iteration.
     Matrix,
-    /// Stochastic Jacobi: power shot by rays, nothing stored (Neumann 1995).
+    /// Power shot by rays, nothing stored: Stochastic Jacobi (Neumann 1995), or particles.
     Stochastic,
 }
 

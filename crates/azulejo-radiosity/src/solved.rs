@@ -2,6 +2,7 @@
 
 use crate::gather::Gathering;
 use crate::light::PatchLight;
+use crate::particles::{self, ParticleEffort};
 use crate::refine::{RefinementWork, refine};
 use crate::solve::{Estimate, FirstPass, Method, Report, SolveError};
 use crate::stochastic;
@@ -91,7 +92,15 @@ impl<'a> SolvedPatches<'a> {
             rays,
             seed,
         };
-        let (solution, spent, method, engine_used) = if expected <= pass.memory {
+        let (solution, spent, method, engine_used) = if pass.engine == Engine::Particles {
+            let (solution, engine_used) = parts.particles(pass, progress)?;
+            (
+                solution,
+                RefinementWork::default(),
+                Method::Stochastic,
+                engine_used,
+            )
+        } else if expected <= pass.memory {
             let (solution, spent, engine_used) = parts.matrix(pass, progress, watch)?;
             (solution, spent, Method::Matrix, engine_used)
         } else {
@@ -200,6 +209,35 @@ impl SolverInputs<'_> {
             device: self.gatherer.surfaces().tracer.kernel_name(),
             notes: vec![why],
         }
+    }
+
+    /// Particles from the lights.
+    fn particles(
+        &self,
+        pass: &FirstPass,
+        progress: &Progress,
+    ) -> Result<(RadiositySolution, EngineUsed), SolveError> {
+        let goal = pass.goal();
+        let effort = ParticleEffort {
+            first: self.rays,
+            error: goal.map(|g| g.error),
+            most: goal.map_or(self.rays, |g| g.rays),
+        };
+        let solution = particles::solve(
+            self.gatherer,
+            self.patches,
+            self.reflectance,
+            effort,
+            pass.bounces,
+            self.seed,
+            progress,
+        )?;
+        let engine_used = EngineUsed {
+            name: "particles".to_owned(),
+            device: self.gatherer.surfaces().tracer.kernel_name(),
+            notes: Vec::new(),
+        };
+        Ok((solution, engine_used))
     }
 
     /// Rows, their solution, and the refinement of both.

@@ -8,7 +8,7 @@ mod summary;
 mod table;
 mod view3d;
 
-use super::engine::PreparedEngine;
+use super::engine::{EngineName, PreparedEngine};
 use super::failure::Failure;
 use super::report::{Report, bytes, count};
 use super::session::Session;
@@ -50,6 +50,11 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
     let output = Output::check(&args.output)?;
     let format = matrix_format(args, &output)?;
     session.claim_stdout(output.is_stdout())?;
+    if args.engine.engine == EngineName::Particles {
+        let message =
+            "particles have no form factors: --engine particles is for solve, render and probe";
+        return Err(Failure::misuse(message));
+    }
     let engine = args.engine.prepare()?;
     let room = view3d::read(args, session)?;
     let scene = match &room {
@@ -256,7 +261,9 @@ fn described(engine: &Engine) -> String {
     match engine {
         Engine::Hemicube(hemicube) => hemicubes("hemicube", hemicube),
         Engine::Hybrid(hemicube) => hemicubes("hybrid", hemicube),
-        Engine::Auto | Engine::Rays | Engine::Analytic => format!("{engine:?}"),
+        Engine::Auto | Engine::Rays | Engine::Analytic | Engine::Particles => {
+            format!("{engine:?}")
+        }
     }
 }
 

@@ -72,6 +72,44 @@ fn a_card_that_is_asked_for_is_opened_or_missed() {
     }
 }
 
+/// Particles solve light, and have no form factors.
+#[test]
+fn particles_solve_light_alone() {
+    let folder = Folder::with_room();
+    let report = folder.json("solve room.obj -o lit.grf --engine particles --patches 100 --rays 64");
+    assert_eq!(report["engine"], "particles");
+    let report = folder.json("solve room.obj -o lit.grf --engine rays --patches 100 --rays 64");
+    assert_eq!(report["engine"], "rays");
+    let refused = "form-factors room.obj -o f.npz --engine particles --patches 100";
+    folder.fails(refused, 2, "no form factors");
+}
+
+/// The pairing of Sena's thesis: item buffers, and Embree's rays from mirrors.
+#[cfg(feature = "embree")]
+#[test]
+fn hybrid_takes_rays_from_embree() {
+    use azulejo::trace::embree::Embree;
+    use azulejo_testing::Need;
+    if azulejo_testing::require(Need::Embree, Embree::load(None)).is_none() {
+        return;
+    }
+    let folder = Folder::new();
+    let example = crate::support::project().join("examples/cornell-mirror.grf");
+    let solve = |options: &str| {
+        folder.json(&format!(
+            "solve {} -o lit.grf --patches 100 --engine hybrid --gpu off --resolution 16 {options}",
+            example.display()
+        ))
+    };
+    let (ours, theirs) = (solve(""), solve("--embree"));
+    let device = |report: &serde_json::Value| report["device"].as_str().unwrap_or("").to_owned();
+    assert_eq!(device(&ours), "processor");
+    assert!(device(&theirs).starts_with("processor, rays by Embree "), "{theirs}");
+    let absorbed = |report: &serde_json::Value| report["absorbed"][1].as_f64().unwrap_or(f64::NAN);
+    let ratio = absorbed(&theirs) / absorbed(&ours);
+    assert!((ratio - 1.0).abs() < 1e-3, "{ratio}");
+}
+
 #[cfg(feature = "embree")]
 #[test]
 fn embree_gives_the_same_light_and_factors() {
