@@ -299,6 +299,8 @@ impl ParticleTracing<'_> {
             .first()
             .map_or([0; 2], |s| [s.source as u32, s.range.start]);
         let key = hash(&[key, first[0], first[1]]);
+        let weights = paths.iter().map(|p| p.weight.max_channel());
+        let unit = weights.fold(f64::MIN_POSITIVE, f64::max);
         let mut reflections = 0;
         while !paths.is_empty() {
             found.reflections = found.reflections.max(reflections + 1);
@@ -306,6 +308,7 @@ impl ParticleTracing<'_> {
                 paths,
                 hash(&[key, reflections]),
                 reflections,
+                unit,
                 scratch,
                 &mut found,
             );
@@ -397,12 +400,13 @@ impl ParticleTracing<'_> {
     }
 
     /// Follows particles to the surfaces that they reach; returns those that are reflected
-    /// diffusely there.
+    /// diffusely there. Survivors carry `unit`, what the heaviest of the batch began with.
     fn generation(
         &self,
         mut paths: Vec<Path>,
         key: u32,
         reflections: u32,
+        unit: f64,
         scratch: &mut Scratch,
         found: &mut BatchDeposits,
     ) -> Vec<Path> {
@@ -442,7 +446,8 @@ impl ParticleTracing<'_> {
                 return;
             }
             let key = hash(&[key, reached]);
-            let odds = reflected.max_channel() / weight.max_channel();
+            // A mirror sends a part on besides: odds by the weight alone would let particles multiply.
+            let odds = (reflected.max_channel() / unit).min(1.0);
             let survives = f64::from(uniform(&[key, 0])) < odds;
             let carried = if survives {
                 reflected / odds

@@ -7,6 +7,7 @@ use crate::engine::{EngineArgs, EngineName, GpuName};
 use crate::failure::Failure;
 use crate::values;
 use azulejo::models;
+use azulejo_factors::PatchSize;
 use azulejo_factors::form_factors::Closure;
 use clap::ValueEnum;
 use std::fmt;
@@ -131,7 +132,8 @@ impl ExperimentPlan {
         Ok(ExperimentPlan {
             scenes: planned,
             truths: if suite.truths {
-                settings.into_iter().flatten().collect()
+                let all = settings.into_iter().flatten();
+                all.filter(|s| !s.is_particles()).collect()
             } else {
                 Vec::new()
             },
@@ -427,6 +429,10 @@ fn reference(
         embree: None,
     };
     let start = table.engine.span().start;
+    if args.engine == EngineName::Particles {
+        let message = "particles have no form factors: choose another engine for the reference";
+        return Err(source.wrong(start, message));
+    }
     check(&args, table.rays).map_err(|e| source.wrong(start, e))?;
     accuracy(table.accuracy).map_err(|e| source.wrong(start, e))?;
     let setting = EngineSetting {
@@ -530,6 +536,11 @@ impl SceneChoice {
         format!("{} ({origin}{patches})", self.name)
     }
 
+    /// How finely its faces are divided.
+    pub fn size(&self) -> PatchSize {
+        self.patches.map_or(PatchSize::Edge(0.0), PatchSize::Count)
+    }
+
     /// Number of mirrors, if the suite specifies it.
     pub fn mirrors(&self) -> Option<usize> {
         match self.origin {
@@ -551,6 +562,11 @@ impl fmt::Display for SceneChoice {
 }
 
 impl EngineSetting {
+    /// Whether it computes light alone, without form factors.
+    pub fn is_particles(&self) -> bool {
+        self.args.engine == EngineName::Particles
+    }
+
     /// What is missing for an optional engine; `None` if nothing is, or if it has to be there.
     pub fn missing(&self) -> Option<String> {
         let prepared = self.is_optional.then(|| self.args.prepare())?;
@@ -594,7 +610,8 @@ impl fmt::Display for EngineSetting {
             write!(f, ", {pixels} pixels")?;
         }
         if let Some(points) = self.args.patch_points {
-            write!(f, ", {points} points")?;
+            let plural = if points == 1 { "" } else { "s" };
+            write!(f, ", {points} point{plural}")?;
         }
         match self.accuracy {
             Some(accuracy) => write!(f, ", accuracy {accuracy:e}"),

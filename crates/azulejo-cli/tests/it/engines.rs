@@ -76,7 +76,8 @@ fn a_card_that_is_asked_for_is_opened_or_missed() {
 #[test]
 fn particles_solve_light_alone() {
     let folder = Folder::with_room();
-    let report = folder.json("solve room.obj -o lit.grf --engine particles --patches 100 --rays 64");
+    let report =
+        folder.json("solve room.obj -o lit.grf --engine particles --patches 100 --rays 64");
     assert_eq!(report["engine"], "particles");
     let report = folder.json("solve room.obj -o lit.grf --engine rays --patches 100 --rays 64");
     assert_eq!(report["engine"], "rays");
@@ -104,7 +105,10 @@ fn hybrid_takes_rays_from_embree() {
     let (ours, theirs) = (solve(""), solve("--embree"));
     let device = |report: &serde_json::Value| report["device"].as_str().unwrap_or("").to_owned();
     assert_eq!(device(&ours), "processor");
-    assert!(device(&theirs).starts_with("processor, rays by Embree "), "{theirs}");
+    assert!(
+        device(&theirs).starts_with("processor, rays by Embree "),
+        "{theirs}"
+    );
     let absorbed = |report: &serde_json::Value| report["absorbed"][1].as_f64().unwrap_or(f64::NAN);
     let ratio = absorbed(&theirs) / absorbed(&ours);
     assert!((ratio - 1.0).abs() < 1e-3, "{ratio}");

@@ -150,7 +150,10 @@ fn repetitions_are_made_one_by_one() {
         "cube, rays, 2000000 rays, seeds 0 to 3999999999"
     );
     let done = folder.json("experiment t.toml -o a --quick --only 16");
-    assert_eq!((&done["tasks"], &done["tasks_failed"]), (&1.into(), &0.into()));
+    assert_eq!(
+        (&done["tasks"], &done["tasks_failed"]),
+        (&1.into(), &0.into())
+    );
 }
 
 /// Repetitions have bars and deviations, lines have slopes, and what is optional and missing is said

@@ -39,14 +39,14 @@ fn mean_and_deviation(found: &PatchRadiosity, truth: f64) -> (f64, f64) {
 fn furnaces_glow_alike() {
     for (diffuse, mirror, truth) in [(0.5, 0.0, 2.0), (0.5, 0.3, 3.5), (0.8, 0.1, 9.0)] {
         let scene = cube([0; 6].map(|_| surface(diffuse, mirror, 1.0)));
-        let found = solved(&scene, &particles(4096, 150));
+        let found = solved(&scene, &particles(1024, 150));
         let (mean, deviation) = mean_and_deviation(&found, truth);
         let balance = found.report.balance;
         eprintln!(
             "ρ {diffuse} {mirror}: B {mean} of {truth}, {deviation:.2} SE, {} reflections, {balance:?}",
             found.report.iterations
         );
-        assert!((mean / truth - 1.0).abs() < 4e-3, "{mean} {truth}");
+        assert!((mean / truth - 1.0).abs() < 6e-3, "{mean} {truth}");
         // Errors of four replicates are Student's with three degrees: their squares' mean is 3.
         assert!((0.7..2.6).contains(&deviation), "{deviation}");
         assert!(balance.error() < 1e-9, "{balance:?}");
@@ -54,33 +54,24 @@ fn furnaces_glow_alike() {
     }
 }
 
-/// A cube whose floor emits 1 and is black: what whole walls receive follows from the view factor
-/// 0.19982489569838746 of opposite faces by a system of three unknowns.
+/// A cube whose floor emits 1: after one bounce whole walls reflect ρ times their view factors of the
+/// floor, 0.19982489569838746 for the ceiling. Later bounces depend on where on the walls light fell,
+/// which particles know and whole patches do not.
 #[test]
 fn a_cube_by_its_closed_form() {
     let (f, rho) = (0.199_824_895_698_387_46, 0.6);
-    let side = (1.0 - f) / 4.0;
-    let scene = cube([
-        surface(0.0, 0.0, 1.0),
-        surface(rho, 0.0, 0.0),
-        surface(rho, 0.0, 0.0),
-        surface(rho, 0.0, 0.0),
-        surface(rho, 0.0, 0.0),
-        surface(rho, 0.0, 0.0),
-    ]);
-    // Ceiling c, walls w: c = ρ (f + 4 s w), w = ρ (s + s c + (f + 2 s) w).
-    let (a, b) = (rho * f, rho * 4.0 * side);
-    let d = 1.0 - rho * (f + 2.0 * side);
-    let wall = (rho * side + rho * side * a) / (d - rho * side * b);
-    let ceiling = a + b * wall;
-    let found = solved(
-        &scene,
-        &FirstPass {
-            size: PatchSize::Edge(0.0),
-            ..particles(1 << 16, 0)
-        },
-    );
-    for (material, truth) in [(1, ceiling), (2, wall), (3, wall), (4, wall), (5, wall)] {
+    let scene = cube([0.0, rho, rho, rho, rho, rho].map(|rho| {
+        let exitance = if rho == 0.0 { 1.0 } else { 0.0 };
+        surface(rho, 0.0, exitance)
+    }));
+    let pass = FirstPass {
+        size: PatchSize::Edge(0.0),
+        bounces: Some(1),
+        ..particles(1 << 14, 0)
+    };
+    let found = solved(&scene, &pass);
+    for material in 1..6 {
+        let truth = rho * if material == 1 { f } else { (1.0 - f) / 4.0 };
         let Estimate { value, error } = found.sides[2 * cube_face(material) as usize];
         let (value, error) = (value.mean(), error.mean());
         eprintln!("wall {material}: {value} ± {error}, {truth}");
@@ -88,7 +79,7 @@ fn a_cube_by_its_closed_form() {
             (value - truth).abs() < 6.0 * error + 1e-3 * truth,
             "{value} ± {error}, {truth}"
         );
-        assert!(error < 0.01 * truth, "{error}");
+        assert!((1e-6..0.03 * truth).contains(&error), "{error}");
     }
 }
 
@@ -154,34 +145,34 @@ fn particles_agree_with_rays() {
         scenes.push((name, scene));
     }
     for (name, scene) in scenes {
+        // Rays leave out the backs of walls that only the outside lights.
         let by = |engine| {
-            let found = solved(
-                &scene,
-                &FirstPass {
-                    engine,
-                    ..particles(2048, 300)
-                },
-            );
+            let pass = FirstPass {
+                engine,
+                ..particles(128, 1500)
+            };
+            let found = solved(&scene, &pass);
+            let fronts = || (0..found.sides.len()).step_by(2);
             let power = |s: usize| found.sides[s].value * found.patches.area(s / 2);
-            let all: Rgb = (0..found.sides.len()).map(power).sum();
-            let error: f64 = (0..found.sides.len())
-                .map(|s| (found.sides[s].error.mean() * found.patches.area(s / 2)).powi(2))
-                .sum();
+            let error =
+                |s: usize| (found.sides[s].error.mean() * found.patches.area(s / 2)).powi(2);
+            let all: Rgb = fronts().map(power).sum();
+            let error: f64 = fronts().map(error).sum();
             (all.mean(), error.sqrt(), found.report.balance)
         };
         let (shot, error, balance) = by(Engine::Particles);
-        let (rays, _, other) = by(Engine::Rays);
-        eprintln!(
-            "{name}: {shot} ± {error}, rays {rays}; emitted {:?} {:?}",
-            balance.emitted, other.emitted
-        );
+        let (rays, other, emitted) = by(Engine::Rays);
+        let error = error.hypot(other);
+        eprintln!("{name}: {shot}, rays {rays} ± {error}");
         assert!(
-            (shot / rays - 1.0).abs() < 5e-3 + 4.0 * error / rays,
+            (shot / rays - 1.0).abs() < 2e-3 + 5.0 * error / rays,
             "{name}: {shot} {rays}"
         );
         assert!(balance.error() < 1e-9, "{name}: {balance:?}");
-        let emitted = balance.emitted.mean() / other.emitted.mean();
-        assert!((emitted - 1.0).abs() < 0.03, "{name}: emitted {emitted}");
+        if name.starts_with("lamp") {
+            let ratio = balance.emitted.mean() / emitted.emitted.mean();
+            assert!((ratio - 1.0).abs() < 1e-6, "{name}: emitted {ratio}");
+        }
     }
 }
 
@@ -199,14 +190,14 @@ fn particles_stop_at_the_error_and_do_not_depend_on_threads() {
         pool.expect("threads start")
             .install(|| solved(&scene, &pass))
     };
-    let (coarse, fine) = (solve(0.1, 1), solve(0.02, 1));
+    let (coarse, fine) = (solve(0.2, 1), solve(0.02, 1));
     assert!(
         fine.report.patch_error <= 0.02,
         "{}",
         fine.report.patch_error
     );
     assert!(fine.report.patch_rays > coarse.report.patch_rays);
-    assert_eq!(coarse.sides, solve(0.1, 3).sides);
+    assert_eq!(coarse.sides, solve(0.2, 3).sides);
 }
 
 /// One bounce: what the lamp lights directly, as rays see it.
@@ -222,7 +213,7 @@ fn bounces_may_be_limited() {
             let pass = FirstPass {
                 engine,
                 bounces: Some(bounces),
-                ..particles(1024, 300)
+                ..particles(256, 200)
             };
             let found = probe(
                 &scene,

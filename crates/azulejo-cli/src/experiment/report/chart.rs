@@ -345,6 +345,7 @@ mod tests {
             points: [[1.0, 1e-3], [10.0, 1e-4], [100.0, 1e-5]]
                 .map(|at| ChartPoint {
                     at,
+                    samples: 0.0,
                     spread: [0.0, 0.5 * at[1]],
                 })
                 .to_vec(),

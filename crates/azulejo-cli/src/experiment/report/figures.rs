@@ -32,7 +32,7 @@ pub struct ChartAxis {
 pub struct ChartSeries {
     /// Its name.
     pub name: String,
-    /// Its points, by x.
+    /// Its points, by samples and then by x: times are noisy, and would turn lines back.
     pub points: Vec<ChartPoint>,
 }
 
@@ -41,6 +41,8 @@ pub struct ChartSeries {
 pub struct ChartPoint {
     /// x and y.
     pub at: [f64; 2],
+    /// Rays or pixels per row.
+    pub samples: f64,
     /// Standard deviations of x and y between the repetitions; 0 for a single one.
     pub spread: [f64; 2],
 }
@@ -268,11 +270,15 @@ fn figure(
         let spread = |quantity: &PlotQuantity| row.deviation(quantity.of).unwrap_or(0.0);
         series[index].points.push(ChartPoint {
             at: [px, py],
+            samples: row.run.samples,
             spread: [spread(x), spread(y)],
         });
     }
     for s in &mut series {
-        s.points.sort_by(|a, b| a.at[0].total_cmp(&b.at[0]));
+        s.points.sort_by(|a, b| {
+            let by_x = a.at[0].total_cmp(&b.at[0]);
+            a.samples.total_cmp(&b.samples).then(by_x)
+        });
     }
     ChartSpec {
         name: format!("{}-{}-{}", file_name(about), y.name, x.name),

@@ -258,6 +258,11 @@ impl Page<'_> {
 /// Heading, explanation and value of a column of results.
 type Column = (&'static str, &'static str, fn(&RepeatedRun) -> Option<f64>);
 
+/// A measure of a matrix, where there is one.
+fn of_matrix(run: &RunRecord, measure: f64) -> Option<f64> {
+    (run.entries > 0).then_some(measure)
+}
+
 const COLUMNS: [Column; 14] = [
     ("samples", "rays or pixels per row", |r| {
         r.mean(|r| (r.samples > 0.0).then_some(r.samples))
@@ -289,23 +294,23 @@ const COLUMNS: [Column; 14] = [
     (
         "closure",
         "root mean square deviation of row sums from 1",
-        |r| r.mean(|r| Some(r.closure_rms)),
+        |r| r.mean(|r| of_matrix(r, r.closure_rms)),
     ),
     (
         "moved",
         "share of the matrix moved to enforce closure",
-        |r| r.mean(|r| Some(r.moved)),
+        |r| r.mean(|r| of_matrix(r, r.moved)),
     ),
     (
         "reciprocity",
         "largest |A_i X_ij − A_j X_ji|, relative to the mean entry of the row",
-        |r| r.mean(|r| Some(r.reciprocity)),
+        |r| r.mean(|r| of_matrix(r, r.reciprocity)),
     ),
     ("energy", "unaccounted power, relative", |r| {
         r.mean(|r| r.energy)
     }),
     ("solve, s", "solution of B = M + ρXB", |r| {
-        r.mean(|r| Some(r.solve_seconds))
+        r.mean(|r| of_matrix(r, r.solve_seconds))
     }),
 ];
 
