@@ -83,7 +83,10 @@ fn radiosity(factors: &FormFactors, diffuse: f64, truth: f64) -> (f64, f64) {
         let arriving = |row: &Vec<(u32, f64, f32)>| -> f64 {
             row.iter().map(|&(j, x, _)| x * b[j as usize]).sum()
         };
-        b = rows.iter().map(|row| 1.0 + diffuse * arriving(row)).collect();
+        b = rows
+            .iter()
+            .map(|row| 1.0 + diffuse * arriving(row))
+            .collect();
     }
     let whole: f64 = factors.areas.iter().sum();
     let mean = |of: &dyn Fn(f64) -> f64| {
@@ -114,7 +117,12 @@ fn body(diffuse: f64, mirror: f64) -> Scene {
     });
     let mut mesh = Mesh::default();
     for (i, j) in (0..ALONG).flat_map(|i| (0..AROUND).map(move |j| (i, j))) {
-        let [a, b, c, d] = [point(i, j), point(i, j + 1), point(i + 1, j + 1), point(i + 1, j)];
+        let [a, b, c, d] = [
+            point(i, j),
+            point(i, j + 1),
+            point(i + 1, j + 1),
+            point(i + 1, j),
+        ];
         let corners = match i {
             0 => vec![a, c, d],
             _ if i + 1 == ALONG => vec![a, b, c],

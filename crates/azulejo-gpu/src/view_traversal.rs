@@ -7,7 +7,9 @@ use crate::mesh::Mesh;
 use crate::tally::{Shares, Tally};
 use crate::target::NOTHING;
 use azulejo_scene::Rgb;
-use azulejo_trace::item_buffer::{Beyond, HemicubeView, PatchOptics, Seen, SpecularPixel, WindowBudget};
+use azulejo_trace::item_buffer::{
+    Beyond, HemicubeView, PatchOptics, Seen, SpecularPixel, WindowBudget,
+};
 use glam::DVec3;
 use std::ops::Range;
 

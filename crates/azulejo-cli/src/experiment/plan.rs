@@ -604,7 +604,12 @@ impl fmt::Display for EngineSetting {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(&self.name)?;
         if let Some(rays) = self.rays {
-            write!(f, ", {rays} rays")?;
+            let what = if self.is_particles() {
+                "particles"
+            } else {
+                "rays"
+            };
+            write!(f, ", {rays} {what}")?;
         }
         if let Some(pixels) = self.args.resolution {
             write!(f, ", {pixels} pixels")?;

@@ -85,6 +85,28 @@ fn particles_solve_light_alone() {
     folder.fails(refused, 2, "no form factors");
 }
 
+/// In the Cornell box of the common data particles leave as much light as rays do.
+#[test]
+fn particles_agree_with_rays_in_the_cornell_box() {
+    let Some(data) = azulejo_testing::data() else {
+        return;
+    };
+    let scene = data.join("scenes/s1.obj");
+    let folder = Folder::new();
+    let absorbed = |engine: &str| {
+        let line = format!(
+            "solve {} -o lit.grf --patches 1500 --rays 256 --engine {engine}",
+            scene.display()
+        );
+        let report = folder.json(&line);
+        [0, 1, 2].map(|k| report["absorbed"][k].as_f64().unwrap_or(f64::NAN))
+    };
+    let (shot, rays) = (absorbed("particles"), absorbed("rays"));
+    for (shot, rays) in shot.into_iter().zip(rays) {
+        assert!((shot / rays - 1.0).abs() < 5e-3, "{shot} {rays}");
+    }
+}
+
 /// The pairing of Sena's thesis: item buffers, and Embree's rays from mirrors.
 #[cfg(feature = "embree")]
 #[test]

@@ -328,6 +328,7 @@ mod tests {
             setting: format!("rays, {samples} rays"),
             samples,
             seconds: samples / 100.0,
+            cpu_seconds: samples / 50.0,
             row_error_mean: Some(1.0 / samples),
             ..RunRecord::default()
         };
