@@ -194,7 +194,7 @@ impl ViewTraversal {
             let factor = factors.next().unwrap_or(0.0);
             if factor != 1.0 {
                 *cut += window.view.tint * (window.share * (1.0 - factor));
-                window.view.tint = window.view.tint * factor;
+                window.view.tint *= factor;
             }
             factor > 0.0
         });

@@ -340,11 +340,11 @@ impl ParticleTracing<'_> {
             paths.extend(
                 range
                     .clone()
-                    .map(|k| self.from_light(*source, k, scrambling)),
+                    .map(|k| self.light_particle(*source, k, scrambling)),
             );
         }
         for path in &mut paths[begin..] {
-            path.weight = path.weight * *weight;
+            path.weight *= *weight;
             // Marks particles of lights, whose power counts only if it reaches a surface.
             path.id = u32::from(!matches!(
                 self.sources[*source].kind,
@@ -355,7 +355,7 @@ impl ParticleTracing<'_> {
     }
 
     /// Particle `k` of a light without area, of weight 1 or less.
-    fn from_light(&self, source: usize, k: u32, scrambling: [u32; 4]) -> Path {
+    fn light_particle(&self, source: usize, k: u32, scrambling: [u32; 4]) -> Path {
         let u: [f64; 4] = std::array::from_fn(|d| f64::from(sobol(k, d, scrambling[d])));
         let (centre, radius) = ball(self.gatherer);
         let mut weight = 1.0;

@@ -320,7 +320,7 @@ fn thin(level: &mut WindowLevel, budget: &mut WindowBudget, seen: &mut Seen) {
         let factor = factors.next().unwrap_or(0.0);
         if factor != 1.0 {
             seen.cut += window.view.tint * (window.share * (1.0 - factor));
-            window.view.tint = window.view.tint * factor;
+            window.view.tint *= factor;
         }
         factor > 0.0
     });
