@@ -53,7 +53,7 @@ fn print_body() {
             ("rays, 16384".to_owned(), Engine::Rays, 16384),
             hemicube(32, 4),
             hemicube(64, 4),
-            hemicube(128, 16),
+            hemicube(64, 16),
         ] {
             let options = FormFactorOptions {
                 engine,

@@ -685,7 +685,7 @@ fn windows_of_a_closed_body_of_mirrors_come_to_an_end() {
         let (b, h) = (mean(&b), mean(&h));
         eprintln!("{name}: B {b}, H {h}");
         assert!(
-            (b - 3.5).abs() < 0.01 && (h - 5.0).abs() < 0.02,
+            (b / 3.5 - 1.0).abs() < 0.01 && (h / 5.0 - 1.0).abs() < 0.01,
             "{name}: {b} {h}"
         );
         let cut = mean(&factors.rest.iter().map(|r| r.cut).collect::<Vec<_>>());
