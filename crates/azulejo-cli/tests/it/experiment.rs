@@ -92,7 +92,7 @@ fn the_suites() {
         assert!(!listed["tasks"].as_array().unwrap().is_empty(), "{path:?}");
         count += 1;
     }
-    assert_eq!(count, 7);
+    assert_eq!(count, 8);
 }
 
 #[test]
