@@ -11,7 +11,7 @@ use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Environment variable with the path of Embree's library, if `--embree` is not given.
+/// Environment variable with the path of Embree's library, if `--embree` gives none.
 const EMBREE_VARIABLE: &str = "AZULEJO_EMBREE";
 
 /// Engines. Embree is the ray engine with another ray tracing kernel.
@@ -29,6 +29,8 @@ pub enum EngineName {
     Hybrid,
     /// Closed-form factors between polygons, with exact occlusion
     Analytic,
+    /// Particles shot from the lights; for solve, render and probe, not for form factors
+    Particles,
 }
 
 /// Backends that render hemicubes.
@@ -57,13 +59,14 @@ pub struct EngineArgs {
     /// Resolution of a hemicube in pixels, an even number [default: 128]
     #[arg(long, value_name = "N", value_parser = values::resolution)]
     pub resolution: Option<u32>,
-    /// Hemicubes per patch, at different points; rounded up to a multiple of four [default: 16]
+    /// Hemicubes per patch, at different points: one at the barycentre, whose error is unknown, or a
+    /// multiple of four, to which other numbers are rounded up [default: 16]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub patch_points: Option<u32>,
-    /// Path of Embree's library, for --engine embree and auto [default: the environment variable
-    /// AZULEJO_EMBREE, or the system's search path]
-    #[arg(long, value_name = "PATH", value_hint = ValueHint::FilePath)]
-    pub embree: Option<PathBuf>,
+    /// Let Embree trace the rays of the engine, and of gathering. PATH is its library [default: the
+    /// environment variable AZULEJO_EMBREE, or the system's search path]
+    #[arg(long, value_name = "PATH", value_hint = ValueHint::FilePath, num_args = 0..=1)]
+    pub embree: Option<Option<PathBuf>>,
 }
 
 /// An engine with its kernel and devices loaded.
@@ -91,10 +94,11 @@ impl EngineArgs {
             EngineName::Hemicube => Engine::Hemicube(self.hemicube(&mut notes)?),
             EngineName::Hybrid => Engine::Hybrid(self.hemicube(&mut notes)?),
             EngineName::Analytic => Engine::Analytic,
+            EngineName::Particles => Engine::Particles,
         };
         Ok(PreparedEngine {
             engine,
-            requires_embree: self.engine == EngineName::Embree,
+            requires_embree: self.requires_embree(),
             kernel,
             notes,
         })
@@ -119,25 +123,25 @@ impl EngineArgs {
             EngineArgs { gpu: Some(_), .. } if !has_hemicubes => {
                 misuse("--gpu", "hemicube and hybrid")
             }
-            EngineArgs {
-                embree: Some(_), ..
-            } if !matches!(self.engine, EngineName::Embree | EngineName::Auto) => {
-                misuse("--embree", "embree and auto")
-            }
             _ => Ok(()),
         }
     }
 
-    /// Embree if it is requested; without --engine embree it is optional.
+    /// Whether to fail without Embree. An automatic choice does without it, with a note.
+    fn requires_embree(&self) -> bool {
+        self.engine == EngineName::Embree
+            || self.embree.is_some() && self.engine != EngineName::Auto
+    }
+
+    /// Embree if it is requested.
     fn kernel(&self, notes: &mut Vec<String>) -> Result<Kernel, Failure> {
-        let is_required = self.engine == EngineName::Embree;
-        if !is_required && self.embree.is_none() {
+        if self.engine != EngineName::Embree && self.embree.is_none() {
             return Ok(Kernel::Own);
         }
         let variable = std::env::var_os(EMBREE_VARIABLE).map(PathBuf::from);
-        match load_embree(self.embree.clone().or(variable)) {
+        match load_embree(self.embree.clone().flatten().or(variable)) {
             Ok(kernel) => Ok(kernel),
-            Err(why) if is_required => Err(Failure::failed(why)),
+            Err(why) if self.requires_embree() => Err(Failure::failed(why)),
             Err(why) => {
                 notes.push(format!("built-in kernel instead of Embree: {why}"));
                 Ok(Kernel::Own)

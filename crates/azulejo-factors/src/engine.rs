@@ -25,6 +25,9 @@ pub enum Engine {
     Hybrid(Hemicube),
     /// Closed forms for pairs of polygons, with exact shadows; rays for what has no formula.
     Analytic,
+    /// Particles shot from the lights, for solving light alone: no form factors. Where rows are
+    /// wanted all the same, rays compute them.
+    Particles,
 }
 
 impl Engine {
@@ -32,7 +35,9 @@ impl Engine {
     pub(crate) fn rays_per_row(&self, rays: u32) -> u32 {
         match self {
             Engine::Hemicube(options) | Engine::Hybrid(options) => options.pixels_per_row(),
-            Engine::Auto | Engine::Rays | Engine::Analytic => RayEstimator::rounded(rays),
+            Engine::Auto | Engine::Rays | Engine::Analytic | Engine::Particles => {
+                RayEstimator::rounded(rays)
+            }
         }
     }
 }
@@ -42,7 +47,7 @@ impl Engine {
 pub struct Hemicube {
     /// Pixels along the side of the top face, even.
     pub resolution: u32,
-    /// Hemicubes per patch, rounded up to a multiple of four.
+    /// Hemicubes per patch: one, whose error is unknown, or more, rounded up to a multiple of four.
     pub points: u32,
     /// The renderer.
     pub device: HemicubeBackend,
@@ -83,7 +88,8 @@ impl PartialEq for HemicubeBackend {
 /// Which engine ran, and why.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct EngineUsed {
-    /// The engine's name on the command line: `rays`, `hemicube`, `hybrid` or `analytic`.
+    /// The engine's name on the command line: `rays`, `hemicube`, `hybrid`, `analytic` or
+    /// `particles`.
     pub name: String,
     /// The kernel or device that did the work.
     pub device: String,
@@ -133,7 +139,7 @@ impl<'a> Estimator<'a> {
                 Estimator::Analytic(Box::new(new(gatherer, patches, rays, seed, columns)))
             }
             // Automatic choices are made before this; rays handle every scene.
-            Engine::Auto | Engine::Rays => {
+            Engine::Auto | Engine::Rays | Engine::Particles => {
                 Estimator::Rays(RayEstimator::new(gatherer, patches, rays, seed, columns))
             }
         }
@@ -165,6 +171,14 @@ impl<'a> Estimator<'a> {
     /// Whether all entries of a row share a handful of viewpoints.
     pub(crate) fn shares_viewpoints(&self) -> bool {
         matches!(self, Estimator::Hemicube(_))
+    }
+
+    /// Whether replicates of a row are independent, so that their spread tells its error.
+    pub(crate) fn knows_its_spread(&self) -> bool {
+        match self {
+            Estimator::Hemicube(estimator) => estimator.knows_its_spread(),
+            Estimator::Rays(_) | Estimator::Analytic(_) => true,
+        }
     }
 
     /// The rows of some sides, in order; each depends on its side alone. Advances `progress` by one

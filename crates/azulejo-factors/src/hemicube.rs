@@ -3,7 +3,8 @@
 //! A hemicube samples what a point sees (Cohen and Greenberg, *The hemi-cube*, SIGGRAPH 1985). From
 //! the barycentre alone it would leave an error that no resolution removes, so hemicubes stand at
 //! Sobol points all over the patch, each rotated about the normal by a random angle; four
-//! scramblings of the points give four estimates, whose spread gives the standard error. Flat
+//! scramblings of the points give four estimates, whose spread gives the standard error. A single
+//! hemicube stands at the barycentre, and its error is unknown. Flat
 //! mirrors are windows to reflected worlds, which the device renders too
 //! ([`Engine::Hemicube`](crate::Engine)), or light is traced on from their pixels by rays
 //! ([`Engine::Hybrid`](crate::Engine)), as it always is from curved mirrors and glass.
@@ -19,12 +20,12 @@ use crate::rays::{BATCH, RayEstimator, RowWorkspace};
 use crate::row::{Columns, Order, Row, Side};
 use azulejo_scene::math::Ray;
 use azulejo_scene::{Rgb, Scene, Shape};
-use azulejo_trace::follow::{Path, Via, WEIGHT_CUT};
+use azulejo_trace::follow::{Path, Via};
 use azulejo_trace::item_buffer::{
     Beyond, Hemicube as Pixels, NO_MIRROR, Seen, Settings, SpecularPixel, View, World,
 };
 use azulejo_trace::sampling::{SobolTable, hash, seeds};
-use azulejo_trace::{Cancelled, Gatherer, Progress, REPLICATES, Surfaces};
+use azulejo_trace::{Cancelled, Gatherer, Kernel, Progress, REPLICATES, Surfaces};
 use backend::BackendBuffers;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -32,6 +33,13 @@ use std::f64::consts::{PI, TAU};
 
 /// Longest chain of reflected worlds: as many mirrors as rays follow.
 const MOST_MIRRORS: u32 = azulejo_trace::follow::DEPTH_CUT as u32;
+
+/// Share of a hemicube below which a window is drawn by chance: about that of a pixel.
+pub const WINDOW_CUT: f32 = 1e-4;
+
+/// Windows of a hemicube, besides a few for each level of mirrors. More of them cost time in
+/// proportion, and lower an error that the few viewpoints of a patch leave anyway.
+pub const MOST_WINDOWS: u32 = 512;
 
 /// How flat mirrors are treated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,6 +64,9 @@ pub struct HemicubeEstimator<'a> {
     /// Some flat mirror, which stands for all of them in [`Via::Mirror`].
     mirror_item: Option<u32>,
     pixels: u32,
+    /// Estimates of a row: four, or a single one from a single hemicube.
+    replicates: usize,
+    /// The positions of each replicate.
     table: SobolTable,
     seed: u32,
     columns: Columns,
@@ -88,8 +99,7 @@ struct RowPart {
 }
 
 impl<'a> HemicubeEstimator<'a> {
-    /// An estimator with the given `options`, points rounded up to a multiple of [`REPLICATES`]. A
-    /// device that is not available, or cannot hold the scene, is replaced by the processor;
+    /// An estimator with the given `options`, with [`Hemicube::eyes`] hemicubes per patch. A device that is not available, or cannot hold the scene, is replaced by the processor;
     /// [`engine_used`](HemicubeEstimator::engine_used) reports it.
     pub fn new(
         options: &Hemicube,
@@ -109,13 +119,15 @@ impl<'a> HemicubeEstimator<'a> {
             resolution: Pixels::new(options.resolution).resolution(),
             mirrors: match mirrors {
                 MirrorHandling::Windows => Beyond::Windows {
-                    cut: WEIGHT_CUT as f32,
+                    cut: WINDOW_CUT,
                     depth: MOST_MIRRORS,
+                    windows: MOST_WINDOWS,
                 },
                 MirrorHandling::Rays => Beyond::List,
             },
         };
-        let points = points_per_replicate(options);
+        let replicates = (options.eyes() as usize).min(REPLICATES);
+        let points = options.eyes() as usize / replicates;
         HemicubeEstimator {
             gatherer,
             patches,
@@ -126,7 +138,8 @@ impl<'a> HemicubeEstimator<'a> {
             is_listed,
             mirror_item: flat_mirror(gatherer.surfaces()),
             pixels: options.pixels_per_row(),
-            table: SobolTable::new(points as usize),
+            replicates,
+            table: SobolTable::new(points),
             seed,
             columns,
         }
@@ -135,6 +148,11 @@ impl<'a> HemicubeEstimator<'a> {
     /// Pixels per row.
     pub fn pixels(&self) -> u32 {
         self.pixels
+    }
+
+    /// Whether the spread of several hemicubes tells the error.
+    pub(crate) fn knows_its_spread(&self) -> bool {
+        self.replicates > 1
     }
 
     /// The device, and deviations from what was requested so far.
@@ -155,10 +173,27 @@ impl<'a> HemicubeEstimator<'a> {
                 }
             });
         }
+        if !self.knows_its_spread() {
+            notes.push(
+                "one hemicube per patch: the spread between viewpoints is unknown, and stated \
+                 errors leave it out"
+                    .to_owned(),
+            );
+        }
         EngineUsed {
             name: engine.to_owned(),
-            device: self.buffers.device(),
+            device: self.device(listed > 0),
             notes,
+        }
+    }
+
+    /// The device that renders, and the kernel that traces on from pixels if it is not our own.
+    fn device(&self, traces: bool) -> String {
+        let (device, tracer) = (self.buffers.device(), self.gatherer.surfaces().tracer);
+        if traces && tracer.kernel() != Kernel::Own {
+            format!("{device}, rays by {}", tracer.kernel_name())
+        } else {
+            device
         }
     }
 
@@ -168,26 +203,28 @@ impl<'a> HemicubeEstimator<'a> {
     /// # Errors
     /// [`Cancelled`].
     pub fn rows(&self, sides: &[Side], progress: &Progress) -> Result<Vec<Row>, Cancelled> {
-        let part = |&side: &Side| (0..REPLICATES).map(move |r| (side, r));
+        let replicates = self.replicates;
+        let part = |&side: &Side| (0..replicates).map(move |r| (side, r));
         let wanted: Vec<(Side, usize)> = sides.iter().flat_map(part).collect();
         let at_once = (self.buffers.batch() / self.table.len()).max(1);
         let mut parts = Vec::with_capacity(wanted.len());
         for some in wanted.chunks(at_once) {
             progress.advance(0)?;
             parts.extend(self.parts(some));
-            let done = parts.len() / REPLICATES;
-            let before = (parts.len() - some.len()) / REPLICATES;
+            let done = parts.len() / replicates;
+            let before = (parts.len() - some.len()) / replicates;
             progress.advance((done - before) as u64)?;
         }
         let mut rows = Vec::with_capacity(sides.len());
         let mut parts = parts.into_iter();
         while let Some(first) = parts.next() {
-            let rest = parts.by_ref().take(REPLICATES - 1);
-            let row = rest.fold(first, merged);
-            rows.push(Row {
-                rays: self.pixels(),
-                ..row
-            });
+            let rest = parts.by_ref().take(replicates - 1);
+            let mut row = rest.fold(first, merged);
+            row.rays = self.pixels();
+            if replicates == 1 {
+                repeat(&mut row);
+            }
+            rows.push(row);
         }
         Ok(rows)
     }
@@ -234,8 +271,20 @@ impl<'a> HemicubeEstimator<'a> {
             let normal = if is_front { at.normal } else { -at.normal };
             (tracer.leaving(at.position, normal), normal)
         };
+        let is_central = !self.knows_its_spread() && self.patches.polygon(patch).is_some();
         let point = |k: usize| {
             let [u1, u2, u3, _] = self.table.point(k, scrambling).map(f64::from);
+            if is_central {
+                let normal = self.patches.normal(patch);
+                let normal = if is_front { normal } else { -normal };
+                let eye = tracer.leaving(self.patches.centre(patch), normal);
+                let turn = TAU * u3;
+                return HemicubePoint {
+                    view: View { eye, normal, turn },
+                    start: eye,
+                    weight: 1.0,
+                };
+            }
             let at = self.facets.sample(patch, u1, u2);
             let (eye, normal) = leaving(&at);
             let turn = TAU * u3;
@@ -256,7 +305,7 @@ impl<'a> HemicubeEstimator<'a> {
         let HemicubePoint { start, weight, .. } = part.points[k];
         let mut work = part.work.take().unwrap_or_else(|| self.rays.work());
         let row = &mut part.row;
-        let share = 1.0 / REPLICATES as f64;
+        let share = 1.0 / self.replicates as f64;
         for found in &seen.shares {
             if self.is_listed[(found.side / 2) as usize] {
                 continue; // rays find it again and continue from there
@@ -354,17 +403,28 @@ impl<'a> HemicubeEstimator<'a> {
     }
 }
 
-fn points_per_replicate(options: &Hemicube) -> u32 {
-    options.points.div_ceil(REPLICATES as u32).max(1)
-}
-
 impl Hemicube {
+    /// Hemicubes per patch: one, or the next multiple of [`REPLICATES`].
+    pub fn eyes(&self) -> u32 {
+        if self.points <= 1 {
+            return 1;
+        }
+        self.points.div_ceil(REPLICATES as u32) * REPLICATES as u32
+    }
+
     /// Pixels of all hemicubes of a row.
     pub(crate) fn pixels_per_row(&self) -> u32 {
         let side = Pixels::new(self.resolution).resolution();
-        let points = points_per_replicate(self).saturating_mul(REPLICATES as u32);
-        (3 * side * side).saturating_mul(points)
+        (3 * side * side).saturating_mul(self.eyes())
     }
+}
+
+/// Puts a single estimate in the place of all replicates, so that their mean is the estimate.
+fn repeat(row: &mut Row) {
+    let entries = row.entries[0].clone();
+    row.entries.fill(entries);
+    row.stray = [row.stray[0]; REPLICATES];
+    row.escaped = [row.escaped[0]; REPLICATES];
 }
 
 /// Merges two parts of one row, of different replicates.

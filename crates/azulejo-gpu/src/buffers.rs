@@ -120,6 +120,7 @@ impl Buffers {
             ViewTraversal::new(
                 tile,
                 HemicubeView::new(view, &self.mesh.local, DepthPrecision::Single),
+                self.beyond,
             )
         };
         let mut traversals: Vec<ViewTraversal> = (0..).zip(views).map(traversal).collect();

@@ -7,14 +7,11 @@ use crate::mesh::Mesh;
 use crate::tally::{Shares, Tally};
 use crate::target::NOTHING;
 use azulejo_scene::Rgb;
-use azulejo_trace::item_buffer::{Beyond, HemicubeView, PatchOptics, Seen, SpecularPixel};
+use azulejo_trace::item_buffer::{
+    Beyond, HemicubeView, PatchOptics, Seen, SpecularPixel, WindowBudget,
+};
 use glam::DVec3;
 use std::ops::Range;
-
-/// Largest number of windows that are drawn for one view; light through further ones counts as cut.
-/// Worlds of many small mirrors that face each other would otherwise never finish. Tests use a
-/// smaller limit.
-const MOST_WINDOWS: usize = if cfg!(test) { 500 } else { 16_384 };
 
 /// Data that all views of a batch share.
 pub struct ViewContext<'a> {
@@ -40,7 +37,7 @@ struct WindowPixels {
     view: HemicubeView,
     /// Its pixels, among those of the level.
     pixels: Range<usize>,
-    /// Their weight in the strongest channel.
+    /// Their delta form factors, before any mirror.
     share: f64,
 }
 
@@ -56,8 +53,8 @@ pub struct ViewTraversal {
     windows: Vec<WindowPixels>,
     /// Pixels of the windows, sorted within each.
     pixels: Vec<u32>,
-    /// Number of windows opened so far.
-    opened: usize,
+    /// What is left of the windows that may be drawn.
+    budget: WindowBudget,
 }
 
 /// Drawings of windows: their faces, and the window of each pixel in some rows.
@@ -68,7 +65,11 @@ pub struct WindowRequest {
 }
 
 impl ViewTraversal {
-    pub fn new(tile: u32, view: HemicubeView) -> ViewTraversal {
+    pub fn new(tile: u32, view: HemicubeView, beyond: Beyond) -> ViewTraversal {
+        let budget = match beyond {
+            Beyond::Windows { cut, windows, .. } => WindowBudget::new(&view, cut, windows),
+            Beyond::List => WindowBudget::new(&view, 0.0, 0),
+        };
         ViewTraversal {
             tile,
             view,
@@ -77,7 +78,7 @@ impl ViewTraversal {
             depth: 0,
             windows: Vec::new(),
             pixels: Vec::new(),
-            opened: 0,
+            budget,
         }
     }
 
@@ -155,7 +156,7 @@ impl ViewTraversal {
 
     /// Opens windows for pixels that show mirrors, grouped by view.
     fn open(&mut self, context: &ViewContext, found: Vec<(HemicubeView, Vec<(u32, u32)>)>) {
-        let Beyond::Windows { cut, depth } = context.beyond else {
+        let Beyond::Windows { depth, .. } = context.beyond else {
             return;
         };
         self.pixels.clear();
@@ -167,8 +168,7 @@ impl ViewTraversal {
                 let view = view.behind(number, mirror);
                 let weight = |&(_, p): &(u32, u32)| context.weights[p as usize];
                 let share: f64 = group.iter().map(weight).sum();
-                let strongest = view.tint.max_channel();
-                if strongest <= 0.0 || strongest < f64::from(cut) || self.depth >= depth {
+                if self.depth >= depth {
                     self.seen.cut += view.tint * share;
                     continue;
                 }
@@ -177,27 +177,27 @@ impl ViewTraversal {
                 self.windows.push(WindowPixels {
                     view,
                     pixels: first..self.pixels.len(),
-                    share: strongest * share,
+                    share,
                 });
             }
         }
-        self.keep_the_strongest(context.weights);
-        self.opened += self.windows.len();
+        self.thin();
     }
 
-    /// Closes windows until their number is within the limit, the weakest first.
-    fn keep_the_strongest(&mut self, weights: &[f64]) {
-        let room = MOST_WINDOWS - self.opened.min(MOST_WINDOWS);
-        if self.windows.len() <= room {
-            return;
-        }
-        // Stable: of equal ones the first are kept.
-        self.windows.sort_by(|a, b| b.share.total_cmp(&a.share));
-        for window in self.windows.drain(room..) {
-            let pixels = &self.pixels[window.pixels];
-            let share: f64 = pixels.iter().map(|&p| weights[p as usize]).sum();
-            self.seen.cut += window.view.tint * share;
-        }
+    /// Leaves those windows that are to be drawn; what the others carry is cut.
+    fn thin(&mut self) {
+        let weight = |w: &WindowPixels| w.view.tint.max_channel() * w.share;
+        let weights: Vec<f64> = self.windows.iter().map(weight).collect();
+        let mut factors = self.budget.factors(&weights).into_iter();
+        let cut = &mut self.seen.cut;
+        self.windows.retain_mut(|window| {
+            let factor = factors.next().unwrap_or(0.0);
+            if factor != 1.0 {
+                *cut += window.view.tint * (window.share * (1.0 - factor));
+                window.view.tint *= factor;
+            }
+            factor > 0.0
+        });
     }
 
     /// The next drawings of the card; windows are numbered from 1.

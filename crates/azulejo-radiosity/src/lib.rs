@@ -13,6 +13,7 @@
 //! | [`system`] | rows of form factors and their solution by Jacobi iteration |
 //! | [`refine`] | more rays for the rows that dominate the error |
 //! | [`stochastic`] | Stochastic Jacobi, which needs no rows |
+//! | [`particles`] | particles from the lights, which need no rows either |
 //! | [`gather`], [`light`], [`vertices`] | irradiance at points, from the light on patches |
 //! | [`strata`], `validation` | where the patches are good enough for that, and where paths are traced |
 //! | [`StoredSides`] | which side of a surface is stored |
@@ -22,6 +23,7 @@
 pub mod direct;
 pub mod gather;
 pub mod light;
+pub mod particles;
 mod preview;
 pub mod refine;
 mod sides;

@@ -196,7 +196,7 @@ impl std::error::Error for SolveError {}
 pub enum Method {
     /// Rows of form factors, then Jacobi iteration.
     Matrix,
-    /// Stochastic Jacobi: power shot by rays, nothing stored (Neumann 1995).
+    /// Power shot by rays, nothing stored: Stochastic Jacobi (Neumann 1995), or particles.
     Stochastic,
     /// None: a deadline left no time for patches, and paths were traced from every point.
     Paths,

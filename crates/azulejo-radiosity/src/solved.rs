@@ -2,6 +2,7 @@
 
 use crate::gather::{CHUNK, GatherTargets, Gathering, HASTY_RAYS};
 use crate::light::PatchLight;
+use crate::particles::{self, ParticleEffort};
 use crate::refine::{RefinementWork, refine};
 use crate::solve::{Estimate, FirstPass, Method, Report, SolveError};
 use crate::stochastic;
@@ -114,7 +115,9 @@ impl<'a> SolvedPatches<'a> {
             seed,
         };
         progress.limit_phase(PATCH_SHARE);
-        let found = if expected <= pass.memory {
+        let found = if pass.engine == Engine::Particles {
+            Some(parts.particles(pass, progress)?)
+        } else if expected <= pass.memory {
             parts.matrix(pass, progress, watch)?
         } else {
             parts.shoot(pass, expected, progress)?
@@ -310,6 +313,40 @@ impl SolverInputs<'_> {
             spent: RefinementWork::default(),
             method: Method::Paths,
             engine_used: self.rays_alone(why.to_owned()),
+        })
+    }
+
+    /// Particles from the lights.
+    fn particles(
+        &self,
+        pass: &FirstPass,
+        progress: &Progress,
+    ) -> Result<PatchSolution, SolveError> {
+        let goal = pass.goal();
+        let effort = ParticleEffort {
+            first: self.rays,
+            error: goal.map(|g| g.error),
+            most: goal.map_or(self.rays, |g| g.rays),
+        };
+        let solution = particles::solve(
+            self.gatherer,
+            self.patches,
+            self.reflectance,
+            effort,
+            pass.bounces,
+            self.seed,
+            progress,
+        )?;
+        let engine_used = EngineUsed {
+            name: "particles".to_owned(),
+            device: self.gatherer.surfaces().tracer.kernel_name(),
+            notes: Vec::new(),
+        };
+        Ok(PatchSolution {
+            solution,
+            spent: RefinementWork::default(),
+            method: Method::Stochastic,
+            engine_used,
         })
     }
 

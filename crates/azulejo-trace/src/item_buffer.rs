@@ -14,9 +14,11 @@ mod processor;
 mod raster;
 mod tally;
 mod view;
+mod window_budget;
 
 pub use processor::{Processor, ProcessorBuffers};
 pub use view::{DepthPrecision, HemicubeView, LocalMirror, PatchOptics, Plane, UnitCube};
+pub use window_budget::WindowBudget;
 
 use azulejo_scene::Rgb;
 use glam::DVec3;
@@ -104,15 +106,20 @@ pub const MOST_RESOLUTION: u32 = 2048;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Beyond {
     /// Flat mirrors are windows to the reflected world, drawn in the window's pixels, whose shares
-    /// continue with the mirror's reflectance; and so on until the weight of a pixel is below `cut`
-    /// times its original one in all channels, or after `depth` mirrors. The weight that was cut is
-    /// in [`Seen::cut`]. Pixels of bent patches are listed as in [`Beyond::List`], in all windows;
-    /// a patch that is both bent and part of a mirror counts as bent.
+    /// continue with the mirror's reflectance; and so on. Windows that carry less than `cut` of the
+    /// hemicube's light are drawn by chance, and so are the weakest where there are more than
+    /// `windows` of them ([`WindowBudget`]): those that are drawn stand for the others, on average
+    /// without error, and [`Seen::cut`] is the difference. After `depth` mirrors a chain ends, and
+    /// what it carries is in [`Seen::cut`]. Pixels of bent patches are listed as in
+    /// [`Beyond::List`], in all windows; a patch that is both bent and part of a mirror counts as
+    /// bent.
     Windows {
-        /// Weight below which a chain ends.
+        /// Share of the hemicube below which a window is drawn by chance.
         cut: f32,
         /// Largest number of mirrors in a chain.
         depth: u32,
+        /// Windows of a hemicube, besides a few for each level.
+        windows: u32,
     },
     /// Pixels of mirrors and of bent patches are listed in [`Seen::specular`], for rays to continue.
     List,
@@ -129,7 +136,8 @@ pub struct Seen {
     pub shares: Vec<Share>,
     /// Form factor of light that hits nothing, upwards and downwards.
     pub escaped: [Rgb; 2],
-    /// Form factor of light that was cut between mirrors.
+    /// Form factor of light that was cut between mirrors. It balances the other shares exactly, and
+    /// is negative where the windows that were drawn by chance happen to carry more light than all.
     pub cut: Rgb,
     /// Pixels from which rays have to continue, by the number of mirrors on the way; their form
     /// factors are in `shares` too. No share mixes listed pixels with others.

@@ -3,6 +3,7 @@
 
 use super::record::{TaskOutcome, TaskRecord};
 use crate::failure::Failure;
+use std::collections::HashSet;
 use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -17,11 +18,13 @@ pub struct Journal {
     file: File,
     /// The records, in order.
     pub records: Vec<TaskRecord>,
+    /// Their keys.
+    keys: HashSet<String>,
 }
 
 impl Journal {
-    /// Opens or creates the journal of a folder. Records of other versions, truncated lines and
-    /// failures are ignored: their tasks are repeated.
+    /// Opens or creates the journal of a folder. Records of other versions, truncated lines,
+    /// failures and what was skipped are ignored: their tasks are repeated.
     pub fn open(folder: &Path) -> Result<Journal, Failure> {
         let path = folder.join(NAME);
         let failed = |e| Failure::file("write", &path, &e);
@@ -40,6 +43,7 @@ impl Journal {
             writeln!(file).map_err(failed)?;
         }
         Ok(Journal {
+            keys: records.iter().map(|r| r.key.clone()).collect(),
             path,
             file,
             records,
@@ -48,7 +52,7 @@ impl Journal {
 
     /// Whether a task is done.
     pub fn holds(&self, key: &str) -> bool {
-        self.records.iter().any(|r| r.key == key)
+        self.keys.contains(key)
     }
 
     /// Appends the records of a task.
@@ -61,6 +65,7 @@ impl Journal {
         let written = self.file.write_all(lines.as_bytes());
         let written = written.and_then(|()| self.file.sync_data());
         written.map_err(|e| Failure::file("write", &self.path, &e))?;
+        self.keys.extend(records.iter().map(|r| r.key.clone()));
         self.records.extend(records);
         Ok(())
     }
@@ -69,7 +74,11 @@ impl Journal {
 fn record(line: &str) -> Option<TaskRecord> {
     let record: TaskRecord = serde_json::from_str(line).ok()?;
     let is_ours = record.version == env!("CARGO_PKG_VERSION");
-    (is_ours && !matches!(record.outcome, TaskOutcome::Failure { .. })).then_some(record)
+    let is_done = !matches!(
+        record.outcome,
+        TaskOutcome::Failure { .. } | TaskOutcome::Skipped { .. }
+    );
+    (is_ours && is_done).then_some(record)
 }
 
 #[cfg(test)]

@@ -67,7 +67,7 @@ pub fn run(args: &ExperimentArgs, session: &mut Session) -> Result<Option<Report
         Some(folder) if !args.list => folder,
         _ => return Ok(Some(list(&plan))),
     };
-    if plan.tasks.is_empty() {
+    if plan.is_empty() {
         let name = args.only.as_deref().unwrap_or_default();
         let message = format_args!("no task has \"{name}\" in its name: see --list");
         return Err(Failure::misuse(message));
@@ -90,9 +90,10 @@ pub fn run(args: &ExperimentArgs, session: &mut Session) -> Result<Option<Report
 /// The tasks, for `--list`.
 fn list(plan: &ExperimentPlan) -> Report {
     let mut report = Report::default();
-    plan.tasks.iter().for_each(|t| report.plain(t.to_string()));
-    let names: Vec<String> = plan.tasks.iter().map(Task::to_string).collect();
-    report.value("tasks", names);
+    let lines = plan.lines();
+    lines.iter().for_each(|line| report.plain(line.clone()));
+    report.value("tasks", lines);
+    report.value("task_count", plan.len());
     report
 }
 
@@ -103,11 +104,10 @@ fn one(
     folder: &Path,
     progress: &Progress,
 ) -> Result<(), Failure> {
-    let task = plan.tasks.iter().find(|t| t.key() == key);
+    let task = plan.find(key);
     let task = task.ok_or_else(|| Failure::misuse(format_args!("no task \"{key}\"")))?;
-    let is_reference = |t: &&Task| matches!(t, Task::Reference(..)) && t.scene() == task.scene();
-    let reference = plan.tasks.iter().find(is_reference);
-    let records = work::run(task, reference, folder, progress)?;
+    let reference = task.scene().and_then(|scene| plan.reference_of(scene));
+    let records = work::run(&task, reference.as_ref(), folder, progress)?;
     let mut out = io::stdout().lock();
     for record in records {
         serde_json::to_writer(&mut out, &record).map_err(io::Error::from)?;
@@ -125,39 +125,48 @@ struct SuiteRunner<'a> {
     name: &'a PathBuf,
 }
 
-/// Numbers of completed and failed tasks.
+/// Numbers of tasks by what became of them in this run.
 #[derive(Clone, Copy, Default)]
 struct TaskCounts {
-    done: usize,
-    failed: usize,
+    done: u64,
+    skipped: u64,
+    failed: u64,
 }
 
 impl SuiteRunner<'_> {
-    /// Runs the tasks that are not in the journal; the report is updated after each.
+    /// Runs the tasks that are not in the journal; the report is updated meanwhile.
     fn run_all(
         &self,
         journal: &mut Journal,
         progress: &Progress,
         tell: &dyn Fn(&str),
     ) -> Result<TaskCounts, Failure> {
-        let all = self.plan.tasks.len();
+        let all = self.plan.len();
         let mut count = TaskCounts::default();
-        progress.begin("tasks", all as u64);
-        for (i, task) in self.plan.tasks.iter().enumerate() {
+        let mut written: Option<Instant> = None;
+        progress.begin("tasks", all);
+        for (task, number) in self.plan.tasks().zip(1..) {
             progress.advance(0)?;
             if !journal.holds(&task.key()) {
                 let start = Instant::now();
-                let records = self.run_one(task, progress)?;
-                let failed = records.iter().find_map(reason);
+                let records = self.run_one(&task, progress)?;
                 let took = seconds(start.elapsed().as_secs_f64());
-                match failed {
-                    Some(reason) => tell(&format!("[{}/{all}] {task}: failed: {reason}", i + 1)),
-                    None => tell(&format!("[{}/{all}] {task}: {took}", i + 1)),
-                }
-                count.failed += usize::from(failed.is_some());
-                count.done += usize::from(failed.is_none());
+                let (counter, words) = match records.iter().find_map(obstacle) {
+                    Some(TaskOutcome::Skipped { reason, .. }) => {
+                        (&mut count.skipped, format!("skipped: {reason}"))
+                    }
+                    Some(TaskOutcome::Failure { reason, .. }) => {
+                        (&mut count.failed, format!("failed: {reason}"))
+                    }
+                    _ => (&mut count.done, took),
+                };
+                *counter += 1;
+                tell(&format!("[{number}/{all}] {task}: {words}"));
                 journal.add(records)?;
-                self.write(journal, progress)?;
+                if written.is_none_or(|at| at.elapsed() > UPDATE) {
+                    self.write(journal, progress)?;
+                    written = Some(Instant::now());
+                }
             }
             progress.advance(1)?;
         }
@@ -206,22 +215,26 @@ impl SuiteRunner<'_> {
     }
 
     fn write(&self, journal: &Journal, progress: &Progress) -> Result<(), Failure> {
-        let keys: Vec<String> = self.plan.tasks.iter().map(Task::key).collect();
-        let ours = journal.records.iter().filter(|r| keys.contains(&r.key));
-        let records: Vec<&TaskRecord> = ours.collect();
+        let is_ours = |r: &&TaskRecord| self.plan.find(&r.key).is_some();
+        let records: Vec<&TaskRecord> = journal.records.iter().filter(is_ours).collect();
         report::write(self.suite, &self.machine, &records, self.folder, progress)
     }
 
     fn summary(&self, journal: &Journal, did: TaskCounts) -> Report {
         let mut report = Report::default();
-        let all = self.plan.tasks.len();
-        let before = all - did.done - did.failed;
+        let all = self.plan.len();
+        let before = all - did.done - did.failed - did.skipped;
         let mut words = format!("{} of {all}", did.done);
         if before > 0 {
             words += &format!(", {before} were done before");
         }
         report.fact("tasks", all, "tasks done", words);
         report.value("tasks_before", before);
+        if did.skipped > 0 {
+            let words = format!("{}, not available here: see the report", did.skipped);
+            report.line("skipped", words);
+        }
+        report.value("tasks_skipped", did.skipped);
         if did.failed > 0 {
             report.line("failed", format!("{}, see the report", did.failed));
         }
@@ -243,12 +256,18 @@ impl SuiteRunner<'_> {
     }
 }
 
-fn reason(record: &TaskRecord) -> Option<&String> {
-    match &record.outcome {
-        TaskOutcome::Failure { reason, .. } => Some(reason),
-        _ => None,
-    }
+/// Why a task has no result.
+fn obstacle(record: &TaskRecord) -> Option<&TaskOutcome> {
+    let outcome = &record.outcome;
+    let is_obstacle = matches!(
+        outcome,
+        TaskOutcome::Failure { .. } | TaskOutcome::Skipped { .. }
+    );
+    is_obstacle.then_some(outcome)
 }
+
+/// Least time between two updates of the report, which grows with the results.
+const UPDATE: Duration = Duration::from_secs(1);
 
 /// Interval at which a child is polled.
 const POLL: Duration = Duration::from_millis(20);

@@ -1,20 +1,37 @@
 //! The tasks of a suite, each with a key of all that its result depends on.
 
-use super::suite::{EngineTable, OneOrMany, ReferenceTable, SceneTable, Suite, SuiteSource};
+use super::suite::{
+    EmbreeTable, EngineTable, OneOrMany, ReferenceTable, SceneTable, Suite, SuiteSource,
+};
 use crate::engine::{EngineArgs, EngineName, GpuName};
 use crate::failure::Failure;
 use crate::values;
 use azulejo::models;
-use azulejo_factors::form_factors::{Closure, MOST_RAYS};
+use azulejo_factors::PatchSize;
+use azulejo_factors::form_factors::Closure;
 use clap::ValueEnum;
 use std::fmt;
+use std::ops::Range;
 use std::path::PathBuf;
 use toml::Spanned;
 
-/// The tasks of a suite, in order.
+/// The tasks of a suite, in order: for each scene its reference and its runs, repetition by
+/// repetition; then the cases with known solutions. Tasks are made one by one, because there may be
+/// any number of repetitions.
 pub struct ExperimentPlan {
-    /// For each scene its reference and its runs; then the scenes with known solutions.
-    pub tasks: Vec<Task>,
+    scenes: Vec<PlannedScene>,
+    /// Settings that compute the cases with known solutions.
+    truths: Vec<EngineSetting>,
+    /// The seeds of the repetitions.
+    seeds: Range<u64>,
+}
+
+/// A scene with its runs.
+struct PlannedScene {
+    scene: SceneChoice,
+    /// Its reference, and the number of rows to keep.
+    reference: Option<(EngineSetting, usize)>,
+    settings: Vec<EngineSetting>,
 }
 
 /// Work for one child process.
@@ -69,6 +86,8 @@ pub struct EngineSetting {
     pub accuracy: Option<f64>,
     /// Scenes in which closure is enforced.
     pub closure: Closure,
+    /// Whether to do without it where it is not available.
+    pub is_optional: bool,
 }
 
 const GENERATORS: [&str; 4] = ["cube", "room_with_table", "cornell_thesis", "street"];
@@ -91,58 +110,156 @@ impl ExperimentPlan {
         }
         let reference = suite.reference.as_ref().map(|r| reference(r, source));
         let reference = reference.transpose()?;
-        let mut tasks = Vec::new();
-        for (table, choices) in suite.scene.iter().zip(&scenes) {
-            for scene in choices {
-                if let Some((setting, rows)) = &reference {
-                    tasks.push(Task::Reference(scene.clone(), setting.clone(), *rows));
-                }
-                for (engine, settings) in suite.engine.iter().zip(&settings) {
-                    let wanted = |name: &Spanned<String>| name.get_ref() == table.name.get_ref();
-                    if !engine.scenes.is_empty() && !engine.scenes.iter().any(wanted) {
-                        continue;
-                    }
-                    for setting in settings {
-                        let seeds = (0..u64::from(suite.run.repetitions.max(1)))
-                            .map(|r| suite.run.seed + r);
-                        tasks.extend(seeds.map(|s| Task::Run(scene.clone(), setting.clone(), s)));
-                    }
-                }
-            }
+        let mut planned = Vec::new();
+        for (table, choices) in suite.scene.iter().zip(scenes) {
+            let is_for = |engine: &EngineTable| {
+                let wanted = |name: &Spanned<String>| name.get_ref() == table.name.get_ref();
+                engine.scenes.is_empty() || engine.scenes.iter().any(wanted)
+            };
+            let wanted = suite
+                .engine
+                .iter()
+                .zip(&settings)
+                .filter(|(e, _)| is_for(e));
+            let wanted: Vec<EngineSetting> = wanted.flat_map(|(_, s)| s.clone()).collect();
+            planned.extend(choices.into_iter().map(|scene| PlannedScene {
+                scene,
+                reference: reference.clone(),
+                settings: wanted.clone(),
+            }));
         }
-        if suite.truths {
-            tasks.extend(settings.into_iter().flatten().map(Task::Truths));
+        let first = suite.run.seed;
+        Ok(ExperimentPlan {
+            scenes: planned,
+            truths: if suite.truths {
+                let all = settings.into_iter().flatten();
+                all.filter(|s| !s.is_particles()).collect()
+            } else {
+                Vec::new()
+            },
+            seeds: first..first.saturating_add(suite.run.repetitions.max(1).into()),
+        })
+    }
+
+    /// The tasks, in order.
+    pub fn tasks(&self) -> impl Iterator<Item = Task> {
+        let of_scene = |planned| self.of_scene(planned);
+        let truths = self.truths.iter().cloned().map(Task::Truths);
+        self.scenes.iter().flat_map(of_scene).chain(truths)
+    }
+
+    fn of_scene<'a>(&'a self, planned: &'a PlannedScene) -> impl Iterator<Item = Task> + 'a {
+        let PlannedScene {
+            scene,
+            reference,
+            settings,
+        } = planned;
+        let reference = reference
+            .iter()
+            .map(|(setting, rows)| Task::Reference(scene.clone(), setting.clone(), *rows));
+        let runs = self.seeds.clone().flat_map(move |seed| {
+            let run = move |s: &EngineSetting| Task::Run(scene.clone(), s.clone(), seed);
+            settings.iter().map(run)
+        });
+        reference.chain(runs)
+    }
+
+    /// Number of tasks.
+    pub fn len(&self) -> u64 {
+        let repetitions = self.seeds.end - self.seeds.start;
+        let of = |p: &PlannedScene| {
+            u64::from(p.reference.is_some()) + p.settings.len() as u64 * repetitions
+        };
+        self.scenes.iter().map(of).sum::<u64>() + self.truths.len() as u64
+    }
+
+    /// Whether there is nothing to do.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The tasks in words: one line for all repetitions of a run.
+    pub fn lines(&self) -> Vec<String> {
+        let seeds = match self.seeds.end - self.seeds.start {
+            1 => format!("seed {}", self.seeds.start),
+            _ => format!("seeds {} to {}", self.seeds.start, self.seeds.end - 1),
+        };
+        let mut lines = Vec::new();
+        for planned in &self.scenes {
+            let scene = &planned.scene;
+            lines.extend(
+                planned
+                    .reference
+                    .iter()
+                    .map(|_| format!("{scene}, reference")),
+            );
+            let run = |setting: &EngineSetting| format!("{scene}, {setting}, {seeds}");
+            lines.extend(planned.settings.iter().map(run));
         }
-        Ok(ExperimentPlan { tasks })
+        let truths = self.truths.iter().cloned().map(Task::Truths);
+        lines.extend(truths.map(|t| t.to_string()));
+        lines
+    }
+
+    /// The task with this key.
+    pub fn find(&self, key: &str) -> Option<Task> {
+        let seed = key.rsplit_once(", seed ").and_then(|(_, n)| n.parse().ok());
+        let seed = seed.filter(|n| self.seeds.contains(n));
+        let seeds = seed.map_or(self.seeds.start..self.seeds.start, |n| n..n + 1);
+        let one = ExperimentPlan {
+            seeds,
+            scenes: Vec::new(),
+            truths: self.truths.clone(),
+        };
+        let of_scenes = self.scenes.iter().flat_map(|planned| one.of_scene(planned));
+        let mut tasks = of_scenes.chain(one.tasks());
+        tasks.find(|task| task.key() == key)
+    }
+
+    /// The task of a scene's reference.
+    pub fn reference_of(&self, scene: &SceneChoice) -> Option<Task> {
+        let planned = self.scenes.iter().find(|p| p.scene == *scene)?;
+        let (setting, rows) = planned.reference.as_ref()?;
+        Some(Task::Reference(scene.clone(), setting.clone(), *rows))
     }
 
     /// Keeps only the first setting of each engine on each scene, with one repetition.
     pub fn quick(&mut self) {
-        let mut seen = Vec::new();
-        self.tasks.retain(|task| match task {
-            Task::Run(scene, setting, _) => {
-                let new = (scene.to_string(), setting.name.clone());
-                let is_new = !seen.contains(&new);
-                seen.push(new);
+        self.seeds.end = self.seeds.start + 1;
+        for planned in &mut self.scenes {
+            let mut seen = Vec::new();
+            planned.settings.retain(|setting| {
+                let is_new = !seen.contains(&setting.name);
+                seen.push(setting.name.clone());
                 is_new
-            }
-            _ => true,
-        });
+            });
+        }
     }
 
-    /// Keeps only tasks with `name` in their names, and the references that they need.
+    /// Keeps only tasks with `name` in their lines, and the references that they need.
     pub fn only(&mut self, name: &str) {
-        let is_named = |task: &Task| task.to_string().contains(name);
-        let needed: Vec<String> = self
-            .tasks
-            .iter()
-            .filter(|t| is_named(t))
-            .filter_map(|t| t.scene().map(|s| s.to_string()))
-            .collect();
-        self.tasks.retain(|task| match task {
-            Task::Reference(scene, ..) => needed.contains(&scene.to_string()),
-            _ => is_named(task),
-        });
+        let seeds = self.seeds.clone();
+        for planned in &mut self.scenes {
+            let scene = planned.scene.to_string();
+            let wants_reference = format!("{scene}, reference").contains(name);
+            planned.settings.retain(|setting| {
+                let plan = ExperimentPlan {
+                    scenes: vec![PlannedScene {
+                        scene: planned.scene.clone(),
+                        reference: None,
+                        settings: vec![setting.clone()],
+                    }],
+                    truths: Vec::new(),
+                    seeds: seeds.clone(),
+                };
+                plan.lines()[0].contains(name)
+            });
+            if planned.settings.is_empty() && !wants_reference {
+                planned.reference = None;
+            }
+        }
+        self.truths
+            .retain(|s| Task::Truths(s.clone()).to_string().contains(name));
     }
 }
 
@@ -251,7 +368,7 @@ fn settings(table: &EngineTable, source: &SuiteSource) -> Result<Vec<EngineSetti
                     gpu,
                     resolution,
                     patch_points,
-                    embree: table.embree.clone(),
+                    embree: table.embree.as_ref().and_then(EmbreeTable::option),
                 };
                 check(&args, rays).map_err(|e| source.wrong(table.engine.span().start, e))?;
                 settings.push(EngineSetting {
@@ -264,6 +381,7 @@ fn settings(table: &EngineTable, source: &SuiteSource) -> Result<Vec<EngineSetti
                     formulas: table.formulas,
                     accuracy: table.accuracy,
                     closure,
+                    is_optional: table.optional,
                 });
             }
         }
@@ -284,7 +402,7 @@ fn check(args: &EngineArgs, rays: Option<u32>) -> Result<(), Failure> {
             wrong("resolution", n, "an even number from 2 to 4096")
         }
         (_, Some(n), _) if !(1..=4096).contains(&n) => wrong("patch_points", n, "1 to 4096"),
-        (.., Some(n)) if !(1..=MOST_RAYS).contains(&n) => wrong("rays", n, "1 to 1048576"),
+        (.., Some(0)) => wrong("rays", 0, "at least 1"),
         _ => Ok(()),
     }
 }
@@ -311,6 +429,10 @@ fn reference(
         embree: None,
     };
     let start = table.engine.span().start;
+    if args.engine == EngineName::Particles {
+        let message = "particles have no form factors: choose another engine for the reference";
+        return Err(source.wrong(start, message));
+    }
     check(&args, table.rays).map_err(|e| source.wrong(start, e))?;
     accuracy(table.accuracy).map_err(|e| source.wrong(start, e))?;
     let setting = EngineSetting {
@@ -320,6 +442,7 @@ fn reference(
         formulas: true,
         accuracy: table.accuracy,
         closure: Closure::default(),
+        is_optional: false,
     };
     Ok((setting, table.rows.max(1)))
 }
@@ -413,6 +536,11 @@ impl SceneChoice {
         format!("{} ({origin}{patches})", self.name)
     }
 
+    /// How finely its faces are divided.
+    pub fn size(&self) -> PatchSize {
+        self.patches.map_or(PatchSize::Edge(0.0), PatchSize::Count)
+    }
+
     /// Number of mirrors, if the suite specifies it.
     pub fn mirrors(&self) -> Option<usize> {
         match self.origin {
@@ -434,6 +562,17 @@ impl fmt::Display for SceneChoice {
 }
 
 impl EngineSetting {
+    /// Whether it computes light alone, without form factors.
+    pub fn is_particles(&self) -> bool {
+        self.args.engine == EngineName::Particles
+    }
+
+    /// What is missing for an optional engine; `None` if nothing is, or if it has to be there.
+    pub fn missing(&self) -> Option<String> {
+        let prepared = self.is_optional.then(|| self.args.prepare())?;
+        prepared.err().map(|e| e.to_string())
+    }
+
     fn key(&self) -> String {
         let gpu = self
             .args
@@ -441,8 +580,13 @@ impl EngineSetting {
             .map_or(String::new(), |g| format!(", gpu {g:?}"));
         let number =
             |name: &str, n: Option<u32>| n.map_or(String::new(), |n| format!(", {n} {name}"));
+        let embree = match &self.args.embree {
+            None => String::new(),
+            Some(None) => ", Embree".to_owned(),
+            Some(Some(path)) => format!(", Embree {}", path.display()),
+        };
         format!(
-            "{} ({:?}{}{}{}{gpu}{}, {}, closure {:?})",
+            "{} ({:?}{embree}{}{}{}{gpu}{}, {}, closure {:?})",
             self.name,
             self.args.engine,
             number("rays", self.rays),
@@ -460,13 +604,19 @@ impl fmt::Display for EngineSetting {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(&self.name)?;
         if let Some(rays) = self.rays {
-            write!(f, ", {rays} rays")?;
+            let what = if self.is_particles() {
+                "particles"
+            } else {
+                "rays"
+            };
+            write!(f, ", {rays} {what}")?;
         }
         if let Some(pixels) = self.args.resolution {
             write!(f, ", {pixels} pixels")?;
         }
         if let Some(points) = self.args.patch_points {
-            write!(f, ", {points} points")?;
+            let plural = if points == 1 { "" } else { "s" };
+            write!(f, ", {points} point{plural}")?;
         }
         match self.accuracy {
             Some(accuracy) => write!(f, ", accuracy {accuracy:e}"),

@@ -24,6 +24,13 @@ pub enum TaskOutcome {
     Run(RunRecord),
     /// The solution of one case whose exact solution is known.
     Truth(TruthRecord),
+    /// The engine is optional, and not available.
+    Skipped {
+        /// Name of the task.
+        task: String,
+        /// What is missing.
+        reason: String,
+    },
     /// The task failed.
     Failure {
         /// Name of the task.
@@ -44,6 +51,15 @@ pub struct RunRecord {
     pub engine: String,
     /// Its settings as text.
     pub setting: String,
+    /// Rays per row, if the suite specifies them.
+    #[serde(default)]
+    pub rays: Option<u32>,
+    /// Pixels along the side of a hemicube, if the suite specifies them.
+    #[serde(default)]
+    pub resolution: Option<u32>,
+    /// Hemicubes per patch, if the suite specifies them.
+    #[serde(default)]
+    pub patch_points: Option<u32>,
     /// Seed of the random numbers.
     pub seed: u64,
     /// The engine that was used.
@@ -70,8 +86,8 @@ pub struct RunRecord {
     pub row_error_mean: Option<f64>,
     /// The largest.
     pub row_error_max: Option<f64>,
-    /// Mean relative row error, as estimated by the engine.
-    pub row_error_stated: f64,
+    /// Mean relative row error, as estimated by the engine; `None` if it does not know.
+    pub row_error_stated: Option<f64>,
     /// Mean relative error of B.
     pub b_error_mean: Option<f64>,
     /// The largest.
@@ -111,9 +127,10 @@ pub struct TruthRecord {
     pub truth: f64,
     /// Uncertainty of the exact solution.
     pub truth_error: f64,
-    /// The engine's standard error.
-    pub standard_error: f64,
-    /// The error in standard errors; `None` if the standard error is zero and the error is not.
+    /// The engine's standard error; `None` if it does not know.
+    pub standard_error: Option<f64>,
+    /// The error in standard errors; `None` if the standard error is unknown, or zero where the
+    /// error is not.
     pub standard_errors: Option<f64>,
     /// Wall-clock time, seconds.
     pub seconds: f64,

@@ -123,8 +123,11 @@ pub struct EngineTable {
     pub patch_points: OneOrMany<u32>,
     /// Backend that renders hemicubes.
     pub gpu: Option<Spanned<String>>,
-    /// Path of Embree's library.
-    pub embree: Option<PathBuf>,
+    /// Whether Embree traces the rays, or the path of its library.
+    pub embree: Option<EmbreeTable>,
+    /// Whether the report says so where the engine is not available, instead of failing.
+    #[serde(default)]
+    pub optional: bool,
     /// Whether close pairs and lamps are computed in closed form where that is more accurate.
     #[serde(default = "yes")]
     pub formulas: bool,
@@ -135,6 +138,30 @@ pub struct EngineTable {
     /// Names of the scenes it computes; all if empty.
     #[serde(default)]
     pub scenes: Vec<Spanned<String>>,
+}
+
+/// `embree = true`, or the path of the library.
+#[derive(Clone, Debug, serde::Deserialize)]
+#[serde(
+    untagged,
+    expecting = "expected true, false, or the path of Embree's library"
+)]
+pub enum EmbreeTable {
+    /// Whether Embree traces the rays; the system finds the library.
+    Wanted(bool),
+    /// The library.
+    Library(PathBuf),
+}
+
+impl EmbreeTable {
+    /// The option of the command line.
+    pub fn option(&self) -> Option<Option<PathBuf>> {
+        match self {
+            EmbreeTable::Wanted(false) => None,
+            EmbreeTable::Wanted(true) => Some(None),
+            EmbreeTable::Library(path) => Some(Some(path.clone())),
+        }
+    }
 }
 
 fn yes() -> bool {

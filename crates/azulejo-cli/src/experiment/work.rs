@@ -12,7 +12,8 @@ use azulejo::models;
 use azulejo_factors::truth::{Case, cases};
 use azulejo_factors::{FormFactorOptions, FormFactors, PatchSize, Patches, faceted};
 use azulejo_formats::{Folder, ReadOptions};
-use azulejo_scene::{Scene, synthetic};
+use azulejo_radiosity::{FirstPass, radiosity};
+use azulejo_scene::{Rgb, Scene, synthetic};
 use azulejo_trace::Progress;
 use std::path::Path;
 
@@ -23,12 +24,31 @@ pub fn run(
     folder: &Path,
     progress: &Progress,
 ) -> Result<Vec<TaskRecord>, Failure> {
+    let missing = match task {
+        Task::Run(_, setting, _) | Task::Truths(setting) => setting.missing(),
+        Task::Reference(..) => None,
+    };
+    let skipped = |reason| TaskOutcome::Skipped {
+        task: task.to_string(),
+        reason,
+    };
     let found = match task {
+        _ if missing.is_some() => missing.into_iter().map(skipped).collect(),
         Task::Reference(scene, setting, rows) => {
             let matrix = ComputedMatrix::new(scene, setting, REFERENCE_SEED, progress)?;
             let (run, reference) = matrix.measured(None, *rows);
             reference.write(folder, &file_name(task), progress)?;
             vec![TaskOutcome::Reference(run)]
+        }
+        Task::Run(scene, setting, seed) if setting.is_particles() => {
+            let reference = match reference {
+                Some(task @ Task::Reference(_, _, rows)) => {
+                    Some(ReferenceData::read(folder, &file_name(task), *rows)?)
+                }
+                _ => None,
+            };
+            let run = particles(scene, setting, *seed, reference.as_ref(), progress)?;
+            vec![TaskOutcome::Run(run)]
         }
         Task::Run(scene, setting, seed) => {
             let matrix = ComputedMatrix::new(scene, setting, *seed, progress)?;
@@ -85,9 +105,7 @@ impl ComputedMatrix {
     ) -> Result<ComputedMatrix, Failure> {
         let scene = scene(&choice.origin)?;
         let prepared = setting.args.prepare()?;
-        let size = choice
-            .patches
-            .map_or(PatchSize::Edge(0.0), PatchSize::Count);
+        let size = choice.size();
         let options = FormFactorOptions {
             size,
             seed,
@@ -156,6 +174,9 @@ impl ComputedMatrix {
             mirrors: self.choice.mirrors(),
             engine: self.setting.name.clone(),
             setting: self.setting.to_string(),
+            rays: self.setting.rays,
+            resolution: self.setting.args.resolution,
+            patch_points: self.setting.args.patch_points,
             seed: self.seed,
             ran: ran.name.clone(),
             device: ran.device.clone(),
@@ -169,7 +190,7 @@ impl ComputedMatrix {
             peak_bytes: self.peak_bytes,
             row_error_mean: row_errors.map(|e| e.0),
             row_error_max: row_errors.map(|e| e.1),
-            row_error_stated: metrics::mean_and_largest(&stated).0,
+            row_error_stated: Some(metrics::mean_and_largest(&stated).0).filter(|e| e.is_finite()),
             b_error_mean: b_errors.map(|e| e.0),
             b_error_max: b_errors.map(|e| e.1),
             closure_rms: metrics::mean_and_largest(&squares).0.sqrt(),
@@ -180,6 +201,56 @@ impl ComputedMatrix {
         };
         (run, own)
     }
+}
+
+/// B by particles: of the light that emitters send, as the matrices of the other engines give it.
+fn particles(
+    choice: &SceneChoice,
+    setting: &EngineSetting,
+    seed: u64,
+    reference: Option<&ReferenceData>,
+    progress: &Progress,
+) -> Result<RunRecord, Failure> {
+    let mut scene = scene(&choice.origin)?;
+    scene.lights.clear();
+    let prepared = setting.args.prepare()?;
+    let pass = FirstPass {
+        engine: prepared.engine.clone(),
+        size: choice.size(),
+        rays: Some(setting.rays.unwrap_or(FormFactorOptions::default().rays)),
+        seed,
+        ..FirstPass::default()
+    };
+    let clock = Clock::start();
+    let tracer = prepared.tracer(&scene)?;
+    let found = radiosity(&scene, &tracer, &pass, progress).map_err(Failure::failed)?;
+    let (wall, cpu, peak_bytes) = (clock.wall(), clock.cpu(), peak_memory());
+    let fronts: Vec<Rgb> = found.sides.iter().step_by(2).map(|e| e.value).collect();
+    let errors = reference.map(|r| metrics::radiosity_errors(&fronts, &r.radiosity));
+    let errors = errors.filter(|errors| !errors.is_empty());
+    let errors = errors.map(|errors| metrics::mean_and_largest(&errors));
+    let (report, facets) = (&found.report, found.patches.len());
+    let balance = &report.balance;
+    Ok(RunRecord {
+        scene: choice.to_string(),
+        mirrors: choice.mirrors(),
+        engine: setting.name.clone(),
+        setting: setting.to_string(),
+        rays: setting.rays,
+        seed,
+        ran: report.engine_used.name.clone(),
+        device: report.engine_used.device.clone(),
+        notes: report.engine_used.notes.clone(),
+        facets,
+        samples: report.patch_rays as f64 / facets.max(1) as f64,
+        seconds: wall,
+        cpu_seconds: cpu,
+        peak_bytes,
+        b_error_mean: errors.map(|e| e.0),
+        b_error_max: errors.map(|e| e.1),
+        energy: Some(balance.error()),
+        ..RunRecord::default()
+    })
 }
 
 fn options(setting: &EngineSetting, prepared: &PreparedEngine) -> FormFactorOptions {
@@ -253,7 +324,7 @@ fn answered(
         value: answer.value,
         truth: case.truth.value,
         truth_error: case.truth.error,
-        standard_error: answer.error,
+        standard_error: Some(answer.error).filter(|e| e.is_finite()),
         standard_errors: off.is_finite().then_some(off),
         seconds: clock.wall(),
     })

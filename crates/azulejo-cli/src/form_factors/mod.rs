@@ -51,6 +51,11 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
     let format = matrix_format(args, &output)?;
     session.claim_stdout(output.is_stdout())?;
     refuse_contradiction(args)?;
+    if args.engine.engine == EngineName::Particles {
+        let message =
+            "particles have no form factors: --engine particles is for solve, render and probe";
+        return Err(Failure::misuse(message));
+    }
     let engine = args.engine.prepare()?;
     let room = view3d::read(args, session)?;
     let scene = match &room {
@@ -271,7 +276,9 @@ fn described(engine: &Engine) -> String {
     match engine {
         Engine::Hemicube(hemicube) => hemicubes("hemicube", hemicube),
         Engine::Hybrid(hemicube) => hemicubes("hybrid", hemicube),
-        Engine::Auto | Engine::Rays | Engine::Analytic => format!("{engine:?}"),
+        Engine::Auto | Engine::Rays | Engine::Analytic | Engine::Particles => {
+            format!("{engine:?}")
+        }
     }
 }
 

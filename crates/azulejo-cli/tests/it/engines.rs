@@ -19,17 +19,16 @@ fn the_report_says_what_ran() {
 #[test]
 fn missing_embree_is_said_with_what_to_do() {
     let folder = Folder::with_room();
-    let asked = "solve room.obj -o lit.grf --engine embree --embree missing.so";
-    folder.fails(asked, 1, "Embree");
-    folder.fails(
-        asked,
-        1,
-        if cfg!(feature = "embree") {
-            "apt install"
-        } else {
-            "--features"
-        },
-    );
+    let what_to_do = if cfg!(feature = "embree") {
+        "apt install"
+    } else {
+        "--features"
+    };
+    for engine in ["embree", "rays", "hybrid", "hemicube"] {
+        let asked = format!("solve room.obj -o lit.grf --engine {engine} --embree missing.so");
+        folder.fails(&asked, 1, "Embree");
+        folder.fails(&asked, 1, what_to_do);
+    }
     // `--embree` alone does not require Embree: the built-in kernel takes over, with a note.
     let wished = "solve room.obj -o lit.grf --embree missing.so --patches 100 --rays 16";
     let report = folder.json(wished);
@@ -53,7 +52,6 @@ fn options_that_an_engine_does_not_have_are_refused() {
         "--engine rays --resolution 64",
         "--patch-points 4",
         "--engine analytic --gpu off",
-        "--engine hemicube --embree libembree3.so",
         "--engine hemicube --resolution 63",
     ] {
         folder.fails(&format!("solve room.obj -o lit.grf {options}"), 2, "--");
@@ -72,6 +70,70 @@ fn a_card_that_is_asked_for_is_opened_or_missed() {
         Ok(_) => assert!(folder.json(asked)["engine"].is_string()),
         Err(_) => folder.fails(asked, 1, "mesa-vulkan-drivers"),
     }
+}
+
+/// Particles solve light, and have no form factors.
+#[test]
+fn particles_solve_light_alone() {
+    let folder = Folder::with_room();
+    let report =
+        folder.json("solve room.obj -o lit.grf --engine particles --patches 100 --rays 64");
+    assert_eq!(report["engine"], "particles");
+    let report = folder.json("solve room.obj -o lit.grf --engine rays --patches 100 --rays 64");
+    assert_eq!(report["engine"], "rays");
+    let refused = "form-factors room.obj -o f.npz --engine particles --patches 100";
+    folder.fails(refused, 2, "no form factors");
+}
+
+/// In the Cornell box of the common data particles leave as much light as rays do.
+#[test]
+fn particles_agree_with_rays_in_the_cornell_box() {
+    let Some(data) = azulejo_testing::data() else {
+        return;
+    };
+    let scene = data.join("scenes/s1.obj");
+    let folder = Folder::new();
+    let absorbed = |engine: &str| {
+        let line = format!(
+            "solve {} -o lit.grf --patches 1500 --rays 256 --engine {engine}",
+            scene.display()
+        );
+        let report = folder.json(&line);
+        [0, 1, 2].map(|k| report["absorbed"][k].as_f64().unwrap_or(f64::NAN))
+    };
+    let (shot, rays) = (absorbed("particles"), absorbed("rays"));
+    for (shot, rays) in shot.into_iter().zip(rays) {
+        assert!((shot / rays - 1.0).abs() < 5e-3, "{shot} {rays}");
+    }
+}
+
+/// The pairing of Sena's thesis: item buffers, and Embree's rays from mirrors.
+#[cfg(feature = "embree")]
+#[test]
+fn hybrid_takes_rays_from_embree() {
+    use azulejo::trace::embree::Embree;
+    use azulejo_testing::Need;
+    if azulejo_testing::require(Need::Embree, Embree::load(None)).is_none() {
+        return;
+    }
+    let folder = Folder::new();
+    let example = crate::support::project().join("examples/cornell-mirror.grf");
+    let solve = |options: &str| {
+        folder.json(&format!(
+            "solve {} -o lit.grf --patches 100 --engine hybrid --gpu off --resolution 16 {options}",
+            example.display()
+        ))
+    };
+    let (ours, theirs) = (solve(""), solve("--embree"));
+    let device = |report: &serde_json::Value| report["device"].as_str().unwrap_or("").to_owned();
+    assert_eq!(device(&ours), "processor");
+    assert!(
+        device(&theirs).starts_with("processor, rays by Embree "),
+        "{theirs}"
+    );
+    let absorbed = |report: &serde_json::Value| report["absorbed"][1].as_f64().unwrap_or(f64::NAN);
+    let ratio = absorbed(&theirs) / absorbed(&ours);
+    assert!((ratio - 1.0).abs() < 1e-3, "{ratio}");
 }
 
 #[cfg(feature = "embree")]

@@ -6,7 +6,6 @@ use azulejo_factors::row::{Columns, side};
 use azulejo_factors::{PatchSize, Patches};
 use azulejo_scene::Scene;
 use azulejo_scene::synthetic::{cornell_thesis, furnished_room};
-use azulejo_trace::follow::WEIGHT_CUT;
 use azulejo_trace::item_buffer::{Beyond, Device, Hemicube, NO_MIRROR, Settings, View, World};
 use azulejo_trace::sampling::uniform;
 use azulejo_trace::{Gatherer, Surfaces, Tracer};
@@ -56,8 +55,9 @@ pub fn print_mirrors(devices: &[&dyn Device]) {
     );
     println!("mirrors  windows  facets  pixels{names}");
     let windows = Beyond::Windows {
-        cut: WEIGHT_CUT as f32,
+        cut: azulejo_factors::hemicube::WINDOW_CUT,
         depth: azulejo_trace::follow::DEPTH_CUT.into(),
+        windows: azulejo_factors::hemicube::MOST_WINDOWS,
     };
     for mirrors in MIRRORS {
         let room = Room::new(cornell_thesis(mirrors));

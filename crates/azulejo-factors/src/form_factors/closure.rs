@@ -40,7 +40,9 @@ impl FormFactors {
             variance: |_, e: &Exchange| variance(e),
             weights: &self.ends,
             free: rows()
-                .map(|(a, r)| (a * r.sky_error).powi(2) + (a * r.ground_error).powi(2))
+                .map(|(a, r)| {
+                    a * a * (squared(r.sky_error, r.sky) + squared(r.ground_error, r.ground))
+                })
                 .collect(),
             deficits: rows()
                 .zip(&ended)
@@ -100,8 +102,14 @@ impl FormFactors {
     }
 }
 
+/// Unknown errors are taken to be in proportion to the entries.
 fn variance(e: &Exchange) -> f64 {
-    f64::from(e.error).powi(2)
+    squared(f64::from(e.error), e.value)
+}
+
+/// The square of an error, or of the value if the error is unknown.
+fn squared(error: f64, value: f64) -> f64 {
+    if error.is_nan() { value } else { error }.powi(2)
 }
 
 /// The same without escaped light so small that it must have leaked.
@@ -126,7 +134,7 @@ fn changed_rest(
     area: f64,
 ) -> RowRemainder {
     let share = |value: f64, error: f64| {
-        let added = change.beside(area * error * error, i);
+        let added = change.beside(area * squared(error, value), i);
         (value + added).max(LEAST * value)
     };
     RowRemainder {

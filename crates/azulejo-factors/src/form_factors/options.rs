@@ -49,8 +49,8 @@ pub enum Closure {
     Always,
 }
 
-/// Most rays per row.
-pub const MOST_RAYS: u32 = 1 << 20;
+/// Most rays per row: their sample points take 4 bytes each.
+pub const MOST_RAYS: u32 = 1 << 24;
 
 impl Default for FormFactorOptions {
     /// About 2,500 patches, fronts only, 4,096 rays each, formulas where they pay, unlimited

@@ -121,6 +121,7 @@ impl RowTracing<'_> {
 
     pub fn noise(&self) -> NoiseModel {
         match self.estimator.rays() {
+            _ if !self.estimator.knows_its_spread() => NoiseModel::NoSpread,
             _ if self.estimator.shares_viewpoints() => NoiseModel::Unknown,
             rays => NoiseModel::Hits {
                 one_ray: 1.0 / f64::from(rays.max(1)),
@@ -167,7 +168,8 @@ impl RowTracing<'_> {
         let all = far.iter().chain([&near]);
         let error_groups = all.flat_map(|columns| design_effect::groups(columns, self.sides));
         // Rays start at independent points: their errors are not correlated.
-        let error_groups = error_groups.filter(|_| self.estimator.shares_viewpoints());
+        let is_correlated = self.estimator.shares_viewpoints() && self.estimator.knows_its_spread();
+        let error_groups = error_groups.filter(|_| is_correlated);
         RayRow {
             error_groups: error_groups.collect(),
             near: near.iter().map(entry).collect(),

@@ -27,6 +27,8 @@ pub(super) enum NoiseModel {
     /// Unknown: only the spread of the replicates counts. A hemicube has a million pixels, but they
     /// share a handful of viewpoints, which cause the error.
     Unknown,
+    /// There is a single estimate, and so no spread: variances are NaN.
+    NoSpread,
 }
 
 impl NoiseModel {
@@ -44,6 +46,7 @@ impl NoiseModel {
         match self {
             NoiseModel::Hits { one_ray } => joined(value, spread, freedom, unit * one_ray, missing),
             NoiseModel::Unknown => student(freedom).powi(2) * spread,
+            NoiseModel::NoSpread => f64::NAN,
         }
     }
 
@@ -111,6 +114,8 @@ mod tests {
     fn without_a_law_the_spread_decides() {
         let said = NoiseModel::Unknown.posterior_variance(0.5, 4.0, 30.0, 1.0, 1.0);
         assert!((said.sqrt() - 2.087).abs() < 0.01, "{said}");
+        let said = NoiseModel::NoSpread.posterior_variance(0.5, 0.0, 3.0, 1.0, 1.0);
+        assert!(said.is_nan(), "{said}");
         for (spreads, freedom) in [([1.0, 1.0], 6.0), ([0.0, 2.0], 3.0), ([0.0, 0.0], 6.0)] {
             assert_eq!(NoiseModel::Unknown.freedom(spreads), freedom);
         }

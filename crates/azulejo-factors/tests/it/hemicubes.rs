@@ -229,8 +229,9 @@ fn every_share_is_accounted_for() {
             let (patches, rows, ran) = rows_of(&scene, PatchSize::Count(24), &engine, fronts);
             let name = format!("{what} by {}", ran.name);
             check_closure(&name, &scene, &patches, &rows, 1e-9);
-            let cut = rows.iter().map(|r| r.cut.r).fold(0.0, f64::max);
-            assert!(cut < 1e-4, "{name}: cut {cut}");
+            // What windows drawn by chance carry too much or too little: about a step of their comb.
+            let cut = rows.iter().map(|r| r.cut.r.abs()).fold(0.0, f64::max);
+            assert!(cut < 5e-4, "{name}: cut {cut}");
         }
     }
 }
@@ -608,5 +609,152 @@ fn cancelling_stops_between_draws() {
         let progress = Progress::new();
         let rows = estimator.rows(&fronts(&patches), &progress);
         assert_eq!((rows.map(|r| r.len()), progress.done()), (Ok(24), 24));
+    }
+}
+
+/// A ball of many flat facets, each a mirror in a plane of its own, seen from inside.
+fn mirrored_body(diffuse: f64, mirror: f64) -> Scene {
+    let (around, along) = (12, 8);
+    let point = |i: usize, j: usize| {
+        let (t, p) = (
+            std::f64::consts::PI * i as f64 / along as f64,
+            std::f64::consts::TAU * (j % around) as f64 / around as f64,
+        );
+        dvec3(t.sin() * p.cos(), t.sin() * p.sin(), t.cos())
+    };
+    let mut scene = Scene::default();
+    let wall = scene.add_material(surface(diffuse, mirror, 1.0));
+    for i in 0..along {
+        for j in 0..around {
+            let corners = [
+                point(i, j),
+                point(i, j + 1),
+                point(i + 1, j + 1),
+                point(i + 1, j),
+            ];
+            let corners = match i {
+                0 => vec![corners[0], corners[2], corners[3]],
+                _ if i + 1 == along => vec![corners[0], corners[1], corners[2]],
+                _ => corners.to_vec(),
+            };
+            let numbers: Vec<u32> = (0..corners.len() as u32).collect();
+            let mut face = Mesh {
+                positions: corners,
+                ..Mesh::default()
+            };
+            face.push_face(&numbers, wall);
+            scene.objects.push(Object::new("facet", Shape::Mesh(face)));
+        }
+    }
+    scene
+}
+
+/// In a closed body every pixel of a hemicube is a window behind each level of mirrors. Their number
+/// is bounded, and B = M / (1 − ρ_d − ρ_s) (1 − ρ_s) stays what it is in any closed scene: with
+/// ρ_d = 0.5, ρ_s = 0.3 and M = 1, B = 3.5 and H = 5.
+#[test]
+fn windows_of_a_closed_body_of_mirrors_come_to_an_end() {
+    let scene = mirrored_body(0.5, 0.3);
+    let tracer = Tracer::new(&scene);
+    let of = |engine: Engine| {
+        let options = FormFactorOptions {
+            engine,
+            size: WHOLE,
+            rays: 4096,
+            analytic: false,
+            ..FormFactorOptions::default()
+        };
+        form_factors(&scene, &tracer, &options, &Progress::new()).expect("computed")
+    };
+    let (drawn, traced) = (of(Engine::Hemicube(options(32, 4))), of(Engine::Rays));
+    for factors in [&drawn, &traced] {
+        let name = &factors.engine_used.name;
+        // B = M + ρ_d X B, by iteration.
+        let mut b = vec![1.0; factors.len()];
+        let mut h = vec![0.0; factors.len()];
+        for _ in 0..100 {
+            for (i, h) in h.iter_mut().enumerate() {
+                *h = factors.row(i).map(|(j, x, _)| x * b[j as usize]).sum();
+            }
+            b = h.iter().map(|h| 1.0 + 0.5 * h).collect();
+        }
+        let mean = |v: &[f64]| {
+            let weighted = v.iter().zip(&factors.areas).map(|(x, a)| x * a);
+            weighted.sum::<f64>() / factors.areas.iter().sum::<f64>()
+        };
+        let (b, h) = (mean(&b), mean(&h));
+        eprintln!("{name}: B {b}, H {h}");
+        assert!(
+            (b / 3.5 - 1.0).abs() < 0.01 && (h / 5.0 - 1.0).abs() < 0.01,
+            "{name}: {b} {h}"
+        );
+        let cut = mean(&factors.rest.iter().map(|r| r.cut).collect::<Vec<_>>());
+        assert!(cut.abs() < 1e-3, "{name}: cut {cut}");
+    }
+}
+
+/// A backend that counts the views it draws.
+#[derive(Debug, Default)]
+struct Counting(Arc<AtomicUsize>);
+
+struct CountingBuffers(Arc<AtomicUsize>, Box<dyn ItemBuffers>);
+
+impl Device for Counting {
+    fn name(&self) -> String {
+        "counter".to_owned()
+    }
+
+    fn load(&self, world: &World, settings: &Settings) -> Result<Box<dyn ItemBuffers>, DrawError> {
+        let real = Processor.load(world, settings)?;
+        Ok(Box::new(CountingBuffers(self.0.clone(), real)))
+    }
+}
+
+impl ItemBuffers for CountingBuffers {
+    fn batch(&self) -> usize {
+        self.1.batch()
+    }
+
+    fn draw(&self, views: &[View]) -> Result<Vec<Seen>, DrawError> {
+        self.0.fetch_add(views.len(), Ordering::Relaxed);
+        self.1.draw(views)
+    }
+}
+
+/// One point is one hemicube, at the barycentre, whose error nobody knows.
+#[test]
+fn a_single_eye_has_an_unknown_error() {
+    let scene = cube_with(&[], 0.0);
+    let tracer = Tracer::new(&scene);
+    for (points, eyes) in [(1, 1), (2, 4), (5, 8)] {
+        let counter = Counting::default();
+        let drawn = counter.0.clone();
+        let engine = Engine::Hemicube(Hemicube {
+            device: HemicubeBackend::Device(Arc::new(counter)),
+            ..options(128, points)
+        });
+        let factors = FormFactorOptions {
+            engine,
+            size: WHOLE,
+            analytic: false,
+            ..FormFactorOptions::default()
+        };
+        let factors = form_factors(&scene, &tracer, &factors, &Progress::new()).expect("computed");
+        assert_eq!(drawn.load(Ordering::Relaxed), 6 * eyes, "{points} points");
+        assert_eq!(factors.rays, 6 * eyes as u64 * 3 * 128 * 128);
+        let (value, error) = factors.get(0, 1);
+        let is_unknown = factors.row_errors.iter().all(|e| e.is_nan());
+        assert_eq!((error.is_nan(), is_unknown), (eyes == 1, eyes == 1));
+        let note = factors
+            .engine_used
+            .notes
+            .iter()
+            .any(|n| n.contains("unknown"));
+        assert_eq!(note, eyes == 1, "{:?}", factors.engine_used.notes);
+        if eyes == 1 {
+            // The barycentre's own view of the opposite wall, closed: not that of the whole wall.
+            assert!((value - 0.2395).abs() < 2e-3, "{value}");
+            assert!(factors.closed.is_some_and(|c| c.deficit.abs() < 1e-9));
+        }
     }
 }

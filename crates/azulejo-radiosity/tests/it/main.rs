@@ -13,6 +13,7 @@ mod glossy;
 mod hemicubes;
 mod lights;
 mod mirrors;
+mod particles;
 mod previews;
 mod refinement;
 mod rooms;

@@ -6,7 +6,8 @@ use super::raster::{Canvas, NOTHING, Region, draw};
 use super::tally::Tally;
 use super::view::{DepthPrecision, HemicubeView, PatchOptics};
 use super::{
-    Beyond, Device, DrawError, Hemicube, ItemBuffers, Seen, Settings, SpecularPixel, View, World,
+    Beyond, Device, DrawError, Hemicube, ItemBuffers, Seen, Settings, SpecularPixel, View,
+    WindowBudget, World,
 };
 use azulejo_scene::Rgb;
 use rayon::prelude::*;
@@ -96,6 +97,8 @@ struct MirrorWindow {
     view: HemicubeView,
     /// Its pixels, among the runs of the level, ascending.
     runs: Range<usize>,
+    /// Their delta form factors, before any mirror.
+    share: f64,
 }
 
 /// All windows behind the same number of mirrors.
@@ -157,6 +160,11 @@ impl ProcessorBuffers {
         let whole = MirrorWindow {
             view: HemicubeView::new(view, &self.world.local, DepthPrecision::Double),
             runs: 0..rows.len(),
+            share: 1.0,
+        };
+        let mut budget = match self.beyond {
+            Beyond::Windows { cut, windows, .. } => WindowBudget::new(&whole.view, cut, windows),
+            Beyond::List => WindowBudget::new(&whole.view, 0.0, 0),
         };
         let mut level = WindowLevel {
             windows: vec![whole],
@@ -169,6 +177,7 @@ impl ProcessorBuffers {
                 let runs = &level.runs[window.runs.clone()];
                 self.draw_view(&window.view, depth, runs, scratch, &mut seen, &mut next);
             }
+            thin(&mut next, &mut budget, &mut seen);
             level = next;
             depth += 1;
         }
@@ -242,13 +251,9 @@ impl ProcessorBuffers {
     ) {
         let number = group[0].0;
         let view = view.behind(number, &self.world.mirrors[number as usize]);
-        let strength = view.tint.max_channel();
-        let continues = match self.beyond {
-            Beyond::Windows { cut, depth: most } => strength >= f64::from(cut) && depth < most,
-            Beyond::List => false,
-        };
-        if !continues || strength <= 0.0 {
-            let share: f64 = group.iter().map(|&(_, run)| self.weight(run)).sum();
+        let share: f64 = group.iter().map(|&(_, run)| self.weight(run)).sum();
+        let is_open = matches!(self.beyond, Beyond::Windows { depth: most, .. } if depth < most);
+        if !is_open {
             seen.cut += view.tint * share;
             return;
         }
@@ -265,6 +270,7 @@ impl ProcessorBuffers {
         next.windows.push(MirrorWindow {
             view,
             runs: first..next.runs.len(),
+            share,
         });
     }
 
@@ -303,6 +309,21 @@ impl ProcessorBuffers {
             Some(rest) => (rest % n, rest % (n * n / 2) / n + n / 2),
         }
     }
+}
+
+/// Leaves those windows that are to be drawn; what the others carry is cut.
+fn thin(level: &mut WindowLevel, budget: &mut WindowBudget, seen: &mut Seen) {
+    let weight = |w: &MirrorWindow| w.view.tint.max_channel() * w.share;
+    let weights: Vec<f64> = level.windows.iter().map(weight).collect();
+    let mut factors = budget.factors(&weights).into_iter();
+    level.windows.retain_mut(|window| {
+        let factor = factors.next().unwrap_or(0.0);
+        if factor != 1.0 {
+            seen.cut += window.view.tint * (window.share * (1.0 - factor));
+            window.view.tint *= factor;
+        }
+        factor > 0.0
+    });
 }
 
 /// A face whose pixels have been drawn.

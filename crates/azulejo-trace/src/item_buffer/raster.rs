@@ -72,6 +72,8 @@ pub(super) struct Canvas<'a> {
 }
 
 /// Draws everything that a face shows in a region.
+// By itself the compiler makes it twice as fast as inlined into what calls it.
+#[inline(never)]
 pub(super) fn draw(world: &LocalWorld, face: &Face, region: &Region, canvas: &mut Canvas) {
     if world.nodes.is_empty() || region.columns.is_empty() || region.rows.is_empty() {
         return;

@@ -1,6 +1,6 @@
 //! Line charts of the report.
 
-use super::figures::{ChartAxis, ChartSeries, ChartSpec};
+use super::figures::{ChartAxis, ChartPoint, ChartSeries, ChartSpec};
 use crate::drawing::{COLORS, Drawing, GRID, INK, TextAnchor};
 use glam::DVec2;
 use std::ops::Range;
@@ -22,23 +22,46 @@ const MARKER: f64 = 4.0;
 /// Line spacing of the legend.
 const LEGEND_LINE: f64 = 22.0;
 
+/// Distance of an entry's second line.
+const LEGEND_SECOND: f64 = 15.0;
+
+/// The first line of the legend.
+const LEGEND_TOP: f64 = 50.0;
+
+/// Half the width of the ends of error bars.
+const BAR_END: f64 = 3.0;
+
+/// Size of secondary text.
+const SMALL: f64 = 11.0;
+
 /// The chart as an SVG document on a transparent background, with the legend at its right.
 pub fn svg(figure: &ChartSpec) -> String {
-    let longest = figure.series.iter().map(|s| s.name.chars().count()).max();
+    drawing(figure).svg()
+}
+
+fn drawing(figure: &ChartSpec) -> Drawing {
+    let entries: Vec<LegendEntry> = figure.series.iter().map(|s| entry(figure, s)).collect();
+    let lines = entries.iter().flat_map(|e| [&e.name, &e.growth]);
+    let longest = lines.map(|line| line.chars().count()).max();
     // The width of the text is estimated: the reader's font is not known.
-    let legend = 50.0 + 8.0 * longest.unwrap_or(0) as f64;
-    let mut drawing = Drawing::transparent(SIZE.x + legend, SIZE.y);
+    let legend = 50.0 + 7.0 * longest.unwrap_or(0) as f64;
+    let rows: f64 = entries.iter().map(LegendEntry::height).sum();
+    let height = SIZE.y.max(LEGEND_TOP + rows);
+    let mut drawing = Drawing::transparent(SIZE.x + legend, height);
     let chart = ChartArea::new(figure);
     chart.axes(figure, &mut drawing);
     for (k, ChartSeries { points, .. }) in figure.series.iter().enumerate() {
-        let points: Vec<DVec2> = points.iter().map(|&p| chart.at(p)).collect();
+        for point in points {
+            chart.bars(point, color(k), &mut drawing);
+        }
+        let points: Vec<DVec2> = points.iter().map(|p| chart.at(p.at)).collect();
         drawing.line(points.clone(), color(k), 2.0);
         for point in points {
             marker(k, point, &mut drawing);
         }
     }
-    draw_legend(&figure.series, &mut drawing);
-    drawing.svg()
+    draw_legend(&entries, &mut drawing);
+    drawing
 }
 
 /// Both axes of a chart.
@@ -50,14 +73,41 @@ struct ChartArea {
 impl ChartArea {
     fn new(figure: &ChartSpec) -> ChartArea {
         let points = || figure.series.iter().flat_map(|s| &s.points);
+        let of = |axis: usize| {
+            points()
+                .flat_map(move |p| bar(p, axis))
+                .chain(points().map(move |p| p.at[axis]))
+        };
+        let shown = |axis: ChartAxis| move |v: &f64| *v > 0.0 || !axis.is_logarithmic;
         ChartArea {
-            x: AxisScale::around(points().map(|p| p.0), figure.x),
-            y: AxisScale::around(points().map(|p| p.1), figure.y),
+            x: AxisScale::around(of(0).filter(shown(figure.x)), figure.x),
+            y: AxisScale::around(of(1).filter(shown(figure.y)), figure.y),
+        }
+    }
+
+    /// Bars of one standard deviation to either side, where there are several repetitions. A bar that
+    /// reaches below zero on a logarithmic axis ends at the chart's edge.
+    fn bars(&self, point: &ChartPoint, color: [u8; 3], drawing: &mut Drawing) {
+        for (axis, scale) in [&self.x, &self.y].into_iter().enumerate() {
+            if point.spread[axis] <= 0.0 {
+                continue;
+            }
+            let ends = bar(point, axis).map(|v| v.max(scale.range.start));
+            let ends = ends.map(|value| {
+                let mut at = point.at;
+                at[axis] = value;
+                self.at(at)
+            });
+            let across = BAR_END * if axis == 0 { DVec2::Y } else { DVec2::X };
+            drawing.line(ends.to_vec(), color, 1.0);
+            for end in ends {
+                drawing.line(vec![end - across, end + across], color, 1.0);
+            }
         }
     }
 
     /// Position of a pair of values.
-    fn at(&self, (x, y): (f64, f64)) -> DVec2 {
+    fn at(&self, [x, y]: [f64; 2]) -> DVec2 {
         let share = DVec2::new(self.x.share(x), 1.0 - self.y.share(y));
         AREA[0] + share * (AREA[1] - AREA[0])
     }
@@ -68,14 +118,14 @@ impl ChartArea {
         let middle = 0.5 * (low + high);
         let (end, center) = (TextAnchor::End, TextAnchor::Middle);
         for tick in self.x.ticks() {
-            let x = self.at((tick, 1.0)).x;
+            let x = self.at([tick, 1.0]).x;
             let foot = DVec2::new(x, high.y);
             drawing.line(vec![DVec2::new(x, low.y), foot], GRID, 1.0);
             drawing.line(vec![foot, foot + 5.0 * DVec2::Y], INK, 1.0);
             drawing.text(foot + 18.0 * DVec2::Y, center, FONT_SIZE, INK, &label(tick));
         }
         for tick in self.y.ticks() {
-            let foot = DVec2::new(low.x, self.at((1.0, tick)).y);
+            let foot = DVec2::new(low.x, self.at([1.0, tick]).y);
             drawing.line(vec![foot, foot.with_x(high.x)], GRID, 1.0);
             drawing.line(vec![foot - 5.0 * DVec2::X, foot], INK, 1.0);
             let at = foot + DVec2::new(-9.0, BASELINE);
@@ -94,14 +144,48 @@ fn color(series: usize) -> [u8; 3] {
     COLORS[series % COLORS.len()]
 }
 
-/// Markers and names of the series.
-fn draw_legend(series: &[ChartSeries], drawing: &mut Drawing) {
-    for (k, ChartSeries { name, .. }) in series.iter().enumerate() {
-        let start = DVec2::new(SIZE.x + 6.0, 50.0 + LEGEND_LINE * k as f64);
+/// The ends of a point's error bar along an axis.
+fn bar(point: &ChartPoint, axis: usize) -> [f64; 2] {
+    let (middle, spread) = (point.at[axis], point.spread[axis]);
+    [middle - spread, middle + spread]
+}
+
+/// A series in the legend.
+struct LegendEntry {
+    name: String,
+    /// The growth along the line; empty if there is none.
+    growth: String,
+}
+
+impl LegendEntry {
+    fn height(&self) -> f64 {
+        let lines = if self.growth.is_empty() { 0.0 } else { 1.0 };
+        LEGEND_LINE + lines * LEGEND_SECOND
+    }
+}
+
+fn entry(figure: &ChartSpec, series: &ChartSeries) -> LegendEntry {
+    let growth = figure.growth(series);
+    LegendEntry {
+        name: series.name.clone(),
+        growth: growth.map_or(String::new(), |g| format!("slope {g}")),
+    }
+}
+
+/// Markers, names and slopes of the series.
+fn draw_legend(entries: &[LegendEntry], drawing: &mut Drawing) {
+    let mut y = LEGEND_TOP;
+    for (k, entry) in entries.iter().enumerate() {
+        let start = DVec2::new(SIZE.x + 6.0, y);
         drawing.line(vec![start, start + 28.0 * DVec2::X], color(k), 2.0);
         marker(k, start + 14.0 * DVec2::X, drawing);
         let at = start + DVec2::new(36.0, BASELINE);
-        drawing.text(at, TextAnchor::Start, FONT_SIZE, INK, name);
+        drawing.text(at, TextAnchor::Start, FONT_SIZE, INK, &entry.name);
+        if !entry.growth.is_empty() {
+            let at = at + LEGEND_SECOND * DVec2::Y;
+            drawing.text(at, TextAnchor::Start, SMALL, INK, &entry.growth);
+        }
+        y += entry.height();
     }
 }
 
@@ -258,7 +342,13 @@ mod tests {
         };
         let series = |name: &str| ChartSeries {
             name: name.into(),
-            points: vec![(1.0, 1e-3), (100.0, 1e-5)],
+            points: [[1.0, 1e-3], [10.0, 1e-4], [100.0, 1e-5]]
+                .map(|at| ChartPoint {
+                    at,
+                    samples: 0.0,
+                    spread: [0.0, 0.5 * at[1]],
+                })
+                .to_vec(),
         };
         let figure = ChartSpec {
             name: "f".into(),
@@ -277,8 +367,12 @@ mod tests {
             "<circle",
             "<polyline",
             "10⁻⁴",
+            "slope −1.00 ± 0.00",
         ] {
             assert!(svg.contains(part), "{part} is not in {svg}");
         }
+        // Two axes and five lines in the legend; a line, and three bars with two ends each.
+        let lines = svg.matches("stroke-width=\"1\"").count();
+        assert!(lines >= 5 * 9, "{lines} thin lines");
     }
 }

@@ -2,6 +2,7 @@
 
 use super::super::record::{RunRecord, TaskRecord};
 use super::tables::{RepeatedRun, repeated};
+use std::fmt;
 
 /// A line chart.
 pub struct ChartSpec {
@@ -31,8 +32,55 @@ pub struct ChartAxis {
 pub struct ChartSeries {
     /// Its name.
     pub name: String,
-    /// Its points, by x.
-    pub points: Vec<(f64, f64)>,
+    /// Its points, by samples and then by x: times are noisy, and would turn lines back.
+    pub points: Vec<ChartPoint>,
+}
+
+/// A point of a line: the mean of the repetitions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChartPoint {
+    /// x and y.
+    pub at: [f64; 2],
+    /// Rays or pixels per row.
+    pub samples: f64,
+    /// Standard deviations of x and y between the repetitions; 0 for a single one.
+    pub spread: [f64; 2],
+}
+
+/// The exponent of the growth of y with x.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Growth {
+    /// The exponent.
+    pub exponent: f64,
+    /// Its standard error, from the scatter about the line; `None` for two points.
+    pub error: Option<f64>,
+}
+
+impl ChartSpec {
+    /// The growth along a line; `None` where an axis is not logarithmic, or for one point.
+    pub fn growth(&self, series: &ChartSeries) -> Option<Growth> {
+        let is_power = self.x.is_logarithmic && self.y.is_logarithmic;
+        let points: Vec<[f64; 2]> = series.points.iter().map(|p| p.at).collect();
+        growth(&points).filter(|_| is_power)
+    }
+
+    /// Whether any point is a mean of several repetitions.
+    pub fn has_spread(&self) -> bool {
+        let mut points = self.series.iter().flat_map(|s| &s.points);
+        points.any(|p| p.spread != [0.0; 2])
+    }
+}
+
+/// `−0.58 ± 0.02`
+impl fmt::Display for Growth {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let sign = if self.exponent < 0.0 { "−" } else { "" };
+        write!(f, "{sign}{:.2}", self.exponent.abs())?;
+        match self.error {
+            Some(error) => write!(f, " ± {error:.2}"),
+            None => Ok(()),
+        }
+    }
 }
 
 /// A quantity of runs.
@@ -54,6 +102,11 @@ const SECONDS: PlotQuantity = PlotQuantity {
     name: "time",
     axis: logarithmic("time for all form factors, s"),
     of: |r| Some(r.seconds),
+};
+const CPU: PlotQuantity = PlotQuantity {
+    name: "cpu-time",
+    axis: logarithmic("CPU time of all threads, s"),
+    of: |r| Some(r.cpu_seconds),
 };
 const SAMPLES: PlotQuantity = PlotQuantity {
     name: "samples",
@@ -111,12 +164,16 @@ pub fn of(records: &[&TaskRecord]) -> Vec<ChartSpec> {
             .copied()
             .filter(|r| r.run.scene == scene)
             .collect();
-        let by_engine = |r: &RunRecord| r.engine.clone();
+        let by_engine = |r: &RunRecord| sweep_name(&rows, r);
         for (y, x) in [
             (&ROW_ERROR, &SECONDS),
+            (&ROW_ERROR, &CPU),
             (&B_ERROR, &SECONDS),
+            (&B_ERROR, &CPU),
             (&ROW_ERROR, &SAMPLES),
+            (&B_ERROR, &SAMPLES),
             (&SECONDS, &SAMPLES),
+            (&CPU, &SAMPLES),
         ] {
             figures.push(figure(scene, &rows, x, y, by_engine));
         }
@@ -133,11 +190,17 @@ pub fn of(records: &[&TaskRecord]) -> Vec<ChartSpec> {
         let pairs = if rows.iter().any(|r| r.run.mirrors.is_some()) {
             vec![
                 (&SECONDS, &MIRRORS),
+                (&CPU, &MIRRORS),
                 (&ROW_ERROR, &MIRRORS),
                 (&B_ERROR, &MIRRORS),
             ]
         } else {
-            vec![(&SECONDS, &FACETS), (&MEMORY, &FACETS), (&CLOSURE, &FACETS)]
+            vec![
+                (&SECONDS, &FACETS),
+                (&CPU, &FACETS),
+                (&MEMORY, &FACETS),
+                (&CLOSURE, &FACETS),
+            ]
         };
         for (y, x) in pairs {
             figures.push(figure(name, &rows, x, y, |r| r.setting.clone()));
@@ -145,6 +208,31 @@ pub fn of(records: &[&TaskRecord]) -> Vec<ChartSpec> {
     }
     figures.retain(|f| f.series.iter().any(|s| s.points.len() > 1));
     figures
+}
+
+/// The name of the line on which a run lies: that of the engine, with the number of points or the
+/// resolution where both vary, of which the one with fewer values tells lines apart.
+fn sweep_name(rows: &[&RepeatedRun], run: &RunRecord) -> String {
+    let values = |of: fn(&RunRecord) -> Option<u32>| {
+        let same = rows.iter().filter(|r| r.run.engine == run.engine);
+        let mut values: Vec<u32> = same.filter_map(|r| of(r.run)).collect();
+        values.sort_unstable();
+        values.dedup();
+        values.len()
+    };
+    let (points, pixels) = (values(|r| r.patch_points), values(|r| r.resolution));
+    let with = |n: Option<u32>, what: &str| match n {
+        Some(1) => format!("{}, 1 {}", run.engine, what.trim_end_matches('s')),
+        Some(n) => format!("{}, {n} {what}", run.engine),
+        None => run.engine.clone(),
+    };
+    if points < 2 || pixels < 2 {
+        run.engine.clone()
+    } else if points <= pixels {
+        with(run.patch_points, "points")
+    } else {
+        with(run.resolution, "pixels")
+    }
 }
 
 /// The scene's name without its parameters.
@@ -179,10 +267,18 @@ fn figure(
                 });
                 series.len() - 1
             });
-        series[index].points.push((px, py));
+        let spread = |quantity: &PlotQuantity| row.deviation(quantity.of).unwrap_or(0.0);
+        series[index].points.push(ChartPoint {
+            at: [px, py],
+            samples: row.run.samples,
+            spread: [spread(x), spread(y)],
+        });
     }
     for s in &mut series {
-        s.points.sort_by(|a, b| a.0.total_cmp(&b.0));
+        s.points.sort_by(|a, b| {
+            let by_x = a.at[0].total_cmp(&b.at[0]);
+            a.samples.total_cmp(&b.samples).then(by_x)
+        });
     }
     ChartSpec {
         name: format!("{}-{}-{}", file_name(about), y.name, x.name),
@@ -200,15 +296,23 @@ fn file_name(text: &str) -> String {
     words.join("-").to_lowercase()
 }
 
-/// The exponent of the growth of y with x, by least squares of the logarithms; `None` for one point.
-pub fn growth(points: &[(f64, f64)]) -> Option<f64> {
+/// The exponent of the growth of y with x, by least squares of the logarithms, each point as good as
+/// any other; `None` for one point, or where all x are the same.
+fn growth(points: &[[f64; 2]]) -> Option<Growth> {
     let n = points.len() as f64;
-    let logs: Vec<(f64, f64)> = points.iter().map(|&(x, y)| (x.ln(), y.ln())).collect();
-    let mean = |f: fn(&(f64, f64)) -> f64| logs.iter().map(f).sum::<f64>() / n;
-    let (mx, my) = (mean(|p| p.0), mean(|p| p.1));
-    let across: f64 = logs.iter().map(|(x, y)| (x - mx) * (y - my)).sum();
-    let along: f64 = logs.iter().map(|(x, _)| (x - mx).powi(2)).sum();
-    (along > 1e-9).then(|| across / along)
+    let logs: Vec<[f64; 2]> = points.iter().map(|p| p.map(f64::ln)).collect();
+    let mean = |axis: usize| logs.iter().map(|p| p[axis]).sum::<f64>() / n;
+    let (mx, my) = (mean(0), mean(1));
+    let across: f64 = logs.iter().map(|[x, y]| (x - mx) * (y - my)).sum();
+    let along: f64 = logs.iter().map(|[x, _]| (x - mx).powi(2)).sum();
+    let exponent = across / along;
+    let residual = |[x, y]: &[f64; 2]| (y - my - exponent * (x - mx)).powi(2);
+    let residuals: f64 = logs.iter().map(residual).sum();
+    let error = (residuals / (n - 2.0) / along).sqrt();
+    (along > 1e-9).then_some(Growth {
+        exponent,
+        error: (points.len() > 2).then_some(error),
+    })
 }
 
 #[cfg(test)]
@@ -224,6 +328,7 @@ mod tests {
             setting: format!("rays, {samples} rays"),
             samples,
             seconds: samples / 100.0,
+            cpu_seconds: samples / 50.0,
             row_error_mean: Some(1.0 / samples),
             ..RunRecord::default()
         };
@@ -247,22 +352,65 @@ mod tests {
             names,
             [
                 "box-0-mirrors-row-error-time",
+                "box-0-mirrors-row-error-cpu-time",
                 "box-0-mirrors-row-error-samples",
                 "box-0-mirrors-time-samples",
+                "box-0-mirrors-cpu-time-samples",
                 "box-time-mirrors",
+                "box-cpu-time-mirrors",
                 "box-row-error-mirrors"
             ]
         );
-        assert_eq!(
-            figures[0].series[0].points,
-            [(0.64, 1.0 / 64.0), (2.56, 1.0 / 256.0)]
+        let points: Vec<[f64; 2]> = figures[0].series[0].points.iter().map(|p| p.at).collect();
+        assert_eq!(points, [[0.64, 1.0 / 64.0], [2.56, 1.0 / 256.0]]);
+        assert!(!figures[0].has_spread());
+    }
+
+    /// Repetitions are one point with bars, and every number of points is a line.
+    #[test]
+    fn sweeps_of_two_parameters_have_a_line_for_each_value() {
+        let mut records = Vec::new();
+        for (points, pixels, seed) in [(4, 32, 0), (4, 32, 1), (4, 64, 0), (16, 32, 0), (16, 64, 0)]
+        {
+            let mut record = run("box", None, f64::from(points * pixels));
+            if let TaskOutcome::Run(run) = &mut record.outcome {
+                run.engine = "hemicube".into();
+                run.setting = format!("hemicube, {pixels} pixels, {points} points");
+                (run.resolution, run.patch_points) = (Some(pixels), Some(points));
+                run.seed = seed;
+                run.row_error_mean = Some(0.1 + 0.1 * seed as f64);
+            }
+            records.push(record);
+        }
+        let figures = of(&records.iter().collect::<Vec<_>>());
+        let names: Vec<&str> = figures[0].series.iter().map(|s| s.name.as_str()).collect();
+        assert_eq!(names, ["hemicube, 4 points", "hemicube, 16 points"]);
+        let first = figures[0].series[0].points[0];
+        assert!((first.at[1] - 0.15).abs() < 1e-12 && figures[0].has_spread());
+        assert!(
+            (first.spread[1] - 0.1 / 2f64.sqrt()).abs() < 1e-12,
+            "{first:?}"
         );
     }
 
     #[test]
     fn growth_is_the_slope() {
-        let points = [10.0f64, 100.0, 1000.0].map(|x| (x, 3.0 * x.powf(1.7)));
-        assert!((growth(&points).unwrap() - 1.7).abs() < 1e-12);
+        let points = [10.0f64, 100.0, 1000.0].map(|x| [x, 3.0 * x.powf(1.7)]);
+        let exact = growth(&points).unwrap();
+        assert!((exact.exponent - 1.7).abs() < 1e-12 && exact.error.unwrap() < 1e-12);
         assert_eq!(growth(&points[..1]), None);
+        assert_eq!(growth(&points[..2]).unwrap().error, None);
+        // Residuals of the logarithms −d, 2d, −d over three decades: SE = √6 d / √(2 ln² 10).
+        let d = 0.1f64;
+        let bent = [
+            [1.0, (-d).exp()],
+            [10.0, (2.0 * d).exp()],
+            [100.0, (-d).exp()],
+        ];
+        let bent = growth(&bent).unwrap();
+        let expected = 6f64.sqrt() * d / (2f64.sqrt() * 10f64.ln());
+        assert!(bent.exponent.abs() < 1e-12);
+        assert!((bent.error.unwrap() - expected).abs() < 1e-12, "{bent:?}");
+        assert_eq!(bent.to_string(), "0.00 ± 0.08");
     }
 }

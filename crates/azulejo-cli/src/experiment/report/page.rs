@@ -4,7 +4,7 @@ use super::super::machine::MachineInfo;
 use super::super::record::{RunRecord, TaskOutcome, TaskRecord, TruthRecord};
 use super::super::suite::Suite;
 use super::chart::svg;
-use super::figures::{ChartSpec, growth};
+use super::figures::ChartSpec;
 use super::tables::{RepeatedRun, repeated, short, truths};
 use crate::drawing::{COLORS, Color, GRID, INK, escaped, hex};
 use std::fmt::Write;
@@ -50,8 +50,10 @@ impl Page<'_> {
         }
         self.machine(out)?;
         self.plots(out)?;
+        self.slopes(out)?;
         self.runs(out)?;
         self.answers(out)?;
+        self.skipped(out)?;
         self.failures(out)?;
         out.push_str(READING);
         out.push_str("</body></html>\n");
@@ -79,11 +81,45 @@ impl Page<'_> {
                 svg(figure),
                 figure.y.label,
                 figure.x.label,
-                slopes(figure),
+                bars(figure),
                 figure.name,
             )?;
         }
         out.push_str("</div>\n");
+        Ok(())
+    }
+
+    /// The fitted exponents of all plots with logarithmic axes.
+    fn slopes(&self, out: &mut String) -> std::fmt::Result {
+        let fits = self.figures.iter().flat_map(|figure| {
+            let fit = move |s| Some((figure, s, figure.growth(s)?));
+            figure.series.iter().filter_map(fit)
+        });
+        let fits: Vec<_> = fits.collect();
+        if fits.is_empty() {
+            return Ok(());
+        }
+        out.push_str(
+            "<details><summary>Fitted slopes</summary>\n<p>The exponent n of y = c xⁿ by least squares of the \
+             logarithms of the means, and its standard error from their scatter about the line.</p>\n\
+             <div class=\"wide\"><table><thead><tr><th>scene</th><th>y</th><th>x</th><th>line</th>\
+             <th class=\"n\">points</th><th class=\"n\">n</th><th class=\"n\">±</th></tr></thead><tbody>\n",
+        );
+        for (figure, series, growth) in fits {
+            writeln!(
+                out,
+                "<tr><th>{}</th><td>{}</td><td>{}</td><td>{}</td><td class=\"n\">{}</td>\
+                 <td class=\"n\">{:.3}</td><td class=\"n\">{}</td></tr>",
+                escaped(&figure.title),
+                figure.y.label,
+                figure.x.label,
+                escaped(&series.name),
+                series.points.len(),
+                growth.exponent,
+                growth.error.map_or("–".to_owned(), |e| format!("{e:.3}")),
+            )?;
+        }
+        out.push_str("</tbody></table></div></details>\n");
         Ok(())
     }
 
@@ -93,7 +129,7 @@ impl Page<'_> {
         for row in &rows {
             if scene.is_empty() {
                 out.push_str(
-                    "<h2>Results</h2>\n<p>Means over repetitions; n is their number.</p>\n",
+                    "<h2>Results</h2>\n<p>Means over repetitions, ± the standard deviation of one; n is their number.</p>\n",
                 );
             }
             if row.run.scene != scene {
@@ -166,6 +202,34 @@ impl Page<'_> {
         Ok(())
     }
 
+    fn skipped(&self, out: &mut String) -> std::fmt::Result {
+        let skipped = self.records.iter().filter_map(|r| match &r.outcome {
+            TaskOutcome::Skipped { task, reason } => Some((task, reason)),
+            _ => None,
+        });
+        // One line for all tasks that lack the same.
+        let mut reasons: Vec<(&String, Vec<&String>)> = Vec::new();
+        for (task, reason) in skipped {
+            match reasons.iter_mut().find(|(known, _)| *known == reason) {
+                Some((_, tasks)) => tasks.push(task),
+                None => reasons.push((reason, vec![task])),
+            }
+        }
+        if reasons.is_empty() {
+            return Ok(());
+        }
+        out.push_str("<h2>Not available here</h2>\n<p>Optional engines that this machine or this build lacks. They are tried again by the next run.</p>\n<dl>\n");
+        for (reason, tasks) in reasons {
+            writeln!(out, "<dt>{}</dt><dd><ul>", escaped(reason))?;
+            for task in tasks {
+                writeln!(out, "<li>{}</li>", escaped(task))?;
+            }
+            out.push_str("</ul></dd>\n");
+        }
+        out.push_str("</dl>\n");
+        Ok(())
+    }
+
     fn failures(&self, out: &mut String) -> std::fmt::Result {
         let mut is_first = true;
         for record in self.records {
@@ -194,6 +258,11 @@ impl Page<'_> {
 /// Heading, explanation and value of a column of results.
 type Column = (&'static str, &'static str, fn(&RepeatedRun) -> Option<f64>);
 
+/// A measure of a matrix, where there is one.
+fn of_matrix(run: &RunRecord, measure: f64) -> Option<f64> {
+    (run.entries > 0).then_some(measure)
+}
+
 const COLUMNS: [Column; 14] = [
     ("samples", "rays or pixels per row", |r| {
         r.mean(|r| (r.samples > 0.0).then_some(r.samples))
@@ -216,7 +285,7 @@ const COLUMNS: [Column; 14] = [
     (
         "stated",
         "mean row error, as estimated by the engine",
-        |r| r.mean(|r| Some(r.row_error_stated)),
+        |r| r.mean(|r| r.row_error_stated),
     ),
     ("B error", "mean of |B/B_ref − 1| over facets", |r| {
         r.mean(|r| r.b_error_mean)
@@ -225,23 +294,23 @@ const COLUMNS: [Column; 14] = [
     (
         "closure",
         "root mean square deviation of row sums from 1",
-        |r| r.mean(|r| Some(r.closure_rms)),
+        |r| r.mean(|r| of_matrix(r, r.closure_rms)),
     ),
     (
         "moved",
         "share of the matrix moved to enforce closure",
-        |r| r.mean(|r| Some(r.moved)),
+        |r| r.mean(|r| of_matrix(r, r.moved)),
     ),
     (
         "reciprocity",
         "largest |A_i X_ij − A_j X_ji|, relative to the mean entry of the row",
-        |r| r.mean(|r| Some(r.reciprocity)),
+        |r| r.mean(|r| of_matrix(r, r.reciprocity)),
     ),
     ("energy", "unaccounted power, relative", |r| {
         r.mean(|r| r.energy)
     }),
     ("solve, s", "solution of B = M + ρXB", |r| {
-        r.mean(|r| Some(r.solve_seconds))
+        r.mean(|r| of_matrix(r, r.solve_seconds))
     }),
 ];
 
@@ -266,9 +335,17 @@ fn write_row(out: &mut String, row: &RepeatedRun) -> std::fmt::Result {
         ""
     };
     write!(out, "<tr{class}><th>{}</th>", escaped(&row.run.setting))?;
-    for (_, _, value) in COLUMNS {
+    for (name, _, value) in COLUMNS {
         let text = value(row).map_or("–".to_owned(), short);
-        write!(out, "<td class=\"n\">{text}</td>")?;
+        let spread = match name {
+            "time, s" => row.deviation(|r| Some(r.seconds)),
+            "CPU, s" => row.deviation(|r| Some(r.cpu_seconds)),
+            "row error" => row.deviation(|r| r.row_error_mean),
+            "B error" => row.deviation(|r| r.b_error_mean),
+            _ => None,
+        };
+        let spread = spread.map_or(String::new(), |s| format!(" ± {}", short(s)));
+        write!(out, "<td class=\"n\">{text}{spread}</td>")?;
     }
     let RunRecord {
         ran, device, notes, ..
@@ -323,30 +400,31 @@ fn write_answer(out: &mut String, answer: Option<&TruthRecord>) -> std::fmt::Res
         out.push_str("<td class=\"group\"></td><td></td><td></td><td></td>");
         return Ok(());
     };
-    let is_far = t.standard_errors.is_none_or(|s| s > FAR);
+    let is_far = t.standard_error.is_some() && t.standard_errors.is_none_or(|s| s > FAR);
     let sigma = t
         .standard_errors
         .map_or("∞".to_owned(), |s| format!("{s:.1}"));
+    let (sigma, said) = match t.standard_error {
+        Some(error) => (sigma, format!("{error:.1e}")),
+        None => ("–".to_owned(), "–".to_owned()),
+    };
     write!(
         out,
-        "<td class=\"n group\">{:.10}</td><td class=\"n\">{:.1e}</td><td class=\"n\">{:.1e}</td>\
+        "<td class=\"n group\">{:.10}</td><td class=\"n\">{:.1e}</td><td class=\"n\">{said}</td>\
          <td class=\"n{}\">{sigma}</td>",
         t.value,
         t.value - t.truth,
-        t.standard_error,
         if is_far { " far" } else { "" },
     )
 }
 
-/// The growth of time and memory, for plots against the number of facets.
-fn slopes(figure: &ChartSpec) -> String {
-    if figure.x.label != "facets" {
-        return String::new();
+/// What the bars and slopes of a plot mean.
+fn bars(figure: &ChartSpec) -> &'static str {
+    if figure.has_spread() {
+        ". Bars: standard deviation between repetitions."
+    } else {
+        "."
     }
-    let of =
-        |s: &super::figures::ChartSeries| Some(format!("{}: N^{:.2}", s.name, growth(&s.points)?));
-    let words: Vec<String> = figure.series.iter().filter_map(of).collect();
-    format!(" ({}).", escaped(&words.join("; ")))
 }
 
 /// CSS rules that replace the colours of inline plots by those of the page, light or dark.

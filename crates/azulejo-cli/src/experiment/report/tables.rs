@@ -27,7 +27,7 @@ const RUN_COLUMNS: [Column<RunRecord>; 26] = [
     }),
     ("row_error_mean", |r| optional(r.row_error_mean)),
     ("row_error_max", |r| optional(r.row_error_max)),
-    ("row_error_stated", |r| r.row_error_stated.to_string()),
+    ("row_error_stated", |r| optional(r.row_error_stated)),
     ("b_error_mean", |r| optional(r.b_error_mean)),
     ("b_error_max", |r| optional(r.b_error_max)),
     ("closure_rms", |r| r.closure_rms.to_string()),
@@ -50,7 +50,7 @@ const TRUTH_COLUMNS: [Column<TruthRecord>; 13] = [
     ("value", |t| t.value.to_string()),
     ("truth", |t| t.truth.to_string()),
     ("truth_error", |t| t.truth_error.to_string()),
-    ("standard_error", |t| t.standard_error.to_string()),
+    ("standard_error", |t| optional(t.standard_error)),
     ("standard_errors", |t| optional(t.standard_errors)),
     ("seconds", |t| t.seconds.to_string()),
 ];
@@ -153,6 +153,14 @@ impl RepeatedRun<'_> {
         (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
     }
 
+    /// Standard deviation of a measure between repetitions; `None` for fewer than two.
+    pub fn deviation(&self, measure: impl Fn(&RunRecord) -> Option<f64>) -> Option<f64> {
+        let mean = self.mean(&measure)?;
+        let values: Vec<f64> = self.all.iter().filter_map(|r| measure(r)).collect();
+        let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+        (values.len() > 1).then(|| (squares / (values.len() - 1) as f64).sqrt())
+    }
+
     /// How many.
     pub fn count(&self) -> usize {
         self.all.len()
@@ -206,6 +214,13 @@ mod tests {
             (2, Some(2.0))
         );
         assert_eq!(rows[1].mean(|r| r.energy), None);
+        // 1 and 3 are √2 apart from their mean in the sense of the sample's standard deviation.
+        let deviation = rows[0].deviation(|r| Some(r.seconds));
+        assert!(
+            deviation.is_some_and(|d| (d - 2f64.sqrt()).abs() < 1e-12),
+            "{deviation:?}"
+        );
+        assert_eq!(rows[1].deviation(|r| Some(r.seconds)), None);
     }
 
     #[test]
