@@ -549,7 +549,7 @@ fn faces_of_many_corners_are_divided_by_their_triangles() {
     let n = 20_000;
     let spike = |k: u32| {
         let angle = 2.0 * PI * f64::from(k) / f64::from(n);
-        let reach = if k % 2 == 0 { 1.0 } else { 0.7 };
+        let reach = if k.is_multiple_of(2) { 1.0 } else { 0.7 };
         (reach * angle.cos(), reach * angle.sin())
     };
     let saw = polygon(&(0..n).map(spike).collect::<Vec<_>>());
