@@ -45,7 +45,8 @@ fn worst_error(diffuse: f64, mirror: f64, rays: u32) -> f64 {
         Columns::Diffuse,
     );
     let system = System::trace(&gatherer, &patches, &reflectance, &estimator, 1, &progress)
-        .expect("nobody cancels");
+        .expect("nobody cancels")
+        .expect("there is no deadline");
     let found = system.solve_all(None, &progress).expect("nobody cancels");
     let expected = 1.0 + diffuse / (1.0 - diffuse - mirror);
     let reflected = found.mean();

@@ -41,7 +41,8 @@ fn main() {
         Columns::Diffuse,
     );
     let system = System::trace(&gatherer, &patches, &reflectance, &estimator, 1, &progress)
-        .expect("nobody cancels");
+        .expect("nobody cancels")
+        .expect("there is no deadline");
     let traced = wall.elapsed().as_secs_f64();
     let found = system.solve_all(None, &progress).expect("nobody cancels");
     let solved = wall.elapsed().as_secs_f64();
