@@ -6,7 +6,6 @@ use azulejo_scene::synthetic::{CornellVariant, cornell_box};
 use azulejo_scene::{LightKind, Mesh, Object, ObjectIrradiance, Primitive, Rgb, Scene, Shape};
 use azulejo_trace::{Progress, Tracer};
 use glam::{DAffine3, DVec3, dvec3};
-use std::time::{Duration, Instant};
 
 fn run(scene: &Scene, pass: &FirstPass) -> Result<LightSolution, SolveError> {
     solve(scene, &Tracer::new(scene), pass, &Progress::new())

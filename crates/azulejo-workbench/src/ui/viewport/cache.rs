@@ -119,6 +119,7 @@ static EMPTY: Mesh = Mesh {
     colors: Vec::new(),
     irradiance: Vec::new(),
     irradiance_error: Vec::new(),
+    back: None,
     faces: azulejo::scene::Faces {
         starts: Vec::new(),
         corners: Vec::new(),
