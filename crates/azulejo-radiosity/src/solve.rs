@@ -177,7 +177,8 @@ impl fmt::Display for SolveError {
             SolveError::Endless(bounces) => write!(
                 f,
                 "after {bounces} bounces the light has not died out, because surfaces reflect all or \
-                 nearly all of it: give some a lower reflectance, or limit the bounces"
+                 nearly all of it, or coincide: give some a lower reflectance, remove duplicates, or \
+                 limit the bounces"
             ),
             SolveError::OutOfTime => f.write_str(
                 "the time was over before all of the scene had light: allow more time, \

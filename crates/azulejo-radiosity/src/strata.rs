@@ -17,9 +17,12 @@ const LEAST: usize = 16;
 /// Permitted errors are in proportion to this power of irradiance.
 const TOLERANCE_POWER: f64 = 0.6;
 
-/// Share of the mean irradiance below which permitted errors no longer fall: what no light reaches
-/// would take all rays.
+/// Share of the mean irradiance below which nobody will miss a stratum's light: its errors are
+/// permitted to be those of [`DARK_AS`], or what no light reaches would take all rays.
 const DARKEST: f64 = 0.01;
+
+/// See [`DARKEST`].
+const DARK_AS: f64 = 0.1;
 
 /// What of a requested error is aimed at: estimated errors have errors.
 const MARGIN: f64 = 0.95;
@@ -232,7 +235,12 @@ impl Strata {
     pub fn permitted(&self, errors: &[StratumError], goal: f64) -> Vec<f64> {
         let mean: f64 = errors.iter().map(|e| e.share * e.mean).sum();
         let power = |e: &StratumError| {
-            let relative = (e.mean / mean.max(f64::MIN_POSITIVE)).max(DARKEST);
+            let relative = e.mean / mean.max(f64::MIN_POSITIVE);
+            let relative = if relative < DARKEST {
+                DARK_AS
+            } else {
+                relative
+            };
             relative.powf(2.0 * TOLERANCE_POWER)
         };
         let total: f64 = errors.iter().map(|e| e.share * power(e)).sum();

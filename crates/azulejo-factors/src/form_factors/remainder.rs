@@ -13,7 +13,7 @@ use azulejo_trace::{Cancelled, Progress};
 
 impl PreparedPlan<'_> {
     /// The remainders of rows that formulas know completely. Where no row lacks more than twice its
-    /// error, the scene is closed.
+    /// error, beside what ends on sides that are no rows, the scene is closed.
     ///
     /// # Errors
     /// [`Cancelled`].
@@ -32,10 +32,11 @@ impl PreparedPlan<'_> {
             .iter()
             .map(|&count| count > 0)
             .collect();
-        let is_short = |i: usize| missing[i] > 2.0 * most[i] + ROUNDING;
-        let is_open = (0..n).any(|i| is_seeing[i] && is_short(i));
+        let lacks = |i: usize, share: f64| share > 2.0 * most[i] + ROUNDING;
+        let is_short = |i: usize| lacks(i, missing[i]);
+        let is_short_somewhere = (0..n).any(|i| is_seeing[i] && is_short(i));
         let rows: Vec<usize> = (0..n)
-            .filter(|&i| missing[i] > ROUNDING && (is_open || !is_seeing[i]))
+            .filter(|&i| missing[i] > ROUNDING && (is_short_somewhere || !is_seeing[i]))
             .collect();
         let up = self.plan.proxy.scene.units.up.axis();
         let hidden = exchanger.hidden_sides(|p, front| self.sides.column(p, front).is_some());
@@ -51,10 +52,20 @@ impl PreparedPlan<'_> {
             .exchange
             .sums(|_, e| [f64::from(e.error).powi(2); 2]);
         let split = self.split(exchanger, &rows, &hidden, progress)?;
+        let hidden_of =
+            |i: usize, split: &SplitRow| (split.hidden / factors.areas[i]).min(missing[i]);
+        let is_open = rows
+            .iter()
+            .zip(&split)
+            .any(|(&i, split)| is_seeing[i] && lacks(i, missing[i] - hidden_of(i, split)));
         let mut remainders = vec![RowRemainder::default(); n];
         for (&i, split) in rows.iter().zip(split) {
             let area = factors.areas[i];
-            let hidden = (split.hidden / area).min(missing[i]);
+            let hidden = hidden_of(i, &split);
+            if is_seeing[i] && !is_open {
+                remainders[i].hidden = hidden;
+                continue;
+            }
             let rest = missing[i] - hidden;
             let above = horizons[i].sky() - (upward[i] + split.upward) / area;
             let sky = above.clamp(0.0, rest);

@@ -7,6 +7,7 @@ mod agreement;
 mod analytic_engine;
 mod bad_scenes;
 mod determinism;
+mod discretization;
 mod exact;
 mod furnace;
 mod glossy;
