@@ -16,8 +16,8 @@ const FEWEST: usize = 8;
 
 /// Decides which windows of a view are drawn, level by level.
 ///
-/// A level draws at most half of what is left of the budget, or [`FEWEST`], so that a view draws
-/// no more than the budget and [`FEWEST`] for each level of mirrors.
+/// A level draws at most half of what is left of the budget, or `FEWEST`, so that a view draws
+/// no more than the budget and `FEWEST` for each level of mirrors.
 #[derive(Clone, Debug)]
 pub struct WindowBudget {
     /// Weight below which windows are drawn by chance.
