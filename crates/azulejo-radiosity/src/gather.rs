@@ -3,7 +3,7 @@
 //! Reading the radiosity of patches is quick and leaves little noise, but patches that are too coarse
 //! for what a point sees leave an error that no number of rays removes: light leaks into dark rooms.
 //! So the points are divided into [strata](crate::strata) of brightness, and at a keyed sample of each
-//! stratum irradiance is also path traced, which reads no patch
+//! stratum irradiance is also path traced, so that its mean does not depend on the patches
 //! ([`Termination::Roulette`]). Where the two differ by more than a part of the requested error, all
 //! points of the stratum are path traced; elsewhere the difference is part of the stated error.
 
@@ -309,8 +309,8 @@ pub(crate) struct GatherPass<'a, L> {
     gatherer: &'a Gatherer<'a>,
     light: &'a L,
     points: &'a [GatherPoint],
-    seed: u32,
-    progress: &'a Progress,
+    pub seed: u32,
+    pub progress: &'a Progress,
 }
 
 /// A group of points that are gathered alike: from so many rays, to so many, ending so.
@@ -377,16 +377,6 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             })
             .collect();
         Ok(chunks?.into_iter().flatten().collect())
-    }
-
-    /// Key of the random choice of a sample.
-    pub fn seed(&self) -> u32 {
-        self.seed
-    }
-
-    /// The progress.
-    pub fn progress(&self) -> &Progress {
-        self.progress
     }
 }
 

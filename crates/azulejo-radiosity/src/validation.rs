@@ -53,7 +53,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             let allowed = SHARE * SHARE * permitted;
             let (spent, sample, verdict) = self.compare(all, sample, allowed, most)?;
             match verdict {
-                Verdict::Bad(found) if !self.progress().out_of_time() => {
+                Verdict::Bad(found) if !self.progress.out_of_time() => {
                     self.trace_paths(all, stratum, found, (spent, sample), most)?;
                 }
                 Verdict::Good(found) | Verdict::Bad(found) => {
@@ -84,7 +84,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             all.gathered[known.point as usize] = known.paths;
             all.spent[known.point as usize] = spent;
         }
-        let first = if self.progress().has_deadline() {
+        let first = if self.progress.has_deadline() {
             HASTY_RAYS.min(most)
         } else {
             FIRST_RAYS.min(most)
@@ -100,7 +100,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
 
     /// The points of a stratum whose keys come first.
     fn sample(&self, points: &[u32]) -> Vec<Comparison> {
-        let key = |&i: &u32| (hash(&[self.seed(), i, 0x7a1]), i);
+        let key = |&i: &u32| (hash(&[self.seed, i, 0x7a1]), i);
         let mut keyed: Vec<(u32, u32)> = points.iter().map(key).collect();
         keyed.sort_unstable();
         let new = |&(_, point): &(u32, u32)| Comparison {
@@ -124,6 +124,8 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         let most = most.min(MOST_SAMPLE_RAYS);
         let (mut spent, mut next) = (0, (2 * FIRST_RAYS).min(most));
         loop {
+            self.progress
+                .begin("comparing with paths", 2 * chosen.len() as u64);
             let patches = self.gather_at(&chosen, spent..next, Termination::Radiosity)?;
             let paths = self.gather_at(&chosen, spent..next, Termination::Roulette)?;
             let share = f64::from(next - spent) / f64::from(next);
@@ -134,7 +136,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
                 }
             }
             spent = next;
-            let is_last = spent >= most || self.progress().out_of_time();
+            let is_last = spent >= most || self.progress.out_of_time();
             let verdict = judge(all, &sample, allowed);
             if is_last || !matches!(verdict, Verdict::Open(..)) {
                 return Ok((spent, sample, verdict));

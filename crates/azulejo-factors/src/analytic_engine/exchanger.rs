@@ -185,13 +185,7 @@ impl<'a> Exchanger<'a> {
     /// Whole rows, in the requested order; empty for those without a facet. Each depends on its
     /// own facet alone, whichever others are requested with it.
     pub fn rows(&self, rows: &[usize]) -> Vec<Orders> {
-        let mut positions: Vec<u32> = rows
-            .iter()
-            .map(|&row| self.positions[row])
-            .filter(|&p| p != NOWHERE)
-            .collect();
-        // Neighbours together, so that clusters are tested for many rows at once.
-        positions.sort_unstable();
+        let positions = self.sorted_positions(rows);
         let groups: Vec<&[u32]> = positions.chunk_by(same_group).collect();
         let groups = groups.par_iter();
         let found: Vec<_> = groups.flat_map_iter(|g| self.group(g, false).0).collect();
@@ -204,6 +198,15 @@ impl<'a> Exchanger<'a> {
             sorted[places[id as usize] as usize] = row;
         }
         sorted
+    }
+
+    /// Positions of the facets of rows that have one: neighbours together, so that clusters are
+    /// tested for many rows at once.
+    fn sorted_positions(&self, rows: &[usize]) -> Vec<u32> {
+        let positions = rows.iter().map(|&row| self.positions[row]);
+        let mut positions: Vec<u32> = positions.filter(|&p| p != NOWHERE).collect();
+        positions.sort_unstable();
+        positions
     }
 
     /// Some rows of one group of [`GROUP`] neighbours, from the diagonal on if `upper`.
@@ -273,12 +276,7 @@ impl<'a> Exchanger<'a> {
         rows: usize,
         progress: &Progress,
     ) -> Result<Vec<SplitRow>, Cancelled> {
-        let mut positions: Vec<u32> = of
-            .iter()
-            .map(|&row| self.positions[row])
-            .filter(|&p| p != NOWHERE)
-            .collect();
-        positions.sort_unstable();
+        let positions = self.sorted_positions(of);
         let groups: Vec<&[u32]> = positions.chunk_by(same_group).collect();
         let split = HorizonSplit {
             up,

@@ -119,8 +119,8 @@ pub enum Termination {
     Radiosity,
     /// By Russian roulette, as in a path tracer that samples a light at every hit (Kajiya, *The
     /// rendering equation*, SIGGRAPH 1986; Arvo and Kirk, *Particle transport and image synthesis*,
-    /// 1990): no radiosity is read, so its discretization does no harm, for several times the rays
-    /// and more noise.
+    /// 1990). The radiosity at a hit is a control variate alone: it affects the noise, but not the
+    /// mean, so its discretization does no harm, for several times the rays and more noise.
     Roulette,
 }
 
