@@ -65,7 +65,14 @@ pub struct EngineArgs {
     pub patch_points: Option<u32>,
     /// Let Embree trace the rays of the engine, and of gathering. PATH is its library [default: the
     /// environment variable AZULEJO_EMBREE, or the system's search path]
-    #[arg(long, value_name = "PATH", value_hint = ValueHint::FilePath, num_args = 0..=1)]
+    // With a space, the model that follows would be taken for the library.
+    #[arg(
+        long,
+        value_name = "PATH",
+        value_hint = ValueHint::FilePath,
+        num_args = 0..=1,
+        require_equals = true
+    )]
     pub embree: Option<Option<PathBuf>>,
 }
 
@@ -201,7 +208,7 @@ fn open_card(_: GpuName) -> Result<(Arc<dyn Device>, bool), String> {
 #[cfg(feature = "embree")]
 fn load_embree(path: Option<PathBuf>) -> Result<Kernel, String> {
     let loaded = azulejo_trace::embree::Embree::load(path.as_deref());
-    let hint = |e| format!("{e} (--embree PATH, or {EMBREE_VARIABLE})");
+    let hint = |e| format!("{e} (--embree=PATH, or {EMBREE_VARIABLE})");
     loaded.map(Kernel::Embree).map_err(hint)
 }
 

@@ -25,12 +25,12 @@ fn missing_embree_is_said_with_what_to_do() {
         "--features"
     };
     for engine in ["embree", "rays", "hybrid", "hemicube"] {
-        let asked = format!("solve room.obj -o lit.grf --engine {engine} --embree missing.so");
+        let asked = format!("solve room.obj -o lit.grf --engine {engine} --embree=missing.so");
         folder.fails(&asked, 1, "Embree");
         folder.fails(&asked, 1, what_to_do);
     }
     // `--embree` alone does not require Embree: the built-in kernel takes over, with a note.
-    let wished = "solve room.obj -o lit.grf --embree missing.so --patches 100 --rays 16";
+    let wished = "solve room.obj -o lit.grf --embree=missing.so --patches 100 --rays 16";
     let report = folder.json(wished);
     assert!(
         report["device"]
