@@ -7,13 +7,15 @@
 //! ([`Termination::Roulette`]). Where the two differ by more than a part of the requested error, all
 //! points of the stratum are path traced; elsewhere the difference is part of the stated error.
 
+use crate::sparse::{self, GatheredValues, PointKind};
 use crate::strata::{Strata, StratumError};
 use azulejo_scene::Rgb;
 use azulejo_trace::{
     Cancelled, DiffuseLight, DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer,
-    Measure, Progress, Termination,
+    Measure, Progress, SplitIrradiance, Termination,
 };
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Points gathered together: enough to fill the tracer's batches, few enough that their paths stay
 /// in the cache.
@@ -42,6 +44,8 @@ pub struct GatherEffort {
     pub rays: u32,
     /// Which points are path traced.
     pub paths: Paths,
+    /// Whether indirect light may be interpolated between points, as far as `error` permits.
+    pub interpolate: bool,
 }
 
 /// Which points of a gather are path traced.
@@ -89,6 +93,8 @@ pub struct Gathering {
     pub strata: Strata,
     /// How many times as many rays the requested error would take; 1 if it is reached.
     pub rays_needed: f64,
+    /// What `gathered` is computed from.
+    pub(crate) values: GatheredValues,
 }
 
 impl Gathering {
@@ -100,7 +106,19 @@ impl Gathering {
             spent: vec![0; count],
             strata: Strata::new(count, targets.areas),
             rays_needed: 1.0,
+            values: GatheredValues::everywhere(count),
         }
+    }
+
+    /// Computes `gathered` again after a change of what it is computed from.
+    pub(crate) fn combine(&mut self) {
+        self.gathered = self.values.combined();
+    }
+
+    /// Share of the points whose indirect light is interpolated.
+    pub fn interpolated(&self) -> f64 {
+        let records = self.values.records();
+        1.0 - records as f64 / self.gathered.len().max(1) as f64
     }
 
     /// Mean number of rays per point.
@@ -113,7 +131,10 @@ impl Gathering {
     /// noise and discretization, over the mean irradiance. Points count by their areas.
     pub fn relative_error(&self) -> f64 {
         let parts = self.parts();
-        parts.noise.hypot(parts.discretization)
+        parts
+            .noise
+            .hypot(parts.discretization)
+            .hypot(parts.interpolation)
     }
 
     /// The error by its causes.
@@ -138,7 +159,7 @@ impl Gathering {
         let of = |(i, g): (usize, &Gathered)| {
             let e = &errors[self.strata.of(i)];
             let noise = g.standard_error() * e.gain.sqrt();
-            (noise * noise + Rgb::grey(e.discretization)).map(f64::sqrt)
+            (noise * noise + Rgb::grey(e.discretization + e.interpolation)).map(f64::sqrt)
         };
         self.gathered.iter().enumerate().map(of).collect()
     }
@@ -156,6 +177,8 @@ pub struct ErrorParts {
     pub noise: f64,
     /// From the size of the patches, measured at a sample of the points.
     pub discretization: f64,
+    /// From interpolating indirect light between points.
+    pub interpolation: f64,
 }
 
 /// The error of a quarter of the points.
@@ -210,40 +233,20 @@ pub(crate) fn gather_watched(
         seed,
         progress,
     };
-    let most = effort.rays.clamp(1, MOST_RAYS);
-    let rays = match effort.error {
-        _ if progress.has_deadline() => HASTY_RAYS.min(most),
-        Some(_) => FIRST_RAYS.min(most),
-        None => most,
-    };
+    progress.limit_phase(1.0);
+    if effort.error.is_some() && effort.interpolate && targets.points.len() >= sparse::LEAST_POINTS {
+        return sparse::gather_sparse(&pass, targets, effort, watch);
+    }
     let mut all = Gathering::new(targets);
-    if effort.paths == Paths::Always {
-        all.strata.trace_paths(0);
-    }
-    pass.raise(&mut all, &vec![rays; targets.points.len()])?;
-    if all.spent.contains(&0) {
-        return Err(GatherError::OutOfTime);
-    }
-    all.strata.divide(&all.gathered);
-    if effort.paths == Paths::Measured {
-        pass.validate(&mut all, effort.error, most)?;
-    }
-    loop {
-        progress.measured(Measure::Error(all.relative_error()));
-        let totals = match effort.error {
-            Some(goal) => {
-                all.rays_needed = all.needed(goal);
-                all.allocate(goal, GROWTH, most)
-            }
-            None => vec![most; all.spent.len()],
-        };
-        if progress.out_of_time() || totals == all.spent {
-            break;
-        }
-        watch(&all);
-        pass.raise(&mut all, &totals)?;
-    }
+    pass.reach(&mut all, effort, watch)?;
     Ok(all)
+}
+
+impl GatherEffort {
+    /// Most rays per point.
+    pub(crate) fn most(&self) -> u32 {
+        self.rays.clamp(1, MOST_RAYS)
+    }
 }
 
 impl Gathering {
@@ -261,8 +264,9 @@ impl Gathering {
         let errors = self.errors();
         let permitted = self.strata.permitted(&errors, goal);
         for (stratum, (error, permitted)) in errors.iter().zip(permitted).enumerate() {
-            // What discretization leaves to noise, and never less than a part.
-            let allowed = (permitted - error.discretization).max(0.25 * permitted);
+            // What the patches and interpolation leave to noise, and never less than a part.
+            let fixed = error.discretization + error.interpolation;
+            let allowed = (permitted - fixed).max(0.25 * permitted);
             if error.noise <= allowed {
                 continue;
             }
@@ -272,15 +276,18 @@ impl Gathering {
                 // All but the first direction of a path is random.
                 Termination::Roulette => 1.0,
             };
-            let strength = |&i: &u32| {
-                let own = self.strata.mean_of(self.gathered[i as usize].variance()) * error.gain;
-                // Four replicates estimate a point's variance badly; half of it is taken from all.
-                let shared = 0.5 * (own + error.noise);
-                let spent = f64::from(self.spent[i as usize]);
-                (shared * spent.powf(rate), i)
-            };
             let points = self.strata.points(stratum);
-            let strengths: Vec<(f64, u32)> = points.iter().map(strength).collect();
+            let own = |i: usize| self.strata.mean_of(self.values.variance(i)) * error.gain;
+            // Four replicates estimate a point's variance badly; half of it is taken from all.
+            let shared = self.values.mean_by_kind(points, &own);
+            let strength = |&i: &u32| {
+                let i = i as usize;
+                let kind = self.values.kind(i);
+                let variance = 0.5 * (own(i) + shared[kind as usize]);
+                let strength = variance * f64::from(self.spent[i]).powf(rate);
+                (strength, kind.cost(), i as u32)
+            };
+            let strengths: Vec<(f64, f64, u32)> = points.iter().map(strength).collect();
             for (i, wanted) in cheapest(&strengths, rate, allowed) {
                 let total = &mut totals[i as usize];
                 *total = well_spread(*total, wanted.min(growth * f64::from(*total)), most);
@@ -290,37 +297,101 @@ impl Gathering {
     }
 }
 
-/// Rays that make the mean variance of points `allowed` at least cost, given the strength of each.
+/// Rays that make the mean variance of points `allowed` at least cost, given the strength of each
+/// and the cost of its rays.
 ///
-/// A point's variance falls with its rays n as strength n^−rate; the sum of rays is then least for n
-/// in proportion to strength^(1/(1 + rate)), by Lagrange.
-fn cheapest(strengths: &[(f64, u32)], rate: f64, allowed: f64) -> impl Iterator<Item = (u32, f64)> {
+/// A point's variance falls with its rays n as strength n^−rate; the sum of costs is then least for n
+/// in proportion to (strength/cost)^(1/(1 + rate)), by Lagrange.
+fn cheapest(
+    strengths: &[(f64, f64, u32)],
+    rate: f64,
+    allowed: f64,
+) -> impl Iterator<Item = (u32, f64)> {
     let power = 1.0 / (1.0 + rate);
-    let sum: f64 = strengths.iter().map(|s| s.0.powf(power)).sum();
+    let term = |s: &(f64, f64, u32)| s.0.powf(power) * s.1.powf(rate * power);
+    let sum: f64 = strengths.iter().map(term).sum();
     let mean = sum / strengths.len().max(1) as f64;
     let scale = (mean / allowed.max(f64::MIN_POSITIVE)).powf(1.0 / rate);
     strengths
         .iter()
-        .map(move |&(s, i)| (i, scale * s.powf(power)))
+        .map(move |&(s, cost, i)| (i, scale * (s / cost).powf(power)))
 }
 
 /// The constants of all passes.
+#[derive(Clone, Copy)]
 pub(crate) struct GatherPass<'a, L> {
-    gatherer: &'a Gatherer<'a>,
-    light: &'a L,
-    points: &'a [GatherPoint],
+    pub gatherer: &'a Gatherer<'a>,
+    pub light: &'a L,
+    pub points: &'a [GatherPoint],
     pub seed: u32,
     pub progress: &'a Progress,
 }
 
-/// A group of points that are gathered alike: from so many rays, to so many, ending so.
-type Way = (u32, u32, Termination);
+/// A group of points that are gathered alike: from so many rays, to so many, ending so, and whether
+/// their indirect light is gathered at all.
+type Way = (u32, u32, Termination, PointKind);
 
 impl<L: DiffuseLight> GatherPass<'_, L> {
+    /// Gathers from nothing until `effort` is reached or the progress is out of time; passes
+    /// intermediate results to `watch` after each pass but the last.
+    pub fn reach(
+        &self,
+        all: &mut Gathering,
+        effort: GatherEffort,
+        watch: &mut dyn FnMut(&Gathering),
+    ) -> Result<(), GatherError> {
+        let most = effort.most();
+        let rays = match effort.error {
+            _ if self.progress.has_deadline() => HASTY_RAYS.min(most),
+            Some(_) => FIRST_RAYS.min(most),
+            None => most,
+        };
+        if effort.paths == Paths::Always {
+            all.strata.trace_paths(0);
+        }
+        self.raise(all, &vec![rays; self.points.len()])?;
+        if all.spent.contains(&0) {
+            return Err(GatherError::OutOfTime);
+        }
+        all.strata.divide(&all.gathered);
+        if effort.paths == Paths::Measured {
+            self.validate(all, effort.error, most)?;
+        }
+        self.spend(all, effort, watch)
+    }
+
+    /// Spends rays where they reduce the error most until `effort` is reached or the phase is over.
+    pub fn spend(
+        &self,
+        all: &mut Gathering,
+        effort: GatherEffort,
+        watch: &mut dyn FnMut(&Gathering),
+    ) -> Result<(), GatherError> {
+        let most = effort.most();
+        loop {
+            self.progress.measured(Measure::Error(all.relative_error()));
+            let totals = match effort.error {
+                Some(goal) => {
+                    all.rays_needed = all.needed(goal);
+                    all.allocate(goal, GROWTH, most)
+                }
+                None => vec![most; all.spent.len()],
+            };
+            if self.progress.phase_is_over() || totals == all.spent {
+                return Ok(());
+            }
+            watch(all);
+            self.raise(all, &totals)?;
+        }
+    }
+
     /// Raises every point to its total, in groups with the same start and total; points keep what
     /// they have when time runs out.
     pub fn raise(&self, all: &mut Gathering, totals: &[u32]) -> Result<(), Cancelled> {
-        let way = |i: usize| -> Way { (all.spent[i], totals[i], all.strata.termination_of(i)) };
+        let way = |i: usize| -> Way {
+            let termination = all.strata.termination_of(i);
+            (all.spent[i], totals[i], termination, all.values.kind(i))
+        };
         let groups: Vec<Way> = (0..totals.len()).map(way).collect();
         let mut ways: Vec<Way> = groups.iter().copied().filter(|w| w.1 > w.0).collect();
         self.progress.begin("irradiance", ways.len() as u64);
@@ -330,16 +401,20 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             let chosen: Vec<u32> = (0..groups.len() as u32)
                 .filter(|&i| groups[i as usize] == way)
                 .collect();
-            let (spent, total, termination) = way;
-            let found = self.gather_at(&chosen, spent..total, termination)?;
+            let (spent, total, termination, kind) = way;
+            let found = match kind {
+                PointKind::Record => self.gather_at(&chosen, spent..total, termination)?,
+                PointKind::Interpolated => self.gather_direct_at(&chosen, spent..total)?,
+            };
             for (&i, new) in chosen.iter().zip(found) {
                 if let Some(new) = new {
-                    let old = &mut all.gathered[i as usize];
-                    *old = old.blend(&new, f64::from(total - spent) / f64::from(total));
+                    let share = f64::from(total - spent) / f64::from(total);
+                    all.values.add(i as usize, &new, share);
                     all.spent[i as usize] = total;
                 }
             }
         }
+        all.combine();
         Ok(())
     }
 
@@ -347,33 +422,64 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
     pub fn gather_at(
         &self,
         chosen: &[u32],
-        rays: std::ops::Range<u32>,
+        rays: Range<u32>,
         termination: Termination,
-    ) -> Result<Vec<Option<Gathered>>, Cancelled> {
-        let options = GatherOptions {
+    ) -> Result<Vec<Option<SplitIrradiance>>, Cancelled> {
+        let options = self.options(&rays, termination);
+        let directions = DirectionTables::new(&options);
+        self.in_chunks(chosen, options.spent == 0, |points| {
+            self.gatherer
+                .gather_with(points, &options, &directions, self.light)
+        })
+    }
+
+    /// As [`gather_at`](GatherPass::gather_at), direct light alone.
+    fn gather_direct_at(
+        &self,
+        chosen: &[u32],
+        rays: Range<u32>,
+    ) -> Result<Vec<Option<SplitIrradiance>>, Cancelled> {
+        let options = self.options(&rays, Termination::Radiosity);
+        let split = |direct| SplitIrradiance {
+            direct,
+            indirect: Gathered::default(),
+        };
+        self.in_chunks(chosen, options.spent == 0, |points| {
+            let direct = self.gatherer.gather_direct(points, &options);
+            direct.into_iter().map(split).collect()
+        })
+    }
+
+    fn options(&self, rays: &Range<u32>, termination: Termination) -> GatherOptions {
+        GatherOptions {
             rays: rays.end - rays.start,
             spent: rays.start,
             seed: self.seed,
             termination,
-        };
-        let directions = DirectionTables::new(&options);
-        let chunks: Result<Vec<Vec<Option<Gathered>>>, Cancelled> = chosen
+        }
+    }
+
+    fn in_chunks(
+        &self,
+        chosen: &[u32],
+        is_first: bool,
+        gather: impl Fn(&[GatherPoint]) -> Vec<SplitIrradiance> + Sync,
+    ) -> Result<Vec<Option<SplitIrradiance>>, Cancelled> {
+        let chunks: Result<Vec<Vec<Option<SplitIrradiance>>>, Cancelled> = chosen
             .par_chunks(CHUNK)
             .map(|chunk| {
                 self.progress.advance(chunk.len() as u64)?;
-                let is_over = match options.spent {
-                    0 => self.progress.is_overdue(),
-                    _ => self.progress.out_of_time(),
+                let is_over = if is_first {
+                    self.progress.is_overdue()
+                } else {
+                    self.progress.phase_is_over()
                 };
                 if is_over {
                     return Ok(vec![None; chunk.len()]);
                 }
                 let points: Vec<GatherPoint> =
                     chunk.iter().map(|&i| self.points[i as usize]).collect();
-                let found = self
-                    .gatherer
-                    .gather_with(&points, &options, &directions, self.light);
-                Ok(found.into_iter().map(Some).collect())
+                Ok(gather(&points).into_iter().map(Some).collect())
             })
             .collect();
         Ok(chunks?.into_iter().flatten().collect())

@@ -3,8 +3,8 @@
 use crate::gather::{CHUNK, GatherTargets, Gathering, HASTY_RAYS};
 use crate::light::PatchLight;
 use crate::particles::{self, ParticleEffort};
-use crate::refine::{RefinementWork, refine};
-use crate::solve::{Estimate, FirstPass, Method, Report, SolveError};
+use crate::refine::{RefinementGoal, RefinementWork, refine};
+use crate::solve::{Estimate, FirstPass, Method, PatchPurpose, Report, SolveError};
 use crate::stochastic;
 use crate::system::{RadiositySolution, System};
 use azulejo_factors::engine::Estimator;
@@ -13,8 +13,8 @@ use azulejo_factors::{Engine, EngineChoice, EngineUsed, Patches, ProxyScene, ref
 use azulejo_scene::{Rgb, Scene};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{
-    DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer, Measure, Progress, Surfaces,
-    Termination, Tracer,
+    DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer, Measure, Progress,
+    SplitIrradiance, Surfaces, Termination, Tracer,
 };
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -51,7 +51,7 @@ pub fn radiosity(
     progress: &Progress,
 ) -> Result<PatchRadiosity, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
-    let solved = SolvedPatches::new(&proxy, pass, progress, &mut |_, _| ())?;
+    let solved = SolvedPatches::new(&proxy, pass, PatchPurpose::Result, progress, &mut |_, _| ())?;
     let nothing = Gathering::new(GatherTargets {
         points: &[],
         areas: &[],
@@ -86,6 +86,7 @@ impl<'a> SolvedPatches<'a> {
     pub fn new(
         proxy: &'a ProxyScene,
         pass: &FirstPass,
+        purpose: PatchPurpose,
         progress: &Progress,
         watch: CoarseCallback,
     ) -> Result<SolvedPatches<'a>, SolveError> {
@@ -100,10 +101,11 @@ impl<'a> SolvedPatches<'a> {
         let gatherer = Gatherer::new(Surfaces::new(scene, tracer));
         let reflectance = reflectances(scene, &patches);
         let seed = hash(&[pass.key(), 0]);
+        let enough = pass.patch_rays(purpose, patches.len());
         let rays = if progress.has_deadline() {
-            pass.patch_rays().min(HASTY_RAYS)
+            enough.min(HASTY_RAYS)
         } else {
-            pass.patch_rays()
+            enough
         };
         // Entries of eight bytes, hardly more of them than rays.
         let expected = patches.len() as u64 * u64::from(rays) * 8;
@@ -112,6 +114,7 @@ impl<'a> SolvedPatches<'a> {
             patches: &patches,
             reflectance: &reflectance,
             rays,
+            goal: pass.goal(purpose, patches.len()),
             seed,
         };
         progress.limit_phase(PATCH_SHARE);
@@ -205,6 +208,7 @@ impl<'a> SolvedPatches<'a> {
             quarters: gathering.quarters(),
             path_traced: gathering.path_traced(),
             rays_needed: gathering.rays_needed,
+            interpolated: gathering.interpolated(),
         }
     }
 }
@@ -223,6 +227,7 @@ struct SolverInputs<'a> {
     patches: &'a Patches,
     reflectance: &'a [Rgb],
     rays: u32,
+    goal: Option<RefinementGoal>,
     seed: u32,
 }
 
@@ -294,7 +299,7 @@ impl SolverInputs<'_> {
         };
         let sides: Vec<GatherPoint> = (0..2 * patches.len()).map(point).collect();
         progress.begin("irradiance of patches", sides.len() as u64);
-        let found: Vec<Vec<Gathered>> = sides
+        let found: Vec<Vec<SplitIrradiance>> = sides
             .par_chunks(CHUNK)
             .map(|points| {
                 progress.advance(points.len() as u64)?;
@@ -305,7 +310,7 @@ impl SolverInputs<'_> {
                 Ok(gatherer.gather_with(points, &options, &directions, &light))
             })
             .collect::<Result<_, SolveError>>()?;
-        solution.incident = found.iter().flatten().map(Gathered::mean).collect();
+        solution.incident = found.iter().flatten().map(|e| e.whole().mean()).collect();
         let why =
             "paths are traced from every point, because the time does not suffice for patches";
         Ok(PatchSolution {
@@ -322,7 +327,7 @@ impl SolverInputs<'_> {
         pass: &FirstPass,
         progress: &Progress,
     ) -> Result<PatchSolution, SolveError> {
-        let goal = pass.goal();
+        let goal = self.goal;
         let effort = ParticleEffort {
             first: self.rays,
             error: goal.map(|g| g.error),
@@ -362,6 +367,7 @@ impl SolverInputs<'_> {
             patches,
             reflectance,
             rays,
+            goal,
             seed,
         } = self;
         let (engine, why) = match &pass.engine {
@@ -386,7 +392,7 @@ impl SolverInputs<'_> {
         };
         // Hemicubes have the requested number of pixels: rays beside them would only add noise.
         let is_drawn = matches!(estimator, Estimator::Hemicube(_));
-        let Some(goal) = pass.goal().filter(|_| !is_drawn) else {
+        let Some(goal) = goal.filter(|_| !is_drawn) else {
             return Ok(Some(found));
         };
         progress.limit_phase(REFINEMENT_SHARE);

@@ -4,7 +4,9 @@
 use crate::gather::{FIRST_RAYS, GatherPass, Gathering, HASTY_RAYS};
 use azulejo_scene::Rgb;
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, DiffuseLight, Gathered, REPLICATES, Termination};
+use azulejo_trace::{
+    Cancelled, DiffuseLight, Gathered, REPLICATES, SplitIrradiance, Termination,
+};
 
 /// Points of the sample, per stratum.
 const SAMPLE: usize = 12;
@@ -18,8 +20,8 @@ const MOST_SAMPLE_RAYS: u32 = 1 << 13;
 /// One point of the sample, gathered both ways from the same directions.
 struct Comparison {
     point: u32,
-    patches: Gathered,
-    paths: Gathered,
+    patches: SplitIrradiance,
+    paths: SplitIrradiance,
 }
 
 /// What the sample says of a stratum.
@@ -76,12 +78,12 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         (spent, sample): (u32, Vec<Comparison>),
         most: u32,
     ) -> Result<(), Cancelled> {
-        let before = (all.gathered.clone(), all.spent.clone());
+        let before = (all.values.clone(), all.spent.clone());
         let points = all.strata.points(stratum).to_vec();
         all.strata.trace_paths(stratum);
         points.iter().for_each(|&i| all.spent[i as usize] = 0);
         for known in sample {
-            all.gathered[known.point as usize] = known.paths;
+            all.values.add(known.point as usize, &known.paths, 1.0);
             all.spent[known.point as usize] = spent;
         }
         let first = if self.progress.has_deadline() {
@@ -92,7 +94,8 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         let totals: Vec<u32> = all.spent.iter().map(|&n| n.max(first)).collect();
         self.raise(all, &totals)?;
         if points.iter().any(|&i| all.spent[i as usize] == 0) {
-            (all.gathered, all.spent) = before;
+            (all.values, all.spent) = before;
+            all.combine();
             all.strata.read_patches(stratum, discretization);
         }
         Ok(())
@@ -105,8 +108,8 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         keyed.sort_unstable();
         let new = |&(_, point): &(u32, u32)| Comparison {
             point,
-            patches: Gathered::default(),
-            paths: Gathered::default(),
+            patches: SplitIrradiance::default(),
+            paths: SplitIrradiance::default(),
         };
         keyed.iter().take(SAMPLE).map(new).collect()
     }
@@ -152,7 +155,7 @@ fn judge(all: &Gathering, sample: &[Comparison], allowed: f64) -> Verdict {
     for known in sample {
         let difference = Gathered {
             replicates: std::array::from_fn::<Rgb, REPLICATES, _>(|r| {
-                known.patches.replicates[r] - known.paths.replicates[r]
+                known.patches.indirect.replicates[r] - known.paths.indirect.replicates[r]
             }),
         };
         let (mean, variance) = (difference.mean(), difference.variance());

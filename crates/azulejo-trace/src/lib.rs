@@ -41,7 +41,7 @@ mod tracer;
 
 pub use gather::{
     DiffuseHit, DiffuseLight, DirectLight, DirectionTables, GatherOptions, GatherPoint, Gathered,
-    Gatherer, NextEvent, OutgoingRadiosity, RAYS_PER_FORMULA, REPLICATES, SurfaceSamples,
+    Gatherer, NextEvent, OutgoingRadiosity, RAYS_PER_FORMULA, REPLICATES, SplitIrradiance, SurfaceSamples,
     Termination,
 };
 pub use hit::{Hit, Item};
