@@ -121,10 +121,14 @@ impl Gathering {
         1.0 - records as f64 / self.gathered.len().max(1) as f64
     }
 
-    /// Mean number of rays per point.
+    /// Mean number of rays per point, shadow rays not counted.
     pub fn rays_per_point(&self) -> u32 {
-        let sum: u64 = self.spent.iter().map(|&n| u64::from(n)).sum();
-        (sum / self.spent.len().max(1) as u64) as u32
+        let rays = |(i, &spent): (usize, &u32)| match self.values.kind(i) {
+            PointKind::Record => u64::from(spent),
+            PointKind::Interpolated => 0,
+        };
+        let sum: u64 = self.spent.iter().enumerate().map(rays).sum();
+        sum.div_ceil(self.spent.len().max(1) as u64) as u32
     }
 
     /// Estimated error: the root mean square, over points and channels, of the error of irradiance,
