@@ -7,6 +7,7 @@
 //! ([`Termination::Roulette`]). Where the two differ by more than a part of the requested error, all
 //! points of the stratum are path traced; elsewhere the difference is part of the stated error.
 
+use crate::standard_errors::standard_errors;
 use crate::strata::{Strata, StratumError};
 use azulejo_scene::Rgb;
 use azulejo_trace::{
@@ -134,13 +135,7 @@ impl Gathering {
     /// Standard error of every point, discretization included: the truth lies within two of them
     /// 95.4 times in 100.
     pub fn standard_errors(&self) -> Vec<Rgb> {
-        let errors = self.errors();
-        let of = |(i, g): (usize, &Gathered)| {
-            let e = &errors[self.strata.of(i)];
-            let noise = g.standard_error() * e.gain.sqrt();
-            (noise * noise + Rgb::grey(e.discretization)).map(f64::sqrt)
-        };
-        self.gathered.iter().enumerate().map(of).collect()
+        standard_errors(self)
     }
 
     /// Share of the points that are path traced.

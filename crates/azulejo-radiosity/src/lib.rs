@@ -16,6 +16,7 @@
 //! | [`particles`] | particles from the lights, which need no rows either |
 //! | [`gather`], [`light`], [`vertices`] | irradiance at points, from the light on patches |
 //! | [`strata`], `validation` | where the patches are good enough for that, and where paths are traced |
+//! | `standard_errors` | errors of single points, from their own spread and that of points like them |
 //! | [`StoredSides`] | which side of a surface is stored |
 //!
 //! Exact shapes are divided as polygons ([`faceted`](azulejo_factors::faceted)).
@@ -29,6 +30,7 @@ pub mod refine;
 mod sides;
 pub mod solve;
 pub mod solved;
+mod standard_errors;
 pub mod stochastic;
 pub mod strata;
 pub mod system;
