@@ -8,6 +8,7 @@
 //! points of the stratum are path traced; elsewhere the difference is part of the stated error.
 
 use crate::sparse::{self, GatheredValues, PointKind};
+use crate::standard_errors::standard_errors;
 use crate::strata::{Strata, StratumError};
 use azulejo_scene::Rgb;
 use azulejo_trace::{
@@ -159,13 +160,7 @@ impl Gathering {
     /// Standard error of every point, discretization included: the truth lies within two of them
     /// 95.4 times in 100.
     pub fn standard_errors(&self) -> Vec<Rgb> {
-        let errors = self.errors();
-        let of = |(i, g): (usize, &Gathered)| {
-            let e = &errors[self.strata.of(i)];
-            let noise = g.standard_error() * e.gain.sqrt();
-            (noise * noise + Rgb::grey(e.discretization + e.interpolation)).map(f64::sqrt)
-        };
-        self.gathered.iter().enumerate().map(of).collect()
+        standard_errors(self)
     }
 
     /// Share of the points that are path traced.

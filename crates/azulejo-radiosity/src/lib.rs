@@ -17,6 +17,7 @@
 //! | [`gather`], [`light`], [`vertices`] | irradiance at points, from the light on patches |
 //! | [`strata`], `validation` | where the patches are good enough for that, and where paths are traced |
 //! | `sparse`, `records`, `interpolation` | many points from few of them |
+//! | `standard_errors` | errors of single points, from their own spread and that of points like them |
 //! | [`StoredSides`] | which side of a surface is stored |
 //!
 //! Exact shapes are divided as polygons ([`faceted`](azulejo_factors::faceted)).
@@ -33,6 +34,7 @@ mod sides;
 pub mod solve;
 pub mod solved;
 mod sparse;
+mod standard_errors;
 pub mod stochastic;
 pub mod strata;
 pub mod system;

@@ -152,6 +152,31 @@ impl Material {
         glossy.filter(|lobes| !lobes.is_empty() && self.dielectric.is_none())
     }
 
+    /// Whether [`mirror_at`](Material::mirror_at) depends on the angle.
+    pub fn mirror_varies(&self) -> bool {
+        self.glossy().is_some() && !self.mirror.is_black()
+    }
+
+    /// Reflectance of the perfect mirror for the cosine of the angle to the normal. Where lobes
+    /// take what it leaves, it is that of the model at this angle: with its mean, mirror and lobes
+    /// together would reflect more than arrives where the lobes are strongest. Elsewhere the mean.
+    pub fn mirror_at(&self, cos: f64) -> Rgb {
+        let model = self.brdf.as_deref().filter(|_| self.mirror_varies());
+        let Some(brdf) = model else {
+            return self.mirror;
+        };
+        let near_mirrors = brdf.narrow().mean_albedo();
+        let (mean, here) = (brdf.mean_mirror(), near_mirrors + brdf.mirror(cos));
+        let scaled = |k: usize| {
+            if mean[k] > 0.0 {
+                self.mirror[k] * here[k] / mean[k]
+            } else {
+                self.mirror[k]
+            }
+        };
+        Rgb::new(scaled(0), scaled(1), scaled(2))
+    }
+
     /// Fraction of uniform light that the glossy lobes reflect.
     pub fn mean_glossy(&self) -> Rgb {
         self.glossy().map_or(Rgb::BLACK, Lobes::mean_albedo)

@@ -7,9 +7,11 @@
 //! Willmott, in Radiance's `He.cal`) and are left out.
 
 mod series;
+mod table;
 
 use super::arguments::Arguments;
-use super::beckmann::{Beckmann, hidden};
+use super::beckmann::Beckmann;
+use super::facet_guide::FacetGuide;
 use super::lobe::{Lobe, Reflect, Spread};
 use super::microfacet::{HalfVector, over_base};
 use super::models::{KD, KS, ModelInfo, ParameterInfo};
@@ -18,6 +20,8 @@ use super::{BrdfError, Fresnel, WAVELENGTHS};
 use crate::Rgb;
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, LN_2, PI, TAU};
+use std::sync::Arc;
+use table::SeriesTable;
 
 const PARAMETERS: &[ParameterInfo] = &[
     KD.also(&["rd", "a"]),
@@ -73,6 +77,17 @@ pub(super) const MIRROR: ModelInfo = ModelInfo {
     ..INFO
 };
 
+/// Cotangent of an angle, in units of the slopes, from where on rounding hides that facets hide each
+/// other.
+const ALL_SEEN: f64 = 6.0;
+
+/// Slope of the facets that are sampled relative to those that reflect: theirs tail off sooner than
+/// the light of diffraction.
+const BROADER: f64 = 1.3;
+
+/// Share of the samples with a cosine distribution, for directions that the facets rarely sample.
+const WIDE: f64 = 0.03;
+
 /// A Gaussian surface of random heights. Lengths in micrometres.
 #[derive(Clone, Copy, Debug)]
 struct RoughSurface {
@@ -108,15 +123,23 @@ impl RoughSurface {
     fn slant(&self, sin: f64, cos: f64) -> Slant {
         let tan = sin / cos;
         let q = self.tau / (2.0 * self.sigma0 * tan);
+        if q > ALL_SEEN {
+            return Slant {
+                shade: 0.0,
+                seen: 1.0,
+            };
+        }
         let erfc = libm::erfc(q);
+        // Smith's Λ, hidden facets per visible one.
+        let hidden = 0.5 * ((-q * q).exp() / (q * PI.sqrt()) - erfc);
         Slant {
             shade: (tan * erfc).min(1e300),
-            seen: (1.0 - 0.5 * erfc) / (1.0 + hidden(q)),
+            seen: (1.0 - 0.5 * erfc) / (1.0 + hidden.max(0.0)),
         }
     }
 
     fn slant_of(&self, w: DVec3) -> Slant {
-        self.slant(w.x.hypot(w.y), w.z)
+        self.slant((w.x * w.x + w.y * w.y).sqrt(), w.z)
     }
 
     /// σ: the apparent roughness, that of the illuminated and visible parts.
@@ -160,14 +183,39 @@ pub(super) struct HeTorrance {
     surface: RoughSurface,
     /// The longest wavelength, which has the widest lobe.
     longest: f64,
+    series: Arc<SeriesTable>,
+    guide: Arc<FacetGuide>,
 }
 
 impl HeTorrance {
     fn new(surface: RoughSurface) -> HeTorrance {
-        HeTorrance {
+        let [longest, shortest] = [
+            surface.lambda.max_channel(),
+            -(surface.lambda * -1.0).max_channel(),
+        ];
+        let root = 2.0 * TAU * surface.sigma0 / shortest;
+        let offset = TAU * surface.tau / shortest;
+        let mut lobe = HeTorrance {
             surface,
-            longest: surface.lambda.max_channel(),
+            longest,
+            series: Arc::new(SeriesTable::new(root, offset)),
+            guide: Arc::new(FacetGuide::new(|_, _, _| 1.0)),
+        };
+        let guide = FacetGuide::new(|cos, slope, azimuth| lobe.weight(cos, slope, azimuth));
+        lobe.guide = Arc::new(guide);
+        lobe
+    }
+
+    /// What facets reflect over the density of what facets sampled without a guide would.
+    fn weight(&self, cos: f64, slope: f64, azimuth: f64) -> f64 {
+        let wo = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+        let facets = self.facets(wo);
+        let wi = facets.sample(wo, slope, azimuth);
+        if !(wi.z > 0.0) {
+            return 0.0;
         }
+        let weight = self.eval(wo, wi).mean() * wi.z / facets.pdf(&HalfVector::new(wo, wi));
+        if weight.is_finite() { weight } else { 0.0 }
     }
 
     /// Facets whose reflected light is about as wide as the lobe of light along `wo`. Their slope
@@ -182,13 +230,7 @@ impl HeTorrance {
             root * root / -(-root * root).exp_m1()
         };
         let slope = self.longest * term.sqrt() / (TAU * surface.tau * wo.z);
-        Beckmann::isotropic((1.1 * slope).clamp(1e-5, 1.0))
-    }
-
-    /// Fraction of samples with a cosine distribution, for directions that the facets rarely
-    /// sample.
-    fn wide(facets: Beckmann) -> f64 {
-        (facets.ax * facets.ax).clamp(0.05, 0.5)
+        Beckmann::isotropic((BROADER * slope).clamp(1e-5, 1.0))
     }
 }
 
@@ -198,34 +240,51 @@ impl Reflect for HeTorrance {
         let (i, o) = (surface.slant_of(wi), surface.slant_of(wo));
         let sigma = surface.apparent_roughness(i, o);
         let v = half.v;
+        let across = (v.x * v.x + v.y * v.y).sqrt();
         let geometry = (v.length_squared() / v.z).powi(2);
         let density = surface.per_wavelength(|lambda| {
             let (k, t) = (TAU / lambda, PI * surface.tau / lambda);
-            let g = (k * sigma * v.z).powi(2);
-            let x = t * t * (v.x * v.x + v.y * v.y);
-            0.25 * t * t * series::sum(g, x)
+            0.25 * t * t * self.series.sum(k * sigma * v.z, t * across)
         });
         let seen = i.seen * o.seen / (PI * wi.z * wo.z);
         surface.scale * surface.fresnel.at(half.cos_d()) * density * (geometry * seen)
     }
 
     fn pdf(&self, wo: DVec3, wi: DVec3) -> f64 {
-        let facets = self.facets(wo);
-        let wide = HeTorrance::wide(facets);
-        wide * wi.z * FRAC_1_PI + (1.0 - wide) * facets.pdf(&HalfVector::new(wo, wi))
+        let (facets, half) = (self.facets(wo), HalfVector::new(wo, wi));
+        let (v, sin) = (half.v, (wo.x * wo.x + wo.y * wo.y).sqrt());
+        let along = if sin > 0.0 {
+            v.x * wo.x + v.y * wo.y
+        } else {
+            v.x
+        };
+        let across = (v.x * v.x + v.y * v.y).sqrt() * if sin > 0.0 { sin } else { 1.0 };
+        let cos_azimuth = if across > 0.0 { along / across } else { 1.0 };
+        let smaller = 1.0 - facets.exponential(&half);
+        let guided = self.guide.density(wo.z, smaller, cos_azimuth);
+        WIDE * wi.z * FRAC_1_PI + (1.0 - WIDE) * facets.pdf(&half) * guided
     }
 
     fn sample(&self, wo: DVec3, [u1, u2, u3]: [f64; 3]) -> DVec3 {
-        let facets = self.facets(wo);
-        if u3 < HeTorrance::wide(facets) {
-            cosine_hemisphere(u1, u2)
-        } else {
-            facets.sample(wo, u1, u2)
+        if u3 < WIDE {
+            return cosine_hemisphere(u1, u2);
         }
+        let sin = (wo.x * wo.x + wo.y * wo.y).sqrt();
+        let (x, y) = if sin > 0.0 {
+            (wo.x / sin, wo.y / sin)
+        } else {
+            (1.0, 0.0)
+        };
+        let (slope, azimuth) = self.guide.choose(wo.z, u1, u2);
+        let wi = self
+            .facets(wo)
+            .sample(DVec3::new(sin, 0.0, wo.z), slope, azimuth);
+        DVec3::new(x * wi.x - y * wi.y, y * wi.x + x * wi.y, wi.z)
     }
 
     fn spread(&self) -> Spread {
-        Spread::Glossy(2.0 * (self.facets(DVec3::Z).ax * LN_2.sqrt()).atan())
+        let slope = self.facets(DVec3::Z).ax * 1.1 / BROADER;
+        Spread::Glossy(2.0 * (slope * LN_2.sqrt()).atan())
     }
 }
 

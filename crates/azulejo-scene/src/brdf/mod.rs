@@ -42,6 +42,7 @@ mod blinn;
 mod burley_diffuse;
 mod cook_torrance;
 mod eon;
+mod facet_guide;
 mod ggx_ms;
 mod ggx_smith;
 mod gltf_mr;

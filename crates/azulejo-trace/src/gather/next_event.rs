@@ -2,7 +2,7 @@
 //! sampled direction seldom hits a lamp and never a light without area.
 
 use super::Gatherer;
-use crate::follow::Path;
+use crate::follow::{Path, branching};
 use crate::interaction::{SurfaceInteraction, shadow_ray};
 use crate::lights::{LightSample, mis_weight};
 use crate::sampling::{hash, uniform};
@@ -119,6 +119,8 @@ struct Gloss<'g, 'a> {
     origin: DVec3,
     /// Unit, back along the path, in the frame.
     wo: DVec3,
+    /// Probability that the path goes on by the lobes.
+    lobe_probability: f64,
 }
 
 impl<'g, 'a> Gloss<'g, 'a> {
@@ -131,20 +133,24 @@ impl<'g, 'a> Gloss<'g, 'a> {
         }
         let at = SurfaceInteraction::new(surfaces.tracer, &path.ray, hit);
         let frame = at.frame(surfaces);
+        let wo = frame.to_local(-at.direction);
+        let material = surfaces.material(hit.item);
         Some(Gloss {
             gatherer,
             lobes,
             weight: path.weight,
             frame,
             origin: at.origin(surfaces.tracer),
-            wo: frame.to_local(-at.direction),
+            wo,
+            lobe_probability: branching(material, lobes, wo, path.depth).lobe_probability(),
         })
     }
 
     /// What is reflected of a sample of a lamp, weighted against the lobes' own samples.
     fn reflected(&self, sample: &LightSample) -> Rgb {
         let wi = self.frame.to_local(sample.direction);
-        let share = mis_weight(sample.pdf, self.lobes.pdf(self.wo, wi));
+        let by_lobes = self.lobe_probability * self.lobes.pdf(self.wo, wi);
+        let share = mis_weight(sample.pdf, by_lobes);
         let reflected = self.lobes.eval(self.wo, wi) * sample.radiance;
         reflected * (wi.z.max(0.0) * share / sample.pdf)
     }

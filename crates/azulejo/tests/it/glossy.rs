@@ -1,10 +1,15 @@
 //! Reflection models from file to picture: two passes against brute force.
 
+use azulejo::factors::PointNormal;
 use azulejo::radiosity::{self, FirstPass};
 use azulejo::render::{self, ReferencePass, SecondPass};
-use azulejo::scene::synthetic::{CornellVariant, cornell_box};
-use azulejo::scene::{Image, Rgb, Scene};
+use azulejo::scene::brdf::Brdf;
+use azulejo::scene::synthetic::{CornellVariant, cornell_box, cube_room};
+use azulejo::scene::{Camera, Image, Material, Object, Primitive, Rgb, Scene, Shape};
 use azulejo::trace::{Progress, Tracer};
+use glam::{DVec3, dvec3};
+use std::f64::consts::PI;
+use std::sync::Arc;
 
 const SIZE: (u32, u32) = (24, 24);
 
@@ -57,4 +62,81 @@ fn two_passes_show_what_brute_force_shows() {
     let rmse = render::relative_rmse(&found, &truth.image);
     let known = truth.relative_error();
     assert!(rmse < 0.1 + 2.0 * known, "{rmse}, known to {known}");
+}
+
+/// A closed cube whose walls reflect by a model, a lamp below its ceiling, and a matt tile in the
+/// middle of its floor that a camera sees from above.
+fn mirror_cube(model: &str) -> Scene {
+    let mut scene = cube_room();
+    let brdf = Brdf::new(model.parse().unwrap()).unwrap();
+    scene.materials[0] = Material::with_brdf("wall", Arc::new(brdf));
+    let tile = scene.add_material(Material::diffuse("tile", Rgb::grey(TILE)));
+    let lamp = scene.add_material(Material {
+        emission: Rgb::grey(10.0),
+        ..Material::diffuse("lamp", Rgb::BLACK)
+    });
+    let mut sheet = |corner, edge1, edge2, material| {
+        let sheet = Primitive::parallelogram(corner, edge1, edge2, material);
+        scene
+            .objects
+            .push(Object::new("sheet", Shape::Primitive(sheet)));
+    };
+    sheet(
+        dvec3(0.45, 0.45, 0.01),
+        DVec3::X * 0.1,
+        DVec3::Y * 0.1,
+        tile,
+    );
+    sheet(dvec3(0.6, 0.6, 0.99), DVec3::Y * 0.3, DVec3::X * 0.3, lamp);
+    scene.cameras.push(Camera {
+        name: "tile".into(),
+        eye: dvec3(0.5, 0.5, 0.06),
+        target: dvec3(0.5, 0.5, 0.01),
+        up: DVec3::Y,
+        vertical_fov: 0.5,
+        size: Some(SIZE),
+    });
+    scene
+}
+
+/// Reflectance of the tile.
+const TILE: f64 = 0.5;
+
+/// Among walls that both mirror and scatter, from the wave's optics, nearly all light on the tile has
+/// met several of them.
+#[test]
+fn light_among_walls_by_he_and_torrance_is_that_of_brute_force() {
+    for model in [
+        "he_torrance ks = 0.8 sigma0 = 0.05 tau = 2 metal = aluminium",
+        "he_torrance sigma0 = 0.4 tau = 2 metal = gold",
+    ] {
+        let scene = mirror_cube(model);
+        let tracer = Tracer::new(&scene);
+        let options = ReferencePass {
+            size: (16, 16),
+            samples_per_pixel: 1024,
+            ..ReferencePass::default()
+        };
+        let camera = &scene.cameras[0];
+        let truth = render::reference(&scene, &tracer, camera, &options, &Progress::new()).unwrap();
+        let first = FirstPass {
+            rays: Some(16_384),
+            ..FirstPass::default()
+        };
+        let tile = [PointNormal {
+            position: dvec3(0.5, 0.5, 0.01),
+            normal: DVec3::Z,
+        }];
+        let found = radiosity::probe(&scene, &tracer, &tile, &first, &Progress::new()).unwrap();
+        let (a, b) = (found.estimates[0], mean(&truth.image) * (PI / TILE));
+        let own = mean(&truth.error) * (PI / TILE / 16.0);
+        for k in 0..3 {
+            let margin = 4.0 * a.error[k].hypot(own[k]) + 0.005 * b[k];
+            assert!(margin < 0.1 * b[k], "{model}: {a:?}, {own:?}");
+            assert!(
+                (a.value[k] - b[k]).abs() < margin,
+                "{model}: {a:?}, expected {b:?}"
+            );
+        }
+    }
 }

@@ -1,0 +1,124 @@
+//! He and Torrance's series, tabulated: its logarithm, interpolated.
+
+use super::series;
+
+/// Nodes per unit of the square root of √g.
+const PER_ROOT: f64 = 56.0;
+
+/// Nodes per unit of √x/(1 + √g).
+const PER_OFFSET: f64 = 40.0;
+
+/// The largest √x/(1 + √g) in the table. Farther out next to nothing is reflected.
+const MOST_OFFSET: f64 = 8.0;
+
+/// The largest √g in the table. Where it is larger, few rays hit so rough a surface so steeply.
+const MOST_ROOT: f64 = 80.0;
+
+/// Nodes beside those between which a value lies.
+const BORDER: usize = 2;
+
+/// Σ gᵐ e⁻ᵍ/(m·m!) exp(−x/m) by interpolation, for √g up to that of one surface.
+///
+/// The coordinates √√g and √x/(1 + √g) make features as wide for small g, where the series is a
+/// few Gaussians, as for large g, where it is one of a slope in proportion to 1/√g.
+#[derive(Debug)]
+pub(super) struct SeriesTable {
+    /// Logarithms of the sum times (1 + g)²/g, row by row.
+    values: Vec<f64>,
+    rows: usize,
+    columns: usize,
+}
+
+impl SeriesTable {
+    /// For √g up to `most_root` and √x up to `most_offset`.
+    pub fn new(most_root: f64, most_offset: f64) -> SeriesTable {
+        let count = |most: f64| most.ceil() as usize + 2 * BORDER;
+        let rows = count(most_root.min(MOST_ROOT).sqrt() * PER_ROOT);
+        let columns = count(most_offset.min(MOST_OFFSET) * PER_OFFSET);
+        let mut values = Vec::with_capacity(rows * columns);
+        for row in 0..rows {
+            // The function is even in both coordinates, so that nodes below zero mirror others.
+            let root = (place(row) / PER_ROOT).powi(2).max(1e-8);
+            let g = root * root;
+            for column in 0..columns {
+                let offset = place(column) / PER_OFFSET * (1.0 + root);
+                let sum = series::sum(g, offset * offset) * (1.0 + g).powi(2) / g;
+                values.push(sum.max(f64::MIN_POSITIVE).ln());
+            }
+        }
+        SeriesTable {
+            values,
+            rows,
+            columns,
+        }
+    }
+
+    /// The sum for √g = `root` and √x = `offset`.
+    pub fn sum(&self, root: f64, offset: f64) -> f64 {
+        let g = root * root;
+        let (row, s) = split(root.sqrt() * PER_ROOT);
+        let (column, t) = split(offset / (1.0 + root) * PER_OFFSET);
+        if row + 2 * BORDER > self.rows || column + 2 * BORDER > self.columns {
+            return series::sum(g, offset * offset);
+        }
+        let (down, across) = (cubic(s), cubic(t));
+        let mut log = 0.0;
+        for (k, weight) in down.iter().enumerate() {
+            let start = (row + k) * self.columns + column;
+            let line = &self.values[start..start + 4];
+            let sum: f64 = line.iter().zip(across).map(|(v, w)| v * w).sum();
+            log += weight * sum;
+        }
+        log.exp() * g / (1.0 + g).powi(2)
+    }
+}
+
+/// Coordinate of a node.
+fn place(node: usize) -> f64 {
+    node as f64 - 1.0
+}
+
+/// The first of the four nodes around a coordinate, and where between the middle two it lies.
+fn split(at: f64) -> (usize, f64) {
+    let floor = at.floor();
+    (floor as usize, at - floor)
+}
+
+/// Weights of four equidistant nodes, −1 to 2, for the cubic through their values (Lagrange).
+fn cubic(t: f64) -> [f64; 4] {
+    let (a, b, c) = (t + 1.0, t - 1.0, t - 2.0);
+    [
+        -t * b * c / 6.0,
+        a * b * c / 2.0,
+        -a * t * c / 2.0,
+        a * t * b / 6.0,
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn interpolation_is_close_where_light_is_reflected() {
+        for root in [0.3, 3.0, 12.0, 54.0] {
+            let table = SeriesTable::new(root, 200.0);
+            let (mut worst, mut at) = (0.0f64, (0.0, 0.0));
+            for i in 0..300 {
+                let r = root * (i as f64 + 0.31) / 300.0;
+                for j in 0..300 {
+                    let x = 8.0 * (1.0 + r) * (j as f64 + 0.37) / 300.0;
+                    let exact = series::sum(r * r, x * x);
+                    let peak = series::sum(r * r, 0.0);
+                    let error = (table.sum(r, x) - exact).abs() / peak;
+                    if error > worst {
+                        worst = error;
+                        at = (r, x);
+                    }
+                }
+            }
+            println!("{root}: {worst:e} at {at:?}, {} nodes", table.values.len());
+            assert!(worst < 2e-6, "{root}: {worst}");
+        }
+    }
+}
