@@ -66,11 +66,6 @@ impl Stencil {
     pub fn weights(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
         self.weights.iter().map(|&(r, w)| (r as usize, w.into()))
     }
-
-    /// Whether several records are averaged.
-    pub fn is_interpolated(&self) -> bool {
-        self.weights.len() > 1
-    }
 }
 
 /// Finds the records around points.
@@ -214,4 +209,78 @@ fn plane(
         .collect();
     let variance: f32 = weights.iter().map(|w| w.1 * w.1).sum();
     (f64::from(variance) <= MOST_VARIANCE).then_some(Stencil { weights })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use azulejo_scene::{Rgb, Scene};
+
+    fn on_floor(x: f64, z: f64) -> GatherPoint {
+        GatherPoint {
+            position: dvec3(x, 0.0, z),
+            normal: DVec3::Y,
+            key: 0,
+        }
+    }
+
+    /// A grid of records, a unit apart, uneven by less than a third of that.
+    fn records() -> Vec<GatherPoint> {
+        let at = |k: u32| {
+            let [x, z] = [k % 20, k / 20].map(f64::from);
+            on_floor(x + 0.3 * (7.0 * z).sin(), z + 0.3 * (5.0 * x).sin())
+        };
+        (0..400).map(at).collect()
+    }
+
+    fn values(records: &[GatherPoint], of: impl Fn(DVec3) -> f64) -> Vec<Gathered> {
+        let value = |p: &GatherPoint| Gathered {
+            replicates: [Rgb::grey(of(p.position)); 4],
+        };
+        records.iter().map(value).collect()
+    }
+
+    #[test]
+    fn planes_are_reproduced() {
+        let tracer = Tracer::new(&Scene::default());
+        let records = records();
+        let plane = |p: DVec3| 3.0 + 0.5 * p.x - 0.25 * p.z;
+        let known = values(&records, plane);
+        let interpolator = Interpolator::new(&tracer, &records);
+        let points: Vec<GatherPoint> = (0..90)
+            .map(|k| on_floor(3.0 + 0.15 * f64::from(k), 4.0 + 0.11 * f64::from(k)))
+            .collect();
+        for (p, stencil) in points.iter().zip(interpolator.stencils(&points)) {
+            let stencil = stencil.expect("records all around");
+            let sum: f64 = stencil.weights().map(|w| w.1).sum();
+            let found = stencil.apply(&known).mean().mean();
+            // The ridge moves gradients toward zero by a thousandth.
+            assert!((sum - 1.0).abs() < 1e-5, "{sum}");
+            assert!((found - plane(p.position)).abs() < 2e-3, "{found} at {p:?}");
+        }
+    }
+
+    #[test]
+    fn records_that_are_left_out_have_no_weight_of_their_own() {
+        let tracer = Tracer::new(&Scene::default());
+        let records = records();
+        let interpolator = Interpolator::new(&tracer, &records);
+        for (record, stencil) in interpolator.left_out().iter().enumerate() {
+            let weights = stencil.iter().flat_map(Stencil::weights);
+            assert!(weights.into_iter().all(|w| w.0 != record));
+        }
+    }
+
+    #[test]
+    fn far_from_all_records_and_across_a_bend_nothing_is_interpolated() {
+        let tracer = Tracer::new(&Scene::default());
+        let records = records();
+        let interpolator = Interpolator::new(&tracer, &records);
+        let far = on_floor(60.0, 60.0);
+        let bent = GatherPoint {
+            normal: DVec3::X,
+            ..on_floor(10.0, 10.0)
+        };
+        assert_eq!(interpolator.stencils(&[far, bent]), [None, None]);
+    }
 }

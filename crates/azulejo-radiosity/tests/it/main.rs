@@ -12,6 +12,7 @@ mod exact;
 mod furnace;
 mod glossy;
 mod hemicubes;
+mod interpolation;
 mod lights;
 mod mirrors;
 mod particles;
