@@ -7,13 +7,16 @@
 //! ([`Termination::Roulette`]). Where the two differ by more than a part of the requested error, all
 //! points of the stratum are path traced; elsewhere the difference is part of the stated error.
 
+use crate::deadline::{FEWEST_RAYS, GatherPace, hasty_rays, planned_seconds};
 use crate::strata::{Strata, StratumError};
 use azulejo_scene::Rgb;
+use azulejo_trace::sampling::hash;
 use azulejo_trace::{
     Cancelled, DiffuseLight, DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer,
     Measure, Progress, Termination,
 };
 use rayon::prelude::*;
+use std::time::Instant;
 
 /// Points gathered together: enough to fill the tracer's batches, few enough that their paths stay
 /// in the cache.
@@ -23,11 +26,18 @@ pub(crate) const CHUNK: usize = 8;
 /// times this, or one and a half times that.
 pub(crate) const FIRST_RAYS: u32 = 128;
 
-/// Rays per patch and per point of the first pass if there is a deadline: all get some light soon.
+/// Most rays per patch and per point of the first pass if there is a deadline: all get some light
+/// soon.
 pub(crate) const HASTY_RAYS: u32 = 32;
 
 /// Most rays per point of any gather.
 pub const MOST_RAYS: u32 = 1 << 17;
+
+/// Points whose time is measured before a first pass that has a deadline.
+const PACE_POINTS: u32 = 64;
+
+/// How many more rays than are permitted a goal may take before it is said to be out of reach.
+const TOLERATED: f64 = 0.1;
 
 /// Largest growth of a point's total per pass: early variances are too uncertain to be trusted
 /// further.
@@ -51,8 +61,35 @@ pub enum Paths {
     Measured,
     /// All: there is no light on patches to be read.
     Always,
-    /// None: where bounces are limited, only the patches know which bounce their light is of.
-    Never,
+}
+
+/// The light that a gather finds at diffuse surfaces.
+pub struct GatherLight<'a, L> {
+    /// The light on patches.
+    pub patches: &'a L,
+    /// Where bounces are limited, black light for the paths, and the number of bounces: patches do
+    /// not tell how often their light was reflected.
+    pub limited: Option<(&'a L, u32)>,
+}
+
+impl<'a, L> GatherLight<'a, L> {
+    /// Light on patches, and black light with the most bounces that paths may have.
+    pub fn new(patches: &'a L, limited: Option<&'a (L, u32)>) -> GatherLight<'a, L> {
+        GatherLight {
+            patches,
+            limited: limited.map(|(black, bounces)| (black, *bounces)),
+        }
+    }
+
+    /// What paths with this end read, and how they end.
+    fn ending(&self, termination: Termination) -> (&'a L, Termination) {
+        match (termination, self.limited) {
+            (Termination::Roulette, Some((black, bounces))) => {
+                (black, Termination::Bounces(bounces))
+            }
+            _ => (self.patches, termination),
+        }
+    }
 }
 
 /// Why there is no irradiance.
@@ -176,7 +213,7 @@ pub struct QuarterError {
 /// [`GatherError`].
 pub fn gather(
     gatherer: &Gatherer,
-    light: &impl DiffuseLight,
+    light: GatherLight<impl DiffuseLight>,
     targets: GatherTargets,
     effort: GatherEffort,
     seed: u32,
@@ -196,7 +233,7 @@ pub fn gather(
 /// As [`gather`]; passes intermediate results to `watch` after each pass but the last.
 pub(crate) fn gather_watched(
     gatherer: &Gatherer,
-    light: &impl DiffuseLight,
+    light: GatherLight<impl DiffuseLight>,
     targets: GatherTargets,
     effort: GatherEffort,
     seed: u32,
@@ -207,19 +244,20 @@ pub(crate) fn gather_watched(
         gatherer,
         light,
         points: targets.points,
+        pace: GatherPace::default(),
         seed,
         progress,
     };
     let most = effort.rays.clamp(1, MOST_RAYS);
-    let rays = match effort.error {
-        _ if progress.has_deadline() => HASTY_RAYS.min(most),
-        Some(_) => FIRST_RAYS.min(most),
-        None => most,
-    };
     let mut all = Gathering::new(targets);
     if effort.paths == Paths::Always {
         all.strata.trace_paths(0);
     }
+    let rays = match effort.error {
+        _ if progress.has_deadline() => pass.hasty(&all)?.min(most),
+        Some(_) => FIRST_RAYS.min(most),
+        None => most,
+    };
     pass.raise(&mut all, &vec![rays; targets.points.len()])?;
     if all.spent.contains(&0) {
         return Err(GatherError::OutOfTime);
@@ -228,14 +266,22 @@ pub(crate) fn gather_watched(
     if effort.paths == Paths::Measured {
         pass.validate(&mut all, effort.error, most)?;
     }
+    let mut is_first = true;
     loop {
         progress.measured(Measure::Error(all.relative_error()));
+        if let Some(goal) = effort.error {
+            all.rays_needed = all.needed(goal);
+            if std::mem::take(&mut is_first) {
+                pass.forecast(&all, goal, most);
+            }
+        }
+        let seconds = planned_seconds(progress);
         let totals = match effort.error {
-            Some(goal) => {
-                all.rays_needed = all.needed(goal);
+            None if pass.seconds_to_all(&all, most) <= seconds => vec![most; all.spent.len()],
+            goal => {
+                let goal = all.within_reach(goal.unwrap_or(0.0), seconds, &pass.pace);
                 all.allocate(goal, GROWTH, most)
             }
-            None => vec![most; all.spent.len()],
         };
         if progress.out_of_time() || totals == all.spent {
             break;
@@ -261,32 +307,47 @@ impl Gathering {
         let errors = self.errors();
         let permitted = self.strata.permitted(&errors, goal);
         for (stratum, (error, permitted)) in errors.iter().zip(permitted).enumerate() {
-            // What discretization leaves to noise, and never less than a part.
-            let allowed = (permitted - error.discretization).max(0.25 * permitted);
+            let allowed = allowed_noise(error, permitted);
             if error.noise <= allowed {
                 continue;
             }
-            let rate = match self.strata.termination(stratum) {
-                // Measured: between random, 1, and 2-D strata, 3/2.
-                Termination::Radiosity => 1.2,
-                // All but the first direction of a path is random.
-                Termination::Roulette => 1.0,
-            };
-            let strength = |&i: &u32| {
-                let own = self.strata.mean_of(self.gathered[i as usize].variance()) * error.gain;
-                // Four replicates estimate a point's variance badly; half of it is taken from all.
-                let shared = 0.5 * (own + error.noise);
-                let spent = f64::from(self.spent[i as usize]);
-                (shared * spent.powf(rate), i)
-            };
-            let points = self.strata.points(stratum);
-            let strengths: Vec<(f64, u32)> = points.iter().map(strength).collect();
+            let rate = noise_rate(self.strata.termination(stratum));
+            let strengths = self.strengths(stratum, error);
             for (i, wanted) in cheapest(&strengths, rate, allowed) {
                 let total = &mut totals[i as usize];
                 *total = well_spread(*total, wanted.min(growth * f64::from(*total)), most);
             }
         }
         totals
+    }
+
+    /// Variance times rays^rate of every point of a stratum.
+    pub(crate) fn strengths(&self, stratum: usize, error: &StratumError) -> Vec<(f64, u32)> {
+        let rate = noise_rate(self.strata.termination(stratum));
+        let strength = |&i: &u32| {
+            let own = self.strata.mean_of(self.gathered[i as usize].variance()) * error.gain;
+            // Four replicates estimate a point's variance badly; half of it is taken from all.
+            let shared = 0.5 * (own + error.noise);
+            let spent = f64::from(self.spent[i as usize]);
+            (shared * spent.powf(rate), i)
+        };
+        let points = self.strata.points(stratum);
+        points.iter().map(strength).collect()
+    }
+}
+
+/// What discretization leaves to noise of a mean square error, and never less than a part.
+pub(crate) fn allowed_noise(error: &StratumError, permitted: f64) -> f64 {
+    (permitted - error.discretization).max(0.25 * permitted)
+}
+
+/// Decline of the variance with rays n, about n^−rate.
+pub(crate) fn noise_rate(termination: Termination) -> f64 {
+    match termination {
+        // Measured: between random, 1, and 2-D strata, 3/2.
+        Termination::Radiosity => 1.2,
+        // All but the first direction of a path is random.
+        Termination::Roulette | Termination::Bounces(_) => 1.0,
     }
 }
 
@@ -307,8 +368,9 @@ fn cheapest(strengths: &[(f64, u32)], rate: f64, allowed: f64) -> impl Iterator<
 /// The constants of all passes.
 pub(crate) struct GatherPass<'a, L> {
     gatherer: &'a Gatherer<'a>,
-    light: &'a L,
+    light: GatherLight<'a, L>,
     points: &'a [GatherPoint],
+    pub pace: GatherPace,
     pub seed: u32,
     pub progress: &'a Progress,
 }
@@ -317,6 +379,45 @@ pub(crate) struct GatherPass<'a, L> {
 type Way = (u32, u32, Termination);
 
 impl<L: DiffuseLight> GatherPass<'_, L> {
+    /// Rays of the first pass before a deadline, from the pace of a keyed sample.
+    fn hasty(&self, all: &Gathering) -> Result<u32, GatherError> {
+        let count = self.points.len() as u32;
+        let key = |k: u32| hash(&[self.seed, k, 0x9ace]) % count.max(1);
+        let sample: Vec<u32> = (0..count.min(PACE_POINTS)).map(key).collect();
+        let termination = all.strata.termination(0);
+        self.gather_at(&sample, 0..FEWEST_RAYS, termination)?;
+        let seconds = self.pace.seconds_per_ray(termination);
+        let rays = hasty_rays(self.points.len(), seconds, self.progress);
+        rays.ok_or(GatherError::OutOfTime)
+    }
+
+    /// Says early if the goal will not be reached, and what it would take.
+    fn forecast(&self, all: &Gathering, goal: f64, most: u32) {
+        let sum = |rays: &[u32]| rays.iter().map(|&n| f64::from(n)).sum::<f64>();
+        let [free, capped] =
+            [u32::MAX, most].map(|most| sum(&all.allocate(goal, f64::INFINITY, most)));
+        let seconds = all.seconds_needed(goal, &self.pace);
+        let left = self.progress.time_left();
+        let is_late = left.is_some_and(|left| seconds > left.as_secs_f64());
+        if is_late || free > (1.0 + TOLERATED) * capped {
+            self.progress.measured(Measure::OutOfReach {
+                error: goal,
+                seconds,
+                rays: free / self.points.len().max(1) as f64,
+            });
+        }
+    }
+
+    /// Seconds in which all points get so many rays.
+    fn seconds_to_all(&self, all: &Gathering, most: u32) -> f64 {
+        let seconds = |k: usize| {
+            let whole = all.strata.points(k).len() as f64 * f64::from(most);
+            let pace = self.pace.seconds_per_ray(all.strata.termination(k));
+            (whole - all.spent_on(k)).max(0.0) * pace
+        };
+        (0..all.strata.count()).map(seconds).sum()
+    }
+
     /// Raises every point to its total, in groups with the same start and total; points keep what
     /// they have when time runs out.
     pub fn raise(&self, all: &mut Gathering, totals: &[u32]) -> Result<(), Cancelled> {
@@ -350,11 +451,12 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         rays: std::ops::Range<u32>,
         termination: Termination,
     ) -> Result<Vec<Option<Gathered>>, Cancelled> {
+        let (light, ending) = self.light.ending(termination);
         let options = GatherOptions {
             rays: rays.end - rays.start,
             spent: rays.start,
             seed: self.seed,
-            termination,
+            termination: ending,
         };
         let directions = DirectionTables::new(&options);
         let chunks: Result<Vec<Vec<Option<Gathered>>>, Cancelled> = chosen
@@ -370,9 +472,12 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
                 }
                 let points: Vec<GatherPoint> =
                     chunk.iter().map(|&i| self.points[i as usize]).collect();
+                let start = Instant::now();
                 let found = self
                     .gatherer
-                    .gather_with(&points, &options, &directions, self.light);
+                    .gather_with(&points, &options, &directions, light);
+                let rays = points.len() as u64 * u64::from(options.rays);
+                self.pace.add(termination, rays, start.elapsed());
                 Ok(found.into_iter().map(Some).collect())
             })
             .collect();
@@ -383,10 +488,11 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
 /// The total nearest to `wanted`, from `spent` to `most`, that is well distributed: a power of two,
 /// or one and a half times one, in units of the first pass.
 fn well_spread(spent: u32, wanted: f64, most: u32) -> u32 {
+    let below = [FEWEST_RAYS, 16, 32, 48, 64, 96].into_iter();
     let totals = (0..24).map(|k| ((FIRST_RAYS * [2, 3][k as usize % 2]) << (k / 2)) / 2);
     let enough = |&t: &u32| t >= spent && f64::from(t) >= 0.85 * wanted;
-    totals
-        .into_iter()
+    below
+        .chain(totals)
         .find(enough)
         .unwrap_or(most)
         .clamp(spent, most.max(spent))

@@ -1,13 +1,13 @@
 //! The first pass: from a scene to irradiance on its vertices, or at any points.
 
 use crate::gather::{
-    ErrorParts, GatherEffort, GatherError, GatherTargets, MOST_RAYS, Paths, QuarterError, gather,
+    ErrorParts, GatherEffort, GatherError, GatherLight, GatherTargets, MOST_RAYS, Paths, QuarterError, gather,
     gather_watched,
 };
 use crate::preview::{Preview, PreviewReporter};
 use crate::refine::RefinementGoal;
 use crate::sides::StoredSides;
-use crate::solved::SolvedPatches;
+use crate::solved::{LightPurpose, SolvedPatches};
 use crate::system::EnergyBalance;
 use crate::vertices;
 use azulejo_factors::{Engine, EngineUsed, FactorsError, PatchSize, PointNormal, ProxyScene};
@@ -69,10 +69,9 @@ const MOST_PATCH_RAYS: u32 = 1 << 17;
 
 impl FirstPass {
     fn effort(&self, method: Method) -> GatherEffort {
-        let paths = match (self.bounces, method) {
-            (_, Method::Paths) => Paths::Always,
-            (None, _) => Paths::Measured,
-            (Some(_), _) => Paths::Never,
+        let paths = match method {
+            Method::Paths => Paths::Always,
+            Method::Matrix | Method::Stochastic => Paths::Measured,
         };
         match (self.error, self.rays) {
             (None, None) => GatherEffort {
@@ -320,16 +319,17 @@ fn solve_for(
 ) -> Result<LightSolution, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
     let mut reporter = PreviewReporter::new(watch, &proxy, pass);
-    let solved = SolvedPatches::new(&proxy, pass, progress, &mut |patches, found| {
+    let purpose = LightPurpose::Vertices;
+    let solved = SolvedPatches::new(&proxy, pass, purpose, progress, &mut |patches, found| {
         reporter.show_patches(patches, found);
     })?;
     reporter.show_patches(&solved.patches, &solved.solution);
     let targets = vertices::targets(scene, &solved.patches, &solved.solution, pass);
-    let light = solved.light(pass);
+    let (light, black) = (solved.light(pass), solved.black_light(pass));
     let seed = hash(&[pass.key(), 1]);
     let found = gather_watched(
         &solved.gatherer,
-        &light,
+        GatherLight::new(&light, black.as_ref()),
         GatherTargets {
             points: &targets.points,
             areas: &targets.areas(&solved.patches),
@@ -378,9 +378,10 @@ pub fn probe(
     progress: &Progress,
 ) -> Result<Probed, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
-    let solved = SolvedPatches::new(&proxy, pass, progress, &mut |_, _| ())?;
+    let purpose = LightPurpose::Points;
+    let solved = SolvedPatches::new(&proxy, pass, purpose, progress, &mut |_, _| ())?;
     let points = proxy.on_polygons(points);
-    let light = solved.light(pass);
+    let (light, black) = (solved.light(pass), solved.black_light(pass));
     let place = |(i, p): (usize, &PointNormal)| GatherPoint {
         position: p.position,
         normal: p.normal,
@@ -390,7 +391,7 @@ pub fn probe(
     let seed = hash(&[pass.key(), 2]);
     let found = gather(
         &solved.gatherer,
-        &light,
+        GatherLight::new(&light, black.as_ref()),
         GatherTargets {
             points: &places,
             areas: &[],

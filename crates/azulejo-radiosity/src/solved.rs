@@ -1,5 +1,6 @@
 //! The light on patches, before it is gathered.
 
+use crate::deadline::affordable_patch_rays;
 use crate::gather::{CHUNK, GatherTargets, Gathering, HASTY_RAYS};
 use crate::light::PatchLight;
 use crate::particles::{self, ParticleEffort};
@@ -23,11 +24,13 @@ use std::f64::consts::PI;
 /// are traced without it.
 const PATCH_SHARE: f64 = 0.4;
 
-/// Share of the time that is left then for its refinement.
-const REFINEMENT_SHARE: f64 = 0.3;
+/// Share of the time that is left then for its refinement: a point reads hundreds of patches, which
+/// leaves little of their noise.
+const REFINEMENT_SHARE: f64 = 0.15;
 
-/// Paths from the middle of each side of a patch, where patches have no radiosity.
-const SIDE_RAYS: u32 = 16;
+/// Paths from the middle of each side of a patch, where patches have no radiosity: sides are chosen
+/// for whole surfaces.
+const SIDE_RAYS: u32 = 4;
 
 /// The radiosity of every patch.
 pub struct PatchRadiosity {
@@ -51,7 +54,8 @@ pub fn radiosity(
     progress: &Progress,
 ) -> Result<PatchRadiosity, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
-    let solved = SolvedPatches::new(&proxy, pass, progress, &mut |_, _| ())?;
+    let purpose = LightPurpose::Points;
+    let solved = SolvedPatches::new(&proxy, pass, purpose, progress, &mut |_, _| ())?;
     let nothing = Gathering::new(GatherTargets {
         points: &[],
         areas: &[],
@@ -79,6 +83,15 @@ pub(crate) struct SolvedPatches<'a> {
     engine_used: EngineUsed,
 }
 
+/// For what light on patches is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum LightPurpose {
+    /// For vertices, which need to know which sides of surfaces are lit.
+    Vertices,
+    /// For points whose side is given.
+    Points,
+}
+
 /// Called with a solution that is about to be refined.
 pub(crate) type CoarseCallback<'a> = &'a mut dyn FnMut(&Patches, &RadiositySolution);
 
@@ -86,6 +99,7 @@ impl<'a> SolvedPatches<'a> {
     pub fn new(
         proxy: &'a ProxyScene,
         pass: &FirstPass,
+        purpose: LightPurpose,
         progress: &Progress,
         watch: CoarseCallback,
     ) -> Result<SolvedPatches<'a>, SolveError> {
@@ -122,11 +136,9 @@ impl<'a> SolvedPatches<'a> {
         } else {
             parts.shoot(pass, expected, progress)?
         };
-        // The time does not suffice for patches. Only they can count bounces; all else is path traced.
         let found = match found {
             Some(found) => found,
-            None if pass.bounces.is_some() => return Err(SolveError::OutOfTime),
-            None => parts.without_patches(progress)?,
+            None => parts.without_patches(purpose, progress)?,
         };
         if pass.bounces.is_none() && !found.solution.convergence.is_reached {
             return Err(SolveError::Endless(found.solution.convergence.iterations));
@@ -182,6 +194,21 @@ impl<'a> SolvedPatches<'a> {
         } else {
             light
         }
+    }
+
+    /// Black light for the paths of a gather, if bounces are limited.
+    pub fn black_light(&self, pass: &FirstPass) -> Option<(PatchLight<'_>, u32)> {
+        let black = RadiositySolution::dark(2 * self.patches.len());
+        let light = |bounces: u32| {
+            let light = PatchLight::new(
+                self.gatherer.surfaces(),
+                &self.patches,
+                &self.reflectance,
+                &black.solutions,
+            );
+            (light.without_footprint(), bounces)
+        };
+        pass.bounces.map(light)
     }
 
     pub fn report(&self, gathering: &Gathering) -> Report {
@@ -268,7 +295,11 @@ impl SolverInputs<'_> {
 
     /// No radiosity: every point will be path traced. What arrives at the sides of patches, which
     /// tells fronts from backs, is estimated by a few paths each.
-    fn without_patches(&self, progress: &Progress) -> Result<PatchSolution, SolveError> {
+    fn without_patches(
+        &self,
+        purpose: LightPurpose,
+        progress: &Progress,
+    ) -> Result<PatchSolution, SolveError> {
         let patches = self.patches;
         let mut solution = RadiositySolution::dark(2 * patches.len());
         let light = PatchLight::new(
@@ -292,7 +323,11 @@ impl SolverInputs<'_> {
                 key: s as u32,
             }
         };
-        let sides: Vec<GatherPoint> = (0..2 * patches.len()).map(point).collect();
+        let count = match purpose {
+            LightPurpose::Vertices => 2 * patches.len(),
+            LightPurpose::Points => 0,
+        };
+        let sides: Vec<GatherPoint> = (0..count).map(point).collect();
         progress.begin("irradiance of patches", sides.len() as u64);
         let found: Vec<Vec<Gathered>> = sides
             .par_chunks(CHUNK)
@@ -305,7 +340,9 @@ impl SolverInputs<'_> {
                 Ok(gatherer.gather_with(points, &options, &directions, &light))
             })
             .collect::<Result<_, SolveError>>()?;
-        solution.incident = found.iter().flatten().map(Gathered::mean).collect();
+        let incident = &mut solution.incident;
+        let means = found.iter().flatten().map(Gathered::mean);
+        incident.iter_mut().zip(means).for_each(|(h, e)| *h = e);
         let why =
             "paths are traced from every point, because the time does not suffice for patches";
         Ok(PatchSolution {
@@ -371,6 +408,14 @@ impl SolverInputs<'_> {
                 (chosen.0, Some(chosen.1))
             }
             asked => (asked.clone(), None),
+        };
+        let rays = if engine == Engine::Rays {
+            match affordable_patch_rays(gatherer, patches, seed, progress)? {
+                Some(affordable) => affordable.min(rays),
+                None => return Ok(None),
+            }
+        } else {
+            rays
         };
         let columns = Columns::Diffuse;
         let estimator = Estimator::new(&engine, gatherer, patches, rays, seed, columns);

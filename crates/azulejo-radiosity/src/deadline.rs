@@ -1,0 +1,267 @@
+//! What the time until a deadline suffices for: rays per patch, the error within reach, and where
+//! paths pay.
+//!
+//! Times are measured, never assumed: that of a keyed sample before the work, and that of all rays
+//! gathered so far. So results under a deadline depend on the machine; without one, nothing here
+//! is asked.
+
+use crate::direct::direct;
+use crate::gather::{Gathering, HASTY_RAYS, allowed_noise, noise_rate};
+use crate::strata::StratumError;
+use azulejo_factors::engine::Estimator;
+use azulejo_factors::row::{Columns, Side};
+use azulejo_factors::{Engine, Patches};
+use azulejo_trace::sampling::hash;
+use azulejo_trace::{Cancelled, Gatherer, Progress, Termination};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+/// Sides of patches, and points, whose time is measured before all others are begun.
+const TIMED: usize = 256;
+
+/// Fewest rays per patch or point: two for each replicate.
+pub(crate) const FEWEST_RAYS: u32 = 8;
+
+/// Share of a phase, or of the time that is left, for which work is planned: predicted times are
+/// uncertain, and numbers of rays are rounded.
+const PLANNED: f64 = 0.8;
+
+/// Share of the time that is left for the first rays of all points.
+const FIRST_SHARE: f64 = 0.25;
+
+/// How many times the time that is left a first pass may seem to take before it is not begun.
+const HOPELESS: f64 = 1.5;
+
+/// Most rays per patch, of 32, 16 and 8, with which all rows are done in the phase of `progress`;
+/// `None` if not even the fewest are. A keyed sample of the sides is timed.
+///
+/// # Errors
+/// [`Cancelled`].
+pub(crate) fn affordable_patch_rays(
+    gatherer: &Gatherer,
+    patches: &Patches,
+    seed: u32,
+    progress: &Progress,
+) -> Result<Option<u32>, Cancelled> {
+    let sides = 2 * patches.len();
+    let Some(left) = progress.phase_left().filter(|_| sides > TIMED) else {
+        return Ok(Some(HASTY_RAYS));
+    };
+    let key = |k: u32| hash(&[seed, k, 0x51de]) % sides as u32;
+    let sample: Vec<Side> = (0..TIMED as u32).map(key).collect();
+    let (engine, columns) = (Engine::Rays, Columns::Diffuse);
+    let estimator = Estimator::new(&engine, gatherer, patches, HASTY_RAYS, seed, columns);
+    let start = Instant::now();
+    sample.par_iter().for_each(|&s| {
+        direct(gatherer, patches, seed, s);
+    });
+    let formulas = start.elapsed().as_secs_f64();
+    estimator.rows(&sample, progress)?;
+    let rows = start.elapsed().as_secs_f64() - formulas;
+    let all = sides as f64 / TIMED as f64;
+    let fits = |rays: u32, share: f64| {
+        let rows = rows * f64::from(rays) / f64::from(HASTY_RAYS);
+        (formulas + rows) * all <= share * left.as_secs_f64()
+    };
+    let comfortable = [HASTY_RAYS, HASTY_RAYS / 2].into_iter();
+    let most = comfortable.into_iter().find(|&rays| fits(rays, 0.5));
+    Ok(most.or(fits(FEWEST_RAYS, PLANNED).then_some(FEWEST_RAYS)))
+}
+
+/// The time that rays from points took, by how they end.
+#[derive(Debug, Default)]
+pub(crate) struct GatherPace {
+    read: PaceOf,
+    paths: PaceOf,
+}
+
+#[derive(Debug, Default)]
+struct PaceOf {
+    nanoseconds: AtomicU64,
+    rays: AtomicU64,
+}
+
+impl GatherPace {
+    fn of(&self, termination: Termination) -> &PaceOf {
+        match termination {
+            Termination::Radiosity => &self.read,
+            Termination::Roulette | Termination::Bounces(_) => &self.paths,
+        }
+    }
+
+    /// Adds what one thread did.
+    pub fn add(&self, termination: Termination, rays: u64, time: Duration) {
+        let of = self.of(termination);
+        of.rays.fetch_add(rays, Ordering::Relaxed);
+        let nanoseconds = u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
+        of.nanoseconds.fetch_add(nanoseconds, Ordering::Relaxed);
+    }
+
+    /// Seconds per ray when all threads work; zero if none was traced.
+    pub fn seconds_per_ray(&self, termination: Termination) -> f64 {
+        let of = self.of(termination);
+        let rays = of.rays.load(Ordering::Relaxed).max(1) as f64;
+        let threads = rayon::current_num_threads().max(1) as f64;
+        of.nanoseconds.load(Ordering::Relaxed) as f64 * 1e-9 / (rays * threads)
+    }
+}
+
+/// Seconds that are left for planned work; infinite without a deadline.
+pub(crate) fn planned_seconds(progress: &Progress) -> f64 {
+    let left = progress.time_left();
+    left.map_or(f64::INFINITY, |left| PLANNED * left.as_secs_f64())
+}
+
+/// Rays of the first pass over so many points, of 32, 16 and 8; `None` if even the fewest would end
+/// long after the deadline.
+pub(crate) fn hasty_rays(points: usize, seconds_per_ray: f64, progress: &Progress) -> Option<u32> {
+    let left = progress.time_left()?.as_secs_f64();
+    let time = |rays: u32| points as f64 * f64::from(rays) * seconds_per_ray;
+    let all = [HASTY_RAYS, HASTY_RAYS / 2, FEWEST_RAYS];
+    let most = all.into_iter().find(|&rays| time(rays) <= FIRST_SHARE * left);
+    let is_hopeless = time(FEWEST_RAYS) > HOPELESS * left + 0.5;
+    most.or((!is_hopeless).then_some(FEWEST_RAYS))
+}
+
+/// What one stratum costs and gains, either way.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StratumWays {
+    /// Share of the area.
+    pub share: f64,
+    /// Mean square error by discretization if patches are read, (W/m²)².
+    pub discretization: f64,
+    /// Mean variance times seconds, if patches are read and if paths are traced: what the variance
+    /// is after a second of work on the stratum.
+    pub strength: [f64; 2],
+    /// Seconds that the fewest paths from all its points take.
+    pub fewest: f64,
+}
+
+/// Which strata should be path traced, and the seconds of work on each, so that the whole error is
+/// least after `seconds` of work. The strata are at most eight, so all sets are compared.
+///
+/// Within a set, the sum of share · strength / time is least for times in proportion to
+/// √(share · strength), by Lagrange.
+pub(crate) fn best_ways(strata: &[StratumWays], seconds: f64) -> Vec<bool> {
+    let is_traced = |set: u32, k: usize| set >> k & 1 == 1;
+    let root = |set: u32, k: usize| {
+        let s = &strata[k];
+        (s.share * s.strength[usize::from(is_traced(set, k))]).sqrt()
+    };
+    let error = |set: u32| {
+        let sum: f64 = (0..strata.len()).map(|k| root(set, k)).sum();
+        let (mut square, mut is_possible) = (sum * sum / seconds, true);
+        for (k, s) in strata.iter().enumerate() {
+            if !is_traced(set, k) {
+                square += s.share * s.discretization;
+            } else if seconds * root(set, k) < s.fewest * sum {
+                is_possible = false;
+            }
+        }
+        if is_possible { square } else { f64::INFINITY }
+    };
+    let sets = 0..1u32 << strata.len();
+    let best = sets.min_by(|&a, &b| error(a).total_cmp(&error(b)));
+    let best = best.unwrap_or(0);
+    (0..strata.len()).map(|k| is_traced(best, k)).collect()
+}
+
+/// Seconds of work that bring all strata to their `permitted` mean square errors, if some are path
+/// traced.
+pub(crate) fn seconds_for(strata: &[StratumWays], is_traced: &[bool], permitted: &[f64]) -> f64 {
+    let all = strata.iter().zip(is_traced).zip(permitted);
+    let seconds = |((s, &is_traced), &permitted): ((&StratumWays, &bool), &f64)| {
+        let noise = if is_traced {
+            permitted
+        } else {
+            (permitted - s.discretization).max(0.25 * permitted)
+        };
+        s.strength[usize::from(is_traced)] / noise.max(f64::MIN_POSITIVE)
+    };
+    all.map(seconds).sum()
+}
+
+/// What brings one stratum to an error.
+struct StratumDemand {
+    error: StratumError,
+    /// Of its noise with its rays.
+    rate: f64,
+    /// Points, and the mean of their strengths^(1/(1 + rate)).
+    points: f64,
+    mean: f64,
+    spent: f64,
+    seconds_per_ray: f64,
+}
+
+impl StratumDemand {
+    /// Seconds until the noise of the stratum is `allowed`.
+    fn seconds(&self, allowed: f64) -> f64 {
+        if self.error.noise <= allowed {
+            return 0.0;
+        }
+        let scale = (self.mean / allowed.max(f64::MIN_POSITIVE)).powf(1.0 / self.rate);
+        (self.points * self.mean * scale - self.spent).max(0.0) * self.seconds_per_ray
+    }
+}
+
+impl Gathering {
+    /// The smallest error, `goal` or above, to which `seconds` of rays bring all strata.
+    pub(crate) fn within_reach(&self, goal: f64, seconds: f64, pace: &GatherPace) -> f64 {
+        if seconds.is_infinite() {
+            return goal;
+        }
+        let demands = self.demands(pace);
+        if self.seconds_to(goal, &demands) <= seconds {
+            return goal;
+        }
+        let (mut low, mut high) = (goal.max(1e-4), 1e3);
+        for _ in 0..40 {
+            let middle = f64::sqrt(low * high);
+            if self.seconds_to(middle, &demands) <= seconds {
+                high = middle;
+            } else {
+                low = middle;
+            }
+        }
+        high
+    }
+
+    /// Seconds of rays that bring every stratum to its share of `goal`.
+    pub(crate) fn seconds_needed(&self, goal: f64, pace: &GatherPace) -> f64 {
+        self.seconds_to(goal, &self.demands(pace))
+    }
+
+    fn demands(&self, pace: &GatherPace) -> Vec<StratumDemand> {
+        let demand = |(k, error): (usize, StratumError)| {
+            let termination = self.strata.termination(k);
+            let rate = noise_rate(termination);
+            let strengths = self.strengths(k, &error);
+            let power = 1.0 / (1.0 + rate);
+            let sum: f64 = strengths.iter().map(|s| s.0.powf(power)).sum();
+            let points = strengths.len().max(1) as f64;
+            StratumDemand {
+                error,
+                rate,
+                points,
+                mean: sum / points,
+                spent: self.spent_on(k),
+                seconds_per_ray: pace.seconds_per_ray(termination),
+            }
+        };
+        self.errors().into_iter().enumerate().map(demand).collect()
+    }
+
+    fn seconds_to(&self, goal: f64, demands: &[StratumDemand]) -> f64 {
+        let errors: Vec<StratumError> = demands.iter().map(|d| d.error).collect();
+        let permitted = self.strata.permitted(&errors, goal);
+        let seconds = |(d, p): (&StratumDemand, f64)| d.seconds(allowed_noise(&d.error, p));
+        demands.iter().zip(permitted).map(seconds).sum()
+    }
+
+    /// Rays traced from all points of a stratum.
+    pub(crate) fn spent_on(&self, stratum: usize) -> f64 {
+        let points = self.strata.points(stratum).iter();
+        points.map(|&i| f64::from(self.spent[i as usize])).sum()
+    }
+}
