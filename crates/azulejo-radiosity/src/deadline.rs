@@ -6,7 +6,7 @@
 //! is asked.
 
 use crate::direct::direct;
-use crate::gather::{Gathering, HASTY_RAYS, allowed_noise, noise_rate};
+use crate::gather::{Gathering, HASTY_RAYS, noise_beside, noise_rate};
 use crate::strata::StratumError;
 use azulejo_factors::engine::Estimator;
 use azulejo_factors::row::{Columns, Side};
@@ -25,10 +25,10 @@ pub(crate) const FEWEST_RAYS: u32 = 8;
 
 /// Share of a phase, or of the time that is left, for which work is planned: predicted times are
 /// uncertain, and numbers of rays are rounded.
-const PLANNED: f64 = 0.8;
+const PLANNED: f64 = 0.85;
 
 /// Share of the time that is left for the first rays of all points.
-const FIRST_SHARE: f64 = 0.25;
+const FIRST_SHARE: f64 = 0.4;
 
 /// How many times the time that is left a first pass may seem to take before it is not begun.
 const HOPELESS: f64 = 1.5;
@@ -65,7 +65,7 @@ pub(crate) fn affordable_patch_rays(
         (formulas + rows) * all <= share * left.as_secs_f64()
     };
     let comfortable = [HASTY_RAYS, HASTY_RAYS / 2].into_iter();
-    let most = comfortable.into_iter().find(|&rays| fits(rays, 0.5));
+    let most = comfortable.into_iter().find(|&rays| fits(rays, 0.4));
     Ok(most.or(fits(FEWEST_RAYS, PLANNED).then_some(FEWEST_RAYS)))
 }
 
@@ -119,7 +119,9 @@ pub(crate) fn hasty_rays(points: usize, seconds_per_ray: f64, progress: &Progres
     let left = progress.time_left()?.as_secs_f64();
     let time = |rays: u32| points as f64 * f64::from(rays) * seconds_per_ray;
     let all = [HASTY_RAYS, HASTY_RAYS / 2, FEWEST_RAYS];
-    let most = all.into_iter().find(|&rays| time(rays) <= FIRST_SHARE * left);
+    let most = all
+        .into_iter()
+        .find(|&rays| time(rays) <= FIRST_SHARE * left);
     let is_hopeless = time(FEWEST_RAYS) > HOPELESS * left + 0.5;
     most.or((!is_hopeless).then_some(FEWEST_RAYS))
 }
@@ -175,7 +177,7 @@ pub(crate) fn seconds_for(strata: &[StratumWays], is_traced: &[bool], permitted:
         let noise = if is_traced {
             permitted
         } else {
-            (permitted - s.discretization).max(0.25 * permitted)
+            noise_beside(s.discretization, permitted)
         };
         s.strength[usize::from(is_traced)] / noise.max(f64::MIN_POSITIVE)
     };
@@ -190,6 +192,7 @@ struct StratumDemand {
     /// Points, and the mean of their strengths^(1/(1 + rate)).
     points: f64,
     mean: f64,
+    /// Seconds spent so far, and per ray.
     spent: f64,
     seconds_per_ray: f64,
 }
@@ -201,35 +204,51 @@ impl StratumDemand {
             return 0.0;
         }
         let scale = (self.mean / allowed.max(f64::MIN_POSITIVE)).powf(1.0 / self.rate);
-        (self.points * self.mean * scale - self.spent).max(0.0) * self.seconds_per_ray
+        (self.points * self.mean * scale * self.seconds_per_ray - self.spent).max(0.0)
     }
 }
 
 impl Gathering {
-    /// The smallest error, `goal` or above, to which `seconds` of rays bring all strata.
-    pub(crate) fn within_reach(&self, goal: f64, seconds: f64, pace: &GatherPace) -> f64 {
-        if seconds.is_infinite() {
-            return goal;
-        }
+    /// The mean variance to which each stratum should be brought by `seconds` of rays: what `goal`
+    /// asks if there is time for it, or else what makes the whole noise least.
+    ///
+    /// Variance falls in proportion to the time on a stratum, about; so that is
+    /// √(share · variance · time) over all strata that shall have more than they have, by Lagrange.
+    pub(crate) fn noise_within_reach(
+        &self,
+        goal: f64,
+        seconds: f64,
+        pace: &GatherPace,
+    ) -> Vec<f64> {
         let demands = self.demands(pace);
-        if self.seconds_to(goal, &demands) <= seconds {
-            return goal;
+        let allowed = self.allowed_by(goal, &demands);
+        if seconds_to(&allowed, &demands) <= seconds {
+            return allowed;
         }
-        let (mut low, mut high) = (goal.max(1e-4), 1e3);
-        for _ in 0..40 {
-            let middle = f64::sqrt(low * high);
-            if self.seconds_to(middle, &demands) <= seconds {
-                high = middle;
-            } else {
-                low = middle;
+        let root = |d: &StratumDemand| (d.error.share * d.error.noise * d.spent).sqrt();
+        let mut is_open = vec![true; demands.len()];
+        loop {
+            let open = || demands.iter().zip(&is_open).filter(|x| *x.1).map(|x| x.0);
+            let budget = seconds + open().map(|d| d.spent).sum::<f64>();
+            let roots = open().map(root).sum::<f64>().max(f64::MIN_POSITIVE);
+            let time = |d: &StratumDemand| budget * root(d) / roots;
+            let has_enough = |k: &usize| is_open[*k] && time(&demands[*k]) < demands[*k].spent;
+            let enough: Vec<usize> = (0..demands.len()).filter(has_enough).collect();
+            if enough.is_empty() {
+                let noise = |(d, &is_open): (&StratumDemand, &bool)| {
+                    let share = if is_open { d.spent / time(d) } else { 1.0 };
+                    d.error.noise * if share.is_finite() { share } else { 1.0 }
+                };
+                return demands.iter().zip(&is_open).map(noise).collect();
             }
+            enough.into_iter().for_each(|k| is_open[k] = false);
         }
-        high
     }
 
     /// Seconds of rays that bring every stratum to its share of `goal`.
     pub(crate) fn seconds_needed(&self, goal: f64, pace: &GatherPace) -> f64 {
-        self.seconds_to(goal, &self.demands(pace))
+        let demands = self.demands(pace);
+        seconds_to(&self.allowed_by(goal, &demands), &demands)
     }
 
     fn demands(&self, pace: &GatherPace) -> Vec<StratumDemand> {
@@ -240,23 +259,22 @@ impl Gathering {
             let power = 1.0 / (1.0 + rate);
             let sum: f64 = strengths.iter().map(|s| s.0.powf(power)).sum();
             let points = strengths.len().max(1) as f64;
+            let seconds_per_ray = pace.seconds_per_ray(termination);
             StratumDemand {
                 error,
                 rate,
                 points,
                 mean: sum / points,
-                spent: self.spent_on(k),
-                seconds_per_ray: pace.seconds_per_ray(termination),
+                spent: self.spent_on(k) * seconds_per_ray,
+                seconds_per_ray,
             }
         };
         self.errors().into_iter().enumerate().map(demand).collect()
     }
 
-    fn seconds_to(&self, goal: f64, demands: &[StratumDemand]) -> f64 {
+    fn allowed_by(&self, goal: f64, demands: &[StratumDemand]) -> Vec<f64> {
         let errors: Vec<StratumError> = demands.iter().map(|d| d.error).collect();
-        let permitted = self.strata.permitted(&errors, goal);
-        let seconds = |(d, p): (&StratumDemand, f64)| d.seconds(allowed_noise(&d.error, p));
-        demands.iter().zip(permitted).map(seconds).sum()
+        self.allowed_noise(&errors, goal)
     }
 
     /// Rays traced from all points of a stratum.
@@ -264,4 +282,13 @@ impl Gathering {
         let points = self.strata.points(stratum).iter();
         points.map(|&i| f64::from(self.spent[i as usize])).sum()
     }
+}
+
+/// Seconds of rays that bring every stratum to what is allowed.
+fn seconds_to(allowed: &[f64], demands: &[StratumDemand]) -> f64 {
+    demands
+        .iter()
+        .zip(allowed)
+        .map(|(d, &a)| d.seconds(a))
+        .sum()
 }

@@ -278,9 +278,11 @@ pub(crate) fn gather_watched(
         let seconds = planned_seconds(progress);
         let totals = match effort.error {
             None if pass.seconds_to_all(&all, most) <= seconds => vec![most; all.spent.len()],
+            Some(goal) if seconds.is_infinite() => all.allocate(goal, GROWTH, most),
             goal => {
-                let goal = all.within_reach(goal.unwrap_or(0.0), seconds, &pass.pace);
-                all.allocate(goal, GROWTH, most)
+                let goal = goal.unwrap_or(0.0);
+                let allowed = all.noise_within_reach(goal, seconds, &pass.pace);
+                all.allocate_to(&allowed, GROWTH, most)
             }
         };
         if progress.out_of_time() || totals == all.spent {
@@ -303,11 +305,21 @@ impl Gathering {
     /// Totals of rays that bring every stratum to its share of `goal`, each point to at most
     /// `growth` times what it has, and to `most`.
     fn allocate(&self, goal: f64, growth: f64, most: u32) -> Vec<u32> {
+        self.allocate_to(&self.allowed_noise(&self.errors(), goal), growth, most)
+    }
+
+    /// What discretization leaves to the noise of each stratum, for all to reach `goal`.
+    pub(crate) fn allowed_noise(&self, errors: &[StratumError], goal: f64) -> Vec<f64> {
+        let permitted = self.strata.permitted(errors, goal);
+        let allowed = |(e, p): (&StratumError, f64)| noise_beside(e.discretization, p);
+        errors.iter().zip(permitted).map(allowed).collect()
+    }
+
+    /// The same for given mean variances.
+    fn allocate_to(&self, allowed: &[f64], growth: f64, most: u32) -> Vec<u32> {
         let mut totals = self.spent.clone();
         let errors = self.errors();
-        let permitted = self.strata.permitted(&errors, goal);
-        for (stratum, (error, permitted)) in errors.iter().zip(permitted).enumerate() {
-            let allowed = allowed_noise(error, permitted);
+        for (stratum, (error, &allowed)) in errors.iter().zip(allowed).enumerate() {
             if error.noise <= allowed {
                 continue;
             }
@@ -326,9 +338,12 @@ impl Gathering {
         let rate = noise_rate(self.strata.termination(stratum));
         let strength = |&i: &u32| {
             let own = self.strata.mean_of(self.gathered[i as usize].variance()) * error.gain;
-            // Four replicates estimate a point's variance badly; half of it is taken from all.
+            // Four replicates estimate a point's variance badly; half of it is taken from all. Of few
+            // rays, all is: points that miss a rare light would be believed to be dark, and stay so.
+            let spent = self.spent[i as usize];
+            let own = if spent < FIRST_RAYS { error.noise } else { own };
             let shared = 0.5 * (own + error.noise);
-            let spent = f64::from(self.spent[i as usize]);
+            let spent = f64::from(spent);
             (shared * spent.powf(rate), i)
         };
         let points = self.strata.points(stratum);
@@ -337,8 +352,8 @@ impl Gathering {
 }
 
 /// What discretization leaves to noise of a mean square error, and never less than a part.
-pub(crate) fn allowed_noise(error: &StratumError, permitted: f64) -> f64 {
-    (permitted - error.discretization).max(0.25 * permitted)
+pub(crate) fn noise_beside(discretization: f64, permitted: f64) -> f64 {
+    (permitted - discretization).max(0.25 * permitted)
 }
 
 /// Decline of the variance with rays n, about n^−rate.

@@ -1,8 +1,8 @@
 //! The first pass: from a scene to irradiance on its vertices, or at any points.
 
 use crate::gather::{
-    ErrorParts, GatherEffort, GatherError, GatherLight, GatherTargets, MOST_RAYS, Paths, QuarterError, gather,
-    gather_watched,
+    ErrorParts, GatherEffort, GatherError, GatherLight, GatherTargets, MOST_RAYS, Paths,
+    QuarterError, gather, gather_watched,
 };
 use crate::preview::{Preview, PreviewReporter};
 use crate::refine::RefinementGoal;
