@@ -3,14 +3,15 @@
 use super::args::{DivisionArgs, FirstPassArgs, SidesArg};
 use super::engine::PreparedEngine;
 use super::failure::Failure;
-use super::report::{Report, bytes, count, number, numbers, percent, short, triple};
+use super::report::{Report, bytes, count, number, numbers, percent, seconds, short, triple};
 use super::session::Session;
 use azulejo::machine;
 use azulejo_radiosity::{
     EnergyBalance, FirstPass, LightSolution, Method, PatchSize, SolveError, StoredSides,
 };
 use azulejo_scene::{Material, MaterialId, Rgb, Scene, Shape, Units};
-use azulejo_trace::Tracer;
+use azulejo_trace::{Measure, Measured, Progress, Tracer};
+use std::time::Instant;
 
 /// The patch size for the library; `None` if the command line does not specify one.
 pub fn patch_size(division: &DivisionArgs) -> Option<PatchSize> {
@@ -52,9 +53,52 @@ pub fn solve(
 ) -> Result<LightSolution, Failure> {
     session.limit_time(args.time);
     let options = options(args, prepared);
-    session
-        .with_progress(|progress| azulejo_radiosity::solve(scene, tracer, &options, progress))
-        .map_err(failure)
+    with_forecast(args, session, |progress| {
+        azulejo_radiosity::solve(scene, tracer, &options, progress)
+    })
+    .map_err(failure)
+}
+
+/// Runs work under a progress bar, and says as soon as it is known if the requested error will not
+/// be reached.
+pub fn with_forecast<T>(
+    args: &FirstPassArgs,
+    session: &Session,
+    work: impl FnOnce(&Progress) -> T,
+) -> T {
+    let start = Instant::now();
+    let words = |found: &Measured| forecast(found, args, start);
+    session.with_measures(&words, work)
+}
+
+/// What a measure says of a requested error that will not be reached.
+fn forecast(found: &Measured, args: &FirstPassArgs, start: Instant) -> Option<String> {
+    let Measure::OutOfReach {
+        error,
+        seconds: more,
+        rays,
+    } = found.measure
+    else {
+        return None;
+    };
+    args.error?;
+    let spent = found.at.saturating_duration_since(start).as_secs_f64();
+    let needed = seconds((spent + more).max(1.0).round());
+    let rays = match args.rays {
+        Some(most) if rays > f64::from(most) => {
+            format!(" and {} rays per point", count(rays.round() as u64))
+        }
+        _ => String::new(),
+    };
+    let limits = match (args.time, args.rays) {
+        (Some(time), _) => format!("in {}", seconds(time.as_secs_f64())),
+        (None, Some(most)) => format!("with {} rays per point", count(most)),
+        (None, None) => "with the most rays per point".to_owned(),
+    };
+    let goal = percent(error);
+    Some(format!(
+        "{goal} will not be reached {limits}: about {needed}{rays} would be needed"
+    ))
 }
 
 /// An error of the solver as a failure of the command.

@@ -20,6 +20,9 @@ use std::time::{Duration, Instant};
 /// Sides of patches, and points, whose time is measured before all others are begun.
 const TIMED: usize = 256;
 
+/// Share of the sides that light reaches: all fronts, and of the backs some.
+const REACHED: f64 = 0.75;
+
 /// Fewest rays per patch or point: two for each replicate.
 pub(crate) const FEWEST_RAYS: u32 = 8;
 
@@ -59,14 +62,14 @@ pub(crate) fn affordable_patch_rays(
     let formulas = start.elapsed().as_secs_f64();
     estimator.rows(&sample, progress)?;
     let rows = start.elapsed().as_secs_f64() - formulas;
-    let all = sides as f64 / TIMED as f64;
+    let all = REACHED * sides as f64 / TIMED as f64;
     let fits = |rays: u32, share: f64| {
         let rows = rows * f64::from(rays) / f64::from(HASTY_RAYS);
         (formulas + rows) * all <= share * left.as_secs_f64()
     };
     let comfortable = [HASTY_RAYS, HASTY_RAYS / 2].into_iter();
     let most = comfortable.into_iter().find(|&rays| fits(rays, 0.4));
-    Ok(most.or(fits(FEWEST_RAYS, PLANNED).then_some(FEWEST_RAYS)))
+    Ok(most.or(fits(FEWEST_RAYS, 1.0).then_some(FEWEST_RAYS)))
 }
 
 /// The time that rays from points took, by how they end.

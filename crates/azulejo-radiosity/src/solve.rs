@@ -230,8 +230,11 @@ pub struct Report {
     pub residual: f64,
     /// Energy balance, W.
     pub balance: EnergyBalance,
+    /// Standard error of the share of the emitted power that is unaccounted for.
+    pub balance_error: f64,
     /// Estimated RMS error of irradiance over its mean: see
-    /// [`Gathering::relative_error`](crate::gather::Gathering::relative_error).
+    /// [`Gathering::relative_error`](crate::gather::Gathering::relative_error); at least the share of
+    /// the emitted power that is unaccounted for beyond its standard error.
     pub error: f64,
     /// The same error by its causes.
     pub error_parts: ErrorParts,

@@ -64,7 +64,7 @@ pub fn radiosity(
         return Err(SolveError::OutOfTime);
     }
     let mut report = solved.report(&nothing);
-    report.error = report.patch_error;
+    report.error = report.patch_error.max(solved.unexplained());
     Ok(PatchRadiosity {
         sides: solved.radiosity(),
         report,
@@ -81,6 +81,8 @@ pub(crate) struct SolvedPatches<'a> {
     spent: RefinementWork,
     pub method: Method,
     engine_used: EngineUsed,
+    /// Whether bounces are limited.
+    has_light_left: bool,
 }
 
 /// For what light on patches is computed.
@@ -160,6 +162,7 @@ impl<'a> SolvedPatches<'a> {
             spent,
             method,
             engine_used,
+            has_light_left: pass.bounces.is_some(),
         })
     }
 
@@ -211,6 +214,15 @@ impl<'a> SolvedPatches<'a> {
         pass.bounces.map(light)
     }
 
+    /// The share of the emitted power that is unaccounted for beyond its standard error: as much at
+    /// least is wrong with the light. Nothing, where light is on its way because bounces are limited.
+    fn unexplained(&self) -> f64 {
+        if self.has_light_left {
+            return 0.0;
+        }
+        (self.solution.balance.error() - self.solution.balance_error).max(0.0)
+    }
+
     pub fn report(&self, gathering: &Gathering) -> Report {
         let scene = self.gatherer.surfaces().scene;
         let square_metres = scene.units.metres().powi(2);
@@ -227,7 +239,8 @@ impl<'a> SolvedPatches<'a> {
             iterations: self.solution.convergence.iterations,
             residual: self.solution.convergence.residual,
             balance: self.solution.balance.scaled(square_metres),
-            error: gathering.relative_error(),
+            balance_error: self.solution.balance_error,
+            error: gathering.relative_error().max(self.unexplained()),
             error_parts: gathering.parts(),
             quarters: gathering.quarters(),
             path_traced: gathering.path_traced(),
