@@ -126,7 +126,7 @@ pub fn describe(
     scene: &Scene,
     report: &mut Report,
 ) -> Result<(), Failure> {
-    if pass.balance.is_broken() && !args.allow_imbalance {
+    if pass.balance.is_broken() && !args.allow_imbalance && args.bounces.is_none() {
         return Err(Failure::failed(format_args!(
             "{} of the emitted power is not accounted for, so nothing was written: request a smaller \
              error, more rays or more time, or accept it with --allow-imbalance",
@@ -183,7 +183,7 @@ pub fn describe(
         let words = format!("{}, residual {}", pass.iterations, short(pass.residual));
         report.fact("iterations", pass.iterations, "bounces", words);
         report.value("residual", number(pass.residual));
-        energy(&pass.balance, scene, report);
+        energy(&pass.balance, args.bounces.is_some(), scene, report);
     }
     errors(pass, args, report);
     Ok(())
@@ -243,21 +243,28 @@ fn errors(pass: &azulejo_radiosity::Report, args: &FirstPassArgs, report: &mut R
 }
 
 /// Adds the energy balance, in W or lm and as shares.
-fn energy(balance: &EnergyBalance, scene: &Scene, report: &mut Report) {
+///
+/// Where bounces are limited, what is missing was reflected by the last of them.
+fn energy(balance: &EnergyBalance, is_limited: bool, scene: &Scene, report: &mut Report) {
     let emitted = balance.emitted.mean();
     let share = |power: Rgb| percent(power.mean() / emitted.max(f64::MIN_POSITIVE));
     report.line(
         "energy",
         format!(
-            "{} {} emitted, {} absorbed, {} escaped, {} unaccounted for",
+            "{} {} emitted, {} absorbed, {} escaped, {} {}",
             triple(balance.emitted.to_array()),
             power_unit(scene.units),
             share(balance.absorbed),
             share(balance.escaped),
-            percent(balance.error())
+            percent(balance.error()),
+            if is_limited {
+                "reflected once more, or unaccounted for"
+            } else {
+                "unaccounted for"
+            }
         ),
     );
-    if let Some(words) = caution(balance, scene) {
+    if let Some(words) = caution(balance, scene).filter(|_| !is_limited) {
         report.line("caution", words);
     }
     report.value("emitted", numbers(balance.emitted.to_array()));

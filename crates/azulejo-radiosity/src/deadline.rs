@@ -33,8 +33,11 @@ const PLANNED: f64 = 0.85;
 /// Share of the time that is left for the first rays of all points.
 const FIRST_SHARE: f64 = 0.4;
 
-/// How many times the time that is left a first pass may seem to take before it is not begun.
+/// How many times the time that is left a stage may seem to take before it is given up.
 const HOPELESS: f64 = 1.5;
+
+/// Share of a phase after which its end is foreseen.
+const SOON: f64 = 0.15;
 
 /// Most rays per patch, of 32, 16 and 8, with which all rows are done in the phase of `progress`;
 /// `None` if not even the fewest are. A keyed sample of the sides is timed.
@@ -70,6 +73,34 @@ pub(crate) fn affordable_patch_rays(
     let comfortable = [HASTY_RAYS, HASTY_RAYS / 2].into_iter();
     let most = comfortable.into_iter().find(|&rays| fits(rays, 0.4));
     Ok(most.or(fits(FEWEST_RAYS, 1.0).then_some(FEWEST_RAYS)))
+}
+
+/// Foresees whether a stage of equal steps ends within the phase of a progress.
+pub(crate) struct PhaseWatch<'a> {
+    progress: &'a Progress,
+    /// Time until the end of the phase when the stage began; `None` without a deadline.
+    begun: Option<Duration>,
+}
+
+impl<'a> PhaseWatch<'a> {
+    /// Begins to watch.
+    pub fn new(progress: &'a Progress) -> PhaseWatch<'a> {
+        PhaseWatch {
+            progress,
+            begun: progress.phase_left(),
+        }
+    }
+
+    /// Whether the phase is over, or will be before the stage is, of which a `share` is done: so
+    /// that what is left of the time can be used otherwise.
+    pub fn is_hopeless(&self, share: f64) -> bool {
+        let (Some(begun), Some(left)) = (self.begun, self.progress.phase_left()) else {
+            return false;
+        };
+        let (begun, left) = (begun.as_secs_f64(), left.as_secs_f64());
+        let spent = begun - left;
+        left <= 0.0 || (spent > SOON * begun && spent > HOPELESS * share * begun)
+    }
 }
 
 /// The time that rays from points took, by how they end.

@@ -5,6 +5,7 @@
 //! reflection. Four replicates of every row make four independent systems; the spread of their
 //! solutions carries the noise of the rows through to the result.
 
+use crate::deadline::PhaseWatch;
 use crate::direct::direct;
 use azulejo_factors::Patches;
 use azulejo_factors::engine::Estimator;
@@ -150,11 +151,14 @@ impl System {
                 return Ok(None);
             };
             progress.begin("form factors", wave.len() as u64);
+            let (watch, all) = (PhaseWatch::new(progress), wave.len() as f64);
+            let mut done = 0;
             wave.clear();
             for block in unknowns.chunks_mut(BLOCK * rayon::current_num_threads().max(1)) {
-                if progress.phase_is_over() {
+                if progress.phase_is_over() || watch.is_hopeless(f64::from(done) / all) {
                     return Ok(None);
                 }
+                done += block.len() as u32;
                 let sides: Vec<Side> = block.iter().map(|u| u.side).collect();
                 let rows = estimator.rows(&sides, progress)?;
                 for (u, row) in block.iter_mut().zip(&rows) {
