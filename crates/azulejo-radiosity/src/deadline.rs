@@ -9,7 +9,7 @@ use crate::direct::direct;
 use crate::gather::{Gathering, HASTY_RAYS, noise_beside, noise_rate};
 use crate::strata::StratumError;
 use azulejo_factors::engine::Estimator;
-use azulejo_factors::row::{Columns, Side};
+use azulejo_factors::row::{Columns, Side, side};
 use azulejo_factors::{Engine, Patches};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, Gatherer, Progress, Termination};
@@ -17,8 +17,14 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Sides of patches, and points, whose time is measured before all others are begun.
-const TIMED: usize = 256;
+/// Sides of patches that are timed together before all others are begun.
+const TIMED: usize = 1024;
+
+/// Neighbours among them.
+const TIMED_RUN: usize = 128;
+
+/// Share of a phase for that.
+const TIMING_SHARE: f64 = 0.02;
 
 /// Share of the sides that light reaches: all fronts, and of the backs some.
 const REACHED: f64 = 0.75;
@@ -54,18 +60,29 @@ pub(crate) fn affordable_patch_rays(
     let Some(left) = progress.phase_left().filter(|_| sides > TIMED) else {
         return Ok(Some(HASTY_RAYS));
     };
-    let key = |k: u32| hash(&[seed, k, 0x51de]) % sides as u32;
-    let sample: Vec<Side> = (0..TIMED as u32).map(key).collect();
     let (engine, columns) = (Engine::Rays, Columns::Diffuse);
     let estimator = Estimator::new(&engine, gatherer, patches, HASTY_RAYS, seed, columns);
     let start = Instant::now();
-    sample.par_iter().for_each(|&s| {
-        direct(gatherer, patches, seed, s);
-    });
-    let formulas = start.elapsed().as_secs_f64();
-    estimator.rows(&sample, progress)?;
-    let rows = start.elapsed().as_secs_f64() - formulas;
-    let all = REACHED * sides as f64 / TIMED as f64;
+    let (mut formulas, mut rows, mut timed) = (0.0, 0.0, 0);
+    // Time slices of a busy machine are longer than a small sample takes.
+    while timed < TIMED || start.elapsed() < left.mul_f64(TIMING_SHARE) {
+        // Neighbours, as in the work itself, where they share what is in the cache.
+        let place = |k: usize| {
+            let first = hash(&[seed, (k / TIMED_RUN) as u32, 0x51de]) as usize % patches.len();
+            side(((first + k % TIMED_RUN) % patches.len()) as u32, true)
+        };
+        let sample: Vec<Side> = (timed..timed + TIMED).map(place).collect();
+        let begun = Instant::now();
+        sample.par_iter().for_each(|&s| {
+            direct(gatherer, patches, seed, s);
+        });
+        formulas += begun.elapsed().as_secs_f64();
+        estimator.rows(&sample, progress)?;
+        rows += begun.elapsed().as_secs_f64();
+        timed += TIMED;
+    }
+    rows -= formulas;
+    let all = REACHED * sides as f64 / timed as f64;
     let fits = |rays: u32, share: f64| {
         let rows = rows * f64::from(rays) / f64::from(HASTY_RAYS);
         (formulas + rows) * all <= share * left.as_secs_f64()
