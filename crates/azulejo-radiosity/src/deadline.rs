@@ -45,8 +45,8 @@ const HOPELESS: f64 = 1.5;
 /// Share of a phase after which its end is foreseen.
 const SOON: f64 = 0.15;
 
-/// Most rays per patch, of 32, 16 and 8, with which all rows are done in the phase of `progress`;
-/// `None` if not even the fewest are. A keyed sample of the sides is timed.
+/// Most rays per patch, of 32, 16 and 8, with which all rows are done in the phase of `progress`, or
+/// any number without a deadline; `None` if not even the fewest are. A keyed sample of the sides is timed.
 ///
 /// # Errors
 /// [`Cancelled`].
@@ -57,9 +57,12 @@ pub(crate) fn affordable_patch_rays(
     progress: &Progress,
 ) -> Result<Option<u32>, Cancelled> {
     let sides = 2 * patches.len();
-    let Some(left) = progress.phase_left().filter(|_| sides > TIMED) else {
-        return Ok(Some(HASTY_RAYS));
+    let Some(left) = progress.phase_left() else {
+        return Ok(Some(u32::MAX));
     };
+    if sides <= TIMED {
+        return Ok(Some(HASTY_RAYS));
+    }
     let (engine, columns) = (Engine::Rays, Columns::Diffuse);
     let estimator = Estimator::new(&engine, gatherer, patches, HASTY_RAYS, seed, columns);
     let start = Instant::now();
@@ -342,4 +345,85 @@ fn seconds_to(allowed: &[f64], demands: &[StratumDemand]) -> f64 {
         .zip(allowed)
         .map(|(d, &a)| d.seconds(a))
         .sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn way(discretization: f64, read: f64, paths: f64, fewest: f64) -> StratumWays {
+        StratumWays {
+            share: 0.5,
+            discretization,
+            strength: [read, paths],
+            fewest,
+        }
+    }
+
+    #[track_caller]
+    fn check(strata: &[StratumWays], seconds: f64, expected: &[bool]) {
+        assert_eq!(best_ways(strata, seconds), expected, "{seconds} s");
+    }
+
+    #[test]
+    fn paths_are_traced_once_noise_is_less_than_discretization() {
+        let strata = [way(1e-2, 1e-3, 1e-2, 0.1), way(1e-6, 1e-3, 1e-2, 0.1)];
+        check(&strata, 0.1, &[false, false]);
+        check(&strata, 1.0, &[false, false]);
+        check(&strata, 10.0, &[true, false]);
+        check(&strata, 1e6, &[true, true]);
+        // Even the fewest paths would take too long.
+        check(&[way(1.0, 1e-3, 1e-2, 5.0)], 4.0, &[false]);
+        check(&[way(1.0, 1e-3, 1e-2, 5.0)], 6.0, &[true]);
+        check(&[], 1.0, &[]);
+    }
+
+    #[test]
+    fn more_time_never_makes_it_worse() {
+        let strata = [
+            way(4e-3, 2e-3, 3e-2, 0.2),
+            way(1e-4, 5e-3, 1e-2, 0.2),
+            way(3e-2, 1e-4, 9e-2, 0.9),
+        ];
+        let error = |seconds: f64| {
+            let ways = best_ways(&strata, seconds);
+            let root =
+                |(s, &w): (&StratumWays, &bool)| (s.share * s.strength[usize::from(w)]).sqrt();
+            let sum: f64 = strata.iter().zip(&ways).map(root).sum();
+            let read = strata.iter().zip(&ways).filter(|x| !*x.1);
+            sum * sum / seconds + read.map(|(s, _)| s.share * s.discretization).sum::<f64>()
+        };
+        let errors: Vec<f64> = (0..40).map(|k| error(0.1 * 1.3f64.powi(k))).collect();
+        assert!(errors.is_sorted_by(|a, b| a >= b), "{errors:?}");
+    }
+
+    #[test]
+    fn the_pace_is_that_of_all_threads() {
+        let pace = GatherPace::default();
+        assert_eq!(pace.seconds_per_ray(Termination::Roulette), 0.0);
+        pace.add(Termination::Bounces(2), 500, Duration::from_secs(1));
+        pace.add(Termination::Roulette, 500, Duration::from_secs(3));
+        let threads = rayon::current_num_threads() as f64;
+        let found = pace.seconds_per_ray(Termination::Roulette);
+        assert!((found * threads - 4e-3).abs() < 1e-12, "{found}");
+        assert_eq!(pace.seconds_per_ray(Termination::Radiosity), 0.0);
+    }
+
+    #[test]
+    fn first_passes_are_shorter_when_time_is() {
+        let progress = Progress::new();
+        assert_eq!(hasty_rays(1000, 1e-6, &progress), None, "no deadline");
+        progress.set_deadline(Instant::now() + Duration::from_secs(1000));
+        let check = |seconds_per_ray: f64, expected| {
+            assert_eq!(hasty_rays(1000, seconds_per_ray, &progress), expected);
+        };
+        check(1e-3, Some(HASTY_RAYS));
+        check(2e-2, Some(HASTY_RAYS / 2));
+        check(1e-1, Some(FEWEST_RAYS));
+        check(1.0, None);
+        let watch = PhaseWatch::new(&progress);
+        assert!(!watch.is_hopeless(0.0), "too early to tell");
+        progress.set_deadline(Instant::now());
+        assert!(watch.is_hopeless(0.99));
+    }
 }
