@@ -184,6 +184,7 @@ pub fn describe(
         report.fact("iterations", pass.iterations, "bounces", words);
         report.value("residual", number(pass.residual));
         energy(&pass.balance, args.bounces.is_some(), scene, report);
+        report.value("energy_error_se", number(pass.balance_error));
     }
     errors(pass, args, report);
     Ok(())
@@ -192,8 +193,13 @@ pub fn describe(
 /// Adds the estimated error, by its causes and by brightness, beside the one that was requested.
 fn errors(pass: &azulejo_radiosity::Report, args: &FirstPassArgs, report: &mut Report) {
     let parts = pass.error_parts;
+    let balance = if pass.error > 1.001 * parts.noise.hypot(parts.discretization) {
+        ", but as much energy is unaccounted for"
+    } else {
+        ""
+    };
     let words = format!(
-        "{} of the mean irradiance ({} noise, {} discretization)",
+        "{} of the mean irradiance ({} noise, {} discretization{balance})",
         percent(pass.error),
         percent(parts.noise),
         percent(parts.discretization)
