@@ -16,6 +16,9 @@ const SAMPLE: usize = 12;
 /// Part of the error permitted to a stratum that the discretization may make up.
 const SHARE: f64 = 0.5;
 
+/// How much more noise paths are expected to have than a sample shows, which may miss rare light.
+const RARE: f64 = 1.5;
+
 /// Share of the time until a deadline that the samples may take.
 const COMPARISON_SHARE: f64 = 0.15;
 
@@ -138,7 +141,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             discretization: error.discretization,
             strength: [
                 error.noise * all.spent_on(stratum) / points.max(1.0) * read,
-                noise * f64::from(*spent) * paths,
+                RARE * noise * f64::from(*spent) * paths,
             ],
             fewest: f64::from(FEWEST_RAYS) * paths,
         }
