@@ -228,6 +228,10 @@ pub struct FirstPassArgs {
     /// Seed of the random numbers; the same seed gives the same result
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
+    /// Gather at every vertex or point. By default, indirect light is interpolated where there are
+    /// thousands of them, as far as the requested error permits
+    #[arg(long)]
+    pub no_interpolation: bool,
     /// Accept a solution in which more than 10% of the emitted power is unaccounted for
     #[arg(long)]
     pub allow_imbalance: bool,

@@ -28,6 +28,7 @@ pub fn options(args: &FirstPassArgs, prepared: &PreparedEngine) -> FirstPass {
         bounces: args.bounces,
         seed: args.seed,
         memory: args.memory.unwrap_or_else(machine::memory_budget),
+        interpolate: !args.no_interpolation,
         keep_mesh: args.keep_mesh,
         sides: sides(args.sides),
         engine: prepared.engine.clone(),
@@ -193,20 +194,26 @@ pub fn describe(
 /// Adds the estimated error, by its causes and by brightness, beside the one that was requested.
 fn errors(pass: &azulejo_radiosity::Report, args: &FirstPassArgs, report: &mut Report) {
     let parts = pass.error_parts;
-    let balance = if pass.error > 1.001 * parts.noise.hypot(parts.discretization) {
+    let stated = parts.noise.hypot(parts.discretization);
+    let balance = if pass.error > 1.001 * stated.hypot(parts.interpolation) {
         ", but as much energy is unaccounted for"
     } else {
         ""
     };
-    let words = format!(
-        "{} of the mean irradiance ({} noise, {} discretization{balance})",
+    let mut words = format!(
+        "{} of the mean irradiance ({} noise, {} discretization",
         percent(pass.error),
         percent(parts.noise),
         percent(parts.discretization)
     );
+    if pass.interpolated > 0.0 {
+        words += &format!(", {} interpolation", percent(parts.interpolation));
+    }
+    words.push(')');
     report.fact("error", number(pass.error), "estimated error", words);
     report.value("error_noise", number(parts.noise));
     report.value("error_discretization", number(parts.discretization));
+    report.value("error_interpolation", number(parts.interpolation));
     let relative = pass
         .quarters
         .map(|q| q.error / q.mean.max(f64::MIN_POSITIVE));
@@ -233,6 +240,14 @@ fn errors(pass: &azulejo_radiosity::Report, args: &FirstPassArgs, report: &mut R
         report.line("path traced", words);
     }
     report.value("path_traced", number(pass.path_traced));
+    if pass.interpolated > 0.0 {
+        let words = format!(
+            "{} of the points, in indirect light",
+            percent(pass.interpolated)
+        );
+        report.line("interpolated", words);
+    }
+    report.value("interpolated", number(pass.interpolated));
     report.value("rays_needed", number(pass.rays_needed));
     let requested = args
         .error

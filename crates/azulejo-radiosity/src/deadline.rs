@@ -243,7 +243,7 @@ struct StratumDemand {
     error: StratumError,
     /// Of its noise with its rays.
     rate: f64,
-    /// Points, and the mean of their strengths^(1/(1 + rate)).
+    /// Points, and the mean of their strengths^(1/(1 + rate)) · costs^(rate/(1 + rate)).
     points: f64,
     mean: f64,
     /// Seconds spent so far, and per ray.
@@ -311,7 +311,8 @@ impl Gathering {
             let rate = noise_rate(termination);
             let strengths = self.strengths(k, &error);
             let power = 1.0 / (1.0 + rate);
-            let sum: f64 = strengths.iter().map(|s| s.0.powf(power)).sum();
+            let term = |s: &(f64, f64, u32)| s.0.powf(power) * s.1.powf(rate * power);
+            let sum: f64 = strengths.iter().map(term).sum();
             let points = strengths.len().max(1) as f64;
             let seconds_per_ray = pace.seconds_per_ray(termination);
             StratumDemand {
@@ -331,10 +332,13 @@ impl Gathering {
         self.allowed_noise(&errors, goal)
     }
 
-    /// Rays traced from all points of a stratum.
+    /// Rays traced from all points of a stratum, times their costs.
     pub(crate) fn spent_on(&self, stratum: usize) -> f64 {
-        let points = self.strata.points(stratum).iter();
-        points.map(|&i| f64::from(self.spent[i as usize])).sum()
+        let cost = |&i: &u32| {
+            let i = i as usize;
+            f64::from(self.spent[i]) * self.values.kind(i).cost()
+        };
+        self.strata.points(stratum).iter().map(cost).sum()
     }
 }
 

@@ -8,14 +8,16 @@
 //! points of the stratum are path traced; elsewhere the difference is part of the stated error.
 
 use crate::deadline::{FEWEST_RAYS, GatherPace, hasty_rays, planned_seconds};
+use crate::sparse::{self, GatheredValues, PointKind};
 use crate::strata::{Strata, StratumError};
 use azulejo_scene::Rgb;
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{
     Cancelled, DiffuseLight, DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer,
-    Measure, Progress, Termination,
+    Measure, Progress, SplitIrradiance, Termination,
 };
 use rayon::prelude::*;
+use std::ops::Range;
 use std::time::Instant;
 
 /// Points gathered together: enough to fill the tracer's batches, few enough that their paths stay
@@ -52,6 +54,8 @@ pub struct GatherEffort {
     pub rays: u32,
     /// Which points are path traced.
     pub paths: Paths,
+    /// Whether indirect light may be interpolated between points, as far as `error` permits.
+    pub interpolate: bool,
 }
 
 /// Which points of a gather are path traced.
@@ -71,6 +75,14 @@ pub struct GatherLight<'a, L> {
     /// not tell how often their light was reflected.
     pub limited: Option<(&'a L, u32)>,
 }
+
+impl<L> Clone for GatherLight<'_, L> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<L> Copy for GatherLight<'_, L> {}
 
 impl<'a, L> GatherLight<'a, L> {
     /// Light on patches, and black light with the most bounces that paths may have.
@@ -126,6 +138,8 @@ pub struct Gathering {
     pub strata: Strata,
     /// How many times as many rays the requested error would take; 1 if it is reached.
     pub rays_needed: f64,
+    /// What `gathered` is computed from.
+    pub(crate) values: GatheredValues,
 }
 
 impl Gathering {
@@ -137,7 +151,19 @@ impl Gathering {
             spent: vec![0; count],
             strata: Strata::new(count, targets.areas),
             rays_needed: 1.0,
+            values: GatheredValues::everywhere(count),
         }
+    }
+
+    /// Computes `gathered` again after a change of what it is computed from.
+    pub(crate) fn combine(&mut self) {
+        self.gathered = self.values.combined();
+    }
+
+    /// Share of the points whose indirect light is interpolated.
+    pub fn interpolated(&self) -> f64 {
+        let records = self.values.records();
+        1.0 - records as f64 / self.gathered.len().max(1) as f64
     }
 
     /// Mean number of rays per point.
@@ -150,7 +176,10 @@ impl Gathering {
     /// noise and discretization, over the mean irradiance. Points count by their areas.
     pub fn relative_error(&self) -> f64 {
         let parts = self.parts();
-        parts.noise.hypot(parts.discretization)
+        parts
+            .noise
+            .hypot(parts.discretization)
+            .hypot(parts.interpolation)
     }
 
     /// The error by its causes.
@@ -175,7 +204,7 @@ impl Gathering {
         let of = |(i, g): (usize, &Gathered)| {
             let e = &errors[self.strata.of(i)];
             let noise = g.standard_error() * e.gain.sqrt();
-            (noise * noise + Rgb::grey(e.discretization)).map(f64::sqrt)
+            (noise * noise + Rgb::grey(e.discretization + e.interpolation)).map(f64::sqrt)
         };
         self.gathered.iter().enumerate().map(of).collect()
     }
@@ -193,6 +222,8 @@ pub struct ErrorParts {
     pub noise: f64,
     /// From the size of the patches, measured at a sample of the points.
     pub discretization: f64,
+    /// From interpolating indirect light between points.
+    pub interpolation: f64,
 }
 
 /// The error of a quarter of the points.
@@ -244,54 +275,26 @@ pub(crate) fn gather_watched(
         gatherer,
         light,
         points: targets.points,
-        pace: GatherPace::default(),
+        pace: &GatherPace::default(),
         seed,
         progress,
     };
-    let most = effort.rays.clamp(1, MOST_RAYS);
+    progress.limit_phase(1.0);
+    // Before a deadline, all points are planned together.
+    let is_sparse = effort.interpolate && !progress.has_deadline();
+    if effort.error.is_some() && is_sparse && targets.points.len() >= sparse::LEAST_POINTS {
+        return sparse::gather_sparse(&pass, targets, effort, watch);
+    }
     let mut all = Gathering::new(targets);
-    if effort.paths == Paths::Always {
-        all.strata.trace_paths(0);
-    }
-    let rays = match effort.error {
-        _ if progress.has_deadline() => pass.hasty(&all)?.min(most),
-        Some(_) => FIRST_RAYS.min(most),
-        None => most,
-    };
-    pass.raise(&mut all, &vec![rays; targets.points.len()])?;
-    if all.spent.contains(&0) {
-        return Err(GatherError::OutOfTime);
-    }
-    all.strata.divide(&all.gathered);
-    if effort.paths == Paths::Measured {
-        pass.validate(&mut all, effort.error, most)?;
-    }
-    let mut is_first = true;
-    loop {
-        progress.measured(Measure::Error(all.relative_error()));
-        if let Some(goal) = effort.error {
-            all.rays_needed = all.needed(goal);
-            if std::mem::take(&mut is_first) {
-                pass.forecast(&all, goal, most);
-            }
-        }
-        let seconds = planned_seconds(progress);
-        let totals = match effort.error {
-            None if pass.seconds_to_all(&all, most) <= seconds => vec![most; all.spent.len()],
-            Some(goal) if seconds.is_infinite() => all.allocate(goal, GROWTH, most),
-            goal => {
-                let goal = goal.unwrap_or(0.0);
-                let allowed = all.noise_within_reach(goal, seconds, &pass.pace);
-                all.allocate_to(&allowed, GROWTH, most)
-            }
-        };
-        if progress.out_of_time() || totals == all.spent {
-            break;
-        }
-        watch(&all);
-        pass.raise(&mut all, &totals)?;
-    }
+    pass.reach(&mut all, effort, watch)?;
     Ok(all)
+}
+
+impl GatherEffort {
+    /// Most rays per point.
+    pub(crate) fn most(&self) -> u32 {
+        self.rays.clamp(1, MOST_RAYS)
+    }
 }
 
 impl Gathering {
@@ -311,7 +314,8 @@ impl Gathering {
     /// What discretization leaves to the noise of each stratum, for all to reach `goal`.
     pub(crate) fn allowed_noise(&self, errors: &[StratumError], goal: f64) -> Vec<f64> {
         let permitted = self.strata.permitted(errors, goal);
-        let allowed = |(e, p): (&StratumError, f64)| noise_beside(e.discretization, p);
+        let allowed =
+            |(e, p): (&StratumError, f64)| noise_beside(e.discretization + e.interpolation, p);
         errors.iter().zip(permitted).map(allowed).collect()
     }
 
@@ -333,27 +337,30 @@ impl Gathering {
         totals
     }
 
-    /// Variance times rays^rate of every point of a stratum.
-    pub(crate) fn strengths(&self, stratum: usize, error: &StratumError) -> Vec<(f64, u32)> {
+    /// Variance times rays^rate of every point of a stratum, and the cost of its rays.
+    pub(crate) fn strengths(&self, stratum: usize, error: &StratumError) -> Vec<(f64, f64, u32)> {
         let rate = noise_rate(self.strata.termination(stratum));
+        let points = self.strata.points(stratum);
+        let own = |i: usize| self.strata.mean_of(self.values.variance(i)) * error.gain;
+        let shared = self.values.mean_by_kind(points, &own);
         let strength = |&i: &u32| {
-            let own = self.strata.mean_of(self.gathered[i as usize].variance()) * error.gain;
+            let i = i as usize;
+            let kind = self.values.kind(i);
+            let (shared, spent) = (shared[kind as usize], self.spent[i]);
             // Four replicates estimate a point's variance badly; half of it is taken from all. Of few
             // rays, all is: points that miss a rare light would be believed to be dark, and stay so.
-            let spent = self.spent[i as usize];
-            let own = if spent < FIRST_RAYS { error.noise } else { own };
-            let shared = 0.5 * (own + error.noise);
-            let spent = f64::from(spent);
-            (shared * spent.powf(rate), i)
+            let is_known = spent >= FIRST_RAYS || kind == PointKind::Interpolated;
+            let own = if is_known { own(i) } else { shared };
+            let strength = 0.5 * (own + shared) * f64::from(spent).powf(rate);
+            (strength, kind.cost(), i as u32)
         };
-        let points = self.strata.points(stratum);
         points.iter().map(strength).collect()
     }
 }
 
-/// What discretization leaves to noise of a mean square error, and never less than a part.
-pub(crate) fn noise_beside(discretization: f64, permitted: f64) -> f64 {
-    (permitted - discretization).max(0.25 * permitted)
+/// What the patches and interpolation leave to noise of a mean square error, and never less than a part.
+pub(crate) fn noise_beside(fixed: f64, permitted: f64) -> f64 {
+    (permitted - fixed).max(0.25 * permitted)
 }
 
 /// Decline of the variance with rays n, about n^−rate.
@@ -366,32 +373,40 @@ pub(crate) fn noise_rate(termination: Termination) -> f64 {
     }
 }
 
-/// Rays that make the mean variance of points `allowed` at least cost, given the strength of each.
+/// Rays that make the mean variance of points `allowed` at least cost, given the strength of each
+/// and the cost of its rays.
 ///
-/// A point's variance falls with its rays n as strength n^−rate; the sum of rays is then least for n
-/// in proportion to strength^(1/(1 + rate)), by Lagrange.
-fn cheapest(strengths: &[(f64, u32)], rate: f64, allowed: f64) -> impl Iterator<Item = (u32, f64)> {
+/// A point's variance falls with its rays n as strength n^−rate; the sum of costs is then least for n
+/// in proportion to (strength/cost)^(1/(1 + rate)), by Lagrange.
+fn cheapest(
+    strengths: &[(f64, f64, u32)],
+    rate: f64,
+    allowed: f64,
+) -> impl Iterator<Item = (u32, f64)> {
     let power = 1.0 / (1.0 + rate);
-    let sum: f64 = strengths.iter().map(|s| s.0.powf(power)).sum();
+    let term = |s: &(f64, f64, u32)| s.0.powf(power) * s.1.powf(rate * power);
+    let sum: f64 = strengths.iter().map(term).sum();
     let mean = sum / strengths.len().max(1) as f64;
     let scale = (mean / allowed.max(f64::MIN_POSITIVE)).powf(1.0 / rate);
     strengths
         .iter()
-        .map(move |&(s, i)| (i, scale * s.powf(power)))
+        .map(move |&(s, cost, i)| (i, scale * (s / cost).powf(power)))
 }
 
 /// The constants of all passes.
+#[derive(Clone, Copy)]
 pub(crate) struct GatherPass<'a, L> {
-    gatherer: &'a Gatherer<'a>,
-    light: GatherLight<'a, L>,
-    points: &'a [GatherPoint],
-    pub pace: GatherPace,
+    pub gatherer: &'a Gatherer<'a>,
+    pub light: GatherLight<'a, L>,
+    pub points: &'a [GatherPoint],
+    pub pace: &'a GatherPace,
     pub seed: u32,
     pub progress: &'a Progress,
 }
 
-/// A group of points that are gathered alike: from so many rays, to so many, ending so.
-type Way = (u32, u32, Termination);
+/// A group of points that are gathered alike: from so many rays, to so many, ending so, and whether
+/// their indirect light is gathered at all.
+type Way = (u32, u32, Termination, PointKind);
 
 impl<L: DiffuseLight> GatherPass<'_, L> {
     /// Rays of the first pass before a deadline, from the pace of a keyed sample.
@@ -411,7 +426,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         let sum = |rays: &[u32]| rays.iter().map(|&n| f64::from(n)).sum::<f64>();
         let [free, capped] =
             [u32::MAX, most].map(|most| sum(&all.allocate(goal, f64::INFINITY, most)));
-        let seconds = all.seconds_needed(goal, &self.pace);
+        let seconds = all.seconds_needed(goal, self.pace);
         let left = self.progress.time_left();
         let is_late = left.is_some_and(|left| seconds > left.as_secs_f64());
         if is_late || free > (1.0 + TOLERATED) * capped {
@@ -433,10 +448,75 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         (0..all.strata.count()).map(seconds).sum()
     }
 
+    /// Gathers from nothing until `effort` is reached or the progress is out of time; passes
+    /// intermediate results to `watch` after each pass but the last.
+    pub fn reach(
+        &self,
+        all: &mut Gathering,
+        effort: GatherEffort,
+        watch: &mut dyn FnMut(&Gathering),
+    ) -> Result<(), GatherError> {
+        let most = effort.most();
+        if effort.paths == Paths::Always {
+            all.strata.trace_paths(0);
+        }
+        let rays = match effort.error {
+            _ if self.progress.has_deadline() => self.hasty(all)?.min(most),
+            Some(_) => FIRST_RAYS.min(most),
+            None => most,
+        };
+        self.raise(all, &vec![rays; self.points.len()])?;
+        if all.spent.contains(&0) {
+            return Err(GatherError::OutOfTime);
+        }
+        all.strata.divide(&all.gathered);
+        if effort.paths == Paths::Measured {
+            self.validate(all, effort.error, most)?;
+        }
+        if let Some(goal) = effort.error {
+            self.forecast(all, goal, most);
+        }
+        self.spend(all, effort, watch)
+    }
+
+    /// Spends rays where they reduce the error most until `effort` is reached or the phase is over.
+    pub fn spend(
+        &self,
+        all: &mut Gathering,
+        effort: GatherEffort,
+        watch: &mut dyn FnMut(&Gathering),
+    ) -> Result<(), GatherError> {
+        let most = effort.most();
+        loop {
+            self.progress.measured(Measure::Error(all.relative_error()));
+            if let Some(goal) = effort.error {
+                all.rays_needed = all.needed(goal);
+            }
+            let seconds = planned_seconds(self.progress);
+            let totals = match effort.error {
+                None if self.seconds_to_all(all, most) <= seconds => vec![most; all.spent.len()],
+                Some(goal) if seconds.is_infinite() => all.allocate(goal, GROWTH, most),
+                goal => {
+                    let goal = goal.unwrap_or(0.0);
+                    let allowed = all.noise_within_reach(goal, seconds, self.pace);
+                    all.allocate_to(&allowed, GROWTH, most)
+                }
+            };
+            if self.progress.phase_is_over() || totals == all.spent {
+                return Ok(());
+            }
+            watch(all);
+            self.raise(all, &totals)?;
+        }
+    }
+
     /// Raises every point to its total, in groups with the same start and total; points keep what
     /// they have when time runs out.
     pub fn raise(&self, all: &mut Gathering, totals: &[u32]) -> Result<(), Cancelled> {
-        let way = |i: usize| -> Way { (all.spent[i], totals[i], all.strata.termination_of(i)) };
+        let way = |i: usize| -> Way {
+            let termination = all.strata.termination_of(i);
+            (all.spent[i], totals[i], termination, all.values.kind(i))
+        };
         let groups: Vec<Way> = (0..totals.len()).map(way).collect();
         let mut ways: Vec<Way> = groups.iter().copied().filter(|w| w.1 > w.0).collect();
         self.progress.begin("irradiance", ways.len() as u64);
@@ -446,16 +526,20 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             let chosen: Vec<u32> = (0..groups.len() as u32)
                 .filter(|&i| groups[i as usize] == way)
                 .collect();
-            let (spent, total, termination) = way;
-            let found = self.gather_at(&chosen, spent..total, termination)?;
+            let (spent, total, termination, kind) = way;
+            let found = match kind {
+                PointKind::Record => self.gather_at(&chosen, spent..total, termination)?,
+                PointKind::Interpolated => self.gather_direct_at(&chosen, spent..total)?,
+            };
             for (&i, new) in chosen.iter().zip(found) {
                 if let Some(new) = new {
-                    let old = &mut all.gathered[i as usize];
-                    *old = old.blend(&new, f64::from(total - spent) / f64::from(total));
+                    let share = f64::from(total - spent) / f64::from(total);
+                    all.values.add(i as usize, &new, share);
                     all.spent[i as usize] = total;
                 }
             }
         }
+        all.combine();
         Ok(())
     }
 
@@ -463,37 +547,70 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
     pub fn gather_at(
         &self,
         chosen: &[u32],
-        rays: std::ops::Range<u32>,
+        rays: Range<u32>,
         termination: Termination,
-    ) -> Result<Vec<Option<Gathered>>, Cancelled> {
+    ) -> Result<Vec<Option<SplitIrradiance>>, Cancelled> {
         let (light, ending) = self.light.ending(termination);
-        let options = GatherOptions {
+        let options = self.options(&rays, ending);
+        let directions = DirectionTables::new(&options);
+        self.in_chunks(chosen, options.spent == 0, |points| {
+            let start = Instant::now();
+            let found = self
+                .gatherer
+                .gather_with(points, &options, &directions, light);
+            let rays = points.len() as u64 * u64::from(options.rays);
+            self.pace.add(termination, rays, start.elapsed());
+            found
+        })
+    }
+
+    /// As [`gather_at`](GatherPass::gather_at), direct light alone.
+    fn gather_direct_at(
+        &self,
+        chosen: &[u32],
+        rays: Range<u32>,
+    ) -> Result<Vec<Option<SplitIrradiance>>, Cancelled> {
+        let options = self.options(&rays, Termination::Radiosity);
+        let split = |direct| SplitIrradiance {
+            direct,
+            indirect: Gathered::default(),
+        };
+        self.in_chunks(chosen, options.spent == 0, |points| {
+            let direct = self.gatherer.gather_direct(points, &options);
+            direct.into_iter().map(split).collect()
+        })
+    }
+
+    fn options(&self, rays: &Range<u32>, termination: Termination) -> GatherOptions {
+        GatherOptions {
             rays: rays.end - rays.start,
             spent: rays.start,
             seed: self.seed,
-            termination: ending,
-        };
-        let directions = DirectionTables::new(&options);
-        let chunks: Result<Vec<Vec<Option<Gathered>>>, Cancelled> = chosen
+            termination,
+        }
+    }
+
+    fn in_chunks(
+        &self,
+        chosen: &[u32],
+        is_first: bool,
+        gather: impl Fn(&[GatherPoint]) -> Vec<SplitIrradiance> + Sync,
+    ) -> Result<Vec<Option<SplitIrradiance>>, Cancelled> {
+        let chunks: Result<Vec<Vec<Option<SplitIrradiance>>>, Cancelled> = chosen
             .par_chunks(CHUNK)
             .map(|chunk| {
                 self.progress.advance(chunk.len() as u64)?;
-                let is_over = match options.spent {
-                    0 => self.progress.is_overdue(),
-                    _ => self.progress.out_of_time(),
+                let is_over = if is_first {
+                    self.progress.is_overdue()
+                } else {
+                    self.progress.phase_is_over()
                 };
                 if is_over {
                     return Ok(vec![None; chunk.len()]);
                 }
                 let points: Vec<GatherPoint> =
                     chunk.iter().map(|&i| self.points[i as usize]).collect();
-                let start = Instant::now();
-                let found = self
-                    .gatherer
-                    .gather_with(&points, &options, &directions, light);
-                let rays = points.len() as u64 * u64::from(options.rays);
-                self.pace.add(termination, rays, start.elapsed());
-                Ok(found.into_iter().map(Some).collect())
+                Ok(gather(&points).into_iter().map(Some).collect())
             })
             .collect();
         Ok(chunks?.into_iter().flatten().collect())

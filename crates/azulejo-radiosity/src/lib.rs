@@ -17,6 +17,7 @@
 //! | [`gather`], [`light`], [`vertices`] | irradiance at points, from the light on patches |
 //! | [`strata`], `validation` | where the patches are good enough for that, and where paths are traced |
 //! | `deadline` | what the time until a deadline suffices for |
+//! | `sparse`, `records`, `interpolation` | many points from few of them |
 //! | [`StoredSides`] | which side of a surface is stored |
 //!
 //! Exact shapes are divided as polygons ([`faceted`](azulejo_factors::faceted)).
@@ -24,13 +25,16 @@
 mod deadline;
 pub mod direct;
 pub mod gather;
+mod interpolation;
 pub mod light;
 pub mod particles;
 mod preview;
+mod records;
 pub mod refine;
 mod sides;
 pub mod solve;
 pub mod solved;
+mod sparse;
 pub mod stochastic;
 pub mod strata;
 pub mod system;

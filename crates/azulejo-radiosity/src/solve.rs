@@ -7,7 +7,7 @@ use crate::gather::{
 use crate::preview::{Preview, PreviewReporter};
 use crate::refine::RefinementGoal;
 use crate::sides::StoredSides;
-use crate::solved::{LightPurpose, SolvedPatches};
+use crate::solved::SolvedPatches;
 use crate::system::EnergyBalance;
 use crate::vertices;
 use azulejo_factors::{Engine, EngineUsed, FactorsError, PatchSize, PointNormal, ProxyScene};
@@ -35,6 +35,9 @@ pub struct FirstPass {
     pub seed: u64,
     /// Bytes that the rows of form factors may take; beyond, light is shot without a matrix.
     pub memory: u64,
+    /// Interpolate indirect light between vertices or points, where there are thousands of them, as
+    /// far as the requested error permits.
+    pub interpolate: bool,
     /// Write irradiance on the vertices of the given mesh instead of those of the patches.
     pub keep_mesh: bool,
     /// Which side's irradiance the surfaces of meshes store.
@@ -52,6 +55,7 @@ impl Default for FirstPass {
             bounces: None,
             seed: 0,
             memory: 4 << 30,
+            interpolate: true,
             keep_mesh: false,
             sides: StoredSides::default(),
         }
@@ -67,6 +71,16 @@ const DEFAULT_RAYS: u32 = 2048;
 /// Most rays per patch where only an error is requested.
 const MOST_PATCH_RAYS: u32 = 1 << 17;
 
+/// Rays of the stored rows of patches, at least.
+const FEWEST_PATCH_RAYS: u32 = 32;
+
+/// Patches whose errors may be as large as that of the light that is gathered from them; the squares
+/// of errors grow with their number.
+const AVERAGED_PATCHES: f64 = 2_500.0;
+
+/// Largest error of patches, however many there are.
+const MOST_PATCH_ERROR: f64 = 0.25;
+
 impl FirstPass {
     fn effort(&self, method: Method) -> GatherEffort {
         let paths = match method {
@@ -78,11 +92,13 @@ impl FirstPass {
                 error: Some(DEFAULT_ERROR),
                 rays: DEFAULT_RAYS,
                 paths,
+                interpolate: self.interpolate,
             },
             (error, rays) => GatherEffort {
                 error,
                 rays: rays.unwrap_or(MOST_RAYS),
                 paths,
+                interpolate: self.interpolate,
             },
         }
     }
@@ -91,9 +107,11 @@ impl FirstPass {
     ///
     /// The error of a patch from n rays is about a half n^−0.6, and refinement leaves about that
     /// times n^−½ of the rows' noise: a fourth of the requested error.
-    pub(crate) fn patch_rays(&self) -> u32 {
-        let enough = (2.0 / self.aim()).powf(0.9);
-        let enough = (enough as u32).next_power_of_two().clamp(128, 2048);
+    pub(crate) fn patch_rays(&self, purpose: PatchPurpose, patches: usize) -> u32 {
+        let relief = purpose.relief(patches);
+        let enough = (2.0 / (relief * self.aim())).powf(0.9);
+        let fewest = ((128.0 / relief) as u32).clamp(FEWEST_PATCH_RAYS, 128);
+        let enough = (enough as u32).max(fewest).next_power_of_two().min(2048);
         match (self.error, self.rays) {
             (None, Some(rays)) => rays,
             (_, most) => enough.min(most.unwrap_or(u32::MAX)),
@@ -107,11 +125,13 @@ impl FirstPass {
 
     /// The goal of refinement, if an error is to be reached. A limited number of bounces cannot be
     /// refined: the light of the last but one would be needed.
-    pub(crate) fn goal(&self) -> Option<RefinementGoal> {
+    pub(crate) fn goal(&self, purpose: PatchPurpose, patches: usize) -> Option<RefinementGoal> {
         let error = match (self.error, self.rays) {
             (None, Some(_)) => None,
             (error, _) => Some(error.unwrap_or(DEFAULT_ERROR)),
         };
+        let larger = |e: f64| e.max(MOST_PATCH_ERROR.min(e * purpose.relief(patches)));
+        let error = error.map(larger);
         let rays = self.rays.unwrap_or(MOST_PATCH_RAYS);
         let goal = error.map(|error| RefinementGoal { error, rays });
         goal.filter(|_| self.bounces.is_none())
@@ -119,6 +139,31 @@ impl FirstPass {
 
     pub(crate) fn key(&self) -> u32 {
         hash(&[self.seed as u32, (self.seed >> 32) as u32])
+    }
+}
+
+/// What the radiosity of patches is for: how large its error may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum PatchPurpose {
+    /// Each patch is a result.
+    Result,
+    /// To be gathered to vertices, which need to know which sides of surfaces are lit: every point
+    /// reads hundreds of patches, whose errors are independent, so the more there are, the larger they
+    /// may be.
+    Vertices,
+    /// To be gathered to points whose side is given.
+    Points,
+}
+
+impl PatchPurpose {
+    /// How much larger the error of so many patches may be than that of the light in the end.
+    fn relief(self, patches: usize) -> f64 {
+        match self {
+            PatchPurpose::Result => 1.0,
+            PatchPurpose::Vertices | PatchPurpose::Points => {
+                (patches as f64 / AVERAGED_PATCHES).max(1.0).sqrt()
+            }
+        }
     }
 }
 
@@ -245,6 +290,8 @@ pub struct Report {
     pub path_traced: f64,
     /// How many times as many rays from points the requested error would take; 1 if it is reached.
     pub rays_needed: f64,
+    /// Share of the vertices or points at which indirect light is interpolated.
+    pub interpolated: f64,
 }
 
 /// A solved scene.
@@ -322,7 +369,7 @@ fn solve_for(
 ) -> Result<LightSolution, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
     let mut reporter = PreviewReporter::new(watch, &proxy, pass);
-    let purpose = LightPurpose::Vertices;
+    let purpose = PatchPurpose::Vertices;
     let solved = SolvedPatches::new(&proxy, pass, purpose, progress, &mut |patches, found| {
         reporter.show_patches(patches, found);
     })?;
@@ -381,7 +428,7 @@ pub fn probe(
     progress: &Progress,
 ) -> Result<Probed, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
-    let purpose = LightPurpose::Points;
+    let purpose = PatchPurpose::Points;
     let solved = SolvedPatches::new(&proxy, pass, purpose, progress, &mut |_, _| ())?;
     let points = proxy.on_polygons(points);
     let (light, black) = (solved.light(pass), solved.black_light(pass));

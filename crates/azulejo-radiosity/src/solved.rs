@@ -4,8 +4,8 @@ use crate::deadline::affordable_patch_rays;
 use crate::gather::{CHUNK, GatherTargets, Gathering, HASTY_RAYS};
 use crate::light::PatchLight;
 use crate::particles::{self, ParticleEffort};
-use crate::refine::{RefinementWork, refine};
-use crate::solve::{Estimate, FirstPass, Method, Report, SolveError};
+use crate::refine::{RefinementGoal, RefinementWork, refine};
+use crate::solve::{Estimate, FirstPass, Method, PatchPurpose, Report, SolveError};
 use crate::stochastic;
 use crate::system::{RadiositySolution, System};
 use azulejo_factors::engine::Estimator;
@@ -14,8 +14,8 @@ use azulejo_factors::{Engine, EngineChoice, EngineUsed, Patches, ProxyScene, ref
 use azulejo_scene::{Rgb, Scene};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{
-    DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer, Measure, Progress, Surfaces,
-    Termination, Tracer,
+    DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer, Measure, Progress,
+    SplitIrradiance, Surfaces, Termination, Tracer,
 };
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -54,7 +54,7 @@ pub fn radiosity(
     progress: &Progress,
 ) -> Result<PatchRadiosity, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
-    let purpose = LightPurpose::Points;
+    let purpose = PatchPurpose::Result;
     let solved = SolvedPatches::new(&proxy, pass, purpose, progress, &mut |_, _| ())?;
     let nothing = Gathering::new(GatherTargets {
         points: &[],
@@ -85,15 +85,6 @@ pub(crate) struct SolvedPatches<'a> {
     has_light_left: bool,
 }
 
-/// For what light on patches is computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum LightPurpose {
-    /// For vertices, which need to know which sides of surfaces are lit.
-    Vertices,
-    /// For points whose side is given.
-    Points,
-}
-
 /// Called with a solution that is about to be refined.
 pub(crate) type CoarseCallback<'a> = &'a mut dyn FnMut(&Patches, &RadiositySolution);
 
@@ -101,7 +92,7 @@ impl<'a> SolvedPatches<'a> {
     pub fn new(
         proxy: &'a ProxyScene,
         pass: &FirstPass,
-        purpose: LightPurpose,
+        purpose: PatchPurpose,
         progress: &Progress,
         watch: CoarseCallback,
     ) -> Result<SolvedPatches<'a>, SolveError> {
@@ -116,10 +107,11 @@ impl<'a> SolvedPatches<'a> {
         let gatherer = Gatherer::new(Surfaces::new(scene, tracer));
         let reflectance = reflectances(scene, &patches);
         let seed = hash(&[pass.key(), 0]);
+        let enough = pass.patch_rays(purpose, patches.len());
         let rays = if progress.has_deadline() {
-            pass.patch_rays().min(HASTY_RAYS)
+            enough.min(HASTY_RAYS)
         } else {
-            pass.patch_rays()
+            enough
         };
         // Entries of eight bytes, hardly more of them than rays.
         let expected = patches.len() as u64 * u64::from(rays) * 8;
@@ -128,6 +120,7 @@ impl<'a> SolvedPatches<'a> {
             patches: &patches,
             reflectance: &reflectance,
             rays,
+            goal: pass.goal(purpose, patches.len()),
             seed,
         };
         progress.limit_phase(PATCH_SHARE);
@@ -245,6 +238,7 @@ impl<'a> SolvedPatches<'a> {
             quarters: gathering.quarters(),
             path_traced: gathering.path_traced(),
             rays_needed: gathering.rays_needed,
+            interpolated: gathering.interpolated(),
         }
     }
 }
@@ -263,6 +257,7 @@ struct SolverInputs<'a> {
     patches: &'a Patches,
     reflectance: &'a [Rgb],
     rays: u32,
+    goal: Option<RefinementGoal>,
     seed: u32,
 }
 
@@ -310,7 +305,7 @@ impl SolverInputs<'_> {
     /// tells fronts from backs, is estimated by a few paths each.
     fn without_patches(
         &self,
-        purpose: LightPurpose,
+        purpose: PatchPurpose,
         progress: &Progress,
     ) -> Result<PatchSolution, SolveError> {
         let patches = self.patches;
@@ -337,12 +332,12 @@ impl SolverInputs<'_> {
             }
         };
         let count = match purpose {
-            LightPurpose::Vertices => 2 * patches.len(),
-            LightPurpose::Points => 0,
+            PatchPurpose::Vertices => 2 * patches.len(),
+            PatchPurpose::Points | PatchPurpose::Result => 0,
         };
         let sides: Vec<GatherPoint> = (0..count).map(point).collect();
         progress.begin("irradiance of patches", sides.len() as u64);
-        let found: Vec<Vec<Gathered>> = sides
+        let found: Vec<Vec<SplitIrradiance>> = sides
             .par_chunks(CHUNK)
             .map(|points| {
                 progress.advance(points.len() as u64)?;
@@ -354,7 +349,7 @@ impl SolverInputs<'_> {
             })
             .collect::<Result<_, SolveError>>()?;
         let incident = &mut solution.incident;
-        let means = found.iter().flatten().map(Gathered::mean);
+        let means = found.iter().flatten().map(|e| e.whole().mean());
         incident.iter_mut().zip(means).for_each(|(h, e)| *h = e);
         let why =
             "paths are traced from every point, because the time does not suffice for patches";
@@ -372,7 +367,7 @@ impl SolverInputs<'_> {
         pass: &FirstPass,
         progress: &Progress,
     ) -> Result<PatchSolution, SolveError> {
-        let goal = pass.goal();
+        let goal = self.goal;
         let effort = ParticleEffort {
             first: self.rays,
             error: goal.map(|g| g.error),
@@ -412,6 +407,7 @@ impl SolverInputs<'_> {
             patches,
             reflectance,
             rays,
+            goal,
             seed,
         } = self;
         let (engine, why) = match &pass.engine {
@@ -444,7 +440,7 @@ impl SolverInputs<'_> {
         };
         // Hemicubes have the requested number of pixels: rays beside them would only add noise.
         let is_drawn = matches!(estimator, Estimator::Hemicube(_));
-        let Some(goal) = pass.goal().filter(|_| !is_drawn) else {
+        let Some(goal) = goal.filter(|_| !is_drawn) else {
             return Ok(Some(found));
         };
         progress.limit_phase(REFINEMENT_SHARE);

@@ -45,6 +45,8 @@ struct Stratum {
     termination: Termination,
     /// Mean square of the difference that path tracing makes, (W/m²)², if it was measured.
     discretization: f64,
+    /// Mean square of the error of interpolation, (W/m²)².
+    interpolation: f64,
 }
 
 /// Mean irradiance of a stratum, and the variance of its estimate.
@@ -58,6 +60,8 @@ pub struct StratumError {
     pub noise: f64,
     /// Mean square by discretization, (W/m²)².
     pub discretization: f64,
+    /// Mean square by interpolation, (W/m²)².
+    pub interpolation: f64,
     /// Variance of an estimate relative to that of independent replicates.
     pub gain: f64,
 }
@@ -120,6 +124,16 @@ impl Strata {
         &self.strata[stratum].points
     }
 
+    /// Share of the total area of a point.
+    pub fn share(&self, point: usize) -> f64 {
+        self.shares[point]
+    }
+
+    /// Shares of the total area of all points.
+    pub fn shares(&self) -> &[f64] {
+        &self.shares
+    }
+
     /// How the points of a stratum are gathered.
     pub fn termination(&self, stratum: usize) -> Termination {
         self.strata[stratum].termination
@@ -140,6 +154,27 @@ impl Strata {
     pub fn trace_paths(&mut self, stratum: usize) {
         self.strata[stratum].termination = Termination::Roulette;
         self.strata[stratum].discretization = 0.0;
+    }
+
+    /// States the mean square error of interpolation in this stratum, (W/m²)².
+    pub fn interpolate(&mut self, stratum: usize, error: f64) {
+        self.strata[stratum].interpolation = error;
+    }
+
+    /// The same strata of other points, each of which is in the stratum of a point of these.
+    /// `areas` are those of the new points.
+    pub fn spread(&self, parents: &[u32], areas: &[f64]) -> Strata {
+        let mut strata = Strata {
+            of: parents.iter().map(|&p| self.of[p as usize]).collect(),
+            channels: self.channels,
+            strata: self.strata.clone(),
+            ..Strata::new(parents.len(), areas)
+        };
+        strata.strata.iter_mut().for_each(|s| s.points.clear());
+        for (i, &stratum) in strata.of.iter().enumerate() {
+            strata.strata[usize::from(stratum)].points.push(i as u32);
+        }
+        strata
     }
 
     /// Share of the points in strata that are path traced.
@@ -166,6 +201,7 @@ impl Strata {
                 mean: 0.0,
                 noise: 0.0,
                 discretization: stratum.discretization,
+                interpolation: stratum.interpolation,
                 gain,
             };
             for &i in &stratum.points {
@@ -228,6 +264,7 @@ impl Strata {
         ErrorParts {
             noise: relative(sum(|e| e.noise)),
             discretization: relative(sum(|e| e.discretization)),
+            interpolation: relative(sum(|e| e.interpolation)),
         }
     }
 
@@ -260,7 +297,8 @@ impl Strata {
             let noise = self.mean_of(gathered[i].variance()) * error.gain;
             shares[q] += self.shares[i];
             quarters[q].mean += self.shares[i] * brightness[i];
-            quarters[q].error += self.shares[i] * (noise + error.discretization);
+            quarters[q].error +=
+                self.shares[i] * (noise + error.discretization + error.interpolation);
         }
         for (quarter, share) in quarters.iter_mut().zip(shares) {
             if share > 0.0 {

@@ -8,7 +8,7 @@ use crate::gather::{FIRST_RAYS, GatherPass, Gathering};
 use crate::strata::StratumError;
 use azulejo_scene::Rgb;
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, DiffuseLight, Gathered, REPLICATES, Termination};
+use azulejo_trace::{Cancelled, DiffuseLight, Gathered, REPLICATES, SplitIrradiance, Termination};
 
 /// Points of the sample, per stratum.
 const SAMPLE: usize = 12;
@@ -28,8 +28,8 @@ const MOST_SAMPLE_RAYS: u32 = 1 << 13;
 /// One point of the sample, gathered both ways from the same directions.
 struct Comparison {
     point: u32,
-    patches: Gathered,
-    paths: Gathered,
+    patches: SplitIrradiance,
+    paths: SplitIrradiance,
 }
 
 /// What the sample says of a stratum.
@@ -103,6 +103,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             all.strata.read_patches(stratum, square);
             found.push((spent, sample, is_bad));
         }
+        self.progress.limit_phase(1.0);
         let seconds = planned_seconds(self.progress);
         let errors = all.errors();
         let ways: Vec<StratumWays> = (0..found.len())
@@ -134,7 +135,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         let points = all.strata.points(stratum).len() as f64;
         let [read, paths] = [Termination::Radiosity, Termination::Roulette]
             .map(|termination| points * self.pace.seconds_per_ray(termination));
-        let variance = |c: &Comparison| all.strata.mean_of(c.paths.variance());
+        let variance = |c: &Comparison| all.strata.mean_of(c.paths.whole().variance());
         let noise = sample.iter().map(variance).sum::<f64>() / sample.len().max(1) as f64;
         StratumWays {
             share: error.share,
@@ -157,12 +158,12 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         (spent, sample): (u32, Vec<Comparison>),
         most: u32,
     ) -> Result<(), Cancelled> {
-        let before = (all.gathered.clone(), all.spent.clone());
+        let before = (all.values.clone(), all.spent.clone());
         let points = all.strata.points(stratum).to_vec();
         all.strata.trace_paths(stratum);
         points.iter().for_each(|&i| all.spent[i as usize] = 0);
         for known in sample {
-            all.gathered[known.point as usize] = known.paths;
+            all.values.add(known.point as usize, &known.paths, 1.0);
             all.spent[known.point as usize] = spent;
         }
         let seconds = self.pace.seconds_per_ray(Termination::Roulette);
@@ -175,7 +176,8 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         let totals: Vec<u32> = all.spent.iter().map(|&n| n.max(first)).collect();
         self.raise(all, &totals)?;
         if points.iter().any(|&i| all.spent[i as usize] == 0) {
-            (all.gathered, all.spent) = before;
+            (all.values, all.spent) = before;
+            all.combine();
             all.strata.read_patches(stratum, discretization);
         }
         Ok(())
@@ -188,8 +190,8 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         keyed.sort_unstable();
         let new = |&(_, point): &(u32, u32)| Comparison {
             point,
-            patches: Gathered::default(),
-            paths: Gathered::default(),
+            patches: SplitIrradiance::default(),
+            paths: SplitIrradiance::default(),
         };
         keyed.iter().take(SAMPLE).map(new).collect()
     }
@@ -240,7 +242,7 @@ fn judge(all: &Gathering, sample: &[Comparison], allowed: f64) -> Verdict {
     for known in sample {
         let difference = Gathered {
             replicates: std::array::from_fn::<Rgb, REPLICATES, _>(|r| {
-                known.patches.replicates[r] - known.paths.replicates[r]
+                known.patches.indirect.replicates[r] - known.paths.indirect.replicates[r]
             }),
         };
         let (mean, variance) = (difference.mean(), difference.variance());

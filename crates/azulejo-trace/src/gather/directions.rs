@@ -18,7 +18,7 @@ const TABLES: u32 = 32;
 impl DirectionTables {
     /// The directions that a gather with these options takes.
     pub fn new(options: &GatherOptions) -> DirectionTables {
-        let count = options.rays.div_ceil(REPLICATES as u32).max(1);
+        let count = options.per_replicate();
         let indices = options.spent..options.spent + count * REPLICATES as u32;
         let mut directions = Vec::with_capacity(TABLES as usize * indices.len());
         for table in 0..TABLES {

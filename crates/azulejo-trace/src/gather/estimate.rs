@@ -32,6 +32,13 @@ impl Gathered {
         }
     }
 
+    /// The sum of two estimates, replicate by replicate.
+    pub fn plus(&self, other: &Gathered) -> Gathered {
+        Gathered {
+            replicates: std::array::from_fn(|r| self.replicates[r] + other.replicates[r]),
+        }
+    }
+
     /// Variance of [`mean`](Gathered::mean), per channel, from the spread of the replicates as
     /// if they were independent; it is smaller for replicates that are stretches of one sequence.
     pub fn variance(&self) -> Rgb {
@@ -42,6 +49,31 @@ impl Gathered {
     }
 }
 
+/// Irradiance of one point by where it comes from, W/m².
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SplitIrradiance {
+    /// Straight from lamps and lights, or from them by one flat mirror: it changes abruptly at the
+    /// edges of shadows.
+    pub direct: Gathered,
+    /// All else.
+    pub indirect: Gathered,
+}
+
+impl SplitIrradiance {
+    /// Both together.
+    pub fn whole(&self) -> Gathered {
+        self.direct.plus(&self.indirect)
+    }
+
+    /// As [`Gathered::blend`].
+    pub fn blend(&self, other: &SplitIrradiance, share: f64) -> SplitIrradiance {
+        SplitIrradiance {
+            direct: self.direct.blend(&other.direct, share),
+            indirect: self.indirect.blend(&other.indirect, share),
+        }
+    }
+}
+
 /// Direct irradiance of one point, W/m².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DirectLight {
@@ -49,4 +81,13 @@ pub struct DirectLight {
     pub lamps: Gathered,
     /// From lights without area, exact.
     pub lights: Rgb,
+}
+
+impl DirectLight {
+    /// Both together, one estimate per replicate.
+    pub fn whole(&self) -> Gathered {
+        Gathered {
+            replicates: self.lamps.replicates.map(|e| e + self.lights),
+        }
+    }
 }

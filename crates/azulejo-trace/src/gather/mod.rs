@@ -26,7 +26,7 @@ use azulejo_scene::{Rgb, Shape};
 use collector::Collector;
 use direct::{Direct, MOST_TERMS};
 pub use directions::DirectionTables;
-pub use estimate::{DirectLight, Gathered};
+pub use estimate::{DirectLight, Gathered, SplitIrradiance};
 use glam::DVec3;
 pub use many_lights::SurfaceSamples;
 pub use next_event::NextEvent;
@@ -158,6 +158,19 @@ pub struct GatherOptions {
     pub termination: Termination,
 }
 
+impl GatherOptions {
+    /// Directions per replicate.
+    fn per_replicate(&self) -> u32 {
+        self.rays.div_ceil(REPLICATES as u32).max(1)
+    }
+
+    /// Shadow rays per replicate and source.
+    fn shadow_rays(&self) -> Range<u32> {
+        let first = (self.spent / REPLICATES as u32).div_ceil(SHADOW_SHARE);
+        first..first + self.per_replicate().div_ceil(SHADOW_SHARE)
+    }
+}
+
 /// Gathers irradiance in a scene. Immutable; shared by all threads.
 pub struct Gatherer<'a> {
     surfaces: Surfaces<'a>,
@@ -279,22 +292,28 @@ impl<'a> Gatherer<'a> {
         options: &GatherOptions,
         light: &impl DiffuseLight,
     ) -> Vec<Gathered> {
-        self.gather_with(points, options, &DirectionTables::new(options), light)
+        let directions = DirectionTables::new(options);
+        let found = self.gather_with(points, options, &directions, light);
+        found.iter().map(SplitIrradiance::whole).collect()
     }
 
-    /// [`gather`](Gatherer::gather) with directions that the caller makes once from the same
-    /// options, for many batches.
+    /// The direct part alone of what [`gather_with`](Gatherer::gather_with) finds with the same
+    /// options, for the same batch.
+    pub fn gather_direct(&self, points: &[GatherPoint], options: &GatherOptions) -> Vec<Gathered> {
+        let direct = self.direct_range(points, options.shadow_rays(), options.seed);
+        direct.iter().map(DirectLight::whole).collect()
+    }
+
+    /// [`gather`](Gatherer::gather), with the direct part apart, and with directions that the caller
+    /// makes once from the same options, for many batches.
     pub fn gather_with(
         &self,
         points: &[GatherPoint],
         options: &GatherOptions,
         directions: &DirectionTables,
         light: &impl DiffuseLight,
-    ) -> Vec<Gathered> {
-        let per_replicate = directions.count as u32;
-        let first = (options.spent / REPLICATES as u32).div_ceil(SHADOW_SHARE);
-        let shadow_rays = first..first + per_replicate.div_ceil(SHADOW_SHARE);
-        let direct = self.direct_range(points, shadow_rays, options.seed);
+    ) -> Vec<SplitIrradiance> {
+        let direct = self.direct_range(points, options.shadow_rays(), options.seed);
         let mut collector = Collector::new(self, light, points.len(), options.termination);
         let mut paths = self.hemispheres(points, directions, options.seed);
         let mut scratch = Scratch::default();
@@ -317,15 +336,13 @@ impl<'a> Gatherer<'a> {
                 hash(&[options.seed, options.spent, round, 1]),
             );
         }
-        let total = |(d, sums): (&DirectLight, &[[f64; 3]; REPLICATES])| {
-            let of = |r: usize| {
-                d.lamps.replicates[r] + d.lights + Rgb::from(sums[r]) / f64::from(per_replicate)
-            };
-            Gathered {
-                replicates: std::array::from_fn(of),
-            }
+        let split = |(d, sums): (&DirectLight, &[[f64; 3]; REPLICATES])| SplitIrradiance {
+            direct: d.whole(),
+            indirect: Gathered {
+                replicates: sums.map(|sum| Rgb::from(sum) / directions.count as f64),
+            },
         };
-        direct.iter().zip(collector.sums()).map(total).collect()
+        direct.iter().zip(collector.sums()).map(split).collect()
     }
 
     /// Cosine-distributed rays of all points and replicates.

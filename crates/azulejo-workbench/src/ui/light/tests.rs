@@ -82,10 +82,12 @@ fn solved(app: &mut App, balance: EnergyBalance) {
         error_parts: ErrorParts {
             noise: 0.025,
             discretization: 0.01,
+            interpolation: 0.0,
         },
         quarters: [QuarterError::default(); 4],
         path_traced: 0.25,
         rays_needed: 1.0,
+        interpolated: 0.0,
     };
     let document = app.document.clone();
     let scene = document.scene();

@@ -1,0 +1,435 @@
+//! Irradiance at many points from that at fewer: direct light at every point, indirect light at
+//! [records](crate::records), [interpolated](crate::interpolation) between them.
+//!
+//! Records are first chosen evenly. Leaving out one of them and interpolating it from the others
+//! measures the error of interpolation, over thousands of records to a small part of their noise;
+//! cells are divided where it is largest, until it is a small part of the error that is permitted.
+//! What remains is part of the stated error.
+
+use crate::gather::{GatherEffort, GatherError, GatherPass, GatherTargets, Gathering};
+use crate::interpolation::{Interpolator, Stencil};
+use crate::records::RecordCells;
+use azulejo_scene::Rgb;
+use azulejo_trace::{DiffuseLight, GatherPoint, Gathered, REPLICATES, SplitIrradiance};
+
+/// Points from which on indirect light is interpolated: fewer are soon gathered.
+pub const LEAST_POINTS: usize = 4096;
+
+/// Records to begin with: one for so many points.
+const POINTS_PER_RECORD: usize = 32;
+
+/// Records to begin with, at least.
+const LEAST_RECORDS: usize = 1000;
+
+/// Part of the mean square error permitted to a stratum that interpolation may make up.
+const SHARE: f64 = 0.2;
+
+/// Mean square error of interpolation at a point relative to that at a record that was left out,
+/// whose neighbours are twice as far away.
+const LEFT_OUT: f64 = 0.25;
+
+/// The same after its cell was divided: errors grow with the square of the distance.
+const DIVIDED: f64 = 1.0 / 16.0;
+
+/// Most divisions of a cell.
+const MOST_ROUNDS: usize = 6;
+
+/// Cost of the rays of a point at which direct light alone is gathered, relative to others.
+const DIRECT_COST: f64 = 0.2;
+
+/// Rays, for direct light alone, of the first pass over the points between records.
+const DIRECT_RAYS: u32 = 64;
+
+/// What is gathered at a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum PointKind {
+    /// All its light.
+    Record,
+    /// Direct light.
+    Interpolated,
+}
+
+impl PointKind {
+    /// Cost of a ray.
+    pub fn cost(self) -> f64 {
+        match self {
+            PointKind::Record => 1.0,
+            PointKind::Interpolated => DIRECT_COST,
+        }
+    }
+}
+
+/// What irradiance at points is computed from.
+#[derive(Clone, Debug)]
+pub(crate) struct GatheredValues {
+    /// Irradiance of each point; direct light if the rest is interpolated.
+    own: Vec<Gathered>,
+    interpolated: Option<InterpolatedValues>,
+}
+
+/// Indirect light at records, and how that of all points follows from it.
+#[derive(Clone, Debug)]
+struct InterpolatedValues {
+    /// Which record each point is.
+    record_of: Vec<Option<u32>>,
+    stencils: Vec<Stencil>,
+    /// Per record: indirect irradiance, and the sum over all points of its squared weights.
+    indirect: Vec<Gathered>,
+    influence: Vec<f64>,
+}
+
+impl GatheredValues {
+    /// All light is gathered at every point.
+    pub fn everywhere(count: usize) -> GatheredValues {
+        GatheredValues {
+            own: vec![Gathered::default(); count],
+            interpolated: None,
+        }
+    }
+
+    /// Indirect light is gathered where there is a record.
+    fn at_records(record_of: Vec<Option<u32>>, stencils: Vec<Stencil>) -> GatheredValues {
+        let count = record_of.iter().flatten().count();
+        let mut influence = vec![0.0; count];
+        for (record, weight) in stencils.iter().flat_map(Stencil::weights) {
+            influence[record] += weight * weight;
+        }
+        GatheredValues {
+            own: vec![Gathered::default(); record_of.len()],
+            interpolated: Some(InterpolatedValues {
+                record_of,
+                stencils,
+                indirect: vec![Gathered::default(); count],
+                influence,
+            }),
+        }
+    }
+
+    /// Blends in what was gathered at a point, with a weight in 0..=1.
+    pub fn add(&mut self, point: usize, new: &SplitIrradiance, share: f64) {
+        let own = &mut self.own[point];
+        let Some(between) = &mut self.interpolated else {
+            *own = own.blend(&new.whole(), share);
+            return;
+        };
+        *own = own.blend(&new.direct, share);
+        if let Some(record) = between.record_of[point] {
+            let indirect = &mut between.indirect[record as usize];
+            *indirect = indirect.blend(&new.indirect, share);
+        }
+    }
+
+    /// Irradiance of all points.
+    pub fn combined(&self) -> Vec<Gathered> {
+        let Some(between) = &self.interpolated else {
+            return self.own.clone();
+        };
+        let all = self.own.iter().zip(&between.stencils);
+        all.map(|(direct, stencil)| direct.plus(&stencil.apply(&between.indirect)))
+            .collect()
+    }
+
+    /// Number of points at which all light is gathered.
+    pub fn records(&self) -> usize {
+        match &self.interpolated {
+            Some(between) => between.indirect.len(),
+            None => self.own.len(),
+        }
+    }
+
+    /// What is gathered at a point.
+    pub fn kind(&self, point: usize) -> PointKind {
+        match &self.interpolated {
+            Some(between) if between.record_of[point].is_none() => PointKind::Interpolated,
+            _ => PointKind::Record,
+        }
+    }
+
+    /// The variance that the rays of a point cause, summed over all points, per channel.
+    pub fn variance(&self, point: usize) -> Rgb {
+        let own = self.own[point].variance();
+        let Some(between) = &self.interpolated else {
+            return own;
+        };
+        match between.record_of[point] {
+            Some(r) => {
+                let r = r as usize;
+                own + between.indirect[r].variance() * between.influence[r]
+            }
+            None => own,
+        }
+    }
+
+    /// The mean of a property over the points of each kind.
+    pub fn mean_by_kind(&self, points: &[u32], of: &impl Fn(usize) -> f64) -> [f64; 2] {
+        let mut sums = [(0.0, 0.0); 2];
+        for &i in points {
+            let sum = &mut sums[self.kind(i as usize) as usize];
+            *sum = (sum.0 + of(i as usize), sum.1 + 1.0);
+        }
+        sums.map(|(sum, count)| sum / f64::max(count, 1.0))
+    }
+}
+
+/// The records of a gather, each of which stands for the points of its cell.
+struct RecordGather {
+    cells: RecordCells,
+    /// Index of each record among all points.
+    records: Vec<u32>,
+    points: Vec<GatherPoint>,
+    found: Gathering,
+    /// How each follows from the others.
+    left_out: Vec<Option<Stencil>>,
+}
+
+/// Gathers at records, chooses more of them where interpolation is too coarse, and gathers direct
+/// light at all points.
+pub(crate) fn gather_sparse<L: DiffuseLight>(
+    pass: &GatherPass<L>,
+    targets: GatherTargets,
+    effort: GatherEffort,
+    watch: &mut dyn FnMut(&Gathering),
+) -> Result<Gathering, GatherError> {
+    let count = (targets.points.len() / POINTS_PER_RECORD).max(LEAST_RECORDS);
+    let cells = RecordCells::new(targets.points, pass.seed, count);
+    let mut chosen = RecordGather::new(pass, targets, cells);
+    let points = chosen.points.clone();
+    let of_records = GatherPass {
+        points: &points,
+        ..*pass
+    };
+    of_records.reach(&mut chosen.found, effort, &mut |_| ())?;
+    let goal = effort.error.unwrap_or(0.0);
+    for _ in 0..MOST_ROUNDS {
+        let errors = chosen.interpolation_errors();
+        let coarse = chosen.coarse_cells(&errors, goal);
+        if pass.progress.phase_is_over() || !coarse.contains(&true) {
+            break;
+        }
+        chosen = chosen.divided(pass, targets, &coarse)?;
+    }
+    chosen.spread(pass, targets, effort, watch)
+}
+
+impl RecordGather {
+    fn new<L: DiffuseLight>(
+        pass: &GatherPass<L>,
+        targets: GatherTargets,
+        cells: RecordCells,
+    ) -> RecordGather {
+        let records: Vec<u32> = cells.records().collect();
+        let points: Vec<GatherPoint> = records
+            .iter()
+            .map(|&i| targets.points[i as usize])
+            .collect();
+        let area = |cell: &[u32]| -> f64 {
+            match targets.areas {
+                [] => cell.len() as f64,
+                areas => cell.iter().map(|&i| areas[i as usize]).sum(),
+            }
+        };
+        let areas: Vec<f64> = cells.points().map(area).collect();
+        let interpolator = Interpolator::new(pass.gatherer.surfaces().tracer, &points);
+        let left_out = interpolator.left_out();
+        let around = interpolator.stencils(&points);
+        let alone = |(r, stencil): (usize, Option<Stencil>)| {
+            stencil.unwrap_or_else(|| Stencil::alone(r as u32))
+        };
+        let stencils = around.into_iter().enumerate().map(alone).collect();
+        let found = Gathering {
+            values: GatheredValues::at_records(
+                (0..records.len() as u32).map(Some).collect(),
+                stencils,
+            ),
+            ..Gathering::new(GatherTargets {
+                points: &points,
+                areas: &areas,
+            })
+        };
+        RecordGather {
+            cells,
+            records,
+            points,
+            found,
+            left_out,
+        }
+    }
+
+    fn between(&self) -> &InterpolatedValues {
+        let between = self.found.values.interpolated.as_ref();
+        between.expect("records are made for interpolation")
+    }
+
+    /// Of each record the square of the difference that interpolating it from the others makes, less
+    /// its noise, and the variance of that noise.
+    fn interpolation_errors(&self) -> Vec<Option<(f64, f64)>> {
+        let indirect = &self.between().indirect;
+        let strata = &self.found.strata;
+        let error = |(own, stencil): (&Gathered, &Option<Stencil>)| {
+            let other = stencil.as_ref()?.apply(indirect);
+            let difference = Gathered {
+                replicates: std::array::from_fn::<_, REPLICATES, _>(|r| {
+                    own.replicates[r] - other.replicates[r]
+                }),
+            };
+            let (mean, noise) = (difference.mean(), strata.mean_of(difference.variance()));
+            Some((strata.mean_of(mean * mean) - noise, noise))
+        };
+        indirect.iter().zip(&self.left_out).map(error).collect()
+    }
+
+    /// The error of each stratum by interpolation, (W/m²)², with its standard error.
+    fn stratum_errors(&self, errors: &[Option<(f64, f64)>]) -> Vec<(f64, f64)> {
+        let strata = &self.found.strata;
+        let of = |stratum: usize| {
+            let (mut sum, mut doubt, mut count) = (0.0, 0.0, 0.0);
+            for &i in strata.points(stratum) {
+                let share = strata.share(i as usize);
+                count += share;
+                if let Some((found, noise)) = errors[i as usize] {
+                    sum += share * found;
+                    doubt += (share * noise).powi(2);
+                }
+            }
+            let scale = LEFT_OUT / f64::max(count, f64::MIN_POSITIVE);
+            (scale * sum.max(0.0), scale * (4.0 * doubt).sqrt())
+        };
+        (0..strata.count()).map(of).collect()
+    }
+
+    /// The cells to be divided so that interpolation is only a small part of `goal`: those with the
+    /// largest errors, by the mean of theirs and their neighbours'.
+    fn coarse_cells(&self, errors: &[Option<(f64, f64)>], goal: f64) -> Vec<bool> {
+        let strata = &self.found.strata;
+        let permitted = strata.permitted(&self.found.errors(), goal);
+        let pooled = |r: usize| {
+            let stencil = self.left_out[r].as_ref()?;
+            let known = stencil.weights().filter_map(|(n, _)| errors[n]);
+            let own = errors[r].into_iter();
+            let (sum, count) = own
+                .chain(known)
+                .fold((0.0, 0), |(sum, n), e| (sum + e.0, n + 1));
+            Some(sum / f64::from(count))
+        };
+        let pooled: Vec<f64> = (0..errors.len())
+            .map(|r| pooled(r).map_or(0.0, |e| e.max(0.0)))
+            .collect();
+        let mut is_coarse = vec![false; errors.len()];
+        for (stratum, (found, doubt)) in self.stratum_errors(errors).into_iter().enumerate() {
+            let allowed = SHARE * permitted[stratum];
+            if found <= allowed.max(doubt) {
+                continue;
+            }
+            let points = strata.points(stratum);
+            let total: f64 = points.iter().map(|&i| strata.share(i as usize)).sum();
+            let mut worst: Vec<u32> = points.to_vec();
+            worst.sort_by(|&a, &b| pooled[b as usize].total_cmp(&pooled[a as usize]));
+            let mut left = found;
+            for i in worst {
+                let i = i as usize;
+                if left <= 0.8 * allowed || pooled[i] == 0.0 {
+                    break;
+                }
+                is_coarse[i] = true;
+                left -= (1.0 - DIVIDED) * LEFT_OUT * pooled[i] * strata.share(i) / total;
+            }
+        }
+        is_coarse
+    }
+
+    /// Divides cells, and gathers at their new records as at those before them.
+    fn divided<L: DiffuseLight>(
+        mut self,
+        pass: &GatherPass<L>,
+        targets: GatherTargets,
+        is_coarse: &[bool],
+    ) -> Result<RecordGather, GatherError> {
+        let parents = self.cells.divide(is_coarse);
+        let mut next = RecordGather::new(pass, targets, self.cells);
+        let areas: Vec<f64> = next.found.strata.shares().to_vec();
+        next.found.strata = self.found.strata.spread(&parents, &areas);
+        let before = self.found.values.interpolated.as_ref();
+        let mut totals = vec![0; parents.len()];
+        for (new, &parent) in parents.iter().enumerate() {
+            let parent = parent as usize;
+            totals[new] = self.found.spent[parent];
+            if next.records[new] != self.records[parent] {
+                continue;
+            }
+            let known = SplitIrradiance {
+                direct: self.found.values.own[parent],
+                indirect: before.map_or(Gathered::default(), |b| b.indirect[parent]),
+            };
+            next.found.values.add(new, &known, 1.0);
+            next.found.spent[new] = self.found.spent[parent];
+        }
+        let points = next.points.clone();
+        let pass = GatherPass {
+            points: &points,
+            ..*pass
+        };
+        pass.raise(&mut next.found, &totals)?;
+        Ok(next)
+    }
+
+    /// Gathers direct light at all points, and everything where the records are too far away.
+    fn spread<L: DiffuseLight>(
+        self,
+        pass: &GatherPass<L>,
+        targets: GatherTargets,
+        effort: GatherEffort,
+        watch: &mut dyn FnMut(&Gathering),
+    ) -> Result<Gathering, GatherError> {
+        let count = targets.points.len();
+        let tracer = pass.gatherer.surfaces().tracer;
+        let found = Interpolator::new(tracer, &self.points).stencils(targets.points);
+        let mut record_of = vec![None; count];
+        for (record, &i) in self.records.iter().enumerate() {
+            record_of[i as usize] = Some(record as u32);
+        }
+        let mut next = self.records.len() as u32;
+        let mut stencils = Vec::with_capacity(count);
+        for (i, stencil) in found.into_iter().enumerate() {
+            stencils.push(stencil.unwrap_or_else(|| {
+                Stencil::alone(*record_of[i].get_or_insert_with(|| {
+                    next += 1;
+                    next - 1
+                }))
+            }));
+        }
+        let mut parents = vec![0; count];
+        for (record, cell) in self.cells.points().enumerate() {
+            cell.iter()
+                .for_each(|&i| parents[i as usize] = record as u32);
+        }
+        let mut all = Gathering {
+            strata: self.found.strata.spread(&parents, targets.areas),
+            values: GatheredValues::at_records(record_of, stencils),
+            ..Gathering::new(targets)
+        };
+        let errors = self.stratum_errors(&self.interpolation_errors());
+        for (stratum, (found, doubt)) in errors.into_iter().enumerate() {
+            all.strata.interpolate(stratum, found + 0.5 * doubt);
+        }
+        let between = self.between();
+        for (record, &i) in self.records.iter().enumerate() {
+            let known = SplitIrradiance {
+                direct: self.found.values.own[record],
+                indirect: between.indirect[record],
+            };
+            all.values.add(i as usize, &known, 1.0);
+            all.spent[i as usize] = self.found.spent[record];
+        }
+        let total = |i: usize| match all.values.kind(i) {
+            PointKind::Record => self.found.spent[parents[i] as usize].max(all.spent[i]),
+            PointKind::Interpolated => DIRECT_RAYS.min(effort.most()),
+        };
+        let totals: Vec<u32> = (0..count).map(total).collect();
+        pass.raise(&mut all, &totals)?;
+        if all.spent.contains(&0) {
+            return Err(GatherError::OutOfTime);
+        }
+        pass.spend(&mut all, effort, watch)?;
+        Ok(all)
+    }
+}
