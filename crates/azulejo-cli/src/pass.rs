@@ -3,14 +3,15 @@
 use super::args::{DivisionArgs, FirstPassArgs, SidesArg};
 use super::engine::PreparedEngine;
 use super::failure::Failure;
-use super::report::{Report, bytes, count, number, numbers, percent, short, triple};
+use super::report::{Report, bytes, count, number, numbers, percent, seconds, short, triple};
 use super::session::Session;
 use azulejo::machine;
 use azulejo_radiosity::{
     EnergyBalance, FirstPass, LightSolution, Method, PatchSize, SolveError, StoredSides,
 };
 use azulejo_scene::{Material, MaterialId, Rgb, Scene, Shape, Units};
-use azulejo_trace::Tracer;
+use azulejo_trace::{Measure, Measured, Progress, Tracer};
+use std::time::Instant;
 
 /// The patch size for the library; `None` if the command line does not specify one.
 pub fn patch_size(division: &DivisionArgs) -> Option<PatchSize> {
@@ -53,9 +54,52 @@ pub fn solve(
 ) -> Result<LightSolution, Failure> {
     session.limit_time(args.time);
     let options = options(args, prepared);
-    session
-        .with_progress(|progress| azulejo_radiosity::solve(scene, tracer, &options, progress))
-        .map_err(failure)
+    with_forecast(args, session, |progress| {
+        azulejo_radiosity::solve(scene, tracer, &options, progress)
+    })
+    .map_err(failure)
+}
+
+/// Runs work under a progress bar, and says as soon as it is known if the requested error will not
+/// be reached.
+pub fn with_forecast<T>(
+    args: &FirstPassArgs,
+    session: &Session,
+    work: impl FnOnce(&Progress) -> T,
+) -> T {
+    let start = Instant::now();
+    let words = |found: &Measured| forecast(found, args, start);
+    session.with_measures(&words, work)
+}
+
+/// What a measure says of a requested error that will not be reached.
+fn forecast(found: &Measured, args: &FirstPassArgs, start: Instant) -> Option<String> {
+    let Measure::OutOfReach {
+        error,
+        seconds: more,
+        rays,
+    } = found.measure
+    else {
+        return None;
+    };
+    args.error?;
+    let spent = found.at.saturating_duration_since(start).as_secs_f64();
+    let needed = seconds((spent + more).max(1.0).round());
+    let rays = match args.rays {
+        Some(most) if rays > f64::from(most) => {
+            format!(" and {} rays per point", count(rays.round() as u64))
+        }
+        _ => String::new(),
+    };
+    let limits = match (args.time, args.rays) {
+        (Some(time), _) => format!("in {}", seconds(time.as_secs_f64())),
+        (None, Some(most)) => format!("with {} rays per point", count(most)),
+        (None, None) => "with the most rays per point".to_owned(),
+    };
+    let goal = percent(error);
+    Some(format!(
+        "{goal} will not be reached {limits}: about {needed}{rays} would be needed"
+    ))
 }
 
 /// An error of the solver as a failure of the command.
@@ -83,7 +127,7 @@ pub fn describe(
     scene: &Scene,
     report: &mut Report,
 ) -> Result<(), Failure> {
-    if pass.balance.is_broken() && !args.allow_imbalance {
+    if pass.balance.is_broken() && !args.allow_imbalance && args.bounces.is_none() {
         return Err(Failure::failed(format_args!(
             "{} of the emitted power is not accounted for, so nothing was written: request a smaller \
              error, more rays or more time, or accept it with --allow-imbalance",
@@ -140,7 +184,8 @@ pub fn describe(
         let words = format!("{}, residual {}", pass.iterations, short(pass.residual));
         report.fact("iterations", pass.iterations, "bounces", words);
         report.value("residual", number(pass.residual));
-        energy(&pass.balance, scene, report);
+        energy(&pass.balance, args.bounces.is_some(), scene, report);
+        report.value("energy_error_se", number(pass.balance_error));
     }
     errors(pass, args, report);
     Ok(())
@@ -149,6 +194,12 @@ pub fn describe(
 /// Adds the estimated error, by its causes and by brightness, beside the one that was requested.
 fn errors(pass: &azulejo_radiosity::Report, args: &FirstPassArgs, report: &mut Report) {
     let parts = pass.error_parts;
+    let stated = parts.noise.hypot(parts.discretization);
+    let balance = if pass.error > 1.001 * stated.hypot(parts.interpolation) {
+        ", but as much energy is unaccounted for"
+    } else {
+        ""
+    };
     let mut words = format!(
         "{} of the mean irradiance ({} noise, {} discretization",
         percent(pass.error),
@@ -213,21 +264,28 @@ fn errors(pass: &azulejo_radiosity::Report, args: &FirstPassArgs, report: &mut R
 }
 
 /// Adds the energy balance, in W or lm and as shares.
-fn energy(balance: &EnergyBalance, scene: &Scene, report: &mut Report) {
+///
+/// Where bounces are limited, what is missing was reflected by the last of them.
+fn energy(balance: &EnergyBalance, is_limited: bool, scene: &Scene, report: &mut Report) {
     let emitted = balance.emitted.mean();
     let share = |power: Rgb| percent(power.mean() / emitted.max(f64::MIN_POSITIVE));
     report.line(
         "energy",
         format!(
-            "{} {} emitted, {} absorbed, {} escaped, {} unaccounted for",
+            "{} {} emitted, {} absorbed, {} escaped, {} {}",
             triple(balance.emitted.to_array()),
             power_unit(scene.units),
             share(balance.absorbed),
             share(balance.escaped),
-            percent(balance.error())
+            percent(balance.error()),
+            if is_limited {
+                "reflected once more, or unaccounted for"
+            } else {
+                "unaccounted for"
+            }
         ),
     );
-    if let Some(words) = caution(balance, scene) {
+    if let Some(words) = caution(balance, scene).filter(|_| !is_limited) {
         report.line("caution", words);
     }
     report.value("emitted", numbers(balance.emitted.to_array()));

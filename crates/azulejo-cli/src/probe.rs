@@ -83,9 +83,10 @@ fn irradiance(
     let options = pass::options(&args.first_pass, prepared);
     session.limit_time(args.first_pass.time);
     let clock = Clock::start();
-    let probed = session
-        .with_progress(|p| azulejo_radiosity::probe(scene, &tracer, &points, &options, p))
-        .map_err(pass::failure)?;
+    let probed = pass::with_forecast(&args.first_pass, session, |progress| {
+        azulejo_radiosity::probe(scene, &tracer, &points, &options, progress)
+    })
+    .map_err(pass::failure)?;
     spent("tracing", "trace", clock, report);
     pass::describe(&probed.report, &args.first_pass, prepared, scene, report)?;
     let row = |e: &azulejo_radiosity::Estimate| [e.value.to_array(), e.error.to_array()].concat();

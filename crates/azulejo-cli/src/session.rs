@@ -8,7 +8,7 @@ use super::{interrupt, progress_bar};
 use azulejo::models::ModelOutput;
 use azulejo_formats::{Format, Warning};
 use azulejo_scene::Scene;
-use azulejo_trace::Progress;
+use azulejo_trace::{Measured, Progress};
 use serde_json::{Value, json};
 use std::fmt;
 use std::io::{self, IsTerminal, Write};
@@ -98,6 +98,19 @@ impl Session {
         } else {
             work(&self.progress)
         }
+    }
+
+    /// The same; prints what `words` says of the measures of the work as soon as they are taken.
+    pub fn with_measures<T>(
+        &self,
+        words: &(dyn Fn(&Measured) -> Option<String> + Sync),
+        work: impl FnOnce(&Progress) -> T,
+    ) -> T {
+        if self.quiet || self.json {
+            return self.with_progress(work);
+        }
+        let has_bar = io::stderr().is_terminal();
+        progress_bar::with_words(&self.progress, has_bar, words, work)
     }
 
     /// Reports what a reader skipped or repaired.

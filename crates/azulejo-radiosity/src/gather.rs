@@ -7,16 +7,19 @@
 //! ([`Termination::Roulette`]). Where the two differ by more than a part of the requested error, all
 //! points of the stratum are path traced; elsewhere the difference is part of the stated error.
 
+use crate::deadline::{FEWEST_RAYS, GatherPace, hasty_rays, planned_seconds};
 use crate::sparse::{self, GatheredValues, PointKind};
 use crate::standard_errors::standard_errors;
 use crate::strata::{Strata, StratumError};
 use azulejo_scene::Rgb;
+use azulejo_trace::sampling::hash;
 use azulejo_trace::{
     Cancelled, DiffuseLight, DirectionTables, GatherOptions, GatherPoint, Gathered, Gatherer,
     Measure, Progress, SplitIrradiance, Termination,
 };
 use rayon::prelude::*;
 use std::ops::Range;
+use std::time::Instant;
 
 /// Points gathered together: enough to fill the tracer's batches, few enough that their paths stay
 /// in the cache.
@@ -26,11 +29,18 @@ pub(crate) const CHUNK: usize = 8;
 /// times this, or one and a half times that.
 pub(crate) const FIRST_RAYS: u32 = 128;
 
-/// Rays per patch and per point of the first pass if there is a deadline: all get some light soon.
+/// Most rays per patch and per point of the first pass if there is a deadline: all get some light
+/// soon.
 pub(crate) const HASTY_RAYS: u32 = 32;
 
 /// Most rays per point of any gather.
 pub const MOST_RAYS: u32 = 1 << 17;
+
+/// Points whose time is measured before a first pass that has a deadline.
+const PACE_POINTS: u32 = 64;
+
+/// How many more rays than are permitted a goal may take before it is said to be out of reach.
+const TOLERATED: f64 = 0.1;
 
 /// Largest growth of a point's total per pass: early variances are too uncertain to be trusted
 /// further.
@@ -56,8 +66,43 @@ pub enum Paths {
     Measured,
     /// All: there is no light on patches to be read.
     Always,
-    /// None: where bounces are limited, only the patches know which bounce their light is of.
-    Never,
+}
+
+/// The light that a gather finds at diffuse surfaces.
+pub struct GatherLight<'a, L> {
+    /// The light on patches.
+    pub patches: &'a L,
+    /// Where bounces are limited, black light for the paths, and the number of bounces: patches do
+    /// not tell how often their light was reflected.
+    pub limited: Option<(&'a L, u32)>,
+}
+
+impl<L> Clone for GatherLight<'_, L> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<L> Copy for GatherLight<'_, L> {}
+
+impl<'a, L> GatherLight<'a, L> {
+    /// Light on patches, and black light with the most bounces that paths may have.
+    pub fn new(patches: &'a L, limited: Option<&'a (L, u32)>) -> GatherLight<'a, L> {
+        GatherLight {
+            patches,
+            limited: limited.map(|(black, bounces)| (black, *bounces)),
+        }
+    }
+
+    /// What paths with this end read, and how they end.
+    fn ending(&self, termination: Termination) -> (&'a L, Termination) {
+        match (termination, self.limited) {
+            (Termination::Roulette, Some((black, bounces))) => {
+                (black, Termination::Bounces(bounces))
+            }
+            _ => (self.patches, termination),
+        }
+    }
 }
 
 /// Why there is no irradiance.
@@ -198,7 +243,7 @@ pub struct QuarterError {
 /// [`GatherError`].
 pub fn gather(
     gatherer: &Gatherer,
-    light: &impl DiffuseLight,
+    light: GatherLight<impl DiffuseLight>,
     targets: GatherTargets,
     effort: GatherEffort,
     seed: u32,
@@ -218,7 +263,7 @@ pub fn gather(
 /// As [`gather`]; passes intermediate results to `watch` after each pass but the last.
 pub(crate) fn gather_watched(
     gatherer: &Gatherer,
-    light: &impl DiffuseLight,
+    light: GatherLight<impl DiffuseLight>,
     targets: GatherTargets,
     effort: GatherEffort,
     seed: u32,
@@ -229,11 +274,14 @@ pub(crate) fn gather_watched(
         gatherer,
         light,
         points: targets.points,
+        pace: &GatherPace::default(),
         seed,
         progress,
     };
     progress.limit_phase(1.0);
-    if effort.error.is_some() && effort.interpolate && targets.points.len() >= sparse::LEAST_POINTS {
+    // Before a deadline, all points are planned together.
+    let is_sparse = effort.interpolate && !progress.has_deadline();
+    if effort.error.is_some() && is_sparse && targets.points.len() >= sparse::LEAST_POINTS {
         return sparse::gather_sparse(&pass, targets, effort, watch);
     }
     let mut all = Gathering::new(targets);
@@ -259,40 +307,68 @@ impl Gathering {
     /// Totals of rays that bring every stratum to its share of `goal`, each point to at most
     /// `growth` times what it has, and to `most`.
     fn allocate(&self, goal: f64, growth: f64, most: u32) -> Vec<u32> {
+        self.allocate_to(&self.allowed_noise(&self.errors(), goal), growth, most)
+    }
+
+    /// What discretization leaves to the noise of each stratum, for all to reach `goal`.
+    pub(crate) fn allowed_noise(&self, errors: &[StratumError], goal: f64) -> Vec<f64> {
+        let permitted = self.strata.permitted(errors, goal);
+        let allowed =
+            |(e, p): (&StratumError, f64)| noise_beside(e.discretization + e.interpolation, p);
+        errors.iter().zip(permitted).map(allowed).collect()
+    }
+
+    /// The same for given mean variances.
+    fn allocate_to(&self, allowed: &[f64], growth: f64, most: u32) -> Vec<u32> {
         let mut totals = self.spent.clone();
         let errors = self.errors();
-        let permitted = self.strata.permitted(&errors, goal);
-        for (stratum, (error, permitted)) in errors.iter().zip(permitted).enumerate() {
-            // What the patches and interpolation leave to noise, and never less than a part.
-            let fixed = error.discretization + error.interpolation;
-            let allowed = (permitted - fixed).max(0.25 * permitted);
+        for (stratum, (error, &allowed)) in errors.iter().zip(allowed).enumerate() {
             if error.noise <= allowed {
                 continue;
             }
-            let rate = match self.strata.termination(stratum) {
-                // Measured: between random, 1, and 2-D strata, 3/2.
-                Termination::Radiosity => 1.2,
-                // All but the first direction of a path is random.
-                Termination::Roulette => 1.0,
-            };
-            let points = self.strata.points(stratum);
-            let own = |i: usize| self.strata.mean_of(self.values.variance(i)) * error.gain;
-            // Four replicates estimate a point's variance badly; half of it is taken from all.
-            let shared = self.values.mean_by_kind(points, &own);
-            let strength = |&i: &u32| {
-                let i = i as usize;
-                let kind = self.values.kind(i);
-                let variance = 0.5 * (own(i) + shared[kind as usize]);
-                let strength = variance * f64::from(self.spent[i]).powf(rate);
-                (strength, kind.cost(), i as u32)
-            };
-            let strengths: Vec<(f64, f64, u32)> = points.iter().map(strength).collect();
+            let rate = noise_rate(self.strata.termination(stratum));
+            let strengths = self.strengths(stratum, error);
             for (i, wanted) in cheapest(&strengths, rate, allowed) {
                 let total = &mut totals[i as usize];
                 *total = well_spread(*total, wanted.min(growth * f64::from(*total)), most);
             }
         }
         totals
+    }
+
+    /// Variance times rays^rate of every point of a stratum, and the cost of its rays.
+    pub(crate) fn strengths(&self, stratum: usize, error: &StratumError) -> Vec<(f64, f64, u32)> {
+        let rate = noise_rate(self.strata.termination(stratum));
+        let points = self.strata.points(stratum);
+        let own = |i: usize| self.strata.mean_of(self.values.variance(i)) * error.gain;
+        let shared = self.values.mean_by_kind(points, &own);
+        let strength = |&i: &u32| {
+            let i = i as usize;
+            let kind = self.values.kind(i);
+            let (shared, spent) = (shared[kind as usize], self.spent[i]);
+            // Four replicates estimate a point's variance badly; half of it is taken from all. Of few
+            // rays, all is: points that miss a rare light would be believed to be dark, and stay so.
+            let is_known = spent >= FIRST_RAYS || kind == PointKind::Interpolated;
+            let own = if is_known { own(i) } else { shared };
+            let strength = 0.5 * (own + shared) * f64::from(spent).powf(rate);
+            (strength, kind.cost(), i as u32)
+        };
+        points.iter().map(strength).collect()
+    }
+}
+
+/// What the patches and interpolation leave to noise of a mean square error, and never less than a part.
+pub(crate) fn noise_beside(fixed: f64, permitted: f64) -> f64 {
+    (permitted - fixed).max(0.25 * permitted)
+}
+
+/// Decline of the variance with rays n, about n^−rate.
+pub(crate) fn noise_rate(termination: Termination) -> f64 {
+    match termination {
+        // Measured: between random, 1, and 2-D strata, 3/2.
+        Termination::Radiosity => 1.2,
+        // All but the first direction of a path is random.
+        Termination::Roulette | Termination::Bounces(_) => 1.0,
     }
 }
 
@@ -320,8 +396,9 @@ fn cheapest(
 #[derive(Clone, Copy)]
 pub(crate) struct GatherPass<'a, L> {
     pub gatherer: &'a Gatherer<'a>,
-    pub light: &'a L,
+    pub light: GatherLight<'a, L>,
     pub points: &'a [GatherPoint],
+    pub pace: &'a GatherPace,
     pub seed: u32,
     pub progress: &'a Progress,
 }
@@ -331,6 +408,45 @@ pub(crate) struct GatherPass<'a, L> {
 type Way = (u32, u32, Termination, PointKind);
 
 impl<L: DiffuseLight> GatherPass<'_, L> {
+    /// Rays of the first pass before a deadline, from the pace of a keyed sample.
+    fn hasty(&self, all: &Gathering) -> Result<u32, GatherError> {
+        let count = self.points.len() as u32;
+        let key = |k: u32| hash(&[self.seed, k, 0x9ace]) % count.max(1);
+        let sample: Vec<u32> = (0..count.min(PACE_POINTS)).map(key).collect();
+        let termination = all.strata.termination(0);
+        self.gather_at(&sample, 0..FEWEST_RAYS, termination)?;
+        let seconds = self.pace.seconds_per_ray(termination);
+        let rays = hasty_rays(self.points.len(), seconds, self.progress);
+        rays.ok_or(GatherError::OutOfTime)
+    }
+
+    /// Says early if the goal will not be reached, and what it would take.
+    fn forecast(&self, all: &Gathering, goal: f64, most: u32) {
+        let sum = |rays: &[u32]| rays.iter().map(|&n| f64::from(n)).sum::<f64>();
+        let [free, capped] =
+            [u32::MAX, most].map(|most| sum(&all.allocate(goal, f64::INFINITY, most)));
+        let seconds = all.seconds_needed(goal, self.pace);
+        let left = self.progress.time_left();
+        let is_late = left.is_some_and(|left| seconds > left.as_secs_f64());
+        if is_late || free > (1.0 + TOLERATED) * capped {
+            self.progress.measured(Measure::OutOfReach {
+                error: goal,
+                seconds,
+                rays: free / self.points.len().max(1) as f64,
+            });
+        }
+    }
+
+    /// Seconds in which all points get so many rays.
+    fn seconds_to_all(&self, all: &Gathering, most: u32) -> f64 {
+        let seconds = |k: usize| {
+            let whole = all.strata.points(k).len() as f64 * f64::from(most);
+            let pace = self.pace.seconds_per_ray(all.strata.termination(k));
+            (whole - all.spent_on(k)).max(0.0) * pace
+        };
+        (0..all.strata.count()).map(seconds).sum()
+    }
+
     /// Gathers from nothing until `effort` is reached or the progress is out of time; passes
     /// intermediate results to `watch` after each pass but the last.
     pub fn reach(
@@ -340,14 +456,14 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         watch: &mut dyn FnMut(&Gathering),
     ) -> Result<(), GatherError> {
         let most = effort.most();
-        let rays = match effort.error {
-            _ if self.progress.has_deadline() => HASTY_RAYS.min(most),
-            Some(_) => FIRST_RAYS.min(most),
-            None => most,
-        };
         if effort.paths == Paths::Always {
             all.strata.trace_paths(0);
         }
+        let rays = match effort.error {
+            _ if self.progress.has_deadline() => self.hasty(all)?.min(most),
+            Some(_) => FIRST_RAYS.min(most),
+            None => most,
+        };
         self.raise(all, &vec![rays; self.points.len()])?;
         if all.spent.contains(&0) {
             return Err(GatherError::OutOfTime);
@@ -355,6 +471,9 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         all.strata.divide(&all.gathered);
         if effort.paths == Paths::Measured {
             self.validate(all, effort.error, most)?;
+        }
+        if let Some(goal) = effort.error {
+            self.forecast(all, goal, most);
         }
         self.spend(all, effort, watch)
     }
@@ -369,12 +488,18 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         let most = effort.most();
         loop {
             self.progress.measured(Measure::Error(all.relative_error()));
+            if let Some(goal) = effort.error {
+                all.rays_needed = all.needed(goal);
+            }
+            let seconds = planned_seconds(self.progress);
             let totals = match effort.error {
-                Some(goal) => {
-                    all.rays_needed = all.needed(goal);
-                    all.allocate(goal, GROWTH, most)
+                None if self.seconds_to_all(all, most) <= seconds => vec![most; all.spent.len()],
+                Some(goal) if seconds.is_infinite() => all.allocate(goal, GROWTH, most),
+                goal => {
+                    let goal = goal.unwrap_or(0.0);
+                    let allowed = all.noise_within_reach(goal, seconds, self.pace);
+                    all.allocate_to(&allowed, GROWTH, most)
                 }
-                None => vec![most; all.spent.len()],
             };
             if self.progress.phase_is_over() || totals == all.spent {
                 return Ok(());
@@ -424,11 +549,17 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         rays: Range<u32>,
         termination: Termination,
     ) -> Result<Vec<Option<SplitIrradiance>>, Cancelled> {
-        let options = self.options(&rays, termination);
+        let (light, ending) = self.light.ending(termination);
+        let options = self.options(&rays, ending);
         let directions = DirectionTables::new(&options);
         self.in_chunks(chosen, options.spent == 0, |points| {
-            self.gatherer
-                .gather_with(points, &options, &directions, self.light)
+            let start = Instant::now();
+            let found = self
+                .gatherer
+                .gather_with(points, &options, &directions, light);
+            let rays = points.len() as u64 * u64::from(options.rays);
+            self.pace.add(termination, rays, start.elapsed());
+            found
         })
     }
 
@@ -488,10 +619,11 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
 /// The total nearest to `wanted`, from `spent` to `most`, that is well distributed: a power of two,
 /// or one and a half times one, in units of the first pass.
 fn well_spread(spent: u32, wanted: f64, most: u32) -> u32 {
+    let below = [FEWEST_RAYS, 16, 32, 48, 64, 96].into_iter();
     let totals = (0..24).map(|k| ((FIRST_RAYS * [2, 3][k as usize % 2]) << (k / 2)) / 2);
     let enough = |&t: &u32| t >= spent && f64::from(t) >= 0.85 * wanted;
-    totals
-        .into_iter()
+    below
+        .chain(totals)
         .find(enough)
         .unwrap_or(most)
         .clamp(spent, most.max(spent))

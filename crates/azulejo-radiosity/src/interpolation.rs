@@ -86,9 +86,8 @@ struct StencilScratch {
 impl<'a> Interpolator<'a> {
     /// From the records' points.
     pub fn new(tracer: &'a Tracer, records: &'a [GatherPoint]) -> Interpolator<'a> {
-        let place = |(i, p): (usize, &GatherPoint)| {
-            GeomWithData::new(p.position.to_array(), i as u32)
-        };
+        let place =
+            |(i, p): (usize, &GatherPoint)| GeomWithData::new(p.position.to_array(), i as u32);
         Interpolator {
             tracer,
             records,

@@ -16,12 +16,14 @@
 //! | [`particles`] | particles from the lights, which need no rows either |
 //! | [`gather`], [`light`], [`vertices`] | irradiance at points, from the light on patches |
 //! | [`strata`], `validation` | where the patches are good enough for that, and where paths are traced |
+//! | `deadline` | what the time until a deadline suffices for |
 //! | `sparse`, `records`, `interpolation` | many points from few of them |
 //! | `standard_errors` | errors of single points, from their own spread and that of points like them |
 //! | [`StoredSides`] | which side of a surface is stored |
 //!
 //! Exact shapes are divided as polygons ([`faceted`](azulejo_factors::faceted)).
 
+mod deadline;
 pub mod direct;
 pub mod gather;
 mod interpolation;

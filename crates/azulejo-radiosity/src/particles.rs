@@ -17,7 +17,7 @@
 //! rays from the patches meet by chance, and its work does not grow with the patches; but dark
 //! corners get few particles. Four independent replicates give the standard error.
 
-use crate::system::{Convergence, EnergyBalance, RadiositySolution};
+use crate::system::{Convergence, EnergyBalance, RadiositySolution, standard_error};
 use azulejo_factors::Patches;
 use azulejo_factors::rays::{HitPatches, RowSampler};
 use azulejo_factors::row::{Side, side};
@@ -494,6 +494,8 @@ impl ParticleTracing<'_> {
             };
             found.add_replicate(solution, &incident, state);
         }
+        let missing: Vec<f64> = sums.iter().map(|s| s.balance.missing()).collect();
+        found.balance_error = standard_error(&missing);
         found
     }
 }

@@ -1,8 +1,8 @@
 //! The first pass: from a scene to irradiance on its vertices, or at any points.
 
 use crate::gather::{
-    ErrorParts, GatherEffort, GatherError, GatherTargets, MOST_RAYS, Paths, QuarterError, gather,
-    gather_watched,
+    ErrorParts, GatherEffort, GatherError, GatherLight, GatherTargets, MOST_RAYS, Paths,
+    QuarterError, gather, gather_watched,
 };
 use crate::preview::{Preview, PreviewReporter};
 use crate::refine::RefinementGoal;
@@ -83,10 +83,9 @@ const MOST_PATCH_ERROR: f64 = 0.25;
 
 impl FirstPass {
     fn effort(&self, method: Method) -> GatherEffort {
-        let paths = match (self.bounces, method) {
-            (_, Method::Paths) => Paths::Always,
-            (None, _) => Paths::Measured,
-            (Some(_), _) => Paths::Never,
+        let paths = match method {
+            Method::Paths => Paths::Always,
+            Method::Matrix | Method::Stochastic => Paths::Measured,
         };
         match (self.error, self.rays) {
             (None, None) => GatherEffort {
@@ -148,9 +147,12 @@ impl FirstPass {
 pub(crate) enum PatchPurpose {
     /// Each patch is a result.
     Result,
-    /// To be gathered: every point reads hundreds of patches, whose errors are independent, so the
-    /// more there are, the larger they may be.
-    Gathered,
+    /// To be gathered to vertices, which need to know which sides of surfaces are lit: every point
+    /// reads hundreds of patches, whose errors are independent, so the more there are, the larger they
+    /// may be.
+    Vertices,
+    /// To be gathered to points whose side is given.
+    Points,
 }
 
 impl PatchPurpose {
@@ -158,7 +160,9 @@ impl PatchPurpose {
     fn relief(self, patches: usize) -> f64 {
         match self {
             PatchPurpose::Result => 1.0,
-            PatchPurpose::Gathered => (patches as f64 / AVERAGED_PATCHES).max(1.0).sqrt(),
+            PatchPurpose::Vertices | PatchPurpose::Points => {
+                (patches as f64 / AVERAGED_PATCHES).max(1.0).sqrt()
+            }
         }
     }
 }
@@ -271,8 +275,11 @@ pub struct Report {
     pub residual: f64,
     /// Energy balance, W.
     pub balance: EnergyBalance,
+    /// Standard error of the share of the emitted power that is unaccounted for.
+    pub balance_error: f64,
     /// Estimated RMS error of irradiance over its mean: see
-    /// [`Gathering::relative_error`](crate::gather::Gathering::relative_error).
+    /// [`Gathering::relative_error`](crate::gather::Gathering::relative_error); at least the share of
+    /// the emitted power that is unaccounted for beyond its standard error.
     pub error: f64,
     /// The same error by its causes.
     pub error_parts: ErrorParts,
@@ -362,16 +369,17 @@ fn solve_for(
 ) -> Result<LightSolution, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
     let mut reporter = PreviewReporter::new(watch, &proxy, pass);
-    let solved = SolvedPatches::new(&proxy, pass, PatchPurpose::Gathered, progress, &mut |patches, found| {
+    let purpose = PatchPurpose::Vertices;
+    let solved = SolvedPatches::new(&proxy, pass, purpose, progress, &mut |patches, found| {
         reporter.show_patches(patches, found);
     })?;
     reporter.show_patches(&solved.patches, &solved.solution);
     let targets = vertices::targets(scene, &solved.patches, &solved.solution, pass);
-    let light = solved.light(pass);
+    let (light, black) = (solved.light(pass), solved.black_light(pass));
     let seed = hash(&[pass.key(), 1]);
     let found = gather_watched(
         &solved.gatherer,
-        &light,
+        GatherLight::new(&light, black.as_ref()),
         GatherTargets {
             points: &targets.points,
             areas: &targets.areas(&solved.patches),
@@ -420,9 +428,10 @@ pub fn probe(
     progress: &Progress,
 ) -> Result<Probed, SolveError> {
     let proxy = ProxyScene::new(scene, tracer, pass.size);
-    let solved = SolvedPatches::new(&proxy, pass, PatchPurpose::Gathered, progress, &mut |_, _| ())?;
+    let purpose = PatchPurpose::Points;
+    let solved = SolvedPatches::new(&proxy, pass, purpose, progress, &mut |_, _| ())?;
     let points = proxy.on_polygons(points);
-    let light = solved.light(pass);
+    let (light, black) = (solved.light(pass), solved.black_light(pass));
     let place = |(i, p): (usize, &PointNormal)| GatherPoint {
         position: p.position,
         normal: p.normal,
@@ -432,7 +441,7 @@ pub fn probe(
     let seed = hash(&[pass.key(), 2]);
     let found = gather(
         &solved.gatherer,
-        &light,
+        GatherLight::new(&light, black.as_ref()),
         GatherTargets {
             points: &places,
             areas: &[],

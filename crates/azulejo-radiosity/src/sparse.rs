@@ -218,8 +218,10 @@ impl RecordGather {
         cells: RecordCells,
     ) -> RecordGather {
         let records: Vec<u32> = cells.records().collect();
-        let points: Vec<GatherPoint> =
-            records.iter().map(|&i| targets.points[i as usize]).collect();
+        let points: Vec<GatherPoint> = records
+            .iter()
+            .map(|&i| targets.points[i as usize])
+            .collect();
         let area = |cell: &[u32]| -> f64 {
             match targets.areas {
                 [] => cell.len() as f64,
@@ -304,7 +306,9 @@ impl RecordGather {
             let stencil = self.left_out[r].as_ref()?;
             let known = stencil.weights().filter_map(|(n, _)| errors[n]);
             let own = errors[r].into_iter();
-            let (sum, count) = own.chain(known).fold((0.0, 0), |(sum, n), e| (sum + e.0, n + 1));
+            let (sum, count) = own
+                .chain(known)
+                .fold((0.0, 0), |(sum, n), e| (sum + e.0, n + 1));
             Some(sum / f64::from(count))
         };
         let pooled: Vec<f64> = (0..errors.len())
@@ -395,7 +399,8 @@ impl RecordGather {
         }
         let mut parents = vec![0; count];
         for (record, cell) in self.cells.points().enumerate() {
-            cell.iter().for_each(|&i| parents[i as usize] = record as u32);
+            cell.iter()
+                .for_each(|&i| parents[i as usize] = record as u32);
         }
         let mut all = Gathering {
             strata: self.found.strata.spread(&parents, targets.areas),

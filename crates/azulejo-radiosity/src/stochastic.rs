@@ -5,7 +5,7 @@
 //! *Monte Carlo radiosity*, Computing 55, 1995; Bekaert, *Hierarchical and stochastic algorithms
 //! for radiosity*, 1999, section 6.
 
-use crate::system::{Convergence, EnergyBalance, RadiositySolution};
+use crate::system::{Convergence, EnergyBalance, RadiositySolution, standard_error};
 use azulejo_factors::Patches;
 use azulejo_factors::row::{Side, side};
 use azulejo_scene::Rgb;
@@ -74,7 +74,9 @@ pub fn solve(
     };
     let budget = u64::from(rays) * patches.len() as u64 / REPLICATES as u64;
     let mut found = RadiositySolution::new(2 * patches.len());
+    let mut missing = Vec::new();
     for r in 0..REPLICATES {
+        let before = found.balance;
         let mut incident: Vec<Rgb> = direct.iter().map(|d| d.0[r]).collect();
         let mut solution = vec![Rgb::BLACK; incident.len()];
         let share = 1.0 / REPLICATES as f64;
@@ -146,7 +148,11 @@ pub fn solve(
             state.iterations += 1;
         }
         found.add_replicate(solution, &incident, state);
+        let mut own = found.balance;
+        own.add(&before, -1.0);
+        missing.push(own.missing());
     }
+    found.balance_error = standard_error(&missing);
     Ok(Some(found))
 }
 

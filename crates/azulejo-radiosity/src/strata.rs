@@ -297,7 +297,8 @@ impl Strata {
             let noise = self.mean_of(gathered[i].variance()) * error.gain;
             shares[q] += self.shares[i];
             quarters[q].mean += self.shares[i] * brightness[i];
-            quarters[q].error += self.shares[i] * (noise + error.discretization + error.interpolation);
+            quarters[q].error +=
+                self.shares[i] * (noise + error.discretization + error.interpolation);
         }
         for (quarter, share) in quarters.iter_mut().zip(shares) {
             if share > 0.0 {

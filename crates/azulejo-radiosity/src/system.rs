@@ -5,6 +5,7 @@
 //! reflection. Four replicates of every row make four independent systems; the spread of their
 //! solutions carries the noise of the rows through to the result.
 
+use crate::deadline::PhaseWatch;
 use crate::direct::direct;
 use azulejo_factors::Patches;
 use azulejo_factors::engine::Estimator;
@@ -150,11 +151,14 @@ impl System {
                 return Ok(None);
             };
             progress.begin("form factors", wave.len() as u64);
+            let (watch, all) = (PhaseWatch::new(progress), wave.len() as f64);
+            let mut done = 0;
             wave.clear();
             for block in unknowns.chunks_mut(BLOCK * rayon::current_num_threads().max(1)) {
-                if progress.phase_is_over() {
+                if progress.phase_is_over() || watch.is_hopeless(f64::from(done) / all) {
                     return Ok(None);
                 }
+                done += block.len() as u32;
                 let sides: Vec<Side> = block.iter().map(|u| u.side).collect();
                 let rows = estimator.rows(&sides, progress)?;
                 for (u, row) in block.iter_mut().zip(&rows) {
@@ -258,6 +262,25 @@ impl System {
     }
 }
 
+impl System {
+    /// Standard error of [`EnergyBalance::error`], from the balances of the replicates.
+    fn balance_error(&self, solutions: &[Vec<Rgb>]) -> f64 {
+        let shares: Vec<f64> = solutions
+            .iter()
+            .map(|reflected| self.balance(reflected).missing())
+            .collect();
+        standard_error(&shares)
+    }
+}
+
+/// Standard error of the mean of independent values.
+pub(crate) fn standard_error(values: &[f64]) -> f64 {
+    let count = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / count.max(1.0);
+    let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
+    (squares / (count * (count - 1.0)).max(1.0)).sqrt()
+}
+
 impl Unknown {
     fn new(
         s: Side,
@@ -318,6 +341,7 @@ impl System {
             progress.advance(1)?;
         }
         found.balance = self.balance(&found.mean());
+        found.balance_error = self.balance_error(&found.solutions);
         (found.rays, found.bytes) = (self.rays, self.bytes());
         Ok(found)
     }
@@ -333,6 +357,9 @@ pub struct RadiositySolution {
     pub convergence: Convergence,
     /// Energy balance.
     pub balance: EnergyBalance,
+    /// Standard error of the share of the emitted power that is unaccounted for, from the
+    /// replicates.
+    pub balance_error: f64,
     /// Rays traced from patches.
     pub rays: u64,
     /// Bytes of stored rows.
@@ -351,6 +378,7 @@ impl RadiositySolution {
                 is_reached: true,
             },
             balance: EnergyBalance::default(),
+            balance_error: 0.0,
             rays: 0,
             bytes: 0,
         }
@@ -456,13 +484,14 @@ impl EnergyBalance {
     /// |emitted − absorbed − escaped − cut| over emitted, all channels together; zero in the dark.
     /// It reflects the noise of the rows: with exact ones it would be the solver's residual.
     pub fn error(&self) -> f64 {
+        self.missing().abs()
+    }
+
+    /// The same with its sign: positive if emitted power is missing, negative if there is too much.
+    pub(crate) fn missing(&self) -> f64 {
         let rest = (self.emitted - self.absorbed - self.escaped - self.cut).mean();
         let emitted = self.emitted.mean();
-        if emitted > 0.0 {
-            (rest / emitted).abs()
-        } else {
-            0.0
-        }
+        if emitted > 0.0 { rest / emitted } else { 0.0 }
     }
 }
 

@@ -1,18 +1,26 @@
 //! Where patches are too coarse: irradiance from patches beside path traced irradiance, at a keyed
 //! sample of the points.
 
-use crate::gather::{FIRST_RAYS, GatherPass, Gathering, HASTY_RAYS};
+use crate::deadline::{
+    FEWEST_RAYS, StratumWays, best_ways, hasty_rays, planned_seconds, seconds_for,
+};
+use crate::gather::{FIRST_RAYS, GatherPass, Gathering};
+use crate::strata::StratumError;
 use azulejo_scene::Rgb;
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{
-    Cancelled, DiffuseLight, Gathered, REPLICATES, SplitIrradiance, Termination,
-};
+use azulejo_trace::{Cancelled, DiffuseLight, Gathered, REPLICATES, SplitIrradiance, Termination};
 
 /// Points of the sample, per stratum.
 const SAMPLE: usize = 12;
 
 /// Part of the error permitted to a stratum that the discretization may make up.
 const SHARE: f64 = 0.5;
+
+/// How much more noise paths are expected to have than a sample shows, which may miss rare light.
+const RARE: f64 = 1.5;
+
+/// Share of the time until a deadline that the samples may take.
+const COMPARISON_SHARE: f64 = 0.15;
 
 /// Most rays of a sampled point: by then either answer costs little.
 const MOST_SAMPLE_RAYS: u32 = 1 << 13;
@@ -47,6 +55,9 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             Some(goal) => all.strata.permitted(&all.errors(), goal),
             None => vec![f64::INFINITY; all.strata.count()],
         };
+        if goal.is_some() && self.progress.has_deadline() {
+            return self.validate_in_time(all, &permitted, most);
+        }
         for (stratum, permitted) in permitted.into_iter().enumerate() {
             if all.strata.termination(stratum) == Termination::Roulette {
                 continue;
@@ -68,6 +79,75 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         Ok(())
     }
 
+    /// The same before a deadline: all strata are compared first, each for its part of the time, and
+    /// then path traced where that leaves the least error in the time that is left, or where the
+    /// goal demands it and there is time for it.
+    fn validate_in_time(
+        &self,
+        all: &mut Gathering,
+        permitted: &[f64],
+        most: u32,
+    ) -> Result<(), Cancelled> {
+        let mut found = Vec::new();
+        for (stratum, permitted_here) in permitted.iter().enumerate() {
+            let rest = (permitted.len() - stratum) as f64;
+            self.progress.limit_phase(COMPARISON_SHARE / rest);
+            let sample = self.sample(all.strata.points(stratum));
+            let allowed = SHARE * SHARE * permitted_here;
+            let (spent, sample, verdict) = self.compare(all, sample, allowed, most)?;
+            let (square, is_bad) = match verdict {
+                Verdict::Good(square) => (square, false),
+                Verdict::Bad(square) => (square, true),
+                Verdict::Open(square, doubt) => (square + doubt, false),
+            };
+            all.strata.read_patches(stratum, square);
+            found.push((spent, sample, is_bad));
+        }
+        self.progress.limit_phase(1.0);
+        let seconds = planned_seconds(self.progress);
+        let errors = all.errors();
+        let ways: Vec<StratumWays> = (0..found.len())
+            .map(|k| self.ways(all, k, &errors[k], &found[k]))
+            .collect();
+        let demanded: Vec<bool> = found.iter().map(|f| f.2).collect();
+        let chosen = if seconds_for(&ways, &demanded, permitted) <= seconds {
+            demanded
+        } else {
+            best_ways(&ways, seconds)
+        };
+        for (stratum, (spent, sample, _)) in found.into_iter().enumerate() {
+            if chosen[stratum] && !self.progress.out_of_time() {
+                let discretization = errors[stratum].discretization;
+                self.trace_paths(all, stratum, discretization, (spent, sample), most)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What a stratum would cost and gain, from what its sample took.
+    fn ways(
+        &self,
+        all: &Gathering,
+        stratum: usize,
+        error: &StratumError,
+        (spent, sample, _): &(u32, Vec<Comparison>, bool),
+    ) -> StratumWays {
+        let points = all.strata.points(stratum).len() as f64;
+        let [read, paths] = [Termination::Radiosity, Termination::Roulette]
+            .map(|termination| points * self.pace.seconds_per_ray(termination));
+        let variance = |c: &Comparison| all.strata.mean_of(c.paths.whole().variance());
+        let noise = sample.iter().map(variance).sum::<f64>() / sample.len().max(1) as f64;
+        StratumWays {
+            share: error.share,
+            discretization: error.discretization,
+            strength: [
+                error.noise * all.spent_on(stratum) / points.max(1.0) * read,
+                RARE * noise * f64::from(*spent) * paths,
+            ],
+            fewest: f64::from(FEWEST_RAYS) * paths,
+        }
+    }
+
     /// Path traces all points of a stratum, of which a sample is known. If the time does not suffice
     /// for all, they keep what they have, whose mean square error is `discretization`.
     fn trace_paths(
@@ -86,11 +166,13 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             all.values.add(known.point as usize, &known.paths, 1.0);
             all.spent[known.point as usize] = spent;
         }
+        let seconds = self.pace.seconds_per_ray(Termination::Roulette);
         let first = if self.progress.has_deadline() {
-            HASTY_RAYS.min(most)
+            hasty_rays(points.len(), seconds, self.progress).unwrap_or(FEWEST_RAYS)
         } else {
-            FIRST_RAYS.min(most)
+            FIRST_RAYS
         };
+        let first = first.min(most);
         let totals: Vec<u32> = all.spent.iter().map(|&n| n.max(first)).collect();
         self.raise(all, &totals)?;
         if points.iter().any(|&i| all.spent[i as usize] == 0) {
@@ -125,7 +207,12 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
     ) -> Result<(u32, Vec<Comparison>, Verdict), Cancelled> {
         let chosen: Vec<u32> = sample.iter().map(|c| c.point).collect();
         let most = most.min(MOST_SAMPLE_RAYS);
-        let (mut spent, mut next) = (0, (2 * FIRST_RAYS).min(most));
+        let first = if self.progress.has_deadline() {
+            FIRST_RAYS / 2
+        } else {
+            2 * FIRST_RAYS
+        };
+        let (mut spent, mut next) = (0, first.min(most));
         loop {
             self.progress
                 .begin("comparing with paths", 2 * chosen.len() as u64);
@@ -139,7 +226,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
                 }
             }
             spent = next;
-            let is_last = spent >= most || self.progress.out_of_time();
+            let is_last = spent >= most || self.progress.phase_is_over();
             let verdict = judge(all, &sample, allowed);
             if is_last || !matches!(verdict, Verdict::Open(..)) {
                 return Ok((spent, sample, verdict));

@@ -41,8 +41,8 @@ mod tracer;
 
 pub use gather::{
     DiffuseHit, DiffuseLight, DirectLight, DirectionTables, GatherOptions, GatherPoint, Gathered,
-    Gatherer, NextEvent, OutgoingRadiosity, RAYS_PER_FORMULA, REPLICATES, SplitIrradiance, SurfaceSamples,
-    Termination,
+    Gatherer, NextEvent, OutgoingRadiosity, RAYS_PER_FORMULA, REPLICATES, SplitIrradiance,
+    SurfaceSamples, Termination,
 };
 pub use hit::{Hit, Item};
 #[cfg(feature = "embree")]

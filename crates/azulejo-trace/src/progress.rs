@@ -69,6 +69,15 @@ pub enum Measure {
     /// Estimated relative RMS error of the gathered irradiance; the last value is that of the
     /// result.
     Error(f64),
+    /// The requested error will not be reached with the time or the rays that are allowed.
+    OutOfReach {
+        /// The requested error.
+        error: f64,
+        /// How much longer from now it would take, seconds.
+        seconds: f64,
+        /// Mean number of rays per point that it would take in all.
+        rays: f64,
+    },
 }
 
 /// A measure and when it was taken.
@@ -200,6 +209,21 @@ impl Progress {
                 .mul_f64(share.clamp(0.0, 1.0))
         };
         clock.phase = clock.deadline.map(end);
+    }
+
+    /// Time until the deadline, zero once it has passed; `None` without one.
+    pub fn time_left(&self) -> Option<Duration> {
+        let clock = lock(&self.clock);
+        clock
+            .deadline
+            .map(|d| d.saturating_duration_since(clock.now()))
+    }
+
+    /// Time until the current phase should end; `None` without a deadline.
+    pub fn phase_left(&self) -> Option<Duration> {
+        let clock = lock(&self.clock);
+        let end = clock.phase.or(clock.deadline);
+        end.map(|d| d.saturating_duration_since(clock.now()))
     }
 
     /// Whether the deadline has passed.
@@ -347,13 +371,18 @@ mod tests {
             !progress.phase_is_over() && !progress.is_overdue(),
             "no deadline"
         );
+        assert_eq!((progress.time_left(), progress.phase_left()), (None, None));
         progress.set_deadline(Instant::now() + Duration::from_secs(3600));
         assert!(!progress.phase_is_over());
         progress.limit_phase(0.0);
         assert!(progress.phase_is_over() && !progress.out_of_time());
         progress.limit_phase(0.5);
         assert!(!progress.phase_is_over());
+        let minutes = |left: Option<Duration>| left.map(|l| (l.as_secs_f64() / 60.0).round());
+        assert_eq!(minutes(progress.phase_left()), Some(30.0));
+        assert_eq!(minutes(progress.time_left()), Some(60.0));
         progress.set_deadline(Instant::now());
+        assert_eq!(progress.time_left(), Some(Duration::ZERO));
         assert!(progress.phase_is_over() && progress.out_of_time() && !progress.is_overdue());
         wait_until("the grace never ends", || progress.is_overdue());
     }

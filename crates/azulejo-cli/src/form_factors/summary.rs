@@ -20,10 +20,16 @@ pub fn describe(matrix: &NamedMatrix, report: &mut Report) {
     report.value("matrix_bytes", factors.exchange.bytes());
     report.fact("rays", factors.rays, "rays", count(factors.rays));
     surroundings(factors, report);
-    sums(factors, report);
+    let missing = sums(factors, report);
     closure(factors, report);
     truncation(factors, report);
-    let error = mean(factors, &factors.row_errors);
+    // A row is no better than its sum; an error that is unknown stays unknown.
+    let estimated = mean(factors, &factors.row_errors);
+    let error = if estimated < missing {
+        missing
+    } else {
+        estimated
+    };
     report.fact("row_error", number(error), "error of a row", percent(error));
 }
 
@@ -53,7 +59,11 @@ fn surroundings(factors: &FormFactors, report: &mut Report) {
     report.value("cut_mean", number(of(|r| r.cut)));
 }
 
-fn sums(factors: &FormFactors, report: &mut Report) {
+/// Mean of what rows lack or have too much from which it is no matter of rays.
+const FAR_OFF: f64 = 0.5;
+
+/// Adds the sums of rows; returns the mean of what they lack or have too much.
+fn sums(factors: &FormFactors, report: &mut Report) -> f64 {
     // The sum of an empty row is −0, which would be printed.
     let sums: Vec<f64> = factors.row_sums().iter().map(|s| s + 0.0).collect();
     let low = sums.iter().copied().fold(f64::INFINITY, f64::min);
@@ -81,6 +91,12 @@ fn sums(factors: &FormFactors, report: &mut Report) {
     report.line("unaccounted", words);
     report.value("unaccounted_mean", number(typical));
     report.value("unaccounted_max", number(most));
+    if typical > FAR_OFF && middle > 1.0 {
+        let words = "rows add up to more than all of the light: faces that coincide, as in a room that \
+                     was inserted twice, count several times; remove duplicates";
+        report.line("caution", words);
+    }
+    typical
 }
 
 fn closure(factors: &FormFactors, report: &mut Report) {

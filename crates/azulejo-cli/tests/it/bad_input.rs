@@ -176,3 +176,79 @@ fn probes_that_are_wrong_say_where() {
     folder.write("c.json", "{\"camera\": 3}");
     folder.fails("render room.obj -o a.png --camera c.json", 1, "c.json");
 }
+
+/// A room that was inserted many times: an answer in time in proportion to the faces, whose error says
+/// that it is none.
+#[test]
+fn coincident_rooms_are_named_as_what_they_are() {
+    let folder = Folder::new();
+    let corners = [
+        "0 0 0", "4 0 0", "4 0 4", "0 0 4", "0 3 0", "4 3 0", "4 3 4", "0 3 4",
+    ];
+    let faces = [
+        [1, 4, 3, 2],
+        [5, 6, 7, 8],
+        [1, 2, 6, 5],
+        [4, 8, 7, 3],
+        [1, 5, 8, 4],
+        [2, 3, 7, 6],
+    ];
+    let mut obj = "v 1.5 2.9 1.5\nv 2.5 2.9 1.5\nv 2.5 2.9 2.5\nv 1.5 2.9 2.5\n\
+                   mtllib rooms.mtl\nusemtl lamp\nf 1 2 3 4\nusemtl white\n"
+        .to_owned();
+    for room in 0..51 {
+        corners.iter().for_each(|c| obj += &format!("v {c}\n"));
+        for face in faces {
+            let [a, b, c, d] = face.map(|k| 4 + 8 * room + k);
+            obj += &format!("f {a} {b} {c} {d}\n");
+        }
+    }
+    folder.write("rooms.obj", obj);
+    folder.write(
+        "rooms.mtl",
+        "newmtl white\nKd .5 .5 .5\nnewmtl lamp\nKd 0 0 0\nKe 9 9 9\n",
+    );
+    for engine in ["auto", "analytic", "rays", "hemicube --patch-points 4"] {
+        let line = format!("form-factors rooms.obj --patch-size 0 --engine {engine} -o f.npz");
+        let found = folder.json(&line);
+        assert_eq!(found["patches"], json!(307), "{engine}");
+        let [error, missing] =
+            ["row_error", "unaccounted_mean"].map(|k| found[k].as_f64().unwrap());
+        assert!(error >= missing && missing > 0.5, "{engine}: {found}");
+        let words = folder.ok(&line).err;
+        assert!(words.contains("remove duplicates"), "{engine}: {words}");
+    }
+    folder.fails(
+        "solve rooms.obj --patches 500 -o out.grf",
+        1,
+        "not accounted for",
+    );
+    assert!(!folder.names().contains(&"out.grf".to_owned()));
+}
+
+/// Triangles with vertices of their own in one place: the rays and patches of a solution are those of as
+/// many triangles anywhere.
+#[test]
+fn coincident_triangles_cost_no_more_than_others() {
+    let folder = Folder::new();
+    folder.write(
+        "t.mtl",
+        "newmtl white\nKd .5 .5 .5\nnewmtl lamp\nKd 0 0 0\nKe 9 9 9\n",
+    );
+    let work = |step: f64| {
+        let mut obj = "mtllib t.mtl\nv 0 3 0\nv 1 3 0\nv 1 3 1\nv 0 3 1\nusemtl lamp\nf 1 2 3 4\n\
+                       usemtl white\n"
+            .to_owned();
+        for k in 0..2_000 {
+            let x = step * f64::from(k);
+            obj += &format!("v {x} 0 0\nv {x} 0 1\nv {} 0 0\nf -3 -2 -1\n", x + 1.0);
+        }
+        folder.write("t.obj", obj);
+        let report = folder.json("solve t.obj --rays 32 --allow-imbalance -o out.grf");
+        ["patches", "points", "rays"].map(|key| report[key].as_f64().unwrap())
+    };
+    let (together, apart) = (work(0.0), work(1.0));
+    for (a, b) in together.into_iter().zip(apart) {
+        assert!(a <= 1.5 * b, "{together:?} beside {apart:?}");
+    }
+}

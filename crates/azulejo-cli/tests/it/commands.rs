@@ -303,3 +303,48 @@ fn the_examples_are_whole() {
     }
     assert!(seen >= 3, "{seen} examples");
 }
+
+/// What will not be reached is said before the work is done, with what it would take.
+#[test]
+fn goals_out_of_reach_are_said_at_once() {
+    let folder = Folder::with_room();
+    let line = "solve room.obj --patches 300 --error 0.2% --rays 64 -o room.grf";
+    let words = folder.ok(line).err;
+    let (early, late) = (
+        words.find("will not be reached"),
+        words.find("estimated error"),
+    );
+    assert!(early.is_some() && early < late, "{words}");
+    assert!(
+        words.contains("0.2% will not be reached with 64 rays per point: about")
+            && words.contains("rays per point would be needed"),
+        "{words}"
+    );
+    let timed = folder.ok("solve room.obj --patches 300 --error 0.01% --time 2s -o room.grf");
+    let expected = "0.01% will not be reached in 2 s: about";
+    assert!(timed.err.contains(expected), "{}", timed.err);
+    for line in [
+        format!("{line} --quiet"),
+        "solve room.obj --patches 300 --error 20% -o room.grf".to_owned(),
+        "solve room.obj --patches 300 --rays 64 -o room.grf".to_owned(),
+    ] {
+        let words = folder.ok(&line).err;
+        assert!(!words.contains("will not be reached"), "{line}: {words}");
+    }
+}
+
+/// Light that the last of the requested bounces left is no imbalance; the discretization is stated.
+#[test]
+fn limited_bounces_are_no_imbalance() {
+    let folder = Folder::with_room();
+    for bounces in [0, 1, 2] {
+        let line = format!("solve room.obj --patches 300 --bounces {bounces} -o room.grf");
+        let found = folder.json(&line);
+        let number = |key: &str| found[key].as_f64().unwrap();
+        assert!(number("energy_error") > 0.1, "{found}");
+        assert!(number("error") < 0.1, "{found}");
+        assert_eq!(bounces > 0, number("error_discretization") > 0.0, "{found}");
+        let words = folder.ok(&line).err;
+        assert!(words.contains("reflected once more"), "{words}");
+    }
+}

@@ -11,6 +11,7 @@ mod lettering;
 mod reading;
 mod reference;
 mod rtrace;
+mod sides;
 mod support;
 #[path = "../../../azulejo-formats/tests/it/tiny_font.rs"]
 mod tiny_font;

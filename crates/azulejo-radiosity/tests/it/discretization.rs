@@ -28,6 +28,16 @@ impl DiffuseLight for Unknown {
 
 /// Irradiance and its standard error by path tracing, which no patch can mislead.
 fn path_traced(scene: &Scene, points: &[PointNormal], rays: u32) -> Vec<(f64, f64)> {
+    path_traced_to(Termination::Roulette, scene, points, rays)
+}
+
+/// The same with another end of paths.
+fn path_traced_to(
+    termination: Termination,
+    scene: &Scene,
+    points: &[PointNormal],
+    rays: u32,
+) -> Vec<(f64, f64)> {
     let tracer = Tracer::new(scene);
     let gatherer = Gatherer::new(Surfaces::new(scene, &tracer));
     let point = |(k, p): (usize, &PointNormal)| GatherPoint {
@@ -40,7 +50,7 @@ fn path_traced(scene: &Scene, points: &[PointNormal], rays: u32) -> Vec<(f64, f6
         rays,
         spent: 0,
         seed: 99,
-        termination: Termination::Roulette,
+        termination,
     };
     let found = gatherer.gather(&points, &options, &Unknown);
     let both = |g: &azulejo_trace::Gathered| (g.mean().mean(), g.standard_error().mean());
@@ -200,6 +210,52 @@ fn a_deadline_leaves_light_everywhere_or_nothing() {
             Err(SolveError::OutOfTime) => {}
             Ok(light) => assert!(light.report.error < 1.0, "{:?}", light.report),
             Err(other) => panic!("{other}"),
+        }
+    }
+}
+
+/// Patches tell how often their light was reflected, and paths can be as long: the discretization of
+/// a limited number of bounces is measured, too, and paths take the place of patches that are bad.
+#[test]
+fn limited_bounces_state_their_discretization() {
+    let (scene, points) = (two_rooms(), floor());
+    let probed = |bounces: u32, patches: usize, error: Option<f64>| {
+        let pass = FirstPass {
+            size: PatchSize::Count(patches),
+            error,
+            rays: error.is_none().then_some(256),
+            bounces: Some(bounces),
+            ..FirstPass::default()
+        };
+        let tracer = Tracer::new(&scene);
+        let found = probe(&scene, &tracer, &points, &pass, &Progress::new()).unwrap();
+        let values: Vec<(f64, f64)> = found.estimates.iter().map(grey).collect();
+        (values, found.report)
+    };
+    for bounces in [0, 1, 3] {
+        let termination = Termination::Bounces(bounces);
+        let truth = path_traced_to(termination, &scene, &points, 1 << 13);
+        let mean = truth.iter().map(|t| t.0).sum::<f64>() / truth.len() as f64;
+        let error = |found: &[(f64, f64)]| {
+            let square = |(t, f): (&(f64, f64), &(f64, f64))| (f.0 - t.0).powi(2) - t.1.powi(2);
+            let sum: f64 = truth.iter().zip(found).map(square).sum();
+            (sum.max(0.0) / truth.len() as f64).sqrt() / mean
+        };
+        for goal in [None, Some(0.03)] {
+            let (found, report) = probed(bounces, 60, goal);
+            let actual = error(&found);
+            eprintln!(
+                "{bounces} bounces, {goal:?}: {actual:.4}, said {:.4}, {:?}, traced {}",
+                report.error, report.error_parts, report.path_traced
+            );
+            assert!(actual < 1.6 * report.error + 0.01, "{actual} {report:?}");
+            assert!(report.error < 4.0 * actual + 0.02, "{actual} {report:?}");
+            if bounces > 0 && goal.is_none() {
+                assert!(report.error_parts.discretization > 0.01, "{report:?}");
+            }
+            if let Some(goal) = goal {
+                assert!(report.error <= goal, "{report:?}");
+            }
         }
     }
 }

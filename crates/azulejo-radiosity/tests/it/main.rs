@@ -6,6 +6,7 @@
 mod agreement;
 mod analytic_engine;
 mod bad_scenes;
+mod deadlines;
 mod determinism;
 mod discretization;
 mod exact;

@@ -103,7 +103,7 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
                     let outgoing = light.outgoing(&at, replicate);
                     let is_near = hit.t < outgoing.footprint && path.depth == 0;
                     let mut read = Rgb::from(outgoing.radiosity.map(f64::from));
-                    if may_go_on && (is_near || termination == Termination::Roulette) {
+                    if may_go_on && (is_near || termination.is_random()) {
                         if is_near {
                             read = Rgb::BLACK;
                         }
@@ -191,7 +191,7 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
             return 0.0;
         }
         let weight = contact.weight.max_channel();
-        if self.termination == Termination::Radiosity {
+        if !self.termination.is_random() {
             return 1.0;
         }
         if contact.is_near {

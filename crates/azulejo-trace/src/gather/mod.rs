@@ -122,6 +122,9 @@ pub enum Termination {
     /// 1990). The radiosity at a hit is a control variate alone: it affects the noise, but not the
     /// mean, so its discretization does no harm, for several times the rays and more noise.
     Roulette,
+    /// The same after at most so many diffuse reflections. The light that is read must then be
+    /// black: radiosity does not tell how often its light was reflected.
+    Bounces(u32),
 }
 
 impl Termination {
@@ -130,7 +133,13 @@ impl Termination {
         match self {
             Termination::Radiosity => MOST_CONTACTS,
             Termination::Roulette => MOST_BOUNCES,
+            Termination::Bounces(most) => most,
         }
+    }
+
+    /// Whether paths end by chance.
+    fn is_random(self) -> bool {
+        self != Termination::Radiosity
     }
 }
 

@@ -77,6 +77,7 @@ fn solved(app: &mut App, balance: EnergyBalance) {
         iterations: 9,
         residual: 1.5e-4,
         balance,
+        balance_error: 0.0,
         error: 0.027,
         error_parts: ErrorParts {
             noise: 0.025,
