@@ -210,6 +210,7 @@ fn errors(pass: &azulejo_radiosity::Report, args: &FirstPassArgs, report: &mut R
         words += &format!(", {} interpolation", percent(parts.interpolation));
     }
     words.push(')');
+    words += balance;
     report.fact("error", number(pass.error), "estimated error", words);
     report.value("error_noise", number(parts.noise));
     report.value("error_discretization", number(parts.discretization));
