@@ -79,7 +79,7 @@ fn noise_of(class: &[u32], gathering: &Gathering, gain: f64) -> Vec<Rgb> {
     let scales: Vec<Rgb> = points.iter().map(|&(mean, _)| scale(mean)).collect();
     let sum = |of: &dyn Fn(usize) -> f64| (0..points.len()).map(of).sum::<f64>();
     let whole = sum(&|k| scales[k].mean());
-    if !(whole > 0.0) {
+    if whole <= 0.0 {
         return points.iter().map(|p| p.1).collect();
     }
     let typical = sum(&|k| points[k].1.mean()) / whole;
@@ -101,7 +101,7 @@ fn noise_of(class: &[u32], gathering: &Gathering, gain: f64) -> Vec<Rgb> {
 /// all by d beside the point's own by 3. Unlike moments of higher order, few wild points do not upset
 /// it, and neither do points without spread.
 fn likeness(root: f64, mean: f64) -> f64 {
-    if !(mean > 0.0) {
+    if mean <= 0.0 {
         return MOST;
     }
     let f = (root * root / mean / EQUAL).min(1.0);
