@@ -23,21 +23,15 @@ const MOST: f64 = 12.0;
 /// equal points show, 8/(3π).
 const EQUAL: f64 = 0.848_826_363_156_775_1;
 
-/// Rounding of single precision, in which rays and the radiosity of patches are computed.
-const ROUNDING: f64 = 6e-8;
-
-/// Standard error of every point, discretization and interpolation included: the truth lies within two of them 95.4
-/// times in 100.
+/// Standard error of every point, discretization and interpolation included: the truth lies within
+/// two of them 95.4 times in 100.
 pub(crate) fn standard_errors(gathering: &Gathering) -> Vec<Rgb> {
     let mut found = vec![Rgb::BLACK; gathering.gathered.len()];
     for (stratum, error) in gathering.errors().iter().enumerate() {
         for class in classes(gathering.strata.points(stratum), &gathering.spent) {
             for (&i, noise) in class.iter().zip(noise_of(&class, gathering, error.gain)) {
-                let mean = gathering.gathered[i as usize].mean();
-                let rounding = mean * ROUNDING;
                 let fixed = error.discretization + error.interpolation;
-                let square = noise + Rgb::grey(fixed) + rounding * rounding;
-                found[i as usize] = square.map(f64::sqrt);
+                found[i as usize] = (noise + Rgb::grey(fixed)).map(f64::sqrt);
             }
         }
     }
@@ -85,7 +79,7 @@ fn noise_of(class: &[u32], gathering: &Gathering, gain: f64) -> Vec<Rgb> {
     let scales: Vec<Rgb> = points.iter().map(|&(mean, _)| scale(mean)).collect();
     let sum = |of: &dyn Fn(usize) -> f64| (0..points.len()).map(of).sum::<f64>();
     let whole = sum(&|k| scales[k].mean());
-    if !(whole > 0.0) {
+    if whole <= 0.0 {
         return points.iter().map(|p| p.1).collect();
     }
     let typical = sum(&|k| points[k].1.mean()) / whole;
@@ -107,7 +101,7 @@ fn noise_of(class: &[u32], gathering: &Gathering, gain: f64) -> Vec<Rgb> {
 /// all by d beside the point's own by 3. Unlike moments of higher order, few wild points do not upset
 /// it, and neither do points without spread.
 fn likeness(root: f64, mean: f64) -> f64 {
-    if !(mean > 0.0) {
+    if mean <= 0.0 {
         return MOST;
     }
     let f = (root * root / mean / EQUAL).min(1.0);
@@ -210,7 +204,7 @@ mod tests {
         assert!(errors.iter().all(|e| e.r > 1e-3), "{:?}", errors[1]);
         assert!(errors[1].r < 0.5 * errors[10].r);
         let dark = gathering(|_| 0.0, 100);
-        assert!(standard_errors(&dark).iter().all(|e| e.r < 1e-6));
+        assert!(standard_errors(&dark).iter().all(|e| e.r == 0.0));
     }
 
     #[test]

@@ -160,3 +160,50 @@ fn within(ends: &[f64], u: f64) -> (usize, f64) {
     let share = (u - start) / (ends[k] - start);
     (k, share.clamp(0.0, 1.0 - f64::EPSILON))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::brdf::quadrature::lattice;
+    use std::f64::consts::TAU;
+
+    fn guide() -> FacetGuide {
+        FacetGuide::new(|cos, slope, azimuth| {
+            if azimuth > 0.4 {
+                0.0
+            } else {
+                slope * (1.0 + cos) + azimuth
+            }
+        })
+    }
+
+    /// Samples over their density are uniform: every cell gets its area.
+    #[test]
+    fn density_is_that_of_choices() {
+        let (guide, count) = (guide(), 100_000);
+        for cos in [0.02, 0.5, 1.0] {
+            let mut areas = [[0.0; 8]; 4];
+            for [u1, u2, _] in lattice(count) {
+                let (slope, azimuth) = guide.choose(cos, u1, u2);
+                let density = guide.density(cos, slope, (TAU * azimuth).cos());
+                let cell = &mut areas[(4.0 * slope) as usize][(8.0 * azimuth) as usize];
+                *cell += 32.0 / (density * count as f64);
+            }
+            for area in areas.into_iter().flatten() {
+                assert!((area - 1.0).abs() < 0.15, "{areas:?}");
+            }
+        }
+    }
+
+    /// Where nothing is reflected few samples go, and some.
+    #[test]
+    fn choices_follow_weights() {
+        let guide = guide();
+        let lost = lattice(10_000).filter(|&[u1, u2, _]| {
+            let (_, azimuth) = guide.choose(0.5, u1, u2);
+            (0.45..0.55).contains(&azimuth)
+        });
+        let share = lost.count() as f64 / 10_000.0;
+        assert!((0.0005..0.01).contains(&share), "{share}");
+    }
+}

@@ -90,9 +90,8 @@ impl DirectSources {
     /// and lights.
     fn collect_windows(&mut self, surfaces: &Surfaces, lights: &Lights, sources: usize) {
         // An image has one brightness, so that only mirrors of one reflectance make windows.
-        let is_mirror = |m: &Material| {
-            !m.mirror.is_black() && m.dielectric.is_none() && !m.mirror_varies()
-        };
+        let is_mirror =
+            |m: &Material| !m.mirror.is_black() && m.dielectric.is_none() && !m.mirror_varies();
         let most = MOST_IMAGES.checked_div(sources).unwrap_or(0);
         if most == 0 {
             return;

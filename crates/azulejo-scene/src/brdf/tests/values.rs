@@ -237,3 +237,24 @@ fn samples_of_cylinders_weigh_little() {
         4.0,
     );
 }
+
+/// About what lobes leave (the model itself exceeds 1 by 3% toward grazing angles), where the mean of
+/// all angles would make 1.1 near the normal.
+#[test]
+fn mirrors_beside_lobes_reflect_by_their_angle() {
+    let model = brdf("he_torrance sigma0 = 0.05 tau = 2 lambda = 0.55");
+    let material = crate::Material::with_brdf("smooth", Arc::new(model));
+    let lobes = material.glossy().unwrap();
+    let mut mean = 0.0;
+    for k in 0..32 {
+        let cos = (f64::from(k) + 0.5) / 32.0;
+        let wo = DVec3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+        let mirror = material.mirror_at(cos).r;
+        let whole = mirror + lobes.albedo(wo).r;
+        assert!(whole < 1.05, "cos {cos}: {mirror} of {whole}");
+        mean += mirror * 2.0 * cos / 32.0;
+    }
+    assert!((mean / material.mirror.r - 1.0).abs() < 0.01, "{mean}");
+    let chrome = crate::Material::with_brdf("chrome", Arc::new(brdf("specular ks = 0.6")));
+    assert_eq!(chrome.mirror_at(0.3), chrome.mirror);
+}
