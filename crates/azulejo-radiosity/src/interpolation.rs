@@ -5,11 +5,13 @@
 //! around the point. A plane reproduces gradients, and averages the noise of all its records.
 //!
 //! Records behind a wall or around a corner are left out: between a point and its records the way is
-//! free.
+//! free. So are those that are farther away than what the point sees, on harmonic average (Ward and
+//! Heckbert, *Irradiance gradients*, EGWR 1992): close to other surfaces light changes in a short distance.
 
-use azulejo_scene::math::Frame;
+use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::interaction::shadow_ray;
-use azulejo_trace::{GatherPoint, Gathered, KernelRay, Tracer};
+use azulejo_trace::sampling::{cosine_hemisphere, seeds, sobol};
+use azulejo_trace::{GatherPoint, Gathered, KernelHit, KernelRay, Tracer};
 use glam::{DMat3, DVec3, dvec3};
 use rayon::prelude::*;
 use rstar::RTree;
@@ -32,6 +34,9 @@ const LIFT: f64 = 0.02;
 
 /// Largest variance of an interpolated value, relative to that of a record: more is extrapolation.
 const MOST_VARIANCE: f64 = 0.6;
+
+/// Rays by which a point's harmonic mean distance is measured.
+const DISTANCE_RAYS: u32 = 16;
 
 /// Stabilizes planes through records in one line.
 const RIDGE: f64 = 1e-3;
@@ -81,6 +86,7 @@ struct StencilScratch {
     near: Vec<(u32, f64)>,
     rays: Vec<KernelRay>,
     blocked: Vec<bool>,
+    hits: Vec<KernelHit>,
 }
 
 impl<'a> Interpolator<'a> {
@@ -135,10 +141,12 @@ impl<'a> Interpolator<'a> {
     /// The nearest records that face as the point does and can be reached from it, with their
     /// distances: one more than are used.
     fn visible(&self, point: &GatherPoint, without: Option<u32>, scratch: &mut StencilScratch) {
+        let reach = self.harmonic_mean_distance(point, scratch);
         let StencilScratch {
             near,
             rays,
             blocked,
+            ..
         } = scratch;
         near.clear();
         rays.clear();
@@ -146,6 +154,9 @@ impl<'a> Interpolator<'a> {
             .tree
             .nearest_neighbor_iter_with_distance_2(&point.position.to_array());
         for (record, square) in nearest.take(CANDIDATES) {
+            if square > reach * reach {
+                break;
+            }
             let known = &self.records[record.data as usize];
             if without == Some(record.data) || known.normal.dot(point.normal) < MOST_BENT {
                 continue;
@@ -162,6 +173,26 @@ impl<'a> Interpolator<'a> {
         let mut free = blocked.iter().map(|b| !b);
         near.retain(|n| n.1 == 0.0 || free.next() == Some(true));
         near.truncate(NEIGHBOURS + 1);
+    }
+
+    /// The harmonic mean of the distances of what a point sees, by a few rays; infinite if that is
+    /// nothing.
+    fn harmonic_mean_distance(&self, point: &GatherPoint, scratch: &mut StencilScratch) -> f64 {
+        let frame = Frame::from_normal(point.normal);
+        let origin = self.tracer.leaving(point.position, point.normal);
+        let [s1, s2, ..] = seeds(&[point.key, 0xd15]);
+        let ray = |k: u32| {
+            let (u, v) = (sobol(k, 0, s1).into(), sobol(k, 1, s2).into());
+            let direction = frame.to_world(cosine_hemisphere(u, v));
+            self.tracer.kernel_ray(&Ray::new(origin, direction))
+        };
+        scratch.rays.clear();
+        scratch.rays.extend((0..DISTANCE_RAYS).map(ray));
+        self.tracer.closest(&scratch.rays, &mut scratch.hits);
+        let nearness = |hit: &KernelHit| 1.0 / f64::from(hit.t).max(f64::MIN_POSITIVE);
+        let hits = scratch.hits.iter().filter(|hit| hit.is_hit());
+        let sum: f64 = hits.map(nearness).sum();
+        f64::from(DISTANCE_RAYS) / sum
     }
 
     /// The way from a point to a record, lifted over what bends between them.

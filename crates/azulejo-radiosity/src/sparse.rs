@@ -24,12 +24,17 @@ const LEAST_RECORDS: usize = 1000;
 /// Part of the mean square error permitted to a stratum that interpolation may make up.
 const SHARE: f64 = 0.2;
 
-/// Mean square error of interpolation at a point relative to that at a record that was left out,
-/// whose neighbours are twice as far away.
-const LEFT_OUT: f64 = 0.25;
+/// Mean square error of interpolation at a point relative to that at a record that was left out: at
+/// the edge of a shadow a half, because twice as many points are beyond the next record; where light
+/// is smooth much less, because errors grow with the square of the distance.
+const LEFT_OUT: f64 = 0.5;
 
-/// The same after its cell was divided: errors grow with the square of the distance.
-const DIVIDED: f64 = 1.0 / 16.0;
+/// The same after its cell was divided.
+const DIVIDED: f64 = 0.25;
+
+/// A point is gathered if its records tell each other so badly, relative to the mean square error
+/// that interpolation may make.
+const MOST_LOCAL: f64 = 4.0;
 
 /// Most divisions of a cell.
 const MOST_ROUNDS: usize = 6;
@@ -278,6 +283,23 @@ impl RecordGather {
         indirect.iter().zip(&self.left_out).map(error).collect()
     }
 
+    /// The mean square error of interpolating a point by a stencil, with its standard error; `None`
+    /// where the records are too few to know.
+    fn local_error(&self, stencil: &Stencil, errors: &[Option<(f64, f64)>]) -> Option<(f64, f64)> {
+        let (mut sum, mut doubt, mut known, mut all) = (0.0, 0.0, 0.0, 0.0);
+        for (record, weight) in stencil.weights() {
+            let weight = weight.abs();
+            all += weight;
+            if let Some((found, noise)) = errors[record] {
+                sum += weight * found;
+                doubt += (weight * noise).powi(2);
+                known += weight;
+            }
+        }
+        let scale = LEFT_OUT / known;
+        (2.0 * known > all).then_some((scale * sum, scale * (4.0 * doubt).sqrt()))
+    }
+
     /// The error of each stratum by interpolation, (W/m²)², with its standard error.
     fn stratum_errors(&self, errors: &[Option<(f64, f64)>]) -> Vec<(f64, f64)> {
         let strata = &self.found.strata;
@@ -382,7 +404,31 @@ impl RecordGather {
     ) -> Result<Gathering, GatherError> {
         let count = targets.points.len();
         let tracer = pass.gatherer.surfaces().tracer;
+        let mut parents = vec![0; count];
+        for (record, cell) in self.cells.points().enumerate() {
+            cell.iter()
+                .for_each(|&i| parents[i as usize] = record as u32);
+        }
+        let strata = self.found.strata.spread(&parents, targets.areas);
+        let errors = self.interpolation_errors();
+        let goal = effort.error.unwrap_or(0.0);
+        let permitted = strata.permitted(&self.found.errors(), goal);
         let found = Interpolator::new(tracer, &self.points).stencils(targets.points);
+        let mut stated = vec![(0.0, 0.0); strata.count()];
+        let checked = found.into_iter().enumerate().map(|(i, stencil)| {
+            let stencil = stencil?;
+            let (error, doubt) = self.local_error(&stencil, &errors)?;
+            let stratum = strata.of(i);
+            let most = MOST_LOCAL * SHARE * permitted[stratum];
+            let share = strata.share(i);
+            stated[stratum].1 += share;
+            if error > most.max(doubt) {
+                return None;
+            }
+            stated[stratum].0 += share * error;
+            Some(stencil)
+        });
+        let found: Vec<Option<Stencil>> = checked.collect();
         let mut record_of = vec![None; count];
         for (record, &i) in self.records.iter().enumerate() {
             record_of[i as usize] = Some(record as u32);
@@ -397,19 +443,16 @@ impl RecordGather {
                 }))
             }));
         }
-        let mut parents = vec![0; count];
-        for (record, cell) in self.cells.points().enumerate() {
-            cell.iter()
-                .for_each(|&i| parents[i as usize] = record as u32);
-        }
         let mut all = Gathering {
-            strata: self.found.strata.spread(&parents, targets.areas),
+            strata,
             values: GatheredValues::at_records(record_of, stencils),
             ..Gathering::new(targets)
         };
-        let errors = self.stratum_errors(&self.interpolation_errors());
-        for (stratum, (found, doubt)) in errors.into_iter().enumerate() {
-            all.strata.interpolate(stratum, found + 0.5 * doubt);
+        let doubts = self.stratum_errors(&errors);
+        for (stratum, ((sum, share), (_, doubt))) in stated.into_iter().zip(doubts).enumerate() {
+            // Errors of single neighbourhoods are noise on both sides of the truth; their mean is not.
+            let error = (sum / f64::max(share, f64::MIN_POSITIVE)).max(0.0);
+            all.strata.interpolate(stratum, error + 0.5 * doubt);
         }
         let between = self.between();
         for (record, &i) in self.records.iter().enumerate() {
