@@ -1,8 +1,9 @@
 //! Time to error of irradiance at points, on Cornell boxes, against brute force.
 //!
-//! `cargo bench -p azulejo-radiosity --bench accuracy [-- paths]`. The truth at every twentieth of
-//! 10,000 points is path traced, by code independent of azulejo's, with `paths` paths per point;
-//! its own noise is subtracted from the measured error.
+//! `cargo bench -p azulejo-radiosity --bench accuracy [-- paths]`. The truth at 500 of 10,000 and of
+//! 100,000 points is path traced, by code independent of azulejo's, with `paths` paths per point;
+//! its own noise is subtracted from the measured error. Each error is requested with interpolation of
+//! indirect light, and without.
 
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
@@ -17,9 +18,14 @@ use azulejo_trace::{Progress, Tracer};
 use std::time::Instant;
 use usage::cpu_seconds;
 
-const POINTS: usize = 10_000;
-const EVERY: usize = 20;
-const ERRORS: [f64; 5] = [0.05, 0.03, 0.02, 0.015, 0.01];
+/// Numbers of points, and the errors requested at them.
+const SIZES: [(usize, &[f64]); 2] = [
+    (10_000, &[0.05, 0.03, 0.02, 0.015, 0.01]),
+    (100_000, &[0.02, 0.01]),
+];
+
+/// Points at which the truth is known.
+const KNOWN: usize = 500;
 
 fn main() {
     let paths = std::env::args()
@@ -30,24 +36,34 @@ fn main() {
         ("s1, diffuse", CornellVariant::Diffuse),
         ("s2, mirror block", CornellVariant::MirrorBlock),
     ] {
-        println!(
-            "\n{name}: {POINTS} points, truth at {} of {paths} paths each",
-            POINTS / EVERY
-        );
-        measure(&cornell_box(variant), paths);
+        let scene = cornell_box(variant);
+        for (points, errors) in SIZES {
+            println!("\n{name}: {points} points, truth at {KNOWN} of {paths} paths each");
+            measure(&scene, points, errors, paths);
+        }
     }
 }
 
-fn measure(scene: &Scene, paths: u32) {
+fn measure(scene: &Scene, points: usize, errors: &[f64], paths: u32) {
     let brute = truth::Brute::new(scene);
-    let points = brute.points(POINTS, 0x5eed);
-    let some: Vec<_> = points.iter().copied().step_by(EVERY).collect();
+    let every = points / KNOWN;
+    let points = brute.points(points, 0x5eed);
+    let some: Vec<_> = points.iter().copied().step_by(every).collect();
     let truth = brute.irradiance(&some, paths);
     println!(
-        "{:>9} {:>7} {:>8} {:>8} {:>9} {:>9} {:>9} {:>8}",
-        "asked", "rays", "wall s", "cpu s", "said", "rel RMSE", "RMSE/mean", "in 2 SE"
+        "{:>9} {:>12} {:>7} {:>8} {:>8} {:>9} {:>9} {:>9} {:>8}",
+        "asked",
+        "interpolated",
+        "rays",
+        "wall s",
+        "cpu s",
+        "said",
+        "rel RMSE",
+        "RMSE/mean",
+        "in 2 SE"
     );
-    for error in ERRORS {
+    let ways = errors.iter().flat_map(|&e| [(e, true), (e, false)]);
+    for (error, interpolate) in ways {
         let asked: Vec<PointNormal> = points
             .iter()
             .map(|&(position, normal)| PointNormal { position, normal })
@@ -56,6 +72,7 @@ fn measure(scene: &Scene, paths: u32) {
         let tracer = Tracer::new(scene);
         let pass = FirstPass {
             error: Some(error),
+            interpolate,
             ..FirstPass::default()
         };
         let probed =
@@ -63,7 +80,7 @@ fn measure(scene: &Scene, paths: u32) {
         let (wall, cpu) = (wall.elapsed().as_secs_f64(), cpu_seconds() - cpu);
         let mean = truth.iter().map(|t| t.0).sum::<Rgb>() / truth.len() as f64;
         let (mut relative, mut absolute, mut inside, mut n) = (0.0, 0.0, 0, 0);
-        for (estimate, (e, variance)) in probed.estimates.iter().step_by(EVERY).zip(&truth) {
+        for (estimate, (e, variance)) in probed.estimates.iter().step_by(every).zip(&truth) {
             for k in 0..3 {
                 let square = (estimate.value[k] - e[k]).powi(2) - variance[k];
                 let against = e[k].max(0.1 * mean[k]);
@@ -76,8 +93,9 @@ fn measure(scene: &Scene, paths: u32) {
         }
         let rms = |s: f64| (s / f64::from(n)).max(0.0).sqrt() * 100.0;
         println!(
-            "{:>8}% {:>7} {:>8.3} {:>8.3} {:>8.2}% {:>8.2}% {:>8.2}% {:>7.1}%",
+            "{:>8}% {:>11.0}% {:>7} {:>8.3} {:>8.3} {:>8.2}% {:>8.2}% {:>8.2}% {:>7.1}%",
             error * 100.0,
+            100.0 * probed.report.interpolated,
             probed.report.point_rays,
             wall,
             cpu,
