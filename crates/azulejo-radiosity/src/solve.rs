@@ -76,7 +76,7 @@ const FEWEST_PATCH_RAYS: u32 = 32;
 
 /// Patches whose errors may be as large as that of the light that is gathered from them; the squares
 /// of errors grow with their number.
-const AVERAGED_PATCHES: f64 = 2_500.0;
+const AVERAGED_PATCHES: f64 = 20_000.0;
 
 /// Largest error of patches, however many there are.
 const MOST_PATCH_ERROR: f64 = 0.25;

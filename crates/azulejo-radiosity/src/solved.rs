@@ -207,13 +207,13 @@ impl<'a> SolvedPatches<'a> {
         pass.bounces.map(light)
     }
 
-    /// The share of the emitted power that is unaccounted for beyond its standard error: as much at
-    /// least is wrong with the light. Nothing, where light is on its way because bounces are limited.
+    /// The share of the emitted power that is missing beyond its standard error: as much at least is
+    /// wrong with the light. Nothing, where light is on its way because bounces are limited.
     fn unexplained(&self) -> f64 {
         if self.has_light_left {
             return 0.0;
         }
-        (self.solution.balance.error() - self.solution.balance_error).max(0.0)
+        self.solution.balance.lost(self.solution.balance_error)
     }
 
     pub fn report(&self, gathering: &Gathering) -> Report {

@@ -493,10 +493,34 @@ impl EnergyBalance {
         let emitted = self.emitted.mean();
         if emitted > 0.0 { rest / emitted } else { 0.0 }
     }
+
+    /// The share of the emitted power that is missing beyond its standard error. Power that
+    /// is there too much is not light: faces that coincide all count what one of them absorbs.
+    pub(crate) fn lost(&self, standard_error: f64) -> f64 {
+        (self.missing() - standard_error).max(0.0)
+    }
 }
 
 /// Whether this material keeps the colour of light on specular paths.
 fn is_grey(m: &Material) -> bool {
     let is_glossy_grey = m.glossy().is_none_or(|lobes| lobes.mean_albedo().is_grey());
     m.mirror.is_grey() && is_glossy_grey && m.dielectric.is_none_or(|d| d.transmittance.is_grey())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn missing_power_is_lost_light_and_too_much_is_not() {
+        let balance = |absorbed: f64| EnergyBalance {
+            emitted: Rgb::grey(10.0),
+            absorbed: Rgb::grey(absorbed),
+            escaped: Rgb::grey(4.0),
+            ..EnergyBalance::default()
+        };
+        assert!((balance(5.0).lost(0.02) - 0.08).abs() < 1e-12);
+        assert!(balance(5.9).lost(0.02) == 0.0);
+        assert!(balance(8.0).lost(0.02) == 0.0);
+    }
 }

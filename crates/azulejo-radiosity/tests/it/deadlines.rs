@@ -136,21 +136,21 @@ fn balances_have_standard_errors() {
     }
 }
 
-/// Faces that coincide absorb light that is not there: however quiet the gather, its error cannot be
-/// less than what the balance shows.
+/// Faces that coincide all count what one of them absorbs: the balance is off, and the light is not.
+/// Nor is it where light is on its way, because bounces are limited.
 #[test]
-fn errors_are_no_less_than_what_is_unaccounted_for() {
+fn only_light_that_is_missing_is_an_error() {
     let mut scene = cornell_box(CornellVariant::Diffuse);
     let twins: Vec<_> = scene.objects[..3].to_vec();
     scene.objects.extend(twins);
     let report = solved(&scene, &pass(0.05, Some(1024)));
     let beyond = report.balance.error() - report.balance_error;
-    eprintln!(
-        "{:.4} beyond the standard error of {:.4}; error {:.4} of {:?}",
-        beyond, report.balance_error, report.error, report.error_parts
+    assert!(
+        beyond > 0.1,
+        "the balance shows nothing: {:?}",
+        report.balance
     );
-    assert!(beyond > 0.0, "the balance shows nothing: {report:?}");
-    assert!(report.error >= beyond - 1e-9, "{report:?}");
+    assert!(report.error <= 0.05, "{report:?}");
     let limited = FirstPass {
         bounces: Some(1),
         ..pass(0.05, Some(1024))
