@@ -6,7 +6,7 @@
 //! is asked.
 
 use crate::direct::direct;
-use crate::gather::{Gathering, HASTY_RAYS, noise_beside, noise_rate};
+use crate::gather::{Gathering, HASTY_RAYS, mean_strength, noise_beside, noise_rate};
 use crate::strata::StratumError;
 use azulejo_factors::engine::Estimator;
 use azulejo_factors::row::{Columns, Side, side};
@@ -194,8 +194,7 @@ pub(crate) struct StratumWays {
     pub fewest: f64,
 }
 
-/// Which strata should be path traced, and the seconds of work on each, so that the whole error is
-/// least after `seconds` of work. The strata are at most eight, so all sets are compared.
+/// Which strata should be path traced, so that the whole error is least after `seconds` of work. The strata are at most eight, so all sets are compared.
 ///
 /// Within a set, the sum of share · strength / time is least for times in proportion to
 /// √(share · strength), by Lagrange.
@@ -243,7 +242,7 @@ struct StratumDemand {
     error: StratumError,
     /// Of its noise with its rays.
     rate: f64,
-    /// Points, and the mean of their strengths^(1/(1 + rate)) · costs^(rate/(1 + rate)).
+    /// Points, and their [`mean_strength`].
     points: f64,
     mean: f64,
     /// Seconds spent so far, and per ray.
@@ -310,16 +309,12 @@ impl Gathering {
             let termination = self.strata.termination(k);
             let rate = noise_rate(termination);
             let strengths = self.strengths(k, &error);
-            let power = 1.0 / (1.0 + rate);
-            let term = |s: &(f64, f64, u32)| s.0.powf(power) * s.1.powf(rate * power);
-            let sum: f64 = strengths.iter().map(term).sum();
-            let points = strengths.len().max(1) as f64;
             let seconds_per_ray = pace.seconds_per_ray(termination);
             StratumDemand {
                 error,
                 rate,
-                points,
-                mean: sum / points,
+                points: strengths.len() as f64,
+                mean: mean_strength(&strengths, rate),
                 spent: self.spent_on(k) * seconds_per_ray,
                 seconds_per_ray,
             }

@@ -372,6 +372,14 @@ pub(crate) fn noise_rate(termination: Termination) -> f64 {
     }
 }
 
+/// The mean of strength^(1/(1 + rate)) · cost^(rate/(1 + rate)), to which the cost of an error is in
+/// proportion.
+pub(crate) fn mean_strength(strengths: &[(f64, f64, u32)], rate: f64) -> f64 {
+    let power = 1.0 / (1.0 + rate);
+    let term = |s: &(f64, f64, u32)| s.0.powf(power) * s.1.powf(rate * power);
+    strengths.iter().map(term).sum::<f64>() / strengths.len().max(1) as f64
+}
+
 /// Rays that make the mean variance of points `allowed` at least cost, given the strength of each
 /// and the cost of its rays.
 ///
@@ -383,9 +391,7 @@ fn cheapest(
     allowed: f64,
 ) -> impl Iterator<Item = (u32, f64)> {
     let power = 1.0 / (1.0 + rate);
-    let term = |s: &(f64, f64, u32)| s.0.powf(power) * s.1.powf(rate * power);
-    let sum: f64 = strengths.iter().map(term).sum();
-    let mean = sum / strengths.len().max(1) as f64;
+    let mean = mean_strength(strengths, rate);
     let scale = (mean / allowed.max(f64::MIN_POSITIVE)).powf(1.0 / rate);
     strengths
         .iter()

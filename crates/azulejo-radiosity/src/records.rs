@@ -17,6 +17,7 @@ const DEPTH: u32 = 20;
 const NORMAL_STEPS: f64 = 2.0;
 
 /// The points, divided into cells with a record each.
+#[derive(Clone)]
 pub struct RecordCells {
     /// Points, cell by cell.
     order: Vec<u32>,

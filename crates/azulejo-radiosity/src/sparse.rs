@@ -10,7 +10,7 @@ use crate::gather::{GatherEffort, GatherError, GatherPass, GatherTargets, Gather
 use crate::interpolation::{Interpolator, Stencil};
 use crate::records::RecordCells;
 use azulejo_scene::Rgb;
-use azulejo_trace::{DiffuseLight, GatherPoint, Gathered, REPLICATES, SplitIrradiance};
+use azulejo_trace::{DiffuseLight, GatherPoint, Gathered, SplitIrradiance};
 
 /// Points from which on indirect light is interpolated: fewer are soon gathered.
 pub const LEAST_POINTS: usize = 4096;
@@ -198,9 +198,8 @@ pub(crate) fn gather_sparse<L: DiffuseLight>(
     let count = (targets.points.len() / POINTS_PER_RECORD).max(LEAST_RECORDS);
     let cells = RecordCells::new(targets.points, pass.seed, count);
     let mut chosen = RecordGather::new(pass, targets, cells);
-    let points = chosen.points.clone();
     let of_records = GatherPass {
-        points: &points,
+        points: &chosen.points,
         ..*pass
     };
     of_records.reach(&mut chosen.found, effort, &mut |_| ())?;
@@ -265,18 +264,21 @@ impl RecordGather {
         between.expect("records are made for interpolation")
     }
 
+    /// What was gathered at a record.
+    fn known(&self, record: usize) -> SplitIrradiance {
+        SplitIrradiance {
+            direct: self.found.values.own[record],
+            indirect: self.between().indirect[record],
+        }
+    }
+
     /// Of each record the square of the difference that interpolating it from the others makes, less
     /// its noise, and the variance of that noise.
     fn interpolation_errors(&self) -> Vec<Option<(f64, f64)>> {
         let indirect = &self.between().indirect;
         let strata = &self.found.strata;
         let error = |(own, stencil): (&Gathered, &Option<Stencil>)| {
-            let other = stencil.as_ref()?.apply(indirect);
-            let difference = Gathered {
-                replicates: std::array::from_fn::<_, REPLICATES, _>(|r| {
-                    own.replicates[r] - other.replicates[r]
-                }),
-            };
+            let difference = own.minus(&stencil.as_ref()?.apply(indirect));
             let (mean, noise) = (difference.mean(), strata.mean_of(difference.variance()));
             Some((strata.mean_of(mean * mean) - noise, noise))
         };
@@ -361,16 +363,16 @@ impl RecordGather {
 
     /// Divides cells, and gathers at their new records as at those before them.
     fn divided<L: DiffuseLight>(
-        mut self,
+        &self,
         pass: &GatherPass<L>,
         targets: GatherTargets,
         is_coarse: &[bool],
     ) -> Result<RecordGather, GatherError> {
-        let parents = self.cells.divide(is_coarse);
-        let mut next = RecordGather::new(pass, targets, self.cells);
-        let areas: Vec<f64> = next.found.strata.shares().to_vec();
-        next.found.strata = self.found.strata.spread(&parents, &areas);
-        let before = self.found.values.interpolated.as_ref();
+        let mut cells = self.cells.clone();
+        let parents = cells.divide(is_coarse);
+        let mut next = RecordGather::new(pass, targets, cells);
+        let areas = next.found.strata.shares();
+        next.found.strata = self.found.strata.spread(&parents, areas);
         let mut totals = vec![0; parents.len()];
         for (new, &parent) in parents.iter().enumerate() {
             let parent = parent as usize;
@@ -378,19 +380,14 @@ impl RecordGather {
             if next.records[new] != self.records[parent] {
                 continue;
             }
-            let known = SplitIrradiance {
-                direct: self.found.values.own[parent],
-                indirect: before.map_or(Gathered::default(), |b| b.indirect[parent]),
-            };
-            next.found.values.add(new, &known, 1.0);
+            next.found.values.add(new, &self.known(parent), 1.0);
             next.found.spent[new] = self.found.spent[parent];
         }
-        let points = next.points.clone();
-        let pass = GatherPass {
-            points: &points,
+        let of_records = GatherPass {
+            points: &next.points,
             ..*pass
         };
-        pass.raise(&mut next.found, &totals)?;
+        of_records.raise(&mut next.found, &totals)?;
         Ok(next)
     }
 
@@ -454,13 +451,8 @@ impl RecordGather {
             let error = (sum / f64::max(share, f64::MIN_POSITIVE)).max(0.0);
             all.strata.interpolate(stratum, error + 0.5 * doubt);
         }
-        let between = self.between();
         for (record, &i) in self.records.iter().enumerate() {
-            let known = SplitIrradiance {
-                direct: self.found.values.own[record],
-                indirect: between.indirect[record],
-            };
-            all.values.add(i as usize, &known, 1.0);
+            all.values.add(i as usize, &self.known(record), 1.0);
             all.spent[i as usize] = self.found.spent[record];
         }
         let total = |i: usize| match all.values.kind(i) {

@@ -6,9 +6,8 @@ use crate::deadline::{
 };
 use crate::gather::{FIRST_RAYS, GatherPass, Gathering};
 use crate::strata::StratumError;
-use azulejo_scene::Rgb;
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, DiffuseLight, Gathered, REPLICATES, SplitIrradiance, Termination};
+use azulejo_trace::{Cancelled, DiffuseLight, SplitIrradiance, Termination};
 
 /// Points of the sample, per stratum.
 const SAMPLE: usize = 12;
@@ -240,11 +239,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
 fn judge(all: &Gathering, sample: &[Comparison], allowed: f64) -> Verdict {
     let (mut squares, mut noise) = (0.0, 0.0);
     for known in sample {
-        let difference = Gathered {
-            replicates: std::array::from_fn::<Rgb, REPLICATES, _>(|r| {
-                known.patches.indirect.replicates[r] - known.paths.indirect.replicates[r]
-            }),
-        };
+        let difference = known.patches.indirect.minus(&known.paths.indirect);
         let (mean, variance) = (difference.mean(), difference.variance());
         let variance = all.strata.mean_of(variance);
         squares += all.strata.mean_of(mean * mean) - variance;

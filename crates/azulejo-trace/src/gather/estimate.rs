@@ -39,6 +39,13 @@ impl Gathered {
         }
     }
 
+    /// The difference of two estimates, replicate by replicate: noise that both share cancels.
+    pub fn minus(&self, other: &Gathered) -> Gathered {
+        Gathered {
+            replicates: std::array::from_fn(|r| self.replicates[r] - other.replicates[r]),
+        }
+    }
+
     /// Variance of [`mean`](Gathered::mean), per channel, from the spread of the replicates as
     /// if they were independent; it is smaller for replicates that are stretches of one sequence.
     pub fn variance(&self) -> Rgb {
