@@ -8,14 +8,16 @@
 mod delta;
 mod emitters;
 mod flat_faces;
+mod tiles;
 
 use crate::{KernelHit, KernelRay, Surfaces};
 use azulejo_scene::{LightKind, Rgb};
 pub(crate) use delta::{unoccluded, unoccluded_image};
 pub(crate) use emitters::{CurvedEmitter, FlatEmitter, sample_polygon, side_toward};
-use emitters::{Emission, EmitterPoint, curved_emitters, flat_emitters};
+use emitters::{Emission, EmitterPoint, FlatEmitters, curved_emitters};
 pub(crate) use flat_faces::{FaceKey, FlatFace, flat_faces};
 use glam::DVec3;
+pub(crate) use tiles::{Tile, merged};
 
 /// If there are more lights without area than this, each sample takes this many of them.
 const MOST_DELTA_LIGHTS: usize = 8;
@@ -23,8 +25,7 @@ const MOST_DELTA_LIGHTS: usize = 8;
 /// All light sources of a scene but the emission of exact shapes, which paths find by chance
 /// alone. Immutable; shared by all threads.
 pub struct Lights<'a> {
-    /// Flat emitters in the order of their keys.
-    pub(crate) flat: Vec<FlatEmitter>,
+    flat: FlatEmitters,
     /// Curved emitters in the order of their keys.
     pub(crate) curved: Vec<CurvedEmitter<'a>>,
     /// Point, spot and directional lights.
@@ -62,9 +63,9 @@ pub struct DeltaLightSample {
 impl<'a> Lights<'a> {
     /// Collects the light sources of a scene.
     pub fn new(surfaces: &Surfaces<'a>) -> Lights<'a> {
-        let mut flat = flat_emitters(surfaces.scene);
+        let mut flat = FlatEmitters::new(surfaces.scene);
         let mut curved = curved_emitters(surfaces.scene);
-        let ends = normalized(&mut flat, &mut curved);
+        let ends = normalized(&mut flat.emitters, &mut curved);
         let (mut delta, mut ambient) = (Vec::new(), Rgb::BLACK);
         for light in &surfaces.scene.lights {
             match light.kind {
@@ -79,6 +80,11 @@ impl<'a> Lights<'a> {
             ambient,
             ends,
         }
+    }
+
+    /// The flat emitters.
+    pub(crate) fn flat(&self) -> &[FlatEmitter] {
+        &self.flat.emitters
     }
 
     /// Whether there is nothing to sample: no emitter and no light without area.
@@ -113,9 +119,9 @@ impl<'a> Lights<'a> {
 
     /// A point of the emitter of that number, the flat ones first.
     fn point(&self, number: usize, u: (f64, f64)) -> (&Emission, EmitterPoint) {
-        match number.checked_sub(self.flat.len()) {
+        match number.checked_sub(self.flat().len()) {
             None => {
-                let light = &self.flat[number];
+                let light = &self.flat()[number];
                 (&light.emission, light.point(u))
             }
             Some(number) => {
@@ -148,14 +154,10 @@ impl<'a> Lights<'a> {
 
     /// Share of an emitter and its area per unit of the square at `(u, v)`.
     fn find(&self, key: FaceKey, (u, v): (f64, f64)) -> Option<(f64, f64)> {
-        // A whole face stands under its triangle 0, for all of its triangles.
-        let of_face = |k: FaceKey| (k.object, k.face) == (key.object, key.face);
-        let after = self.flat.partition_point(|l| l.emission.key <= key);
-        let flat = after.checked_sub(1).map(|k| &self.flat[k]);
-        if let Some(light) = flat.filter(|l| of_face(l.emission.key)) {
+        if let Some(light) = self.flat.find(key) {
             return Some((light.emission.share, light.area));
         }
-        let curved = self.curved.binary_search_by_key(&key, |l| l.emission.key);
+        let curved = self.curved.binary_search_by_key(&key, |l| l.key);
         let light = &self.curved[curved.ok()?];
         Some((light.emission.share, light.point((u, v)).area))
     }
@@ -301,12 +303,12 @@ mod tests {
         let scene = lamps();
         let tracer = Tracer::new(&scene);
         let lights = Lights::new(&Surfaces::new(&scene, &tracer));
-        let shares = lights.flat.iter().map(|l| l.emission.share);
+        let shares = lights.flat().iter().map(|l| l.emission.share);
         let shares = shares.chain(lights.curved.iter().map(|l| l.emission.share));
         assert!((shares.sum::<f64>() - 1.0).abs() < 1e-12);
         assert!((lights.ends.last().unwrap() - 1.0).abs() < 1e-12);
         // Of equal polygons the one that emits from both sides has twice the power.
-        let [one, both] = [0, 1].map(|k: usize| lights.flat[k].emission.share);
+        let [one, both] = [0, 1].map(|k: usize| lights.flat()[k].emission.share);
         assert!((both - 2.0 * one).abs() < 1e-12, "{one} {both}");
     }
 }

@@ -127,7 +127,7 @@ impl<'a> Direct<'a> {
         let windows = &self.sources.windows;
         let weight = match target {
             Target::Flat(k) => {
-                let polygon = self.lights.flat[*k as usize].toward(point.position);
+                let polygon = self.lights.flat()[*k as usize].toward(point.position);
                 let (y, weight) = sample_lamp(point, &polygon, u)?;
                 let y = self.in_front(y, &polygon);
                 self.tests.push_segment(from, y);

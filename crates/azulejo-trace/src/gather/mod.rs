@@ -15,7 +15,6 @@ mod polygon;
 mod shadow;
 mod sources;
 mod terms;
-mod tiles;
 
 use crate::follow::{Path, Scratch, Via};
 use crate::lights::{Lights, mis_weight};

@@ -1,10 +1,9 @@
 //! Which lights, and which mirror images of them, the direct light is computed from.
 
-use super::tiles::{Tile, merged};
 use crate::Surfaces;
 use crate::follow::Via;
 use crate::lambert::{ArrayPolygon, mirror_polygon};
-use crate::lights::{CurvedEmitter, FlatEmitter, FlatFace, Lights, flat_faces};
+use crate::lights::{CurvedEmitter, FlatEmitter, FlatFace, Lights, Tile, flat_faces, merged};
 use azulejo_scene::{Material, Rgb};
 use glam::DVec3;
 
@@ -44,7 +43,7 @@ pub struct DirectSources {
 impl DirectSources {
     /// Decides what of the lights of a scene is direct light, and finds their mirror images.
     pub fn new(surfaces: &Surfaces, lights: &Lights) -> DirectSources {
-        let sides: usize = lights.flat.iter().map(FlatEmitter::sides).sum();
+        let sides: usize = lights.flat().iter().map(FlatEmitter::sides).sum();
         let has_flat = (1..=MOST_LAMPS).contains(&sides);
         let has_curved = (1..=MOST_LAMPS).contains(&lights.curved.len());
         let mut sources = DirectSources {
@@ -63,7 +62,7 @@ impl DirectSources {
 
     /// The flat emitters among the sources: all or none.
     pub fn flat<'l>(&self, lights: &'l Lights) -> &'l [FlatEmitter] {
-        if self.has_flat { &lights.flat } else { &[] }
+        if self.has_flat { lights.flat() } else { &[] }
     }
 
     /// The curved emitters among the sources: all or none.
@@ -105,10 +104,10 @@ impl DirectSources {
         if tiles.len() == MOST_TILES {
             return;
         }
-        let windows = merged(&tiles);
+        let windows = merged(tiles);
         if windows.len() <= most {
             let flat = self.flat(lights);
-            self.windows = windows.into_iter().map(|w| window(w, flat)).collect();
+            self.windows = windows.into_iter().map(|w| window(w.tile, flat)).collect();
             let is_marked =
                 |i| surfaces.flat_normal(i).is_some() && is_mirror(surfaces.material(i));
             self.is_window = (0..surfaces.tracer.item_count()).map(is_marked).collect();
@@ -116,20 +115,20 @@ impl DirectSources {
     }
 }
 
-fn tile(face: FlatFace) -> Tile {
+fn tile(face: FlatFace) -> Tile<Rgb> {
     Tile {
         polygon: face.polygon,
         normal: face.normal,
-        reflectance: face.material.mirror,
+        property: face.material.mirror,
     }
 }
 
-fn window(tile: Tile, lamps: &[FlatEmitter]) -> Window {
+fn window(tile: Tile<Rgb>, lamps: &[FlatEmitter]) -> Window {
     let image = |lamp: &FlatEmitter| mirror_polygon(&lamp.polygon, tile.polygon[0], tile.normal);
     Window {
         images: lamps.iter().map(image).collect(),
         polygon: tile.polygon,
         normal: tile.normal,
-        reflectance: tile.reflectance,
+        reflectance: tile.property,
     }
 }

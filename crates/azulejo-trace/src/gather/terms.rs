@@ -184,7 +184,7 @@ impl Direct<'_> {
 
     /// Radiance of a flat emitter as it arrives.
     pub(super) fn radiance(&self, source: FlatSource) -> Rgb {
-        let radiance = self.lights.flat[source.lamp].emission.radiance;
+        let radiance = self.lights.flat()[source.lamp].emission.radiance;
         match source.window {
             None => radiance,
             Some(w) => radiance * self.sources.windows[w].reflectance,
@@ -196,7 +196,7 @@ impl Direct<'_> {
         let (p, n) = (point.position, point.normal);
         let FlatSource { lamp, window } = source;
         match window {
-            None => point_to_polygon(p, n, &self.lights.flat[lamp].toward(p)),
+            None => point_to_polygon(p, n, &self.lights.flat()[lamp].toward(p)),
             Some(w) => {
                 let seen = self.visible_image(lamp, w, point);
                 seen.map_or(0.0, |seen| point_to_polygon(p, n, &seen))
@@ -223,7 +223,7 @@ impl Direct<'_> {
         window: usize,
         point: &GatherPoint,
     ) -> Option<ArrayPolygon> {
-        let emits_back = self.lights.flat[lamp].emission.emits_back;
+        let emits_back = self.lights.flat()[lamp].emission.emits_back;
         let window = &self.sources.windows[window];
         let p = point.position;
         let image = side_toward(&window.images[lamp], emits_back, p);

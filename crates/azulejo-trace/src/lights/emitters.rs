@@ -1,6 +1,7 @@
 //! Surfaces that emit: flat polygons and curved parts of primitives.
 
-use super::flat_faces::{FaceKey, FlatFace, flat_faces, is_flat};
+use super::flat_faces::{FaceKey, flat_faces, is_flat};
+use super::tiles::{MergedTile, Tile, merged};
 use crate::lambert::is_in_front;
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{Material, Primitive, Rgb, Scene, Shape};
@@ -14,8 +15,6 @@ pub(crate) struct Emission {
     pub radiance: Rgb,
     /// Whether the back emits too.
     pub emits_back: bool,
-    /// Which surface it is.
-    pub key: FaceKey,
     /// Its power, mean over the channels, as a share of that of all lights: the probability with
     /// which it is sampled.
     pub share: f64,
@@ -23,13 +22,12 @@ pub(crate) struct Emission {
 
 impl Emission {
     /// With the power for a share, of a surface of that area.
-    fn new(key: FaceKey, material: &Material, area: f64) -> Emission {
-        let sides = if material.emits_back { 2.0 } else { 1.0 };
-        let power = material.emission.mean() * sides * area;
+    fn new(radiance: Rgb, emits_back: bool, area: f64) -> Emission {
+        let sides = if emits_back { 2.0 } else { 1.0 };
+        let power = radiance.mean() * sides * area;
         Emission {
-            radiance: material.emission,
-            emits_back: material.emits_back,
-            key,
+            radiance,
+            emits_back,
             share: if power.is_finite() { power } else { 0.0 },
         }
     }
@@ -54,7 +52,7 @@ pub(crate) struct EmitterPoint {
     pub area: f64,
 }
 
-/// A flat convex polygon that emits.
+/// A flat convex polygon that emits: a face, or several of one plane that fill it.
 #[derive(Clone, Debug)]
 pub(crate) struct FlatEmitter {
     /// Corners, counter-clockwise from the front. On the heap, as there may be very many.
@@ -66,14 +64,15 @@ pub(crate) struct FlatEmitter {
 }
 
 impl FlatEmitter {
-    fn new(face: &FlatFace) -> FlatEmitter {
-        let across = area_vector(&face.polygon);
+    fn new(tile: &Tile<(Rgb, bool)>) -> FlatEmitter {
+        let across = area_vector(&tile.polygon);
         let area = across.length();
+        let (radiance, emits_back) = tile.property;
         FlatEmitter {
-            polygon: face.polygon.iter().copied().collect(),
+            polygon: tile.polygon.iter().copied().collect(),
             normal: across.normalize_or_zero(),
             area,
-            emission: Emission::new(face.key, face.material, area),
+            emission: Emission::new(radiance, emits_back, area),
         }
     }
 
@@ -116,6 +115,7 @@ pub(crate) struct CurvedEmitter<'a> {
     /// See `centre`.
     pub radius2: f64,
     pub emission: Emission,
+    pub key: FaceKey,
 }
 
 impl<'a> CurvedEmitter<'a> {
@@ -126,17 +126,18 @@ impl<'a> CurvedEmitter<'a> {
         material: &Material,
     ) -> CurvedEmitter<'a> {
         let bounds = primitive.bounds();
-        let key = FaceKey {
-            object,
-            face: part as u32,
-            triangle: 0,
-        };
+        let area = whole_area(primitive, part);
         CurvedEmitter {
             primitive,
             part,
             centre: bounds.centre(),
             radius2: (0.5 * bounds.diagonal()).powi(2) / 3.0,
-            emission: Emission::new(key, material, whole_area(primitive, part)),
+            emission: Emission::new(material.emission, material.emits_back, area),
+            key: FaceKey {
+                object,
+                face: part as u32,
+                triangle: 0,
+            },
         }
     }
 
@@ -160,13 +161,45 @@ fn whole_area(primitive: &Primitive, part: usize) -> f64 {
     all.sum::<f64>() / (STEPS * STEPS) as f64
 }
 
-/// The flat emitters of a scene in the order of their keys.
-pub(crate) fn flat_emitters(scene: &Scene) -> Vec<FlatEmitter> {
-    let mut emitters = Vec::new();
-    flat_faces(scene, Material::is_emitter, |face| {
-        emitters.push(FlatEmitter::new(&face));
-    });
-    emitters
+/// The flat emitters of a scene in the order of their first faces.
+#[derive(Default)]
+pub(crate) struct FlatEmitters {
+    pub emitters: Vec<FlatEmitter>,
+    /// Faces that emit, ascending, and the emitter of each.
+    faces: Vec<(FaceKey, u32)>,
+}
+
+impl FlatEmitters {
+    /// Merges faces that fill a convex polygon, as far as they emit alike: a lamp divided into
+    /// triangles costs as little as one that is not.
+    pub fn new(scene: &Scene) -> FlatEmitters {
+        let (mut keys, mut tiles) = (Vec::new(), Vec::new());
+        flat_faces(scene, Material::is_emitter, |face| {
+            keys.push(face.key);
+            tiles.push(Tile {
+                polygon: face.polygon,
+                normal: face.normal,
+                property: (face.material.emission, face.material.emits_back),
+            });
+        });
+        let mut found = FlatEmitters::default();
+        for (number, MergedTile { tile, members }) in (0..).zip(merged(tiles)) {
+            let of = |member: u32| (keys[member as usize], number);
+            found.faces.extend(members.into_iter().map(of));
+            found.emitters.push(FlatEmitter::new(&tile));
+        }
+        found.faces.sort_unstable();
+        found
+    }
+
+    /// The emitter that a triangle belongs to.
+    pub fn find(&self, triangle: FaceKey) -> Option<&FlatEmitter> {
+        // A whole face stands under its triangle 0, for all of its triangles.
+        let after = self.faces.partition_point(|(key, _)| *key <= triangle);
+        let (key, number) = self.faces[..after].last()?;
+        let is_of_face = (key.object, key.face) == (triangle.object, triangle.face);
+        is_of_face.then(|| &self.emitters[*number as usize])
+    }
 }
 
 /// The curved emitters of a scene in the order of their keys.
