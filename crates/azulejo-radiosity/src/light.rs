@@ -1,6 +1,7 @@
 //! The solved light of patches as a light source of gathers.
 
 use azulejo_factors::Patches;
+use azulejo_factors::rays::HitPatches;
 use azulejo_factors::row::side;
 use azulejo_scene::Rgb;
 use azulejo_trace::{DiffuseHit, DiffuseLight, OutgoingRadiosity, REPLICATES, Surfaces};
@@ -12,8 +13,7 @@ const COARSE: f64 = 0.5;
 
 /// Reflected radiosity of every side of every patch, in independent replicates.
 pub struct PatchLight<'a> {
-    surfaces: &'a Surfaces<'a>,
-    patches: &'a Patches,
+    hit_patches: HitPatches<'a>,
     reflectance: &'a [Rgb],
     reflected: Vec<[[f32; 3]; REPLICATES]>,
     /// Distance from which each diffuse patch may be read, zero for the others.
@@ -39,8 +39,7 @@ impl<'a> PatchLight<'a> {
         };
         let footprint = (0..patches.len()).map(footprint).collect();
         PatchLight {
-            surfaces,
-            patches,
+            hit_patches: HitPatches::new(surfaces, patches),
             reflectance,
             footprint,
             reflected: (0..2 * patches.len()).map(of_side).collect(),
@@ -59,7 +58,7 @@ impl<'a> PatchLight<'a> {
 
 impl DiffuseLight for PatchLight<'_> {
     fn outgoing(&self, at: &DiffuseHit, replicate: usize) -> OutgoingRadiosity {
-        let patch = self.patches.locate_hit(self.surfaces, &at.hit);
+        let patch = self.hit_patches.at(&at.hit);
         OutgoingRadiosity {
             radiosity: self.reflected[side(patch, at.front) as usize][replicate],
             footprint: self.footprint[patch as usize],
@@ -67,6 +66,6 @@ impl DiffuseLight for PatchLight<'_> {
     }
 
     fn reflectance(&self, at: &DiffuseHit) -> Rgb {
-        self.reflectance[self.patches.locate_hit(self.surfaces, &at.hit) as usize]
+        self.reflectance[self.hit_patches.at(&at.hit) as usize]
     }
 }
