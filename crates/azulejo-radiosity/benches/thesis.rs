@@ -2,7 +2,7 @@
 //! seconds, and the error of B against a converged reference.
 //!
 //! `cargo bench -p azulejo-radiosity --bench thesis [-- mirrors [error in % [reference error in
-//! %]]]`, by default 64 mirrors, 0.1 and 0.03. The reference has another seed and comes from the
+//! % [patches [MiB for rows]]]]]`, by default 64 mirrors, 0.1, 0.03, the facets as they are, and 4,096 MiB. The reference has another seed and comes from the
 //! same code: it checks convergence, and the estimated errors; independent truths are in the tests.
 
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
@@ -27,22 +27,26 @@ fn main() {
     let (error, fine) = (0.01 * number(1, 0.1), 0.01 * number(2, 0.03));
     let threads = rayon::current_num_threads();
     println!("asked for {}%, {threads} threads", 100.0 * error);
-    let found = run("found", &scene, error, 1);
-    let reference = run("reference", &scene, fine, 2);
-    compare(&found, &reference);
-    println!("{:.0} MiB at most", peak_mebibytes());
-}
-
-fn run(what: &str, scene: &Scene, error: f64, seed: u64) -> PatchRadiosity {
-    let (wall, cpu) = (Instant::now(), cpu_seconds());
-    let tracer = Tracer::new(scene);
-    let pass = FirstPass {
-        size: PatchSize::Edge(0.0),
+    let pass = |error: f64, seed: u64| FirstPass {
+        size: match number(3, 0.0) as usize {
+            0 => PatchSize::Edge(0.0),
+            count => PatchSize::Count(count),
+        },
         error: Some(error),
         seed,
+        memory: (number(4, 4096.0) as u64) << 20,
         ..FirstPass::default()
     };
-    let found = radiosity(scene, &tracer, &pass, &Progress::new()).expect("a lamp shines");
+    let found = run("found", &scene, &pass(error, 1));
+    println!("{:.0} MiB at most", peak_mebibytes());
+    let reference = run("reference", &scene, &pass(fine, 2));
+    compare(&found, &reference);
+}
+
+fn run(what: &str, scene: &Scene, pass: &FirstPass) -> PatchRadiosity {
+    let (wall, cpu) = (Instant::now(), cpu_seconds());
+    let tracer = Tracer::new(scene);
+    let found = radiosity(scene, &tracer, pass, &Progress::new()).expect("a lamp shines");
     let (wall, cpu) = (wall.elapsed().as_secs_f64(), cpu_seconds() - cpu);
     let report = &found.report;
     println!(
