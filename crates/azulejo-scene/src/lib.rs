@@ -24,6 +24,7 @@
 pub mod brdf;
 mod camera;
 mod containment;
+pub mod content;
 pub mod figure;
 pub mod fresnel;
 mod image;

@@ -348,3 +348,27 @@ fn limited_bounces_are_no_imbalance() {
         assert!(words.contains("reflected once more"), "{words}");
     }
 }
+
+/// Output that is lost is a failure, whatever it is; one that nobody reads is none.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_is_a_failure() {
+    let folder = Folder::with_room();
+    if !std::path::Path::new("/dev/full").exists() {
+        return;
+    }
+    for line in [
+        "--version",
+        "--help",
+        "help solve",
+        "completions bash",
+        "info room.obj",
+        "info room.obj --json",
+    ] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full");
+        let run = folder.command(line).stdout(full.unwrap()).output();
+        let run = crate::support::Run::of(run.unwrap());
+        assert_eq!(run.code, Some(1), "{line}: {}", run.err);
+        assert!(run.err.contains("No space left"), "{line}: {}", run.err);
+    }
+}
