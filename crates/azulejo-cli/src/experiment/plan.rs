@@ -352,8 +352,13 @@ fn choices(table: &SceneTable, source: &SuiteSource) -> Result<Vec<SceneChoice>,
 fn model(file: &Spanned<String>, source: &SuiteSource) -> Result<Origin, Failure> {
     let folder = source.path.parent().unwrap_or(Path::new(""));
     let path = folder.join(file.get_ref());
-    let scene = model_scene(&path).map_err(|e| source.wrong(file.span().start, e))?;
-    let key = ContentHasher::new().add(&scene).key();
+    let bytes = models::read_bytes(&path).map_err(|e| source.wrong(file.span().start, e))?;
+    let mut hasher = ContentHasher::new();
+    let key = match model_scene(&path) {
+        Ok(scene) => hasher.add(&scene).key(),
+        // The failure of its tasks, not of the suite.
+        Err(_) => hasher.add(&*bytes).key(),
+    };
     Ok(Origin::File(path, key))
 }
 
