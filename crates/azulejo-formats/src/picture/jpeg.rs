@@ -54,8 +54,10 @@ pub(super) fn size(bytes: &[u8]) -> Result<[u64; 2], PictureError> {
     Ok(size.map(|n| n as u64))
 }
 
+type Decoder<'b> = JpegDecoder<ZCursor<&'b [u8]>>;
+
 /// A decoder that has read the header, and the size of the picture.
-fn start(bytes: &[u8]) -> Result<(JpegDecoder<ZCursor<&[u8]>>, [usize; 2]), PictureError> {
+fn start(bytes: &[u8]) -> Result<(Decoder<'_>, [usize; 2]), PictureError> {
     let options = DecoderOptions::default()
         .jpeg_set_out_colorspace(ColorSpace::RGB)
         .jpeg_set_max_scans(MOST_SCANS)

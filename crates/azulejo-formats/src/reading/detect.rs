@@ -155,13 +155,17 @@ type Detection = Result<Format, &'static str>;
 /// Formats that begin with magic bytes.
 fn known_mark(bytes: &[u8]) -> Option<Detection> {
     use Format::*;
-    const MARKS: [(&[u8], Detection); 26] = [
+    const MARKS: [(&[u8], Detection); 27] = [
         (b"\x89PNG", Err("a PNG picture")),
         (b"\xff\xd8\xff", Err("a JPEG picture")),
         (b"GIF8", Err("a GIF picture")),
         (b"\x76\x2f\x31\x01", Err("an OpenEXR picture")),
         (b"#?RADIANCE", Err("a Radiance picture")),
         (b"IESNA", Err("an IES luminaire; name it in an MGF scene")),
+        (
+            b"IES:LM-63",
+            Err("an IES luminaire; name it in an MGF scene"),
+        ),
         (b"PK\x03\x04", Err("a zip archive; unpack it first")),
         (b"%PDF", Err("a PDF document")),
         (b"BLENDER", Err("a Blender file; export it as glTF")),

@@ -246,6 +246,9 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
         self.budget
             .spend(figure.curve_count() as u64)
             .map_err(|e| e.error(self.file))?;
+        if !self.budget.keeps() {
+            return Ok(());
+        }
         transform_figure(&mut figure, &site.map);
         if figure.contours.is_empty() {
             return Ok(());
