@@ -36,7 +36,7 @@ mod solve;
 mod values;
 mod workbench;
 
-use args::{Cli, Command, CommonArgs};
+use args::{Cli, Command};
 use clap::Parser;
 use failure::Failure;
 use session::Session;
