@@ -13,7 +13,9 @@ pub fn completions(shell: clap_complete::Shell) -> Result<(), Failure> {
     // Generated in memory, because clap panics if the pipe is closed.
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Cli::command(), "azulejo", &mut script);
-    Ok(io::stdout().write_all(&script)?)
+    let mut out = io::stdout().lock();
+    out.write_all(&script)?;
+    Ok(out.flush()?)
 }
 
 /// Writes `azulejo.1` and one page per command.

@@ -9,6 +9,7 @@ use super::report::{Report, count, number, numbers, short, triple};
 use super::session::Session;
 use azulejo_scene::math::Aabb;
 use azulejo_scene::{LightKind, MaterialId, Object, PrimitiveKind, Rgb, Scene, Shape, Up};
+use glam::DVec3;
 use serde_json::{Value, json};
 use std::collections::HashSet;
 use std::f64::consts::PI;
@@ -50,6 +51,7 @@ pub fn run(args: &InfoArgs, session: &mut Session) -> Result<Report, Failure> {
         "not solved yet"
     };
     report.fact("solved", solved, "irradiance", words);
+    inverted(&scene, &mut report);
     objects(&scene, &parts, &mut report);
     skipped(session, &mut report);
     Ok(report)
@@ -285,6 +287,46 @@ fn lights(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
         value[name] = json!(n);
     }
     report.value("lights", value);
+}
+
+/// Closed meshes whose front is inside, with nothing in there that could see it.
+fn inverted(scene: &Scene, report: &mut Report) {
+    let boxes: Vec<Aabb> = scene.objects.iter().map(Object::bounds).collect();
+    let is_in =
+        |inner: DVec3, outer: &Aabb| inner.cmpge(outer.min).all() && inner.cmple(outer.max).all();
+    let is_room = |k: usize| {
+        let lights = scene.lights.iter().filter_map(|l| match l.kind {
+            LightKind::Point { position, .. } | LightKind::Spot { position, .. } => Some(position),
+            LightKind::Directional { .. } | LightKind::Ambient { .. } => None,
+        });
+        let mut places = scene.cameras.iter().map(|c| c.eye).chain(lights);
+        let mut others = boxes.iter().enumerate().filter(|(other, _)| *other != k);
+        let holds = |b: &Aabb| !b.is_empty() && is_in(b.min, &boxes[k]) && is_in(b.max, &boxes[k]);
+        others.any(|(_, b)| holds(b)) || places.any(|p| is_in(p, &boxes[k]))
+    };
+    let is_turned = |object: &Object| match &object.shape {
+        Shape::Mesh(mesh) => mesh.enclosed_volume().is_some_and(|volume| volume < 0.0),
+        Shape::Primitive(_) | Shape::Exact(_) => false,
+    };
+    let turned = scene.objects.iter().enumerate();
+    let names: Vec<&str> = turned
+        .filter(|(k, object)| is_turned(object) && !is_room(*k))
+        .map(|(_, object)| object.name.as_str())
+        .collect();
+    if !names.is_empty() {
+        let words = format!(
+            "{} closed and {} front is inside, with nothing else there: turned inside out, or an empty room: {}",
+            if names.len() == 1 {
+                "a mesh is"
+            } else {
+                "meshes are"
+            },
+            if names.len() == 1 { "its" } else { "their" },
+            quoted(&names)
+        );
+        report.line("inverted", words);
+    }
+    report.value("inverted", names);
 }
 
 fn viewpoints(scene: &Scene, report: &mut Report) {

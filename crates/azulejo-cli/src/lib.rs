@@ -8,6 +8,7 @@ mod args;
 mod brdf;
 mod camera;
 mod clock;
+mod content_key;
 mod convert;
 mod drawing;
 mod engine;
@@ -35,7 +36,7 @@ mod solve;
 mod values;
 mod workbench;
 
-use args::{Cli, Command, CommonArgs};
+use args::{Cli, Command};
 use clap::Parser;
 use failure::Failure;
 use session::Session;
@@ -56,8 +57,12 @@ pub fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(e) => {
-            // Help and version are also printed here; a closed pipe is not an error.
-            let _ = e.print();
+            // Help and version are also printed here; a closed pipe is not an error, a full disk is.
+            let printed = e.print().and_then(|()| io::stdout().flush());
+            if let Err(failure) = printed.map_err(Failure::from) {
+                print_failure(&failure, false);
+                return failure.exit_code();
+            }
             return ExitCode::from(u8::try_from(e.exit_code()).unwrap_or(2));
         }
     };
@@ -65,7 +70,7 @@ pub fn main() -> ExitCode {
     match run(cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            print_failure(&failure, common);
+            print_failure(&failure, common.json);
             failure.exit_code()
         }
     }
@@ -100,12 +105,12 @@ fn run(cli: Cli) -> Result<(), Failure> {
 }
 
 /// Prints the error on standard error, and with `--json` also as JSON on standard output.
-fn print_failure(failure: &Failure, common: CommonArgs) {
+fn print_failure(failure: &Failure, json: bool) {
     if matches!(failure, Failure::BrokenPipe) {
         return;
     }
     let _ = writeln!(io::stderr(), "error: {failure}");
-    if common.json {
+    if json {
         let value = serde_json::json!({ "error": failure.to_string() });
         let _ = writeln!(io::stdout(), "{value}");
     }

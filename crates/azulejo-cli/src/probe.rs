@@ -30,6 +30,20 @@ struct ProbeResults {
     values: Vec<f64>,
 }
 
+impl ProbeResults {
+    /// Rows of light; an error for numbers that are beyond all numbers.
+    fn of_light(columns: usize, values: Vec<f64>) -> Result<ProbeResults, Failure> {
+        match values.iter().filter(|v| v.is_infinite()).count() {
+            0 => Ok(ProbeResults { columns, values }),
+            lost => Err(Failure::failed(format_args!(
+                "{} of {} results are not finite: the lights are too bright",
+                count(lost),
+                count(values.len())
+            ))),
+        }
+    }
+}
+
 /// Runs `probe`.
 pub fn run(args: &ProbeArgs, session: &mut Session) -> Result<Report, Failure> {
     let default = (!session.json()).then_some(Path::new("-"));
@@ -90,10 +104,7 @@ fn irradiance(
     spent("tracing", "trace", clock, report);
     pass::describe(&probed.report, &args.first_pass, prepared, scene, report)?;
     let row = |e: &azulejo_radiosity::Estimate| [e.value.to_array(), e.error.to_array()].concat();
-    Ok(ProbeResults {
-        columns: IRRADIANCE,
-        values: probed.estimates.iter().flat_map(row).collect(),
-    })
+    ProbeResults::of_light(IRRADIANCE, probed.estimates.iter().flat_map(row).collect())
 }
 
 fn radiance(
@@ -121,10 +132,7 @@ fn radiance(
         session.with_progress(|p| azulejo_render::radiance(scene, &tracer, &rays, &options, p))?;
     spent("tracing", "trace", clock, report);
     report.fact("rays", rays.len(), "rays", count(rays.len()));
-    Ok(ProbeResults {
-        columns: RADIANCE,
-        values: found.iter().flat_map(|l| l.to_array()).collect(),
-    })
+    ProbeResults::of_light(RADIANCE, found.iter().flat_map(|l| l.to_array()).collect())
 }
 
 fn hits(

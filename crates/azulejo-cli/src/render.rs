@@ -2,7 +2,7 @@
 
 use super::args::{ImageArgs, RenderArgs, RenderStyle, ToneName};
 use super::failure::Failure;
-use super::report::{Report, number, percent, short};
+use super::report::{Report, count, number, percent, short};
 use super::session::Session;
 use super::{camera, input, pass, rtrace};
 use azulejo::output::Output;
@@ -167,6 +167,19 @@ fn tone(name: ToneName) -> Tone {
     }
 }
 
+/// Rejects an image with values that its numbers of 32 bits cannot hold, which no program would show.
+fn refuse_overflow(image: &Image) -> Result<(), Failure> {
+    let is_lost = |pixel: &&[f32; 3]| !pixel.iter().all(|value| value.is_finite());
+    match image.pixels.iter().filter(is_lost).count() {
+        0 => Ok(()),
+        lost => Err(Failure::failed(format_args!(
+            "{} of the image's {} pixels are not finite: lights too bright for numbers of 32 bits",
+            count(lost),
+            count(image.pixels.len())
+        ))),
+    }
+}
+
 /// Writes an image of linear values.
 fn write_linear(
     image: &Image,
@@ -190,6 +203,7 @@ fn write(
     report: &mut Report,
 ) -> Result<(), Failure> {
     let progress = session.progress();
+    refuse_overflow(image)?;
     match format {
         ImageFormat::Exr | ImageFormat::Hdr => write_linear(image, format, output, session)?,
         ImageFormat::Png if args.look.look == RenderStyle::Rtrace => {

@@ -4,6 +4,7 @@
 use crate::outline::{Drawing, svg};
 use crate::reading::detect::{EXPECTED, Format, detect, recognize};
 use crate::reading::gzip;
+use crate::reading::options::counted_first;
 use crate::reading::text::decoded;
 use crate::{Files, ReadError, ReadOptions, Warning};
 use crate::{dxf, gltf, grf, mgf, obj, openflight, ply, scn, sff, stl, studio3ds, view3d, vrml};
@@ -57,7 +58,9 @@ pub fn read_with(
         Format::Scn => scn::read,
         Format::View3d => view3d::read,
     };
-    let loaded = read(bytes, name, files, options)?;
+    let loaded = counted_first(bytes.len(), options, |options| {
+        read(bytes, name, files, options)
+    })?;
     let mut scene = loaded.scene;
     scene.join_sides();
     Ok(RecognizedModel {
@@ -75,10 +78,14 @@ pub fn read_drawing(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<D
     const EXPECTED: &str = "a drawing in SVG or DXF";
     let bytes = &*decoded(bytes);
     if svg::is_svg(bytes) {
-        return svg::read(bytes, name, options);
+        return counted_first(bytes.len(), options, |options| {
+            svg::read(bytes, name, options)
+        });
     }
     match detect(bytes) {
-        Ok(Format::Dxf) => dxf::read_figures(bytes, name, options),
+        Ok(Format::Dxf) => counted_first(bytes.len(), options, |options| {
+            dxf::read_figures(bytes, name, options)
+        }),
         Ok(other) => {
             let found = format!("a model in {}", other.name());
             Err(ReadError::whole(name, found, EXPECTED))

@@ -24,6 +24,8 @@
 pub mod brdf;
 mod camera;
 mod containment;
+pub mod content;
+mod enclosure;
 pub mod figure;
 pub mod fresnel;
 mod image;

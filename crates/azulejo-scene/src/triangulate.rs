@@ -1,7 +1,8 @@
 //! Triangulation of faces, the same for tracer, patches and renderer.
 
-use crate::Mesh;
 use crate::math::{Frame, area_vector};
+use crate::proxy::FlatFigure;
+use crate::{Contour, Curve, Figure, FillRule, Mesh};
 use earcut::Earcut;
 use glam::{DVec2, DVec3};
 
@@ -12,6 +13,9 @@ type FaceTriangle = [u32; 3];
 /// case: seconds for this many, and an hour for a million.
 pub const MOST_FACE_CORNERS: usize = 1 << 16;
 
+/// Most corners of a polygon that touches itself: finding them again takes quadratic time.
+const MOST_TOUCHING: usize = 1 << 12;
+
 /// Up to this many corners every apex of a fan is tried; the trials are quadratic.
 const BEST_FAN_CORNERS: usize = 32;
 
@@ -21,8 +25,13 @@ impl Mesh {
     /// A convex quadrilateral is split along its shorter diagonal (the one from corner 0 when
     /// both are equal to 1e-9), any other convex polygon becomes a fan, a concave one loses its
     /// ears (Meisters 1975) in the plane of its area vector. Corners on a straight line are kept,
-    /// so neighbours that share them leave no crack. Always n − 2 triangles; for degenerate and
-    /// self-crossing polygons they are a fan from corner 0.
+    /// so neighbours that share them leave no crack. Always n − 2 triangles.
+    ///
+    /// Weakly simple polygons, which touch themselves at corners or run along their own edges, as
+    /// bridges to holes do, are filled where a line from outside crosses them an odd number of times;
+    /// their triangles do not overlap, and some may have no area. No triangles of its corners fill a
+    /// polygon that crosses itself between corners: it gets what ear clipping leaves, or a fan from
+    /// corner 0, as degenerate polygons do.
     ///
     /// # Panics
     /// If `face` or its vertices are out of range.
@@ -80,9 +89,63 @@ fn general(polygon: &[DVec3]) -> Vec<FaceTriangle> {
         .iter()
         .map(|&p| frame.to_local(p - polygon[0]).truncate())
         .collect();
-    convex_fan(&flat)
-        .or_else(|| ears(&flat))
-        .unwrap_or_else(|| fan(n, 0))
+    if let Some(triangles) = convex_fan(&flat) {
+        return triangles;
+    }
+    let clipped = ears(&flat);
+    let is_whole = clipped.as_ref().is_some_and(|t| is_partition(&flat, t));
+    let repaired = if is_whole { None } else { touching(&flat) };
+    repaired.or(clipped).unwrap_or_else(|| fan(n, 0))
+}
+
+/// Whether triangles, all of one orientation, have the area of the polygon together.
+fn is_partition(flat: &[DVec2], triangles: &[FaceTriangle]) -> bool {
+    let whole: f64 = fan(flat.len() as u32, 0)
+        .iter()
+        .map(|&t| signed_area(flat, t))
+        .sum();
+    let sum: f64 = triangles.iter().map(|&t| signed_area(flat, t).abs()).sum();
+    (sum - whole.abs()).abs() <= 1e-9 * whole.abs()
+}
+
+/// Triangles of a polygon that touches itself; `None` if it crosses itself between corners.
+///
+/// What ear clipping cuts off is decided by corners alone, which fails where several are at one
+/// place. So the inside is taken from a triangulation of the plane around the polygon's edges, and
+/// each of its corners is replaced by one of the polygon's at the same place.
+fn touching(flat: &[DVec2]) -> Option<Vec<FaceTriangle>> {
+    let n = flat.len();
+    if n > MOST_TOUCHING {
+        return None;
+    }
+    let lines = flat.iter().map(|&start| Curve::Line { start });
+    let figure = Figure {
+        contours: vec![Contour {
+            curves: lines.collect(),
+        }],
+        rule: FillRule::EvenOdd,
+    };
+    let size = figure.bounds().size().max_element();
+    let inside = FlatFigure::new(&figure, size);
+    let corner_at = |p: DVec2| {
+        let distance = |k: &usize| flat[*k].distance_squared(p);
+        let nearest = (0..n).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        (distance(&nearest) <= (1e-9 * size).powi(2)).then_some(nearest as u32)
+    };
+    let corners: Vec<u32> = inside
+        .points
+        .iter()
+        .map(|&p| corner_at(p))
+        .collect::<Option<_>>()?;
+    let whole = inside.tiles.iter().flat_map(|tile| &tile.triangles);
+    let mut triangles: Vec<FaceTriangle> = whole.map(|t| t.map(|k| corners[k as usize])).collect();
+    if triangles.len() > n - 2 || !is_partition(flat, &triangles) {
+        return None;
+    }
+    // Corners at one place make up for those that are missing, with triangles without area.
+    let last = triangles.last().copied()?;
+    triangles.resize(n - 2, [last[0], last[0], last[1]]);
+    Some(triangles)
 }
 
 /// All triangles from one corner.
@@ -236,6 +299,7 @@ impl OutlineSides {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     fn mesh(points: &[(f64, f64)]) -> Mesh {
         // A tilted, far plane: the polygon's own plane must be found.
@@ -347,6 +411,97 @@ mod tests {
             })
             .collect();
         check(&star);
+    }
+
+    /// n − 2 triangles that are not turned over, with the polygon's area together.
+    fn check_area(points: &[(f64, f64)]) {
+        let mesh = mesh(points);
+        let whole = mesh.face_area_vector(0);
+        let areas: Vec<f64> = mesh
+            .triangulate(0)
+            .iter()
+            .map(|t| area_vector(&t.map(|k| mesh.positions[k as usize])).dot(whole.normalize()))
+            .collect();
+        assert_eq!(areas.len(), points.len() - 2);
+        assert!(areas.iter().all(|&a| a > -1e-9), "{points:?}: {areas:?}");
+        let sum: f64 = areas.iter().sum();
+        let error = (sum / whole.length() - 1.0).abs();
+        assert!(error < 1e-6, "{points:?}: {sum} of {}", whole.length());
+    }
+
+    #[test]
+    fn polygons_that_touch_themselves_fill_no_area_twice() {
+        // Two triangles at one corner, both counter-clockwise, from every start.
+        let mut bow = [
+            (0., 0.),
+            (2., -1.),
+            (2., 1.),
+            (0., 0.),
+            (-2., 1.),
+            (-2., -1.),
+        ];
+        for _ in 0..bow.len() {
+            bow.rotate_left(1);
+            check_area(&bow);
+        }
+        // A square with a bridge to a square hole, and one with two holes at one corner.
+        let outside = [(0., 0.), (9., 0.), (9., 9.), (0., 9.), (0., 0.)];
+        let hole = |x: f64, y: f64| [(x, y), (x, y + 2.), (x + 2., y + 2.), (x + 2., y), (x, y)];
+        let mut one = [&outside[..], &hole(1., 1.)].concat();
+        let mut two = [&outside[..], &hole(1., 1.), &[(0., 0.)], &hole(4., 1.)].concat();
+        for _ in 0..20 {
+            one.rotate_left(1);
+            two.rotate_left(1);
+            check_area(&one);
+            check_area(&two);
+        }
+        // There and back along one edge, outside and inside.
+        check_area(&[
+            (0., 0.),
+            (4., 0.),
+            (4., 2.),
+            (6., 2.),
+            (4., 2.),
+            (4., 4.),
+            (0., 4.),
+        ]);
+        check_area(&[
+            (0., 0.),
+            (4., 0.),
+            (4., 2.),
+            (2., 2.),
+            (4., 2.),
+            (4., 4.),
+            (0., 4.),
+        ]);
+    }
+
+    proptest! {
+        /// Stars around a common corner, with bridges to holes in their arms, turned and scaled.
+        #[test]
+        fn weakly_simple_polygons_have_their_area(
+            arms in proptest::collection::vec((0.5..3.0, 0.05..0.9, any::<bool>()), 1..6),
+            start in 0usize..40,
+            angle in 0.0..std::f64::consts::TAU,
+        ) {
+            let count = arms.len() as f64;
+            let mut points = Vec::new();
+            for (k, arm) in arms.into_iter().enumerate() {
+                let (length, width, has_hole): (f64, f64, bool) = arm;
+                let middle = angle + k as f64 / count * std::f64::consts::TAU;
+                let half = 0.5 * width * (std::f64::consts::TAU / count).min(2.0);
+                let at = |r: f64, a: f64| ((middle + a).cos() * r, (middle + a).sin() * r);
+                points.extend([(0.0, 0.0), at(length, -half), at(length, half)]);
+                if has_hole {
+                    let (near, far) = (0.4 * length, 0.6 * length);
+                    let hole = [at(near, 0.0), at(far, 0.3 * half), at(far, -0.3 * half)];
+                    points.extend([(0.0, 0.0), hole[0], hole[1], hole[2], hole[0]]);
+                }
+            }
+            let start = start % points.len();
+            points.rotate_left(start);
+            check_area(&points);
+        }
     }
 
     #[test]

@@ -2,7 +2,8 @@
 //!
 //! An [`Output`] is checked before the work begins and written after it: to a draft next to the
 //! target, which is then renamed over the target. If anything fails, an existing file is left
-//! unchanged and no partial file remains.
+//! unchanged and no partial file remains. The drafts of a process that was killed are removed by the
+//! next one that writes to their folder.
 //!
 //! ```
 //! use azulejo::{output::Output, trace::Progress};
@@ -15,6 +16,8 @@
 //! std::fs::remove_file(path)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+
+mod leftovers;
 
 use crate::files::Refused;
 use azulejo_trace::{Cancelled, Progress};
@@ -53,6 +56,8 @@ pub struct Draft {
     writer: Option<BufWriter<DraftSink>>,
     /// The draft and its target, for a regular file.
     rename: Option<(PathBuf, PathBuf)>,
+    /// The finished draft, which stays locked until it is in place.
+    finished: Option<File>,
 }
 
 #[derive(Debug)]
@@ -136,6 +141,11 @@ impl Output {
         &self.path
     }
 
+    /// An error of writing this file.
+    pub fn error(&self, error: io::Error) -> OutputError {
+        failed(&self.path, error)
+    }
+
     /// Starts writing; [`commit`] completes it.
     ///
     /// # Errors
@@ -157,6 +167,7 @@ impl Output {
             output: self.path.clone(),
             writer: Some(BufWriter::with_capacity(1 << 16, sink)),
             rename,
+            finished: None,
         })
     }
 
@@ -192,17 +203,22 @@ fn target_of(path: &Path) -> io::Result<OutputTarget> {
     }
 }
 
-/// Creates a file with a unique name in the target's folder.
+/// Creates a file with a unique name in the target's folder, locked as long as it is open, so that
+/// other processes know that somebody still writes it.
 fn create_beside(target: &Path) -> io::Result<(File, PathBuf)> {
     static NUMBER: AtomicU32 = AtomicU32::new(0);
     let number = NUMBER.fetch_add(1, Ordering::Relaxed);
-    let name = format!(".azulejo-{}-{number}.tmp", std::process::id());
-    let draft = target.with_file_name(name);
+    let draft = target.with_file_name(leftovers::draft_name(number));
     let mut drafts = lock_drafts();
+    leftovers::remove(target);
+    // One of a killed process that had the same number, which is nobody else's any more.
+    let _ = fs::remove_file(&draft);
     let file = OpenOptions::new()
         .write(true)
         .create_new(true)
         .open(&draft)?;
+    // Some file systems have no locks.
+    let _ = file.try_lock();
     drafts.push(draft.clone());
     Ok((file, draft))
 }
@@ -234,6 +250,7 @@ pub fn commit(mut drafts: Vec<Draft>, progress: &Progress) -> Result<(), OutputE
             continue;
         };
         let renamed = fs::rename(&from, &to);
+        draft.finished = None;
         open.retain(|d| *d != from);
         if let Err(e) = renamed {
             let _ = fs::remove_file(&from);
@@ -276,7 +293,9 @@ impl Draft {
                 if let Ok(old) = fs::metadata(target) {
                     file.set_permissions(old.permissions())?;
                 }
-                file.sync_all()
+                file.sync_all()?;
+                self.finished = Some(file);
+                Ok(())
             }
         }
     }
@@ -385,6 +404,44 @@ mod tests {
                 "{bad:?}"
             );
         }
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    /// Drafts of processes that are gone, of one that lives, of this one, and files of other names.
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn drafts_of_killed_processes_are_removed() {
+        let folder = folder("leftovers");
+        let mut gone = std::process::Command::new("true").spawn().unwrap();
+        gone.wait().unwrap();
+        let (gone, init) = (gone.id(), 1);
+        let kept = [
+            format!(".azulejo-{init}-0.tmp"),
+            format!(".azulejo-{gone}-3.txt"),
+            format!(".azulejo-{gone}-.tmp"),
+            format!(".azulejo-{gone}-2.tmp"),
+            "a.tmp".to_owned(),
+        ];
+        for name in &kept {
+            fs::write(folder.join(name), "").unwrap();
+        }
+        let locked = File::open(folder.join(&kept[3])).unwrap();
+        locked.lock().unwrap();
+        fs::write(folder.join(format!(".azulejo-{gone}-0.tmp")), "").unwrap();
+        fs::write(folder.join(format!(".azulejo-{gone}-17.tmp")), "").unwrap();
+        let own = Output::check(&folder.join("b.grf")).unwrap();
+        let draft = own.draft().unwrap();
+        let output = Output::check(&folder.join("a.grf")).unwrap();
+        output
+            .write(&Progress::new(), |w| w.write_all(b"whole"))
+            .unwrap();
+        commit(vec![draft], &Progress::new()).unwrap();
+        let mut expected = kept.to_vec();
+        expected.extend(["a.grf".to_owned(), "b.grf".to_owned()]);
+        let mut found = names(&folder);
+        expected.sort();
+        found.sort();
+        assert_eq!(found, expected);
         fs::remove_dir_all(folder).unwrap();
     }
 

@@ -3,16 +3,19 @@
 use super::suite::{
     EmbreeTable, EngineTable, OneOrMany, ReferenceTable, SceneTable, Suite, SuiteSource,
 };
+use crate::content_key::{self, ContentHasher, ContentKey};
 use crate::engine::{EngineArgs, EngineName, GpuName};
 use crate::failure::Failure;
 use crate::values;
 use azulejo::models;
 use azulejo_factors::PatchSize;
 use azulejo_factors::form_factors::Closure;
+use azulejo_formats::{Folder, ReadOptions};
+use azulejo_scene::Scene;
 use clap::ValueEnum;
 use std::fmt;
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use toml::Spanned;
 
 /// The tasks of a suite, in order: for each scene its reference and its runs, repetition by
@@ -59,8 +62,8 @@ pub struct SceneChoice {
 /// The origin of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Origin {
-    /// A model file, and the checksum of its bytes.
-    File(PathBuf, u32),
+    /// A model file, and the key of its scene, with all that other files add to it.
+    File(PathBuf, ContentKey),
     /// The unit cube, seen from inside.
     Cube,
     /// A room with a table and two boxes; approximate number of facets.
@@ -347,10 +350,24 @@ fn choices(table: &SceneTable, source: &SuiteSource) -> Result<Vec<SceneChoice>,
 
 /// A model file, relative to the suite.
 fn model(file: &Spanned<String>, source: &SuiteSource) -> Result<Origin, Failure> {
-    let folder = source.path.parent().unwrap_or(std::path::Path::new(""));
+    let folder = source.path.parent().unwrap_or(Path::new(""));
     let path = folder.join(file.get_ref());
     let bytes = models::read_bytes(&path).map_err(|e| source.wrong(file.span().start, e))?;
-    Ok(Origin::File(path, crc32fast::hash(&bytes)))
+    let mut hasher = ContentHasher::new();
+    let key = match model_scene(&path) {
+        Ok(scene) => hasher.add(&scene).key(),
+        // The failure of its tasks, not of the suite.
+        Err(_) => hasher.add(&*bytes).key(),
+    };
+    Ok(Origin::File(path, key))
+}
+
+/// The scene of a model file.
+pub fn model_scene(path: &Path) -> Result<Scene, Failure> {
+    let (bytes, name) = (models::read_bytes(path)?, path.to_string_lossy());
+    let (folder, options) = (Folder::of_model(path), ReadOptions::default());
+    let read = azulejo_formats::read_with(&bytes, &name, &folder, &options);
+    Ok(read.map_err(Failure::failed)?.scene)
 }
 
 fn settings(table: &EngineTable, source: &SuiteSource) -> Result<Vec<EngineSetting>, Failure> {
@@ -525,7 +542,7 @@ impl SceneChoice {
             .patches
             .map_or(String::new(), |n| format!(" in {n} patches"));
         let origin = match &self.origin {
-            Origin::File(path, sum) => format!("{} ({sum:08x})", path.display()),
+            Origin::File(path, key) => format!("{} ({})", path.display(), content_key::shown(key)),
             Origin::Cube => "cube".to_owned(),
             Origin::RoomWithTable(facets) => format!("room_with_table of {facets}"),
             Origin::CornellThesis(mirrors, detail) => {

@@ -1,17 +1,16 @@
 //! One task, in its child process.
 
 use super::metrics::{self, PatchSurfaces};
-use super::plan::{EngineSetting, Origin, SceneChoice, Task};
+use super::plan::{EngineSetting, Origin, SceneChoice, Task, model_scene};
 use super::record::{RunRecord, TaskOutcome, TaskRecord, TruthRecord};
 use super::reference::{ReferenceData, spread};
 use crate::clock::{Clock, peak_memory};
+use crate::content_key::{self, ContentHasher};
 use crate::engine::PreparedEngine;
 use crate::failure::Failure;
 use crate::pass;
-use azulejo::models;
 use azulejo_factors::truth::{Case, cases};
 use azulejo_factors::{FormFactorOptions, FormFactors, PatchSize, Patches, faceted};
-use azulejo_formats::{Folder, ReadOptions};
 use azulejo_radiosity::{FirstPass, radiosity};
 use azulejo_scene::{Rgb, Scene, synthetic};
 use azulejo_trace::Progress;
@@ -76,10 +75,10 @@ pub fn run(
 /// A seed that no run has by accident: runs must not share the noise of the reference.
 const REFERENCE_SEED: u64 = 0x7265_6665_7265_6e63;
 
-/// Name of a reference's files: a checksum of its key, which is not a valid file name.
+/// Name of a reference's files: a hash of its key, which is not a valid file name.
 fn file_name(task: &Task) -> String {
-    let sum = crc32fast::hash(task.key().as_bytes());
-    format!("reference-{sum:08x}")
+    let key = ContentHasher::new().add(&*task.key()).key();
+    format!("reference-{}", content_key::shown(&key))
 }
 
 /// Form factors, with the time and memory they took.
@@ -272,12 +271,7 @@ fn scene(origin: &Origin) -> Result<Scene, Failure> {
         &Origin::RoomWithTable(facets) => synthetic::room_with_table(facets),
         &Origin::CornellThesis(mirrors, detail) => synthetic::cornell_thesis_at(mirrors, detail),
         &Origin::Street(detail) => synthetic::street_with_detail(detail),
-        Origin::File(path, _) => {
-            let (bytes, name) = (models::read_bytes(path)?, path.to_string_lossy());
-            let (folder, options) = (Folder::of_model(path), ReadOptions::default());
-            let read = azulejo_formats::read_with(&bytes, &name, &folder, &options);
-            read.map_err(Failure::failed)?.scene
-        }
+        Origin::File(path, _) => model_scene(path)?,
     })
 }
 

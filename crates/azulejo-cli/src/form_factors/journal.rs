@@ -5,6 +5,7 @@
 //! its length and checksums of header and content, and are only appended: however the process ends,
 //! earlier records are complete, and an incomplete record at the end is detected and truncated.
 
+use crate::content_key::ContentKey;
 use crate::failure::Failure;
 use azulejo_factors::form_factors::{Journal, JournalStage};
 use std::collections::HashMap;
@@ -13,10 +14,13 @@ use std::io::{self, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-const MAGIC: [u8; 24] = *b"azulejo form factors 1\r\n";
+const MAGIC: [u8; 24] = *b"azulejo form factors 2\r\n";
+
+/// What the magic of every version begins with.
+const MARK: &[u8] = b"azulejo form factors ";
 
 /// Magic, key and checksum.
-const HEADER: u64 = 24 + 8 + 4;
+const HEADER: u64 = 24 + 32 + 4;
 
 /// Stage, block, length, checksum of the content, checksum of the fields before.
 const HEAD: usize = 4 + 8 + 8 + 4 + 4;
@@ -24,7 +28,7 @@ const HEAD: usize = 4 + 8 + 8 + 4 + 4;
 /// A journal in a file.
 pub struct FileJournal {
     path: PathBuf,
-    key: u64,
+    key: ContentKey,
     state: Mutex<JournalState>,
 }
 
@@ -50,7 +54,7 @@ struct StoredBlock {
 impl FileJournal {
     /// Opens the journal at `path`, or prepares to create it. A journal of other work, or a damaged
     /// one, is restarted, with a message in [`take_messages`](FileJournal::take_messages).
-    pub fn open(path: PathBuf, key: u64) -> Result<FileJournal, Failure> {
+    pub fn open(path: PathBuf, key: ContentKey) -> Result<FileJournal, Failure> {
         let mut state = JournalState::default();
         match OpenOptions::new().read(true).write(true).open(&path) {
             Err(e) if e.kind() == ErrorKind::NotFound => {}
@@ -126,11 +130,11 @@ impl Journal for FileJournal {
 
 impl JournalState {
     /// Reads the record headers of an existing journal.
-    fn resume(&mut self, mut file: File, key: u64, path: &Path) -> Result<(), Failure> {
+    fn resume(&mut self, mut file: File, key: ContentKey, path: &Path) -> Result<(), Failure> {
         let failed = |e| Failure::file("read", path, &e);
         let mut header = [0; HEADER as usize];
         let read = read_up_to(&mut file, &mut header).map_err(failed)?;
-        let is_ours = header.starts_with(&MAGIC[..MAGIC.len().min(read)]);
+        let is_ours = header.starts_with(&MARK[..MARK.len().min(read)]);
         if !is_ours || (read == 0 && file.metadata().map_err(failed)?.len() > 0) {
             return Err(Failure::failed(format_args!(
                 "{} exists and is not a journal: move it away, or use --no-journal",
@@ -201,7 +205,7 @@ impl JournalState {
     fn append(
         &mut self,
         path: &Path,
-        key: u64,
+        key: ContentKey,
         stage: JournalStage,
         block: usize,
         bytes: &[u8],
@@ -245,12 +249,12 @@ fn lock(file: &File, path: &Path) -> Result<(), Failure> {
     }
 }
 
-fn header(key: u64) -> [u8; HEADER as usize] {
+fn header(key: ContentKey) -> [u8; HEADER as usize] {
     let mut header = [0; HEADER as usize];
     header[..24].copy_from_slice(&MAGIC);
-    header[24..32].copy_from_slice(&key.to_le_bytes());
-    let checksum = crc32fast::hash(&header[..32]);
-    header[32..].copy_from_slice(&checksum.to_le_bytes());
+    header[24..56].copy_from_slice(&key);
+    let checksum = crc32fast::hash(&header[..56]);
+    header[56..].copy_from_slice(&checksum.to_le_bytes());
     header
 }
 
@@ -331,8 +335,8 @@ mod tests {
             self.0.join("f.npz.journal")
         }
 
-        fn open(&self, key: u64) -> FileJournal {
-            FileJournal::open(self.journal(), key).unwrap_or_else(|e| panic!("{e}"))
+        fn open(&self, key: u8) -> FileJournal {
+            FileJournal::open(self.journal(), [key; 32]).unwrap_or_else(|e| panic!("{e}"))
         }
 
         /// A journal of three blocks, and its bytes.
@@ -344,7 +348,7 @@ mod tests {
         }
 
         /// What is there of the three blocks, and what is said, after the file became `bytes`.
-        fn after(&self, bytes: &[u8], key: u64) -> (Vec<usize>, String) {
+        fn after(&self, bytes: &[u8], key: u8) -> (Vec<usize>, String) {
             fs::write(self.journal(), bytes).unwrap();
             let journal = self.open(key);
             let has = |k: &usize| journal.load(JournalStage::Rows, *k).is_some();
@@ -409,7 +413,7 @@ mod tests {
             let mut bytes = whole.clone();
             bytes[at] ^= 0x10;
             fs::write(folder.journal(), &bytes).unwrap();
-            match FileJournal::open(folder.journal(), 7) {
+            match FileJournal::open(folder.journal(), [7; 32]) {
                 Err(e) => assert!(
                     at < 24 && e.to_string().contains("is not a journal"),
                     "{at}: {e}"
@@ -431,17 +435,25 @@ mod tests {
         let whole = folder.filled();
         let (there, said) = folder.after(&whole, 8);
         assert!(there.is_empty() && said.contains("restarted"), "{said}");
-        assert_eq!(fs::read(folder.journal()).unwrap(), header(8));
+        assert_eq!(fs::read(folder.journal()).unwrap(), header([8; 32]));
         // An incomplete header is no record of other work.
         assert!(folder.after(&whole[..10], 7).0.is_empty());
         assert!(folder.after(&[], 7).0.is_empty());
+        // A journal of another version is no diary.
+        let mut old = whole.clone();
+        old[21] = b'1';
+        let (there, said) = folder.after(&old, 7);
+        assert!(
+            there.is_empty() && said.contains("another version"),
+            "{said}"
+        );
     }
 
     #[test]
     fn other_files_are_not_touched() {
         let folder = Folder::new("alien");
         fs::write(folder.journal(), "my diary").unwrap();
-        let said = FileJournal::open(folder.journal(), 7)
+        let said = FileJournal::open(folder.journal(), [7; 32])
             .err()
             .unwrap()
             .to_string();
@@ -454,7 +466,7 @@ mod tests {
         let folder = Folder::new("two");
         folder.filled();
         let first = folder.open(7);
-        let said = FileJournal::open(folder.journal(), 7)
+        let said = FileJournal::open(folder.journal(), [7; 32])
             .err()
             .unwrap()
             .to_string();

@@ -8,6 +8,7 @@ mod summary;
 mod table;
 mod view3d;
 
+use super::content_key::{ContentHasher, ContentKey};
 use super::engine::{EngineName, PreparedEngine};
 use super::failure::Failure;
 use super::report::{Report, bytes, count};
@@ -17,7 +18,7 @@ use args::{FormFactorArgs, FormatName, FormulasName};
 use azulejo::output::Output;
 use azulejo_factors::form_factors::{Forecast, Journal, NoJournal, Plan, PreparedPlan};
 use azulejo_factors::{
-    Engine, FactorsError, FormFactorOptions, FormFactors, Hemicube, HemicubeBackend,
+    Engine, FactorsError, FormFactorOptions, FormFactors, Hemicube, HemicubeBackend, PatchSize,
 };
 use azulejo_formats::Format;
 use azulejo_formats::view3d::MatrixLayout;
@@ -25,8 +26,6 @@ use azulejo_scene::Scene;
 use azulejo_trace::Tracer;
 use journal::FileJournal;
 use std::borrow::Cow;
-use std::fmt::{self, Write};
-use std::hash::{DefaultHasher, Hasher};
 use std::path::PathBuf;
 
 /// A matrix to be written.
@@ -236,7 +235,7 @@ fn open_journal(
 }
 
 /// A hash of everything that the rows depend on.
-fn key(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> u64 {
+fn key(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> ContentKey {
     let FormFactorOptions {
         engine,
         size,
@@ -250,45 +249,56 @@ fn key(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> u64 {
         closure: _,
         memory: _,
     } = options;
-    let mut words = TextHasher(DefaultHasher::new());
-    let (version, kernel) = (env!("CARGO_PKG_VERSION"), tracer.kernel_name());
-    // Hashing does not fail.
-    let _ = write!(words, "{version} {kernel} {} {size:?} ", described(engine));
-    let _ = write!(
-        words,
-        "{rays} {two_sided} {seed} {analytic} {separate} {accuracy:?} {scene:?}"
-    );
-    words.0.finish()
+    let mut hasher = ContentHasher::new();
+    hasher
+        .add(env!("CARGO_PKG_VERSION"))
+        .add(&tracer.kernel_name());
+    add_engine(engine, &mut hasher);
+    match *size {
+        PatchSize::Count(patches) => hasher.add(&0u8).add(&patches),
+        PatchSize::Squares(patches) => hasher.add(&1u8).add(&patches),
+        PatchSize::Edge(length) => hasher.add(&2u8).add(&length),
+    };
+    hasher
+        .add(rays)
+        .add(two_sided)
+        .add(seed)
+        .add(analytic)
+        .add(separate)
+        .add(accuracy)
+        .add(scene)
+        .key()
 }
 
-/// An engine as text that is the same in every run.
-fn described(engine: &Engine) -> String {
-    let hemicubes = |kind: &str, hemicube: &Hemicube| {
-        let device = match &hemicube.device {
+/// An engine with all its settings.
+fn add_engine(engine: &Engine, hasher: &mut ContentHasher) {
+    let mut hemicubes = |kind: &str, hemicube: &Hemicube| {
+        let Hemicube {
+            resolution,
+            points,
+            device,
+        } = hemicube;
+        let device = match device {
             HemicubeBackend::Processor => "processor".to_owned(),
             HemicubeBackend::Device(device) => device.name(),
         };
-        let Hemicube {
-            resolution, points, ..
-        } = hemicube;
-        format!("{kind} {resolution} {points} {device}")
+        hasher.add(kind).add(resolution).add(points).add(&device);
     };
     match engine {
         Engine::Hemicube(hemicube) => hemicubes("hemicube", hemicube),
         Engine::Hybrid(hemicube) => hemicubes("hybrid", hemicube),
-        Engine::Auto | Engine::Rays | Engine::Analytic | Engine::Particles => {
-            format!("{engine:?}")
+        Engine::Auto => {
+            hasher.add("auto");
         }
-    }
-}
-
-/// Hashes the text written to it.
-struct TextHasher(DefaultHasher);
-
-impl Write for TextHasher {
-    fn write_str(&mut self, text: &str) -> fmt::Result {
-        self.0.write(text.as_bytes());
-        Ok(())
+        Engine::Rays => {
+            hasher.add("rays");
+        }
+        Engine::Analytic => {
+            hasher.add("analytic");
+        }
+        Engine::Particles => {
+            hasher.add("particles");
+        }
     }
 }
 
@@ -358,5 +368,79 @@ mod tests {
             row_errors: vec![0.1, 0.2],
             ..FormFactors::default()
         }
+    }
+}
+
+#[cfg(test)]
+mod key_tests {
+    use super::*;
+    use azulejo_scene::brdf::{Brdf, Content, Description, Measured, Merl};
+    use azulejo_scene::synthetic::cube_room;
+    use std::sync::Arc;
+
+    /// A room whose walls reflect by a measured table.
+    fn room(value: f32) -> Scene {
+        let mut scene = cube_room();
+        let table = Merl::new([2, 2, 2], vec![[0.1, 0.1, value]; 8]).unwrap();
+        let content = Content::Measured(Arc::new(Measured::Merl(table)));
+        let file = Description::File {
+            path: "wall.binary".into(),
+            content: Some(Arc::new(content)),
+        };
+        scene.materials[0].brdf = Some(Arc::new(Brdf::new(file).unwrap()));
+        scene
+    }
+
+    #[test]
+    fn rows_of_another_table_or_of_other_options_are_not_continued() {
+        let options = FormFactorOptions::default();
+        let key_of =
+            |scene: &Scene, options: &FormFactorOptions| key(scene, &Tracer::new(scene), options);
+        let first = key_of(&room(0.1), &options);
+        assert_eq!(key_of(&room(0.1), &options), first);
+        assert_ne!(key_of(&room(0.125), &options), first);
+        let default = FormFactorOptions::default;
+        let others = [
+            FormFactorOptions {
+                rays: 7,
+                ..default()
+            },
+            FormFactorOptions {
+                seed: 7,
+                ..default()
+            },
+            FormFactorOptions {
+                accuracy: Some(0.1),
+                ..default()
+            },
+            FormFactorOptions {
+                engine: Engine::Rays,
+                ..default()
+            },
+            FormFactorOptions {
+                engine: Engine::Hybrid(Hemicube::default()),
+                ..default()
+            },
+            FormFactorOptions {
+                size: PatchSize::Count(9),
+                ..default()
+            },
+            FormFactorOptions {
+                size: PatchSize::Squares(9),
+                ..default()
+            },
+            FormFactorOptions {
+                size: PatchSize::Edge(9.0),
+                ..default()
+            },
+        ];
+        for (k, other) in others.iter().enumerate() {
+            assert_ne!(key_of(&room(0.1), other), first, "{k}");
+        }
+        let later = FormFactorOptions {
+            memory: 1,
+            ..default()
+        };
+        assert_eq!(key_of(&room(0.1), &later), first);
     }
 }

@@ -348,3 +348,82 @@ fn limited_bounces_are_no_imbalance() {
         assert!(words.contains("reflected once more"), "{words}");
     }
 }
+
+/// Output that is lost is a failure, whatever it is; one that nobody reads is none.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_is_a_failure() {
+    let folder = Folder::with_room();
+    if !std::path::Path::new("/dev/full").exists() {
+        return;
+    }
+    for line in [
+        "--version",
+        "--help",
+        "help solve",
+        "completions bash",
+        "info room.obj",
+        "info room.obj --json",
+    ] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full");
+        let run = folder.command(line).stdout(full.unwrap()).output();
+        let run = crate::support::Run::of(run.unwrap());
+        assert_eq!(run.code, Some(1), "{line}: {}", run.err);
+        assert!(run.err.contains("No space left"), "{line}: {}", run.err);
+    }
+}
+
+/// A cube as other programs write it, and the same turned inside out; a room is no mistake.
+#[test]
+fn closed_meshes_that_are_inverted_are_named() {
+    let folder = Folder::with_room();
+    let points = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n";
+    let outward = "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+    let inward = "f 1 2 3 4\nf 8 7 6 5\nf 5 6 2 1\nf 6 7 3 2\nf 7 8 4 3\nf 8 5 1 4\n";
+    let inverted = |name: &str, faces: &str| {
+        folder.write(name, format!("o cube\n{points}{faces}"));
+        folder.json(&format!("info {name}"))["inverted"].clone()
+    };
+    assert_eq!(inverted("good.obj", outward), json!([]));
+    assert_eq!(inverted("bad.obj", inward), json!(["cube"]));
+    let open = inward.replace("f 1 2 3 4\n", "");
+    assert_eq!(inverted("open.obj", &open), json!([]));
+    assert_eq!(folder.json("info room.obj")["inverted"], json!([]));
+    let said = folder.ok("info bad.obj").out;
+    assert!(said.contains("turned inside out"), "{said}");
+}
+
+/// Light that no number holds is an error, and nothing is written.
+#[test]
+fn results_that_are_not_finite_are_refused() {
+    let folder = Folder::with_room();
+    let materials = String::from_utf8(folder.read("room.mtl")).unwrap();
+    folder.write(
+        "room.mtl",
+        materials.replace("Ke 10 10 10", "Ke 1e300 1e300 1e300"),
+    );
+    folder.write("points.txt", "2 1 2 0 1 0\n");
+    let before = folder.names();
+    for output in ["a.grf", "a.glb", "a.ply"] {
+        let line = format!("solve room.obj -o {output} --patches 50 --rays 64");
+        folder.fails(&line, 1, "finite");
+    }
+    folder.fails("convert room.obj -o a.glb", 1, "32 bits");
+    assert_eq!(folder.names(), before);
+    folder.ok("convert room.obj -o a.grf");
+    folder.ok("info a.grf");
+}
+
+/// What a run that was killed left beside its output.
+#[cfg(target_os = "linux")]
+#[test]
+fn drafts_of_killed_runs_are_removed() {
+    let folder = Folder::with_room();
+    let mut gone = std::process::Command::new("true").spawn().unwrap();
+    gone.wait().unwrap();
+    folder.write(&format!(".azulejo-{}-0.tmp", gone.id()), "half");
+    folder.write(".azulejo-1-0.tmp", "of a process that lives");
+    folder.ok("convert room.obj -o a.grf");
+    let expected = [".azulejo-1-0.tmp", "a.grf", "room.mtl", "room.obj"];
+    assert_eq!(folder.names(), expected);
+}

@@ -14,7 +14,7 @@ use std::time::Duration;
 const LONG: &str = "form-factors room.obj --patches 700 --rays 4096 --two-sided";
 
 /// Bytes of a journal before its first record, and where that says how long it is.
-const JOURNAL_HEADER: usize = 36;
+const JOURNAL_HEADER: usize = 60;
 const RECORD_HEAD: usize = 28;
 const RECORD_LENGTH: usize = 12;
 

@@ -5,6 +5,8 @@ mod brdf;
 mod commands;
 mod engines;
 mod exact;
+#[cfg(target_os = "linux")]
+mod expansion;
 mod experiment;
 mod files;
 mod lettering;

@@ -270,29 +270,51 @@ pub(crate) fn in_words(problem: &BrdfError) -> (String, String) {
     }
 }
 
-/// A warning about a questionable model: its albedo exceeds 1 in some direction, or it is not
-/// reciprocal.
-pub(crate) fn doubts(brdf: &Brdf) -> Option<String> {
+/// Warnings about a questionable model: it is not reciprocal, its coefficients add up to more than 1,
+/// or its albedo exceeds 1 in some direction.
+pub(crate) fn doubts(brdf: &Brdf) -> Vec<String> {
     let models: Vec<&Model> = match brdf.description() {
         Description::Model(model) => vec![model],
         Description::Combination(parts) => parts.iter().map(|(_, model)| model).collect(),
         Description::File { .. } => Vec::new(),
     };
     let infos = || models.iter().filter_map(|m| find(&m.name).ok());
+    let mut doubts = Vec::new();
     if let Some(info) = infos().find(|i| !i.is_reciprocal) {
-        return Some(format!(
+        doubts.push(format!(
             "the brdf `{}` is not reciprocal; `lewis` has the same highlight and is reciprocal",
             info.name
         ));
     }
     if !models.is_empty() && infos().all(|i| i.is_energy_safe) {
-        return None;
+        return doubts;
     }
     let [angle, most] = steepest(brdf);
     // Sampling yields the albedo to about a thousandth.
-    (most > 1.0 + 2e-3).then(|| {
-        format!("a brdf has the albedo {most:.2} at {angle} degrees: scaled down where it would not conserve energy")
-    })
+    if most > 1.0 + 2e-3 {
+        doubts.push(format!(
+            "a brdf has the albedo {most:.2} at {angle} degrees: scaled down where it would not conserve energy"
+        ));
+    } else if let Some(sum) = models.iter().find_map(|m| excess(m)) {
+        // A narrow lobe of this model reflects little, whatever its coefficient says.
+        doubts.push(format!(
+            "a brdf `phong` with kd + ks of {sum}, which other programs may scale down: at most 1 is safe"
+        ));
+    }
+    doubts
+}
+
+/// The sum of the coefficients of `phong`, the one model that allows any, if it exceeds 1.
+fn excess(model: &Model) -> Option<f64> {
+    let is_phong = find(&model.name).is_ok_and(|info| info.name == "phong");
+    let value = |name: &str, default: f64| match model.value(name) {
+        Some(Value::Number(number)) => Rgb::grey(*number),
+        Some(Value::Color(color)) => *color,
+        Some(Value::Word(_)) | None => Rgb::grey(default),
+    };
+    let sum = (value("kd", 0.0) + value("ks", 1.0)).max_channel();
+    // Without the rounding of the sum.
+    (is_phong && sum > 1.0 + 1e-9).then(|| (sum * 1e6).round() / 1e6)
 }
 
 /// The greatest albedo at 0, 60 or 85 degrees, with its angle first.

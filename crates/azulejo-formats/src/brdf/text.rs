@@ -99,7 +99,7 @@ impl BrdfTextReader<'_> {
         };
         if !matches!(description, Description::File { .. }) {
             let brdf = inline::made(&description, &parts)?;
-            if let Some(doubt) = inline::doubts(&brdf) {
+            for doubt in inline::doubts(&brdf) {
                 self.warn(0, doubt);
             }
         }

@@ -52,6 +52,10 @@ pub fn read(
     let bytes = &*decoded(bytes);
     let mut warnings = Warnings::default();
     let mut project = Project::read(bytes, name, files, options, &mut warnings)?;
+    if !options.keeps {
+        // What blocks unfold to has been counted.
+        return Ok(Loaded::default());
+    }
     let metres_per_unit = project.drawings[0].metres_per_unit;
     let cameras = std::mem::take(&mut project.drawings[0].cameras);
     let mut scene = instantiate::instantiate(project, &mut warnings);

@@ -138,6 +138,9 @@ fn valid<T: Copy>(checked: &Checked<T>) -> Result<T, String> {
     }
 }
 
+/// Elements that an accessor without bytes may always have.
+const MOST_ZEROS: usize = 1 << 16;
+
 impl Data<'_> {
     fn accessor(&self, index: Index<Accessor>) -> Result<&Accessor, String> {
         let accessor = self.root.get(index);
@@ -146,8 +149,16 @@ impl Data<'_> {
 
     /// The number of elements of an accessor according to the JSON; they may not exist.
     pub fn count(&self, index: Index<Accessor>) -> Result<usize, String> {
-        let count = self.accessor(index)?.count.0;
-        usize::try_from(count).map_err(|_| format!("accessor {index} has {count} elements"))
+        let accessor = self.accessor(index)?;
+        let count = accessor.count.0;
+        // Zeros, or few values among zeros: in no bytes there may be a billion.
+        let most = (MOST_ZEROS + self.buffers.size()) as u64;
+        let fits = accessor.buffer_view.is_some() || count <= most;
+        let count = usize::try_from(count).ok().filter(|_| fits);
+        count.ok_or_else(|| {
+            let count = accessor.count.0;
+            format!("accessor {index} has {count} elements, of which the file has no bytes")
+        })
     }
 
     /// Number of components of each element of an accessor.

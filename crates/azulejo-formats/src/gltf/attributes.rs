@@ -37,6 +37,9 @@ impl GltfMeshBuilder<'_, '_> {
         if end >= u64::from(u32::MAX) {
             return Err(skipped("mesh of more than 4 billion vertices: skipped"));
         }
+        if !self.budget.keeps() {
+            return Ok((0, count as u32));
+        }
         let mut added = Vertices::new(vertices.irradiance);
         let read = self.data.read(positions, count, DVec3::from);
         added.positions = read.map_err(left_out)?;

@@ -173,6 +173,9 @@ impl<'a> GltfMeshBuilder<'_, 'a> {
             }
         };
         let corners = self.corners(primitive, count)?;
+        if !self.budget.keeps() {
+            return Ok(());
+        }
         let triangles = topology::triangles(mode, &corners);
         if triangles.left_over > 0 {
             self.warn("corners that do not form a complete triangle: left out");
@@ -187,10 +190,14 @@ impl<'a> GltfMeshBuilder<'_, 'a> {
     fn corners(&mut self, primitive: &Primitive, vertices: u32) -> Result<Vec<u32>, Fault> {
         let Some(index) = primitive.indices else {
             self.budget.spend(vertices.into())?;
-            return Ok((0..vertices).collect());
+            let kept = if self.budget.keeps() { vertices } else { 0 };
+            return Ok((0..kept).collect());
         };
         let count = self.data.count(index).map_err(left_out)?;
         self.budget.spend(count as u64)?;
+        if !self.budget.keeps() {
+            return Ok(Vec::new());
+        }
         Ok(self.data.indices(index, count).map_err(left_out)?)
     }
 }

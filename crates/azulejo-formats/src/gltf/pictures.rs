@@ -2,8 +2,9 @@
 
 use super::accessor::Data;
 use super::uri::{self, Uri};
+use crate::Files;
+use crate::picture::PixelBudget;
 use crate::surface::textures::Textures;
-use crate::{Files, picture};
 use azulejo_scene::{Image, Rgb, Texture, TextureId};
 use gltf_json::{Index, Root};
 use std::borrow::Cow;
@@ -24,6 +25,8 @@ pub(super) struct Pictures<'a> {
     /// Loaded textures by index of the image.
     known: HashMap<usize, TextureId>,
     means: HashMap<usize, Result<Rgb, String>>,
+    /// Pixels that may still be decoded for their mean alone.
+    passing: PixelBudget,
 }
 
 /// Where the bytes of a picture come from.
@@ -45,6 +48,7 @@ impl<'a> Pictures<'a> {
             left: MOST_DECODED * data.buffers.size(),
             known: HashMap::new(),
             means: HashMap::new(),
+            passing: PixelBudget::default(),
         }
     }
 
@@ -102,7 +106,7 @@ impl<'a> Pictures<'a> {
                 Cow::Owned(read.map_err(|e| e.to_string())?)
             }
         };
-        picture::decode(&bytes).map_err(|e| e.to_string())
+        self.passing.decode(&bytes)
     }
 
     fn image(&self, texture: Index<gltf_json::Texture>) -> Option<usize> {

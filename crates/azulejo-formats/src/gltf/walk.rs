@@ -7,7 +7,7 @@ use super::mesh::{GltfMeshBuilder, Pose};
 use super::messages::GltfMessages;
 use super::nodes::{MOST_LEVELS, Tree, children, is_usable, parent_from_node, placed};
 use super::skin::Joints;
-use crate::reading::options::{Budget, Exhausted};
+use crate::reading::options::Budget;
 use crate::reading::text::shortened;
 use crate::{ReadError, ReadOptions};
 use azulejo_scene::{Camera, Light, LightKind, Mesh, Object, Rgb, Scene, Shape};
@@ -23,6 +23,9 @@ const BYTES_PER_ELEMENT: usize = 100;
 
 /// Cost in elements of an object without vertices.
 const ELEMENTS_PER_OBJECT: u64 = 10;
+
+/// Cost in elements of the transform of an instance, whose parts are read before they are joined.
+const ELEMENTS_PER_MAP: u64 = 3;
 
 /// Cost in elements of visiting a node, for the time it takes: a few nodes can
 /// be visited millions of times.
@@ -201,6 +204,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
             weights: weights.unwrap_or_default(),
             joints: joints.as_ref(),
         };
+        let before = self.budget.left();
         let mut builder = GltfMeshBuilder {
             data: self.data,
             surfaces: &mut self.surfaces,
@@ -211,17 +215,21 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
             primitive: 0,
         };
         let built = builder.mesh(pose);
-        let Some(built) = built.map_err(|e| e.error(self.file))? else {
+        let built = built.map_err(|e| e.error(self.file))?;
+        let each = before - self.budget.left();
+        if !self.budget.keeps() {
+            self.instances(index, node, each)?;
+        }
+        let Some(built) = built else {
             return Ok(());
         };
         let name = self.name(node, json.name.as_deref(), placement);
-        match self.instances(index, node) {
+        match self.instances(index, node, each)? {
             None if joints.is_some() => self.object(name, built, &DAffine3::IDENTITY),
             None => self.object(name, built, &placement.world),
             Some(maps) => {
                 for map in maps {
                     let world = placement.world * map;
-                    self.spend((built.positions.len() + built.faces.corners.len()) as u64)?;
                     self.object(name.clone(), built.clone(), &world)?;
                 }
                 Ok(())
@@ -252,6 +260,9 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
             return Ok(());
         }
         self.spend(ELEMENTS_PER_OBJECT + (name.len() / BYTES_PER_ELEMENT) as u64)?;
+        if !self.budget.keeps() {
+            return Ok(());
+        }
         if *world != DAffine3::IDENTITY {
             mesh.transform(world);
         }
@@ -261,19 +272,42 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         Ok(())
     }
 
-    /// The transforms of a node's instances by `EXT_mesh_gpu_instancing`, if it has any.
-    fn instances(&mut self, index: usize, node: &Node) -> Option<Vec<DAffine3>> {
-        let extension = node
-            .extensions
-            .as_ref()?
-            .others
-            .get("EXT_mesh_gpu_instancing")?;
+    /// The transforms of a node's instances by `EXT_mesh_gpu_instancing`, if it has any; `each` is what
+    /// an instance expands to. If nothing is kept, the instances are counted, and there are none.
+    ///
+    /// # Errors
+    /// More instances than allowed, before any of them is read.
+    fn instances(
+        &mut self,
+        index: usize,
+        node: &Node,
+        each: u64,
+    ) -> Result<Option<Vec<DAffine3>>, ReadError> {
+        let extensions = node.extensions.as_ref();
+        let found = extensions.and_then(|e| e.others.get("EXT_mesh_gpu_instancing"));
+        let Some(extension) = found else {
+            return Ok(None);
+        };
         let attribute = |name: &str| {
             let index = extension.get("attributes")?.get(name)?.as_u64()?;
             u32::try_from(index).ok().map(Index::new)
         };
         let lists = ["TRANSLATION", "ROTATION", "SCALE"].map(attribute);
-        match self.instance_transforms(lists) {
+        let given = lists.iter().flatten().next().copied();
+        let count = given.ok_or_else(|| "no attributes".to_owned());
+        let transforms = match count.and_then(|given| self.data.count(given)) {
+            Err(fault) => Err(fault),
+            Ok(count) => {
+                let cost = each.saturating_add(ELEMENTS_PER_OBJECT + ELEMENTS_PER_MAP);
+                self.spend(cost.saturating_mul(count as u64))?;
+                let count = if self.budget.keeps() { count } else { 0 };
+                match count {
+                    0 => Ok(InstanceTransforms::default()),
+                    _ => self.instance_transforms(lists, count),
+                }
+            }
+        };
+        Ok(match transforms {
             Ok((translations, rotations, scales)) => Some(
                 (0..translations.len())
                     .map(|i| placed(translations[i], rotations[i], scales[i]))
@@ -284,18 +318,15 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
                 self.messages.of(&message, || format!("nodes[{index}]"));
                 None
             }
-        }
+        })
     }
 
     fn instance_transforms(
-        &mut self,
+        &self,
         lists: [Option<Index<Accessor>>; 3],
+        count: usize,
     ) -> Result<InstanceTransforms, String> {
         let data = self.data;
-        let given = lists.iter().flatten().next();
-        let count = data.count(*given.ok_or("no attributes")?)?;
-        let most = self.budget.spend(3 * count as u64);
-        most.map_err(|Exhausted { .. }| format!("too many ({count})"))?;
         let [translation, rotation, scale] = lists;
         let vectors = |list: Option<Index<Accessor>>, rest| match list {
             Some(list) => data.read(list, count, DVec3::from),

@@ -158,7 +158,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         }
         self.shared.models += 1;
         let made = inline::made(description, parts).map_err(|t| self.trouble(t))?;
-        if let Some(doubt) = inline::doubts(&made) {
+        for doubt in inline::doubts(&made) {
             self.warn(offset, doubt);
         }
         Ok(made)

@@ -32,6 +32,10 @@ impl GrfDocument {
             }
         }
         blocks(&mut out, &self.blocks)?;
+        if self.blocks.is_empty() && self.comments.is_empty() {
+            // The empty statement: a file without a byte would rather be one that was not written.
+            writeln!(out, ";")?;
+        }
         out.flush()
     }
 }

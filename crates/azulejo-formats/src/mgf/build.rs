@@ -31,6 +31,8 @@ pub(super) struct MgfBuilder {
     pub gloss: Gloss,
     path: String,
     groups: Vec<MgfObject>,
+    /// Whether objects and lights are kept.
+    keeps: bool,
 }
 
 /// An open group.
@@ -44,7 +46,7 @@ struct MgfObject {
 
 impl MgfBuilder {
     /// An empty scene and its outermost group.
-    pub fn new() -> MgfBuilder {
+    pub fn new(keeps: bool) -> MgfBuilder {
         MgfBuilder {
             scene: Scene {
                 units: Units {
@@ -58,7 +60,13 @@ impl MgfBuilder {
             gloss: Gloss::default(),
             path: String::new(),
             groups: vec![MgfObject::default()],
+            keeps,
         }
+    }
+
+    /// Whether a face would begin an object.
+    pub fn begins_object(&self) -> bool {
+        self.groups.last().is_none_or(|group| group.draft.is_none())
     }
 
     /// Path of the open groups, for names of objects.
@@ -126,6 +134,9 @@ impl MgfBuilder {
 
     /// Adds a face of three or more corners to the innermost group.
     pub fn face(&mut self, corners: &[MgfCorner], material: MaterialId) {
+        if !self.keeps {
+            return;
+        }
         let group = self.groups.last_mut().expect("the outermost group is open");
         let announced = group.draft.get_or_insert_with(|| {
             // Objects are ordered by their first faces, even if groups nest.
@@ -149,15 +160,18 @@ impl MgfBuilder {
     }
 
     fn shape(&mut self, shape: Shape) {
-        self.scene
-            .objects
-            .push(Object::new(self.path.clone(), shape));
+        if self.keeps {
+            let object = Object::new(self.path.clone(), shape);
+            self.scene.objects.push(object);
+        }
     }
 
     /// Adds a light without area, named after the path.
     pub fn light(&mut self, kind: azulejo_scene::LightKind) {
-        let name = self.path.clone();
-        self.scene.lights.push(Light { name, kind });
+        if self.keeps {
+            let name = self.path.clone();
+            self.scene.lights.push(Light { name, kind });
+        }
     }
 
     /// The scene, after closing every group.
@@ -314,7 +328,7 @@ mod tests {
     }
 
     fn meshes(faces: &[[MgfCorner; 3]]) -> Mesh {
-        let mut builder = MgfBuilder::new();
+        let mut builder = MgfBuilder::new(true);
         let grey = builder.material(Material::diffuse("", Rgb::grey(0.5)));
         for face in faces {
             builder.face(face, grey);
@@ -352,7 +366,7 @@ mod tests {
     #[test]
     fn lamps_that_enclose_a_body_shine_outward() {
         let check = |faces: &[[u64; 3]], expected: bool| {
-            let mut builder = MgfBuilder::new();
+            let mut builder = MgfBuilder::new(true);
             let lamp = Material {
                 emits_back: true,
                 ..Material::emitter("", Rgb::WHITE)
@@ -383,7 +397,7 @@ mod tests {
 
     #[test]
     fn groups_nest_and_keep_their_order() {
-        let mut builder = MgfBuilder::new();
+        let mut builder = MgfBuilder::new(true);
         let grey = builder.material(Material::diffuse("", Rgb::grey(0.5)));
         builder.open("house");
         builder.face(&triangle(0, None), grey);

@@ -62,12 +62,13 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Luminaire, String> {
         kind,
         units,
     ] = numbers.take()?;
-    let [width, length, height, ballast, photometric, _watts] = numbers.take()?;
+    let [width, length, height, ballast, third, _watts] = numbers.take()?;
     let vertical = numbers.list(vertical, "vertical angles")?;
     let horizontal = numbers.list(horizontal, "horizontal angles")?;
     let count = (vertical.len() * horizontal.len()) as f64;
     let candelas = numbers.list(count, "candelas")?;
     let metres = if units == 1.0 { 0.3048 } else { 1.0 };
+    let photometric = if head.has_third_factor { third } else { 1.0 };
     let factor = multiplier * ballast * photometric;
     if !(factor >= 0.0 && factor.is_finite()) {
         return Err("negative factors".into());
@@ -98,6 +99,10 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Luminaire, String> {
 struct IesHeader {
     body: Option<String>,
     tilt_included: bool,
+    /// Whether the number after the ballast factor is a factor too, the ballast-lamp photometric
+    /// factor. It was in 1986 and 1991; 1995 and 2002 reserve it, and in 2019 it says where the file
+    /// comes from, as 1.10100 does for an accredited laboratory.
+    has_third_factor: bool,
 }
 
 /// The header, and what follows the line `TILT=`.
@@ -105,11 +110,15 @@ fn split_at_tilt(bytes: &[u8]) -> Option<(IesHeader, &[u8])> {
     let mut head = IesHeader {
         body: None,
         tilt_included: false,
+        has_third_factor: true,
     };
     let mut lines = TextCursor::new(bytes);
     while !lines.at_end() {
         let line = text(lines.take_line().trim_ascii());
         lines.pass_line_end();
+        if let Some(version) = after(&line, "IES") {
+            head.has_third_factor &= !is_later_than_1991(version);
+        }
         if let Some(tilt) = after(&line, "TILT=") {
             head.tilt_included = tilt.eq_ignore_ascii_case("INCLUDE");
             return Some((head, lines.rest()));
@@ -120,6 +129,17 @@ fn split_at_tilt(bytes: &[u8]) -> Option<(IesHeader, &[u8])> {
             .or(body.filter(|b| !b.is_empty()).map(str::to_owned));
     }
     None
+}
+
+/// Whether the first line, after its `IES`, names an edition of the standard whose third factor is none:
+/// `NA:LM-63-1995`, `NA:LM-63-2002`, `:LM-63-2019`, with blanks or in lower case in some files. That
+/// of 1991 is `NA91`, and files of 1986 name none.
+fn is_later_than_1991(version: &str) -> bool {
+    let upper = version.to_ascii_uppercase();
+    let year = upper.rsplit("LM-63").next().filter(|y| *y != upper);
+    let digits = year.map(|y| y.trim_start_matches([' ', '-', ':']));
+    let year = digits.and_then(|y| y.get(..4)?.parse::<u32>().ok());
+    year.is_some_and(|y| y > 1991)
 }
 
 /// What follows a keyword at the start of a line, in any case.
@@ -377,6 +397,35 @@ mod tests {
                 height: 0.0,
             };
             assert_eq!(l.opening, disc);
+        }
+    }
+
+    #[test]
+    fn the_third_factor_is_one_in_old_files_only() {
+        let check = |first: &str, expected: f64| {
+            let text = file("0 0 0", "0 180", "0", "100 100");
+            let text = text.replace("0.5 1.0 60", "0.5 1.101 60");
+            let l = parse(text.replace("IESNA91", first).as_bytes()).unwrap();
+            assert!((l.factor / expected - 1.0).abs() < 1e-12, "{first}");
+            assert!((lumens(&l) / (400.0 * PI * expected) - 1.0).abs() < 1e-9);
+        };
+        for old in [
+            "IESNA91",
+            "iesna91",
+            "A lamp of 1986",
+            "",
+            "IESNA:LM-63-1991",
+        ] {
+            check(old, 1.101);
+        }
+        for new in [
+            "IESNA:LM-63-1995",
+            "IESNA: LM-63-2002",
+            "IES:LM-63-2019",
+            "ies:lm-63-2019",
+            "IESNA:LM-63 - 2002",
+        ] {
+            check(new, 1.0);
         }
     }
 

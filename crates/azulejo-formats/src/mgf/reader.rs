@@ -152,7 +152,7 @@ pub(super) struct MgfReader<'r> {
     bytes_left: u64,
     pub(super) luminaires: HashMap<String, Option<Rc<Luminaire>>>,
     /// The number of array instances and included files around the current statement.
-    repeated: usize,
+    pub(super) repeated: usize,
     /// Factor of emittance: the product of an IES file's factors, in the geometry that it names.
     pub(super) emission: f64,
 }
@@ -163,7 +163,7 @@ impl<'r> MgfReader<'r> {
             files,
             warnings: Warnings::default(),
             budget: Budget::new(options),
-            builder: MgfBuilder::new(),
+            builder: MgfBuilder::new(options.keeps),
             colors: ContextTable::new(),
             surfaces: ContextTable::new(),
             vertices: ContextTable::new(),

@@ -102,7 +102,12 @@ impl MgfReader<'_> {
         source: &MgfSource,
         mut corners: Vec<MgfCorner>,
     ) -> Result<(), EntityError> {
-        self.budget.spend(2 * corners.len() as u64)?;
+        let object = if self.builder.begins_object() && self.repeated > 0 {
+            OBJECT
+        } else {
+            0
+        };
+        self.budget.spend(object + 2 * corners.len() as u64)?;
         if self.placement.mirrors() {
             corners[1..].reverse();
         }

@@ -180,7 +180,9 @@ impl<'f> FltWalker<'f> {
     fn finish(&mut self, part: FltPart) -> Result<(), ReadError> {
         if let Some(mesh) = part.finish() {
             let object = Object::new(self.full_name()?, Shape::Mesh(mesh));
-            self.scene.objects.push(object);
+            if self.budget.keeps() {
+                self.scene.objects.push(object);
+            }
         }
         Ok(())
     }

@@ -33,7 +33,7 @@ impl fmt::Display for PictureError {
 impl std::error::Error for PictureError {}
 
 /// Largest picture that is read, in pixels: 1.6 GB once it is decoded.
-const MOST_PIXELS: u64 = 1 << 27;
+pub(crate) const MOST_PIXELS: u64 = 1 << 27;
 
 /// Most pixels that one byte of a file can encode. The densest compression, DEFLATE, makes 1032
 /// bytes of one, hence 8256 pixels of one bit.

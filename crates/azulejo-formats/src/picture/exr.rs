@@ -1,6 +1,8 @@
 //! OpenEXR: lossless linear pictures.
 
-use super::error::{PictureError, assert_whole, check_size, malformed};
+use super::error::{MOST_PIXELS, PictureError, assert_whole, check_size, malformed};
+use ::exr::meta::BlockDescription;
+use ::exr::meta::header::Header;
 use ::exr::prelude::*;
 use azulejo_scene::Image as Picture;
 use std::io::{self, Cursor};
@@ -15,6 +17,7 @@ pub fn read(bytes: &[u8]) -> std::result::Result<Picture, PictureError> {
     for header in &meta.headers {
         let Vec2(width, height) = header.layer_size;
         check_size(width as u64, height as u64, bytes.len())?;
+        check_bytes(header, bytes.len())?;
     }
     let image = ::exr::image::read::read()
         .no_deep_data()
@@ -31,6 +34,37 @@ pub fn read(bytes: &[u8]) -> std::result::Result<Picture, PictureError> {
         .from_buffered(Cursor::new(bytes))
         .map_err(malformed)?;
     Ok(image.layer_data.channel_data.pixels)
+}
+
+/// Most bytes that one byte of a file can encode: 1032 by DEFLATE, of which PXR24 makes four of three.
+const MOST_BYTES_PER_BYTE: u64 = 1400;
+
+/// A block that is always allowed, bytes: tiles may be larger than the picture.
+const SMALL_BLOCK: u64 = 1 << 26;
+
+/// Rejects pictures whose pixels, with all their channels, take memory which the file's own length does
+/// not justify, and those that are divided into still larger blocks: a block is allocated as a whole.
+fn check_bytes(header: &Header, bytes: usize) -> std::result::Result<(), PictureError> {
+    let pixel = header.channels.bytes_per_pixel as u64;
+    let size = |width: usize, height: usize| {
+        let pixels = (width as u64).checked_mul(height as u64);
+        pixels.and_then(|n| n.checked_mul(pixel))
+    };
+    let Vec2(width, height) = header.layer_size;
+    let block = match header.blocks {
+        BlockDescription::Tiles(tiles) => size(tiles.tile_size.0, tiles.tile_size.1),
+        BlockDescription::ScanLines => size(width, header.compression.scan_lines_per_block()),
+    };
+    let justified = (bytes as u64).saturating_mul(MOST_BYTES_PER_BYTE);
+    let fits = |(whole, block): (u64, u64)| {
+        whole <= justified.min(16 * MOST_PIXELS) && block <= whole.max(SMALL_BLOCK)
+    };
+    if size(width, height).zip(block).is_some_and(fits) {
+        return Ok(());
+    }
+    Err(malformed(format!(
+        "{width} × {height} pixels of {pixel} bytes, more than its {bytes} bytes can hold"
+    )))
 }
 
 /// Writes a picture as 32-bit floats with lossless compression.
@@ -80,6 +114,51 @@ mod tests {
             assert_eq!(read(&file).unwrap(), image);
         }
         assert!(write(&Picture::new(0, 0), &mut Vec::new()).is_err());
+    }
+
+    /// A pixel of two thousand channels, whose file is then said to be a long line or to have a large tile.
+    #[test]
+    fn channels_and_blocks_are_justified() {
+        let names = (0..2000).map(|k| format!("c{k}"));
+        let channel = |name: String| {
+            let samples = FlatSamples::F32(vec![0.0]);
+            AnyChannel::new(name.as_str(), samples)
+        };
+        let names = names.chain(["R", "G", "B"].map(str::to_owned));
+        let channels = AnyChannels::sort(names.map(channel).collect());
+        let file = |encoding: Encoding| {
+            let attributes = LayerAttributes::default();
+            let layer = Layer::new((1, 1), attributes, encoding, channels.clone());
+            let mut file = Cursor::new(Vec::new());
+            let image = Image::from_layer(layer);
+            let writer = image.write().non_parallel();
+            writer.to_buffered(&mut file).unwrap();
+            file.into_inner()
+        };
+        // The bytes after an attribute's name, type and length.
+        let changed = |mut file: Vec<u8>, name: &[u8], at: usize, value: u32| {
+            let start = file.windows(name.len()).position(|w| w == name).unwrap();
+            let start = start + name.len() + 4 + at;
+            file[start..start + 4].copy_from_slice(&value.to_le_bytes());
+            file
+        };
+        let lines = file(Encoding {
+            blocks: Blocks::ScanLines,
+            line_order: LineOrder::Increasing,
+            ..Encoding::default()
+        });
+        assert_eq!(read(&lines).unwrap().pixels, [[0.0; 3]]);
+        let wide = changed(lines, b"dataWindow\0box2i\0", 8, 1 << 20);
+        let error = read(&wide).unwrap_err().to_string();
+        assert!(error.contains("can hold"), "{error}");
+        let tiles = file(Encoding {
+            blocks: Blocks::Tiles(Vec2(64, 64)),
+            ..Encoding::default()
+        });
+        assert_eq!(read(&tiles).unwrap().pixels, [[0.0; 3]]);
+        let large = changed(tiles, b"tiles\0tiledesc\0", 0, 1 << 24);
+        let error = read(&large).unwrap_err().to_string();
+        assert!(error.contains("can hold"), "{error}");
     }
 
     #[test]

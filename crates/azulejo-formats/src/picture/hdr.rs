@@ -23,8 +23,7 @@ type Rgbe = [u8; 4];
 /// [`PictureError`]: damaged, cut short, XYZ colours, or larger than its bytes justify.
 pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
     let mut input = Input { bytes };
-    let exposure = header(&mut input)?;
-    let layout = Layout::parse(input.line().unwrap_or_default())?;
+    let (exposure, layout) = start(&mut input)?;
     check_size(layout.width as u64, layout.height as u64, bytes.len())?;
     let mut image = Image::new(layout.width as u32, layout.height as u32);
     let mut row = vec![Rgbe::default(); layout.width];
@@ -46,6 +45,18 @@ pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
         }
     }
     Ok(image)
+}
+
+/// Columns and rows, from the header alone.
+pub(super) fn size(bytes: &[u8]) -> Result<[u64; 2], PictureError> {
+    let (_, layout) = start(&mut Input { bytes })?;
+    Ok([layout.width as u64, layout.height as u64])
+}
+
+/// The exposure, and the line of the size.
+fn start(input: &mut Input) -> Result<(f32, Layout), PictureError> {
+    let exposure = header(input)?;
+    Ok((exposure, Layout::parse(input.line().unwrap_or_default())?))
 }
 
 /// Writes a picture, compressed. Negative values and NaN become 0, values above 1.7e38 are clamped.

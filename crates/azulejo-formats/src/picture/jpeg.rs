@@ -11,6 +11,10 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 /// Limit on the passes of a progressive picture: no encoder writes more, and each takes time.
 const MOST_SCANS: usize = 64;
 
+/// Most pixels that one byte can encode: a block of 64 takes at least one bit for its mean, and in a
+/// progressive picture next to nothing else. Twice that, for files that end early.
+const MOST_PIXELS_PER_BYTE: u64 = 2 * 8 * 64;
+
 /// Reads a JPEG as linear light.
 ///
 /// Baseline or progressive; grey, YCbCr, RGB, CMYK and YCCK. Values are taken as sRGB, whatever
@@ -20,17 +24,14 @@ const MOST_SCANS: usize = 64;
 /// # Errors
 /// [`PictureError`]: not a JPEG, or larger than its bytes justify.
 pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
-    let options = DecoderOptions::default()
-        .jpeg_set_out_colorspace(ColorSpace::RGB)
-        .jpeg_set_max_scans(MOST_SCANS)
-        .set_max_width(usize::from(u16::MAX))
-        .set_max_height(usize::from(u16::MAX));
-    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
-    decoder.decode_headers().map_err(malformed)?;
-    let (width, height) = decoder
-        .dimensions()
-        .ok_or_else(|| malformed("a JPEG without a size"))?;
+    let (mut decoder, [width, height]) = start(bytes)?;
     check_size(width as u64, height as u64, bytes.len())?;
+    if (width * height) as u64 > MOST_PIXELS_PER_BYTE * bytes.len() as u64 {
+        return Err(malformed(format!(
+            "{width} × {height} pixels in {} bytes, which no JPEG can hold",
+            bytes.len()
+        )));
+    }
     let samples = decoder.decode().map_err(malformed)?;
     let (pixels, _) = samples.as_chunks::<3>();
     if pixels.len() != width * height {
@@ -47,8 +48,31 @@ pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
     })
 }
 
+/// Columns and rows, from the header alone.
+pub(super) fn size(bytes: &[u8]) -> Result<[u64; 2], PictureError> {
+    let (_, size) = start(bytes)?;
+    Ok(size.map(|n| n as u64))
+}
+
+type Decoder<'b> = JpegDecoder<ZCursor<&'b [u8]>>;
+
+/// A decoder that has read the header, and the size of the picture.
+fn start(bytes: &[u8]) -> Result<(Decoder<'_>, [usize; 2]), PictureError> {
+    let options = DecoderOptions::default()
+        .jpeg_set_out_colorspace(ColorSpace::RGB)
+        .jpeg_set_max_scans(MOST_SCANS)
+        .set_max_width(usize::from(u16::MAX))
+        .set_max_height(usize::from(u16::MAX));
+    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+    decoder.decode_headers().map_err(malformed)?;
+    let (width, height) = decoder
+        .dimensions()
+        .ok_or_else(|| malformed("a JPEG without a size"))?;
+    Ok((decoder, [width, height]))
+}
+
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::picture::error::tests::damage;
 
@@ -82,6 +106,11 @@ mod tests {
             .collect()
     }
 
+    /// A picture of 16 × 8 pixels.
+    pub(crate) fn grey() -> Vec<u8> {
+        bytes(GREY)
+    }
+
     fn check(hex: &str, left: [f32; 3], right: [f32; 3]) {
         let image = read(&bytes(hex)).unwrap();
         assert_eq!((image.width, image.height), (16, 8));
@@ -109,10 +138,34 @@ mod tests {
                 bytes.len() == file.len() && read(bytes).is_ok()
             });
         }
-        // A header that claims more pixels than the bytes can hold.
+        // Headers that claim more pixels than the bytes can hold.
         let mut file = bytes(GREY);
         let size = file.windows(2).position(|w| w == [0xff, 0xc0]).unwrap() + 5;
+        file[size..size + 4].copy_from_slice(&[2, 0, 2, 0]);
+        let error = read(&file).unwrap_err().to_string();
+        assert!(error.contains("which no JPEG can hold"), "{error}");
         file[size..size + 4].fill(0xff);
         assert!(matches!(read(&file), Err(PictureError::TooLarge { .. })));
+    }
+
+    /// A segment of metadata takes 64 KB at most; what it claims about all of them together reserves
+    /// nothing.
+    #[test]
+    fn segments_reserve_nothing() {
+        let (start, rest) = (bytes("ffd8"), &bytes(GREY)[2..]);
+        let segment = |marker: u8, content: &[u8]| {
+            let length = (content.len() as u16 + 2).to_be_bytes();
+            [&[0xff, marker], &length[..], content].concat()
+        };
+        let mut xmp = b"http://ns.adobe.com/xmp/extension/\0".to_vec();
+        xmp.extend([b'a'; 32]);
+        // The whole is said to have 4 GB.
+        xmp.extend([0xff, 0xff, 0xff, 0xff, 0, 0, 0, 0, 1, 2, 3]);
+        let icc = [b"ICC_PROFILE\0\x01\xff", &[0; 60_000][..]].concat();
+        let photoshop = [b"Photoshop 3.0\0", &[0xff; 60_000][..]].concat();
+        for (marker, content) in [(0xe1, xmp), (0xe2, icc), (0xed, photoshop)] {
+            let file = [&start, &segment(marker, &content)[..], rest].concat();
+            assert_eq!(read(&file).unwrap(), read(&bytes(GREY)).unwrap());
+        }
     }
 }

@@ -6,6 +6,11 @@ use azulejo_scene::Image;
 use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Limits, Transformations};
 use std::io::{self, Cursor, Write};
 
+/// Most memory of the decoder for everything but the pixels, which have their own limit: a row of the
+/// widest picture that is read has 2²⁷ pixels of 8 bytes, and metadata that is kept (Exif) comes
+/// uncompressed.
+const LIMITS: Limits = Limits { bytes: 9 << 27 };
+
 /// Reads a PNG as linear light.
 ///
 /// Any depth and colour type. Values are taken as sRGB, whatever the file's own colour chunks
@@ -14,10 +19,7 @@ use std::io::{self, Cursor, Write};
 /// # Errors
 /// [`PictureError`]: damaged, cut short, or larger than its bytes justify.
 pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
-    let limits = Limits {
-        bytes: bytes.len().saturating_mul(1100).saturating_add(1 << 20),
-    };
-    let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
+    let mut decoder = decoder(bytes);
     decoder.set_transformations(Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(malformed)?;
     let (width, height) = reader.info().size();
@@ -29,29 +31,44 @@ pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
     let mut samples = vec![0; size];
     let frame = reader.next_frame(&mut samples).map_err(malformed)?;
     samples.truncate(frame.buffer_size());
-    let linear = linear_samples(&samples, frame.bit_depth);
-    let channels = frame.color_type.samples();
     let grey = matches!(
         frame.color_type,
         ColorType::Grayscale | ColorType::GrayscaleAlpha
     );
-    let pixel = |p: &[f32]| if grey { [p[0]; 3] } else { [p[0], p[1], p[2]] };
+    let channels = if grey { [0; 3] } else { [0, 1, 2] };
+    let count = frame.color_type.samples();
+    // Pixel by pixel: a list of all samples as numbers would take more than the picture.
+    let pixels = if frame.bit_depth == BitDepth::Sixteen {
+        let share = |p: &[u8], c: usize| u16::from_be_bytes([p[2 * c], p[2 * c + 1]]);
+        let linear = |v: u16| linear_from_srgb(f32::from(v) / 65535.0);
+        let pixel = |p: &[u8]| channels.map(|c| linear(share(p, c)));
+        samples.chunks_exact(2 * count).map(pixel).collect()
+    } else {
+        let table = linear_table();
+        let pixel = |p: &[u8]| channels.map(|c| table[usize::from(p[c])]);
+        samples.chunks_exact(count).map(pixel).collect()
+    };
     Ok(Image {
         width,
         height,
-        pixels: linear.chunks_exact(channels).map(pixel).collect(),
+        pixels,
     })
 }
 
-/// Linear light of 8-bit samples, or of big-endian 16-bit samples.
-fn linear_samples(samples: &[u8], depth: BitDepth) -> Vec<f32> {
-    if depth == BitDepth::Sixteen {
-        let (pairs, _) = samples.as_chunks::<2>();
-        let share = |&pair: &[u8; 2]| f32::from(u16::from_be_bytes(pair)) / 65535.0;
-        return pairs.iter().map(|p| linear_from_srgb(share(p))).collect();
-    }
-    let table = linear_table();
-    samples.iter().map(|&v| table[usize::from(v)]).collect()
+/// Columns and rows, from the header alone.
+pub(super) fn size(bytes: &[u8]) -> Result<[u64; 2], PictureError> {
+    let mut decoder = decoder(bytes);
+    let header = decoder.read_header_info().map_err(malformed)?;
+    Ok([header.width.into(), header.height.into()])
+}
+
+/// A decoder that keeps nothing but what is used.
+fn decoder(bytes: &[u8]) -> Decoder<Cursor<&[u8]>> {
+    let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), LIMITS);
+    // A colour profile is decompressed as soon as it is met.
+    decoder.set_ignore_iccp_chunk(true);
+    decoder.set_ignore_text_chunk(true);
+    decoder
 }
 
 /// Writes finished pixels as PNG: `rgb` holds three sRGB bytes per pixel, rows from the top.
@@ -141,6 +158,7 @@ pub fn write_indexed(
 mod tests {
     use super::*;
     use crate::picture::error::tests::damage;
+    use flate2::write::ZlibEncoder;
 
     fn encoded(color: ColorType, depth: BitDepth, palette: &[u8], data: &[u8]) -> Vec<u8> {
         let mut file = Vec::new();
@@ -224,6 +242,45 @@ mod tests {
         write(2, 1, &[188, 0, 255, 0, 0, 0], &mut file).unwrap();
         check(&file, [[0.502_886_5, 0.0, 1.0], [0.0; 3]]);
         assert!(write(0, 0, &[], &mut Vec::new()).is_err());
+    }
+
+    /// Profiles and texts that decompress to a thousand times their size, and metadata that is longer
+    /// than the picture.
+    #[test]
+    fn chunks_beside_the_pixels_take_no_memory() {
+        let mut file = Vec::new();
+        write(2, 1, &[188, 0, 255, 0, 0, 0], &mut file).unwrap();
+        let mut packer = ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+        for _ in 0..1 << 8 {
+            packer.write_all(&[0; 1 << 16]).unwrap();
+        }
+        let packed = packer.finish().unwrap();
+        // Behind the header, which has 25 bytes after the 8 of the signature.
+        let with = |kind: &[u8; 4], start: &[u8]| {
+            let content = [kind, start, &packed].concat();
+            let mut sum = flate2::Crc::new();
+            sum.update(&content);
+            let length = (content.len() as u32 - 4).to_be_bytes();
+            let chunk = [&length, &content[..], &sum.sum().to_be_bytes()].concat();
+            [&file[..33], &chunk, &file[33..]].concat()
+        };
+        for (kind, start) in [
+            (b"iCCP", &b"x\0\0"[..]),
+            (b"zTXt", b"x\0\0"),
+            (b"iTXt", b"x\0\x01\0\0\0"),
+            (b"tEXt", b"x\0"),
+            (b"eXIf", b""),
+            (b"ruIn", b""),
+        ] {
+            let bytes = with(kind, start);
+            check(&bytes, [[0.502_886_5, 0.0, 1.0], [0.0; 3]]);
+            // The profile must not even be looked at, or it is kept in memory.
+            let mut reader = decoder(&bytes).read_info().unwrap();
+            reader.finish().unwrap();
+            let info = reader.info();
+            assert!(info.icc_profile.is_none() && info.compressed_latin1_text.is_empty());
+            assert!(info.utf8_text.is_empty() && info.uncompressed_latin1_text.is_empty());
+        }
     }
 
     #[test]

@@ -95,9 +95,9 @@ impl PlyReader<'_> {
             let name = &element.name;
             let message = format!("elements \"{name}\" missing from the end of the file");
             let missing = usize::try_from(missing).unwrap_or(usize::MAX);
-            let position = source.position();
+            // The line is counted from the start: once for the warning, not for each element.
             self.warnings
-                .add_many(self.file, message, missing, || position);
+                .add_many(self.file, message, missing, || source.position());
         }
         source.finish(self.file, &mut self.warnings);
         Ok(())

@@ -260,6 +260,16 @@ fn files_that_end_too_soon_keep_what_is_there() {
     }
 }
 
+/// Elements whose lines would each be counted from the start of the file.
+#[test]
+fn very_many_elements_take_no_quadratic_time() {
+    let elements: String = (0..200_000)
+        .map(|k| format!("element e{k} 0\nproperty float p\n"))
+        .collect();
+    let text = SQUARE.replace("element face", &format!("{elements}element face"));
+    assert_eq!(mesh(&load(text.as_bytes()).scene, 0).faces.len(), 1);
+}
+
 #[test]
 fn a_cloud_of_points_has_no_surface() {
     let cloud = SQUARE.split("element face").next().unwrap();
@@ -548,6 +558,34 @@ fn corners_divide_vertices() {
             .collect()
     };
     assert_eq!(corners(after), corners(before));
+}
+
+/// Lists by corner are empty without faces, as are those of another object that has none.
+#[test]
+fn vertices_without_faces_need_no_values() {
+    let cloud = Mesh {
+        positions: vec![DVec3::X, DVec3::Y],
+        normals: Some(Attribute {
+            values: Vec::new(),
+            corners: Some(Vec::new()),
+        }),
+        uvs: Some(Attribute {
+            values: Vec::new(),
+            corners: Some(Vec::new()),
+        }),
+        ..Mesh::default()
+    };
+    let mut scene = solved();
+    scene
+        .objects
+        .insert(0, Object::new("cloud", Shape::Mesh(cloud)));
+    scene.validate().unwrap();
+    // An object without faces is not read again, and the other one is not affected.
+    let (found, given) = (read_back(&scene), solved());
+    assert_eq!(found.objects.len(), given.objects.len());
+    assert_eq!(mesh(&found, 0).positions, mesh(&given, 0).positions);
+    scene.objects.truncate(1);
+    written(&scene);
 }
 
 #[test]

@@ -148,7 +148,8 @@ impl<'a> PlyPart<'a> {
             })
         });
         let corners = own.collect();
-        // Vertices without faces have no corner that selects a value.
+        // Vertices without faces have no corner that selects a value; where nothing has a face, the
+        // lists are empty, and there is no value at all.
         for (vertex, taken) in std::iter::zip(&mut vertices, is_taken) {
             if !taken {
                 (vertex.normal, vertex.uv) = (0, 0);
@@ -161,14 +162,17 @@ impl<'a> PlyPart<'a> {
         }
     }
 
+    /// Zero, which PLY's readers take for missing, where the mesh has none.
     fn normal(&self, vertex: PlyVertex) -> DVec3 {
         let normals = self.mesh.normals.as_ref();
-        normals.map_or(DVec3::ZERO, |n| n.values[vertex.normal as usize])
+        let value = normals.and_then(|n| n.values.get(vertex.normal as usize));
+        value.copied().unwrap_or_default()
     }
 
     fn uv(&self, vertex: PlyVertex) -> DVec2 {
         let uvs = self.mesh.uvs.as_ref();
-        uvs.map_or(DVec2::ZERO, |uv| uv.values[vertex.uv as usize])
+        let value = uvs.and_then(|uv| uv.values.get(vertex.uv as usize));
+        value.copied().unwrap_or_default()
     }
 }
 

@@ -96,6 +96,8 @@ fn by_extension(
     let lower = name.to_ascii_lowercase();
     let name = lower.strip_suffix(".gz").unwrap_or(&lower);
     match &detected {
+        // A list of no blocks; a file without a byte is rather one that could not be written.
+        Err(e) if e.looks_like == WHITE_SPACE && name.ends_with(".grf") => Ok(Format::Grf),
         Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".sff") => Ok(Format::Sff),
         Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".scn") => Ok(Format::Scn),
         // A single letter begins a line in several formats.
@@ -112,8 +114,14 @@ fn by_extension(
 /// Description of text without a keyword of any format.
 const PLAIN_TEXT: &str = "text in no known format";
 
-/// Bytes of a file that are examined: enough to get past a long comment at its start.
+/// Description of text without a word.
+const WHITE_SPACE: &str = "only white space";
+
+/// Bytes of a file that are examined for magic bytes, and decompressed for its words.
 const LOOKED_AT: usize = 1 << 16;
+
+/// Most bytes that are decompressed to get past a long comment.
+const MOST_UNPACKED: u64 = 1 << 24;
 
 /// Recognizes the format of a model, compressed with gzip or not.
 ///
@@ -123,7 +131,8 @@ pub fn detect(bytes: &[u8]) -> Result<Format, Unrecognized> {
     let start = unpacked_start(bytes);
     let found = match known_mark(&start) {
         Some(found) => found,
-        None => by_words(&decoded(&start[..start.len().min(LOOKED_AT)])),
+        // The whole file: a comment at its start may be of any length.
+        None => by_words(&decoded(&start)),
     };
     found.map_err(|looks_like| Unrecognized { looks_like })
 }
@@ -136,7 +145,7 @@ fn unpacked_start(bytes: &[u8]) -> Cow<'_, [u8]> {
     let mut start = Vec::new();
     // What could be decompressed before the damage is enough to recognize the format.
     let _ = MultiGzDecoder::new(bytes)
-        .take(LOOKED_AT as u64)
+        .take(MOST_UNPACKED)
         .read_to_end(&mut start);
     Cow::Owned(start)
 }
@@ -146,19 +155,27 @@ type Detection = Result<Format, &'static str>;
 /// Formats that begin with magic bytes.
 fn known_mark(bytes: &[u8]) -> Option<Detection> {
     use Format::*;
-    const MARKS: [(&[u8], Detection); 22] = [
+    const MARKS: [(&[u8], Detection); 27] = [
         (b"\x89PNG", Err("a PNG picture")),
         (b"\xff\xd8\xff", Err("a JPEG picture")),
         (b"GIF8", Err("a GIF picture")),
         (b"\x76\x2f\x31\x01", Err("an OpenEXR picture")),
         (b"#?RADIANCE", Err("a Radiance picture")),
         (b"IESNA", Err("an IES luminaire; name it in an MGF scene")),
+        (
+            b"IES:LM-63",
+            Err("an IES luminaire; name it in an MGF scene"),
+        ),
         (b"PK\x03\x04", Err("a zip archive; unpack it first")),
         (b"%PDF", Err("a PDF document")),
         (b"BLENDER", Err("a Blender file; export it as glTF")),
         (b"Kaydara FBX", Err("an FBX model; export it as glTF")),
         (b"AC10", Err("a DWG drawing; export it as DXF")),
         (b"OFF\n", Err("an OFF model")),
+        (b"; FBX", Err("an FBX model; export it as glTF")),
+        (b"//Maya ASCII", Err("a Maya scene; export it as glTF")),
+        (b"ISO-10303-21;", Err("a STEP or IFC model")),
+        (b"#usda", Err("a USD scene; export it as glTF")),
         (b"\x7fELF", Err("a program")),
         (b"AutoCAD Binary DXF", Ok(Dxf)),
         (b"glTF", Ok(Gltf)),
@@ -179,6 +196,7 @@ fn known_mark(bytes: &[u8]) -> Option<Detection> {
         .or_else(|| is_openflight(bytes).then_some(Ok(OpenFlight)))
         .or_else(|| is_3ds(bytes).then_some(Ok(Studio3ds)))
         .or_else(|| is_binary_stl(bytes).then_some(Ok(Stl)))
+        .or_else(|| is_tiff(bytes).then_some(Err("a TIFF picture")))
 }
 
 /// A header record: opcode 1 and a length that occurs in some revision.
@@ -191,6 +209,11 @@ fn is_openflight(bytes: &[u8]) -> bool {
 fn is_3ds(bytes: &[u8]) -> bool {
     let first = |at: usize| Some(u16::from_le_bytes([*bytes.get(at)?, *bytes.get(at + 1)?]));
     first(0) == Some(0x4d4d) && matches!(first(6), None | Some(0x0002 | 0x3d3d | 0x3d3e | 0xb000))
+}
+
+/// Either byte order; behind 3DS, with which one of them shares its first bytes.
+fn is_tiff(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"MM\0*") || bytes.starts_with(b"II*\0")
 }
 
 /// 80 arbitrary bytes, a count, and 50 bytes for each triangle. Some writers append a few bytes,
@@ -220,15 +243,19 @@ fn by_words(head: &[u8]) -> Detection {
     if is_view3d(lines.clone()) {
         return Ok(Format::View3d);
     }
-    if let Some(found) = lines.clone().find_map(|line| by_line(line, head)) {
-        return found;
+    let mut rest = lines.clone();
+    while let Some(line) = rest.next() {
+        let next = || first_word(rest.clone().next().unwrap_or_default());
+        if let Some(found) = by_line(line, next, head) {
+            return found;
+        }
     }
     // `o` and `p` are keywords of OBJ and of MGF; OBJ is more likely.
     if lines.clone().any(|l| matches!(first_word(l), b"o" | b"p")) {
         return Ok(Format::Obj);
     }
     match lines.next() {
-        None => Err("only white space"),
+        None => Err(WHITE_SPACE),
         Some(_) if head.contains(&0) => Err("binary data in no known format"),
         Some(_) => Err(PLAIN_TEXT),
     }
@@ -299,7 +326,7 @@ fn is_scn(word: &[u8], line: &[u8]) -> bool {
         let rest = line[word.len()..].trim_ascii_start()[behind.len()..].trim_ascii();
         !behind.is_empty() && matches!(rest.first(), None | Some(b'%' | b';' | b'#'))
     };
-    let is_number = matches!(behind, [b'+' | b'-' | b'.' | b'0'..=b'9', ..]);
+    let is_number = is_number(behind);
     match word {
         b"eye" | b"from" | b"look" | b"at" | b"fov" => is_number,
         b"background" | b"ambient" => is_number || behind == b"mono" || names_one(),
@@ -345,7 +372,8 @@ fn first_word(line: &[u8]) -> &[u8] {
     line.split(end).next().unwrap_or_default()
 }
 
-fn by_line(line: &[u8], head: &[u8]) -> Option<Detection> {
+/// The format that a line belongs to, if it decides; `next` is the first word of the next line.
+fn by_line<'a>(line: &[u8], next: impl Fn() -> &'a [u8], head: &[u8]) -> Option<Detection> {
     // Zero bytes may be attached to the first word.
     let zeros = line.iter().take_while(|b| **b == 0).count();
     let line = &line[zeros..];
@@ -353,24 +381,21 @@ fn by_line(line: &[u8], head: &[u8]) -> Option<Detection> {
     if is_scn(word, line) {
         return Some(Ok(Format::Scn));
     }
+    let behind = line[word.len()..].trim_ascii_start();
     match word.to_ascii_lowercase().as_slice() {
         // A vertex of OBJ begins with a number, in MGF it has a name.
-        b"v" | b"f" => Some(Ok(match line[1..].trim_ascii_start() {
-            [b'+' | b'-' | b'.' | b'0'..=b'9', ..] => Format::Obj,
-            _ => Format::Mgf,
-        })),
+        b"v" | b"f" if is_number(first_word(behind)) => Some(Ok(Format::Obj)),
         b"vt" | b"vn" | b"vp" | b"fo" | b"g" | b"s" | b"usemtl" | b"mtllib" | b"l" | b"cstype" => {
             Some(Ok(Format::Obj))
         }
-        b"m" | b"c" | b"cxy" | b"cspec" | b"cct" | b"cmix" | b"rd" | b"td" | b"ed" | b"rs"
-        | b"ts" | b"ir" | b"sides" | b"sph" | b"cyl" | b"cone" | b"prism" | b"torus" | b"ring"
-        | b"fh" | b"xf" | b"ies" | b"i" => Some(Ok(Format::Mgf)),
-        b"begin" | b"mesh" | b"light" | b"include" | b"transform" | b"def" | b"params" | b"ext" => {
-            Some(Ok(Format::Grf))
+        b"begin" if first_word(behind).eq_ignore_ascii_case(b"bulk") => {
+            Some(Err("a Nastran model"))
         }
+        lower if is_grf(lower, behind, next) => Some(Ok(Format::Grf)),
         b"newmtl" => Some(Err("a material library (MTL); give the OBJ that names it")),
         b"solid" => Some(Ok(Format::Stl)),
-        _ if line.starts_with(b"{") => Some(Ok(Format::Gltf)),
+        _ if is_mgf(word, behind) => Some(Ok(Format::Mgf)),
+        _ if line.starts_with(b"{") => Some(json_model(head)),
         _ if line.starts_with(b"<") => Some(if holds(head, b"<X3D") {
             Ok(Format::Vrml)
         } else {
@@ -381,6 +406,137 @@ fn by_line(line: &[u8], head: &[u8]) -> Option<Detection> {
     }
 }
 
+/// Whether a word begins as a number does, or is one that is not finite.
+fn is_number(word: &[u8]) -> bool {
+    let unsigned = word.strip_prefix(b"+").or(word.strip_prefix(b"-"));
+    let unsigned = unsigned.unwrap_or(word).to_ascii_lowercase();
+    let starts = matches!(word, [b'+' | b'-' | b'.' | b'0'..=b'9', ..]);
+    starts || matches!(unsigned.as_slice(), b"nan" | b"inf" | b"infinity")
+}
+
+/// Whether a line begins a block of GRF: its first word in lower case, and what is behind it or, if that
+/// is nothing or a comment, the first word of the next line.
+fn is_grf<'a>(word: &[u8], behind: &[u8], next: impl Fn() -> &'a [u8]) -> bool {
+    let is_end = behind.is_empty() || behind.starts_with(b"//");
+    let second = if is_end { next() } else { first_word(behind) };
+    let is_followed_by = |words: &[&[u8]]| {
+        let is_comment = is_end && (second.is_empty() || second.starts_with(b"//"));
+        is_comment || words.iter().any(|w| w.eq_ignore_ascii_case(second))
+    };
+    match word {
+        b"begin" => is_followed_by(&[b"mesh"]),
+        b"mesh" => is_followed_by(&[b"light", b"begin", b"use"]),
+        b"light" => is_followed_by(&[b"begin", b"rgb"]) || behind.starts_with(b"("),
+        b"transform" => is_followed_by(&[b"scale", b"rotation", b"translation", b"begin"]),
+        b"params" => is_followed_by(&[b"begin"]),
+        // Those of Nastran and other languages have single quotes or none.
+        b"include" => !is_end && !behind.starts_with(b"'") && !behind.starts_with(b"<"),
+        b"def" => !behind.starts_with(b"="),
+        b"ext" => true,
+        _ => false,
+    }
+}
+
+/// Whether a line is a statement of MGF, whose keywords are in lower case and often single letters: as
+/// the first word of a sentence they must not decide.
+fn is_mgf(word: &[u8], behind: &[u8]) -> bool {
+    let mut words = behind
+        .split(u8::is_ascii_whitespace)
+        .filter(|w| !w.is_empty());
+    let (first, second) = (words.next(), words.next());
+    let is_name = |word: &[u8]| word.first().is_some_and(u8::is_ascii_graphic);
+    match word {
+        // A name, and behind `=` another one or nothing.
+        b"v" | b"c" | b"m" => matches!(second, None | Some(b"=")),
+        b"f" | b"fh" | b"cyl" | b"prism" | b"ring" | b"sph" | b"torus" | b"cone" => {
+            first.is_some_and(is_name)
+        }
+        b"cxy" | b"cspec" | b"cct" | b"cmix" | b"rd" | b"td" | b"ed" | b"rs" | b"ts" | b"ir" => {
+            first.is_some_and(is_number)
+        }
+        b"sides" => first.is_some_and(is_number),
+        b"xf" => first.is_some_and(|w| w.starts_with(b"-")),
+        // A file, and a transform.
+        b"i" | b"ies" => first.is_some_and(is_name) && second.is_none_or(|w| w.starts_with(b"-")),
+        _ => false,
+    }
+}
+
+/// The format of JSON, by the names at its top level.
+fn json_model(bytes: &[u8]) -> Detection {
+    // glTF without `asset` is for its reader to refuse.
+    const GLTF: [&[u8]; 6] = [
+        b"asset",
+        b"scenes",
+        b"nodes",
+        b"meshes",
+        b"accessors",
+        b"buffers",
+    ];
+    let mut found = Err("JSON that is not glTF");
+    for name in TopLevelNames::new(bytes) {
+        match name {
+            b"CityObjects" => return Err("a CityJSON model"),
+            b"asset" => return Ok(Format::Gltf),
+            _ if GLTF.contains(&name) => found = Ok(Format::Gltf),
+            _ => {}
+        }
+    }
+    found
+}
+
+/// The names of the outermost object of JSON, which need not be well-formed.
+struct TopLevelNames<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    depth: u32,
+}
+
+impl<'a> TopLevelNames<'a> {
+    fn new(bytes: &'a [u8]) -> TopLevelNames<'a> {
+        TopLevelNames {
+            bytes,
+            at: 0,
+            depth: 0,
+        }
+    }
+
+    /// The text in quotes that begins at the current byte, which is passed.
+    fn quoted(&mut self) -> Option<&'a [u8]> {
+        let start = self.at + 1;
+        let mut end = start;
+        while *self.bytes.get(end)? != b'"' {
+            end += if self.bytes[end] == b'\\' { 2 } else { 1 };
+        }
+        self.at = end + 1;
+        self.bytes.get(start..end)
+    }
+}
+
+impl<'a> Iterator for TopLevelNames<'a> {
+    type Item = &'a [u8];
+
+    fn next(&mut self) -> Option<&'a [u8]> {
+        loop {
+            match *self.bytes.get(self.at)? {
+                b'{' | b'[' => self.depth += 1,
+                b'}' | b']' => self.depth = self.depth.saturating_sub(1),
+                b'"' => {
+                    let text = self.quoted()?;
+                    let behind = self.bytes[self.at..].iter();
+                    let next = behind.copied().find(|b| !b.is_ascii_whitespace());
+                    if self.depth == 1 && next == Some(b':') {
+                        return Some(text);
+                    }
+                    continue;
+                }
+                _ => {}
+            }
+            self.at += 1;
+        }
+    }
+}
+
 fn holds(bytes: &[u8], what: &[u8]) -> bool {
     bytes.windows(what.len()).any(|w| w == what)
 }
@@ -388,6 +544,8 @@ fn holds(bytes: &[u8], what: &[u8]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use flate2::write::GzEncoder;
+    use std::io::Write;
 
     fn check(bytes: &[u8], expected: Result<Format, &str>) {
         let found = detect(bytes).map_err(|e| e.looks_like);
@@ -440,7 +598,93 @@ mod tests {
     }
 
     #[test]
+    fn words_decide_only_where_they_are_statements() {
+        // Numbers that are not finite are for the reader to refuse.
+        for number in ["nan", "-NaN", "inf", "+Infinity", ".5", "-1"] {
+            let line = format!("v {number} 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+            check(line.as_bytes(), Ok(Format::Obj));
+        }
+        check(b"v nano =\n p 1 2 3", Ok(Format::Mgf));
+        check(b"v info\nm dark\n", Ok(Format::Mgf));
+        check(b"i \"a b.mgf\"\n", Err("text in no known format"));
+        check(b"i lamp.mgf -t 0 0 1 -a 3 -rz 5", Ok(Format::Mgf));
+        check(b"ies lamp.ies -m 2", Ok(Format::Mgf));
+        check(b"rd .5\n", Ok(Format::Mgf));
+        check(b"I am a letter.\n", Err("text in no known format"));
+        check(b"c'est la vie\n", Err("text in no known format"));
+        // Nastran, in which a deck of cards begins like a mesh.
+        let deck = b"$ a deck\nSOL 101\nCEND\nBEGIN BULK\nGRID,1,,0.,0.,0.\nENDDATA\n";
+        check(deck, Err("a Nastran model"));
+        check(b"INCLUDE 'a.bdf'\nGRID,1\n", Err("text in no known format"));
+        check(b"begin\n// a comment\nmesh\n", Ok(Format::Grf));
+        check(b"begin // one\n", Ok(Format::Grf));
+        check(b"begin reading here\n", Err("text in no known format"));
+        check(b"light (0,0,0) (1,0,0) (0,1,0) end light", Ok(Format::Grf));
+        check(b"light reading\n", Err("text in no known format"));
+        check(b"transform\nscale (1,1,1)", Ok(Format::Grf));
+    }
+
+    #[test]
+    fn json_is_told_by_its_names() {
+        check(
+            b"{\"type\": \"CityJSON\", \"CityObjects\": {\"asset\": 1}}",
+            Err("a CityJSON model"),
+        );
+        check(
+            b"{\"type\": \"FeatureCollection\", \"features\": []}",
+            Err("JSON that is not glTF"),
+        );
+        check(
+            b"{\"a\": [{\"asset\": 1}], \"\\\"asset\": 2}",
+            Err("JSON that is not glTF"),
+        );
+        check(
+            b"{\"extras\": {\"CityObjects\": []},\n\"asset\"\n: {}}",
+            Ok(Format::Gltf),
+        );
+        check(b"{\"scenes\": [", Ok(Format::Gltf));
+        check(b"{\"asset", Err("JSON that is not glTF"));
+    }
+
+    /// Comments at the start, of every format that has them.
+    #[test]
+    fn comments_may_be_of_any_length() {
+        let long = |start: &str, end: &str| {
+            let line = format!("{start} v of a long comment {end}\n");
+            line.repeat(3 * LOOKED_AT / line.len())
+        };
+        for (comment, model, format) in [
+            (long("#", ""), "v 1 2 3\n", Format::Obj),
+            (long("#", ""), "v a =\n p 1 2 3\n", Format::Mgf),
+            (long("//", ""), "begin mesh\n", Format::Grf),
+            (long("999\n", ""), "0\nSECTION\n", Format::Dxf),
+            (long("!", ""), "F 3\nV 1 0 0 0\n", Format::View3d),
+            (long("%", ""), "sphere 0 0 0 1\n", Format::Scn),
+            (long("<!--", "-->"), "<X3D>", Format::Vrml),
+            ("\n".repeat(2 * LOOKED_AT), "v 1 2 3\n", Format::Obj),
+        ] {
+            let text = comment + model;
+            check(text.as_bytes(), Ok(format));
+            let mut packer = GzEncoder::new(Vec::new(), flate2::Compression::fast());
+            packer.write_all(text.as_bytes()).unwrap();
+            check(&packer.finish().unwrap(), Ok(format));
+        }
+    }
+
+    #[test]
+    fn white_space_is_a_scene_without_blocks() {
+        assert_eq!(recognize(b"\n", "a.grf"), Ok(Format::Grf));
+        assert!(recognize(b"", "a.grf").is_err() && recognize(b"\n", "a.obj").is_err());
+    }
+
+    #[test]
     fn other_formats_are_named() {
+        check(b"MM\0*\0\0\0\x08", Err("a TIFF picture"));
+        check(
+            b"; FBX 7.3.0 project file\n",
+            Err("an FBX model; export it as glTF"),
+        );
+        check(b"ISO-10303-21;\nHEADER;\n", Err("a STEP or IFC model"));
         check(b"", Err("an empty file"));
         check(b" \n\t\n", Err("only white space"));
         check(b"\x89PNG\r\n\x1a\n", Err("a PNG picture"));

@@ -13,3 +13,4 @@ pub(crate) mod options;
 pub(crate) mod text;
 pub(crate) mod warnings;
 pub(crate) mod words;
+pub(crate) mod xml;

@@ -12,6 +12,9 @@ pub struct ReadOptions {
     pub most_elements: u64,
     /// Most bytes that a compressed file may decompress to.
     pub most_unpacked: u64,
+    /// Whether what instances, arrays and curves expand to is kept. If not, the reader only counts it,
+    /// and its scene has no objects, or not all.
+    pub keeps: bool,
 }
 
 /// Which level of detail is read.
@@ -34,9 +37,13 @@ impl Default for ReadOptions {
             lod: Lod::Finest,
             most_elements: 1 << 26,
             most_unpacked: 1 << 30,
+            keeps: true,
         }
     }
 }
+
+/// Elements that any file may expand to before they are counted: about 70 MB.
+const UNCOUNTED: u64 = 1 << 20;
 
 impl ReadOptions {
     /// Limits in proportion to an untrusted file of `length` bytes: what it expands to
@@ -50,6 +57,37 @@ impl ReadOptions {
             ..ReadOptions::default()
         }
     }
+}
+
+/// Runs `read` so that it fails before it takes the memory for more than `options` allow.
+///
+/// What a file of `length` bytes may contain without instances is read at once. If it expands to more,
+/// that is counted first, without keeping it.
+///
+/// # Errors
+/// Those of `read`.
+pub(crate) fn counted_first<T>(
+    length: usize,
+    options: &ReadOptions,
+    read: impl Fn(&ReadOptions) -> Result<T, ReadError>,
+) -> Result<T, ReadError> {
+    let few = ReadOptions {
+        most_elements: UNCOUNTED + length as u64,
+        ..*options
+    };
+    if !options.keeps || options.most_elements <= few.most_elements {
+        return read(options);
+    }
+    match read(&few) {
+        Err(error) if Exhausted::is_reason_of(&error) => {}
+        other => return other,
+    }
+    let counting = ReadOptions {
+        keeps: false,
+        ..*options
+    };
+    drop(read(&counting)?);
+    read(options)
 }
 
 /// Rejects files whose corners or vertices might not be countable in 32 bits.
@@ -66,6 +104,7 @@ pub(crate) fn check_length(bytes: &[u8], file: &str) -> Result<(), ReadError> {
 pub(crate) struct Budget {
     most: u64,
     left: u64,
+    keeps: bool,
 }
 
 impl Budget {
@@ -74,7 +113,18 @@ impl Budget {
         Budget {
             most: options.most_elements,
             left: options.most_elements,
+            keeps: options.keeps,
         }
+    }
+
+    /// Whether what is counted is also kept.
+    pub fn keeps(&self) -> bool {
+        self.keeps
+    }
+
+    /// What is left of it.
+    pub fn left(&self) -> u64 {
+        self.left
     }
 
     /// Subtracts `elements`, before they are created.
@@ -102,20 +152,57 @@ pub(crate) struct Exhausted(u64);
 impl Exhausted {
     /// The error to report for `file`.
     pub fn error(self, file: &str) -> ReadError {
-        ReadError::whole(
-            file,
-            format!(
-                "instances, arrays or curves that expand to more than {} vertices and corners",
-                self.0
-            ),
-            "a smaller model, or a higher limit (ReadOptions::most_elements)",
-        )
+        let found = format!("{EXPANDS} {} vertices and corners", self.0);
+        let expected = "a smaller model, or a higher limit (ReadOptions::most_elements)";
+        ReadError::whole(file, found, expected)
+    }
+
+    /// Whether an error is this one.
+    fn is_reason_of(error: &ReadError) -> bool {
+        error.found.starts_with(EXPANDS)
     }
 }
+
+/// What the error begins with.
+const EXPANDS: &str = "instances, arrays or curves that expand to more than";
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn expansion_is_counted_before_it_is_kept() {
+        use std::cell::RefCell;
+        let check = |elements: u64, most: u64, expected: &[(u64, bool)]| {
+            let runs = RefCell::new(Vec::new());
+            let options = ReadOptions {
+                most_elements: most,
+                ..ReadOptions::default()
+            };
+            let result = counted_first(1000, &options, |options| {
+                runs.borrow_mut()
+                    .push((options.most_elements, options.keeps));
+                let spent = Budget::new(options).spend(elements);
+                spent.map_err(|e| e.error("a.mgf"))
+            });
+            assert_eq!(result.is_ok(), elements <= most);
+            assert_eq!(runs.into_inner(), expected);
+        };
+        let few = UNCOUNTED + 1000;
+        check(few, 1 << 26, &[(few, true)]);
+        check(
+            few + 1,
+            1 << 26,
+            &[(few, true), (1 << 26, false), (1 << 26, true)],
+        );
+        check(1 << 27, 1 << 26, &[(few, true), (1 << 26, false)]);
+        check(1 << 27, few, &[(few, true)]);
+        // Other errors are reported at once.
+        let result = counted_first(0, &ReadOptions::default(), |_| {
+            Err::<(), _>(ReadError::whole("a.mgf", "nothing", "something"))
+        });
+        assert_eq!(&*result.unwrap_err().found, "nothing");
+    }
 
     #[test]
     fn a_budget_ends() {

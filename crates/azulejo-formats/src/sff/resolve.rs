@@ -221,7 +221,9 @@ impl SffResolver<'_, '_> {
         let count = self.names.entry(kind).or_default();
         *count += 1;
         let name = format!("{kind} {count}");
-        self.scene.objects.push(Object::new(name, shape));
+        if self.budget.keeps() {
+            self.scene.objects.push(Object::new(name, shape));
+        }
         Ok(())
     }
 

@@ -238,6 +238,9 @@ impl Studio3dsBuilder<'_> {
                 stored.positions.len() + stored.faces.corners.len() + placed.path.len() / 16;
             let spent = self.budget.spend(elements as u64);
             spent.map_err(|e| e.error(self.walker.file))?;
+            if !self.budget.keeps() {
+                continue;
+            }
             let mut mesh = stored.clone();
             if let Some(map) = self.placement(raw, &stored, placed) {
                 mesh.transform(&map);

@@ -1,20 +1,18 @@
 //! The pictures of a scene under construction, each once.
 
+use crate::picture::PixelBudget;
 use crate::reading::files::beside;
 use crate::reading::text::shortened;
-use crate::{FileError, Files, picture};
+use crate::{FileError, Files};
 use azulejo_scene::{Image, Texture, TextureId};
 use std::collections::HashMap;
-
-/// Most pixels that the pictures of one model may have together: 1.6 GB once they are decoded.
-const MOST_PIXELS: usize = 1 << 27;
 
 /// Pictures in the order in which they are first named, one per file.
 #[derive(Debug, Default)]
 pub(crate) struct Textures {
     list: Vec<Texture>,
     known: HashMap<String, TextureId>,
-    pixels: usize,
+    pixels: PixelBudget,
 }
 
 impl Textures {
@@ -56,9 +54,7 @@ impl Textures {
         name: String,
         read: Result<Vec<u8>, String>,
     ) -> (TextureId, Option<String>) {
-        let decode = |bytes: Vec<u8>| picture::decode(&bytes).map_err(|e| e.to_string());
-        let decoded = read.and_then(decode);
-        let image = decoded.and_then(|image| self.admit(image));
+        let image = read.and_then(|bytes| self.pixels.decode(&bytes));
         let shown = shortened(&name);
         let warning = |why| format!("picture \"{shown}\" is not used: {why}");
         let problem = image.as_ref().err().map(warning);
@@ -77,25 +73,16 @@ impl Textures {
             .is_some_and(|t| t.image.is_some())
     }
 
-    /// Counts the pixels of a further picture.
-    fn admit(&mut self, image: Image) -> Result<Image, String> {
-        let pixels = self.pixels + image.pixels.len();
-        if pixels > MOST_PIXELS {
-            return Err(format!(
-                "the pictures have more than {MOST_PIXELS} pixels in total"
-            ));
-        }
-        self.pixels = pixels;
-        Ok(image)
-    }
-
     /// Adds a picture whose pixels are numbers in the model, under a unique name.
     ///
     /// # Errors
     /// The pictures have too many pixels together.
     pub fn add_pixels(&mut self, name: String, image: Image) -> Result<TextureId, String> {
-        let image = Some(self.admit(image)?);
-        self.list.push(Texture { path: name, image });
+        self.pixels.admit(&image)?;
+        self.list.push(Texture {
+            path: name,
+            image: Some(image),
+        });
         Ok((self.list.len() - 1) as TextureId)
     }
 

@@ -234,8 +234,10 @@ impl<'a> VrmlSceneBuilder<'a> {
         own_name: Option<&str>,
         shape: Shape,
     ) -> ShapeOutcome {
-        let object = Object::new(frame.name(own_name), shape);
-        self.scene.objects.push(object);
+        if self.budget.keeps() {
+            let object = Object::new(frame.name(own_name), shape);
+            self.scene.objects.push(object);
+        }
         ShapeOutcome::Object
     }
 

@@ -464,12 +464,8 @@ impl<'a> ClassicParser<'a, '_, '_> {
         let body = self.proto_body()?;
         self.names.leave();
         self.depth -= 1;
-        self.names.define_proto(Prototype {
-            name,
-            interface,
-            body,
-            urls: Vec::new(),
-        });
+        self.names
+            .define_proto(Prototype::new(name, interface, body));
         Ok(())
     }
 
@@ -503,12 +499,7 @@ impl<'a> ClassicParser<'a, '_, '_> {
             Some(FieldValue::Strings(urls)) => urls.to_vec(),
             _ => Vec::new(),
         };
-        self.names.define_proto(Prototype {
-            name,
-            interface: Vec::new(),
-            body: Vec::new(),
-            urls,
-        });
+        self.names.define_proto(Prototype::elsewhere(name, urls));
         Ok(())
     }
 

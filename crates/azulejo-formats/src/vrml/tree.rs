@@ -8,6 +8,8 @@ use super::lexer::VrmlLexer;
 use azulejo_scene::Rgb;
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
+use std::cell::OnceCell;
+use std::collections::HashMap;
 use std::rc::Rc;
 
 /// Maximum depth of nested nodes, `USE` and prototypes included.
@@ -70,6 +72,8 @@ pub(super) struct Prototype {
     pub body: Vec<Rc<VrmlNode>>,
     /// The URLs of its definition, if that is in another file.
     pub urls: Vec<String>,
+    /// Indices into `interface` by name, once they are needed.
+    defaults: OnceCell<HashMap<Rc<str>, usize>>,
 }
 
 /// A parsed file.
@@ -338,13 +342,43 @@ pub(super) fn triples(numbers: &[f64]) -> Vec<DVec3> {
 }
 
 impl Prototype {
+    /// A prototype with its definition.
+    pub fn new(name: Rc<str>, interface: Vec<VrmlField>, body: Vec<Rc<VrmlNode>>) -> Prototype {
+        Prototype {
+            name,
+            interface,
+            body,
+            urls: Vec::new(),
+            defaults: OnceCell::new(),
+        }
+    }
+
+    /// A prototype that is defined in one of these files.
+    pub fn elsewhere(name: Rc<str>, urls: Vec<String>) -> Prototype {
+        Prototype {
+            urls,
+            ..Prototype::new(name, Vec::new(), Vec::new())
+        }
+    }
+
     /// The node that an instance displays: the first node of the body, with the instance's fields.
     pub fn unfold(&self, instance: &VrmlNode, made: &mut u64) -> Option<Rc<VrmlNode>> {
+        let body = self.body.first()?;
+        if !body.is_open {
+            return Some(body.clone());
+        }
+        // By name: a search for each connected field would be quadratic.
+        let defaults = self.defaults.get_or_init(|| {
+            let fields = self.interface.iter().enumerate().rev();
+            fields.map(|(k, f)| (f.name.clone(), k)).collect()
+        });
+        let fields = instance.fields.iter();
+        let given: HashMap<&str, _> = fields.map(|f| (&*f.name, &f.value)).collect();
+        *made += instance.fields.len() as u64 / 8;
         let value_of = |name: &str| {
-            let default = || self.interface.iter().find(|f| *f.name == *name);
-            let given = instance.value(name);
-            given.or_else(|| default().map(|f| &f.value)).cloned()
+            let default = || Some(&self.interface[*defaults.get(name)?].value);
+            given.get(name).copied().or_else(default).cloned()
         };
-        self.body.first()?.instance(&value_of, made)
+        body.instance(&value_of, made)
     }
 }

@@ -13,6 +13,7 @@ use super::tree::{
 };
 use crate::ReadError;
 use crate::reading::text::{shortened, text};
+use crate::reading::xml::crowded_element;
 use roxmltree::{Node as Element, ParsingOptions};
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -37,6 +38,13 @@ pub(super) fn parse(
             found,
             "X3D without entity declarations",
         ));
+    }
+    if let Some((at, found)) = crowded_element(&text) {
+        let expected = "elements as the nodes of X3D";
+        return Err(ReadError {
+            position: source.position(at),
+            ..ReadError::whole(&*source.name, found, expected)
+        });
     }
     let whole = roxmltree::Document::parse_with_options(&text, options());
     let broken = match &whole {
@@ -257,19 +265,19 @@ impl X3dParser<'_, '_, '_> {
 
     /// Reads the child elements of a node: nodes, and the parts of a prototype.
     fn children(&mut self, element: Element, fields: &mut Vec<VrmlField>) -> Result<(), ReadError> {
-        let mut nodes: Vec<VrmlField> = Vec::new();
+        let mut nodes = ContainedNodes::default();
         for child in element.children().filter(Element::is_element) {
             match child.tag_name().name() {
                 "IS" => self.connections(child, fields),
                 "fieldValue" | "field" => fields.extend(self.given(child)?),
                 _ => {
                     if let Some((name, node)) = self.statement(child)? {
-                        contain(&mut nodes, name, node);
+                        nodes.add(name, node);
                     }
                 }
             }
         }
-        fields.append(&mut nodes);
+        fields.extend(nodes.into_fields());
         Ok(())
     }
 
@@ -334,12 +342,8 @@ impl X3dParser<'_, '_, '_> {
         self.names.leave();
         self.depth -= 1;
         let name = self.intern(element.attribute("name").unwrap_or_default());
-        self.names.define_proto(Prototype {
-            name,
-            interface,
-            body,
-            urls: Vec::new(),
-        });
+        self.names
+            .define_proto(Prototype::new(name, interface, body));
         Ok(())
     }
 
@@ -347,26 +351,36 @@ impl X3dParser<'_, '_, '_> {
         let urls = element.attribute("url").map(|url| value("url", url));
         let urls = urls.as_ref().and_then(FieldValue::strings);
         let name = self.intern(element.attribute("name").unwrap_or_default());
-        self.names.define_proto(Prototype {
+        self.names.define_proto(Prototype::elsewhere(
             name,
-            interface: Vec::new(),
-            body: Vec::new(),
-            urls: urls.unwrap_or_default().into_owned(),
-        });
+            urls.unwrap_or_default().into_owned(),
+        ));
     }
 }
 
-/// Adds a node to the field that contains it.
-fn contain(fields: &mut Vec<VrmlField>, name: Rc<str>, node: Rc<VrmlNode>) {
-    for field in fields.iter_mut() {
-        if let FieldValue::Nodes(nodes) = &mut field.value
-            && field.name == name
-        {
-            return nodes.push(node);
-        }
+/// The children of a node by the field that contains them, in the order in which the fields appear.
+#[derive(Default)]
+struct ContainedNodes {
+    lists: Vec<(Rc<str>, Vec<Rc<VrmlNode>>)>,
+    /// Index into `lists`; a search among them would be quadratic where each child has its own field.
+    known: HashMap<Rc<str>, usize>,
+}
+
+impl ContainedNodes {
+    fn add(&mut self, name: Rc<str>, node: Rc<VrmlNode>) {
+        let at = *self.known.entry(name.clone()).or_insert_with(|| {
+            self.lists.push((name, Vec::new()));
+            self.lists.len() - 1
+        });
+        self.lists[at].1.push(node);
     }
-    let value = FieldValue::Nodes(vec![node]);
-    fields.push(VrmlField { name, value });
+
+    fn into_fields(self) -> impl Iterator<Item = VrmlField> {
+        self.lists.into_iter().map(|(name, nodes)| VrmlField {
+            name,
+            value: FieldValue::Nodes(nodes),
+        })
+    }
 }
 
 /// The value of an attribute, parsed at once if it may hold many numbers.

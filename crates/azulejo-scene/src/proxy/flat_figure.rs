@@ -20,7 +20,7 @@ type Delaunay = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
 /// A figure as polygons.
 #[derive(Default)]
-pub(super) struct FlatFigure {
+pub(crate) struct FlatFigure {
     /// The corners on the border.
     pub points: Vec<DVec2>,
     /// Simple polygons that tile the inside; none of them has a hole.
@@ -32,7 +32,7 @@ pub(super) struct FlatFigure {
 }
 
 /// A simple polygon.
-pub(super) struct Tile {
+pub(crate) struct Tile {
     /// Its corners, counter-clockwise.
     pub ring: Vec<u32>,
     /// The triangles that were merged into it.

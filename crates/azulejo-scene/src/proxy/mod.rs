@@ -18,6 +18,8 @@ mod flat_figure;
 mod tests;
 mod triangle_pair;
 
+pub(crate) use flat_figure::FlatFigure;
+
 use crate::{Exact, Leaf, Mesh, Object, Scene, Shape, Solid};
 use builder::ProxyMeshBuilder;
 use facet::{Facet, FlatFigureCache, facets};

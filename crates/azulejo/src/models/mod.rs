@@ -22,6 +22,7 @@
 mod merging;
 mod pictures;
 mod reading;
+mod writable;
 mod written;
 
 pub use azulejo_formats::RecognizedModel;

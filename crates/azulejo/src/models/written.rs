@@ -1,6 +1,7 @@
 //! Writing of model files.
 
 use super::pictures::Pictures;
+use super::writable;
 use crate::output::{self, Draft, Output, OutputError};
 use azulejo_formats::{gltf, grf, obj, ply, sff, view3d};
 use azulejo_scene::Scene;
@@ -18,6 +19,8 @@ pub struct WrittenFormat {
     pub extension: &'static str,
     /// Whether it can store the irradiance on the vertices.
     pub keeps_light: bool,
+    /// Whether it stores light as numbers of 32 bits.
+    is_single: bool,
     writer: ModelWriter,
     losses: fn(&Scene) -> Vec<String>,
 }
@@ -45,6 +48,7 @@ pub static FORMATS: [WrittenFormat; 7] = [
     WrittenFormat {
         name: "GRF",
         extension: "grf",
+        is_single: false,
         writer: ModelWriter::Pictured(grf::write_with_pictures),
         keeps_light: true,
         losses: grf::losses,
@@ -52,6 +56,7 @@ pub static FORMATS: [WrittenFormat; 7] = [
     WrittenFormat {
         name: "OBJ",
         extension: "obj",
+        is_single: false,
         writer: ModelWriter::Two("mtl", obj::write),
         keeps_light: false,
         losses: obj::losses,
@@ -59,6 +64,7 @@ pub static FORMATS: [WrittenFormat; 7] = [
     WrittenFormat {
         name: "glTF",
         extension: "glb",
+        is_single: true,
         writer: ModelWriter::One(gltf::write),
         keeps_light: true,
         losses: gltf::losses,
@@ -66,6 +72,7 @@ pub static FORMATS: [WrittenFormat; 7] = [
     WrittenFormat {
         name: "glTF",
         extension: "gltf",
+        is_single: true,
         writer: ModelWriter::Two("bin", gltf::write_json),
         keeps_light: true,
         losses: gltf::losses,
@@ -73,6 +80,7 @@ pub static FORMATS: [WrittenFormat; 7] = [
     WrittenFormat {
         name: "PLY",
         extension: "ply",
+        is_single: true,
         writer: ModelWriter::One(ply::write),
         keeps_light: true,
         losses: ply::losses,
@@ -80,6 +88,7 @@ pub static FORMATS: [WrittenFormat; 7] = [
     WrittenFormat {
         name: "SFF",
         extension: "sff",
+        is_single: false,
         writer: ModelWriter::Several(sff::write),
         keeps_light: false,
         losses: sff::losses,
@@ -87,6 +96,7 @@ pub static FORMATS: [WrittenFormat; 7] = [
     WrittenFormat {
         name: "View3D",
         extension: "vs3",
+        is_single: false,
         writer: ModelWriter::One(view3d::write),
         keeps_light: false,
         losses: view3d::losses,
@@ -254,6 +264,10 @@ impl ModelOutput {
         home: Option<&Path>,
         progress: &Progress,
     ) -> Result<Vec<String>, OutputError> {
+        if let Some(problem) = writable::problem(scene, self.format.is_single) {
+            let error = io::Error::new(io::ErrorKind::InvalidData, problem);
+            return Err(self.model.error(error));
+        }
         let mut losses = self.format.losses(scene);
         match &self.format.writer {
             ModelWriter::Pictured(write) if self.model.file().is_some() => {
@@ -378,6 +392,58 @@ mod tests {
         let drafts = fs::read_dir(&folder).unwrap();
         let is_draft = |e: &fs::DirEntry| e.file_name().to_string_lossy().ends_with(".tmp");
         assert_eq!(drafts.flatten().filter(is_draft).count(), 0);
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    /// Nothing at all, in every format: what a reader makes of it is nothing again.
+    #[test]
+    fn an_empty_scene_reads_again() {
+        use crate::models::{Reading, read};
+        let folder = folder("empty");
+        for format in &FORMATS {
+            let path = folder.join(format!("empty.{}", format.extension));
+            write(&Scene::default(), &path, &Progress::new()).unwrap();
+            let again = read(&path, &Reading::default(), &Progress::new());
+            let again = again.unwrap_or_else(|e| panic!("{}: {e}", format.extension));
+            assert!(again.scene.objects.is_empty(), "{}", format.extension);
+        }
+        fs::remove_dir_all(folder).unwrap();
+    }
+
+    /// Light that is not finite, and light that only 64 bits can hold.
+    #[test]
+    fn what_no_reader_accepts_is_not_written() {
+        use azulejo_scene::{Rgb, Shape};
+        let folder = folder("overflow");
+        let lit = |irradiance: f64| {
+            let mut room = cube_room();
+            if let Shape::Mesh(mesh) = &mut room.objects[0].shape {
+                mesh.irradiance = vec![Rgb::grey(irradiance); mesh.positions.len()];
+            }
+            room
+        };
+        for format in &FORMATS {
+            let path = folder.join(format!("room.{}", format.extension));
+            let said = |light: f64| write(&lit(light), &path, &Progress::new()).err();
+            assert!(said(1e30).is_none(), "{}", format.extension);
+            let old = fs::read(&path).unwrap();
+            for bad in [f64::INFINITY, f64::NAN] {
+                let said = said(bad).unwrap().to_string();
+                assert!(said.contains("finite"), "{}: {said}", format.extension);
+            }
+            assert_eq!(
+                said(1e300).is_some(),
+                format.is_single,
+                "{}",
+                format.extension
+            );
+            if format.is_single {
+                assert_eq!(fs::read(&path).unwrap(), old);
+            }
+        }
+        let names = fs::read_dir(&folder).unwrap().flatten();
+        let drafts = names.filter(|e| e.file_name().to_string_lossy().ends_with(".tmp"));
+        assert_eq!(drafts.count(), 0);
         fs::remove_dir_all(folder).unwrap();
     }
 

@@ -13,11 +13,13 @@ use glam::DAffine3;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// Solids, and the depth of their nesting.
+/// Solids, the depth of their nesting, and the cost of copying them, in vertices and corners. If
+/// nothing is kept, only the numbers.
 #[derive(Debug, Default)]
 pub(in crate::grf) struct Made {
     solids: Vec<Solid>,
     depth: usize,
+    elements: u64,
 }
 
 /// The state of an `ext define`.
@@ -110,6 +112,9 @@ impl<'d> GrfResolver<'d> {
     ) -> ResolveResult<()> {
         let mut made = Made::default();
         self.solids(&block.solids, block.notes.material.as_ref(), &mut made)?;
+        if !self.instances.keeps() {
+            return Ok(());
+        }
         let mut exact = Exact::new(made.solids);
         if let Some(map) = outer {
             exact.transform(&map);
@@ -160,8 +165,8 @@ impl<'d> GrfResolver<'d> {
             SolidKind::Text(text) => self.text(text, brdf, place, made),
             SolidKind::Instance(of, map) => self.instance(of, map.as_deref(), place, made),
             SolidKind::Shell(pieces) => {
-                let pieces = self.operand(pieces, brdf, place, &mut made.depth)?;
-                made.solids.push(Solid::Shell(pieces));
+                let pieces = self.operand(pieces, brdf, place, made)?;
+                self.push(Solid::Shell(pieces), made);
                 Ok(())
             }
             SolidKind::Csg(csg) => self.csg(csg, brdf, place, made),
@@ -194,24 +199,33 @@ impl<'d> GrfResolver<'d> {
             SolidKind::Mesh(mesh) => Solid::Mesh(self.solid_mesh(mesh, brdf, place)?),
             _ => return Ok(()),
         };
-        made.solids.push(solid);
+        self.push(solid, made);
         Ok(())
     }
 
-    /// Solids one level deeper; `depth` is that of the whole to which they are added.
+    /// Adds a solid, of whose parts the cost is known.
+    fn push(&self, solid: Solid, made: &mut Made) {
+        made.elements += own_elements(&solid);
+        if self.instances.keeps() {
+            made.solids.push(solid);
+        }
+    }
+
+    /// Solids one level deeper than those of the whole to which they belong.
     fn operand(
         &mut self,
         blocks: &'d [SolidBlock],
         brdf: Option<&'d GrfName>,
         place: SourcePosition,
-        depth: &mut usize,
+        whole: &mut Made,
     ) -> ResolveResult<Vec<Solid>> {
         let mut made = Made::default();
         self.deeper(place)?;
         self.solids(blocks, brdf, &mut made)?;
         self.depth -= 1;
-        *depth = (*depth).max(made.depth + 1);
-        self.check_depth(*depth, place)?;
+        whole.elements = whole.elements.saturating_add(made.elements);
+        whole.depth = whole.depth.max(made.depth + 1);
+        self.check_depth(whole.depth, place)?;
         Ok(made.solids)
     }
 
@@ -222,15 +236,19 @@ impl<'d> GrfResolver<'d> {
         place: SourcePosition,
         made: &mut Made,
     ) -> ResolveResult<()> {
-        let left = self.operand(&block.left, brdf, place, &mut made.depth)?;
-        let right = self.operand(&block.right, brdf, place, &mut made.depth)?;
-        self.check_operand(&left, &block.left)?;
-        self.check_operand(&right, &block.right)?;
-        made.solids.push(Solid::Csg(Box::new(Csg {
-            operation: block.operation,
+        let left = self.operand(&block.left, brdf, place, made)?;
+        let right = self.operand(&block.right, brdf, place, made)?;
+        if self.instances.keeps() {
+            self.check_operand(&left, &block.left)?;
+            self.check_operand(&right, &block.right)?;
+        }
+        let operation = block.operation;
+        let csg = Csg {
+            operation,
             left,
             right,
-        })));
+        };
+        self.push(Solid::Csg(Box::new(csg)), made);
         Ok(())
     }
 
@@ -275,7 +293,7 @@ impl<'d> GrfResolver<'d> {
                 world_from_figure: text.map_at(glyph.pen),
                 material,
             };
-            made.solids.push(Solid::Prism(prism));
+            self.push(Solid::Prism(prism), made);
         }
         Ok(())
     }
@@ -303,12 +321,12 @@ impl<'d> GrfResolver<'d> {
         made: &mut Made,
     ) -> ResolveResult<()> {
         let defined = self.defined(of, place)?;
-        let elements = defined.solids.iter().map(elements).sum();
-        if let Err(exhausted) = self.instances.spend(elements) {
+        if let Err(exhausted) = self.instances.spend(defined.elements) {
             let error = exhausted.error("");
             return Err(self.fail(place, error.found, &error.expected));
         }
         made.depth = made.depth.max(defined.depth);
+        made.elements = made.elements.saturating_add(defined.elements);
         made.solids.reserve_exact(defined.solids.len());
         for solid in &defined.solids {
             let mut copy = solid.clone();
@@ -347,16 +365,14 @@ impl<'d> GrfResolver<'d> {
     }
 }
 
-/// The cost of copying a solid, in vertices and corners.
-fn elements(solid: &Solid) -> u64 {
-    let all = |solids: &[Solid]| solids.iter().map(elements).sum::<u64>();
-    // A solid takes as much memory as three vertices, a patch as much as seven.
-    3 + match solid {
-        Solid::Primitive(_) | Solid::Prism(_) => 0,
+/// The cost of copying a solid without the parts of a compound, in vertices and corners.
+fn own_elements(solid: &Solid) -> u64 {
+    // A solid takes as much memory as a dozen vertices, in the scene and where its surface is measured
+    // and traced.
+    12 + match solid {
         Solid::Patch(_) => 4,
         Solid::Mesh(mesh) => (mesh.positions.len() + mesh.faces.corners.len()) as u64,
-        Solid::Shell(pieces) => all(pieces),
-        Solid::Csg(csg) => all(&csg.left) + all(&csg.right),
+        Solid::Primitive(_) | Solid::Prism(_) | Solid::Shell(_) | Solid::Csg(_) => 0,
     }
 }
 

@@ -127,6 +127,13 @@ fn errors_say_where_and_what_is_nearest() {
 fn doubtful_models_are_named() {
     let said = warnings(&triangle("brdf phong n = 20 ks = 0.2 kd = 0.4"));
     assert!(said[0].contains("`phong` is not reciprocal"), "{said:?}");
+    // The one does not hide the other; 20 reflects too much where 2000 does not.
+    for n in [20, 2000] {
+        let said = warnings(&triangle(&format!("brdf phong n = {n} ks = 1 kd = 0.9")));
+        let second = if n == 20 { "degrees" } else { "kd + ks of 1.9" };
+        assert!(said[0].contains("`phong` is not reciprocal"), "{said:?}");
+        assert!(said[1].contains(second), "{said:?}");
+    }
     let said = warnings(&triangle("brdf ward_duer ax = 0.3 ks = 1"));
     assert!(said[0].contains("at 85 degrees"), "{said:?}");
     let none: [String; 0] = [];

@@ -383,3 +383,13 @@ fn textures_are_loaded_or_warned_of() {
     assert_eq!(loaded.scene.textures[1].image, None);
     assert!(loaded.warnings[0].message.contains("\"b.png\" skipped"));
 }
+
+/// A file with nothing in it is a list of no blocks.
+#[test]
+fn an_empty_scene_is_written_as_something() {
+    let text = written(&Scene::default());
+    assert_eq!(text, ";\n");
+    for text in [&*text, "// nothing\n", "\n", "def a = rgb (1,1,1)\n"] {
+        assert_eq!(scene(text), Scene::default(), "{text}");
+    }
+}

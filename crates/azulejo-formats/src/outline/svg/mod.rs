@@ -15,6 +15,7 @@ mod walk;
 
 use crate::outline::drawing::Drawing;
 use crate::reading::text::decoded_text;
+use crate::reading::xml::crowded_element;
 use crate::{ReadError, ReadOptions};
 use roxmltree::{Document, ParsingOptions};
 
@@ -28,6 +29,10 @@ pub fn read(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<Drawing, 
     if let Some(at) = text.find("<!ENTITY") {
         // An entity may stand for a megabyte, and be referenced a million times.
         let (found, expected) = ("XML that declares entities of its own", "SVG without them");
+        return Err(ReadError::at_byte(name, at as u64, found, expected));
+    }
+    if let Some((at, found)) = crowded_element(&text) {
+        let expected = "elements as those of drawings";
         return Err(ReadError::at_byte(name, at as u64, found, expected));
     }
     let parsing = ParsingOptions {

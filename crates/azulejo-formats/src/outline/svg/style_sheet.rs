@@ -6,7 +6,8 @@ use std::collections::HashMap;
 /// Rules of all `style` elements.
 #[derive(Debug, Default)]
 pub(super) struct StyleSheet {
-    /// Declarations by selector: `.class`, `#id`, `element` or `*`, each with its position in the sheet.
+    /// Declarations by selector: `.class`, `#id`, `element` or `*`; of each name the last, in the order
+    /// of the sheet.
     rules: HashMap<String, Vec<(String, String)>>,
     /// Number of rules with other selectors, which are not applied.
     pub not_applied: usize,
@@ -41,7 +42,12 @@ impl StyleSheet {
             for selector in selectors.split(',').map(str::trim) {
                 if is_simple(selector) {
                     let rules = self.rules.entry(selector.to_owned()).or_default();
-                    rules.extend(declarations.iter().cloned());
+                    for declaration in &declarations {
+                        // Only the last of a name counts, and every element of the class looks at
+                        // all that are kept.
+                        rules.retain(|(name, _)| *name != declaration.0);
+                        rules.push(declaration.clone());
+                    }
                 } else {
                     self.not_applied += 1
                 }

@@ -235,3 +235,39 @@ fn deep_files_do_not_overflow() {
     let text = format!("<svg>{}{}</svg>", "<g>".repeat(900), "</g>".repeat(900));
     assert!(read(text.as_bytes(), "a.svg", &ReadOptions::default()).is_ok());
 }
+
+/// Each takes seconds to hours where attributes, rules or repeated elements are compared with each other.
+#[test]
+fn crowded_elements_take_no_quadratic_time() {
+    let error = |content: &str| {
+        let text = format!("<svg>{content}</svg>");
+        let read = read(text.as_bytes(), "a.svg", &ReadOptions::default());
+        read.unwrap_err().to_string()
+    };
+    let many: String = (0..300_000).map(|k| format!(" a{k}=''")).collect();
+    let said = error(&format!("<g/><g{many}/>"));
+    assert!(said.contains("more than 1000 attributes"), "{said}");
+    let spaces: String = (0..900).map(|k| format!(" xmlns:a{k}='u{k}'")).collect();
+    let said = error(&format!("<g{spaces}>{}</g>", "<a899:g/>".repeat(100_000)));
+    assert!(said.contains("more than 256 namespaces"), "{said}");
+    // A hundred thousand classes with as many declarations.
+    let fill = "fill:red;".repeat(100_000);
+    let classes = "a ".repeat(100_000);
+    let path = "<path d='M0 0h4v3z'/>";
+    let found = drawing(&format!(
+        "<style>.a{{{fill}fill:blue}}</style><g class='{classes}'>{path}</g>"
+    ));
+    assert_eq!(found.shapes[0].color, Some(Rgb::new(0.0, 0.0, 1.0)));
+    // A long element in a million places.
+    let uses = |k: usize| {
+        format!(
+            "<g id='u{}'>{}</g>",
+            k + 1,
+            format!("<use href='#u{k}'/>").repeat(10)
+        )
+    };
+    let doubling: String = (0..6).map(uses).collect();
+    let long = format!("<g id='u0' class='{classes}'>{path}</g>");
+    let said = error(&format!("<defs>{long}{doubling}</defs><use href='#u6'/>"));
+    assert!(said.contains("expand to more than"), "{said}");
+}

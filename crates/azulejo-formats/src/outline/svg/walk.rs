@@ -103,7 +103,9 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
             depth: 0,
         }];
         while let Some(site) = open.pop() {
-            self.budget.spend(1).map_err(|e| e.error(self.file))?;
+            self.budget
+                .spend(cost(&site))
+                .map_err(|e| e.error(self.file))?;
             let Some(style) = site.style.of(site.element, &self.sheet) else {
                 continue;
             };
@@ -244,6 +246,9 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
         self.budget
             .spend(figure.curve_count() as u64)
             .map_err(|e| e.error(self.file))?;
+        if !self.budget.keeps() {
+            return Ok(());
+        }
         transform_figure(&mut figure, &site.map);
         if figure.contours.is_empty() {
             return Ok(());
@@ -280,6 +285,12 @@ impl<'a, 'i> SvgWalk<'a, 'i> {
             );
         }
     }
+}
+
+/// What drawing an element takes from the budget: each `use` of it parses its attributes again.
+fn cost(site: &PendingElement) -> u64 {
+    let attributes = site.element.attributes().filter(|_| site.depth > 0);
+    1 + attributes.map(|a| a.value().len() as u64).sum::<u64>()
 }
 
 /// Pushes the last child first, so that the first one is popped first.

@@ -206,3 +206,54 @@ fn numbers_that_are_none_do_no_harm() {
         .filter(|w| w.contains("with a singular or overflowing"));
     assert_eq!(lost.count(), 3, "{warnings:?}");
 }
+
+/// The parser of XML compares all attributes of an element, and looks prefixes up in a list.
+#[test]
+fn crowded_elements_are_refused() {
+    let error = |text: &str| {
+        let options = ReadOptions::default();
+        let read = super::super::read(text.as_bytes(), "a.x3d", &Memory::new(), &options);
+        read.unwrap_err().to_string()
+    };
+    let many = |kind: &str, count: usize| -> String {
+        let names = (0..count).map(|k| format!(" {kind}{k}='u{k}'"));
+        names.collect()
+    };
+    let shape = format!("<X3D>\n<Scene><Shape{}/></Scene></X3D>", many("a", 300_000));
+    let said = error(&shape);
+    assert!(said.starts_with("a.x3d:2:8"), "{said}");
+    assert!(said.contains("more than 1000 attributes"), "{said}");
+    let spaces = many("xmlns:a", 60_000);
+    let groups = "<a59999:Group/>".repeat(300_000);
+    let said = error(&format!("<X3D{spaces}><Scene>{groups}</Scene></X3D>"));
+    assert!(said.contains("more than"), "{said}");
+    let nested: String = (0..60_000)
+        .map(|k| format!("<Group xmlns:a{k}='u{k}'>"))
+        .collect();
+    let said = error(&format!("<X3D><Scene>{nested}"));
+    assert!(said.contains("more than 256 namespaces"), "{said}");
+}
+
+/// Children in fields of their own, and fields of a prototype that are connected one by one.
+#[test]
+fn very_many_fields_take_no_quadratic_time() {
+    let groups: String = (0..200_000)
+        .map(|k| format!("<Group containerField='c{k}'/>"))
+        .collect();
+    let text = format!("<X3D><Scene><Group>{groups}<Shape><Box/></Shape></Group></Scene></X3D>");
+    let read = super::super::read(
+        text.as_bytes(),
+        "a.x3d",
+        &Memory::new(),
+        &ReadOptions::default(),
+    );
+    assert_eq!(read.unwrap().scene.objects.len(), 1);
+    let list = |item: fn(usize) -> String| (0..150_000).map(item).collect::<String>();
+    let interface = list(|k| format!("field SFInt32 f{k} 1 "));
+    let connected = list(|k| format!("a{k} IS f{k} "));
+    let given = list(|k| format!("f{k} 2 "));
+    let (scene, _) = load(&format!(
+        "PROTO P [ {interface} ] {{ Shape {{ {connected} geometry Box {{}} }} }} P {{ {given} }}"
+    ));
+    assert_eq!(scene.objects.len(), 1);
+}

@@ -72,6 +72,9 @@ pub(super) fn walk(
     Ok(())
 }
 
+/// What a shape takes from the budget besides its vertices and corners.
+const SHAPE: u64 = 16;
+
 impl<'d> V1Traversal<'d, '_, '_> {
     /// Adds a warning about a node.
     pub fn warn(&mut self, node: &V1Node, message: impl Into<String>) {
@@ -90,7 +93,9 @@ impl<'d> V1Traversal<'d, '_, '_> {
     }
 
     fn visit(&mut self, node: &'d V1Node<'d>) -> Result<(), ReadError> {
-        self.builder.spend(1)?;
+        // However simple, a shape is an object.
+        let cost = if node.kind.is_shape() { SHAPE } else { 1 };
+        self.builder.spend(cost)?;
         match node.kind {
             V1NodeKind::Separator | V1NodeKind::Unknown => {
                 self.enter(node, &node.children, SavedState::All(Box::new(self.state)));

@@ -6,6 +6,7 @@ use super::super::quadrature::cosine_hemisphere;
 use super::square;
 use super::warp::{Mix, Tables, Warp, mix};
 use crate::Rgb;
+use crate::content::{ContentBytes, ContentSink};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 
@@ -31,6 +32,19 @@ pub struct HalfAngles {
     pub theta_d: f64,
     /// Azimuth of the light about the half vector, from the plane of the normal, radians in 0..=π.
     pub phi_d: f64,
+}
+
+impl ContentBytes for Merl {
+    fn feed(&self, sink: &mut ContentSink<'_>) {
+        // The density is derived from the values.
+        let Merl {
+            sizes,
+            values,
+            density: _,
+        } = self;
+        sizes.feed(sink);
+        values.feed(sink);
+    }
 }
 
 impl HalfAngles {

@@ -7,6 +7,7 @@ use super::super::quadrature::cosine_hemisphere;
 use super::square;
 use super::warp::{Mix, Tables, Warp, mix};
 use crate::Rgb;
+use crate::content::{ContentBytes, ContentSink, content_of_fields};
 use glam::DVec3;
 use std::f64::consts::{FRAC_1_PI, TAU};
 
@@ -27,6 +28,16 @@ pub struct Rgl {
     /// Red, green and blue of each pair of angles.
     rgb: Tables,
 }
+
+content_of_fields!(Rgl {
+    theta,
+    phi,
+    parts,
+    facets,
+    visible,
+    luminance,
+    rgb
+});
 
 /// The content of a file of the RGL database, tensors row by row.
 #[derive(Clone, Debug, Default)]

@@ -1,5 +1,7 @@
 //! Functions tabulated on the unit square, and densities of them that can be sampled.
 
+use crate::content::{ContentBytes, ContentSink, content_of_fields};
+
 /// Tables of the same size, each linear between its nodes, which lie on the edges too.
 #[derive(Clone, PartialEq)]
 pub(super) struct Tables {
@@ -41,6 +43,24 @@ fn between(nodes: &[f32], x: f64) -> (usize, f64) {
 
 fn lerp(a: f64, b: f64, t: f64) -> f64 {
     a + (b - a) * t
+}
+
+content_of_fields!(Tables {
+    width,
+    height,
+    values
+});
+
+/// Its tables, of which all else is derived.
+impl ContentBytes for Warp {
+    fn feed(&self, sink: &mut ContentSink<'_>) {
+        let Warp {
+            tables,
+            in_row: _,
+            below: _,
+        } = self;
+        tables.feed(sink);
+    }
 }
 
 impl Tables {

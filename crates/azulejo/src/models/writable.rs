@@ -1,0 +1,44 @@
+//! What no reader would accept is refused before it is written.
+
+use azulejo_scene::{LightKind, Mesh, Rgb, Scene, Shape};
+
+/// Why a scene must not be written, if so: it breaks the promises of scenes, as one does whose light
+/// overflowed, or `is_single` and it has light that numbers of 32 bits cannot hold.
+pub(super) fn problem(scene: &Scene, is_single: bool) -> Option<String> {
+    if let Err(invalid) = scene.validate() {
+        return Some(format!("the result is no valid scene: {invalid}"));
+    }
+    let brightest = if is_single { brightest(scene) } else { 0.0 };
+    (brightest > f64::from(f32::MAX)).then(|| {
+        format!("light of {brightest:e} is beyond what numbers of 32 bits hold, as this format has")
+    })
+}
+
+/// The largest number for light in a scene.
+fn brightest(scene: &Scene) -> f64 {
+    let all = |list: &[Rgb]| list.iter().map(|c| c.max_channel()).fold(0.0, f64::max);
+    let mesh = |mesh: &Mesh| {
+        let back = mesh.back.iter().flat_map(|b| {
+            let lit = b.irradiance.iter().flatten();
+            lit.chain(&b.error).map(|c| c.max_channel())
+        });
+        let front = all(&mesh.irradiance).max(all(&mesh.irradiance_error));
+        back.fold(front, f64::max)
+    };
+    let objects = scene.objects.iter().map(|o| match &o.shape {
+        Shape::Mesh(m) => mesh(m),
+        Shape::Primitive(p) => (p.light.iter())
+            .map(|l| all(&l.irradiance).max(all(&l.error)))
+            .fold(0.0, f64::max),
+        Shape::Exact(exact) => exact.proxy.iter().map(|m| mesh(m)).fold(0.0, f64::max),
+    });
+    let emitted = scene.materials.iter().map(|m| m.emission.max_channel());
+    let lights = scene.lights.iter().map(|l| match l.kind {
+        LightKind::Point { intensity, .. } | LightKind::Spot { intensity, .. } => {
+            intensity.max_channel()
+        }
+        LightKind::Directional { irradiance, .. } => irradiance.max_channel(),
+        LightKind::Ambient { radiance } => radiance.max_channel(),
+    });
+    objects.chain(emitted).chain(lights).fold(0.0, f64::max)
+}
