@@ -176,6 +176,25 @@ impl GatheredValues {
     }
 }
 
+/// The error of a stratum by interpolation, while it is summed.
+#[derive(Clone, Copy, Default)]
+struct StatedError {
+    /// Area of all points, of those that are interpolated, and the sum of these times the mean square
+    /// errors, (W/m²)².
+    all: f64,
+    interpolated: f64,
+    squares: f64,
+}
+
+impl StatedError {
+    /// Mean square over all points, with a mean `doubt` at those that are interpolated.
+    fn mean(&self, doubt: f64) -> f64 {
+        // Errors of single neighbourhoods are noise on both sides of the truth; their mean is not.
+        let sum = self.squares.max(0.0) + doubt * self.interpolated;
+        sum / self.all.max(f64::MIN_POSITIVE)
+    }
+}
+
 /// The records of a gather, each of which stands for the points of its cell.
 struct RecordGather {
     cells: RecordCells,
@@ -411,18 +430,19 @@ impl RecordGather {
         let goal = effort.error.unwrap_or(0.0);
         let permitted = strata.permitted(&self.found.errors(), goal);
         let found = Interpolator::new(tracer, &self.points).stencils(targets.points);
-        let mut stated = vec![(0.0, 0.0); strata.count()];
+        let mut stated = vec![StatedError::default(); strata.count()];
         let checked = found.into_iter().enumerate().map(|(i, stencil)| {
+            let (stratum, share) = (strata.of(i), strata.share(i));
+            // Points that are gathered have no error of interpolation, but count.
+            stated[stratum].all += share;
             let stencil = stencil?;
             let (error, doubt) = self.local_error(&stencil, &errors)?;
-            let stratum = strata.of(i);
             let most = MOST_LOCAL * SHARE * permitted[stratum];
-            let share = strata.share(i);
-            stated[stratum].1 += share;
             if error > most.max(doubt) {
                 return None;
             }
-            stated[stratum].0 += share * error;
+            stated[stratum].interpolated += share;
+            stated[stratum].squares += share * error;
             Some(stencil)
         });
         let found: Vec<Option<Stencil>> = checked.collect();
@@ -446,10 +466,8 @@ impl RecordGather {
             ..Gathering::new(targets)
         };
         let doubts = self.stratum_errors(&errors);
-        for (stratum, ((sum, share), (_, doubt))) in stated.into_iter().zip(doubts).enumerate() {
-            // Errors of single neighbourhoods are noise on both sides of the truth; their mean is not.
-            let error = (sum / f64::max(share, f64::MIN_POSITIVE)).max(0.0);
-            all.strata.interpolate(stratum, error + 0.5 * doubt);
+        for (stratum, (stated, (_, doubt))) in stated.into_iter().zip(doubts).enumerate() {
+            all.strata.interpolate(stratum, stated.mean(0.5 * doubt));
         }
         for (record, &i) in self.records.iter().enumerate() {
             all.values.add(i as usize, &self.known(record), 1.0);

@@ -8,6 +8,7 @@
 //! the points, and with it the error of the whole, stays what it is.
 
 use crate::gather::Gathering;
+use crate::sparse::PointKind;
 use azulejo_scene::Rgb;
 
 /// Points of a class, at least.
@@ -28,9 +29,15 @@ const EQUAL: f64 = 0.848_826_363_156_775_1;
 pub(crate) fn standard_errors(gathering: &Gathering) -> Vec<Rgb> {
     let mut found = vec![Rgb::BLACK; gathering.gathered.len()];
     for (stratum, error) in gathering.errors().iter().enumerate() {
-        for class in classes(gathering.strata.points(stratum), &gathering.spent) {
+        let points = gathering.strata.points(stratum);
+        // The error of interpolation is a mean over all points, of which some have none.
+        let is_interpolated = |i: u32| gathering.values.kind(i as usize) == PointKind::Interpolated;
+        let interpolated = points.iter().filter(|&&i| is_interpolated(i)).count();
+        let theirs = error.interpolation * points.len() as f64 / interpolated.max(1) as f64;
+        for class in classes(points, &gathering.spent) {
             for (&i, noise) in class.iter().zip(noise_of(&class, gathering, error.gain)) {
-                let fixed = error.discretization + error.interpolation;
+                let interpolation = if is_interpolated(i) { theirs } else { 0.0 };
+                let fixed = error.discretization + interpolation;
                 found[i as usize] = (noise + Rgb::grey(fixed)).map(f64::sqrt);
             }
         }
