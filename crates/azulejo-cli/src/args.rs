@@ -9,6 +9,7 @@ use super::lettering::{
 use super::placement::{self, Placement};
 use super::values::{self, UpArg};
 use azulejo_formats::{Lod, ReadOptions};
+use azulejo_render::FinalGather;
 use azulejo_render::rtrace::Side;
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use glam::DVec3;
@@ -403,10 +404,11 @@ pub struct ImageArgs {
     #[arg(long, value_name = "N",
           value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub spp: Option<u32>,
-    /// Final gathering: N rays at every hit instead of the irradiance of the vertices
-    #[arg(long, value_name = "N",
-          value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    pub gather: Option<u32>,
+    /// Where irradiance is gathered anew instead of interpolated between vertices: auto where the
+    /// corners of a face differ by more than half, as at the edges of shadows; off; or by N rays at
+    /// every hit [default: auto]
+    #[arg(long, value_name = "auto|off|N", value_parser = values::final_gather)]
+    pub gather: Option<FinalGather>,
     /// Path tracing instead of two passes: slow and unbiased, with a standard error for every
     /// pixel; the reference for both passes
     #[arg(long, conflicts_with = "gather")]

@@ -4,7 +4,7 @@ use super::args::{ImageArgs, RenderArgs, RenderStyle, ToneName};
 use super::failure::Failure;
 use super::report::{Report, count, number, percent, short};
 use super::session::Session;
-use super::{camera, input, pass, rtrace};
+use super::{camera, input, pass, rtrace, values};
 use azulejo::output::Output;
 use azulejo_formats::picture::{exr, hdr, png};
 use azulejo_render::{ReferencePass, SecondPass, Tone};
@@ -153,7 +153,7 @@ fn options(picture: &ImageArgs, seed: u64, size: (u32, u32)) -> SecondPass {
     SecondPass {
         size,
         samples_per_pixel: picture.spp.unwrap_or(SAMPLES),
-        gather: picture.gather,
+        gather: picture.gather.unwrap_or(values::DEFAULT_GATHER),
         seed,
         ..SecondPass::default()
     }

@@ -1,6 +1,7 @@
 //! Parsers of option values: `1%`, `60s`, `4G`, `640x480`, `1,2,3`.
 
 use azulejo_formats::Lod;
+use azulejo_render::FinalGather;
 use azulejo_render::rtrace::Side;
 use azulejo_scene::Up;
 use glam::DVec3;
@@ -13,6 +14,24 @@ fn number(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(x) if x.is_finite() => Ok(x),
         _ => Err(format!("\"{text}\" is not a number")),
+    }
+}
+
+/// Most rays of a final gather.
+const MOST_GATHER_RAYS: u32 = 1_000_000;
+
+/// The default of images: few rays, as there are many samples in a pixel.
+pub const DEFAULT_GATHER: FinalGather = FinalGather::Uneven(16);
+
+/// Where irradiance is gathered: `auto`, `off`, or a number of rays for everywhere.
+pub fn final_gather(text: &str) -> Result<FinalGather, String> {
+    match text.parse() {
+        _ if text == "auto" => Ok(DEFAULT_GATHER),
+        _ if text == "off" => Ok(FinalGather::Unknown),
+        Ok(rays @ 1..=MOST_GATHER_RAYS) => Ok(FinalGather::Everywhere(rays)),
+        _ => Err(format!(
+            "\"{text}\" is not auto, off, or a number of rays from 1 to {MOST_GATHER_RAYS}"
+        )),
     }
 }
 

@@ -7,7 +7,7 @@
 #[path = "../tests/it/gallery.rs"]
 mod gallery;
 
-use azulejo_render::{SecondPass, render};
+use azulejo_render::{FinalGather, SecondPass, render};
 use azulejo_scene::{Camera, Material, Rgb, Scene};
 use azulejo_trace::{Progress, Tracer};
 use std::time::SystemTime;
@@ -16,24 +16,33 @@ fn main() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build();
     pool.expect("a pool of one thread").install(|| {
         let (mut scene, eye) = gallery::gallery(45);
-        report("mirror and glass", &scene, &eye, None);
-        report("final gather, 16 rays", &scene, &eye, Some(16));
+        report("mirror and glass", &scene, &eye, FinalGather::Unknown);
+        report(
+            "final gather, 16 rays",
+            &scene,
+            &eye,
+            FinalGather::Everywhere(16),
+        );
         for material in &mut scene.materials[4..] {
             *material = Material::diffuse("matt", Rgb::grey(0.7));
         }
-        report("matt", &scene, &eye, None);
+        report("matt", &scene, &eye, FinalGather::Unknown);
     });
 }
 
 #[allow(clippy::print_stdout)] // The output of the benchmark.
-fn report(name: &str, scene: &Scene, eye: &Camera, gather: Option<u32>) {
+fn report(name: &str, scene: &Scene, eye: &Camera, gather: FinalGather) {
     let wanted = std::env::args().skip(1).find(|a| !a.starts_with("--"));
     if wanted.is_some_and(|w| !name.contains(&w)) {
         return;
     }
     let options = SecondPass {
         size: (256, 256),
-        samples_per_pixel: if gather.is_some() { 1 } else { 16 },
+        samples_per_pixel: if gather == FinalGather::Unknown {
+            16
+        } else {
+            1
+        },
         gather,
         ..SecondPass::default()
     };

@@ -1,10 +1,10 @@
 //! Radiance along rays: the irradiance of the first pass, seen through mirrors and glass and by way
 //! of glossy lobes.
 
-use crate::SecondPass;
 use crate::path_sampler::PathSampler;
 use crate::render_scene::{RenderScene, ShadowBatch};
 use crate::shading::{Colors, Parts, Shading, mirrored};
+use crate::{FinalGather, SecondPass};
 use azulejo_scene::math::Ray;
 use azulejo_scene::{Material, Rgb, Scene};
 use azulejo_trace::interaction::{
@@ -20,17 +20,13 @@ use std::f64::consts::FRAC_1_PI;
 /// Ends paths that carry little of what the camera sees: a hall of mirrors ends.
 const ROULETTE: Roulette = Roulette::below(Roulette::SHARE);
 
-/// Gather rays per hit on a side of which the scene carries no irradiance.
-const BACK_RAYS: u32 = 32;
-
 /// About how many rays one call of the gatherer traces: bounds its memory.
 const GATHER_BATCH: u32 = 16_384;
 
 /// Finds radiance in one scene under one set of options. Immutable, shared by all threads.
 pub(crate) struct Integrator<'a> {
     scene: RenderScene<'a>,
-    /// Gather rays per diffuse hit; `None` to show the irradiance of the first pass.
-    gather: Option<u32>,
+    gather: FinalGather,
     /// Whether the scene carries irradiance.
     is_solved: bool,
     seed: u32,
@@ -144,7 +140,7 @@ impl<'a> Integrator<'a> {
     /// Runs the deferred gathers and adds what they find to their rays.
     fn resolve(&self, scratch: &mut Scratch, found: &mut [RayRadiance]) {
         let options = GatherOptions {
-            rays: self.gather.unwrap_or(BACK_RAYS),
+            rays: self.gather.rays(),
             seed: self.seed,
             spent: 0,
             termination: Termination::Radiosity,
@@ -236,15 +232,17 @@ impl<'a> CameraPath<'_, 'a> {
         if segment.is_sharp {
             reflectance = Colors::new(reflectance, material.brdf.as_deref()).lambert;
         }
-        let shows_patches =
-            self.integrator.gather.is_none() || (self.integrator.is_solved && !segment.is_sharp);
+        let is_everywhere = matches!(self.integrator.gather, FinalGather::Everywhere(_));
+        let shows_patches = !is_everywhere || (self.integrator.is_solved && !segment.is_sharp);
         if shows_patches {
             let solved = self.integrator.scene.interpolator.lookup(&at.ray, &at.hit);
+            let may_gather = matches!(self.integrator.gather, FinalGather::Uneven(_));
+            let is_uneven = may_gather && segment.is_sharp && solved.is_uneven(at.front);
             match solved.irradiance(at.front) {
-                Some(irradiance) => return irradiance * reflectance * FRAC_1_PI,
+                Some(irradiance) if !is_uneven => return irradiance * reflectance * FRAC_1_PI,
                 // Without a solution only lamps show.
                 None if at.front => return Rgb::BLACK,
-                None => {}
+                _ => {}
             }
         }
         let tracer = self.integrator.tracer();

@@ -5,6 +5,9 @@ use azulejo_scene::{Material, Mesh, Primitive, Rgb, Scene, Shape, TriangleTree};
 use azulejo_trace::{Item, KernelHit, KernelRay, Tracer};
 use glam::{DVec2, DVec3};
 
+/// The irradiance of corners may differ by this share of the largest.
+const UNEVEN: f64 = 0.5;
+
 /// Interpolates the values of vertices at the hits of a tracer.
 pub(crate) struct Interpolator<'a> {
     scene: &'a Scene,
@@ -280,6 +283,37 @@ impl IrradianceLookup<'_> {
         }
     }
 
+    /// Whether the irradiance of the corners differs so much, beyond their standard errors, that the
+    /// light between them is not known: it may change at a line, and it may not change at all where
+    /// a corner alone is lit through a gap.
+    pub fn is_uneven(&self, front: bool) -> bool {
+        match (&self.source, front) {
+            (IrradianceSource::Mesh(mesh, weights), true)
+            | (IrradianceSource::Exact(Some((mesh, weights))), true) => weights.is_uneven(
+                mesh,
+                &|v| mesh.irradiance.get(v).copied(),
+                &mesh.irradiance_error,
+            ),
+            (IrradianceSource::Mesh(mesh, weights), false) => {
+                mesh.back.as_deref().is_some_and(|back| {
+                    let value = |v: usize| back.irradiance.get(v).copied().flatten();
+                    weights.is_uneven(mesh, &value, &back.error)
+                })
+            }
+            (IrradianceSource::Primitive(p, part, u, v), true) => {
+                let light = p.light.as_ref();
+                light.is_some_and(|light| {
+                    let values = light.around(*part, *u, *v).map(|k| {
+                        let error = light.error.get(k).copied().unwrap_or_default();
+                        (light.irradiance[k].mean(), error.mean())
+                    });
+                    differ(values)
+                })
+            }
+            (IrradianceSource::Primitive(..) | IrradianceSource::Exact(_), _) => false,
+        }
+    }
+
     /// Size of the patch, scene units: from nearer than this its interpolated irradiance is too
     /// coarse. Infinite where there is no irradiance.
     pub fn footprint(&self) -> f32 {
@@ -321,6 +355,22 @@ impl Weights {
         }
     }
 
+    /// Whether the values of the corners differ beyond their errors; see [`differ`].
+    fn is_uneven(
+        &self,
+        mesh: &Mesh,
+        value: &impl Fn(usize) -> Option<Rgb>,
+        errors: &[Rgb],
+    ) -> bool {
+        let corners = self.corners.iter();
+        let known = corners.filter_map(|&c| {
+            let vertex = mesh.faces.corners[c] as usize;
+            let error = errors.get(vertex).copied().unwrap_or_default();
+            Some((value(vertex)?.mean(), error.mean()))
+        });
+        differ(known)
+    }
+
     /// The mean of the irradiance on the backs of vertices, if all of them have any.
     fn of_backs(&self, mesh: &Mesh) -> Option<Rgb> {
         let back = mesh.back.as_deref()?;
@@ -349,6 +399,16 @@ impl Weights {
                 .sum(),
         )
     }
+}
+
+/// Whether the largest of some values exceeds the least by more than the share [`UNEVEN`] of itself
+/// and three of their standard errors.
+fn differ(values: impl IntoIterator<Item = (f64, f64)>) -> bool {
+    let start = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
+    let (least, most, error) = values.into_iter().fold(start, |(a, b, e), (value, error)| {
+        (a.min(value), b.max(value), e.max(error))
+    });
+    most - least > UNEVEN * most + 3.0 * error
 }
 
 /// Bilinear coordinates `(s, t)`, in 0..=1, of the point

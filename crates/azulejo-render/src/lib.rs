@@ -20,6 +20,6 @@ pub mod rtrace;
 mod shading;
 mod tone;
 
-pub use pass::{SecondPass, radiance, render};
+pub use pass::{FinalGather, SecondPass, radiance, render};
 pub use reference::{Reference, ReferencePass, reference, reference_radiance, relative_rmse};
 pub use tone::{REINHARD_WHITE, Tone, auto_exposure, srgb_from_linear, tone_map};

@@ -15,11 +15,8 @@ pub struct SecondPass {
     pub size: (u32, u32),
     /// Camera paths per pixel; 0 counts as 1.
     pub samples_per_pixel: u32,
-    /// Final gather: rays over the hemisphere at each path's first diffuse hits, with the direct
-    /// light of all lamps and lights, instead of the interpolated irradiance of the vertices. It
-    /// hides the patches and sharpens contact shadows. It also renders a scene without irradiance,
-    /// slowly: light is then followed over its first bounces only.
-    pub gather: Option<u32>,
+    /// Where irradiance is gathered instead of interpolated between vertices.
+    pub gather: FinalGather,
     /// Keys all random numbers. The same seed gives the same bits, whatever the threads.
     pub seed: u64,
     /// A safety cap on mirrors and boundaries along one path, for closed rooms of perfect
@@ -28,13 +25,43 @@ pub struct SecondPass {
     pub max_depth: u32,
 }
 
+/// Where paths gather irradiance, by rays over the hemisphere and the direct light of all lamps and
+/// lights, at the diffuse surfaces that the camera sees straight or by mirrors and glass, instead of
+/// interpolating it between vertices.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FinalGather {
+    /// Nowhere but on sides of which the scene carries no irradiance.
+    #[default]
+    Unknown,
+    /// Also where the irradiance of the corners of a face differs so much that the light between
+    /// them is not known: at the edges of shadows, and where a face passes from the light into the
+    /// dark. So many rays at each hit.
+    Uneven(u32),
+    /// Everywhere, with so many rays at each hit. This hides the patches and sharpens contact shadows.
+    /// It also renders a scene without irradiance, slowly: light is then followed over its first
+    /// bounces only.
+    Everywhere(u32),
+}
+
+impl FinalGather {
+    /// Rays of a gather.
+    pub(crate) fn rays(self) -> u32 {
+        /// On a side of which the scene carries no irradiance.
+        const BACK_RAYS: u32 = 32;
+        match self {
+            FinalGather::Unknown => BACK_RAYS,
+            FinalGather::Uneven(rays) | FinalGather::Everywhere(rays) => rays.max(1),
+        }
+    }
+}
+
 impl Default for SecondPass {
     /// 512 × 512 pixels, 16 samples each, no final gather, seed 0, at most 1000 interfaces.
     fn default() -> SecondPass {
         SecondPass {
             size: (512, 512),
             samples_per_pixel: 16,
-            gather: None,
+            gather: FinalGather::Unknown,
             seed: 0,
             max_depth: 1000,
         }
@@ -47,7 +74,10 @@ impl SecondPass {
     fn batch(&self) -> u32 {
         const RAYS: u32 = 4096;
         const GATHER_RAYS: u32 = 1 << 18;
-        let gathers = self.gather.unwrap_or(0).max(1);
+        let gathers = match self.gather {
+            FinalGather::Everywhere(rays) => rays.max(1),
+            FinalGather::Unknown | FinalGather::Uneven(_) => 1,
+        };
         (GATHER_RAYS / gathers).clamp(1, RAYS)
     }
 }

@@ -105,9 +105,25 @@ impl SurfaceGrid {
 impl SurfaceLight {
     /// Bilinearly interpolated irradiance at `(u, v)` of a part; black for a part without grid.
     pub fn at(&self, part: usize, u: f64, v: f64) -> Rgb {
-        let Some(grid) = self.grids.get(part) else {
+        let Some(cell) = self.cell(part, u, v) else {
             return Rgb::BLACK;
         };
+        let ([a, b, c, d], fu, fv) = cell;
+        let value = |k: usize| self.irradiance[k];
+        (1.0 - fv) * ((1.0 - fu) * value(a) + fu * value(b))
+            + fv * ((1.0 - fu) * value(c) + fu * value(d))
+    }
+
+    /// The corners of the grid's cell at `(u, v)` of a part, as indices of `irradiance`; none for a part
+    /// without grid.
+    pub fn around(&self, part: usize, u: f64, v: f64) -> impl Iterator<Item = usize> + use<> {
+        let cell = self.cell(part, u, v);
+        cell.into_iter().flat_map(|(corners, ..)| corners)
+    }
+
+    /// The corners of a cell, row by row, and where `(u, v)` lies between them.
+    fn cell(&self, part: usize, u: f64, v: f64) -> Option<([usize; 4], f64, f64)> {
+        let grid = self.grids.get(part)?;
         let start: usize = self.grids[..part].iter().map(SurfaceGrid::vertices).sum();
         let split = |x: f64, n: u32| {
             let x = x.clamp(0.0, 1.0) * f64::from(n);
@@ -116,9 +132,12 @@ impl SurfaceLight {
         };
         let ((i, fu), (j, fv)) = (split(u, grid.nu), split(v, grid.nv));
         let row = grid.nu as usize + 1;
-        let value = |di: usize, dj: usize| self.irradiance[start + (j + dj) * row + i + di];
-        (1.0 - fv) * ((1.0 - fu) * value(0, 0) + fu * value(1, 0))
-            + fv * ((1.0 - fu) * value(0, 1) + fu * value(1, 1))
+        let corner = |di: usize, dj: usize| start + (j + dj) * row + i + di;
+        Some((
+            [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)],
+            fu,
+            fv,
+        ))
     }
 }
 

@@ -7,7 +7,7 @@
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
 use azulejo::radiosity::{self, FirstPass};
-use azulejo::render::{self, ReferencePass, SecondPass};
+use azulejo::render::{self, FinalGather, ReferencePass, SecondPass};
 use azulejo::scene::synthetic::{CornellVariant, cornell_box};
 use azulejo::scene::{Image, Scene};
 use azulejo::trace::{Progress, Tracer};
@@ -73,17 +73,26 @@ fn measure(name: &str, scene: &Scene) {
     let known = truth.relative_error();
     line(format!("truth, {TRUTH} samples"), f64::NAN, known, f64::NAN);
     line(format!("reference, {TIMED} samples"), cost, noise, cost);
-    for (patches, gather, samples) in [(1_500, None, 64), (10_000, None, 64), (1_500, Some(64), 16)]
-    {
+    let (unknown, uneven) = (FinalGather::Unknown, FinalGather::Uneven(16));
+    for (patches, gather, samples) in [
+        (1_500, unknown, 64),
+        (10_000, unknown, 64),
+        (1_500, uneven, 64),
+        (1_500, FinalGather::Everywhere(64), 16),
+    ] {
         let (image, cpu) = timed(|| two_passes(scene, patches, gather, samples));
         let error = render::relative_rmse(&image, &truth.image);
-        let gathers = gather.map_or(String::new(), |n| format!(", gather {n}"));
+        let gathers = match gather {
+            FinalGather::Unknown => String::new(),
+            FinalGather::Uneven(rays) => format!(", gather {rays} where uneven"),
+            FinalGather::Everywhere(rays) => format!(", gather {rays}"),
+        };
         let how = format!("two passes, {patches} patches, {samples} samples{gathers}");
         line(how, cpu, error, cost * (noise / error).powi(2));
     }
 }
 
-fn two_passes(scene: &Scene, patches: usize, gather: Option<u32>, samples: u32) -> Image {
+fn two_passes(scene: &Scene, patches: usize, gather: FinalGather, samples: u32) -> Image {
     let first = FirstPass {
         size: azulejo::factors::PatchSize::Count(patches),
         ..FirstPass::default()

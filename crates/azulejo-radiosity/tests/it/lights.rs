@@ -2,7 +2,7 @@
 
 use crate::rooms::*;
 use azulejo_radiosity::{Estimate, FirstPass, PatchSize, PointNormal, solve};
-use azulejo_scene::{Light, LightKind, Material, Object, Primitive, Rgb, Scene, Shape};
+use azulejo_scene::{Light, LightKind, Material, Mesh, Object, Primitive, Rgb, Scene, Shape};
 use azulejo_trace::lambert::point_to_polygon;
 use azulejo_trace::{Progress, Tracer};
 use glam::{DVec3, dvec3};
@@ -240,6 +240,29 @@ fn lamp_room(n: u32, table: bool) -> Scene {
 
 const LAMP_HEIGHT: f64 = 5.9;
 
+/// The same with pieces of the lamp that differ a little, so that they are not one again.
+fn crowded_room(n: u32, table: bool) -> Scene {
+    let mut scene = lamp_room(n, table);
+    let lamp = scene.materials.iter().position(Material::is_emitter);
+    let lamp = lamp.expect("a lamp");
+    let mut other = scene.materials[lamp].clone();
+    other.emission *= 1.0 + 1e-9;
+    let other = scene.add_material(other);
+    let is_lamp = |mesh: &&mut Mesh| mesh.face_materials.contains(&(lamp as u32));
+    let meshes = scene.objects.iter_mut().filter_map(|o| match &mut o.shape {
+        Shape::Mesh(mesh) => Some(mesh),
+        _ => None,
+    });
+    for mesh in meshes.filter(is_lamp) {
+        for (k, material) in (0..).zip(&mut mesh.face_materials) {
+            if (k / n + k % n) % 2 == 1 {
+                *material = other;
+            }
+        }
+    }
+    scene
+}
+
 /// On the floor, and close to the lamp: on its level, facing its edge, 0.007 below it.
 fn beside_lamp() -> Vec<PointNormal> {
     let mut points: Vec<PointNormal> = (0..8)
@@ -270,7 +293,7 @@ fn check_crowd(n: u32, table: bool, most: u32, within: f64) {
         bounces: Some(0),
         ..rays(most)
     };
-    let found = irradiance(&lamp_room(n, table), &beside_lamp(), &pass);
+    let found = irradiance(&crowded_room(n, table), &beside_lamp(), &pass);
     let (mut square, mut z, mut mean) = (0.0, 0.0f64, 0.0);
     for (t, e) in truth.iter().zip(&found) {
         let (t, (value, error)) = (t.value.mean(), grey(e));
@@ -301,6 +324,22 @@ fn many_lamps() {
         check_crowd(3, table, 256, 1e-2);
         check_crowd(12, table, 256, 3e-2);
         check_crowd(33, table, 1 << 12, 8e-2);
+    }
+}
+
+/// Tiles that emit alike are one lamp, to the last digits.
+#[test]
+fn a_lamp_in_pieces_is_one_lamp() {
+    let pass = FirstPass {
+        bounces: Some(0),
+        ..rays(256)
+    };
+    let [whole, pieces] = [1, 9].map(|n| irradiance(&lamp_room(n, false), &beside_lamp(), &pass));
+    for (a, b) in whole.iter().zip(&pieces) {
+        assert!(
+            (a.value.mean() - b.value.mean()).abs() < 1e-9,
+            "{a:?} {b:?}"
+        );
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::gallery::gallery;
 use crate::{assert_close, camera, primitive, radiance_along};
-use azulejo_render::{SecondPass, render};
+use azulejo_render::{FinalGather, SecondPass, render};
 use azulejo_scene::{Fog, Image, Material, Primitive, Rgb, Scene};
 use azulejo_trace::{Cancelled, Progress, Tracer};
 use glam::DVec3;
@@ -102,7 +102,11 @@ fn drawn_by(threads: usize, options: &SecondPass) -> Image {
 
 #[test]
 fn threads_do_not_change_a_bit() {
-    for gather in [None, Some(4)] {
+    for gather in [
+        FinalGather::Unknown,
+        FinalGather::Uneven(4),
+        FinalGather::Everywhere(4),
+    ] {
         let options = SecondPass {
             size: (45, 33),
             samples_per_pixel: 3,

@@ -1,7 +1,7 @@
 //! Rendering of exact shapes: irradiance read from their proxy meshes, and their emission.
 
 use crate::{assert_close, camera, polygon, radiance_along};
-use azulejo_render::{SecondPass, render};
+use azulejo_render::{FinalGather, SecondPass, render};
 use azulejo_scene::{
     Contour, Csg, Curve, Exact, Figure, FillRule, Material, Mesh, Object, Operation, Primitive,
     Prism, Rgb, Scene, Shape, Solid,
@@ -193,7 +193,7 @@ fn gathers_see_exact_lamps_once() {
         let all = std::iter::once(shape(map)).chain(others.iter().cloned());
         scene.objects.extend(all.map(|s| Object::new("lamp", s)));
         let options = SecondPass {
-            gather: Some(4096),
+            gather: FinalGather::Everywhere(4096),
             samples_per_pixel: 4,
             ..SecondPass::default()
         };

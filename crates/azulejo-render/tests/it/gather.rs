@@ -2,14 +2,14 @@
 
 use crate::furnace::room;
 use crate::{assert_close, mesh_of, polygon, primitive, radiance_along};
-use azulejo_render::SecondPass;
-use azulejo_scene::{Light, LightKind, Material, Primitive, Rgb, Scene};
+use azulejo_render::{FinalGather, SecondPass};
+use azulejo_scene::{Light, LightKind, Material, Primitive, Rgb, Scene, SurfaceGrid, SurfaceLight};
 use glam::DVec3;
 use std::f64::consts::PI;
 
 fn gathering(rays: u32) -> SecondPass {
     SecondPass {
-        gather: Some(rays),
+        gather: FinalGather::Everywhere(rays),
         samples_per_pixel: 64,
         ..SecondPass::default()
     }
@@ -86,6 +86,63 @@ fn backs_are_lit_by_what_is_behind_also_without_a_final_gather() {
         Rgb::new(0.8, 0.5, 0.3),
         1e-5,
     );
+}
+
+/// A floor of given irradiance under a bulb that gives another, seen with gathers where corners
+/// differ.
+fn look_at_uneven(irradiance: [f64; 4], errors: &[Rgb]) -> Rgb {
+    let mut scene = Scene::default();
+    let sheet = floor(&mut scene);
+    let mesh = mesh_of(&mut scene, sheet);
+    mesh.irradiance = irradiance.map(|e| Rgb::grey(PI * e)).to_vec();
+    mesh.irradiance_error = errors.to_vec();
+    add_bulb(&mut scene, 2.0);
+    let options = SecondPass {
+        gather: FinalGather::Uneven(4),
+        ..SecondPass::default()
+    };
+    look_at_floor(&scene, 3.0, &options)
+}
+
+#[test]
+fn where_corners_differ_by_half_light_is_gathered() {
+    let floor = Rgb::new(0.8, 0.5, 0.3);
+    let lit = floor * Rgb::new(2.0, 4.0, 8.0) / (4.0 * PI);
+    assert_close(look_at_uneven([1.0, 1.0, 0.0, 0.0], &[]), lit, 1e-5);
+    assert_close(look_at_uneven([1.0; 4], &[]), floor, 1e-5);
+    // Half of the largest is not enough, and neither is noise.
+    let even = look_at_uneven([1.0, 0.6, 1.0, 0.6], &[]);
+    assert!((even.r / floor.r - 0.8).abs() < 0.01, "{even:?}");
+    let noisy = look_at_uneven([1.0, 0.0, 1.0, 0.0], &[Rgb::grey(PI * 0.2); 4]);
+    assert!((noisy.r / floor.r - 0.5).abs() < 0.02, "{noisy:?}");
+}
+
+#[test]
+fn primitives_are_gathered_where_a_cell_is_uneven() {
+    let mut scene = Scene::default();
+    let white = scene.add_material(Material::diffuse("floor", Rgb::grey(0.5)));
+    let corner = DVec3::new(-9.0, -9.0, 0.0);
+    let mut sheet = Primitive::parallelogram(corner, 18.0 * DVec3::X, 18.0 * DVec3::Y, white);
+    // Two cells, of which the second is seen: even first, then not.
+    let light = |values: [f64; 6]| SurfaceLight {
+        grids: vec![SurfaceGrid { nu: 2, nv: 1 }],
+        irradiance: values.map(|e| Rgb::grey(PI * e)).to_vec(),
+        error: Vec::new(),
+    };
+    let mut look = |values| {
+        sheet.light = Some(light(values));
+        let mut scene = scene.clone();
+        primitive(&mut scene, sheet.clone());
+        add_bulb(&mut scene, 2.0);
+        let options = SecondPass {
+            gather: FinalGather::Uneven(4),
+            ..SecondPass::default()
+        };
+        look_at_floor(&scene, 3.0, &options)
+    };
+    assert_close(look([0.0, 1.0, 1.0, 0.0, 1.0, 1.0]), Rgb::grey(0.5), 1e-5);
+    let lit = Rgb::new(2.0, 4.0, 8.0) * (0.5 / (4.0 * PI));
+    assert_close(look([1.0, 1.0, 0.0, 1.0, 1.0, 0.0]), lit, 1e-5);
 }
 
 /// The furnace seen with a final gather.

@@ -211,7 +211,7 @@ fn images_carry_their_errors() {
     let options = SecondPass {
         size: (24, 16),
         samples_per_pixel: 256,
-        gather: Some(256),
+        gather: azulejo_render::FinalGather::Everywhere(256),
         ..SecondPass::default()
     };
     let seen = render(&scene, &tracer, &eye, &options, &Progress::new()).unwrap();

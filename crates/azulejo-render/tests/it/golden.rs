@@ -9,7 +9,7 @@ mod scenes;
 
 use crate::gallery::gallery;
 use azulejo_formats::picture::png;
-use azulejo_render::{SecondPass, Tone, render, srgb_from_linear, tone_map};
+use azulejo_render::{FinalGather, SecondPass, Tone, render, srgb_from_linear, tone_map};
 use azulejo_scene::{Camera, Scene};
 use azulejo_trace::{Progress, Tracer};
 use std::path::Path;
@@ -25,7 +25,7 @@ const OUTLIERS: usize = 40;
 const VERTICES: SecondPass = SecondPass {
     size: (SIZE, SIZE),
     samples_per_pixel: 16,
-    gather: None,
+    gather: FinalGather::Unknown,
     seed: 0,
     max_depth: 1000,
 };
@@ -33,7 +33,7 @@ const VERTICES: SecondPass = SecondPass {
 /// Direct light by formula and shadow rays, the rest by final gathers.
 const GATHER: SecondPass = SecondPass {
     samples_per_pixel: 9,
-    gather: Some(4),
+    gather: FinalGather::Everywhere(4),
     ..VERTICES
 };
 

@@ -5,7 +5,7 @@ use super::{App, JobResult, Severity};
 use crate::document::{SceneDocument, Solution};
 use crate::jobs::{JobKind, JobSender, in_thread_pool};
 use azulejo::formats::picture::{exr, png};
-use azulejo::render::{SecondPass, Tone, auto_exposure, render, tone_map};
+use azulejo::render::{FinalGather, SecondPass, Tone, auto_exposure, render, tone_map};
 use azulejo::scene::{Camera, Image, Scene};
 use azulejo::trace::{Progress, Tracer};
 use std::io::{self, Write};
@@ -175,7 +175,11 @@ impl RenderJob {
             let options = SecondPass {
                 size,
                 samples_per_pixel: samples,
-                gather: self.gather.or((!is_lit).then_some(GATHER)),
+                gather: match self.gather {
+                    Some(rays) => FinalGather::Everywhere(rays),
+                    None if is_lit => FinalGather::Uneven(GATHER),
+                    None => FinalGather::Everywhere(GATHER),
+                },
                 seed,
                 ..SecondPass::default()
             };

@@ -2,7 +2,7 @@
 
 use azulejo::factors::PointNormal;
 use azulejo::radiosity::{self, FirstPass};
-use azulejo::render::{self, ReferencePass, SecondPass};
+use azulejo::render::{self, FinalGather, ReferencePass, SecondPass};
 use azulejo::scene::brdf::Brdf;
 use azulejo::scene::synthetic::{CornellVariant, cornell_box, cube_room};
 use azulejo::scene::{Camera, Image, Material, Object, Primitive, Rgb, Scene, Shape};
@@ -25,7 +25,7 @@ fn two_passes(scene: &Scene) -> Image {
     let second = SecondPass {
         size: SIZE,
         samples_per_pixel: 64,
-        gather: Some(32),
+        gather: FinalGather::Everywhere(32),
         ..SecondPass::default()
     };
     let tracer = Tracer::new(&lit);
