@@ -2,8 +2,8 @@
 //! whole processes on furnished rooms of 10³ to 10⁶ triangles, and `render` on pages of letters.
 //!
 //! `cargo bench -p azulejo-cli --bench growth -- [COMMAND...] [LARGEST]`, with commands of `info`,
-//! `solve`, `factors` and `letters`, by default all, and the largest number of triangles or
-//! letters, by default 1,000,000 and for letters a hundredth of it. The last column of each row is
+//! `solve`, `factors` and `letters`, by default all, and the largest number of triangles, by default
+//! 1,000,000; of letters it is a hundredth of that. The last column of each row is
 //! the exponent since the row before: CPU seconds grow as the number of faces to its power.
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
@@ -87,9 +87,10 @@ fn main() {
     let _ = fs::remove_dir_all(folder);
 }
 
-/// Powers of ten and the largest.
+/// Sizes in steps of ten, and the largest.
 fn sizes(smallest: usize, largest: usize) -> impl Iterator<Item = usize> {
-    std::iter::successors(Some(smallest), |n| Some(n * 10)).take_while(move |&n| n <= largest)
+    let steps = std::iter::successors(Some(smallest), |n| Some(n * 10));
+    steps.take_while(move |&n| n < largest).chain([largest])
 }
 
 fn room(folder: &Path, triangles: usize) -> PathBuf {

@@ -10,6 +10,8 @@ use super::session::Session;
 use azulejo_scene::math::Aabb;
 use azulejo_scene::{LightKind, MaterialId, Object, PrimitiveKind, Rgb, Scene, Shape, Up};
 use glam::DVec3;
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{AABB, RTree};
 use serde_json::{Value, json};
 use std::collections::HashSet;
 use std::f64::consts::PI;
@@ -292,17 +294,11 @@ fn lights(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
 /// Closed meshes whose front is inside, with nothing in there that could see it.
 fn inverted(scene: &Scene, report: &mut Report) {
     let boxes: Vec<Aabb> = scene.objects.iter().map(Object::bounds).collect();
-    let is_in =
-        |inner: DVec3, outer: &Aabb| inner.cmpge(outer.min).all() && inner.cmple(outer.max).all();
+    let things = enclosable(scene, &boxes);
     let is_room = |k: usize| {
-        let lights = scene.lights.iter().filter_map(|l| match l.kind {
-            LightKind::Point { position, .. } | LightKind::Spot { position, .. } => Some(position),
-            LightKind::Directional { .. } | LightKind::Ambient { .. } => None,
-        });
-        let mut places = scene.cameras.iter().map(|c| c.eye).chain(lights);
-        let mut others = boxes.iter().enumerate().filter(|(other, _)| *other != k);
-        let holds = |b: &Aabb| !b.is_empty() && is_in(b.min, &boxes[k]) && is_in(b.max, &boxes[k]);
-        others.any(|(_, b)| holds(b)) || places.any(|p| is_in(p, &boxes[k]))
+        let within = AABB::from_corners(boxes[k].min.to_array(), boxes[k].max.to_array());
+        let mut found = things.locate_in_envelope(&within);
+        found.any(|thing| thing.data != Some(k))
     };
     let is_turned = |object: &Object| match &object.shape {
         Shape::Mesh(mesh) => mesh.enclosed_volume().is_some_and(|volume| volume < 0.0),
@@ -327,6 +323,27 @@ fn inverted(scene: &Scene, report: &mut Report) {
         report.line("inverted", words);
     }
     report.value("inverted", names);
+}
+
+/// What may be inside of an object: the boxes of all objects, by their numbers, cameras and lights.
+fn enclosable(
+    scene: &Scene,
+    boxes: &[Aabb],
+) -> RTree<GeomWithData<Rectangle<[f64; 3]>, Option<usize>>> {
+    let entry = |min: DVec3, max: DVec3, object| {
+        GeomWithData::new(
+            Rectangle::from_corners(min.to_array(), max.to_array()),
+            object,
+        )
+    };
+    let objects = boxes.iter().enumerate().filter(|(_, b)| !b.is_empty());
+    let lights = scene.lights.iter().filter_map(|l| match l.kind {
+        LightKind::Point { position, .. } | LightKind::Spot { position, .. } => Some(position),
+        LightKind::Directional { .. } | LightKind::Ambient { .. } => None,
+    });
+    let places = scene.cameras.iter().map(|c| c.eye).chain(lights);
+    let objects = objects.map(|(k, b)| entry(b.min, b.max, Some(k)));
+    RTree::bulk_load(objects.chain(places.map(|p| entry(p, p, None))).collect())
 }
 
 fn viewpoints(scene: &Scene, report: &mut Report) {

@@ -194,7 +194,8 @@ pub(crate) struct StratumWays {
     pub fewest: f64,
 }
 
-/// Which strata should be path traced, so that the whole error is least after `seconds` of work. The strata are at most eight, so all sets are compared.
+/// Which strata should be path traced, so that the whole error is least after `seconds` of work. The
+/// strata are at most eight, so all sets are compared.
 ///
 /// Within a set, the sum of share · strength / time is least for times in proportion to
 /// √(share · strength), by Lagrange.

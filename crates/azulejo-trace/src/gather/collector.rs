@@ -184,8 +184,9 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
     }
 
     /// The probability with which a path goes on. Without roulette 1; from near hits, which read
-    /// nothing, by weight; elsewhere in proportion to what the path is expected to find, relative to what the point gets in all (Vorba and Křivánek,
-    /// *Adjoint-driven Russian roulette and splitting in light transport simulation*, SIGGRAPH 2016).
+    /// nothing, by weight; elsewhere in proportion to what the path is expected to find, relative to
+    /// what the point gets in all (Vorba and Křivánek, *Adjoint-driven Russian roulette and splitting
+    /// in light transport simulation*, SIGGRAPH 2016).
     fn survival(&self, contact: &Contact, reflectance: Rgb) -> f64 {
         if reflectance.is_black() {
             return 0.0;
