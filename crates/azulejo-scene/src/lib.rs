@@ -45,6 +45,7 @@ pub mod rtrace;
 mod scene;
 mod shape;
 mod sides;
+pub mod sky;
 mod solid;
 pub mod synthetic;
 mod text;
