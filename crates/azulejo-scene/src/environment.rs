@@ -1,5 +1,7 @@
-//! Radiance that arrives from infinitely far away, by direction: pictures of the surroundings.
+//! Radiance that arrives from infinitely far away, by direction: pictures of the surroundings, and
+//! skies.
 
+use crate::sky::Sky;
 use crate::{Image, Rgb, TextureId, Up};
 use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::{FRAC_1_PI, PI, TAU};
@@ -27,6 +29,8 @@ pub enum EnvironmentSource {
         /// How directions map to its pixels.
         projection: Projection,
     },
+    /// A sky, and the ground below it.
+    Sky(Sky),
 }
 
 /// How directions map to the pixels of a picture of the surroundings.
@@ -77,18 +81,29 @@ impl Environment {
         }
     }
 
+    /// A sky in a world with this up axis; north is turned clockwise, seen from above, by `north`
+    /// radians from +y where z is up, and from −z where y is up.
+    pub fn sky(sky: Sky, up: Up, north: f64) -> Environment {
+        Environment {
+            source: EnvironmentSource::Sky(sky),
+            world_from_environment: upright(up, north),
+            scale: Rgb::WHITE,
+        }
+    }
+
     /// The texture that it shows, if it is a picture.
     pub fn texture(&self) -> Option<TextureId> {
         match self.source {
             EnvironmentSource::Picture { texture, .. } => Some(texture),
+            EnvironmentSource::Sky(_) => None,
         }
     }
 
     /// The same, with its texture numbered anew.
     #[must_use]
     pub fn with_texture(mut self, number: impl Fn(TextureId) -> TextureId) -> Environment {
-        match &mut self.source {
-            EnvironmentSource::Picture { texture, .. } => *texture = number(*texture),
+        if let EnvironmentSource::Picture { texture, .. } = &mut self.source {
+            *texture = number(*texture);
         }
         self
     }
@@ -140,6 +155,7 @@ impl Environment {
                     Rgb::from(pixel(image, u, v).map(f64::from))
                 })
             }
+            EnvironmentSource::Sky(sky) => Rgb::grey(sky.radiance(local)),
         };
         found * self.scale
     }

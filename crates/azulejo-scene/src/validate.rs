@@ -4,8 +4,8 @@ mod exact;
 mod rtrace;
 
 use crate::{
-    Attribute, Environment, LightKind, Material, Mesh, Object, Primitive, PrimitiveKind, Scene,
-    SceneBackground, Shape, TextureId,
+    Attribute, Environment, EnvironmentSource, LightKind, Material, Mesh, Object, Primitive,
+    PrimitiveKind, Scene, SceneBackground, Shape, TextureId,
 };
 use glam::DVec3;
 use std::fmt;
@@ -228,6 +228,18 @@ impl Scene {
             &place,
             || "the rotation is not a unit quaternion".into(),
         )?;
+        if let EnvironmentSource::Sky(sky) = sky.source {
+            let numbers = [sky.scale, sky.ground];
+            let is_sun = (sky.toward_sun.length() - 1.0).abs() < 1e-3;
+            ensure(
+                is_sun && numbers.iter().all(|n| *n >= 0.0 && n.is_finite()),
+                &place,
+                || {
+                    "the sky's sun is no unit vector, or a radiance is negative or not finite"
+                        .into()
+                },
+            )?;
+        }
         let count = self.textures.len();
         let is_there = |t: TextureId| (t as usize) < count;
         ensure(sky.texture().is_none_or(is_there), &place, || {

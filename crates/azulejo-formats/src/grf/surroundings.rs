@@ -5,7 +5,8 @@ use super::document::{BlockKind, SourcePosition};
 use super::entries::ExtensionEntries;
 use super::parser::{GrfParser, ParseResult};
 use super::resolve::{GrfResolver, ResolveResult};
-use super::write::{GrfOutput, Quoted, point, rgb};
+use super::write::{GrfOutput, Number, Quoted, point, rgb};
+use azulejo_scene::sky::{CieSky, PerezSky, Sky, SkyDistribution};
 use azulejo_scene::{
     Environment, EnvironmentSource, Light, LightKind, Projection, Rgb, Scene, SceneBackground,
     TextureId,
@@ -48,9 +49,12 @@ impl<'a> GrfParser<'a, '_, '_> {
         light: Option<String>,
     ) -> ParseResult<BlockKind> {
         let picture = self.take_text(entries, "picture")?;
-        let source = EnvironmentSource::Picture {
-            texture: 0,
-            projection: self.projection(entries)?,
+        let source = match self.sky(entries)? {
+            Some(sky) => EnvironmentSource::Sky(sky),
+            None => EnvironmentSource::Picture {
+                texture: 0,
+                projection: self.projection(entries)?,
+            },
         };
         let scale = self.take_rgb(entries, "scale")?.unwrap_or(Rgb::WHITE);
         let environment = Environment {
@@ -58,12 +62,64 @@ impl<'a> GrfParser<'a, '_, '_> {
             world_from_environment: self.directions(entries)?,
             scale,
         };
-        let picture = Some(self.required(entries, "picture", picture)?);
+        let picture = match source {
+            EnvironmentSource::Sky(_) => None,
+            EnvironmentSource::Picture { .. } => Some(self.required(entries, "picture", picture)?),
+        };
         Ok(BlockKind::Environment(Box::new(EnvironmentBlock {
             light,
             picture,
             environment,
         })))
+    }
+
+    /// `sky = uniform`, `cie` or `perez`, with what it depends on; `None` for a picture.
+    fn sky(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Option<Sky>> {
+        let Some((name, offset)) = self.take_word(entries, "sky")? else {
+            return Ok(None);
+        };
+        let distribution = match name {
+            "uniform" => SkyDistribution::Uniform,
+            "cie" => {
+                let kind = self.take_number(entries, "type")?;
+                let (kind, at) = self.required(entries, "type", kind)?;
+                match CieSky::new(kind as u8) {
+                    Ok(sky) if f64::from(kind as u8) == kind => SkyDistribution::Cie(sky),
+                    _ => return Err(self.fail(at, format!("`{kind}`"), "a type of 1 to 16")),
+                }
+            }
+            "perez" => {
+                let mut coefficients = [0.0; 5];
+                for (value, key) in coefficients.iter_mut().zip(COEFFICIENTS) {
+                    let found = self.take_number(entries, key)?;
+                    *value = self.required(entries, key, found)?.0;
+                }
+                SkyDistribution::Perez(PerezSky { coefficients })
+            }
+            _ => {
+                return Err(self.fail(offset, format!("`{name}`"), "`uniform`, `cie` or `perez`"));
+            }
+        };
+        let sun = self.take_point(entries, "sun")?.unwrap_or(DVec3::Z);
+        let Some(toward_sun) = super::unit(sun) else {
+            return Err(self.fail(offset, "a sun without direction", "a non-zero vector"));
+        };
+        let [scale, ground] = ["radiance", "ground"].map(|key| self.take_number(entries, key));
+        let (scale, ground) = (scale?, ground?);
+        let scale = self.required(entries, "radiance", scale)?;
+        Ok(Some(Sky {
+            distribution,
+            toward_sun,
+            scale: self.not_negative_number(scale)?,
+            ground: self.not_negative_number(ground.unwrap_or((0.0, offset)))?,
+        }))
+    }
+
+    fn not_negative_number(&mut self, (value, offset): (f64, usize)) -> ParseResult<f64> {
+        if value >= 0.0 && value.is_finite() {
+            return Ok(value);
+        }
+        Err(self.fail(offset, format!("`{value}`"), "a number of at least 0"))
     }
 
     fn projection(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Projection> {
@@ -138,6 +194,9 @@ pub(super) fn pictures_of(scene: &Scene) -> HashSet<TextureId> {
     around
 }
 
+/// The names of the coefficients of a Perez sky.
+const COEFFICIENTS: [&str; 5] = ["a", "b", "c", "d", "e"];
+
 const PROJECTIONS: [(&str, Projection); 2] = [
     ("equirectangular", Projection::Equirectangular),
     ("angular_map", Projection::AngularMap),
@@ -164,6 +223,25 @@ pub(super) fn write(out: &mut GrfOutput<'_>, block: &EnvironmentBlock) -> io::Re
             let named = PROJECTIONS.iter().find(|(_, known)| *known == projection);
             let name = named.map_or("", |(name, _)| *name);
             write!(out, " picture = {} projection = {name}", Quoted(path))?;
+        }
+        EnvironmentSource::Sky(sky) => {
+            match sky.distribution {
+                SkyDistribution::Uniform => write!(out, " sky = uniform")?,
+                SkyDistribution::Cie(sky) => write!(out, " sky = cie type = {}", sky.number())?,
+                SkyDistribution::Perez(PerezSky { coefficients }) => {
+                    write!(out, " sky = perez")?;
+                    for (key, value) in COEFFICIENTS.iter().zip(coefficients) {
+                        write!(out, " {key} = {}", Number(value))?;
+                    }
+                }
+            }
+            write!(
+                out,
+                " sun = {} radiance = {} ground = {}",
+                point(sky.toward_sun),
+                Number(sky.scale),
+                Number(sky.ground)
+            )?;
         }
     }
     let (up, north) = (turn * DVec3::Z, turn * DVec3::Y);

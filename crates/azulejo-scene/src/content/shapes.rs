@@ -1,6 +1,7 @@
 //! Contents of scenes, shapes and lights.
 
 use super::{ContentBytes, ContentSink, content_of_fields, content_of_kinds};
+use crate::sky::{PerezSky, Sky, SkyDistribution};
 use crate::{
     Attribute, BackIrradiance, BicubicPatch, Camera, Contour, Csg, Curve, Environment,
     EnvironmentSource, Exact, Faces, Figure, FillRule, Fog, Light, LightKind, Mesh, Object,
@@ -123,6 +124,24 @@ impl ContentBytes for EnvironmentSource {
                 kind(0, texture, sink);
                 projection.feed(sink);
             }
+            EnvironmentSource::Sky(sky) => kind(1, sky, sink),
+        }
+    }
+}
+
+content_of_fields!(Sky {
+    distribution,
+    toward_sun,
+    scale,
+    ground
+});
+
+impl ContentBytes for SkyDistribution {
+    fn feed(&self, sink: &mut ContentSink<'_>) {
+        match self {
+            SkyDistribution::Uniform => 0u8.feed(sink),
+            SkyDistribution::Cie(sky) => kind(1, &sky.number(), sink),
+            SkyDistribution::Perez(PerezSky { coefficients }) => kind(2, coefficients, sink),
         }
     }
 }

@@ -122,6 +122,10 @@ fn cells(environment: &Environment, image: Option<&Image>) -> Option<Environment
                 }
             })
         }
+        EnvironmentSource::Sky(_) => {
+            let (columns, rows) = SMOOTH_CELLS;
+            Some(sampled_cells(environment, None, columns, rows))
+        }
     }
 }
 
