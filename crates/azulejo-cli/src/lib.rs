@@ -35,6 +35,7 @@ mod session;
 mod solve;
 mod surroundings;
 mod values;
+mod views;
 mod workbench;
 
 use args::{Cli, Command};
