@@ -9,6 +9,7 @@ mod exact;
 mod expansion;
 mod experiment;
 mod files;
+mod grf;
 mod lettering;
 mod reading;
 mod reference;

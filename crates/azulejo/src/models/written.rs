@@ -6,6 +6,8 @@ use crate::output::{self, Draft, Output, OutputError};
 use azulejo_formats::{gltf, grf, obj, ply, sff, view3d};
 use azulejo_scene::Scene;
 use azulejo_trace::Progress;
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use std::fmt;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -103,15 +105,40 @@ pub static FORMATS: [WrittenFormat; 7] = [
     },
 ];
 
+/// GRF without extensions.
+static PLAIN_GRF: WrittenFormat = WrittenFormat {
+    name: "plain GRF",
+    extension: "grf",
+    is_single: false,
+    writer: ModelWriter::Pictured(grf::write_plain),
+    keeps_light: true,
+    losses: grf::plain_losses,
+};
+
 impl WrittenFormat {
+    /// Whether it is text, in which numbers may have fewer digits.
+    pub fn is_text(&self) -> bool {
+        !matches!(self.extension, "glb" | "gltf" | "ply" | "stl" | "3mf")
+    }
+
+    /// Whether a model is one file, which may be compressed.
+    fn is_alone(&self) -> bool {
+        matches!(self.writer, ModelWriter::One(_) | ModelWriter::Pictured(_))
+    }
+
     /// What of a scene the format cannot represent, as text; empty if nothing is lost.
     pub fn losses(&self, scene: &Scene) -> Vec<String> {
         (self.losses)(scene)
     }
 }
 
-/// The format of a path's extension, regardless of case; GRF for `-`, standard output.
+/// The format of a path's extension, regardless of case, with `.gz` behind it or not; GRF for `-`,
+/// standard output.
 pub fn by_extension(path: &Path) -> Option<&'static WrittenFormat> {
+    if is_gzip(path) {
+        let format = by_extension(path.file_stem().map(Path::new)?)?;
+        return format.is_alone().then_some(format);
+    }
     match path.extension().and_then(|e| e.to_str()) {
         None if path == Path::new("-") => FORMATS.first(),
         None => None,
@@ -119,6 +146,12 @@ pub fn by_extension(path: &Path) -> Option<&'static WrittenFormat> {
             .iter()
             .find(|f| f.extension.eq_ignore_ascii_case(extension)),
     }
+}
+
+/// Whether a file is to be compressed.
+fn is_gzip(path: &Path) -> bool {
+    let extension = path.extension().and_then(|e| e.to_str());
+    extension.is_some_and(|e| e.eq_ignore_ascii_case("gz"))
 }
 
 /// The extensions of some formats, for a message.
@@ -141,6 +174,8 @@ pub enum WriteFailure {
         /// The name of the format.
         format: &'static str,
     },
+    /// Only GRF has a plain form.
+    NotPlain(PathBuf),
     /// The files could not be written, or the work was cancelled.
     Output(OutputError),
 }
@@ -157,6 +192,13 @@ impl fmt::Display for WriteFailure {
                 write!(
                     f,
                     "{path}: {format} cannot store irradiance, expected {lit}"
+                )
+            }
+            WriteFailure::NotPlain(path) => {
+                let path = path.display();
+                write!(
+                    f,
+                    "{path}: only GRF has a plain form, expected .grf or .grf.gz"
                 )
             }
             WriteFailure::Output(error) => error.fmt(f),
@@ -221,6 +263,21 @@ impl ModelOutput {
         })
     }
 
+    /// As [`check`](ModelOutput::check), for GRF without extensions.
+    ///
+    /// # Errors
+    /// [`WriteFailure`].
+    pub fn check_plain(path: &Path) -> Result<ModelOutput, WriteFailure> {
+        let output = ModelOutput::check(path)?;
+        if output.format.extension != PLAIN_GRF.extension {
+            return Err(WriteFailure::NotPlain(path.to_owned()));
+        }
+        Ok(ModelOutput {
+            format: &PLAIN_GRF,
+            ..output
+        })
+    }
+
     /// As [`check`](ModelOutput::check), for formats that can store irradiance.
     ///
     /// # Errors
@@ -277,11 +334,15 @@ impl ModelOutput {
                 // There is no place beside a pipe.
                 let names: Vec<String> = scene.textures.iter().map(|t| t.path.clone()).collect();
                 let write = |out: &mut dyn Write| write(scene, &names, out);
-                self.model.write(progress, write)?;
+                let packed = |out: &mut dyn Write| self.packed(out, write);
+                self.model.write(progress, packed)?;
                 let loaded = scene.textures.iter().filter(|t| t.image.is_some()).count();
                 losses.extend((loaded > 0).then(|| format!("the pixels of {loaded} images")));
             }
-            ModelWriter::One(write) => self.model.write(progress, |out| write(scene, out))?,
+            ModelWriter::One(write) => {
+                let packed = |out: &mut dyn Write| self.packed(out, |out| write(scene, out));
+                self.model.write(progress, packed)?;
+            }
             ModelWriter::Several(write) => self.write_several(*write, scene, progress)?,
             ModelWriter::Two(extension, write) => {
                 let companion = Output::check(&self.model.path().with_extension(extension))?;
@@ -295,6 +356,21 @@ impl ModelOutput {
         Ok(losses)
     }
 
+    /// Compresses what is written, if the path asks for it.
+    fn packed(
+        &self,
+        out: &mut dyn Write,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        if !is_gzip(self.model.path()) {
+            return write(out);
+        }
+        // Without name and time, so that equal models are equal files.
+        let mut packer = GzEncoder::new(out, Compression::default());
+        write(&mut packer)?;
+        packer.finish()?.flush()
+    }
+
     /// Writes a model and the images that it would not find from its folder.
     fn write_pictured(
         &self,
@@ -306,7 +382,8 @@ impl ModelOutput {
         let path = self.model.path();
         let mut model = self.model.draft()?;
         let pictures = Pictures::beside(path, home, scene).map_err(|e| model.error(e))?;
-        write(scene, &pictures.names, &mut model).map_err(|e| model.error(e))?;
+        self.packed(&mut model, |out| write(scene, &pictures.names, out))
+            .map_err(|e| model.error(e))?;
         self.commit_with(model, pictures.new, progress)
     }
 
