@@ -168,6 +168,10 @@ pub struct ReadingArgs {
     /// viewing distance
     #[arg(long, value_name = "LEVEL", default_value = "finest", value_parser = values::lod)]
     pub lod: Lod,
+    /// Apply a recipe (TOML) to the scene: rules by names of materials and objects, lights, cameras,
+    /// background, fog. May be given several times
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub recipe: Vec<PathBuf>,
     /// Fail if anything in a model had to be skipped or repaired
     #[arg(long)]
     pub strict: bool,
@@ -214,14 +218,18 @@ pub enum TableFormat {
 pub struct ConvertArgs {
     #[command(flatten)]
     pub input: InputArgs,
-    /// Output file, its format chosen by extension: .grf, .obj (with an .mtl), .glb, .gltf, .ply or
-    /// .sff; `-` writes GRF to standard output
+    /// Output file, its format chosen by extension: .grf, .obj (with an .mtl), .glb, .gltf (with a
+    /// .bin), .ply, .wrl, .x3d, .dxf, .stl, .sff or .vs3; with .gz behind it compressed, if it is one
+    /// file; `-` writes GRF to standard output
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
     /// Write GRF as it was in 2001, without extensions: lamps that are parallelograms as `light`, exact
     /// shapes as meshes, matt surfaces as `rgb`; what it cannot say is listed
     #[arg(long)]
     pub plain: bool,
+    /// Divide all polygons into triangles, for programs that read no others
+    #[arg(long)]
+    pub triangles: bool,
     /// Significant digits of the numbers of meshes in text formats [default: as many as are exact]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(4..=17))]
     pub digits: Option<u8>,

@@ -18,6 +18,9 @@ pub fn run(args: &ConvertArgs, session: &mut Session) -> Result<Report, Failure>
     let digits = checked_digits(args.digits, &output)?;
     session.claim_stdout(output.is_stdout())?;
     let mut scene = input::read_all(&args.input, session)?;
+    if args.triangles {
+        scene.divide_into_triangles();
+    }
     round(&mut scene, digits);
     session.write(&scene, &output)?;
     let mut report = Report::default();

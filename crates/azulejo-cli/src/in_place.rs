@@ -150,6 +150,7 @@ fn only_file(input: &InputArgs) -> Result<&Path, Failure> {
         (!reading.place.is_empty(), "--place"),
         (reading.up.is_some(), "--up"),
         (reading.unit.is_some(), "--unit"),
+        (!reading.recipe.is_empty(), "--recipe"),
     ];
     if let Some((_, option)) = changed.iter().find(|(given, _)| *given) {
         return Err(Failure::misuse(format_args!(

@@ -3,6 +3,7 @@
 use super::args::{InputArgs, ReadingArgs};
 use super::failure::Failure;
 use super::placement::Placement;
+use super::recipe;
 use super::session::Session;
 use super::values::UpArg;
 use azulejo::models::{self, read_bytes};
@@ -50,6 +51,9 @@ pub fn read_all(input: &InputArgs, session: &mut Session) -> Result<Scene, Failu
         }
     }
     let mut scene = whole.ok_or_else(|| Failure::misuse("no scene given"))?;
+    for path in &input.reading.recipe {
+        recipe::apply(path, &mut scene, input.reading.strict, session)?;
+    }
     if let Some(path) = &input.lights {
         let lights = camera_json::read_lights(&read_bytes(path)?, &path.to_string_lossy());
         scene.lights.extend(lights.map_err(Failure::failed)?);

@@ -31,11 +31,13 @@ mod placement;
 mod points;
 mod probe;
 mod progress_bar;
+mod recipe;
 mod render;
 mod report;
 mod rtrace;
 mod session;
 mod solve;
+mod spelling;
 mod values;
 mod workbench;
 

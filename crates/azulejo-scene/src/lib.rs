@@ -50,6 +50,7 @@ pub mod synthetic;
 mod text;
 mod transform;
 mod tree;
+mod triangles;
 mod triangulate;
 mod validate;
 

@@ -12,6 +12,7 @@ mod files;
 mod grf;
 mod lettering;
 mod reading;
+mod recipe;
 mod reference;
 mod rtrace;
 mod sides;

@@ -6,6 +6,7 @@ use super::layout::{GrfLayout, ObjectLayout};
 use super::parse::joined;
 use super::placement::{OuterTransform, affine, is_mirror, reverse_faces};
 use super::solids::{skin, skin_block};
+use super::text_edit::{TextEdit, after_blank, edited, end_of_statement, line_end};
 use super::write::{GrfOutput, back_irradiance, irradiance_error, rgb, surface_light};
 use crate::reading::text::{decoded_text, encoded_like};
 use crate::{Files, ReadError};
@@ -72,13 +73,6 @@ impl fmt::Display for NotLiteral {
 }
 
 impl std::error::Error for NotLiteral {}
-
-/// A replacement of a part of a text.
-#[derive(Debug)]
-struct TextEdit {
-    range: Range<usize>,
-    text: String,
-}
 
 /// The replacements in each file, by its index.
 type FileEdits = BTreeMap<u32, Vec<TextEdit>>;
@@ -422,48 +416,6 @@ fn block_text(write: impl FnOnce(&mut GrfOutput<'_>) -> io::Result<()>) -> Strin
         let _ = write(&mut out).and_then(|()| io::Write::flush(&mut out));
     }
     String::from_utf8(bytes).unwrap_or_default()
-}
-
-/// The line end that a text uses.
-fn line_end(text: &str) -> &'static str {
-    match text.find(['\n', '\r']) {
-        Some(at) if text[at..].starts_with("\r\n") => "\r\n",
-        Some(at) if text[at..].starts_with('\r') => "\r",
-        _ => "\n",
-    }
-}
-
-/// Where a line can be added behind a statement that ends at `end`: behind a comment beside it.
-/// Also whether more follows there.
-fn end_of_statement(text: &str, end: usize) -> (usize, bool) {
-    let line = text[end..].find(['\n', '\r']);
-    let rest = line.map_or(&text[end..], |n| &text[end..end + n]);
-    let is_over = rest.trim_start().is_empty() || rest.trim_start().starts_with("//");
-    if is_over {
-        (end + rest.len(), false)
-    } else {
-        (end, true)
-    }
-}
-
-/// The end of the blanks on a line.
-fn after_blank(text: &str, from: usize) -> usize {
-    let rest = &text[from..];
-    from + rest.len() - rest.trim_start_matches([' ', '\t']).len()
-}
-
-/// A text with replacements, which are in ascending order and do not overlap.
-fn edited(text: &str, edits: &[TextEdit]) -> String {
-    let added: usize = edits.iter().map(|e| e.text.len()).sum();
-    let mut out = String::with_capacity(text.len() + added);
-    let mut done = 0;
-    for edit in edits {
-        out.push_str(&text[done..edit.range.start]);
-        out.push_str(&edit.text);
-        done = edit.range.end;
-    }
-    out.push_str(&text[done..]);
-    out
 }
 
 /// Whether a shape that was read has the light of the solved one.

@@ -35,6 +35,7 @@ mod shared;
 mod solids;
 #[cfg(test)]
 mod tests;
+mod text_edit;
 mod textures;
 mod write;
 
