@@ -147,7 +147,8 @@ fn notes(lit: &LitText) -> Vec<String> {
 fn only_file(input: &InputArgs) -> Result<&Path, Failure> {
     let reading = &input.reading;
     let changed = [
-        (!reading.place.is_empty(), "--place"),
+        (reading.placements().next().is_some(), "--place"),
+        (input.outside.studio, "--studio"),
         (reading.up.is_some(), "--up"),
         (reading.unit.is_some(), "--unit"),
         (!reading.recipe.is_empty(), "--recipe"),

@@ -38,6 +38,7 @@ mod rtrace;
 mod session;
 mod solve;
 mod spelling;
+mod surroundings;
 mod values;
 mod workbench;
 

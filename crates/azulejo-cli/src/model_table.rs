@@ -5,6 +5,7 @@ use super::failure::Failure;
 use super::input;
 use super::report::{Report, bytes, count, number};
 use super::session::Session;
+use super::surroundings::args::SurroundingsArgs;
 use azulejo_formats::grf;
 use azulejo_scene::{MaterialId, Scene, Shape};
 use serde_json::{Value, json};
@@ -81,6 +82,7 @@ fn row(path: &Path, input: &InputArgs, session: &mut Session) -> Result<ModelRow
     let one = InputArgs {
         scenes: vec![path.to_owned()],
         lights: None,
+        outside: SurroundingsArgs::default(),
         reading: input.reading.clone(),
     };
     let scene = input::read_all(&one, session)?;

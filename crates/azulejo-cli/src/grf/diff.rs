@@ -5,6 +5,7 @@ use super::super::failure::Failure;
 use super::super::input;
 use super::super::report::{Report, count, number, percent, short};
 use super::super::session::Session;
+use super::super::surroundings::args::SurroundingsArgs;
 use super::args::DiffArgs;
 use azulejo_scene::{Mesh, Object, Rgb, Scene, Shape};
 use serde_json::{Value, json};
@@ -23,6 +24,7 @@ pub fn run(
         let input = InputArgs {
             scenes: vec![path.to_owned()],
             lights: None,
+            outside: SurroundingsArgs::default(),
             reading: ReadingArgs {
                 place: Vec::new(),
                 ..args.reading.clone()
@@ -81,13 +83,8 @@ impl Differences {
     /// Everything but objects.
     fn whole(&mut self, one: &Scene, other: &Scene) {
         self.changed("units", &one.units, &other.units, String::new());
-        let color = |c: &Option<Rgb>| c.map_or("none".to_owned(), |c| format!("{c:?}"));
-        let words = format!(
-            "{} and {}",
-            color(&one.background),
-            color(&other.background)
-        );
-        self.changed("background", &one.background, &other.background, words);
+        let (a, b) = (&one.background, &other.background);
+        self.changed("background", a, b, String::new());
         self.changed("fog", &one.fog, &other.fog, String::new());
         self.list("camera", &one.cameras, &other.cameras, |c| &c.name);
         self.list("light", &one.lights, &other.lights, |l| &l.name);

@@ -5,7 +5,9 @@ mod tables;
 
 use super::failure::Failure;
 use super::session::Session;
-use azulejo_scene::{Camera, Fog, Light, LightKind, MaterialId, Object, Rgb, Scene, Shape};
+use azulejo_scene::{
+    Camera, Fog, Light, LightKind, MaterialId, Object, Rgb, Scene, SceneBackground, Shape,
+};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::path::Path;
@@ -143,7 +145,7 @@ fn add(recipe: &RecipeTables, scene: &mut Scene, source: &RecipeSource) -> Resul
         scene.cameras.push(camera);
     }
     if let Some(color) = &recipe.background {
-        scene.background = Some(source.light(color)?);
+        scene.background = Some(SceneBackground::Color(source.light(color)?));
     }
     if let Some(fog) = &recipe.fog {
         let table = fog.get_ref();
@@ -205,6 +207,7 @@ fn light(
         "directional" if table.lumens.is_none() => LightKind::Directional {
             direction: direction()?,
             irradiance: intensity,
+            half_angle: 0.0,
         },
         "spot" if table.lumens.is_none() => {
             let [inner, outer] = [table.inner, table.outer];

@@ -11,6 +11,7 @@ mod experiment;
 mod files;
 mod grf;
 mod lettering;
+mod outside;
 mod reading;
 mod recipe;
 mod reference;

@@ -33,6 +33,7 @@ mod plain;
 mod resolve;
 mod shared;
 mod solids;
+mod surroundings;
 #[cfg(test)]
 mod tests;
 mod text_edit;
