@@ -435,6 +435,14 @@ pub struct RenderArgs {
     pub picture: ImageArgs,
     #[command(flatten)]
     pub view: CameraArgs,
+    /// Several pictures, from all around: N views turned about the up axis, IMAGE-001 and so on
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000),
+          conflicts_with = "cameras", help_heading = "Camera")]
+    pub turntable: Option<u32>,
+    /// Several pictures, IMAGE-NAME: all of the scene's cameras, or those of these names
+    #[arg(long, value_name = "all|NAME,...", conflicts_with_all = ["camera", "from", "at"],
+          help_heading = "Camera")]
+    pub cameras: Option<String>,
     #[command(flatten)]
     pub look: RtraceArgs,
     #[command(flatten)]

@@ -40,6 +40,7 @@ mod solve;
 mod spelling;
 mod surroundings;
 mod values;
+mod views;
 mod workbench;
 
 use args::{Cli, Command};

@@ -6,6 +6,7 @@
 //! `docs/formats/vrml.md` describes how every node is interpreted.
 
 mod appearance;
+mod background;
 mod builder;
 mod classic;
 mod elevation;
