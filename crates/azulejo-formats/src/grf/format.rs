@@ -32,8 +32,7 @@ pub fn formatted(bytes: &[u8], name: &str) -> Result<Vec<u8>, ReadError> {
     };
     let parsed = GrfDocument::parse_with(bytes, name, &NoFiles, Some(Box::new(layout)))?;
     let text = decoded_text(bytes);
-    let (_, layout, _) = parsed;
-    let layout = layout.unwrap_or_default();
+    let layout = parsed.layout;
     let names = layout.names.iter().map(|n| n.range.clone());
     let opaque = layout.opaque.iter().map(|(_, range)| range.clone());
     let mut whole: Vec<Range<usize>> = names.chain(opaque).filter(|r| !r.is_empty()).collect();

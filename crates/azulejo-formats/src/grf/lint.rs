@@ -3,6 +3,7 @@
 use super::document::{BlockKind, GrfBlock, GrfDocument, MeshBlock};
 use super::layout::{GrfLayout, ObjectLayout};
 use super::load_textures;
+use super::parse::PlacedDocument;
 use crate::reading::cursor::position;
 use crate::{Files, Loaded, Position, ReadError, Warning};
 use azulejo_scene::math::area_vector;
@@ -64,7 +65,11 @@ pub fn lint(bytes: &[u8], name: &str, files: &dyn Files) -> Vec<LintFinding> {
 
 fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Vec<LintFinding>, ReadError> {
     let places = Some(Box::default());
-    let (document, layout, mut warnings) = GrfDocument::parse_with(bytes, name, files, places)?;
+    let PlacedDocument {
+        document,
+        layout,
+        mut warnings,
+    } = GrfDocument::parse_with(bytes, name, files, places)?;
     let mut loaded: Loaded = document.resolve()?;
     load_textures(&mut loaded, name, files);
     warnings.append(&mut loaded.warnings);
@@ -72,7 +77,7 @@ fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Vec<LintFinding>,
     warnings.retain(|w| !w.message.starts_with("face without area"));
     let mut linter = Linter {
         document: &document,
-        layout: &layout.unwrap_or_default(),
+        layout: &layout,
         findings: warnings.into_iter().map(of_warning).collect(),
     };
     linter.unused_definitions();

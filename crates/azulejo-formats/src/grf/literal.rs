@@ -84,12 +84,12 @@ impl GrfText {
     /// The first syntax error.
     pub fn parse(bytes: Vec<u8>, name: &str, files: &dyn Files) -> Result<GrfText, ReadError> {
         let places = Some(Box::default());
-        let (document, layout, _) = GrfDocument::parse_with(&bytes, name, files, places)?;
+        let parsed = GrfDocument::parse_with(&bytes, name, files, places)?;
         Ok(GrfText {
             name: name.to_owned(),
             bytes,
-            document,
-            layout: layout.unwrap_or_default(),
+            document: parsed.document,
+            layout: parsed.layout,
         })
     }
 

@@ -31,8 +31,8 @@ impl GrfDocument {
         name: &str,
         files: &dyn Files,
     ) -> Result<(GrfDocument, Vec<Warning>), ReadError> {
-        let (document, _, warnings) = GrfDocument::parse_with(bytes, name, files, None)?;
-        Ok((document, warnings))
+        let parsed = GrfDocument::parse_with(bytes, name, files, None)?;
+        Ok((parsed.document, parsed.warnings))
     }
 
     /// The same, with the places of everything if there is a `layout` to record them.
@@ -41,7 +41,7 @@ impl GrfDocument {
         name: &str,
         files: &dyn Files,
         layout: Option<Box<GrfLayout>>,
-    ) -> Result<(GrfDocument, Option<Box<GrfLayout>>, Vec<Warning>), ReadError> {
+    ) -> Result<PlacedDocument, ReadError> {
         let text = decoded_text(bytes);
         let mut shared = SharedParserState::new(files);
         shared.layout = layout;
@@ -63,8 +63,19 @@ impl GrfDocument {
             blocks,
             sources: shared.sources,
         };
-        Ok((document, shared.layout, warnings))
+        Ok(PlacedDocument {
+            document,
+            layout: shared.layout.unwrap_or_default(),
+            warnings,
+        })
     }
+}
+
+/// A document, and where its parts stand if that was asked for.
+pub(super) struct PlacedDocument {
+    pub document: GrfDocument,
+    pub layout: Box<GrfLayout>,
+    pub warnings: Vec<Warning>,
 }
 
 /// The words that may follow `end`, and the name of the block in messages.
