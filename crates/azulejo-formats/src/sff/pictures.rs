@@ -63,6 +63,7 @@ fn image(width: u32, height: u32, bytes: &[u8]) -> Option<Image> {
             .iter()
             .map(|p| p.map(|b| f32::from(b) / 255.0))
             .collect(),
+        alpha: None,
     })
 }
 

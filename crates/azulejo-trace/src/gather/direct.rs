@@ -102,14 +102,10 @@ impl<'a> Direct<'a> {
                 }
             }
         }
-        let mut seen = vec![false; points.len()];
+        let mut seen = vec![0.0; points.len()];
         self.tests
-            .trace(|test, is_free| seen[test.tag as usize] = is_free);
-        values
-            .iter()
-            .zip(seen)
-            .map(|(&v, s)| if s { v } else { Rgb::BLACK })
-            .collect()
+            .trace(|test, share| seen[test.tag as usize] = share);
+        values.iter().zip(seen).map(|(&v, s)| v * s).collect()
     }
 
     /// Plans the shadow test of one sample of a target and returns its weight, kernel over
@@ -200,12 +196,10 @@ impl<'a> Direct<'a> {
                 }
             }
         }
-        self.tests.trace(|test, is_free| {
+        self.tests.trace(|test, share| {
             let term = &mut terms[test.tag as usize];
             term.weights[test.replicate as usize] += test.weight;
-            if is_free {
-                term.visible[test.replicate as usize] += test.weight;
-            }
+            term.visible[test.replicate as usize] += test.weight * share;
         });
     }
 }

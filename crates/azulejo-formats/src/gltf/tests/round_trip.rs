@@ -149,6 +149,7 @@ fn scene() -> impl Strategy<Value = Scene> {
                     width: 2,
                     height: 1,
                     pixels: vec![[0.0, 1.0, 0.0], [1.0; 3]],
+                    alpha: None,
                 }),
             }],
             objects: objects
