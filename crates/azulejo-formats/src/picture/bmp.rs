@@ -117,6 +117,10 @@ fn parse(bytes: &[u8]) -> Option<Result<Header, PictureError>> {
         let room = start.saturating_sub(14 + length + after) / entry;
         let entries = table.chunks_exact(entry).take(count.min(room));
         palette.extend(entries.map(|c| [c[2], c[1], c[0]]));
+        if palette.is_empty() {
+            // Without a palette, shades of grey.
+            palette.extend((0..most).map(|k| [(k * 255 / (most - 1)) as u8; 3]));
+        }
     }
     Some(Ok(Header {
         width: width as usize,
@@ -312,6 +316,7 @@ pub(crate) mod tests {
             &[RED, BLACK, RED],
         );
         check(&file([2, 1], 8, 0, &palette, &[1, 9, 0, 0]), &[RED, BLACK]);
+        check(&file([2, 1], 8, 0, &[], &[255, 0, 0, 0]), &[WHITE, BLACK]);
     }
 
     #[test]

@@ -106,7 +106,11 @@ fn point_lights_through_gauze_are_exact() {
         for (e, p) in irradiance(&scene, &grid(), &rays(16)).iter().zip(grid()) {
             let truth = share * from_point_light(p.position);
             let off = (e.value.mean() - truth).abs();
-            assert!(off < 1e-6 * truth, "{} of {truth}", e.value.mean());
+            assert!(
+                off < 1e-6 * truth,
+                "{p:?} {roofs:?} {} of {truth}",
+                e.value.mean()
+            );
             assert_eq!(e.error, Rgb::BLACK);
         }
     };
@@ -184,7 +188,7 @@ fn an_area_lamp_through_roofs() {
 /// gives back, and the rest passes. Rows, direct light and balance of the first pass agree on that.
 #[test]
 fn white_gauze_in_a_furnace() {
-    for opacity in [0.2, 0.7] {
+    for opacity in [0.2, 0.7, 1.0] {
         let mut scene = cube([0; 6].map(|_| surface(0.5, 0.0, 1.0)));
         let (x, y) = (0.8 * DVec3::X, 0.8 * DVec3::Y);
         add_sheet(&mut scene, dvec3(0.1, 0.1, 0.5), x, y, gauze(1.0, opacity));
@@ -193,13 +197,13 @@ fn white_gauze_in_a_furnace() {
             ..rays(512)
         };
         let solved = Matrix::solve(&scene, &pass);
-        for p in 0..solved.patches.len() {
-            let (b, error) = solved.radiosity(p, true);
-            assert!(
-                (b - 2.0).abs() < 4.0 * error + 0.01,
-                "B is {b} ± {error} at {opacity}"
-            );
-        }
+        let radiosities = (0..solved.patches.len()).map(|p| solved.radiosity(p, true).0);
+        let radiosities: Vec<f64> = radiosities.collect();
+        // Direct light comes to a few positions of each patch, as behind opaque sheets.
+        let worst = radiosities.iter().map(|b| (b - 2.0).abs());
+        assert!(worst.fold(0.0, f64::max) < 0.07, "at {opacity}");
+        let mean = radiosities.iter().sum::<f64>() / radiosities.len() as f64;
+        assert!((mean - 2.0).abs() < 6e-3, "B is {mean} at {opacity}");
         assert!(
             solved.found.balance.error() < 0.01,
             "{:?}",
@@ -273,7 +277,7 @@ fn other_engines_give_way_to_rays() {
     };
     let used = |scene: &Scene| {
         let solved = solve(scene, &Tracer::new(scene), &pass, &Progress::new()).unwrap();
-        solved.engine_used
+        solved.report.engine_used
     };
     assert_eq!(used(&scene).name, "analytic");
     let (x, y) = (0.8 * DVec3::X, 0.8 * DVec3::Y);
