@@ -6,13 +6,15 @@ use super::form_factors;
 use super::lettering::{
     EXTRUDE_EXAMPLES, ExtrudeArgs, FONT_EXAMPLES, FontCommand, TEXT_EXAMPLES, TextArgs,
 };
-use super::placement::{self, Placement};
-use super::values::{self, UpArg};
+use super::placement::{self, PlaceArg, Placement};
+use super::surroundings::args::{Site, SurroundingsArgs};
+use super::values::{self, TimeArg, UpArg};
 use azulejo_formats::{Lod, ReadOptions};
 use azulejo_render::FinalGather;
 use azulejo_render::rtrace::Side;
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use glam::DVec3;
+use jiff::Timestamp;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -136,6 +138,8 @@ pub struct InputArgs {
     pub lights: Option<PathBuf>,
     #[command(flatten)]
     pub reading: ReadingArgs,
+    #[command(flatten)]
+    pub outside: SurroundingsArgs,
 }
 
 /// How models are read and put together.
@@ -145,9 +149,13 @@ pub struct ReadingArgs {
     /// Place a model: FILE:translate=1,0,2,rotate=0,90,0,scale=2, applied in the given order
     /// (degrees about x, y, z; one scale factor or three). fit=2 scales the model to that largest
     /// side and stands it on the origin; up=z and unit=mm override the file's axis and unit;
-    /// name=lamp names its branch in the scene
-    #[arg(long, value_name = "FILE:HOW", value_parser = placement::parse)]
-    pub place: Vec<Placement>,
+    /// name=lamp names its branch in the scene.
+    ///
+    /// LAT,LON in degrees, north and east positive, is instead the place on Earth for which the sun
+    /// is computed, with --time or --sun
+    #[arg(long, value_name = "FILE:HOW|LAT,LON", value_parser = placement::place,
+          allow_hyphen_values = true)]
+    pub place: Vec<PlaceArg>,
     /// Up axis of the scene, to which models are rotated [default: that of the first model]. For
     /// `render`, also a direction X,Y,Z that points up in the image only
     #[arg(long, value_name = "y|z", value_parser = values::up, allow_hyphen_values = true)]
@@ -216,9 +224,12 @@ pub struct FirstPassArgs {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub rays: Option<u32>,
     /// Stop refining after this time and keep the result so far, with its error: 60s, 2m, 500ms;
-    /// fails if by then some of the scene has no light yet
-    #[arg(long, value_name = "TIME", value_parser = values::duration)]
-    pub time: Option<Duration>,
+    /// fails if by then some of the scene has no light yet.
+    ///
+    /// An instant as in 2025-06-21T14:00+02:00 is instead when the sun stands where it stands, at
+    /// the LAT,LON of --place; both may be given
+    #[arg(long, value_name = "TIME", value_parser = values::time)]
+    pub time: Vec<TimeArg>,
     /// Number of diffuse reflections [default: until converged]
     #[arg(long, value_name = "N")]
     pub bounces: Option<u32>,
@@ -252,6 +263,45 @@ pub struct FirstPassArgs {
     pub sides: Option<SidesArg>,
     #[command(flatten)]
     pub engine: EngineArgs,
+}
+
+impl FirstPassArgs {
+    /// How long to work: the last that is given.
+    pub fn limit(&self) -> Option<Duration> {
+        let limits = self.time.iter().filter_map(|time| match time {
+            TimeArg::Limit(limit) => Some(*limit),
+            TimeArg::Instant(_) => None,
+        });
+        limits.last()
+    }
+
+    /// The instant for which the sun is computed.
+    pub fn instant(&self) -> Option<Timestamp> {
+        let instants = self.time.iter().filter_map(|time| match time {
+            TimeArg::Instant(instant) => Some(*instant),
+            TimeArg::Limit(_) => None,
+        });
+        instants.last()
+    }
+}
+
+impl ReadingArgs {
+    /// How models are placed.
+    pub fn placements(&self) -> impl Iterator<Item = &Placement> {
+        self.place.iter().filter_map(|place| match place {
+            PlaceArg::Model(placement) => Some(placement),
+            PlaceArg::Site(_) => None,
+        })
+    }
+
+    /// The place on Earth.
+    pub fn site(&self) -> Option<Site> {
+        let sites = self.place.iter().filter_map(|place| match place {
+            PlaceArg::Site(site) => Some(*site),
+            PlaceArg::Model(_) => None,
+        });
+        sites.last()
+    }
 }
 
 /// `--sides`
@@ -417,7 +467,7 @@ pub struct ImageArgs {
     #[arg(long, value_name = "IMAGE", requires = "reference", value_hint = ValueHint::FilePath)]
     pub error_image: Option<PathBuf>,
     /// Exposure of a PNG in stops, each of which doubles the brightness [default: automatic]
-    #[arg(long, value_name = "STOPS", value_parser = values::finite, allow_hyphen_values = true)]
+    #[arg(long, value_name = "STOPS", value_parser = values::number, allow_hyphen_values = true)]
     pub exposure: Option<f64>,
     /// Tone curve of a PNG
     #[arg(long, value_name = "CURVE", value_enum, default_value_t = ToneName::Reinhard)]

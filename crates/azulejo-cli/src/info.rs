@@ -257,6 +257,7 @@ fn lights(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
         ("spot", 0),
         ("directional", 0),
         ("ambient", 0),
+        ("environment", 0),
     ];
     for light in &scene.lights {
         let kind = match light.kind {
@@ -264,6 +265,7 @@ fn lights(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
             LightKind::Spot { .. } => 1,
             LightKind::Directional { .. } => 2,
             LightKind::Ambient { .. } => 3,
+            LightKind::Environment(_) => 4,
         };
         kinds[kind].1 += 1;
     }
@@ -339,7 +341,9 @@ fn enclosable(
     let objects = boxes.iter().enumerate().filter(|(_, b)| !b.is_empty());
     let lights = scene.lights.iter().filter_map(|l| match l.kind {
         LightKind::Point { position, .. } | LightKind::Spot { position, .. } => Some(position),
-        LightKind::Directional { .. } | LightKind::Ambient { .. } => None,
+        LightKind::Directional { .. } | LightKind::Ambient { .. } | LightKind::Environment(_) => {
+            None
+        }
     });
     let places = scene.cameras.iter().map(|c| c.eye).chain(lights);
     let objects = objects.map(|(k, b)| entry(b.min, b.max, Some(k)));

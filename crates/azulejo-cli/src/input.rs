@@ -4,22 +4,33 @@ use super::args::{InputArgs, ReadingArgs};
 use super::failure::Failure;
 use super::placement::Placement;
 use super::session::Session;
+use super::surroundings;
 use super::values::UpArg;
 use azulejo::models::{self, read_bytes};
 use azulejo_formats::{ReadOptions, camera_json};
 use azulejo_scene::{Scene, Units};
+use jiff::Timestamp;
 use std::path::{Path, PathBuf};
 
 /// Reads all models of a command, places and merges them, and reports what was skipped.
 ///
 /// The scene has the axes and unit of the first model, unless the command line specifies others.
 pub fn read_all(input: &InputArgs, session: &mut Session) -> Result<Scene, Failure> {
+    read_all_at(input, None, session)
+}
+
+/// [`read_all`] for an instant, at which the sun stands somewhere.
+pub fn read_all_at(
+    input: &InputArgs,
+    instant: Option<Timestamp>,
+    session: &mut Session,
+) -> Result<Scene, Failure> {
     if !session.makes_image() && matches!(input.reading.up, Some(UpArg::Picture(_))) {
         return Err(Failure::misuse(
             "--up: expected y or z; a direction applies to images only",
         ));
     }
-    let mut placements = PlacementQueue::new(&input.reading.place, &input.scenes)?;
+    let mut placements = PlacementQueue::new(&input.reading, &input.scenes)?;
     let mut whole: Option<Scene> = None;
     for (path, branch) in input.scenes.iter().zip(branches(&input.scenes)) {
         let placement = placements.next(path);
@@ -54,6 +65,13 @@ pub fn read_all(input: &InputArgs, session: &mut Session) -> Result<Scene, Failu
         let lights = camera_json::read_lights(&read_bytes(path)?, &path.to_string_lossy());
         scene.lights.extend(lights.map_err(Failure::failed)?);
     }
+    surroundings::add(
+        &mut scene,
+        &input.outside,
+        input.reading.site(),
+        instant,
+        session,
+    )?;
     Ok(scene)
 }
 
@@ -90,16 +108,16 @@ fn branches(paths: &[PathBuf]) -> Vec<Option<String>> {
 struct PlacementQueue<'a>(Vec<&'a Placement>);
 
 impl<'a> PlacementQueue<'a> {
-    fn new(list: &'a [Placement], paths: &[PathBuf]) -> Result<PlacementQueue<'a>, Failure> {
-        match list
-            .iter()
+    fn new(reading: &'a ReadingArgs, paths: &[PathBuf]) -> Result<PlacementQueue<'a>, Failure> {
+        match reading
+            .placements()
             .find(|p| !paths.iter().any(|path| p.is_about(path)))
         {
             Some(p) => Err(Failure::misuse(format_args!(
                 "--place {}: no scene of that name is given",
                 p.file
             ))),
-            None => Ok(PlacementQueue(list.iter().collect())),
+            None => Ok(PlacementQueue(reading.placements().collect())),
         }
     }
 

@@ -33,6 +33,7 @@ mod report;
 mod rtrace;
 mod session;
 mod solve;
+mod surroundings;
 mod values;
 mod workbench;
 

@@ -52,7 +52,7 @@ pub fn solve(
     prepared: &PreparedEngine,
     session: &Session,
 ) -> Result<LightSolution, Failure> {
-    session.limit_time(args.time);
+    session.limit_time(args.limit());
     let options = options(args, prepared);
     with_forecast(args, session, |progress| {
         azulejo_radiosity::solve(scene, tracer, &options, progress)
@@ -91,7 +91,7 @@ fn forecast(found: &Measured, args: &FirstPassArgs, start: Instant) -> Option<St
         }
         _ => String::new(),
     };
-    let limits = match (args.time, args.rays) {
+    let limits = match (args.limit(), args.rays) {
         (Some(time), _) => format!("in {}", seconds(time.as_secs_f64())),
         (None, Some(most)) => format!("with {} rays per point", count(most)),
         (None, None) => "with the most rays per point".to_owned(),
@@ -106,6 +106,10 @@ fn forecast(found: &Measured, args: &FirstPassArgs, start: Instant) -> Option<St
 pub fn failure(error: impl Into<SolveError>) -> Failure {
     match error.into() {
         SolveError::Cancelled => Failure::Cancelled,
+        error @ SolveError::NoLight => Failure::failed(format_args!(
+            "{error}; or light it with --studio (a floor and three lamps), --sky 1, or --sky cie:12 \
+             --sun 135,40"
+        )),
         other => Failure::failed(other),
     }
 }

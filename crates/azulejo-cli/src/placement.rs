@@ -1,5 +1,6 @@
 //! `--place FILE:translate=1,0,2,rotate=0,90,0,scale=2`: the placement of a model.
 
+use super::surroundings::args::{Site, site};
 use super::values;
 use azulejo_scene::Up;
 use azulejo_scene::math::Aabb;
@@ -47,6 +48,23 @@ impl Placement {
     /// Whether it applies to the file at `path`, by its path or its name.
     pub fn is_about(&self, path: &Path) -> bool {
         Path::new(&self.file) == path || path.file_name().is_some_and(|n| n == &*self.file)
+    }
+}
+
+/// The value of `--place`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PlaceArg {
+    /// A model in the scene.
+    Model(Placement),
+    /// The scene on Earth.
+    Site(Site),
+}
+
+/// Parses `FILE:key=value,...` or `LAT,LON`.
+pub fn place(text: &str) -> Result<PlaceArg, String> {
+    match site(text) {
+        Some(site) => site.map(PlaceArg::Site),
+        None => parse(text).map(PlaceArg::Model),
     }
 }
 
@@ -157,7 +175,7 @@ fn rotation(degrees: DVec3) -> DMat3 {
 }
 
 fn scale(value: &str) -> Result<DVec3, String> {
-    let factors = match values::finite(value) {
+    let factors = match values::number(value) {
         Ok(factor) => DVec3::splat(factor),
         Err(_) => values::vector(value)?,
     };

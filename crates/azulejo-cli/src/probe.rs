@@ -51,7 +51,7 @@ pub fn run(args: &ProbeArgs, session: &mut Session) -> Result<Report, Failure> {
     let output = output.map(Output::check).transpose()?;
     session.claim_stdout(output.as_ref().is_some_and(Output::is_stdout))?;
     let prepared = args.first_pass.engine.prepare()?;
-    let mut scene = input::read_all(&args.input, session)?;
+    let mut scene = input::read_all_at(&args.input, args.first_pass.instant(), session)?;
     let mut report = Report::default();
     let probes = &args.probes;
     let rows = match (&probes.points, &probes.radiance, &probes.hits) {
@@ -95,7 +95,7 @@ fn irradiance(
     let points = points::read_points(path, args.normals.as_deref())?;
     let tracer = build(scene, prepared, report)?;
     let options = pass::options(&args.first_pass, prepared);
-    session.limit_time(args.first_pass.time);
+    session.limit_time(args.first_pass.limit());
     let clock = Clock::start();
     let probed = pass::with_forecast(&args.first_pass, session, |progress| {
         azulejo_radiosity::probe(scene, &tracer, &points, &options, progress)

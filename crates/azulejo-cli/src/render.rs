@@ -29,7 +29,7 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
     let errors = errors.transpose()?;
     session.claim_stdout(output.is_stdout())?;
     session.set_makes_image();
-    let mut scene = input::read_all(&args.input, session)?;
+    let mut scene = input::read_all_at(&args.input, args.first_pass.instant(), session)?;
     let mut report = Report::default();
     let image = match args.look.look {
         RenderStyle::Physical if args.picture.reference => {

@@ -12,7 +12,7 @@ pub fn run(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
     let output = ModelOutput::check_lit(&args.output)?;
     session.claim_stdout(output.is_stdout())?;
     let prepared = args.first_pass.engine.prepare()?;
-    let mut scene = input::read_all(&args.input, session)?;
+    let mut scene = input::read_all_at(&args.input, args.first_pass.instant(), session)?;
     let tracer = prepared.tracer(&scene)?;
     let light = pass::solve(&scene, &tracer, &args.first_pass, &prepared, session)?;
     let mut report = Report::default();

@@ -1,16 +1,19 @@
 //! Parsers of option values: `1%`, `60s`, `4G`, `640x480`, `1,2,3`.
 
+use super::surroundings::args::instant;
 use azulejo_formats::Lod;
 use azulejo_render::FinalGather;
 use azulejo_render::rtrace::Side;
 use azulejo_scene::Up;
 use glam::DVec3;
+use jiff::Timestamp;
 use std::time::Duration;
 
 /// Largest width and height of an image; more is a typing error.
 const MAX_SIDE: u32 = 65_536;
 
-fn number(text: &str) -> Result<f64, String> {
+/// Any finite number.
+pub fn number(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(x) if x.is_finite() => Ok(x),
         _ => Err(format!("\"{text}\" is not a number")),
@@ -41,11 +44,6 @@ pub fn not_negative(text: &str) -> Result<f64, String> {
         x if x >= 0.0 => Ok(x),
         x => Err(format!("{x} is below 0")),
     }
-}
-
-/// Any finite number.
-pub fn finite(text: &str) -> Result<f64, String> {
-    number(text)
 }
 
 /// A relative error: `1%` or `0.01`; above 0, at most 1.
@@ -116,6 +114,23 @@ pub fn duration(text: &str) -> Result<Duration, String> {
         Ok(Duration::from_secs_f64(seconds))
     } else {
         Err("expected more than 0 seconds and at most a year".into())
+    }
+}
+
+/// The value of `--time`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TimeArg {
+    /// How long to work.
+    Limit(Duration),
+    /// When the sun stands where it stands.
+    Instant(Timestamp),
+}
+
+/// A length of time, or an instant with its offset from UTC: `60s`, `2025-06-21T14:00+02:00`.
+pub fn time(text: &str) -> Result<TimeArg, String> {
+    match instant(text) {
+        Some(instant) => instant.map(TimeArg::Instant),
+        None => duration(text).map(TimeArg::Limit),
     }
 }
 

@@ -13,7 +13,6 @@ use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
 use azulejo_trace::sampling::{SobolTable, cosine_about, hash, seeds};
 use azulejo_trace::{Gatherer, KernelHit, NextEvent, REPLICATES, Surfaces, Tracer};
-use std::f64::consts::PI;
 use std::ops::Range;
 use std::sync::Mutex;
 
@@ -233,7 +232,6 @@ impl<'a> RayEstimator<'a> {
     ) {
         let surfaces = self.gatherer.surfaces();
         let share = 1.0 / REPLICATES as f64;
-        let ambient = self.gatherer.ambient() * PI;
         let up = surfaces.scene.units.up.axis();
         let RowWorkspace {
             paths,
@@ -247,8 +245,9 @@ impl<'a> RayEstimator<'a> {
                 Event::Escape => {
                     let is_up = surfaces.tracer.world_ray(&path.ray).direction.dot(up) >= 0.0;
                     row.escaped[replicate][usize::from(!is_up)] += weight;
-                    row.stray[replicate] += weight * ambient;
-                    row.external += weight * ambient * share;
+                    let found = weight * self.gatherer.escaped_exitance(path);
+                    row.stray[replicate] += found;
+                    row.external += found * share;
                 }
                 Event::Cut => row.cut += weight * share,
                 Event::Absorbed => row.absorbed += weight * share,

@@ -46,6 +46,7 @@ pub(crate) fn direct_at(
     let share = 1.0 / count as f64;
     for (k, at) in found.iter().enumerate() {
         light.lamps.replicates[k / count] += at.lamps.mean() * share;
+        light.outside.replicates[k / count] += at.outside.mean() * share;
         light.lights += at.lights * (share / REPLICATES as f64);
     }
     light

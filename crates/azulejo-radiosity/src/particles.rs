@@ -115,10 +115,12 @@ enum SourceKind {
     Surface(Side),
     /// A point or spot light.
     Point(LightKind),
-    /// A directional light.
-    Parallel(DVec3),
-    /// The surroundings.
+    /// A directional light, and half the angle that it subtends.
+    Parallel(DVec3, f64),
+    /// The same radiance from everywhere.
     Ambient,
+    /// All environments.
+    Environments,
 }
 
 /// All sources of a scene, the surfaces first, in their order.
@@ -148,19 +150,29 @@ fn sources(gatherer: &Gatherer, patches: &Patches) -> Vec<ParticleSource> {
         LightKind::Directional {
             direction,
             irradiance,
+            half_angle,
         } => ParticleSource {
             power: irradiance * (PI * radius * radius),
-            kind: SourceKind::Parallel(direction),
+            kind: SourceKind::Parallel(direction, half_angle),
         },
         // Irradiance πL on the inside of the ball.
         LightKind::Ambient { radiance } => ParticleSource {
             power: radiance * (PI * 4.0 * PI * radius * radius),
             kind: SourceKind::Ambient,
         },
+        // They are one source, below.
+        LightKind::Environment(_) => ParticleSource {
+            power: Rgb::BLACK,
+            kind: SourceKind::Environments,
+        },
+    };
+    let environments = ParticleSource {
+        power: gatherer.lights().outside().total() * (PI * radius * radius),
+        kind: SourceKind::Environments,
     };
     let surfaces = (0..2 * patches.len() as Side).map(surface);
     let lights = scene.lights.iter().map(|l| light(&l.kind));
-    let all = surfaces.chain(lights);
+    let all = surfaces.chain(lights).chain(Some(environments));
     all.filter(|s| s.power.max_channel() > 0.0).collect()
 }
 
@@ -358,7 +370,7 @@ impl ParticleTracing<'_> {
     fn light_particle(&self, source: usize, k: u32, scrambling: [u32; 4]) -> Path {
         let u: [f64; 4] = std::array::from_fn(|d| f64::from(sobol(k, d, scrambling[d])));
         let (centre, radius) = ball(self.gatherer);
-        let mut weight = 1.0;
+        let mut weight = Rgb::WHITE;
         let (origin, direction) = match self.sources[source].kind {
             SourceKind::Point(light) => {
                 let (position, axis, lowest) = match light {
@@ -373,14 +385,35 @@ impl ParticleTracing<'_> {
                 };
                 let direction = on_cap(axis, lowest, [u[0], u[1]]);
                 let full = light.intensity_toward(axis).max_channel();
-                weight = light.intensity_toward(direction).max_channel() / full;
+                weight = Rgb::grey(light.intensity_toward(direction).max_channel() / full);
                 (position, direction)
             }
-            SourceKind::Parallel(direction) => {
-                let frame = Frame::from_normal(direction);
-                let (x, y) = concentric_disk(u[0], u[1]);
-                let across = radius * (x * frame.x + y * frame.y);
-                (centre + across - radius * direction, direction)
+            SourceKind::Parallel(axis, half_angle) => {
+                let (x, y) = concentric_disk(u[2], u[3]);
+                let (x, y) = (x * half_angle.sin(), y * half_angle.sin());
+                let z = (1.0 - x * x - y * y).sqrt();
+                let direction = Frame::from_normal(axis).to_world(DVec3::new(x, y, z));
+                // The light is as strong on a surface that faces the centre of its disc.
+                weight = Rgb::grey(1.0 / z);
+                parallel([u[0], u[1]], direction, (centre, radius))
+            }
+            SourceKind::Environments => {
+                let outside = self.gatherer.lights().outside();
+                let choice = f64::from(uniform(&[scrambling[0], k, 1]));
+                let (toward, pdf) = outside
+                    .sample_environment([choice, u[2], u[3]])
+                    .expect("a source of particles has power");
+                let share = outside.environment(toward) / pdf;
+                let total = outside.total();
+                let of = |c: usize| {
+                    if total[c] > 0.0 {
+                        share[c] / total[c]
+                    } else {
+                        0.0
+                    }
+                };
+                weight = Rgb::new(of(0), of(1), of(2));
+                parallel([u[0], u[1]], -toward, (centre, radius))
             }
             SourceKind::Ambient | SourceKind::Surface(_) => {
                 let out = on_cap(DVec3::Z, -1.0, [u[0], u[1]]);
@@ -392,7 +425,7 @@ impl ParticleTracing<'_> {
         Path {
             ray: tracer.kernel_ray(&Ray::new(origin, direction)),
             id: 0,
-            weight: Rgb::grey(weight),
+            weight,
             via: Via::Direct,
             depth: 0,
             density: 0.0,
@@ -498,6 +531,14 @@ impl ParticleTracing<'_> {
         found.balance_error = standard_error(&missing);
         found
     }
+}
+
+/// Where a ray of that direction starts, on a disc across it that covers the ball, uniformly.
+fn parallel(u: [f64; 2], direction: DVec3, (centre, radius): (DVec3, f64)) -> (DVec3, DVec3) {
+    let frame = Frame::from_normal(direction);
+    let (x, y) = concentric_disk(u[0], u[1]);
+    let across = radius * (x * frame.x + y * frame.y);
+    (centre + across - radius * direction, direction)
 }
 
 /// A direction of the cap of the sphere about `axis` down to the cosine `lowest`, uniformly.

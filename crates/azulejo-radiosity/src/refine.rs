@@ -24,7 +24,6 @@ use azulejo_trace::follow::{Event, Path, Scratch, follow};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, Gathered, Gatherer, Measure, NextEvent, Progress, REPLICATES};
 use rayon::prelude::*;
-use std::f64::consts::PI;
 
 /// Decline of the variance, about count^−1.2 (measured: between random, 1, and 2-D strata, 3/2).
 const RATE: f64 = 1.2;
@@ -245,7 +244,6 @@ impl Refiner<'_> {
             next_event,
         } = work;
         let surfaces = self.gatherer.surfaces();
-        let ambient = self.gatherer.ambient() * PI;
         let (from, to) = (task.from as usize, task.to as usize);
         let share = 1.0 / (to - from) as f64;
         let mut sums = [Rgb::BLACK; REPLICATES];
@@ -257,7 +255,7 @@ impl Refiner<'_> {
                 let chances = hash(&[self.seed, task.side, replicate as u32, first as u32]);
                 follow(surfaces, paths, scratch, chances, |path, event| {
                     let light = match event {
-                        Event::Escape => ambient,
+                        Event::Escape => self.gatherer.escaped_exitance(path),
                         Event::Surface { hit, front } => {
                             let patch = self.hit_patches.at(&hit);
                             let reflected = rgb(&self.reference[side(patch, front) as usize]);
@@ -278,7 +276,7 @@ impl Refiner<'_> {
     fn lamps(&self, task: &RefinementTask) -> [Rgb; REPLICATES] {
         let stretch = task.from..task.to;
         let light = direct_at(self.gatherer, self.patches, self.seed, task.side, stretch);
-        light.lamps.replicates.map(|e| e + light.lights)
+        light.whole().replicates
     }
 }
 

@@ -12,7 +12,9 @@ use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
 use azulejo_trace::sampling::{cosine_about, hash, seeds, sobol, uniform};
-use azulejo_trace::{Cancelled, GatherPoint, Gatherer, NextEvent, Progress, REPLICATES};
+use azulejo_trace::{
+    Cancelled, DirectLight, GatherPoint, Gatherer, NextEvent, Progress, REPLICATES,
+};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
@@ -201,8 +203,9 @@ impl Shooter<'_> {
                 let light = self.gatherer.direct(&points, 1, self.seed);
                 let ambient = self.ambient(s, scratch);
                 let mut lamps = ambient;
-                (0..REPLICATES).for_each(|r| lamps[r] += light[r].lamps.mean() + light[r].lights);
-                let lights = light.iter().map(|l| l.lights).sum::<Rgb>() / REPLICATES as f64;
+                (0..REPLICATES).for_each(|r| lamps[r] += light[r].whole().mean());
+                let lights =
+                    light.iter().map(DirectLight::external).sum::<Rgb>() / REPLICATES as f64;
                 Ok(Some((
                     lamps,
                     lights + ambient.iter().copied().sum::<Rgb>() / REPLICATES as f64,
@@ -230,9 +233,8 @@ impl Shooter<'_> {
     /// surfaces from lights without area.
     fn ambient(&self, s: Side, scratch: &mut Scratch) -> [Rgb; REPLICATES] {
         let mut sums = [Rgb::BLACK; REPLICATES];
-        let radiance = self.gatherer.ambient();
-        let has_delta_lights = self.gatherer.shows_delta_lights();
-        if radiance.is_black() && !has_delta_lights {
+        let has_glossy_lights = self.gatherer.has_glossy_lights();
+        if !self.gatherer.has_surroundings() && !has_glossy_lights {
             return sums;
         }
         let mut next_event = NextEvent::default();
@@ -248,9 +250,11 @@ impl Shooter<'_> {
             scratch,
             seed,
             |path, event| match event {
-                Event::Escape => sums[path.id as usize] += radiance * PI * path.weight,
-                Event::Surface { hit, .. } if has_delta_lights => {
-                    next_event.add_delta_lights(self.gatherer, path, &hit, path.id, seed);
+                Event::Escape => {
+                    sums[path.id as usize] += self.gatherer.escaped_exitance(path) * path.weight;
+                }
+                Event::Surface { hit, .. } if has_glossy_lights => {
+                    next_event.add_other_lights(self.gatherer, path, &hit, path.id, seed);
                 }
                 _ => {}
             },

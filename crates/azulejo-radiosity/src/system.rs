@@ -115,9 +115,9 @@ impl System {
         wave.extend(backs.map(|p| side(p as u32, false)));
         let begins = |&s: &Side| {
             let material = &materials[patches.material((s / 2) as usize) as usize];
-            material.is_emitter() || !direct(gatherer, patches, seed, s).lights.is_black()
+            material.is_emitter() || !direct(gatherer, patches, seed, s).external().is_black()
         };
-        if gatherer.ambient().is_black() && !wave.iter().any(begins) {
+        if !gatherer.has_surroundings() && !wave.iter().any(begins) {
             wave.extend(
                 (0..patches.len())
                     .filter(|p| reflects(*p) && !emits_back(p))
@@ -295,9 +295,9 @@ impl Unknown {
             area: patches.area((s / 2) as usize),
             reflectance: reflectance[(s / 2) as usize],
             exitance,
-            direct: light.lamps.replicates.map(|e| e + light.lights),
+            direct: light.whole().replicates,
             stray: [Rgb::BLACK; REPLICATES],
-            external: light.lights,
+            external: light.external(),
             outcomes: [Rgb::BLACK; 3],
         }
     }

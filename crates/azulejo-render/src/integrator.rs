@@ -203,12 +203,7 @@ impl<'a> CameraPath<'_, 'a> {
     fn shade(&mut self, segment: &Segment, hit: &KernelHit) -> Rgb {
         let scene = &self.integrator.scene;
         if !hit.is_hit() {
-            // Surfaces receive the light of the surroundings; only the camera sees the background.
-            let beyond = if segment.is_sharp {
-                scene.sky
-            } else {
-                scene.gatherer.ambient()
-            };
+            let beyond = scene.beyond(&segment.ray, segment.is_sharp, segment.density);
             return segment.weight * beyond;
         }
         let surfaces = scene.surfaces();

@@ -291,7 +291,8 @@ impl<'a> PathTracer<'a> {
                 self.through_fog(&mut path, &hit);
             }
             if !hit.is_hit() {
-                path.radiance += path.weight * self.beyond(&path);
+                path.radiance +=
+                    path.weight * self.scene.beyond(&path.ray, path.is_sharp, path.density);
                 break;
             }
             path.radiance += path.weight * self.scene.emitted(&path.ray, &hit, path.density);
@@ -303,16 +304,6 @@ impl<'a> PathTracer<'a> {
             self.turn(&mut path, &at, &next);
         }
         path.radiance
-    }
-
-    /// Radiance of rays that leave the scene: for the camera that of the background, for surfaces
-    /// that of the surroundings.
-    fn beyond(&self, path: &PathState) -> Rgb {
-        if path.is_sharp {
-            self.scene.sky
-        } else {
-            self.scene.gatherer.ambient()
-        }
     }
 
     fn through_fog(&self, path: &mut PathState, hit: &KernelHit) {

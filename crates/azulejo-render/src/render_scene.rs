@@ -3,7 +3,7 @@
 use crate::interpolate::Interpolator;
 use crate::shading::{Colors, Parts, Shading};
 use azulejo_scene::math::reflect;
-use azulejo_scene::{Material, Rgb, Scene};
+use azulejo_scene::{Material, Rgb, Scene, SceneBackground};
 use azulejo_trace::interaction::{SurfaceInteraction, shadow_ray};
 use azulejo_trace::lights::mis_weight;
 use azulejo_trace::{Gatherer, KernelHit, KernelRay, Surfaces, Tracer};
@@ -13,9 +13,9 @@ use glam::DVec3;
 pub(crate) struct RenderScene<'a> {
     pub gatherer: Gatherer<'a>,
     pub interpolator: Interpolator<'a>,
-    /// Radiance that the camera sees beyond the scene, straight and in mirrors: that of the
-    /// background, else that of the surroundings.
-    pub sky: Rgb,
+    /// What the camera sees beyond the scene, straight and in mirrors, unless that is the
+    /// surroundings.
+    background: Option<SceneBackground>,
 }
 
 /// Contributions of lights that are still to be tested for shadow.
@@ -31,9 +31,39 @@ impl<'a> RenderScene<'a> {
     pub fn new(scene: &'a Scene, tracer: &'a Tracer) -> RenderScene<'a> {
         let gatherer = Gatherer::new(Surfaces::new(scene, tracer));
         RenderScene {
-            sky: scene.background.unwrap_or(gatherer.ambient()),
+            background: scene.background,
             gatherer,
             interpolator: Interpolator::new(scene, tracer),
+        }
+    }
+
+    /// Radiance that a ray finds where it leaves the scene. Surfaces receive the light of the
+    /// surroundings, and only the camera sees the background, straight and in mirrors: `is_sharp`.
+    /// `density` as for [`emitted`](RenderScene::emitted).
+    pub fn beyond(&self, ray: &KernelRay, is_sharp: bool, density: f64) -> Rgb {
+        let lights = self.gatherer.lights();
+        if let (true, Some(SceneBackground::Color(color))) = (is_sharp, self.background) {
+            return color;
+        }
+        let ambient = self.gatherer.ambient();
+        let outside = lights.outside();
+        if outside.is_empty() && (self.background.is_none() || !is_sharp) {
+            return ambient;
+        }
+        let direction = self.tracer().world_ray(ray).direction.normalize_or_zero();
+        match self.background {
+            Some(SceneBackground::Environment(background)) if is_sharp => {
+                let texture = background.texture();
+                let textures = &self.surfaces().scene.textures;
+                let image = texture.and_then(|id| textures.get(id as usize)?.image.as_ref());
+                background.seen(direction, image)
+            }
+            _ if is_sharp => ambient + outside.seen(direction),
+            _ if density > 0.0 => {
+                let weight = mis_weight(density, outside.pdf(direction));
+                ambient + outside.radiance(direction) * weight
+            }
+            _ => ambient + outside.environment(direction),
         }
     }
 
@@ -88,8 +118,8 @@ impl<'a> RenderScene<'a> {
         )
     }
 
-    /// Radiance that a surface reflects of one sample of the lamps and of the lights without area,
-    /// for four numbers in 0..1. The sample is weighted against the surface's own, which paths
+    /// Radiance that a surface reflects of one sample of the lamps, one of what is outside, and of
+    /// the lights without area, for four numbers in 0..1. The sample is weighted against the surface's own, which paths
     /// take with `lobe_probability`.
     pub fn lit(
         &self,
@@ -101,6 +131,13 @@ impl<'a> RenderScene<'a> {
         let (surfaces, lights) = (self.surfaces(), self.gatherer.lights());
         shadows.clear();
         if let Some(sample) = lights.sample(surfaces, shading.origin, [u[0], u[1], u[2]]) {
+            let density = lobe_probability * shading.pdf(sample.direction);
+            let share = mis_weight(sample.pdf, density) / sample.pdf;
+            let light = shading.eval(sample.direction) * sample.radiance * share;
+            shadows.push(self.tracer(), shading.origin, sample.target, light);
+        }
+        let outside = lights.sample_outside(surfaces, shading.origin, [u[0], u[1], u[2]]);
+        if let Some(sample) = outside {
             let density = lobe_probability * shading.pdf(sample.direction);
             let share = mis_weight(sample.pdf, density) / sample.pdf;
             let light = shading.eval(sample.direction) * sample.radiance * share;

@@ -23,7 +23,7 @@
 mod shapes;
 mod surfaces;
 
-use glam::{DAffine3, DVec2, DVec3};
+use glam::{DAffine3, DQuat, DVec2, DVec3};
 use std::sync::Arc;
 
 /// Receives the bytes of a content, part by part.
@@ -157,6 +157,12 @@ impl ContentBytes for DVec3 {
     }
 }
 
+impl ContentBytes for DQuat {
+    fn feed(&self, sink: &mut ContentSink<'_>) {
+        self.to_array().feed(sink);
+    }
+}
+
 impl ContentBytes for DAffine3 {
     fn feed(&self, sink: &mut ContentSink<'_>) {
         self.to_cols_array().feed(sink);
@@ -222,7 +228,7 @@ mod tests {
             |s| s.objects.truncate(1),
             |s| s.materials[0].emits_back = true,
             |s| s.materials[0].brdf = None,
-            |s| s.background = Some(Rgb::BLACK),
+            |s| s.background = Some(Rgb::BLACK.into()),
             |s| s.units.photometric = true,
             |s| mesh(s).positions[0].x += 1e-9,
             |s| mesh(s).faces.corners.swap(0, 1),

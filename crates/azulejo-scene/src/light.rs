@@ -1,6 +1,6 @@
 //! Light sources without area. Area lights are objects whose material emits.
 
-use crate::Rgb;
+use crate::{Environment, Rgb, TextureId};
 use glam::DVec3;
 
 /// A named light source.
@@ -42,12 +42,28 @@ pub enum LightKind {
         direction: DVec3,
         /// Irradiance on a surface that faces the light, W/m².
         irradiance: Rgb,
+        /// Half of the angle that the light's disc subtends, radians, in 0..π/2: 0.00465 for the
+        /// sun, 0 for sharp shadows.
+        half_angle: f64,
     },
     /// The same radiance from all directions, for rays that leave the scene.
     Ambient {
         /// Radiance, W/(sr·m²).
         radiance: Rgb,
     },
+    /// A radiance by direction, for rays that leave the scene.
+    Environment(Environment),
+}
+
+impl Light {
+    /// The same, with its texture numbered anew, if it shows one.
+    #[must_use]
+    pub fn with_texture(mut self, number: impl Fn(TextureId) -> TextureId) -> Light {
+        if let LightKind::Environment(environment) = &mut self.kind {
+            *environment = environment.with_texture(number);
+        }
+        self
+    }
 }
 
 impl LightKind {
@@ -72,7 +88,9 @@ impl LightKind {
                 };
                 intensity * (x * x * (3.0 - 2.0 * x))
             }
-            LightKind::Directional { .. } | LightKind::Ambient { .. } => Rgb::BLACK,
+            LightKind::Directional { .. }
+            | LightKind::Ambient { .. }
+            | LightKind::Environment(_) => Rgb::BLACK,
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use crate::math::Aabb;
 use crate::{
-    Camera, Irradiance, Light, Material, MaterialId, ObjectIrradiance, Rgb, Rtrace, Shape, Texture,
+    Camera, Environment, Irradiance, Light, LightKind, Material, MaterialId, ObjectIrradiance, Rgb,
+    Rtrace, Shape, Texture, TextureId,
 };
 use glam::DVec3;
 
@@ -19,15 +20,54 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Cameras defined by the file.
     pub cameras: Vec<Camera>,
-    /// Radiance that a camera sees where there is no surface. It does not illuminate the scene: see
-    /// [`LightKind::Ambient`](crate::LightKind::Ambient) for surroundings that do.
-    pub background: Option<Rgb>,
+    /// What a camera sees where there is no surface. It does not illuminate the scene: see
+    /// [`LightKind::Ambient`](crate::LightKind::Ambient) and
+    /// [`LightKind::Environment`](crate::LightKind::Environment) for surroundings that do.
+    pub background: Option<SceneBackground>,
     /// Fog between the camera and surfaces. It does not attenuate the light that surfaces receive.
     pub fog: Option<Fog>,
     /// Length unit, up axis and photometric unit.
     pub units: Units,
     /// Parameters of an SFF or SCN scene that only RTRACE's own shading uses.
     pub rtrace: Option<Box<Rtrace>>,
+}
+
+/// What a camera sees where there is no surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SceneBackground {
+    /// The same radiance everywhere, W/(sr·m²).
+    Color(Rgb),
+    /// A radiance by direction.
+    Environment(Environment),
+}
+
+impl SceneBackground {
+    /// Its radiance, if it is the same everywhere.
+    pub fn color(&self) -> Option<Rgb> {
+        match *self {
+            SceneBackground::Color(color) => Some(color),
+            SceneBackground::Environment(_) => None,
+        }
+    }
+}
+
+impl SceneBackground {
+    /// The same, with its texture numbered anew, if it shows one.
+    #[must_use]
+    pub fn with_texture(self, number: impl Fn(TextureId) -> TextureId) -> SceneBackground {
+        match self {
+            SceneBackground::Environment(environment) => {
+                SceneBackground::Environment(environment.with_texture(number))
+            }
+            color @ SceneBackground::Color(_) => color,
+        }
+    }
+}
+
+impl From<Rgb> for SceneBackground {
+    fn from(color: Rgb) -> SceneBackground {
+        SceneBackground::Color(color)
+    }
 }
 
 /// Fog, as VRML has it: a colour that surfaces fade into with their distance from the viewer.
@@ -137,9 +177,22 @@ impl Scene {
             .fold(Aabb::EMPTY, |b, o| b.union(o.bounds()))
     }
 
+    /// All environments: those that give light, and that of the background.
+    pub fn environments(&self) -> impl Iterator<Item = &Environment> {
+        let lights = self.lights.iter().filter_map(|light| match &light.kind {
+            LightKind::Environment(environment) => Some(environment),
+            _ => None,
+        });
+        let background = match &self.background {
+            Some(SceneBackground::Environment(environment)) => Some(environment),
+            _ => None,
+        };
+        lights.chain(background)
+    }
+
     /// Whether there is a light source: an emitting surface, or a light that is not black.
     pub fn has_light(&self) -> bool {
-        use crate::LightKind::*;
+        use LightKind::*;
         let shines = |m: MaterialId| {
             self.materials
                 .get(m as usize)
@@ -154,6 +207,7 @@ impl Scene {
             Point { intensity, .. } | Spot { intensity, .. } => !intensity.is_black(),
             Directional { irradiance, .. } => !irradiance.is_black(),
             Ambient { radiance } => !radiance.is_black(),
+            Environment(environment) => !environment.scale.is_black(),
         };
         self.objects.iter().any(lamp) || self.lights.iter().any(light)
     }
@@ -221,9 +275,12 @@ impl Scene {
             }
             o
         }));
-        self.lights.extend(other.lights);
+        let number = |texture: TextureId| texture + textures;
+        let lights = other.lights.into_iter().map(|l| l.with_texture(number));
+        self.lights.extend(lights);
         self.cameras.extend(other.cameras);
-        self.background = self.background.or(other.background);
+        let background = other.background.map(|b| b.with_texture(number));
+        self.background = self.background.or(background);
         self.fog = self.fog.or(other.fog);
     }
 }

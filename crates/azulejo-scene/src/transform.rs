@@ -2,8 +2,8 @@
 
 use crate::math::normal_matrix;
 use crate::{
-    Attribute, Camera, Faces, Light, LightKind, Mesh, Primitive, PrimitiveKind, Scene, Shape,
-    SurfaceLight, Units, Up,
+    Attribute, Camera, Faces, Light, LightKind, Mesh, Primitive, PrimitiveKind, Scene,
+    SceneBackground, Shape, SurfaceLight, Units, Up,
 };
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -28,6 +28,9 @@ impl Scene {
         self.cameras.iter_mut().for_each(|c| c.transform(map));
         if let Some(fog) = &mut self.fog {
             fog.visibility *= scale;
+        }
+        if let Some(SceneBackground::Environment(environment)) = &mut self.background {
+            environment.turn(&map.matrix3);
         }
         // Its lights and textures are meaningless at another scale.
         self.rtrace = None;
@@ -158,6 +161,7 @@ impl Light {
             }
             LightKind::Directional { direction, .. } => *direction = turned(*direction),
             LightKind::Ambient { .. } => {}
+            LightKind::Environment(environment) => environment.turn(&map.matrix3),
         }
     }
 }

@@ -4,8 +4,8 @@ mod exact;
 mod rtrace;
 
 use crate::{
-    Attribute, LightKind, Material, Mesh, Object, Opacity, OpacityMode, Primitive, PrimitiveKind,
-    Scene, Shape,
+    Attribute, Environment, EnvironmentSource, LightKind, Material, Mesh, Object, Opacity,
+    OpacityMode, Primitive, PrimitiveKind, Scene, SceneBackground, Shape, TextureId,
 };
 use glam::DVec3;
 use std::fmt;
@@ -91,12 +91,14 @@ impl Scene {
 
     fn validate_surroundings(&self) -> Check {
         let shines = |c: crate::Rgb| (0..3).all(|k| c[k] >= 0.0 && c[k].is_finite());
-        let sky = self.background.unwrap_or_default();
-        ensure(
-            shines(sky),
-            || "background".into(),
-            || format!("radiance is {sky:?}, expected finite numbers >= 0"),
-        )?;
+        let place = || String::from("background");
+        match self.background {
+            Some(SceneBackground::Environment(sky)) => self.validate_environment(&sky, place)?,
+            Some(SceneBackground::Color(sky)) => ensure(shines(sky), place, || {
+                format!("radiance is {sky:?}, expected finite numbers >= 0")
+            })?,
+            None => {}
+        }
         let Some(fog) = self.fog else { return Ok(()) };
         let far = fog.visibility;
         ensure(
@@ -195,8 +197,19 @@ impl Scene {
                 LightKind::Directional {
                     direction,
                     irradiance,
-                } => (true, bright(irradiance), unit(direction)),
+                    half_angle,
+                } => {
+                    let is_angle = (0.0..std::f64::consts::FRAC_PI_2).contains(&half_angle);
+                    ensure(is_angle, place, || {
+                        format!("the half angle is {half_angle}, expected 0..π/2")
+                    })?;
+                    (true, bright(irradiance), unit(direction))
+                }
                 LightKind::Ambient { radiance } => (true, bright(radiance), true),
+                LightKind::Environment(environment) => {
+                    self.validate_environment(&environment, place)?;
+                    (true, true, true)
+                }
             };
             ensure(finite, place, || "the position is not finite".into())?;
             ensure(colour, place, || {
@@ -207,6 +220,36 @@ impl Scene {
             })?;
         }
         Ok(())
+    }
+
+    fn validate_environment(&self, sky: &Environment, place: impl Fn() -> String) -> Check {
+        ensure(
+            (0..3).all(|k| sky.scale[k] >= 0.0 && sky.scale[k].is_finite()),
+            &place,
+            || "the scale is negative or not finite".into(),
+        )?;
+        ensure(
+            (sky.world_from_environment.length() - 1.0).abs() < 1e-3,
+            &place,
+            || "the rotation is not a unit quaternion".into(),
+        )?;
+        if let EnvironmentSource::Sky(sky) = sky.source {
+            let numbers = [sky.scale, sky.ground];
+            let is_sun = (sky.toward_sun.length() - 1.0).abs() < 1e-3;
+            ensure(
+                is_sun && numbers.iter().all(|n| *n >= 0.0 && n.is_finite()),
+                &place,
+                || {
+                    "the sky's sun is no unit vector, or a radiance is negative or not finite"
+                        .into()
+                },
+            )?;
+        }
+        let count = self.textures.len();
+        let is_there = |t: TextureId| (t as usize) < count;
+        ensure(sky.texture().is_none_or(is_there), &place, || {
+            format!("its texture is not one of the scene's {count}")
+        })
     }
 
     fn validate_cameras(&self) -> Check {
@@ -484,7 +527,10 @@ mod tests {
             "texture 3 of 0",
         );
         check(|s| s.units.metres_per_unit = Some(0.0), "metres_per_unit");
-        check(|s| s.background = Some(Rgb::grey(-1.0)), "background");
+        check(
+            |s| s.background = Some(Rgb::grey(-1.0).into()),
+            "background",
+        );
         check(
             |s| {
                 s.fog = Some(Fog {
@@ -498,6 +544,7 @@ mod tests {
         let spot = LightKind::Directional {
             direction: DVec3::ONE,
             irradiance: Rgb::WHITE,
+            half_angle: 0.0,
         };
         check(
             |s| {

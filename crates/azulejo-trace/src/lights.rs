@@ -6,17 +6,21 @@
 //! it once.
 
 mod delta;
+mod direction_table;
 mod emitters;
 mod flat_faces;
+mod outside;
 mod tiles;
 
 use crate::{KernelHit, KernelRay, Surfaces};
 use azulejo_scene::{LightKind, Rgb};
-pub(crate) use delta::{unoccluded, unoccluded_image};
+pub(crate) use delta::{beyond, unoccluded, unoccluded_image};
 pub(crate) use emitters::{CurvedEmitter, FlatEmitter, sample_polygon, side_toward};
 use emitters::{Emission, EmitterPoint, FlatEmitters, curved_emitters};
 pub(crate) use flat_faces::{FaceKey, FlatFace, flat_faces};
 use glam::DVec3;
+pub use outside::Outside;
+pub(crate) use outside::SunDisc;
 pub(crate) use tiles::{Tile, merged};
 
 /// If there are more lights without area than this, each sample takes this many of them.
@@ -28,24 +32,26 @@ pub struct Lights<'a> {
     flat: FlatEmitters,
     /// Curved emitters in the order of their keys.
     pub(crate) curved: Vec<CurvedEmitter<'a>>,
-    /// Point, spot and directional lights.
+    /// Point and spot lights, and directional ones without size.
     pub(crate) delta: Vec<LightKind>,
+    /// Environments and suns.
+    pub(crate) outside: Outside<'a>,
     /// Radiance of the surroundings, from all ambient lights, W/(sr·m²).
     pub(crate) ambient: Rgb,
     /// Sum of the shares of the emitters up to each, the flat ones first.
     ends: Vec<f64>,
 }
 
-/// A point of an emitter, sampled from another point.
+/// A point of an emitter, or of what is outside, sampled from another point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightSample {
-    /// Unit, toward the emitter.
+    /// Unit, toward the light.
     pub direction: DVec3,
     /// Where a shadow ray ends: a little before the emitter.
     pub target: DVec3,
     /// What arrives if nothing stands between, W/(sr·m²).
     pub radiance: Rgb,
-    /// Density of [`Lights::sample`] over solid angle, 1/sr.
+    /// Density of the sample over solid angle, 1/sr.
     pub pdf: f64,
 }
 
@@ -70,13 +76,17 @@ impl<'a> Lights<'a> {
         for light in &surfaces.scene.lights {
             match light.kind {
                 LightKind::Ambient { radiance } => ambient += radiance,
+                LightKind::Environment(_) => {}
+                LightKind::Directional { half_angle, .. } if half_angle > 0.0 => {}
                 kind => delta.push(kind),
             }
         }
+        let outside = Outside::new(surfaces.scene);
         Lights {
             flat,
             curved,
             delta,
+            outside,
             ambient,
             ends,
         }
@@ -87,9 +97,31 @@ impl<'a> Lights<'a> {
         &self.flat.emitters
     }
 
-    /// Whether there is nothing to sample: no emitter and no light without area.
+    /// Whether there is nothing to sample: no emitter, no light without area, and nothing outside.
     pub fn is_empty(&self) -> bool {
-        self.ends.is_empty() && self.delta.is_empty()
+        self.ends.is_empty() && self.delta.is_empty() && self.outside.is_empty()
+    }
+
+    /// The environments and suns.
+    pub fn outside(&self) -> &Outside<'a> {
+        &self.outside
+    }
+
+    /// A direction in which something outside shines, as seen from `p`, for three numbers in 0..1.
+    /// `None` if nothing does.
+    pub fn sample_outside(
+        &self,
+        surfaces: &Surfaces,
+        p: DVec3,
+        u: [f64; 3],
+    ) -> Option<LightSample> {
+        let sample = self.outside.sample(u)?;
+        Some(LightSample {
+            direction: sample.direction,
+            target: beyond(surfaces, p, sample.direction),
+            radiance: sample.radiance,
+            pdf: sample.pdf,
+        })
     }
 
     /// Whether there are lights without area.

@@ -141,7 +141,7 @@ pub struct PlotArgs {
     pub angles: Vec<f64>,
     /// Azimuth of the plane of incidence, in degrees from the tangent
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0, allow_hyphen_values = true,
-          value_parser = crate::values::finite)]
+          value_parser = crate::values::number)]
     pub phi: f64,
     /// Width of a PNG in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 960,

@@ -37,7 +37,8 @@ const RAYS: f64 = 16_384.0;
 /// its faces are treated as those of other models.
 pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<View3dInput>, Failure> {
     let reading = &args.input.reading;
-    let is_placed = !reading.place.is_empty() || reading.up.is_some() || reading.unit.is_some();
+    let is_placed =
+        reading.placements().next().is_some() || reading.up.is_some() || reading.unit.is_some();
     let [path] = &args.input.scenes[..] else {
         return Ok(None);
     };

@@ -1,7 +1,7 @@
 //! Arguments of `text`, `font` and `extrude`.
 
 use super::values::{self, Characters};
-use crate::values::{finite, vector};
+use crate::values::{number, vector};
 use azulejo_scene::{Align, Rgb};
 use clap::{Args, Subcommand, ValueEnum, ValueHint};
 use glam::DVec3;
@@ -57,11 +57,11 @@ pub struct TypefaceArgs {
 #[command(next_help_heading = "Lines")]
 pub struct LinesArgs {
     /// Additional space between letters, in ems
-    #[arg(long, value_name = "EMS", default_value_t = 0.0, value_parser = finite,
+    #[arg(long, value_name = "EMS", default_value_t = 0.0, value_parser = number,
           allow_hyphen_values = true)]
     pub spacing: f64,
     /// Distance between baselines, in ems
-    #[arg(long, value_name = "EMS", default_value_t = 1.2, value_parser = finite,
+    #[arg(long, value_name = "EMS", default_value_t = 1.2, value_parser = number,
           allow_hyphen_values = true)]
     pub line_spacing: f64,
     /// Alignment of lines

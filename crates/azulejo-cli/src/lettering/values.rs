@@ -1,12 +1,12 @@
 //! Parsers of option values of lettering: directions, slopes, colours, characters.
 
-use crate::values::{finite, not_negative};
+use crate::values::{not_negative, number};
 use azulejo_scene::Rgb;
 use glam::DVec3;
 
 /// A number above 0.
 pub fn positive(text: &str) -> Result<f64, String> {
-    match finite(text)? {
+    match number(text)? {
         x if x > 0.0 => Ok(x),
         x => Err(format!("{x}, expected more than 0")),
     }
@@ -14,7 +14,7 @@ pub fn positive(text: &str) -> Result<f64, String> {
 
 /// An angle in degrees between −90 and 90, exclusive.
 pub fn slope(text: &str) -> Result<f64, String> {
-    match finite(text)? {
+    match number(text)? {
         x if x.abs() < 90.0 => Ok(x),
         x => Err(format!("{x} degrees, expected between -90 and 90")),
     }
@@ -71,7 +71,7 @@ fn screen_color(digits: &str) -> Option<Rgb> {
 /// The directions of SFF's text, nine numbers: `1,0,0,0,1,0,0,0,-1`.
 pub fn orientation(text: &str) -> Result<[DVec3; 3], String> {
     let parts = text.split(|c: char| c == ',' || c.is_whitespace());
-    let parts = parts.filter(|p| !p.is_empty()).map(finite);
+    let parts = parts.filter(|p| !p.is_empty()).map(number);
     let parts: Vec<f64> = parts.collect::<Result<_, _>>()?;
     let [px, py, pz, ux, uy, uz, ex, ey, ez] = parts[..] else {
         return Err(format!(

@@ -10,6 +10,7 @@ mod expansion;
 mod experiment;
 mod files;
 mod lettering;
+mod outside;
 mod reading;
 mod reference;
 mod rtrace;

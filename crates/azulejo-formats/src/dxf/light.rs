@@ -21,6 +21,7 @@ pub(super) fn light(record: &Record) -> Result<Light, &'static str> {
         (1, Some(direction)) => LightKind::Directional {
             direction,
             irradiance: intensity,
+            half_angle: 0.0,
         },
         (2, _) => LightKind::Point {
             position,
@@ -66,10 +67,13 @@ pub(super) fn transformed(light: &Light, map: &DAffine3) -> Option<Light> {
         LightKind::Point { position, .. } => *position = map.transform_point3(*position),
         LightKind::Directional { direction, .. } => *direction = turned(*direction),
         LightKind::Ambient { .. } => {}
+        LightKind::Environment(environment) => environment.turn(&map.matrix3),
     }
     let place = match light.kind {
         LightKind::Spot { position, .. } | LightKind::Point { position, .. } => position,
-        LightKind::Directional { .. } | LightKind::Ambient { .. } => DVec3::ZERO,
+        LightKind::Directional { .. } | LightKind::Ambient { .. } | LightKind::Environment(_) => {
+            DVec3::ZERO
+        }
     };
     place.is_finite().then_some(light)
 }

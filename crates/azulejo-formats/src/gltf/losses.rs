@@ -68,6 +68,14 @@ pub fn losses(scene: &Scene) -> Vec<String> {
             "ambient lights",
         ),
         (
+            lights(|l| matches!(l, LightKind::Environment(_))),
+            "environments",
+        ),
+        (
+            lights(|l| matches!(l, LightKind::Directional { half_angle, .. } if *half_angle > 0.0)),
+            "sizes of suns",
+        ),
+        (
             lights(|l| matches!(l, LightKind::Spot { outer, .. } if *outer > MOST_CONE)),
             "spot lights wider than a half space",
         ),

@@ -414,6 +414,7 @@ fn kind_of(json: &khr_lights_punctual::Light, world: &DAffine3) -> Option<LightK
         Checked::Valid(Type::Directional) => Some(LightKind::Directional {
             direction: direction()?,
             irradiance: intensity,
+            half_angle: 0.0,
         }),
         Checked::Valid(Type::Spot) => {
             let cone = json.spot.as_ref()?;

@@ -137,8 +137,9 @@ impl<'a> Document<'a> {
             LightKind::Directional {
                 direction,
                 irradiance,
+                ..
             } => ("directional", irradiance, DVec3::ZERO, Some(direction)),
-            LightKind::Ambient { .. } => return,
+            LightKind::Ambient { .. } | LightKind::Environment(_) => return,
         };
         let (factor, strength) = factor_and_strength(colour);
         let mut json = named(&light.name);

@@ -2,6 +2,7 @@
 
 use super::brdf::GrfReflection;
 use super::solids::{ExactBlock, FigureBlock, SolidDefinition};
+use super::surroundings::EnvironmentBlock;
 use crate::{Position, ReadError};
 use azulejo_scene::{
     Attribute, BackIrradiance, Light, OpacityChannel, OpacityMode, PrimitiveKind, Rgb, Sidedness,
@@ -149,6 +150,8 @@ pub(super) enum BlockKind {
     Background(Rgb),
     Fog(Fog),
     Light(Light),
+    /// `ext light` of kind `environment`, or `ext background` with a picture.
+    Environment(Box<EnvironmentBlock>),
     Material(Box<MaterialNote>),
     Texture {
         of: GrfName,

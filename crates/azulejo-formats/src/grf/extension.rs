@@ -99,9 +99,12 @@ impl<'a> GrfParser<'a, '_, '_> {
         let block = match name {
             "units" => BlockKind::Units(self.units(entries)?),
             "camera" => BlockKind::Camera(self.camera(entries)?),
-            "background" => BlockKind::Background(self.needed_rgb(entries, "color")?),
+            "background" => match self.take_rgb(entries, "color")? {
+                Some(color) => BlockKind::Background(color),
+                None => self.environment(entries, None)?,
+            },
             "fog" => BlockKind::Fog(self.fog(entries)?),
-            "light" => BlockKind::Light(self.light(entries)?),
+            "light" => self.light(entries)?,
             "material" => BlockKind::Material(Box::new(self.material_note(entries)?)),
             "texture" => {
                 let of = self.take_name(entries, "of", NameKind::Texture)?;
@@ -219,7 +222,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         Err(self.wrong(&entry, "two numbers of pixels, at least 1"))
     }
 
-    fn light(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Light> {
+    fn light(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<BlockKind> {
         let name = self.take_text(entries, "name")?.unwrap_or_default();
         let kind = self.take_word(entries, "kind")?;
         let (kind, offset) = self.required(entries, "kind", kind)?;
@@ -232,7 +235,9 @@ impl<'a> GrfParser<'a, '_, '_> {
             "directional" => LightKind::Directional {
                 direction: self.needed_direction(entries)?,
                 irradiance: self.needed_rgb(entries, "irradiance")?,
+                half_angle: self.half_angle(entries)?,
             },
+            "environment" => return self.environment(entries, Some(name)),
             "ambient" => LightKind::Ambient {
                 radiance: self.needed_rgb(entries, "radiance")?,
             },
@@ -240,11 +245,23 @@ impl<'a> GrfParser<'a, '_, '_> {
                 return Err(self.fail(
                     offset,
                     format!("`{kind}`"),
-                    "`point`, `spot`, `directional` or `ambient`",
+                    "`point`, `spot`, `directional`, `ambient` or `environment`",
                 ));
             }
         };
-        Ok(Light { name, kind })
+        Ok(BlockKind::Light(Light { name, kind }))
+    }
+
+    fn half_angle(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<f64> {
+        let half_angle = self.take_angle(entries, "half_angle")?.unwrap_or(0.0);
+        if (0.0..std::f64::consts::FRAC_PI_2).contains(&half_angle) {
+            return Ok(half_angle);
+        }
+        Err(self.fail(
+            entries.offset,
+            "a light of an impossible size",
+            "a half_angle of 0 to 90 degrees",
+        ))
     }
 
     fn spot(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<LightKind> {

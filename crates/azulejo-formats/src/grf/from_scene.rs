@@ -8,10 +8,11 @@ use super::document::{
 };
 use super::materials::surface;
 use super::solids::{Figures, exact_block};
+use super::surroundings::{self, EnvironmentBlock};
 use azulejo_scene::brdf::{Description, Model};
 use azulejo_scene::{
-    Attribute, BackIrradiance, Brdf, Faces, Material, MaterialId, Mesh, Object, Primitive,
-    PrimitiveKind, Rgb, Scene, Shape, TextureId, Units,
+    Attribute, BackIrradiance, Brdf, Faces, LightKind, Material, MaterialId, Mesh, Object,
+    Primitive, PrimitiveKind, Rgb, Scene, SceneBackground, Shape, TextureId, Units,
 };
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
@@ -38,14 +39,31 @@ impl GrfDocument {
         if scene.units != Units::default() {
             outside.push(BlockKind::Units(scene.units));
         }
-        outside.extend(scene.background.map(BlockKind::Background));
+        let pictures: Vec<&str> = pictures.collect();
+        let picture = |id: TextureId| pictures[id as usize].to_owned();
+        outside.extend(scene.background.map(|background| match background {
+            SceneBackground::Color(color) => BlockKind::Background(color),
+            SceneBackground::Environment(environment) => {
+                BlockKind::Environment(EnvironmentBlock::new(None, environment, picture))
+            }
+        }));
         outside.extend(scene.fog.map(BlockKind::Fog));
         outside.extend(scene.cameras.iter().cloned().map(BlockKind::Camera));
-        outside.extend(scene.lights.iter().cloned().map(BlockKind::Light));
+        outside.extend(scene.lights.iter().map(|light| match light.kind {
+            LightKind::Environment(environment) => BlockKind::Environment(EnvironmentBlock::new(
+                Some(&light.name),
+                environment,
+                picture,
+            )),
+            _ => BlockKind::Light(light.clone()),
+        }));
         let mut inside = Vec::new();
         let mut definitions = Vec::new();
-        for (path, name) in pictures.zip(&names.textures) {
-            definitions.push(texture_definition(name, path, &mut inside));
+        let only_around = surroundings::pictures_of(scene);
+        for (id, (path, name)) in pictures.iter().zip(&names.textures).enumerate() {
+            if !only_around.contains(&(id as TextureId)) {
+                definitions.push(texture_definition(name, path, &mut inside));
+            }
         }
         for (material, name) in scene.materials.iter().zip(&names.materials) {
             let (definition, note) = material_definition(name, material, &names.textures);

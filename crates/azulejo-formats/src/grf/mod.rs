@@ -27,6 +27,7 @@ mod parser;
 mod placement;
 mod resolve;
 mod solids;
+mod surroundings;
 #[cfg(test)]
 mod tests;
 mod textures;

@@ -100,6 +100,7 @@ pub(super) fn moved_light(light: &Light, outer: OuterTransform) -> Option<Light>
             *direction = unit(map.matrix3 * *direction)?;
         }
         LightKind::Ambient { .. } => {}
+        LightKind::Environment(environment) => environment.turn(&map.matrix3),
     }
     Some(light)
 }

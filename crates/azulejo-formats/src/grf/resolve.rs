@@ -173,7 +173,8 @@ impl<'d> GrfResolver<'d> {
                 blocks: Some(blocks),
             } => self.list(blocks, definitions, outer)?,
             BlockKind::Units(units) => self.scene.units = *units,
-            BlockKind::Background(color) => self.scene.background = Some(*color),
+            BlockKind::Background(color) => self.scene.background = Some((*color).into()),
+            BlockKind::Environment(block) => self.environment(block, place, outer)?,
             BlockKind::Fog(fog) => self.scene.fog = Some(*fog),
             BlockKind::Camera(camera) => {
                 let camera = moved_camera(camera, outer);

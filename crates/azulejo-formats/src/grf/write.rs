@@ -11,7 +11,7 @@ use azulejo_scene::{
     Sidedness, SurfaceLight, Units, Up,
 };
 
-use super::solids;
+use super::{solids, surroundings};
 use glam::{DAffine3, DVec2, DVec3};
 use std::fmt;
 use std::io::{self, BufWriter, Write};
@@ -79,7 +79,7 @@ pub(super) fn pair(v: DVec2) -> Vector<2> {
     Vector(v.to_array())
 }
 
-fn rgb(c: Rgb) -> Vector<3> {
+pub(super) fn rgb(c: Rgb) -> Vector<3> {
     Vector(c.to_array())
 }
 
@@ -163,6 +163,7 @@ fn block(out: &mut GrfOutput<'_>, kind: &BlockKind) -> io::Result<()> {
             f.exponential
         ),
         BlockKind::Light(l) => light(out, l),
+        BlockKind::Environment(block) => surroundings::write(out, block),
         BlockKind::Material(note) => material(out, note),
         BlockKind::Texture { of, path } => writeln!(
             out,
@@ -522,12 +523,20 @@ fn light(out: &mut GrfOutput<'_>, light: &Light) -> io::Result<()> {
         LightKind::Directional {
             direction,
             irradiance,
-        } => write!(
-            out,
-            "directional direction = {} irradiance = {}",
-            point(direction),
-            rgb(irradiance)
-        ),
+            half_angle,
+        } => {
+            let (direction, irradiance) = (point(direction), rgb(irradiance));
+            write!(
+                out,
+                "directional direction = {direction} irradiance = {irradiance}"
+            )?;
+            if half_angle > 0.0 {
+                write!(out, " {}", Angle("half_angle", half_angle))?;
+            }
+            Ok(())
+        }
+        // It is a block of its own, because its picture has a path.
+        LightKind::Environment(_) => Ok(()),
         LightKind::Ambient { radiance } => write!(out, "ambient radiance = {}", rgb(radiance)),
     }?;
     out.write_all(b" end ext\n")

@@ -87,6 +87,7 @@ fn kind(record: RecordFields, entry: &PaletteLight, place: &InheritedState) -> O
         INFINITE => LightKind::Directional {
             direction: -aim?,
             irradiance: color,
+            half_angle: 0.0,
         },
         LOCAL => LightKind::Point {
             position,

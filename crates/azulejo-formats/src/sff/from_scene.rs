@@ -91,7 +91,8 @@ impl SffWriter<'_> {
             _ => Rgb::BLACK,
         });
         self.document.ambient = unit(ambient.sum());
-        self.document.background = unit(scene.background.unwrap_or_default());
+        self.document.background =
+            unit(scene.background.and_then(|b| b.color()).unwrap_or_default());
         let lights = scene.lights.iter();
         let lights = lights.filter_map(|light| lights::of_rtrace(&light.kind, &view));
         self.document.lights = lights.collect();

@@ -42,6 +42,7 @@ pub(super) fn physical(light: &RtraceLight, view: &SffView, material: u32) -> Sf
             SffLight::Lights(vec![LightKind::Directional {
                 direction,
                 irradiance,
+                half_angle: 0.0,
             }])
         }
         RtraceLightKind::Point => SffLight::Lights(vec![LightKind::Point {
@@ -95,7 +96,7 @@ fn full_angle(half_angle: f64, factor: f64) -> f64 {
 }
 
 /// A light as an RTRACE light without attenuation and with the same irradiance at the target;
-/// `None` for ambient light.
+/// `None` for ambient light and environments.
 pub(super) fn of_rtrace(light: &LightKind, view: &SffView) -> Option<RtraceLight> {
     let as_bright = |position: DVec3, intensity: Rgb| {
         let distance = position.distance(view.target);
@@ -127,11 +128,12 @@ pub(super) fn of_rtrace(light: &LightKind, view: &SffView) -> Option<RtraceLight
         LightKind::Directional {
             direction,
             irradiance,
+            ..
         } => {
             let position = view.target - DISTANT * direction;
             (position, irradiance / PI, RtraceLightKind::Point)
         }
-        LightKind::Ambient { .. } => return None,
+        LightKind::Ambient { .. } | LightKind::Environment(_) => return None,
     };
     Some(RtraceLight {
         position,

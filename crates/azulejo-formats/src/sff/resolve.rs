@@ -677,7 +677,7 @@ impl SffResolver<'_, '_> {
 
     fn finish(self, document: &SffDocument) -> Scene {
         let mut scene = self.scene;
-        scene.background = Some(document.background);
+        scene.background = Some(document.background.into());
         if !document.ambient.is_black() {
             scene.lights.push(Light {
                 name: "ambient".into(),

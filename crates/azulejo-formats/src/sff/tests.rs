@@ -185,6 +185,7 @@ fn lights_with_area_are_bodies_behind_all_objects() {
         LightKind::Spot { .. } => 's',
         LightKind::Directional { .. } => 'd',
         LightKind::Ambient { .. } => 'a',
+        LightKind::Environment(_) => 'e',
     });
     assert_eq!(kinds.collect::<String>(), "pspppa");
 }

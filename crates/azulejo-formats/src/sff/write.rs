@@ -79,6 +79,7 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         ),
         (scene.cameras.len().saturating_sub(1), "further cameras"),
         (usize::from(scene.fog.is_some()), "fog"),
+        (scene.environments().count(), "environments"),
     ];
     if scene.rtrace.is_none() {
         let materials =

@@ -75,7 +75,7 @@ impl Studio3dsBuilder<'_> {
     /// Instances that unfold to more than allowed.
     pub fn scene(&mut self, model: &Studio3dsModel<'_>) -> Result<Scene, ReadError> {
         let mut scene = Scene {
-            background: model.background,
+            background: model.background.map(azulejo_scene::SceneBackground::Color),
             units: Units {
                 up: Up::Z,
                 ..Units::default()

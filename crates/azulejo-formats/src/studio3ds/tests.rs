@@ -720,7 +720,7 @@ fn the_background() {
         &[square("floor"), blue.clone(), chunk(0x1201, &[])],
         &[],
     ));
-    assert_eq!(used.scene.background, Some(Rgb::new(0.0, 0.0, 1.0)));
+    assert_eq!(used.scene.background, Some(Rgb::new(0.0, 0.0, 1.0).into()));
     assert_eq!(
         load(&file(&[square("floor"), blue], &[])).scene.background,
         None

@@ -79,7 +79,7 @@ fn background(builder: &mut VrmlSceneBuilder, node: &VrmlNode) {
         .map(|c| limited(c.to_array().into()))
         .collect();
     let many = colors.len().max(1) as f64;
-    builder.scene.background = Some(colors.iter().copied().sum::<Rgb>() / many);
+    builder.scene.background = Some((colors.iter().copied().sum::<Rgb>() / many).into());
     if colors.len() > 1 {
         let message = "sky with several colours: their mean is used as the background";
         builder.warn(&node.source, node.at, message);

@@ -95,5 +95,6 @@ fn directional(node: &VrmlNode, map: &DAffine3, irradiance: Rgb) -> Option<Light
     Some(LightKind::Directional {
         direction: direction(node, map)?,
         irradiance,
+        half_angle: 0.0,
     })
 }

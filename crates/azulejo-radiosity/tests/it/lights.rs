@@ -96,6 +96,7 @@ fn directional_light_is_exact() {
     let kind = LightKind::Directional {
         direction: dvec3(0.6, 0.0, -0.8),
         irradiance: Rgb::grey(3.0),
+        half_angle: 0.0,
     };
     check_exact(&lit_floor(kind), |_| 2.4);
 }

@@ -16,6 +16,7 @@ mod hemicubes;
 mod interpolation;
 mod lights;
 mod mirrors;
+mod outside;
 mod particles;
 mod previews;
 mod refinement;

@@ -109,6 +109,7 @@ fn lights() -> Vec<(&'static str, LightKind)> {
             LightKind::Directional {
                 direction: dvec3(0.3, -0.3, 1.0).normalize(),
                 irradiance: Rgb::grey(3.0),
+                half_angle: 0.0,
             },
         ),
         (

@@ -1,10 +1,12 @@
 //! Contents of scenes, shapes and lights.
 
 use super::{ContentBytes, ContentSink, content_of_fields, content_of_kinds};
+use crate::sky::{PerezSky, Sky, SkyDistribution};
 use crate::{
-    Attribute, BackIrradiance, BicubicPatch, Camera, Contour, Csg, Curve, Exact, Faces, Figure,
-    FillRule, Fog, Light, LightKind, Mesh, Object, Operation, Primitive, PrimitiveKind, Prism,
-    Scene, Shape, Solid, SurfaceGrid, SurfaceLight, Units, Up,
+    Attribute, BackIrradiance, BicubicPatch, Camera, Contour, Csg, Curve, Environment,
+    EnvironmentSource, Exact, Faces, Figure, FillRule, Fog, Light, LightKind, Mesh, Object,
+    Operation, Primitive, PrimitiveKind, Prism, Projection, Scene, SceneBackground, Shape, Solid,
+    SurfaceGrid, SurfaceLight, Units, Up,
 };
 
 impl ContentBytes for Scene {
@@ -81,18 +83,73 @@ impl ContentBytes for LightKind {
             LightKind::Directional {
                 direction,
                 irradiance,
+                half_angle,
             } => {
                 2u8.feed(sink);
                 direction.feed(sink);
                 irradiance.feed(sink);
+                half_angle.feed(sink);
             }
             LightKind::Ambient { radiance } => {
                 3u8.feed(sink);
                 radiance.feed(sink);
             }
+            LightKind::Environment(environment) => kind(4, environment, sink),
         }
     }
 }
+
+impl ContentBytes for SceneBackground {
+    fn feed(&self, sink: &mut ContentSink<'_>) {
+        match self {
+            SceneBackground::Color(color) => kind(0, color, sink),
+            SceneBackground::Environment(environment) => kind(1, environment, sink),
+        }
+    }
+}
+
+content_of_fields!(Environment {
+    source,
+    world_from_environment,
+    scale
+});
+
+impl ContentBytes for EnvironmentSource {
+    fn feed(&self, sink: &mut ContentSink<'_>) {
+        match self {
+            EnvironmentSource::Picture {
+                texture,
+                projection,
+            } => {
+                kind(0, texture, sink);
+                projection.feed(sink);
+            }
+            EnvironmentSource::Sky(sky) => kind(1, sky, sink),
+        }
+    }
+}
+
+content_of_fields!(Sky {
+    distribution,
+    toward_sun,
+    scale,
+    ground
+});
+
+impl ContentBytes for SkyDistribution {
+    fn feed(&self, sink: &mut ContentSink<'_>) {
+        match self {
+            SkyDistribution::Uniform => 0u8.feed(sink),
+            SkyDistribution::Cie(sky) => kind(1, &sky.number(), sink),
+            SkyDistribution::Perez(PerezSky { coefficients }) => kind(2, coefficients, sink),
+        }
+    }
+}
+
+content_of_kinds!(Projection {
+    Equirectangular = 0,
+    AngularMap = 1
+});
 
 /// A kind's number, and then its content.
 fn kind(number: u8, content: &impl ContentBytes, sink: &mut ContentSink<'_>) {

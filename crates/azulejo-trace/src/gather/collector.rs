@@ -9,7 +9,6 @@ use crate::follow::{Event, Path, Scratch, Via, follow};
 use crate::sampling::{cosine_hemisphere, hash, uniform};
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
-use std::f64::consts::PI;
 
 /// A diffuse hit from which a path may go on.
 struct Contact {
@@ -64,8 +63,7 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
     pub(super) fn expect(&mut self, direct: &[DirectLight], rays: usize) {
         let of = |(sums, direct): (&[[f64; 3]; REPLICATES], &DirectLight)| {
             let found: Rgb = sums.iter().map(|&s| Rgb::from(s)).sum();
-            let direct = direct.lamps.mean() + direct.lights;
-            (direct + found / (rays * REPLICATES) as f64).max_channel()
+            (direct.whole().mean() + found / (rays * REPLICATES) as f64).max_channel()
         };
         self.expected = self.sums.iter().zip(direct).map(of).collect();
     }
@@ -87,13 +85,12 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
         let (gatherer, light) = (self.gatherer, self.light);
         let termination = self.termination;
         let may_go_on = bounces < termination.most_bounces();
-        let ambient = gatherer.ambient() * PI;
         let (sums, near) = (&mut self.sums, &mut self.near);
         let next_event = &mut self.next_event;
         follow(&gatherer.surfaces, paths, scratch, seed, |path, event| {
             let (point, replicate) = (path.id as usize / REPLICATES, path.id as usize % REPLICATES);
             let found = match event {
-                Event::Escape => ambient,
+                Event::Escape => gatherer.escaped_exitance(path),
                 Event::Cut | Event::Absorbed => return,
                 Event::Surface { hit, front } => {
                     next_event.add(gatherer, path, &hit, path.id, seed);

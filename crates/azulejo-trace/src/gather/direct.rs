@@ -7,16 +7,16 @@
 //! control variate, so that a point that sees all or nothing of a lamp has no error at all.
 
 use super::many_lights::choose;
-use super::polygon::{kernel, sample_lamp};
+use super::polygon::{is_through, kernel, sample_lamp};
 use super::shadow::ShadowTests;
 use super::sources::DirectSources;
 use super::terms::{Target, Term};
 use super::{DirectLight, GatherPoint, REPLICATES};
 use crate::Surfaces;
-use crate::lights::Lights;
+use crate::lights::{Lights, beyond};
 use crate::sampling::{hash, seeds, sobol, uniform};
 use azulejo_scene::Rgb;
-use azulejo_scene::math::area_vector;
+use azulejo_scene::math::{area_vector, reflect};
 use glam::DVec3;
 use std::ops::Range;
 
@@ -66,26 +66,37 @@ impl<'a> Direct<'a> {
                 let count = rays.end - rays.start;
                 sums[index].lamps.replicates = self.sample_terms(point, &many, count, seed);
             }
+            self.sun_terms_of(index as u32, point, &mut terms);
         }
-        self.test_terms(points, &mut terms, rays, seed);
+        self.test_terms(points, &mut terms, rays.clone(), seed);
         for term in &terms {
             let sum = &mut sums[term.point as usize];
             if term.is_delta() {
                 sum.lights += term.full * term.visible_share(0);
-            } else if term.is_rough() {
-                let share = 1.0 / f64::from(term.samples.max(1));
-                (0..REPLICATES).for_each(|r| {
-                    sum.lamps.replicates[r] += term.radiance * (term.visible[r] * share)
-                });
+                continue;
+            }
+            let sum = if term.is_sun() {
+                &mut sum.outside
             } else {
-                (0..REPLICATES)
-                    .for_each(|r| sum.lamps.replicates[r] += term.full * term.visible_share(r));
+                &mut sum.lamps
+            };
+            let share = 1.0 / f64::from(term.samples.max(1));
+            for (r, sum) in sum.replicates.iter_mut().enumerate() {
+                *sum += if term.is_rough() {
+                    term.radiance * (term.visible[r] * share)
+                } else {
+                    term.full * term.visible_share(r)
+                };
             }
         }
+        self.add_environments(points, rays, seed, |index, replicate, value| {
+            sums[index].outside.replicates[replicate] += value;
+        });
         sums
     }
 
-    /// One estimate of the direct light per point, from one shadow test each: unbiased, noisy.
+    /// One estimate of the direct light per point, from one shadow test each, and one for
+    /// environments: unbiased, noisy.
     pub(super) fn single_sample(&mut self, points: &[GatherPoint], seed: u32) -> Vec<Rgb> {
         let mut values = vec![Rgb::BLACK; points.len()];
         let mut terms = Vec::new();
@@ -93,6 +104,7 @@ impl<'a> Direct<'a> {
         for (index, point) in points.iter().enumerate() {
             terms.clear();
             self.terms_of(index as u32, point, &mut terms);
+            self.sun_terms_of(index as u32, point, &mut terms);
             let chance = uniform(&[seed, point.key, 0]);
             if let Some((term, probability)) = choose(&terms, f64::from(chance)) {
                 let [u1, u2] = [1, 2].map(|d| f64::from(uniform(&[seed, point.key, d])));
@@ -105,7 +117,11 @@ impl<'a> Direct<'a> {
         let mut seen = vec![0.0; points.len()];
         self.tests
             .trace(|test, share| seen[test.tag as usize] = share);
-        values.iter().zip(seen).map(|(&v, s)| v * s).collect()
+        for (value, seen) in values.iter_mut().zip(seen) {
+            *value = *value * seen;
+        }
+        self.add_environment_samples(points, seed, |index, value| values[index] += value);
+        values
     }
 
     /// Plans the shadow test of one sample of a target and returns its weight, kernel over
@@ -155,6 +171,25 @@ impl<'a> Direct<'a> {
                 let window = &windows[*window as usize];
                 self.tests.push_reflected(from, *image, window);
                 1.0
+            }
+            Target::Sun(k) => {
+                let sun = &self.lights.outside.suns[*k as usize];
+                let direction = sun.sample([u.0, u.1]);
+                let far = beyond(self.surfaces, point.position, direction);
+                self.tests.push_segment(from, far);
+                direction.dot(point.normal) / direction.dot(sun.toward())
+            }
+            Target::SunImage { window, sun } => {
+                let sun = &self.lights.outside.suns[*sun as usize];
+                let window = &windows[*window as usize];
+                let direction = sun.sample([u.0, u.1]);
+                let seen = reflect(direction, window.normal);
+                let image = beyond(self.surfaces, point.position, seen);
+                if !is_through(point.position, image, &window.polygon) {
+                    return None;
+                }
+                self.tests.push_reflected(from, image, window);
+                seen.dot(point.normal) / direction.dot(sun.toward())
             }
         };
         self.tests.keep(first, tag, replicate, weight)

@@ -88,13 +88,21 @@ pub struct DirectLight {
     pub lamps: Gathered,
     /// From lights without area, exact.
     pub lights: Rgb,
+    /// From environments and suns, one estimate per replicate.
+    pub outside: Gathered,
 }
 
 impl DirectLight {
-    /// Both together, one estimate per replicate.
+    /// All together, one estimate per replicate.
     pub fn whole(&self) -> Gathered {
+        let all = self.lamps.plus(&self.outside);
         Gathered {
-            replicates: self.lamps.replicates.map(|e| e + self.lights),
+            replicates: all.replicates.map(|e| e + self.lights),
         }
+    }
+
+    /// What no surface emits.
+    pub fn external(&self) -> Rgb {
+        self.lights + self.outside.mean()
     }
 }

@@ -11,6 +11,7 @@ mod directions;
 mod estimate;
 mod many_lights;
 mod next_event;
+mod outside;
 mod polygon;
 mod shadow;
 mod sources;
@@ -194,7 +195,7 @@ impl<'a> Gatherer<'a> {
         &self.surfaces
     }
 
-    /// Radiance of the surroundings, W/(sr·m²).
+    /// Radiance of the surroundings that is the same from all directions, W/(sr·m²).
     pub fn ambient(&self) -> Rgb {
         self.lights.ambient
     }
@@ -210,10 +211,12 @@ impl<'a> Gatherer<'a> {
         &self.lights
     }
 
-    /// Whether the scene has both lights without area and glossy surfaces that may show them.
-    pub fn shows_delta_lights(&self) -> bool {
+    /// Whether the scene has both glossy surfaces and lights that they may show and no surface emits:
+    /// without area, or from outside.
+    pub fn has_glossy_lights(&self) -> bool {
         let materials = &self.surfaces.scene.materials;
-        self.lights.has_delta_lights() && materials.iter().any(|m| m.glossy().is_some())
+        let has_lights = self.lights.has_delta_lights() || !self.lights.outside.is_empty();
+        has_lights && materials.iter().any(|m| m.glossy().is_some())
     }
 
     /// Exitance that a path finds at a hit beyond what [`direct`](Gatherer::direct) counts: zero for
@@ -254,7 +257,8 @@ impl<'a> Gatherer<'a> {
     /// light of a surface better than point by point.
     pub fn many_lights(&self) -> bool {
         let curved = self.sources.curved(&self.lights);
-        self.sources.count() > MOST_TERMS && self.lights.delta.is_empty() && curved.is_empty()
+        let lamps_alone = self.lights.delta.is_empty() && self.lights.outside.is_empty();
+        self.sources.count() > MOST_TERMS && lamps_alone && curved.is_empty()
     }
 
     /// Mean direct irradiance over a surface from flat lamps, straight and by one flat mirror.

@@ -1,5 +1,5 @@
 //! Next event estimation at glossy surfaces: rays toward the lights, as a path that continues in a
-//! sampled direction seldom hits a lamp and never a light without area.
+//! sampled direction seldom hits a lamp or the sun, and never a light without area.
 
 use super::Gatherer;
 use crate::follow::{Path, branching};
@@ -40,11 +40,11 @@ impl NextEvent {
         if let Some(sample) = sample {
             self.test(&gloss, tag, sample.target, gloss.reflected(&sample));
         }
-        self.delta_lights(&gloss, tag, key);
+        self.other_lights(&gloss, tag, key);
     }
 
-    /// [`add`](NextEvent::add) for lights without area alone.
-    pub fn add_delta_lights(
+    /// [`add`](NextEvent::add) without lamps: for lights without area, and what is outside.
+    pub fn add_other_lights(
         &mut self,
         gatherer: &Gatherer,
         path: &Path,
@@ -54,7 +54,7 @@ impl NextEvent {
     ) {
         if let Some(gloss) = Gloss::new(gatherer, path, hit) {
             let key = self.key(seed);
-            self.delta_lights(&gloss, tag, key);
+            self.other_lights(&gloss, tag, key);
         }
     }
 
@@ -64,13 +64,20 @@ impl NextEvent {
         hash(&[seed, self.taken])
     }
 
-    fn delta_lights(&mut self, gloss: &Gloss, tag: u32, key: u32) {
+    fn other_lights(&mut self, gloss: &Gloss, tag: u32, key: u32) {
         let Gloss {
             gatherer,
             origin,
             frame,
             ..
         } = *gloss;
+        let u = [4, 5, 6].map(|d| f64::from(uniform(&[key, d])));
+        let outside = gatherer
+            .lights
+            .sample_outside(gatherer.surfaces(), origin, u);
+        if let Some(sample) = outside {
+            self.test(gloss, tag, sample.target, gloss.reflected(&sample));
+        }
         let u = uniform(&[key, 3]).into();
         let samples = gatherer
             .lights

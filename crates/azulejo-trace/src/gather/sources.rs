@@ -53,7 +53,8 @@ impl DirectSources {
             is_window: vec![false; surfaces.tracer.item_count() as usize],
             count: 0,
         };
-        let flat = if has_flat { sides } else { 0 } + lights.delta.len();
+        let points = lights.delta.len() + lights.outside.suns.len();
+        let flat = if has_flat { sides } else { 0 } + points;
         sources.collect_windows(surfaces, lights, flat);
         let curved = sources.curved(lights).len();
         sources.count = flat * (1 + sources.windows.len()) + curved;

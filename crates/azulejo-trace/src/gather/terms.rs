@@ -5,8 +5,9 @@ use super::direct::Direct;
 use super::polygon::{is_hidden, is_through};
 use super::{GatherPoint, REPLICATES};
 use crate::lambert::{ArrayPolygon, clip, clip_to_window, point_to_polygon};
-use crate::lights::{side_toward, unoccluded, unoccluded_image};
+use crate::lights::{SunDisc, side_toward, unoccluded, unoccluded_image};
 use azulejo_scene::Rgb;
+use azulejo_scene::math::reflect;
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -19,6 +20,7 @@ pub(super) struct Term {
     /// Radiance of the lamp as it arrives; black for lights without area.
     pub radiance: Rgb,
     pub target: Target,
+    is_rough: bool,
     /// Sums of weights and of visible weights per replicate.
     pub weights: [f64; REPLICATES],
     pub visible: [f64; REPLICATES],
@@ -41,6 +43,10 @@ pub(super) enum Target {
     Delta(DVec3),
     /// A light without area in a window, whose image is here.
     DeltaImage { window: u32, image: DVec3 },
+    /// A sun, by its number.
+    Sun(u32),
+    /// A sun in a window.
+    SunImage { window: u32, sun: u32 },
 }
 
 /// A flat emitter, or its image in a window, by their numbers.
@@ -56,6 +62,7 @@ impl Term {
             point,
             full,
             radiance,
+            is_rough: matches!(target, Target::Curved(_)),
             target,
             weights: [0.0; REPLICATES],
             visible: [0.0; REPLICATES],
@@ -65,7 +72,12 @@ impl Term {
 
     /// Whether `full` is an estimate.
     pub fn is_rough(&self) -> bool {
-        matches!(self.target, Target::Curved(_))
+        self.is_rough
+    }
+
+    /// Whether its light comes from infinitely far away, from a disc.
+    pub fn is_sun(&self) -> bool {
+        matches!(self.target, Target::Sun(_) | Target::SunImage { .. })
     }
 
     /// Whether it is a light without area, which one ray decides.
@@ -112,6 +124,28 @@ pub(super) fn ratio_of_others(
     if whole > 0.0 { part / whole } else { 1.0 }
 }
 
+/// The term of a sun whose centre is seen in the unit direction `toward`; `None` if it is below the
+/// horizon. At the horizon what of it is above is left to samples.
+fn sun_term(
+    index: u32,
+    point: &GatherPoint,
+    sun: &SunDisc,
+    toward: DVec3,
+    share: Rgb,
+    target: Target,
+) -> Option<Term> {
+    let cos = toward.dot(point.normal);
+    // The sine of its height is the cosine to the normal.
+    let is_whole = cos >= sun.sine();
+    let full = sun.irradiance * share * if is_whole { cos } else { sun.sine() };
+    // A window may show a part of an image, and no formula says which.
+    let is_image = matches!(target, Target::SunImage { .. });
+    (cos > -sun.sine() && full.max_channel() > 0.0).then(|| Term {
+        is_rough: is_image || !is_whole,
+        ..Term::new(index, full, sun.irradiance * share, target)
+    })
+}
+
 impl Direct<'_> {
     /// Appends the terms of all sources that could light `point`.
     pub(super) fn terms_of(&self, index: u32, point: &GatherPoint, terms: &mut Vec<Term>) {
@@ -143,6 +177,36 @@ impl Direct<'_> {
         }
         for window in 0..self.sources.windows.len() {
             self.images_in(window, point, &mut push);
+        }
+    }
+
+    /// Appends the terms of all suns that could light `point`, and of their images.
+    pub(super) fn sun_terms_of(&self, index: u32, point: &GatherPoint, terms: &mut Vec<Term>) {
+        for (k, sun) in self.lights.outside.suns.iter().enumerate() {
+            let k = k as u32;
+            terms.extend(sun_term(
+                index,
+                point,
+                sun,
+                sun.toward(),
+                Rgb::WHITE,
+                Target::Sun(k),
+            ));
+            for (number, window) in self.sources.windows.iter().enumerate() {
+                let target = Target::SunImage {
+                    window: number as u32,
+                    sun: k,
+                };
+                let toward = reflect(sun.toward(), window.normal);
+                terms.extend(sun_term(
+                    index,
+                    point,
+                    sun,
+                    toward,
+                    window.reflectance,
+                    target,
+                ));
+            }
         }
     }
 

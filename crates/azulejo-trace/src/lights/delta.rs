@@ -29,11 +29,12 @@ pub(crate) fn unoccluded(
         LightKind::Directional {
             direction,
             irradiance,
+            ..
         } => {
             let cos = -direction.dot(n);
-            (cos > 0.0).then(|| (p - direction * far(surfaces, p), irradiance * cos))
+            (cos > 0.0).then(|| (beyond(surfaces, p, -direction), irradiance * cos))
         }
-        LightKind::Ambient { .. } => None,
+        LightKind::Ambient { .. } | LightKind::Environment(_) => None,
     }
 }
 
@@ -70,17 +71,19 @@ pub(crate) fn unoccluded_image(
         LightKind::Directional {
             direction,
             irradiance,
+            ..
         } => LightKind::Directional {
             direction: flip(direction),
             irradiance,
+            half_angle: 0.0,
         },
-        LightKind::Ambient { .. } => return None,
+        LightKind::Ambient { .. } | LightKind::Environment(_) => return None,
     };
     unoccluded(&image, p, n, surfaces)
 }
 
-/// A distance beyond everything in the scene.
-fn far(surfaces: &Surfaces, p: DVec3) -> f64 {
+/// The point in that unit direction from `p` that lies beyond everything in the scene.
+pub(crate) fn beyond(surfaces: &Surfaces, p: DVec3, direction: DVec3) -> DVec3 {
     let bounds = surfaces.tracer.bounds();
-    2.0 * bounds.diagonal() + (p - bounds.centre()).length()
+    p + direction * (2.0 * bounds.diagonal() + (p - bounds.centre()).length())
 }

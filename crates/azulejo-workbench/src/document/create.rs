@@ -296,6 +296,7 @@ impl NewLight {
                 LightKind::Directional {
                     direction,
                     irradiance: Rgb::grey(wanted),
+                    half_angle: 0.0,
                 },
             ),
             // A hemisphere of radiance L produces the irradiance πL on a horizontal surface.

@@ -5,7 +5,9 @@ mod materials;
 mod objects;
 
 use super::{ItemId, NewLight, NewShape, SceneCamera, SceneDocument, SceneLight};
-use azulejo::scene::{Camera, Fog, Light, Material, MaterialId, Rgb, Scene, Shape, Units};
+use azulejo::scene::{
+    Camera, Fog, Light, Material, MaterialId, Scene, SceneBackground, Shape, Units,
+};
 use glam::DAffine3;
 use std::collections::HashSet;
 use std::fmt;
@@ -50,8 +52,8 @@ pub enum Edit {
     Assign(Vec<ItemId>, MaterialId),
     /// Assigns a material to faces of a mesh.
     AssignFaces(ItemId, Vec<u32>, MaterialId),
-    /// Sets the radiance of the background.
-    SetBackground(Option<Rgb>),
+    /// Sets the background.
+    SetBackground(Option<SceneBackground>),
     /// Sets the fog.
     SetFog(Option<Fog>),
     /// Changes the units. Nothing is scaled.
@@ -260,9 +262,14 @@ impl SceneDocument {
         }
     }
 
-    fn set_surroundings(&mut self, background: Option<Rgb>, fog: Option<Fog>) -> Edited {
+    fn set_surroundings(
+        &mut self,
+        background: Option<SceneBackground>,
+        fog: Option<Fog>,
+    ) -> Edited {
         let alone = Scene {
-            background,
+            // An environment's picture is one of the document's.
+            background: background.filter(|b| b.color().is_some()),
             fog,
             ..Scene::default()
         };

@@ -18,7 +18,9 @@ pub fn light_position(kind: &LightKind, bounds: Aabb) -> DVec3 {
         LightKind::Directional { direction, .. } => {
             bounds.centre() - direction * (0.7 * bounds.diagonal().max(1.0))
         }
-        LightKind::Ambient { .. } => bounds.centre() + DVec3::ONE * (0.4 * bounds.diagonal()),
+        LightKind::Ambient { .. } | LightKind::Environment(_) => {
+            bounds.centre() + DVec3::ONE * (0.4 * bounds.diagonal())
+        }
     }
 }
 

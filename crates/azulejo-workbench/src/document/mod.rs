@@ -26,7 +26,8 @@ pub use solution::{Solution, same_light};
 use azulejo::formats::Format;
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{
-    Camera, Fog, Light, Material, MaterialId, Object, Rgb, Rtrace, Scene, Shape, Texture, Units,
+    Camera, Fog, Light, Material, MaterialId, Object, Rtrace, Scene, SceneBackground, Shape,
+    Texture, Units,
 };
 use glam::{DAffine3, DVec3};
 use std::collections::HashSet;
@@ -54,8 +55,8 @@ pub struct SceneDocument {
     pub lights: Vec<SceneLight>,
     /// Saved cameras.
     pub cameras: Vec<SceneCamera>,
-    /// Radiance of the background.
-    pub background: Option<Rgb>,
+    /// What is behind everything.
+    pub background: Option<SceneBackground>,
     /// Fog in the viewport.
     pub fog: Option<Fog>,
     /// Units of length and light.
@@ -276,7 +277,7 @@ impl SceneDocument {
                 id,
                 source_file,
                 hidden: false,
-                light,
+                light: light.with_texture(|t| t + textures),
             });
         }
         for camera in scene.cameras {
@@ -288,7 +289,8 @@ impl SceneDocument {
                 camera,
             });
         }
-        self.background = self.background.or(scene.background);
+        let background = scene.background.map(|b| b.with_texture(|t| t + textures));
+        self.background = self.background.or(background);
         self.fog = self.fog.or(scene.fog);
         ids
     }

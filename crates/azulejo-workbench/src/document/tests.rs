@@ -5,7 +5,7 @@ use crate::first_pass::LightSettings;
 use azulejo::models::{self, Reading};
 use azulejo::radiosity::{Report, solve};
 use azulejo::scene::{
-    Attribute, Exact, Image, Irradiance, LightKind, Mesh, Primitive, Solid, SurfaceGrid,
+    Attribute, Exact, Image, Irradiance, LightKind, Mesh, Primitive, Rgb, Solid, SurfaceGrid,
 };
 use azulejo::trace::{Progress, Tracer};
 use glam::DVec2;
@@ -70,7 +70,7 @@ pub(crate) fn sample_scene() -> Scene {
             vertical_fov: 0.7,
             size: Some((64, 48)),
         }],
-        background: Some(Rgb::grey(0.1)),
+        background: Some(Rgb::grey(0.1).into()),
         fog: Some(Fog {
             color: Rgb::grey(0.5),
             visibility: 50.0,
@@ -398,7 +398,10 @@ fn what_does_not_exist_refuses_to_change() {
             Edit::AssignFaces(ItemId(1), vec![2], 0),
             "the face no longer exists",
         ),
-        (Edit::SetBackground(Some(Rgb::grey(-1.0))), "background"),
+        (
+            Edit::SetBackground(Some(Rgb::grey(-1.0).into())),
+            "background",
+        ),
     ] {
         let mut edited = document.clone();
         let refused = edit.apply(&mut edited).unwrap_err().to_string();

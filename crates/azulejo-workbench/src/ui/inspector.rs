@@ -368,6 +368,7 @@ fn lamp_numbers(ui: &mut Ui, cx: &mut PanelContext, lamp: &SceneLight) {
             LightKind::Directional {
                 direction,
                 irradiance,
+                ..
             } => {
                 changed |= unit_vector(ui, cx.tr("Direction"), direction);
                 let (name, unit) = (cx.tr("Irradiance"), unit(units, "W/m²", "lx"));
@@ -376,6 +377,10 @@ fn lamp_numbers(ui: &mut Ui, cx: &mut PanelContext, lamp: &SceneLight) {
             LightKind::Ambient { radiance } => {
                 let (name, unit) = (cx.tr("Radiance"), unit(units, "W/(sr·m²)", "cd/m²"));
                 changed |= light_color(ui, cx, lamp.id, name, unit, radiance);
+            }
+            LightKind::Environment(environment) => {
+                let name = cx.tr("Brightness");
+                changed |= light_color(ui, cx, lamp.id, name, "×", &mut environment.scale);
             }
         });
     ui.weak(attenuation(&light, cx));
@@ -392,6 +397,7 @@ fn attenuation(light: &Light, cx: &PanelContext) -> &'static str {
         }
         LightKind::Directional { .. } => cx.tr("Independent of the distance."),
         LightKind::Ambient { .. } => cx.tr("Uniform from all directions."),
+        LightKind::Environment(_) => cx.tr("From all directions, as a picture shows it."),
     }
 }
 

@@ -147,12 +147,13 @@ fn own_background(ui: &mut Ui, cx: &mut PanelContext) {
             .changed()
         {
             let quiet = linear_from_srgb([64, 96, 160]);
-            cx.edit(Edit::SetBackground(has.then_some(quiet)));
+            cx.edit(Edit::SetBackground(has.then_some(quiet.into())));
         }
-        if let Some(mut radiance) = old {
+        // A picture has no colour to pick.
+        if let Some(mut radiance) = old.and_then(|b| b.color()) {
             let name = cx.tr("Background");
             if inputs::picked(ui, name, &mut radiance, Some) {
-                cx.edit(Edit::SetBackground(Some(radiance)));
+                cx.edit(Edit::SetBackground(Some(radiance.into())));
             }
         }
     });

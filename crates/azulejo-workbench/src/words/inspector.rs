@@ -68,6 +68,11 @@ pub const TABLE: &[Translation] = &[
         "A mesma a qualquer distância.",
     ],
     [
+        "From all directions, as a picture shows it.",
+        "De todas partes, como muestra una imagen.",
+        "De todos os lados, como mostra uma imagem.",
+    ],
+    [
         "Uniform from all directions.",
         "La misma desde todas partes.",
         "A mesma de todos os lados.",

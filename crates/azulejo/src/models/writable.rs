@@ -39,6 +39,7 @@ fn brightest(scene: &Scene) -> f64 {
         }
         LightKind::Directional { irradiance, .. } => irradiance.max_channel(),
         LightKind::Ambient { radiance } => radiance.max_channel(),
+        LightKind::Environment(environment) => environment.scale.max_channel(),
     });
     objects.chain(emitted).chain(lights).fold(0.0, f64::max)
 }

@@ -1,5 +1,6 @@
 //! Both passes together.
 
 mod glossy;
+mod outside;
 mod rtrace;
 mod typeface;

@@ -484,6 +484,7 @@ fn lights() {
     let LightKind::Directional {
         direction,
         irradiance,
+        ..
     } = lights[2].kind
     else {
         panic!("{:?}", lights[2]);

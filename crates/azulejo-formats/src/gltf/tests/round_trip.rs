@@ -317,6 +317,7 @@ fn other_units_are_converted() {
         LightKind::Directional {
             direction: DVec3::Y,
             irradiance: Rgb::grey(3.0),
+            half_angle: 0.0,
         },
         LightKind::Ambient {
             radiance: Rgb::WHITE,

@@ -5,8 +5,8 @@ use super::*;
 use azulejo_scene::brdf::Description;
 use azulejo_scene::{
     Attribute, BackIrradiance, Brdf, Camera, Dielectric, Fog, Light, LightKind, Material, Object,
-    Opacity, OpacityChannel, OpacityMode, OpacityPicture, Primitive, PrimitiveKind, Rgb, Sidedness,
-    SurfaceGrid, SurfaceLight, Texture, Units, Up,
+    Opacity, OpacityChannel, OpacityMode, OpacityPicture, Primitive, PrimitiveKind, Rgb,
+    SceneBackground, Sidedness, SurfaceGrid, SurfaceLight, Texture, Units, Up,
 };
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use proptest::collection::vec;
@@ -408,10 +408,13 @@ fn light() -> impl Strategy<Value = Light> {
             inner: a.min(b),
             outer: a.max(b),
         }),
-        (direction(), light_rgb()).prop_map(|(direction, irradiance)| LightKind::Directional {
-            direction,
-            irradiance
-        }),
+        (direction(), light_rgb(), prop_oneof![Just(0.0), 0.0..1.5]).prop_map(
+            |(direction, irradiance, half_angle)| LightKind::Directional {
+                direction,
+                irradiance,
+                half_angle,
+            }
+        ),
         light_rgb().prop_map(|radiance| LightKind::Ambient { radiance }),
     ];
     (name(), kind).prop_map(|(name, kind)| Light { name, kind })
@@ -483,7 +486,7 @@ fn any_scene() -> impl Strategy<Value = Scene> {
                 textures,
                 lights,
                 cameras,
-                background,
+                background: background.map(SceneBackground::Color),
                 fog,
                 units,
                 rtrace: None,

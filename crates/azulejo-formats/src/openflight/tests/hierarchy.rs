@@ -330,7 +330,7 @@ fn light_sources_shine() {
     let half = 0.5f64.sqrt();
     let from_west_above = DVec3::new(half, 0.0, -half);
     assert!(
-        matches!(sun.kind, LightKind::Directional { direction, irradiance }
+        matches!(sun.kind, LightKind::Directional { direction, irradiance, half_angle: 0.0 }
         if direction.abs_diff_eq(from_west_above, 1e-7) && irradiance == color)
     );
     assert!(

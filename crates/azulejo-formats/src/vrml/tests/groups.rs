@@ -159,6 +159,7 @@ fn lights() {
             LightKind::Directional {
                 direction: DVec3::NEG_Z,
                 irradiance: Rgb::WHITE,
+                half_angle: 0.0
             },
         ]
     );
@@ -189,7 +190,7 @@ fn viewpoints_background_and_fog() {
     assert_eq!((camera.name.as_str(), camera.vertical_fov), ("side", 1.0));
     assert!((camera.eye - DVec3::new(1.0, 0.0, 20.0)).length() < 1e-12);
     assert!((camera.target - camera.eye - DVec3::NEG_X).length() < 1e-12);
-    assert_eq!(scene.background, Some(Rgb::new(0.0, 0.5, 1.0)));
+    assert_eq!(scene.background, Some(Rgb::new(0.0, 0.5, 1.0).into()));
     let fog = scene.fog.unwrap();
     assert!((fog.visibility - 20.0).abs() < 1e-12 && fog.exponential);
     expect_warnings(

@@ -20,6 +20,7 @@ pub(super) fn light(node: &V1Node, world_from_node: &DAffine3) -> Option<LightKi
         V1NodeKind::DirectionalLight => Some(LightKind::Directional {
             direction: direction?,
             irradiance: light,
+            half_angle: 0.0,
         }),
         _ if !position.is_finite() => None,
         V1NodeKind::SpotLight => {

@@ -473,7 +473,7 @@ fn lights_and_cameras() {
          DEF view PerspectiveCamera { position 0 0 4 heightAngle 0.6 } OrthographicCamera {} Cube {}",
     );
     let scene = &loaded.scene;
-    assert_eq!(scene.background, Some(Rgb::new(0.1, 0.2, 0.3)));
+    assert_eq!(scene.background, Some(Rgb::new(0.1, 0.2, 0.3).into()));
     assert_eq!(scene.units.metres_per_unit, Some(1.0));
     let near = |a: DVec3, b: DVec3| (a - b).length() < 1e-12;
     let [lamp, spot, sun] = scene.lights.as_slice() else {

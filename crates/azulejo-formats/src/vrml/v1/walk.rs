@@ -248,7 +248,7 @@ impl<'d> V1Traversal<'d, '_, '_> {
                 match numbers.as_deref() {
                     Some(&[r, g, b]) if r >= 0.0 && g >= 0.0 && b >= 0.0 => {
                         let color = Rgb::new(r, g, b).map(|c| c.min(1.0));
-                        self.builder.scene.background.get_or_insert(color);
+                        self.builder.scene.background.get_or_insert(color.into());
                     }
                     _ => self.warn(node, "BackgroundColor that is not a colour: ignored"),
                 }

@@ -38,6 +38,7 @@ fn stage() -> (Scene, Camera) {
         kind: LightKind::Directional {
             direction: dvec3(-0.5, -1.0, -0.6).normalize(),
             irradiance: Rgb::new(3.2, 3.0, 2.6),
+            half_angle: 0.0,
         },
     });
     scene.lights.push(Light {

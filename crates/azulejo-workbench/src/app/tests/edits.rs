@@ -4,7 +4,8 @@ use super::*;
 use crate::document::{NewLight, NewLightKind, NewShape, NewShapeKind, PrismOutline, TextLayout};
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{
-    Camera, Fog, Light, LightKind, Material, Mesh, Primitive, PrimitiveKind, Rgb, Shape, Units, Up,
+    Camera, Fog, Light, LightKind, Material, Mesh, Primitive, PrimitiveKind, Rgb, SceneBackground,
+    Shape, Units, Up,
 };
 use glam::{DAffine3, DMat3, DVec3};
 use proptest::prelude::*;
@@ -135,6 +136,7 @@ fn light() -> impl Strategy<Value = Light> {
     let sun = (unit(), color()).prop_map(|(direction, irradiance)| LightKind::Directional {
         direction,
         irradiance,
+        half_angle: 0.0,
     });
     let sky = color().prop_map(|radiance| LightKind::Ambient { radiance });
     (name(), prop_oneof![point, spot, sun, sky]).prop_map(|(name, kind)| Light { name, kind })
@@ -189,7 +191,7 @@ fn any_edit() -> impl Strategy<Value = Edit> {
         Just(Edit::DeleteUnusedMaterials),
         (ids(), 0..6u32).prop_map(|(ids, material)| Edit::Assign(ids, material)),
         (id(), faces, 0..6u32).prop_map(|(id, faces, m)| Edit::AssignFaces(id, faces, m)),
-        prop::option::of(color()).prop_map(Edit::SetBackground),
+        prop::option::of(color().prop_map(SceneBackground::Color)).prop_map(Edit::SetBackground),
         prop::option::of(fog).prop_map(Edit::SetFog),
         units().prop_map(Edit::SetUnits),
         Just(Edit::Append(Box::new(sample()))),

@@ -81,7 +81,7 @@ impl SceneDocument {
                 id,
                 source_file: source_file(lamp.source_file),
                 hidden: lamp.hidden,
-                light: lamp.light.clone(),
+                light: lamp.light.clone().with_texture(|t| t + textures),
             });
         }
         for view in &other.cameras {
@@ -93,7 +93,8 @@ impl SceneDocument {
                 camera: view.camera.clone(),
             });
         }
-        self.background = self.background.or(other.background);
+        let background = other.background.map(|b| b.with_texture(|t| t + textures));
+        self.background = self.background.or(background);
         self.fog = self.fog.or(other.fog);
         self.rtrace = None;
         ids

@@ -69,9 +69,12 @@ impl PreviewLight {
                 self.ambient += radiance;
                 return;
             }
+            // The preview shows balls without surroundings to mirror.
+            LightKind::Environment(_) => return,
             LightKind::Directional {
                 direction,
                 irradiance,
+                ..
             } => (-direction, irradiance),
             LightKind::Point { position, .. } | LightKind::Spot { position, .. } => {
                 let toward = (position - at).normalize_or(DVec3::Y);
@@ -287,6 +290,7 @@ mod tests {
             light(LightKind::Directional {
                 direction: DVec3::NEG_Y,
                 irradiance: Rgb::grey(irradiance),
+                half_angle: 0.0,
             })
         };
         let lights = (1..=8).map(|k| sun(f64::from(k))).collect();

@@ -134,7 +134,7 @@ fn light(overlay: &mut Overlay, kind: &LightKind, bounds: Aabb, size: f64, ink: 
                 overlay.arrow(from, from + direction * (4.0 * reach), ink);
             }
         }
-        LightKind::Ambient { .. } => {
+        LightKind::Ambient { .. } | LightKind::Environment(_) => {
             for axis in [DVec3::X, DVec3::Y, DVec3::Z] {
                 overlay.circle(at, axis, reach, ink);
             }

@@ -25,11 +25,11 @@ use crate::gpu::{Background, ColorScalar, ColorScale, Projection, TextureSource,
 use crate::view::{Backdrop, ModelView, Shading};
 use azulejo::render::Tone;
 use azulejo::scene::math::Ray;
-use azulejo::scene::{Camera, Material};
+use azulejo::scene::{Camera, Material, Rgb, SceneBackground};
 use cache::ViewportCache;
 use egui::{Color32, CursorIcon, Pos2, Rect, Response, Sense, Ui, Vec2};
 use gizmo::{Gizmo, GizmoHandle};
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 use texture::{DrawStamp, ViewportTexture};
 
 pub use texture::DeviceLost;
@@ -384,16 +384,35 @@ fn background<'a>(app: &App, view: &'a ModelView, key: u64, is_dark: bool) -> Ba
             around: [0, 0, 0],
         },
         Backdrop::Scene => match app.document.background {
-            Some(radiance) => {
+            Some(own) => {
                 // In modes that display light, the background is exposed like the surfaces.
-                let shown = match view.shading {
-                    Shading::Irradiance | Shading::Patches => {
-                        Tone::default().map(exposure(app, view) * radiance)
-                    }
-                    _ => radiance,
+                let shown = |radiance: Rgb| {
+                    let shown = match view.shading {
+                        Shading::Irradiance | Shading::Patches => {
+                            Tone::default().map(exposure(app, view) * radiance)
+                        }
+                        _ => radiance,
+                    };
+                    let [r, g, b, _] = super::colors::color(shown).to_array();
+                    [r, g, b]
                 };
-                let [r, g, b, _] = super::colors::color(shown).to_array();
-                Background::Color([r, g, b])
+                match own {
+                    SceneBackground::Color(radiance) => Background::Color(shown(radiance)),
+                    // Its middle, above and below the horizon; pictures are rendered with all of it.
+                    SceneBackground::Environment(environment) => {
+                        let [lower, upper] = [-0.3, 0.3].map(|height| {
+                            let texture = environment.texture();
+                            let texture =
+                                texture.and_then(|t| app.document.textures.get(t as usize));
+                            let local = DVec3::new(1.0, 0.0, height).normalize();
+                            let direction = environment.world_from_environment * local;
+                            shown(
+                                environment.seen(direction, texture.and_then(|t| t.image.as_ref())),
+                            )
+                        });
+                        Background::Gradient { lower, upper }
+                    }
+                }
             }
             None if is_dark => Background::Gradient {
                 lower: [30, 32, 36],

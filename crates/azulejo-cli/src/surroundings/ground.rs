@@ -1,0 +1,47 @@
+//! Whether a model stands on a ground of its own.
+
+use azulejo_scene::math::area_vector;
+use azulejo_scene::{Mesh, Scene, Shape};
+
+/// Share of the model's footprint that a ground covers.
+const COVERED: f64 = 0.5;
+
+/// Height above the lowest point, relative to the model's size, below which faces may be ground.
+const BOTTOM: f64 = 0.05;
+
+/// The name of the object whose upward faces near the bottom cover most of the model's footprint.
+pub fn modelled(scene: &Scene) -> Option<&str> {
+    let bounds = scene.bounds();
+    if bounds.is_empty() {
+        return None;
+    }
+    let up = scene.units.up.axis();
+    let size = bounds.size();
+    let height = size.dot(up);
+    let footprint = size.x * size.y * size.z / height.max(f64::MIN_POSITIVE);
+    let limit = bounds.min.dot(up) + BOTTOM * size.max_element();
+    let covers = |mesh: &Mesh| {
+        let face = |corners: &[u32]| {
+            let corners: Vec<_> = corners
+                .iter()
+                .map(|&c| mesh.positions[c as usize])
+                .collect();
+            let is_low = corners.iter().all(|p| p.dot(up) <= limit);
+            // Faces of either orientation: many models have floors that are turned.
+            if is_low {
+                area_vector(&corners).dot(up).abs()
+            } else {
+                0.0
+            }
+        };
+        let area: f64 = (0..mesh.faces.len()).map(|k| face(mesh.faces.get(k))).sum();
+        area > COVERED * footprint
+    };
+    let is_flat = height <= 1e-9 * size.max_element();
+    let found = scene.objects.iter().find(|object| match &object.shape {
+        Shape::Mesh(mesh) => is_flat || covers(mesh),
+        Shape::Primitive(p) => covers(&p.tessellate(&p.grids(0.2, f64::INFINITY))),
+        Shape::Exact(_) => false,
+    });
+    found.map(|object| object.name.as_str())
+}

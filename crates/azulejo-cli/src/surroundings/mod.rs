@@ -1,0 +1,348 @@
+//! Light from outside: `--sun`, `--sky`, `--environment` and `--background`, and `--studio`.
+
+pub mod args;
+mod ground;
+mod picture;
+mod studio;
+
+use crate::failure::Failure;
+use crate::session::Session;
+use args::{GroundArg, Site, SkyArg, SunArg, SurroundingsArgs};
+use azulejo_scene::environment::upright;
+use azulejo_scene::sky::{
+    PerezWeather, SUN_HALF_ANGLE, Sky, SkyDistribution, SunPosition, TYPICAL_DEW_POINT,
+    direction_from,
+};
+use azulejo_scene::{Environment, Light, LightKind, Rgb, Scene, SceneBackground};
+use glam::DVec3;
+use jiff::Timestamp;
+use jiff::tz::TimeZone;
+
+/// Luminous efficacy of equal-energy white as Radiance has it, lm/W: between photometric skies and
+/// radiometric scenes.
+const WHITE_EFFICACY: f64 = 179.0;
+
+/// Luminous efficacy of direct sunlight of a clear sky, lm/W of solar radiation (Littlefair, *The
+/// luminous efficacy of daylight*, Lighting Research and Technology 17(4), 1985).
+const SUNLIGHT_EFFICACY: f64 = 103.0;
+
+/// The solar constant, W/m².
+const SOLAR_CONSTANT: f64 = 1367.0;
+
+/// Illuminance of level ground under an overcast sky of which nothing else is known, lx.
+const OVERCAST_ILLUMINANCE: f64 = 10_000.0;
+
+/// Turbidity of a clear sky, as in `gensky`.
+const TURBIDITY: f64 = 2.45;
+
+/// Reflectance of the ground, if none is given.
+const GROUND: f64 = 0.2;
+
+/// Adds the light from outside that is asked for. `instant` is that of `--time`.
+pub fn add(
+    scene: &mut Scene,
+    asked: &SurroundingsArgs,
+    site: Option<Site>,
+    instant: Option<Timestamp>,
+    session: &mut Session,
+) -> Result<(), Failure> {
+    let has_clock = site.is_some() && instant.is_some();
+    if asked.has_sky() || has_clock {
+        Daylight::new(scene, asked, site, instant)?.add(scene, session)?;
+    } else if instant.is_some() || site.is_some() {
+        let missing = if site.is_some() {
+            "--time"
+        } else {
+            "--place LAT,LON"
+        };
+        return Err(Failure::misuse(format_args!(
+            "the sun's position needs both a place and an instant: {missing} is missing"
+        )));
+    }
+    if let Some(path) = &asked.environment {
+        let mut environment = picture::environment(scene, path, session)?;
+        let turn = asked.environment_rotate.to_radians() + asked.north.to_radians();
+        environment.world_from_environment = upright(scene.units.up, turn);
+        environment.scale = Rgb::grey(asked.environment_strength);
+        push(scene, "environment", LightKind::Environment(environment));
+        scene.background = None;
+    }
+    if let Some(what) = &asked.background {
+        scene.background = Some(match crate::values::vector(what) {
+            Ok(color) if color.min_element() >= 0.0 => Rgb::from(color.to_array()).into(),
+            Ok(_) => return Err(Failure::misuse("--background: a radiance is below 0")),
+            Err(_) => {
+                SceneBackground::Environment(picture::environment(scene, what.as_ref(), session)?)
+            }
+        });
+    }
+    if asked.studio {
+        if scene.has_light() {
+            session.note("--studio: the scene has light of its own, nothing is added");
+        } else {
+            studio::add(scene);
+        }
+    }
+    Ok(())
+}
+
+fn push(scene: &mut Scene, name: &str, kind: LightKind) {
+    let name = name.to_owned();
+    scene.lights.push(Light { name, kind });
+}
+
+/// The sun and the sky to add.
+struct Daylight {
+    sky: Option<Sky>,
+    /// Unit, toward the sun in the sky's frame, and its irradiance.
+    sun: Option<(DVec3, f64)>,
+    /// Radians clockwise.
+    north: f64,
+    ground: Option<GroundArg>,
+    /// Whether the sun is below the horizon.
+    is_night: bool,
+    /// What to say.
+    notes: Vec<String>,
+}
+
+impl Daylight {
+    fn new(
+        scene: &Scene,
+        asked: &SurroundingsArgs,
+        site: Option<Site>,
+        instant: Option<Timestamp>,
+    ) -> Result<Daylight, Failure> {
+        let mut daylight = Daylight {
+            sky: None,
+            sun: None,
+            north: asked.north.to_radians(),
+            ground: asked.ground,
+            is_night: false,
+            notes: Vec::new(),
+        };
+        let (toward, given, day) = daylight.toward_sun(scene, asked, site, instant)?;
+        let units = OutsideUnits {
+            photometric: scene.units.photometric,
+            solar: asked.solar,
+        };
+        let altitude = toward.map(|d| d.z.clamp(-1.0, 1.0).asin());
+        let mut beam = altitude.map(|a| units.sunlight(a));
+        match asked.sky {
+            None => {}
+            Some(SkyArg::Uniform(radiance)) => daylight.sky = Some(Sky::uniform(radiance)),
+            Some(SkyArg::Cie(kind, irradiance)) => {
+                daylight.sky = Some(units.cie(kind, irradiance, toward)?);
+                // Overcast and partly cloudy skies hide the sun unless it is asked for.
+                let is_clear = (11..=15).contains(&kind);
+                beam = beam.filter(|_| is_clear || asked.sun.is_some());
+            }
+            Some(SkyArg::Perez {
+                dni,
+                dhi,
+                dew_point,
+            }) => {
+                let (Some(toward), Some(altitude)) = (toward, altitude) else {
+                    return Err(Failure::misuse(
+                        "--sky perez: needs the sun: give --sun AZ,EL, or --place LAT,LON and --time",
+                    ));
+                };
+                let weather = PerezWeather {
+                    dni,
+                    dhi,
+                    sun_altitude: altitude,
+                    day_of_year: day.unwrap_or(80),
+                    dew_point: dew_point.unwrap_or(TYPICAL_DEW_POINT),
+                };
+                let (sky, direct) = units.perez(&weather, toward);
+                daylight.sky = Some(sky);
+                beam = Some(direct);
+            }
+        }
+        let irradiance = given.or(beam).filter(|_| asked.sun != Some(SunArg::Off));
+        if let (Some(toward), Some(irradiance)) = (toward, irradiance) {
+            if toward.z <= 0.0 {
+                daylight.is_night = true;
+            } else if irradiance > 0.0 {
+                daylight.sun = Some((toward, irradiance));
+            }
+        }
+        Ok(daylight)
+    }
+
+    /// The unit direction toward the sun in the sky's frame, the irradiance that was given, and the
+    /// day of the year.
+    #[allow(clippy::type_complexity)]
+    fn toward_sun(
+        &mut self,
+        scene: &Scene,
+        asked: &SurroundingsArgs,
+        site: Option<Site>,
+        instant: Option<Timestamp>,
+    ) -> Result<(Option<DVec3>, Option<f64>, Option<u32>), Failure> {
+        let (instant, given) = match &asked.sun {
+            Some(SunArg::Toward(place, irradiance)) => {
+                let turn = upright(scene.units.up, self.north).conjugate();
+                let day = instant.map(day_of_year);
+                return Ok((Some(place.toward(|d| turn * d)), *irradiance, day));
+            }
+            Some(SunArg::At(instant, irradiance)) => (Some(*instant), *irradiance),
+            Some(SunArg::Irradiance(irradiance)) => (instant, Some(*irradiance)),
+            Some(SunArg::Off) | None => (instant, None),
+        };
+        let (site, instant) = match (site, instant) {
+            (Some(site), Some(instant)) => (site, instant),
+            (None, None) if matches!(asked.sun, Some(SunArg::Off) | None) => {
+                return Ok((None, None, None));
+            }
+            (None, _) => {
+                return Err(Failure::misuse(
+                    "where the sun stands depends on the place: give --place LAT,LON, or --sun AZ,EL",
+                ));
+            }
+            (Some(_), None) => {
+                return Err(Failure::misuse(
+                    "where the sun stands depends on the instant: give --time, as in \
+                     2025-06-21T14:00+02:00",
+                ));
+            }
+        };
+        let at: SunPosition = site.sun(instant).map_err(Failure::misuse)?;
+        self.notes.push(format!(
+            "the sun stands at azimuth {:.1}°, elevation {:.1}°",
+            at.azimuth.to_degrees(),
+            at.altitude.to_degrees()
+        ));
+        let toward = direction_from(at.azimuth, at.altitude);
+        Ok((Some(toward), given, Some(day_of_year(instant))))
+    }
+
+    fn add(mut self, scene: &mut Scene, session: &mut Session) -> Result<(), Failure> {
+        let beam = self.sun.map_or(0.0, |(toward, e)| e * toward.z.max(0.0));
+        let has_ground = ground::modelled(scene);
+        let reflectance = match (self.ground, &has_ground) {
+            (Some(GroundArg::None), _) => 0.0,
+            (Some(GroundArg::Reflectance(share)), Some(name)) => {
+                session.note(&format!(
+                    "--ground: \"{name}\" is a ground already, and the light of both is added: \
+                     --ground none leaves out the one below the horizon"
+                ));
+                share
+            }
+            (Some(GroundArg::Reflectance(share)), None) => share,
+            (None, _) if self.sky.is_some() => GROUND,
+            (None, _) => 0.0,
+        };
+        if self.sky.is_none() && reflectance > 0.0 {
+            self.sky = Some(Sky::uniform(0.0));
+        }
+        if let Some(sky) = self.sky {
+            let sky = sky.with_ground(reflectance, beam);
+            let what = kind_of(&sky);
+            self.notes.push(format!(
+                "{what}: {:.4} on level ground, {:.4} with the sun",
+                sky.diffuse_horizontal(),
+                sky.diffuse_horizontal() + beam
+            ));
+            let environment = Environment::sky(sky, scene.units.up, self.north);
+            push(scene, "sky", LightKind::Environment(environment));
+            scene.background = None;
+        }
+        if let Some((toward, irradiance)) = self.sun {
+            let kind = LightKind::Directional {
+                direction: -(upright(scene.units.up, self.north) * toward),
+                irradiance: Rgb::grey(irradiance),
+                half_angle: SUN_HALF_ANGLE,
+            };
+            push(scene, "sun", kind);
+        }
+        if self.is_night {
+            session.note("the sun is below the horizon: it does not shine");
+        }
+        self.notes.iter().for_each(|note| session.tell(note));
+        Ok(())
+    }
+}
+
+fn kind_of(sky: &Sky) -> String {
+    match sky.distribution {
+        SkyDistribution::Uniform => "uniform sky".into(),
+        SkyDistribution::Cie(sky) => format!("CIE sky {}", sky.number()),
+        SkyDistribution::Perez(_) => "sky of Perez".into(),
+    }
+}
+
+fn day_of_year(instant: Timestamp) -> u32 {
+    instant.to_zoned(TimeZone::UTC).day_of_year() as u32
+}
+
+/// What the light of skies is measured in.
+#[derive(Clone, Copy)]
+struct OutsideUnits {
+    photometric: bool,
+    solar: bool,
+}
+
+impl OutsideUnits {
+    /// A photometric quantity in the scene's.
+    fn of_light(self, lux: f64) -> f64 {
+        if self.photometric {
+            lux
+        } else {
+            lux / WHITE_EFFICACY
+        }
+    }
+
+    /// Irradiance of what faces the sun under a clear sky: 1367 · 0.7^(m^0.678), with the air mass m
+    /// of Kasten and Young (Meinel and Meinel, *Applied Solar Energy*, 1976).
+    fn sunlight(self, altitude: f64) -> f64 {
+        if altitude <= 0.0 {
+            return 0.0;
+        }
+        let degrees = altitude.to_degrees();
+        let air_mass = 1.0 / (altitude.sin() + 0.50572 * (degrees + 6.07995).powf(-1.6364));
+        let watts = SOLAR_CONSTANT * 0.7f64.powf(air_mass.powf(0.678));
+        if self.solar {
+            watts
+        } else {
+            self.of_light(watts * SUNLIGHT_EFFICACY)
+        }
+    }
+
+    fn cie(self, kind: u8, irradiance: Option<f64>, toward: Option<DVec3>) -> Result<Sky, Failure> {
+        let is_overcast = matches!(kind, 1 | 3 | 5 | 16);
+        let Some(sun) = toward.or(is_overcast.then_some(DVec3::Z)) else {
+            return Err(Failure::misuse(format_args!(
+                "--sky cie:{kind}: is brightest around the sun: give --sun AZ,EL, or --place LAT,LON \
+                 and --time"
+            )));
+        };
+        let sky = match (irradiance, toward) {
+            (Some(irradiance), _) => Sky::cie(kind, sun, irradiance),
+            (None, _) if self.solar => {
+                return Err(Failure::misuse(format_args!(
+                    "--sky cie:{kind}: how bright it is in solar W/m² is not known: give it, as in \
+                     cie:{kind},150"
+                )));
+            }
+            (None, None) => Sky::cie(kind, sun, self.of_light(OVERCAST_ILLUMINANCE)),
+            (None, Some(sun)) => Sky::cie_typical(kind, sun, TURBIDITY).map(|sky| Sky {
+                scale: self.of_light(sky.scale),
+                ..sky
+            }),
+        };
+        sky.map_err(Failure::misuse)
+    }
+
+    /// The sky of weather, and the sun's irradiance.
+    fn perez(self, weather: &PerezWeather, toward: DVec3) -> (Sky, f64) {
+        let azimuth = toward.x.atan2(toward.y);
+        if self.solar {
+            (weather.sky_in_solar_watts(azimuth), weather.dni)
+        } else {
+            let sky = weather.sky_in_lux(azimuth);
+            let scale = self.of_light(sky.scale);
+            let direct = self.of_light(weather.direct_normal_illuminance());
+            (Sky { scale, ..sky }, direct)
+        }
+    }
+}

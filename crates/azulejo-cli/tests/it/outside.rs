@@ -1,0 +1,202 @@
+//! Light from outside, by the command.
+
+use crate::support::Folder;
+use serde_json::json;
+use std::f64::consts::PI;
+
+const PLANE: &str = "\
+v -5 0 -5
+v -5 0 5
+v 5 0 5
+v 5 0 -5
+f 1 2 3 4
+";
+
+/// An open plane, and one point on it that faces up.
+fn plane() -> Folder {
+    let folder = Folder::new();
+    folder.write("plane.obj", PLANE);
+    folder.write("up.txt", "0 0 0 0 1 0\n");
+    folder
+}
+
+/// Irradiance of the point in green, and its standard error.
+fn irradiance(folder: &Folder, options: &str) -> [f64; 2] {
+    let line = format!("probe {options} --points up.txt --rays 4096");
+    let out = folder.ok(&line).out;
+    let numbers: Vec<f64> = out.split_whitespace().map(|n| n.parse().unwrap()).collect();
+    [numbers[1], numbers[4]]
+}
+
+#[track_caller]
+fn check([found, error]: [f64; 2], truth: f64) {
+    let margin = 4.0 * error + 1e-6 * truth;
+    assert!(
+        (found - truth).abs() < margin && error < 0.01 * truth,
+        "{found} ± {error}, {truth}"
+    );
+}
+
+#[test]
+fn skies_and_suns_light_level_ground() {
+    let folder = plane();
+    check(irradiance(&folder, "plane.obj --sky 2"), 2.0 * PI);
+    check(
+        irradiance(&folder, "plane.obj --sky cie:12,300 --sun 200,35,0"),
+        300.0,
+    );
+    let beam = 800.0 * 35f64.to_radians().sin();
+    check(
+        irradiance(&folder, "plane.obj --sky cie:12,300 --sun 200,35,800"),
+        300.0 + beam,
+    );
+    check(irradiance(&folder, "plane.obj --sun dir:0,3,4,500"), 300.0);
+    // In solar watts the sky of Perez gives the diffuse irradiance that was given.
+    let weather = "plane.obj --sky perez:600,150 --sun 180,45 --solar";
+    check(irradiance(&folder, weather), 150.0 + 600.0 * 0.5f64.sqrt());
+}
+
+/// Azimuths are clockwise from north, which is −z where y is up: a sun in the east casts light on
+/// what faces +x.
+#[test]
+fn directions_are_those_of_the_compass() {
+    let folder = plane();
+    for (azimuth, faces) in [
+        (0, "0 0 -1"),
+        (90, "1 0 0"),
+        (180, "0 0 1"),
+        (270, "-1 0 0"),
+    ] {
+        folder.write("up.txt", format!("0 3 0 {faces}\n"));
+        let line = format!("plane.obj --sun {azimuth},0.5,100 --ground none");
+        let [found, _] = irradiance(&folder, &line);
+        assert!(found > 99.0, "{azimuth}: {found}");
+        let line = format!("plane.obj --sun {},0.5,100 --north 20", azimuth - 20);
+        let [turned, _] = irradiance(&folder, &line);
+        assert!((turned - found).abs() < 0.05, "{azimuth}: {turned}");
+    }
+}
+
+#[test]
+fn the_sun_stands_where_place_and_time_say() {
+    let folder = plane();
+    let when = "--place 48.14,11.58 --time 2025-06-21T13:15+02:00";
+    // About 65.3 degrees high at noon of midsummer.
+    let [found, _] = irradiance(&folder, &format!("plane.obj {when} --sun 1000"));
+    let truth = 1000.0 * 65.3f64.to_radians().sin();
+    assert!((found - truth).abs() < 0.2, "{found}, {truth}");
+    let at_night =
+        folder.ok("convert plane.obj -o n.grf --place 48.14,11.58 --sun 2025-06-21T01:00Z");
+    assert!(
+        at_night.err.contains("below the horizon"),
+        "{}",
+        at_night.err
+    );
+    for (line, words) in [
+        ("--time 2025-06-21T13:15+02:00", "--place LAT,LON"),
+        ("--place 48.14,11.58", "--time"),
+        ("--sky cie:12", "--sun AZ,EL"),
+        ("--sky perez:600,150", "--sun AZ,EL"),
+        ("--time 2025-06-21T13:15", "offset"),
+        ("--place 91,0 --time 60s", "latitude"),
+        ("--sky cie:17", "1 to 16"),
+    ] {
+        let run = folder.run(&format!("probe plane.obj --points up.txt {line}"));
+        assert_eq!(run.code, Some(2), "{line}: {}", run.err);
+        assert!(run.err.contains(words), "{line}: {}", run.err);
+    }
+}
+
+/// What lights a scene is in the file that is written.
+#[test]
+fn light_from_outside_is_saved() {
+    let folder = plane();
+    let options = "--sky cie:13,200 --sun 120,50,700 --background 0.1,0.2,0.3 --north 15";
+    folder.ok(&format!("convert plane.obj -o day.grf {options}"));
+    let lights = &folder.json("info day.grf")["lights"];
+    assert_eq!(lights["environment"], json!(1));
+    assert_eq!(lights["directional"], json!(1));
+    let given = irradiance(&folder, &format!("plane.obj {options}"));
+    let [saved, error] = irradiance(&folder, "day.grf");
+    assert!((saved - given[0]).abs() < 1e-6 * saved, "{saved} {given:?}");
+    assert!(error < 0.01 * saved);
+}
+
+/// A picture of 4 × 2 pixels, RGBE without compression: bright above, dark below.
+fn write_picture(folder: &Folder, name: &str, size: &str) {
+    let mut bytes = format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n{size}\n").into_bytes();
+    for row in 0..2 {
+        let e: [u8; 4] = if row == 0 {
+            [128, 128, 128, 130]
+        } else {
+            [0; 4]
+        };
+        (0..4).for_each(|_| bytes.extend(e));
+    }
+    folder.write(name, bytes);
+}
+
+#[test]
+fn pictures_give_light_and_are_seen() {
+    let folder = plane();
+    write_picture(&folder, "sky.hdr", "-Y 2 +X 4");
+    // 0.5 · 4: radiance 2 above.
+    check(
+        irradiance(&folder, "plane.obj --environment sky.hdr"),
+        2.0 * PI,
+    );
+    let strong = "plane.obj --environment sky.hdr --environment-strength 3";
+    check(irradiance(&folder, strong), 3.0 * radiance * PI);
+    folder.ok("convert plane.obj -o lit.grf --environment sky.hdr --environment-rotate 90");
+    check(irradiance(&folder, "lit.grf"), radiance * PI);
+    let view = "--from 0,3,9 --at 0,2,0 --size 16x16 --spp 4";
+    folder.ok(&format!("render lit.grf -o sky.exr {view}"));
+    folder.ok(&format!(
+        "render lit.grf -o reference.exr {view} --reference"
+    ));
+    folder.ok(&format!(
+        "render plane.obj --sun 1,60 --background sky.hdr -o b.png {view}"
+    ));
+    write_picture(&folder, "odd.hdr", "-Y 1 +X 8");
+    let odd = folder.run("convert plane.obj -o x.grf --environment odd.hdr");
+    assert_eq!(odd.code, Some(1));
+    assert!(odd.err.contains("twice as wide"), "{}", odd.err);
+    let no_light = folder.run("convert plane.obj -o x.grf --environment plane.obj");
+    assert!(no_light.err.contains(".hdr or .exr"), "{}", no_light.err);
+}
+
+#[test]
+fn a_studio_lights_what_does_not_shine() {
+    let folder = plane();
+    folder.write("box.obj", CUBE);
+    let dark = folder.run("render box.obj -o box.png --size 16x16");
+    assert_eq!(dark.code, Some(1));
+    for way in ["--studio", "--sky 1", "--sun"] {
+        assert!(dark.err.contains(way), "{}", dark.err);
+    }
+    folder.ok("render box.obj -o box.png --size 16x16 --studio --error 10%");
+    folder.ok("convert box.obj -o studio.grf --studio");
+    let info = folder.json("info studio.grf");
+    assert_eq!(info["lights"]["area"], json!(3));
+    assert_eq!(info["cameras"].as_array().unwrap().len(), 1);
+    // A scene that shines stays as it is.
+    folder.ok("convert studio.grf -o again.grf --studio");
+    assert_eq!(folder.json("info again.grf")["objects"], info["objects"]);
+}
+
+const CUBE: &str = "\
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+v 0 0 1
+v 1 0 1
+v 1 1 1
+v 0 1 1
+f 4 3 2 1
+f 5 6 7 8
+f 1 2 6 5
+f 2 3 7 6
+f 3 4 8 7
+f 4 1 5 8
+";
