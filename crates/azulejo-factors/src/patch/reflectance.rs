@@ -67,7 +67,8 @@ pub(super) fn mean_opacities(scene: &Scene, patches: &Patches) -> Option<Vec<f64
             };
             let map = opacity.picture.and_then(|picture| {
                 let known = maps.entry((picture.texture, picture.channel));
-                let image = scene.textures[picture.texture as usize].image.as_ref();
+                let texture = scene.textures.get(picture.texture as usize);
+                let image = texture.and_then(|texture| texture.image.as_ref());
                 known
                     .or_insert_with(|| OpacityMap::new(image?, picture.channel))
                     .as_ref()

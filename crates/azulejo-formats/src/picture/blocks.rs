@@ -8,7 +8,7 @@ use azulejo_scene::Image;
 
 /// How pixels are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Storage {
+pub(super) enum TexelStorage {
     /// Bytes of these many channels.
     Bytes(usize),
     /// Bytes blue, green, red, and a fourth that is alpha if `true`.
@@ -39,15 +39,15 @@ pub(super) enum Storage {
     Bc7,
 }
 
-impl Storage {
+impl TexelStorage {
     /// Bytes of a picture; `None` if they overflow.
     pub(super) fn bytes(self, [width, height]: [usize; 2]) -> Option<usize> {
         let pixel = match self {
-            Storage::Bytes(n) | Storage::Bgr(n, _) => n,
-            Storage::Words(n) | Storage::Halves(n) => 2 * n,
-            Storage::Floats(n) => 4 * n,
-            Storage::Masked(n, _) | Storage::MaskedGrey(n, _) => n,
-            Storage::Bc1 | Storage::Bc4(_) => return block_bytes([width, height], 8),
+            TexelStorage::Bytes(n) | TexelStorage::Bgr(n, _) => n,
+            TexelStorage::Words(n) | TexelStorage::Halves(n) => 2 * n,
+            TexelStorage::Floats(n) => 4 * n,
+            TexelStorage::Masked(n, _) | TexelStorage::MaskedGrey(n, _) => n,
+            TexelStorage::Bc1 | TexelStorage::Bc4(_) => return block_bytes([width, height], 8),
             _ => return block_bytes([width, height], 16),
         };
         width.checked_mul(height)?.checked_mul(pixel)
@@ -80,26 +80,28 @@ impl Storage {
             from_samples(shown, channels, count, color, |i| value(i).clamp(0.0, 1.0))
         };
         match self {
-            Storage::Bytes(1) => integers(1, bytes),
+            TexelStorage::Bytes(1) => integers(1, bytes),
             // Red and green, not grey and alpha.
-            Storage::Bytes(2) => integers(3, &pixels(bytes, 2, |p| [p[0], p[1], 0])),
-            Storage::Bytes(n) => integers(n, bytes),
-            Storage::Bgr(n, true) => integers(4, &pixels(bytes, n, |p| [p[2], p[1], p[0], p[3]])),
-            Storage::Bgr(n, false) => integers(3, &pixels(bytes, n, |p| [p[2], p[1], p[0]])),
-            Storage::Words(n) => {
+            TexelStorage::Bytes(2) => integers(3, &pixels(bytes, 2, |p| [p[0], p[1], 0])),
+            TexelStorage::Bytes(n) => integers(n, bytes),
+            TexelStorage::Bgr(n, true) => {
+                integers(4, &pixels(bytes, n, |p| [p[2], p[1], p[0], p[3]]))
+            }
+            TexelStorage::Bgr(n, false) => integers(3, &pixels(bytes, n, |p| [p[2], p[1], p[0]])),
+            TexelStorage::Words(n) => {
                 let word = |i: usize| u16::from_le_bytes([bytes[2 * i], bytes[2 * i + 1]]);
                 numbers(n, bytes.len() / 2, &|i| f32::from(word(i)) / 65535.0)
             }
-            Storage::Halves(n) => {
+            TexelStorage::Halves(n) => {
                 let half =
                     |i: usize| half_float(u16::from_le_bytes([bytes[2 * i], bytes[2 * i + 1]]));
                 numbers(n, bytes.len() / 2, &half)
             }
-            Storage::Floats(n) => {
+            TexelStorage::Floats(n) => {
                 let (words, _) = bytes.as_chunks::<4>();
                 numbers(n, words.len(), &|i| f32::from_le_bytes(words[i]))
             }
-            Storage::Masked(n, masks) => {
+            TexelStorage::Masked(n, masks) => {
                 let value = |p: &[u8]| masks.map(|mask| super::bmp::masked(number(p), mask));
                 match masks[3] {
                     0 => integers(
@@ -109,28 +111,28 @@ impl Storage {
                     _ => integers(4, &pixels(bytes, n, value)),
                 }
             }
-            Storage::MaskedGrey(n, masks) => {
+            TexelStorage::MaskedGrey(n, masks) => {
                 let value = |p: &[u8]| masks.map(|mask| super::bmp::masked(number(p), mask));
                 match masks[1] {
                     0 => integers(1, &pixels(bytes, n, |p| [value(p)[0]])),
                     _ => integers(2, &pixels(bytes, n, value)),
                 }
             }
-            Storage::Bc1 => integers(4, &unpacked::<4>(size, bytes, 8, bcdec_rs::bc1)),
-            Storage::Bc2 => integers(4, &unpacked::<4>(size, bytes, 16, bcdec_rs::bc2)),
-            Storage::Bc3 => integers(4, &unpacked::<4>(size, bytes, 16, bcdec_rs::bc3)),
-            Storage::Bc7 => integers(4, &unpacked::<4>(size, bytes, 16, bcdec_rs::bc7)),
-            Storage::Bc4(signed) => {
+            TexelStorage::Bc1 => integers(4, &unpacked::<4>(size, bytes, 8, bcdec_rs::bc1)),
+            TexelStorage::Bc2 => integers(4, &unpacked::<4>(size, bytes, 16, bcdec_rs::bc2)),
+            TexelStorage::Bc3 => integers(4, &unpacked::<4>(size, bytes, 16, bcdec_rs::bc3)),
+            TexelStorage::Bc7 => integers(4, &unpacked::<4>(size, bytes, 16, bcdec_rs::bc7)),
+            TexelStorage::Bc4(signed) => {
                 let samples =
                     unpacked::<1>(size, bytes, 8, |b, t, p| bcdec_rs::bc4(b, t, p, signed));
                 integers(1, &samples)
             }
-            Storage::Bc5(signed) => {
+            TexelStorage::Bc5(signed) => {
                 let samples =
                     unpacked::<2>(size, bytes, 16, |b, t, p| bcdec_rs::bc5(b, t, p, signed));
                 integers(3, &pixels(&samples, 2, |p| [p[0], p[1], 0]))
             }
-            Storage::Bc6(signed) => {
+            TexelStorage::Bc6(signed) => {
                 let samples = floats(size, bytes, signed);
                 numbers(3, samples.len(), &|i| samples[i])
             }
@@ -236,45 +238,48 @@ mod tests {
     fn blocks_are_cut_at_the_edges() {
         // BC1: red and black, the first pixel of each row red, the others black.
         let block = [0x00, 0xf8, 0, 0, 0x54, 0x54, 0x54, 0x54];
-        let image = Storage::Bc1.decode([5, 1], true, &block.repeat(2)).unwrap();
+        let image = TexelStorage::Bc1
+            .decode([5, 1], true, &block.repeat(2))
+            .unwrap();
         assert_eq!(image.pixel(0, 0), [1.0, 0.0, 0.0]);
         assert_eq!(image.pixel(1, 0), [0.0; 3]);
         assert_eq!(image.pixel(4, 0), [1.0, 0.0, 0.0]);
-        assert!(Storage::Bc1.decode([5, 1], true, &block).is_err());
+        assert!(TexelStorage::Bc1.decode([5, 1], true, &block).is_err());
     }
 
     #[test]
     fn channels_are_sorted() {
-        let check = |storage: Storage, bytes: &[u8], expected: [f32; 3], alpha: Option<f32>| {
-            let image = storage.decode([1, 1], true, bytes).unwrap();
-            assert_eq!(image.pixels, [expected], "{storage:?}");
-            assert_eq!(image.alpha.map(|a| a[0]), alpha, "{storage:?}");
-        };
+        let check =
+            |storage: TexelStorage, bytes: &[u8], expected: [f32; 3], alpha: Option<f32>| {
+                let image = storage.decode([1, 1], true, bytes).unwrap();
+                assert_eq!(image.pixels, [expected], "{storage:?}");
+                assert_eq!(image.alpha.map(|a| a[0]), alpha, "{storage:?}");
+            };
         let red = [1.0, 0.0, 0.0];
-        check(Storage::Bgr(4, true), &[0, 0, 255, 51], red, Some(0.2));
-        check(Storage::Bgr(4, false), &[0, 0, 255, 51], red, None);
-        check(Storage::Bytes(2), &[255, 0], red, None);
-        check(Storage::Bytes(4), &[255, 0, 0, 51], red, Some(0.2));
+        check(TexelStorage::Bgr(4, true), &[0, 0, 255, 51], red, Some(0.2));
+        check(TexelStorage::Bgr(4, false), &[0, 0, 255, 51], red, None);
+        check(TexelStorage::Bytes(2), &[255, 0], red, None);
+        check(TexelStorage::Bytes(4), &[255, 0, 0, 51], red, Some(0.2));
         check(
-            Storage::Masked(2, [0xf800, 0x7e0, 0x1f, 0]),
+            TexelStorage::Masked(2, [0xf800, 0x7e0, 0x1f, 0]),
             &[0, 0xf8],
             red,
             None,
         );
         check(
-            Storage::Masked(2, [0xf00, 0xf0, 0xf, 0xf000]),
+            TexelStorage::Masked(2, [0xf00, 0xf0, 0xf, 0xf000]),
             &[0, 0x3f],
             red,
             Some(0.2),
         );
         check(
-            Storage::MaskedGrey(2, [0xff, 0xff00]),
+            TexelStorage::MaskedGrey(2, [0xff, 0xff00]),
             &[255, 51],
             [1.0; 3],
             Some(0.2),
         );
         check(
-            Storage::Halves(4),
+            TexelStorage::Halves(4),
             &[0, 0x40, 0, 0, 0, 0, 0, 0x3c],
             [2.0, 0.0, 0.0],
             None,

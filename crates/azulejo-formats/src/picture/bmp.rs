@@ -9,7 +9,7 @@ use azulejo_scene::Image;
 
 /// How the pixels are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Storage {
+enum BmpStorage {
     /// As numbers, from which masks select the channels where there are any.
     Plain,
     /// Runs of palette indices of one byte or of half a byte.
@@ -17,14 +17,14 @@ enum Storage {
 }
 
 /// What the headers say.
-struct Header {
+struct BmpHeader {
     width: usize,
     height: usize,
     /// Whether the first row is the upper one.
     downward: bool,
     /// Bits per pixel.
     depth: usize,
-    storage: Storage,
+    storage: BmpStorage,
     /// Bits of red, green, blue and alpha.
     masks: [u32; 4],
     palette: Vec<[u8; 3]>,
@@ -45,8 +45,8 @@ pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
     let channels = if header.masks[3] == 0 { 3 } else { 4 };
     let mut samples = vec![0; width * height * channels];
     match header.storage {
-        Storage::Plain => plain(&header, data, channels, &mut samples)?,
-        Storage::Runs => runs(&header, data, &mut samples)?,
+        BmpStorage::Plain => plain(&header, data, channels, &mut samples)?,
+        BmpStorage::Runs => runs(&header, data, &mut samples)?,
     }
     from_srgb_bytes([width as u32, height as u32], channels, &samples)
 }
@@ -57,12 +57,12 @@ pub(super) fn size(bytes: &[u8]) -> Result<[u64; 2], PictureError> {
     Ok([header.width as u64, header.height as u64])
 }
 
-fn header(bytes: &[u8]) -> Result<Header, PictureError> {
+fn header(bytes: &[u8]) -> Result<BmpHeader, PictureError> {
     parse(bytes).ok_or_else(|| malformed("a BMP whose header ends early"))?
 }
 
 /// `None` where the bytes end.
-fn parse(bytes: &[u8]) -> Option<Result<Header, PictureError>> {
+fn parse(bytes: &[u8]) -> Option<Result<BmpHeader, PictureError>> {
     let word = |at| little::<4>(bytes, at).map(|n| n as u32);
     let half = |at| little::<2>(bytes, at).map(|n| n as usize);
     let (start, length) = (word(10)? as usize, word(14)? as usize);
@@ -77,8 +77,8 @@ fn parse(bytes: &[u8]) -> Option<Result<Header, PictureError>> {
     };
     let compression = if length >= 20 { word(30)? } else { 0 };
     let storage = match (compression, depth) {
-        (0 | 3 | 6, _) => Storage::Plain,
-        (1, 8) | (2, 4) => Storage::Runs,
+        (0 | 3 | 6, _) => BmpStorage::Plain,
+        (1, 8) | (2, 4) => BmpStorage::Runs,
         _ => {
             let what = format!("BMP compression {compression} at {depth} bits, which is not read");
             return Some(Err(malformed(what)));
@@ -122,7 +122,7 @@ fn parse(bytes: &[u8]) -> Option<Result<Header, PictureError>> {
             palette.extend((0..most).map(|k| [(k * 255 / (most - 1)) as u8; 3]));
         }
     }
-    Some(Ok(Header {
+    Some(Ok(BmpHeader {
         width: width as usize,
         height: rows.unsigned_abs() as usize,
         downward: rows < 0,
@@ -134,7 +134,7 @@ fn parse(bytes: &[u8]) -> Option<Result<Header, PictureError>> {
     }))
 }
 
-impl Header {
+impl BmpHeader {
     /// The row of the picture that the file's row `y` is.
     fn row(&self, y: usize) -> usize {
         if self.downward {
@@ -152,7 +152,7 @@ impl Header {
 
 /// Rows of numbers, each padded to four bytes.
 fn plain(
-    header: &Header,
+    header: &BmpHeader,
     data: &[u8],
     channels: usize,
     samples: &mut [u8],
@@ -208,7 +208,7 @@ pub(super) fn masked(number: u32, mask: u32) -> u8 {
 }
 
 /// Runs of palette indices. What no run reaches stays black; runs end at the end of their row.
-fn runs(header: &Header, data: &[u8], samples: &mut [u8]) -> Result<(), PictureError> {
+fn runs(header: &BmpHeader, data: &[u8], samples: &mut [u8]) -> Result<(), PictureError> {
     let (mut x, mut y) = (0, 0);
     let mut pairs = data.iter().copied();
     let mut put = |x: &mut usize, y: usize, index: u8| {

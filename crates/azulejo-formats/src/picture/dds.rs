@@ -2,14 +2,14 @@
 //!
 //! Microsoft, *Programming Guide for DDS*.
 
-use super::blocks::{Storage, word};
+use super::blocks::{TexelStorage, word};
 use super::error::{PictureError, check_size, malformed};
 use azulejo_scene::Image;
 
 /// What the header says: size, storage, and the offset of the pixels.
-struct Header {
+struct DdsHeader {
     size: [usize; 2],
-    storage: Storage,
+    storage: TexelStorage,
     start: usize,
 }
 
@@ -31,7 +31,7 @@ pub(super) fn size(bytes: &[u8]) -> Result<[u64; 2], PictureError> {
     Ok(header(bytes)?.size.map(|n| n as u64))
 }
 
-fn header(bytes: &[u8]) -> Result<Header, PictureError> {
+fn header(bytes: &[u8]) -> Result<DdsHeader, PictureError> {
     let field = |at| word(bytes, at).ok_or_else(|| malformed("a DDS whose header ends early"));
     let size = [field(16)? as usize, field(12)? as usize];
     let (flags, code, bits) = (field(80)?, field(84)?.to_le_bytes(), field(88)? as usize);
@@ -43,7 +43,7 @@ fn header(bytes: &[u8]) -> Result<Header, PictureError> {
             let storage = direct_x(format);
             let other = || malformed(format!("a DDS of DXGI format {format}, which is not read"));
             let storage = storage.ok_or_else(other)?;
-            return Ok(Header {
+            return Ok(DdsHeader {
                 size,
                 storage,
                 start: 148,
@@ -62,13 +62,15 @@ fn header(bytes: &[u8]) -> Result<Header, PictureError> {
             return Err(malformed(format!("a DDS of {bits} bits per pixel")));
         }
         // Luminance, which the mask of red selects.
-        (false, _) if flags & 0x2_0000 != 0 => Storage::MaskedGrey(bits / 8, [masks[0], alpha]),
+        (false, _) if flags & 0x2_0000 != 0 => {
+            TexelStorage::MaskedGrey(bits / 8, [masks[0], alpha])
+        }
         (false, _) if flags & 0x40 != 0 => {
-            Storage::Masked(bits / 8, [masks[0], masks[1], masks[2], alpha])
+            TexelStorage::Masked(bits / 8, [masks[0], masks[1], masks[2], alpha])
         }
         _ => return Err(malformed("a DDS without colours")),
     };
-    Ok(Header {
+    Ok(DdsHeader {
         size,
         storage,
         start: 128,
@@ -76,47 +78,47 @@ fn header(bytes: &[u8]) -> Result<Header, PictureError> {
 }
 
 /// Formats named by four letters, or by the number of Direct3D 9.
-fn four_letters(code: [u8; 4]) -> Option<Storage> {
+fn four_letters(code: [u8; 4]) -> Option<TexelStorage> {
     Some(match &code {
-        b"DXT1" => Storage::Bc1,
-        b"DXT2" | b"DXT3" => Storage::Bc2,
-        b"DXT4" | b"DXT5" => Storage::Bc3,
-        b"ATI1" | b"BC4U" => Storage::Bc4(false),
-        b"BC4S" => Storage::Bc4(true),
-        b"ATI2" | b"BC5U" => Storage::Bc5(false),
-        b"BC5S" => Storage::Bc5(true),
-        [36, 0, 0, 0] => Storage::Words(4),
-        [113, 0, 0, 0] => Storage::Halves(4),
-        [116, 0, 0, 0] => Storage::Floats(4),
+        b"DXT1" => TexelStorage::Bc1,
+        b"DXT2" | b"DXT3" => TexelStorage::Bc2,
+        b"DXT4" | b"DXT5" => TexelStorage::Bc3,
+        b"ATI1" | b"BC4U" => TexelStorage::Bc4(false),
+        b"BC4S" => TexelStorage::Bc4(true),
+        b"ATI2" | b"BC5U" => TexelStorage::Bc5(false),
+        b"BC5S" => TexelStorage::Bc5(true),
+        [36, 0, 0, 0] => TexelStorage::Words(4),
+        [113, 0, 0, 0] => TexelStorage::Halves(4),
+        [116, 0, 0, 0] => TexelStorage::Floats(4),
         _ => return None,
     })
 }
 
 /// Formats by their number in `DXGI_FORMAT`.
-fn direct_x(format: u32) -> Option<Storage> {
+fn direct_x(format: u32) -> Option<TexelStorage> {
     Some(match format {
-        2 => Storage::Floats(4),
-        6 => Storage::Floats(3),
-        10 => Storage::Halves(4),
-        11 => Storage::Words(4),
-        27..=29 => Storage::Bytes(4),
-        48 | 49 => Storage::Bytes(2),
-        60 | 61 => Storage::Bytes(1),
-        70..=72 => Storage::Bc1,
-        73..=75 => Storage::Bc2,
-        76..=78 => Storage::Bc3,
-        79 | 80 => Storage::Bc4(false),
-        81 => Storage::Bc4(true),
-        82 | 83 => Storage::Bc5(false),
-        84 => Storage::Bc5(true),
-        85 => Storage::Masked(2, [0xf800, 0x7e0, 0x1f, 0]),
-        86 => Storage::Masked(2, [0x7c00, 0x3e0, 0x1f, 0x8000]),
-        87 | 90 | 91 => Storage::Bgr(4, true),
-        88 | 92 | 93 => Storage::Bgr(4, false),
-        94 | 95 => Storage::Bc6(false),
-        96 => Storage::Bc6(true),
-        97..=99 => Storage::Bc7,
-        115 => Storage::Masked(2, [0xf00, 0xf0, 0xf, 0xf000]),
+        2 => TexelStorage::Floats(4),
+        6 => TexelStorage::Floats(3),
+        10 => TexelStorage::Halves(4),
+        11 => TexelStorage::Words(4),
+        27..=29 => TexelStorage::Bytes(4),
+        48 | 49 => TexelStorage::Bytes(2),
+        60 | 61 => TexelStorage::Bytes(1),
+        70..=72 => TexelStorage::Bc1,
+        73..=75 => TexelStorage::Bc2,
+        76..=78 => TexelStorage::Bc3,
+        79 | 80 => TexelStorage::Bc4(false),
+        81 => TexelStorage::Bc4(true),
+        82 | 83 => TexelStorage::Bc5(false),
+        84 => TexelStorage::Bc5(true),
+        85 => TexelStorage::Masked(2, [0xf800, 0x7e0, 0x1f, 0]),
+        86 => TexelStorage::Masked(2, [0x7c00, 0x3e0, 0x1f, 0x8000]),
+        87 | 90 | 91 => TexelStorage::Bgr(4, true),
+        88 | 92 | 93 => TexelStorage::Bgr(4, false),
+        94 | 95 => TexelStorage::Bc6(false),
+        96 => TexelStorage::Bc6(true),
+        97..=99 => TexelStorage::Bc7,
+        115 => TexelStorage::Masked(2, [0xf00, 0xf0, 0xf, 0xf000]),
         _ => return None,
     })
 }

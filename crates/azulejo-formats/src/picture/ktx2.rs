@@ -2,7 +2,7 @@
 //!
 //! Khronos, *KTX File Format Specification*, version 2.0.
 
-use super::blocks::{Storage, word};
+use super::blocks::{TexelStorage, word};
 use super::error::{PictureError, check_size, malformed};
 use super::samples::little;
 use azulejo_scene::Image;
@@ -17,9 +17,9 @@ pub(super) const START: &[u8; 12] = b"\xabKTX 20\xbb\r\n\x1a\n";
 const MOST_BYTES_PER_BYTE: usize = 4 * 1032;
 
 /// What the header says.
-struct Header {
+struct Ktx2Header {
     size: [usize; 2],
-    storage: Storage,
+    storage: TexelStorage,
     srgb: bool,
     /// Number of the compression around the pixels.
     packing: u32,
@@ -78,7 +78,7 @@ pub(super) fn size(bytes: &[u8]) -> Result<[u64; 2], PictureError> {
     Ok(header(bytes)?.size.map(|n| n as u64))
 }
 
-fn header(bytes: &[u8]) -> Result<Header, PictureError> {
+fn header(bytes: &[u8]) -> Result<Ktx2Header, PictureError> {
     let ended = || malformed("a KTX2 whose header ends early");
     let field = |at| word(bytes, at).ok_or_else(ended);
     let long = |at| little::<8>(bytes, at).ok_or_else(ended);
@@ -99,7 +99,7 @@ fn header(bytes: &[u8]) -> Result<Header, PictureError> {
         ))
     };
     let (storage, srgb) = vulkan(format).ok_or_else(other)?;
-    Ok(Header {
+    Ok(Ktx2Header {
         // One-dimensional textures have a height of 0.
         size: [field(20)? as usize, field(24)?.max(1) as usize],
         storage,
@@ -110,33 +110,33 @@ fn header(bytes: &[u8]) -> Result<Header, PictureError> {
 }
 
 /// Formats by their number in `VkFormat`, and whether they are sRGB.
-fn vulkan(format: u32) -> Option<(Storage, bool)> {
+fn vulkan(format: u32) -> Option<(TexelStorage, bool)> {
     let storage = match format {
-        9 | 15 => Storage::Bytes(1),
-        16 | 22 => Storage::Bytes(2),
-        23 | 29 => Storage::Bytes(3),
-        30 | 36 => Storage::Bgr(3, false),
-        37 | 43 => Storage::Bytes(4),
-        44 | 50 => Storage::Bgr(4, true),
-        70 => Storage::Words(1),
-        84 => Storage::Words(3),
-        91 => Storage::Words(4),
-        76 => Storage::Halves(1),
-        90 => Storage::Halves(3),
-        97 => Storage::Halves(4),
-        100 => Storage::Floats(1),
-        106 => Storage::Floats(3),
-        109 => Storage::Floats(4),
-        131..=134 => Storage::Bc1,
-        135 | 136 => Storage::Bc2,
-        137 | 138 => Storage::Bc3,
-        139 => Storage::Bc4(false),
-        140 => Storage::Bc4(true),
-        141 => Storage::Bc5(false),
-        142 => Storage::Bc5(true),
-        143 => Storage::Bc6(false),
-        144 => Storage::Bc6(true),
-        145 | 146 => Storage::Bc7,
+        9 | 15 => TexelStorage::Bytes(1),
+        16 | 22 => TexelStorage::Bytes(2),
+        23 | 29 => TexelStorage::Bytes(3),
+        30 | 36 => TexelStorage::Bgr(3, false),
+        37 | 43 => TexelStorage::Bytes(4),
+        44 | 50 => TexelStorage::Bgr(4, true),
+        70 => TexelStorage::Words(1),
+        84 => TexelStorage::Words(3),
+        91 => TexelStorage::Words(4),
+        76 => TexelStorage::Halves(1),
+        90 => TexelStorage::Halves(3),
+        97 => TexelStorage::Halves(4),
+        100 => TexelStorage::Floats(1),
+        106 => TexelStorage::Floats(3),
+        109 => TexelStorage::Floats(4),
+        131..=134 => TexelStorage::Bc1,
+        135 | 136 => TexelStorage::Bc2,
+        137 | 138 => TexelStorage::Bc3,
+        139 => TexelStorage::Bc4(false),
+        140 => TexelStorage::Bc4(true),
+        141 => TexelStorage::Bc5(false),
+        142 => TexelStorage::Bc5(true),
+        143 => TexelStorage::Bc6(false),
+        144 => TexelStorage::Bc6(true),
+        145 | 146 => TexelStorage::Bc7,
         _ => return None,
     };
     let srgb = [15, 22, 29, 36, 43, 50, 132, 134, 136, 138, 146].contains(&format);

@@ -12,7 +12,7 @@ use azulejo_scene::Image;
 const HEADER: usize = 512;
 
 /// What the header says.
-struct Header {
+struct SgiHeader {
     width: usize,
     height: usize,
     channels: usize,
@@ -65,7 +65,7 @@ pub(super) fn size(bytes: &[u8]) -> Result<[u64; 2], PictureError> {
     Ok([header.width as u64, header.height as u64])
 }
 
-fn header(bytes: &[u8]) -> Result<Header, PictureError> {
+fn header(bytes: &[u8]) -> Result<SgiHeader, PictureError> {
     if bytes.len() < HEADER {
         return Err(malformed("an SGI picture whose header ends early"));
     }
@@ -78,7 +78,7 @@ fn header(bytes: &[u8]) -> Result<Header, PictureError> {
     if !fits {
         return Err(malformed("an SGI picture of a kind that is not read"));
     }
-    Ok(Header {
+    Ok(SgiHeader {
         width: half(6),
         height,
         channels,
@@ -88,7 +88,7 @@ fn header(bytes: &[u8]) -> Result<Header, PictureError> {
 }
 
 /// Fills row number `index`, counted through all channels; `None` where the bytes end or do not fit.
-fn fill(header: &Header, bytes: &[u8], index: usize, row: &mut [u8]) -> Option<()> {
+fn fill(header: &SgiHeader, bytes: &[u8], index: usize, row: &mut [u8]) -> Option<()> {
     if !header.packed {
         let start = HEADER + index * row.len();
         row.copy_from_slice(bytes.get(start..start + row.len())?);

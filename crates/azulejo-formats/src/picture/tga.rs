@@ -9,7 +9,7 @@ use super::samples::{from_srgb_bytes, little};
 use azulejo_scene::Image;
 
 /// What the 18 bytes of the header say.
-struct Header {
+struct TgaHeader {
     width: usize,
     height: usize,
     /// Whether pixels are indices.
@@ -59,7 +59,7 @@ pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
     };
     let pixel_bytes = usize::from(header.depth.div_ceil(8));
     let mut samples = vec![0; 4 * width * height];
-    let mut unpacker = Unpacker {
+    let mut unpacker = TgaUnpacker {
         data,
         pixel_bytes,
         packed: header.packed,
@@ -89,7 +89,7 @@ pub(super) fn size(bytes: &[u8]) -> Result<[u64; 2], PictureError> {
 
 const NOT_TGA: &str = "not a TGA: its header contradicts itself";
 
-fn header(bytes: &[u8]) -> Option<Header> {
+fn header(bytes: &[u8]) -> Option<TgaHeader> {
     let head = bytes.get(..18)?;
     let (map_kind, kind, depth, flags) = (head[1], head[2], head[16], head[17]);
     let (indexed, grey) = match kind & !8 {
@@ -113,7 +113,7 @@ fn header(bytes: &[u8]) -> Option<Header> {
     let (width, height) = (half(12), half(14));
     let whole = map_fits && depth_fits && flags & 0xc0 == 0 && width * height > 0;
     let start = 18 + usize::from(head[0]);
-    whole.then_some(Header {
+    whole.then_some(TgaHeader {
         width,
         height,
         indexed,
@@ -151,7 +151,7 @@ fn rgba(pixel: &[u8], depth: u8, grey: bool) -> [u8; 4] {
 }
 
 /// Pixels one after the other, with their runs unfolded.
-struct Unpacker<'b> {
+struct TgaUnpacker<'b> {
     data: &'b [u8],
     pixel_bytes: usize,
     packed: bool,
@@ -159,7 +159,7 @@ struct Unpacker<'b> {
     run: Option<(usize, Option<&'b [u8]>)>,
 }
 
-impl<'b> Unpacker<'b> {
+impl<'b> TgaUnpacker<'b> {
     fn take(&mut self) -> Option<&'b [u8]> {
         let (pixel, rest) = self.data.split_at_checked(self.pixel_bytes)?;
         self.data = rest;

@@ -28,7 +28,7 @@ pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
     let layout = decoder
         .read_image_to_buffer(&mut decoded)
         .map_err(malformed)?;
-    let planes = Planes {
+    let planes = TiffPlanes {
         size: [width as usize, height as usize],
         channels: match kind {
             ColorType::Gray(_) => 1,
@@ -79,7 +79,7 @@ fn start(bytes: &[u8]) -> Result<Decoder<Cursor<&[u8]>>, PictureError> {
 }
 
 /// Where the decoder puts samples.
-struct Planes {
+struct TiffPlanes {
     size: [usize; 2],
     channels: usize,
     /// Whether each channel has a plane of its own.
@@ -89,7 +89,7 @@ struct Planes {
     row: usize,
 }
 
-impl Planes {
+impl TiffPlanes {
     /// All samples pixel by pixel, integers as shares of their largest value.
     fn shares(&self, decoded: &DecodingResult) -> Result<Vec<f32>, PictureError> {
         let [width, height] = self.size;

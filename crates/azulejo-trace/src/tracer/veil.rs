@@ -190,7 +190,8 @@ impl VeilBuilder<'_> {
         if let Some(known) = self.known.get(&key) {
             return *known;
         }
-        let image = self.scene.textures[picture.texture as usize].image.as_ref();
+        let texture = self.scene.textures.get(picture.texture as usize);
+        let image = texture.and_then(|texture| texture.image.as_ref());
         let map = image.and_then(|image| OpacityMap::new(image, picture.channel));
         let index = map.map(|map| {
             self.veils.maps.push(map);
