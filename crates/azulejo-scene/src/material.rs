@@ -255,6 +255,29 @@ impl Material {
         opacity.filter(|_| !self.is_emitter())
     }
 
+    /// All pictures that it shows: of its colour, then of its opacity.
+    pub fn pictures(&self) -> impl Iterator<Item = TextureId> + '_ {
+        let of_opacity = self.opacity.and_then(|o| o.picture).map(|p| p.texture);
+        self.textures.iter().copied().chain(of_opacity)
+    }
+
+    /// Numbers its pictures `by` more, as where their list is appended to another.
+    pub fn renumber_pictures(&mut self, by: TextureId) {
+        self.textures.iter_mut().for_each(|t| *t += by);
+        let opacity = self.opacity.as_mut();
+        if let Some(picture) = opacity.and_then(|o| o.picture.as_mut()) {
+            picture.texture += by;
+        }
+    }
+
+    /// Forgets its pictures.
+    pub fn drop_pictures(&mut self) {
+        self.textures.clear();
+        if let Some(opacity) = &mut self.opacity {
+            opacity.picture = None;
+        }
+    }
+
     /// Whether the front emits light.
     pub fn is_emitter(&self) -> bool {
         !self.emission.is_black()

@@ -138,6 +138,7 @@ fn stored_luminance(&[r, g, b]: &[f32; 3]) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{Material, Rgb};
 
     #[test]
     fn masks_round_and_blends_do_not() {
@@ -148,6 +149,27 @@ mod tests {
         assert_eq!((mask.at(0.6), mask.at(0.7)), (0.0, 1.0));
         assert_eq!(Opacity::constant(0.5).at(0.5), 0.25);
         assert!(mask.is_opaque() && !Opacity::constant(0.8).is_opaque());
+    }
+
+    #[test]
+    fn pictures_of_materials_are_renumbered() {
+        let mut leaf = Material {
+            textures: vec![0, 2],
+            opacity: Some(Opacity {
+                picture: Some(OpacityPicture {
+                    texture: 1,
+                    channel: OpacityChannel::Alpha,
+                }),
+                ..Opacity::constant(1.0)
+            }),
+            ..Material::default()
+        };
+        leaf.renumber_pictures(3);
+        assert_eq!(leaf.pictures().collect::<Vec<_>>(), [3, 5, 4]);
+        leaf.emission = Rgb::WHITE;
+        assert!(leaf.see_through().is_none());
+        leaf.drop_pictures();
+        assert_eq!(leaf.pictures().next(), None);
     }
 
     #[test]
