@@ -3,6 +3,7 @@
 use super::brdf::{BRDF_EXAMPLES, BrdfCommand};
 use super::engine::EngineArgs;
 use super::form_factors;
+use super::grf::{GRF_EXAMPLES, GrfCommand};
 use super::lettering::{
     EXTRUDE_EXAMPLES, ExtrudeArgs, FONT_EXAMPLES, FontCommand, TEXT_EXAMPLES, TextArgs,
 };
@@ -92,6 +93,13 @@ pub enum Command {
         #[command(subcommand)]
         command: BrdfCommand,
     },
+    /// Lay out, check and compare GRF files
+    #[command(after_help = GRF_EXAMPLES)]
+    Grf {
+        /// The subcommand
+        #[command(subcommand)]
+        command: GrfCommand,
+    },
     /// Open the workbench, a window to view, light and save models
     #[command(after_help = VIEW_EXAMPLES)]
     View(WorkbenchArgs),
@@ -143,7 +151,7 @@ pub struct InputArgs {
 }
 
 /// How models are read and put together.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Reading")]
 pub struct ReadingArgs {
     /// Place a model: FILE:translate=1,0,2,rotate=0,90,0,scale=2, applied in the given order
@@ -168,6 +176,10 @@ pub struct ReadingArgs {
     /// viewing distance
     #[arg(long, value_name = "LEVEL", default_value = "finest", value_parser = values::lod)]
     pub lod: Lod,
+    /// Apply a recipe (TOML) to the scene: rules by names of materials and objects, lights, cameras,
+    /// background, fog. May be given several times
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub recipe: Vec<PathBuf>,
     /// Fail if anything in a model had to be skipped or repaired
     #[arg(long)]
     pub strict: bool,
@@ -184,6 +196,29 @@ pub struct ReadingArgs {
 pub struct InfoArgs {
     #[command(flatten)]
     pub input: InputArgs,
+    /// Print one row for each model instead: size, objects, materials, vertices, faces, size as GRF and
+    /// their ratio, as Table 1 of the paper on GRF
+    #[arg(long, conflicts_with = "lights")]
+    pub table: bool,
+    /// Format of the table
+    #[arg(
+        long,
+        value_name = "FORMAT",
+        default_value = "text",
+        requires = "table"
+    )]
+    pub format: TableFormat,
+}
+
+/// `info --format`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TableFormat {
+    /// Aligned columns
+    Text,
+    /// Values separated by commas, sizes in bytes
+    Csv,
+    /// A table in Markdown
+    Markdown,
 }
 
 /// `convert`
@@ -191,10 +226,21 @@ pub struct InfoArgs {
 pub struct ConvertArgs {
     #[command(flatten)]
     pub input: InputArgs,
-    /// Output file, its format chosen by extension: .grf, .obj (with an .mtl), .glb, .gltf, .ply or
-    /// .sff; `-` writes GRF to standard output
+    /// Output file, its format chosen by extension: .grf, .obj (with an .mtl), .glb, .gltf (with a
+    /// .bin), .ply, .wrl, .x3d, .dxf, .stl, .sff or .vs3; with .gz behind it compressed, if it is one
+    /// file; `-` writes GRF to standard output
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
+    /// Write GRF as it was in 2001, without extensions: lamps that are parallelograms as `light`, exact
+    /// shapes as meshes, matt surfaces as `rgb`; what it cannot say is listed
+    #[arg(long)]
+    pub plain: bool,
+    /// Divide all polygons into triangles, for programs that read no others
+    #[arg(long)]
+    pub triangles: bool,
+    /// Significant digits of the numbers of meshes in text formats [default: as many as are exact]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(4..=17))]
+    pub digits: Option<u8>,
 }
 
 /// The subdivision into patches.
@@ -314,6 +360,9 @@ pub enum SidesArg {
     Brighter,
     /// Both: sheets are written twice, with a reversed copy for the back
     Split,
+    /// As by default, but without turning faces: what `--in-place` needs
+    #[value(skip)]
+    Unturned,
 }
 
 /// `solve`
@@ -323,8 +372,22 @@ pub struct SolveArgs {
     pub input: InputArgs,
     /// Output file for the scene with its irradiance, its format chosen by extension: .grf, .glb,
     /// .gltf or .ply; `-` writes GRF to standard output
-    #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
-    pub output: PathBuf,
+    #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath,
+          required_unless_present = "in_place")]
+    pub output: Option<PathBuf>,
+    /// Write the irradiance into the text of the GRF file itself, or of a copy of it at OUT, and leave
+    /// every other byte as it is: comments, layout, names, transforms, parameters
+    ///
+    /// `irad` is added before each vertex, or replaced. No face is divided or turned: light on backs,
+    /// and that of exact shapes and reflecting primitives, goes into extensions behind the object.
+    /// Includes with surfaces are replaced by the included text, because each use of a part has
+    /// light of its own; their files are not changed.
+    #[arg(long)]
+    pub in_place: bool,
+    /// Significant digits of the numbers of meshes in text formats; with --in-place, of the irradiance
+    /// alone [default: as many as are exact; with --in-place: 6]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(4..=17))]
+    pub digits: Option<u8>,
     #[command(flatten)]
     pub first_pass: FirstPassArgs,
 }
@@ -372,6 +435,14 @@ pub struct RenderArgs {
     pub picture: ImageArgs,
     #[command(flatten)]
     pub view: CameraArgs,
+    /// Several pictures, from all around: N views turned about the up axis, IMAGE-001 and so on
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000),
+          conflicts_with = "cameras", help_heading = "Camera")]
+    pub turntable: Option<u32>,
+    /// Several pictures, IMAGE-NAME: all of the scene's cameras, or those of these names
+    #[arg(long, value_name = "all|NAME,...", conflicts_with_all = ["camera", "from", "at"],
+          help_heading = "Camera")]
+    pub cameras: Option<String>,
     #[command(flatten)]
     pub look: RtraceArgs,
     #[command(flatten)]
@@ -544,6 +615,7 @@ const INFO_EXAMPLES: &str = "\
 Examples:
   azulejo info room.3ds
   azulejo info drawing.dxf --strict
+  azulejo info --table *.3ds *.obj --format markdown
   azulejo info room.grf --json | python3 -m json.tool";
 
 const CONVERT_EXAMPLES: &str = "\
@@ -558,6 +630,7 @@ Examples:
   azulejo solve room.obj -o room.grf --patches 20000 --error 1%
   azulejo solve level.glb -o level-lit.glb --keep-mesh
   azulejo solve hut.obj -o hut.glb --sides split
+  azulejo solve scene.grf --in-place
   azulejo solve room.obj -o room.grf --patch-size 0.1 --time 60s --json
   azulejo solve room.obj -o room.grf --engine embree";
 

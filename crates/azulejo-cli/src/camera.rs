@@ -6,21 +6,24 @@ use super::values::UpArg;
 use azulejo::models;
 use azulejo_formats::camera_json;
 use azulejo_scene::{Camera, Scene};
-use glam::DVec3;
+use azulejo_trace::Tracer;
+use glam::{DQuat, DVec3};
+use std::f64::consts::TAU;
 use std::path::Path;
 
 /// Image size if neither the command line nor the camera specifies one.
-const SIZE: (u32, u32) = (512, 512);
+pub const SIZE: (u32, u32) = (512, 512);
 /// Largest number of pixels: more are a typing error, and need more memory than most machines have.
 const MAX_PIXELS: u64 = 1 << 28;
 
 /// The camera and the size of the image: from the command line, otherwise from the scene, otherwise
-/// a view of the whole scene.
+/// what `first` finds to be worth a look, for the image's width over its height.
 pub fn choose(
     view: &CameraArgs,
     size: Option<(u32, u32)>,
     scene: &Scene,
     up: Option<UpArg>,
+    first: impl FnOnce(&Scene, f64) -> Camera,
 ) -> Result<(Camera, (u32, u32)), Failure> {
     let up = match up {
         Some(UpArg::Picture(direction)) => Some(direction),
@@ -34,7 +37,12 @@ pub fn choose(
     check_size(size)?;
     let camera = match given {
         Some(camera) => camera,
-        None => framing(size, scene)?,
+        None if scene.bounds().is_empty() => {
+            return Err(Failure::failed("the scene has no surfaces to view"));
+        }
+        // A view that is given in parts is completed by that of the whole scene.
+        None if view.from.is_some() || view.at.is_some() => of_all(scene, aspect(size)),
+        None => first(scene, aspect(size)),
     };
     let camera = overridden(camera, view, up);
     check(&camera)?;
@@ -65,14 +73,32 @@ pub fn by_name_or_file(name: &str, scene: &Scene) -> Result<Camera, Failure> {
     )))
 }
 
+fn aspect((width, height): (u32, u32)) -> f64 {
+    f64::from(width) / f64::from(height)
+}
+
 /// A view of all of the scene.
-fn framing((width, height): (u32, u32), scene: &Scene) -> Result<Camera, Failure> {
-    let bounds = scene.bounds();
-    if bounds.is_empty() {
-        return Err(Failure::failed("the scene has no surfaces to view"));
-    }
-    let aspect = f64::from(width) / f64::from(height);
-    Ok(Camera::framing(bounds, aspect, scene.units.up.axis()))
+pub fn of_all(scene: &Scene, aspect: f64) -> Camera {
+    Camera::framing(scene.bounds(), aspect, scene.units.up.axis())
+}
+
+/// A view of all of the scene, or from within where that shows nothing.
+pub fn first_look(scene: &Scene, aspect: f64) -> Camera {
+    azulejo_render::first_view(scene, &Tracer::new(scene), aspect)
+}
+
+/// Views from all around: `count` of them, turned about the up axis through what the camera looks
+/// at, the first its own.
+pub fn turntable(camera: &Camera, count: u32, up: DVec3) -> Vec<Camera> {
+    let turned = |k: u32| {
+        let turn = DQuat::from_axis_angle(up, TAU * f64::from(k) / f64::from(count));
+        Camera {
+            eye: camera.target + turn * (camera.eye - camera.target),
+            up: turn * camera.up,
+            ..camera.clone()
+        }
+    };
+    (0..count).map(turned).collect()
 }
 
 fn overridden(camera: Camera, view: &CameraArgs, up: Option<DVec3>) -> Camera {
@@ -141,11 +167,26 @@ mod tests {
 
     #[test]
     fn a_scene_without_camera_is_framed_whole() {
-        let (camera, size) = choose(&view(), None, &scene(), None).unwrap();
+        let (camera, size) = choose(&view(), None, &scene(), None, of_all).unwrap();
         assert_eq!(size, (512, 512));
         let half_angle = (1.0 / (camera.eye - camera.target).length()).asin();
         assert!(half_angle < 0.5 * camera.vertical_fov);
-        assert!(choose(&view(), None, &Scene::default(), None).is_err());
+        assert!(choose(&view(), None, &Scene::default(), None, of_all).is_err());
+    }
+
+    #[test]
+    fn turntables_go_all_around() {
+        let start = of_all(&scene(), 1.0);
+        let views = turntable(&start, 4, DVec3::Y);
+        assert_eq!(views.len(), 4);
+        assert!(views[0].eye.distance(start.eye) < 1e-12);
+        for view in &views {
+            let apart = |c: &Camera| c.eye.distance(c.target);
+            assert!((apart(view) - apart(&start)).abs() < 1e-9);
+            assert!((view.eye.y - start.eye.y).abs() < 1e-9);
+        }
+        let across = |a: usize, b: usize| views[a].eye - views[b].eye;
+        assert!(across(0, 2).dot(across(1, 3)).abs() < 1e-9);
     }
 
     #[test]
@@ -156,13 +197,16 @@ mod tests {
         view.camera = Some("b".into());
         view.fov = Some(90.0);
         view.from = Some(DVec3::new(0.0, 0.0, 9.0));
-        let (chosen, size) = choose(&view, None, &scene, None).unwrap();
+        let (chosen, size) = choose(&view, None, &scene, None, of_all).unwrap();
         assert_eq!((chosen.name.as_str(), size), ("b", (30, 20)));
         assert_eq!(
             (chosen.eye.z, chosen.vertical_fov),
             (9.0, std::f64::consts::FRAC_PI_2)
         );
-        assert_eq!(choose(&view, Some((7, 5)), &scene, None).unwrap().1, (7, 5));
+        assert_eq!(
+            choose(&view, Some((7, 5)), &scene, None, of_all).unwrap().1,
+            (7, 5)
+        );
     }
 
     #[test]
@@ -171,15 +215,15 @@ mod tests {
         scene.cameras = vec![camera("a", None)];
         let along = Some(UpArg::Picture(DVec3::X));
         assert!(matches!(
-            choose(&view(), None, &scene, along),
+            choose(&view(), None, &scene, along, of_all),
             Err(Failure::Misuse(_))
         ));
         let mut unknown = view();
         unknown.camera = Some("c".into());
-        let said = choose(&unknown, None, &scene, None)
+        let said = choose(&unknown, None, &scene, None, of_all)
             .unwrap_err()
             .to_string();
         assert!(said.contains("\"a\""), "{said}");
-        assert!(choose(&view(), Some((65_536, 65_536)), &scene, None).is_err());
+        assert!(choose(&view(), Some((65_536, 65_536)), &scene, None, of_all).is_err());
     }
 }

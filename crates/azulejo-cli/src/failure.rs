@@ -18,6 +18,8 @@ pub enum Failure {
     Failed(String),
     /// Ctrl-C: exit code 1.
     Cancelled,
+    /// The answer is in the report, and it is no: exit code 1.
+    Found,
     /// The reader of our output has closed the pipe: silent, exit code 0.
     BrokenPipe,
 }
@@ -49,7 +51,7 @@ impl Failure {
     pub fn exit_code(&self) -> ExitCode {
         match self {
             Failure::BrokenPipe => ExitCode::SUCCESS,
-            Failure::Failed(_) | Failure::Cancelled => ExitCode::from(1),
+            Failure::Failed(_) | Failure::Cancelled | Failure::Found => ExitCode::from(1),
             Failure::Misuse(_) => ExitCode::from(2),
         }
     }
@@ -60,6 +62,7 @@ impl fmt::Display for Failure {
         match self {
             Failure::Misuse(message) | Failure::Failed(message) => f.write_str(message),
             Failure::Cancelled => f.write_str("cancelled"),
+            Failure::Found => f.write_str("something was found"),
             Failure::BrokenPipe => f.write_str("the output was closed"),
         }
     }

@@ -3,6 +3,7 @@
 use super::args::{InputArgs, ReadingArgs};
 use super::failure::Failure;
 use super::placement::Placement;
+use super::recipe;
 use super::session::Session;
 use super::surroundings;
 use super::values::UpArg;
@@ -61,6 +62,9 @@ pub fn read_all_at(
         }
     }
     let mut scene = whole.ok_or_else(|| Failure::misuse("no scene given"))?;
+    for path in &input.reading.recipe {
+        recipe::apply(path, &mut scene, input.reading.strict, session)?;
+    }
     if let Some(path) = &input.lights {
         let lights = camera_json::read_lights(&read_bytes(path)?, &path.to_string_lossy());
         scene.lights.extend(lights.map_err(Failure::failed)?);

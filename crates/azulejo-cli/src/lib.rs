@@ -16,11 +16,14 @@ mod experiment;
 mod failure;
 mod form_factors;
 mod generate;
+mod grf;
+mod in_place;
 mod info;
 mod input;
 mod interrupt;
 mod inventory;
 mod lettering;
+mod model_table;
 mod npy;
 mod npz;
 mod pass;
@@ -28,13 +31,16 @@ mod placement;
 mod points;
 mod probe;
 mod progress_bar;
+mod recipe;
 mod render;
 mod report;
 mod rtrace;
 mod session;
 mod solve;
+mod spelling;
 mod surroundings;
 mod values;
+mod views;
 mod workbench;
 
 use args::{Cli, Command};
@@ -81,9 +87,15 @@ fn run(cli: Cli) -> Result<(), Failure> {
     let mut session = Session::start(cli.common)?;
     let report = match &cli.command {
         Command::Brdf { command } => return brdf::run(command, session),
+        Command::Grf { command } => return grf::run(command, session),
         Command::Completions { shell } => return generate::completions(*shell),
         Command::Man { folder } => return generate::manual(folder),
         Command::View(args) => return workbench::run(args),
+        Command::Info(args) if args.table => {
+            let (report, end) = model_table::run(args, &mut session)?;
+            session.print(report)?;
+            return end;
+        }
         Command::Info(args) => {
             let report = info::run(args, &mut session)?;
             return session.print(report);
@@ -107,7 +119,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
 
 /// Prints the error on standard error, and with `--json` also as JSON on standard output.
 fn print_failure(failure: &Failure, json: bool) {
-    if matches!(failure, Failure::BrokenPipe) {
+    if matches!(failure, Failure::BrokenPipe | Failure::Found) {
         return;
     }
     let _ = writeln!(io::stderr(), "error: {failure}");

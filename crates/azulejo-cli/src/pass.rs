@@ -41,6 +41,7 @@ fn sides(arg: Option<SidesArg>) -> StoredSides {
         Some(SidesArg::Front) => StoredSides::Front,
         Some(SidesArg::Brighter) => StoredSides::Brighter,
         Some(SidesArg::Split) => StoredSides::Split,
+        Some(SidesArg::Unturned) => StoredSides::Unturned,
     }
 }
 

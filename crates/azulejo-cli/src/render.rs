@@ -4,7 +4,8 @@ use super::args::{ImageArgs, RenderArgs, RenderStyle, ToneName};
 use super::failure::Failure;
 use super::report::{Report, count, number, percent, short};
 use super::session::Session;
-use super::{camera, input, pass, rtrace, values};
+use super::views::{self, PictureView};
+use super::{input, pass, rtrace, values};
 use azulejo::output::Output;
 use azulejo_formats::picture::{exr, hdr, png};
 use azulejo_render::{ReferencePass, SecondPass, Tone};
@@ -31,55 +32,61 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
     session.set_makes_image();
     let mut scene = input::read_all_at(&args.input, args.first_pass.instant(), session)?;
     let mut report = Report::default();
-    let image = match args.look.look {
-        RenderStyle::Physical if args.picture.reference => {
-            render_reference(&scene, args, errors.as_ref(), session, &mut report)?
+    if args.look.look == RenderStyle::Rtrace {
+        let image = rtrace::draw(&scene, args, session)?;
+        write(
+            &image,
+            format,
+            args,
+            (&output, &args.output),
+            session,
+            &mut report,
+        )?;
+        return Ok(report);
+    }
+    let (views, size) = views::choose(args, &scene)?;
+    if args.picture.reference {
+        let tracer = args.first_pass.engine.prepare()?.tracer(&scene)?;
+        for view in &views {
+            let lit = (&scene, &tracer);
+            let image = reference(
+                lit,
+                args,
+                (view, size),
+                errors.as_ref(),
+                session,
+                &mut report,
+            )?;
+            let target = (&view.output, view.path.as_path());
+            write(&image, format, args, target, session, &mut report)?;
         }
-        RenderStyle::Physical => physical(&mut scene, args, session, &mut report)?,
-        RenderStyle::Rtrace => rtrace::draw(&scene, args, session)?,
-    };
-    write(&image, format, args, &output, session, &mut report)?;
-    let (width, height) = (image.width, image.height);
-    report.value("width", width);
-    report.value("height", height);
-    let path = args.output.display().to_string();
-    let words = format!("{path}, {width} x {height} pixels");
-    report.fact("output", path, "wrote", words);
-    Ok(report)
-}
-
-/// Solves the scene if it has no irradiance yet, and renders it.
-fn physical(
-    scene: &mut Scene,
-    args: &RenderArgs,
-    session: &Session,
-    report: &mut Report,
-) -> Result<Image, Failure> {
-    let (camera, size) =
-        camera::choose(&args.view, args.picture.size, scene, args.input.reading.up)?;
-    let tracer = lit(scene, args, session, report)?;
+        return Ok(report);
+    }
+    let tracer = lit(&mut scene, args, session, &mut report)?;
     let options = options(&args.picture, args.first_pass.seed, size);
-    let image = session.with_progress(|progress| {
-        azulejo_render::render(scene, &tracer, &camera, &options, progress)
-    })?;
-    Ok(image)
+    for view in &views {
+        let image = session.with_progress(|progress| {
+            azulejo_render::render(&scene, &tracer, &view.camera, &options, progress)
+        })?;
+        let target = (&view.output, view.path.as_path());
+        write(&image, format, args, target, session, &mut report)?;
+    }
+    Ok(report)
 }
 
 /// Default samples per pixel: enough for an image, and for a reference with a known error.
 const SAMPLES: u32 = 16;
 const REFERENCE_SAMPLES: u32 = 256;
 
-/// Renders the scene by path tracing, and writes its error image if requested.
-fn render_reference(
-    scene: &Scene,
+/// Renders a view by path tracing, and writes its error image if requested.
+fn reference(
+    (scene, tracer): (&Scene, &Tracer),
     args: &RenderArgs,
+    (view, size): (&PictureView, (u32, u32)),
     errors: Option<&(Output, ImageFormat)>,
     session: &Session,
     report: &mut Report,
 ) -> Result<Image, Failure> {
-    let (camera, size) =
-        camera::choose(&args.view, args.picture.size, scene, args.input.reading.up)?;
-    let tracer = args.first_pass.engine.prepare()?.tracer(scene)?;
     let options = ReferencePass {
         size,
         samples_per_pixel: args.picture.spp.unwrap_or(REFERENCE_SAMPLES),
@@ -87,7 +94,7 @@ fn render_reference(
         ..ReferencePass::default()
     };
     let found = session.with_progress(|progress| {
-        azulejo_render::reference(scene, &tracer, &camera, &options, progress)
+        azulejo_render::reference(scene, tracer, &view.camera, &options, progress)
     })?;
     let error = found.relative_error();
     let words = format!(
@@ -198,7 +205,7 @@ fn write(
     image: &Image,
     format: ImageFormat,
     args: &RenderArgs,
-    output: &Output,
+    (output, path): (&Output, &Path),
     session: &Session,
     report: &mut Report,
 ) -> Result<(), Failure> {
@@ -229,5 +236,11 @@ fn write(
             })?;
         }
     }
+    let (width, height) = (image.width, image.height);
+    report.value("width", width);
+    report.value("height", height);
+    let path = path.display().to_string();
+    let words = format!("{path}, {width} x {height} pixels");
+    report.fact("output", path, "wrote", words);
     Ok(())
 }

@@ -2,33 +2,78 @@
 
 use super::args::{SidesArg, SolveArgs};
 use super::failure::Failure;
+use super::in_place::InPlace;
 use super::report::Report;
 use super::session::Session;
-use super::{input, pass};
+use super::{convert, input, pass};
 use azulejo::models::ModelOutput;
+use std::path::Path;
+
+/// Digits of light in a file that people edit: far more than its error leaves.
+const IN_PLACE_DIGITS: usize = 6;
+
+/// Where the solved scene goes.
+enum SolvedOutput {
+    /// A model file of its own.
+    Model(ModelOutput),
+    /// The text of the file that was read.
+    InPlace(Box<InPlace>),
+}
+
+impl SolvedOutput {
+    fn check(args: &SolveArgs) -> Result<SolvedOutput, Failure> {
+        match &args.output {
+            _ if args.in_place => Ok(SolvedOutput::InPlace(Box::new(InPlace::open(args)?))),
+            Some(path) => {
+                let output = ModelOutput::check_lit(path)?;
+                convert::checked_digits(args.digits, &output)?;
+                Ok(SolvedOutput::Model(output))
+            }
+            None => Err(Failure::misuse(
+                "-o OUT is missing, or --in-place to write into the file itself",
+            )),
+        }
+    }
+
+    fn is_stdout(&self) -> bool {
+        match self {
+            SolvedOutput::Model(output) => output.is_stdout(),
+            SolvedOutput::InPlace(text) => text.is_stdout(),
+        }
+    }
+}
 
 /// Runs `solve`.
 pub fn run(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
-    let output = ModelOutput::check_lit(&args.output)?;
+    let output = SolvedOutput::check(args)?;
     session.claim_stdout(output.is_stdout())?;
-    let prepared = args.first_pass.engine.prepare()?;
-    let mut scene = input::read_all_at(&args.input, args.first_pass.instant(), session)?;
+    let first_pass = match &output {
+        SolvedOutput::Model(_) => args.first_pass.clone(),
+        SolvedOutput::InPlace(_) => InPlace::options(&args.first_pass),
+    };
+    let prepared = first_pass.engine.prepare()?;
+    let mut scene = input::read_all_at(&args.input, first_pass.instant(), session)?;
     let tracer = prepared.tracer(&scene)?;
-    let light = pass::solve(&scene, &tracer, &args.first_pass, &prepared, session)?;
+    let light = pass::solve(&scene, &tracer, &first_pass, &prepared, session)?;
     let mut report = Report::default();
-    pass::describe(
-        &light.report,
-        &args.first_pass,
-        &prepared,
-        &scene,
-        &mut report,
-    )?;
+    pass::describe(&light.report, &first_pass, &prepared, &scene, &mut report)?;
     scene.set_irradiance(light.irradiance);
-    if args.first_pass.sides == Some(SidesArg::Split) {
-        scene = scene.split_sides().into_owned();
-    }
-    session.write(&scene, &output)?;
-    let path = args.output.display().to_string();
+    let path: &Path = match &output {
+        SolvedOutput::Model(output) => {
+            if first_pass.sides == Some(SidesArg::Split) {
+                scene = scene.split_sides().into_owned();
+            }
+            convert::round(&mut scene, args.digits);
+            session.write(&scene, output)?;
+            args.output.as_deref().unwrap_or(Path::new("-"))
+        }
+        SolvedOutput::InPlace(text) => {
+            scene.round_light(args.digits.map_or(IN_PLACE_DIGITS, usize::from));
+            text.write(&scene, session)?;
+            text.target()
+        }
+    };
+    let path = path.display().to_string();
     report.fact("output", path.clone(), "wrote", path);
     Ok(report)
 }

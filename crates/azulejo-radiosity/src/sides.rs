@@ -35,6 +35,9 @@ pub enum StoredSides {
     Brighter,
     /// Both sides of every surface, unless it is closed and only one side is lit.
     Split,
+    /// For files whose faces stay as they are: as [`BySurface`](StoredSides::BySurface), but instead
+    /// of turning a surface to its back both of its sides are stored, on kept meshes too.
+    Unturned,
 }
 
 /// How much brighter a clearly brighter side is.
@@ -73,6 +76,11 @@ pub(crate) fn choose(
     rule: StoredSides,
     keep_mesh: bool,
 ) -> Vec<SideChoice> {
+    let turns = rule != StoredSides::Unturned;
+    let (rule, keep_mesh) = match rule {
+        StoredSides::Unturned => (StoredSides::BySurface, false),
+        _ => (rule, keep_mesh),
+    };
     let mut choices = vec![SideChoice::default(); patches.len()];
     if rule == StoredSides::Front {
         return choices;
@@ -96,9 +104,10 @@ pub(crate) fn choose(
             _ => Some(light.is_front_unlit()),
         };
         for &(patch, is_reversed) in &surface.patches {
+            let is_turned = turn.is_some_and(|turn| turn != is_reversed);
             choices[patch as usize] = SideChoice {
-                is_turned: turn.is_some_and(|turn| turn != is_reversed),
-                both,
+                is_turned: is_turned && turns,
+                both: both || is_turned && !turns,
             };
         }
     }

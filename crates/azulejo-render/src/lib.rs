@@ -10,6 +10,7 @@
 //! threads.
 
 mod film;
+mod first_view;
 mod integrator;
 mod interpolate;
 mod pass;
@@ -20,6 +21,7 @@ pub mod rtrace;
 mod shading;
 mod tone;
 
+pub use first_view::first_view;
 pub use pass::{FinalGather, SecondPass, radiance, render};
 pub use reference::{Reference, ReferencePass, reference, reference_radiance, relative_rmse};
 pub use tone::{REINHARD_WHITE, Tone, auto_exposure, srgb_from_linear, tone_map};

@@ -67,6 +67,36 @@ impl Projection {
     }
 }
 
+impl Projection {
+    /// The unit direction of the environment's frame that is found at a place, in 0..=1 from the
+    /// left and from the top. Outside of its circle an angular map shows nothing, and what is
+    /// nearest is returned.
+    pub fn direction(self, u: f64, v: f64) -> DVec3 {
+        match self {
+            Projection::Equirectangular => {
+                let (azimuth, zenith_angle) = (TAU * (u - 0.5), PI * v);
+                let across = zenith_angle.sin();
+                DVec3::new(
+                    across * azimuth.cos(),
+                    -across * azimuth.sin(),
+                    zenith_angle.cos(),
+                )
+            }
+            Projection::AngularMap => {
+                let (right, up) = (2.0 * u - 1.0, 1.0 - 2.0 * v);
+                let distance = right.hypot(up);
+                let angle = PI * distance.min(1.0);
+                let share = if distance > 0.0 {
+                    angle.sin() / distance
+                } else {
+                    0.0
+                };
+                DVec3::new(angle.cos(), -right * share, up * share)
+            }
+        }
+    }
+}
+
 impl Environment {
     /// A picture of the surroundings, upright in a world with this up axis: its middle column looks
     /// along +x.
@@ -225,6 +255,21 @@ mod tests {
                 assert!((u - 0.5).abs() < 1e-12 && (v - 0.5).abs() < 1e-12);
                 assert!(place(DVec3::X + 0.1 * right).0 > 0.51);
                 assert!(place(DVec3::X + 0.1 * above).1 < 0.49);
+            }
+        }
+    }
+
+    #[test]
+    fn directions_and_places_are_inverse() {
+        for projection in [Projection::Equirectangular, Projection::AngularMap] {
+            for (u, v) in [(0.5, 0.5), (0.3, 0.6), (0.7, 0.2), (0.45, 0.9)] {
+                let direction = projection.direction(u, v);
+                assert!((direction.length() - 1.0).abs() < 1e-12);
+                let (again, below) = projection.place(direction);
+                assert!(
+                    (again - u).abs() < 1e-9 && (below - v).abs() < 1e-9,
+                    "{u} {v}"
+                );
             }
         }
     }

@@ -42,6 +42,7 @@ mod proxy;
 pub mod quadrature;
 pub mod random;
 mod rgb;
+mod rounding;
 pub mod rtrace;
 mod scene;
 mod shape;
@@ -52,6 +53,7 @@ pub mod synthetic;
 mod text;
 mod transform;
 mod tree;
+mod triangles;
 mod triangulate;
 mod validate;
 
@@ -68,6 +70,7 @@ pub use opacity::{Opacity, OpacityChannel, OpacityMap, OpacityMode, OpacityPictu
 pub use patch::BicubicPatch;
 pub use prism::Prism;
 pub use rgb::Rgb;
+pub use rounding::rounded_number;
 pub use rtrace::Rtrace;
 pub use scene::{Fog, Object, Scene, SceneBackground, Units, Up};
 pub use shape::{Primitive, PrimitiveKind, Shape, SurfaceGrid, SurfaceLight, SurfacePoint};

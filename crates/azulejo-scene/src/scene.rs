@@ -218,10 +218,16 @@ impl Scene {
             Shape::Mesh(mesh) => {
                 mesh.faces.is_empty() || mesh.irradiance.len() == mesh.positions.len()
             }
-            Shape::Primitive(p) => p.light.is_some(),
+            Shape::Primitive(p) => p.light.is_some() || self.reflects_nothing(p.material),
             Shape::Exact(exact) => exact.proxy.is_some(),
         };
         !self.objects.is_empty() && self.objects.iter().all(solved)
+    }
+
+    /// Whether a material has no reflection that irradiance could describe, as a lamp's.
+    fn reflects_nothing(&self, material: MaterialId) -> bool {
+        let known = self.materials.get(material as usize);
+        known.is_some_and(|m| m.diffuse.is_black() && m.brdf.is_none() && m.is_emitter())
     }
 
     /// Stores the irradiance that the first pass computed in the objects.

@@ -7,7 +7,7 @@
 //!
 //! | module | what it does |
 //! |---|---|
-//! | `suite`, `spelling` | the suite's file, and messages on errors in it |
+//! | `suite` | the suite's file, and messages on errors in it |
 //! | `plan` | tasks, with keys of all that their results depend on |
 //! | `work` | one task, in the child process |
 //! | `metrics`, `reference` | measures, and the reference data |
@@ -22,7 +22,7 @@ mod plan;
 mod record;
 mod reference;
 mod report;
-mod spelling;
+
 mod suite;
 mod work;
 

@@ -1,7 +1,7 @@
 //! The file of a suite: its tables, and errors with their positions.
 
-use super::spelling;
 use crate::failure::Failure;
+use crate::spelling;
 use crate::values;
 use serde::de::{Deserialize, Deserializer, SeqAccess, Visitor};
 use std::fmt;

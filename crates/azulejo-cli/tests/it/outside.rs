@@ -140,10 +140,11 @@ fn write_picture(folder: &Folder, name: &str, size: &str) {
 fn pictures_give_light_and_are_seen() {
     let folder = plane();
     write_picture(&folder, "sky.hdr", "-Y 2 +X 4");
-    // 0.5 · 4: radiance 2 above.
+    // (128 + ½) / 256 · 4 above.
+    let radiance = 128.5 / 64.0;
     check(
         irradiance(&folder, "plane.obj --environment sky.hdr"),
-        2.0 * PI,
+        radiance * PI,
     );
     let strong = "plane.obj --environment sky.hdr --environment-strength 3";
     check(irradiance(&folder, strong), 3.0 * radiance * PI);
@@ -200,3 +201,27 @@ f 2 3 7 6
 f 3 4 8 7
 f 4 1 5 8
 ";
+
+/// A closed room is seen from within; several views have names of their own.
+#[test]
+fn a_first_look_and_several() {
+    let folder = Folder::with_room();
+    folder.ok("render room.obj -o look.exr --size 24x16 --spp 2 --error 10%");
+    let pixels = folder.read("look.exr");
+    assert!(pixels.len() > 24 * 16 * 3);
+    folder.ok("render room.obj -o turn.png --turntable 3 --size 8x8 --spp 1 --error 20%");
+    let names = folder.names();
+    for name in ["turn-001.png", "turn-002.png", "turn-003.png"] {
+        assert!(names.contains(&name.to_owned()), "{names:?}");
+    }
+    assert!(!names.contains(&"turn.png".to_owned()));
+    let none = folder.run("render room.obj -o x.png --cameras all");
+    assert!(
+        none.code == Some(1) && none.err.contains("no cameras"),
+        "{}",
+        none.err
+    );
+    folder.ok("convert room.obj -o studio.grf --studio");
+    let refused = folder.run("render room.obj -o - --turntable 3");
+    assert!(refused.err.contains("one picture"), "{}", refused.err);
+}

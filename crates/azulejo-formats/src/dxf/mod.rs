@@ -29,6 +29,7 @@ mod surfaces;
 mod tests;
 
 mod units;
+mod write;
 
 use crate::reading::text::decoded;
 use crate::reading::warnings::Warnings;
@@ -37,6 +38,7 @@ use azulejo_scene::{Units, Up};
 use project::Project;
 
 pub use figures::read_figures;
+pub use write::{losses, write};
 
 /// Reads a drawing. External references are read through `files`; `name` is used in messages.
 ///

@@ -8,7 +8,8 @@ use gltf_json::validation::{Checked, Error, Validate};
 use gltf_json::{Path, Root, mesh::Semantic};
 
 /// Extensions that a file may require.
-const SUPPORTED: [&str; 16] = [
+const SUPPORTED: [&str; 17] = [
+    "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
     "EXT_texture_webp",

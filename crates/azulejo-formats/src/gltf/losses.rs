@@ -64,10 +64,6 @@ pub fn losses(scene: &Scene) -> Vec<String> {
             "dielectrics that glTF cannot describe exactly",
         ),
         (
-            lights(|l| matches!(l, LightKind::Ambient { .. })),
-            "ambient lights",
-        ),
-        (
             lights(|l| matches!(l, LightKind::Environment(_))),
             "environments",
         ),

@@ -7,7 +7,8 @@ use crate::Files;
 use crate::surface::gloss::Gloss;
 use crate::surface::materials::Materials;
 use azulejo_scene::{
-    Dielectric, Material, MaterialId, Opacity, OpacityMode, Rgb, Sidedness, Texture, TextureId,
+    Dielectric, Image, Material, MaterialId, Opacity, OpacityMode, Rgb, Sidedness, Texture,
+    TextureId,
 };
 use glam::{DAffine2, DMat2, DVec2};
 use gltf_json::extensions::texture::TextureTransform;
@@ -67,6 +68,22 @@ impl<'a> Surfaces<'a> {
     /// All materials that were used, and their textures.
     pub fn finish(self) -> (Vec<Material>, Vec<Texture>) {
         (self.materials.into_list(), self.pictures.finish())
+    }
+
+    /// An image of the file.
+    ///
+    /// # Errors
+    /// The reason, for one that cannot be loaded.
+    pub fn picture(&mut self, image: usize) -> Result<Image, String> {
+        self.pictures.load(image)
+    }
+
+    /// Adds a picture to the textures.
+    ///
+    /// # Errors
+    /// The reason, if it is too large.
+    pub fn add_picture(&mut self, name: &str, image: Image) -> Result<TextureId, String> {
+        self.pictures.add(name, image)
     }
 
     /// A material of the file, or the default one of primitives without a material.

@@ -9,6 +9,7 @@ mod attributes;
 mod buffers;
 mod container;
 mod document;
+mod image_based;
 mod irradiance;
 mod json_parts;
 mod losses;

@@ -92,6 +92,14 @@ impl<'a> Pictures<'a> {
         self.textures.alpha_of(pictures)
     }
 
+    /// Adds a picture that was made from others.
+    ///
+    /// # Errors
+    /// The reason, if it is too large.
+    pub fn add(&mut self, name: &str, image: Image) -> Result<TextureId, String> {
+        self.textures.add_pixels(name.to_owned(), image)
+    }
+
     /// The mean of a texture as linear light.
     ///
     /// # Errors
@@ -106,7 +114,14 @@ impl<'a> Pictures<'a> {
         mean
     }
 
-    fn load(&mut self, image: usize) -> Result<Image, String> {
+    /// An image, decoded for its pixels alone.
+    ///
+    /// # Errors
+    /// The reason, for a picture that cannot be loaded.
+    pub fn load(&mut self, image: usize) -> Result<Image, String> {
+        if image >= self.root.images.len() {
+            return Err("which is not in the file".to_owned());
+        }
         let bytes = match self.source(image)? {
             PictureSource::Embedded(bytes) => bytes,
             PictureSource::File(name) => {

@@ -1,6 +1,7 @@
 //! Converts the nodes of a scene to objects, lights and cameras in the world.
 
 use super::accessor::Data;
+use super::image_based;
 use super::irradiance::{self, StoredIrradiance};
 use super::material::Surfaces;
 use super::mesh::{GltfMeshBuilder, Pose};
@@ -112,8 +113,36 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
                 }
             }
         }
+        self.surroundings(chosen);
         (self.scene.materials, self.scene.textures) = self.surfaces.finish();
         Ok(self.scene)
+    }
+
+    /// The image-based light of the scene.
+    fn surroundings(&mut self, scene: usize) {
+        let root = self.root();
+        let lights = root.extensions.as_ref();
+        let lights = lights.and_then(|e| e.others.get(image_based::NAME)?.get("lights"));
+        let own = root.scenes.get(scene).and_then(|s| s.extensions.as_ref());
+        let own = own.and_then(|e| e.others.get(image_based::NAME));
+        let Some(number) = own.and_then(|e| e.get("light")?.as_u64()) else {
+            return;
+        };
+        let at = || format!("{}.lights[{number}]", image_based::NAME);
+        let Some(light) = lights.and_then(|l| l.get(number as usize)) else {
+            return self.messages.of("image-based light that is not there", at);
+        };
+        match image_based::read(light, &mut self.surfaces) {
+            Ok(kind) => {
+                let name = light.get("name").and_then(|n| n.as_str());
+                let name = joined("", name.unwrap_or(""));
+                self.scene.lights.push(Light { name, kind });
+            }
+            Err(why) => {
+                let message = format!("image-based light not used: {why}");
+                self.messages.of(&message, at);
+            }
+        }
     }
 
     fn root(&self) -> &'a Root {

@@ -1,5 +1,6 @@
 //! Writes scenes as glTF.
 
+use super::image_based;
 use super::irradiance;
 use super::json_parts::{factor_and_strength, named};
 use super::pack::Pack;
@@ -73,6 +74,8 @@ struct Document<'a> {
     nodes: Vec<Value>,
     cameras: Vec<Value>,
     lights: Vec<Value>,
+    /// The extension of ambient light.
+    ambient: Option<Value>,
     materials: Materials,
 }
 
@@ -87,7 +90,10 @@ impl<'a> Document<'a> {
             nodes: Vec::new(),
             cameras: Vec::new(),
             lights: Vec::new(),
+            ambient: None,
         };
+        let images = &mut document.materials.images;
+        document.ambient = image_based::ambient(scene, &mut document.pack, images)?;
         let scale = irradiance::scale(scene);
         for object in &scene.objects {
             document.object(object, scale);
@@ -206,15 +212,27 @@ impl<'a> Document<'a> {
             root.insert(name.into(), json!(list));
         }
         if !roots.is_empty() {
-            root.insert("scenes".into(), json!([{ "nodes": roots }]));
+            let mut scene = json!({ "nodes": roots });
+            if self.ambient.is_some() {
+                scene["extensions"] = json!({ (image_based::NAME): { "light": 0 } });
+            }
+            root.insert("scenes".into(), json!([scene]));
             root.insert("scene".into(), json!(0));
         }
         root.insert("asset".into(), asset(&self.scene.units));
         let mut used: Vec<&str> = self.materials.extensions.iter().copied().collect();
+        let mut extensions = Map::new();
         if !self.lights.is_empty() {
             used.push("KHR_lights_punctual");
-            let lights = json!({ "KHR_lights_punctual": { "lights": self.lights } });
-            root.insert("extensions".into(), lights);
+            let lights = json!({ "lights": self.lights });
+            extensions.insert("KHR_lights_punctual".into(), lights);
+        }
+        if let Some(ambient) = &self.ambient {
+            used.push(image_based::NAME);
+            extensions.insert(image_based::NAME.into(), ambient.clone());
+        }
+        if !extensions.is_empty() {
+            root.insert("extensions".into(), extensions.into());
         }
         if !used.is_empty() {
             root.insert("extensionsUsed".into(), json!(used));

@@ -183,6 +183,15 @@ impl<'a> GrfParser<'a, '_, '_> {
             Some(source) if source.path.contains('/') => super::parse::joined(&source.path, name),
             _ => name.to_owned(),
         };
+        if self.is_alone() {
+            return Ok(Arc::new(GrfReflection {
+                description: Description::File {
+                    path,
+                    content: None,
+                },
+                brdf: None,
+            }));
+        }
         let key = format!("\"{path}\"");
         if let Some(known) = self.shared.reflections.get(&key) {
             return Ok(known.clone());

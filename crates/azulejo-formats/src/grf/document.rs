@@ -12,11 +12,11 @@ use azulejo_scene::{Camera, Faces, Fog, Units};
 use glam::{DAffine3, DVec2, DVec3};
 use std::sync::Arc;
 
-/// A GRF file, mirrored literally: its leading comments, definitions and uses, transforms,
-/// includes, parameters, and unknown extensions.
+/// The blocks of a GRF file: its leading comments, definitions and uses, transforms, includes,
+/// parameters, and unknown extensions.
 ///
 /// The layout is not kept: [`write`](GrfDocument::write) uses a canonical one. Comments after the
-/// first block are not kept either.
+/// first block are not kept either; [`GrfText`](super::GrfText) keeps both.
 ///
 /// Every name that [`parse`](GrfDocument::parse) accepted is defined where it is used.
 #[derive(Clone, Debug, Default)]
@@ -272,6 +272,15 @@ impl<T: Copy + Default> VertexColumn<T> {
         (!is_missing).then_some(value)
     }
 
+    /// The values of some vertices, if any vertex has one.
+    pub fn taken(&self, vertices: &[usize]) -> VertexColumn<T> {
+        if self.is_empty() {
+            return VertexColumn::default();
+        }
+        let value = |&v: &usize| self.get(v).unwrap_or_default();
+        VertexColumn::full(vertices.iter().map(value).collect())
+    }
+
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
     }
@@ -314,6 +323,9 @@ pub(super) struct ObjectNotes {
     pub smoothing: Vec<u32>,
     /// Standard error of `irad`, one per vertex, or empty.
     pub irradiance_error: Vec<Rgb>,
+    /// For each of the last vertices the one that it is a copy of, because their corners differ in
+    /// normal or texture coordinate.
+    pub shared: Vec<u32>,
     /// Irradiance of the back, beside `irad`.
     pub back: Option<Box<BackIrradiance>>,
     /// Irradiance on a light or primitive.

@@ -79,7 +79,9 @@ impl<'a> GrfParser<'a, '_, '_> {
             let mut ahead = self.lexer;
             if ahead.eat_word("end") && ahead.eat_word("ext") {
                 self.lexer = ahead;
-                return Ok(self.lexer.text()[start..here].trim_end().to_owned());
+                let text = self.lexer.text()[start..here].trim_end().to_owned();
+                self.record_opaque(start, start + text.len());
+                return Ok(text);
             }
             if !self.lexer.skip_any() {
                 let line = self.place(offset).line;
@@ -285,9 +287,22 @@ impl<'a> GrfParser<'a, '_, '_> {
         })
     }
 
-    fn material_note(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<MaterialNote> {
+    /// The brdf that a note completes, which does not use it.
+    fn annotated_name(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<GrfName> {
+        let count = |parser: &Self| parser.shared.layout.as_ref().map_or(0, |l| l.uses.len());
+        let before = count(self);
         let of = self.take_name(entries, "of", NameKind::Brdf)?;
         let of = self.required(entries, "of", of)?;
+        if count(self) > before
+            && let Some(layout) = &mut self.shared.layout
+        {
+            layout.uses.remove(&(NameKind::Brdf, of.clone()));
+        }
+        Ok(of)
+    }
+
+    fn material_note(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<MaterialNote> {
+        let of = self.annotated_name(entries)?;
         let name = self.take_text(entries, "name")?;
         let diffuse = self.take_reflectance(entries, "diffuse")?;
         let mirror = self.take_reflectance(entries, "mirror")?;
@@ -471,7 +486,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         )
     }
 
-    /// Reads `smoothing`, `irad_error`, `irad_back` or `surface_light`, which apply to the preceding object.
+    /// Reads `smoothing`, `shared`, `irad_error`, `irad_back` or `surface_light`, which apply to the preceding object.
     fn note_object(
         &mut self,
         name: &str,
@@ -482,6 +497,10 @@ impl<'a> GrfParser<'a, '_, '_> {
             ("smoothing", Some(BlockKind::Mesh(mesh))) => {
                 let faces = mesh.faces.len();
                 mesh.notes.smoothing = self.counts(entries, "groups", (faces, "face"))?;
+            }
+            ("shared", Some(BlockKind::Mesh(mesh))) => {
+                let vertices = mesh.vertices.positions.len();
+                mesh.notes.shared = self.shared(entries, vertices)?;
             }
             ("irad_error", Some(BlockKind::Mesh(mesh))) => {
                 let vertices = mesh.vertices.positions.len();
@@ -510,6 +529,29 @@ impl<'a> GrfParser<'a, '_, '_> {
             }
         }
         Ok(())
+    }
+
+    /// The originals of the last of `count` vertices.
+    fn shared(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+        count: usize,
+    ) -> ParseResult<Vec<u32>> {
+        let entry = entries.take("vertices");
+        let entry = self.required(entries, "vertices", entry)?;
+        if let EntryValue::Numbers(numbers) = &entry.value
+            && numbers.len() <= count
+        {
+            let originals = (count - numbers.len()) as f64;
+            let is_original = |n: &f64| (*n >= 0.0 && *n < originals).then_some(*n as u32);
+            if let Some(list) = numbers.iter().map(is_original).collect() {
+                return Ok(list);
+            }
+        }
+        Err(self.wrong(
+            &entry,
+            "an original vertex for each copy at the end of the mesh",
+        ))
     }
 
     /// `values` and `errors` at the backs of `vertices`, by default of all.
@@ -638,7 +680,7 @@ impl<'a> GrfParser<'a, '_, '_> {
 }
 
 /// The names of known extensions.
-const KNOWN: [&str; 16] = [
+const KNOWN: [&str; 17] = [
     "units",
     "camera",
     "background",
@@ -649,6 +691,7 @@ const KNOWN: [&str; 16] = [
     "primitive",
     "object",
     "smoothing",
+    "shared",
     "irad_error",
     "irad_back",
     "surface_light",

@@ -6,6 +6,7 @@ use super::document::{
     GrfName, MaterialNote, MeshBlock, NameKind, ObjectNotes, OpacityNote, PrimitiveBlock,
     SourcePosition, VertexColumn, VertexList,
 };
+use super::has_area;
 use super::materials::surface;
 use super::solids::{Figures, exact_block};
 use super::surroundings::{self, EnvironmentBlock};
@@ -97,14 +98,14 @@ fn placed(kinds: Vec<BlockKind>) -> Vec<GrfBlock> {
 }
 
 /// Identifiers of a scene's materials, textures and figures.
-struct GrfNames {
-    materials: Vec<GrfName>,
-    textures: Vec<GrfName>,
+pub(super) struct GrfNames {
+    pub materials: Vec<GrfName>,
+    pub textures: Vec<GrfName>,
     figures: Figures,
 }
 
 impl GrfNames {
-    fn new(scene: &Scene) -> GrfNames {
+    pub fn new(scene: &Scene) -> GrfNames {
         let materials = scene.materials.iter().map(|m| &*m.name);
         let textures = scene.textures.iter().map(|_| "");
         GrfNames {
@@ -170,11 +171,10 @@ impl GrfNames {
         };
         let map = p.world_from_object;
         let (a, b) = (map.matrix3.x_axis, map.matrix3.y_axis);
-        let plain = Primitive::parallelogram(map.translation, a, b, p.material);
         let material = &scene.materials[p.material as usize];
-        let is_area_light = p.kind == PrimitiveKind::Square
-            && plain.world_from_object == map
-            && material.is_emitter();
+        // The third axis of a parallelogram has no meaning.
+        let is_area_light =
+            p.kind == PrimitiveKind::Square && material.is_emitter() && has_area(a, b);
         if is_area_light {
             return BlockKind::AreaLight(Box::new(AreaLight {
                 corner: map.translation,
@@ -293,7 +293,7 @@ fn material_definition(
 }
 
 /// The brdf that expresses a material best.
-fn brdf_of(material: &Material) -> GrfReflection {
+pub(super) fn brdf_of(material: &Material) -> GrfReflection {
     match &material.brdf {
         Some(brdf) if file_of(brdf).is_none_or(is_plain_path) => brdf.into(),
         _ => GrfReflection {
@@ -334,7 +334,8 @@ fn common_radiance(scene: &Scene, mesh: &Mesh) -> Option<Rgb> {
 
 /// The vertices, faces and notes of a mesh, without its appearance.
 pub(super) fn polygons(mesh: Cow<'_, Mesh>, notes: ObjectNotes) -> MeshBlock {
-    let mesh = split_corners(mesh).into_owned();
+    let (mesh, shared) = split_corners(mesh);
+    let mesh = mesh.into_owned();
     MeshBlock {
         vertices: VertexList {
             positions: mesh.positions,
@@ -347,6 +348,7 @@ pub(super) fn polygons(mesh: Cow<'_, Mesh>, notes: ObjectNotes) -> MeshBlock {
         faces: mesh.faces,
         notes: ObjectNotes {
             smoothing: mesh.smoothing,
+            shared,
             irradiance_error: mesh.irradiance_error,
             back: mesh.back,
             ..notes
@@ -365,13 +367,14 @@ fn column<T: Copy + Default>(attribute: Option<Attribute<T>>) -> VertexColumn<T>
 }
 
 /// A mesh whose normals and texture coordinates are stored per vertex: a vertex whose corners
-/// differ is split. Vertices keep their indices for their first corner; copies are appended.
-fn split_corners(mesh: Cow<'_, Mesh>) -> Cow<'_, Mesh> {
+/// differ is split. Vertices keep their indices for their first corner; copies are appended. Also
+/// the original of each copy.
+fn split_corners(mesh: Cow<'_, Mesh>) -> (Cow<'_, Mesh>, Vec<u32>) {
     let by_corner = |has: Option<bool>| has.unwrap_or(false);
     let normals = by_corner(mesh.normals.as_ref().map(|a| a.corners.is_some()));
     let uvs = by_corner(mesh.uvs.as_ref().map(|a| a.corners.is_some()));
     if !normals && !uvs {
-        return mesh;
+        return (mesh, Vec::new());
     }
     let mut split = VertexSplitter::new(&mesh);
     let mut faces = Faces::default();
@@ -383,7 +386,9 @@ fn split_corners(mesh: Cow<'_, Mesh>) -> Cow<'_, Mesh> {
         }
         faces.push(&corners);
     }
-    Cow::Owned(split.mesh(faces))
+    let copies = split.combinations.iter().skip(mesh.positions.len());
+    let shared = copies.flatten().map(|c| c[0]).collect();
+    (Cow::Owned(split.mesh(faces)), shared)
 }
 
 /// Indices of a vertex's position, normal and texture coordinate after splitting.

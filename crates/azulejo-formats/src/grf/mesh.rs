@@ -1,6 +1,7 @@
 //! Meshes: vertex lists and face lists, which make up nearly all of a file.
 
 use super::document::{AppearanceChange, MeshBlock, NameKind, VertexColumn, VertexList};
+use super::layout::{IrradLayout, VertexLayout};
 use super::parse::BlockEnd;
 use super::parser::{GrfParser, ParseResult};
 use azulejo_scene::Rgb;
@@ -98,10 +99,18 @@ impl GrfParser<'_, '_, '_> {
     }
 
     fn vertices(&mut self, offset: usize, vertices: &mut VertexList) -> ParseResult<()> {
+        let mut irradiance = None;
         loop {
             match self.lexer.peek() {
                 Some(b'(') => {
+                    let start = self.lexer.skip_blank();
                     let position = self.vector3()?;
+                    if let Some(layout) = &mut self.shared.layout {
+                        layout.open_vertices.push(VertexLayout {
+                            position: start,
+                            irradiance: irradiance.take(),
+                        });
+                    }
                     if vertices.positions.len() >= MOST_VERTICES {
                         return Err(self.unexpected("at most 2^31 vertices in a mesh"));
                     }
@@ -110,21 +119,31 @@ impl GrfParser<'_, '_, '_> {
                 Some(b';') => {
                     self.lexer.eat(b';');
                 }
-                Some(_) if !self.at_end() => self.vertex_attribute(vertices)?,
+                Some(_) if !self.at_end() => {
+                    let place = self.vertex_attribute(vertices)?;
+                    irradiance = irradiance.or(place);
+                }
                 _ => return self.end(offset, &VERTICES),
             }
         }
     }
 
-    fn vertex_attribute(&mut self, vertices: &mut VertexList) -> ParseResult<()> {
+    /// Reads an attribute; returns the place of `irad`.
+    fn vertex_attribute(&mut self, vertices: &mut VertexList) -> ParseResult<Option<IrradLayout>> {
         let offset = self.lexer.skip_blank();
         let vertex = vertices.positions.len();
         if self.lexer.eat_word("normal") {
             let normal = self.vector3()?;
             self.set(&mut vertices.normals, vertex, normal, offset);
         } else if self.lexer.eat_word("irad") {
+            let vector = self.lexer.skip_blank();
             let irradiance = self.rgb()?;
             self.set(&mut vertices.irradiance, vertex, irradiance, offset);
+            return Ok(Some(IrradLayout {
+                keyword: offset,
+                vector,
+                end: self.lexer.pos(),
+            }));
         } else if self.lexer.eat_word("uv") {
             let uv = self.vector2()?;
             self.set(&mut vertices.uvs, vertex, uv, offset);
@@ -142,7 +161,7 @@ impl GrfParser<'_, '_, '_> {
                 "a vertex (`normal`, `irad`, `uv`, `rgb` or `use color`, and `(x, y, z)`), or `end vertices`",
             ));
         }
-        Ok(())
+        Ok(None)
     }
 
     fn color_word(&mut self) -> ParseResult<()> {
@@ -229,6 +248,7 @@ impl GrfParser<'_, '_, '_> {
         largest: &mut LargestIndex,
     ) -> ParseResult<()> {
         let start = self.lexer.skip_blank();
+        self.record_face(start);
         self.expect(b'(')?;
         let first = mesh.faces.corners.len();
         loop {
@@ -255,6 +275,7 @@ impl GrfParser<'_, '_, '_> {
         largest: &mut LargestIndex,
     ) -> ParseResult<()> {
         let start = self.lexer.skip_blank();
+        self.record_face(start);
         let count = self
             .lexer
             .index()
@@ -267,6 +288,12 @@ impl GrfParser<'_, '_, '_> {
             self.corner(mesh, largest)?;
         }
         self.close_face(mesh, first, start)
+    }
+
+    fn record_face(&mut self, start: usize) {
+        if let Some(layout) = &mut self.shared.layout {
+            layout.open_faces.push(start);
+        }
     }
 
     fn corner(&mut self, mesh: &mut MeshBlock, largest: &mut LargestIndex) -> ParseResult<()> {

@@ -6,34 +6,45 @@
 //! feature is `irad`: a solved scene includes its irradiance. `docs/formats/grf.md` describes the
 //! grammar as read by azulejo, the extensions and the deviations.
 //!
-//! [`read`] and [`write()`] convert between bytes and [`Scene`]. A [`GrfDocument`] mirrors a file
-//! literally, for programs that save a hand-written file.
+//! [`read`] and [`write()`] convert between bytes and [`Scene`]. A [`GrfDocument`] mirrors the
+//! blocks of a file; a [`GrfText`] is the file itself, which takes the light of a solved scene and
+//! keeps every other byte.
 //!
 //! Invariants: numbers are written in the shortest form that reads back to the same bits;
-//! `read(write(scene))` equals `scene`, except for pixels of textures and for normals and texture
-//! coordinates per corner, which become attributes of vertices by splitting them.
+//! `read(write(scene))` equals `scene`, except for pixels of textures, the third axis of lamps, and
+//! the order of the values of normals and texture coordinates per corner.
 
 mod appearance;
 mod brdf;
 mod document;
 mod entries;
 mod extension;
+mod format;
 mod from_scene;
-mod irradiance;
+mod layout;
+mod lint;
+mod literal;
 mod materials;
 mod mesh;
 mod parse;
 mod parser;
 mod placement;
+mod plain;
 mod resolve;
+mod shared;
 mod solids;
 mod surroundings;
 #[cfg(test)]
 mod tests;
+mod text_edit;
 mod textures;
 mod write;
 
 pub use document::GrfDocument;
+pub use format::formatted;
+pub use lint::{LintFinding, lint};
+pub use literal::{GrfText, LitText, NotLiteral};
+pub use plain::{plain_losses, write_plain};
 pub use textures::load_textures;
 
 use crate::{Files, Loaded, ReadError, ReadOptions};

@@ -5,6 +5,7 @@ use super::document::{
     MeshBlock, NameKind, ObjectNotes, SourcePosition, TransformStep,
 };
 use super::extension::Extension;
+use super::layout::{GrfLayout, IncludeLayout, ObjectLayout};
 use super::parser::{GrfParser, ParseResult, SharedParserState};
 use crate::reading::lexer::Lexer;
 use crate::reading::text::decoded_text;
@@ -30,8 +31,23 @@ impl GrfDocument {
         name: &str,
         files: &dyn Files,
     ) -> Result<(GrfDocument, Vec<Warning>), ReadError> {
+        let parsed = GrfDocument::parse_with(bytes, name, files, None)?;
+        Ok((parsed.document, parsed.warnings))
+    }
+
+    /// The same, with the places of everything if there is a `layout` to record them.
+    pub(super) fn parse_with(
+        bytes: &[u8],
+        name: &str,
+        files: &dyn Files,
+        layout: Option<Box<GrfLayout>>,
+    ) -> Result<PlacedDocument, ReadError> {
         let text = decoded_text(bytes);
         let mut shared = SharedParserState::new(files);
+        shared.layout = layout;
+        if let Some(layout) = &mut shared.layout {
+            layout.texts.push(text.clone().into_owned());
+        }
         let file = shared.sources.push(GrfSource {
             shown: name.to_owned(),
             path: name.rsplit(['/', '\\']).next().unwrap_or(name).to_owned(),
@@ -47,8 +63,19 @@ impl GrfDocument {
             blocks,
             sources: shared.sources,
         };
-        Ok((document, warnings))
+        Ok(PlacedDocument {
+            document,
+            layout: shared.layout.unwrap_or_default(),
+            warnings,
+        })
     }
+}
+
+/// A document, and where its parts stand if that was asked for.
+pub(super) struct PlacedDocument {
+    pub document: GrfDocument,
+    pub layout: Box<GrfLayout>,
+    pub warnings: Vec<Warning>,
 }
 
 /// The words that may follow `end`, and the name of the block in messages.
@@ -124,19 +151,63 @@ impl<'a> GrfParser<'a, '_, '_> {
             }
             if word.eq_ignore_ascii_case("ext") {
                 match self.extension(blocks.last_mut())? {
-                    Extension::Block(kind) => push(&mut blocks, place, *kind, &mut named),
+                    Extension::Block(mut kind) => {
+                        self.record(&mut kind);
+                        push(&mut blocks, place, *kind, &mut named);
+                    }
                     Extension::Names(notes) => named = Some((offset, *notes)),
-                    Extension::Noted => {}
+                    Extension::Noted => self.record_note(offset),
                 }
                 continue;
             }
-            let kind = self.block(offset)?;
+            let mut kind = self.block(offset)?;
+            self.record(&mut kind);
             push(&mut blocks, place, kind, &mut named);
         }
         if let Some((offset, _)) = named {
             self.warn(offset, "`ext object` without an object after it");
         }
         Ok(blocks)
+    }
+
+    /// Records the place of a block that makes an object, after it was read.
+    fn record(&mut self, kind: &mut BlockKind) {
+        let (file, end) = (self.file, self.lexer.pos());
+        if let Some(layout) = &mut self.shared.layout {
+            let vertices = std::mem::take(&mut layout.open_vertices);
+            let faces = std::mem::take(&mut layout.open_faces);
+            if kind.notes_mut().is_some() {
+                layout.objects.push(ObjectLayout {
+                    file,
+                    end,
+                    vertices,
+                    faces,
+                    notes: Vec::new(),
+                });
+            }
+        }
+    }
+
+    /// Records a text whose vocabulary is open.
+    pub fn record_opaque(&mut self, start: usize, end: usize) {
+        if let Some(layout) = &mut self.shared.layout {
+            layout.opaque.push((self.file, start..end));
+        }
+    }
+
+    /// Records the place of an extension that belongs to the object before it.
+    fn record_note(&mut self, offset: usize) {
+        let end = self.lexer.pos();
+        if let Some(layout) = &mut self.shared.layout {
+            layout.open_vertices.clear();
+            layout.open_faces.clear();
+            let mut note = Lexer::new(&self.lexer.text()[offset..end]);
+            note.eat_word("ext");
+            let name = note.word().unwrap_or("").to_ascii_lowercase();
+            if let Some(object) = layout.objects.last_mut() {
+                object.notes.push((name, offset..end));
+            }
+        }
     }
 
     /// `;`, and the `.` that ends the rules on the grammar pages.
@@ -252,9 +323,11 @@ impl<'a> GrfParser<'a, '_, '_> {
     fn definitions(&mut self, offset: usize) -> ParseResult<BlockKind> {
         let mut definitions = Vec::new();
         loop {
+            let at = self.lexer.skip_blank();
             let name = self.identifier()?;
             self.expect(b'=')?;
             let body = self.body()?;
+            self.record_definition(at, body.kind(), &name);
             definitions.push(GrfDefinition { name, body });
             if !self.lexer.eat_word("def") && !at_definition(self.lexer) {
                 break;
@@ -360,6 +433,7 @@ impl<'a> GrfParser<'a, '_, '_> {
             match self.lexer.peek_word() {
                 Some(word) if word.eq_ignore_ascii_case("end") => {
                     let text = self.lexer.text()[start..here].trim_end().to_owned();
+                    self.record_opaque(start, start + text.len());
                     self.end(offset, &PARAMS)?;
                     return Ok(BlockKind::Params(text));
                 }
@@ -382,6 +456,12 @@ impl<'a> GrfParser<'a, '_, '_> {
         let name = self.file_name()?;
         let here = self.shared.sources.get(self.file);
         let path = joined(here.map_or("", |s| &s.path), name);
+        if self.is_alone() {
+            return Ok(BlockKind::Include {
+                name: name.to_owned(),
+                blocks: Vec::new(),
+            });
+        }
         self.check_include(at, &path)?;
         let bytes = self.shared.files.read(&path).map_err(|problem| {
             self.fail(
@@ -408,6 +488,14 @@ impl<'a> GrfParser<'a, '_, '_> {
             parent: Some((self.file, line)),
         });
         let text = decoded_text(&bytes);
+        if let Some(layout) = &mut self.shared.layout {
+            layout.texts.push(text.clone().into_owned());
+            layout.includes.push(IncludeLayout {
+                file: self.file,
+                range: offset..self.lexer.pos(),
+                target: file,
+            });
+        }
         let mut inner = GrfParser::new(&text, file, self.shared);
         let blocks = inner.file()?;
         inner.keep_open_lines();

@@ -2,6 +2,7 @@
 
 use super::brdf::GrfReflection;
 use super::document::{BoxedError, GrfName, GrfSources, NameKind, SourcePosition};
+use super::layout::{GrfLayout, NameLayout};
 use crate::reading::cursor::{Locator, line_around};
 use crate::reading::lexer::{BadNumber, Lexer};
 use crate::reading::warnings::Warnings;
@@ -39,6 +40,8 @@ pub(super) struct SharedParserState<'f> {
     pub reflections: HashMap<String, Arc<GrfReflection>>,
     /// The number of those that are neither diffuse nor mirrors.
     pub models: usize,
+    /// Where everything stands, if that is asked for.
+    pub layout: Option<Box<GrfLayout>>,
     names: HashSet<GrfName>,
     scopes: Vec<ParseScope>,
 }
@@ -78,6 +81,7 @@ impl<'f> SharedParserState<'f> {
             included_bytes: 0,
             reflections: HashMap::new(),
             models: 0,
+            layout: None,
             names: HashSet::new(),
             scopes: vec![ParseScope::default()],
         }
@@ -178,10 +182,18 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
 
     /// A file name.
     pub fn file_name(&mut self) -> ParseResult<&'a str> {
-        match self.lexer.file_name() {
-            Some(name) => Ok(name),
-            None => Err(self.unexpected("a file name, \"in double quotes\" on one line")),
+        let start = self.lexer.skip_blank();
+        let Some(name) = self.lexer.file_name() else {
+            return Err(self.unexpected("a file name, \"in double quotes\" on one line"));
+        };
+        if let Some(layout) = &mut self.shared.layout {
+            layout.names.push(NameLayout {
+                file: self.file,
+                range: start..self.lexer.pos(),
+                name: name.to_owned(),
+            });
         }
+        Ok(name)
     }
 
     pub fn number(&mut self) -> ParseResult<f64> {
@@ -328,6 +340,15 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
         }
     }
 
+    /// Records the place of a definition.
+    pub fn record_definition(&mut self, offset: usize, kind: NameKind, name: &GrfName) {
+        let file = self.file;
+        if let Some(layout) = &mut self.shared.layout {
+            let entry = (file, offset, kind, name.clone());
+            layout.definitions.push(entry);
+        }
+    }
+
     /// Reads the name after `use color|brdf|texture`, which must be defined in an enclosing scope.
     pub fn used(&mut self, kind: NameKind) -> ParseResult<GrfName> {
         let offset = self.lexer.skip_blank();
@@ -338,6 +359,9 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
 
     pub fn note_use(&mut self, offset: usize, kind: NameKind, name: &GrfName) {
         let key = (kind, name.clone());
+        if let Some(layout) = &mut self.shared.layout {
+            layout.uses.insert(key.clone());
+        }
         let is_known = self.innermost().pending.contains_key(&key)
             || self
                 .shared
@@ -367,6 +391,11 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
         }
     }
 
+    /// Whether other files are left alone.
+    pub fn is_alone(&self) -> bool {
+        self.shared.layout.as_ref().is_some_and(|l| l.is_alone)
+    }
+
     /// At the end of the outermost file, checks that every name is defined.
     pub fn check_names(&mut self) -> ParseResult<()> {
         let scope = std::mem::take(self.innermost());
@@ -375,7 +404,7 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
             .into_iter()
             .filter(|(key, _)| !scope.defined.contains(key))
             .min_by_key(|(_, p)| (p.place.file, p.offset));
-        let Some(((kind, name), pending)) = open else {
+        let Some(((kind, name), pending)) = open.filter(|_| !self.is_alone()) else {
             return Ok(());
         };
         let (word, maker) = (kind.word(), kind.maker());

@@ -10,6 +10,7 @@ use super::placement::{
     OuterTransform, affine, degenerate_faces, face_normals, is_mirror, moved_camera, moved_light,
     reverse_faces,
 };
+use super::shared::share_vertices;
 use super::solids::Defined;
 use super::{has_area, is_camera, is_invertible, unit};
 use crate::reading::options::Budget;
@@ -477,7 +478,11 @@ impl<'d> GrfResolver<'d> {
         outer: OuterTransform,
     ) -> ResolveResult<()> {
         let materials = self.face_materials(block, place)?;
-        let mesh = self.built_mesh(block, materials, place, outer)?;
+        let mut mesh = self.built_mesh(block, materials, place, outer)?;
+        if !block.notes.shared.is_empty() && !share_vertices(&mut mesh, &block.notes.shared) {
+            let message = "vertices of `ext shared` that differ from their originals: kept apart";
+            self.warn(place, message, 1);
+        }
         let shape = Shape::Mesh(mesh);
         self.scene
             .objects

@@ -104,7 +104,7 @@ impl fmt::Display for Quoted<'_> {
 }
 
 /// A file name: in quotes, or bare if it was read bare with a quote inside.
-struct FileName<'a>(&'a str);
+pub(super) struct FileName<'a>(pub &'a str);
 
 impl fmt::Display for FileName<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -204,7 +204,7 @@ fn body(out: &mut GrfOutput<'_>, body: &DefinitionBody) -> io::Result<()> {
     }
 }
 
-fn brdf(out: &mut GrfOutput<'_>, reflection: &GrfReflection) -> io::Result<()> {
+pub(super) fn brdf(out: &mut GrfOutput<'_>, reflection: &GrfReflection) -> io::Result<()> {
     match &reflection.description {
         Description::File { path, .. } => write!(out, "brdf {}", FileName(path))?,
         Description::Model(said) => {
@@ -325,10 +325,13 @@ fn mesh_notes(out: &mut GrfOutput<'_>, notes: &ObjectNotes) -> io::Result<()> {
         }
         out.write_all(b" end ext\n")?;
     }
+    if !notes.shared.is_empty() {
+        out.write_all(b"ext shared begin vertices =")?;
+        notes.shared.iter().try_for_each(|v| write!(out, " {v}"))?;
+        out.write_all(b" end ext\n")?;
+    }
     if !notes.irradiance_error.is_empty() {
-        out.write_all(b"ext irad_error begin\n")?;
-        rgb_list(out, "values", &notes.irradiance_error)?;
-        out.write_all(b"end ext\n")?;
+        irradiance_error(out, &notes.irradiance_error)?;
     }
     match &notes.back {
         Some(back) => back_irradiance(out, back),
@@ -336,8 +339,14 @@ fn mesh_notes(out: &mut GrfOutput<'_>, notes: &ObjectNotes) -> io::Result<()> {
     }
 }
 
+pub(super) fn irradiance_error(out: &mut GrfOutput<'_>, errors: &[Rgb]) -> io::Result<()> {
+    out.write_all(b"ext irad_error begin\n")?;
+    rgb_list(out, "values", errors)?;
+    out.write_all(b"end ext\n")
+}
+
 /// Irradiance on the backs of some vertices, or of all.
-fn back_irradiance(out: &mut GrfOutput<'_>, back: &BackIrradiance) -> io::Result<()> {
+pub(super) fn back_irradiance(out: &mut GrfOutput<'_>, back: &BackIrradiance) -> io::Result<()> {
     let known = |v: &usize| back.irradiance[*v].is_some();
     let vertices: Vec<usize> = (0..back.irradiance.len()).filter(known).collect();
     let values: Vec<Rgb> = back.irradiance.iter().flatten().copied().collect();
@@ -363,7 +372,7 @@ pub(super) fn rgb_list(out: &mut GrfOutput<'_>, key: &str, values: &[Rgb]) -> io
     values.iter().try_for_each(|&c| writeln!(out, "{}", rgb(c)))
 }
 
-fn surface_light(out: &mut GrfOutput<'_>, light: &SurfaceLight) -> io::Result<()> {
+pub(super) fn surface_light(out: &mut GrfOutput<'_>, light: &SurfaceLight) -> io::Result<()> {
     out.write_all(b"ext surface_light begin\ngrids =")?;
     for grid in &light.grids {
         write!(out, " {} {}", grid.nu, grid.nv)?;

@@ -23,6 +23,12 @@ use crate::{Files, Loaded, ReadError, ReadOptions};
 pub(crate) use color::rgb_weights;
 use reader::MgfReader;
 
+/// The colour of a black body at a temperature in kelvin, of luminance 1, desaturated where linear
+/// BT.709 cannot show it; `None` if it is invisible. White is equal energy, as in MGF.
+pub fn black_body_color(kelvin: f64) -> Option<azulejo_scene::Rgb> {
+    color::Chroma::black_body(kelvin).map(|chroma| chroma.rgb(1.0))
+}
+
 /// Reads a scene; `name` is used in messages, `files` provides included files.
 ///
 /// # Errors

@@ -233,12 +233,19 @@ impl PlyHeaderParser<'_> {
         let comment = self.words.rest_of_line();
         if let Some(file) = comment.strip_prefix(b"TextureFile") {
             self.header.textures.push(text(file).trim().to_owned());
+        } else {
+            self.extension(&text(comment));
         }
     }
 
     /// azulejo's own extensions: names of objects, and units.
     fn info(&mut self) {
-        let info = text(self.words.rest_of_line());
+        let info = text(self.words.rest_of_line()).into_owned();
+        self.extension(&info);
+    }
+
+    /// What follows `obj_info`, or `comment`, which more programs accept.
+    fn extension(&mut self, info: &str) {
         let Some(info) = info.strip_prefix("azulejo ") else {
             return;
         };

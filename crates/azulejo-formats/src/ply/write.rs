@@ -319,17 +319,17 @@ impl PlyLayout {
     fn information(&self, scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
         let units = scene.units;
         if units.up == Up::Z {
-            writeln!(out, "obj_info azulejo up z")?;
+            writeln!(out, "comment azulejo up z")?;
         }
         if let Some(metres) = units.metres_per_unit {
-            writeln!(out, "obj_info azulejo metres_per_unit {metres:e}")?;
+            writeln!(out, "comment azulejo metres_per_unit {metres:e}")?;
         }
         if units.photometric {
-            writeln!(out, "obj_info azulejo photometric")?;
+            writeln!(out, "comment azulejo photometric")?;
         }
         if self.has_objects || scene.objects.iter().any(|o| !o.name.is_empty()) {
             for object in &scene.objects {
-                writeln!(out, "obj_info azulejo object {}", one_line(&object.name))?;
+                writeln!(out, "comment azulejo object {}", one_line(&object.name))?;
             }
         }
         if self.has_textures {

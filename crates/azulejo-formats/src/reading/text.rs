@@ -56,6 +56,34 @@ pub(crate) fn decoded_text(bytes: &[u8]) -> Cow<'_, str> {
     }
 }
 
+/// A text in the encoding of the bytes from which [`decoded_text`] got another: with their byte-order
+/// mark, in UTF-16 as they are, or in Latin-1. `None` if it has letters that Latin-1 lacks.
+pub(crate) fn encoded_like(bytes: &[u8], text: &str) -> Option<Vec<u8>> {
+    let wide = |mark: &[u8], unit: fn(u16) -> [u8; 2]| {
+        let units = text.encode_utf16().flat_map(unit);
+        Some(mark.iter().copied().chain(units).collect())
+    };
+    let narrow = |mark: &[u8], rest: &[u8]| {
+        let mut out = mark.to_vec();
+        if std::str::from_utf8(rest).is_ok() {
+            out.extend(text.as_bytes());
+            return Some(out);
+        }
+        for c in text.chars() {
+            out.push(u8::try_from(u32::from(c)).ok()?);
+        }
+        Some(out)
+    };
+    match bytes {
+        [0xef, 0xbb, 0xbf, rest @ ..] => narrow(&bytes[..3], rest),
+        [0xfe, 0xff, ..] => wide(&bytes[..2], u16::to_be_bytes),
+        [0xff, 0xfe, ..] => wide(&bytes[..2], u16::to_le_bytes),
+        [0, a, 0, b, 0, c, ..] if are_letters([*a, *b, *c]) => wide(&[], u16::to_be_bytes),
+        [a, 0, b, 0, c, 0, ..] if are_letters([*a, *b, *c]) => wide(&[], u16::to_le_bytes),
+        _ => narrow(&[], bytes),
+    }
+}
+
 /// A word in quotes for a message, shortened.
 pub(crate) fn quoted(word: &[u8]) -> String {
     format!("\"{}\"", shortened(&text(word)))

@@ -7,6 +7,9 @@ mod ascii;
 mod binary;
 #[cfg(test)]
 mod tests;
+mod write;
+
+pub use write::{losses, write};
 
 use crate::reading::options::check_length;
 use crate::reading::text::decoded;

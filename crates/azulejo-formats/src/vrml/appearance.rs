@@ -338,14 +338,6 @@ fn picture(
 
 /// The texture in a file: the first of the URLs that exists.
 fn image_texture(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<TextureId> {
-    let urls = node.strings("url");
-    let beside = |url: &String| crate::reading::files::beside(&node.source.path, url);
-    let exists = |url: &&String| builder.files.read(&beside(url)).is_ok();
-    let url = match &*urls {
-        [] => return None,
-        [only] => only,
-        several => several.iter().find(exists).unwrap_or(&several[0]),
-    };
     for repeat in ["repeatS", "repeatT"] {
         if !node.flag(repeat, true) {
             builder.warn(
@@ -355,6 +347,36 @@ fn image_texture(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<Text
             );
         }
     }
+    from_urls(builder, node, &node.strings("url"))
+}
+
+/// A texture of a side of the background; nodes other than pictures have none.
+pub(super) fn side_texture(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<TextureId> {
+    let id = match &*node.kind {
+        "ImageTexture" => from_urls(builder, node, &node.strings("url")),
+        "PixelTexture" => pixel_texture(builder, node),
+        _ => {
+            let message = format!("{} of a background: skipped", node.kind);
+            builder.warn(&node.source, node.at, message);
+            None
+        }
+    }?;
+    builder.textures.image(id).map(|_| id)
+}
+
+/// The first of the files of a node that is there.
+pub(super) fn from_urls(
+    builder: &mut VrmlSceneBuilder,
+    node: &VrmlNode,
+    urls: &[String],
+) -> Option<TextureId> {
+    let beside = |url: &String| crate::reading::files::beside(&node.source.path, url);
+    let exists = |url: &&String| builder.files.read(&beside(url)).is_ok();
+    let url = match urls {
+        [] => return None,
+        [only] => only,
+        several => several.iter().find(exists).unwrap_or(&several[0]),
+    };
     let (id, problem) = builder
         .textures
         .index(&node.source.path, url, builder.files);

@@ -1,7 +1,7 @@
 //! Bindable nodes: viewpoints, background, fog and navigation info.
 
 use super::builder::{VrmlPlacement, VrmlSceneBuilder};
-use super::tree::{VrmlNode, limited, triples};
+use super::tree::VrmlNode;
 use super::world::rotation;
 use crate::reading::text::shortened;
 use azulejo_scene::{Camera, Fog, Rgb};
@@ -14,7 +14,7 @@ pub(super) fn place(builder: &mut VrmlSceneBuilder, node: &VrmlNode, frame: &Vrm
         "Viewpoint" => viewpoint(builder, node, frame),
         "Fog" => fog(builder, node, frame),
         "NavigationInfo" => navigation(builder, node),
-        _ => background(builder, node),
+        _ => background(builder, node, frame),
     }
 }
 
@@ -68,38 +68,12 @@ fn is_first(builder: &mut VrmlSceneBuilder, node: &VrmlNode, is_there: bool) -> 
     !is_there
 }
 
-fn background(builder: &mut VrmlSceneBuilder, node: &VrmlNode) {
+fn background(builder: &mut VrmlSceneBuilder, node: &VrmlNode, frame: &VrmlPlacement) {
     let is_there = builder.scene.background.is_some();
     if !is_first(builder, node, is_there) {
         return;
     }
-    let colors = triples(&node.numbers("skyColor"));
-    let colors: Vec<Rgb> = colors
-        .iter()
-        .map(|c| limited(c.to_array().into()))
-        .collect();
-    let many = colors.len().max(1) as f64;
-    builder.scene.background = Some((colors.iter().copied().sum::<Rgb>() / many).into());
-    if colors.len() > 1 {
-        let message = "sky with several colours: their mean is used as the background";
-        builder.warn(&node.source, node.at, message);
-    }
-    let ground = node.color("groundColor", colors.first().copied().unwrap_or_default());
-    if Some(&ground) != colors.first() && node.value("groundColor").is_some() {
-        builder.warn(
-            &node.source,
-            node.at,
-            "groundColor of a background: skipped",
-        );
-    }
-    let sides = ["front", "back", "left", "right", "top", "bottom"];
-    let has_picture = |side: &&str| {
-        let (url, texture) = (format!("{side}Url"), format!("{side}Texture"));
-        !node.strings(&url).is_empty() || !node.nodes(&texture).is_empty()
-    };
-    let textures = sides.into_iter().filter(has_picture).count();
-    let message = "background texture: skipped";
-    builder.warn_many(&node.source, node.at, message, textures);
+    super::background::place(builder, node, frame);
 }
 
 fn fog(builder: &mut VrmlSceneBuilder, node: &VrmlNode, frame: &VrmlPlacement) {

@@ -6,6 +6,7 @@
 //! `docs/formats/vrml.md` describes how every node is interpreted.
 
 mod appearance;
+mod background;
 mod builder;
 mod classic;
 mod elevation;
@@ -15,6 +16,7 @@ mod faces;
 mod flat;
 mod lexer;
 mod lights;
+mod markup;
 mod names;
 mod shape;
 mod solid;
@@ -25,7 +27,10 @@ mod tree;
 mod triangles;
 mod v1;
 mod world;
+mod write;
 mod xml;
+
+pub use write::{losses, write, write_x3d};
 
 use crate::{Files, Loaded, ReadError, ReadOptions};
 use builder::{OpenedFile, VrmlPlacement, VrmlSceneBuilder, VrmlSource};

@@ -10,3 +10,4 @@ mod table_1;
 mod tiny_font;
 #[cfg(feature = "fonts")]
 mod typeface;
+mod writers;

@@ -212,4 +212,10 @@ fn a_kept_mesh_is_turned_or_gets_both_sides() {
     let (turned, mesh) = keep(sheet(1.0, 50.0, unsaid), StoredSides::Split);
     assert_eq!(turned, 0);
     check_bulbs(&mesh, true, (1.0, 50.0), true);
+    // Where no face may be turned, the back is stored beside a front without light.
+    let (turned, mesh) = keep(sheet(0.0, 1.0, unsaid), StoredSides::Unturned);
+    assert_eq!(turned, 0);
+    check_bulbs(&mesh, true, (0.0, 1.0), true);
+    let (turned, mesh) = keep(sheet(1.0, 0.0, unsaid), StoredSides::Unturned);
+    assert_eq!((turned, mesh.back), (0, None));
 }

@@ -24,10 +24,10 @@ mod pictures;
 mod reading;
 mod writable;
 mod written;
+mod written_formats;
 
 pub use azulejo_formats::RecognizedModel;
 pub use merging::{Change, branch_name, changes, name_branch};
 pub use reading::{MAX_FILE, MAX_STREAM, ReadFailure, Reading, VastFace, read, read_bytes};
-pub use written::{
-    FORMATS, ModelOutput, WriteFailure, WrittenFormat, by_extension, write, write_copy,
-};
+pub use written::{ModelOutput, WriteFailure, write, write_copy};
+pub use written_formats::{FORMATS, WrittenFormat, by_extension};

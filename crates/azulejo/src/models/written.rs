@@ -2,131 +2,17 @@
 
 use super::pictures::Pictures;
 use super::writable;
+use super::written_formats::{
+    ModelWriter, NamedFiles, PLAIN_GRF, WrittenFormat, by_extension, extensions, is_gzip,
+};
 use crate::output::{self, Draft, Output, OutputError};
-use azulejo_formats::{gltf, grf, obj, ply, sff, view3d};
 use azulejo_scene::Scene;
 use azulejo_trace::Progress;
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use std::fmt;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-
-/// A format that scenes can be written in.
-#[derive(Debug)]
-pub struct WrittenFormat {
-    /// Its name.
-    pub name: &'static str,
-    /// Its extension in lower case, without the dot.
-    pub extension: &'static str,
-    /// Whether it can store the irradiance on the vertices.
-    pub keeps_light: bool,
-    /// Whether it stores light as numbers of 32 bits.
-    is_single: bool,
-    writer: ModelWriter,
-    losses: fn(&Scene) -> Vec<String>,
-}
-
-#[derive(Debug)]
-enum ModelWriter {
-    /// One file.
-    One(fn(&Scene, &mut dyn Write) -> io::Result<()>),
-    /// A file and another with this extension, to which it refers.
-    Two(
-        &'static str,
-        fn(&Scene, &str, &mut dyn Write, &mut dyn Write) -> io::Result<()>,
-    ),
-    /// A file and others to which it refers, whose names start with its own.
-    Several(fn(&Scene, &str, &mut dyn Write) -> io::Result<NamedFiles>),
-    /// A file that refers to images, relative to its folder.
-    Pictured(fn(&Scene, &[String], &mut dyn Write) -> io::Result<()>),
-}
-
-/// Files by name.
-type NamedFiles = Vec<(String, Vec<u8>)>;
-
-/// All formats; the first is that of standard output.
-pub static FORMATS: [WrittenFormat; 7] = [
-    WrittenFormat {
-        name: "GRF",
-        extension: "grf",
-        is_single: false,
-        writer: ModelWriter::Pictured(grf::write_with_pictures),
-        keeps_light: true,
-        losses: grf::losses,
-    },
-    WrittenFormat {
-        name: "OBJ",
-        extension: "obj",
-        is_single: false,
-        writer: ModelWriter::Two("mtl", obj::write),
-        keeps_light: false,
-        losses: obj::losses,
-    },
-    WrittenFormat {
-        name: "glTF",
-        extension: "glb",
-        is_single: true,
-        writer: ModelWriter::One(gltf::write),
-        keeps_light: true,
-        losses: gltf::losses,
-    },
-    WrittenFormat {
-        name: "glTF",
-        extension: "gltf",
-        is_single: true,
-        writer: ModelWriter::Two("bin", gltf::write_json),
-        keeps_light: true,
-        losses: gltf::losses,
-    },
-    WrittenFormat {
-        name: "PLY",
-        extension: "ply",
-        is_single: true,
-        writer: ModelWriter::One(ply::write),
-        keeps_light: true,
-        losses: ply::losses,
-    },
-    WrittenFormat {
-        name: "SFF",
-        extension: "sff",
-        is_single: false,
-        writer: ModelWriter::Several(sff::write),
-        keeps_light: false,
-        losses: sff::losses,
-    },
-    WrittenFormat {
-        name: "View3D",
-        extension: "vs3",
-        is_single: false,
-        writer: ModelWriter::One(view3d::write),
-        keeps_light: false,
-        losses: view3d::losses,
-    },
-];
-
-impl WrittenFormat {
-    /// What of a scene the format cannot represent, as text; empty if nothing is lost.
-    pub fn losses(&self, scene: &Scene) -> Vec<String> {
-        (self.losses)(scene)
-    }
-}
-
-/// The format of a path's extension, regardless of case; GRF for `-`, standard output.
-pub fn by_extension(path: &Path) -> Option<&'static WrittenFormat> {
-    match path.extension().and_then(|e| e.to_str()) {
-        None if path == Path::new("-") => FORMATS.first(),
-        None => None,
-        Some(extension) => FORMATS
-            .iter()
-            .find(|f| f.extension.eq_ignore_ascii_case(extension)),
-    }
-}
-
-/// The extensions of some formats, for a message.
-fn extensions(which: fn(&WrittenFormat) -> bool) -> String {
-    let some = FORMATS.iter().filter(|f| which(f));
-    let names: Vec<String> = some.map(|f| format!(".{}", f.extension)).collect();
-    names.join(", ")
-}
 
 /// Why a scene was not written.
 #[derive(Debug)]
@@ -141,6 +27,8 @@ pub enum WriteFailure {
         /// The name of the format.
         format: &'static str,
     },
+    /// Only GRF has a plain form.
+    NotPlain(PathBuf),
     /// The files could not be written, or the work was cancelled.
     Output(OutputError),
 }
@@ -157,6 +45,13 @@ impl fmt::Display for WriteFailure {
                 write!(
                     f,
                     "{path}: {format} cannot store irradiance, expected {lit}"
+                )
+            }
+            WriteFailure::NotPlain(path) => {
+                let path = path.display();
+                write!(
+                    f,
+                    "{path}: only GRF has a plain form, expected .grf or .grf.gz"
                 )
             }
             WriteFailure::Output(error) => error.fmt(f),
@@ -221,6 +116,21 @@ impl ModelOutput {
         })
     }
 
+    /// As [`check`](ModelOutput::check), for GRF without extensions.
+    ///
+    /// # Errors
+    /// [`WriteFailure`].
+    pub fn check_plain(path: &Path) -> Result<ModelOutput, WriteFailure> {
+        let output = ModelOutput::check(path)?;
+        if output.format.extension != PLAIN_GRF.extension {
+            return Err(WriteFailure::NotPlain(path.to_owned()));
+        }
+        Ok(ModelOutput {
+            format: &PLAIN_GRF,
+            ..output
+        })
+    }
+
     /// As [`check`](ModelOutput::check), for formats that can store irradiance.
     ///
     /// # Errors
@@ -277,11 +187,15 @@ impl ModelOutput {
                 // There is no place beside a pipe.
                 let names: Vec<String> = scene.textures.iter().map(|t| t.path.clone()).collect();
                 let write = |out: &mut dyn Write| write(scene, &names, out);
-                self.model.write(progress, write)?;
+                let packed = |out: &mut dyn Write| self.packed(out, write);
+                self.model.write(progress, packed)?;
                 let loaded = scene.textures.iter().filter(|t| t.image.is_some()).count();
                 losses.extend((loaded > 0).then(|| format!("the pixels of {loaded} images")));
             }
-            ModelWriter::One(write) => self.model.write(progress, |out| write(scene, out))?,
+            ModelWriter::One(write) => {
+                let packed = |out: &mut dyn Write| self.packed(out, |out| write(scene, out));
+                self.model.write(progress, packed)?;
+            }
             ModelWriter::Several(write) => self.write_several(*write, scene, progress)?,
             ModelWriter::Two(extension, write) => {
                 let companion = Output::check(&self.model.path().with_extension(extension))?;
@@ -295,6 +209,21 @@ impl ModelOutput {
         Ok(losses)
     }
 
+    /// Compresses what is written, if the path asks for it.
+    fn packed(
+        &self,
+        out: &mut dyn Write,
+        write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<()> {
+        if !is_gzip(self.model.path()) {
+            return write(out);
+        }
+        // Without name and time, so that equal models are equal files.
+        let mut packer = GzEncoder::new(out, Compression::default());
+        write(&mut packer)?;
+        packer.finish()?.flush()
+    }
+
     /// Writes a model and the images that it would not find from its folder.
     fn write_pictured(
         &self,
@@ -306,7 +235,8 @@ impl ModelOutput {
         let path = self.model.path();
         let mut model = self.model.draft()?;
         let pictures = Pictures::beside(path, home, scene).map_err(|e| model.error(e))?;
-        write(scene, &pictures.names, &mut model).map_err(|e| model.error(e))?;
+        self.packed(&mut model, |out| write(scene, &pictures.names, out))
+            .map_err(|e| model.error(e))?;
         self.commit_with(model, pictures.new, progress)
     }
 
@@ -345,6 +275,7 @@ impl ModelOutput {
 
 #[cfg(test)]
 mod tests {
+    use super::super::written_formats::FORMATS;
     use super::*;
     use azulejo_scene::synthetic::cube_room;
     use std::fs;
@@ -368,6 +299,38 @@ mod tests {
         check("-", Some("grf"));
         check("grf", None);
         check("a.3ds", None);
+        check("a.grf.gz", Some("grf"));
+        check("a.WRL.GZ", Some("wrl"));
+        // A model of several files is not compressed.
+        check("a.obj.gz", None);
+        check("gz", None);
+    }
+
+    #[test]
+    fn compressed_and_plain_models_read_again() {
+        use crate::models::{Reading, read};
+        let folder = folder("packed");
+        let (room, progress) = (cube_room(), Progress::new());
+        for format in FORMATS
+            .iter()
+            .filter(|f| matches!(f.extension, "grf" | "wrl" | "x3d"))
+        {
+            let path = folder.join(format!("room.{}.gz", format.extension));
+            write(&room, &path, &progress).unwrap();
+            let bytes = fs::read(&path).unwrap();
+            assert!(bytes.starts_with(&[0x1f, 0x8b]), "{}", format.extension);
+            write(&room, &path, &progress).unwrap();
+            assert_eq!(fs::read(&path).unwrap(), bytes, "the same every time");
+            let again = read(&path, &Reading::default(), &progress).unwrap();
+            assert_eq!(again.scene.objects.len(), room.objects.len());
+        }
+        let path = folder.join("plain.grf");
+        let plain = ModelOutput::check_plain(&path).unwrap();
+        plain.write(&room, &progress).unwrap();
+        assert!(!fs::read_to_string(&path).unwrap().contains("ext "));
+        let said = ModelOutput::check_plain(&folder.join("a.glb")).unwrap_err();
+        assert!(said.to_string().contains("expected .grf or .grf.gz"));
+        fs::remove_dir_all(folder).unwrap();
     }
 
     #[test]

@@ -169,7 +169,7 @@ fn a_camera_sees_the_sky_and_its_sun_or_the_background() {
         radiance(scene, &tracer, &rays, &SecondPass::default(), &progress).unwrap()
     };
     let found = along(&scene);
-    assert!((found[0].g / expected.g - 1.0).abs() < 1e-9, "{found:?}");
+    assert!((found[0].g / expected.g - 1.0).abs() < 1e-5, "{found:?}");
     let disc = 7.0 / (std::f64::consts::PI * 0.02f64.sin().powi(2));
     assert!(
         found[1].g > disc && found[1].g < 1.01 * disc,

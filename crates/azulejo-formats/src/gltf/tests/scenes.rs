@@ -179,3 +179,48 @@ fn cameras() {
         \"orthographic\":{\"xmag\":1,\"ymag\":1,\"znear\":0,\"zfar\":1}";
     read(&camera(flat), &["orthographic camera: skipped", "is empty"]);
 }
+
+/// Image-based light: uniform by its coefficients, otherwise by its cube map, or else by what the
+/// coefficients describe.
+#[test]
+fn image_based_light() {
+    let scene = |light: &str, images: &str| {
+        let more = format!(
+            "\"extensionsUsed\":[\"EXT_lights_image_based\"],\"extensions\":\
+             {{\"EXT_lights_image_based\":{{\"lights\":[{light}]}}}},\"scene\":0,\"scenes\":\
+             [{{\"nodes\":[0],\"extensions\":{{\"EXT_lights_image_based\":{{\"light\":0}}}}}}],\
+             {images}\"nodes\":[{{\"mesh\":0}}],"
+        );
+        read(&triangle(&[], "", &format!("{more}{MESH}")), &[])
+    };
+    let coefficients = |first: f64, up: f64| {
+        let list: Vec<[f64; 3]> = (0..9)
+            .map(|k| match k {
+                0 => [first; 3],
+                1 => [up; 3],
+                _ => [0.0; 3],
+            })
+            .collect();
+        format!("{list:?}")
+    };
+    let constant = 0.282_094_791_773_878_14;
+    let uniform = format!(
+        "{{\"intensity\":2,\"irradianceCoefficients\":{}}}",
+        coefficients(std::f64::consts::PI / constant, 0.0)
+    );
+    let LightKind::Ambient { radiance } = scene(&uniform, "").lights[0].kind else {
+        panic!("the same from everywhere")
+    };
+    assert!((radiance - Rgb::grey(2.0)).map(f64::abs).max_channel() < 1e-12);
+    // Brighter above, by bands: L = c₀ Y₀₀ / π + c₁ Y₁₋₁ 3 / 2π.
+    let smooth = format!("{{\"irradianceCoefficients\":{}}}", coefficients(9.0, 3.0));
+    let found = scene(&smooth, "");
+    let LightKind::Environment(sky) = found.lights[0].kind else {
+        panic!("it is brighter above")
+    };
+    let image = found.textures[0].image.as_ref();
+    let truth = 9.0 * constant / std::f64::consts::PI + 3.0 * 0.4886 * 1.5 / std::f64::consts::PI;
+    let above = sky.radiance(DVec3::new(0.01, 1.0, 0.01).normalize(), image);
+    assert!((above.g - truth).abs() < 0.01 * truth, "{above:?}, {truth}");
+    assert!(sky.radiance(DVec3::NEG_Y, image).g < above.g);
+}

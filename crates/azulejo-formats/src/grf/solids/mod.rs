@@ -11,7 +11,7 @@ pub(super) use figure::figure;
 pub(super) use from_scene::{Figures, exact_block};
 pub(super) use parse::is_solid;
 pub(super) use resolve::Defined;
-pub(super) use skin::skin_block;
+pub(super) use skin::{skin, skin_block};
 pub(super) use write::{define, exact};
 
 use super::document::{GrfName, MeshBlock, ObjectNotes, SourcePosition};

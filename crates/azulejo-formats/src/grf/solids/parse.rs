@@ -451,6 +451,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         let (word, offset) = self.required(entries, "name", word)?;
         let name = self.shared.intern(word);
         self.define(offset, kind, &name);
+        self.record_definition(offset, kind, &name);
         Ok(name)
     }
 }

@@ -43,7 +43,7 @@ impl GrfParser<'_, '_, '_> {
 }
 
 /// Writes a skin.
-pub(super) fn skin(out: &mut GrfOutput<'_>, skin: &SkinBlock) -> io::Result<()> {
+pub(in crate::grf) fn skin(out: &mut GrfOutput<'_>, skin: &SkinBlock) -> io::Result<()> {
     out.write_all(b"ext skin begin\n")?;
     counts(out, "leaves", &skin.leaves)?;
     polygons_without_appearance(out, &skin.mesh)?;

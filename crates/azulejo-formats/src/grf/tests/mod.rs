@@ -4,10 +4,12 @@ mod brdfs;
 mod errors;
 mod exact_shapes;
 mod hostile;
-mod irradiance;
+mod literal;
+mod plain;
 mod round_trip;
 mod rules;
 mod solids;
+mod tools;
 
 use super::{GrfDocument, read, write};
 use crate::{Loaded, Memory};

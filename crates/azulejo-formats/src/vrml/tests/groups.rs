@@ -1,7 +1,7 @@
 //! Groups, names, nested files, and nodes other than shapes in groups.
 
 use super::*;
-use azulejo_scene::{LightKind, Rgb};
+use azulejo_scene::{LightKind, Rgb, SceneBackground};
 
 const BOX: &str = "Shape { appearance Appearance { material Material { } } geometry Box { } }";
 
@@ -190,14 +190,20 @@ fn viewpoints_background_and_fog() {
     assert_eq!((camera.name.as_str(), camera.vertical_fov), ("side", 1.0));
     assert!((camera.eye - DVec3::new(1.0, 0.0, 20.0)).length() < 1e-12);
     assert!((camera.target - camera.eye - DVec3::NEG_X).length() < 1e-12);
-    assert_eq!(scene.background, Some(Rgb::new(0.0, 0.5, 1.0).into()));
+    let Some(SceneBackground::Environment(sky)) = scene.background else {
+        panic!("a gradient is no colour: {:?}", scene.background)
+    };
+    let picture = scene.textures[sky.texture().unwrap() as usize]
+        .image
+        .as_ref();
+    assert_eq!(sky.radiance(DVec3::NEG_Y, picture), Rgb::new(0.0, 1.0, 1.0));
+    assert!(sky.radiance(DVec3::Y, picture).g < 0.01);
     let fog = scene.fog.unwrap();
     assert!((fog.visibility - 20.0).abs() < 1e-12 && fog.exponential);
     expect_warnings(
         &warnings,
         &[
-            ":6:9: sky with several colours",
-            ":6:9: background texture: skipped",
+            ":6:9: picture \"a.png\" is not used",
             ":6:80: Background after the first",
             ":7:9: headlight of NavigationInfo",
         ],

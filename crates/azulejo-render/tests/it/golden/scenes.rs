@@ -387,6 +387,6 @@ pub fn fog() -> (Scene, Camera) {
         visibility: 12.0,
         exponential: true,
     });
-    scene.background = Some(color);
+    scene.background = Some(color.into());
     (scene, camera)
 }

@@ -1,0 +1,95 @@
+//! Writes scenes as binary STL.
+
+use crate::surface::tessellate::{exact_counts, mesh_of};
+use azulejo_scene::{Mesh, Rgb, Scene, Shape, Units, Up};
+use glam::DVec3;
+use std::io::{self, BufWriter, Write};
+
+/// Writes all faces as triangles of one solid, with z up, as programs expect.
+///
+/// Coordinates are in single precision. [`losses`] describes what the format cannot represent.
+///
+/// # Errors
+/// Those of `out`; coordinates beyond single precision, and more than 2³² triangles.
+pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
+    let turned = scene.clone().adapted(Units {
+        up: Up::Z,
+        ..scene.units
+    });
+    let mut facets: Vec<[DVec3; 3]> = Vec::new();
+    let mut triangles = Vec::new();
+    for object in &turned.objects {
+        let mesh = mesh_of(object);
+        for face in 0..mesh.faces.len() {
+            triangles.clear();
+            mesh.triangulate_into(face, &mut triangles);
+            let ring = mesh.face_positions(face);
+            facets.extend(triangles.iter().map(|t| t.map(|k| ring[k as usize])));
+        }
+    }
+    let invalid = |message: &str| io::Error::new(io::ErrorKind::InvalidData, message.to_owned());
+    let count =
+        u32::try_from(facets.len()).map_err(|_| invalid("STL holds at most 2^32 triangles"))?;
+    let most = facets.iter().flatten().map(|p| p.abs().max_element());
+    if most.fold(0.0, f64::max) > f64::from(f32::MAX) {
+        return Err(invalid("coordinates beyond what numbers of 32 bits hold"));
+    }
+    let mut out = BufWriter::new(out);
+    // Not "solid", by which readers would take it for the text format.
+    let mut head = [b' '; 80];
+    head[..7].copy_from_slice(b"azulejo");
+    out.write_all(&head)?;
+    out.write_all(&count.to_le_bytes())?;
+    for [a, b, c] in facets {
+        let normal = (b - a).cross(c - a).normalize_or_zero();
+        for v in [normal, a, b, c] {
+            for x in v.to_array() {
+                out.write_all(&(x as f32).to_le_bytes())?;
+            }
+        }
+        out.write_all(&[0, 0])?;
+    }
+    out.flush()
+}
+
+/// Descriptions of what [`write()`] would omit from a scene, or change.
+pub fn losses(scene: &Scene) -> Vec<String> {
+    let meshes = |lost: fn(&Mesh) -> bool| {
+        let is = |o: &&azulejo_scene::Object| matches!(&o.shape, Shape::Mesh(mesh) if lost(mesh));
+        scene.objects.iter().filter(is).count()
+    };
+    let [primitives, solids] = exact_counts(scene);
+    let painted = scene
+        .materials
+        .iter()
+        .filter(|m| m.diffuse != Rgb::grey(0.5));
+    let counts = [
+        (scene.lights.len(), "lights without area"),
+        (scene.cameras.len(), "cameras"),
+        (painted.count(), "materials"),
+        (
+            if scene.objects.len() > 1 {
+                scene.objects.len()
+            } else {
+                0
+            },
+            "objects that become one",
+        ),
+        (primitives + solids, "exact shapes that become polygons"),
+        (
+            meshes(|m| m.faces.corners.len() > 3 * m.faces.len()),
+            "meshes whose polygons become triangles",
+        ),
+        (
+            meshes(|m| m.normals.is_some() || m.uvs.is_some() || !m.colors.is_empty()),
+            "meshes whose normals, texture coordinates or colours are omitted",
+        ),
+        (
+            meshes(|m| !m.irradiance.is_empty()),
+            "meshes whose irradiance is omitted",
+        ),
+    ];
+    let unit = scene.units.metres_per_unit.map(|_| "the unit".to_owned());
+    let described = |&(count, what): &(usize, &str)| (count > 0).then(|| format!("{count} {what}"));
+    counts.iter().filter_map(described).chain(unit).collect()
+}
