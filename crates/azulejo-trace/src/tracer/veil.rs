@@ -191,8 +191,9 @@ impl VeilBuilder<'_> {
             return *known;
         }
         let texture = self.scene.textures.get(picture.texture as usize);
-        let image = texture.and_then(|texture| texture.image.as_ref());
-        let map = image.and_then(|image| OpacityMap::new(image, picture.channel));
+        let map = texture.and_then(|texture| {
+            OpacityMap::new(texture.image.as_ref()?, picture.channel, texture.wrap)
+        });
         let index = map.map(|map| {
             self.veils.maps.push(map);
             self.veils.maps.len() as u32 - 1
