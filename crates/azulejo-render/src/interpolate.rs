@@ -163,8 +163,8 @@ impl<'a> Interpolator<'a> {
             weights.of_vertices(mesh, |v| mesh.colors[v])
         };
         let uv = (!material.textures.is_empty()).then(|| weights.uv(mesh));
-        let image = |id| self.scene.textures[id as usize].image.as_ref();
-        material.painted(color, uv.flatten(), image)
+        let texture = |id| self.scene.textures.get(id as usize);
+        material.painted(color, uv.flatten(), texture)
     }
 }
 

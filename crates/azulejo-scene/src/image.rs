@@ -2,6 +2,42 @@
 
 use glam::DVec2;
 
+/// What a texture shows where coordinates leave 0..1, along one axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum WrapMode {
+    /// The picture again.
+    #[default]
+    Repeat,
+    /// The picture's edge.
+    Clamp,
+    /// The picture again, every second time mirrored.
+    Mirror,
+}
+
+impl WrapMode {
+    /// The column or row of `count` that is shown in place of column or row `k`.
+    fn index(self, k: i64, count: i64) -> u32 {
+        let k = match self {
+            WrapMode::Repeat => k.rem_euclid(count),
+            WrapMode::Clamp => k.clamp(0, count - 1),
+            WrapMode::Mirror => {
+                let k = k.rem_euclid(2 * count);
+                k.min(2 * count - 1 - k)
+            }
+        };
+        k as u32
+    }
+
+    /// The coordinate in 0..1, or up to 2 where the picture is mirrored, in which all is shown.
+    fn place(self, x: f64) -> f64 {
+        match self {
+            WrapMode::Repeat => x.rem_euclid(1.0),
+            WrapMode::Clamp => x.clamp(0.0, 1.0),
+            WrapMode::Mirror => x.rem_euclid(2.0),
+        }
+    }
+}
+
 /// Index of a texture in [`Scene::textures`](crate::Scene::textures).
 pub type TextureId = u32;
 
@@ -58,8 +94,13 @@ impl Image {
     /// Bilinear lookup that repeats the image; `(0, 0)` is the lower left corner of the
     /// lower left pixel, as texture coordinates have it. Black for an image without pixels.
     pub fn sample(&self, u: f64, v: f64) -> [f32; 3] {
+        self.sample_wrapped(DVec2::new(u, v), [WrapMode::Repeat; 2])
+    }
+
+    /// As [`sample`](Image::sample), with other ways to go on beyond the picture, in u and in v.
+    pub fn sample_wrapped(&self, uv: DVec2, wrap: [WrapMode; 2]) -> [f32; 3] {
         let mut out = [0.0; 3];
-        let corners = Image::bilinear([self.width, self.height], DVec2::new(u, v));
+        let corners = Image::bilinear([self.width, self.height], uv, wrap);
         for ([x, y], weight) in corners.into_iter().flatten() {
             let color = self.pixel(x, y);
             for k in 0..3 {
@@ -71,20 +112,24 @@ impl Image {
 
     /// The four pixels around a point of an image of that size, column and row, and their weights;
     /// `None` for an image without pixels, and coordinates that are not finite.
-    pub(crate) fn bilinear(size: [u32; 2], uv: DVec2) -> Option<[([u32; 2], f32); 4]> {
+    pub(crate) fn bilinear(
+        size: [u32; 2],
+        uv: DVec2,
+        wrap: [WrapMode; 2],
+    ) -> Option<[([u32; 2], f32); 4]> {
         if size.contains(&0) || !uv.is_finite() {
             return None;
         }
         let (w, h) = (i64::from(size[0]), i64::from(size[1]));
         let (x, y) = (
-            uv.x.rem_euclid(1.0) * w as f64 - 0.5,
-            (1.0 - uv.y.rem_euclid(1.0)) * h as f64 - 0.5,
+            wrap[0].place(uv.x) * w as f64 - 0.5,
+            (1.0 - wrap[1].place(uv.y)) * h as f64 - 0.5,
         );
         let (left, top) = (x.floor(), y.floor());
         let (fx, fy) = ((x - left) as f32, (y - top) as f32);
         let at = |dx: i64, dy: i64| {
-            let column = (left as i64 + dx).rem_euclid(w) as u32;
-            [column, (top as i64 + dy).rem_euclid(h) as u32]
+            let column = wrap[0].index(left as i64 + dx, w);
+            [column, wrap[1].index(top as i64 + dy, h)]
         };
         Some([
             (at(0, 0), (1.0 - fx) * (1.0 - fy)),
@@ -92,5 +137,37 @@ impl Image {
             (at(0, 1), (1.0 - fx) * fy),
             (at(1, 1), fx * fy),
         ])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn textures_go_on_as_they_are_told() {
+        let image = Image::opaque(2, 2, vec![[0.0; 3], [1.0; 3], [2.0; 3], [3.0; 3]]);
+        let at =
+            |u: f64, v: f64, wrap: WrapMode| image.sample_wrapped(DVec2::new(u, v), [wrap; 2])[0];
+        use WrapMode::{Clamp, Mirror, Repeat};
+        for wrap in [Clamp, Mirror, Repeat] {
+            assert_eq!([at(0.25, 0.75, wrap), at(0.75, 0.25, wrap)], [0.0, 3.0]);
+        }
+        // Beyond the right edge, in the upper row: the left, the right and the right column.
+        assert_eq!(at(1.25, 0.75, Repeat), 0.0);
+        assert_eq!(at(1.25, 0.75, Mirror), 1.0);
+        assert_eq!(at(1.75, 0.75, Mirror), 0.0);
+        assert_eq!(at(7.0, 0.75, Clamp), 1.0);
+        assert_eq!(at(-7.0, 0.75, Clamp), 0.0);
+        // Above and below.
+        assert_eq!([at(0.25, 1.25, Repeat), at(0.25, 1.25, Mirror)], [2.0, 0.0]);
+        assert_eq!([at(0.25, 9.0, Clamp), at(0.25, -9.0, Clamp)], [0.0, 2.0]);
+        assert_eq!(
+            [at(-0.25, 0.75, Repeat), at(-0.25, 0.75, Mirror)],
+            [1.0, 0.0]
+        );
+        // Edges: repeated, the opposite one shows through; otherwise not.
+        assert_eq!(at(0.0, 0.75, Repeat), 0.5);
+        assert_eq!([at(0.0, 0.75, Clamp), at(0.0, 0.75, Mirror)], [0.0; 2]);
     }
 }

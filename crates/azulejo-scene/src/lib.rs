@@ -61,7 +61,7 @@ pub use brdf::Brdf;
 pub use camera::Camera;
 pub use environment::{Environment, EnvironmentSource, Projection};
 pub use figure::{Contour, Curve, Figure, FillRule};
-pub use image::{Image, TextureId};
+pub use image::{Image, TextureId, WrapMode};
 pub use irradiance::{BackIrradiance, Irradiance, ObjectIrradiance};
 pub use light::{Light, LightKind};
 pub use material::{Dielectric, Material, MaterialId, Sidedness, Texture};

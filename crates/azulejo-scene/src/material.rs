@@ -1,7 +1,7 @@
 //! Materials: what surfaces reflect, transmit and emit.
 
 use crate::brdf::Lobes;
-use crate::image::TextureId;
+use crate::image::{TextureId, WrapMode};
 use crate::{Brdf, Image, Opacity, Rgb};
 use glam::DVec2;
 use std::sync::Arc;
@@ -81,6 +81,15 @@ pub struct Texture {
     pub path: String,
     /// Its pixels, linear, if they could be loaded.
     pub image: Option<Image>,
+    /// What it shows beyond its edges: in u, and in v.
+    pub wrap: [WrapMode; 2],
+}
+
+impl Texture {
+    /// Its colour at texture coordinates; `None` if its pixels could not be loaded.
+    pub fn sample(&self, uv: DVec2) -> Option<[f32; 3]> {
+        Some(self.image.as_ref()?.sample_wrapped(uv, self.wrap))
+    }
 }
 
 impl Material {
@@ -211,19 +220,20 @@ impl Material {
     }
 
     /// Diffuse reflectance at a point of vertex colour `color` and texture coordinates `uv`;
-    /// `image` returns a texture's pixels.
+    /// `texture` returns a texture.
     ///
     /// Textures that could not be loaded are ignored, and all are where there are no coordinates.
     pub fn painted<'a>(
         &self,
         color: Rgb,
         uv: Option<DVec2>,
-        image: impl Fn(TextureId) -> Option<&'a Image>,
+        texture: impl Fn(TextureId) -> Option<&'a Texture>,
     ) -> Rgb {
         let mut reflectance = self.diffuse * color;
         if let Some(uv) = uv {
-            for image in self.textures.iter().filter_map(|&id| image(id)) {
-                reflectance *= Rgb::from(image.sample(uv.x, uv.y).map(f64::from));
+            let textures = self.textures.iter().filter_map(|&id| texture(id));
+            for color in textures.filter_map(|texture| texture.sample(uv)) {
+                reflectance *= Rgb::from(color.map(f64::from));
             }
         }
         reflectance

@@ -1,6 +1,6 @@
 //! Opacity: which share of the light that meets a surface the surface takes, and which passes.
 
-use crate::image::{Image, TextureId};
+use crate::image::{Image, TextureId, WrapMode};
 use glam::DVec2;
 
 /// How much of a surface is there: leaves cut out of a card, fences, gauze.
@@ -81,11 +81,12 @@ pub struct OpacityMap {
     width: u32,
     height: u32,
     values: Vec<f32>,
+    wrap: [WrapMode; 2],
 }
 
 impl OpacityMap {
-    /// Those of one part of an image; `None` for an image without pixels, or opaque everywhere.
-    pub fn new(image: &Image, channel: OpacityChannel) -> Option<OpacityMap> {
+    /// Those of one part of an image, which goes on beyond its edges as `wrap` says; `None` for an image without pixels, or opaque everywhere.
+    pub fn new(image: &Image, channel: OpacityChannel, wrap: [WrapMode; 2]) -> Option<OpacityMap> {
         let values: Vec<f32> = match channel {
             OpacityChannel::Alpha => image.alpha.clone()?,
             OpacityChannel::Luminance => image.pixels.iter().map(stored_luminance).collect(),
@@ -95,6 +96,7 @@ impl OpacityMap {
             OpacityMap {
                 width: image.width,
                 height: image.height,
+                wrap,
                 values,
             },
         )
@@ -111,7 +113,7 @@ impl OpacityMap {
             f64::from(self.values[y as usize * self.width as usize + x as usize])
         };
         let size = [self.width, self.height];
-        Image::bilinear(size, uv).map_or(0.0, |corners| {
+        Image::bilinear(size, uv, self.wrap).map_or(0.0, |corners| {
             corners
                 .iter()
                 .map(|&(at, weight)| f64::from(weight) * value(at))
@@ -176,11 +178,15 @@ mod tests {
     fn pictures_hold_opacities_as_they_store_them() {
         let linear = ((188.0f32 / 255.0 + 0.055) / 1.055).powf(2.4);
         let image = Image::opaque(2, 1, vec![[linear; 3], [1.0; 3]]);
-        assert_eq!(OpacityMap::new(&image, OpacityChannel::Alpha), None);
-        let map = OpacityMap::new(&image, OpacityChannel::Luminance).unwrap();
+        assert_eq!(
+            OpacityMap::new(&image, OpacityChannel::Alpha, [WrapMode::Repeat; 2]),
+            None
+        );
+        let map =
+            OpacityMap::new(&image, OpacityChannel::Luminance, [WrapMode::Repeat; 2]).unwrap();
         assert!((map.sample(DVec2::new(0.25, 0.5)) - 188.0 / 255.0).abs() < 1e-6);
         let image = image.with_alpha(vec![0.25, 1.0]);
-        let map = OpacityMap::new(&image, OpacityChannel::Alpha).unwrap();
+        let map = OpacityMap::new(&image, OpacityChannel::Alpha, [WrapMode::Repeat; 2]).unwrap();
         assert_eq!(map.sample(DVec2::new(0.25, 0.5)), 0.25);
         assert_eq!(map.sample(DVec2::new(0.5, 0.5)), 0.625);
     }

@@ -37,6 +37,7 @@ pub fn environment(
     scene.textures.push(Texture {
         path: path.to_string_lossy().into_owned(),
         image: Some(image),
+        ..Texture::default()
     });
     Ok(Environment::picture(texture, projection, scene.units.up))
 }

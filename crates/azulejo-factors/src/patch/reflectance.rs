@@ -68,9 +68,11 @@ pub(super) fn mean_opacities(scene: &Scene, patches: &Patches) -> Option<Vec<f64
             let map = opacity.picture.and_then(|picture| {
                 let known = maps.entry((picture.texture, picture.channel));
                 let texture = scene.textures.get(picture.texture as usize);
-                let image = texture.and_then(|texture| texture.image.as_ref());
                 known
-                    .or_insert_with(|| OpacityMap::new(image?, picture.channel))
+                    .or_insert_with(|| {
+                        let texture = texture?;
+                        OpacityMap::new(texture.image.as_ref()?, picture.channel, texture.wrap)
+                    })
                     .as_ref()
             });
             let uvs = match &divided {
@@ -147,13 +149,17 @@ fn pattern(scene: &Scene, mesh: &Mesh, face: usize, material: &Material) -> Rgb 
     let Some(uvs) = &mesh.uvs else { return mean };
     let at: Vec<DVec2> = corners.iter().map(|&(c, v)| uvs.at(c, v)).collect();
     let centre = at.iter().copied().sum::<DVec2>() * share;
-    for image in material
+    for texture in material
         .textures
         .iter()
-        .filter_map(|&t| scene.textures[t as usize].image.as_ref())
+        .map(|&t| &scene.textures[t as usize])
+        .filter(|texture| texture.image.is_some())
     {
         // Corners moved half way to the centre sample the face and not its neighbours.
-        let sample = |p: DVec2| Rgb::from(image.sample(p.x, p.y).map(f64::from));
+        let sample = |p: DVec2| {
+            let color = texture.sample(p).unwrap_or([1.0; 3]);
+            Rgb::from(color.map(f64::from))
+        };
         let sum: Rgb = at.iter().map(|&p| sample(0.5 * (p + centre))).sum::<Rgb>() + sample(centre);
         mean *= sum / (at.len() + 1) as f64;
     }

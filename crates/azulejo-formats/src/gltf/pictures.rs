@@ -5,7 +5,9 @@ use super::uri::{self, Uri};
 use crate::Files;
 use crate::picture::PixelBudget;
 use crate::surface::textures::Textures;
-use azulejo_scene::{Image, OpacityPicture, Rgb, Texture, TextureId};
+use azulejo_scene::{Image, OpacityPicture, Rgb, Texture, TextureId, WrapMode};
+use gltf_json::texture::WrappingMode;
+use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -69,8 +71,9 @@ impl<'a> Pictures<'a> {
             let problem = "texture without a picture: not used";
             return (None, Some(problem.to_owned()));
         };
+        let wrap = self.wrap(texture);
         if let Some(&known) = self.known.get(&image) {
-            return (Some(known), None);
+            return (Some(self.textures.wrapped(known, wrap)), None);
         }
         let (id, problem) = match self.source(image) {
             Ok(PictureSource::File(name)) => self.textures.index("", &name, self.files),
@@ -84,7 +87,23 @@ impl<'a> Pictures<'a> {
             }
         };
         self.known.insert(image, id);
-        (Some(id), problem)
+        (Some(self.textures.wrapped(id, wrap)), problem)
+    }
+
+    /// How a texture goes on beyond its edges, by its sampler.
+    fn wrap(&self, texture: Index<gltf_json::Texture>) -> [WrapMode; 2] {
+        let sampler = self
+            .root
+            .get(texture)
+            .and_then(|t| self.root.get(t.sampler?));
+        let mode = |given: &Checked<WrappingMode>| match given {
+            Checked::Valid(WrappingMode::ClampToEdge) => WrapMode::Clamp,
+            Checked::Valid(WrappingMode::MirroredRepeat) => WrapMode::Mirror,
+            _ => WrapMode::Repeat,
+        };
+        sampler.map_or([WrapMode::Repeat; 2], |s| {
+            [mode(&s.wrap_s), mode(&s.wrap_t)]
+        })
     }
 
     /// Adds a picture that was made from others.

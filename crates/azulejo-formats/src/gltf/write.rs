@@ -204,6 +204,7 @@ impl<'a> Document<'a> {
             ("materials", &self.materials.list),
             ("textures", &self.materials.textures),
             ("images", &self.materials.images),
+            ("samplers", &self.materials.samplers),
             ("cameras", &self.cameras),
             ("nodes", &nodes),
         ];

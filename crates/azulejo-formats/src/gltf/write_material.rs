@@ -8,7 +8,7 @@ use crate::picture::srgb::srgb_bytes;
 use crate::surface::model::{gltf_mr, model_of, slope};
 use azulejo_scene::{
     Dielectric, Image, Material, MaterialId, Opacity, OpacityChannel, OpacityMap, OpacityMode, Rgb,
-    Scene, Sidedness, Texture, TextureId,
+    Scene, Sidedness, Texture, TextureId, WrapMode,
 };
 use glam::DVec2;
 use serde_json::{Map, Value, json};
@@ -28,6 +28,8 @@ pub(super) struct Materials {
     pub textures: Vec<Value>,
     /// The pictures of the textures.
     pub images: Vec<Value>,
+    /// How textures go on beyond their edges, where they do not repeat.
+    pub samplers: Vec<Value>,
     /// The extensions that they use.
     pub extensions: BTreeSet<&'static str>,
     /// Copies without texture, by the index of the material that has one.
@@ -42,7 +44,9 @@ impl Materials {
     pub fn of(scene: &Scene, pack: &mut Pack) -> io::Result<Materials> {
         let mut materials = Materials::default();
         for (i, texture) in scene.textures.iter().enumerate() {
-            materials.textures.push(json!({ "source": i }));
+            let sampler = materials.sampler(texture.wrap);
+            let source = json!({ "source": i });
+            materials.textures.push(with_sampler(source, sampler));
             materials.images.push(image(texture, pack)?);
         }
         for material in &scene.materials {
@@ -121,19 +125,42 @@ impl Materials {
             return Ok(());
         }
         let image_of = |id: TextureId| scene.textures[id as usize].image.as_ref();
-        let map = image_of(picture.texture).and_then(|i| OpacityMap::new(i, picture.channel));
+        let map = image_of(picture.texture)
+            .and_then(|i| OpacityMap::new(i, picture.channel, [WrapMode::Clamp; 2]));
         if let Some(map) = map {
             let joined = joined(base.and_then(image_of), &map);
-            let path = format!("{} opacity", scene.textures[picture.texture as usize].path);
+            let opacity = &scene.textures[picture.texture as usize];
             let texture = Texture {
-                path,
+                path: format!("{} opacity", opacity.path),
                 image: Some(joined),
+                wrap: opacity.wrap,
             };
+            let sampler = self.sampler(texture.wrap);
             surface["baseColorTexture"] = json!({ "index": self.textures.len() });
-            self.textures.push(json!({ "source": self.images.len() }));
+            let source = json!({ "source": self.images.len() });
+            self.textures.push(with_sampler(source, sampler));
             self.images.push(image(&texture, pack)?);
         }
         Ok(())
+    }
+
+    /// The index of a sampler; none for textures that repeat.
+    fn sampler(&mut self, wrap: [WrapMode; 2]) -> Option<usize> {
+        if wrap == [WrapMode::Repeat; 2] {
+            return None;
+        }
+        // The numbers of OpenGL.
+        let [s, t] = wrap.map(|mode| match mode {
+            WrapMode::Repeat => 10497,
+            WrapMode::Clamp => 33071,
+            WrapMode::Mirror => 33648,
+        });
+        let sampler = json!({ "wrapS": s, "wrapT": t });
+        let known = self.samplers.iter().position(|other| *other == sampler);
+        Some(known.unwrap_or_else(|| {
+            self.samplers.push(sampler);
+            self.samplers.len() - 1
+        }))
     }
 
     fn extend(&mut self, list: &mut Map<String, Value>, name: &'static str, value: Value) {
@@ -222,6 +249,13 @@ pub(super) fn is_one_colour(m: &Material) -> bool {
     let share = mirrored_share(m);
     let off = m.mirror - (m.diffuse + m.mirror) * share;
     m.mirror.is_black() || off.map(f64::abs).max_channel() < 1e-6
+}
+
+fn with_sampler(mut texture: Value, sampler: Option<usize>) -> Value {
+    if let Some(sampler) = sampler {
+        texture["sampler"] = json!(sampler);
+    }
+    texture
 }
 
 /// The colours of a picture, or white, with the opacities of a map, as large as the larger of the two.

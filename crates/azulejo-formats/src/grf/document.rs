@@ -6,7 +6,7 @@ use super::surroundings::EnvironmentBlock;
 use crate::{Position, ReadError};
 use azulejo_scene::{
     Attribute, BackIrradiance, Light, OpacityChannel, OpacityMode, PrimitiveKind, Rgb, Sidedness,
-    SurfaceLight,
+    SurfaceLight, WrapMode,
 };
 use azulejo_scene::{Camera, Faces, Fog, Units};
 use glam::{DAffine3, DVec2, DVec3};
@@ -156,6 +156,7 @@ pub(super) enum BlockKind {
     Texture {
         of: GrfName,
         path: String,
+        wrap: [WrapMode; 2],
     },
     /// An unknown extension: its name, and the text between `begin` and `end ext`.
     Unknown {

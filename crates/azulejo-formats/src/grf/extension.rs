@@ -12,7 +12,7 @@ use super::parser::{GrfParser, ParseResult};
 use super::solids::is_solid;
 use azulejo_scene::{
     BackIrradiance, Camera, Fog, Light, LightKind, OpacityChannel, OpacityMode, PrimitiveKind, Rgb,
-    Sidedness, SurfaceGrid, SurfaceLight, Units, Up,
+    Sidedness, SurfaceGrid, SurfaceLight, Units, Up, WrapMode,
 };
 use glam::DAffine3;
 
@@ -114,6 +114,7 @@ impl<'a> GrfParser<'a, '_, '_> {
                 BlockKind::Texture {
                     of: self.required(entries, "of", of)?,
                     path: self.required(entries, "path", path)?,
+                    wrap: self.take_wrap(entries)?,
                 }
             }
             "primitive" => BlockKind::Primitive(Box::new(self.primitive(entries)?)),
@@ -333,6 +334,26 @@ impl<'a> GrfParser<'a, '_, '_> {
             brdf_file: self.take_brdf_file(entries)?,
             opacity: self.take_opacity(entries)?,
         })
+    }
+
+    /// `wrap` with the ways of u and v; they repeat without it.
+    fn take_wrap(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<[WrapMode; 2]> {
+        let Some(entry) = entries.take("wrap") else {
+            return Ok([WrapMode::Repeat; 2]);
+        };
+        let mode = |word: &str| match word {
+            "repeat" => Some(WrapMode::Repeat),
+            "clamp" => Some(WrapMode::Clamp),
+            "mirror" => Some(WrapMode::Mirror),
+            _ => None,
+        };
+        if let EntryValue::Words(words) = &entry.value
+            && let [u, v] = words[..]
+            && let (Some(u), Some(v)) = (mode(u), mode(v))
+        {
+            return Ok([u, v]);
+        }
+        Err(self.wrong(&entry, "two of the words `repeat`, `clamp` and `mirror`"))
     }
 
     /// `opacity`, `opacity_texture`, `opacity_channel` and `cutoff`, of which any may be missing.

@@ -13,7 +13,7 @@ use super::surroundings::{self, EnvironmentBlock};
 use azulejo_scene::brdf::{Description, Model};
 use azulejo_scene::{
     Attribute, BackIrradiance, Brdf, Faces, LightKind, Material, MaterialId, Mesh, Object,
-    Primitive, PrimitiveKind, Rgb, Scene, SceneBackground, Shape, TextureId, Units,
+    Primitive, PrimitiveKind, Rgb, Scene, SceneBackground, Shape, TextureId, Units, WrapMode,
 };
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
@@ -63,7 +63,11 @@ impl GrfDocument {
         let only_around = surroundings::pictures_of(scene);
         for (id, (path, name)) in pictures.iter().zip(&names.textures).enumerate() {
             if !only_around.contains(&(id as TextureId)) {
-                definitions.push(texture_definition(name, path, &mut inside));
+                let wrap = scene
+                    .textures
+                    .get(id)
+                    .map_or_else(Default::default, |t| t.wrap);
+                definitions.push(texture_definition(name, path, wrap, &mut inside));
             }
         }
         for (material, name) in scene.materials.iter().zip(&names.materials) {
@@ -232,13 +236,19 @@ fn is_plain_path(path: &str) -> bool {
     !path.contains(|c: char| c == '"' || c.is_control())
 }
 
-fn texture_definition(name: &GrfName, path: &str, notes: &mut Vec<BlockKind>) -> GrfDefinition {
+fn texture_definition(
+    name: &GrfName,
+    path: &str,
+    wrap: [WrapMode; 2],
+    notes: &mut Vec<BlockKind>,
+) -> GrfDefinition {
     let mut plain = path.to_owned();
-    if !is_plain_path(path) {
+    if !is_plain_path(path) || wrap != [WrapMode::Repeat; 2] {
         plain.retain(|c| c != '"' && !c.is_control());
         notes.push(BlockKind::Texture {
             of: name.clone(),
             path: path.to_owned(),
+            wrap,
         });
     }
     GrfDefinition {

@@ -264,9 +264,11 @@ impl<'d> GrfResolver<'d> {
         for block in blocks {
             match &block.kind {
                 BlockKind::Include { blocks, .. } => self.gather_notes(blocks)?,
-                BlockKind::Texture { of, path } => {
+                BlockKind::Texture { of, path, wrap } => {
                     let id = self.texture_named(of, block.place)?;
-                    self.scene.textures[id as usize].path.clone_from(path);
+                    let texture = &mut self.scene.textures[id as usize];
+                    texture.path.clone_from(path);
+                    texture.wrap = *wrap;
                 }
                 BlockKind::Material(note) => self.annotate(note, block.place)?,
                 _ => {}
@@ -365,7 +367,10 @@ impl<'d> GrfResolver<'d> {
 
     fn add_texture(&mut self, path: &str, place: SourcePosition) -> TextureId {
         let path = self.texture_path(path, place);
-        self.scene.textures.push(Texture { path, image: None });
+        self.scene.textures.push(Texture {
+            path,
+            ..Texture::default()
+        });
         (self.scene.textures.len() - 1) as TextureId
     }
 

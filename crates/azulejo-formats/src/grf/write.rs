@@ -8,7 +8,7 @@ use super::document::{
 use azulejo_scene::brdf::{Description, Model, Value};
 use azulejo_scene::{
     BackIrradiance, Camera, Light, LightKind, OpacityChannel, OpacityMode, PrimitiveKind, Rgb,
-    Sidedness, SurfaceLight, Units, Up,
+    Sidedness, SurfaceLight, Units, Up, WrapMode,
 };
 
 use super::{solids, surroundings};
@@ -165,11 +165,18 @@ fn block(out: &mut GrfOutput<'_>, kind: &BlockKind) -> io::Result<()> {
         BlockKind::Light(l) => light(out, l),
         BlockKind::Environment(block) => surroundings::write(out, block),
         BlockKind::Material(note) => material(out, note),
-        BlockKind::Texture { of, path } => writeln!(
-            out,
-            "ext texture begin of = {of} path = {} end ext",
-            Quoted(path)
-        ),
+        BlockKind::Texture { of, path, wrap } => {
+            write!(out, "ext texture begin of = {of} path = {}", Quoted(path))?;
+            if *wrap != [WrapMode::Repeat; 2] {
+                let [u, v] = wrap.map(|mode| match mode {
+                    WrapMode::Repeat => "repeat",
+                    WrapMode::Clamp => "clamp",
+                    WrapMode::Mirror => "mirror",
+                });
+                write!(out, " wrap = {u} {v}")?;
+            }
+            out.write_all(b" end ext\n")
+        }
         BlockKind::Unknown { name, text } => enclosed(out, &format!("ext {name}"), text, "ext"),
     }
 }

@@ -8,7 +8,7 @@ use crate::surface::gloss::Gloss;
 use crate::surface::phong::Highlight;
 use crate::surface::textures::Textures;
 use crate::{Files, Loaded, ReadError};
-use azulejo_scene::{Dielectric, Material, MaterialId, Opacity, Rgb, Scene, TextureId};
+use azulejo_scene::{Dielectric, Material, MaterialId, Opacity, Rgb, Scene, TextureId, WrapMode};
 use glam::DVec2;
 use std::collections::HashMap;
 
@@ -185,14 +185,14 @@ impl MtlParser<'_> {
             b"Pm" => m.metallic = Some(self.number()?),
             b"Ps" | b"Pc" | b"Pcr" | b"aniso" | b"anisor" => self.unless_zero(keyword),
             b"map_Kd" => {
-                let placement = self.options();
-                if let Some(picture) = self.texture() {
+                let (placement, wrap) = self.options();
+                if let Some(picture) = self.texture(wrap) {
                     (m.map_kd, m.placement) = (Some(picture), placement);
                 }
             }
             b"map_d" => {
-                let placement = self.options();
-                if let Some(picture) = self.texture() {
+                let (placement, wrap) = self.options();
+                if let Some(picture) = self.texture(wrap) {
                     m.map_d = Some(picture);
                     // Coordinates are those of the colour, if there is one.
                     if m.map_kd.is_none() {
@@ -258,7 +258,7 @@ impl MtlParser<'_> {
     }
 
     /// The texture named by `map_Kd` or `map_d`, after its options.
-    fn texture(&mut self) -> Option<TextureId> {
+    fn texture(&mut self, wrap: WrapMode) -> Option<TextureId> {
         let name = self.cursor.name();
         if name.is_empty() {
             self.warn("map_Kd or map_d without a file: skipped");
@@ -268,17 +268,17 @@ impl MtlParser<'_> {
         if let Some(problem) = problem {
             self.warn(problem);
         }
-        Some(id)
+        Some(self.library.textures.wrapped(id, [wrap; 2]))
     }
 
     /// Options before the file name: `-s 1 1 1`, `-clamp on`... Those that would change the
     /// texture beyond its placement are skipped with a warning.
-    fn options(&mut self) -> PicturePlacement {
-        let mut placement = PicturePlacement::default();
+    fn options(&mut self) -> (PicturePlacement, WrapMode) {
+        let (mut placement, mut wrap) = (PicturePlacement::default(), WrapMode::Repeat);
         loop {
             let mut ahead = self.cursor.clone();
             let Some(option) = ahead.word() else {
-                return placement;
+                return (placement, wrap);
             };
             let plain = match option {
                 b"-s" | b"-o" | b"-t" => {
@@ -294,13 +294,19 @@ impl MtlParser<'_> {
                     option != b"-t" || given == DVec2::ZERO
                 }
                 b"-mm" => [ahead.word(), ahead.word()] == [Some(&b"0"[..]), Some(&b"1"[..])],
-                b"-clamp" | b"-cc" => ahead.word() == Some(b"off"),
+                b"-clamp" => {
+                    if ahead.word() == Some(b"on") {
+                        wrap = WrapMode::Clamp;
+                    }
+                    true
+                }
+                b"-cc" => ahead.word() == Some(b"off"),
                 b"-blendu" | b"-blendv" => ahead.word() == Some(b"on"),
                 b"-texres" | b"-bm" | b"-boost" | b"-imfchan" | b"-type" | b"-colorspace" => {
                     ahead.word();
                     false
                 }
-                _ => return placement,
+                _ => return (placement, wrap),
             };
             let option = text(option).into_owned();
             self.cursor = ahead;

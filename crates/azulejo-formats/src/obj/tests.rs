@@ -4,7 +4,9 @@ use super::read;
 use crate::surface::model::gltf_mr;
 use crate::surface::phong::{Angle, Highlight};
 use crate::{Format, Loaded, Memory, Position, detect};
-use azulejo_scene::{Image, Material, Mesh, Opacity, OpacityChannel, OpacityPicture, Rgb, Shape};
+use azulejo_scene::{
+    Image, Material, Mesh, Opacity, OpacityChannel, OpacityPicture, Rgb, Shape, WrapMode,
+};
 use glam::{DVec2, DVec3};
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -692,19 +694,19 @@ fn pictures() {
         .iter()
         .map(|t| t.path.as_str())
         .collect();
-    assert_eq!(paths, ["sub/a b.png", "top.png", "sub/no.png"]);
+    // Clamped and repeated, the same picture is two textures.
+    let expected = ["sub/a b.png", "top.png", "sub/a b.png", "sub/no.png"];
+    assert_eq!(paths, expected);
+    let wraps = [0, 2].map(|k: usize| loaded.scene.textures[k].wrap);
+    assert_eq!(wraps, [[WrapMode::Clamp; 2], [WrapMode::Repeat; 2]]);
     let image = loaded.scene.textures[0].image.as_ref().unwrap();
     assert_eq!(image.pixels, [[1.0, 0.0, 0.0]]);
     assert_eq!(loaded.scene.materials[0].textures, [0]);
     assert_eq!(loaded.scene.materials[0].diffuse, Rgb::WHITE);
-    assert_eq!(loaded.scene.materials[2].textures, [2]);
+    assert_eq!(loaded.scene.materials[2].textures, [3]);
     let warnings: Vec<&str> = loaded.warnings.iter().map(|w| w.message.as_str()).collect();
-    let unused = |option: &str| format!("texture option \"{option}\" is not used: skipped");
-    assert_eq!(warnings[0], unused("-clamp"));
-    assert_eq!(
-        warnings[1],
-        "picture \"sub/no.png\" is not used: there is no such file"
-    );
+    let missing = "picture \"sub/no.png\" is not used: there is no such file";
+    assert_eq!(warnings, [missing]);
 }
 
 fn check_rough(mtl: &str, metallic: f64, roughness: f64, warnings: &[&str]) {
@@ -775,7 +777,7 @@ fn pictures_are_placed() {
     let plain = [[0.0, 0.0], [1.0, 0.0], [1.0, 2.0]];
     check_placement("-clamp off -blendu on -blendv on -cc off -mm 0 1", plain, 0);
     check_placement("-t 0 0 0", plain, 0);
-    check_placement("-t 1 -clamp on -mm 0 2 -blendu off", plain, 4);
+    check_placement("-t 1 -clamp on -mm 0 2 -blendu off", plain, 3);
 }
 
 #[test]

@@ -4,7 +4,9 @@ use crate::surface::gloss::is_repainted;
 use crate::surface::model::gltf_mr;
 use crate::surface::phong::{Angle, Highlight};
 use crate::surface::tessellate::{self, mesh_of};
-use azulejo_scene::{Attribute, Material, Mesh, Object, OpacityMode, Rgb, Scene, Shape};
+use azulejo_scene::{
+    Attribute, Material, Mesh, Object, OpacityMode, Rgb, Scene, Shape, Texture, WrapMode,
+};
 use std::collections::HashSet;
 use std::fmt;
 use std::io::{self, BufWriter, Write};
@@ -56,6 +58,8 @@ pub fn losses(scene: &Scene) -> Vec<String> {
     let materials =
         |lost: fn(&Material) -> bool| scene.materials.iter().filter(|m| lost(m)).count();
     let [primitives, solids] = tessellate::exact_counts(scene);
+    let textures = scene.textures.iter();
+    let is_odd_wrap = |t: &&Texture| t.wrap[0] != t.wrap[1] || t.wrap[0] == WrapMode::Mirror;
     let lit = meshes().filter(|m| !m.irradiance.is_empty()).count();
     let counts = [
         (scene.lights.len(), "lights without area"),
@@ -81,6 +85,10 @@ pub fn losses(scene: &Scene) -> Vec<String> {
                 opacity.is_some_and(|o| o.mode != OpacityMode::Blend || m.dielectric.is_some())
             }),
             "masks that become shares of opacity, or opacities of glass that are left out",
+        ),
+        (
+            textures.filter(is_odd_wrap).count(),
+            "textures that are mirrored, or clamped along one axis, and will repeat",
         ),
         (
             materials(is_odd_glass),
@@ -241,18 +249,28 @@ fn write_material(scene: &Scene, m: &Material, name: &str, out: &mut dyn Write) 
             writeln!(out, "d {}", Numbers(&[opacity.constant]))?;
         }
         if let Some(picture) = opacity.picture {
-            let path = &scene.textures[picture.texture as usize].path;
-            writeln!(out, "map_d {}", one_line(path))?;
+            let texture = &scene.textures[picture.texture as usize];
+            writeln!(out, "map_d {}{}", clamped(texture), one_line(&texture.path))?;
         }
     }
     if let Some(&texture) = m.textures.first() {
+        let texture = &scene.textures[texture as usize];
         writeln!(
             out,
-            "map_Kd {}",
-            one_line(&scene.textures[texture as usize].path)
+            "map_Kd {}{}",
+            clamped(texture),
+            one_line(&texture.path)
         )?;
     }
     writeln!(out)
+}
+
+/// The option of a texture that does not repeat.
+fn clamped(texture: &Texture) -> &'static str {
+    match texture.wrap {
+        [WrapMode::Clamp, WrapMode::Clamp] => "-clamp on ",
+        _ => "",
+    }
 }
 
 /// Numbers separated by blanks, each the shortest that reads back to the same value.
@@ -314,7 +332,7 @@ mod tests {
     use crate::surface::gloss::Gloss;
     use crate::{Memory, obj};
     use azulejo_scene::{
-        Dielectric, Light, LightKind, Opacity, OpacityChannel, OpacityPicture, Primitive, Texture,
+        Dielectric, Light, LightKind, Opacity, OpacityChannel, OpacityPicture, Primitive,
     };
     use glam::{DVec2, DVec3};
     use proptest::prelude::*;
@@ -464,7 +482,8 @@ mod tests {
             }
             let texture = Texture {
                 path: "maps/a b.png".into(),
-                image: None,
+                wrap: [WrapMode::Clamp; 2],
+                ..Texture::default()
             };
             let textured = materials.iter().any(|m| !m.textures.is_empty());
             Scene {

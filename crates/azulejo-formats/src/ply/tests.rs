@@ -595,10 +595,12 @@ fn pictures_are_named() {
         Texture {
             path: "a b.png".into(),
             image: None,
+            ..Texture::default()
         },
         Texture {
             path: "c.png".into(),
             image: None,
+            ..Texture::default()
         },
     ];
     scene.materials[0].textures = vec![1];

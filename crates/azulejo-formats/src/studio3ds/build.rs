@@ -141,6 +141,7 @@ impl Studio3dsBuilder<'_> {
         material: &mut Material,
     ) {
         let (id, problem) = textures.index("", &map.file, self.files);
+        let id = textures.wrapped(id, map.wrap());
         material.textures.push(id);
         if let Some(problem) = problem {
             self.walker.warn(at, problem);
@@ -160,6 +161,7 @@ impl Studio3dsBuilder<'_> {
         material: &mut Material,
     ) {
         let (texture, problem) = textures.index("", &map.file, self.files);
+        let texture = textures.wrapped(texture, map.wrap());
         let opacity = material.opacity.unwrap_or(Opacity::constant(1.0));
         material.opacity = Some(Opacity {
             picture: Some(OpacityPicture {

@@ -4,7 +4,7 @@ use super::chunk::{Chunk, ChunkWalker, name, vector};
 use crate::reading::bytes::Bytes;
 use crate::reading::text::shortened;
 use crate::surface::phong::Highlight;
-use azulejo_scene::{Material, Opacity, Rgb, Sidedness};
+use azulejo_scene::{Material, Opacity, Rgb, Sidedness, WrapMode};
 use glam::{DAffine2, DMat2, DVec2};
 
 /// Reflectance of faces without a material, or with one without a colour.
@@ -38,6 +38,8 @@ pub(super) struct TextureMap {
     offset: DVec2,
     /// Degrees.
     rotation: f64,
+    /// Whether every second copy is mirrored.
+    is_mirrored: bool,
 }
 
 impl MaterialDefinition {
@@ -134,6 +136,7 @@ impl TextureMap {
             scale: DVec2::ONE,
             offset: DVec2::ZERO,
             rotation: 0.0,
+            is_mirrored: false,
         };
         let mut body = chunk.body;
         while let Some(child) = walker.next(&mut body) {
@@ -152,11 +155,10 @@ impl TextureMap {
             0xa300 => self.file = name(&mut chunk.body),
             0xa351 => {
                 // Bits 0, 1, 3 and 4: decal, mirrored, negative, not repeated.
-                if walker.data(&mut chunk, Bytes::u16_le).unwrap_or(0) & 0b1_1011 != 0 {
-                    walker.skipped(
-                        &chunk,
-                        "texture map as decal, mirrored, negative or not repeated",
-                    );
+                let bits = walker.data(&mut chunk, Bytes::u16_le).unwrap_or(0);
+                self.is_mirrored = bits & 0b10 != 0;
+                if bits & 0b1_1001 != 0 {
+                    walker.skipped(&chunk, "texture map as decal, negative or not repeated");
                 }
             }
             0xa353 => {}
@@ -184,6 +186,16 @@ impl TextureMap {
                 "texture map with a strength below 100 %: taken as 100 %",
             );
         }
+    }
+
+    /// How it goes on beyond its edges.
+    pub fn wrap(&self) -> [WrapMode; 2] {
+        let mode = if self.is_mirrored {
+            WrapMode::Mirror
+        } else {
+            WrapMode::Repeat
+        };
+        [mode; 2]
     }
 
     /// The map of texture coordinates by the texture's scale, offset and rotation about its centre;

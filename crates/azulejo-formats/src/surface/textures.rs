@@ -4,7 +4,7 @@ use crate::picture::PixelBudget;
 use crate::reading::files::beside;
 use crate::reading::text::shortened;
 use crate::{FileError, Files};
-use azulejo_scene::{Image, OpacityChannel, OpacityPicture, Texture, TextureId};
+use azulejo_scene::{Image, OpacityChannel, OpacityPicture, Texture, TextureId, WrapMode};
 use std::collections::HashMap;
 
 /// Pictures in the order in which they are first named, one per file.
@@ -12,6 +12,8 @@ use std::collections::HashMap;
 pub(crate) struct Textures {
     list: Vec<Texture>,
     known: HashMap<String, TextureId>,
+    /// The textures of a picture by how they go on beyond its edges.
+    wrapped: HashMap<(TextureId, [WrapMode; 2]), TextureId>,
     pixels: PixelBudget,
 }
 
@@ -62,8 +64,39 @@ impl Textures {
         self.list.push(Texture {
             path: name,
             image: image.ok(),
+            ..Texture::default()
         });
         (id, problem)
+    }
+
+    /// A picture that goes on beyond its edges in this way: itself, if it was not requested with
+    /// another, else a copy; itself, too, if all pictures together have no pixels left for that.
+    pub fn wrapped(&mut self, id: TextureId, wrap: [WrapMode; 2]) -> TextureId {
+        if let Some(&known) = self.wrapped.get(&(id, wrap)) {
+            return known;
+        }
+        let is_first = self.wrapped.keys().all(|(other, _)| *other != id);
+        let found = match self.list.get_mut(id as usize) {
+            Some(texture) if is_first => {
+                texture.wrap = wrap;
+                id
+            }
+            Some(texture) => {
+                let pixels = texture.image.as_ref().map(|image| self.pixels.admit(image));
+                if pixels.is_some_and(|admitted| admitted.is_err()) {
+                    return id;
+                }
+                let copy = Texture {
+                    wrap,
+                    ..texture.clone()
+                };
+                self.list.push(copy);
+                (self.list.len() - 1) as TextureId
+            }
+            None => id,
+        };
+        self.wrapped.insert((id, wrap), found);
+        found
     }
 
     /// Whether the pixels of a picture are loaded.
@@ -105,6 +138,7 @@ impl Textures {
         self.list.push(Texture {
             path: name,
             image: Some(image),
+            ..Texture::default()
         });
         Ok((self.list.len() - 1) as TextureId)
     }
@@ -202,6 +236,19 @@ mod tests {
             &["maps/tile.hdr", "wood.hdr"],
             0,
         );
+    }
+
+    #[test]
+    fn a_picture_that_goes_on_in_two_ways_is_two_textures() {
+        let files = Memory::new().with("wood.hdr", picture());
+        let mut textures = Textures::default();
+        let (id, _) = textures.index("", "wood.hdr", &files);
+        let (clamp, repeat) = ([WrapMode::Clamp; 2], [WrapMode::Repeat; 2]);
+        let found = [clamp, repeat, clamp, repeat].map(|wrap| textures.wrapped(id, wrap));
+        assert_eq!(found, [0, 1, 0, 1]);
+        let list = textures.into_list();
+        assert_eq!([list[0].wrap, list[1].wrap], [clamp, repeat]);
+        assert_eq!(list[0].image, list[1].image);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::world::child;
 use crate::ReadError;
 use crate::reading::text::shortened;
 use crate::surface::phong::Highlight;
-use azulejo_scene::{Image, Material, Opacity, OpacityMode, Rgb, TextureId};
+use azulejo_scene::{Image, Material, Opacity, OpacityMode, Rgb, TextureId, WrapMode};
 use glam::{DAffine2, DMat2, DVec2};
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -338,16 +338,20 @@ fn picture(
 
 /// The texture in a file: the first of the URLs that exists.
 fn image_texture(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<TextureId> {
-    for repeat in ["repeatS", "repeatT"] {
-        if !node.flag(repeat, true) {
-            builder.warn(
-                &node.source,
-                node.at,
-                "texture with repeatS or repeatT FALSE: repeated",
-            );
+    let id = from_urls(builder, node, &node.strings("url"))?;
+    Some(builder.textures.wrapped(id, wrap_of(node)))
+}
+
+/// How a texture goes on beyond its edges.
+fn wrap_of(node: &VrmlNode) -> [WrapMode; 2] {
+    let repeats = ["repeatS", "repeatT"].map(|field| node.flag(field, true));
+    repeats.map(|repeats| {
+        if repeats {
+            WrapMode::Repeat
+        } else {
+            WrapMode::Clamp
         }
-    }
-    from_urls(builder, node, &node.strings("url"))
+    })
 }
 
 /// A texture of a side of the background; nodes other than pictures have none.
@@ -392,7 +396,8 @@ fn pixel_texture(builder: &mut VrmlSceneBuilder, node: &VrmlNode) -> Option<Text
     let pixel_texture = match pixels(&numbers) {
         Some(image) => {
             let name = node.name.as_deref().unwrap_or("PixelTexture");
-            builder.textures.add_pixels(shortened(name), image)
+            let added = builder.textures.add_pixels(shortened(name), image);
+            added.map(|id| builder.textures.wrapped(id, wrap_of(node)))
         }
         None => Err("it has fewer pixels than its size requires".to_owned()),
     };

@@ -4,7 +4,8 @@ use super::markup::{MarkupField, MarkupNode, write_classic, write_xml};
 use crate::surface::phong::Highlight;
 use crate::surface::tessellate::{exact_counts, mesh_of};
 use azulejo_scene::{
-    Attribute, Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, Sidedness, Units, Up,
+    Attribute, Material, MaterialId, Mesh, Object, OpacityMode, Rgb, Scene, Shape, Sidedness,
+    Units, Up,
 };
 use glam::DVec3;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -81,6 +82,13 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         (
             materials(|m| !m.textures.is_empty() && m.diffuse != Rgb::WHITE),
             "textured materials, whose colour other programs replace",
+        ),
+        (
+            materials(|m| {
+                m.opacity
+                    .is_some_and(|o| o.picture.is_some() || o.mode != OpacityMode::Blend)
+            }),
+            "pictures and masks of opacity",
         ),
         (
             materials(|m| m.textures.len() > 1),
@@ -233,6 +241,9 @@ impl VrmlWriter<'_> {
             node.value("diffuseColor", numbers(&material.diffuse.to_array()));
             if material.is_emitter() {
                 node.value("emissiveColor", numbers(&material.emission.to_array()));
+            }
+            if let Some(opacity) = material.opacity.filter(|o| o.constant < 1.0) {
+                node.value("transparency", numbers(&[1.0 - opacity.constant]));
             }
             if let Some(highlight) = highlight(material) {
                 let ks = highlight.ks.map(|k| k.min(1.0));

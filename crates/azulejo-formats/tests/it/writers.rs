@@ -126,6 +126,7 @@ fn worlds_keep_normals_pictures_and_several_materials() {
     house.textures.push(Texture {
         path: "a \"b\" & 'c'.png".to_owned(),
         image: None,
+        ..Texture::default()
     });
     house.materials[1].textures.push(0);
     house.objects[0].name = "7 walls".to_owned();

@@ -28,6 +28,7 @@ fn surround(scene: &mut Scene, size: (u32, u32), radiance: impl Fn(DVec3) -> Rgb
     scene.textures.push(Texture {
         path: "sky.hdr".into(),
         image: Some(image),
+        ..Texture::default()
     });
     let sky = Environment::picture(0, Projection::Equirectangular, Up::Z);
     scene.lights.push(Light {

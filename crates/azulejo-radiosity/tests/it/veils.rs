@@ -34,6 +34,7 @@ fn add_board(scene: &mut Scene, z: f64) {
     scene.textures.push(Texture {
         path: "board.png".into(),
         image: Some(image),
+        ..Texture::default()
     });
     let board = Material {
         opacity: Some(Opacity {

@@ -51,7 +51,7 @@ fn background_and_fog_are_seen() {
     let plate = Primitive::parallelogram(corner, 2.0 * DVec3::X, 2.0 * DVec3::Y, lamp);
     primitive(&mut scene, plate);
     let mist = Rgb::new(0.2, 0.4, 0.6);
-    scene.background = Some(Rgb::new(0.0, 0.5, 1.0));
+    scene.background = Some(Rgb::new(0.0, 0.5, 1.0).into());
     scene.fog = Some(Fog {
         color: mist,
         visibility: 4.0,

@@ -80,6 +80,7 @@ fn vertex_colours_and_textures_multiply_the_reflectance() {
         scene.textures.push(Texture {
             path: "paint".into(),
             image,
+            ..Texture::default()
         });
     }
     let painted = scene.add_material(Material {

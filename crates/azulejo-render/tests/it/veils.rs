@@ -85,6 +85,7 @@ fn the_sun_through_gauze() {
         kind: LightKind::Directional {
             direction: -DVec3::Z,
             irradiance: Rgb::grey(std::f64::consts::PI),
+            half_angle: 0.0,
         },
     });
     let floor = scene.add_material(Material::diffuse("floor", Rgb::grey(0.8)));

@@ -3,7 +3,7 @@
 use super::{ContentBytes, ContentSink, content_of_fields, content_of_kinds};
 use crate::brdf::{self, Brdf, Description, Measured, Model, Parameter, Value};
 use crate::opacity::{Opacity, OpacityChannel, OpacityMode, OpacityPicture};
-use crate::{Dielectric, Image, Material, Rgb, Sidedness, Texture};
+use crate::{Dielectric, Image, Material, Rgb, Sidedness, Texture, WrapMode};
 
 content_of_fields!(Rgb { r, g, b });
 content_of_fields!(Material {
@@ -46,7 +46,12 @@ content_of_fields!(Dielectric {
     thin
 });
 content_of_kinds!(Sidedness { Unsaid = 0, One = 1, Two = 2 });
-content_of_fields!(Texture { path, image });
+content_of_fields!(Texture { path, image, wrap });
+content_of_kinds!(WrapMode {
+    Repeat = 0,
+    Clamp = 1,
+    Mirror = 2
+});
 content_of_fields!(Image {
     width,
     height,

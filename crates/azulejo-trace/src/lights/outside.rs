@@ -259,6 +259,7 @@ mod tests {
         scene.textures.push(Texture {
             path: "sky.hdr".into(),
             image: Some(image),
+            ..Texture::default()
         });
         let mut sky = Environment::picture(0, Projection::Equirectangular, Up::Y);
         sky.scale = Rgb::new(0.5, 1.0, 2.0);

@@ -46,6 +46,9 @@ struct VeilBuilder<'s> {
     known: HashMap<(u32, u8), Option<u32>>,
     /// Index of the veil of each material, where it does not depend on the triangle.
     even: HashMap<u32, u32>,
+    /// The triangles of the last face, by the numbers of object and face: the items of a face follow
+    /// each other.
+    last: Option<((u32, u32), Vec<[u32; 3]>)>,
 }
 
 impl Veils {
@@ -66,6 +69,7 @@ impl Veils {
             },
             known: HashMap::new(),
             even: HashMap::new(),
+            last: None,
         };
         let leaves = scene.objects.iter().map(|object| match &object.shape {
             Shape::Exact(exact) => Exact::leaves(exact),
@@ -85,7 +89,7 @@ impl Veils {
             let index = if veiled[material as usize] {
                 match &scene.objects[item.object as usize].shape {
                     Shape::Mesh(mesh) => {
-                        builder.triangle(material, mesh, item.face as usize, item.triangle as usize)
+                        builder.triangle(material, mesh, (item.object, item.face), item.triangle)
                     }
                     Shape::Primitive(_) | Shape::Exact(_) => builder.even(material),
                 }
@@ -165,13 +169,26 @@ impl VeilBuilder<'_> {
         index
     }
 
-    fn triangle(&mut self, material: u32, mesh: &Mesh, face: usize, triangle: usize) -> u32 {
+    fn triangle(
+        &mut self,
+        material: u32,
+        mesh: &Mesh,
+        (object, face): (u32, u32),
+        triangle: u32,
+    ) -> u32 {
         let opacity = self.scene.materials[material as usize].see_through();
         let mapped = opacity.copied().and_then(|opacity| {
             let map = self.map(opacity.picture?)?;
             let uvs = mesh.uvs.as_ref()?;
-            let start = mesh.faces.starts[face] as usize;
-            let places = *mesh.triangulate(face).get(triangle)?;
+            let start = mesh.faces.starts[face as usize] as usize;
+            if self
+                .last
+                .as_ref()
+                .is_none_or(|(of, _)| *of != (object, face))
+            {
+                self.last = Some(((object, face), mesh.triangulate(face as usize)));
+            }
+            let places = *self.last.as_ref()?.1.get(triangle as usize)?;
             let uvs = places.map(|k| {
                 let corner = start + k as usize;
                 uvs.at(corner, mesh.faces.corners[corner])
@@ -191,8 +208,9 @@ impl VeilBuilder<'_> {
             return *known;
         }
         let texture = self.scene.textures.get(picture.texture as usize);
-        let image = texture.and_then(|texture| texture.image.as_ref());
-        let map = image.and_then(|image| OpacityMap::new(image, picture.channel));
+        let map = texture.and_then(|texture| {
+            OpacityMap::new(texture.image.as_ref()?, picture.channel, texture.wrap)
+        });
         let index = map.map(|map| {
             self.veils.maps.push(map);
             self.veils.maps.len() as u32 - 1

@@ -16,6 +16,7 @@ fn checkerboard() -> Texture {
     Texture {
         path: "board.png".into(),
         image: Some(Image::opaque(64, 64, vec![[1.0; 3]; 64 * 64]).with_alpha(alpha.collect())),
+        ..Texture::default()
     }
 }
 

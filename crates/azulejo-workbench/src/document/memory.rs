@@ -312,6 +312,7 @@ mod tests {
         document.textures.push(Arc::new(Texture {
             path: String::new(),
             image: Some(Image::new(100, 100)),
+            ..Texture::default()
         }));
         assert!(document.bytes() - before >= 120_000);
     }

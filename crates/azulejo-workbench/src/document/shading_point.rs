@@ -56,8 +56,8 @@ impl SceneDocument {
     /// material no longer exists.
     pub fn radiance(&self, paint: &ShadingPoint, irradiance: Rgb) -> Option<Rgb> {
         let material = self.materials.get(paint.material as usize)?;
-        let image = |id: u32| self.textures.get(id as usize)?.image.as_ref();
-        let reflectance = material.painted(paint.color, paint.uv, image);
+        let texture = |id: u32| self.textures.get(id as usize).map(|texture| &**texture);
+        let reflectance = material.painted(paint.color, paint.uv, texture);
         Some(material.emission_from(paint.is_front) + reflectance * irradiance / PI)
     }
 }

@@ -146,6 +146,7 @@ mod tests {
             .map(|(path, image)| Texture {
                 path: path.to_owned(),
                 image: Some(image),
+                ..Texture::default()
             })
             .collect();
         scene

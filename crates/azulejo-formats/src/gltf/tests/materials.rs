@@ -5,7 +5,7 @@ use crate::picture::png;
 use crate::surface::model::gltf_mr;
 use azulejo_scene::{
     Dielectric, Image, Material, Opacity, OpacityChannel, OpacityMode, OpacityPicture, Rgb, Scene,
-    Sidedness,
+    Sidedness, WrapMode,
 };
 use glam::DVec2;
 
@@ -231,6 +231,20 @@ fn alpha_modes() {
     assert_eq!(of(1.0, masked, &plain), None);
     let cutoff = ",\"alphaMode\":\"MASK\",\"alphaCutoff\":0.75";
     assert_eq!(of(0.5, cutoff, &plain), mask(0.75, Opacity::constant(0.5)));
+}
+
+#[test]
+fn samplers_say_how_pictures_go_on() {
+    let json = pbr("\"metallicFactor\":0,\"baseColorTexture\":{\"index\":0,\"texCoord\":1}");
+    let of = |sampler: &str| {
+        let picture =
+            picture_of(&[[255; 3]]).replace("{\"source\":0}", "{\"source\":0,\"sampler\":0}");
+        let rest = format!("{picture},\"samplers\":[{{{sampler}}}]");
+        scene(&json, &rest, &[]).textures[0].wrap
+    };
+    assert_eq!(of(""), [WrapMode::Repeat; 2]);
+    let both = of("\"wrapS\":33071,\"wrapT\":33648");
+    assert_eq!(both, [WrapMode::Clamp, WrapMode::Mirror]);
 }
 
 /// Pictures that extensions name, where glTF's own are missing.

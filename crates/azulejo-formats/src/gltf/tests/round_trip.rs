@@ -4,7 +4,7 @@ use crate::{Memory, ReadOptions, gltf};
 use azulejo_scene::{
     Attribute, Camera, Dielectric, Image, Light, LightKind, Material, Mesh, Object, Opacity,
     OpacityChannel, OpacityMode, OpacityPicture, Primitive, Rgb, Scene, Shape, Sidedness, Texture,
-    Units, Up,
+    Units, Up, WrapMode,
 };
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
@@ -152,6 +152,8 @@ fn scene() -> impl Strategy<Value = Scene> {
                     pixels: vec![[0.0, 1.0, 0.0], [1.0; 3]],
                     alpha: None,
                 }),
+                wrap: [WrapMode::Clamp, WrapMode::Mirror],
+                ..Texture::default()
             }],
             objects: objects
                 .into_iter()
@@ -390,6 +392,7 @@ fn pictures_without_pixels_are_reported() {
     scene.textures.push(Texture {
         path: "maps/a b.png".into(),
         image: None,
+        ..Texture::default()
     });
     scene.add_material(Material {
         textures: vec![0],
@@ -447,6 +450,7 @@ fn opacities_come_back() {
     let picture = |pixels: Vec<[f32; 3]>| Texture {
         path: "picture".into(),
         image: Some(Image::opaque(2, 1, pixels)),
+        ..Texture::default()
     };
     let colour = picture(vec![[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]);
     let mut cut = colour.clone();

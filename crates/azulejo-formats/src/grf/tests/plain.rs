@@ -41,6 +41,7 @@ fn materials() -> Scene {
     scene.textures.push(Texture {
         path: "wood.png".to_owned(),
         image: None,
+        ..Texture::default()
     });
     scene.add_material(Material {
         textures: vec![0],

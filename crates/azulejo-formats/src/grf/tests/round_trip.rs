@@ -6,7 +6,7 @@ use azulejo_scene::brdf::Description;
 use azulejo_scene::{
     Attribute, BackIrradiance, Brdf, Camera, Dielectric, Fog, Light, LightKind, Material, Object,
     Opacity, OpacityChannel, OpacityMode, OpacityPicture, Primitive, PrimitiveKind, Rgb,
-    SceneBackground, Sidedness, SurfaceGrid, SurfaceLight, Texture, Units, Up,
+    SceneBackground, Sidedness, SurfaceGrid, SurfaceLight, Texture, Units, Up, WrapMode,
 };
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use proptest::collection::vec;
@@ -257,6 +257,12 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
         )
 }
 
+const WRAPS: [[WrapMode; 2]; 3] = [
+    [WrapMode::Repeat; 2],
+    [WrapMode::Clamp, WrapMode::Mirror],
+    [WrapMode::Mirror, WrapMode::Repeat],
+];
+
 fn opacity(textures: usize) -> impl Strategy<Value = Opacity> {
     let channel = prop_oneof![Just(OpacityChannel::Alpha), Just(OpacityChannel::Luminance)];
     let picture = (0..textures.max(1) as u32, channel);
@@ -488,7 +494,12 @@ fn any_scene() -> impl Strategy<Value = Scene> {
             let (units, background, fog) = rest;
             let textures: Vec<Texture> = paths
                 .into_iter()
-                .map(|path| Texture { path, image: None })
+                .enumerate()
+                .map(|(k, path)| Texture {
+                    path,
+                    image: None,
+                    wrap: WRAPS[k % WRAPS.len()],
+                })
                 .collect();
             for material in &mut materials {
                 material.textures.retain(|&t| (t as usize) < textures.len());

@@ -5,7 +5,7 @@ use super::walk::V1Traversal;
 use crate::reading::text::shortened;
 use crate::surface::phong::Highlight;
 use crate::vrml::appearance;
-use azulejo_scene::{Material, MaterialId, Opacity, Rgb, Sidedness, TextureId};
+use azulejo_scene::{Material, MaterialId, Opacity, Rgb, Sidedness, TextureId, WrapMode};
 use std::collections::HashMap;
 
 /// VRML's specular exponent is its shininess times this, as in OpenGL.
@@ -155,15 +155,15 @@ impl V1Traversal<'_, '_, '_> {
         if let Some(&known) = self.cache.textures.get(&node.at) {
             return known;
         }
-        for field in ["wrapS", "wrapT"] {
-            if node.word(field) == "CLAMP" {
-                self.warn(node, format!("{field} CLAMP of a texture: repeated"));
-            }
-        }
+        let wrap = ["wrapS", "wrapT"].map(|field| match node.word(field) {
+            "CLAMP" => WrapMode::Clamp,
+            _ => WrapMode::Repeat,
+        });
         let id = match node.word("filename") {
             "" => self.pixel_texture_in_node(node),
             name => Some(self.picture(node, name)),
         };
+        let id = id.map(|id| self.builder.textures.wrapped(id, wrap));
         self.cache.textures.insert(node.at, id);
         id
     }

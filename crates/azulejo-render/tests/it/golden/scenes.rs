@@ -69,6 +69,7 @@ fn texture(scene: &mut Scene, n: u32, color: impl Fn(u32, u32) -> [f32; 3]) -> u
             pixels,
             alpha: None,
         }),
+        ..Texture::default()
     });
     scene.textures.len() as u32 - 1
 }
@@ -387,6 +388,6 @@ pub fn fog() -> (Scene, Camera) {
         visibility: 12.0,
         exponential: true,
     });
-    scene.background = Some(color);
+    scene.background = Some(color.into());
     (scene, camera)
 }

@@ -230,6 +230,7 @@ mod tests {
         document.textures = vec![Arc::new(Texture {
             path: "maps\\wood/oak.png".into(),
             image: Some(Image::new(4, 2)),
+            ..Texture::default()
         })];
         // The floor in part, and the bead.
         assert_eq!(
