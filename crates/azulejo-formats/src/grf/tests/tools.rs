@@ -96,6 +96,12 @@ fn formatting_changes_no_scene() {
     assert_eq!(found, "include lamp//a.grf // not a comment before\n");
     // Names that another file defines, and textures that are not there.
     check_format(&triangle("use color elsewhere texture a(1).png"));
+    // A blank of another alphabet is part of a name.
+    let found = check_format("def a\u{a0}b = rgb (1, 0, 0)\u{c}def c=rgb(0,0,0)");
+    assert_eq!(
+        found,
+        "def a\u{a0}b = rgb (1, 0, 0)\ndef c = rgb (0, 0, 0)\n"
+    );
     assert_eq!(format_text(""), "");
     assert_eq!(format_text(" ; "), ";\n");
     assert!(formatted(b"begin mesh", "test.grf").is_err());
