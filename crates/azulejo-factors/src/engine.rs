@@ -6,7 +6,7 @@ use crate::patch::Patches;
 use crate::rays::RayEstimator;
 use crate::row::{Columns, Row, Side};
 use azulejo_trace::item_buffer::Device;
-use azulejo_trace::{Cancelled, Gatherer, Progress};
+use azulejo_trace::{Cancelled, Gatherer, Progress, Tracer};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -31,6 +31,25 @@ pub enum Engine {
 }
 
 impl Engine {
+    /// The engine that takes this one's place for a scene, and why: formulas and item buffers take
+    /// surfaces as opaque through which light passes straight ([`Tracer::has_veils`]), so rays do their
+    /// work there.
+    pub fn for_tracer(self, tracer: &Tracer) -> (Engine, Option<String>) {
+        let name = match self {
+            Engine::Hemicube(_) => "hemicubes",
+            Engine::Hybrid(_) => "hybrid hemicubes",
+            Engine::Analytic => "formulas",
+            Engine::Auto | Engine::Rays | Engine::Particles => return (self, None),
+        };
+        if !tracer.has_veils() {
+            return (self, None);
+        }
+        let why = format!(
+            "rays, because light passes straight through surfaces, which {name} take as opaque"
+        );
+        (Engine::Rays, Some(why))
+    }
+
     /// Rays or pixels per row where `rays` are requested, as [`Estimator::rays`] returns them.
     pub(crate) fn rays_per_row(&self, rays: u32) -> u32 {
         match self {

@@ -184,6 +184,8 @@ impl<'a> PreparedPlan<'a> {
             }
             requested => (requested.clone(), None),
         };
+        let (engine, instead) = engine.for_tracer(tracer);
+        let why = instead.or(why);
         PreparedPlan {
             plan,
             sides: Sides::new(&plan.patches, plan.options.two_sided),
@@ -264,6 +266,11 @@ impl<'a> PreparedPlan<'a> {
         )
     }
 
+    /// Whether formulas replace what rays find of near pairs. They know no opacity.
+    fn uses_formulas(&self) -> bool {
+        self.plan.options.analytic && !self.plan.proxy.tracer.has_veils()
+    }
+
     /// The memory for rows of so many rays or pixels.
     fn forecast_of_rows(&self, rays: u32, progress: &Progress) -> Result<Forecast, Cancelled> {
         let sampler = self.ray_estimator(rays.min(FORECAST_RAYS));
@@ -295,7 +302,7 @@ impl<'a> PreparedPlan<'a> {
         let forecast = self.forecast(progress)?;
         refuse(options, forecast.rows, forecast.bytes as f64)?;
         let estimator = self.estimator();
-        let exact = if options.analytic {
+        let exact = if self.uses_formulas() {
             let seed = hash(&[self.seed, 0]);
             near::exact(&self.sides, self.gatherer.surfaces(), seed, progress)?
         } else {

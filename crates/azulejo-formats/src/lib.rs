@@ -4,7 +4,7 @@
 //! | module | purpose | may use |
 //! |---|---|---|
 //! | `reading` | bytes, text, numbers, files, options, errors, warnings, recognition | – |
-//! | [`picture`] | PNG, JPEG, Radiance HDR, OpenEXR | – |
+//! | [`picture`] | PNG, JPEG, Radiance HDR, OpenEXR, BMP, TGA, GIF, SGI, TIFF, WebP, DDS, KTX2 | – |
 //! | `surface` | materials, reflection models, textures, normals, polygons of exact shapes | `reading`, `picture` |
 //! | [`outline`] | fonts, encodings, typefaces, drawings | `reading` |
 //! | [`brdf`], [`camera_json`] | reflection models; cameras and lights | `reading` |

@@ -418,6 +418,8 @@ impl SolverInputs<'_> {
             }
             asked => (asked.clone(), None),
         };
+        let (engine, instead) = engine.for_tracer(gatherer.surfaces().tracer);
+        let why = instead.or(why);
         let rays = if engine == Engine::Rays {
             match affordable_patch_rays(gatherer, patches, seed, progress)? {
                 Some(affordable) => affordable.min(rays),

@@ -10,8 +10,15 @@ use std::f64::consts::TAU;
 /// Rays across and down the view from outside, and from each place within all around.
 const RAYS: u32 = 16;
 
-/// Share of the surfaces seen from outside that must be lit.
-const LIT: f64 = 0.05;
+/// Where so much of the surfaces seen from outside is lit, nothing else is looked for.
+const LIT: f64 = 0.5;
+
+/// Share of the directions from a place within that must end at surfaces: a room may have windows,
+/// or lack a wall.
+const ENCLOSED: f64 = 0.8;
+
+/// How much more of what is seen must be lit from within than from outside.
+const BETTER: f64 = 1.3;
 
 /// Places within that are tried along each axis.
 const PLACES: u32 = 6;
@@ -25,8 +32,8 @@ const WITHIN: f64 = 62.0;
 /// Seeds the rays.
 const SEED: u32 = 0xf1e5;
 
-/// A camera that shows something: the whole scene from outside, or, where no light reaches what is
-/// seen from there and light is within, as in a closed room, a view from a place inside.
+/// A camera that shows something: the whole scene from outside, or, where little light reaches what
+/// is seen from there and more is within, as in a room, a view from a place inside.
 /// `aspect` is the width of the image over its height.
 pub fn first_view(scene: &Scene, tracer: &Tracer, aspect: f64) -> Camera {
     let up = scene.units.up.axis();
@@ -37,10 +44,13 @@ pub fn first_view(scene: &Scene, tracer: &Tracer, aspect: f64) -> Camera {
         tracer,
         up,
     };
-    if bounds.is_empty() || !scene.has_light() || look.is_lit(&outside, aspect) {
+    if bounds.is_empty() || !scene.has_light() {
         return outside;
     }
-    look.within(bounds).unwrap_or(outside)
+    match look.lit_share(&outside, aspect) {
+        lit if lit >= LIT => outside,
+        lit => look.within(bounds, BETTER * lit).unwrap_or(outside),
+    }
 }
 
 struct Look<'a> {
@@ -59,14 +69,25 @@ struct SeenAround {
     distance: f64,
 }
 
+impl SeenAround {
+    /// Share of the surfaces that are lit; 1 if there are none.
+    fn lit_share(&self) -> f64 {
+        if self.enclosed > 0.0 {
+            self.lit / self.enclosed
+        } else {
+            1.0
+        }
+    }
+}
+
 impl Look<'_> {
-    /// Whether some of what a camera sees is lit, or shines.
-    fn is_lit(&self, camera: &Camera, aspect: f64) -> bool {
+    /// Share of the surfaces seen by a camera that are lit, or shine; 1 if it sees none.
+    fn lit_share(&self, camera: &Camera, aspect: f64) -> f64 {
         let middle = |k: u32| (f64::from(k) + 0.5) / f64::from(RAYS);
         let ray = |k: u32| camera.ray(middle(k % RAYS), middle(k / RAYS), aspect);
         let rays: Vec<Ray> = (0..RAYS * RAYS).map(ray).collect();
         let seen = self.see(&rays);
-        seen.enclosed == 0.0 || seen.lit > LIT * seen.enclosed
+        seen.lit_share()
     }
 
     /// What rays see, by direct light alone.
@@ -111,8 +132,8 @@ impl Look<'_> {
     }
 
     /// A view from within: from the place that sees most lit surfaces far away, back against the
-    /// wall behind it.
-    fn within(&self, bounds: Aabb) -> Option<Camera> {
+    /// wall behind it. `None` if nowhere more than the share `least` of what is seen is lit.
+    fn within(&self, bounds: Aabb, least: f64) -> Option<Camera> {
         let places = (0..PLACES.pow(3)).map(|k| {
             let part = |axis: u32| {
                 let cell = k / PLACES.pow(axis) % PLACES;
@@ -123,7 +144,9 @@ impl Look<'_> {
         });
         let scored = places.enumerate().map(|(k, place)| {
             let seen = self.see(&self.around(place, k as u32));
-            (seen.lit * seen.enclosed * seen.distance, place)
+            let is_room = seen.enclosed >= ENCLOSED && seen.lit_share() > least;
+            let score = seen.lit * seen.enclosed * seen.distance;
+            (if is_room { score } else { 0.0 }, place)
         });
         let best = scored.max_by(|a, b| a.0.total_cmp(&b.0));
         let (_, place) = best.filter(|(score, _)| *score > 0.0)?;

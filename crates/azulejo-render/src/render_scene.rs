@@ -23,7 +23,8 @@ pub(crate) struct RenderScene<'a> {
 pub(crate) struct ShadowBatch {
     rays: Vec<KernelRay>,
     light: Vec<Rgb>,
-    blocked: Vec<bool>,
+    /// What passes along each ray.
+    shares: Vec<f32>,
 }
 
 impl<'a> RenderScene<'a> {
@@ -198,15 +199,15 @@ impl ShadowBatch {
         }
     }
 
-    /// The sum of the contributions that are not blocked.
+    /// The sum of the contributions, of what passes all that stands between.
     fn visible(&mut self, tracer: &Tracer) -> Rgb {
         if self.rays.is_empty() {
             return Rgb::BLACK;
         }
-        tracer.any(&self.rays, &mut self.blocked);
-        let free = self.light.iter().zip(&self.blocked);
-        free.filter(|(_, blocked)| !**blocked)
-            .map(|(light, _)| *light)
+        tracer.transmittance(&self.rays, &mut self.shares);
+        let free = self.light.iter().zip(&self.shares);
+        free.filter(|(_, share)| **share > 0.0)
+            .map(|(&light, &share)| light * f64::from(share))
             .sum()
     }
 }

@@ -110,6 +110,7 @@ mod tests {
             width: pixels.len() as u32,
             height: 1,
             pixels: pixels.iter().map(|&x| [x; 3]).collect(),
+            alpha: None,
         }
     }
 

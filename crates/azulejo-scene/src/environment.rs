@@ -241,6 +241,7 @@ mod tests {
             width,
             height,
             pixels: (0..width * height).map(pixel).collect(),
+            alpha: None,
         }
     }
 

@@ -1,15 +1,13 @@
 //! Materials: what surfaces reflect, transmit and emit.
 
 use crate::brdf::Lobes;
-use crate::{Brdf, Image, Rgb};
+use crate::image::TextureId;
+use crate::{Brdf, Image, Opacity, Rgb};
 use glam::DVec2;
 use std::sync::Arc;
 
 /// Index of a material in [`Scene::materials`](crate::Scene::materials).
 pub type MaterialId = u32;
-
-/// Index of a texture in [`Scene::textures`](crate::Scene::textures).
-pub type TextureId = u32;
 
 /// The optical properties of a surface.
 ///
@@ -44,6 +42,9 @@ pub struct Material {
     /// ([`Brdf::mean_diffuse`], [`Brdf::mean_mirror`]), for algorithms that need no more; its
     /// glossy lobes are additional. [`Material::with_brdf`] keeps the three consistent.
     pub brdf: Option<Arc<Brdf>>,
+    /// How much of the surface is there; `None` is all of it. What it takes is as the other
+    /// properties say ([`Material::see_through`]).
+    pub opacity: Option<Opacity>,
 }
 
 /// From which sides a surface is visible, by the file that it comes from.
@@ -245,6 +246,36 @@ impl Material {
     /// Whether incident light can leave in or near the specular or refracted direction.
     pub fn is_specular(&self) -> bool {
         self.dielectric.is_some() || !self.mirror.is_black() || self.glossy().is_some()
+    }
+
+    /// The opacity of a surface through which light passes; `None` if none does. Surfaces that emit are
+    /// opaque, whatever their opacity: what a half transparent lamp emits is not defined by the formats.
+    pub fn see_through(&self) -> Option<&Opacity> {
+        let opacity = self.opacity.as_ref().filter(|o| !o.is_opaque());
+        opacity.filter(|_| !self.is_emitter())
+    }
+
+    /// All pictures that it shows: of its colour, then of its opacity.
+    pub fn pictures(&self) -> impl Iterator<Item = TextureId> + '_ {
+        let of_opacity = self.opacity.and_then(|o| o.picture).map(|p| p.texture);
+        self.textures.iter().copied().chain(of_opacity)
+    }
+
+    /// Numbers its pictures `by` more, as where their list is appended to another.
+    pub fn renumber_pictures(&mut self, by: TextureId) {
+        self.textures.iter_mut().for_each(|t| *t += by);
+        let opacity = self.opacity.as_mut();
+        if let Some(picture) = opacity.and_then(|o| o.picture.as_mut()) {
+            picture.texture += by;
+        }
+    }
+
+    /// Forgets its pictures.
+    pub fn drop_pictures(&mut self) {
+        self.textures.clear();
+        if let Some(opacity) = &mut self.opacity {
+            opacity.picture = None;
+        }
     }
 
     /// Whether the front emits light.

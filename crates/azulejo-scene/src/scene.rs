@@ -270,7 +270,7 @@ impl Scene {
         self.textures.extend(other.textures);
         self.materials
             .extend(other.materials.into_iter().map(|mut m| {
-                m.textures.iter_mut().for_each(|t| *t += textures);
+                m.renumber_pictures(textures);
                 m
             }));
         self.objects.extend(other.objects.into_iter().map(|mut o| {

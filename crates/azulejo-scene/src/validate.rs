@@ -4,8 +4,8 @@ mod exact;
 mod rtrace;
 
 use crate::{
-    Attribute, Environment, EnvironmentSource, LightKind, Material, Mesh, Object, Primitive,
-    PrimitiveKind, Scene, SceneBackground, Shape, TextureId,
+    Attribute, Environment, EnvironmentSource, LightKind, Material, Mesh, Object, Opacity,
+    OpacityMode, Primitive, PrimitiveKind, Scene, SceneBackground, Shape, TextureId,
 };
 use glam::DVec3;
 use std::fmt;
@@ -47,7 +47,7 @@ impl Scene {
     ///    and primitives into materials, materials into textures.
     /// 2. Every face has three or more corners and one material; per-vertex lists are empty or
     ///    as long as the positions, per-face lists as long as the faces.
-    /// 3. Every number is finite. Reflectances are in 0..=1; `diffuse + mirror`, with the
+    /// 3. Every number is finite. Reflectances and opacities are in 0..=1, cutoffs >= 0; `diffuse + mirror`, with the
     ///    albedo of glossy lobes, is at most 1; emission, irradiance and intensities are not
     ///    negative.
     /// 4. Normals have length 1 (to 1e-3) or are absent; so have the directions of lights.
@@ -145,7 +145,12 @@ impl Scene {
                 })?;
             }
             let count = self.textures.len();
-            for &t in &m.textures {
+            let opacity = m.opacity.as_ref();
+            ensure(opacity.is_none_or(is_possible), place, || {
+                format!("opacity is {opacity:?}, expected 0..=1 and a cutoff >= 0")
+            })?;
+            let pictures = opacity.and_then(|o| o.picture).map(|p| p.texture);
+            for &t in m.textures.iter().chain(&pictures) {
                 ensure((t as usize) < count, place, || {
                     format!("texture {t} of {count}")
                 })?;
@@ -266,6 +271,15 @@ impl Scene {
         }
         Ok(())
     }
+}
+
+/// Whether an opacity is one.
+fn is_possible(opacity: &Opacity) -> bool {
+    let cut = match opacity.mode {
+        OpacityMode::Mask { cutoff } => cutoff,
+        OpacityMode::Blend => 0.0,
+    };
+    (0.0..=1.0).contains(&opacity.constant) && cut >= 0.0 && cut.is_finite()
 }
 
 fn validate_mesh(mesh: &Mesh, materials: usize) -> Check {
@@ -487,6 +501,31 @@ mod tests {
             "normal 0",
         );
         check(|s| s.materials[0].mirror = Rgb::grey(0.6), "exceed 1");
+        check(
+            |s| s.materials[0].opacity = Some(Opacity::constant(1.5)),
+            "opacity is",
+        );
+        check(
+            |s| {
+                s.materials[0].opacity = Some(Opacity {
+                    mode: OpacityMode::Mask { cutoff: f64::NAN },
+                    ..Opacity::constant(1.0)
+                });
+            },
+            "opacity is",
+        );
+        check(
+            |s| {
+                s.materials[0].opacity = Some(Opacity {
+                    picture: Some(OpacityPicture {
+                        texture: 3,
+                        channel: OpacityChannel::Alpha,
+                    }),
+                    ..Opacity::constant(1.0)
+                });
+            },
+            "texture 3 of 0",
+        );
         check(|s| s.units.metres_per_unit = Some(0.0), "metres_per_unit");
         check(
             |s| s.background = Some(Rgb::grey(-1.0).into()),

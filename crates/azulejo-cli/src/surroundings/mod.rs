@@ -91,6 +91,17 @@ fn push(scene: &mut Scene, name: &str, kind: LightKind) {
     scene.lights.push(Light { name, kind });
 }
 
+/// What is asked of the sun.
+#[derive(Default)]
+struct AskedSun {
+    /// Unit, toward it, in the sky's frame.
+    toward: Option<DVec3>,
+    /// Irradiance of what faces it.
+    irradiance: Option<f64>,
+    /// Day of the year, from 1.
+    day: Option<u32>,
+}
+
 /// The sun and the sky to add.
 struct Daylight {
     sky: Option<Sky>,
@@ -120,7 +131,11 @@ impl Daylight {
             is_night: false,
             notes: Vec::new(),
         };
-        let (toward, given, day) = daylight.toward_sun(scene, asked, site, instant)?;
+        let AskedSun {
+            toward,
+            irradiance: given,
+            day,
+        } = daylight.asked_sun(scene, asked, site, instant)?;
         let units = OutsideUnits {
             photometric: scene.units.photometric,
             solar: asked.solar,
@@ -169,21 +184,22 @@ impl Daylight {
         Ok(daylight)
     }
 
-    /// The unit direction toward the sun in the sky's frame, the irradiance that was given, and the
-    /// day of the year.
-    #[allow(clippy::type_complexity)]
-    fn toward_sun(
+    /// Where the sun stands, and what is said of it.
+    fn asked_sun(
         &mut self,
         scene: &Scene,
         asked: &SurroundingsArgs,
         site: Option<Site>,
         instant: Option<Timestamp>,
-    ) -> Result<(Option<DVec3>, Option<f64>, Option<u32>), Failure> {
+    ) -> Result<AskedSun, Failure> {
         let (instant, given) = match &asked.sun {
             Some(SunArg::Toward(place, irradiance)) => {
                 let turn = upright(scene.units.up, self.north).conjugate();
-                let day = instant.map(day_of_year);
-                return Ok((Some(place.toward(|d| turn * d)), *irradiance, day));
+                return Ok(AskedSun {
+                    toward: Some(place.toward(|d| turn * d)),
+                    irradiance: *irradiance,
+                    day: instant.map(day_of_year),
+                });
             }
             Some(SunArg::At(instant, irradiance)) => (Some(*instant), *irradiance),
             Some(SunArg::Irradiance(irradiance)) => (instant, Some(*irradiance)),
@@ -192,7 +208,7 @@ impl Daylight {
         let (site, instant) = match (site, instant) {
             (Some(site), Some(instant)) => (site, instant),
             (None, None) if matches!(asked.sun, Some(SunArg::Off) | None) => {
-                return Ok((None, None, None));
+                return Ok(AskedSun::default());
             }
             (None, _) => {
                 return Err(Failure::misuse(
@@ -212,8 +228,11 @@ impl Daylight {
             at.azimuth.to_degrees(),
             at.altitude.to_degrees()
         ));
-        let toward = direction_from(at.azimuth, at.altitude);
-        Ok((Some(toward), given, Some(day_of_year(instant))))
+        Ok(AskedSun {
+            toward: Some(direction_from(at.azimuth, at.altitude)),
+            irradiance: given,
+            day: Some(day_of_year(instant)),
+        })
     }
 
     fn add(mut self, scene: &mut Scene, session: &mut Session) -> Result<(), Failure> {

@@ -95,7 +95,7 @@ impl PreparedPlan<'_> {
         let sides = &self.sides;
         let is_analytic = self.engine == Engine::Analytic;
         let mut exact = vec![Vec::new(); sides.len()];
-        if options.analytic || is_analytic {
+        if self.uses_formulas() || is_analytic {
             let surfaces = self.gatherer.surfaces();
             let seed = hash(&[self.seed, 0]);
             exact[row] = near::exact_row(sides, surfaces, row, seed, progress)?;

@@ -5,6 +5,7 @@ use super::contacts::Contacts;
 use super::divide::Division;
 use super::locate::{Locator, is_flat};
 use super::outline::{Outline, Region, Slot};
+use super::reflectance::mean_opacities;
 use super::vertex_split::{SplitVertex, split_along_contacts};
 use super::{DisplayVertex, FaceId, FlatRegion, GivenVertex, Lists, Patches};
 use azulejo_scene::math::area_vector;
@@ -62,6 +63,10 @@ pub(super) fn build(outline: &Outline, contacts: &Contacts, division: Division) 
     };
     patches.areas = (0..patches.len()).map(|i| area(&patches, i)).collect();
     pull_inward(&mut patches);
+    if let Some(shares) = mean_opacities(outline.scene, &patches) {
+        let areas = patches.areas.iter_mut().zip(shares);
+        areas.for_each(|(area, share)| *area *= share);
+    }
     patches
 }
 

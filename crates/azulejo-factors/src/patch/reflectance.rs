@@ -1,9 +1,10 @@
 //! Mean reflectance of patches, and the patch of a hit.
 
 use super::{Patches, RefinedShape};
-use azulejo_scene::{Material, Mesh, Rgb, Scene};
+use azulejo_scene::{Material, Mesh, Opacity, OpacityMap, Rgb, Scene, Shape};
 use azulejo_trace::{KernelHit, Surfaces};
 use glam::DVec2;
+use std::collections::HashMap;
 
 impl Patches {
     /// The patch that a hit of the scene's own tracer lies on.
@@ -32,6 +33,99 @@ pub fn reflectances(scene: &Scene, patches: &Patches) -> Vec<Rgb> {
         }
     }
     all
+}
+
+/// Least share of a patch that counts as there: none has no area at all.
+const LEAST_OPACITY: f64 = 1e-3;
+
+/// Steps along each side of a triangle over which an opacity is averaged.
+const OPACITY_STEPS: u32 = 12;
+
+/// Mean opacity of every patch, 1e-3..=1; `None` if nothing lets light pass.
+///
+/// A patch sends and takes light on this share of its area; the rest of what arrives passes it, and is
+/// found by rays on the patches behind.
+pub(super) fn mean_opacities(scene: &Scene, patches: &Patches) -> Option<Vec<f64>> {
+    let opacities: Vec<Option<&Opacity>> =
+        scene.materials.iter().map(Material::see_through).collect();
+    if opacities.iter().all(Option::is_none) {
+        return None;
+    }
+    let mut maps = HashMap::new();
+    let mut all = Vec::with_capacity(patches.len());
+    for object in 0..scene.objects.len() as u32 {
+        let of_object = patches.patches_of(object);
+        let is_veiled = |i: usize| opacities[patches.material(i) as usize].is_some();
+        let divided = match &scene.objects[object as usize].shape {
+            Shape::Mesh(_) if of_object.clone().any(is_veiled) => patches.refined(object, scene),
+            _ => RefinedShape::Mesh(Mesh::default()),
+        };
+        for (face, patch) in of_object.enumerate() {
+            let Some(opacity) = opacities[patches.material(patch) as usize] else {
+                all.push(1.0);
+                continue;
+            };
+            let map = opacity.picture.and_then(|picture| {
+                let known = maps.entry((picture.texture, picture.channel));
+                let texture = scene.textures.get(picture.texture as usize);
+                let image = texture.and_then(|texture| texture.image.as_ref());
+                known
+                    .or_insert_with(|| OpacityMap::new(image?, picture.channel))
+                    .as_ref()
+            });
+            let uvs = match &divided {
+                RefinedShape::Mesh(mesh) => texture_corners(mesh, face),
+                RefinedShape::Surface(_) => None,
+            };
+            let mean = match map.zip(uvs) {
+                Some((map, uvs)) => mean_over(&uvs, |uv| opacity.at(map.sample(uv))),
+                None => opacity.at(1.0),
+            };
+            all.push(mean.clamp(LEAST_OPACITY, 1.0));
+        }
+    }
+    Some(all)
+}
+
+/// Texture coordinates of a face's corners.
+fn texture_corners(mesh: &Mesh, face: usize) -> Option<Vec<DVec2>> {
+    let uvs = mesh.uvs.as_ref()?;
+    let corners = mesh.faces.corner_range(face);
+    let corners = corners.zip(mesh.faces.get(face).iter().copied());
+    Some(
+        corners
+            .map(|(corner, vertex)| uvs.at(corner, vertex))
+            .collect(),
+    )
+}
+
+/// Mean of a function over a convex polygon, by points spread evenly over its triangles.
+fn mean_over(corners: &[DVec2], value: impl Fn(DVec2) -> f64) -> f64 {
+    let (mut sum, mut whole) = (0.0, 0.0);
+    for k in 2..corners.len() {
+        let (a, b, c) = (
+            corners[0],
+            corners[k - 1] - corners[0],
+            corners[k] - corners[0],
+        );
+        // A triangle without area in the picture shows one colour.
+        let weight = b.perp_dot(c).abs().max(f64::MIN_POSITIVE);
+        let n = OPACITY_STEPS;
+        let (mut of_triangle, mut count) = (0.0, 0.0);
+        for (i, j) in (0..n).flat_map(|i| (0..n - i).map(move |j| (i, j))) {
+            // The centres of the triangles that point up, and of those that point down.
+            for third in [1.0, 2.0] {
+                let at = |k: u32| (f64::from(k) + third / 3.0) / f64::from(n);
+                if third == 1.0 || i + j + 1 < n {
+                    of_triangle += value(a + at(i) * b + at(j) * c);
+                    count += 1.0;
+                }
+            }
+        }
+        sum += weight * of_triangle / count;
+        whole += weight;
+    }
+    sum / whole
 }
 
 /// Mean colour and texture of a face.

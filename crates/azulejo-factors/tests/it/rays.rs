@@ -4,7 +4,7 @@ use crate::scenes::*;
 use azulejo_factors::rays::RayEstimator;
 use azulejo_factors::row::{Columns, Row, side};
 use azulejo_factors::{PatchSize, Patches};
-use azulejo_scene::{Object, Primitive, Scene, Shape};
+use azulejo_scene::{Material, Object, Opacity, Primitive, Scene, Shape};
 use azulejo_trace::{Gatherer, Surfaces, Tracer};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -90,4 +90,51 @@ fn inside_of_a_sphere_sees_by_area() {
         patches.len()
     );
     assert!(worst < 4.5, "{worst} σ");
+}
+
+/// Facing unit squares one apart, F = 0.19982, with gauze in between, and one of them gauze itself: the
+/// factor counts what passes, and areas count by their opacity.
+#[test]
+fn rows_through_gauze() {
+    let gauze = |opacity: f64| Material {
+        opacity: Some(Opacity::constant(opacity)),
+        ..surface(0.5, 0.0, 0.0)
+    };
+    let squares = |between: Option<f64>, upper: Material| {
+        let mut scene = Scene::default();
+        add_sheet(
+            &mut scene,
+            DVec3::ZERO,
+            DVec3::X,
+            DVec3::Y,
+            surface(0.5, 0.0, 0.0),
+        );
+        add_sheet(&mut scene, DVec3::Z, DVec3::Y, DVec3::X, upper);
+        if let Some(opacity) = between {
+            let corner = DVec3::new(-5.0, -5.0, 0.5);
+            add_sheet(
+                &mut scene,
+                corner,
+                11.0 * DVec3::X,
+                11.0 * DVec3::Y,
+                gauze(opacity),
+            );
+        }
+        let (patches, rows) = rows(&scene, PatchSize::Edge(0.0), 1 << 14);
+        let to_upper = |row: &Row| {
+            let entries = row.entries.iter().flatten();
+            let own = entries.filter(|e| e.side / 2 == 1);
+            own.map(|e| e.weight.r).sum::<f64>() / row.entries.len() as f64
+        };
+        (to_upper(&rows[0]), patches.area(1))
+    };
+    let check = |(found, area): (f64, f64), factor: f64, whole: f64| {
+        let spread = (factor * (1.0 - factor) / f64::from(1 << 14)).sqrt();
+        assert!((found - factor).abs() < 4.0 * spread, "{found} of {factor}");
+        assert!((area - whole).abs() < 1e-12, "{area} of {whole}");
+    };
+    let plain = || surface(0.5, 0.0, 0.0);
+    check(squares(None, plain()), 0.19982, 1.0);
+    check(squares(Some(0.3), plain()), 0.7 * 0.19982, 1.0);
+    check(squares(Some(0.5), gauze(0.5)), 0.25 * 0.19982, 0.5);
 }

@@ -8,10 +8,11 @@ use gltf_json::validation::{Checked, Error, Validate};
 use gltf_json::{Path, Root, mesh::Semantic};
 
 /// Extensions that a file may require.
-const SUPPORTED: [&str; 14] = [
+const SUPPORTED: [&str; 17] = [
     "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
+    "EXT_texture_webp",
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
@@ -20,7 +21,10 @@ const SUPPORTED: [&str; 14] = [
     "KHR_materials_unlit",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    // KTX2, whose Basis Universal is refused picture by picture.
+    "KHR_texture_basisu",
     "KHR_texture_transform",
+    "MSFT_texture_dds",
     // These two affect neither the geometry nor the light.
     "KHR_xmp_json_ld",
     "KHR_node_visibility",

@@ -176,6 +176,7 @@ fn panorama(rows: u32, seen: impl Fn(DVec3) -> [f32; 3]) -> Image {
         width,
         height: rows,
         pixels: (0..width * rows).map(pixel).collect(),
+        ..Image::default()
     }
 }
 
@@ -204,6 +205,7 @@ pub(super) fn ambient(
         width: 1,
         height: 1,
         pixels: vec![colour.to_f32()],
+        ..Image::default()
     };
     png::write(1, 1, &srgb_bytes(&pixel), &mut file)?;
     let mut image = named("ambient");

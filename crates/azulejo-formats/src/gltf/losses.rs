@@ -56,6 +56,10 @@ pub fn losses(scene: &Scene) -> Vec<String> {
             "materials whose mirror and diffuse colours differ",
         ),
         (
+            materials(|m| m.opacity.is_some() && m.dielectric.is_some()),
+            "opacities of glass, of which programs make other things",
+        ),
+        (
             materials(is_odd_glass),
             "dielectrics that glTF cannot describe exactly",
         ),

@@ -6,7 +6,10 @@ use super::pictures::Pictures;
 use crate::Files;
 use crate::surface::gloss::Gloss;
 use crate::surface::materials::Materials;
-use azulejo_scene::{Dielectric, Image, Material, MaterialId, Rgb, Sidedness, Texture, TextureId};
+use azulejo_scene::{
+    Dielectric, Image, Material, MaterialId, Opacity, OpacityMode, Rgb, Sidedness, Texture,
+    TextureId,
+};
 use glam::{DAffine2, DMat2, DVec2};
 use gltf_json::extensions::texture::TextureTransform;
 use gltf_json::material::AlphaMode;
@@ -273,10 +276,9 @@ impl MaterialReader<'_, '_> {
     /// A surface that transmits no light.
     fn opaque(&mut self, material: &mut Material) {
         let pbr = &self.json.pbr_metallic_roughness;
-        let [r, g, b, alpha] = pbr.base_color_factor.0;
+        let [r, g, b, _] = pbr.base_color_factor.0;
         let base = color([r, g, b]);
         let (metallic, roughness) = (share(pbr.metallic_factor.0), share(pbr.roughness_factor.0));
-        let has_picture = pbr.base_color_texture.is_some();
         if pbr.metallic_roughness_texture.is_some() {
             self.warn("metallic-roughness texture: not used, the surface is diffuse");
             material.diffuse = base;
@@ -293,10 +295,6 @@ impl MaterialReader<'_, '_> {
             }));
             material.limit_reflectance();
         }
-        let see_through = self.json.alpha_mode.as_ref().value() != Some(&AlphaMode::Opaque);
-        if see_through && (alpha < 1.0 || has_picture) {
-            self.warn("transparent material (alphaMode): taken as opaque");
-        }
         if let Some(info) = &pbr.base_color_texture {
             let (texture, problem) = self.pictures.index(info.index);
             material.textures.extend(texture);
@@ -304,6 +302,29 @@ impl MaterialReader<'_, '_> {
                 self.warn(&problem);
             }
         }
+        material.opacity = self.opacity(&material.textures);
+    }
+
+    /// The opacity by `alphaMode`: the alpha of the base colour's factor, times that of its texture.
+    fn opacity(&self, textures: &[TextureId]) -> Option<Opacity> {
+        let mode = match self.json.alpha_mode.as_ref().value()? {
+            AlphaMode::Opaque => return None,
+            AlphaMode::Mask => OpacityMode::Mask {
+                cutoff: self
+                    .json
+                    .alpha_cutoff
+                    .map_or(0.5, |c| f64::from(c.0))
+                    .max(0.0),
+            },
+            AlphaMode::Blend => OpacityMode::Blend,
+        };
+        let [.., alpha] = self.json.pbr_metallic_roughness.base_color_factor.0;
+        let opacity = Opacity {
+            constant: share(alpha),
+            picture: self.pictures.alpha_of(textures),
+            mode,
+        };
+        (!opacity.is_opaque()).then_some(opacity)
     }
 
     /// The base colour of metals: the mean of the texture multiplies their reflectance.

@@ -5,7 +5,7 @@ use super::uri::{self, Uri};
 use crate::Files;
 use crate::picture::PixelBudget;
 use crate::surface::textures::Textures;
-use azulejo_scene::{Image, Rgb, Texture, TextureId};
+use azulejo_scene::{Image, OpacityPicture, Rgb, Texture, TextureId};
 use gltf_json::{Index, Root};
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -13,6 +13,9 @@ use std::collections::HashMap;
 /// How often the bytes of the buffers may be decoded as textures, so that a hostile file cannot
 /// have one picture decoded a thousand times: once as a colour, and once as an emission.
 const MOST_DECODED: usize = 2;
+
+/// Extensions that name pictures in other formats, in order of preference.
+const OTHER_PICTURES: [&str; 3] = ["EXT_texture_webp", "MSFT_texture_dds", "KHR_texture_basisu"];
 
 /// The pictures of a file, each loaded once.
 pub(super) struct Pictures<'a> {
@@ -63,7 +66,7 @@ impl<'a> Pictures<'a> {
         texture: Index<gltf_json::Texture>,
     ) -> (Option<TextureId>, Option<String>) {
         let Some(image) = self.image(texture) else {
-            let problem = "texture without a PNG or JPEG: not used";
+            let problem = "texture without a picture: not used";
             return (None, Some(problem.to_owned()));
         };
         if let Some(&known) = self.known.get(&image) {
@@ -92,12 +95,17 @@ impl<'a> Pictures<'a> {
         self.textures.add_pixels(name.to_owned(), image)
     }
 
+    /// The first of some pictures that has an alpha channel, as an opacity.
+    pub fn alpha_of(&self, pictures: &[TextureId]) -> Option<OpacityPicture> {
+        self.textures.alpha_of(pictures)
+    }
+
     /// The mean of a texture as linear light.
     ///
     /// # Errors
     /// The reason, for a picture that cannot be loaded.
     pub fn mean(&mut self, texture: Index<gltf_json::Texture>) -> Result<Rgb, String> {
-        let image = self.image(texture).ok_or("which has no PNG or JPEG")?;
+        let image = self.image(texture).ok_or("which has no picture")?;
         if let Some(known) = self.means.get(&image) {
             return known.clone();
         }
@@ -125,8 +133,15 @@ impl<'a> Pictures<'a> {
     }
 
     fn image(&self, texture: Index<gltf_json::Texture>) -> Option<usize> {
-        let source = self.root.get(texture)?.source;
-        self.root.get(source).map(|_| source.value())
+        let texture = self.root.get(texture)?;
+        if self.root.get(texture.source).is_some() {
+            return Some(texture.source.value());
+        }
+        // Pictures in other formats than glTF's own are named by extensions.
+        let others = &texture.extensions.as_ref()?.others;
+        let named = |name: &&str| others.get(*name)?.get("source")?.as_u64();
+        let source = OTHER_PICTURES.iter().find_map(named)? as usize;
+        (source < self.root.images.len()).then_some(source)
     }
 
     /// The name of an embedded picture, used in place of a file name.

@@ -6,7 +6,11 @@ use super::uri;
 use crate::picture::png;
 use crate::picture::srgb::srgb_bytes;
 use crate::surface::model::{gltf_mr, model_of, slope};
-use azulejo_scene::{Dielectric, Material, MaterialId, Rgb, Scene, Sidedness, Texture};
+use azulejo_scene::{
+    Dielectric, Image, Material, MaterialId, Opacity, OpacityChannel, OpacityMap, OpacityMode, Rgb,
+    Scene, Sidedness, Texture, TextureId,
+};
+use glam::DVec2;
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeSet, HashMap};
 use std::io;
@@ -42,7 +46,10 @@ impl Materials {
             materials.images.push(image(texture, pack)?);
         }
         for material in &scene.materials {
-            let json = materials.material(material);
+            let mut json = materials.material(material);
+            if let Some(opacity) = &material.opacity {
+                materials.opacity(scene, material, opacity, &mut json, pack)?;
+            }
             materials.list.push(json);
         }
         Ok(materials)
@@ -85,6 +92,48 @@ impl Materials {
             json.insert("extensions".into(), extensions.into());
         }
         json.into()
+    }
+
+    /// The alpha mode, with the alpha factor of the base colour. The picture of an opacity is the alpha
+    /// channel of the base colour's; where these are different pictures, a new one joins them.
+    fn opacity(
+        &mut self,
+        scene: &Scene,
+        m: &Material,
+        opacity: &Opacity,
+        json: &mut Value,
+        pack: &mut Pack,
+    ) -> io::Result<()> {
+        match opacity.mode {
+            OpacityMode::Blend => json["alphaMode"] = json!("BLEND"),
+            OpacityMode::Mask { cutoff } => {
+                json["alphaMode"] = json!("MASK");
+                json["alphaCutoff"] = json!(cutoff);
+            }
+        }
+        let surface = &mut json["pbrMetallicRoughness"];
+        surface["baseColorFactor"][3] = json!(opacity.constant);
+        let Some(picture) = opacity.picture else {
+            return Ok(());
+        };
+        let base = m.textures.first().copied();
+        if base == Some(picture.texture) && picture.channel == OpacityChannel::Alpha {
+            return Ok(());
+        }
+        let image_of = |id: TextureId| scene.textures[id as usize].image.as_ref();
+        let map = image_of(picture.texture).and_then(|i| OpacityMap::new(i, picture.channel));
+        if let Some(map) = map {
+            let joined = joined(base.and_then(image_of), &map);
+            let path = format!("{} opacity", scene.textures[picture.texture as usize].path);
+            let texture = Texture {
+                path,
+                image: Some(joined),
+            };
+            surface["baseColorTexture"] = json!({ "index": self.textures.len() });
+            self.textures.push(json!({ "source": self.images.len() }));
+            self.images.push(image(&texture, pack)?);
+        }
+        Ok(())
     }
 
     fn extend(&mut self, list: &mut Map<String, Value>, name: &'static str, value: Value) {
@@ -175,12 +224,33 @@ pub(super) fn is_one_colour(m: &Material) -> bool {
     m.mirror.is_black() || off.map(f64::abs).max_channel() < 1e-6
 }
 
+/// The colours of a picture, or white, with the opacities of a map, as large as the larger of the two.
+fn joined(base: Option<&Image>, map: &OpacityMap) -> Image {
+    let [width, height] = map.size();
+    let (width, height) = base.map_or((width, height), |b| {
+        (b.width.max(width), b.height.max(height))
+    });
+    let place = |k: u32| {
+        let (x, y) = (f64::from(k % width) + 0.5, f64::from(k / width) + 0.5);
+        DVec2::new(x / f64::from(width), 1.0 - y / f64::from(height))
+    };
+    let pixels = (0..width * height).map(place);
+    let color = |at: DVec2| base.map_or([1.0; 3], |b| b.sample(at.x, at.y));
+    let alpha = |at: DVec2| map.sample(at) as f32;
+    Image::opaque(width, height, pixels.clone().map(color).collect())
+        .with_alpha(pixels.map(alpha).collect())
+}
+
 fn image(texture: &Texture, pack: &mut Pack) -> io::Result<Value> {
     let Some(image) = &texture.image else {
         return Ok(json!({ "uri": uri::escaped(&texture.path) }));
     };
     let mut file = Vec::new();
-    png::write(image.width, image.height, &srgb_bytes(image), &mut file)?;
+    if image.alpha.is_some() {
+        png::write_linear(image, &mut file)?;
+    } else {
+        png::write(image.width, image.height, &srgb_bytes(image), &mut file)?;
+    }
     let mut json = named(&texture.path);
     json.insert("mimeType".into(), json!("image/png"));
     json.insert("bufferView".into(), json!(pack.bytes(&file)));

@@ -5,7 +5,8 @@ use super::solids::{ExactBlock, FigureBlock, SolidDefinition};
 use super::surroundings::EnvironmentBlock;
 use crate::{Position, ReadError};
 use azulejo_scene::{
-    Attribute, BackIrradiance, Light, PrimitiveKind, Rgb, Sidedness, SurfaceLight,
+    Attribute, BackIrradiance, Light, OpacityChannel, OpacityMode, PrimitiveKind, Rgb, Sidedness,
+    SurfaceLight,
 };
 use azulejo_scene::{Camera, Faces, Fog, Units};
 use glam::{DAffine3, DVec2, DVec3};
@@ -349,6 +350,16 @@ pub(super) struct MaterialNote {
     pub sidedness: Sidedness,
     pub textures: Option<Vec<GrfName>>,
     pub brdf_file: Option<Arc<GrfReflection>>,
+    pub opacity: Option<OpacityNote>,
+}
+
+/// The opacity of an `ext material`.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct OpacityNote {
+    pub constant: f64,
+    /// The picture that multiplies it, and its part that counts.
+    pub picture: Option<(GrfName, OpacityChannel)>,
+    pub mode: OpacityMode,
 }
 
 impl MaterialNote {
@@ -363,6 +374,7 @@ impl MaterialNote {
             && self.sidedness == Sidedness::Unsaid
             && self.textures.is_none()
             && self.brdf_file.is_none()
+            && self.opacity.is_none()
     }
 }
 

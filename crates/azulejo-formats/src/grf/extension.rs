@@ -4,14 +4,15 @@
 
 use super::appearance::MOST_TEXTURES;
 use super::document::{
-    BlockKind, BoxedError, GrfBlock, GrfName, MaterialNote, NameKind, ObjectNotes, PrimitiveBlock,
+    BlockKind, BoxedError, GrfBlock, GrfName, MaterialNote, NameKind, ObjectNotes, OpacityNote,
+    PrimitiveBlock,
 };
 use super::entries::{EntryValue, ExtensionEntries, ExtensionEntry};
 use super::parser::{GrfParser, ParseResult};
 use super::solids::is_solid;
 use azulejo_scene::{
-    BackIrradiance, Camera, Fog, Light, LightKind, PrimitiveKind, Rgb, Sidedness, SurfaceGrid,
-    SurfaceLight, Units, Up,
+    BackIrradiance, Camera, Fog, Light, LightKind, OpacityChannel, OpacityMode, PrimitiveKind, Rgb,
+    Sidedness, SurfaceGrid, SurfaceLight, Units, Up,
 };
 use glam::DAffine3;
 
@@ -330,7 +331,46 @@ impl<'a> GrfParser<'a, '_, '_> {
             sidedness: self.take_sides(entries)?,
             textures: self.take_textures(entries)?,
             brdf_file: self.take_brdf_file(entries)?,
+            opacity: self.take_opacity(entries)?,
         })
+    }
+
+    /// `opacity`, `opacity_texture`, `opacity_channel` and `cutoff`, of which any may be missing.
+    fn take_opacity(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+    ) -> ParseResult<Option<OpacityNote>> {
+        let constant = self.take_number(entries, "opacity")?;
+        if let Some((value, offset)) = constant
+            && !(0.0..=1.0).contains(&value)
+        {
+            return Err(self.fail(offset, format!("an opacity of {value}"), "0 to 1"));
+        }
+        let texture = self.take_name(entries, "opacity_texture", NameKind::Texture)?;
+        let channel = match self.take_word(entries, "opacity_channel")? {
+            None | Some(("alpha", _)) => OpacityChannel::Alpha,
+            Some(("luminance", _)) => OpacityChannel::Luminance,
+            Some((word, offset)) => {
+                return Err(self.fail(offset, format!("`{word}`"), "`alpha` or `luminance`"));
+            }
+        };
+        let cutoff = self.take_number(entries, "cutoff")?;
+        if let Some((value, offset)) = cutoff
+            && value < 0.0
+        {
+            return Err(self.fail(offset, format!("a cutoff of {value}"), "at least 0"));
+        }
+        if constant.is_none() && texture.is_none() && cutoff.is_none() {
+            return Ok(None);
+        }
+        Ok(Some(OpacityNote {
+            constant: constant.map_or(1.0, |(value, _)| value),
+            picture: texture.map(|name| (name, channel)),
+            mode: match cutoff {
+                Some((cutoff, _)) => OpacityMode::Mask { cutoff },
+                None => OpacityMode::Blend,
+            },
+        }))
     }
 
     fn take_sides(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Sidedness> {

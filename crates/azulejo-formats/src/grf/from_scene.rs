@@ -3,8 +3,8 @@
 use super::brdf::GrfReflection;
 use super::document::{
     AppearanceChange, AreaLight, BlockKind, DefinitionBody, GrfBlock, GrfDefinition, GrfDocument,
-    GrfName, MaterialNote, MeshBlock, NameKind, ObjectNotes, PrimitiveBlock, SourcePosition,
-    VertexColumn, VertexList,
+    GrfName, MaterialNote, MeshBlock, NameKind, ObjectNotes, OpacityNote, PrimitiveBlock,
+    SourcePosition, VertexColumn, VertexList,
 };
 use super::has_area;
 use super::materials::surface;
@@ -277,6 +277,13 @@ fn material_definition(
             Some(brdf) if expressed.brdf.is_none() => Some(Arc::new(brdf.into())),
             _ => None,
         },
+        opacity: material.opacity.map(|o| OpacityNote {
+            constant: o.constant,
+            picture: o
+                .picture
+                .map(|p| (textures[p.texture as usize].clone(), p.channel)),
+            mode: o.mode,
+        }),
     };
     let definition = GrfDefinition {
         name: name.clone(),

@@ -3,7 +3,7 @@
 use super::appearance::{DerivedMaterialKey, FaceAppearance};
 use super::document::{
     AreaLight, BlockKind, BoxedError, DefinitionBody, GrfBlock, GrfDocument, GrfName, MaterialNote,
-    MeshBlock, NameKind, PrimitiveBlock, SourcePosition, VertexColumn,
+    MeshBlock, NameKind, OpacityNote, PrimitiveBlock, SourcePosition, VertexColumn,
 };
 use super::materials::{DefinedMaterial, REFLECTS_TOO_MUCH, surface};
 use super::placement::{
@@ -18,8 +18,8 @@ use crate::reading::warnings::Warnings;
 use crate::{Loaded, ReadError, ReadOptions};
 use azulejo_scene::math::normal_matrix;
 use azulejo_scene::{
-    Attribute, Faces, Figure, MaterialId, Mesh, Object, Primitive, PrimitiveKind, Rgb, Scene,
-    Shape, Texture, TextureId,
+    Attribute, Faces, Figure, MaterialId, Mesh, Object, Opacity, OpacityPicture, Primitive,
+    PrimitiveKind, Rgb, Scene, Shape, Texture, TextureId,
 };
 use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
@@ -286,8 +286,15 @@ impl<'d> GrfResolver<'d> {
                     .collect::<ResolveResult<Vec<_>>>()?,
             ),
         };
+        let opacity = match &note.opacity {
+            None => None,
+            Some(opacity) => Some(self.opacity(opacity, place)?),
+        };
         if let Some(known) = self.surfaces.get_mut(&id) {
             known.sets_textures |= textures.is_some();
+            if opacity.is_some() {
+                known.surface.material.opacity = opacity;
+            }
             known.surface.annotate(note, textures);
             let mut material = known.surface.material.clone();
             if !material.limit_reflectance() {
@@ -296,6 +303,21 @@ impl<'d> GrfResolver<'d> {
             self.scene.materials[id as usize] = material;
         }
         Ok(())
+    }
+
+    fn opacity(&mut self, note: &'d OpacityNote, place: SourcePosition) -> ResolveResult<Opacity> {
+        let picture = match &note.picture {
+            None => None,
+            Some((name, channel)) => Some(OpacityPicture {
+                texture: self.texture_named(name, place)?,
+                channel: *channel,
+            }),
+        };
+        Ok(Opacity {
+            constant: note.constant,
+            picture,
+            mode: note.mode,
+        })
     }
 
     fn scope(&mut self) -> &mut ResolveScope<'d> {

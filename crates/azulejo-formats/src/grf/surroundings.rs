@@ -8,8 +8,8 @@ use super::resolve::{GrfResolver, ResolveResult};
 use super::write::{GrfOutput, Number, Quoted, point, rgb};
 use azulejo_scene::sky::{CieSky, PerezSky, Sky, SkyDistribution};
 use azulejo_scene::{
-    Environment, EnvironmentSource, Light, LightKind, Projection, Rgb, Scene, SceneBackground,
-    TextureId,
+    Environment, EnvironmentSource, Light, LightKind, Material, Projection, Rgb, Scene,
+    SceneBackground, TextureId,
 };
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use std::collections::HashSet;
@@ -188,8 +188,8 @@ impl GrfResolver<'_> {
 pub(super) fn pictures_of(scene: &Scene) -> HashSet<TextureId> {
     let around = scene.environments().filter_map(Environment::texture);
     let mut around: HashSet<TextureId> = around.collect();
-    for texture in scene.materials.iter().flat_map(|m| &m.textures) {
-        around.remove(texture);
+    for texture in scene.materials.iter().flat_map(Material::pictures) {
+        around.remove(&texture);
     }
     around
 }

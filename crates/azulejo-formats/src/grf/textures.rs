@@ -4,7 +4,7 @@ use crate::picture::PixelBudget;
 use crate::{Files, Loaded, Position, Warning};
 use azulejo_scene::Image;
 
-/// Loads the images of a scene's textures that are not loaded yet: PNG, JPEG and Radiance HDR,
+/// Loads the images of a scene's textures that are not loaded yet, in any format of [`picture`](crate::picture),
 /// recognized by their content. An image that cannot be read stays without pixels, with a warning
 /// under `name`, the model's name in messages.
 pub fn load_textures(loaded: &mut Loaded, name: &str, files: &dyn Files) {

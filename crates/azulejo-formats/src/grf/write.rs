@@ -7,8 +7,8 @@ use super::document::{
 };
 use azulejo_scene::brdf::{Description, Model, Value};
 use azulejo_scene::{
-    BackIrradiance, Camera, Light, LightKind, PrimitiveKind, Rgb, Sidedness, SurfaceLight, Units,
-    Up,
+    BackIrradiance, Camera, Light, LightKind, OpacityChannel, OpacityMode, PrimitiveKind, Rgb,
+    Sidedness, SurfaceLight, Units, Up,
 };
 
 use super::{solids, surroundings};
@@ -585,6 +585,18 @@ fn material(out: &mut GrfOutput<'_>, note: &MaterialNote) -> io::Result<()> {
     }
     if let Some(Description::File { path, .. }) = note.brdf_file.as_ref().map(|r| &r.description) {
         write!(out, " brdf_file = {}", Quoted(path))?;
+    }
+    if let Some(opacity) = &note.opacity {
+        write!(out, " opacity = {}", Number(opacity.constant))?;
+        if let Some((name, channel)) = &opacity.picture {
+            write!(out, " opacity_texture = {name}")?;
+            if *channel == OpacityChannel::Luminance {
+                out.write_all(b" opacity_channel = luminance")?;
+            }
+        }
+        if let OpacityMode::Mask { cutoff } = opacity.mode {
+            write!(out, " cutoff = {}", Number(cutoff))?;
+        }
     }
     match note.textures.as_deref() {
         None => {}

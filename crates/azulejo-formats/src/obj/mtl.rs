@@ -8,7 +8,7 @@ use crate::surface::gloss::Gloss;
 use crate::surface::phong::Highlight;
 use crate::surface::textures::Textures;
 use crate::{Files, Loaded, ReadError};
-use azulejo_scene::{Dielectric, Material, MaterialId, Rgb, Scene, TextureId};
+use azulejo_scene::{Dielectric, Material, MaterialId, Opacity, Rgb, Scene, TextureId};
 use glam::DVec2;
 use std::collections::HashMap;
 
@@ -134,7 +134,10 @@ struct Definition {
     tf: Option<Rgb>,
     ns: Option<f64>,
     ni: Option<f64>,
-    opacity: Option<f64>,
+    /// 1 minus the last `Tr`.
+    tr: Option<f64>,
+    d: Option<f64>,
+    map_d: Option<TextureId>,
     illum: Option<f64>,
     roughness: Option<f64>,
     metallic: Option<f64>,
@@ -176,8 +179,8 @@ impl MtlParser<'_> {
             b"Ns" => m.ns = Some(self.number()?),
             b"Ni" => m.ni = Some(self.number()?),
             b"illum" => m.illum = Some(self.number()?),
-            b"d" => m.opacity = Some(self.opacity()?),
-            b"Tr" => m.opacity = Some(1.0 - self.number()?),
+            b"d" => m.d = Some(self.opacity()?),
+            b"Tr" => m.tr = Some(1.0 - self.number()?),
             b"Pr" => m.roughness = Some(self.number()?),
             b"Pm" => m.metallic = Some(self.number()?),
             b"Ps" | b"Pc" | b"Pcr" | b"aniso" | b"anisor" => self.unless_zero(keyword),
@@ -185,6 +188,18 @@ impl MtlParser<'_> {
                 let placement = self.options();
                 if let Some(picture) = self.texture() {
                     (m.map_kd, m.placement) = (Some(picture), placement);
+                }
+            }
+            b"map_d" => {
+                let placement = self.options();
+                if let Some(picture) = self.texture() {
+                    m.map_d = Some(picture);
+                    // Coordinates are those of the colour, if there is one.
+                    if m.map_kd.is_none() {
+                        m.placement = placement;
+                    } else if m.placement != placement {
+                        self.warn("map_d placed otherwise than map_Kd: placed as map_Kd");
+                    }
                 }
             }
             // Ambient reflectance stands for indirect light, which azulejo computes; `sharpness`
@@ -242,11 +257,11 @@ impl MtlParser<'_> {
         Ok(Some(Rgb::new(r, self.number()?, self.number()?)))
     }
 
-    /// The texture named by `map_Kd`, after its options.
+    /// The texture named by `map_Kd` or `map_d`, after its options.
     fn texture(&mut self) -> Option<TextureId> {
         let name = self.cursor.name();
         if name.is_empty() {
-            self.warn("map_Kd without a file: skipped");
+            self.warn("map_Kd or map_d without a file: skipped");
             return None;
         }
         let (id, problem) = self.library.textures.index(self.file, &name, self.files);
@@ -306,6 +321,9 @@ impl MtlParser<'_> {
             MtlSurface::Mirror => self.mirror(&m, &mut material),
             MtlSurface::Rough => self.rough(&m, &mut material),
             MtlSurface::Glass(ior) => self.glass(&m, ior, &mut material),
+        }
+        if material.dielectric.is_none() {
+            material.opacity = self.see_through(&m);
         }
         material.textures.extend(m.map_kd);
         material.name = m.name;
@@ -377,12 +395,10 @@ impl MtlParser<'_> {
         let gloss = &mut self.library.gloss;
         let made = gloss.metallic_roughness(material, base, metallic, roughness);
         self.warn_if(made);
-        self.warn_if_transparent(m);
     }
 
     fn diffuse(&mut self, m: &Definition, material: &mut Material) {
         material.diffuse = self.reflectance(m.kd.unwrap_or(missing_kd(m)), m);
-        self.warn_if_transparent(m);
         if m.illum.unwrap_or(2.0) >= 2.0 {
             // A sum above 1 means a sharp and bright highlight.
             let ks = m.ks.unwrap_or_default();
@@ -392,11 +408,24 @@ impl MtlParser<'_> {
         }
     }
 
-    fn warn_if_transparent(&mut self, m: &Definition) {
-        if m.opacity.is_some_and(|d| d < 1.0) {
-            let message = "transparent material (d or Tr) with illum 0 to 2: taken as opaque";
-            self.warnings.add_whole(self.file, message);
-        }
+    /// The opacity of a surface other than glass: `d` or, without it, 1 − `Tr`, times `map_d`.
+    fn see_through(&mut self, m: &Definition) -> Option<Opacity> {
+        let given = match (m.d, m.tr) {
+            // Several exporters write `Tr 1` for what is opaque, and nobody a surface that is not there.
+            (None, Some(tr)) if tr <= 0.0 => {
+                self.warn_about(
+                    &m.name,
+                    "has Tr 1 without d, which would be invisible: opaque",
+                );
+                1.0
+            }
+            (d, tr) => d.or(tr).unwrap_or(1.0),
+        };
+        let opacity = Opacity {
+            picture: m.map_d.map(|id| self.library.textures.opacity(id)),
+            ..Opacity::constant(given.clamp(0.0, 1.0))
+        };
+        (!opacity.is_opaque()).then_some(opacity)
     }
 
     fn warn_if(&mut self, made: Result<(), &'static str>) {

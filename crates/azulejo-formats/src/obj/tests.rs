@@ -4,7 +4,7 @@ use super::read;
 use crate::surface::model::gltf_mr;
 use crate::surface::phong::{Angle, Highlight};
 use crate::{Format, Loaded, Memory, Position, detect};
-use azulejo_scene::{Material, Mesh, Rgb, Shape};
+use azulejo_scene::{Image, Material, Mesh, Opacity, OpacityChannel, OpacityPicture, Rgb, Shape};
 use glam::{DVec2, DVec3};
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -499,10 +499,22 @@ fn diffuse_materials() {
         Material::diffuse("", quarter),
         &[dark],
     );
-    let clear = "transparent material (d or Tr) with illum 0 to 2: taken as opaque";
-    check_material("d 0.5", Material::diffuse("", half), &[clear]);
-    check_material("Tr 0.5", Material::diffuse("", half), &[clear]);
+    let veil = |opacity: f64| Material {
+        opacity: Some(Opacity::constant(opacity)),
+        ..Material::diffuse("", half)
+    };
+    check_material("d 0.5", veil(0.5), &[]);
+    check_material(
+        "d -halo 0.5",
+        veil(0.5),
+        &["\"-halo\" is not used: skipped"],
+    );
+    check_material("Tr 0.75", veil(0.25), &[]);
+    check_material("Tr 1\nd 0.5", veil(0.5), &[]);
+    check_material("d 0", veil(0.0), &[]);
     check_material("Tr 0\nd 1", Material::diffuse("", half), &[]);
+    let invisible = "material \"m\" has Tr 1 without d, which would be invisible: opaque";
+    check_material("Tr 1", Material::diffuse("", half), &[invisible]);
     check_material(
         "Kd xyz 1 1 1",
         Material::diffuse("", half),
@@ -627,6 +639,41 @@ fn an_error_in_a_library_names_the_model() {
     );
 }
 
+/// A picture with an alpha channel is an opacity by this channel, another by its brightness.
+#[test]
+fn opacity_maps() {
+    let (mut grey, mut cut) = (Vec::new(), Vec::new());
+    crate::picture::png::write(1, 1, &[255, 0, 0], &mut grey).unwrap();
+    let image = Image::opaque(1, 1, vec![[1.0; 3]]).with_alpha(vec![0.5]);
+    crate::picture::png::write_linear(&image, &mut cut).unwrap();
+    let check = |mtl: &str, picture: (u32, OpacityChannel), expected: &[&str]| {
+        let files = Memory::new()
+            .with("m.mtl", format!("newmtl m\n{mtl}"))
+            .with("grey.png", grey.clone())
+            .with("cut.png", cut.clone());
+        let loaded = load_with(format!("mtllib m.mtl\n{SQUARE}usemtl m\nf 1 2 3"), &files);
+        let opacity = loaded.scene.materials[0].opacity.unwrap();
+        let (texture, channel) = picture;
+        assert_eq!(opacity.picture, Some(OpacityPicture { texture, channel }));
+        let warnings: Vec<&str> = loaded.warnings.iter().map(|w| w.message.as_str()).collect();
+        assert_eq!(warnings, expected);
+    };
+    check("map_d grey.png", (0, OpacityChannel::Luminance), &[]);
+    check(
+        "map_Kd cut.png\nmap_d cut.png",
+        (0, OpacityChannel::Alpha),
+        &[],
+    );
+    check(
+        "map_Kd grey.png\nmap_d cut.png",
+        (1, OpacityChannel::Alpha),
+        &[],
+    );
+    let placed = "map_d placed otherwise than map_Kd: placed as map_Kd";
+    let mtl = "map_Kd grey.png\nmap_d -s 2 2 cut.png";
+    check(mtl, (1, OpacityChannel::Alpha), &[placed]);
+}
+
 #[test]
 fn pictures() {
     let mut png = Vec::new();
@@ -698,7 +745,7 @@ fn metals() {
     ];
     for key in keys
         .into_iter()
-        .chain(["map_Bump", "bump", "disp", "decal", "refl", "map_d"])
+        .chain(["map_Bump", "bump", "disp", "decal", "refl"])
     {
         check_material(&format!("{key} 1"), smooth(0.0), &[&unused(key)]);
     }

@@ -4,7 +4,7 @@ use crate::surface::gloss::is_repainted;
 use crate::surface::model::gltf_mr;
 use crate::surface::phong::{Angle, Highlight};
 use crate::surface::tessellate::{self, mesh_of};
-use azulejo_scene::{Attribute, Material, Mesh, Object, Rgb, Scene, Shape};
+use azulejo_scene::{Attribute, Material, Mesh, Object, OpacityMode, Rgb, Scene, Shape};
 use std::collections::HashSet;
 use std::fmt;
 use std::io::{self, BufWriter, Write};
@@ -74,6 +74,13 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         (
             materials(|m| model(m).is_some_and(|model| model.is_approximate(m))),
             "reflection models that MTL can only approximate",
+        ),
+        (
+            materials(|m| {
+                let opacity = m.opacity.as_ref();
+                opacity.is_some_and(|o| o.mode != OpacityMode::Blend || m.dielectric.is_some())
+            }),
+            "masks that become shares of opacity, or opacities of glass that are left out",
         ),
         (
             materials(is_odd_glass),
@@ -229,6 +236,15 @@ fn write_material(scene: &Scene, m: &Material, name: &str, out: &mut dyn Write) 
     } else {
         writeln!(out, "illum 1")?;
     }
+    if let Some(opacity) = m.opacity {
+        if opacity.constant < 1.0 {
+            writeln!(out, "d {}", Numbers(&[opacity.constant]))?;
+        }
+        if let Some(picture) = opacity.picture {
+            let path = &scene.textures[picture.texture as usize].path;
+            writeln!(out, "map_d {}", one_line(path))?;
+        }
+    }
     if let Some(&texture) = m.textures.first() {
         writeln!(
             out,
@@ -297,7 +313,9 @@ mod tests {
     use super::*;
     use crate::surface::gloss::Gloss;
     use crate::{Memory, obj};
-    use azulejo_scene::{Dielectric, Light, LightKind, Primitive, Texture};
+    use azulejo_scene::{
+        Dielectric, Light, LightKind, Opacity, OpacityChannel, OpacityPicture, Primitive, Texture,
+    };
     use glam::{DVec2, DVec3};
     use proptest::prelude::*;
 
@@ -352,7 +370,22 @@ mod tests {
             ..Material::default()
         });
         let emitter = share().prop_map(|c| Material::emitter("", c * 100.0));
-        prop_oneof![mirror, glass, glossy, rough, texture, emitter]
+        let veil = (share(), 0.0..1.0f64, any::<bool>()).prop_map(|(kd, opacity, is_pictured)| {
+            let picture = OpacityPicture {
+                texture: 0,
+                channel: OpacityChannel::Luminance,
+            };
+            Material {
+                opacity: Some(Opacity {
+                    picture: is_pictured.then_some(picture),
+                    ..Opacity::constant(opacity)
+                }),
+                // Textures are numbered by their first use.
+                textures: if is_pictured { vec![0] } else { Vec::new() },
+                ..Material::diffuse("", kd)
+            }
+        });
+        prop_oneof![mirror, glass, glossy, rough, texture, emitter, veil]
     }
 
     fn coordinate() -> impl Strategy<Value = f64> {

@@ -70,9 +70,7 @@ impl FltWalker<'_> {
     ) -> (Rgb, MaterialId) {
         let mut notes = RecordWarnings::new(&mut self.warnings, source.document, node);
         let color = style.color(source.palettes, &mut notes);
-        if style.opacity(opacity, source.palettes) < 1.0 {
-            notes.add("face with transparency: opaque");
-        }
+        let opacity = style.opacity(opacity, source.palettes);
         if style.billboard {
             notes.add("billboard face: kept in its original orientation");
         }
@@ -83,7 +81,9 @@ impl FltWalker<'_> {
             color
         };
         let palettes = (source.set, source.palettes);
-        let material = self.materials.material(style, own, palettes, &mut notes);
+        let material = self
+            .materials
+            .material(style, (own, opacity), palettes, &mut notes);
         (color, material)
     }
 

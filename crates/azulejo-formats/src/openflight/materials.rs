@@ -9,7 +9,7 @@ use crate::surface::gloss::Gloss;
 use crate::surface::materials::Materials;
 use crate::surface::phong::Highlight;
 use crate::surface::textures::Textures;
-use azulejo_scene::{Material, MaterialId, Rgb, Sidedness};
+use azulejo_scene::{Material, MaterialId, Opacity, Rgb, Sidedness};
 use std::collections::HashMap;
 
 /// Appearance attributes of faces and meshes, in record order.
@@ -19,6 +19,8 @@ pub(super) struct FaceAttributes {
     draw: u8,
     texture_white: bool,
     pub billboard: bool,
+    /// Whether the alpha channel of the texture is an opacity.
+    is_blended: bool,
     texture: i32,
     material: i32,
     /// 0 opaque to 65535 transparent.
@@ -50,6 +52,7 @@ impl FaceAttributes {
             draw: record.u8(18 + shift).unwrap_or_default(),
             texture_white: record.u8(19 + shift).is_some_and(|white| white != 0),
             billboard: matches!(record.u8(25 + shift), Some(2 | 4)),
+            is_blended: matches!(record.u8(25 + shift), Some(1 | 2 | 4)),
             texture: index(28),
             material: index(30),
             transparency: record.u16(40 + shift).unwrap_or_default(),
@@ -139,6 +142,8 @@ struct FltMaterialKey {
     texture: i32,
     color: [u64; 3],
     sidedness: Sidedness,
+    opacity: u64,
+    is_blended: bool,
 }
 
 impl<'f> FltMaterials<'f> {
@@ -152,11 +157,12 @@ impl<'f> FltMaterials<'f> {
         }
     }
 
-    /// The material of a face with colour `color`. `set` is the number of the set of palettes.
+    /// The material of a face with colour `color` and an opacity. `set` is the number of the set of
+    /// palettes.
     pub fn material(
         &mut self,
         style: &FaceAttributes,
-        color: Rgb,
+        (color, opacity): (Rgb, f64),
         (set, palettes): (u32, &Palettes),
         notes: &mut RecordWarnings,
     ) -> MaterialId {
@@ -166,6 +172,8 @@ impl<'f> FltMaterials<'f> {
             texture: style.texture,
             color: color.to_array().map(f64::to_bits),
             sidedness: style.sidedness(),
+            opacity: opacity.to_bits(),
+            is_blended: style.is_blended,
         };
         if let Some(&known) = self.known.get(&request) {
             return known;
@@ -214,6 +222,12 @@ impl<'f> FltMaterials<'f> {
                 None => notes.add("texture index that is not in the palette: ignored"),
             }
         }
+        let alpha = self.textures.alpha_of(&material.textures);
+        let opacity = Opacity {
+            picture: alpha.filter(|_| request.is_blended),
+            ..Opacity::constant(f64::from_bits(request.opacity).clamp(0.0, 1.0))
+        };
+        material.opacity = (!opacity.is_opaque()).then_some(opacity);
         self.materials.index(material)
     }
 }

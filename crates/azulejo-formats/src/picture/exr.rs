@@ -36,6 +36,15 @@ pub fn read(bytes: &[u8]) -> std::result::Result<Picture, PictureError> {
     Ok(image.layer_data.channel_data.pixels)
 }
 
+/// Columns and rows, from the header of the first layer alone; the others are checked when it is read.
+pub(super) fn size(bytes: &[u8]) -> std::result::Result<[u64; 2], PictureError> {
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(malformed)?;
+    let sizes = meta.headers.iter().map(|header| header.layer_size);
+    let largest = sizes.max_by_key(|size| size.0.saturating_mul(size.1));
+    let Vec2(width, height) = largest.ok_or_else(|| malformed("an OpenEXR without a layer"))?;
+    Ok([width as u64, height as u64])
+}
+
 /// Most bytes that one byte of a file can encode: 1032 by DEFLATE, of which PXR24 makes four of three.
 const MOST_BYTES_PER_BYTE: u64 = 1400;
 

@@ -311,6 +311,7 @@ mod tests {
             width: 2,
             height: 1,
             pixels,
+            alpha: None,
         };
         let back = read(&written(&image)).unwrap();
         assert_eq!(back.pixels[0], [0.0; 3]);
@@ -323,6 +324,7 @@ mod tests {
             width: 1000,
             height: 100,
             pixels: vec![[1.0; 3]; 100_000],
+            alpha: None,
         });
         assert!(file.len() < 100 * 80, "{} bytes", file.len());
     }

@@ -45,6 +45,7 @@ pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
             .iter()
             .map(|p| p.map(|v| linear[usize::from(v)]))
             .collect(),
+        alpha: None,
     })
 }
 

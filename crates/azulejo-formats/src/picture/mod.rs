@@ -1,12 +1,23 @@
-//! Pictures: PNG, JPEG, Radiance HDR and OpenEXR, and what their readers share.
+//! Pictures: PNG, JPEG, Radiance HDR, OpenEXR, BMP, TGA, GIF, SGI, TIFF, WebP, DDS and KTX2, and what
+//! their readers share.
 
+mod blocks;
+pub mod bmp;
 mod budget;
+pub mod dds;
 pub(crate) mod error;
 pub mod exr;
+pub mod gif;
 pub mod hdr;
 pub mod jpeg;
+pub mod ktx2;
 pub mod png;
+mod samples;
+pub mod sgi;
 pub(crate) mod srgb;
+pub mod tga;
+pub mod tiff;
+pub mod webp;
 
 pub(crate) use budget::PixelBudget;
 pub use error::PictureError;
@@ -14,28 +25,177 @@ pub use error::PictureError;
 use azulejo_scene::Image;
 use error::malformed;
 
-/// Reads a PNG, JPEG or Radiance HDR picture as linear light, recognized by its content.
+/// A format that models may have their pictures in, with its reader and that of its size.
+struct PictureFormat {
+    name: &'static str,
+    /// Whether bytes are in this format, from their first ones.
+    fits: fn(&[u8]) -> bool,
+    read: fn(&[u8]) -> Result<Image, PictureError>,
+    size: fn(&[u8]) -> Result<[u64; 2], PictureError>,
+}
+
+/// All formats, TGA last, which has no magic number.
+const FORMATS: [PictureFormat; 12] = [
+    PictureFormat {
+        name: "JPEG",
+        fits: |b| b.starts_with(b"\xff\xd8"),
+        read: jpeg::read,
+        size: jpeg::size,
+    },
+    PictureFormat {
+        name: "Radiance HDR",
+        fits: |b| b.starts_with(b"#?"),
+        read: hdr::read,
+        size: hdr::size,
+    },
+    PictureFormat {
+        name: "PNG",
+        fits: |b| b.starts_with(b"\x89PNG"),
+        read: png::read,
+        size: png::size,
+    },
+    PictureFormat {
+        name: "OpenEXR",
+        fits: |b| b.starts_with(b"v/1\x01"),
+        read: exr::read,
+        size: exr::size,
+    },
+    PictureFormat {
+        name: "GIF",
+        fits: |b| b.starts_with(b"GIF8"),
+        read: gif::read,
+        size: gif::size,
+    },
+    PictureFormat {
+        name: "WebP",
+        fits: |b| b.starts_with(b"RIFF") && b.get(8..12) == Some(b"WEBP"),
+        read: webp::read,
+        size: webp::size,
+    },
+    PictureFormat {
+        name: "TIFF",
+        fits: |b| b.starts_with(b"II*\0") || b.starts_with(b"MM\0*"),
+        read: tiff::read,
+        size: tiff::size,
+    },
+    PictureFormat {
+        name: "DDS",
+        fits: |b| b.starts_with(b"DDS "),
+        read: dds::read,
+        size: dds::size,
+    },
+    PictureFormat {
+        name: "KTX2",
+        fits: |b| b.starts_with(ktx2::START),
+        read: ktx2::read,
+        size: ktx2::size,
+    },
+    PictureFormat {
+        name: "SGI",
+        fits: |b| b.starts_with(b"\x01\xda"),
+        read: sgi::read,
+        size: sgi::size,
+    },
+    PictureFormat {
+        name: "BMP",
+        fits: |b| b.starts_with(b"BM") && b.get(15..18) == Some(&[0; 3]),
+        read: bmp::read,
+        size: bmp::size,
+    },
+    PictureFormat {
+        name: "TGA",
+        fits: tga::is_tga,
+        read: tga::read,
+        size: tga::size,
+    },
+];
+
+fn format_of(bytes: &[u8]) -> Result<&'static PictureFormat, PictureError> {
+    let found = FORMATS.iter().find(|format| (format.fits)(bytes));
+    found.ok_or_else(|| {
+        let names = FORMATS.each_ref().map(|format| format.name);
+        malformed(format!(
+            "a picture of no known format ({})",
+            names.join(", ")
+        ))
+    })
+}
+
+/// Reads a picture as linear light, in the format that its content shows.
 ///
 /// # Errors
 /// [`PictureError`]: another format, damaged, or larger than its bytes justify.
 pub fn decode(bytes: &[u8]) -> Result<Image, PictureError> {
-    match bytes {
-        [0xff, 0xd8, ..] => jpeg::read(bytes),
-        [b'#', b'?', ..] => hdr::read(bytes),
-        [0x89, b'P', b'N', b'G', ..] => png::read(bytes),
-        _ => Err(malformed(UNKNOWN)),
-    }
+    (format_of(bytes)?.read)(bytes)
 }
-
-/// What is said of all other bytes.
-const UNKNOWN: &str = "a picture that is neither PNG, JPEG nor Radiance HDR";
 
 /// The size of a picture that [`decode`] reads, from its header alone.
 fn size(bytes: &[u8]) -> Result<[u64; 2], PictureError> {
-    match bytes {
-        [0xff, 0xd8, ..] => jpeg::size(bytes),
-        [b'#', b'?', ..] => hdr::size(bytes),
-        [0x89, b'P', b'N', b'G', ..] => png::size(bytes),
-        _ => Err(malformed(UNKNOWN)),
+    (format_of(bytes)?.size)(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tests_of_formats as files;
+
+    /// A small file of every format.
+    mod tests_of_formats {
+        use super::super::{bmp, dds, exr, gif, hdr, jpeg, ktx2, png, sgi, tga, tiff, webp};
+        use azulejo_scene::Image;
+
+        pub fn all() -> Vec<(&'static str, Vec<u8>)> {
+            let (mut png, mut hdr, mut exr) = (Vec::new(), Vec::new(), Vec::new());
+            png::write(2, 1, &[0; 6], &mut png).unwrap();
+            hdr::write(&Image::new(2, 1), &mut hdr).unwrap();
+            exr::write(&Image::new(2, 1), &mut exr).unwrap();
+            vec![
+                ("JPEG", jpeg::tests::grey()),
+                ("Radiance HDR", hdr),
+                ("PNG", png),
+                ("OpenEXR", exr),
+                ("GIF", gif::tests::SMALL.to_vec()),
+                (
+                    "WebP",
+                    webp::tests::file(image_webp::ColorType::Rgb8, &[0; 6]),
+                ),
+                (
+                    "TIFF",
+                    tiff::tests::file::<::tiff::encoder::colortype::Gray8>(&[0; 2]),
+                ),
+                ("DDS", dds::tests::file(b"DXT1", 0, &[0; 8])),
+                ("KTX2", ktx2::tests::file(43, 0, &[0; 8])),
+                ("SGI", sgi::tests::file(0, 1, 1, &[0; 2])),
+                ("BMP", bmp::tests::file([2, 1], 24, 0, &[], &[0; 8])),
+                ("TGA", tga::tests::file(2, 1, 24, 0, &[], &[0; 6])),
+            ]
+        }
+    }
+
+    #[test]
+    fn formats_are_known_by_their_content() {
+        for (name, bytes) in files::all() {
+            assert_eq!(format_of(&bytes).ok().map(|f| f.name), Some(name));
+            let image = decode(&bytes).unwrap();
+            let shown = [image.width, image.height].map(u64::from);
+            assert_eq!(size(&bytes), Ok(shown), "{name}");
+        }
+        let error = decode(b"v 0 0 0\n").unwrap_err().to_string();
+        assert!(error.contains("of no known format (JPEG,"), "{error}");
+    }
+
+    /// A header that claims a large picture reserves nothing, whatever the format.
+    #[test]
+    fn claims_are_not_believed() {
+        for (name, bytes) in files::all() {
+            for at in 0..bytes.len().min(200).saturating_sub(8) {
+                let mut claimed = bytes.clone();
+                claimed[at..at + 8]
+                    .copy_from_slice(&[0xff, 0xff, 0xff, 0x3f, 0xff, 0xff, 0xff, 0x3f]);
+                if let Ok(image) = decode(&claimed) {
+                    assert!(image.pixels.len() < 1 << 24, "{name} at {at}");
+                }
+            }
+        }
     }
 }

@@ -1,6 +1,7 @@
 //! PNG: reads textures, writes finished pictures.
 
 use super::error::{PictureError, check_size, malformed};
+use super::samples::{from_samples, from_srgb_bytes};
 use super::srgb::{linear_from_srgb, linear_table, srgb_bytes, srgb_from_linear};
 use azulejo_scene::Image;
 use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Limits, Transformations};
@@ -14,7 +15,7 @@ const LIMITS: Limits = Limits { bytes: 9 << 27 };
 /// Reads a PNG as linear light.
 ///
 /// Any depth and colour type. Values are taken as sRGB, whatever the file's own colour chunks
-/// specify. Transparency is ignored. Of an animation, the first frame is read.
+/// specify. Of an animation, the first frame is read.
 ///
 /// # Errors
 /// [`PictureError`]: damaged, cut short, or larger than its bytes justify.
@@ -31,28 +32,16 @@ pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
     let mut samples = vec![0; size];
     let frame = reader.next_frame(&mut samples).map_err(malformed)?;
     samples.truncate(frame.buffer_size());
-    let grey = matches!(
-        frame.color_type,
-        ColorType::Grayscale | ColorType::GrayscaleAlpha
-    );
-    let channels = if grey { [0; 3] } else { [0, 1, 2] };
-    let count = frame.color_type.samples();
-    // Pixel by pixel: a list of all samples as numbers would take more than the picture.
-    let pixels = if frame.bit_depth == BitDepth::Sixteen {
-        let share = |p: &[u8], c: usize| u16::from_be_bytes([p[2 * c], p[2 * c + 1]]);
-        let linear = |v: u16| linear_from_srgb(f32::from(v) / 65535.0);
-        let pixel = |p: &[u8]| channels.map(|c| linear(share(p, c)));
-        samples.chunks_exact(2 * count).map(pixel).collect()
-    } else {
-        let table = linear_table();
-        let pixel = |p: &[u8]| channels.map(|c| table[usize::from(p[c])]);
-        samples.chunks_exact(count).map(pixel).collect()
-    };
-    Ok(Image {
-        width,
-        height,
-        pixels,
-    })
+    let channels = frame.color_type.samples();
+    let size = [width, height];
+    if frame.bit_depth == BitDepth::Sixteen {
+        let share = |i: usize| {
+            f32::from(u16::from_be_bytes([samples[2 * i], samples[2 * i + 1]])) / 65535.0
+        };
+        let linear = |i: usize| linear_from_srgb(share(i));
+        return from_samples(size, channels, samples.len() / 2, linear, share);
+    }
+    from_srgb_bytes(size, channels, &samples)
 }
 
 /// Columns and rows, from the header alone.
@@ -94,31 +83,54 @@ pub fn write(width: u32, height: u32, rgb: &[u8], out: &mut dyn Write) -> io::Re
     Ok(writer.finish()?)
 }
 
-/// Writes linear light as an sRGB PNG: with 8 bits if they represent it exactly, else with 16.
-/// Values above 1 become white.
+/// Writes linear light as an sRGB PNG, with its alpha channel: with 8 bits if they represent it exactly,
+/// else with 16. Values above 1 become white.
 ///
 /// # Errors
 /// Errors of `out`, and a picture without pixels.
 pub fn write_linear(image: &Image, out: &mut dyn Write) -> io::Result<()> {
     let (bytes, table) = (srgb_bytes(image), linear_table());
     let values = image.pixels.iter().flatten();
-    if bytes
-        .iter()
-        .zip(values.clone())
-        .all(|(&b, v)| table[usize::from(b)] == *v)
-    {
+    let is_exact = (bytes.iter().zip(values)).all(|(&b, v)| table[usize::from(b)] == *v);
+    let alphas: Vec<u8> = image.alpha.iter().flatten().map(|&a| byte_of(a)).collect();
+    let is_exact = is_exact
+        && (alphas.iter().zip(image.alpha.iter().flatten()))
+            .all(|(&b, &a)| f32::from(b) / 255.0 == a);
+    if is_exact && image.alpha.is_none() {
         return write(image.width, image.height, &bytes, out);
     }
-    let word = |&v: &f32| (65535.0 * srgb_from_linear(v)).round().clamp(0.0, 65535.0) as u16;
-    let words: Vec<u8> = values.flat_map(|v| word(v).to_be_bytes()).collect();
+    let word = |v: f32| ((65535.0 * v).round().clamp(0.0, 65535.0) as u16).to_be_bytes();
+    let mut samples = Vec::new();
+    for (k, pixel) in image.pixels.iter().enumerate() {
+        if is_exact {
+            samples.extend(&bytes[3 * k..3 * k + 3]);
+            samples.extend(alphas.get(k));
+        } else {
+            samples.extend(pixel.iter().flat_map(|&v| word(srgb_from_linear(v))));
+            let alpha = image.alpha.as_ref().map(|list| word(list[k]));
+            samples.extend(alpha.into_iter().flatten());
+        }
+    }
     let mut encoder = Encoder::new(out, image.width, image.height);
-    encoder.set_color(ColorType::Rgb);
-    encoder.set_depth(BitDepth::Sixteen);
+    encoder.set_color(match image.alpha {
+        Some(_) => ColorType::Rgba,
+        None => ColorType::Rgb,
+    });
+    encoder.set_depth(if is_exact {
+        BitDepth::Eight
+    } else {
+        BitDepth::Sixteen
+    });
     encoder.set_compression(Compression::Balanced);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     let mut writer = encoder.write_header()?;
-    writer.write_image_data(&words)?;
+    writer.write_image_data(&samples)?;
     Ok(writer.finish()?)
+}
+
+/// The byte of a number in 0..=1.
+fn byte_of(value: f32) -> u8 {
+    (255.0 * value).round().clamp(0.0, 255.0) as u8
 }
 
 /// Writes a picture of at most 256 colours as PNG: `indices` holds an index into `palette` for each
@@ -242,6 +254,20 @@ mod tests {
         write(2, 1, &[188, 0, 255, 0, 0, 0], &mut file).unwrap();
         check(&file, [[0.502_886_5, 0.0, 1.0], [0.0; 3]]);
         assert!(write(0, 0, &[], &mut Vec::new()).is_err());
+    }
+
+    #[test]
+    fn alpha_channels_come_back() {
+        let table = linear_table();
+        for (v, a) in [(table[188], 51.0 / 255.0), (0.123, 0.3)] {
+            let image = Image::opaque(2, 1, vec![[v, 0.0, 1.0]; 2]).with_alpha(vec![a, 1.0]);
+            let mut file = Vec::new();
+            write_linear(&image, &mut file).unwrap();
+            let back = read(&file).unwrap();
+            let alpha = back.alpha.unwrap();
+            assert!((alpha[0] - a).abs() < 1e-5 && alpha[1] == 1.0);
+            assert!((back.pixels[0][0] - v).abs() < 1e-5);
+        }
     }
 
     /// Profiles and texts that decompress to a thousand times their size, and metadata that is longer

@@ -65,7 +65,9 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         (primitives, "exact primitives that become polygons"),
         (solids, "exact shapes that become polygons"),
         (
-            materials(|m| m.is_specular() || m.is_emitter() || m.brdf.is_some()),
+            materials(|m| {
+                m.is_specular() || m.is_emitter() || m.brdf.is_some() || m.opacity.is_some()
+            }),
             "materials of which only the diffuse reflectance is kept",
         ),
         (

@@ -20,7 +20,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Image, String> {
     Ok(image)
 }
 
-const UNKNOWN: &str = "it is neither PIC, PPM, PNG, JPEG nor Radiance HDR";
+const UNKNOWN: &str = "it is neither PIC, PPM nor a picture of another known format";
 
 /// PIC: four bytes with width and height, and three for each pixel.
 fn pic(bytes: &[u8]) -> Option<Image> {
@@ -63,6 +63,7 @@ fn image(width: u32, height: u32, bytes: &[u8]) -> Option<Image> {
             .iter()
             .map(|p| p.map(|b| f32::from(b) / 255.0))
             .collect(),
+        alpha: None,
     })
 }
 

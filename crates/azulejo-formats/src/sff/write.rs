@@ -87,6 +87,10 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         let lights = scene.lights.iter();
         let falling = lights.filter(|l| !matches!(l.kind, LightKind::Ambient { .. }));
         counts.extend([
+            (
+                materials(|m| m.opacity.is_some()),
+                "materials with an opacity, which become opaque",
+            ),
             (falling.count(), "lights with a different falloff"),
             (
                 materials(Material::is_emitter),

@@ -11,7 +11,8 @@ use crate::surface::textures::Textures;
 use crate::{Files, ReadError};
 use azulejo_scene::math::Aabb;
 use azulejo_scene::{
-    Camera, Light, LightKind, Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, Units, Up,
+    Camera, Light, LightKind, Material, MaterialId, Mesh, Object, Opacity, OpacityChannel,
+    OpacityPicture, Rgb, Scene, Shape, Units, Up,
 };
 use glam::{DAffine3, DQuat, DVec3};
 use std::collections::HashMap;
@@ -106,7 +107,17 @@ impl Studio3dsBuilder<'_> {
             if let Some(map) = &definition.map {
                 self.picture(map, definition.at, &mut textures, &mut material);
             }
-            let transform = definition.map.as_ref().and_then(TextureMap::transform);
+            if let Some(map) = &definition.opacity_map {
+                self.opacity(map, definition.at, &mut textures, &mut material);
+            }
+            // One set of coordinates serves both maps.
+            let map = definition.map.as_ref().or(definition.opacity_map.as_ref());
+            let transform = map.and_then(TextureMap::transform);
+            let of_opacity = definition.opacity_map.as_ref();
+            if of_opacity.is_some_and(|m| m.transform() != transform) {
+                let message = "opacity map placed otherwise than the texture map: placed as that";
+                self.walker.warn(definition.at, message);
+            }
             table.transforms.push(transform);
             table.are_flat.push(definition.is_flat);
             let id = scene.add_material(material);
@@ -137,6 +148,28 @@ impl Studio3dsBuilder<'_> {
         if textures.is_loaded(id) {
             // 3D Studio's textures replace the colour, they do not multiply it.
             material.diffuse = Rgb::WHITE;
+        }
+    }
+
+    /// The brightness of a map multiplies the opacity.
+    fn opacity(
+        &mut self,
+        map: &TextureMap,
+        at: u64,
+        textures: &mut Textures,
+        material: &mut Material,
+    ) {
+        let (texture, problem) = textures.index("", &map.file, self.files);
+        let opacity = material.opacity.unwrap_or(Opacity::constant(1.0));
+        material.opacity = Some(Opacity {
+            picture: Some(OpacityPicture {
+                texture,
+                channel: OpacityChannel::Luminance,
+            }),
+            ..opacity
+        });
+        if let Some(problem) = problem {
+            self.walker.warn(at, problem);
         }
     }
 

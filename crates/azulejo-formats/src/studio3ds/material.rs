@@ -4,7 +4,7 @@ use super::chunk::{Chunk, ChunkWalker, name, vector};
 use crate::reading::bytes::Bytes;
 use crate::reading::text::shortened;
 use crate::surface::phong::Highlight;
-use azulejo_scene::{Material, Rgb, Sidedness};
+use azulejo_scene::{Material, Opacity, Rgb, Sidedness};
 use glam::{DAffine2, DMat2, DVec2};
 
 /// Reflectance of faces without a material, or with one without a colour.
@@ -26,6 +26,8 @@ pub(super) struct MaterialDefinition {
     pub is_flat: bool,
     /// The texture that replaces the diffuse colour.
     pub map: Option<TextureMap>,
+    /// The texture whose brightness is the opacity.
+    pub opacity_map: Option<TextureMap>,
 }
 
 /// A texture map.
@@ -69,6 +71,7 @@ impl MaterialDefinition {
             0xa085 => walker.skipped(&chunk, "wireframe material"),
             0xa100 => self.is_flat = walker.data(&mut chunk, Bytes::i16_le) == Some(1),
             0xa200 => self.map = TextureMap::read(walker, &chunk),
+            0xa210 => self.opacity_map = TextureMap::read(walker, &chunk),
             0xa052 | 0xa053 | 0xa083 => walker.see_through_detail(&chunk),
             _ => walker.skipped(&chunk, what(chunk.id)),
         }
@@ -94,9 +97,8 @@ impl MaterialDefinition {
             let message = format!("material \"{shown}\" with a colour above 1: clamped");
             walker.warn(self.at, message);
         }
-        if self.transparency.is_some_and(|t| t > 0.0) {
-            walker.warn(self.at, "material with transparency (chunk A050): opaque");
-        }
+        let opacity = Opacity::constant(1.0 - self.transparency.unwrap_or(0.0).clamp(0.0, 1.0));
+        material.opacity = (!opacity.is_opaque()).then_some(opacity);
         self.highlight(&mut material, walker);
         material
     }
@@ -211,7 +213,6 @@ fn what(id: u16) -> &'static str {
         0xa083 => "additive transparency",
         0xa088 => "decal",
         0xa204 => "specular map",
-        0xa210 => "opacity map",
         0xa220 | 0xa310 => "reflection map",
         0xa230 => "bump map",
         0xa240 => "alpha of a map",

@@ -1,7 +1,7 @@
 use super::read;
 use crate::surface::phong::Highlight;
 use crate::{Loaded, Memory, ReadOptions};
-use azulejo_scene::{LightKind, Mesh, Rgb, Shape, Sidedness, Up};
+use azulejo_scene::{LightKind, Mesh, OpacityChannel, OpacityPicture, Rgb, Shape, Sidedness, Up};
 use glam::{DVec2, DVec3};
 
 /// A chunk with its data and children.
@@ -270,13 +270,28 @@ fn gloss_glass_and_maps_are_said() {
     ));
     let found = Highlight::of(&loaded.scene.materials[0]);
     assert_eq!(found, Some(Highlight::mirrored(32.0, Rgb::grey(0.25))));
-    check_warnings(
-        &loaded,
-        &[
-            ("bump map (chunk A230): skipped", 1),
-            ("material with transparency (chunk A050): opaque", 1),
-        ],
-    );
+    check_warnings(&loaded, &[("bump map (chunk A230): skipped", 1)]);
+    let opacity = loaded.scene.materials[0].opacity.unwrap();
+    assert!((opacity.constant - 0.7).abs() < 1e-12 && opacity.picture.is_none());
+}
+
+/// The brightness of an opacity map multiplies what chunk A050 leaves.
+#[test]
+fn opacity_maps() {
+    let map = chunk(0xa300, &name("LEAF.TGA"));
+    let leaf = material("leaf", &[percent(0xa050, 50), chunk(0xa210, &map)]);
+    let tga = crate::picture::tga::tests::file(3, 1, 8, 0, &[], &[255, 0]);
+    let files = Memory::new().with("leaf.tga", tga);
+    let bytes = file(&[painted(&[of_material("leaf", &[0, 1])]), leaf], &[]);
+    let loaded = read(&bytes, "a.3ds", &files, &ReadOptions::default()).unwrap();
+    let opacity = loaded.scene.materials[0].opacity.unwrap();
+    let picture = OpacityPicture {
+        texture: 0,
+        channel: OpacityChannel::Luminance,
+    };
+    assert_eq!((opacity.constant, opacity.picture), (0.5, Some(picture)));
+    assert!(loaded.scene.textures[0].image.is_some());
+    check_warnings(&loaded, &[]);
 }
 
 /// A material with a transformed texture.

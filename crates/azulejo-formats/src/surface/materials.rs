@@ -1,6 +1,6 @@
 //! The materials of a scene under construction, each once.
 
-use azulejo_scene::{Material, MaterialId, Rgb, Sidedness};
+use azulejo_scene::{Material, MaterialId, OpacityChannel, OpacityMode, Rgb, Sidedness};
 use std::collections::HashMap;
 
 /// Materials in the order in which they are first used; equal ones are merged.
@@ -20,6 +20,7 @@ struct Key {
     dielectric: Option<(u64, [u64; 3], bool)>,
     textures: Vec<u32>,
     brdf: String,
+    opacity: Option<(u64, Option<(u32, OpacityChannel)>, Option<u64>)>,
 }
 
 fn bits(color: Rgb) -> [u64; 3] {
@@ -42,6 +43,14 @@ impl Key {
                 .as_ref()
                 .map(|b| b.description().to_string())
                 .unwrap_or_default(),
+            opacity: m.opacity.map(|o| {
+                let picture = o.picture.map(|p| (p.texture, p.channel));
+                let cutoff = match o.mode {
+                    OpacityMode::Mask { cutoff } => Some(cutoff.to_bits()),
+                    OpacityMode::Blend => None,
+                };
+                (o.constant.to_bits(), picture, cutoff)
+            }),
         }
     }
 }
@@ -72,6 +81,7 @@ impl Materials {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use azulejo_scene::Opacity;
 
     #[test]
     fn equal_materials_are_one() {
@@ -90,6 +100,14 @@ mod tests {
             ..grey()
         };
         assert_eq!(materials.index(sheet), 3);
-        assert_eq!(materials.into_list().len(), 4);
+        let veil = |opacity: f64| Material {
+            opacity: Some(Opacity::constant(opacity)),
+            ..grey()
+        };
+        assert_eq!(
+            [0.5, 0.25, 0.5].map(|o| materials.index(veil(o))),
+            [4, 5, 4]
+        );
+        assert_eq!(materials.into_list().len(), 6);
     }
 }

@@ -4,7 +4,7 @@ use crate::picture::PixelBudget;
 use crate::reading::files::beside;
 use crate::reading::text::shortened;
 use crate::{FileError, Files};
-use azulejo_scene::{Image, Texture, TextureId};
+use azulejo_scene::{Image, OpacityChannel, OpacityPicture, Texture, TextureId};
 use std::collections::HashMap;
 
 /// Pictures in the order in which they are first named, one per file.
@@ -20,8 +20,8 @@ impl Textures {
     /// itself, else its name relative to the model's folder), and a warning if there is one.
     ///
     /// The picture is searched beside `of`, beside the model, and in both places without the folders
-    /// of its name, which often exist only on its author's machine. PNG, JPEG and Radiance HDR are
-    /// loaded, recognized by their content. A picture that cannot be loaded keeps its name, and only
+    /// of its name, which often exist only on its author's machine. All formats of
+    /// [`picture`](crate::picture) are loaded, recognized by their content. A picture that cannot be loaded keeps its name, and only
     /// the first request for it returns the warning.
     pub fn index(
         &mut self,
@@ -71,6 +71,29 @@ impl Textures {
         self.list
             .get(id as usize)
             .is_some_and(|t| t.image.is_some())
+    }
+
+    /// A picture as an opacity: its alpha channel if it has one, else its brightness.
+    pub fn opacity(&self, texture: TextureId) -> OpacityPicture {
+        let has_alpha = self
+            .image(texture)
+            .is_some_and(|image| image.alpha.is_some());
+        OpacityPicture {
+            texture,
+            channel: if has_alpha {
+                OpacityChannel::Alpha
+            } else {
+                OpacityChannel::Luminance
+            },
+        }
+    }
+
+    /// The first of some pictures that has an alpha channel, as an opacity.
+    pub fn alpha_of(&self, pictures: &[TextureId]) -> Option<OpacityPicture> {
+        let opacities = pictures.iter().map(|&texture| self.opacity(texture));
+        opacities
+            .into_iter()
+            .find(|p| p.channel == OpacityChannel::Alpha)
     }
 
     /// Adds a picture whose pixels are numbers in the model, under a unique name.
@@ -138,6 +161,7 @@ mod tests {
             width: 1,
             height: 1,
             pixels: vec![[0.5; 3]],
+            alpha: None,
         };
         let mut bytes = Vec::new();
         hdr::write(&image, &mut bytes).unwrap();

@@ -62,6 +62,10 @@ pub fn losses(scene: &Scene) -> Vec<String> {
             materials(Material::is_specular),
             "mirrors and transparent materials, which become diffuse",
         ),
+        (
+            materials(|m| m.opacity.is_some()),
+            "materials with an opacity, which become opaque",
+        ),
         (written.degenerate, "faces without area"),
         (
             written.divided,

@@ -6,7 +6,7 @@ use super::world::child;
 use crate::ReadError;
 use crate::reading::text::shortened;
 use crate::surface::phong::Highlight;
-use azulejo_scene::{Image, Material, Rgb, TextureId};
+use azulejo_scene::{Image, Material, Opacity, OpacityMode, Rgb, TextureId};
 use glam::{DAffine2, DMat2, DVec2};
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -141,12 +141,46 @@ fn new(
         material.as_deref(),
         &mut shape_appearance,
     )?;
-    warn_unsupported_fields(
-        builder,
-        &appearance,
-        &["material", "texture", "textureTransform"],
-    );
+    resolve_opacity(builder, &appearance, &mut shape_appearance);
+    warn_unsupported_fields(builder, &appearance, KNOWN_OF_APPEARANCE);
     Ok(Some(shape_appearance))
+}
+
+/// Fields of appearances that are used.
+const KNOWN_OF_APPEARANCE: &[&str] = &[
+    "material",
+    "texture",
+    "textureTransform",
+    "alphaMode",
+    "alphaCutoff",
+];
+
+/// The opacity by the alpha channel of a texture, which replaces that of the material until X3D 4
+/// (ISO/IEC 14772-1, 4.14) and multiplies it since, and by X3D 4's alpha mode.
+fn resolve_opacity(
+    builder: &VrmlSceneBuilder,
+    appearance: &VrmlNode,
+    shape_appearance: &mut ShapeAppearance,
+) {
+    let mode = appearance.strings("alphaMode");
+    let mode = mode.first().map_or("AUTO", String::as_str);
+    let material = &mut shape_appearance.material;
+    let picture = builder.textures.alpha_of(&shape_appearance.textures);
+    let constant = material.opacity.map_or(1.0, |o| o.constant);
+    let opacity = Opacity {
+        constant: match picture {
+            Some(_) if !appearance.source.is_x3d_4() => 1.0,
+            _ => constant,
+        },
+        picture,
+        mode: match mode {
+            "MASK" => OpacityMode::Mask {
+                cutoff: appearance.number("alphaCutoff", 0.5).clamp(0.0, 1.0),
+            },
+            _ => OpacityMode::Blend,
+        },
+    };
+    material.opacity = (mode != "OPAQUE" && !opacity.is_opaque()).then_some(opacity);
 }
 
 /// A material without textures.
@@ -161,10 +195,8 @@ fn surface(builder: &mut VrmlSceneBuilder, node: &Rc<VrmlNode>) -> Material {
             Material::diffuse("", DIFFUSE)
         }
     };
-    if node.number("transparency", 0.0) > 0.0 {
-        let message = "material with transparency: opaque";
-        builder.warn(&node.source, node.at, message);
-    }
+    let opacity = Opacity::constant(1.0 - node.number("transparency", 0.0).clamp(0.0, 1.0));
+    material.opacity = (!opacity.is_opaque()).then_some(opacity);
     if node.flag("separateBackColor", false) {
         let message =
             "TwoSidedMaterial with separate back colours: the front colours are used on both sides";
@@ -382,10 +414,13 @@ pub(super) fn pixels(numbers: &[f64]) -> Option<Image> {
     }
     let rows = pixels[..count].chunks_exact(width as usize).rev();
     let pixel = |&packed: &f64| unpacked(packed as u32, channels as u32);
-    Some(Image {
-        width,
-        height,
-        pixels: rows.flatten().map(pixel).collect(),
+    let alpha = |&packed: &f64| (packed as u32 & 0xff) as f32 / 255.0;
+    let alphas =
+        matches!(channels as u32, 2 | 4).then(|| rows.clone().flatten().map(alpha).collect());
+    let image = Image::opaque(width, height, rows.flatten().map(pixel).collect());
+    Some(match alphas {
+        Some(alphas) => image.with_alpha(alphas),
+        None => image,
     })
 }
 

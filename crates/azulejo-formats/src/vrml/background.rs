@@ -152,6 +152,7 @@ fn panorama(
         pixels: (0..width * height).map(pixel).collect(),
         width,
         height,
+        ..Image::default()
     }
 }
 
@@ -212,6 +213,7 @@ mod tests {
                 [0.0, 1.0, 0.5],
                 [1.0, 1.0, 0.5],
             ],
+            ..Image::default()
         };
         for (k, (_, [forward, right, up])) in SIDES.iter().enumerate() {
             let mut images = [None; 6];

@@ -24,4 +24,5 @@ mod rooms;
 #[path = "../../../azulejo-factors/tests/it/scenes.rs"]
 mod scenes;
 mod sides;
+mod veils;
 mod vertices;

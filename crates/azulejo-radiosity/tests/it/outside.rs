@@ -23,6 +23,7 @@ fn surround(scene: &mut Scene, size: (u32, u32), radiance: impl Fn(DVec3) -> Rgb
         width,
         height,
         pixels: (0..width * height).map(pixel).collect(),
+        alpha: None,
     };
     scene.textures.push(Texture {
         path: "sky.hdr".into(),

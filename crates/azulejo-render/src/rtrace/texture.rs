@@ -312,6 +312,7 @@ mod tests {
                     width: 2,
                     height: 2,
                     pixels: vec![[0.2; 3], [0.4; 3], [0.6; 3], [0.8; 3]],
+                    alpha: None,
                 }),
             },
             Gloss { k: 0.1 },

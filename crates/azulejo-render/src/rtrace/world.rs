@@ -99,6 +99,8 @@ impl Part {
             materials: scene.materials.clone(),
             ..Scene::default()
         };
+        // RTRACE's own transparency is that of surfaces: rays stop at all of them.
+        part.materials.iter_mut().for_each(|m| m.opacity = None);
         let mut objects = Vec::new();
         for (i, object) in scene.objects.iter().enumerate() {
             if belongs(&object.shape) {

@@ -9,6 +9,7 @@ mod glossy;
 mod golden;
 mod optics;
 mod surfaces;
+mod veils;
 
 use azulejo_render::SecondPass;
 use azulejo_scene::math::Ray;

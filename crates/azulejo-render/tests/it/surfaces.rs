@@ -74,6 +74,7 @@ fn vertex_colours_and_textures_multiply_the_reflectance() {
         width: 2,
         height: 1,
         pixels: vec![[0.5, 1.0, 0.0], [1.0, 0.25, 0.0]],
+        alpha: None,
     };
     for image in [Some(image), None] {
         scene.textures.push(Texture {

@@ -2,6 +2,7 @@
 
 use super::{ContentBytes, ContentSink, content_of_fields, content_of_kinds};
 use crate::brdf::{self, Brdf, Description, Measured, Model, Parameter, Value};
+use crate::opacity::{Opacity, OpacityChannel, OpacityMode, OpacityPicture};
 use crate::{Dielectric, Image, Material, Rgb, Sidedness, Texture};
 
 content_of_fields!(Rgb { r, g, b });
@@ -15,7 +16,30 @@ content_of_fields!(Material {
     sidedness,
     textures,
     brdf,
+    opacity,
 });
+content_of_fields!(Opacity {
+    constant,
+    picture,
+    mode
+});
+content_of_fields!(OpacityPicture { texture, channel });
+content_of_kinds!(OpacityChannel {
+    Alpha = 0,
+    Luminance = 1
+});
+
+impl ContentBytes for OpacityMode {
+    fn feed(&self, sink: &mut ContentSink<'_>) {
+        match self {
+            OpacityMode::Mask { cutoff } => {
+                0u8.feed(sink);
+                cutoff.feed(sink);
+            }
+            OpacityMode::Blend => 1u8.feed(sink),
+        }
+    }
+}
 content_of_fields!(Dielectric {
     ior,
     transmittance,
@@ -26,7 +50,8 @@ content_of_fields!(Texture { path, image });
 content_of_fields!(Image {
     width,
     height,
-    pixels
+    pixels,
+    alpha
 });
 
 /// The description, and the diffuse part, which tells a limited model from one that is not.

@@ -114,13 +114,11 @@ impl<'a> Direct<'a> {
                 }
             }
         }
-        let mut seen = vec![false; points.len()];
+        let mut seen = vec![0.0; points.len()];
         self.tests
-            .trace(|test, is_free| seen[test.tag as usize] = is_free);
+            .trace(|test, share| seen[test.tag as usize] = share);
         for (value, seen) in values.iter_mut().zip(seen) {
-            if !seen {
-                *value = Rgb::BLACK;
-            }
+            *value *= seen;
         }
         self.add_environment_samples(points, seed, |index, value| values[index] += value);
         values
@@ -233,12 +231,10 @@ impl<'a> Direct<'a> {
                 }
             }
         }
-        self.tests.trace(|test, is_free| {
+        self.tests.trace(|test, share| {
             let term = &mut terms[test.tag as usize];
             term.weights[test.replicate as usize] += test.weight;
-            if is_free {
-                term.visible[test.replicate as usize] += test.weight;
-            }
+            term.visible[test.replicate as usize] += test.weight * share;
         });
     }
 }

@@ -129,9 +129,9 @@ impl Direct<'_> {
         known: [Rgb; REPLICATES],
     ) -> [Rgb; REPLICATES] {
         let mut sums = SampleSums::default();
-        self.tests.trace(|test, is_free| {
+        self.tests.trace(|test, share| {
             let (value, is_rough) = values[test.tag as usize];
-            sums.add(test.replicate as usize, value, is_rough, is_free);
+            sums.add(test.replicate as usize, value, is_rough, share);
         });
         std::array::from_fn(|r| sums.irradiance(r, known[r]))
     }
@@ -147,8 +147,8 @@ struct SampleSums {
 }
 
 impl SampleSums {
-    fn add(&mut self, r: usize, value: Rgb, is_rough: bool, is_free: bool) {
-        let seen = if is_free { value } else { Rgb::BLACK };
+    fn add(&mut self, r: usize, value: Rgb, is_rough: bool, share: f64) {
+        let seen = value * share;
         if is_rough {
             self.rough[r] += seen;
         } else {

@@ -19,7 +19,8 @@ pub struct NextEvent {
     rays: Vec<KernelRay>,
     /// The caller's tag of each ray, and what it contributes if nothing stands between.
     contributions: Vec<(u32, Rgb)>,
-    blocked: Vec<bool>,
+    /// What passes along each ray.
+    shares: Vec<f32>,
     /// Surfaces that took samples since the last [`resolve`](NextEvent::resolve), those whose
     /// samples were black included: the keys of random numbers must not depend on what earlier
     /// samples found.
@@ -105,10 +106,10 @@ impl NextEvent {
             return;
         }
         let tracer = gatherer.surfaces().tracer;
-        tracer.any(&self.rays, &mut self.blocked);
-        for (&(tag, light), &blocked) in self.contributions.iter().zip(&self.blocked) {
-            if !blocked {
-                report(tag, light);
+        tracer.transmittance(&self.rays, &mut self.shares);
+        for (&(tag, light), &share) in self.contributions.iter().zip(&self.shares) {
+            if share > 0.0 {
+                report(tag, light * f64::from(share));
             }
         }
         self.rays.clear();

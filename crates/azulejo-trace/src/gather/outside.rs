@@ -116,12 +116,12 @@ impl Direct<'_> {
         }
     }
 
-    /// Traces the planned rays and passes on what those that are free stand for.
+    /// Traces the planned rays and passes on what arrives of what they stand for.
     fn add_visible(&mut self, values: &[(usize, Rgb)], mut add: impl FnMut(usize, usize, Rgb)) {
-        self.tests.trace(|test, is_free| {
-            if is_free {
+        self.tests.trace(|test, share| {
+            if share > 0.0 {
                 let (index, value) = values[test.tag as usize];
-                add(index, test.replicate as usize, value);
+                add(index, test.replicate as usize, value * share);
             }
         });
     }

@@ -6,7 +6,7 @@ use crate::lambert::mirror_point;
 use crate::{KernelRay, Tracer};
 use glam::DVec3;
 
-/// A planned shadow test: `count` rays from `first`, all of which must be free.
+/// A planned shadow test: `count` rays from `first`, one behind the other.
 pub(super) struct ShadowTest {
     /// The caller's number for what is tested.
     pub tag: u32,
@@ -20,7 +20,8 @@ pub(super) struct ShadowTest {
 pub(super) struct ShadowTests<'a> {
     tracer: &'a Tracer,
     rays: Vec<KernelRay>,
-    blocked: Vec<bool>,
+    /// What passes along each ray.
+    shares: Vec<f32>,
     tests: Vec<ShadowTest>,
 }
 
@@ -29,7 +30,7 @@ impl<'a> ShadowTests<'a> {
         ShadowTests {
             tracer,
             rays: Vec::new(),
-            blocked: Vec::new(),
+            shares: Vec::new(),
             tests: Vec::new(),
         }
     }
@@ -85,12 +86,16 @@ impl<'a> ShadowTests<'a> {
         None
     }
 
-    /// Traces the batch and reports of each test, in their order, whether nothing stands between.
-    pub fn trace(&mut self, mut report: impl FnMut(&ShadowTest, bool)) {
-        self.tracer.any(&self.rays, &mut self.blocked);
+    /// Traces the batch and reports of each test, in their order, the share of the light that passes what
+    /// stands between, 0..=1.
+    pub fn trace(&mut self, mut report: impl FnMut(&ShadowTest, f64)) {
+        self.tracer.transmittance(&self.rays, &mut self.shares);
         for test in &self.tests {
-            let mut rays = test.first..test.first + test.count;
-            report(test, rays.all(|k| !self.blocked[k as usize]));
+            let rays = test.first as usize..(test.first + test.count) as usize;
+            report(
+                test,
+                self.shares[rays].iter().map(|&s| f64::from(s)).product(),
+            );
         }
     }
 }

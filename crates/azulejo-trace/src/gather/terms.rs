@@ -101,7 +101,11 @@ impl Term {
     /// this half, and exact where all or nothing is visible.
     pub fn visible_share(&self, r: usize) -> f64 {
         if self.is_delta() {
-            return if self.visible[0] > 0.0 { 1.0 } else { 0.0 };
+            return if self.weights[0] > 0.0 {
+                self.visible[0] / self.weights[0]
+            } else {
+                0.0
+            };
         }
         let share = ratio_of_others(&self.visible, &self.weights, r);
         let sum = f64::from(self.samples) * self.full.max_channel() / self.radiance.max_channel();

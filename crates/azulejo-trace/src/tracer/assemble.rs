@@ -3,6 +3,7 @@
 
 use super::placed::{Placed, PlacedPrimitive, PlacedTracer};
 use super::twins::drop_twins;
+use super::veil::Veils;
 use super::{Instance, MeshPositions, Tracer, TriangleItem};
 use crate::exact::{ExactPrimitive, Outlines, Preparation};
 use crate::frame::{LocalFrame, double, single};
@@ -54,7 +55,9 @@ pub(crate) fn assemble(scene: &Scene, instances: Vec<Instance>, kernel: &Kernel)
     for (index, instance, inverse) in placed {
         parts.add_instance(index, instance, inverse);
     }
-    parts.finish(bounds, kernel)
+    let mut tracer = parts.finish(bounds, kernel);
+    tracer.veils = Veils::new(scene, &tracer);
+    tracer
 }
 
 /// The box around the finite vertices of a mesh's faces, or around another shape if it is finite.
@@ -280,6 +283,7 @@ impl Parts {
             triangles: self.triangles,
             others: self.others,
             items: self.items,
+            veils: None,
         }
     }
 }

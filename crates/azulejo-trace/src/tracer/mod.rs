@@ -3,6 +3,7 @@
 mod assemble;
 mod placed;
 mod twins;
+mod veil;
 
 use crate::exact::point_on_triangle;
 use crate::frame::{LocalFrame, double, single};
@@ -16,6 +17,7 @@ use azulejo_scene::math::{Aabb, Ray};
 use glam::{DAffine3, DVec3};
 use placed::Placed;
 use std::sync::Arc;
+use veil::Veils;
 
 /// The offset of [`Tracer::leaving`], in units of the rounding of local coordinates.
 const LEAVING_ULPS: f64 = 16.0;
@@ -41,6 +43,11 @@ const NO_RAY: KernelRay = KernelRay {
 /// lose no precision; [`resolve`](Tracer::resolve) computes the point again in `f64`. All surfaces
 /// are hit from both sides. The tests of boxes and triangles are watertight: no ray slips through
 /// between two triangles that share an edge.
+///
+/// A ray passes a surface that is not opaque ([`Opacity`](azulejo_scene::Opacity)) by chance, with the
+/// probability 1 − opacity: keyed on the ray and the surface, so that equal rays hit the same.
+/// [`transmittance`](Tracer::transmittance) returns the share that passes, without chance. A scene
+/// without such surfaces pays nothing for it.
 #[derive(Clone, Debug)]
 pub struct Tracer {
     pub(crate) bvh: Bvh,
@@ -56,6 +63,8 @@ pub struct Tracer {
     /// Ordered by their first item.
     pub(crate) others: Vec<Placed>,
     pub(crate) items: u32,
+    /// What lets light pass; `None` if nothing does.
+    veils: Option<Veils>,
 }
 
 /// An instance of a tracer in another tracer's world.
@@ -266,6 +275,21 @@ impl Tracer {
     }
 
     pub(crate) fn closest_into(&self, rays: &[KernelRay], hits: &mut [KernelHit]) {
+        self.kernel_closest(rays, hits);
+        if let Some(veils) = &self.veils {
+            self.follow_through(veils, rays, hits);
+        }
+    }
+
+    pub(crate) fn any_into(&self, rays: &[KernelRay], blocked: &mut [bool]) {
+        self.kernel_any(rays, blocked);
+        if let Some(veils) = &self.veils {
+            self.clear_passed(veils, rays, blocked);
+        }
+    }
+
+    /// The first surface on each ray, whether light passes through it or not.
+    fn kernel_closest(&self, rays: &[KernelRay], hits: &mut [KernelHit]) {
         let Some(external) = &self.external else {
             return self.instructions.closest(&self.kernel_scene(), rays, hits);
         };
@@ -296,7 +320,8 @@ impl Tracer {
         }
     }
 
-    pub(crate) fn any_into(&self, rays: &[KernelRay], blocked: &mut [bool]) {
+    /// Whether there is any surface on each ray, whether light passes through it or not.
+    fn kernel_any(&self, rays: &[KernelRay], blocked: &mut [bool]) {
         let Some(external) = &self.external else {
             return self.instructions.any(&self.kernel_scene(), rays, blocked);
         };

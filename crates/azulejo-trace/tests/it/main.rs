@@ -5,6 +5,7 @@ mod glossy;
 mod precision;
 mod prisms;
 mod shapes;
+mod veils;
 mod watertight;
 
 use azulejo_scene::{Material, Mesh, Object, Rgb, Scene, Shape};

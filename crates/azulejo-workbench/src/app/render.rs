@@ -241,6 +241,7 @@ mod tests {
             width: 1,
             height: 1,
             pixels: vec![[v, 2.0 * v, 0.0]],
+            alpha: None,
         };
         let mean = blend(image(1.0), 3, &image(5.0), 1);
         assert_eq!(mean.pixels, [[2.0, 4.0, 0.0]]);

@@ -242,14 +242,13 @@ impl SceneDocument {
 
     fn check_material(&self, material: &Material) -> Result<(), EditError> {
         let count = self.textures.len();
-        if let Some(t) = material.textures.iter().find(|&&t| t as usize >= count) {
+        if let Some(t) = material.pictures().find(|&t| t as usize >= count) {
             return refuse(format_args!("texture {t} of {count}"));
         }
+        let mut material = material.clone();
+        material.drop_pictures();
         let alone = Scene {
-            materials: vec![Material {
-                textures: Vec::new(),
-                ..material.clone()
-            }],
+            materials: vec![material],
             ..Scene::default()
         };
         alone.validate().or_else(|e| refuse(e.problem))

@@ -261,7 +261,7 @@ impl SceneDocument {
         self.textures
             .extend(scene.textures.into_iter().map(Arc::new));
         for mut material in scene.materials {
-            material.textures.iter_mut().for_each(|t| *t += textures);
+            material.renumber_pictures(textures);
             self.materials.push(Arc::new(material));
         }
         let mut ids = Vec::new();
@@ -367,9 +367,9 @@ impl SceneDocument {
         for material in lamps
             .materials
             .iter_mut()
-            .filter(|m| !m.textures.is_empty())
+            .filter(|m| m.pictures().next().is_some())
         {
-            Arc::make_mut(material).textures.clear();
+            Arc::make_mut(material).drop_pictures();
         }
         lamps.scene()
     }

@@ -463,6 +463,7 @@ fn radiance_knows_colours_and_textures() {
         width: 2,
         height: 1,
         pixels: vec![[0.25; 3], [1.0; 3]],
+        alpha: None,
     };
     scene.textures[0].image = Some(image);
     let document = SceneDocument::of_scene(scene, None);

@@ -44,6 +44,7 @@ impl TextureCache {
             width: 1,
             height: 1,
             pixels: vec![[1.0; 3]],
+            alpha: None,
         };
         let white_view = load(device, queue, Cow::Borrowed(&white));
         TextureCache {
@@ -175,6 +176,7 @@ fn product<'a>(images: &[&'a Image]) -> Option<Cow<'a, Image>> {
         width,
         height,
         pixels,
+        alpha: None,
     }))
 }
 
@@ -236,6 +238,7 @@ fn halved(image: &Image) -> Image {
         width,
         height,
         pixels: (0..width * height).into_par_iter().map(pixel).collect(),
+        alpha: None,
     }
 }
 

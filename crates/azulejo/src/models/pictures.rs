@@ -128,6 +128,7 @@ mod tests {
             width: 2,
             height: 1,
             pixels: vec![[v, 0.5, 0.25]; 2],
+            alpha: None,
         };
         let (mut sixteen, mut bright) = (Vec::new(), Vec::new());
         png::write_linear(&of(0.123_4), &mut sixteen).unwrap();

@@ -3,7 +3,10 @@
 use super::{read, triangle};
 use crate::picture::png;
 use crate::surface::model::gltf_mr;
-use azulejo_scene::{Dielectric, Material, Rgb, Scene, Sidedness};
+use azulejo_scene::{
+    Dielectric, Image, Material, Opacity, OpacityChannel, OpacityMode, OpacityPicture, Rgb, Scene,
+    Sidedness,
+};
 use glam::DVec2;
 
 const PRIMITIVE: &str = "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":\
@@ -133,10 +136,14 @@ fn panes_and_bodies_of_glass() {
 fn picture_of(pixels: &[[u8; 3]]) -> String {
     let mut file = Vec::new();
     png::write(pixels.len() as u32, 1, pixels.as_flattened(), &mut file).unwrap();
+    picture_as("image/png", &file)
+}
+
+fn picture_as(kind: &str, file: &[u8]) -> String {
     let escaped: String = file.iter().map(|b| format!("%{b:02x}")).collect();
     format!(
         ",\"textures\":[{{\"source\":0}}],\
-         \"images\":[{{\"name\":\"wood\",\"uri\":\"data:image/png,{escaped}\"}}]"
+         \"images\":[{{\"name\":\"wood\",\"uri\":\"data:{kind},{escaped}\"}}]"
     )
 }
 
@@ -171,7 +178,6 @@ fn unused_properties_are_reported() {
     );
     let warnings = [
         "metallic-roughness texture",
-        "transparent material",
         "\"image 0\" is not used",
         "normal map",
         "occlusion map",
@@ -183,4 +189,60 @@ fn unused_properties_are_reported() {
         scene(&json, rest, &warnings).materials[0].diffuse,
         Rgb::WHITE
     );
+}
+
+/// By factor and picture, as masks and shares; a picture without an alpha channel is opaque.
+#[test]
+fn alpha_modes() {
+    let of = |alpha: f32, more: &str, picture: &str| {
+        let json = pbr(&format!(
+            "\"metallicFactor\":0,\"baseColorFactor\":[1,1,1,{alpha}],\
+             \"baseColorTexture\":{{\"index\":0,\"texCoord\":1}}"
+        ));
+        scene(&format!("{json}{more}"), picture, &[]).materials[0].opacity
+    };
+    let plain = picture_of(&[[255; 3]]);
+    let mut file = Vec::new();
+    let clear = Image::opaque(2, 1, vec![[1.0; 3]; 2]).with_alpha(vec![0.0, 1.0]);
+    png::write_linear(&clear, &mut file).unwrap();
+    let cut = picture_as("image/png", &file);
+    let whole = Opacity::constant(1.0);
+    let pictured = Opacity {
+        picture: Some(OpacityPicture {
+            texture: 0,
+            channel: OpacityChannel::Alpha,
+        }),
+        ..whole
+    };
+    let mask = |cutoff: f64, of: Opacity| {
+        Some(Opacity {
+            mode: OpacityMode::Mask { cutoff },
+            ..of
+        })
+    };
+    assert_eq!(of(0.5, "", &cut), None);
+    assert_eq!(of(0.5, ",\"alphaMode\":\"OPAQUE\"", &cut), None);
+    let blend = ",\"alphaMode\":\"BLEND\"";
+    assert_eq!(of(1.0, blend, &plain), None);
+    assert_eq!(of(0.5, blend, &plain), Some(Opacity::constant(0.5)));
+    assert_eq!(of(1.0, blend, &cut), Some(pictured));
+    let masked = ",\"alphaMode\":\"MASK\"";
+    assert_eq!(of(1.0, masked, &cut), mask(0.5, pictured));
+    assert_eq!(of(1.0, masked, &plain), None);
+    let cutoff = ",\"alphaMode\":\"MASK\",\"alphaCutoff\":0.75";
+    assert_eq!(of(0.5, cutoff, &plain), mask(0.75, Opacity::constant(0.5)));
+}
+
+/// Pictures that extensions name, where glTF's own are missing.
+#[test]
+fn pictures_of_other_formats() {
+    let json = pbr("\"metallicFactor\":0,\"baseColorTexture\":{\"index\":0,\"texCoord\":1}");
+    let file = crate::picture::webp::tests::file(image_webp::ColorType::Rgb8, &[255; 6]);
+    let picture = picture_as("image/webp", &file).replace(
+        "{\"source\":0}",
+        "{\"extensions\":{\"EXT_texture_webp\":{\"source\":0}}}",
+    );
+    let found = scene(&json, &picture, &[]);
+    let image = found.textures[0].image.as_ref().unwrap();
+    assert_eq!(image.pixels, [[1.0; 3]; 2]);
 }

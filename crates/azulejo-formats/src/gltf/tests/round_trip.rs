@@ -2,8 +2,9 @@
 
 use crate::{Memory, ReadOptions, gltf};
 use azulejo_scene::{
-    Attribute, Camera, Dielectric, Image, Light, LightKind, Material, Mesh, Object, Primitive, Rgb,
-    Scene, Shape, Sidedness, Texture, Units, Up,
+    Attribute, Camera, Dielectric, Image, Light, LightKind, Material, Mesh, Object, Opacity,
+    OpacityChannel, OpacityMode, OpacityPicture, Primitive, Rgb, Scene, Shape, Sidedness, Texture,
+    Units, Up,
 };
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
@@ -149,6 +150,7 @@ fn scene() -> impl Strategy<Value = Scene> {
                     width: 2,
                     height: 1,
                     pixels: vec![[0.0, 1.0, 0.0], [1.0; 3]],
+                    alpha: None,
                 }),
             }],
             objects: objects
@@ -437,4 +439,67 @@ fn an_empty_scene_is_a_file() {
     let file = glb(&Scene::default());
     let loaded = gltf::read(&file, "a.glb", &Memory::new(), &ReadOptions::default());
     assert_eq!(loaded.unwrap().warnings.len(), 1);
+}
+
+/// The picture of an opacity becomes the alpha channel of the colour's.
+#[test]
+fn opacities_come_back() {
+    let picture = |pixels: Vec<[f32; 3]>| Texture {
+        path: "picture".into(),
+        image: Some(Image::opaque(2, 1, pixels)),
+    };
+    let colour = picture(vec![[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]);
+    let mut cut = colour.clone();
+    cut.image = cut.image.map(|image| image.with_alpha(vec![0.2, 1.0]));
+    let check = |textures: Vec<Texture>, base: &[u32], opacity: Opacity, alpha: &[f32]| {
+        let mut scene = Scene {
+            textures,
+            ..Scene::default()
+        };
+        scene.add_material(Material {
+            textures: base.to_vec(),
+            opacity: Some(opacity),
+            ..Material::diffuse("leaf", Rgb::grey(0.5))
+        });
+        let mut mesh = Mesh {
+            positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+            uvs: Some(Attribute::per_vertex(vec![DVec2::ONE; 3])),
+            ..Mesh::default()
+        };
+        mesh.push_face(&[0, 1, 2], 0);
+        scene.objects.push(Object::new("", Shape::Mesh(mesh)));
+        let options = ReadOptions::default();
+        let back = gltf::read(&glb(&scene), "a.glb", &Memory::new(), &options).unwrap();
+        let found = back.scene.materials[0].opacity.unwrap();
+        assert_eq!(
+            (found.constant, found.mode),
+            (opacity.constant, opacity.mode)
+        );
+        assert_eq!(found.picture.is_some(), opacity.picture.is_some());
+        let image = back.scene.textures.first().and_then(|t| t.image.as_ref());
+        let found = image.and_then(|image| image.alpha.as_deref());
+        assert_eq!(found.unwrap_or_default(), alpha);
+        assert_eq!(back.warnings, []);
+    };
+    let whole = Opacity::constant(1.0);
+    let by = |texture: u32, channel: OpacityChannel| Opacity {
+        picture: Some(OpacityPicture { texture, channel }),
+        ..whole
+    };
+    check(Vec::new(), &[], Opacity::constant(0.5), &[]);
+    let alpha = by(0, OpacityChannel::Alpha);
+    check(vec![cut.clone()], &[0], alpha, &[0.2, 1.0]);
+    let mask = Opacity {
+        mode: OpacityMode::Mask { cutoff: 0.25 },
+        constant: 0.5,
+        ..by(1, OpacityChannel::Luminance)
+    };
+    let board = picture(vec![[0.0; 3], [1.0; 3]]);
+    check(vec![colour, board.clone()], &[0], mask, &[0.0, 1.0]);
+    check(
+        vec![board],
+        &[],
+        by(0, OpacityChannel::Luminance),
+        &[0.0, 1.0],
+    );
 }

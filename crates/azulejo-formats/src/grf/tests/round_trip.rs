@@ -5,8 +5,8 @@ use super::*;
 use azulejo_scene::brdf::Description;
 use azulejo_scene::{
     Attribute, BackIrradiance, Brdf, Camera, Dielectric, Fog, Light, LightKind, Material, Object,
-    Primitive, PrimitiveKind, Rgb, SceneBackground, Sidedness, SurfaceGrid, SurfaceLight, Texture,
-    Units, Up,
+    Opacity, OpacityChannel, OpacityMode, OpacityPicture, Primitive, PrimitiveKind, Rgb,
+    SceneBackground, Sidedness, SurfaceGrid, SurfaceLight, Texture, Units, Up,
 };
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use proptest::collection::vec;
@@ -219,6 +219,7 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
             transmittance,
             thin,
         });
+    let opacity = option::weighted(0.2, opacity(textures));
     let textures = vec(0..textures.max(1) as u32, 0..=3.min(textures));
     let emission = prop_oneof![3 => Just(Rgb::BLACK), 1 => light_rgb()];
     (
@@ -227,7 +228,7 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
         share(),
         option::weighted(0.2, dielectric),
         (emission, any::<bool>(), sidedness()),
-        textures,
+        (textures, opacity),
         option::weighted(0.2, brdf()),
     )
         .prop_map(
@@ -237,7 +238,7 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
                 mirror,
                 dielectric,
                 (emission, emits_back, sidedness),
-                textures,
+                (textures, opacity),
                 brdf,
             )| {
                 Material {
@@ -250,9 +251,25 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
                     sidedness,
                     textures,
                     brdf,
+                    opacity,
                 }
             },
         )
+}
+
+fn opacity(textures: usize) -> impl Strategy<Value = Opacity> {
+    let channel = prop_oneof![Just(OpacityChannel::Alpha), Just(OpacityChannel::Luminance)];
+    let picture = (0..textures.max(1) as u32, channel);
+    let picture = option::weighted(0.5, picture).prop_map(move |p| p.filter(|_| textures > 0));
+    let mode = prop_oneof![
+        Just(OpacityMode::Blend),
+        (0.0..2.0f64).prop_map(|cutoff| OpacityMode::Mask { cutoff }),
+    ];
+    (0.0..=1.0f64, picture, mode).prop_map(|(constant, picture, mode)| Opacity {
+        constant,
+        picture: picture.map(|(texture, channel)| OpacityPicture { texture, channel }),
+        mode,
+    })
 }
 
 fn sidedness() -> impl Strategy<Value = Sidedness> {

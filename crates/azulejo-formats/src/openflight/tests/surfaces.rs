@@ -6,7 +6,7 @@ use super::{check_warned, load, load_with, only_mesh, said};
 use crate::surface::gloss::Gloss;
 use crate::surface::phong::Highlight;
 use crate::{Memory, ReadOptions};
-use azulejo_scene::{Material, Rgb, Sidedness};
+use azulejo_scene::{Material, Opacity, Rgb, Sidedness};
 use glam::{DVec2, DVec3};
 
 const ORIGIN: [f64; 3] = [0.0; 3];
@@ -316,19 +316,23 @@ fn the_old_material_palette_has_all_in_one() {
 }
 
 #[test]
-fn transparency_is_opaque() {
-    let warning = &[("face with transparency: opaque", 1)];
+fn transparency_is_an_opacity() {
+    let veiled = |material: Material, opacity: f64| Material {
+        opacity: Some(Opacity::constant(opacity)),
+        ..material
+    };
+    let rest = 1.0 - f64::from(1u16 << 15) / 65535.0;
     let half = 1 << 15;
     let white = || matt(1.0, 1.0, 1.0);
-    check_material(&[], face().u16(40, half), white(), warning);
+    check_material(&[], face().u16(40, half), veiled(white(), rest), &[]);
     let clear = material().singles(76, &[0.5]);
     let brick = Material {
         name: "brick".into(),
         ..matt(0.5, 0.25, 1.0)
     };
-    check_material(&[clear], lit(), brick, warning);
+    check_material(&[clear], lit(), veiled(brick, 0.5), &[]);
     let glass = object("o").u16(18, half);
-    check_warned(Flt::new().node(glass, &[]), &[("o", &[ORIGIN])], warning);
+    check_warned(Flt::new().node(glass, &[]), &[("o", &[ORIGIN])], &[]);
     let billboard = &[("billboard face: kept in its original orientation", 1)];
     check_material(&[], face().u8(25, 2), white(), billboard);
 }

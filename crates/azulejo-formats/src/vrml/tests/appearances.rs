@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::surface::phong::{Angle, Highlight};
-use azulejo_scene::{Attribute, Material, Rgb, Sidedness};
+use azulejo_scene::{
+    Attribute, Material, Opacity, OpacityChannel, OpacityMode, OpacityPicture, Rgb, Sidedness,
+};
 use glam::DVec2;
 
 const QUAD: &str = "IndexedFaceSet { coord Coordinate { point [ 0 0 0, 2 0 0, 2 1 0, 0 1 0 ] } coordIndex [ 0 1 2 3 ] EXTRA }";
@@ -71,12 +73,11 @@ fn materials() {
 
 #[test]
 fn what_materials_lose_is_said() {
-    let (_, warnings) = look(
+    let (scene, warnings) = look(
         "material Material { transparency 0.5 glow 0.9 metadata MetadataString { } } shaders CommonSurfaceShader { }",
         "",
     );
     let expected = [
-        ":2:42: material with transparency: opaque",
         ":2:42: glow of Material: skipped",
         ":2:30: shaders of Appearance: skipped",
     ];
@@ -86,6 +87,7 @@ fn what_materials_lose_is_said() {
         .map(|w| w.rsplit(": ").next().unwrap_or_default().to_owned())
         .collect();
     assert_eq!(places.len(), expected.len(), "{warnings:?}");
+    assert_eq!(scene.materials[0].opacity, Some(Opacity::constant(0.5)));
     for (found, expected) in warnings.iter().zip(expected) {
         let words = expected.splitn(4, ':').nth(3).unwrap_or_default();
         assert!(found.contains(words), "{found} is not {expected}");
@@ -135,6 +137,45 @@ fn uvs(scene: &Scene) -> Vec<DVec2> {
         }) => values.clone(),
         _ => Vec::new(),
     }
+}
+
+/// The alpha channel of a texture replaces the transparency of the material.
+#[test]
+fn alpha_channels() {
+    let of = |channels: u32, pixel: &str, more: &str| {
+        let (scene, _) = look(
+            &format!(
+                "texture PixelTexture {{ image 1 1 {channels} {pixel} }} material Material {{ transparency 0.5 }} {more}"
+            ),
+            "",
+        );
+        (
+            scene.materials[0].opacity,
+            scene.textures[0].image.clone().unwrap().alpha,
+        )
+    };
+    assert_eq!(of(3, "0xFF0000", ""), (Some(Opacity::constant(0.5)), None));
+    let pictured = Opacity {
+        picture: Some(OpacityPicture {
+            texture: 0,
+            channel: OpacityChannel::Alpha,
+        }),
+        ..Opacity::constant(1.0)
+    };
+    assert_eq!(of(4, "0xFF000033", ""), (Some(pictured), Some(vec![0.2])));
+    assert_eq!(of(2, "0xFF33", ""), (Some(pictured), Some(vec![0.2])));
+    // All pixels are opaque, so that it is no channel.
+    assert_eq!(of(2, "0xFFFF", ""), (Some(Opacity::constant(0.5)), None));
+    assert_eq!(of(2, "0xFF33", "alphaMode \"OPAQUE\"").0, None);
+    let (masked, _) = of(2, "0xFF33", "alphaMode \"MASK\" alphaCutoff 0.25");
+    let cut = OpacityMode::Mask { cutoff: 0.25 };
+    assert_eq!(
+        masked,
+        Some(Opacity {
+            mode: cut,
+            ..pictured
+        })
+    );
 }
 
 #[test]

@@ -5,7 +5,7 @@ use super::walk::V1Traversal;
 use crate::reading::text::shortened;
 use crate::surface::phong::Highlight;
 use crate::vrml::appearance;
-use azulejo_scene::{Material, MaterialId, Rgb, Sidedness, TextureId};
+use azulejo_scene::{Material, MaterialId, Opacity, Rgb, Sidedness, TextureId};
 use std::collections::HashMap;
 
 /// VRML's specular exponent is its shininess times this, as in OpenGL.
@@ -91,6 +91,13 @@ impl V1Traversal<'_, '_, '_> {
             material.sidedness = Sidedness::One;
         }
         material.textures.extend(key.texture);
+        if let Some(picture) = self.builder.textures.alpha_of(&material.textures) {
+            let opacity = material.opacity.unwrap_or(Opacity::constant(1.0));
+            material.opacity = Some(Opacity {
+                picture: Some(picture),
+                ..opacity
+            });
+        }
         let id = self.builder.materials.index(material);
         self.cache.materials.insert(key, id);
         id
@@ -132,9 +139,8 @@ impl V1Traversal<'_, '_, '_> {
         if let Err(message) = self.builder.gloss.highlight(&mut material, highlight) {
             self.warn(node, message);
         }
-        if number("transparency", 0.0) > 0.0 {
-            self.warn(node, "material with transparency: opaque");
-        }
+        let opacity = Opacity::constant(1.0 - share(number("transparency", 0.0)));
+        material.opacity = (!opacity.is_opaque()).then_some(opacity);
         material
     }
 

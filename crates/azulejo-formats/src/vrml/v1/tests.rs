@@ -3,7 +3,7 @@
 use crate::surface::phong::{Angle, Highlight};
 use crate::vrml::read;
 use crate::{Files, Loaded, Lod, Memory, ReadOptions};
-use azulejo_scene::{LightKind, Material, Mesh, Object, Rgb, Shape};
+use azulejo_scene::{LightKind, Material, Mesh, Object, Opacity, Rgb, Shape};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 
@@ -333,7 +333,8 @@ fn what_materials_mean() {
     assert!((highlight.ks.r - 0.5).abs() < 1e-12);
     let bright = "specularColor 1 1 1 shininess 0";
     check_warning(&body(bright), "more light than it receives", 1);
-    check_warning(&body("transparency 0.5"), "material with transparency", 1);
+    let veiled = of("transparency 0.75");
+    assert_eq!(veiled.opacity, Some(Opacity::constant(0.25)));
     check_warning(&body("transparency 1"), "invisible", 1);
     check_warning(&body("reflSpecular 0 0 0"), "Material.reflSpecular", 1);
 }

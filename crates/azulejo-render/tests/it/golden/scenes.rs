@@ -67,6 +67,7 @@ fn texture(scene: &mut Scene, n: u32, color: impl Fn(u32, u32) -> [f32; 3]) -> u
             width: n,
             height: n,
             pixels,
+            alpha: None,
         }),
     });
     scene.textures.len() as u32 - 1

@@ -58,9 +58,8 @@ impl SceneDocument {
         self.textures.extend(other.textures.iter().cloned());
         for material in &other.materials {
             let mut material = Arc::clone(material);
-            if textures > 0 && !material.textures.is_empty() {
-                let own = Arc::make_mut(&mut material);
-                own.textures.iter_mut().for_each(|t| *t += textures);
+            if textures > 0 && material.pictures().next().is_some() {
+                Arc::make_mut(&mut material).renumber_pictures(textures);
             }
             self.materials.push(material);
         }

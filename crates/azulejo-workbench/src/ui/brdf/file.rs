@@ -59,6 +59,7 @@ pub(super) fn with_brdf(material: &Material, brdf: Arc<Brdf>) -> Material {
         emission: material.emission,
         emits_back: material.emits_back,
         textures: material.textures.clone(),
+        opacity: material.opacity,
         ..Material::with_brdf(material.name.clone(), brdf)
     }
 }

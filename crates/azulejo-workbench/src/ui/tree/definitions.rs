@@ -129,7 +129,7 @@ fn textures(document: &SceneDocument, language: Language) -> Vec<TreeItem> {
     for item in &document.objects {
         let materials = item.materials().iter();
         let materials = materials.filter_map(|&m| document.materials.get(m as usize));
-        for &texture in materials.flat_map(|m| &m.textures) {
+        for texture in materials.flat_map(|m| m.pictures()) {
             if let Some(users) = users.get_mut(texture as usize)
                 && users.last() != Some(&item.id)
             {

@@ -1,0 +1,276 @@
+//! Surfaces through which light passes straight: which rays go on behind a hit.
+//!
+//! Whether a ray stops at a surface of opacity α is decided by a number in 0..1 that is keyed on the ray
+//! and on the surface (stochastic transparency: Enderton, Sintorn, Shirley and Luebke, I3D 2010). So
+//! what a ray hits does not depend on other rays, on the batch or on the thread; the mean over many
+//! rays is right, and their spread shows in the standard errors that all estimates carry. A ray that
+//! stops meets the surface with its whole weight: α of the light is taken, 1 − α passes.
+
+use super::Tracer;
+use super::placed::Placed;
+use crate::exact::point_on_triangle;
+use crate::kernel::{KernelHit, KernelRay};
+use crate::sampling::{hash, uniform};
+use azulejo_scene::{Exact, Leaf, Mesh, Opacity, OpacityMap, OpacityPicture, Scene, Shape};
+use glam::DVec2;
+use std::collections::HashMap;
+
+/// The opacities of a tracer's own items. Takes 4 bytes per item, 80 more for each triangle that shows a
+/// picture of its opacity, and 4 per pixel of these pictures.
+#[derive(Clone, Debug)]
+pub(crate) struct Veils {
+    /// For each item 0 if it is opaque, else one more than the index of its veil.
+    of_items: Vec<u32>,
+    list: Vec<Veil>,
+    maps: Vec<OpacityMap>,
+}
+
+/// The opacity of an item.
+#[derive(Clone, Copy, Debug)]
+enum Veil {
+    /// The same everywhere.
+    Even(f64),
+    /// By a map, over a triangle with these texture coordinates.
+    Mapped {
+        opacity: Opacity,
+        map: u32,
+        uvs: [DVec2; 3],
+    },
+}
+
+/// Veils while they are collected.
+struct VeilBuilder<'s> {
+    scene: &'s Scene,
+    veils: Veils,
+    /// Index of the map of each picture; `None` where it is opaque everywhere or not loaded.
+    known: HashMap<(u32, u8), Option<u32>>,
+    /// Index of the veil of each material, where it does not depend on the triangle.
+    even: HashMap<u32, u32>,
+}
+
+impl Veils {
+    /// The opacities of a tracer's items; `None` if all are opaque.
+    pub fn new(scene: &Scene, tracer: &Tracer) -> Option<Veils> {
+        let veiled: Vec<bool> = (scene.materials.iter())
+            .map(|m| m.see_through().is_some())
+            .collect();
+        if !veiled.contains(&true) {
+            return None;
+        }
+        let mut builder = VeilBuilder {
+            scene,
+            veils: Veils {
+                of_items: Vec::new(),
+                list: Vec::new(),
+                maps: Vec::new(),
+            },
+            known: HashMap::new(),
+            even: HashMap::new(),
+        };
+        let leaves = scene.objects.iter().map(|object| match &object.shape {
+            Shape::Exact(exact) => Exact::leaves(exact),
+            _ => Vec::new(),
+        });
+        let leaves: Vec<Vec<Leaf>> = leaves.collect();
+        for number in 0..tracer.item_count() {
+            let item = tracer.item(number);
+            if item.instance.is_some() {
+                break;
+            }
+            let material = match &scene.objects[item.object as usize].shape {
+                Shape::Mesh(mesh) => mesh.face_materials[item.face as usize],
+                Shape::Primitive(primitive) => primitive.material,
+                Shape::Exact(_) => leaves[item.object as usize][item.face as usize].material(),
+            };
+            let index = if veiled[material as usize] {
+                match &scene.objects[item.object as usize].shape {
+                    Shape::Mesh(mesh) => {
+                        builder.triangle(material, mesh, item.face as usize, item.triangle as usize)
+                    }
+                    Shape::Primitive(_) | Shape::Exact(_) => builder.even(material),
+                }
+            } else {
+                0
+            };
+            builder.veils.of_items.push(index);
+        }
+        let veils = builder.veils;
+        veils.of_items.iter().any(|&v| v > 0).then_some(veils)
+    }
+
+    /// The opacity of what a ray hits, 0..=1.
+    fn opacity(&self, tracer: &Tracer, ray: &KernelRay, hit: &KernelHit) -> f64 {
+        let index = self.of_items.get(hit.item as usize).copied().unwrap_or(0);
+        match index.checked_sub(1).map(|k| &self.list[k as usize]) {
+            None => 1.0,
+            Some(Veil::Even(opacity)) => *opacity,
+            Some(Veil::Mapped { opacity, map, uvs }) => {
+                let vertices = tracer.triangles[hit.item as usize].vertices;
+                let positions = &tracer.mesh_of(hit.item).positions;
+                let corners = vertices.map(|v| positions[v as usize]);
+                let ray = tracer.world_ray(ray);
+                let point = point_on_triangle(corners, &ray, f64::from(hit.t));
+                let [a, b, c] = *uvs;
+                let uv = a + point.u * (b - a) + point.v * (c - a);
+                opacity.at(self.maps[*map as usize].sample(uv))
+            }
+        }
+    }
+
+    /// Whether a ray goes on behind its hit.
+    fn passes(&self, tracer: &Tracer, ray: &KernelRay, hit: &KernelHit) -> bool {
+        if hit.item == KernelHit::MISS || self.of_items.get(hit.item as usize) == Some(&0) {
+            return false;
+        }
+        let opacity = self.opacity(tracer, ray, hit);
+        opacity < 1.0 && (opacity <= 0.0 || chance(ray, hit.item) >= opacity)
+    }
+}
+
+/// A number in 0..1 for a ray and a surface.
+fn chance(ray: &KernelRay, item: u32) -> f64 {
+    let [x, y, z] = ray.origin.map(f32::to_bits);
+    let [dx, dy, dz] = ray.direction.map(f32::to_bits);
+    f64::from(uniform(&[hash(&[x, y, z, dx, dy, dz]), item]))
+}
+
+/// The ray from behind a hit on: no surface is hit twice at the same parameter.
+fn behind(ray: &KernelRay, hit: &KernelHit) -> KernelRay {
+    KernelRay {
+        t_min: hit.t.next_up(),
+        ..*ray
+    }
+}
+
+impl VeilBuilder<'_> {
+    /// One more than the index of a new veil.
+    fn push(&mut self, veil: Veil) -> u32 {
+        self.veils.list.push(veil);
+        self.veils.list.len() as u32
+    }
+
+    /// The veil of a surface without texture coordinates: its picture does not count.
+    fn even(&mut self, material: u32) -> u32 {
+        if let Some(&index) = self.even.get(&material) {
+            return index;
+        }
+        let opacity = self.scene.materials[material as usize].see_through();
+        let value = opacity.map_or(1.0, |o| o.at(1.0));
+        let index = if value < 1.0 {
+            self.push(Veil::Even(value))
+        } else {
+            0
+        };
+        self.even.insert(material, index);
+        index
+    }
+
+    fn triangle(&mut self, material: u32, mesh: &Mesh, face: usize, triangle: usize) -> u32 {
+        let opacity = self.scene.materials[material as usize].see_through();
+        let mapped = opacity.copied().and_then(|opacity| {
+            let map = self.map(opacity.picture?)?;
+            let uvs = mesh.uvs.as_ref()?;
+            let start = mesh.faces.starts[face] as usize;
+            let places = *mesh.triangulate(face).get(triangle)?;
+            let uvs = places.map(|k| {
+                let corner = start + k as usize;
+                uvs.at(corner, mesh.faces.corners[corner])
+            });
+            Some(Veil::Mapped { opacity, map, uvs })
+        });
+        match mapped {
+            Some(veil) => self.push(veil),
+            None => self.even(material),
+        }
+    }
+
+    /// Index of a picture's map.
+    fn map(&mut self, picture: OpacityPicture) -> Option<u32> {
+        let key = (picture.texture, picture.channel as u8);
+        if let Some(known) = self.known.get(&key) {
+            return *known;
+        }
+        let texture = self.scene.textures.get(picture.texture as usize);
+        let image = texture.and_then(|texture| texture.image.as_ref());
+        let map = image.and_then(|image| OpacityMap::new(image, picture.channel));
+        let index = map.map(|map| {
+            self.veils.maps.push(map);
+            self.veils.maps.len() as u32 - 1
+        });
+        self.known.insert(key, index);
+        index
+    }
+}
+
+impl Tracer {
+    /// Whether light passes straight through any surface.
+    pub fn has_veils(&self) -> bool {
+        let inside = |other: &Placed| match other {
+            Placed::Instance(placed) => placed.tracer.has_veils(),
+            Placed::Primitive(_) | Placed::Exact(_) => false,
+        };
+        self.veils.is_some() || self.others.iter().any(inside)
+    }
+
+    /// The share of the light that passes along each ray: the product of 1 − opacity over the surfaces in
+    /// between, 0 behind an opaque one; of surfaces in instances 0 or 1, by chance. `shares` is cleared
+    /// and gets one entry per ray, in 0..=1.
+    ///
+    /// Runs on the calling thread; callers split their rays.
+    pub fn transmittance(&self, rays: &[KernelRay], shares: &mut Vec<f32>) {
+        let mut blocked = vec![false; rays.len()];
+        self.kernel_any(rays, &mut blocked);
+        shares.clear();
+        shares.extend(blocked.iter().map(|&b| if b { 0.0 } else { 1.0 }));
+        let Some(veils) = &self.veils else { return };
+        for ((ray, share), _) in rays.iter().zip(shares).zip(blocked).filter(|(_, b)| *b) {
+            *share = self.passed(veils, ray) as f32;
+        }
+    }
+
+    /// The share of the light that passes along a ray.
+    fn passed(&self, veils: &Veils, ray: &KernelRay) -> f64 {
+        let (mut share, mut rest) = (1.0, *ray);
+        let mut hit = [KernelHit::NOTHING];
+        loop {
+            self.kernel_closest(&[rest], &mut hit);
+            if !hit[0].is_hit() {
+                return share;
+            }
+            share *= 1.0 - veils.opacity(self, ray, &hit[0]);
+            if share <= 0.0 {
+                return 0.0;
+            }
+            rest = behind(&rest, &hit[0]);
+        }
+    }
+
+    /// Replaces the hits of rays that go on by what they hit behind.
+    pub(super) fn follow_through(&self, veils: &Veils, rays: &[KernelRay], hits: &mut [KernelHit]) {
+        let mut waiting: Vec<usize> = (0..rays.len())
+            .filter(|&k| veils.passes(self, &rays[k], &hits[k]))
+            .collect();
+        let (mut rest, mut found) = (Vec::new(), Vec::new());
+        while !waiting.is_empty() {
+            rest.clear();
+            rest.extend(waiting.iter().map(|&k| behind(&rays[k], &hits[k])));
+            found.clear();
+            found.resize(rest.len(), KernelHit::NOTHING);
+            self.kernel_closest(&rest, &mut found);
+            for (&k, hit) in waiting.iter().zip(&found) {
+                hits[k] = *hit;
+            }
+            waiting.retain(|&k| veils.passes(self, &rays[k], &hits[k]));
+        }
+    }
+
+    /// Clears rays that pass everything in between.
+    pub(super) fn clear_passed(&self, veils: &Veils, rays: &[KernelRay], blocked: &mut [bool]) {
+        for (ray, blocked) in rays.iter().zip(blocked).filter(|(_, b)| **b) {
+            let mut hit = [KernelHit::NOTHING];
+            self.kernel_closest(&[*ray], &mut hit);
+            self.follow_through(veils, &[*ray], &mut hit);
+            *blocked = hit[0].is_hit();
+        }
+    }
+}
