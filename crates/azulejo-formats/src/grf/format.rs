@@ -61,7 +61,7 @@ fn tokens<'a>(text: &'a str, whole: &[Range<usize>]) -> Vec<TextToken<'a>> {
     let mut whole = whole.iter().peekable();
     let (mut at, mut lines) = (0, 0);
     while let Some(first) = text[at..].chars().next() {
-        if first.is_whitespace() {
+        if is_blank(first) {
             let is_pair = text[at..].starts_with("\r\n");
             lines += usize::from(matches!(first, '\n' | '\r') && !is_pair);
             at += first.len_utf8();
@@ -77,7 +77,7 @@ fn tokens<'a>(text: &'a str, whole: &[Range<usize>]) -> Vec<TextToken<'a>> {
             None => at + word_length(&text[at..]),
         };
         out.push(TextToken {
-            text: text[at..end].trim_end(),
+            text: text[at..end].trim_end_matches(is_blank),
             lines,
             is_comment: is_comment && known.is_none(),
             is_whole: known.is_some(),
@@ -85,6 +85,11 @@ fn tokens<'a>(text: &'a str, whole: &[Range<usize>]) -> Vec<TextToken<'a>> {
         (at, lines) = (end, 0);
     }
     out
+}
+
+/// The blanks of the grammar: those of other alphabets may be part of names.
+fn is_blank(c: char) -> bool {
+    matches!(c, ' ' | '\t' | '\n' | '\r' | '\x0b' | '\x0c')
 }
 
 /// The length of a text in quotes, with them.
@@ -103,7 +108,7 @@ fn string_length(text: &str) -> usize {
 /// The length of a word, number or other run of characters.
 fn word_length(text: &str) -> usize {
     let ends = |(at, c): (usize, char)| {
-        let is_end = c.is_whitespace() || "(),=;\"".contains(c) || text[at..].starts_with("//");
+        let is_end = is_blank(c) || "(),=;\"".contains(c) || text[at..].starts_with("//");
         (is_end && at > 0).then_some(at)
     };
     text.char_indices().find_map(ends).unwrap_or(text.len())

@@ -102,13 +102,14 @@ fn read(bytes: &[u8], name: &str, files: &dyn Files) -> Result<Vec<LintFinding>,
 
 /// The rule of a warning, by its words.
 fn of_warning(warning: Warning) -> LintFinding {
-    const RULES: [(&str, &str); 16] = [
+    const RULES: [(&str, &str); 17] = [
         ("missing comma", "missing-comma"),
         ("single `.`", "stray-dot"),
         ("defined twice", "defined-twice"),
         ("has no key", "unknown-key"),
         ("negative", "negative-light"),
         ("reflectance above 1", "energy"),
+        ("has the albedo", "energy"),
         ("reflect more", "energy"),
         ("reflects more", "energy"),
         ("not reciprocal", "reciprocity"),

@@ -151,6 +151,7 @@ impl GrfText {
         let text = &self.layout.texts[file as usize];
         let mut here = edits.remove(&file).unwrap_or_default();
         let end = line_end(text);
+        let mut gone: Vec<Range<usize>> = Vec::new();
         for include in self.layout.includes.iter().filter(|i| i.file == file) {
             if !self.is_edited(include.target, edits) {
                 continue;
@@ -165,9 +166,12 @@ impl GrfText {
                 ),
             });
             lit.unfolded.insert(path);
+            gone.push(include.range.clone());
         }
         if file != 0 {
-            here.extend(self.renamed(file));
+            // The name of an include that was replaced is gone with it.
+            let stays = |e: &TextEdit| !gone.iter().any(|r| r.contains(&e.range.start));
+            here.extend(self.renamed(file).filter(stays));
         }
         here.sort_by_key(|e| e.range.start);
         edited(text, &here)

@@ -198,6 +198,29 @@ fn each_use_of_a_part_gets_its_own_light() {
 }
 
 #[test]
+fn parts_of_parts_are_unfolded_where_they_have_surfaces() {
+    let files = Memory::new()
+        .with(
+            "parts/set.grf",
+            "include \"chair.grf\" include \"more/colors.grf\"\ninclude \"chair.grf\"",
+        )
+        .with("parts/chair.grf", triangle("texture \"a.png\""))
+        .with("parts/more/colors.grf", "def red = rgb (1, 0, 0)");
+    let text = "include \"parts/set.grf\"";
+    let result = written_in_place(&files, text.as_bytes(), 1.0);
+    let names: Vec<&str> = result.unfolded.iter().map(String::as_str).collect();
+    assert_eq!(names, ["parts/chair.grf", "parts/set.grf"]);
+    let said = String::from_utf8(result.bytes.clone()).unwrap();
+    assert!(
+        said.contains("\ninclude \"parts/more/colors.grf\"\n")
+            || said.contains(" include \"parts/more/colors.grf\"\n"),
+        "{said}"
+    );
+    assert_eq!(said.matches("texture \"parts/a.png\"").count(), 2);
+    assert_eq!(scene_with(&files, &result.bytes).objects.len(), 2);
+}
+
+#[test]
 fn the_encoding_is_kept() {
     let files = Memory::new();
     let text = format!("// silla de niño\n{}", triangle(""));

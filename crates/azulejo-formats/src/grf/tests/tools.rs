@@ -96,6 +96,12 @@ fn formatting_changes_no_scene() {
     assert_eq!(found, "include lamp//a.grf // not a comment before\n");
     // Names that another file defines, and textures that are not there.
     check_format(&triangle("use color elsewhere texture a(1).png"));
+    // A blank of another alphabet is part of a name.
+    let found = check_format("def a\u{a0}b = rgb (1, 0, 0)\u{c}def c=rgb(0,0,0)");
+    assert_eq!(
+        found,
+        "def a\u{a0}b = rgb (1, 0, 0)\ndef c = rgb (0, 0, 0)\n"
+    );
     assert_eq!(format_text(""), "");
     assert_eq!(format_text(" ; "), ";\n");
     assert!(formatted(b"begin mesh", "test.grf").is_err());
@@ -116,13 +122,13 @@ fn every_rule_finds_its_fault() {
     check_lint(
         "begin mesh begin vertices (0,0,0) end",
         &[
-            "test.grf:1:38: [syntax] found the end of the file, expected `begin vertices`, `begin faces`, `use`, or `end mesh`",
+            "test.grf:1:38: [syntax] found the end of the file, expected `end mesh` for the block that begins in line 1",
         ],
     );
     check_lint(
         "\ninclude \"nothing.grf\"",
         &[
-            "test.grf:2:9: [missing-include] found the include \"nothing.grf\": no such file, expected a file that can be read",
+            "test.grf:2:9: [missing-include] found the include \"nothing.grf\": there is no such file, expected a file that can be read",
         ],
     );
     check_lint(
@@ -145,9 +151,11 @@ fn every_rule_finds_its_fault() {
          def wood = texture \"wood.png\"\nbegin mesh use texture wood begin vertices (0,0,0) (1,0,0) (0,1,0) end \
          begin faces (0,1,2) end end",
         &[
-            "test.grf: [missing-file] texture \"wood.png\" skipped: no such file",
+            "test.grf: [missing-file] texture \"wood.png\" skipped: there is no such file",
             "test.grf:1:5: [unused-definition] the brdf `shiny` is not used",
-            "test.grf:2:40: [unknown-key] `ext material` has no key `wrong`: skipped",
+            "test.grf:1:18: [reciprocity] the brdf `phong` is not reciprocal; `lewis` has the same highlight and is reciprocal",
+            "test.grf:1:18: [energy] a brdf has the albedo 1.17 at 0 degrees: scaled down where it would not conserve energy",
+            "test.grf:2:39: [unknown-key] `ext material` has no key `wrong`: skipped",
         ],
     );
 }
