@@ -32,7 +32,7 @@ pub enum Engine {
 
 impl Engine {
     /// The engine that takes this one's place for a scene, and why: formulas and item buffers take
-    /// surfaces as opaque through which light passes straight ([`Tracer::has_veils`]), so rays do their
+    /// surfaces as opaque through which light passes straight ([`Tracer::has_see_through`]), so rays do their
     /// work there.
     pub fn for_tracer(self, tracer: &Tracer) -> (Engine, Option<String>) {
         let name = match self {
@@ -41,7 +41,7 @@ impl Engine {
             Engine::Analytic => "formulas",
             Engine::Auto | Engine::Rays | Engine::Particles => return (self, None),
         };
-        if !tracer.has_veils() {
+        if !tracer.has_see_through() {
             return (self, None);
         }
         let why = format!(

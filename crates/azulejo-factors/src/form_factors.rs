@@ -268,7 +268,7 @@ impl<'a> PreparedPlan<'a> {
 
     /// Whether formulas replace what rays find of near pairs. They know no opacity.
     fn uses_formulas(&self) -> bool {
-        self.plan.options.analytic && !self.plan.proxy.tracer.has_veils()
+        self.plan.options.analytic && !self.plan.proxy.tracer.has_see_through()
     }
 
     /// The memory for rows of so many rays or pixels.

@@ -55,9 +55,11 @@ pub(super) fn mean_opacities(scene: &Scene, patches: &Patches) -> Option<Vec<f64
     let mut all = Vec::with_capacity(patches.len());
     for object in 0..scene.objects.len() as u32 {
         let of_object = patches.patches_of(object);
-        let is_veiled = |i: usize| opacities[patches.material(i) as usize].is_some();
+        let is_see_through = |i: usize| opacities[patches.material(i) as usize].is_some();
         let divided = match &scene.objects[object as usize].shape {
-            Shape::Mesh(_) if of_object.clone().any(is_veiled) => patches.refined(object, scene),
+            Shape::Mesh(_) if of_object.clone().any(is_see_through) => {
+                patches.refined(object, scene)
+            }
             _ => RefinedShape::Mesh(Mesh::default()),
         };
         for (face, patch) in of_object.enumerate() {

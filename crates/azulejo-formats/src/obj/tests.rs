@@ -501,19 +501,19 @@ fn diffuse_materials() {
         Material::diffuse("", quarter),
         &[dark],
     );
-    let veil = |opacity: f64| Material {
+    let sheer = |opacity: f64| Material {
         opacity: Some(Opacity::constant(opacity)),
         ..Material::diffuse("", half)
     };
-    check_material("d 0.5", veil(0.5), &[]);
+    check_material("d 0.5", sheer(0.5), &[]);
     check_material(
         "d -halo 0.5",
-        veil(0.5),
+        sheer(0.5),
         &["\"-halo\" is not used: skipped"],
     );
-    check_material("Tr 0.75", veil(0.25), &[]);
-    check_material("Tr 1\nd 0.5", veil(0.5), &[]);
-    check_material("d 0", veil(0.0), &[]);
+    check_material("Tr 0.75", sheer(0.25), &[]);
+    check_material("Tr 1\nd 0.5", sheer(0.5), &[]);
+    check_material("d 0", sheer(0.0), &[]);
     check_material("Tr 0\nd 1", Material::diffuse("", half), &[]);
     let invisible = "material \"m\" has Tr 1 without d, which would be invisible: opaque";
     check_material("Tr 1", Material::diffuse("", half), &[invisible]);

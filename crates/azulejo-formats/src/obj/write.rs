@@ -388,7 +388,7 @@ mod tests {
             ..Material::default()
         });
         let emitter = share().prop_map(|c| Material::emitter("", c * 100.0));
-        let veil = (share(), 0.0..1.0f64, any::<bool>()).prop_map(|(kd, opacity, is_pictured)| {
+        let sheer = (share(), 0.0..1.0f64, any::<bool>()).prop_map(|(kd, opacity, is_pictured)| {
             let picture = OpacityPicture {
                 texture: 0,
                 channel: OpacityChannel::Luminance,
@@ -403,7 +403,7 @@ mod tests {
                 ..Material::diffuse("", kd)
             }
         });
-        prop_oneof![mirror, glass, glossy, rough, texture, emitter, veil]
+        prop_oneof![mirror, glass, glossy, rough, texture, emitter, sheer]
     }
 
     fn coordinate() -> impl Strategy<Value = f64> {

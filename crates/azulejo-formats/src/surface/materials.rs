@@ -100,12 +100,12 @@ mod tests {
             ..grey()
         };
         assert_eq!(materials.index(sheet), 3);
-        let veil = |opacity: f64| Material {
+        let sheer = |opacity: f64| Material {
             opacity: Some(Opacity::constant(opacity)),
             ..grey()
         };
         assert_eq!(
-            [0.5, 0.25, 0.5].map(|o| materials.index(veil(o))),
+            [0.5, 0.25, 0.5].map(|o| materials.index(sheer(o))),
             [4, 5, 4]
         );
         assert_eq!(materials.into_list().len(), 6);

@@ -16,6 +16,7 @@ mod hemicubes;
 mod interpolation;
 mod lights;
 mod mirrors;
+mod opacity;
 mod outside;
 mod particles;
 mod previews;
@@ -24,5 +25,4 @@ mod rooms;
 #[path = "../../../azulejo-factors/tests/it/scenes.rs"]
 mod scenes;
 mod sides;
-mod veils;
 mod vertices;

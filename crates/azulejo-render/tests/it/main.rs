@@ -9,7 +9,7 @@ mod glossy;
 mod golden;
 mod optics;
 mod surfaces;
-mod veils;
+mod opacity;
 
 use azulejo_render::SecondPass;
 use azulejo_scene::math::Ray;

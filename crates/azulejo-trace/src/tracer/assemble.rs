@@ -1,9 +1,9 @@
 //! Construction of a tracer from a scene: collects and transforms triangles and shapes, and builds
 //! the tree.
 
+use super::opacity::ItemOpacities;
 use super::placed::{Placed, PlacedPrimitive, PlacedTracer};
 use super::twins::drop_twins;
-use super::veil::Veils;
 use super::{Instance, MeshPositions, Tracer, TriangleItem};
 use crate::exact::{ExactPrimitive, Outlines, Preparation};
 use crate::frame::{LocalFrame, double, single};
@@ -56,7 +56,7 @@ pub(crate) fn assemble(scene: &Scene, instances: Vec<Instance>, kernel: &Kernel)
         parts.add_instance(index, instance, inverse);
     }
     let mut tracer = parts.finish(bounds, kernel);
-    tracer.veils = Veils::new(scene, &tracer);
+    tracer.opacities = ItemOpacities::new(scene, &tracer);
     tracer
 }
 
@@ -283,7 +283,7 @@ impl Parts {
             triangles: self.triangles,
             others: self.others,
             items: self.items,
-            veils: None,
+            opacities: None,
         }
     }
 }

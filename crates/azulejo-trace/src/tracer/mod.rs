@@ -1,9 +1,9 @@
 //! The tracer: a scene prepared for rays.
 
 mod assemble;
+mod opacity;
 mod placed;
 mod twins;
-mod veil;
 
 use crate::exact::point_on_triangle;
 use crate::frame::{LocalFrame, double, single};
@@ -15,9 +15,9 @@ use assemble::assemble;
 use azulejo_scene::Scene;
 use azulejo_scene::math::{Aabb, Ray};
 use glam::{DAffine3, DVec3};
+use opacity::ItemOpacities;
 use placed::Placed;
 use std::sync::Arc;
-use veil::Veils;
 
 /// The offset of [`Tracer::leaving`], in units of the rounding of local coordinates.
 const LEAVING_ULPS: f64 = 16.0;
@@ -64,7 +64,7 @@ pub struct Tracer {
     pub(crate) others: Vec<Placed>,
     pub(crate) items: u32,
     /// What lets light pass; `None` if nothing does.
-    veils: Option<Veils>,
+    opacities: Option<ItemOpacities>,
 }
 
 /// An instance of a tracer in another tracer's world.
@@ -276,15 +276,15 @@ impl Tracer {
 
     pub(crate) fn closest_into(&self, rays: &[KernelRay], hits: &mut [KernelHit]) {
         self.kernel_closest(rays, hits);
-        if let Some(veils) = &self.veils {
-            self.follow_through(veils, rays, hits);
+        if let Some(opacities) = &self.opacities {
+            self.follow_through(opacities, rays, hits);
         }
     }
 
     pub(crate) fn any_into(&self, rays: &[KernelRay], blocked: &mut [bool]) {
         self.kernel_any(rays, blocked);
-        if let Some(veils) = &self.veils {
-            self.clear_passed(veils, rays, blocked);
+        if let Some(opacities) = &self.opacities {
+            self.clear_passed(opacities, rays, blocked);
         }
     }
 

@@ -317,20 +317,20 @@ fn the_old_material_palette_has_all_in_one() {
 
 #[test]
 fn transparency_is_an_opacity() {
-    let veiled = |material: Material, opacity: f64| Material {
+    let see_through = |material: Material, opacity: f64| Material {
         opacity: Some(Opacity::constant(opacity)),
         ..material
     };
     let rest = 1.0 - f64::from(1u16 << 15) / 65535.0;
     let half = 1 << 15;
     let white = || matt(1.0, 1.0, 1.0);
-    check_material(&[], face().u16(40, half), veiled(white(), rest), &[]);
+    check_material(&[], face().u16(40, half), see_through(white(), rest), &[]);
     let clear = material().singles(76, &[0.5]);
     let brick = Material {
         name: "brick".into(),
         ..matt(0.5, 0.25, 1.0)
     };
-    check_material(&[clear], lit(), veiled(brick, 0.5), &[]);
+    check_material(&[clear], lit(), see_through(brick, 0.5), &[]);
     let glass = object("o").u16(18, half);
     check_warned(Flt::new().node(glass, &[]), &[("o", &[ORIGIN])], &[]);
     let billboard = &[("billboard face: kept in its original orientation", 1)];

@@ -333,8 +333,8 @@ fn what_materials_mean() {
     assert!((highlight.ks.r - 0.5).abs() < 1e-12);
     let bright = "specularColor 1 1 1 shininess 0";
     check_warning(&body(bright), "more light than it receives", 1);
-    let veiled = of("transparency 0.75");
-    assert_eq!(veiled.opacity, Some(Opacity::constant(0.25)));
+    let see_through = of("transparency 0.75");
+    assert_eq!(see_through.opacity, Some(Opacity::constant(0.25)));
     check_warning(&body("transparency 1"), "invisible", 1);
     check_warning(&body("reflSpecular 0 0 0"), "Material.reflSpecular", 1);
 }

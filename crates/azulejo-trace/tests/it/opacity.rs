@@ -141,7 +141,7 @@ fn transmittances_are_products_to_the_digit() {
 #[test]
 fn masks_stop_rays_where_they_are() {
     let tracer = Tracer::new(&sheets(vec![(1.0, cloth(mask())), (0.5, cloth(mask()))]));
-    assert!(tracer.has_veils());
+    assert!(tracer.has_see_through());
     let field = |k: f64| (8.0 * k).floor() as i32;
     let inside = |k: f64| (8.0 * k - (8.0 * k).round()).abs() > 0.1;
     for k in 0..2000 {
@@ -175,7 +175,7 @@ fn shapes_without_pictures() {
         let ray = tracer.kernel_ray(&Ray::new(DVec3::new(0.1, 0.2, 3.0), -DVec3::Z));
         let mut shares = Vec::new();
         tracer.transmittance(&[ray], &mut shares);
-        (shares[0], tracer.has_veils())
+        (shares[0], tracer.has_see_through())
     };
     assert_eq!(passed(cloth(Opacity::constant(0.5))), (0.25, true));
     // A mask's picture needs coordinates, so that without them it is opaque.
@@ -186,9 +186,9 @@ fn shapes_without_pictures() {
     assert_eq!(passed(lamp), (0.0, false));
 }
 
-/// A hundred veils, one close behind the other, hide nothing at random: a miss stays a miss.
+/// A hundred sheets, one close behind the other, hide nothing at random: a miss stays a miss.
 #[test]
-fn many_veils() {
+fn many_sheets() {
     let list = (0..100).map(|k| (f64::from(k) * 1e-4, cloth(Opacity::constant(0.02))));
     let expected = 0.98f64.powi(100);
     check(list.collect(), expected);

@@ -18,16 +18,16 @@ use std::collections::HashMap;
 /// The opacities of a tracer's own items. Takes 4 bytes per item, 80 more for each triangle that shows a
 /// picture of its opacity, and 4 per pixel of these pictures.
 #[derive(Clone, Debug)]
-pub(crate) struct Veils {
-    /// For each item 0 if it is opaque, else one more than the index of its veil.
+pub(crate) struct ItemOpacities {
+    /// For each item 0 if it is opaque, else one more than the index of its opacity in `list`.
     of_items: Vec<u32>,
-    list: Vec<Veil>,
+    list: Vec<ItemOpacity>,
     maps: Vec<OpacityMap>,
 }
 
 /// The opacity of an item.
 #[derive(Clone, Copy, Debug)]
-enum Veil {
+enum ItemOpacity {
     /// The same everywhere.
     Even(f64),
     /// By a map, over a triangle with these texture coordinates.
@@ -38,31 +38,31 @@ enum Veil {
     },
 }
 
-/// Veils while they are collected.
-struct VeilBuilder<'s> {
+/// ItemOpacities while they are collected.
+struct OpacityBuilder<'s> {
     scene: &'s Scene,
-    veils: Veils,
+    opacities: ItemOpacities,
     /// Index of the map of each picture; `None` where it is opaque everywhere or not loaded.
     known: HashMap<(u32, u8), Option<u32>>,
-    /// Index of the veil of each material, where it does not depend on the triangle.
+    /// Index of the opacity of each material, where it does not depend on the triangle.
     even: HashMap<u32, u32>,
     /// The triangles of the last face, by the numbers of object and face: the items of a face follow
     /// each other.
     last: Option<((u32, u32), Vec<[u32; 3]>)>,
 }
 
-impl Veils {
+impl ItemOpacities {
     /// The opacities of a tracer's items; `None` if all are opaque.
-    pub fn new(scene: &Scene, tracer: &Tracer) -> Option<Veils> {
-        let veiled: Vec<bool> = (scene.materials.iter())
+    pub fn new(scene: &Scene, tracer: &Tracer) -> Option<ItemOpacities> {
+        let see_through: Vec<bool> = (scene.materials.iter())
             .map(|m| m.see_through().is_some())
             .collect();
-        if !veiled.contains(&true) {
+        if !see_through.contains(&true) {
             return None;
         }
-        let mut builder = VeilBuilder {
+        let mut builder = OpacityBuilder {
             scene,
-            veils: Veils {
+            opacities: ItemOpacities {
                 of_items: Vec::new(),
                 list: Vec::new(),
                 maps: Vec::new(),
@@ -86,7 +86,7 @@ impl Veils {
                 Shape::Primitive(primitive) => primitive.material,
                 Shape::Exact(_) => leaves[item.object as usize][item.face as usize].material(),
             };
-            let index = if veiled[material as usize] {
+            let index = if see_through[material as usize] {
                 match &scene.objects[item.object as usize].shape {
                     Shape::Mesh(mesh) => {
                         builder.triangle(material, mesh, (item.object, item.face), item.triangle)
@@ -96,10 +96,14 @@ impl Veils {
             } else {
                 0
             };
-            builder.veils.of_items.push(index);
+            builder.opacities.of_items.push(index);
         }
-        let veils = builder.veils;
-        veils.of_items.iter().any(|&v| v > 0).then_some(veils)
+        let opacities = builder.opacities;
+        opacities
+            .of_items
+            .iter()
+            .any(|&v| v > 0)
+            .then_some(opacities)
     }
 
     /// The opacity of what a ray hits, 0..=1.
@@ -107,8 +111,8 @@ impl Veils {
         let index = self.of_items.get(hit.item as usize).copied().unwrap_or(0);
         match index.checked_sub(1).map(|k| &self.list[k as usize]) {
             None => 1.0,
-            Some(Veil::Even(opacity)) => *opacity,
-            Some(Veil::Mapped { opacity, map, uvs }) => {
+            Some(ItemOpacity::Even(opacity)) => *opacity,
+            Some(ItemOpacity::Mapped { opacity, map, uvs }) => {
                 let vertices = tracer.triangles[hit.item as usize].vertices;
                 let positions = &tracer.mesh_of(hit.item).positions;
                 let corners = vertices.map(|v| positions[v as usize]);
@@ -146,14 +150,14 @@ fn behind(ray: &KernelRay, hit: &KernelHit) -> KernelRay {
     }
 }
 
-impl VeilBuilder<'_> {
-    /// One more than the index of a new veil.
-    fn push(&mut self, veil: Veil) -> u32 {
-        self.veils.list.push(veil);
-        self.veils.list.len() as u32
+impl OpacityBuilder<'_> {
+    /// One more than the index of a new opacity.
+    fn push(&mut self, opacity: ItemOpacity) -> u32 {
+        self.opacities.list.push(opacity);
+        self.opacities.list.len() as u32
     }
 
-    /// The veil of a surface without texture coordinates: its picture does not count.
+    /// The opacity of a surface without texture coordinates: its picture does not count.
     fn even(&mut self, material: u32) -> u32 {
         if let Some(&index) = self.even.get(&material) {
             return index;
@@ -161,7 +165,7 @@ impl VeilBuilder<'_> {
         let opacity = self.scene.materials[material as usize].see_through();
         let value = opacity.map_or(1.0, |o| o.at(1.0));
         let index = if value < 1.0 {
-            self.push(Veil::Even(value))
+            self.push(ItemOpacity::Even(value))
         } else {
             0
         };
@@ -193,10 +197,10 @@ impl VeilBuilder<'_> {
                 let corner = start + k as usize;
                 uvs.at(corner, mesh.faces.corners[corner])
             });
-            Some(Veil::Mapped { opacity, map, uvs })
+            Some(ItemOpacity::Mapped { opacity, map, uvs })
         });
         match mapped {
-            Some(veil) => self.push(veil),
+            Some(opacity) => self.push(opacity),
             None => self.even(material),
         }
     }
@@ -212,8 +216,8 @@ impl VeilBuilder<'_> {
             OpacityMap::new(texture.image.as_ref()?, picture.channel, texture.wrap)
         });
         let index = map.map(|map| {
-            self.veils.maps.push(map);
-            self.veils.maps.len() as u32 - 1
+            self.opacities.maps.push(map);
+            self.opacities.maps.len() as u32 - 1
         });
         self.known.insert(key, index);
         index
@@ -222,12 +226,12 @@ impl VeilBuilder<'_> {
 
 impl Tracer {
     /// Whether light passes straight through any surface.
-    pub fn has_veils(&self) -> bool {
+    pub fn has_see_through(&self) -> bool {
         let inside = |other: &Placed| match other {
-            Placed::Instance(placed) => placed.tracer.has_veils(),
+            Placed::Instance(placed) => placed.tracer.has_see_through(),
             Placed::Primitive(_) | Placed::Exact(_) => false,
         };
-        self.veils.is_some() || self.others.iter().any(inside)
+        self.opacities.is_some() || self.others.iter().any(inside)
     }
 
     /// The share of the light that passes along each ray: the product of 1 − opacity over the surfaces in
@@ -240,14 +244,16 @@ impl Tracer {
         self.kernel_any(rays, &mut blocked);
         shares.clear();
         shares.extend(blocked.iter().map(|&b| if b { 0.0 } else { 1.0 }));
-        let Some(veils) = &self.veils else { return };
+        let Some(opacities) = &self.opacities else {
+            return;
+        };
         for ((ray, share), _) in rays.iter().zip(shares).zip(blocked).filter(|(_, b)| *b) {
-            *share = self.passed(veils, ray) as f32;
+            *share = self.passed(opacities, ray) as f32;
         }
     }
 
     /// The share of the light that passes along a ray.
-    fn passed(&self, veils: &Veils, ray: &KernelRay) -> f64 {
+    fn passed(&self, opacities: &ItemOpacities, ray: &KernelRay) -> f64 {
         let (mut share, mut rest) = (1.0, *ray);
         let mut hit = [KernelHit::NOTHING];
         loop {
@@ -255,7 +261,7 @@ impl Tracer {
             if !hit[0].is_hit() {
                 return share;
             }
-            share *= 1.0 - veils.opacity(self, ray, &hit[0]);
+            share *= 1.0 - opacities.opacity(self, ray, &hit[0]);
             if share <= 0.0 {
                 return 0.0;
             }
@@ -264,9 +270,14 @@ impl Tracer {
     }
 
     /// Replaces the hits of rays that go on by what they hit behind.
-    pub(super) fn follow_through(&self, veils: &Veils, rays: &[KernelRay], hits: &mut [KernelHit]) {
+    pub(super) fn follow_through(
+        &self,
+        opacities: &ItemOpacities,
+        rays: &[KernelRay],
+        hits: &mut [KernelHit],
+    ) {
         let mut waiting: Vec<usize> = (0..rays.len())
-            .filter(|&k| veils.passes(self, &rays[k], &hits[k]))
+            .filter(|&k| opacities.passes(self, &rays[k], &hits[k]))
             .collect();
         let (mut rest, mut found) = (Vec::new(), Vec::new());
         while !waiting.is_empty() {
@@ -278,16 +289,21 @@ impl Tracer {
             for (&k, hit) in waiting.iter().zip(&found) {
                 hits[k] = *hit;
             }
-            waiting.retain(|&k| veils.passes(self, &rays[k], &hits[k]));
+            waiting.retain(|&k| opacities.passes(self, &rays[k], &hits[k]));
         }
     }
 
     /// Clears rays that pass everything in between.
-    pub(super) fn clear_passed(&self, veils: &Veils, rays: &[KernelRay], blocked: &mut [bool]) {
+    pub(super) fn clear_passed(
+        &self,
+        opacities: &ItemOpacities,
+        rays: &[KernelRay],
+        blocked: &mut [bool],
+    ) {
         for (ray, blocked) in rays.iter().zip(blocked).filter(|(_, b)| **b) {
             let mut hit = [KernelHit::NOTHING];
             self.kernel_closest(&[*ray], &mut hit);
-            self.follow_through(veils, &[*ray], &mut hit);
+            self.follow_through(opacities, &[*ray], &mut hit);
             *blocked = hit[0].is_hit();
         }
     }

@@ -252,7 +252,7 @@ fn grey_gauze_keeps_the_balance() {
 }
 
 #[test]
-fn threads_do_not_matter_to_veils() {
+fn threads_do_not_matter_to_opacity() {
     let mut scene = cube([0; 6].map(|_| surface(0.5, 0.2, 1.0)));
     let (x, y) = (0.8 * DVec3::X, 0.8 * DVec3::Y);
     add_sheet(&mut scene, dvec3(0.1, 0.1, 0.5), x, y, gauze(0.3, 0.5));
