@@ -118,7 +118,7 @@ impl<'a> Direct<'a> {
         self.tests
             .trace(|test, share| seen[test.tag as usize] = share);
         for (value, seen) in values.iter_mut().zip(seen) {
-            *value = *value * seen;
+            *value *= seen;
         }
         self.add_environment_samples(points, seed, |index, value| values[index] += value);
         values
