@@ -68,12 +68,12 @@ impl TexelStorage {
         let bytes = needed.and_then(|n| bytes.get(..n));
         let bytes = bytes.ok_or_else(|| malformed("the picture ends before its last pixel"))?;
         let shown = size.map(|n| n as u32);
-        let integers = |channels: usize, samples: &[u8]| match srgb {
-            true => from_srgb_bytes(shown, channels, samples),
-            false => {
-                let value = |i: usize| f32::from(samples[i]) / 255.0;
-                from_samples(shown, channels, samples.len(), value, value)
+        let integers = |channels: usize, samples: &[u8]| {
+            if srgb {
+                return from_srgb_bytes(shown, channels, samples);
             }
+            let value = |i: usize| f32::from(samples[i]) / 255.0;
+            from_samples(shown, channels, samples.len(), value, value)
         };
         let numbers = |channels: usize, count: usize, value: &dyn Fn(usize) -> f32| {
             let color = |i: usize| value(i).clamp(0.0, f32::MAX);

@@ -238,7 +238,7 @@ fn runs(header: &BmpHeader, data: &[u8], samples: &mut [u8]) -> Result<(), Pictu
                 let length = (literal * header.depth).div_ceil(8);
                 let mut byte = 0;
                 for k in 0..literal {
-                    if k * header.depth % 8 == 0 {
+                    if (k * header.depth).is_multiple_of(8) {
                         byte = pairs.next().ok_or_else(ended)?;
                     }
                     put(&mut x, y, nibble(byte, k));

@@ -47,9 +47,12 @@ pub fn read(bytes: &[u8]) -> Result<Image, PictureError> {
         DecodingResult::F32(_) | DecodingResult::F64(_) | DecodingResult::F16(_)
     );
     // The decoder has inverted what is white at 0.
-    let color = |i: usize| match float {
-        true => samples[i].clamp(0.0, f32::MAX),
-        false => linear_from_srgb(samples[i]),
+    let color = |i: usize| {
+        if float {
+            samples[i].clamp(0.0, f32::MAX)
+        } else {
+            linear_from_srgb(samples[i])
+        }
     };
     let alpha = |i: usize| samples[i].clamp(0.0, 1.0);
     from_samples(
@@ -94,9 +97,12 @@ impl TiffPlanes {
     fn shares(&self, decoded: &DecodingResult) -> Result<Vec<f32>, PictureError> {
         let [width, height] = self.size;
         let count = width * height * self.channels;
-        let order = |k: usize| match self.separate {
-            true => k % self.channels * width * height + k / self.channels,
-            false => k,
+        let order = |k: usize| {
+            if self.separate {
+                k % self.channels * width * height + k / self.channels
+            } else {
+                k
+            }
         };
         fn listed(
             list: &[impl Copy],

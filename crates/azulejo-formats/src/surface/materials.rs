@@ -20,8 +20,11 @@ struct Key {
     dielectric: Option<(u64, [u64; 3], bool)>,
     textures: Vec<u32>,
     brdf: String,
-    opacity: Option<(u64, Option<(u32, OpacityChannel)>, Option<u64>)>,
+    opacity: Option<OpacityKey>,
 }
+
+/// The constant, the picture and the cutoff of an opacity.
+type OpacityKey = (u64, Option<(u32, OpacityChannel)>, Option<u64>);
 
 fn bits(color: Rgb) -> [u64; 3] {
     color.to_array().map(f64::to_bits)

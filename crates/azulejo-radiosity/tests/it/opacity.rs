@@ -28,7 +28,7 @@ fn add_roof(scene: &mut Scene, z: f64, material: Material) {
 
 /// A board of 8 × 8 fields, half of them clear, 16 times along each side of the roof.
 fn add_board(scene: &mut Scene, z: f64) {
-    let is_clear = |k: u32| (k % 64 / 8 + k / 64 / 8) % 2 == 0;
+    let is_clear = |k: u32| (k % 64 / 8 + k / 64 / 8).is_multiple_of(2);
     let alpha = (0..64 * 64).map(|k| if is_clear(k) { 0.0 } else { 1.0 });
     let image = Image::opaque(64, 64, vec![[1.0; 3]; 64 * 64]).with_alpha(alpha.collect());
     scene.textures.push(Texture {

@@ -7,9 +7,9 @@ mod gallery;
 mod gather;
 mod glossy;
 mod golden;
+mod opacity;
 mod optics;
 mod surfaces;
-mod opacity;
 
 use azulejo_render::SecondPass;
 use azulejo_scene::math::Ray;

@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3};
 
 /// A checkerboard of 8 × 8 fields of 8 × 8 pixels, half of them clear.
 fn checkerboard() -> Texture {
-    let is_clear = |k: u32| (k % 64 / 8 + k / 64 / 8) % 2 == 0;
+    let is_clear = |k: u32| (k % 64 / 8 + k / 64 / 8).is_multiple_of(2);
     let alpha = (0..64 * 64).map(|k| if is_clear(k) { 0.0 } else { 1.0 });
     Texture {
         path: "board.png".into(),

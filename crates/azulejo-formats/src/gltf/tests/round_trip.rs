@@ -153,7 +153,6 @@ fn scene() -> impl Strategy<Value = Scene> {
                     alpha: None,
                 }),
                 wrap: [WrapMode::Clamp, WrapMode::Mirror],
-                ..Texture::default()
             }],
             objects: objects
                 .into_iter()
