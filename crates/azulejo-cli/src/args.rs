@@ -51,6 +51,7 @@ pub struct CommonArgs {
 
 /// The commands.
 #[derive(Debug, Subcommand)]
+#[expect(clippy::large_enum_variant, reason = "there is one in a process")]
 pub enum Command {
     /// Show what a model contains
     #[command(after_help = INFO_EXAMPLES)]
@@ -314,20 +315,18 @@ pub struct FirstPassArgs {
 impl FirstPassArgs {
     /// How long to work: the last that is given.
     pub fn limit(&self) -> Option<Duration> {
-        let limits = self.time.iter().filter_map(|time| match time {
+        self.time.iter().rev().find_map(|time| match time {
             TimeArg::Limit(limit) => Some(*limit),
             TimeArg::Instant(_) => None,
-        });
-        limits.last()
+        })
     }
 
     /// The instant for which the sun is computed.
     pub fn instant(&self) -> Option<Timestamp> {
-        let instants = self.time.iter().filter_map(|time| match time {
+        self.time.iter().rev().find_map(|time| match time {
             TimeArg::Instant(instant) => Some(*instant),
             TimeArg::Limit(_) => None,
-        });
-        instants.last()
+        })
     }
 }
 
@@ -342,11 +341,10 @@ impl ReadingArgs {
 
     /// The place on Earth.
     pub fn site(&self) -> Option<Site> {
-        let sites = self.place.iter().filter_map(|place| match place {
+        self.place.iter().rev().find_map(|place| match place {
             PlaceArg::Site(site) => Some(*site),
             PlaceArg::Model(_) => None,
-        });
-        sites.last()
+        })
     }
 }
 

@@ -46,9 +46,15 @@ struct OpacityBuilder<'s> {
     known: HashMap<(u32, u8), Option<u32>>,
     /// Index of the opacity of each material, where it does not depend on the triangle.
     even: HashMap<u32, u32>,
-    /// The triangles of the last face, by the numbers of object and face: the items of a face follow
-    /// each other.
-    last: Option<((u32, u32), Vec<[u32; 3]>)>,
+    /// The triangles of the last face: the items of a face follow each other.
+    last: Option<FaceTriangles>,
+}
+
+/// The triangles of a face, as numbers of its corners.
+struct FaceTriangles {
+    object: u32,
+    face: u32,
+    triangles: Vec<[u32; 3]>,
 }
 
 impl ItemOpacities {
@@ -185,14 +191,16 @@ impl OpacityBuilder<'_> {
             let map = self.map(opacity.picture?)?;
             let uvs = mesh.uvs.as_ref()?;
             let start = mesh.faces.starts[face as usize] as usize;
-            if self
-                .last
-                .as_ref()
-                .is_none_or(|(of, _)| *of != (object, face))
-            {
-                self.last = Some(((object, face), mesh.triangulate(face as usize)));
+            let is_last = |t: &FaceTriangles| (t.object, t.face) == (object, face);
+            if !self.last.as_ref().is_some_and(is_last) {
+                self.last = Some(FaceTriangles {
+                    object,
+                    face,
+                    triangles: mesh.triangulate(face as usize),
+                });
             }
-            let places = *self.last.as_ref()?.1.get(triangle as usize)?;
+            let triangles = &self.last.as_ref()?.triangles;
+            let places = *triangles.get(triangle as usize)?;
             let uvs = places.map(|k| {
                 let corner = start + k as usize;
                 uvs.at(corner, mesh.faces.corners[corner])

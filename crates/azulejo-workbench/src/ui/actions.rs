@@ -23,6 +23,10 @@ pub struct Action {
 
 /// The target of an action.
 #[derive(Clone, Debug, PartialEq)]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "there are a few at a time, and none is stored"
+)]
 pub enum ActionTarget {
     /// A command for the app.
     Command(Command),

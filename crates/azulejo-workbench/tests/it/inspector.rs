@@ -148,6 +148,7 @@ fn shine_of(kind: &mut LightKind) -> &mut Rgb {
         LightKind::Point { intensity, .. } | LightKind::Spot { intensity, .. } => intensity,
         LightKind::Directional { irradiance, .. } => irradiance,
         LightKind::Ambient { radiance } => radiance,
+        LightKind::Environment(environment) => &mut environment.scale,
     }
 }
 
