@@ -241,6 +241,7 @@ fn pictures_survive_a_crash_with_the_model_and_go_with_the_copy() {
         scene.textures.push(azulejo::scene::Texture {
             path: path.into(),
             image: Some(read_picture(&file).unwrap()),
+            ..azulejo::scene::Texture::default()
         });
     }
     let model = folder.path("room.grf");
