@@ -39,7 +39,7 @@ pub fn first_view(scene: &Scene, tracer: &Tracer, aspect: f64) -> Camera {
     let up = scene.units.up.axis();
     let bounds = scene.bounds();
     let outside = Camera::framing(bounds, aspect, up);
-    let look = Look {
+    let look = FirstLook {
         gatherer: Gatherer::new(Surfaces::new(scene, tracer)),
         tracer,
         up,
@@ -53,7 +53,7 @@ pub fn first_view(scene: &Scene, tracer: &Tracer, aspect: f64) -> Camera {
     }
 }
 
-struct Look<'a> {
+struct FirstLook<'a> {
     gatherer: Gatherer<'a>,
     tracer: &'a Tracer,
     up: DVec3,
@@ -80,7 +80,7 @@ impl SeenAround {
     }
 }
 
-impl Look<'_> {
+impl FirstLook<'_> {
     /// Share of the surfaces seen by a camera that are lit, or shine; 1 if it sees none.
     fn lit_share(&self, camera: &Camera, aspect: f64) -> f64 {
         let middle = |k: u32| (f64::from(k) + 0.5) / f64::from(RAYS);
