@@ -495,11 +495,11 @@ fn the_header_is_as_other_programs_want_it() {
         "ply
 format binary_little_endian 1.0
 comment written by azulejo
-obj_info azulejo up z
-obj_info azulejo metres_per_unit 1e-1
-obj_info azulejo photometric
-obj_info azulejo object house/floor
-obj_info azulejo object wall
+comment azulejo up z
+comment azulejo metres_per_unit 1e-1
+comment azulejo photometric
+comment azulejo object house/floor
+comment azulejo object wall
 element vertex 8
 property double x
 property double y
