@@ -67,6 +67,7 @@ pub const TABLE: &[Translation] = &[
         "La misma a cualquier distancia.",
         "A mesma a qualquer distância.",
     ],
+    ["Brightness", "Brillo", "Brilho"],
     [
         "From all directions, as a picture shows it.",
         "De todas partes, como muestra una imagen.",

@@ -3,7 +3,7 @@
 use super::{EditError, Edited, is_placement, missing, refuse, set};
 use crate::document::{ItemId, NewShape, SceneDocument, SceneObject, ShapeFacts, map_materials};
 use azulejo::scene::{Material, MaterialId, Object, Scene, Shape};
-use glam::DAffine3;
+use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -141,7 +141,14 @@ impl SceneDocument {
         let mut objects = Vec::new();
         for item in items {
             let bounds = item.bounds();
-            let is_there = bounds.is_empty() || (bounds.min.is_finite() && bounds.max.is_finite());
+            // Bounds leave out vertices without faces.
+            let is_placed = |p: &DVec3| item.placement.transform_point3(*p).is_finite();
+            let is_there = match &*item.shape {
+                Shape::Mesh(mesh) => mesh.positions.iter().all(is_placed),
+                Shape::Primitive(_) | Shape::Exact(_) => true,
+            };
+            let is_there = is_there
+                && (bounds.is_empty() || (bounds.min.is_finite() && bounds.max.is_finite()));
             if !is_placement(&item.placement) || !is_there {
                 return refuse("the object exceeds the range of coordinates");
             }
