@@ -22,8 +22,9 @@ use jiff::tz::TimeZone;
 /// radiometric scenes.
 const WHITE_EFFICACY: f64 = 179.0;
 
-/// Luminous efficacy of direct sunlight of a clear sky, lm/W of solar radiation (Littlefair, *The
-/// luminous efficacy of daylight*, Lighting Research and Technology 17(4), 1985).
+/// Luminous efficacy of direct sunlight of a clear sky, lm/W of solar radiation: what the model of
+/// Perez et al. (*Modeling daylight availability and irradiance components*, Solar Energy 44(5), 1990)
+/// gives for clear skies, 100 to 105.
 const SUNLIGHT_EFFICACY: f64 = 103.0;
 
 /// The solar constant, W/m².
