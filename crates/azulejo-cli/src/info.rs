@@ -8,13 +8,14 @@ use super::pass::power_unit;
 use super::report::{Report, count, number, numbers, short, triple};
 use super::session::Session;
 use azulejo_scene::math::Aabb;
-use azulejo_scene::{LightKind, MaterialId, Object, PrimitiveKind, Rgb, Scene, Shape, Up};
+use azulejo_scene::{LightKind, MaterialId, Mesh, Object, PrimitiveKind, Rgb, Scene, Shape, Up};
 use glam::DVec3;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 use serde_json::{Value, json};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 /// Objects listed in the text; the JSON has all of them.
 const LISTED: usize = 20;
@@ -100,28 +101,35 @@ fn part<'s>(scene: &'s Scene, object: &'s Object) -> ObjectSummary<'s> {
         let material = &scene.materials[m as usize];
         material.emission_from(true) + material.emission_from(false)
     };
-    match &object.shape {
-        Shape::Mesh(mesh) => {
-            let areas = (0..mesh.faces.len()).map(|f| mesh.face_area_vector(f).length());
-            let mut power = Rgb::BLACK;
-            let mut area = 0.0;
-            for (a, &m) in areas.zip(&mesh.face_materials) {
-                area += a;
-                power += emission(m) * (PI * a);
-            }
-            let emits = mesh.face_materials.iter().any(|&m| !emission(m).is_black());
-            ObjectSummary {
-                kind: "mesh",
-                inventory: None,
-                materials: different(&mesh.face_materials),
-                vertices: mesh.positions.len(),
-                faces: mesh.faces.len(),
-                triangles: mesh.faces.triangle_count(),
-                area,
-                power: emits.then_some(power),
-                solved: !mesh.irradiance.is_empty(),
-            }
+    if let Some(placed) = object.shape.placed_mesh() {
+        let mesh = placed.mesh;
+        let mut power = Rgb::BLACK;
+        let mut area = 0.0;
+        for (face, &m) in mesh.face_materials.iter().enumerate() {
+            let a = placed.face_area_vector(face).length();
+            area += a;
+            power += emission(m) * (PI * a);
         }
+        let emits = mesh.face_materials.iter().any(|&m| !emission(m).is_black());
+        return ObjectSummary {
+            kind: if placed.world_from_mesh().is_some() {
+                "instance"
+            } else {
+                "mesh"
+            },
+            inventory: None,
+            materials: different(&mesh.face_materials),
+            vertices: mesh.positions.len(),
+            faces: mesh.faces.len(),
+            triangles: mesh.faces.triangle_count(),
+            area,
+            power: emits.then_some(power),
+            solved: !placed.irradiance.is_empty(),
+        };
+    }
+    match &object.shape {
+        // Returned above.
+        Shape::Mesh(_) | Shape::Instance(_) => unreachable!("all meshes are placed"),
         Shape::Exact(exact) => {
             let areas = exact.areas(1e-3 * exact.bounds().diagonal());
             let power: Rgb = areas.iter().map(|(&m, a)| emission(m) * (PI * a)).sum();
@@ -302,8 +310,15 @@ fn inverted(scene: &Scene, report: &mut Report) {
         let mut found = things.locate_in_envelope(&within);
         found.any(|thing| thing.data != Some(k))
     };
+    let is_inside_out = |mesh: &Mesh| mesh.enclosed_volume().is_some_and(|volume| volume < 0.0);
+    // Each shared mesh once.
+    let shared = scene.shared_meshes().into_iter();
+    let shared: HashMap<*const Mesh, bool> = shared
+        .map(|mesh| (Arc::as_ptr(mesh), is_inside_out(mesh)))
+        .collect();
     let is_turned = |object: &Object| match &object.shape {
-        Shape::Mesh(mesh) => mesh.enclosed_volume().is_some_and(|volume| volume < 0.0),
+        Shape::Mesh(mesh) => is_inside_out(mesh),
+        Shape::Instance(instance) => shared[&Arc::as_ptr(&instance.mesh)],
         Shape::Primitive(_) | Shape::Exact(_) => false,
     };
     let turned = scene.objects.iter().enumerate();

@@ -98,7 +98,7 @@ fn row(path: &Path, input: &InputArgs, session: &mut Session) -> Result<ModelRow
         grf: size.0,
     };
     for object in &scene.objects {
-        if let Shape::Mesh(mesh) = &object.shape {
+        if let Some(mesh) = object.shape.mesh() {
             row.vertices += mesh.positions.len();
             row.faces += mesh.faces.len();
         }
@@ -111,6 +111,7 @@ fn used_materials(scene: &Scene) -> usize {
     for object in &scene.objects {
         match &object.shape {
             Shape::Mesh(mesh) => used.extend(&mesh.face_materials),
+            Shape::Instance(instance) => used.extend(&instance.mesh.face_materials),
             Shape::Primitive(p) => used.extend([p.material]),
             Shape::Exact(exact) => used.extend(exact.leaves().iter().map(|l| l.material())),
         }

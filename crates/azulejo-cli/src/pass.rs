@@ -337,6 +337,7 @@ fn caution(balance: &EnergyBalance, scene: &Scene) -> Option<&'static str> {
 fn uses(shape: &Shape, material: MaterialId) -> bool {
     match shape {
         Shape::Mesh(mesh) => mesh.face_materials.contains(&material),
+        Shape::Instance(instance) => instance.mesh.face_materials.contains(&material),
         Shape::Primitive(primitive) => primitive.material == material,
         Shape::Exact(exact) => exact.leaves().iter().any(|l| l.material() == material),
     }

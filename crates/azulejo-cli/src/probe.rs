@@ -189,10 +189,10 @@ fn hit_row(scene: &Scene, tracer: &Tracer, hit: &KernelHit) -> [f64; HIT] {
         return [f64::INFINITY, -1.0, -1.0, 0.0, 0.0];
     }
     let item = tracer.item(hit.item);
-    let triangle = match &scene.objects[item.object as usize].shape {
+    let triangle = match scene.objects[item.object as usize].shape.mesh() {
         // A polygon of n corners is n − 2 triangles, so the corners before a face count them.
-        Shape::Mesh(mesh) => mesh.faces.starts[item.face as usize] - 2 * item.face + item.triangle,
-        Shape::Primitive(_) | Shape::Exact(_) => item.face,
+        Some(mesh) => mesh.faces.starts[item.face as usize] - 2 * item.face + item.triangle,
+        None => item.face,
     };
     let [u, v] = hit.uv();
     [

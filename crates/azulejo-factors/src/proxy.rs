@@ -46,7 +46,7 @@ fn area(scene: &Scene) -> f64 {
         areas.values().sum()
     };
     let of_shape = |shape: &Shape| match shape {
-        Shape::Mesh(mesh) => mesh.area(),
+        Shape::Mesh(_) | Shape::Instance(_) => shape.placed_mesh().map_or(0.0, |m| m.area()),
         Shape::Primitive(primitive) => primitive.area(),
         Shape::Exact(exact) => rough(exact),
     };

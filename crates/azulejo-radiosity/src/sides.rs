@@ -105,6 +105,9 @@ pub(crate) fn choose(
         };
         for &(patch, is_reversed) in &surface.patches {
             let is_turned = turn.is_some_and(|turn| turn != is_reversed);
+            // Others share the faces of an instance.
+            let object = patches.face(patch as usize).object as usize;
+            let turns = turns && !matches!(scene.objects[object].shape, Shape::Instance(_));
             choices[patch as usize] = SideChoice {
                 is_turned: is_turned && turns,
                 both: both || is_turned && !turns,
@@ -332,7 +335,7 @@ impl<'a> SurfaceJoiner<'a> {
 }
 
 pub(crate) fn is_mesh(object: &Object) -> bool {
-    matches!(object.shape, Shape::Mesh(_))
+    object.shape.mesh().is_some()
 }
 
 impl JoinedSurface {

@@ -12,7 +12,9 @@ use crate::system::RadiositySolution;
 use azulejo_factors::row::side;
 use azulejo_factors::{FaceId, Patches, RefinedShape};
 use azulejo_scene::SurfaceLight;
-use azulejo_scene::{BackIrradiance, Irradiance, Mesh, ObjectIrradiance, Rgb, Scene, Shape};
+use azulejo_scene::{
+    BackIrradiance, Irradiance, Mesh, Object, ObjectIrradiance, Rgb, Scene, Shape,
+};
 use azulejo_trace::{GatherPoint, Gathered};
 use std::collections::HashMap;
 
@@ -53,7 +55,8 @@ pub fn targets(
         is_kept: scene
             .objects
             .iter()
-            .map(|o| keep_mesh && is_mesh(o))
+            .zip(0..)
+            .map(|(o, object)| is_kept(o, object, patches, keep_mesh))
             .collect(),
         choices,
     };
@@ -80,6 +83,16 @@ pub fn targets(
     }
     targets.points.extend(others);
     targets
+}
+
+/// Whether an object gets light on its given vertices. An instance does where its faces are as fine as
+/// the patches: it stays one of many.
+fn is_kept(object: &Object, index: u32, patches: &Patches, keep_mesh: bool) -> bool {
+    let is_whole = |mesh: &Mesh| patches.patches_of(index).len() <= mesh.faces.triangle_count();
+    match &object.shape {
+        Shape::Instance(instance) => keep_mesh || is_whole(&instance.mesh),
+        _ => keep_mesh && is_mesh(object),
+    }
 }
 
 /// Irradiance of all points; standard errors, or none.
@@ -190,9 +203,12 @@ impl Targets {
     }
 
     fn of_objects(&self, scene: &Scene, patches: &Patches, light: &PointValues) -> Irradiance {
-        let of_object = |(object, o): (usize, &azulejo_scene::Object)| match &o.shape {
+        let of_object = |(object, o): (usize, &Object)| match &o.shape {
             Shape::Mesh(mesh) if self.is_kept[object] => {
                 self.given(patches, object as u32, mesh, light)
+            }
+            Shape::Instance(instance) if self.is_kept[object] => {
+                self.given(patches, object as u32, &instance.mesh, light)
             }
             _ => self.refined(scene, patches, object as u32, light),
         };

@@ -1,9 +1,11 @@
 //! Values interpolated between vertices: irradiance, normals, colours and textures at a hit.
 
 use azulejo_scene::math::area_vector;
-use azulejo_scene::{Material, Mesh, Primitive, Rgb, Scene, Shape, TriangleTree};
+use azulejo_scene::{
+    BackIrradiance, Material, Mesh, PlacedMesh, Primitive, Rgb, Scene, Shape, TriangleTree,
+};
 use azulejo_trace::{Item, KernelHit, KernelRay, Tracer};
-use glam::{DVec2, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 
 /// The irradiance of corners may differ by this share of the largest.
 const UNEVEN: f64 = 0.5;
@@ -12,6 +14,7 @@ const UNEVEN: f64 = 0.5;
 pub(crate) struct Interpolator<'a> {
     scene: &'a Scene,
     tracer: &'a Tracer,
+    /// By prototype: what all instances of a mesh share is stored once.
     items: Vec<ItemFace>,
     /// For each object its proxy mesh, if it is an exact shape with irradiance.
     proxies: Vec<Option<IrradianceProxy<'a>>>,
@@ -28,6 +31,7 @@ struct IrradianceProxy<'a> {
 /// The face that an item belongs to.
 #[derive(Clone, Copy, Debug)]
 struct ItemFace {
+    /// Index of the object; of the first instance of a shared mesh.
     object: u32,
     /// Position of the face's first corner in the mesh; for a primitive, the part.
     start: u32,
@@ -36,7 +40,8 @@ struct ItemFace {
     /// The remaining corner of a quadrilateral that is convex along its normal, in the affine
     /// coordinates in which the triangle is (0, 0), (1, 0), (0, 1); NaN for all other faces.
     fourth: [f32; 2],
-    /// Size of the face or of the primitive's cell, scene units; infinite without irradiance.
+    /// Size of the face or of the primitive's cell, scene units, and without irradiance infinite; of a
+    /// shared mesh in its coordinates.
     footprint: f32,
 }
 
@@ -50,7 +55,7 @@ pub(crate) struct IrradianceLookup<'a> {
 #[derive(Clone, Copy, Debug)]
 enum IrradianceSource<'a> {
     /// Between the corners of a face.
-    Mesh(&'a Mesh, Weights),
+    Mesh(PlacedMesh<'a>, Weights),
     /// At `(u, v)` of a part of a primitive.
     Primitive(&'a Primitive, usize, f64, f64),
     /// On an exact shape: on the nearest face of its proxy mesh, if it has one.
@@ -72,12 +77,12 @@ impl<'a> Interpolator<'a> {
         // Items of one face follow each other, so each face is divided once.
         let mut last = (u32::MAX, u32::MAX);
         let mut triangles = Vec::new();
-        let items = (0..tracer.item_count()).map(|i| {
+        let items = tracer.prototype_items().into_iter().map(|i| {
             let item = tracer.item(i);
             if last != (item.object, item.face) {
                 last = (item.object, item.face);
                 triangles.clear();
-                if let Shape::Mesh(mesh) = &scene.objects[item.object as usize].shape {
+                if let Some(mesh) = scene.objects[item.object as usize].shape.mesh() {
                     mesh.triangulate_into(item.face as usize, &mut triangles);
                 }
             }
@@ -98,17 +103,32 @@ impl<'a> Interpolator<'a> {
 
     /// Where the irradiance at the hit of a ray is read.
     pub fn lookup(&self, ray: &KernelRay, hit: &KernelHit) -> IrradianceLookup<'a> {
-        let item = &self.items[hit.item as usize];
+        let (item, shape) = self.at(hit);
         let [u, v] = hit.uv().map(f64::from);
-        let source = match &self.scene.objects[item.object as usize].shape {
-            Shape::Mesh(mesh) => IrradianceSource::Mesh(mesh, Weights::on_face(item, u, v)),
-            Shape::Primitive(p) => IrradianceSource::Primitive(p, item.start as usize, u, v),
-            Shape::Exact(_) => return self.on_proxy(item.object, ray, hit),
-        };
-        IrradianceLookup {
-            source,
-            footprint: item.footprint,
+        if let Some(placed) = shape.placed_mesh() {
+            return IrradianceLookup {
+                footprint: footprint(&placed, item),
+                source: IrradianceSource::Mesh(placed, Weights::on_face(item, u, v)),
+            };
         }
+        match shape {
+            Shape::Primitive(p) => IrradianceLookup {
+                source: IrradianceSource::Primitive(p, item.start as usize, u, v),
+                footprint: item.footprint,
+            },
+            _ => self.on_proxy(item.object, ray, hit),
+        }
+    }
+
+    /// The face that was hit, and the shape of its object.
+    fn at(&self, hit: &KernelHit) -> (&ItemFace, &'a Shape) {
+        let item = &self.items[self.tracer.prototype(hit.item) as usize];
+        let object = if self.tracer.is_instanced(hit.item) {
+            self.tracer.item(hit.item).object
+        } else {
+            item.object
+        };
+        (item, &self.scene.objects[object as usize].shape)
     }
 
     fn on_proxy(&self, object: u32, ray: &KernelRay, hit: &KernelHit) -> IrradianceLookup<'a> {
@@ -131,10 +151,9 @@ impl<'a> Interpolator<'a> {
     /// Unit shading normal at a hit, interpolated; `None` where the object has no vertex normals:
     /// exact shapes are smooth without.
     pub fn shading_normal(&self, hit: &KernelHit) -> Option<DVec3> {
-        let item = &self.items[hit.item as usize];
-        let Shape::Mesh(mesh) = &self.scene.objects[item.object as usize].shape else {
-            return None;
-        };
+        let (item, shape) = self.at(hit);
+        let placed = shape.placed_mesh()?;
+        let mesh = placed.mesh;
         let normals = mesh.normals.as_ref()?;
         let [u, v] = hit.uv().map(f64::from);
         let weights = Weights::on_face(item, u, v);
@@ -142,7 +161,7 @@ impl<'a> Interpolator<'a> {
         let sum: DVec3 = pairs
             .map(|(&c, w)| w * normals.at(c, mesh.faces.corners[c]))
             .sum();
-        sum.try_normalize()
+        Some(placed.to_world(sum.try_normalize()?))
     }
 
     /// Diffuse reflectance at a hit: the material's, times vertex colours, times textures.
@@ -150,10 +169,10 @@ impl<'a> Interpolator<'a> {
     /// Textures that could not be loaded, and those on objects without texture coordinates,
     /// change nothing.
     pub fn reflectance(&self, hit: &KernelHit, material: &Material) -> Rgb {
-        let item = &self.items[hit.item as usize];
-        let mesh = match &self.scene.objects[item.object as usize].shape {
-            Shape::Mesh(mesh) if !(mesh.colors.is_empty() && material.textures.is_empty()) => mesh,
-            _ => return material.diffuse,
+        let (item, shape) = self.at(hit);
+        let is_painted = |mesh: &&Mesh| !(mesh.colors.is_empty() && material.textures.is_empty());
+        let Some(mesh) = shape.mesh().filter(is_painted) else {
+            return material.diffuse;
         };
         let [u, v] = hit.uv().map(f64::from);
         let weights = Weights::on_face(item, u, v);
@@ -194,11 +213,14 @@ impl<'a> IrradianceProxy<'a> {
 impl ItemFace {
     fn new(scene: &Scene, item: &Item, corners: [u32; 3]) -> ItemFace {
         let object = item.object;
-        match &scene.objects[object as usize].shape {
-            Shape::Mesh(mesh) => ItemFace {
+        let shape = &scene.objects[object as usize].shape;
+        if let Some(mesh) = shape.mesh() {
+            return ItemFace {
                 object,
                 ..ItemFace::of_mesh(mesh, item.face as usize, corners)
-            },
+            };
+        }
+        match shape {
             Shape::Primitive(p) => {
                 let size = || cell_area(p, item.face as usize).sqrt();
                 ItemFace {
@@ -209,7 +231,7 @@ impl ItemFace {
                     footprint: p.light.as_ref().map_or(f32::INFINITY, |_| size() as f32),
                 }
             }
-            Shape::Exact(_) => ItemFace {
+            _ => ItemFace {
                 object,
                 start: item.face,
                 corners,
@@ -223,11 +245,7 @@ impl ItemFace {
     fn of_mesh(mesh: &Mesh, face: usize, corners: [u32; 3]) -> ItemFace {
         let positions = mesh.face_positions(face);
         let fourth = fourth_corner(&positions, corners);
-        let size = if mesh.irradiance.is_empty() {
-            f32::INFINITY
-        } else {
-            area_vector(&positions).length().sqrt() as f32
-        };
+        let size = area_vector(&positions).length().sqrt() as f32;
         ItemFace {
             object: 0,
             start: mesh.faces.starts[face],
@@ -236,6 +254,16 @@ impl ItemFace {
             footprint: size,
         }
     }
+}
+
+/// Size of a face of a mesh in the world; infinite without irradiance. Maps that stretch are taken as
+/// their mean scale.
+fn footprint(placed: &PlacedMesh, item: &ItemFace) -> f32 {
+    if placed.irradiance.is_empty() {
+        return f32::INFINITY;
+    }
+    let scale = |map: &DAffine3| map.matrix3.determinant().cbrt() as f32;
+    item.footprint * placed.world_from_mesh().map_or(1.0, scale)
 }
 
 /// The corner of a quadrilateral that a triangle of it lacks, in the triangle's affine
@@ -269,12 +297,17 @@ impl IrradianceLookup<'_> {
     /// Irradiance of the first pass on a side, W/m²; `None` where none is stored for it.
     pub fn irradiance(&self, front: bool) -> Option<Rgb> {
         match (&self.source, front) {
-            (IrradianceSource::Mesh(mesh, weights), true)
-            | (IrradianceSource::Exact(Some((mesh, weights))), true) => {
-                let is_solved = !mesh.irradiance.is_empty();
-                is_solved.then(|| weights.of_vertices(mesh, |v| mesh.irradiance[v]))
+            (IrradianceSource::Mesh(placed, weights), true) => {
+                let values = placed.irradiance;
+                (!values.is_empty()).then(|| weights.of_vertices(placed.mesh, |v| values[v]))
             }
-            (IrradianceSource::Mesh(mesh, weights), false) => weights.of_backs(mesh),
+            (IrradianceSource::Exact(Some((mesh, weights))), true) => {
+                let values = &mesh.irradiance;
+                (!values.is_empty()).then(|| weights.of_vertices(mesh, |v| values[v]))
+            }
+            (IrradianceSource::Mesh(placed, weights), false) => {
+                weights.of_backs(placed.mesh, placed.back?)
+            }
             (IrradianceSource::Primitive(p, part, u, v), true) => {
                 p.light.as_ref().map(|light| light.at(*part, *u, *v))
             }
@@ -288,18 +321,20 @@ impl IrradianceLookup<'_> {
     /// a corner alone is lit through a gap.
     pub fn is_uneven(&self, front: bool) -> bool {
         match (&self.source, front) {
-            (IrradianceSource::Mesh(mesh, weights), true)
-            | (IrradianceSource::Exact(Some((mesh, weights))), true) => weights.is_uneven(
+            (IrradianceSource::Mesh(placed, weights), true) => weights.is_uneven(
+                placed.mesh,
+                &|v| placed.irradiance.get(v).copied(),
+                placed.irradiance_error,
+            ),
+            (IrradianceSource::Exact(Some((mesh, weights))), true) => weights.is_uneven(
                 mesh,
                 &|v| mesh.irradiance.get(v).copied(),
                 &mesh.irradiance_error,
             ),
-            (IrradianceSource::Mesh(mesh, weights), false) => {
-                mesh.back.as_deref().is_some_and(|back| {
-                    let value = |v: usize| back.irradiance.get(v).copied().flatten();
-                    weights.is_uneven(mesh, &value, &back.error)
-                })
-            }
+            (IrradianceSource::Mesh(placed, weights), false) => placed.back.is_some_and(|back| {
+                let value = |v: usize| back.irradiance.get(v).copied().flatten();
+                weights.is_uneven(placed.mesh, &value, &back.error)
+            }),
             (IrradianceSource::Primitive(p, part, u, v), true) => {
                 let light = p.light.as_ref();
                 light.is_some_and(|light| {
@@ -372,8 +407,7 @@ impl Weights {
     }
 
     /// The mean of the irradiance on the backs of vertices, if all of them have any.
-    fn of_backs(&self, mesh: &Mesh) -> Option<Rgb> {
-        let back = mesh.back.as_deref()?;
+    fn of_backs(&self, mesh: &Mesh, back: &BackIrradiance) -> Option<Rgb> {
         let at = |c: usize| back.irradiance[mesh.faces.corners[c] as usize];
         // Corners that do not count repeat the first.
         let is_known = self.corners.iter().all(|&c| at(c).is_some());

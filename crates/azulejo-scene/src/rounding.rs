@@ -42,16 +42,28 @@ impl Scene {
             }
         });
         for object in &mut self.objects {
-            if let Shape::Primitive(primitive) = &mut object.shape
-                && let Some(light) = &mut primitive.light
-            {
-                round_all(&mut light.irradiance, digits);
-                round_all(&mut light.error, digits);
+            match &mut object.shape {
+                Shape::Primitive(primitive) => {
+                    if let Some(light) = &mut primitive.light {
+                        round_all(&mut light.irradiance, digits);
+                        round_all(&mut light.error, digits);
+                    }
+                }
+                Shape::Instance(instance) => {
+                    if let Some(light) = instance.light.as_deref_mut() {
+                        round_all(&mut light.irradiance, digits);
+                        round_all(&mut light.error, digits);
+                        if let Some(back) = light.back.as_deref_mut() {
+                            round_back(back, digits);
+                        }
+                    }
+                }
+                Shape::Mesh(_) | Shape::Exact(_) => {}
             }
         }
     }
 
-    /// The meshes of objects and the proxies of exact shapes.
+    /// The meshes of objects, shared ones once, and the proxies of exact shapes.
     fn each_mesh(&mut self, mut change: impl FnMut(&mut Mesh)) {
         for object in &mut self.objects {
             match &mut object.shape {
@@ -59,9 +71,10 @@ impl Scene {
                 Shape::Exact(exact) => {
                     exact.proxy.as_deref_mut().into_iter().for_each(&mut change);
                 }
-                Shape::Primitive(_) => {}
+                Shape::Primitive(_) | Shape::Instance(_) => {}
             }
         }
+        self.change_shared_meshes(change);
     }
 }
 

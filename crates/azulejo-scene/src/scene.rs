@@ -2,8 +2,8 @@
 
 use crate::math::Aabb;
 use crate::{
-    Camera, Environment, Irradiance, Light, LightKind, Material, MaterialId, ObjectIrradiance, Rgb,
-    Rtrace, Shape, Texture, TextureId,
+    Camera, Environment, Irradiance, Light, LightKind, Material, MaterialId, Mesh,
+    ObjectIrradiance, Rgb, Rtrace, Shape, Texture, TextureId,
 };
 use glam::DVec3;
 
@@ -157,6 +157,7 @@ impl Object {
     pub fn bounds(&self) -> Aabb {
         match &self.shape {
             Shape::Mesh(mesh) => mesh.bounds(),
+            Shape::Instance(instance) => instance.bounds(),
             Shape::Primitive(primitive) => primitive.bounds(),
             Shape::Exact(exact) => exact.bounds(),
         }
@@ -198,8 +199,13 @@ impl Scene {
                 .get(m as usize)
                 .is_some_and(Material::is_emitter)
         };
+        let any_shines = |mesh: &Mesh| mesh.face_materials.iter().any(|&m| shines(m));
+        if self.shared_meshes().into_iter().any(|m| any_shines(m)) {
+            return true;
+        }
         let lamp = |o: &Object| match &o.shape {
-            Shape::Mesh(mesh) => mesh.face_materials.iter().any(|&m| shines(m)),
+            Shape::Mesh(mesh) => any_shines(mesh),
+            Shape::Instance(_) => false,
             Shape::Primitive(p) => shines(p.material),
             Shape::Exact(exact) => exact.leaves().iter().any(|l| shines(l.material())),
         };
@@ -218,6 +224,7 @@ impl Scene {
             Shape::Mesh(mesh) => {
                 mesh.faces.is_empty() || mesh.irradiance.len() == mesh.positions.len()
             }
+            Shape::Instance(i) => i.mesh.faces.is_empty() || i.light.is_some(),
             Shape::Primitive(p) => p.light.is_some() || self.reflects_nothing(p.material),
             Shape::Exact(exact) => exact.proxy.is_some(),
         };
@@ -246,6 +253,12 @@ impl Scene {
                 (Shape::Mesh(mesh), given @ ObjectIrradiance::Vertices { .. }) => {
                     mesh.set_irradiance(given)
                 }
+                (Shape::Instance(instance), given @ ObjectIrradiance::Vertices { .. }) => {
+                    instance.set_irradiance(given);
+                }
+                (shape @ Shape::Instance(_), ObjectIrradiance::Refined(refined)) => {
+                    *shape = Shape::Mesh(*refined);
+                }
                 (Shape::Primitive(p), ObjectIrradiance::Surface(light)) => p.light = Some(light),
                 (Shape::Exact(exact), ObjectIrradiance::Refined(proxy)) => {
                     exact.proxy = Some(proxy)
@@ -260,13 +273,18 @@ impl Scene {
     /// Nothing is converted ([`Scene::adapted`] does that before); units, background and fog
     /// of this scene stay, and if it has no background or fog, the other's are taken. RTRACE's
     /// parameters are kept only if one of the two scenes is empty.
-    pub fn merge(&mut self, other: Scene) {
+    pub fn merge(&mut self, mut other: Scene) {
+        let (materials, textures) = (self.materials.len() as u32, self.textures.len() as u32);
+        let renumber =
+            |mesh: &mut Mesh| mesh.face_materials.iter_mut().for_each(|m| *m += materials);
+        if materials > 0 {
+            other.change_shared_meshes(renumber);
+        }
         if self.objects.is_empty() && self.materials.is_empty() {
             self.rtrace = other.rtrace;
         } else if !other.objects.is_empty() {
             self.rtrace = None;
         }
-        let (materials, textures) = (self.materials.len() as u32, self.textures.len() as u32);
         self.textures.extend(other.textures);
         self.materials
             .extend(other.materials.into_iter().map(|mut m| {
@@ -275,7 +293,9 @@ impl Scene {
             }));
         self.objects.extend(other.objects.into_iter().map(|mut o| {
             match &mut o.shape {
-                Shape::Mesh(mesh) => mesh.face_materials.iter_mut().for_each(|m| *m += materials),
+                Shape::Mesh(mesh) => renumber(mesh),
+                // Its mesh has been renumbered.
+                Shape::Instance(_) => {}
                 Shape::Primitive(p) => p.material += materials,
                 Shape::Exact(exact) => exact.map_materials(&mut |m| m + materials),
             }

@@ -1,7 +1,7 @@
 //! Shapes: meshes, and primitives with their parameterization.
 
 use crate::math::{Aabb, normal_matrix};
-use crate::{Exact, MaterialId, Mesh, Rgb};
+use crate::{Exact, MaterialId, Mesh, MeshInstance, Rgb};
 use glam::{DAffine3, DMat3, DVec3};
 use std::f64::consts::{PI, TAU};
 
@@ -10,6 +10,8 @@ use std::f64::consts::{PI, TAU};
 pub enum Shape {
     /// Polygons.
     Mesh(Mesh),
+    /// Polygons that other objects may share.
+    Instance(MeshInstance),
     /// A sphere, cylinder, cone, box or parallelogram, not tessellated.
     Primitive(Primitive),
     /// Prisms, patches and constructive solid geometry.

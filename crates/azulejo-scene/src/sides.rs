@@ -22,11 +22,13 @@ impl Scene {
     ///
     /// Such faces coincide, so this is for files, not for tracing rays.
     pub fn split_sides(&self) -> Cow<'_, Scene> {
-        let is_double = |o: &Object| matches!(&o.shape, Shape::Mesh(mesh) if mesh.back.is_some());
+        let is_double = |o: &Object| o.shape.placed_mesh().is_some_and(|m| m.back.is_some());
         if !self.objects.iter().any(is_double) {
             return Cow::Borrowed(self);
         }
         let mut scene = self.clone();
+        // Faces of a shared mesh cannot be written twice for one of its places.
+        scene.unfold_if(is_double);
         let changed = scene.change_meshes(Mesh::split);
         scene.restate(&changed, Sidedness::One);
         Cow::Owned(scene)
@@ -91,6 +93,10 @@ impl Scene {
                     others
                         .filter(|(_, changed)| !**changed)
                         .for_each(|(&m, _)| is_used[m as usize] = true);
+                }
+                Shape::Instance(instance) => {
+                    let of_faces = instance.mesh.face_materials.iter();
+                    of_faces.for_each(|&m| is_used[m as usize] = true);
                 }
                 Shape::Primitive(p) => is_used[p.material as usize] = true,
                 Shape::Exact(exact) => {

@@ -2,10 +2,12 @@
 
 use crate::math::normal_matrix;
 use crate::{
-    Attribute, Camera, Faces, Light, LightKind, Mesh, Primitive, PrimitiveKind, Scene,
-    SceneBackground, Shape, SurfaceLight, Units, Up,
+    Attribute, Camera, Faces, Light, LightKind, Mesh, MeshInstance, Primitive, PrimitiveKind,
+    Scene, SceneBackground, Shape, SharedMesh, SurfaceLight, Units, Up,
 };
 use glam::{DAffine3, DMat3, DVec3};
+use std::collections::HashMap;
+use std::sync::Arc;
 
 impl Scene {
     /// The scene transformed by an affine map: objects, lights, cameras and fog.
@@ -16,8 +18,10 @@ impl Scene {
     /// size. RTRACE's parameters are dropped.
     pub fn transformed(mut self, world_from_scene: &DAffine3) -> Scene {
         let map = world_from_scene;
+        let mut shared = HashMap::new();
         for object in &mut self.objects {
             match &mut object.shape {
+                Shape::Instance(instance) => instance.transform(map, &mut shared),
                 Shape::Mesh(mesh) => mesh.transform(map),
                 Shape::Primitive(p) => p.transform(map),
                 Shape::Exact(exact) => exact.transform(map),
@@ -95,6 +99,21 @@ impl SurfaceLight {
                 let turned = (0..columns).flat_map(|u| (0..rows).map(move |v| v * columns + u));
                 *values = turned.map(|k| values[k]).collect();
             }
+        }
+    }
+}
+
+impl MeshInstance {
+    /// Transforms the instance; where the map mirrors, it gets the mirrored mesh of those in `shared`. A
+    /// map that is not invertible leaves it where it is.
+    fn transform(&mut self, map: &DAffine3, shared: &mut HashMap<*const Mesh, SharedMesh>) {
+        // The entries keep their meshes alive, so that no other gets the address of one.
+        let shared = shared
+            .entry(Arc::as_ptr(&self.mesh))
+            .or_insert_with(|| SharedMesh::of(self.mesh.clone()));
+        if let Some(mut placed) = shared.placed(*map * self.world_from_mesh) {
+            placed.light = self.light.take();
+            *self = placed;
         }
     }
 }

@@ -10,6 +10,7 @@ impl Scene {
                 mesh.divide_into_triangles();
             }
         }
+        self.change_shared_meshes(Mesh::divide_into_triangles);
     }
 }
 

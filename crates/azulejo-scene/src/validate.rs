@@ -4,8 +4,9 @@ mod exact;
 mod rtrace;
 
 use crate::{
-    Attribute, Environment, EnvironmentSource, LightKind, Material, Mesh, Object, Opacity,
-    OpacityMode, Primitive, PrimitiveKind, Scene, SceneBackground, Shape, TextureId,
+    Attribute, BackIrradiance, Environment, EnvironmentSource, LightKind, Material, Mesh,
+    MeshInstance, Object, Opacity, OpacityMode, Primitive, PrimitiveKind, Scene, SceneBackground,
+    Shape, TextureId,
 };
 use glam::DVec3;
 use std::fmt;
@@ -72,6 +73,12 @@ impl Scene {
         )?;
         self.validate_materials()?;
         let mut exact = exact::Checker::new(self.materials.len());
+        for (i, mesh) in self.shared_meshes().into_iter().enumerate() {
+            validate_mesh(mesh, self.materials.len()).map_err(|e| Invalid {
+                place: format!("shared mesh {i}: {}", e.place),
+                ..e
+            })?;
+        }
         for (i, object) in self.objects.iter().enumerate() {
             let place = || format!("objects[{i}] \"{}\"", object.name);
             self.validate_object(object, &mut exact)
@@ -163,6 +170,7 @@ impl Scene {
         let materials = self.materials.len();
         match &object.shape {
             Shape::Mesh(mesh) => validate_mesh(mesh, materials),
+            Shape::Instance(instance) => validate_instance(instance),
             Shape::Primitive(p) => validate_primitive(p, materials),
             Shape::Exact(shape) => exact.validate(shape),
         }
@@ -338,7 +346,7 @@ fn validate_mesh(mesh: &Mesh, materials: usize) -> Check {
             || format!("{name} is negative or not finite"),
         )?;
     }
-    validate_back(mesh)?;
+    validate_back(mesh.back.as_deref(), mesh.irradiance.len())?;
     let bad = mesh.positions.iter().position(|p| !p.is_finite());
     ensure(
         bad.is_none(),
@@ -353,12 +361,49 @@ fn validate_mesh(mesh: &Mesh, materials: usize) -> Check {
     })
 }
 
-/// The back's irradiance stands beside that of the front, of as many vertices.
-fn validate_back(mesh: &Mesh) -> Check {
-    let Some(back) = &mesh.back else {
+/// The place and the light of an instance; its mesh is validated once for all.
+fn validate_instance(instance: &MeshInstance) -> Check {
+    let place = || "instance".to_string();
+    let size = instance.world_from_mesh.matrix3.determinant();
+    ensure(
+        instance.world_from_mesh.is_finite() && size > 0.0 && size.is_finite(),
+        place,
+        || "its map is not invertible, or mirrors".into(),
+    )?;
+    let mesh = &instance.mesh;
+    let is_dark = mesh.irradiance.is_empty() && mesh.irradiance_error.is_empty();
+    ensure(is_dark && mesh.back.is_none(), place, || {
+        "its mesh has irradiance, which belongs to one place".into()
+    })?;
+    let reach = mesh.positions.iter().map(|p| p.abs().max_element());
+    let reach = reach.fold(0.0, f64::max);
+    let m = instance.world_from_mesh.matrix3;
+    let stretch = m.x_axis.abs() + m.y_axis.abs() + m.z_axis.abs();
+    let farthest = reach * stretch + instance.world_from_mesh.translation.abs();
+    ensure(farthest.is_finite(), place, || "its map overflows".into())?;
+    let Some(light) = &instance.light else {
         return Ok(());
     };
-    let (count, place) = (mesh.irradiance.len(), || "mesh".to_string());
+    let count = mesh.positions.len();
+    let fits = light.irradiance.len() == count && [0, count].contains(&light.error.len());
+    ensure(fits, place, || {
+        let found = (light.irradiance.len(), light.error.len());
+        format!("irradiance and errors of {found:?} for {count} vertices")
+    })?;
+    let is_light = |c: &crate::Rgb| (0..3).all(|k| c[k] >= 0.0 && c[k].is_finite());
+    let mut all = light.irradiance.iter().chain(&light.error);
+    ensure(all.all(is_light), place, || {
+        "irradiance is negative or not finite".into()
+    })?;
+    validate_back(light.back.as_deref(), count)
+}
+
+/// The back's irradiance stands beside that of the front, of as many vertices.
+fn validate_back(back: Option<&BackIrradiance>, count: usize) -> Check {
+    let Some(back) = back else {
+        return Ok(());
+    };
+    let place = || "mesh".to_string();
     let fits = back.irradiance.len() == count && [0, count].contains(&back.error.len());
     ensure(fits, place, || {
         let found = (back.irradiance.len(), back.error.len());

@@ -5,7 +5,7 @@ use glam::DVec3;
 /// The surface that an item number of a [`KernelHit`](crate::KernelHit) stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Item {
-    /// Index of the object in its scene: the instance's scene if there is an instance.
+    /// Index of the object in its scene.
     pub object: u32,
     /// Face of the mesh, part of the primitive, or index of the leaf among an exact shape's
     /// [`leaves`](azulejo_scene::Exact::leaves).
@@ -15,8 +15,6 @@ pub struct Item {
     pub triangle: u32,
     /// Whether the object is an exact primitive.
     pub is_primitive: bool,
-    /// Index of the instance, if the item belongs to one.
-    pub instance: Option<u32>,
 }
 
 /// The surface that a ray hit, in double precision.
@@ -24,7 +22,7 @@ pub struct Item {
 pub struct Hit {
     /// Parameter along the ray.
     pub t: f64,
-    /// Index of the object in its scene: the instance's scene if there is an instance.
+    /// Index of the object in its scene.
     pub object: u32,
     /// Face of the mesh, part of the primitive, or index of the leaf among an exact shape's
     /// [`leaves`](azulejo_scene::Exact::leaves).
@@ -49,8 +47,6 @@ pub struct Hit {
     pub entering: bool,
     /// The item's number, as in [`KernelHit`](crate::KernelHit).
     pub item: u32,
-    /// Index of the instance, if the item belongs to one.
-    pub instance: Option<u32>,
 }
 
 /// A surface point in the world, in double precision.

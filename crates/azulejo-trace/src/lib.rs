@@ -50,4 +50,4 @@ pub use kernel::embree;
 pub use kernel::{Kernel, KernelHit, KernelRay};
 pub use progress::{Cancelled, Measure, Measured, Progress};
 pub use surfaces::{MeshTriangles, Surfaces};
-pub use tracer::{Instance, Tracer};
+pub use tracer::Tracer;

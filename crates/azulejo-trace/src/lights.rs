@@ -175,7 +175,7 @@ impl<'a> Lights<'a> {
         let ray = surfaces.tracer.world_ray(ray);
         let at = surfaces.tracer.resolve(&ray, hit);
         let found = self.find(key, (at.u, at.v));
-        let Some((share, area)) = found.filter(|_| item.instance.is_none()) else {
+        let Some((share, area)) = found else {
             return 0.0;
         };
         let toward = at.position - ray.origin;

@@ -3,27 +3,32 @@
 use crate::{Hit, Item, KernelHit, KernelRay, Tracer};
 use azulejo_scene::brdf::Lobes;
 use azulejo_scene::math::Frame;
-use azulejo_scene::{Leaf, Material, MaterialId, Mesh, PrimitiveKind, Scene, Shape};
+use azulejo_scene::{
+    Leaf, Material, MaterialId, Mesh, MeshInstance, Object, PrimitiveKind, Scene, Shape,
+};
 use glam::DVec3;
+use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Cosine to the normal beyond which an axis does not determine the tangent.
 const UPRIGHT: f64 = 0.999;
 
 /// A scene with its tracer, and for every item the normal and material that hits look up.
 ///
-/// Immutable; made once per pass. Takes 44 bytes per item, and 12 more per triangle of meshes with
-/// texture coordinates.
+/// Immutable; made once per pass. Takes 40 bytes per prototype of items, and 12 more per triangle of
+/// meshes with texture coordinates.
 pub struct Surfaces<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// Its tracer.
     pub tracer: &'a Tracer,
+    /// By prototype: what all instances of a mesh share is stored once.
     items: Vec<ItemSurface>,
-    /// What each item is: apart from `items`, which every ray reads, because few rays need it.
+    /// What each prototype is: apart from `items`, which every ray reads, because few rays need it.
     names: Vec<Item>,
     /// Per object, the triangles of a mesh with texture coordinates: frames need them at every
     /// hit, and to triangulate the face each time would cost more than the rest of the hit.
-    triangles: Vec<Option<MeshTriangles>>,
+    triangles: Vec<Option<Arc<MeshTriangles>>>,
 }
 
 /// The triangles of all faces of a mesh, so that no face is triangulated twice.
@@ -48,12 +53,19 @@ impl MeshTriangles {
         MeshTriangles { corners }
     }
 
-    /// The triangles of a shape, if it is a mesh.
-    pub fn of_shape(shape: &Shape) -> Option<MeshTriangles> {
-        match shape {
-            Shape::Mesh(mesh) => Some(MeshTriangles::new(mesh)),
+    /// For each object the triangles of its mesh, if it has one; instances of one mesh share them.
+    pub fn of_objects(scene: &Scene) -> Vec<Option<Arc<MeshTriangles>>> {
+        let mut shared: HashMap<*const Mesh, Arc<MeshTriangles>> = HashMap::new();
+        let of_object = |object: &Object| match &object.shape {
+            Shape::Mesh(mesh) => Some(Arc::new(MeshTriangles::new(mesh))),
+            Shape::Instance(MeshInstance { mesh, .. }) => {
+                let known = shared.entry(Arc::as_ptr(mesh));
+                let triangles = known.or_insert_with(|| Arc::new(MeshTriangles::new(mesh)));
+                Some(triangles.clone())
+            }
             Shape::Primitive(_) | Shape::Exact(_) => None,
-        }
+        };
+        scene.objects.iter().map(of_object).collect()
     }
 
     /// Number of the first triangle of a face; triangles count over all faces.
@@ -77,7 +89,7 @@ impl MeshTriangles {
 /// What every hit needs of its item.
 #[derive(Clone, Copy, Debug)]
 struct ItemSurface {
-    /// Unit normal of the front; zero where it changes over the item.
+    /// Unit normal of the front, in the coordinates of a shared mesh; zero where it changes over the item.
     normal: [f32; 3],
     material: MaterialId,
     is_specular: bool,
@@ -92,18 +104,16 @@ impl<'a> Surfaces<'a> {
             _ => Vec::new(),
         });
         let leaves: Vec<Vec<Leaf>> = leaves.collect();
-        let triangles = scene.objects.iter();
-        let triangles = triangles.map(|o| MeshTriangles::of_shape(&o.shape));
-        let mut triangles: Vec<Option<MeshTriangles>> = triangles.collect();
-        let names: Vec<Item> = (0..tracer.item_count()).map(|i| tracer.item(i)).collect();
+        let mut triangles = MeshTriangles::of_objects(scene);
+        let prototypes = tracer.prototype_items().into_iter();
+        let names: Vec<Item> = prototypes.map(|item| tracer.item(item)).collect();
         let surface = |item: &Item| {
             let object = item.object as usize;
-            ItemSurface::new(scene, &leaves[object], triangles[object].as_ref(), item)
+            ItemSurface::new(scene, &leaves[object], triangles[object].as_deref(), item)
         };
         let items = names.iter().map(surface).collect();
         for (object, triangles) in scene.objects.iter().zip(&mut triangles) {
-            let has_uvs = matches!(&object.shape, Shape::Mesh(mesh) if mesh.uvs.is_some());
-            if !has_uvs {
+            if object.shape.mesh().is_none_or(|mesh| mesh.uvs.is_none()) {
                 *triangles = None;
             }
         }
@@ -117,23 +127,33 @@ impl<'a> Surfaces<'a> {
     }
 
     /// What an item is.
-    pub fn item(&self, item: u32) -> &Item {
-        &self.names[item as usize]
+    #[inline]
+    pub fn item(&self, item: u32) -> Item {
+        if self.tracer.is_instanced(item) {
+            self.tracer.item(item)
+        } else {
+            self.names[item as usize]
+        }
+    }
+
+    #[inline]
+    fn surface(&self, item: u32) -> &ItemSurface {
+        &self.items[self.tracer.prototype(item) as usize]
     }
 
     /// Whether light that arrives at an item can leave mirrored or refracted.
     pub fn is_specular(&self, item: u32) -> bool {
-        self.items[item as usize].is_specular
+        self.surface(item).is_specular
     }
 
     /// Whether the front of an item emits.
     pub fn is_emitter(&self, item: u32) -> bool {
-        self.items[item as usize].is_emitter
+        self.surface(item).is_emitter
     }
 
     /// Index of the material of an item.
     pub fn material_id(&self, item: u32) -> MaterialId {
-        self.items[item as usize].material
+        self.surface(item).material
     }
 
     /// Material of an item.
@@ -173,15 +193,14 @@ impl<'a> Surfaces<'a> {
 
     /// The unit direction in which the first texture coordinate grows on a triangle.
     fn tangent(&self, at: &Hit) -> Option<DVec3> {
-        let Shape::Mesh(mesh) = &self.scene.objects[at.object as usize].shape else {
-            return None;
-        };
+        let placed = self.scene.objects[at.object as usize].shape.placed_mesh()?;
+        let mesh = placed.mesh;
         let uvs = mesh.uvs.as_ref()?;
         let triangles = self.triangles[at.object as usize].as_ref()?;
         let corners = triangles.corners_of(mesh, at.face, at.triangle);
         let corners = corners.map(|k| k as usize);
         let vertices = corners.map(|k| mesh.faces.corners[k]);
-        let [a, b, c] = vertices.map(|v| mesh.positions[v as usize]);
+        let [a, b, c] = vertices.map(|v| placed.position(v));
         let [ta, tb, tc] = [0, 1, 2].map(|k| uvs.at(corners[k], vertices[k]));
         let (d1, d2) = (tb - ta, tc - ta);
         let along = (d2.y * (b - a) - d1.y * (c - a)) * d1.perp_dot(d2).signum();
@@ -190,18 +209,30 @@ impl<'a> Surfaces<'a> {
 
     /// Unit normal of the front of a flat item; `None` where the item is curved.
     pub fn flat_normal(&self, item: u32) -> Option<DVec3> {
-        let n = self.items[item as usize].normal;
-        (n != [0.0; 3]).then(|| DVec3::new(n[0].into(), n[1].into(), n[2].into()))
+        let n = self.surface(item).normal;
+        if n == [0.0; 3] {
+            return None;
+        }
+        let n = DVec3::new(n[0].into(), n[1].into(), n[2].into());
+        if self.tracer.is_instanced(item) {
+            return Some(self.tracer.world_normal(item, n).normalize_or_zero());
+        }
+        Some(n)
     }
 
     /// Whether the ray that made `hit` arrives at the front.
     pub fn is_front(&self, ray: &KernelRay, hit: &KernelHit) -> bool {
-        let (n, d) = (self.items[hit.item as usize].normal, ray.direction);
+        let (mut n, d) = (self.surface(hit.item).normal, ray.direction);
         if n == [0.0; 3] {
             return self
                 .tracer
                 .resolve(&self.tracer.world_ray(ray), hit)
                 .entering;
+        }
+        if self.tracer.is_instanced(hit.item) {
+            let normal = DVec3::from(n.map(f64::from));
+            let normal = self.tracer.world_normal(hit.item, normal);
+            n = normal.as_vec3().to_array();
         }
         n[0] * d[0] + n[1] * d[1] + n[2] * d[2] < 0.0
     }
@@ -214,16 +245,10 @@ impl ItemSurface {
         triangles: Option<&MeshTriangles>,
         item: &Item,
     ) -> ItemSurface {
-        let (normal, material) = match &scene.objects[item.object as usize].shape {
-            Shape::Mesh(mesh) => {
-                let corners = triangles.map(|t| t.corners_of(mesh, item.face, item.triangle));
-                let normal = corners.map_or(DVec3::ZERO, |corners| {
-                    let vertices = corners.map(|k| mesh.faces.corners[k as usize]);
-                    let [a, b, c] = vertices.map(|v| mesh.positions[v as usize]);
-                    (b - a).cross(c - a).normalize_or_zero()
-                });
-                (normal, mesh.face_materials[item.face as usize])
-            }
+        let shape = &scene.objects[item.object as usize].shape;
+        let (normal, material) = match shape {
+            Shape::Mesh(mesh) => of_triangle(mesh, triangles, item),
+            Shape::Instance(instance) => of_triangle(&instance.mesh, triangles, item),
             Shape::Primitive(p) => {
                 let is_flat = matches!(p.kind, PrimitiveKind::Cuboid | PrimitiveKind::Square);
                 let normal = if is_flat {
@@ -243,6 +268,17 @@ impl ItemSurface {
             is_emitter: surface.is_emitter(),
         }
     }
+}
+
+/// Unit normal, in the coordinates of the mesh, and material of a triangle.
+fn of_triangle(mesh: &Mesh, triangles: Option<&MeshTriangles>, item: &Item) -> (DVec3, MaterialId) {
+    let corners = triangles.map(|t| t.corners_of(mesh, item.face, item.triangle));
+    let normal = corners.map_or(DVec3::ZERO, |corners| {
+        let vertices = corners.map(|k| mesh.faces.corners[k as usize]);
+        let [a, b, c] = vertices.map(|v| mesh.positions[v as usize]);
+        (b - a).cross(c - a).normalize_or_zero()
+    });
+    (normal, mesh.face_materials[item.face as usize])
 }
 
 #[cfg(test)]

@@ -220,6 +220,11 @@ fn described(object: &Object, index: usize) -> String {
 fn shapes(one: &Shape, other: &Shape, tolerance: f64, how: &mut Vec<String>) {
     match (one, other) {
         (Shape::Mesh(a), Shape::Mesh(b)) => meshes(a, b, tolerance, how),
+        (Shape::Mesh(a), Shape::Instance(b)) => meshes(a, &b.to_mesh(), tolerance, how),
+        (Shape::Instance(a), Shape::Mesh(b)) => meshes(&a.to_mesh(), b, tolerance, how),
+        (Shape::Instance(a), Shape::Instance(b)) => {
+            meshes(&a.to_mesh(), &b.to_mesh(), tolerance, how);
+        }
         (Shape::Primitive(a), Shape::Primitive(b)) => {
             if (a.kind, a.world_from_object) != (b.kind, b.world_from_object) {
                 how.push("another primitive".to_owned());
@@ -269,6 +274,7 @@ fn meshes(a: &Mesh, b: &Mesh, tolerance: f64, how: &mut Vec<String>) {
 fn materials<'s>(scene: &'s Scene, shape: &Shape) -> Vec<&'s str> {
     let ids = match shape {
         Shape::Mesh(mesh) => mesh.face_materials.clone(),
+        Shape::Instance(instance) => instance.mesh.face_materials.clone(),
         Shape::Primitive(p) => vec![p.material],
         Shape::Exact(exact) => exact.leaves().iter().map(|l| l.material()).collect(),
     };
@@ -279,6 +285,9 @@ fn materials<'s>(scene: &'s Scene, shape: &Shape) -> Vec<&'s str> {
 fn irradiance(shape: &Shape) -> Vec<Rgb> {
     match shape {
         Shape::Mesh(mesh) => mesh.irradiance.clone(),
+        Shape::Instance(instance) => {
+            (instance.light.as_ref()).map_or_else(Vec::new, |l| l.irradiance.clone())
+        }
         Shape::Primitive(p) => p
             .light
             .as_ref()

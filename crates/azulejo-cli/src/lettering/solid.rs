@@ -91,7 +91,7 @@ pub fn write(
 fn prism_count(object: &Object) -> usize {
     match &object.shape {
         Shape::Exact(exact) => exact.solids.len(),
-        Shape::Mesh(_) | Shape::Primitive(_) => 0,
+        Shape::Mesh(_) | Shape::Instance(_) | Shape::Primitive(_) => 0,
     }
 }
 

@@ -11,6 +11,7 @@ use azulejo_scene::{
 use glam::DVec3;
 use std::collections::HashMap;
 use std::path::Path;
+use std::sync::Arc;
 use surface::{RuleTarget, SurfaceRule};
 use tables::{CameraTable, LightTable, RecipeSource, RecipeTables};
 
@@ -78,6 +79,9 @@ fn change_materials(rule: &SurfaceRule<'_>, scene: &mut Scene) -> usize {
 /// Gives the objects that a rule matches changed copies of their materials; returns their number.
 fn change_objects(rule: &SurfaceRule<'_>, scene: &mut Scene) -> Result<usize, Failure> {
     let mut copies: HashMap<MaterialId, MaterialId> = HashMap::new();
+    // The shared meshes that have been changed, before and after; the old ones are kept, so that no
+    // other gets the address of one.
+    let mut renumbered: HashMap<*const Mesh, (Arc<Mesh>, Arc<Mesh>)> = HashMap::new();
     let mut matched = 0;
     let photometric = scene.units.photometric;
     let Scene {
@@ -89,6 +93,7 @@ fn change_objects(rule: &SurfaceRule<'_>, scene: &mut Scene) -> Result<usize, Fa
         if radiance.is_some() {
             // Each lamp has a radiance of its own, by its area.
             copies.clear();
+            renumbered.clear();
         }
         let mut copy = |id: MaterialId| {
             *copies.entry(id).or_insert_with(|| {
@@ -101,6 +106,15 @@ fn change_objects(rule: &SurfaceRule<'_>, scene: &mut Scene) -> Result<usize, Fa
         };
         match &mut object.shape {
             Shape::Mesh(mesh) => mesh.face_materials.iter_mut().for_each(|m| *m = copy(*m)),
+            Shape::Instance(instance) => {
+                let old = instance.mesh.clone();
+                let new = renumbered.entry(Arc::as_ptr(&old)).or_insert_with(|| {
+                    let mut mesh = Mesh::clone(&old);
+                    mesh.face_materials.iter_mut().for_each(|m| *m = copy(*m));
+                    (old, Arc::new(mesh))
+                });
+                instance.mesh = new.1.clone();
+            }
             Shape::Primitive(p) => p.material = copy(p.material),
             Shape::Exact(_) => {
                 return Err(Failure::failed(rule.place(&format!(
@@ -117,9 +131,8 @@ fn change_objects(rule: &SurfaceRule<'_>, scene: &mut Scene) -> Result<usize, Fa
 /// Area of an object, square scene units.
 fn area(object: &Object) -> f64 {
     match &object.shape {
-        Shape::Mesh(mesh) => mesh.area(),
         Shape::Primitive(p) => p.area(),
-        Shape::Exact(_) => 0.0,
+        shape => shape.placed_mesh().map_or(0.0, |mesh| mesh.area()),
     }
 }
 

@@ -40,6 +40,7 @@ pub fn modelled(scene: &Scene) -> Option<&str> {
     let is_flat = height <= 1e-9 * size.max_element();
     let found = scene.objects.iter().find(|object| match &object.shape {
         Shape::Mesh(mesh) => is_flat || covers(mesh),
+        Shape::Instance(instance) => is_flat || covers(&instance.to_mesh()),
         Shape::Primitive(p) => covers(&p.tessellate(&p.grids(0.2, f64::INFINITY))),
         Shape::Exact(_) => false,
     });

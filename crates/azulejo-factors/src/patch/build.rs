@@ -85,7 +85,7 @@ fn flat(region: &Region) -> FlatRegion {
 fn primitive(object: &azulejo_scene::Object) -> Option<Primitive> {
     match &object.shape {
         Shape::Primitive(p) => Some(p.clone()),
-        Shape::Mesh(_) | Shape::Exact(_) => None,
+        Shape::Mesh(_) | Shape::Instance(_) | Shape::Exact(_) => None,
     }
 }
 
@@ -387,13 +387,11 @@ fn shading_normals(outline: &Outline) -> Vec<DVec3> {
     }
     let mut normals = vec![DVec3::ZERO; outline.slots.len()];
     for region in &outline.regions {
-        let given = outline.mesh(region).and_then(|m| m.normals.as_ref());
+        let mesh = outline.mesh(region);
         for s in region.slots.clone() {
             let slot = &outline.slots[s as usize];
-            let normal = match given {
-                Some(given) => given.at(slot.corner as usize, slot.vertex),
-                None => sums[slot.corner_group as usize],
-            };
+            let given = mesh.and_then(|m| m.normal(slot.corner as usize, slot.vertex));
+            let normal = given.unwrap_or(sums[slot.corner_group as usize]);
             normals[s as usize] = unit_or(normal, region.normal);
         }
     }
@@ -429,7 +427,7 @@ fn given_vertices(
         }
     };
     let of_object = |(object, o): (usize, &azulejo_scene::Object)| {
-        let Shape::Mesh(mesh) = &o.shape else {
+        let Some(mesh) = o.shape.mesh() else {
             return Lists::default();
         };
         let regions = outline.face_regions[outline.face_base[object] as usize] as usize

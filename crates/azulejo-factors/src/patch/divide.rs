@@ -341,6 +341,6 @@ pub(super) fn grids(primitive: &Primitive, size: f64) -> Vec<SurfaceGrid> {
 fn part_grid(outline: &Outline, region: &Region, size: f64) -> SurfaceGrid {
     match &outline.scene.objects[region.object as usize].shape {
         Shape::Primitive(p) => grids(p, size)[region.face as usize],
-        Shape::Mesh(_) | Shape::Exact(_) => SurfaceGrid { nu: 1, nv: 1 },
+        Shape::Mesh(_) | Shape::Instance(_) | Shape::Exact(_) => SurfaceGrid { nu: 1, nv: 1 },
     }
 }

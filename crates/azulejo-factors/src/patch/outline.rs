@@ -2,7 +2,7 @@
 //! smooth surface.
 
 use azulejo_scene::math::area_vector;
-use azulejo_scene::{MaterialId, Mesh, Primitive, Scene, Shape};
+use azulejo_scene::{MaterialId, PlacedMesh, Primitive, Scene, Shape};
 use glam::DVec3;
 use std::ops::Range;
 
@@ -111,12 +111,12 @@ impl<'s> Outline<'s> {
             face_regions: vec![0],
         };
         for (object, o) in scene.objects.iter().enumerate() {
-            match &o.shape {
-                Shape::Mesh(mesh) => outline.add_mesh(object as u32, mesh),
-                Shape::Primitive(primitive) => outline.add_primitive(object as u32, primitive),
-                // Divided as its proxy polygons: see `Scene::faceted`.
-                Shape::Exact(_) => {}
+            if let Some(mesh) = o.shape.placed_mesh() {
+                outline.add_mesh(object as u32, mesh);
+            } else if let Shape::Primitive(primitive) = &o.shape {
+                outline.add_primitive(object as u32, primitive);
             }
+            // Exact shapes are divided as their proxy polygons: see `Scene::faceted`.
             let faces = outline.face_regions.len() - 1;
             outline.face_base.push(faces as u32);
         }
@@ -133,11 +133,10 @@ impl<'s> Outline<'s> {
     }
 
     /// The mesh of a region, unless it is a primitive's part.
-    pub fn mesh(&self, region: &Region) -> Option<&'s Mesh> {
-        match &self.scene.objects[region.object as usize].shape {
-            Shape::Mesh(mesh) => Some(mesh),
-            Shape::Primitive(_) | Shape::Exact(_) => None,
-        }
+    pub fn mesh(&self, region: &Region) -> Option<PlacedMesh<'s>> {
+        self.scene.objects[region.object as usize]
+            .shape
+            .placed_mesh()
     }
 
     fn add_primitive(&mut self, object: u32, primitive: &Primitive) {
@@ -156,22 +155,23 @@ impl<'s> Outline<'s> {
         }
     }
 
-    fn add_mesh(&mut self, object: u32, mesh: &Mesh) {
+    fn add_mesh(&mut self, object: u32, placed: PlacedMesh) {
+        let mesh = placed.mesh;
         let (mut triangles, mut corners) = (Vec::new(), Vec::new());
         for face in 0..mesh.faces.len() {
             triangles.clear();
             mesh.triangulate_into(face, &mut triangles);
-            let points = mesh.face_positions(face);
+            let points = placed.face_positions(face);
             match flat_form(&points, &triangles) {
                 Some(form) => {
                     corners.clear();
                     corners.extend(0..points.len() as u32);
-                    self.add_region(object, mesh, face, form, &corners, &triangles);
+                    self.add_region(object, placed, face, form, &corners, &triangles);
                 }
                 None => {
                     for t in &triangles {
                         let form = triangle_form(&t.map(|k| points[k as usize]));
-                        self.add_region(object, mesh, face, form, t, &[[0, 1, 2]]);
+                        self.add_region(object, placed, face, form, t, &[[0, 1, 2]]);
                     }
                 }
             }
@@ -182,12 +182,13 @@ impl<'s> Outline<'s> {
     fn add_region(
         &mut self,
         object: u32,
-        mesh: &Mesh,
+        placed: PlacedMesh,
         face: usize,
         form: Form,
         corners: &[u32],
         triangles: &[[u32; 3]],
     ) {
+        let mesh = placed.mesh;
         let (slot, triangle) = (self.slots.len() as u32, self.triangles.len() as u32);
         let (first, ring) = (
             mesh.faces.corner_range(face).start as u32,
@@ -195,7 +196,7 @@ impl<'s> Outline<'s> {
         );
         let positions: Vec<DVec3> = corners
             .iter()
-            .map(|&c| mesh.positions[ring[c as usize] as usize])
+            .map(|&c| placed.position(ring[c as usize]))
             .collect();
         let vector = area_vector(&positions);
         // The tracer needs the triangles of empty regions too, but they have no sides to share.
@@ -357,12 +358,13 @@ impl<'s> Outline<'s> {
         if r.object != s.object {
             return None;
         }
-        let mesh = self.mesh(r)?;
+        let placed = self.mesh(r)?;
+        let mesh = placed.mesh;
         let cosine = r.normal.dot(s.normal);
         let smooth = if r.face == s.face {
             true
-        } else if let Some(normals) = &mesh.normals {
-            let at = |k: u32| normals.at(corner(k), vertex(k));
+        } else if mesh.normals.is_some() {
+            let at = |k: u32| placed.normal(corner(k), vertex(k)).unwrap_or_default();
             pairs
                 .iter()
                 .all(|&(p, q)| at(p).dot(at(q)) > COPLANAR_COSINE)

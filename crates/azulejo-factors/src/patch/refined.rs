@@ -28,6 +28,9 @@ impl Patches {
     pub fn refined(&self, object: u32, scene: &Scene) -> RefinedShape {
         match scene.objects.get(object as usize).map(|o| &o.shape) {
             Some(Shape::Mesh(mesh)) => RefinedShape::Mesh(self.refined_mesh(object, mesh)),
+            Some(Shape::Instance(instance)) => {
+                RefinedShape::Mesh(self.refined_mesh(object, &instance.mesh))
+            }
             Some(Shape::Primitive(_)) => RefinedShape::Surface(self.part_grids(object)),
             Some(Shape::Exact(_)) | None => RefinedShape::Mesh(Mesh::default()),
         }

@@ -57,7 +57,7 @@ pub(super) fn mean_opacities(scene: &Scene, patches: &Patches) -> Option<Vec<f64
         let of_object = patches.patches_of(object);
         let is_see_through = |i: usize| opacities[patches.material(i) as usize].is_some();
         let divided = match &scene.objects[object as usize].shape {
-            Shape::Mesh(_) if of_object.clone().any(is_see_through) => {
+            Shape::Mesh(_) | Shape::Instance(_) if of_object.clone().any(is_see_through) => {
                 patches.refined(object, scene)
             }
             _ => RefinedShape::Mesh(Mesh::default()),

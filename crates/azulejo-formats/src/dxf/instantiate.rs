@@ -10,7 +10,7 @@ use super::surfaces::LayerMesh;
 use crate::reading::text::shortened;
 use crate::reading::warnings::Warnings;
 use crate::surface::materials::Materials;
-use azulejo_scene::{MaterialId, Mesh, Object, Scene, Shape};
+use azulejo_scene::{MaterialId, Mesh, Object, Scene, Shape, SharedMesh};
 use glam::DAffine3;
 use std::collections::HashMap;
 
@@ -25,6 +25,7 @@ pub(super) fn instantiate(mut project: Project, warnings: &mut Warnings) -> Scen
         project: &project,
         scene: Scene::default(),
         materials: Materials::default(),
+        shared: HashMap::new(),
         warnings,
     };
     let context = Context::default();
@@ -38,8 +39,11 @@ pub(super) fn instantiate(mut project: Project, warnings: &mut Warnings) -> Scen
     let Placer {
         mut scene,
         materials,
+        shared,
         ..
     } = placer;
+    drop(shared);
+    scene.unfold_single_instances();
     scene.materials = materials.into_list();
     scene
 }
@@ -86,6 +90,8 @@ struct Placer<'a, 'w> {
     project: &'a Project,
     scene: Scene,
     materials: Materials,
+    /// The meshes of blocks, by their address and what their appearances are under the INSERT.
+    shared: HashMap<(*const Mesh, Vec<MaterialId>), SharedMesh>,
     warnings: &'w mut Warnings,
 }
 
@@ -138,12 +144,51 @@ impl<'a> Placer<'a, '_> {
         let drawing = self.project.get(node).0;
         for LayerMesh { layer, mesh, .. } in &block.surfaces.meshes {
             if let Some(layer) = self.shown(drawing, *layer, context) {
+                self.add_instance(drawing, mesh, map, layer, context);
+            }
+        }
+        self.add_contents(node, map, context);
+    }
+
+    /// Adds a mesh of a block, which INSERTs of the same appearance share.
+    fn add_instance(
+        &mut self,
+        drawing: &'a DxfDrawing,
+        mesh: &Mesh,
+        map: &DAffine3,
+        layer: &'a Layer,
+        context: &Context<'a>,
+    ) {
+        let mut used: Vec<AppearanceId> = mesh.face_materials.clone();
+        used.dedup();
+        let materials: HashMap<AppearanceId, MaterialId> = used
+            .iter()
+            .map(|&a| (a, self.material(drawing, a, context)))
+            .collect();
+        let of_runs = used.iter().map(|a| materials[a]).collect();
+        let key = (std::ptr::from_ref(mesh), of_runs);
+        let shared = self.shared.entry(key).or_insert_with(|| {
+            let mut mesh = mesh.clone();
+            let slots = mesh.face_materials.iter_mut();
+            slots.for_each(|slot| *slot = materials[slot]);
+            SharedMesh::new(mesh)
+        });
+        let corners = mesh.faces.corners.iter();
+        let mut positions = corners.map(|&v| map.transform_point3(mesh.positions[v as usize]));
+        let placed = shared.placed(*map);
+        match placed.filter(|_| positions.all(|p| p.is_finite())) {
+            Some(placed) => {
+                let name = joined(&context.path, &layer.name);
+                let shape = Shape::Instance(placed);
+                self.scene.objects.push(Object::new(name, shape));
+            }
+            // A map that flattens, or one that overflows.
+            None => {
                 let mut mesh = mesh.clone();
                 mesh.transform(map);
                 self.add_mesh(drawing, mesh, layer, context);
             }
         }
-        self.add_contents(node, map, context);
     }
 
     /// Adds a transformed mesh.

@@ -2,7 +2,7 @@
 
 use super::color::Paint;
 use crate::surface::tessellate::{exact_counts, mesh_of};
-use azulejo_scene::{Mesh, Rgb, Scene, Shape, Units, Up};
+use azulejo_scene::{Mesh, Rgb, Scene, Units, Up};
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 use std::io::{self, BufWriter, Write};
@@ -51,7 +51,7 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
 /// Descriptions of what [`write()`] would omit from a scene, or change.
 pub fn losses(scene: &Scene) -> Vec<String> {
     let meshes = |lost: fn(&Mesh) -> bool| {
-        let is = |o: &&azulejo_scene::Object| matches!(&o.shape, Shape::Mesh(mesh) if lost(mesh));
+        let is = |o: &&azulejo_scene::Object| o.shape.mesh().is_some_and(lost);
         scene.objects.iter().filter(is).count()
     };
     let [primitives, solids] = exact_counts(scene);

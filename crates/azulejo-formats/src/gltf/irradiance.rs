@@ -33,6 +33,7 @@ pub(super) fn of(mesh: &Mesh) -> Option<StoredIrradiance> {
 pub(super) fn scale(scene: &Scene) -> f64 {
     let lights = scene.objects.iter().map(|o| match &o.shape {
         Shape::Mesh(mesh) => mesh.irradiance.as_slice(),
+        Shape::Instance(i) => i.light.as_ref().map_or(&[][..], |l| &l.irradiance),
         Shape::Primitive(p) => p.light.as_ref().map_or(&[][..], |l| &l.irradiance),
         Shape::Exact(e) => e.proxy.as_ref().map_or(&[][..], |proxy| &proxy.irradiance),
     });

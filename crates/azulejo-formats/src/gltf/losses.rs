@@ -4,17 +4,14 @@ use super::write_material::is_one_colour;
 use crate::surface::gloss::is_repainted;
 use crate::surface::model::gltf_mr;
 use crate::surface::tessellate::exact_counts;
-use azulejo_scene::{LightKind, Material, Mesh, Rgb, Scene, Shape};
+use azulejo_scene::{LightKind, Material, Mesh, Rgb, Scene};
 
 /// What [`write()`](super::write()) would omit from a scene or change, as text: "2 lights".
 ///
 /// The rounding of all numbers to single precision is not mentioned.
 pub fn losses(scene: &Scene) -> Vec<String> {
     let meshes = |lost: fn(&Mesh) -> bool| {
-        let meshes = scene.objects.iter().filter_map(|o| match &o.shape {
-            Shape::Mesh(mesh) => Some(mesh),
-            Shape::Primitive(_) | Shape::Exact(_) => None,
-        });
+        let meshes = scene.objects.iter().filter_map(|o| o.shape.mesh());
         meshes.filter(|m| lost(m)).count()
     };
     let materials =

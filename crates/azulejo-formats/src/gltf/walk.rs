@@ -11,12 +11,13 @@ use super::skin::Joints;
 use crate::reading::options::Budget;
 use crate::reading::text::shortened;
 use crate::{ReadError, ReadOptions};
-use azulejo_scene::{Camera, Light, LightKind, Mesh, Object, Rgb, Scene, Shape};
+use azulejo_scene::{Camera, Light, LightKind, Mesh, Object, Rgb, Scene, Shape, SharedMesh};
 use glam::{DAffine3, DVec3};
 use gltf_json::accessor::Accessor;
 use gltf_json::extensions::scene::khr_lights_punctual::{self, Type};
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Node, Root};
+use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Bytes of an object's own data that count as one element of the budget.
@@ -48,6 +49,9 @@ pub(super) struct GltfWalk<'w, 'a> {
     budget: Budget,
     messages: &'w mut GltfMessages,
     scene: Scene,
+    /// The meshes that look the same at all their nodes; `None` where there is nothing to see, or
+    /// nothing is kept.
+    shared: HashMap<usize, Option<SharedMesh>>,
     file: &'w str,
 }
 
@@ -78,6 +82,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
             budget: Budget::new(options),
             messages,
             scene: Scene::default(),
+            shared: HashMap::new(),
             file,
         }
     }
@@ -114,6 +119,8 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
             }
         }
         self.surroundings(chosen);
+        self.shared.clear();
+        self.scene.unfold_single_instances();
         (self.scene.materials, self.scene.textures) = self.surfaces.finish();
         Ok(self.scene)
     }
@@ -233,18 +240,14 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
             weights: weights.unwrap_or_default(),
             joints: joints.as_ref(),
         };
+        let name = self.name(node, json.name.as_deref(), placement);
+        let has_irradiance = self.irradiance.get(mesh).copied().flatten().is_some();
+        // Irradiance belongs to one place, and a pose to one node.
+        if joints.is_none() && pose.weights.is_empty() && !has_irradiance {
+            return self.shared_mesh(index, node, mesh, name, placement);
+        }
         let before = self.budget.left();
-        let mut builder = GltfMeshBuilder {
-            data: self.data,
-            surfaces: &mut self.surfaces,
-            budget: &mut self.budget,
-            messages: &mut *self.messages,
-            irradiance: self.irradiance.get(mesh).copied().flatten(),
-            mesh,
-            primitive: 0,
-        };
-        let built = builder.mesh(pose);
-        let built = built.map_err(|e| e.error(self.file))?;
+        let built = self.built(mesh, pose)?;
         let each = before - self.budget.left();
         if !self.budget.keeps() {
             self.instances(index, node, each)?;
@@ -252,7 +255,6 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         let Some(built) = built else {
             return Ok(());
         };
-        let name = self.name(node, json.name.as_deref(), placement);
         match self.instances(index, node, each)? {
             None if joints.is_some() => self.object(name, built, &DAffine3::IDENTITY),
             None => self.object(name, built, &placement.world),
@@ -264,6 +266,59 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
                 Ok(())
             }
         }
+    }
+
+    fn built(&mut self, mesh: usize, pose: Pose) -> Result<Option<Mesh>, ReadError> {
+        let mut builder = GltfMeshBuilder {
+            data: self.data,
+            surfaces: &mut self.surfaces,
+            budget: &mut self.budget,
+            messages: &mut *self.messages,
+            irradiance: self.irradiance.get(mesh).copied().flatten(),
+            mesh,
+            primitive: 0,
+        };
+        let built = builder.mesh(pose);
+        built.map_err(|e| e.error(self.file))
+    }
+
+    /// The instances of a mesh without a pose at a node.
+    fn shared_mesh(
+        &mut self,
+        index: usize,
+        node: &'a Node,
+        mesh: usize,
+        name: String,
+        placement: NodePlacement,
+    ) -> Result<(), ReadError> {
+        if !self.shared.contains_key(&mesh) {
+            let pose = Pose {
+                weights: &[],
+                joints: None,
+            };
+            let built = self.built(mesh, pose)?;
+            self.shared.insert(mesh, built.map(SharedMesh::new));
+        }
+        let maps = self.instances(index, node, 0)?;
+        for map in maps.unwrap_or_else(|| vec![DAffine3::IDENTITY]) {
+            self.instance(name.clone(), mesh, &(placement.world * map))?;
+        }
+        Ok(())
+    }
+
+    fn instance(&mut self, name: String, mesh: usize, world: &DAffine3) -> Result<(), ReadError> {
+        let Some(Some(shared)) = self.shared.get_mut(&mesh) else {
+            return self.spend(ELEMENTS_PER_OBJECT);
+        };
+        let placed = shared.placed(*world);
+        if let Some(placed) = placed.filter(|_| is_usable(world)) {
+            self.spend(ELEMENTS_PER_OBJECT + (name.len() / BYTES_PER_ELEMENT) as u64)?;
+            let shape = Shape::Instance(placed);
+            self.scene.objects.push(Object::new(name, shape));
+            return Ok(());
+        }
+        let mesh = Mesh::clone(shared.mesh());
+        self.object(name, mesh, world)
     }
 
     /// The joints of a node's mesh, if it is skinned.

@@ -5,19 +5,24 @@ use super::irradiance;
 use super::json_parts::{factor_and_strength, named};
 use super::pack::Pack;
 use super::write_material::Materials;
-use super::write_mesh;
-use azulejo_scene::{Camera, Light, LightKind, Object, Scene, Units, Up};
-use glam::{DMat3, DQuat, DVec3};
+use super::write_mesh::{self, WrittenMesh};
+use azulejo_scene::{
+    Camera, Light, LightKind, Mesh, MeshInstance, Object, Scene, Shape, Units, Up,
+};
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use serde_json::{Map, Value, json};
+use std::collections::HashMap;
 use std::f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 use std::io::{self, Write};
+use std::sync::Arc;
 
 /// Distance of the near plane of cameras in metres, which glTF requires.
 const NEAR: f64 = 0.01;
 
 /// Writes a scene as one binary file, GLB.
 ///
-/// One node per object, with triangles in single precision. If the scene is not in metres or
+/// One node per object, with triangles in single precision; instances share their mesh, and what a lit
+/// mesh has beside its irradiance. If the scene is not in metres or
 /// not y up, a root node converts it. Sheets with light on both sides are written twice
 /// ([`Scene::split_sides`]). [`losses`](super::losses) lists what the format cannot
 /// represent.
@@ -77,6 +82,8 @@ struct Document<'a> {
     /// The extension of ambient light.
     ambient: Option<Value>,
     materials: Materials,
+    /// Shared meshes, with the index of the mesh without irradiance.
+    shared: HashMap<*const Mesh, (Option<WrittenMesh>, Option<usize>)>,
 }
 
 impl<'a> Document<'a> {
@@ -91,12 +98,18 @@ impl<'a> Document<'a> {
             cameras: Vec::new(),
             lights: Vec::new(),
             ambient: None,
+            shared: HashMap::new(),
         };
         let images = &mut document.materials.images;
         document.ambient = image_based::ambient(scene, &mut document.pack, images)?;
         let scale = irradiance::scale(scene);
         for object in &scene.objects {
-            document.object(object, scale);
+            match &object.shape {
+                Shape::Instance(instance) if !is_sheared(&instance.world_from_mesh) => {
+                    document.instance(&object.name, instance, scale);
+                }
+                _ => document.object(object, scale),
+            }
         }
         for light in &scene.lights {
             document.light(light);
@@ -122,6 +135,38 @@ impl<'a> Document<'a> {
             }
             node.insert("mesh".into(), json!(self.meshes.len()));
             self.meshes.push(mesh);
+        }
+        self.nodes.push(node.into());
+    }
+
+    /// A node for an instance: all share what does not depend on the place.
+    fn instance(&mut self, name: &str, instance: &MeshInstance, scale: f64) {
+        let photometric = self.scene.units.photometric;
+        let key = Arc::as_ptr(&instance.mesh);
+        if !self.shared.contains_key(&key) {
+            let written = WrittenMesh::new(&instance.mesh, &mut self.materials, &mut self.pack);
+            self.shared.insert(key, (written, None));
+        }
+        let mut node = named(name);
+        if let Some((Some(written), unlit)) = self.shared.get_mut(&key) {
+            let light = instance.light.as_deref();
+            let light = light.map_or(&[][..], |l| &l.irradiance);
+            let index = match *unlit {
+                Some(index) if light.is_empty() => index,
+                _ => {
+                    let lit = written.lit(light, scale, photometric, &mut self.pack);
+                    self.meshes.push(lit);
+                    self.meshes.len() - 1
+                }
+            };
+            if light.is_empty() {
+                *unlit = Some(index);
+            }
+            node.insert("mesh".into(), json!(index));
+            let map = DMat4::from(instance.world_from_mesh);
+            if map != DMat4::IDENTITY {
+                node.insert("matrix".into(), json!(map.to_cols_array()));
+            }
         }
         self.nodes.push(node.into());
     }
@@ -240,6 +285,19 @@ impl<'a> Document<'a> {
         }
         Ok(serde_json::to_vec(&root)?)
     }
+}
+
+/// Whether a map shears, which glTF does not allow in a node: its nodes turn and scale alone.
+fn is_sheared(map: &DAffine3) -> bool {
+    let DMat3 {
+        x_axis: x,
+        y_axis: y,
+        z_axis: z,
+    } = map.matrix3;
+    let pairs = [(x, y), (y, z), (z, x)];
+    pairs
+        .iter()
+        .any(|(a, b)| a.dot(*b).abs() > 1e-9 * a.length() * b.length())
 }
 
 /// The generator, and the unit of light.

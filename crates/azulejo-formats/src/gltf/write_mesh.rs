@@ -5,7 +5,7 @@ use super::pack::Pack;
 use super::vertices::is_unit;
 use super::write_material::Materials;
 use crate::surface::tessellate::lit_mesh_of;
-use azulejo_scene::{Attribute, MaterialId, Mesh, Object};
+use azulejo_scene::{Attribute, MaterialId, Mesh, Object, Rgb};
 use glam::DVec3;
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
@@ -19,33 +19,66 @@ pub(super) fn mesh(
     pack: &mut Pack,
 ) -> Option<Value> {
     let mesh = lit_mesh_of(object);
-    if mesh.faces.is_empty() {
-        return None;
-    }
-    let corners = MergedCorners::of(&mesh);
-    let stored = StoredIrradiance {
-        set: u32::from(!mesh.colors.is_empty()),
-        scale,
-    };
-    let attributes = attributes(&mesh, &corners, stored, pack);
-    let primitives: Vec<Value> = by_material(&mesh, &corners)
-        .into_iter()
-        .map(|(material, indices)| {
-            json!({
-                "attributes": attributes,
-                "indices": pack.indices(&indices, corners.vertices.len()),
-                "material": match mesh.uvs {
-                    Some(_) => material as usize,
-                    None => materials.plain(material),
-                },
+    let written = WrittenMesh::new(&mesh, materials, pack)?;
+    Some(written.lit(&mesh.irradiance, scale, photometric, pack))
+}
+
+/// A mesh without irradiance, which belongs to a place.
+pub(super) struct WrittenMesh {
+    json: Value,
+    corners: MergedCorners,
+    /// The number of the set of colours that the irradiance takes.
+    set: u32,
+}
+
+impl WrittenMesh {
+    /// Packs a mesh; `None` if it has no faces.
+    pub fn new(mesh: &Mesh, materials: &mut Materials, pack: &mut Pack) -> Option<WrittenMesh> {
+        if mesh.faces.is_empty() {
+            return None;
+        }
+        let corners = MergedCorners::of(mesh);
+        let attributes = attributes(mesh, &corners, pack);
+        let primitives: Vec<Value> = by_material(mesh, &corners)
+            .into_iter()
+            .map(|(material, indices)| {
+                json!({
+                    "attributes": attributes,
+                    "indices": pack.indices(&indices, corners.vertices.len()),
+                    "material": match mesh.uvs {
+                        Some(_) => material as usize,
+                        None => materials.plain(material),
+                    },
+                })
             })
+            .collect();
+        Some(WrittenMesh {
+            json: json!({ "primitives": primitives }),
+            corners,
+            set: u32::from(!mesh.colors.is_empty()),
         })
-        .collect();
-    let mut json = json!({ "primitives": primitives });
-    if !mesh.irradiance.is_empty() {
-        json["extras"] = stored.extras(photometric);
     }
-    Some(json)
+
+    /// The mesh with the irradiance of its vertices, if there is any.
+    pub fn lit(&self, irradiance: &[Rgb], scale: f64, photometric: bool, pack: &mut Pack) -> Value {
+        let mut json = self.json.clone();
+        if irradiance.is_empty() {
+            return json;
+        }
+        let stored = StoredIrradiance {
+            set: self.set,
+            scale,
+        };
+        let share = move |c: Rgb| (c * (1.0 / scale)).to_array();
+        let light = self.corners.of_vertices(irradiance, 0, share);
+        let accessor = pack.attribute(light);
+        let primitives = json["primitives"].as_array_mut();
+        for primitive in primitives.into_iter().flatten() {
+            primitive["attributes"][format!("COLOR_{}", self.set)] = json!(accessor);
+        }
+        json["extras"] = stored.extras(photometric);
+        json
+    }
 }
 
 /// The vertices that glTF needs: one for each combination of a vertex with a normal and texture
@@ -93,12 +126,7 @@ impl MergedCorners {
     }
 }
 
-fn attributes(
-    mesh: &Mesh,
-    corners: &MergedCorners,
-    stored: StoredIrradiance,
-    pack: &mut Pack,
-) -> Map<String, Value> {
+fn attributes(mesh: &Mesh, corners: &MergedCorners, pack: &mut Pack) -> Map<String, Value> {
     let mut attributes = Map::new();
     let positions = corners.of_vertices(&mesh.positions, 0, |p| p.to_array());
     attributes.insert("POSITION".into(), json!(pack.positions(positions)));
@@ -115,14 +143,6 @@ fn attributes(
     if !mesh.colors.is_empty() {
         let colors = corners.of_vertices(&mesh.colors, 0, |c| c.to_array().map(|c| c.min(1.0)));
         attributes.insert("COLOR_0".into(), json!(pack.attribute(colors)));
-    }
-    if !mesh.irradiance.is_empty() {
-        let share = move |c: azulejo_scene::Rgb| (c * (1.0 / stored.scale)).to_array();
-        let light = corners.of_vertices(&mesh.irradiance, 0, share);
-        attributes.insert(
-            format!("COLOR_{}", stored.set),
-            json!(pack.attribute(light)),
-        );
     }
     attributes
 }

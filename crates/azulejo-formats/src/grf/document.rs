@@ -129,11 +129,13 @@ pub(super) enum BlockKind {
     Exact(Box<ExactBlock>),
     Figure(FigureBlock),
     Define(Box<SolidDefinition>),
-    /// `include "name"` and the content of that file.
+    /// `include "name"` and the content of that file, which other includes of it share.
     Include {
         name: String,
-        blocks: Vec<GrfBlock>,
+        blocks: Arc<Vec<GrfBlock>>,
     },
+    /// `ext mesh_instance`.
+    MeshInstance(Box<MeshInstanceBlock>),
     Transform {
         /// In the order written; the first is applied first.
         steps: Vec<TransformStep>,
@@ -333,6 +335,22 @@ pub(super) struct ObjectNotes {
     pub light: Option<SurfaceLight>,
     /// Normals per corner, for skins and meshes in solids.
     pub normals: Option<Box<Attribute<DVec3>>>,
+    /// The name by which `ext mesh_instance` refers to a mesh, and its own place.
+    pub shared_mesh: Option<(GrfName, DAffine3)>,
+}
+
+/// `ext mesh_instance`: a mesh that stands elsewhere, too.
+#[derive(Clone, Debug, Default)]
+pub(super) struct MeshInstanceBlock {
+    /// The name in the `ext shared_mesh` of that mesh.
+    pub of: GrfName,
+    pub map: DAffine3,
+    /// Irradiance of each vertex, or empty.
+    pub irradiance: Vec<Rgb>,
+    pub irradiance_error: Vec<Rgb>,
+    /// The vertices with irradiance on their back, with it and its errors.
+    pub back: Option<(Vec<u32>, Vec<Rgb>, Vec<Rgb>)>,
+    pub notes: ObjectNotes,
 }
 
 /// `ext material`: attributes of a material beyond its brdf. What is `None` follows from the brdf.
@@ -387,6 +405,7 @@ impl BlockKind {
             BlockKind::AreaLight(light) => Some(&mut light.notes),
             BlockKind::Primitive(primitive) => Some(&mut primitive.notes),
             BlockKind::Exact(exact) => Some(&mut exact.notes),
+            BlockKind::MeshInstance(instance) => Some(&mut instance.notes),
             _ => None,
         }
     }

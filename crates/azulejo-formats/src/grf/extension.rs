@@ -118,6 +118,7 @@ impl<'a> GrfParser<'a, '_, '_> {
                 }
             }
             "primitive" => BlockKind::Primitive(Box::new(self.primitive(entries)?)),
+            "mesh_instance" => BlockKind::MeshInstance(Box::new(self.mesh_instance(entries)?)),
             "object" => {
                 return Ok(Extension::Names(Box::new(ObjectNotes {
                     name: self.take_text(entries, "name")?.unwrap_or_default(),
@@ -485,7 +486,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         ))
     }
 
-    fn map(
+    pub fn map(
         &mut self,
         entries: &mut ExtensionEntries<'a>,
         kind: PrimitiveKind,
@@ -507,7 +508,7 @@ impl<'a> GrfParser<'a, '_, '_> {
         )
     }
 
-    /// Reads `smoothing`, `shared`, `irad_error`, `irad_back` or `surface_light`, which apply to the preceding object.
+    /// Reads `smoothing`, `shared`, `shared_mesh`, `irad_error`, `irad_back` or `surface_light`, which apply to the preceding object.
     fn note_object(
         &mut self,
         name: &str,
@@ -522,6 +523,9 @@ impl<'a> GrfParser<'a, '_, '_> {
             ("shared", Some(BlockKind::Mesh(mesh))) => {
                 let vertices = mesh.vertices.positions.len();
                 mesh.notes.shared = self.shared(entries, vertices)?;
+            }
+            ("shared_mesh", Some(BlockKind::Mesh(mesh))) => {
+                mesh.notes.shared_mesh = Some(self.shared_mesh(entries)?);
             }
             ("irad_error", Some(BlockKind::Mesh(mesh))) => {
                 let vertices = mesh.vertices.positions.len();
@@ -701,7 +705,9 @@ impl<'a> GrfParser<'a, '_, '_> {
 }
 
 /// The names of known extensions.
-const KNOWN: [&str; 17] = [
+const KNOWN: [&str; 19] = [
+    "mesh_instance",
+    "shared_mesh",
     "units",
     "camera",
     "background",

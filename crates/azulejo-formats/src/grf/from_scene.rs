@@ -3,8 +3,8 @@
 use super::brdf::GrfReflection;
 use super::document::{
     AppearanceChange, AreaLight, BlockKind, DefinitionBody, GrfBlock, GrfDefinition, GrfDocument,
-    GrfName, MaterialNote, MeshBlock, NameKind, ObjectNotes, OpacityNote, PrimitiveBlock,
-    SourcePosition, VertexColumn, VertexList,
+    GrfName, MaterialNote, MeshBlock, MeshInstanceBlock, NameKind, ObjectNotes, OpacityNote,
+    PrimitiveBlock, SourcePosition, VertexColumn, VertexList,
 };
 use super::has_area;
 use super::materials::surface;
@@ -12,8 +12,9 @@ use super::solids::{Figures, exact_block};
 use super::surroundings::{self, EnvironmentBlock};
 use azulejo_scene::brdf::{Description, Model};
 use azulejo_scene::{
-    Attribute, BackIrradiance, Brdf, Faces, LightKind, Material, MaterialId, Mesh, Object,
-    Primitive, PrimitiveKind, Rgb, Scene, SceneBackground, Shape, TextureId, Units, WrapMode,
+    Attribute, BackIrradiance, Brdf, Faces, LightKind, Material, MaterialId, Mesh, MeshInstance,
+    Object, Primitive, PrimitiveKind, Rgb, Scene, SceneBackground, Shape, TextureId, Units,
+    WrapMode,
 };
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
@@ -106,6 +107,8 @@ pub(super) struct GrfNames {
     pub materials: Vec<GrfName>,
     pub textures: Vec<GrfName>,
     figures: Figures,
+    /// For each shared mesh the index of its first object, and its number.
+    shared_meshes: HashMap<*const Mesh, (usize, usize)>,
 }
 
 impl GrfNames {
@@ -116,6 +119,7 @@ impl GrfNames {
             materials: identifiers(materials, "m"),
             textures: identifiers(textures, "t"),
             figures: Figures::of(scene),
+            shared_meshes: shared_meshes(scene),
         }
     }
 
@@ -126,12 +130,40 @@ impl GrfNames {
         };
         match &object.shape {
             Shape::Mesh(mesh) => BlockKind::Mesh(Box::new(self.mesh(scene, mesh, notes))),
+            Shape::Instance(instance) => self.instance(scene, object, instance, notes),
             Shape::Primitive(p) => self.primitive(scene, p, notes),
             Shape::Exact(exact) => {
                 let block = exact_block(exact, &self.figures, &self.materials, notes);
                 BlockKind::Exact(Box::new(block))
             }
         }
+    }
+
+    /// The mesh itself with its name for the first of its instances, and its name alone for the others.
+    fn instance(
+        &self,
+        scene: &Scene,
+        object: &Object,
+        instance: &MeshInstance,
+        notes: ObjectNotes,
+    ) -> BlockKind {
+        let number = self.shared_meshes[&Arc::as_ptr(&instance.mesh)];
+        let (index, name) = (number.0, GrfName::from(format!("s{}", number.1)));
+        if !std::ptr::eq(object, &raw const scene.objects[index]) {
+            return BlockKind::MeshInstance(Box::new(MeshInstanceBlock {
+                notes,
+                ..MeshInstanceBlock::of_instance(name, instance)
+            }));
+        }
+        let mut mesh = Mesh::clone(&instance.mesh);
+        if let Some(light) = instance.light.as_deref() {
+            mesh.irradiance.clone_from(&light.irradiance);
+            mesh.irradiance_error.clone_from(&light.error);
+            mesh.back.clone_from(&light.back);
+        }
+        let mut block = self.mesh(scene, &mesh, notes);
+        block.notes.shared_mesh = Some((name, instance.world_from_mesh));
+        BlockKind::Mesh(Box::new(block))
     }
 
     fn material(&self, id: MaterialId) -> AppearanceChange {
@@ -193,6 +225,19 @@ impl GrfNames {
             notes,
         }))
     }
+}
+
+/// For each shared mesh the index of its first object, and its number.
+fn shared_meshes(scene: &Scene) -> HashMap<*const Mesh, (usize, usize)> {
+    let mut known = HashMap::new();
+    for (index, object) in scene.objects.iter().enumerate() {
+        if let Shape::Instance(instance) = &object.shape {
+            let number = known.len();
+            let entry = known.entry(Arc::as_ptr(&instance.mesh));
+            entry.or_insert((index, number));
+        }
+    }
+    known
 }
 
 /// Distinct identifiers: names that are valid and not taken yet, or a letter and a number.

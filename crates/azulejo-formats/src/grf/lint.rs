@@ -136,11 +136,14 @@ fn collect<'d>(blocks: &'d [GrfBlock], out: &mut Vec<Option<&'d MeshBlock>>) {
     for block in blocks {
         match &block.kind {
             BlockKind::Mesh(mesh) => out.push(Some(mesh)),
-            BlockKind::AreaLight(_) | BlockKind::Primitive(_) | BlockKind::Exact(_) => {
+            BlockKind::AreaLight(_)
+            | BlockKind::Primitive(_)
+            | BlockKind::Exact(_)
+            | BlockKind::MeshInstance(_) => {
                 out.push(None);
             }
-            BlockKind::Include { blocks, .. }
-            | BlockKind::Transform { blocks, .. }
+            BlockKind::Include { blocks, .. } => collect(blocks, out),
+            BlockKind::Transform { blocks, .. }
             | BlockKind::Definitions {
                 blocks: Some(blocks),
                 ..
@@ -198,8 +201,8 @@ impl Linter<'_> {
                     message: format!("azulejo does not know `ext {name}`, and keeps it"),
                     count: 1,
                 }),
-                BlockKind::Include { blocks, .. }
-                | BlockKind::Transform { blocks, .. }
+                BlockKind::Include { blocks, .. } => self.unknown_extensions(blocks),
+                BlockKind::Transform { blocks, .. }
                 | BlockKind::Definitions {
                     blocks: Some(blocks),
                     ..

@@ -117,6 +117,8 @@ impl GrfText {
         if encoded_like(&self.bytes, &decoded_text(&self.bytes)).as_deref() != Some(&self.bytes) {
             return Err(NotLiteral::Encoding);
         }
+        // Each use of an included part has light of its own.
+        let scene = &*scene.unfolded();
         let mut blocks = Vec::new();
         collect(&self.document.blocks, None, &mut blocks);
         let objects = &scene.objects;
@@ -245,8 +247,8 @@ fn collect<'d>(blocks: &'d [GrfBlock], outer: OuterTransform, out: &mut Vec<Obje
                 let map = outer.unwrap_or(DAffine3::IDENTITY) * affine(steps);
                 collect(blocks, Some(map), out);
             }
-            BlockKind::Include { blocks, .. }
-            | BlockKind::Definitions {
+            BlockKind::Include { blocks, .. } => collect(blocks, outer, out),
+            BlockKind::Definitions {
                 blocks: Some(blocks),
                 ..
             } => collect(blocks, outer, out),
@@ -338,6 +340,8 @@ impl LightSource<'_> {
                 lit.backs += usize::from(back.as_ref().is_some_and(|b| !b.is_empty()));
                 self.set_note("irad_back", back, edits);
             }
+            // There are none in an unfolded scene.
+            Shape::Instance(_) => {}
             Shape::Primitive(primitive) => {
                 let material = &self.scene.materials[primitive.material as usize];
                 let is_black = material.diffuse.is_black() && material.brdf.is_none();
@@ -453,6 +457,7 @@ fn darken(object: &mut Object) {
             mesh.irradiance_error.clear();
             mesh.back = None;
         }
+        Shape::Instance(instance) => instance.light = None,
         Shape::Primitive(primitive) => primitive.light = None,
         Shape::Exact(exact) => exact.proxy = None,
     }

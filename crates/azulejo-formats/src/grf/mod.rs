@@ -21,6 +21,7 @@ mod entries;
 mod extension;
 mod format;
 mod from_scene;
+mod instances;
 mod layout;
 mod lint;
 mod literal;

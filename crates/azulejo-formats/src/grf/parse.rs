@@ -1,8 +1,8 @@
 //! Blocks: the outer grammar.
 
 use super::document::{
-    AreaLight, BlockKind, DefinitionBody, GrfBlock, GrfDefinition, GrfDocument, GrfSource,
-    MeshBlock, NameKind, ObjectNotes, SourcePosition, TransformStep,
+    AreaLight, BlockKind, BoxedError, DefinitionBody, GrfBlock, GrfDefinition, GrfDocument,
+    GrfSource, MeshBlock, NameKind, ObjectNotes, SourcePosition, TransformStep,
 };
 use super::extension::Extension;
 use super::layout::{GrfLayout, IncludeLayout, ObjectLayout};
@@ -10,6 +10,7 @@ use super::parser::{GrfParser, ParseResult, SharedParserState};
 use crate::reading::lexer::Lexer;
 use crate::reading::text::decoded_text;
 use crate::{Files, ReadError, Warning};
+use std::sync::Arc;
 
 /// Maximum depth of nested includes.
 const DEEPEST_INCLUDE: usize = 64;
@@ -459,10 +460,21 @@ impl<'a> GrfParser<'a, '_, '_> {
         if self.is_alone() {
             return Ok(BlockKind::Include {
                 name: name.to_owned(),
-                blocks: Vec::new(),
+                blocks: Arc::default(),
             });
         }
         self.check_include(at, &path)?;
+        self.shared.includes += 1;
+        if self.shared.includes > MOST_INCLUDES {
+            return Err(self.too_many_includes(at));
+        }
+        if let Some((blocks, levels)) = self.known_include(&path) {
+            self.check_levels(offset, levels)?;
+            return Ok(BlockKind::Include {
+                name: name.to_owned(),
+                blocks,
+            });
+        }
         let bytes = self.shared.files.read(&path).map_err(|problem| {
             self.fail(
                 at,
@@ -470,21 +482,17 @@ impl<'a> GrfParser<'a, '_, '_> {
                 "a file that can be read",
             )
         })?;
-        self.shared.includes += 1;
         self.shared.included_bytes = self.shared.included_bytes.saturating_add(bytes.len());
-        if self.shared.includes > MOST_INCLUDES || self.shared.included_bytes > MOST_INCLUDED_BYTES
-        {
-            return Err(self.fail(
-                at,
-                "one more include",
-                format!("at most {MOST_INCLUDES} includes with {MOST_INCLUDED_BYTES} bytes in all"),
-            ));
+        if self.shared.included_bytes > MOST_INCLUDED_BYTES {
+            return Err(self.too_many_includes(at));
         }
+        let (depth, deepest) = (self.shared.depth, self.shared.deepest);
+        self.shared.deepest = depth;
         self.enter(offset)?;
         let line = self.place(at).line;
         let file = self.shared.sources.push(GrfSource {
             shown: path.clone(),
-            path,
+            path: path.clone(),
             parent: Some((self.file, line)),
         });
         let text = decoded_text(&bytes);
@@ -496,14 +504,26 @@ impl<'a> GrfParser<'a, '_, '_> {
                 target: file,
             });
         }
+        self.open_scope();
         let mut inner = GrfParser::new(&text, file, self.shared);
-        let blocks = inner.file()?;
+        let blocks = Arc::new(inner.file()?);
         inner.keep_open_lines();
         self.leave();
+        let levels = self.shared.deepest - depth;
+        self.shared.deepest = self.shared.deepest.max(deepest);
+        self.close_include(at, path, &blocks, levels);
         Ok(BlockKind::Include {
             name: name.to_owned(),
             blocks,
         })
+    }
+
+    fn too_many_includes(&mut self, at: usize) -> BoxedError {
+        self.fail(
+            at,
+            "one more include",
+            format!("at most {MOST_INCLUDES} includes with {MOST_INCLUDED_BYTES} bytes in all"),
+        )
     }
 
     /// Rejects cyclic and deeply nested includes.

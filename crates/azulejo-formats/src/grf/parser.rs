@@ -1,7 +1,7 @@
 //! Parser state and helpers common to all parts of the grammar: position, errors, known names.
 
 use super::brdf::GrfReflection;
-use super::document::{BoxedError, GrfName, GrfSources, NameKind, SourcePosition};
+use super::document::{BoxedError, GrfBlock, GrfName, GrfSources, NameKind, SourcePosition};
 use super::layout::{GrfLayout, NameLayout};
 use crate::reading::cursor::{Locator, line_around};
 use crate::reading::lexer::{BadNumber, Lexer};
@@ -42,12 +42,25 @@ pub(super) struct SharedParserState<'f> {
     pub models: usize,
     /// Where everything stands, if that is asked for.
     pub layout: Option<Box<GrfLayout>>,
+    /// The greatest depth so far.
+    pub deepest: usize,
+    /// The files included so far, by path.
+    known_includes: HashMap<String, KnownInclude>,
     names: HashSet<GrfName>,
     scopes: Vec<ParseScope>,
 }
 
+/// An included file that has been read.
+pub(super) struct KnownInclude {
+    pub blocks: Arc<Vec<GrfBlock>>,
+    /// Levels of blocks inside of it.
+    pub levels: usize,
+    /// What it defines, and the names that it leaves open.
+    names: ParseScope,
+}
+
 /// The names of one list of blocks.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct ParseScope {
     defined: HashSet<(NameKind, GrfName)>,
     /// Names used, but not defined yet: a definition may still follow in this list or an enclosing
@@ -56,6 +69,7 @@ struct ParseScope {
 }
 
 /// The first use of a name without a definition.
+#[derive(Clone)]
 struct PendingName {
     place: SourcePosition,
     offset: usize,
@@ -82,6 +96,8 @@ impl<'f> SharedParserState<'f> {
             reflections: HashMap::new(),
             models: 0,
             layout: None,
+            deepest: 0,
+            known_includes: HashMap::new(),
             names: HashSet::new(),
             scopes: vec![ParseScope::default()],
         }
@@ -286,7 +302,14 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
     /// Enters a nested block or include.
     pub fn enter(&mut self, offset: usize) -> ParseResult<()> {
         self.shared.depth += 1;
-        if self.shared.depth <= DEEPEST {
+        self.check_levels(offset, 0)
+    }
+
+    /// Rejects so many more nested blocks.
+    pub fn check_levels(&mut self, offset: usize, more: usize) -> ParseResult<()> {
+        let depth = self.shared.depth + more;
+        self.shared.deepest = self.shared.deepest.max(depth);
+        if depth <= DEEPEST {
             return Ok(());
         }
         Err(self.fail(
@@ -316,6 +339,55 @@ impl<'a, 's, 'f> GrfParser<'a, 's, 'f> {
         for (key, pending) in closed.pending {
             if !closed.defined.contains(&key) && !outer.defined.contains(&key) {
                 outer.pending.entry(key).or_insert(pending);
+            }
+        }
+    }
+
+    /// The blocks of a file that was included before, if its layout is not asked for; its names are
+    /// defined here, too.
+    pub fn known_include(&mut self, path: &str) -> Option<(Arc<Vec<GrfBlock>>, usize)> {
+        let known = self.shared.known_includes.get(path)?;
+        let found = (known.blocks.clone(), known.levels);
+        let names = known.names.clone();
+        self.take_names(names, None);
+        Some(found)
+    }
+
+    /// Ends the scope of an included file, whose names hold in the list that includes it, and keeps the
+    /// file for other includes. `levels` are those of blocks inside of it.
+    pub fn close_include(
+        &mut self,
+        offset: usize,
+        path: String,
+        blocks: &Arc<Vec<GrfBlock>>,
+        levels: usize,
+    ) {
+        let names = self.shared.scopes.pop().unwrap_or_default();
+        if self.shared.layout.is_none() {
+            let known = KnownInclude {
+                blocks: blocks.clone(),
+                levels,
+                names: names.clone(),
+            };
+            self.shared.known_includes.insert(path, known);
+        }
+        self.take_names(names, Some(offset));
+    }
+
+    /// Adds names to the current list; definitions that it has already are reported at `offset`.
+    fn take_names(&mut self, names: ParseScope, offset: Option<usize>) {
+        for (key, pending) in names.pending {
+            let scope = self.innermost();
+            if !names.defined.contains(&key) && !scope.defined.contains(&key) {
+                scope.pending.entry(key).or_insert(pending);
+            }
+        }
+        for (kind, name) in names.defined {
+            match offset {
+                Some(offset) => self.define(offset, kind, &name),
+                None => {
+                    self.innermost().defined.insert((kind, name));
+                }
             }
         }
     }

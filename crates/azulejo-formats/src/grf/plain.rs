@@ -61,7 +61,7 @@ pub fn plain_losses(scene: &Scene) -> Vec<String> {
     let materials =
         |lost: fn(&Material) -> bool| scene.materials.iter().filter(|m| lost(m)).count();
     let meshes = |lost: fn(&Mesh) -> bool| {
-        let is = |o: &&Object| matches!(&o.shape, Shape::Mesh(mesh) if lost(mesh));
+        let is = |o: &&Object| o.shape.mesh().is_some_and(lost);
         scene.objects.iter().filter(is).count()
     };
     let [primitives, solids] = exact_counts(scene);

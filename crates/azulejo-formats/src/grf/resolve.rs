@@ -2,9 +2,11 @@
 
 use super::appearance::{DerivedMaterialKey, FaceAppearance};
 use super::document::{
-    AreaLight, BlockKind, BoxedError, DefinitionBody, GrfBlock, GrfDocument, GrfName, MaterialNote,
-    MeshBlock, NameKind, OpacityNote, PrimitiveBlock, SourcePosition, VertexColumn,
+    AreaLight, BlockKind, BoxedError, DefinitionBody, GrfBlock, GrfDefinition, GrfDocument,
+    GrfName, MaterialNote, MeshBlock, NameKind, OpacityNote, PrimitiveBlock, SourcePosition,
+    VertexColumn,
 };
+use super::instances::SharedMeshes;
 use super::materials::{DefinedMaterial, REFLECTS_TOO_MUCH, surface};
 use super::placement::{
     OuterTransform, affine, degenerate_faces, face_normals, is_mirror, moved_camera, moved_light,
@@ -22,7 +24,7 @@ use azulejo_scene::{
     PrimitiveKind, Rgb, Scene, Shape, Texture, TextureId,
 };
 use glam::{DAffine3, DVec3};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// Radiance of a light without one.
@@ -59,11 +61,16 @@ impl GrfDocument {
             budget: BUDGET,
             instances: Budget::new(options),
             depth: 0,
+            is_repeated: false,
+            shared_meshes: SharedMeshes::default(),
+            made_textures: HashMap::new(),
+            made_materials: HashMap::new(),
         };
         resolver
             .list(&self.blocks, &[], None)
             .map_err(|fail| *fail)?;
-        let scene = resolver.scene;
+        let mut scene = resolver.scene;
+        scene.unfold_single_instances();
         if let Err(invalid) = scene.validate() {
             let name = self.sources.shown(0);
             return Err(ReadError::whole(name, invalid.to_string(), "a valid scene"));
@@ -92,6 +99,13 @@ pub(super) struct GrfResolver<'d> {
     pub instances: Budget,
     /// Current depth of nested solids and definitions.
     pub depth: usize,
+    /// Whether the current block is of a file that is included several times.
+    pub is_repeated: bool,
+    pub shared_meshes: SharedMeshes<'d>,
+    /// The textures and materials made of definitions: a file that is included several times makes
+    /// them once.
+    made_textures: HashMap<*const GrfDefinition, TextureId>,
+    made_materials: HashMap<*const GrfDefinition, MaterialId>,
 }
 
 /// A material of a `def brdf`.
@@ -131,7 +145,7 @@ impl<'d> GrfResolver<'d> {
     fn list(
         &mut self,
         blocks: &'d [GrfBlock],
-        definitions: &'d [super::document::GrfDefinition],
+        definitions: &'d [GrfDefinition],
         outer: OuterTransform,
     ) -> ResolveResult<()> {
         self.scopes.push(ResolveScope::default());
@@ -139,19 +153,59 @@ impl<'d> GrfResolver<'d> {
             .first()
             .map_or(SourcePosition::default(), |b| b.place);
         self.define(definitions, place);
-        self.gather_definitions(blocks);
-        self.gather_notes(blocks)?;
-        self.make_definitions(blocks)?;
+        let mut defining = Vec::new();
+        self.defining_blocks(blocks, &mut HashSet::new(), &mut defining)?;
+        self.gather_definitions(&defining);
+        self.gather_notes(&defining)?;
+        self.make_definitions(&defining)?;
         self.blocks(blocks, outer)?;
         self.scopes.pop();
         Ok(())
     }
 
+    /// The blocks that define names in a list, those of included files among them.
+    fn defining_blocks(
+        &mut self,
+        blocks: &'d [GrfBlock],
+        known: &mut HashSet<*const Vec<GrfBlock>>,
+        defining: &mut Vec<&'d GrfBlock>,
+    ) -> ResolveResult<()> {
+        for block in blocks {
+            match &block.kind {
+                BlockKind::Include { blocks, .. } => {
+                    if !known.insert(Arc::as_ptr(blocks)) {
+                        self.spend(4 * (blocks.len() as u64 + 1), block.place)?;
+                    }
+                    self.defining_blocks(blocks, known, defining)?;
+                }
+                BlockKind::Definitions { blocks: None, .. }
+                | BlockKind::Figure(_)
+                | BlockKind::Define(_)
+                | BlockKind::Texture { .. }
+                | BlockKind::Material(_) => defining.push(block),
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
     fn blocks(&mut self, blocks: &'d [GrfBlock], outer: OuterTransform) -> ResolveResult<()> {
         for block in blocks {
+            if self.is_repeated {
+                self.spend(1, block.place)?;
+            }
             self.block(block, outer)?;
         }
         Ok(())
+    }
+
+    /// Takes elements from the budget of what includes and instances multiply.
+    pub fn spend(&mut self, elements: u64, place: SourcePosition) -> ResolveResult<()> {
+        let spent = self.instances.spend(elements);
+        spent.map_err(|exhausted| {
+            let error = exhausted.error(self.document.sources.shown(place.file));
+            Box::new(error)
+        })
     }
 
     fn block(&mut self, block: &'d GrfBlock, outer: OuterTransform) -> ResolveResult<()> {
@@ -161,7 +215,13 @@ impl<'d> GrfResolver<'d> {
             BlockKind::AreaLight(light) => self.area_light(light, place, outer)?,
             BlockKind::Primitive(primitive) => self.primitive(primitive, place, outer)?,
             BlockKind::Exact(exact) => self.exact(exact, place, outer)?,
-            BlockKind::Include { blocks, .. } => self.blocks(blocks, outer)?,
+            BlockKind::MeshInstance(block) => self.mesh_instance(block, place, outer)?,
+            BlockKind::Include { blocks, .. } => {
+                let was_repeated = self.is_repeated;
+                self.is_repeated |= Arc::strong_count(blocks) > 1;
+                self.blocks(blocks, outer)?;
+                self.is_repeated = was_repeated;
+            }
             BlockKind::Transform { steps, blocks } => {
                 let map = outer.unwrap_or(DAffine3::IDENTITY) * affine(steps);
                 if !map.is_finite() {
@@ -209,11 +269,10 @@ impl<'d> GrfResolver<'d> {
         Ok(())
     }
 
-    /// Collects definitions without blocks of their own, including those of included files.
-    fn gather_definitions(&mut self, blocks: &'d [GrfBlock]) {
+    /// Collects definitions without blocks of their own.
+    fn gather_definitions(&mut self, blocks: &[&'d GrfBlock]) {
         for block in blocks {
             match &block.kind {
-                BlockKind::Include { blocks, .. } => self.gather_definitions(blocks),
                 BlockKind::Definitions {
                     definitions,
                     blocks: None,
@@ -230,7 +289,7 @@ impl<'d> GrfResolver<'d> {
         }
     }
 
-    fn define(&mut self, definitions: &'d [super::document::GrfDefinition], place: SourcePosition) {
+    fn define(&mut self, definitions: &'d [GrfDefinition], place: SourcePosition) {
         for definition in definitions {
             let name: &'d str = &definition.name;
             match &definition.body {
@@ -238,10 +297,19 @@ impl<'d> GrfResolver<'d> {
                     self.scope().colors.insert(name, *rgb);
                 }
                 DefinitionBody::Texture(path) => {
-                    let id = self.add_texture(path, place);
+                    let known = self.made_textures.get(&std::ptr::from_ref(definition));
+                    let id = match known {
+                        Some(&id) => id,
+                        None => self.add_texture(path, place),
+                    };
+                    self.made_textures.insert(definition, id);
                     self.scope().textures.insert(name, id);
                 }
                 DefinitionBody::Brdf(brdf) => {
+                    if let Some(&id) = self.made_materials.get(&std::ptr::from_ref(definition)) {
+                        self.scope().brdfs.insert(name, id);
+                        continue;
+                    }
                     let surface = surface(name, brdf);
                     let mut material = surface.material.clone();
                     if !material.limit_reflectance() {
@@ -253,6 +321,7 @@ impl<'d> GrfResolver<'d> {
                         sets_textures: false,
                     };
                     self.surfaces.insert(id, known);
+                    self.made_materials.insert(definition, id);
                     self.scope().brdfs.insert(name, id);
                 }
             }
@@ -260,10 +329,9 @@ impl<'d> GrfResolver<'d> {
     }
 
     /// Collects `ext material` and `ext texture`, which complete definitions.
-    fn gather_notes(&mut self, blocks: &'d [GrfBlock]) -> ResolveResult<()> {
+    fn gather_notes(&mut self, blocks: &[&'d GrfBlock]) -> ResolveResult<()> {
         for block in blocks {
             match &block.kind {
-                BlockKind::Include { blocks, .. } => self.gather_notes(blocks)?,
                 BlockKind::Texture { of, path, wrap } => {
                     let id = self.texture_named(of, block.place)?;
                     let texture = &mut self.scene.textures[id as usize];
@@ -483,16 +551,41 @@ impl<'d> GrfResolver<'d> {
         outer: OuterTransform,
     ) -> ResolveResult<()> {
         let materials = self.face_materials(block, place)?;
-        let mut mesh = self.built_mesh(block, materials, place, outer)?;
-        if !block.notes.shared.is_empty() && !share_vertices(&mut mesh, &block.notes.shared) {
-            let message = "vertices of `ext shared` that differ from their originals: kept apart";
-            self.warn(place, message, 1);
-        }
-        let shape = Shape::Mesh(mesh);
+        let shape = if let Some(named) = &block.notes.shared_mesh {
+            let mesh = self.whole_mesh(block, materials, place, None)?;
+            Shape::Instance(self.named_instance(named, mesh, place, outer)?)
+        } else {
+            match self.included_instance(block, &materials, place, outer)? {
+                Some(instance) => Shape::Instance(instance),
+                None => {
+                    if self.is_repeated {
+                        let size = block.vertices.positions.len() + block.faces.corners.len();
+                        self.spend(size as u64, place)?;
+                    }
+                    Shape::Mesh(self.whole_mesh(block, materials, place, outer)?)
+                }
+            }
+        };
         self.scene
             .objects
             .push(Object::new(&*block.notes.name, shape));
         Ok(())
+    }
+
+    /// As [`built_mesh`](GrfResolver::built_mesh), with the vertices that its file shares.
+    pub fn whole_mesh(
+        &mut self,
+        block: &'d MeshBlock,
+        face_materials: Vec<MaterialId>,
+        place: SourcePosition,
+        outer: OuterTransform,
+    ) -> ResolveResult<Mesh> {
+        let mut mesh = self.built_mesh(block, face_materials, place, outer)?;
+        if !block.notes.shared.is_empty() && !share_vertices(&mut mesh, &block.notes.shared) {
+            let message = "vertices of `ext shared` that differ from their originals: kept apart";
+            self.warn(place, message, 1);
+        }
+        Ok(mesh)
     }
 
     /// A mesh in world coordinates, with these face materials.

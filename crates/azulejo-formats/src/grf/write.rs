@@ -11,7 +11,7 @@ use azulejo_scene::{
     Sidedness, SurfaceLight, Units, Up, WrapMode,
 };
 
-use super::{solids, surroundings};
+use super::{instances, solids, surroundings};
 use glam::{DAffine3, DVec2, DVec3};
 use std::fmt;
 use std::io::{self, BufWriter, Write};
@@ -127,6 +127,7 @@ fn block(out: &mut GrfOutput<'_>, kind: &BlockKind) -> io::Result<()> {
         BlockKind::AreaLight(light) => area_light(out, light),
         BlockKind::Primitive(block) => primitive(out, block),
         BlockKind::Exact(block) => solids::exact(out, block),
+        BlockKind::MeshInstance(block) => instances::mesh_instance(out, block),
         BlockKind::Figure(block) => solids::figure(out, block),
         BlockKind::Define(block) => solids::define(out, block),
         BlockKind::Include { name, .. } => writeln!(out, "include {}", FileName(name)),
@@ -336,6 +337,9 @@ fn mesh_notes(out: &mut GrfOutput<'_>, notes: &ObjectNotes) -> io::Result<()> {
         out.write_all(b"ext shared begin vertices =")?;
         notes.shared.iter().try_for_each(|v| write!(out, " {v}"))?;
         out.write_all(b" end ext\n")?;
+    }
+    if let Some((name, map)) = &notes.shared_mesh {
+        instances::shared_mesh(out, name, map)?;
     }
     if !notes.irradiance_error.is_empty() {
         irradiance_error(out, &notes.irradiance_error)?;

@@ -285,7 +285,9 @@ fn emission_by_sides() {
         let (id, is_mesh) = match &object.shape {
             Shape::Mesh(mesh) => (mesh.face_materials[0], true),
             Shape::Primitive(p) => (p.material, false),
-            Shape::Exact(_) => unreachable!("MGF has primitives and meshes only"),
+            Shape::Exact(_) | Shape::Instance(_) => {
+                unreachable!("MGF has primitives and meshes only")
+            }
         };
         let material = &loaded.scene.materials[id as usize];
         assert_eq!(material.emission, Rgb::grey(100.0 / PI));

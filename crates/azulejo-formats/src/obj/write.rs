@@ -5,7 +5,7 @@ use crate::surface::model::gltf_mr;
 use crate::surface::phong::{Angle, Highlight};
 use crate::surface::tessellate::{self, mesh_of};
 use azulejo_scene::{
-    Attribute, Material, Mesh, Object, OpacityMode, Rgb, Scene, Shape, Texture, WrapMode,
+    Attribute, Material, Mesh, Object, OpacityMode, Rgb, Scene, Texture, WrapMode,
 };
 use std::collections::HashSet;
 use std::fmt;
@@ -49,12 +49,7 @@ pub fn write(
 
 /// What [`write()`] would omit from a scene or change, as text: "2 lights".
 pub fn losses(scene: &Scene) -> Vec<String> {
-    let meshes = || {
-        scene.objects.iter().filter_map(|o| match &o.shape {
-            Shape::Mesh(mesh) => Some(mesh),
-            Shape::Primitive(_) | Shape::Exact(_) => None,
-        })
-    };
+    let meshes = || scene.objects.iter().filter_map(|o| o.shape.mesh());
     let materials =
         |lost: fn(&Material) -> bool| scene.materials.iter().filter(|m| lost(m)).count();
     let [primitives, solids] = tessellate::exact_counts(scene);
@@ -331,6 +326,7 @@ mod tests {
     use super::*;
     use crate::surface::gloss::Gloss;
     use crate::{Memory, obj};
+    use azulejo_scene::Shape;
     use azulejo_scene::{
         Dielectric, Light, LightKind, Opacity, OpacityChannel, OpacityPicture, Primitive,
     };

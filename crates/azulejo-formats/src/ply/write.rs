@@ -2,7 +2,7 @@
 
 use super::assemble::DEFAULT_REFLECTANCE;
 use crate::surface::tessellate::{self, lit_mesh_of};
-use azulejo_scene::{Attribute, Material, Mesh, Rgb, Scene, Shape, Up};
+use azulejo_scene::{Attribute, Material, Mesh, Rgb, Scene, Up};
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -47,12 +47,7 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
 
 /// Descriptions of what [`write()`] would omit from a scene, or change: "2 cameras".
 pub fn losses(scene: &Scene) -> Vec<String> {
-    let meshes = || {
-        scene.objects.iter().filter_map(|o| match &o.shape {
-            Shape::Mesh(mesh) => Some(mesh),
-            Shape::Primitive(_) | Shape::Exact(_) => None,
-        })
-    };
+    let meshes = || scene.objects.iter().filter_map(|o| o.shape.mesh());
     let meshes_with = |lost: fn(&Mesh) -> bool| meshes().filter(|m| lost(m)).count();
     let materials =
         |lost: fn(&Material) -> bool| scene.materials.iter().filter(|m| lost(m)).count();

@@ -114,6 +114,7 @@ impl SffWriter<'_> {
                     None => self.mesh(mesh),
                 }
             }
+            Shape::Instance(instance) => self.mesh(&instance.to_mesh()),
             Shape::Primitive(p) => self.primitive(p),
             Shape::Exact(exact) => self.solids(&exact.solids),
         }

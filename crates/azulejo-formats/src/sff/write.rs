@@ -53,14 +53,13 @@ pub fn losses(scene: &Scene) -> Vec<String> {
             .filter(|o| !is_light_emitter(scene, &o.shape))
     };
     let objects = |lost: &dyn Fn(&Object) -> bool| shapes().filter(|o| lost(o)).count();
-    let meshes =
-        |lost: fn(&Mesh) -> bool| objects(&|o| matches!(&o.shape, Shape::Mesh(mesh) if lost(mesh)));
+    let meshes = |lost: fn(&Mesh) -> bool| objects(&|o| o.shape.mesh().is_some_and(lost));
     let is_mixed = |k: usize| {
         let rtrace = scene.rtrace.as_ref();
         rtrace.is_some_and(|r| r.corner_surfaces.contains_key(&(k as u32)))
     };
     let colored = |(k, o): &(usize, &Object)| {
-        matches!(&o.shape, Shape::Mesh(m) if !m.colors.is_empty()) && !is_mixed(*k)
+        o.shape.mesh().is_some_and(|m| !m.colors.is_empty()) && !is_mixed(*k)
     };
     let mut counts = vec![
         (objects(&is_lit), "objects whose irradiance is omitted"),
@@ -123,6 +122,7 @@ fn is_of_the_format(material: &Material) -> bool {
 fn is_lit(object: &Object) -> bool {
     match &object.shape {
         Shape::Mesh(mesh) => !mesh.irradiance.is_empty(),
+        Shape::Instance(instance) => instance.light.is_some(),
         Shape::Primitive(p) => p.light.is_some(),
         Shape::Exact(exact) => exact.proxy.is_some(),
     }

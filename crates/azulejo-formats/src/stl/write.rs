@@ -1,7 +1,7 @@
 //! Writes scenes as binary STL.
 
 use crate::surface::tessellate::{exact_counts, mesh_of};
-use azulejo_scene::{Mesh, Rgb, Scene, Shape, Units, Up};
+use azulejo_scene::{Mesh, Rgb, Scene, Units, Up};
 use glam::DVec3;
 use std::io::{self, BufWriter, Write};
 
@@ -55,7 +55,7 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
 /// Descriptions of what [`write()`] would omit from a scene, or change.
 pub fn losses(scene: &Scene) -> Vec<String> {
     let meshes = |lost: fn(&Mesh) -> bool| {
-        let is = |o: &&azulejo_scene::Object| matches!(&o.shape, Shape::Mesh(mesh) if lost(mesh));
+        let is = |o: &&azulejo_scene::Object| o.shape.mesh().is_some_and(lost);
         scene.objects.iter().filter(is).count()
     };
     let [primitives, solids] = exact_counts(scene);

@@ -424,6 +424,7 @@ fn moves(map: &DAffine3, bounds: Aabb) -> bool {
 fn uses(scene: &Scene, material: MaterialId) -> bool {
     scene.objects.iter().any(|o| match &o.shape {
         Shape::Mesh(mesh) => mesh.face_materials.contains(&material),
+        Shape::Instance(instance) => instance.mesh.face_materials.contains(&material),
         Shape::Primitive(p) => p.material == material,
         Shape::Exact(_) => false,
     })

@@ -11,6 +11,7 @@ const CHORD_ERROR: f64 = 1e-3;
 pub(crate) fn mesh_of(object: &Object) -> Cow<'_, Mesh> {
     match &object.shape {
         Shape::Mesh(mesh) => Cow::Borrowed(mesh),
+        Shape::Instance(instance) => Cow::Owned(instance.to_mesh()),
         Shape::Primitive(primitive) => Cow::Owned(primitive.tessellate(&grids(primitive))),
         Shape::Exact(exact) => {
             let sizes = exact.solids.iter().map(|s| s.bounds().diagonal());

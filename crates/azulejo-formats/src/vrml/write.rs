@@ -4,8 +4,7 @@ use super::markup::{MarkupField, MarkupNode, write_classic, write_xml};
 use crate::surface::phong::Highlight;
 use crate::surface::tessellate::{exact_counts, mesh_of};
 use azulejo_scene::{
-    Attribute, Material, MaterialId, Mesh, Object, OpacityMode, Rgb, Scene, Shape, Sidedness,
-    Units, Up,
+    Attribute, Material, MaterialId, Mesh, Object, OpacityMode, Rgb, Scene, Sidedness, Units, Up,
 };
 use glam::DVec3;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -39,7 +38,7 @@ pub fn losses(scene: &Scene) -> Vec<String> {
     let materials =
         |lost: fn(&Material) -> bool| scene.materials.iter().filter(|m| lost(m)).count();
     let meshes = |lost: fn(&Mesh) -> bool| {
-        let is = |o: &&Object| matches!(&o.shape, Shape::Mesh(mesh) if lost(mesh));
+        let is = |o: &&Object| o.shape.mesh().is_some_and(lost);
         scene.objects.iter().filter(is).count()
     };
     let names = DefNames::default();

@@ -139,7 +139,9 @@ impl Measures {
         for object in &scene.objects {
             match &object.shape {
                 Shape::Primitive(p) => add(p.area(), p.material),
-                Shape::Exact(_) => unreachable!("MGF has primitives and meshes only"),
+                Shape::Exact(_) | Shape::Instance(_) => {
+                    unreachable!("MGF has primitives and meshes only")
+                }
                 Shape::Mesh(mesh) => mesh
                     .face_materials
                     .iter()
@@ -155,7 +157,6 @@ impl Measures {
 fn is_sphere(shape: &Shape) -> bool {
     match shape {
         Shape::Primitive(p) => p.kind == PrimitiveKind::Sphere,
-        Shape::Exact(_) => false,
-        Shape::Mesh(_) => false,
+        Shape::Exact(_) | Shape::Mesh(_) | Shape::Instance(_) => false,
     }
 }

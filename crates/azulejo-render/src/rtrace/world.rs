@@ -1,6 +1,6 @@
 //! Intersections of rays with a scene, in terms of what RTRACE counts as objects.
 
-use azulejo_scene::math::Ray;
+use azulejo_scene::math::{Ray, normal_matrix};
 use azulejo_scene::rtrace::{Rtrace, RtraceMaterial, RtraceSurface};
 use azulejo_scene::{Exact, Leaf, MaterialId, Mesh, PrimitiveKind, Rgb, Scene, Shape, Solid};
 use azulejo_trace::{Hit, MeshTriangles, Tracer};
@@ -127,10 +127,8 @@ impl<'a> World<'a> {
             Shape::Exact(exact) => leaves_of(exact),
             _ => Vec::new(),
         });
-        let triangles = scene.objects.iter().map(|o| match &o.shape {
-            Shape::Mesh(mesh) => smooth_triangles(mesh),
-            _ => None,
-        });
+        let triangles = scene.objects.iter();
+        let triangles = triangles.map(|o| o.shape.mesh().and_then(smooth_triangles));
         let known = |shape: &Shape| is_known(shape, rtrace.materials.len());
         World {
             scene,
@@ -195,16 +193,25 @@ impl<'a> World<'a> {
         }
     }
 
+    /// The part, the class, the material and the normal of a mesh at a hit, in its coordinates.
+    fn on_triangle(&self, mesh: &Mesh, hit: &Hit) -> (u32, Class, MaterialId, Option<DVec3>) {
+        let material = mesh.face_materials[hit.face as usize];
+        let triangles = self.triangles[hit.object as usize].as_ref();
+        let corners = triangles.map(|t| t.corners_of(mesh, hit.face, hit.triangle));
+        let normal = corners.and_then(|corners| interpolated(mesh, corners, hit));
+        (hit.face, Class::Flat, material, normal)
+    }
+
     /// A hit with RTRACE's material.
     fn found(&self, hit: &Hit) -> Intersection<'a> {
         let scene: &'a Scene = self.scene;
         let (part, class, material, normal) = match &scene.objects[hit.object as usize].shape {
-            Shape::Mesh(mesh) => {
-                let material = mesh.face_materials[hit.face as usize];
-                let triangles = self.triangles[hit.object as usize].as_ref();
-                let corners = triangles.map(|t| t.corners_of(mesh, hit.face, hit.triangle));
-                let normal = corners.and_then(|corners| interpolated(mesh, corners, hit));
-                (hit.face, Class::Flat, material, normal)
+            Shape::Mesh(mesh) => self.on_triangle(mesh, hit),
+            Shape::Instance(instance) => {
+                let (face, class, material, normal) = self.on_triangle(&instance.mesh, hit);
+                let matrix = normal_matrix(instance.world_from_mesh.matrix3);
+                let placed = normal.and_then(|n| (matrix * n).try_normalize());
+                (face, class, material, placed)
             }
             Shape::Primitive(p) => (0, class_of(p.kind), p.material, None),
             Shape::Exact(_) => {
@@ -255,8 +262,10 @@ impl<'a> World<'a> {
 /// Whether RTRACE shows an object: not the bodies of lamps, whose materials come after its own.
 fn is_known(shape: &Shape, materials: usize) -> bool {
     let is_known = |m: MaterialId| (m as usize) < materials;
+    let of_faces = |mesh: &Mesh| mesh.face_materials.iter().all(|m| is_known(*m));
     match shape {
-        Shape::Mesh(mesh) => mesh.face_materials.iter().all(|m| is_known(*m)),
+        Shape::Mesh(mesh) => of_faces(mesh),
+        Shape::Instance(instance) => of_faces(&instance.mesh),
         Shape::Primitive(p) => is_known(p.material),
         Shape::Exact(exact) => exact.leaves().iter().all(|l| is_known(l.material())),
     }
@@ -265,6 +274,7 @@ fn is_known(shape: &Shape, materials: usize) -> bool {
 fn is_simple(shape: &Shape) -> bool {
     match shape {
         Shape::Mesh(mesh) => mesh.normals.is_some(),
+        Shape::Instance(instance) => instance.mesh.normals.is_some(),
         Shape::Primitive(p) => class_of(p.kind) == Class::Convex,
         Shape::Exact(_) => false,
     }

@@ -4,9 +4,9 @@ use super::{ContentBytes, ContentSink, content_of_fields, content_of_kinds};
 use crate::sky::{PerezSky, Sky, SkyDistribution};
 use crate::{
     Attribute, BackIrradiance, BicubicPatch, Camera, Contour, Csg, Curve, Environment,
-    EnvironmentSource, Exact, Faces, Figure, FillRule, Fog, Light, LightKind, Mesh, Object,
-    Operation, Primitive, PrimitiveKind, Prism, Projection, Scene, SceneBackground, Shape, Solid,
-    SurfaceGrid, SurfaceLight, Units, Up,
+    EnvironmentSource, Exact, Faces, Figure, FillRule, Fog, Light, LightKind, Mesh, MeshInstance,
+    Object, Operation, Primitive, PrimitiveKind, Prism, Projection, Scene, SceneBackground, Shape,
+    Solid, SurfaceGrid, SurfaceLight, Units, Up, VertexLight,
 };
 
 impl ContentBytes for Scene {
@@ -163,10 +163,21 @@ impl ContentBytes for Shape {
             Shape::Mesh(mesh) => kind(0, mesh, sink),
             Shape::Primitive(primitive) => kind(1, primitive, sink),
             Shape::Exact(exact) => kind(2, exact, sink),
+            Shape::Instance(instance) => kind(3, instance, sink),
         }
     }
 }
 
+content_of_fields!(MeshInstance {
+    mesh,
+    world_from_mesh,
+    light
+});
+content_of_fields!(VertexLight {
+    irradiance,
+    error,
+    back
+});
 content_of_fields!(Mesh {
     positions,
     normals,

@@ -2,7 +2,7 @@
 
 use crate::lambert::ArrayPolygon;
 use azulejo_scene::math::area_vector;
-use azulejo_scene::{Material, Mesh, Primitive, PrimitiveKind, Scene, Shape};
+use azulejo_scene::{Material, PlacedMesh, Primitive, PrimitiveKind, Scene, Shape};
 use glam::DVec3;
 
 /// Which piece of a scene's surface a polygon is. Ordered as [`flat_faces`] visits them.
@@ -35,15 +35,15 @@ pub(crate) fn flat_faces<'a>(
     mut visit: impl FnMut(FlatFace<'a>),
 ) {
     for (object, o) in (0..).zip(&scene.objects) {
-        match &o.shape {
-            Shape::Mesh(mesh) => {
-                for face in 0..mesh.faces.len() {
-                    let material = &scene.materials[mesh.face_materials[face] as usize];
-                    if wanted(material) {
-                        visit_face(mesh, (object, face), material, &mut visit);
-                    }
+        if let Some(placed) = o.shape.placed_mesh() {
+            for (face, &material) in placed.mesh.face_materials.iter().enumerate() {
+                let material = &scene.materials[material as usize];
+                if wanted(material) {
+                    visit_face(&placed, (object, face), material, &mut visit);
                 }
             }
+        }
+        match &o.shape {
             Shape::Primitive(p) if is_flat(p.kind) => {
                 let material = &scene.materials[p.material as usize];
                 if wanted(material) {
@@ -61,7 +61,7 @@ pub(crate) fn flat_faces<'a>(
                     }
                 }
             }
-            Shape::Primitive(_) | Shape::Exact(_) => {}
+            _ => {}
         }
     }
 }
@@ -72,7 +72,7 @@ pub(crate) fn is_flat(kind: PrimitiveKind) -> bool {
 }
 
 fn visit_face<'a>(
-    mesh: &Mesh,
+    mesh: &PlacedMesh,
     (object, face): (u32, usize),
     material: &'a Material,
     visit: &mut impl FnMut(FlatFace<'a>),
@@ -108,13 +108,14 @@ fn part_polygon(p: &Primitive, part: usize) -> ArrayPolygon {
 }
 
 /// A face as one polygon if it is flat and convex, else as its triangles.
-fn convex_pieces(mesh: &Mesh, face: usize) -> Vec<ArrayPolygon> {
-    let corners = mesh.face_positions(face);
+fn convex_pieces(placed: &PlacedMesh, face: usize) -> Vec<ArrayPolygon> {
+    let corners = placed.face_positions(face);
     if is_flat_and_convex(&corners) {
         return vec![corners.into_iter().collect()];
     }
     let triangle = |t: [u32; 3]| t.iter().map(|&k| corners[k as usize]).collect();
-    mesh.triangulate(face).into_iter().map(triangle).collect()
+    let triangles = placed.mesh.triangulate(face).into_iter();
+    triangles.map(triangle).collect()
 }
 
 /// Whether all corners lie in one plane, to 1e-6 of the polygon's size, and turn one way.

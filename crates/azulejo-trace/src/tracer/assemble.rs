@@ -4,38 +4,29 @@
 use super::opacity::ItemOpacities;
 use super::placed::{Placed, PlacedPrimitive, PlacedTracer};
 use super::twins::drop_twins;
-use super::{Instance, MeshPositions, Tracer, TriangleItem};
+use super::{MeshPositions, Tracer, TriangleItem};
 use crate::exact::{ExactPrimitive, Outlines, Preparation};
 use crate::frame::{LocalFrame, double, single};
 use crate::kernel::{
     Bvh, ExternalKernel, InstructionSet, Kernel, KernelTriangle, Reference, binary_tree,
 };
-use azulejo_scene::math::Aabb;
+use azulejo_scene::math::{Aabb, normal_matrix};
 use azulejo_scene::{Mesh, Scene, Shape, Solid};
 use glam::{DAffine3, DVec3};
+use std::collections::HashMap;
+use std::sync::Arc;
 
 /// Builds a tracer.
 ///
 /// Items are numbered consecutively: the meshes' triangles, then the primitives' parts, then the
-/// exact shapes' leaves, then the instances' items, each in the order of the scene.
-pub(crate) fn assemble(scene: &Scene, instances: Vec<Instance>, kernel: &Kernel) -> Tracer {
-    let placed: Vec<(u32, Instance, DAffine3)> = (0..)
-        .zip(instances)
-        .filter_map(|(index, i)| {
-            let inverse = i.world_from_instance.inverse();
-            let usable = i.world_from_instance.is_finite() && inverse.is_finite();
-            usable.then_some((index, i, inverse))
-        })
-        .collect();
+/// exact shapes' leaves, then the triangles of the instances, each in the order of the scene.
+pub(crate) fn assemble(scene: &Scene, kernel: &Kernel) -> Tracer {
     let mut outlines = Outlines::default();
-    let mut bounds = scene
+    let bounds = scene
         .objects
         .iter()
         .map(|o| finite_bounds(&o.shape, &mut outlines))
         .fold(Aabb::EMPTY, Aabb::union);
-    for (_, instance, _) in &placed {
-        bounds = bounds.union(instance_bounds(instance));
-    }
     let mut parts = Parts::new(LocalFrame::around(&bounds));
     for (object, o) in (0..).zip(&scene.objects) {
         if let Shape::Mesh(mesh) = &o.shape {
@@ -52,22 +43,45 @@ pub(crate) fn assemble(scene: &Scene, instances: Vec<Instance>, kernel: &Kernel)
             parts.add_exact(object, &exact.solids, &mut outlines);
         }
     }
-    for (index, instance, inverse) in placed {
-        parts.add_instance(index, instance, inverse);
+    parts.prototypes = parts.items;
+    parts.own_items = parts.items;
+    let mut shared: HashMap<*const Mesh, SharedTracer> = HashMap::new();
+    for (object, o) in (0..).zip(&scene.objects) {
+        if let Shape::Instance(instance) = &o.shape {
+            let shared = shared
+                .entry(Arc::as_ptr(&instance.mesh))
+                .or_insert_with(|| parts.share(&instance.mesh));
+            let shared = shared.clone();
+            parts.add_instance(object, &shared, instance.world_from_mesh);
+        }
     }
     let mut tracer = parts.finish(bounds, kernel);
     tracer.opacities = ItemOpacities::new(scene, &tracer);
     tracer
 }
 
+/// The tracer of a shared mesh alone, in its coordinates.
+fn mesh_tracer(mesh: &Mesh) -> Tracer {
+    let bounds = mesh_bounds(mesh);
+    let mut parts = Parts::new(LocalFrame::around(&bounds));
+    parts.add_mesh(0, mesh);
+    parts.prototypes = parts.items;
+    parts.own_items = parts.items;
+    parts.finish(bounds, &Kernel::Own)
+}
+
+/// The tracer of a shared mesh, and the first of the numbers under which its triangles are known.
+#[derive(Clone)]
+struct SharedTracer {
+    tracer: Arc<Tracer>,
+    first_prototype: u32,
+}
+
 /// The box around the finite vertices of a mesh's faces, or around another shape if it is finite.
 fn finite_bounds(shape: &Shape, outlines: &mut Outlines) -> Aabb {
     match shape {
-        Shape::Mesh(mesh) => {
-            let corners = mesh.faces.corners.iter();
-            let positions = corners.map(|&v| mesh.positions[v as usize]);
-            Aabb::around(positions.filter(|p| p.is_finite()))
-        }
+        Shape::Mesh(mesh) => mesh_bounds(mesh),
+        Shape::Instance(instance) => finite(instance.bounds()),
         Shape::Primitive(primitive) => finite(primitive.bounds()),
         Shape::Exact(exact) => {
             let boxes = exact.solids.iter();
@@ -75,6 +89,13 @@ fn finite_bounds(shape: &Shape, outlines: &mut Outlines) -> Aabb {
             boxes.fold(Aabb::EMPTY, Aabb::union)
         }
     }
+}
+
+/// The box around the finite vertices of a mesh's faces.
+fn mesh_bounds(mesh: &Mesh) -> Aabb {
+    let corners = mesh.faces.corners.iter();
+    let positions = corners.map(|&v| mesh.positions[v as usize]);
+    Aabb::around(positions.filter(|p| p.is_finite()))
 }
 
 fn finite(bounds: Aabb) -> Aabb {
@@ -85,9 +106,9 @@ fn finite(bounds: Aabb) -> Aabb {
     }
 }
 
-/// The box around the transformed corners of the instance's box.
-fn instance_bounds(instance: &Instance) -> Aabb {
-    let inner = instance.tracer.bounds();
+/// The box around the placed corners of a tracer's box.
+fn placed_bounds(tracer: &Tracer, world_from_mesh: &DAffine3) -> Aabb {
+    let inner = tracer.bounds();
     if inner.is_empty() {
         return Aabb::EMPTY;
     }
@@ -95,7 +116,7 @@ fn instance_bounds(instance: &Instance) -> Aabb {
         let pick = |bit: u32| f64::from((k >> bit) & 1);
         let weights = DVec3::new(pick(0), pick(1), pick(2));
         let corner = inner.min + weights * inner.size();
-        instance.world_from_instance.transform_point3(corner)
+        world_from_mesh.transform_point3(corner)
     }))
 }
 
@@ -109,6 +130,10 @@ struct Parts {
     /// Boxes of `others` in kernel coordinates.
     other_bounds: Vec<Aabb>,
     items: u32,
+    /// Items that are not instances'.
+    own_items: u32,
+    /// Numbers of prototypes so far.
+    prototypes: u32,
     /// The largest distance that an instance extends from its own centre, in world units.
     reach: f64,
 }
@@ -123,6 +148,8 @@ impl Parts {
             others: Vec::new(),
             other_bounds: Vec::new(),
             items: 0,
+            own_items: 0,
+            prototypes: 0,
             reach: 0.0,
         }
     }
@@ -211,27 +238,38 @@ impl Parts {
         }
     }
 
-    fn add_instance(&mut self, index: u32, instance: Instance, instance_from_world: DAffine3) {
-        let bounds = instance_bounds(&instance);
-        let Instance {
+    /// Prepares a shared mesh.
+    fn share(&mut self, mesh: &Mesh) -> SharedTracer {
+        let tracer = Arc::new(mesh_tracer(mesh));
+        let first_prototype = self.prototypes;
+        self.prototypes += tracer.item_count();
+        SharedTracer {
             tracer,
-            world_from_instance,
-        } = instance;
+            first_prototype,
+        }
+    }
+
+    fn add_instance(&mut self, object: u32, shared: &SharedTracer, world_from_mesh: DAffine3) {
+        let tracer = shared.tracer.clone();
+        let bounds = placed_bounds(&tracer, &world_from_mesh);
         let first_item = self.number_items(tracer.item_count() as usize);
+        let mesh_from_world = world_from_mesh.inverse();
         let world_from_local = self.frame.world_from_local();
-        let inner_from_instance = tracer.frame.local_from_world();
-        let m = world_from_instance.matrix3;
+        let inner_from_mesh = tracer.frame.local_from_world();
+        let m = world_from_mesh.matrix3;
         let stretch =
             (m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared())
                 .sqrt();
         self.reach = self.reach.max(tracer.reach * stretch);
         self.others.push(Placed::Instance(Box::new(PlacedTracer {
-            index,
+            object,
             first_item,
-            inner_from_local: inner_from_instance * (instance_from_world * world_from_local),
+            first_prototype: shared.first_prototype,
+            inner_from_local: inner_from_mesh * (mesh_from_world * world_from_local),
             tracer,
-            world_from_instance,
-            instance_from_world,
+            world_from_mesh,
+            mesh_from_world,
+            world_normals: normal_matrix(m),
         })));
         self.push_other_bounds(&bounds);
     }
@@ -283,6 +321,8 @@ impl Parts {
             triangles: self.triangles,
             others: self.others,
             items: self.items,
+            own_items: self.own_items,
+            prototypes: self.prototypes,
             opacities: None,
         }
     }

@@ -14,10 +14,9 @@ use crate::kernel::{
 use assemble::assemble;
 use azulejo_scene::Scene;
 use azulejo_scene::math::{Aabb, Ray};
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 use opacity::ItemOpacities;
 use placed::Placed;
-use std::sync::Arc;
 
 /// The offset of [`Tracer::leaving`], in units of the rounding of local coordinates.
 const LEAVING_ULPS: f64 = 16.0;
@@ -41,7 +40,7 @@ const NO_RAY: KernelRay = KernelRay {
 ///
 /// The kernel works in `f32`, relative to the scene's centre and size, so distant and huge models
 /// lose no precision; [`resolve`](Tracer::resolve) computes the point again in `f64`. All surfaces
-/// are hit from both sides. The tests of boxes and triangles are watertight: no ray slips through
+/// are hit from both sides. A mesh that many instances share is prepared once. The tests of boxes and triangles are watertight: no ray slips through
 /// between two triangles that share an edge.
 ///
 /// A ray passes a surface that is not opaque ([`Opacity`](azulejo_scene::Opacity)) by chance, with the
@@ -63,17 +62,11 @@ pub struct Tracer {
     /// Ordered by their first item.
     pub(crate) others: Vec<Placed>,
     pub(crate) items: u32,
+    /// Items before those of instances.
+    own_items: u32,
+    prototypes: u32,
     /// What lets light pass; `None` if nothing does.
     opacities: Option<ItemOpacities>,
-}
-
-/// An instance of a tracer in another tracer's world.
-#[derive(Clone, Debug)]
-pub struct Instance {
-    /// The instanced tracer.
-    pub tracer: Arc<Tracer>,
-    /// Its transform; if it is not invertible, the instance is left out.
-    pub world_from_instance: DAffine3,
 }
 
 #[derive(Clone, Debug)]
@@ -96,7 +89,7 @@ impl Tracer {
     /// # Panics
     /// For more than 2^26 packets of up to four triangles.
     pub fn new(scene: &Scene) -> Tracer {
-        Tracer::with_instances(scene, Vec::new())
+        assemble(scene, &Kernel::Own)
     }
 
     /// Prepares a scene for the given kernel. If that runs out of memory, our own is used;
@@ -105,16 +98,7 @@ impl Tracer {
     /// # Panics
     /// As [`new`](Tracer::new).
     pub fn with_kernel(scene: &Scene, kernel: &Kernel) -> Tracer {
-        assemble(scene, Vec::new(), kernel)
-    }
-
-    /// Prepares a scene with instances of other tracers, whose triangles are not copied.
-    ///
-    /// # Panics
-    /// If the scene and all its instances have more than 2^32 − 1 items together, or the scene
-    /// itself more than 2^26 packets of up to four triangles.
-    pub fn with_instances(scene: &Scene, instances: Vec<Instance>) -> Tracer {
-        assemble(scene, instances, &Kernel::Own)
+        assemble(scene, kernel)
     }
 
     /// The kernel that traces triangles.
@@ -205,7 +189,6 @@ impl Tracer {
                 face: t.face,
                 triangle: t.triangle,
                 is_primitive: false,
-                instance: None,
             };
         }
         match self.other_of(item) {
@@ -214,19 +197,70 @@ impl Tracer {
                 face: item - p.first_item,
                 triangle: 0,
                 is_primitive: true,
-                instance: None,
             },
             Placed::Exact(e) => Item {
                 object: e.object,
                 face: item - e.first_item + e.first_leaf,
                 triangle: 0,
                 is_primitive: false,
-                instance: None,
             },
             Placed::Instance(i) => Item {
-                instance: Some(i.index),
+                object: i.object,
                 ..i.tracer.item(item - i.first_item)
             },
+        }
+    }
+
+    /// Number of prototypes: prototypes are 0..this.
+    pub fn prototype_count(&self) -> u32 {
+        self.prototypes
+    }
+
+    /// The prototype of an item: the number under which to keep what all instances of a triangle share.
+    /// Items of no instance are their own.
+    ///
+    /// # Panics
+    /// If the tracer has no item with this number.
+    #[inline]
+    pub fn prototype(&self, item: u32) -> u32 {
+        if item < self.own_items {
+            return item;
+        }
+        match self.other_of(item) {
+            Placed::Instance(i) => item - i.first_item + i.first_prototype,
+            Placed::Primitive(_) | Placed::Exact(_) => item,
+        }
+    }
+
+    /// Whether an item belongs to an instance, so that it shares its prototype with others.
+    #[inline]
+    pub fn is_instanced(&self, item: u32) -> bool {
+        item >= self.own_items
+    }
+
+    /// The items of prototypes, each once, in the order of prototypes: those of the first instance
+    /// for shared meshes.
+    pub fn prototype_items(&self) -> Vec<u32> {
+        let mut items: Vec<u32> = (0..self.own_items).collect();
+        for other in &self.others {
+            if let Placed::Instance(i) = other
+                && i.first_prototype as usize == items.len()
+            {
+                items.extend(i.first_item..i.first_item + i.tracer.item_count());
+            }
+        }
+        items
+    }
+
+    /// A normal of an item's mesh in the world, of another length.
+    #[inline]
+    pub(crate) fn world_normal(&self, item: u32, normal: DVec3) -> DVec3 {
+        if item < self.own_items {
+            return normal;
+        }
+        match self.other_of(item) {
+            Placed::Instance(i) => i.world_normals * normal,
+            Placed::Primitive(_) | Placed::Exact(_) => normal,
         }
     }
 
@@ -258,7 +292,6 @@ impl Tracer {
             normal: point.normal,
             entering: point.normal.dot(ray.direction) < 0.0,
             item: hit.item,
-            instance: item.instance,
         }
     }
 
@@ -359,7 +392,9 @@ impl Tracer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use azulejo_scene::{Object, Primitive, PrimitiveKind, Rgb};
+    use azulejo_scene::{MeshInstance, Object, Primitive, PrimitiveKind, Rgb};
+    use glam::DAffine3;
+    use std::sync::Arc;
 
     fn scene(shapes: Vec<azulejo_scene::Shape>) -> Scene {
         let mut scene = Scene::default();
@@ -389,16 +424,11 @@ mod tests {
         let mesh = shape.tessellate(&shape.grids(1.0, f64::INFINITY));
         let as_mesh = Tracer::new(&scene(vec![azulejo_scene::Shape::Mesh(mesh)]));
         let as_primitive = Tracer::new(&scene(vec![azulejo_scene::Shape::Primitive(shape)]));
-        let unit = Tracer::new(&scene(vec![azulejo_scene::Shape::Primitive(box_at(
-            DVec3::ZERO,
-        ))]));
-        let as_instance = Tracer::with_instances(
-            &Scene::default(),
-            vec![Instance {
-                tracer: Arc::new(unit),
-                world_from_instance: DAffine3::from_translation(far),
-            }],
-        );
+        let unit = box_at(DVec3::ZERO);
+        let unit = unit.tessellate(&unit.grids(1.0, f64::INFINITY));
+        let placed = MeshInstance::new(Arc::new(unit), DAffine3::from_translation(far));
+        let shape = azulejo_scene::Shape::Instance(placed.unwrap());
+        let as_instance = Tracer::new(&scene(vec![shape]));
         let ray = Ray::new(far + DVec3::new(0.25, 0.5, 3.0), -DVec3::Z);
         for tracer in [&as_mesh, &as_primitive, &as_instance] {
             let hit = tracer.hit(&ray).unwrap();
@@ -413,6 +443,5 @@ mod tests {
             assert!(tracer.occluded(&Ray { t_min: 2.5, ..ray }));
         }
         assert_eq!(as_primitive.hit(&ray).unwrap().face, 5);
-        assert_eq!(as_instance.hit(&ray).unwrap().instance, Some(0));
     }
 }

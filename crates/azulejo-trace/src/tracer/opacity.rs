@@ -7,20 +7,18 @@
 //! stops meets the surface with its whole weight: α of the light is taken, 1 − α passes.
 
 use super::Tracer;
-use super::placed::Placed;
-use crate::exact::point_on_triangle;
 use crate::kernel::{KernelHit, KernelRay};
 use crate::sampling::{hash, uniform};
 use azulejo_scene::{Exact, Leaf, Mesh, Opacity, OpacityMap, OpacityPicture, Scene, Shape};
 use glam::DVec2;
 use std::collections::HashMap;
 
-/// The opacities of a tracer's own items. Takes 4 bytes per item, 80 more for each triangle that shows a
+/// The opacities of a tracer's items. Takes 4 bytes per prototype, 80 more for each triangle that shows a
 /// picture of its opacity, and 4 per pixel of these pictures.
 #[derive(Clone, Debug)]
 pub(crate) struct ItemOpacities {
-    /// For each item 0 if it is opaque, else one more than the index of its opacity in `list`.
-    of_items: Vec<u32>,
+    /// For each prototype 0 if it is opaque, else one more than the index of its opacity in `list`.
+    of_prototypes: Vec<u32>,
     list: Vec<ItemOpacity>,
     maps: Vec<OpacityMap>,
 }
@@ -69,7 +67,7 @@ impl ItemOpacities {
         let mut builder = OpacityBuilder {
             scene,
             opacities: ItemOpacities {
-                of_items: Vec::new(),
+                of_prototypes: Vec::new(),
                 list: Vec::new(),
                 maps: Vec::new(),
             },
@@ -82,48 +80,43 @@ impl ItemOpacities {
             _ => Vec::new(),
         });
         let leaves: Vec<Vec<Leaf>> = leaves.collect();
-        for number in 0..tracer.item_count() {
+        for number in tracer.prototype_items() {
             let item = tracer.item(number);
-            if item.instance.is_some() {
-                break;
-            }
-            let material = match &scene.objects[item.object as usize].shape {
+            let shape = &scene.objects[item.object as usize].shape;
+            let material = match shape {
                 Shape::Mesh(mesh) => mesh.face_materials[item.face as usize],
+                Shape::Instance(instance) => instance.mesh.face_materials[item.face as usize],
                 Shape::Primitive(primitive) => primitive.material,
                 Shape::Exact(_) => leaves[item.object as usize][item.face as usize].material(),
             };
-            let index = if see_through[material as usize] {
-                match &scene.objects[item.object as usize].shape {
-                    Shape::Mesh(mesh) => {
-                        builder.triangle(material, mesh, (item.object, item.face), item.triangle)
-                    }
-                    Shape::Primitive(_) | Shape::Exact(_) => builder.even(material),
+            let index = match shape.mesh() {
+                _ if !see_through[material as usize] => 0,
+                Some(mesh) => {
+                    builder.triangle(material, mesh, (item.object, item.face), item.triangle)
                 }
-            } else {
-                0
+                None => builder.even(material),
             };
-            builder.opacities.of_items.push(index);
+            builder.opacities.of_prototypes.push(index);
         }
         let opacities = builder.opacities;
-        opacities
-            .of_items
-            .iter()
-            .any(|&v| v > 0)
-            .then_some(opacities)
+        let is_any = opacities.of_prototypes.iter().any(|&v| v > 0);
+        is_any.then_some(opacities)
+    }
+
+    /// 0 for an opaque item, else one more than the index of its opacity.
+    fn index(&self, tracer: &Tracer, item: u32) -> u32 {
+        let prototype = tracer.prototype(item) as usize;
+        self.of_prototypes.get(prototype).copied().unwrap_or(0)
     }
 
     /// The opacity of what a ray hits, 0..=1.
     fn opacity(&self, tracer: &Tracer, ray: &KernelRay, hit: &KernelHit) -> f64 {
-        let index = self.of_items.get(hit.item as usize).copied().unwrap_or(0);
+        let index = self.index(tracer, hit.item);
         match index.checked_sub(1).map(|k| &self.list[k as usize]) {
             None => 1.0,
             Some(ItemOpacity::Even(opacity)) => *opacity,
             Some(ItemOpacity::Mapped { opacity, map, uvs }) => {
-                let vertices = tracer.triangles[hit.item as usize].vertices;
-                let positions = &tracer.mesh_of(hit.item).positions;
-                let corners = vertices.map(|v| positions[v as usize]);
-                let ray = tracer.world_ray(ray);
-                let point = point_on_triangle(corners, &ray, f64::from(hit.t));
+                let point = tracer.resolve(&tracer.world_ray(ray), hit);
                 let [a, b, c] = *uvs;
                 let uv = a + point.u * (b - a) + point.v * (c - a);
                 opacity.at(self.maps[*map as usize].sample(uv))
@@ -133,7 +126,7 @@ impl ItemOpacities {
 
     /// Whether a ray goes on behind its hit.
     fn passes(&self, tracer: &Tracer, ray: &KernelRay, hit: &KernelHit) -> bool {
-        if hit.item == KernelHit::MISS || self.of_items.get(hit.item as usize) == Some(&0) {
+        if hit.item == KernelHit::MISS || self.index(tracer, hit.item) == 0 {
             return false;
         }
         let opacity = self.opacity(tracer, ray, hit);
@@ -235,16 +228,11 @@ impl OpacityBuilder<'_> {
 impl Tracer {
     /// Whether light passes straight through any surface.
     pub fn has_see_through(&self) -> bool {
-        let inside = |other: &Placed| match other {
-            Placed::Instance(placed) => placed.tracer.has_see_through(),
-            Placed::Primitive(_) | Placed::Exact(_) => false,
-        };
-        self.opacities.is_some() || self.others.iter().any(inside)
+        self.opacities.is_some()
     }
 
     /// The share of the light that passes along each ray: the product of 1 − opacity over the surfaces in
-    /// between, 0 behind an opaque one; of surfaces in instances 0 or 1, by chance. `shares` is cleared
-    /// and gets one entry per ray, in 0..=1.
+    /// between, 0 behind an opaque one. `shares` is cleared and gets one entry per ray, in 0..=1.
     ///
     /// Runs on the calling thread; callers split their rays.
     pub fn transmittance(&self, rays: &[KernelRay], shares: &mut Vec<f32>) {

@@ -5,8 +5,8 @@ use crate::exact::{ExactPrimitive, Line3, PlacedExact};
 use crate::frame::{LocalFrame, double, single};
 use crate::hit::ResolvedPoint;
 use crate::kernel::{KernelHit, KernelRay, OtherShapes};
-use azulejo_scene::math::{Ray, normal_matrix};
-use glam::DAffine3;
+use azulejo_scene::math::Ray;
+use glam::{DAffine3, DMat3};
 use std::sync::Arc;
 
 /// A shape other than a triangle, in leaves of its own.
@@ -25,15 +25,18 @@ pub(crate) struct PlacedPrimitive {
     pub shape: ExactPrimitive,
 }
 
-/// An instance of a tracer in another tracer's world.
+/// The tracer of a shared mesh at one of its places.
 #[derive(Clone, Debug)]
 pub(crate) struct PlacedTracer {
-    /// Index of the instance.
-    pub index: u32,
+    pub object: u32,
     pub first_item: u32,
+    /// The first of the numbers under which what all places share is known.
+    pub first_prototype: u32,
     pub tracer: Arc<Tracer>,
-    pub world_from_instance: DAffine3,
-    pub instance_from_world: DAffine3,
+    pub world_from_mesh: DAffine3,
+    pub mesh_from_world: DAffine3,
+    /// From the mesh's normals to the world's, which it leaves with another length.
+    pub world_normals: DMat3,
     /// From the outer tracer's kernel coordinates to the inner one's.
     pub inner_from_local: DAffine3,
 }
@@ -138,21 +141,20 @@ impl PlacedTracer {
 
     fn resolve(&self, ray: &Ray, hit: &KernelHit) -> ResolvedPoint {
         let inner_ray = Ray {
-            origin: self.instance_from_world.transform_point3(ray.origin),
-            direction: self.instance_from_world.transform_vector3(ray.direction),
+            origin: self.mesh_from_world.transform_point3(ray.origin),
+            direction: self.mesh_from_world.transform_vector3(ray.direction),
             ..*ray
         };
         let mut inner_hit = *hit;
         inner_hit.item -= self.first_item;
         let inner = self.tracer.resolve(&inner_ray, &inner_hit);
-        let normal = normal_matrix(self.world_from_instance.matrix3) * inner.normal;
         ResolvedPoint {
             t: inner.t,
             u: inner.u,
             v: inner.v,
             part: inner.triangle,
-            position: self.world_from_instance.transform_point3(inner.position),
-            normal: normal.normalize_or_zero(),
+            position: self.world_from_mesh.transform_point3(inner.position),
+            normal: (self.world_normals * inner.normal).normalize_or_zero(),
         }
     }
 }

@@ -5,7 +5,7 @@ use azulejo_scene::math::Ray;
 use azulejo_scene::{
     Contour, Curve, Exact, Figure, FillRule, Primitive, PrimitiveKind, Prism, Shape, Solid,
 };
-use azulejo_trace::{Hit, Instance, Tracer};
+use azulejo_trace::Tracer;
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use std::sync::Arc;
 
@@ -441,34 +441,6 @@ fn leaves_name_their_objects() {
     let hit = hit.expect("the stem");
     assert_eq!((hit.object, hit.face, hit.item), (1, 0, 5));
     assert!(!tracer.item(hit.item).is_primitive);
-}
-
-#[test]
-fn instances_hold_exact_shapes() {
-    let inner = Arc::new(tracer(vec![prism(letter_d(), DAffine3::IDENTITY)]));
-    let map = maps()[2];
-    let placed = Tracer::with_instances(
-        &scene([]),
-        vec![Instance {
-            tracer: inner,
-            world_from_instance: map,
-        }],
-    );
-    let direct = tracer(vec![prism(letter_d(), map)]);
-    let mut hits = 0;
-    for ray in rays(&direct, 10_000) {
-        let same = |a: &Hit, b: &Hit| {
-            (a.t - b.t).abs() < 1e-5
-                && (a.normal - b.normal).length() < 1e-4
-                && a.triangle == b.triangle
-        };
-        match (placed.hit(&ray), direct.hit(&ray)) {
-            (Some(a), Some(b)) if same(&a, &b) => hits += 1,
-            (None, None) => {}
-            (a, b) => panic!("{ray:?} {a:?} {b:?}"),
-        }
-    }
-    assert!(hits > 1000);
 }
 
 #[test]

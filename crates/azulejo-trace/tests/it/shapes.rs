@@ -2,10 +2,9 @@
 
 use crate::{Random, scene, triangle_mesh};
 use azulejo_scene::math::Ray;
-use azulejo_scene::{Primitive, PrimitiveKind, Scene, Shape, synthetic};
-use azulejo_trace::{Hit, Instance, Tracer};
+use azulejo_scene::{Object, Primitive, PrimitiveKind, Shape, SharedMesh, synthetic};
+use azulejo_trace::{Hit, Tracer};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
-use std::sync::Arc;
 
 const KINDS: [PrimitiveKind; 8] = [
     PrimitiveKind::Sphere,
@@ -140,13 +139,11 @@ fn a_ray_through_the_rim_of_a_cylinder_is_not_lost() {
     }
 }
 
-/// Three placed copies of a scene of triangles and a ball, and the same as one scene.
-fn placed_and_flattened() -> (Tracer, Tracer) {
-    let mut inner = synthetic::displaced_sphere(1200);
-    let ball = Primitive::sphere(DVec3::new(0.0, 0.0, 1.6), 0.4, 0);
-    inner
-        .objects
-        .push(azulejo_scene::Object::new("ball", Shape::Primitive(ball)));
+/// Three instances of a mesh over a floor, and the same with a mesh for each.
+fn instanced_and_unfolded() -> (Tracer, Tracer) {
+    let bumpy = synthetic::displaced_sphere(1200);
+    let mesh = bumpy.objects[0].shape.mesh().expect("a mesh").clone();
+    let mut shared = SharedMesh::new(mesh);
     let maps = [
         DAffine3::from_translation(DVec3::new(-2.0, 0.0, 0.0)),
         DAffine3::from_scale_rotation_translation(
@@ -162,36 +159,23 @@ fn placed_and_flattened() -> (Tracer, Tracer) {
         DVec3::new(9.0, -9.0, -2.0),
         DVec3::new(0.0, 9.0, -2.0),
     ]]);
-    let mut flat = scene([floor.clone()]);
-    let tracer = Arc::new(Tracer::new(&inner));
-    let instances = maps.iter().map(|&world_from_instance| Instance {
-        tracer: Arc::clone(&tracer),
-        world_from_instance,
-    });
-    let placed = Tracer::with_instances(&scene([floor]), instances.collect());
+    let mut instanced = scene([floor]);
     for map in maps {
-        flat.merge(moved(inner.clone(), map));
+        let instance = shared.placed(map).expect("invertible");
+        let shape = Shape::Instance(instance);
+        instanced.objects.push(Object::new("bumpy", shape));
     }
-    (placed, Tracer::new(&flat))
-}
-
-fn moved(mut scene: Scene, map: DAffine3) -> Scene {
-    for object in &mut scene.objects {
-        match &mut object.shape {
-            Shape::Mesh(mesh) => {
-                let place = |p: &mut DVec3| *p = map.transform_point3(*p);
-                mesh.positions.iter_mut().for_each(place);
-            }
-            Shape::Primitive(p) => p.world_from_object = map * p.world_from_object,
-            Shape::Exact(exact) => exact.transform(&map),
-        }
-    }
-    scene
+    instanced.validate().expect("a valid scene");
+    let unfolded = Tracer::new(&instanced.unfolded());
+    (Tracer::new(&instanced), unfolded)
 }
 
 #[test]
-fn instances_agree_with_the_flattened_scene() {
-    let (placed, flat) = placed_and_flattened();
+fn instances_agree_with_the_unfolded_scene() {
+    let (instanced, unfolded) = instanced_and_unfolded();
+    // The third instance has a mesh of its own, because it is mirrored.
+    assert!(instanced.prototype_count() < instanced.item_count());
+    assert_eq!(instanced.item_count(), unfolded.item_count());
     let mut random = Random(12);
     let (mut hits, mut differing) = (0, 0);
     for _ in 0..20_000 {
@@ -199,21 +183,20 @@ fn instances_agree_with_the_flattened_scene() {
             6.0 * random.point(),
             3.0 * random.point() - 6.0 * random.point(),
         );
-        let (a, b) = (placed.hit(&ray), flat.hit(&ray));
-        assert_eq!(placed.occluded(&ray), a.is_some());
+        let (a, b) = (instanced.hit(&ray), unfolded.hit(&ray));
+        assert_eq!(instanced.occluded(&ray), a.is_some());
         let same = |a: &Hit, b: &Hit| {
-            // A mirrored mesh turns its triangles over, so only primitives keep their front.
-            (a.t - b.t).abs() < 1e-5 && a.normal.dot(b.normal).abs() > 1.0 - 1e-5
+            (a.t - b.t).abs() < 1e-5 && a.normal.dot(b.normal) > 1.0 - 1e-5 && a.item == b.item
         };
         match (a, b) {
             (Some(a), Some(b)) if same(&a, &b) => hits += 1,
             (None, None) => {}
             _ => differing += 1,
         }
-        if let Some(a) = a.filter(|a| a.instance.is_some()) {
-            let item = placed.item(a.item);
-            assert_eq!((item.instance, item.object), (a.instance, a.object));
-            assert_eq!(item.is_primitive, a.object == 1);
+        if let Some(a) = a {
+            let item = instanced.item(a.item);
+            assert_eq!((item.object, item.face), (a.object, a.face));
+            assert_eq!(instanced.is_instanced(a.item), a.object > 0);
         }
     }
     assert!(
@@ -224,7 +207,7 @@ fn instances_agree_with_the_flattened_scene() {
 
 #[test]
 fn batches_with_instances_answer_as_single_rays_do() {
-    let (placed, _) = placed_and_flattened();
+    let (placed, _) = instanced_and_unfolded();
     let mut random = Random(13);
     let rays: Vec<Ray> = (0..500)
         .map(|_| Ray::new(6.0 * random.point(), random.unit()))

@@ -2,7 +2,7 @@
 
 use crate::files::Refused;
 use azulejo_formats::{FileError, Files, Folder, ReadError, ReadOptions, RecognizedModel};
-use azulejo_scene::{MOST_FACE_CORNERS, Object, Scene, Shape};
+use azulejo_scene::{MOST_FACE_CORNERS, Object, Scene};
 use azulejo_trace::{Cancelled, Progress};
 use std::fmt;
 use std::fs::{self, File};
@@ -60,9 +60,7 @@ impl VastFace {
     /// The first in a scene.
     fn find(scene: &Scene, path: &Path) -> Option<VastFace> {
         let of_object = |object: &Object| {
-            let Shape::Mesh(mesh) = &object.shape else {
-                return None;
-            };
+            let mesh = object.shape.mesh()?;
             let corners = |w: &[u32]| (w[1] - w[0]) as usize;
             let mut counts = mesh.faces.starts.windows(2).map(corners).enumerate();
             let (face, corners) = counts.find(|c| c.1 > MOST_FACE_CORNERS)?;

@@ -1,6 +1,6 @@
 //! What no reader would accept is refused before it is written.
 
-use azulejo_scene::{LightKind, Mesh, Rgb, Scene, Shape};
+use azulejo_scene::{BackIrradiance, LightKind, Mesh, Rgb, Scene, Shape};
 
 /// Why a scene must not be written, if so: it breaks the promises of scenes, as one does whose light
 /// overflowed, or `is_single` and it has light that numbers of 32 bits cannot hold.
@@ -17,16 +17,20 @@ pub(super) fn problem(scene: &Scene, is_single: bool) -> Option<String> {
 /// The largest number for light in a scene.
 fn brightest(scene: &Scene) -> f64 {
     let all = |list: &[Rgb]| list.iter().map(|c| c.max_channel()).fold(0.0, f64::max);
-    let mesh = |mesh: &Mesh| {
-        let back = mesh.back.iter().flat_map(|b| {
+    let light = |irradiance: &[Rgb], error: &[Rgb], back: Option<&BackIrradiance>| {
+        let back = back.into_iter().flat_map(|b| {
             let lit = b.irradiance.iter().flatten();
             lit.chain(&b.error).map(|c| c.max_channel())
         });
-        let front = all(&mesh.irradiance).max(all(&mesh.irradiance_error));
+        let front = all(irradiance).max(all(error));
         back.fold(front, f64::max)
     };
+    let mesh = |m: &Mesh| light(&m.irradiance, &m.irradiance_error, m.back.as_deref());
     let objects = scene.objects.iter().map(|o| match &o.shape {
         Shape::Mesh(m) => mesh(m),
+        Shape::Instance(instance) => (instance.light.iter())
+            .map(|l| light(&l.irradiance, &l.error, l.back.as_deref()))
+            .fold(0.0, f64::max),
         Shape::Primitive(p) => (p.light.iter())
             .map(|l| all(&l.irradiance).max(all(&l.error)))
             .fold(0.0, f64::max),

@@ -35,14 +35,10 @@ pub(in crate::grf) enum Defined<'d> {
 impl<'d> GrfResolver<'d> {
     /// Converts all definitions of a list of blocks, before any block can refer to one: their names
     /// are resolved where they are defined.
-    pub fn make_definitions(&mut self, blocks: &'d [GrfBlock]) -> ResolveResult<()> {
+    pub fn make_definitions(&mut self, blocks: &[&'d GrfBlock]) -> ResolveResult<()> {
         for block in blocks {
-            match &block.kind {
-                BlockKind::Include { blocks, .. } => self.make_definitions(blocks)?,
-                BlockKind::Define(definition) => {
-                    self.defined(&definition.name, block.place)?;
-                }
-                _ => {}
+            if let BlockKind::Define(definition) = &block.kind {
+                self.defined(&definition.name, block.place)?;
             }
         }
         Ok(())

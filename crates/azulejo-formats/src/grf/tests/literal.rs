@@ -15,6 +15,7 @@ fn lit(mut scene: Scene, level: f64) -> Scene {
                 mesh.irradiance = (0..count).map(|v| Rgb::grey(v as f64 + level)).collect();
                 mesh.irradiance_error = vec![Rgb::grey(0.01); count];
             }
+            Shape::Instance(_) => unreachable!("no file of these is included twice"),
             Shape::Primitive(p) => {
                 let grids = vec![SurfaceGrid { nu: 1, nv: 2 }; p.kind.parts()];
                 p.light = Some(SurfaceLight {

@@ -41,7 +41,7 @@ fn described(scene: &Scene) -> Vec<String> {
         let kind = match &o.shape {
             Shape::Mesh(m) => format!("{} vertices {} faces", m.positions.len(), m.faces.len()),
             Shape::Primitive(p) => format!("{:?}", p.kind),
-            Shape::Exact(_) => "exact".to_owned(),
+            Shape::Exact(_) | Shape::Instance(_) => "exact or shared".to_owned(),
         };
         let bounds = o.bounds();
         format!(

@@ -23,7 +23,7 @@ fn summary(object: &Object) -> String {
     let kind = match &object.shape {
         Shape::Mesh(mesh) => format!("{} faces", mesh.faces.len()),
         Shape::Primitive(p) => format!("{:?}", p.kind),
-        Shape::Exact(_) => "exact".to_owned(),
+        Shape::Exact(_) | Shape::Instance(_) => "exact or shared".to_owned(),
     };
     let bounds = object.bounds();
     let point = |p: DVec3| {
@@ -62,7 +62,9 @@ fn material(loaded: &Loaded, object: usize, face: usize) -> &Material {
     let id = match &loaded.scene.objects[object].shape {
         Shape::Mesh(mesh) => mesh.face_materials[face],
         Shape::Primitive(p) => p.material,
-        Shape::Exact(_) => unreachable!("VRML has primitives and meshes only"),
+        Shape::Exact(_) | Shape::Instance(_) => {
+            unreachable!("VRML has primitives and meshes only")
+        }
     };
     &loaded.scene.materials[id as usize]
 }
@@ -202,7 +204,7 @@ fn levels_of_detail() {
         let loaded = read_with(body, &Memory::new(), &options);
         let kinds = loaded.scene.objects.iter().map(|o| match &o.shape {
             Shape::Primitive(p) => format!("{:?}", p.kind),
-            Shape::Exact(_) => "exact".to_owned(),
+            Shape::Exact(_) | Shape::Instance(_) => "exact or shared".to_owned(),
             Shape::Mesh(_) => "mesh".to_owned(),
         });
         assert_eq!(kinds.collect::<Vec<_>>(), expected, "{lod:?}");

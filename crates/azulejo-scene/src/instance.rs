@@ -1,0 +1,357 @@
+//! Shared meshes: one shape in many places.
+
+use crate::math::{Aabb, normal_matrix};
+use crate::{BackIrradiance, Mesh, Object, ObjectIrradiance, Rgb, Scene, Shape};
+use glam::{DAffine3, DMat3, DVec3};
+use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+/// A mesh that several objects may share, placed in the world by a map of its own.
+///
+/// A million triangles that stand a thousand times in a scene are stored, traced and written once; what
+/// each place has for itself is its map and its light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshInstance {
+    /// The mesh in its own coordinates, without irradiance.
+    pub mesh: Arc<Mesh>,
+    /// Its place: invertible, and without mirroring, so that the order of corners is that of the mesh.
+    /// [`MeshInstance::placed`] makes a mirrored mesh where a map mirrors.
+    pub world_from_mesh: DAffine3,
+    /// Irradiance on its vertices, once the scene is solved.
+    pub light: Option<Box<VertexLight>>,
+}
+
+/// Irradiance on the vertices of one placed mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct VertexLight {
+    /// Irradiance of each vertex on the front side, W/m².
+    pub irradiance: Vec<Rgb>,
+    /// Standard error of each vertex's irradiance, or empty.
+    pub error: Vec<Rgb>,
+    /// Irradiance of the back, where it is known.
+    pub back: Option<Box<BackIrradiance>>,
+}
+
+impl MeshInstance {
+    /// A mesh at a place, or `None` if the map is not finite and invertible or mirrors.
+    pub fn new(mesh: Arc<Mesh>, world_from_mesh: DAffine3) -> Option<MeshInstance> {
+        let size = world_from_mesh.matrix3.determinant();
+        let usable = world_from_mesh.is_finite() && size > 0.0 && size.is_finite();
+        usable.then_some(MeshInstance {
+            mesh,
+            world_from_mesh,
+            light: None,
+        })
+    }
+
+    /// The smallest box around the placed vertices that faces use.
+    pub fn bounds(&self) -> Aabb {
+        let corners = self.mesh.faces.corners.iter();
+        Aabb::around(corners.map(|&v| self.position(v)))
+    }
+
+    /// World position of a vertex.
+    pub fn position(&self, vertex: u32) -> DVec3 {
+        let position = self.mesh.positions[vertex as usize];
+        self.world_from_mesh.transform_point3(position)
+    }
+
+    /// The factor by which its map changes all lengths; `None` where it differs by direction by more
+    /// than rounding.
+    pub fn scale(&self) -> Option<f64> {
+        let m = self.world_from_mesh.matrix3;
+        let gram = m.transpose() * m;
+        let square = m.determinant().abs().cbrt().powi(2);
+        let even = DMat3::from_diagonal(DVec3::splat(square));
+        let rest = gram - even;
+        let far = [rest.x_axis, rest.y_axis, rest.z_axis].map(|c| c.abs().max_element());
+        let is_even = far.into_iter().all(|x| x <= 1e-12 * square);
+        is_even.then(|| square.sqrt())
+    }
+
+    /// Stores the irradiance that the first pass computed.
+    ///
+    /// # Panics
+    /// If it was computed for another mesh, or with faces turned over: others share them.
+    pub(crate) fn set_irradiance(&mut self, light: ObjectIrradiance) {
+        let ObjectIrradiance::Vertices {
+            irradiance,
+            error,
+            back,
+            turned,
+        } = light
+        else {
+            panic!("irradiance of another kind of shape")
+        };
+        let count = self.mesh.positions.len();
+        assert!(
+            irradiance.len() == count && turned.is_empty(),
+            "irradiance of another mesh"
+        );
+        self.light = Some(Box::new(VertexLight {
+            irradiance,
+            error,
+            back,
+        }));
+    }
+
+    /// The same as a mesh of its own, in the world, with its irradiance.
+    pub fn to_mesh(&self) -> Mesh {
+        let mut mesh = Mesh::clone(&self.mesh);
+        mesh.transform(&self.world_from_mesh);
+        if let Some(light) = self.light.as_deref() {
+            mesh.irradiance.clone_from(&light.irradiance);
+            mesh.irradiance_error.clone_from(&light.error);
+            mesh.back.clone_from(&light.back);
+        }
+        mesh
+    }
+}
+
+/// Makes instances of one mesh, also where a map mirrors: then they share a second, mirrored mesh.
+#[derive(Clone, Debug)]
+pub struct SharedMesh {
+    mesh: Arc<Mesh>,
+    mirrored: Option<Arc<Mesh>>,
+}
+
+impl SharedMesh {
+    /// A mesh to share, in its own coordinates, without irradiance.
+    pub fn new(mesh: Mesh) -> SharedMesh {
+        SharedMesh::of(Arc::new(mesh))
+    }
+
+    /// A mesh that others may have already.
+    pub fn of(mesh: Arc<Mesh>) -> SharedMesh {
+        SharedMesh {
+            mesh,
+            mirrored: None,
+        }
+    }
+
+    /// The mesh as it is.
+    pub fn mesh(&self) -> &Arc<Mesh> {
+        &self.mesh
+    }
+
+    /// The mesh at a place; `None` if the map is not finite and invertible. Fronts stay fronts.
+    pub fn placed(&mut self, world_from_mesh: DAffine3) -> Option<MeshInstance> {
+        if world_from_mesh.matrix3.determinant() >= 0.0 {
+            return MeshInstance::new(self.mesh.clone(), world_from_mesh);
+        }
+        let mirror = DAffine3::from_mat3(DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0)));
+        let mirrored = self.mirrored.get_or_insert_with(|| {
+            let mut mesh = Mesh::clone(&self.mesh);
+            mesh.transform(&mirror);
+            Arc::new(mesh)
+        });
+        MeshInstance::new(mirrored.clone(), world_from_mesh * mirror)
+    }
+}
+
+/// A mesh in the world, whether it is shared or not: the parts that do not depend on the place, and
+/// those that do.
+#[derive(Clone, Copy, Debug)]
+pub struct PlacedMesh<'a> {
+    /// Faces, materials, colours and texture coordinates. Its positions and normals are in the
+    /// coordinates of the mesh: [`PlacedMesh::position`] and [`PlacedMesh::normal`] are in the world.
+    pub mesh: &'a Mesh,
+    /// Irradiance of each vertex, W/m²; empty until the scene is solved.
+    pub irradiance: &'a [Rgb],
+    /// Its standard error; empty when absent.
+    pub irradiance_error: &'a [Rgb],
+    /// Irradiance of the back.
+    pub back: Option<&'a BackIrradiance>,
+    world_from_mesh: Option<&'a DAffine3>,
+}
+
+impl<'a> PlacedMesh<'a> {
+    /// The map to the world, if it has one.
+    pub fn world_from_mesh(&self) -> Option<&'a DAffine3> {
+        self.world_from_mesh
+    }
+
+    /// World position of a vertex.
+    pub fn position(&self, vertex: u32) -> DVec3 {
+        let position = self.mesh.positions[vertex as usize];
+        self.world_from_mesh
+            .map_or(position, |map| map.transform_point3(position))
+    }
+
+    /// Unit shading normal in the world at a corner, counted over all corners; `None` without normals.
+    pub fn normal(&self, corner: usize, vertex: u32) -> Option<DVec3> {
+        let normal = self.mesh.normals.as_ref()?.at(corner, vertex);
+        Some(self.to_world(normal))
+    }
+
+    /// A unit normal of the mesh as one of the world.
+    pub fn to_world(&self, normal: DVec3) -> DVec3 {
+        let Some(map) = self.world_from_mesh else {
+            return normal;
+        };
+        let turned = normal_matrix(map.matrix3) * normal;
+        turned.try_normalize().unwrap_or(normal)
+    }
+
+    /// World positions of the corners of a face.
+    pub fn face_positions(&self, face: usize) -> Vec<DVec3> {
+        let corners = self.mesh.faces.get(face).iter();
+        corners.map(|&v| self.position(v)).collect()
+    }
+
+    /// Area vector of a face in the world: area times the unit normal of its front.
+    pub fn face_area_vector(&self, face: usize) -> DVec3 {
+        let vector = self.mesh.face_area_vector(face);
+        // The cofactors, by which area vectors change, are those of normals.
+        self.world_from_mesh
+            .map_or(vector, |map| normal_matrix(map.matrix3) * vector)
+    }
+
+    /// Sum of the areas of its faces, in the world.
+    pub fn area(&self) -> f64 {
+        (0..self.mesh.faces.len())
+            .map(|face| self.face_area_vector(face).length())
+            .sum()
+    }
+}
+
+impl Shape {
+    /// The mesh in the world, of its own or shared; `None` for other shapes.
+    pub fn placed_mesh(&self) -> Option<PlacedMesh<'_>> {
+        match self {
+            Shape::Mesh(mesh) => Some(PlacedMesh {
+                mesh,
+                irradiance: &mesh.irradiance,
+                irradiance_error: &mesh.irradiance_error,
+                back: mesh.back.as_deref(),
+                world_from_mesh: None,
+            }),
+            Shape::Instance(instance) => {
+                let light = instance.light.as_deref();
+                Some(PlacedMesh {
+                    mesh: &instance.mesh,
+                    irradiance: light.map_or(&[], |l| &l.irradiance),
+                    irradiance_error: light.map_or(&[], |l| &l.error),
+                    back: light.and_then(|l| l.back.as_deref()),
+                    world_from_mesh: Some(&instance.world_from_mesh),
+                })
+            }
+            Shape::Primitive(_) | Shape::Exact(_) => None,
+        }
+    }
+
+    /// The mesh, of its own or shared, without its place: faces, materials, colours and texture
+    /// coordinates; `None` for other shapes.
+    pub fn mesh(&self) -> Option<&Mesh> {
+        match self {
+            Shape::Mesh(mesh) => Some(mesh),
+            Shape::Instance(instance) => Some(&instance.mesh),
+            Shape::Primitive(_) | Shape::Exact(_) => None,
+        }
+    }
+}
+
+impl Scene {
+    /// Whether any object is an instance of a shared mesh.
+    pub fn has_instances(&self) -> bool {
+        let is_instance = |o: &Object| matches!(o.shape, Shape::Instance(_));
+        self.objects.iter().any(is_instance)
+    }
+
+    /// The scene with a mesh of its own for every instance, for those who know no shared meshes; itself
+    /// if it has none.
+    pub fn unfolded(&self) -> Cow<'_, Scene> {
+        if !self.has_instances() {
+            return Cow::Borrowed(self);
+        }
+        let objects = self.objects.iter().map(|object| match &object.shape {
+            Shape::Instance(instance) => {
+                Object::new(object.name.clone(), Shape::Mesh(instance.to_mesh()))
+            }
+            _ => object.clone(),
+        });
+        let objects = objects.collect();
+        Cow::Owned(Scene {
+            objects,
+            ..self.without_objects()
+        })
+    }
+
+    /// Everything but the objects.
+    fn without_objects(&self) -> Scene {
+        Scene {
+            objects: Vec::new(),
+            materials: self.materials.clone(),
+            textures: self.textures.clone(),
+            lights: self.lights.clone(),
+            cameras: self.cameras.clone(),
+            background: self.background,
+            fog: self.fog,
+            units: self.units,
+            rtrace: self.rtrace.clone(),
+        }
+    }
+
+    /// Gives every instance a mesh of its own, in place.
+    pub fn unfold(&mut self) {
+        self.unfold_if(|_| true);
+    }
+
+    /// Gives some instances meshes of their own.
+    pub fn unfold_if(&mut self, is_meant: impl Fn(&Object) -> bool) {
+        for object in self.objects.iter_mut().filter(|o| is_meant(o)) {
+            if let Shape::Instance(instance) = &object.shape {
+                object.shape = Shape::Mesh(instance.to_mesh());
+            }
+        }
+    }
+
+    /// Gives a mesh of its own to every instance that shares its mesh with no other.
+    pub fn unfold_single_instances(&mut self) {
+        let mut uses: HashMap<*const Mesh, usize> = HashMap::new();
+        for object in &self.objects {
+            if let Shape::Instance(instance) = &object.shape {
+                *uses.entry(Arc::as_ptr(&instance.mesh)).or_default() += 1;
+            }
+        }
+        self.unfold_if(|object| match &object.shape {
+            Shape::Instance(instance) => uses[&Arc::as_ptr(&instance.mesh)] == 1,
+            _ => false,
+        });
+    }
+
+    /// Applies a change to every shared mesh once; instances that shared a mesh share the changed one.
+    pub fn change_shared_meshes(&mut self, mut change: impl FnMut(&mut Mesh)) {
+        let mut changed: HashMap<*const Mesh, Arc<Mesh>> = HashMap::new();
+        // The old meshes stay alive until all are changed, or a new one might get an old one's address.
+        let mut old = Vec::new();
+        for object in &mut self.objects {
+            let Shape::Instance(instance) = &mut object.shape else {
+                continue;
+            };
+            let new = changed
+                .entry(Arc::as_ptr(&instance.mesh))
+                .or_insert_with(|| {
+                    let mut mesh = Mesh::clone(&instance.mesh);
+                    change(&mut mesh);
+                    old.push(instance.mesh.clone());
+                    Arc::new(mesh)
+                });
+            instance.mesh = new.clone();
+        }
+    }
+
+    /// The distinct shared meshes, in the order of their first instances.
+    pub fn shared_meshes(&self) -> Vec<&Arc<Mesh>> {
+        let mut seen = HashSet::new();
+        let meshes = self
+            .objects
+            .iter()
+            .filter_map(|object| match &object.shape {
+                Shape::Instance(instance) => Some(&instance.mesh),
+                _ => None,
+            });
+        meshes.filter(|m| seen.insert(Arc::as_ptr(m))).collect()
+    }
+}
