@@ -22,7 +22,7 @@ pub(crate) struct Emission {
 
 impl Emission {
     /// With the power for a share, of a surface of that area.
-    fn new(radiance: Rgb, emits_back: bool, area: f64) -> Emission {
+    pub fn new(radiance: Rgb, emits_back: bool, area: f64) -> Emission {
         let sides = if emits_back { 2.0 } else { 1.0 };
         let power = radiance.mean() * sides * area;
         Emission {
