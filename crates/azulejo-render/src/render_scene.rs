@@ -193,7 +193,7 @@ impl ShadowBatch {
     }
 
     fn push(&mut self, tracer: &Tracer, from: DVec3, to: DVec3, light: Rgb) {
-        if light.max_channel() > 0.0 && light.is_finite() {
+        if !light.is_black() && light.is_finite() {
             self.rays.push(shadow_ray(tracer, from, to));
             self.light.push(light);
         }

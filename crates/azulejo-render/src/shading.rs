@@ -36,7 +36,13 @@ pub(crate) struct Shading<'a> {
     pattern: Rgb,
     /// Matt, glossy and narrow lobes, as far as they are evaluated.
     lobes: [Option<&'a Lobes>; 3],
+    /// Reflectance that the caller reads from stored irradiance, and which the matt lobes lack.
+    stored: Rgb,
 }
+
+/// How often the matt lobes are sampled, as a share of their albedo, where only their difference
+/// from a diffuse surface is left to paths.
+const RESIDUAL_SHARE: f64 = 0.1;
 
 /// The parts of a surface's reflectance that do not depend on direction.
 #[derive(Clone, Copy, Debug)]
@@ -126,6 +132,25 @@ impl<'a> Shading<'a> {
             },
             pattern: colors.pattern,
             lobes: [matt, rest[0], rest[1]].map(|lobes| lobes.and_then(some)),
+            stored: Rgb::BLACK,
+        }
+    }
+
+    /// The diffuse reflectance nearest to the matt lobes as they are seen: with it the irradiance
+    /// that is known is a control variate for them.
+    pub fn matt_albedo(&self) -> Rgb {
+        self.lobes[0].map_or(Rgb::BLACK, |matt| {
+            let mean = matt.mean_albedo();
+            mean * self.pattern * (matt.likely(self.wo) / mean.mean().max(f64::MIN_POSITIVE))
+        })
+    }
+
+    /// Leaves the matt lobes' [`matt_albedo`](Shading::matt_albedo) to the caller: paths find what
+    /// they reflect otherwise than a diffuse surface, more or less, and no longer the whole.
+    pub fn without_albedo(self) -> Shading<'a> {
+        Shading {
+            stored: self.matt_albedo(),
+            ..self
         }
     }
 
@@ -143,6 +168,11 @@ impl<'a> Shading<'a> {
     fn shares(&self) -> [f64; 4] {
         let of = |k: usize| self.lobes[k].map_or(0.0, |l| l.likely(self.wo));
         let matt = of(0) * self.pattern.mean();
+        let matt = if self.stored.is_black() {
+            matt
+        } else {
+            RESIDUAL_SHARE * matt
+        };
         [self.lambert.mean(), matt, of(1), of(2)]
     }
 
@@ -150,7 +180,8 @@ impl<'a> Shading<'a> {
         if kind == 0 { self.pattern } else { Rgb::WHITE }
     }
 
-    /// The BRDF times the cosine toward a world direction; black below either horizon.
+    /// The BRDF times the cosine toward a world direction; black below either horizon. May be
+    /// negative [`without_albedo`](Shading::without_albedo).
     pub fn eval(&self, direction: DVec3) -> Rgb {
         let wi = self.frame.to_local(direction);
         if !(wi.z > 0.0 && self.wo.z > 0.0 && direction.dot(self.facing) > 0.0) {
@@ -163,7 +194,7 @@ impl<'a> Shading<'a> {
         let kinds = self.lobes.iter().enumerate();
         let lobes =
             kinds.filter_map(|(k, l)| Some(l.as_ref()?.eval(self.wo, wi) * self.pattern_of(k)));
-        self.lambert * FRAC_1_PI + lobes.sum()
+        (self.lambert - self.stored) * FRAC_1_PI + lobes.sum()
     }
 
     /// Density of [`sample`](Shading::sample) for a world direction, 1/sr.
