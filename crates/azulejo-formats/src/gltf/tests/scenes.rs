@@ -224,3 +224,20 @@ fn image_based_light() {
     assert!((above.g - truth).abs() < 0.01 * truth, "{above:?}, {truth}");
     assert!(sky.radiance(DVec3::NEG_Y, image).g < above.g);
 }
+
+/// Channels of `KHR_animation_pointer` have no node.
+#[test]
+fn animated_pointers() {
+    let animation = "\"animations\":[{\"channels\":[{\"sampler\":0,\"target\":{\"path\":\"pointer\",\
+                     \"extensions\":{\"KHR_animation_pointer\":{\"pointer\":\"/materials/0/x\"}}}}],\
+                     \"samplers\":[{\"input\":0,\"output\":0}]}],\
+                     \"extensionsUsed\":[\"KHR_animation_pointer\"],";
+    let file = super::triangle(
+        &[],
+        "",
+        &super::one_mesh("{\"attributes\":{\"POSITION\":0}}"),
+    );
+    let file = file.replace("\"nodes\":", &format!("{animation}\"nodes\":"));
+    let scene = super::read(&file, &["animations: not used"]);
+    assert_eq!(scene.objects.len(), 1);
+}
