@@ -232,12 +232,8 @@ fn animated_pointers() {
                      \"extensions\":{\"KHR_animation_pointer\":{\"pointer\":\"/materials/0/x\"}}}}],\
                      \"samplers\":[{\"input\":0,\"output\":0}]}],\
                      \"extensionsUsed\":[\"KHR_animation_pointer\"],";
-    let file = super::triangle(
-        &[],
-        "",
-        &super::one_mesh("{\"attributes\":{\"POSITION\":0}}"),
-    );
+    let file = triangle(&[], "", &one_mesh("{\"attributes\":{\"POSITION\":0}}"));
     let file = file.replace("\"nodes\":", &format!("{animation}\"nodes\":"));
-    let scene = super::read(&file, &["animations: not used"]);
+    let scene = read(&file, &["animations: not used"]);
     assert_eq!(scene.objects.len(), 1);
 }
