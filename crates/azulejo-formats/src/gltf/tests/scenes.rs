@@ -1,6 +1,6 @@
 //! Nodes, instances, lights and cameras.
 
-use super::{json, loaded, mesh_of, read, triangle};
+use super::{json, loaded, mesh_of, one_mesh, read, triangle};
 use crate::gltf::container::tests::glb_of;
 use crate::{Memory, ReadOptions, gltf};
 use azulejo_scene::{LightKind, Rgb};
