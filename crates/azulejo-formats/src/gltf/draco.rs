@@ -62,7 +62,7 @@ impl DracoAccessors {
         buffers: &Buffers,
         left: &mut u64,
     ) {
-        let wanted = Wanted::of(root, primitive, json);
+        let wanted = WantedAccessors::of(root, primitive, json);
         if wanted.0.is_empty() {
             return;
         }
@@ -71,8 +71,8 @@ impl DracoAccessors {
             let elements = mesh.as_ref().map_err(String::clone);
             let elements = elements.and_then(|mesh| {
                 let elements = match part {
-                    Part::Corners => corners(mesh),
-                    Part::Attribute(id) => attribute(mesh, id)?,
+                    DracoPart::Corners => corners(mesh),
+                    DracoPart::Attribute(id) => attribute(mesh, id)?,
                 };
                 spend(left, elements.bytes.len())?;
                 Ok(elements)
@@ -84,35 +84,35 @@ impl DracoAccessors {
 }
 
 #[derive(Clone, Copy)]
-enum Part {
+enum DracoPart {
     Corners,
     /// The attribute with this identity in the Draco data.
     Attribute(u32),
 }
 
 /// The accessors that a primitive needs from its compressed data.
-struct Wanted(Vec<(usize, Part)>);
+struct WantedAccessors(Vec<(usize, DracoPart)>);
 
-impl Wanted {
-    fn of(root: &Root, primitive: &Primitive, json: &Value) -> Wanted {
+impl WantedAccessors {
+    fn of(root: &Root, primitive: &Primitive, json: &Value) -> WantedAccessors {
         let compressed = |index: &Index<Accessor>| {
             let accessor = root.get(*index);
             accessor.is_some_and(|a| a.buffer_view.is_none())
         };
         let mut list = Vec::new();
         let corners = primitive.indices.filter(compressed);
-        list.extend(corners.map(|i| (i.value(), Part::Corners)));
+        list.extend(corners.map(|i| (i.value(), DracoPart::Corners)));
         let identities = json.get("attributes").and_then(Value::as_object);
         if let Some(identities) = identities {
             for (semantic, index) in primitive.attributes.iter().filter(|(_, i)| compressed(i)) {
                 let identity = identities.get(&semantic.to_string());
                 let identity = identity.and_then(Value::as_u64);
                 if let Some(id) = identity.and_then(|id| u32::try_from(id).ok()) {
-                    list.push((index.value(), Part::Attribute(id)));
+                    list.push((index.value(), DracoPart::Attribute(id)));
                 }
             }
         }
-        Wanted(list)
+        WantedAccessors(list)
     }
 }
 

@@ -13,7 +13,7 @@ const DATE: u16 = 0x21;
 
 /// Writes parts one after the other (*PKWARE APPNOTE* 6.3, sections 4.3 and 4.4); each is compressed in
 /// memory, because its size precedes it.
-pub(super) struct Package<'a> {
+pub(super) struct OpcPackage<'a> {
     out: &'a mut dyn Write,
     position: u64,
     directory: Vec<u8>,
@@ -38,10 +38,10 @@ impl Write for MeasuredDeflate {
     }
 }
 
-impl<'a> Package<'a> {
+impl<'a> OpcPackage<'a> {
     /// A package without parts.
-    pub fn new(out: &'a mut dyn Write) -> Package<'a> {
-        Package {
+    pub fn new(out: &'a mut dyn Write) -> OpcPackage<'a> {
+        OpcPackage {
             out,
             position: 0,
             directory: Vec::new(),

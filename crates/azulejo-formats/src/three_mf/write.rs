@@ -1,6 +1,6 @@
 //! Writes scenes as 3MF.
 
-use super::package::Package;
+use super::package::OpcPackage;
 use crate::picture::srgb::srgb_from_linear;
 use crate::surface::losses::{LossList, is_more_than_colour};
 use crate::surface::tessellate::mesh_of;
@@ -48,7 +48,7 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
         metres_per_unit: scene.units.metres_per_unit.map(|_| metres),
         ..scene.units
     });
-    let mut package = Package::new(out);
+    let mut package = OpcPackage::new(out);
     package.add("[Content_Types].xml", |out| {
         out.write_all(CONTENT_TYPES.as_bytes())
     })?;
