@@ -162,7 +162,7 @@ impl<'a> RenderScene<'a> {
             return Rgb::BLACK;
         }
         let is_front = surfaces.is_front(ray, hit);
-        let emitted = surfaces.material(hit.item).emission_from(is_front);
+        let emitted = surfaces.emitted(hit, is_front);
         if density == 0.0 || emitted.is_black() {
             return emitted;
         }

@@ -28,6 +28,9 @@ pub struct Material {
     pub dielectric: Option<Dielectric>,
     /// Emitted radiance of the front side, W/(sr·m²), the same in all directions.
     pub emission: Rgb,
+    /// A picture that multiplies `emission` where the mesh has texture coordinates; elsewhere its mean
+    /// does. One that could not be loaded is black.
+    pub emission_picture: Option<TextureId>,
     /// Whether the back emits the same.
     pub emits_back: bool,
     /// What the file says of the sides from which the surface is visible. Light does not depend on
@@ -89,6 +92,24 @@ impl Texture {
     /// Its colour at texture coordinates; `None` if its pixels could not be loaded.
     pub fn sample(&self, uv: DVec2) -> Option<[f32; 3]> {
         Some(self.image.as_ref()?.sample_wrapped(uv, self.wrap))
+    }
+
+    /// Whether all that it shows between two corners of texture coordinates is black; `None` if that are
+    /// more than `most` texels. One that could not be loaded is black.
+    pub fn is_black_between(&self, low: DVec2, high: DVec2, most: u64) -> Option<bool> {
+        let Some(image) = &self.image else {
+            return Some(true);
+        };
+        image.is_black_between([low, high], self.wrap, most)
+    }
+
+    /// The mean colour of its pixels; black if they could not be loaded.
+    pub fn mean(&self) -> Rgb {
+        let pixels = self.image.iter().flat_map(|image| &image.pixels);
+        let (sum, count) = pixels.fold((Rgb::BLACK, 0u32), |(sum, count), pixel| {
+            (sum + Rgb::from(pixel.map(f64::from)), count + 1)
+        });
+        sum / f64::from(count.max(1))
     }
 }
 
@@ -239,12 +260,12 @@ impl Material {
         reflectance
     }
 
-    /// Emitted exitance M = πL of the front, W/m².
+    /// Emitted exitance M = πL of the front, W/m²; a picture of it multiplies this.
     pub fn exitance(&self) -> Rgb {
         self.emission * std::f64::consts::PI
     }
 
-    /// Emitted radiance of one side, W/(sr·m²).
+    /// Emitted radiance of one side, W/(sr·m²); a picture of it multiplies this.
     pub fn emission_from(&self, front: bool) -> Rgb {
         if front || self.emits_back {
             self.emission
@@ -265,10 +286,11 @@ impl Material {
         opacity.filter(|_| !self.is_emitter())
     }
 
-    /// All pictures that it shows: of its colour, then of its opacity.
+    /// All pictures that it shows: of its colour, of its opacity, then of its emission.
     pub fn pictures(&self) -> impl Iterator<Item = TextureId> + '_ {
         let of_opacity = self.opacity.and_then(|o| o.picture).map(|p| p.texture);
-        self.textures.iter().copied().chain(of_opacity)
+        let rest = [of_opacity, self.emission_picture];
+        (self.textures.iter().copied()).chain(rest.into_iter().flatten())
     }
 
     /// Numbers its pictures `by` more, as where their list is appended to another.
@@ -278,11 +300,15 @@ impl Material {
         if let Some(picture) = opacity.and_then(|o| o.picture.as_mut()) {
             picture.texture += by;
         }
+        if let Some(picture) = &mut self.emission_picture {
+            *picture += by;
+        }
     }
 
     /// Forgets its pictures.
     pub fn drop_pictures(&mut self) {
         self.textures.clear();
+        self.emission_picture = None;
         if let Some(opacity) = &mut self.opacity {
             opacity.picture = None;
         }

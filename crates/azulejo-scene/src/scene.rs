@@ -190,6 +190,20 @@ impl Scene {
         lights.chain(background)
     }
 
+    /// Emitted radiance of the front of each material, W/(sr·m²): times the mean of the picture, where
+    /// there is one. For those who need no more, and for surfaces without texture coordinates.
+    pub fn mean_emissions(&self) -> Vec<Rgb> {
+        let mean = |material: &Material| match material.emission_picture {
+            Some(_) if !material.is_emitter() => Rgb::BLACK,
+            Some(id) => {
+                let texture = self.textures.get(id as usize);
+                material.emission * texture.map_or(Rgb::BLACK, Texture::mean)
+            }
+            None => material.emission,
+        };
+        self.materials.iter().map(mean).collect()
+    }
+
     /// Whether there is a light source: an emitting surface, or a light that is not black.
     pub fn has_light(&self) -> bool {
         use LightKind::*;

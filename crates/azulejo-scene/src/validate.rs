@@ -149,8 +149,7 @@ impl Scene {
             ensure(opacity.is_none_or(is_possible), place, || {
                 format!("opacity is {opacity:?}, expected 0..=1 and a cutoff >= 0")
             })?;
-            let pictures = opacity.and_then(|o| o.picture).map(|p| p.texture);
-            for &t in m.textures.iter().chain(&pictures) {
+            for t in m.pictures() {
                 ensure((t as usize) < count, place, || {
                     format!("texture {t} of {count}")
                 })?;

@@ -40,7 +40,7 @@ mod surfaces;
 mod tracer;
 
 pub use gather::{
-    DiffuseHit, DiffuseLight, DirectLight, DirectionTables, GatherOptions, GatherPoint, Gathered,
+    DiffuseHit, DiffuseLight, DirectLight, DirectionTables, EmitterForm, GatherOptions, GatherPoint, Gathered,
     Gatherer, NextEvent, OutgoingRadiosity, RAYS_PER_FORMULA, REPLICATES, SplitIrradiance,
     SurfaceSamples, Termination,
 };

@@ -10,6 +10,7 @@ mod direction_table;
 mod emitters;
 mod flat_faces;
 mod outside;
+mod pictured;
 mod tiles;
 
 use crate::{KernelHit, KernelRay, Surfaces};
@@ -21,6 +22,7 @@ pub(crate) use flat_faces::{FaceKey, FlatFace, flat_faces};
 use glam::DVec3;
 pub use outside::Outside;
 pub(crate) use outside::SunDisc;
+use pictured::PicturedEmitters;
 pub(crate) use tiles::{Tile, merged};
 
 /// If there are more lights without area than this, each sample takes this many of them.
@@ -32,13 +34,15 @@ pub struct Lights<'a> {
     flat: FlatEmitters,
     /// Curved emitters in the order of their keys.
     pub(crate) curved: Vec<CurvedEmitter<'a>>,
+    /// Emitters of pictures, together one light.
+    pictured: PicturedEmitters<'a>,
     /// Point and spot lights, and directional ones without size.
     pub(crate) delta: Vec<LightKind>,
     /// Environments and suns.
     pub(crate) outside: Outside<'a>,
     /// Radiance of the surroundings, from all ambient lights, W/(sr·m²).
     pub(crate) ambient: Rgb,
-    /// Sum of the shares of the emitters up to each, the flat ones first.
+    /// Sum of the shares of the emitters up to each: the flat ones, the curved ones, and all of pictures.
     ends: Vec<f64>,
 }
 
@@ -69,9 +73,10 @@ pub struct DeltaLightSample {
 impl<'a> Lights<'a> {
     /// Collects the light sources of a scene.
     pub fn new(surfaces: &Surfaces<'a>) -> Lights<'a> {
-        let mut flat = FlatEmitters::new(surfaces.scene);
-        let mut curved = curved_emitters(surfaces.scene);
-        let ends = normalized(&mut flat.emitters, &mut curved);
+        let mut flat = FlatEmitters::new(surfaces);
+        let mut curved = curved_emitters(surfaces);
+        let mut pictured = PicturedEmitters::new(surfaces);
+        let ends = normalized(&mut flat.emitters, &mut curved, &mut pictured);
         let (mut delta, mut ambient) = (Vec::new(), Rgb::BLACK);
         for light in &surfaces.scene.lights {
             match light.kind {
@@ -85,6 +90,7 @@ impl<'a> Lights<'a> {
         Lights {
             flat,
             curved,
+            pictured,
             delta,
             outside,
             ambient,
@@ -95,6 +101,16 @@ impl<'a> Lights<'a> {
     /// The flat emitters.
     pub(crate) fn flat(&self) -> &[FlatEmitter] {
         &self.flat.emitters
+    }
+
+    /// Whether surfaces emit pictures.
+    pub(crate) fn has_pictures(&self) -> bool {
+        !self.pictured.is_empty()
+    }
+
+    /// A point of the surfaces that emit pictures, for two numbers in 0..1, and what it emits.
+    pub(crate) fn pictured_point(&self, u: (f64, f64)) -> (Emission, EmitterPoint) {
+        self.pictured.point(u)
     }
 
     /// Whether there is nothing to sample: no emitter, no light without area, and nothing outside.
@@ -149,17 +165,14 @@ impl<'a> Lights<'a> {
         })
     }
 
-    /// A point of the emitter of that number, the flat ones first.
-    fn point(&self, number: usize, u: (f64, f64)) -> (&Emission, EmitterPoint) {
-        match number.checked_sub(self.flat().len()) {
-            None => {
-                let light = &self.flat()[number];
-                (&light.emission, light.point(u))
-            }
-            Some(number) => {
-                let light = &self.curved[number];
-                (&light.emission, light.point(u))
-            }
+    /// A point of the emitter of that number: the flat ones, the curved ones, then all of pictures.
+    fn point(&self, number: usize, u: (f64, f64)) -> (Emission, EmitterPoint) {
+        if let Some(light) = self.flat().get(number) {
+            return (light.emission, light.point(u));
+        }
+        match self.curved.get(number - self.flat().len()) {
+            Some(light) => (light.emission, light.point(u)),
+            None => self.pictured.point(u),
         }
     }
 
@@ -189,9 +202,11 @@ impl<'a> Lights<'a> {
         if let Some(light) = self.flat.find(key) {
             return Some((light.emission.share, light.area));
         }
-        let curved = self.curved.binary_search_by_key(&key, |l| l.key);
-        let light = &self.curved[curved.ok()?];
-        Some((light.emission.share, light.point((u, v)).area))
+        if let Ok(curved) = self.curved.binary_search_by_key(&key, |l| l.key) {
+            let light = &self.curved[curved];
+            return Some((light.emission.share, light.point((u, v)).area));
+        }
+        self.pictured.find(key, (u, v))
     }
 
     /// The lights without area above the horizon of a surface. Where they are few it is all of
@@ -229,10 +244,15 @@ impl<'a> Lights<'a> {
 }
 
 /// Divides the power of all emitters by its sum; returns the sums up to each.
-fn normalized(flat: &mut [FlatEmitter], curved: &mut [CurvedEmitter]) -> Vec<f64> {
+fn normalized(
+    flat: &mut [FlatEmitter],
+    curved: &mut [CurvedEmitter],
+    pictured: &mut PicturedEmitters,
+) -> Vec<f64> {
     let flat = flat.iter_mut().map(|l| &mut l.emission.share);
     let curved = curved.iter_mut().map(|l| &mut l.emission.share);
-    let mut shares: Vec<&mut f64> = flat.chain(curved).collect();
+    let pictured = (!pictured.is_empty()).then_some(&mut pictured.share);
+    let mut shares: Vec<&mut f64> = flat.chain(curved).chain(pictured).collect();
     let power: f64 = shares.iter().map(|share| **share).sum();
     let mut sum = 0.0;
     let up_to = |share: &mut &mut f64| {

@@ -32,7 +32,7 @@ const CLEAR: f64 = 0.1;
 const LEAST_TRANSMISSION: f64 = 0.5;
 
 /// A material as primitives use it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct GltfSurface {
     /// Its index in the scene.
     pub id: MaterialId,
@@ -121,8 +121,15 @@ impl<'a> Surfaces<'a> {
     }
 
     fn plain(&mut self, material: Material) -> GltfSurface {
+        GltfSurface::plain(self.materials.index(material))
+    }
+}
+
+impl GltfSurface {
+    /// A material without texture.
+    fn plain(id: MaterialId) -> GltfSurface {
         GltfSurface {
-            id: self.materials.index(material),
+            id,
             is_textured: false,
             set: 0,
             picture_from_uv: DAffine2::IDENTITY,
@@ -158,9 +165,9 @@ impl MaterialReader<'_, '_> {
     fn material(&mut self) -> Material {
         let mut material = Material {
             name: self.json.name.clone().unwrap_or_default(),
-            emission: self.emission(),
             ..Material::default()
         };
+        (material.emission, material.emission_picture) = self.emission();
         material.emits_back = self.json.double_sided && material.is_emitter();
         material.sidedness = if self.json.double_sided {
             Sidedness::Two
@@ -174,31 +181,36 @@ impl MaterialReader<'_, '_> {
         material
     }
 
-    /// Radiance in cd/m²: factor, strength, and the mean of the texture.
-    fn emission(&mut self) -> Rgb {
+    /// Radiance in cd/m² by factor and strength, and the picture that multiplies it.
+    fn emission(&mut self) -> (Rgb, Option<TextureId>) {
         let extensions = self.json.extensions.as_ref();
         let strength = extensions.and_then(|e| e.emissive_strength.as_ref());
         let strength = strength.map_or(1.0, |s| f64::from(s.emissive_strength.0));
         let factor = Rgb::from(self.json.emissive_factor.0.map(f64::from));
         let emission = (factor * strength).map(|c| if c.is_finite() { c.max(0.0) } else { 0.0 });
-        let Some(picture) = self.json.emissive_texture.as_ref() else {
-            return emission;
+        let Some(info) = self.json.emissive_texture.as_ref() else {
+            return (emission, None);
         };
         if emission.is_black() {
-            return emission;
+            return (emission, None);
         }
-        match self.pictures.mean(picture.index) {
-            Ok(mean) => {
-                self.warn("emissive texture: the whole surface emits its mean");
-                emission * mean
-            }
-            Err(fault) => {
-                self.warn(&format!(
-                    "emissive texture, {fault}: the surface does not emit light"
-                ));
-                Rgb::BLACK
-            }
+        let (texture, problem) = self.pictures.index(info.index);
+        if let Some(problem) = problem {
+            self.warn(&problem);
         }
+        let mean = texture.map_or(Rgb::BLACK, |id| self.pictures.mean_of(id));
+        if texture.is_none_or(|id| !self.pictures.is_loaded(id)) {
+            self.warn("emissive texture without a picture: the surface does not emit light");
+        }
+        if mean.is_black() {
+            return (Rgb::BLACK, None);
+        }
+        let is_first = self.json.pbr_metallic_roughness.base_color_texture.is_none();
+        if !is_first && self.coordinates_of(info) != self.coordinates() {
+            self.warn("emissive texture placed otherwise than the base colour: its mean shines");
+            return (emission * mean, None);
+        }
+        (emission, texture)
     }
 
     /// Makes the material transmitting and returns `true`, if the file declares it as such.
@@ -357,15 +369,21 @@ impl MaterialReader<'_, '_> {
         }
     }
 
-    /// The texture coordinates of the base colour texture.
+    /// The texture coordinates of its pictures: those of the base colour, else of the emission.
     fn coordinates(&self) -> GltfSurface {
-        let info = self.json.pbr_metallic_roughness.base_color_texture.as_ref();
-        let transform = info.and_then(transform_of);
+        let pbr = &self.json.pbr_metallic_roughness;
+        let first = [&pbr.base_color_texture, &self.json.emissive_texture];
+        let first = first.into_iter().flatten().next();
+        first.map_or(GltfSurface::plain(0), |info| self.coordinates_of(info))
+    }
+
+    fn coordinates_of(&self, info: &Info) -> GltfSurface {
+        let transform = transform_of(info);
         let set = transform.and_then(|t| t.tex_coord);
         GltfSurface {
             id: 0,
-            is_textured: info.is_some(),
-            set: set.or(info.map(|i| i.tex_coord)).unwrap_or(0),
+            is_textured: true,
+            set: set.unwrap_or(info.tex_coord),
             picture_from_uv: transform.map_or(DAffine2::IDENTITY, map_of),
         }
     }

@@ -119,6 +119,16 @@ impl<'a> Pictures<'a> {
         self.textures.alpha_of(pictures)
     }
 
+    /// Whether the pixels of a picture are loaded.
+    pub fn is_loaded(&self, id: TextureId) -> bool {
+        self.textures.is_loaded(id)
+    }
+
+    /// The mean of a picture that was requested; black if it could not be loaded.
+    pub fn mean_of(&self, id: TextureId) -> Rgb {
+        self.textures.image(id).map_or(Rgb::BLACK, mean)
+    }
+
     /// The mean of a texture as linear light.
     ///
     /// # Errors

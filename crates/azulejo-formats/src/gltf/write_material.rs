@@ -32,6 +32,8 @@ pub(super) struct Materials {
     pub samplers: Vec<Value>,
     /// The extensions that they use.
     pub extensions: BTreeSet<&'static str>,
+    /// The mean of the picture that each emits, if it emits one.
+    emitted_means: Vec<Option<Rgb>>,
     /// Copies without texture, by the index of the material that has one.
     plain: HashMap<MaterialId, usize>,
 }
@@ -55,21 +57,36 @@ impl Materials {
                 materials.opacity(scene, material, opacity, &mut json, pack)?;
             }
             materials.list.push(json);
+            let picture = material.emission_picture;
+            let mean = picture.map(|id| scene.textures[id as usize].mean());
+            materials.emitted_means.push(mean);
         }
         Ok(materials)
     }
 
-    /// The index of a material for a mesh without texture coordinates, on which glTF allows no texture.
+    /// The index of a material for a mesh without texture coordinates, on which glTF allows no texture:
+    /// it emits the mean of its picture.
     pub fn plain(&mut self, material: MaterialId) -> usize {
         let of_material = &self.list[material as usize];
         let picture = &of_material["pbrMetallicRoughness"]["baseColorTexture"];
-        if picture.is_null() {
+        if picture.is_null() && of_material["emissiveTexture"].is_null() {
             return material as usize;
         }
         *self.plain.entry(material).or_insert_with(|| {
             let mut twin = self.list[material as usize].clone();
             if let Some(surface) = twin["pbrMetallicRoughness"].as_object_mut() {
                 surface.remove("baseColorTexture");
+            }
+            if let Some(mean) = self.emitted_means[material as usize]
+                && let Some(twin) = twin.as_object_mut()
+                && twin.remove("emissiveTexture").is_some()
+            {
+                let factors = twin["emissiveFactor"].as_array().into_iter().flatten();
+                let factors = factors.zip(mean.to_array());
+                let means: Vec<f64> = factors
+                    .map(|(f, mean)| f.as_f64().unwrap_or(0.0) * mean)
+                    .collect();
+                twin["emissiveFactor"] = json!(means);
             }
             self.list.push(twin);
             self.list.len() - 1
@@ -91,6 +108,9 @@ impl Materials {
         if m.is_emitter() {
             let factor = self.emission(m.emission, &mut extensions);
             json.insert("emissiveFactor".into(), json!(factor.to_array()));
+            if let Some(texture) = m.emission_picture {
+                json.insert("emissiveTexture".into(), json!({ "index": texture }));
+            }
         }
         if !extensions.is_empty() {
             json.insert("extensions".into(), extensions.into());

@@ -344,6 +344,7 @@ pub(super) struct MaterialNote {
     pub diffuse: Option<Rgb>,
     pub mirror: Option<Rgb>,
     pub emission: Option<Rgb>,
+    pub emission_texture: Option<GrfName>,
     pub emits_back: bool,
     pub ior: Option<f64>,
     pub transmittance: Option<Rgb>,
@@ -369,6 +370,7 @@ impl MaterialNote {
         let colors = [self.diffuse, self.mirror, self.emission, self.transmittance];
         self.name.is_none()
             && colors.iter().all(Option::is_none)
+            && self.emission_texture.is_none()
             && !self.emits_back
             && self.ior.is_none()
             && !self.thin

@@ -325,6 +325,7 @@ impl<'a> GrfParser<'a, '_, '_> {
             diffuse,
             mirror,
             emission,
+            emission_texture: self.take_name(entries, "emission_texture", NameKind::Texture)?,
             emits_back: self.take_flag(entries, "emits_back")?.unwrap_or(false),
             ior: ior.map(|(ior, _)| ior),
             transmittance,

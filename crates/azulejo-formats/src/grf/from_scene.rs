@@ -273,6 +273,9 @@ fn material_definition(
         diffuse: unless(material.diffuse == expressed.diffuse, material.diffuse),
         mirror: unless(material.mirror == expressed.mirror, material.mirror),
         emission: unless(!material.is_emitter(), material.emission),
+        emission_texture: material
+            .emission_picture
+            .map(|t| textures[t as usize].clone()),
         emits_back: material.emits_back,
         ior: material.dielectric.map(|d| d.ior),
         transmittance: material.dielectric.map(|d| d.transmittance),
@@ -335,7 +338,12 @@ fn plain_brdf(diffuse: Rgb, mirror: Rgb) -> Description {
 
 /// The radiance of a mesh whose faces all emit equally.
 fn common_radiance(scene: &Scene, mesh: &Mesh) -> Option<Rgb> {
-    let emission = |m: MaterialId| scene.materials[m as usize].emission;
+    let material = |m: MaterialId| &scene.materials[m as usize];
+    let has_picture = |&m: &MaterialId| material(m).emission_picture.is_some();
+    if mesh.face_materials.iter().any(has_picture) {
+        return None;
+    }
+    let emission = |m: MaterialId| material(m).emission;
     let (first, rest) = mesh.face_materials.split_first()?;
     let radiance = emission(*first);
     let is_common = rest.iter().all(|&m| emission(m) == radiance);

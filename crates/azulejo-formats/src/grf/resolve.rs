@@ -292,7 +292,14 @@ impl<'d> GrfResolver<'d> {
             None => None,
             Some(opacity) => Some(self.opacity(opacity, place)?),
         };
+        let emission_picture = match &note.emission_texture {
+            None => None,
+            Some(name) => Some(self.texture_named(name, place)?),
+        };
         if let Some(known) = self.surfaces.get_mut(&id) {
+            if emission_picture.is_some() {
+                known.surface.material.emission_picture = emission_picture;
+            }
             known.sets_textures |= textures.is_some();
             if opacity.is_some() {
                 known.surface.material.opacity = opacity;

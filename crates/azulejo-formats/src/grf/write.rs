@@ -573,6 +573,9 @@ fn material(out: &mut GrfOutput<'_>, note: &MaterialNote) -> io::Result<()> {
             write!(out, " {key} = {}", rgb(color))?;
         }
     }
+    if let Some(name) = &note.emission_texture {
+        write!(out, " emission_texture = {name}")?;
+    }
     if note.emits_back {
         out.write_all(b" emits_back = true")?;
     }

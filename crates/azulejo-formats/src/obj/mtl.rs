@@ -142,6 +142,7 @@ struct Definition {
     roughness: Option<f64>,
     metallic: Option<f64>,
     map_kd: Option<TextureId>,
+    map_ke: Option<TextureId>,
     placement: PicturePlacement,
 }
 
@@ -190,18 +191,8 @@ impl MtlParser<'_> {
                     (m.map_kd, m.placement) = (Some(picture), placement);
                 }
             }
-            b"map_d" => {
-                let (placement, wrap) = self.options();
-                if let Some(picture) = self.texture(wrap) {
-                    m.map_d = Some(picture);
-                    // Coordinates are those of the colour, if there is one.
-                    if m.map_kd.is_none() {
-                        m.placement = placement;
-                    } else if m.placement != placement {
-                        self.warn("map_d placed otherwise than map_Kd: placed as map_Kd");
-                    }
-                }
-            }
+            b"map_d" => m.map_d = self.further(keyword, m).or(m.map_d),
+            b"map_Ke" => m.map_ke = self.further(keyword, m).or(m.map_ke),
             // Ambient reflectance stands for indirect light, which azulejo computes; `sharpness`
             // applies to environment maps, which it does not use.
             b"Ka" | b"map_Ka" | b"sharpness" => {}
@@ -257,11 +248,24 @@ impl MtlParser<'_> {
         Ok(Some(Rgb::new(r, self.number()?, self.number()?)))
     }
 
-    /// The texture named by `map_Kd` or `map_d`, after its options.
+    /// A picture beside that of the colour, in whose place it is drawn if there is one.
+    fn further(&mut self, keyword: &[u8], m: &mut Definition) -> Option<TextureId> {
+        let (placement, wrap) = self.options();
+        let picture = self.texture(wrap)?;
+        if m.map_kd.is_none() {
+            m.placement = placement;
+        } else if m.placement != placement {
+            let word = text(keyword);
+            self.warn(format!("{word} placed otherwise than map_Kd: placed as map_Kd"));
+        }
+        Some(picture)
+    }
+
+    /// The texture named by a statement, after its options.
     fn texture(&mut self, wrap: WrapMode) -> Option<TextureId> {
         let name = self.cursor.name();
         if name.is_empty() {
-            self.warn("map_Kd or map_d without a file: skipped");
+            self.warn("map without a file: skipped");
             return None;
         }
         let (id, problem) = self.library.textures.index(self.file, &name, self.files);
@@ -319,9 +323,9 @@ impl MtlParser<'_> {
     /// Converts a finished block to a material.
     fn define(&mut self, m: Definition) {
         let mut material = Material {
-            emission: self.at_least_black(m.ke.unwrap_or_default(), &m),
             ..Material::default()
         };
+        (material.emission, material.emission_picture) = self.emission(&m);
         match self.surface(&m) {
             MtlSurface::Diffuse => self.diffuse(&m, &mut material),
             MtlSurface::Mirror => self.mirror(&m, &mut material),
@@ -346,6 +350,21 @@ impl MtlParser<'_> {
             self.library.placements.remove(&id);
         } else {
             self.library.placements.insert(id, m.placement);
+        }
+    }
+
+    /// `Ke`, white without it, times `map_Ke`: a picture that is missing or black emits nothing.
+    fn emission(&mut self, m: &Definition) -> (Rgb, Option<TextureId>) {
+        let Some(picture) = m.map_ke else {
+            return (self.at_least_black(m.ke.unwrap_or_default(), m), None);
+        };
+        let emission = self.at_least_black(m.ke.unwrap_or(Rgb::WHITE), m);
+        let image = self.library.textures.image(picture);
+        let shines = image.is_some_and(|i| i.pixels.iter().any(|p| *p != [0.0; 3]));
+        if shines && !emission.is_black() {
+            (emission, Some(picture))
+        } else {
+            (Rgb::BLACK, None)
         }
     }
 

@@ -218,6 +218,10 @@ fn write_material(scene: &Scene, m: &Material, name: &str, out: &mut dyn Write) 
     writeln!(out, "newmtl {name}\nKd {}", Numbers(&color(kd)))?;
     if m.is_emitter() {
         writeln!(out, "Ke {}", Numbers(&color(m.emission)))?;
+        if let Some(picture) = m.emission_picture {
+            let texture = &scene.textures[picture as usize];
+            writeln!(out, "map_Ke {}{}", clamped(texture), one_line(&texture.path))?;
+        }
     }
     if let Some(glass) = m.dielectric {
         let transmittance = color(glass.transmittance);

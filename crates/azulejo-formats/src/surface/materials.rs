@@ -15,6 +15,7 @@ pub(crate) struct Materials {
 struct Key {
     name: String,
     colors: [[u64; 3]; 3],
+    emission_picture: Option<u32>,
     emits_back: bool,
     sidedness: Sidedness,
     dielectric: Option<(u64, [u64; 3], bool)>,
@@ -35,6 +36,7 @@ impl Key {
         Key {
             name: m.name.clone(),
             colors: [m.diffuse, m.mirror, m.emission].map(bits),
+            emission_picture: m.emission_picture,
             emits_back: m.emits_back,
             sidedness: m.sidedness,
             dielectric: m

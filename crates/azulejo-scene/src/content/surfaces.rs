@@ -12,6 +12,7 @@ content_of_fields!(Material {
     mirror,
     dielectric,
     emission,
+    emission_picture,
     emits_back,
     sidedness,
     textures,

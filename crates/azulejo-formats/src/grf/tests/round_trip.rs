@@ -220,6 +220,8 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
             thin,
         });
     let opacity = option::weighted(0.2, opacity(textures));
+    let picture = option::weighted(0.3, 0..textures.max(1) as u32);
+    let picture = picture.prop_map(move |p| p.filter(|_| textures > 0));
     let textures = vec(0..textures.max(1) as u32, 0..=3.min(textures));
     let emission = prop_oneof![3 => Just(Rgb::BLACK), 1 => light_rgb()];
     (
@@ -227,7 +229,7 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
         share(),
         share(),
         option::weighted(0.2, dielectric),
-        (emission, any::<bool>(), sidedness()),
+        (emission, picture, any::<bool>(), sidedness()),
         (textures, opacity),
         option::weighted(0.2, brdf()),
     )
@@ -237,7 +239,7 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
                 diffuse,
                 mirror,
                 dielectric,
-                (emission, emits_back, sidedness),
+                (emission, emission_picture, emits_back, sidedness),
                 (textures, opacity),
                 brdf,
             )| {
@@ -247,6 +249,7 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
                     mirror,
                     dielectric,
                     emission,
+                    emission_picture,
                     emits_back,
                     sidedness,
                     textures,
