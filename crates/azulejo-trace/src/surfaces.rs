@@ -3,9 +3,7 @@
 use crate::{Hit, Item, KernelHit, KernelRay, Tracer};
 use azulejo_scene::brdf::Lobes;
 use azulejo_scene::math::Frame;
-use azulejo_scene::{
-    Leaf, Material, MaterialId, Mesh, PrimitiveKind, Rgb, Scene, Shape, Texture,
-};
+use azulejo_scene::{Leaf, Material, MaterialId, Mesh, PrimitiveKind, Rgb, Scene, Shape, Texture};
 use glam::{DVec2, DVec3};
 
 /// Cosine to the normal beyond which an axis does not determine the tangent.

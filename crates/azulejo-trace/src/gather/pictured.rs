@@ -82,7 +82,12 @@ impl Direct<'_> {
 
     /// A sample for three numbers in 0..1, of which the first two are shifted for each candidate;
     /// `None` if no candidate lights the point.
-    fn pictured_sample(&self, point: &GatherPoint, u: [f64; 3], key: u32) -> Option<PicturedSample> {
+    fn pictured_sample(
+        &self,
+        point: &GatherPoint,
+        u: [f64; 3],
+        key: u32,
+    ) -> Option<PicturedSample> {
         let (mut sum, mut chosen) = (0.0, None);
         let mut chance = u[2];
         for k in 0..CANDIDATES {

@@ -71,12 +71,7 @@ impl CellPlace {
         let row = (x.max(0.0) as u32).min(steps - 1);
         let column = (y.max(0.0) as u32).min(steps - 1 - row);
         let is_turned = (x - f64::from(row)) + (y - f64::from(column)) > 1.0;
-        CellPlace::new(
-            row,
-            column,
-            is_turned && row + column + 1 < steps,
-            steps,
-        )
+        CellPlace::new(row, column, is_turned && row + column + 1 < steps, steps)
     }
 
     fn new(row: u32, column: u32, is_turned: bool, steps: u32) -> CellPlace {
@@ -167,7 +162,11 @@ impl PicturedTriangle<'_> {
             let value = |k: usize| {
                 let part = CellPlace::numbered(k, n);
                 // Toward the corners, too, so that nothing bright is missed.
-                let points = [[1.0 / 6.0; 2], [2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0]];
+                let points = [
+                    [1.0 / 6.0; 2],
+                    [2.0 / 3.0, 1.0 / 6.0],
+                    [1.0 / 6.0, 2.0 / 3.0],
+                ];
                 let values = points.map(|[a, b]| {
                     let [a, b] = part.weights(a, b, n);
                     self.radiance(cell.weights(a, b, self.steps)).mean()
@@ -235,10 +234,19 @@ impl<'a> PicturedEmitters<'a> {
     pub fn point(&self, u: (f64, f64)) -> (Emission, EmitterPoint) {
         let last = self.ends.len() - 1;
         // The numbers have 24 bits, fewer than cells and places in them need.
-        let fine = uniform(&[u.0.to_bits() as u32, (u.0.to_bits() >> 32) as u32, u.1.to_bits() as u32, (u.1.to_bits() >> 32) as u32]);
+        let fine = uniform(&[
+            u.0.to_bits() as u32,
+            (u.0.to_bits() >> 32) as u32,
+            u.1.to_bits() as u32,
+            (u.1.to_bits() >> 32) as u32,
+        ]);
         let chosen = (u.0 + f64::from(fine) / f64::from(1 << 24)) * self.ends[last];
         let number = self.ends.partition_point(|&end| end <= chosen).min(last);
-        let before = if number == 0 { 0.0 } else { self.ends[number - 1] };
+        let before = if number == 0 {
+            0.0
+        } else {
+            self.ends[number - 1]
+        };
         let rest = ((chosen - before) / (self.ends[number] - before)).clamp(0.0, 1.0);
         let index = self.triangles.partition_point(|t| t.first <= number) - 1;
         let triangle = &self.triangles[index];
@@ -263,7 +271,11 @@ impl<'a> PicturedEmitters<'a> {
 
     /// Area of a cell over its probability.
     fn area(&self, triangle: &PicturedTriangle, number: usize) -> f64 {
-        let before = if number == 0 { 0.0 } else { self.ends[number - 1] };
+        let before = if number == 0 {
+            0.0
+        } else {
+            self.ends[number - 1]
+        };
         let whole = self.ends[self.ends.len() - 1];
         let probability = (self.ends[number] - before) / whole;
         triangle.area_vector().length() / (triangle.cells() as f64 * probability)
@@ -316,4 +328,130 @@ fn pictured_triangles<'a>(surfaces: &Surfaces<'a>) -> Vec<PicturedTriangle<'a>> 
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Tracer;
+    use crate::sampling::sobol;
+    use azulejo_scene::{Attribute, Image, Material, Mesh, Object, Scene};
+
+    #[test]
+    fn cells_hold_their_places() {
+        for steps in [1, 2, 7, 100] {
+            for number in 0..(steps * steps) as usize {
+                let cell = CellPlace::numbered(number, steps);
+                assert_eq!(cell.number, number);
+                let [u, v] = cell.weights(0.3, 0.4, steps);
+                assert!(u > 0.0 && v > 0.0 && u + v < 1.0, "{u} {v}");
+                assert_eq!(CellPlace::holding(u, v, steps).number, number);
+            }
+        }
+    }
+
+    /// A rectangle of 2 × 1 that shows `image` once.
+    fn sheet(image: Image) -> Scene {
+        let mut scene = Scene::default();
+        scene.textures.push(Texture {
+            image: Some(image),
+            ..Texture::default()
+        });
+        let lamp = scene.add_material(Material {
+            emission_picture: Some(0),
+            ..Material::emitter("lamp", Rgb::new(1.0, 2.0, 3.0))
+        });
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let mut mesh = Mesh {
+            positions: corners.map(|[x, y]| DVec3::new(2.0 * x, y, 0.0)).to_vec(),
+            uvs: Some(Attribute::per_vertex(corners.map(DVec2::from).to_vec())),
+            ..Mesh::default()
+        };
+        mesh.push_face(&[0, 1, 2, 3], lamp);
+        scene.objects.push(Object::new("sheet", Shape::Mesh(mesh)));
+        scene.validate().unwrap();
+        scene
+    }
+
+    /// ∫ L dA by so many samples, and the spread of one of them; the density must be that of hits.
+    fn integral(scene: &Scene, count: u32) -> (Rgb, f64) {
+        let tracer = Tracer::new(scene);
+        let surfaces = Surfaces::new(scene, &tracer);
+        let lamps = PicturedEmitters::new(&surfaces);
+        let (mut sum, mut squares) = (Rgb::BLACK, 0.0);
+        for k in 0..count {
+            let u = [0, 1].map(|d| f64::from(sobol(k, d, 7)));
+            let (emission, point) = lamps.point((u[0], u[1]));
+            let value = emission.radiance * point.area;
+            sum += value;
+            squares += value.mean().powi(2);
+            let ray = azulejo_scene::math::Ray::new(point.position + DVec3::Z, -DVec3::Z);
+            let mut hits = Vec::new();
+            tracer.closest(&[tracer.kernel_ray(&ray)], &mut hits);
+            if hits[0].is_hit() {
+                let seen = surfaces.emitted(&hits[0], true);
+                let off = (seen - emission.radiance).map(f64::abs).max_channel();
+                assert!(off < 2e-2 * (1.0 + seen.max_channel()), "{seen:?}");
+            }
+        }
+        let mean = sum / f64::from(count);
+        let variance = squares / f64::from(count) - mean.mean().powi(2);
+        (mean, variance.max(0.0).sqrt())
+    }
+
+    /// A window of a thousandth of the area costs as little as a lamp of its size.
+    #[test]
+    fn one_bright_window_is_found() {
+        let size = 256u32;
+        let is_bright = |k: u32| (k % size).abs_diff(40) < 4 && (k / size).abs_diff(100) < 4;
+        let pixel = |k: u32| {
+            if is_bright(k) {
+                [9.0, 5.0, 1.0]
+            } else {
+                [0.0; 3]
+            }
+        };
+        let scene = sheet(Image::opaque(
+            size,
+            size,
+            (0..size * size).map(pixel).collect(),
+        ));
+        let expected = scene.mean_emissions()[0] * 2.0;
+        let (found, spread) = integral(&scene, 4096);
+        let off = (found - expected).map(f64::abs).max_channel();
+        assert!(
+            off < 0.01 * expected.max_channel(),
+            "{found:?} {expected:?}"
+        );
+        // Sampled evenly it would be 35 times the mean.
+        assert!(spread < 0.5 * expected.mean(), "{spread} of {expected:?}");
+    }
+
+    #[test]
+    fn large_pictures_keep_the_budget() {
+        let size = 3000u32;
+        let pixel = |k: u32| [(k.wrapping_mul(2_654_435_761) >> 24) as f32 / 256.0; 3];
+        let scene = sheet(Image::opaque(
+            size,
+            size,
+            (0..size * size).map(pixel).collect(),
+        ));
+        let tracer = Tracer::new(&scene);
+        let lamps = PicturedEmitters::new(&Surfaces::new(&scene, &tracer));
+        assert!(lamps.ends.len() as f64 <= MOST_CELLS);
+        let expected = scene.mean_emissions()[0] * 2.0;
+        let (found, _) = integral(&scene, 16_384);
+        let off = (found - expected).map(f64::abs).max_channel();
+        assert!(
+            off < 0.02 * expected.max_channel(),
+            "{found:?} {expected:?}"
+        );
+    }
+
+    #[test]
+    fn black_pictures_are_no_lights() {
+        let scene = sheet(Image::new(8, 8));
+        let tracer = Tracer::new(&scene);
+        assert!(PicturedEmitters::new(&Surfaces::new(&scene, &tracer)).is_empty());
+    }
 }

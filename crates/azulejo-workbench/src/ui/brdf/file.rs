@@ -57,6 +57,7 @@ pub fn with_description(
 pub(super) fn with_brdf(material: &Material, brdf: Arc<Brdf>) -> Material {
     Material {
         emission: material.emission,
+        emission_picture: material.emission_picture,
         emits_back: material.emits_back,
         textures: material.textures.clone(),
         opacity: material.opacity,
