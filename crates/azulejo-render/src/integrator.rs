@@ -20,6 +20,9 @@ use std::f64::consts::FRAC_1_PI;
 /// Ends paths that carry little of what the camera sees: a hall of mirrors ends.
 const ROULETTE: Roulette = Roulette::below(Roulette::SHARE);
 
+/// Samples of the lamps, and of directions, where a relief is seen: all of its irradiance is sampled.
+const RELIEF_SAMPLES: u32 = 4;
+
 /// About how many rays one call of the gatherer traces: bounds its memory.
 const GATHER_BATCH: u32 = 16_384;
 
@@ -209,12 +212,15 @@ impl<'a> CameraPath<'_, 'a> {
         let surfaces = scene.surfaces();
         let material = surfaces.material(hit.item);
         let mut own = scene.emitted(&segment.ray, hit, segment.density);
-        if !material.diffuse.is_black() {
+        // The irradiance of a tilted normal is not known: lamps and directions are sampled, as for matt
+        // lobes.
+        let is_tilted = segment.is_sharp && material.dielectric.is_none() && scene.has_relief(hit);
+        if !material.diffuse.is_black() && !is_tilted {
             let front = surfaces.is_front(&segment.ray, hit);
             let (ray, hit) = (segment.ray, *hit);
             own += self.reflected(segment, &DiffuseHit { ray, hit, front }, material);
         }
-        if material.is_specular() || material.brdf.is_some() {
+        if is_tilted || material.is_specular() || material.brdf.is_some() {
             own += self.scatter(segment, hit, material);
         }
         segment.weight * own
@@ -223,7 +229,7 @@ impl<'a> CameraPath<'_, 'a> {
     /// Diffusely reflected radiance ρE/π; black if its gather is deferred. Matt lobes that are seen
     /// sharply are left to [`scatter`](CameraPath::scatter).
     fn reflected(&mut self, segment: &Segment, at: &DiffuseHit, material: &Material) -> Rgb {
-        let mut reflectance = self.integrator.reflectance(at);
+        let mut reflectance = self.integrator.scene.reflectance(&at.hit, material);
         if segment.is_sharp {
             reflectance = Colors::new(reflectance, material.brdf.as_deref()).lambert;
         }
@@ -284,12 +290,12 @@ impl<'a> CameraPath<'_, 'a> {
         at: &SurfaceInteraction,
         material: &'a Material,
     ) -> Rgb {
-        let parts = if segment.is_sharp {
-            Parts::MattAndLobes
-        } else {
-            Parts::Lobes
-        };
         let scene = &self.integrator.scene;
+        let parts = match segment.is_sharp {
+            true if scene.has_relief(hit) => Parts::All,
+            true => Parts::MattAndLobes,
+            false => Parts::Lobes,
+        };
         let shading = scene.shading(hit, at, material, parts);
         let share = mirrored(material, -at.direction.dot(at.shading_normal));
         let mirror = at.mirrored(share);
@@ -305,13 +311,20 @@ impl<'a> CameraPath<'_, 'a> {
         if let Some(probability) = of_mirror {
             self.send(segment, at, mirror.over(probability));
         }
-        if let Some(probability) = of_lobes {
-            let u = [(); 4].map(|()| self.chance());
-            if let Some(sample) = shading.sample(u) {
-                self.send(segment, at, sample.chosen(probability));
+        let is_first = segment.depth == 0 && parts == Parts::All;
+        let count = if is_first { RELIEF_SAMPLES } else { 1 };
+        let mut found = Rgb::BLACK;
+        for _ in 0..count {
+            if let Some(probability) = of_lobes {
+                let u = [(); 4].map(|()| self.chance());
+                if let Some(sample) = shading.sample(u) {
+                    let next = sample.chosen(probability).over(f64::from(count));
+                    self.send(segment, at, next);
+                }
             }
+            found += self.lit(&shading, branching.lobe_probability());
         }
-        self.lit(&shading, branching.lobe_probability())
+        found / f64::from(count)
     }
 
     /// What lobes show of lamps and lights; `lobe_probability` as for [`RenderScene::lit`].
@@ -362,6 +375,8 @@ impl DiffuseLight for Integrator<'_> {
         }
     }
 
+    /// By the means of pictures of metalness, as the glossy paths of a gather have them, so that both
+    /// together reflect no more than arrives.
     fn reflectance(&self, at: &DiffuseHit) -> Rgb {
         let material = self.surfaces().material(at.hit.item);
         self.scene.interpolator.reflectance(&at.hit, material)

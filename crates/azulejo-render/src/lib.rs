@@ -19,6 +19,7 @@ mod reference;
 mod render_scene;
 pub mod rtrace;
 mod shading;
+mod surface_maps;
 mod tone;
 
 pub use first_view::first_view;

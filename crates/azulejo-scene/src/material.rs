@@ -2,7 +2,7 @@
 
 use crate::brdf::Lobes;
 use crate::image::{TextureId, WrapMode};
-use crate::{Brdf, Image, Opacity, Rgb};
+use crate::{Brdf, FinishMaps, Image, Opacity, Relief, Rgb};
 use glam::DVec2;
 use std::sync::Arc;
 
@@ -48,6 +48,10 @@ pub struct Material {
     /// How much of the surface is there; `None` is all of it. What it takes is as the other
     /// properties say ([`Material::see_through`]).
     pub opacity: Option<Opacity>,
+    /// Pictures of metalness and roughness, for the second pass; `brdf` has their means.
+    pub finish: Option<FinishMaps>,
+    /// A picture of small relief, which tilts the shading normal in the second pass.
+    pub relief: Option<Relief>,
 }
 
 /// From which sides a surface is visible, by the file that it comes from.
@@ -250,14 +254,25 @@ impl Material {
         uv: Option<DVec2>,
         texture: impl Fn(TextureId) -> Option<&'a Texture>,
     ) -> Rgb {
-        let mut reflectance = self.diffuse * color;
+        self.diffuse * self.pattern(color, uv, texture)
+    }
+
+    /// The factor by which a vertex colour and textures change the diffuse reflectance, as
+    /// [`painted`](Material::painted).
+    pub fn pattern<'a>(
+        &self,
+        color: Rgb,
+        uv: Option<DVec2>,
+        texture: impl Fn(TextureId) -> Option<&'a Texture>,
+    ) -> Rgb {
+        let mut pattern = color;
         if let Some(uv) = uv {
             let textures = self.textures.iter().filter_map(|&id| texture(id));
             for color in textures.filter_map(|texture| texture.sample(uv)) {
-                reflectance *= Rgb::from(color.map(f64::from));
+                pattern *= Rgb::from(color.map(f64::from));
             }
         }
-        reflectance
+        pattern
     }
 
     /// Emitted exitance M = πL of the front, W/m²; a picture of it multiplies this.
@@ -286,11 +301,15 @@ impl Material {
         opacity.filter(|_| !self.is_emitter())
     }
 
-    /// All pictures that it shows: of its colour, of its opacity, then of its emission.
+    /// All pictures that it shows: of its colour, its opacity, its emission, its relief and its finish.
     pub fn pictures(&self) -> impl Iterator<Item = TextureId> + '_ {
         let of_opacity = self.opacity.and_then(|o| o.picture).map(|p| p.texture);
-        let rest = [of_opacity, self.emission_picture];
-        (self.textures.iter().copied()).chain(rest.into_iter().flatten())
+        let of_relief = self.relief.map(|r| r.texture);
+        let rest = [of_opacity, self.emission_picture, of_relief];
+        let finish = self.finish.iter().flat_map(FinishMaps::pictures);
+        (self.textures.iter().copied())
+            .chain(rest.into_iter().flatten())
+            .chain(finish)
     }
 
     /// Numbers its pictures `by` more, as where their list is appended to another.
@@ -303,12 +322,18 @@ impl Material {
         if let Some(picture) = &mut self.emission_picture {
             *picture += by;
         }
+        if let Some(relief) = &mut self.relief {
+            relief.texture += by;
+        }
+        if let Some(finish) = &mut self.finish {
+            finish.renumber(by);
+        }
     }
 
     /// Forgets its pictures.
     pub fn drop_pictures(&mut self) {
         self.textures.clear();
-        self.emission_picture = None;
+        (self.emission_picture, self.relief, self.finish) = (None, None, None);
         if let Some(opacity) = &mut self.opacity {
             opacity.picture = None;
         }

@@ -204,6 +204,20 @@ impl Scene {
         self.materials.iter().map(mean).collect()
     }
 
+    /// The scene with the mean of each picture of emission in its place, for formats without such pictures;
+    /// `None` if it has none.
+    pub fn with_even_emission(&self) -> Option<Scene> {
+        if self.materials.iter().all(|m| m.emission_picture.is_none()) {
+            return None;
+        }
+        let mut even = self.clone();
+        for (material, mean) in even.materials.iter_mut().zip(self.mean_emissions()) {
+            material.emission = mean;
+            material.emission_picture = None;
+        }
+        Some(even)
+    }
+
     /// Whether there is a light source: an emitting surface, or a light that is not black.
     pub fn has_light(&self) -> bool {
         use LightKind::*;

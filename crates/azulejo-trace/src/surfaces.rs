@@ -184,6 +184,19 @@ impl<'a> Surfaces<'a> {
         Some(a + u * (b - a) + v * (c - a))
     }
 
+    /// The directions in which the texture coordinates grow at a hit of a mesh that has some, of any
+    /// length; `None` where they do not span the surface.
+    pub fn picture_axes(&self, hit: &KernelHit) -> Option<[DVec3; 2]> {
+        let item = self.item(hit.item);
+        let ([a, b, c], [ta, tb, tc]) = self.triangle(item.object, item.face, item.triangle)?;
+        let (d1, d2) = (tb - ta, tc - ta);
+        let turn = d1.perp_dot(d2).signum();
+        let along = (d2.y * (b - a) - d1.y * (c - a)) * turn;
+        let across = (d1.x * (c - a) - d2.x * (b - a)) * turn;
+        let spans = d1.perp_dot(d2) != 0.0 && along.is_finite() && across.is_finite();
+        spans.then_some([along, across])
+    }
+
     /// Corners and texture coordinates of a triangle of a mesh that has some.
     pub(crate) fn triangle(
         &self,

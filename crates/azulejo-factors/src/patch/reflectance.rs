@@ -125,7 +125,8 @@ pub(super) fn mean_emitted_pictures(scene: &Scene, patches: &Patches) -> Option<
                 RefinedShape::Mesh(mesh) => texture_corners(mesh, face),
                 RefinedShape::Surface(_) => None,
             };
-            let texture = picture(&scene.materials[material]).map(|id| &scene.textures[id as usize]);
+            let texture =
+                picture(&scene.materials[material]).map(|id| &scene.textures[id as usize]);
             all.push(match uvs.zip(texture) {
                 Some((uvs, texture)) => mean_of_texels(texture, &uvs),
                 None => mean,

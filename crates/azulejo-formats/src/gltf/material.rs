@@ -7,12 +7,12 @@ use crate::Files;
 use crate::surface::gloss::Gloss;
 use crate::surface::materials::Materials;
 use azulejo_scene::{
-    Dielectric, Image, Material, MaterialId, Opacity, OpacityMode, Rgb, Sidedness, Texture,
-    TextureId,
+    Dielectric, FinishMaps, Image, Material, MaterialId, NumberPicture, Opacity, OpacityMode,
+    PictureChannel, Relief, ReliefKind, Rgb, Sidedness, Texture, TextureId,
 };
 use glam::{DAffine2, DMat2, DVec2};
 use gltf_json::extensions::texture::TextureTransform;
-use gltf_json::material::AlphaMode;
+use gltf_json::material::{AlphaMode, NormalTexture};
 use gltf_json::texture::Info;
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
@@ -27,6 +27,9 @@ const DEFAULT_IOR: f64 = 1.5;
 
 /// Glass below this roughness is taken as clear without a warning.
 const CLEAR: f64 = 0.1;
+
+/// Least mean roughness by a picture: the surface keeps a model.
+const SMOOTHEST: f64 = 0.03;
 
 /// From this share of transmitted light on, a surface is glass.
 const LEAST_TRANSMISSION: f64 = 0.5;
@@ -177,6 +180,7 @@ impl MaterialReader<'_, '_> {
         if !self.glass(&mut material) {
             self.opaque(&mut material);
         }
+        material.relief = self.relief();
         self.name_the_rest();
         material
     }
@@ -205,8 +209,7 @@ impl MaterialReader<'_, '_> {
         if mean.is_black() {
             return (Rgb::BLACK, None);
         }
-        let is_first = self.json.pbr_metallic_roughness.base_color_texture.is_none();
-        if !is_first && self.coordinates_of(info) != self.coordinates() {
+        if coordinates_of(info) != self.coordinates() {
             self.warn("emissive texture placed otherwise than the base colour: its mean shines");
             return (emission * mean, None);
         }
@@ -290,23 +293,21 @@ impl MaterialReader<'_, '_> {
         let pbr = &self.json.pbr_metallic_roughness;
         let [r, g, b, _] = pbr.base_color_factor.0;
         let base = color([r, g, b]);
-        let (metallic, roughness) = (share(pbr.metallic_factor.0), share(pbr.roughness_factor.0));
-        if pbr.metallic_roughness_texture.is_some() {
-            self.warn("metallic-roughness texture: not used, the surface is diffuse");
-            material.diffuse = base;
-        } else {
-            let metal = self.metal(base, metallic);
-            let gloss = &mut *self.gloss;
-            if let Err(message) = gloss.metallic_roughness(material, metal, metallic, roughness) {
-                self.warn(message);
-            }
-            // The texture multiplies the diffuse reflectance.
-            material.diffuse = Rgb::from([0, 1, 2].map(|k| match metal[k] {
-                0.0 => 0.0,
-                colored => material.diffuse[k] * (base[k] / colored),
-            }));
-            material.limit_reflectance();
+        let finish = self.finish(base);
+        let [metallic, roughness] = finish.means;
+        let metal = self.metal(base, metallic);
+        let gloss = &mut *self.gloss;
+        if let Err(message) = gloss.metallic_roughness(material, metal, metallic, roughness) {
+            self.warn(message);
         }
+        // The texture multiplies the diffuse reflectance.
+        material.diffuse = Rgb::from([0, 1, 2].map(|k| match metal[k] {
+            0.0 => 0.0,
+            colored => material.diffuse[k] * (base[k] / colored),
+        }));
+        material.limit_reflectance();
+        // Without a model the surface is matt, or a mirror.
+        material.finish = finish.maps.filter(|_| material.brdf.is_some());
         if let Some(info) = &pbr.base_color_texture {
             let (texture, problem) = self.pictures.index(info.index);
             material.textures.extend(texture);
@@ -315,6 +316,77 @@ impl MaterialReader<'_, '_> {
             }
         }
         material.opacity = self.opacity(&material.textures);
+    }
+
+    /// Metalness and roughness: the blue and the green channel of a texture, times factors.
+    fn finish(&mut self, base: Rgb) -> GltfFinish {
+        let pbr = &self.json.pbr_metallic_roughness;
+        let (metallic, roughness) = (share(pbr.metallic_factor.0), share(pbr.roughness_factor.0));
+        let maps = FinishMaps {
+            base,
+            metallic,
+            roughness,
+            metallic_picture: None,
+            roughness_picture: None,
+        };
+        let Some(info) = &pbr.metallic_roughness_texture else {
+            // A texture colours metals, too.
+            let is_colored_metal = pbr.base_color_texture.is_some() && metallic > 0.0;
+            return GltfFinish {
+                means: [metallic, roughness],
+                maps: is_colored_metal.then_some(maps),
+            };
+        };
+        let (texture, problem) = self.pictures.index(info.index);
+        if let Some(problem) = problem {
+            self.warn(&problem);
+        }
+        let known = texture.and_then(|id| Some((id, self.pictures.mean_numbers(id)?)));
+        let Some((texture, mean)) = known else {
+            self.warn("metallic-roughness texture without a picture: the surface is diffuse");
+            return GltfFinish {
+                means: [0.0, 1.0],
+                maps: None,
+            };
+        };
+        let is_placed = coordinates_of(info) == self.coordinates();
+        if !is_placed {
+            self.warn(
+                "metallic-roughness texture placed otherwise than the first: its mean counts",
+            );
+        }
+        let picture = |channel| Some(NumberPicture { texture, channel });
+        let maps = FinishMaps {
+            metallic_picture: picture(PictureChannel::Blue),
+            roughness_picture: picture(PictureChannel::Green),
+            ..maps
+        };
+        GltfFinish {
+            means: [metallic * mean.z, (roughness * mean.y).max(SMOOTHEST)],
+            maps: is_placed.then_some(maps),
+        }
+    }
+
+    /// The relief by a normal map.
+    fn relief(&mut self) -> Option<Relief> {
+        let json = self.json;
+        let map = json.normal_texture.as_ref()?;
+        let (texture, problem) = self.pictures.index(map.index);
+        if let Some(problem) = problem {
+            self.warn(&problem);
+        }
+        let texture = texture.filter(|id| self.pictures.is_loaded(*id));
+        let Some(texture) = texture else {
+            self.warn("normal map without a picture: not used");
+            return None;
+        };
+        if self.coordinates() != normal_coordinates(map) {
+            self.warn("normal map placed otherwise than the first texture: not used");
+            return None;
+        }
+        let scale = f64::from(map.scale);
+        let kind = ReliefKind::Normals { scale };
+        Some(Relief { texture, kind }).filter(|_| scale.is_finite())
     }
 
     /// The opacity by `alphaMode`: the alpha of the base colour's factor, times that of its texture.
@@ -344,7 +416,8 @@ impl MaterialReader<'_, '_> {
         let pbr = &self.json.pbr_metallic_roughness;
         let picture = pbr.base_color_texture.as_ref().filter(|_| metallic > 0.0);
         let mean = picture.and_then(|info| self.pictures.mean(info.index).ok());
-        if picture.is_some() {
+        // Mirrors have one colour.
+        if picture.is_some() && pbr.roughness_factor.0 <= 0.0 {
             self.warn("texture of a metal: multiplies diffuse reflection, and its mean multiplies mirror reflection");
         }
         base * mean.unwrap_or(Rgb::WHITE)
@@ -355,7 +428,6 @@ impl MaterialReader<'_, '_> {
         let json = self.json;
         let extensions = json.extensions.as_ref();
         let rest = [
-            (json.normal_texture.is_some(), "normal map: not used"),
             (json.occlusion_texture.is_some(), "occlusion map: not used"),
             (
                 extensions.is_some_and(|e| e.unlit.is_some()),
@@ -369,23 +441,45 @@ impl MaterialReader<'_, '_> {
         }
     }
 
-    /// The texture coordinates of its pictures: those of the base colour, else of the emission.
+    /// The texture coordinates of its pictures: those of the first that it has.
     fn coordinates(&self) -> GltfSurface {
         let pbr = &self.json.pbr_metallic_roughness;
-        let first = [&pbr.base_color_texture, &self.json.emissive_texture];
-        let first = first.into_iter().flatten().next();
-        first.map_or(GltfSurface::plain(0), |info| self.coordinates_of(info))
+        let first = [
+            &pbr.base_color_texture,
+            &self.json.emissive_texture,
+            &pbr.metallic_roughness_texture,
+        ];
+        let first = first.into_iter().flatten().next().map(coordinates_of);
+        let last = || self.json.normal_texture.as_ref().map(normal_coordinates);
+        first.or_else(last).unwrap_or(GltfSurface::plain(0))
     }
+}
 
-    fn coordinates_of(&self, info: &Info) -> GltfSurface {
-        let transform = transform_of(info);
-        let set = transform.and_then(|t| t.tex_coord);
-        GltfSurface {
-            id: 0,
-            is_textured: true,
-            set: set.unwrap_or(info.tex_coord),
-            picture_from_uv: transform.map_or(DAffine2::IDENTITY, map_of),
-        }
+/// Metalness and roughness of a material: their means, and the pictures that vary them.
+struct GltfFinish {
+    means: [f64; 2],
+    maps: Option<FinishMaps>,
+}
+
+/// The texture coordinates of a texture.
+fn coordinates_of(info: &Info) -> GltfSurface {
+    placed(info.tex_coord, transform_of(info))
+}
+
+/// The texture coordinates of a normal map.
+fn normal_coordinates(map: &NormalTexture) -> GltfSurface {
+    let others = map.extensions.as_ref().map(|e| &e.others);
+    let transform = others.and_then(|o| o.get("KHR_texture_transform"));
+    let transform = transform.and_then(|t| serde_json::from_value(t.clone()).ok());
+    placed(map.tex_coord, transform.as_ref())
+}
+
+fn placed(set: u32, transform: Option<&TextureTransform>) -> GltfSurface {
+    GltfSurface {
+        id: 0,
+        is_textured: true,
+        set: transform.and_then(|t| t.tex_coord).unwrap_or(set),
+        picture_from_uv: transform.map_or(DAffine2::IDENTITY, map_of),
     }
 }
 

@@ -6,6 +6,7 @@ use crate::Files;
 use crate::picture::PixelBudget;
 use crate::surface::textures::Textures;
 use azulejo_scene::{Image, OpacityPicture, Rgb, Texture, TextureId, WrapMode};
+use glam::DVec3;
 use gltf_json::texture::WrappingMode;
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
@@ -122,6 +123,11 @@ impl<'a> Pictures<'a> {
     /// Whether the pixels of a picture are loaded.
     pub fn is_loaded(&self, id: TextureId) -> bool {
         self.textures.is_loaded(id)
+    }
+
+    /// The mean of the numbers of a picture that was requested, if it could be loaded.
+    pub fn mean_numbers(&self, id: TextureId) -> Option<DVec3> {
+        Some(self.textures.numbers(id)?.mean())
     }
 
     /// The mean of a picture that was requested; black if it could not be loaded.

@@ -7,8 +7,9 @@ use crate::picture::png;
 use crate::picture::srgb::srgb_bytes;
 use crate::surface::model::{gltf_mr, model_of, slope};
 use azulejo_scene::{
-    Dielectric, Image, Material, MaterialId, Opacity, OpacityChannel, OpacityMap, OpacityMode, Rgb,
-    Scene, Sidedness, Texture, TextureId, WrapMode,
+    Dielectric, FinishMaps, Image, Material, MaterialId, Opacity, OpacityChannel, OpacityMap,
+    OpacityMode, PictureChannel, Relief, ReliefKind, Rgb, Scene, Sidedness, Texture, TextureId,
+    WrapMode,
 };
 use glam::DVec2;
 use serde_json::{Map, Value, json};
@@ -68,14 +69,24 @@ impl Materials {
     /// it emits the mean of its picture.
     pub fn plain(&mut self, material: MaterialId) -> usize {
         let of_material = &self.list[material as usize];
-        let picture = &of_material["pbrMetallicRoughness"]["baseColorTexture"];
-        if picture.is_null() && of_material["emissiveTexture"].is_null() {
+        let surface = &of_material["pbrMetallicRoughness"];
+        let pictures = [
+            &surface["baseColorTexture"],
+            &surface["metallicRoughnessTexture"],
+            &of_material["emissiveTexture"],
+            &of_material["normalTexture"],
+        ];
+        if pictures.iter().all(|picture| picture.is_null()) {
             return material as usize;
         }
         *self.plain.entry(material).or_insert_with(|| {
             let mut twin = self.list[material as usize].clone();
             if let Some(surface) = twin["pbrMetallicRoughness"].as_object_mut() {
                 surface.remove("baseColorTexture");
+                surface.remove("metallicRoughnessTexture");
+            }
+            if let Some(twin) = twin.as_object_mut() {
+                twin.remove("normalTexture");
             }
             if let Some(mean) = self.emitted_means[material as usize]
                 && let Some(twin) = twin.as_object_mut()
@@ -99,12 +110,26 @@ impl Materials {
             Some(glass) => self.glass(m, glass, &mut extensions),
             None => opaque(m),
         };
+        if let Some(finish) = m.finish.filter(|_| m.dielectric.is_none()) {
+            surface = metallic_roughness(finish.base, finish.metallic, finish.roughness);
+            if let Some(texture) = finish_texture(&finish) {
+                surface["metallicRoughnessTexture"] = json!({ "index": texture });
+            }
+        }
         if let Some(&texture) = m.textures.first() {
             surface["baseColorTexture"] = json!({ "index": texture });
         }
         let mut json = named(&m.name);
         json.insert("pbrMetallicRoughness".into(), surface);
         json.insert("doubleSided".into(), json!(has_two_sides(m)));
+        if let Some(Relief {
+            texture,
+            kind: ReliefKind::Normals { scale },
+        }) = m.relief
+        {
+            let map = json!({ "index": texture, "scale": scale });
+            json.insert("normalTexture".into(), map);
+        }
         if m.is_emitter() {
             let factor = self.emission(m.emission, &mut extensions);
             json.insert("emissiveFactor".into(), json!(factor.to_array()));
@@ -257,6 +282,15 @@ fn opaque(m: &Material) -> Value {
         .filter(|_| m.glossy().is_some())
         .map_or(0.0, slope);
     metallic_roughness(base, share, slope.sqrt())
+}
+
+/// The one picture whose blue channel is the metalness and whose green one is the roughness.
+pub(super) fn finish_texture(finish: &FinishMaps) -> Option<TextureId> {
+    let (metallic, roughness) = (finish.metallic_picture?, finish.roughness_picture?);
+    let is_one = metallic.texture == roughness.texture
+        && metallic.channel == PictureChannel::Blue
+        && roughness.channel == PictureChannel::Green;
+    is_one.then_some(metallic.texture)
 }
 
 /// The mirrored share of a surface's reflectance.

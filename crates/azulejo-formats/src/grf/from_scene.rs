@@ -2,9 +2,9 @@
 
 use super::brdf::GrfReflection;
 use super::document::{
-    AppearanceChange, AreaLight, BlockKind, DefinitionBody, GrfBlock, GrfDefinition, GrfDocument,
-    GrfName, MaterialNote, MeshBlock, NameKind, ObjectNotes, OpacityNote, PrimitiveBlock,
-    SourcePosition, VertexColumn, VertexList,
+    AppearanceChange, AreaLight, BlockKind, DefinitionBody, FinishNote, GrfBlock, GrfDefinition,
+    GrfDocument, GrfName, MaterialNote, MeshBlock, NameKind, ObjectNotes, OpacityNote,
+    PrimitiveBlock, SourcePosition, VertexColumn, VertexList,
 };
 use super::has_area;
 use super::materials::surface;
@@ -12,8 +12,9 @@ use super::solids::{Figures, exact_block};
 use super::surroundings::{self, EnvironmentBlock};
 use azulejo_scene::brdf::{Description, Model};
 use azulejo_scene::{
-    Attribute, BackIrradiance, Brdf, Faces, LightKind, Material, MaterialId, Mesh, Object,
-    Primitive, PrimitiveKind, Rgb, Scene, SceneBackground, Shape, TextureId, Units, WrapMode,
+    Attribute, BackIrradiance, Brdf, Faces, LightKind, Material, MaterialId, Mesh, NumberPicture,
+    Object, Primitive, PrimitiveKind, Rgb, Scene, SceneBackground, Shape, TextureId, Units,
+    WrapMode,
 };
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
@@ -297,6 +298,19 @@ fn material_definition(
                 .map(|p| (textures[p.texture as usize].clone(), p.channel)),
             mode: o.mode,
         }),
+        finish: material.finish.map(|f| {
+            let named = |p: NumberPicture| (textures[p.texture as usize].clone(), p.channel);
+            FinishNote {
+                base: f.base,
+                metallic: f.metallic,
+                roughness: f.roughness,
+                metallic_picture: f.metallic_picture.map(named),
+                roughness_picture: f.roughness_picture.map(named),
+            }
+        }),
+        relief: material
+            .relief
+            .map(|r| (textures[r.texture as usize].clone(), r.kind)),
     };
     let definition = GrfDefinition {
         name: name.clone(),

@@ -22,6 +22,8 @@ struct Key {
     textures: Vec<u32>,
     brdf: String,
     opacity: Option<OpacityKey>,
+    /// Finish and relief, as they print: their numbers differ where the text does.
+    maps: String,
 }
 
 /// The constant, the picture and the cutoff of an opacity.
@@ -56,6 +58,10 @@ impl Key {
                 };
                 (o.constant.to_bits(), picture, cutoff)
             }),
+            maps: match (&m.finish, &m.relief) {
+                (None, None) => String::new(),
+                maps => format!("{maps:?}"),
+            },
         }
     }
 }

@@ -128,7 +128,9 @@ fn passes_and_reference_agree_under_pictured_lamps() {
     let tracer = Tracer::new(&given);
     let truth = reference_radiance(&given, &tracer, &rays(), &options, &Progress::new()).unwrap();
     for engine in [Engine::default(), Engine::Particles] {
-        for ((seen, (truth, error)), ray) in seen(&given, engine.clone()).iter().zip(&truth).zip(rays()) {
+        for ((seen, (truth, error)), ray) in
+            seen(&given, engine.clone()).iter().zip(&truth).zip(rays())
+        {
             for k in 0..3 {
                 let margin = 4.0 * error[k] + 0.02 * truth[k];
                 assert!(

@@ -61,6 +61,7 @@ pub(super) fn with_brdf(material: &Material, brdf: Arc<Brdf>) -> Material {
         emits_back: material.emits_back,
         textures: material.textures.clone(),
         opacity: material.opacity,
+        relief: material.relief,
         ..Material::with_brdf(material.name.clone(), brdf)
     }
 }
