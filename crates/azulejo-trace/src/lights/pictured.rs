@@ -184,8 +184,7 @@ impl PicturedTriangle<'_> {
 impl<'a> PicturedEmitters<'a> {
     /// Collects the triangles of all surfaces that emit pictures.
     pub fn new(surfaces: &Surfaces<'a>) -> PicturedEmitters<'a> {
-        let mut triangles = pictured_triangles(surfaces);
-        triangles.retain(|t| t.area_vector().length() > 0.0 && !t.is_black());
+        let mut triangles = shining_triangles(surfaces);
         let wanted: f64 = triangles.iter().map(|t| t.texels().max(1.0).powi(2)).sum();
         let coarser = (MOST_CELLS / wanted).sqrt().min(1.0);
         let mut count = 0;
@@ -293,8 +292,8 @@ impl<'a> PicturedEmitters<'a> {
     }
 }
 
-/// The triangles of all surfaces that emit pictures, in the order of their keys.
-fn pictured_triangles<'a>(surfaces: &Surfaces<'a>) -> Vec<PicturedTriangle<'a>> {
+/// The triangles of all surfaces that emit pictures and show some light, in the order of their keys.
+fn shining_triangles<'a>(surfaces: &Surfaces<'a>) -> Vec<PicturedTriangle<'a>> {
     let scene = surfaces.scene;
     let mut found = Vec::new();
     for (object, o) in (0..).zip(&scene.objects) {
@@ -310,7 +309,7 @@ fn pictured_triangles<'a>(surfaces: &Surfaces<'a>) -> Vec<PicturedTriangle<'a>> 
                 let Some((corners, uvs)) = surfaces.triangle(object, face, triangle) else {
                     continue;
                 };
-                found.push(PicturedTriangle {
+                let shown = PicturedTriangle {
                     key: FaceKey {
                         object,
                         face,
@@ -323,7 +322,10 @@ fn pictured_triangles<'a>(surfaces: &Surfaces<'a>) -> Vec<PicturedTriangle<'a>> 
                     emits_back: material.emits_back,
                     steps: 1,
                     first: 0,
-                });
+                };
+                if shown.area_vector() != DVec3::ZERO && !shown.is_black() {
+                    found.push(shown);
+                }
             }
         }
     }

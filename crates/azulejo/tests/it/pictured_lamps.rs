@@ -1,6 +1,7 @@
 //! Surfaces that emit pictures: both passes, by every engine that shoots or gathers, against the
 //! reference.
 
+use azulejo::factors::Hemicube;
 use azulejo::radiosity::{Engine, FirstPass, solve};
 use azulejo::render::{FinalGather, ReferencePass, SecondPass, radiance, reference_radiance};
 use azulejo::scene::brdf::Description;
@@ -110,7 +111,7 @@ fn seen(given: &Scene, engine: Engine) -> Vec<Rgb> {
     let mut scene = given.clone();
     scene.set_irradiance(solved.irradiance);
     let second = SecondPass {
-        samples_per_pixel: 1024,
+        samples_per_pixel: 256,
         gather: FinalGather::Everywhere(64),
         ..SecondPass::default()
     };
@@ -122,12 +123,16 @@ fn seen(given: &Scene, engine: Engine) -> Vec<Rgb> {
 fn passes_and_reference_agree_under_pictured_lamps() {
     let given = room(windows());
     let options = ReferencePass {
-        samples_per_pixel: 16_384,
+        samples_per_pixel: 8192,
         ..ReferencePass::default()
     };
     let tracer = Tracer::new(&given);
     let truth = reference_radiance(&given, &tracer, &rays(), &options, &Progress::new()).unwrap();
-    for engine in [Engine::default(), Engine::Particles] {
+    for engine in [
+        Engine::default(),
+        Engine::Particles,
+        Engine::Hybrid(Hemicube::default()),
+    ] {
         for ((seen, (truth, error)), ray) in
             seen(&given, engine.clone()).iter().zip(&truth).zip(rays())
         {
