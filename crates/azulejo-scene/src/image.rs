@@ -126,7 +126,7 @@ impl Image {
             let pixel = |x: f64| (x * count as f64 - 0.5).floor();
             let (first, last) = (pixel(from), pixel(to) + 1.0);
             let is_short = first.abs() < 1e15 && last - first < most as f64;
-            is_short.then(|| first as i64..=last as i64)
+            is_short.then_some(first as i64..=last as i64)
         };
         let columns = range(low.x, high.x, size[0])?;
         let rows = range(1.0 - high.y, 1.0 - low.y, size[1])?;
