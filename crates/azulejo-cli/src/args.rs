@@ -228,8 +228,8 @@ pub struct ConvertArgs {
     #[command(flatten)]
     pub input: InputArgs,
     /// Output file, its format chosen by extension: .grf, .obj (with an .mtl), .glb, .gltf (with a
-    /// .bin), .ply, .wrl, .x3d, .dxf, .stl, .sff or .vs3; with .gz behind it compressed, if it is one
-    /// file; `-` writes GRF to standard output
+    /// .bin), .ply, .wrl, .x3d, .dxf, .stl, .3mf, .sff or .vs3; with .gz behind it compressed, if it is
+    /// one file; `-` writes GRF to standard output
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
     /// Write GRF as it was in 2001, without extensions: lamps that are parallelograms as `light`, exact

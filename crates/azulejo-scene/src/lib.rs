@@ -25,6 +25,7 @@ pub mod brdf;
 mod camera;
 mod containment;
 pub mod content;
+mod crossings;
 mod enclosure;
 pub mod environment;
 pub mod figure;

@@ -1,6 +1,6 @@
 //! What glTF cannot represent.
 
-use super::write_material::{finish_texture, is_one_colour};
+use super::write_material::{finish_texture, is_one_colour, only_around};
 use crate::surface::gloss::is_repainted;
 use crate::surface::model::gltf_mr;
 use crate::surface::tessellate::exact_counts;
@@ -79,6 +79,10 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         (
             lights(|l| matches!(l, LightKind::Environment(_))),
             "environments",
+        ),
+        (
+            only_around(scene).len(),
+            "pictures of the surroundings, of which a file is not written",
         ),
         (
             lights(|l| matches!(l, LightKind::Directional { half_angle, .. } if *half_angle > 0.0)),

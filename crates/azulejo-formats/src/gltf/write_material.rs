@@ -7,13 +7,13 @@ use crate::picture::png;
 use crate::picture::srgb::srgb_bytes;
 use crate::surface::model::{gltf_mr, model_of, slope};
 use azulejo_scene::{
-    Dielectric, FinishMaps, Image, Material, MaterialId, Opacity, OpacityChannel, OpacityMap,
-    OpacityMode, PictureChannel, Relief, ReliefKind, Rgb, Scene, Sidedness, Texture, TextureId,
-    WrapMode,
+    Dielectric, Environment, FinishMaps, Image, Material, MaterialId, Opacity, OpacityChannel,
+    OpacityMap, OpacityMode, PictureChannel, Relief, ReliefKind, Rgb, Scene, Sidedness, Texture,
+    TextureId, WrapMode,
 };
 use glam::DVec2;
 use serde_json::{Map, Value, json};
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::io;
 
 /// Thickness that distinguishes a solid body from a thin wall, in metres. Its value matters only to
@@ -46,9 +46,15 @@ impl Materials {
     /// A picture without pixels.
     pub fn of(scene: &Scene, pack: &mut Pack) -> io::Result<Materials> {
         let mut materials = Materials::default();
+        let of_surroundings = only_around(scene);
         for (i, texture) in scene.textures.iter().enumerate() {
+            if of_surroundings.contains(&(i as TextureId)) {
+                // Textures keep their numbers; one without an image is nothing.
+                materials.textures.push(json!({}));
+                continue;
+            }
             let sampler = materials.sampler(texture.wrap);
-            let source = json!({ "source": i });
+            let source = json!({ "source": materials.images.len() });
             materials.textures.push(with_sampler(source, sampler));
             materials.images.push(image(texture, pack)?);
         }
@@ -310,6 +316,20 @@ fn with_sampler(mut texture: Value, sampler: Option<usize>) -> Value {
         texture["sampler"] = json!(sampler);
     }
     texture
+}
+
+/// The pictures that only environments show, which glTF does not keep: megabytes that no material uses.
+pub(super) fn only_around(scene: &Scene) -> HashSet<TextureId> {
+    let mut around: HashSet<TextureId> = scene
+        .environments()
+        .filter_map(Environment::texture)
+        .collect();
+    for material in &scene.materials {
+        for id in material.pictures() {
+            around.remove(&id);
+        }
+    }
+    around
 }
 
 /// The colours of a picture, or white, with the opacities of a map, as large as the larger of the two.

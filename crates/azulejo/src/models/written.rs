@@ -366,7 +366,8 @@ mod tests {
     fn an_empty_scene_reads_again() {
         use crate::models::{Reading, read};
         let folder = folder("empty");
-        for format in &FORMATS {
+        // 3MF is not read.
+        for format in FORMATS.iter().filter(|f| f.extension != "3mf") {
             let path = folder.join(format!("empty.{}", format.extension));
             write(&Scene::default(), &path, &Progress::new()).unwrap();
             let again = read(&path, &Reading::default(), &Progress::new());

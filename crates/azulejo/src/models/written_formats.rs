@@ -1,6 +1,6 @@
 //! The formats that models are written in.
 
-use azulejo_formats::{dxf, gltf, grf, obj, ply, sff, stl, view3d, vrml};
+use azulejo_formats::{dxf, gltf, grf, obj, ply, sff, stl, three_mf, view3d, vrml};
 use azulejo_scene::{Material, Scene};
 use std::io::{self, Write};
 use std::path::Path;
@@ -39,7 +39,7 @@ pub(super) enum ModelWriter {
 pub(super) type NamedFiles = Vec<(String, Vec<u8>)>;
 
 /// All formats; the first is that of standard output.
-pub static FORMATS: [WrittenFormat; 11] = [
+pub static FORMATS: [WrittenFormat; 12] = [
     WrittenFormat {
         name: "GRF",
         extension: "grf",
@@ -127,6 +127,14 @@ pub static FORMATS: [WrittenFormat; 11] = [
         writer: ModelWriter::One(dxf::write),
         keeps_light: false,
         losses: dxf::losses,
+    },
+    WrittenFormat {
+        name: "3MF",
+        extension: "3mf",
+        is_single: false,
+        writer: ModelWriter::One(three_mf::write),
+        keeps_light: false,
+        losses: three_mf::losses,
     },
 ];
 

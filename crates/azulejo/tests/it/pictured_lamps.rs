@@ -1,7 +1,6 @@
 //! Surfaces that emit pictures: both passes, by every engine that shoots or gathers, against the
 //! reference.
 
-use azulejo::factors::Hemicube;
 use azulejo::radiosity::{Engine, FirstPass, solve};
 use azulejo::render::{FinalGather, ReferencePass, SecondPass, radiance, reference_radiance};
 use azulejo::scene::brdf::Description;
@@ -128,11 +127,7 @@ fn passes_and_reference_agree_under_pictured_lamps() {
     };
     let tracer = Tracer::new(&given);
     let truth = reference_radiance(&given, &tracer, &rays(), &options, &Progress::new()).unwrap();
-    for engine in [
-        Engine::default(),
-        Engine::Particles,
-        Engine::Hybrid(Hemicube::default()),
-    ] {
+    for engine in [Engine::default(), Engine::Particles] {
         for ((seen, (truth, error)), ray) in
             seen(&given, engine.clone()).iter().zip(&truth).zip(rays())
         {
