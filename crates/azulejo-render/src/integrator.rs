@@ -22,6 +22,9 @@ use std::f64::consts::FRAC_1_PI;
 /// Ends paths that carry little of what the camera sees: a hall of mirrors ends.
 const ROULETTE: Roulette = Roulette::below(Roulette::SHARE);
 
+/// Samples of the lamps, and of directions, where a relief is seen: all of its irradiance is sampled.
+const RELIEF_SAMPLES: u32 = 4;
+
 /// About how many rays one call of the gatherer traces: bounds its memory.
 const GATHER_BATCH: u32 = 16_384;
 
@@ -257,10 +260,14 @@ impl<'a> CameraPath<'_, 'a> {
         let material = surfaces.material(hit.item);
         let emitted = scene.emitted(&segment.ray, hit, segment.density);
         self.count(segment.scattered, segment.weight * emitted);
+        // The irradiance of a tilted normal is not known: lamps and directions are sampled, as for matt
+        // lobes.
+        let is_tilted =
+            segment.is_sharp() && material.dielectric.is_none() && scene.has_relief(hit);
         let is_glossy = material.is_specular() || material.brdf.is_some();
-        let at = is_glossy.then(|| scene.interaction(&segment.ray, hit));
+        let at = (is_glossy || is_tilted).then(|| scene.interaction(&segment.ray, hit));
         let mut is_lit = false;
-        if !material.diffuse.is_black() {
+        if !material.diffuse.is_black() && !is_tilted {
             let front = surfaces.is_front(&segment.ray, hit);
             let (ray, hit) = (segment.ray, *hit);
             let reflectance = self.read_reflectance(segment, &hit, at.as_ref(), material);
@@ -281,7 +288,7 @@ impl<'a> CameraPath<'_, 'a> {
         material: &'a Material,
     ) -> Rgb {
         let scene = &self.integrator.scene;
-        let reflectance = scene.interpolator.reflectance(hit, material);
+        let reflectance = scene.reflectance(hit, material);
         let Some(at) = at.filter(|_| segment.is_sharp()) else {
             return reflectance;
         };
@@ -385,12 +392,12 @@ impl<'a> CameraPath<'_, 'a> {
         material: &'a Material,
         is_lit: bool,
     ) {
-        let parts = if segment.is_sharp() {
-            Parts::MattAndLobes
-        } else {
-            Parts::Lobes
-        };
         let scene = &self.integrator.scene;
+        let parts = match segment.is_sharp() {
+            true if scene.has_relief(hit) => Parts::All,
+            true => Parts::MattAndLobes,
+            false => Parts::Lobes,
+        };
         let shading = scene.shading(hit, at, material, parts);
         let shading = if is_lit {
             shading.without_albedo()
@@ -411,14 +418,21 @@ impl<'a> CameraPath<'_, 'a> {
         if let Some(probability) = of_mirror {
             self.send(segment, at, mirror.over(probability));
         }
-        if let Some(probability) = of_lobes {
-            let u = [(); 4].map(|()| self.chance());
-            if let Some(sample) = shading.sample(u) {
-                self.send(segment, at, sample.chosen(probability));
+        let is_first = segment.depth == 0 && parts == Parts::All;
+        let count = if is_first { RELIEF_SAMPLES } else { 1 };
+        let mut found = Rgb::BLACK;
+        for _ in 0..count {
+            if let Some(probability) = of_lobes {
+                let u = [(); 4].map(|()| self.chance());
+                if let Some(sample) = shading.sample(u) {
+                    let next = sample.chosen(probability).over(f64::from(count));
+                    self.send(segment, at, next);
+                }
             }
+            found += self.lit(&shading, branching.lobe_probability());
         }
-        let lit = self.lit(&shading, branching.lobe_probability());
-        self.count(segment.scattered + 1, segment.weight * lit);
+        let lit = segment.weight * (found / f64::from(count));
+        self.count(segment.scattered + 1, lit);
     }
 
     /// What lobes show of lamps and lights; `lobe_probability` as for [`RenderScene::lit`].
@@ -470,6 +484,8 @@ impl DiffuseLight for Integrator<'_> {
         }
     }
 
+    /// By the means of pictures of metalness, as the glossy paths of a gather have them, so that both
+    /// together reflect no more than arrives.
     fn reflectance(&self, at: &DiffuseHit) -> Rgb {
         let material = self.surfaces().material(at.hit.item);
         self.scene.interpolator.reflectance(&at.hit, material)

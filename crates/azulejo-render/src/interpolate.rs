@@ -150,10 +150,15 @@ impl<'a> Interpolator<'a> {
     /// Textures that could not be loaded, and those on objects without texture coordinates,
     /// change nothing.
     pub fn reflectance(&self, hit: &KernelHit, material: &Material) -> Rgb {
+        material.diffuse * self.pattern(hit, material)
+    }
+
+    /// The factor by which vertex colours and textures change a material's colour at a hit.
+    pub fn pattern(&self, hit: &KernelHit, material: &Material) -> Rgb {
         let item = &self.items[hit.item as usize];
         let mesh = match &self.scene.objects[item.object as usize].shape {
             Shape::Mesh(mesh) if !(mesh.colors.is_empty() && material.textures.is_empty()) => mesh,
-            _ => return material.diffuse,
+            _ => return Rgb::WHITE,
         };
         let [u, v] = hit.uv().map(f64::from);
         let weights = Weights::on_face(item, u, v);
@@ -164,7 +169,7 @@ impl<'a> Interpolator<'a> {
         };
         let uv = (!material.textures.is_empty()).then(|| weights.uv(mesh));
         let texture = |id| self.scene.textures.get(id as usize);
-        material.painted(color, uv.flatten(), texture)
+        material.pattern(color, uv.flatten(), texture)
     }
 }
 

@@ -22,6 +22,7 @@ mod reference;
 mod render_scene;
 pub mod rtrace;
 mod shading;
+mod surface_maps;
 mod tone;
 
 pub use denoise::{DenoisedImage, denoise};

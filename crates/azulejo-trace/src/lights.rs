@@ -10,6 +10,7 @@ mod direction_table;
 mod emitters;
 mod flat_faces;
 mod outside;
+mod pictured;
 mod prism_emitters;
 mod tiles;
 
@@ -22,6 +23,7 @@ pub(crate) use flat_faces::{FaceKey, FlatFace, flat_faces};
 use glam::DVec3;
 pub use outside::Outside;
 pub(crate) use outside::SunDisc;
+use pictured::PicturedEmitters;
 use prism_emitters::{PrismEmitter, PrismPlace, prism_emitters};
 pub(crate) use tiles::{Tile, merged};
 
@@ -36,13 +38,16 @@ pub struct Lights<'a> {
     pub(crate) curved: Vec<CurvedEmitter<'a>>,
     /// Prisms that emit, in the order of their keys.
     prisms: Vec<PrismEmitter<'a>>,
+    /// Emitters of pictures, together one light.
+    pictured: PicturedEmitters<'a>,
     /// Point and spot lights, and directional ones without size.
     pub(crate) delta: Vec<LightKind>,
     /// Environments and suns.
     pub(crate) outside: Outside<'a>,
     /// Radiance of the surroundings, from all ambient lights, W/(sr·m²).
     pub(crate) ambient: Rgb,
-    /// Sum of the shares of the emitters up to each: the flat ones, the curved ones, the prisms.
+    /// Sum of the shares of the emitters up to each: the flat ones, the curved ones, the prisms, and all
+    /// of pictures.
     ends: Vec<f64>,
 }
 
@@ -73,10 +78,11 @@ pub struct DeltaLightSample {
 impl<'a> Lights<'a> {
     /// Collects the light sources of a scene.
     pub fn new(surfaces: &Surfaces<'a>) -> Lights<'a> {
-        let mut flat = FlatEmitters::new(surfaces.scene);
-        let mut curved = curved_emitters(surfaces.scene);
+        let mut flat = FlatEmitters::new(surfaces);
+        let mut curved = curved_emitters(surfaces);
         let mut prisms = prism_emitters(surfaces.scene);
-        let ends = normalized(&mut flat.emitters, &mut curved, &mut prisms);
+        let mut pictured = PicturedEmitters::new(surfaces);
+        let ends = normalized(&mut flat.emitters, &mut curved, &mut prisms, &mut pictured);
         let (mut delta, mut ambient) = (Vec::new(), Rgb::BLACK);
         for light in &surfaces.scene.lights {
             match light.kind {
@@ -91,6 +97,7 @@ impl<'a> Lights<'a> {
             flat,
             curved,
             prisms,
+            pictured,
             delta,
             outside,
             ambient,
@@ -101,6 +108,16 @@ impl<'a> Lights<'a> {
     /// The flat emitters.
     pub(crate) fn flat(&self) -> &[FlatEmitter] {
         &self.flat.emitters
+    }
+
+    /// Whether surfaces emit pictures.
+    pub(crate) fn has_pictures(&self) -> bool {
+        !self.pictured.is_empty()
+    }
+
+    /// A point of the surfaces that emit pictures, for two numbers in 0..1, and what it emits.
+    pub(crate) fn pictured_point(&self, u: (f64, f64)) -> (Emission, EmitterPoint) {
+        self.pictured.point(u)
     }
 
     /// Whether there is nothing to sample: no emitter, no light without area, and nothing outside.
@@ -155,18 +172,19 @@ impl<'a> Lights<'a> {
         })
     }
 
-    /// A point of the emitter of that number, in the order of `ends`.
-    fn point(&self, number: usize, u: (f64, f64)) -> Option<(&Emission, EmitterPoint)> {
-        let (flat, curved) = (self.flat().len(), self.curved.len());
-        if number < flat {
-            let light = &self.flat()[number];
-            Some((&light.emission, light.point(u)))
-        } else if number < flat + curved {
-            let light = &self.curved[number - flat];
-            Some((&light.emission, light.point(u)))
-        } else {
-            let light = &self.prisms[number - flat - curved];
-            Some((&light.emission, light.point(u)?))
+    /// A point of the emitter of that number, in the order of `ends`; `None` where the numbers miss its
+    /// outline.
+    fn point(&self, number: usize, u: (f64, f64)) -> Option<(Emission, EmitterPoint)> {
+        if let Some(light) = self.flat().get(number) {
+            return Some((light.emission, light.point(u)));
+        }
+        let number = number - self.flat().len();
+        if let Some(light) = self.curved.get(number) {
+            return Some((light.emission, light.point(u)));
+        }
+        match self.prisms.get(number - self.curved.len()) {
+            Some(light) => Some((light.emission, light.point(u)?)),
+            None => Some(self.pictured.point(u)),
         }
     }
 
@@ -209,9 +227,11 @@ impl<'a> Lights<'a> {
         if let Some(light) = self.flat.find(key) {
             return Some((light.emission.share, light.area));
         }
-        let curved = self.curved.binary_search_by_key(&key, |l| l.key);
-        let light = &self.curved[curved.ok()?];
-        Some((light.emission.share, light.point((u, v)).area))
+        if let Ok(curved) = self.curved.binary_search_by_key(&key, |l| l.key) {
+            let light = &self.curved[curved];
+            return Some((light.emission.share, light.point((u, v)).area));
+        }
+        self.pictured.find(key, (u, v))
     }
 
     /// The lights without area above the horizon of a surface. Where they are few it is all of
@@ -253,11 +273,14 @@ fn normalized(
     flat: &mut [FlatEmitter],
     curved: &mut [CurvedEmitter],
     prisms: &mut [PrismEmitter],
+    pictured: &mut PicturedEmitters,
 ) -> Vec<f64> {
     let flat = flat.iter_mut().map(|l| &mut l.emission.share);
     let curved = curved.iter_mut().map(|l| &mut l.emission.share);
     let prisms = prisms.iter_mut().map(|l| &mut l.emission.share);
-    let mut shares: Vec<&mut f64> = flat.chain(curved).chain(prisms).collect();
+    let pictured = (!pictured.is_empty()).then_some(&mut pictured.share);
+    let shares = flat.chain(curved).chain(prisms).chain(pictured);
+    let mut shares: Vec<&mut f64> = shares.collect();
     let power: f64 = shares.iter().map(|share| **share).sum();
     let mut sum = 0.0;
     let up_to = |share: &mut &mut f64| {

@@ -2,7 +2,7 @@
 
 use crate::lambert::ArrayPolygon;
 use azulejo_scene::math::area_vector;
-use azulejo_scene::{Material, Mesh, Primitive, PrimitiveKind, Scene, Shape};
+use azulejo_scene::{Material, MaterialId, Mesh, Primitive, PrimitiveKind, Scene, Shape};
 use glam::DVec3;
 
 /// Which piece of a scene's surface a polygon is. Ordered as [`flat_faces`] visits them.
@@ -24,6 +24,8 @@ pub(crate) struct FlatFace<'a> {
     /// Unit normal of the front.
     pub normal: DVec3,
     pub material: &'a Material,
+    /// Index of the material.
+    pub id: MaterialId,
 }
 
 /// Visits the flat convex polygons of every surface whose material is `wanted`: whole faces
@@ -38,9 +40,10 @@ pub(crate) fn flat_faces<'a>(
         match &o.shape {
             Shape::Mesh(mesh) => {
                 for face in 0..mesh.faces.len() {
-                    let material = &scene.materials[mesh.face_materials[face] as usize];
+                    let id = mesh.face_materials[face];
+                    let material = &scene.materials[id as usize];
                     if wanted(material) {
-                        visit_face(mesh, (object, face), material, &mut visit);
+                        visit_face(mesh, (object, face), (id, material), &mut visit);
                     }
                 }
             }
@@ -57,6 +60,7 @@ pub(crate) fn flat_faces<'a>(
                             polygon: part_polygon(p, part),
                             normal: p.point(part, 0.5, 0.5).normal,
                             material,
+                            id: p.material,
                         });
                     }
                 }
@@ -74,7 +78,7 @@ pub(crate) fn is_flat(kind: PrimitiveKind) -> bool {
 fn visit_face<'a>(
     mesh: &Mesh,
     (object, face): (u32, usize),
-    material: &'a Material,
+    (id, material): (MaterialId, &'a Material),
     visit: &mut impl FnMut(FlatFace<'a>),
 ) {
     for (triangle, polygon) in (0..).zip(convex_pieces(mesh, face)) {
@@ -89,6 +93,7 @@ fn visit_face<'a>(
                 polygon,
                 normal,
                 material,
+                id,
             });
         }
     }

@@ -179,6 +179,9 @@ impl ModelOutput {
             return Err(self.model.error(error));
         }
         let mut losses = self.format.losses(scene);
+        let keeps = self.format.keeps_surface_pictures();
+        let even = (!keeps).then(|| scene.with_even_emission()).flatten();
+        let scene = even.as_ref().unwrap_or(scene);
         match &self.format.writer {
             ModelWriter::Pictured(write) if self.model.file().is_some() => {
                 self.write_pictured(*write, scene, home, progress)?;
