@@ -228,8 +228,8 @@ pub struct ConvertArgs {
     #[command(flatten)]
     pub input: InputArgs,
     /// Output file, its format chosen by extension: .grf, .obj (with an .mtl), .glb, .gltf (with a
-    /// .bin), .ply, .wrl, .x3d, .dxf, .stl, .sff or .vs3; with .gz behind it compressed, if it is one
-    /// file; `-` writes GRF to standard output
+    /// .bin), .ply, .wrl, .x3d, .dxf, .stl, .3mf, .sff or .vs3; with .gz behind it compressed, if it is
+    /// one file; `-` writes GRF to standard output
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
     /// Write GRF as it was in 2001, without extensions: lamps that are parallelograms as `light`, exact
@@ -512,6 +512,46 @@ pub struct RtraceArgs {
     pub look_eye: Option<(Side, f64)>,
 }
 
+/// Layers of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LayerName {
+    /// Every one of the others
+    All,
+    /// Reflectance, diffuse, glossy and mirrored together
+    Albedo,
+    /// Shading normal in world coordinates
+    Normal,
+    /// Distance from the plane through the eye, along the viewing direction
+    Depth,
+    /// Number of the object
+    Object,
+    /// Number of the material
+    Material,
+    /// Number of the letter or solid within an exact shape
+    Glyph,
+    /// Light by one surface at most
+    Direct,
+    /// All other light
+    Indirect,
+    /// Standard error
+    Error,
+}
+
+impl LayerName {
+    /// Each layer.
+    pub const EACH: [LayerName; 9] = [
+        LayerName::Albedo,
+        LayerName::Normal,
+        LayerName::Depth,
+        LayerName::Object,
+        LayerName::Material,
+        LayerName::Glyph,
+        LayerName::Direct,
+        LayerName::Indirect,
+        LayerName::Error,
+    ];
+}
+
 /// The image.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Image")]
@@ -535,6 +575,23 @@ pub struct ImageArgs {
     /// Image of the standard error of every pixel of a --reference: .exr or .hdr
     #[arg(long, value_name = "IMAGE", requires = "reference", value_hint = ValueHint::FilePath)]
     pub error_image: Option<PathBuf>,
+    /// Remove bright dots: the most radiance that the indirect paths of one sample may add. Removes
+    /// light, too; the result says how much [default: off]
+    #[arg(long, value_name = "RADIANCE", value_parser = values::positive)]
+    pub clamp: Option<f64>,
+    /// Layers of an .exr beside the picture, for compositors: all, or a list of albedo, normal, depth,
+    /// object, material, glyph, direct, indirect, error
+    ///
+    /// Channels are albedo.R/G/B, N.X/Y/Z, Z, objectId, materialId, glyphId, direct.R/G/B,
+    /// indirect.R/G/B and error.R/G/B, the standard error. Ids count from 1, 0 is none; a glyph is a
+    /// letter of a text.
+    #[arg(long, value_name = "all|LIST", value_enum, value_delimiter = ',')]
+    pub layers: Option<Vec<LayerName>>,
+    /// Remove noise after rendering: joint non-local means over colours, albedo, normals and depth
+    /// (Rousselle et al. 2013), guided by the standard errors. Says how much it changed, and the
+    /// error before and after as it estimates them
+    #[arg(long)]
+    pub denoise: bool,
     /// Exposure of a PNG in stops, each of which doubles the brightness [default: automatic]
     #[arg(long, value_name = "STOPS", value_parser = values::number, allow_hyphen_values = true)]
     pub exposure: Option<f64>,

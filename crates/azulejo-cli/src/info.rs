@@ -40,6 +40,8 @@ struct ObjectSummary<'s> {
 pub fn run(args: &InfoArgs, session: &mut Session) -> Result<Report, Failure> {
     session.list_warnings();
     let scene = input::read_all(&args.input, session)?;
+    // The mean of a picture is near enough here to what shines of it.
+    let scene = scene.with_even_emission().unwrap_or(scene);
     let parts: Vec<ObjectSummary<'_>> = scene.objects.iter().map(|o| part(&scene, o)).collect();
     let mut report = Report::default();
     source(&args.input, session, &mut report);

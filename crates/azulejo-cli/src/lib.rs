@@ -22,6 +22,7 @@ mod info;
 mod input;
 mod interrupt;
 mod inventory;
+mod layers;
 mod lettering;
 mod model_table;
 mod npy;

@@ -5,10 +5,10 @@ use super::failure::Failure;
 use super::report::{Report, count, number, percent, short};
 use super::session::Session;
 use super::views::{self, PictureView};
-use super::{input, pass, rtrace, values};
+use super::{input, layers, pass, rtrace, values};
 use azulejo::output::Output;
 use azulejo_formats::picture::{exr, hdr, png};
-use azulejo_render::{ReferencePass, SecondPass, Tone};
+use azulejo_render::{MeasuredImage, PictureLayers, ReferencePass, SecondPass, Tone};
 use azulejo_scene::{Image, Scene};
 use azulejo_trace::Tracer;
 use std::path::Path;
@@ -24,6 +24,7 @@ enum ImageFormat {
 /// Runs `render`.
 pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> {
     let format = format_of(&args.output)?;
+    check_layers(args, format)?;
     rtrace::check(args)?;
     let output = Output::check(&args.output)?;
     let errors = args.picture.error_image.as_deref().map(errors_of);
@@ -49,7 +50,7 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
         let tracer = args.first_pass.engine.prepare()?.tracer(&scene)?;
         for view in &views {
             let lit = (&scene, &tracer);
-            let image = reference(
+            let found = reference(
                 lit,
                 args,
                 (view, size),
@@ -57,19 +58,18 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
                 session,
                 &mut report,
             )?;
-            let target = (&view.output, view.path.as_path());
-            write(&image, format, args, target, session, &mut report)?;
+            deliver(&found, lit, (view, format), args, session, &mut report)?;
         }
         return Ok(report);
     }
     let tracer = lit(&mut scene, args, session, &mut report)?;
     let options = options(&args.picture, args.first_pass.seed, size);
     for view in &views {
-        let image = session.with_progress(|progress| {
-            azulejo_render::render(&scene, &tracer, &view.camera, &options, progress)
+        let found = session.with_progress(|progress| {
+            azulejo_render::render_measured(&scene, &tracer, &view.camera, &options, progress)
         })?;
-        let target = (&view.output, view.path.as_path());
-        write(&image, format, args, target, session, &mut report)?;
+        let lit = (&scene, &tracer);
+        deliver(&found, lit, (view, format), args, session, &mut report)?;
     }
     Ok(report)
 }
@@ -86,11 +86,12 @@ fn reference(
     errors: Option<&(Output, ImageFormat)>,
     session: &Session,
     report: &mut Report,
-) -> Result<Image, Failure> {
+) -> Result<MeasuredImage, Failure> {
     let options = ReferencePass {
         size,
         samples_per_pixel: args.picture.spp.unwrap_or(REFERENCE_SAMPLES),
         seed: args.first_pass.seed,
+        clamp: args.picture.clamp,
         ..ReferencePass::default()
     };
     let found = session.with_progress(|progress| {
@@ -105,7 +106,101 @@ fn reference(
     if let Some((output, format)) = errors {
         write_linear(&found.error, *format, output, session)?;
     }
-    Ok(found.image)
+    Ok(found)
+}
+
+/// Layers need a format that has them, and a filter samples.
+fn check_layers(args: &RenderArgs, format: ImageFormat) -> Result<(), Failure> {
+    if args.picture.denoise && args.picture.spp.is_some_and(|spp| spp < LEAST_DENOISED) {
+        return Err(Failure::misuse(format_args!(
+            "--denoise needs standard errors: at least --spp {LEAST_DENOISED}"
+        )));
+    }
+    if args.picture.layers.is_none() || format == ImageFormat::Exr {
+        return Ok(());
+    }
+    Err(Failure::misuse(format_args!(
+        "{}: --layers needs a format that holds layers: choose a name that ends in .exr",
+        args.output.display()
+    )))
+}
+
+/// Writes what was found of a view, with its layers if they are asked for.
+fn deliver(
+    found: &MeasuredImage,
+    (scene, tracer): (&Scene, &Tracer),
+    (view, format): (&PictureView, ImageFormat),
+    args: &RenderArgs,
+    session: &Session,
+    report: &mut Report,
+) -> Result<(), Failure> {
+    state_clamp(found, args, report);
+    let target = (&view.output, view.path.as_path());
+    let picture = &args.picture;
+    if picture.layers.is_none() && !picture.denoise {
+        return write(&found.image, format, args, target, session, report);
+    }
+    let size = (found.image.width, found.image.height);
+    let samples = picture.spp.unwrap_or(SAMPLES);
+    let seen = session.with_progress(|progress| {
+        azulejo_render::picture_layers(scene, tracer, &view.camera, size, samples, progress)
+    })?;
+    let filtered = if picture.denoise {
+        Some(denoised(found, &seen, session, report)?)
+    } else {
+        None
+    };
+    let image = filtered.as_ref().unwrap_or(&found.image);
+    let Some(names) = &picture.layers else {
+        return write(image, format, args, target, session, report);
+    };
+    refuse_overflow(image)?;
+    let channels = layers::channels(image, found, &seen, names);
+    let comments = layers::comments(found, picture.clamp.is_some());
+    view.output.write(session.progress(), |out| {
+        exr::write_channels(size, channels, &comments, out)
+    })?;
+    let names = layers::chosen(names).len();
+    report.fact("layers", names, "layers", count(names));
+    state_output(size, target.1, report);
+    Ok(())
+}
+
+/// Fewest samples per pixel for a filter: each half of them needs two.
+const LEAST_DENOISED: u32 = 4;
+
+/// The image without most of its noise; states what was done.
+fn denoised(
+    found: &MeasuredImage,
+    seen: &PictureLayers,
+    session: &Session,
+    report: &mut Report,
+) -> Result<Image, Failure> {
+    let filtered =
+        session.with_progress(|progress| azulejo_render::denoise(found, seen, progress))?;
+    let [change, bias] = [filtered.change, filtered.bias];
+    let [before, after] = [filtered.error_before, filtered.error_after];
+    let words = format!(
+        "{} relative RMSE, about {} before; pixels changed by {}, the mean by {}",
+        percent(after),
+        percent(before),
+        percent(change),
+        percent(bias)
+    );
+    report.fact("denoised_error", number(after), "denoised", words);
+    report.value("denoised_error_before", number(before));
+    report.value("denoised_change", number(change));
+    report.value("denoised_bias", number(bias));
+    Ok(filtered.image)
+}
+
+/// States how much light a clamp removed, which is its bias.
+fn state_clamp(found: &MeasuredImage, args: &RenderArgs, report: &mut Report) {
+    if args.picture.clamp.is_some() {
+        let removed = found.removed;
+        let words = format!("{} of the light in the image removed", percent(removed));
+        report.fact("clamped", number(removed), "clamped", words);
+    }
 }
 
 /// The output and format of an error image; a PNG could not hold its values.
@@ -162,6 +257,7 @@ fn options(picture: &ImageArgs, seed: u64, size: (u32, u32)) -> SecondPass {
         samples_per_pixel: picture.spp.unwrap_or(SAMPLES),
         gather: picture.gather.unwrap_or(values::DEFAULT_GATHER),
         seed,
+        clamp: picture.clamp,
         ..SecondPass::default()
     }
 }
@@ -236,11 +332,15 @@ fn write(
             })?;
         }
     }
-    let (width, height) = (image.width, image.height);
+    state_output((image.width, image.height), path, report);
+    Ok(())
+}
+
+/// States the file and its size.
+fn state_output((width, height): (u32, u32), path: &Path, report: &mut Report) {
     report.value("width", width);
     report.value("height", height);
     let path = path.display().to_string();
     let words = format!("{path}, {width} x {height} pixels");
     report.fact("output", path, "wrote", words);
-    Ok(())
 }

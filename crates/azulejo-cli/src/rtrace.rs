@@ -27,6 +27,9 @@ pub fn check(args: &RenderArgs) -> Result<(), Failure> {
         ("exposure", args.picture.exposure.is_some()),
         ("gather", args.picture.gather.is_some()),
         ("reference", args.picture.reference),
+        ("clamp", args.picture.clamp.is_some()),
+        ("layers", args.picture.layers.is_some()),
+        ("denoise", args.picture.denoise),
     ];
     match given.into_iter().find(|(_, is_given)| *is_given) {
         Some((name, _)) => Err(Failure::misuse(format_args!(

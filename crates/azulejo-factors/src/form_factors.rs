@@ -26,6 +26,7 @@ mod merge;
 mod near;
 mod one_row;
 mod options;
+mod outside;
 mod remainder;
 mod rows;
 mod shaft;

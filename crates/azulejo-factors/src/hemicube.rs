@@ -391,14 +391,17 @@ impl<'a> HemicubeEstimator<'a> {
             return Rgb::BLACK;
         }
         let patch = (side / 2) as usize;
-        let object =
-            &self.gatherer.surfaces().scene.objects[self.patches.face(patch).object as usize];
+        let object = self.patches.face(patch).object;
+        let shape = &self.gatherer.surfaces().scene.objects[object as usize].shape;
         let is_flat = self.patches.polygon(patch).is_some();
-        let is_exact = matches!(object.shape, Shape::Exact(_));
-        if !is_exact && self.gatherer.counts_direct(is_flat, self.via(order)) {
+        let is_exact = matches!(shape, Shape::Exact(_));
+        let id = self.patches.material(patch);
+        let form = self.gatherer.emitter_form(object, id, is_flat);
+        if !is_exact && self.gatherer.counts_direct(form, self.via(order)) {
             Rgb::BLACK
         } else {
-            material.emission_from(side.is_multiple_of(2)) * PI
+            let front = side.is_multiple_of(2);
+            self.patches.emission(patch, material, front) * PI
         }
     }
 }

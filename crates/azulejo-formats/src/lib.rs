@@ -38,6 +38,7 @@ pub mod sff;
 pub mod stl;
 pub mod studio3ds;
 mod surface;
+pub mod three_mf;
 pub mod view3d;
 pub mod vrml;
 

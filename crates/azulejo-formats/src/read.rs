@@ -6,9 +6,9 @@ use crate::reading::detect::{EXPECTED, Format, detect, recognize};
 use crate::reading::gzip;
 use crate::reading::options::counted_first;
 use crate::reading::text::decoded;
-use crate::{Files, ReadError, ReadOptions, Warning};
+use crate::{Files, Position, ReadError, ReadOptions, Warning};
 use crate::{dxf, gltf, grf, mgf, obj, openflight, ply, scn, sff, stl, studio3ds, view3d, vrml};
-use azulejo_scene::Scene;
+use azulejo_scene::{Scene, Shape};
 
 /// A model and the format that it was recognized as.
 #[derive(Clone, Debug)]
@@ -61,12 +61,33 @@ pub fn read_with(
     let loaded = counted_first(bytes.len(), options, |options| {
         read(bytes, name, files, options)
     })?;
-    let mut scene = loaded.scene;
+    let (mut scene, mut warnings) = (loaded.scene, loaded.warnings);
+    // A GRF file keeps its vertices, in which its light is stored.
+    if format != Format::Grf {
+        warnings.extend(divide_crossing_faces(&mut scene, name));
+    }
     scene.join_sides();
     Ok(RecognizedModel {
         scene,
-        warnings: loaded.warnings,
+        warnings,
         format,
+    })
+}
+
+/// Divides the faces whose edges cross, and says how many there were.
+fn divide_crossing_faces(scene: &mut Scene, name: &str) -> Option<Warning> {
+    let mut count = 0;
+    for object in &mut scene.objects {
+        if let Shape::Mesh(mesh) = &mut object.shape {
+            count += mesh.divide_crossing_faces();
+        }
+    }
+    (count > 0).then(|| Warning {
+        file: name.to_owned(),
+        position: Position::Whole,
+        message: "face whose edges cross: divided where they do, its inside by the even-odd rule"
+            .to_owned(),
+        count,
     })
 }
 
@@ -98,8 +119,8 @@ pub fn read_drawing(bytes: &[u8], name: &str, options: &ReadOptions) -> Result<D
 mod tests {
     use super::*;
     use crate::outline::{ppe, ppf};
-    use crate::{Loaded, Memory, Position, brdf, camera_json};
-    use azulejo_scene::{BackIrradiance, Material, Mesh, Object, Rgb, Scene, Shape, Sidedness};
+    use crate::{Loaded, Memory, brdf, camera_json};
+    use azulejo_scene::{BackIrradiance, Material, Mesh, Object, Rgb, Sidedness};
     use glam::DVec3;
 
     /// The text as UTF-8 with a byte-order mark, and as UTF-16 in both byte orders with and without one.
@@ -335,6 +356,18 @@ mod tests {
             assert_eq!(warnings, []);
             scene
         });
+    }
+
+    #[test]
+    fn bow_ties_are_divided() {
+        let text = "v 0 0 0\nv 2 2 0\nv 2 0 0\nv 0 2 0\nf 1 2 3 4\n";
+        let model = read(text.as_bytes(), "a.obj", &Memory::new()).unwrap();
+        assert!(model.warnings[0].message.contains("edges cross"));
+        let Shape::Mesh(mesh) = &model.scene.objects[0].shape else {
+            panic!("a mesh")
+        };
+        assert_eq!((mesh.faces.len(), mesh.area()), (2, 2.0));
+        model.scene.validate().unwrap();
     }
 
     #[test]

@@ -130,7 +130,8 @@ fn sources(gatherer: &Gatherer, patches: &Patches) -> Vec<ParticleSource> {
         let patch = (s / 2) as usize;
         let material = &scene.materials[patches.material(patch) as usize];
         ParticleSource {
-            power: material.emission_from(s.is_multiple_of(2)) * (PI * patches.area(patch)),
+            power: patches.emission(patch, material, s.is_multiple_of(2))
+                * (PI * patches.area(patch)),
             kind: SourceKind::Surface(s),
         }
     };

@@ -169,7 +169,7 @@ impl<'a> SolvedPatches<'a> {
                 replicates: std::array::from_fn(of),
             };
             let material = &materials[self.patches.material(s / 2) as usize];
-            let emitted = material.emission_from(s.is_multiple_of(2)) * PI;
+            let emitted = self.patches.emission(s / 2, material, s.is_multiple_of(2)) * PI;
             Estimate {
                 value: emitted + reflected.mean(),
                 error: reflected.standard_error(),

@@ -13,7 +13,7 @@ use azulejo_scene::math::{Frame, Ray};
 use azulejo_trace::follow::{Event, Path, Scratch, Via, follow};
 use azulejo_trace::sampling::{cosine_about, hash, seeds, sobol, uniform};
 use azulejo_trace::{
-    Cancelled, DirectLight, GatherPoint, Gatherer, NextEvent, Progress, REPLICATES,
+    Cancelled, DirectLight, EmitterForm, GatherPoint, Gatherer, NextEvent, Progress, REPLICATES,
 };
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -170,9 +170,17 @@ struct Shooter<'a> {
 
 impl Shooter<'_> {
     fn exitance(&self, s: Side) -> Rgb {
-        let material = self.patches.material((s / 2) as usize);
+        let patch = (s / 2) as usize;
+        let material = self.patches.material(patch);
         let material = &self.gatherer.surfaces().scene.materials[material as usize];
-        material.emission_from(s.is_multiple_of(2)) * PI
+        self.patches.emission(patch, material, s.is_multiple_of(2)) * PI
+    }
+
+    /// How the emission of a patch is sampled.
+    fn form(&self, patch: usize) -> EmitterForm {
+        let object = self.patches.face(patch).object;
+        let is_flat = self.patches.polygon(patch).is_some();
+        (self.gatherer).emitter_form(object, self.patches.material(patch), is_flat)
     }
 
     /// Power of a radiosity per side, W.
@@ -385,10 +393,9 @@ impl Shooter<'_> {
                                 weight * (Rgb::WHITE - material.mirror - material.diffuse);
                         }
                         let counted = shot == ShotKind::Emission
-                            && self.gatherer.counts_direct(
-                                self.patches.polygon((path.id / 2) as usize).is_some(),
-                                path.via,
-                            );
+                            && self
+                                .gatherer
+                                .counts_direct(self.form((path.id / 2) as usize), path.via);
                         if !material.diffuse.is_black() {
                             let patch = self.patches.locate_hit(surfaces, &hit);
                             // What vertex colours and textures absorb.

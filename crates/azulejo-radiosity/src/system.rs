@@ -289,7 +289,8 @@ impl Unknown {
         material: &Material,
         light: &DirectLight,
     ) -> Unknown {
-        let exitance = material.emission_from(s.is_multiple_of(2)) * PI;
+        let emitted = patches.emission((s / 2) as usize, material, s.is_multiple_of(2));
+        let exitance = emitted * PI;
         Unknown {
             side: s,
             area: patches.area((s / 2) as usize),

@@ -92,6 +92,12 @@ impl Tile {
 }
 
 impl Pixel {
+    /// Position of its middle.
+    pub fn middle(&self) -> (f64, f64) {
+        let (x, y) = self.corner;
+        ((x + 0.5) * self.size.0, (y + 0.5) * self.size.1)
+    }
+
     /// Position of sample `sample`: 0..=1 from the upper left corner of the image, slightly outside
     /// at its borders.
     pub fn position(&self, sample: u32) -> (f64, f64) {

@@ -106,7 +106,7 @@ impl FirstLook<'_> {
             let at = self.tracer.resolve(ray, hit);
             distance += at.position.distance(ray.origin);
             let front = surfaces.is_front(kernel_ray, hit);
-            let emitted = surfaces.material(hit.item).emission_from(front);
+            let emitted = surfaces.emitted(hit, front);
             shining += usize::from(!emitted.is_black());
             points.push(GatherPoint {
                 position: at.position,

@@ -1,6 +1,7 @@
 //! Radiance along rays: the irradiance of the first pass, seen through mirrors and glass and by way
 //! of glossy lobes.
 
+use crate::measured::RayRadiance;
 use crate::path_sampler::PathSampler;
 use crate::render_scene::{RenderScene, ShadowBatch};
 use crate::shading::{Colors, Parts, Shading, mirrored};
@@ -12,13 +13,17 @@ use azulejo_trace::interaction::{
 };
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{
-    DiffuseHit, DiffuseLight, GatherOptions, GatherPoint, OutgoingRadiosity, Termination,
+    DiffuseHit, DiffuseLight, DirectionTables, GatherOptions, GatherPoint, OutgoingRadiosity,
+    Termination,
 };
 use azulejo_trace::{KernelHit, KernelRay, Surfaces, Tracer};
 use std::f64::consts::FRAC_1_PI;
 
 /// Ends paths that carry little of what the camera sees: a hall of mirrors ends.
 const ROULETTE: Roulette = Roulette::below(Roulette::SHARE);
+
+/// Samples of the lamps, and of directions, where a relief is seen: all of its irradiance is sampled.
+const RELIEF_SAMPLES: u32 = 4;
 
 /// About how many rays one call of the gatherer traces: bounds its memory.
 const GATHER_BATCH: u32 = 16_384;
@@ -31,15 +36,10 @@ pub(crate) struct Integrator<'a> {
     is_solved: bool,
     seed: u32,
     max_depth: u32,
-}
-
-/// An estimate of the radiance along one ray.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct RayRadiance {
-    /// Radiance, W/(sr·m²).
-    pub radiance: Rgb,
-    /// Whether it depends on random numbers, so that another sample may differ.
-    pub is_random: bool,
+    /// Whether direct light is told from indirect light in stored irradiance.
+    pub splits: bool,
+    /// Most radiance that the indirect paths of one ray add.
+    clamp: Option<f64>,
 }
 
 /// A segment of a camera path, still to be traced.
@@ -50,8 +50,8 @@ struct Segment {
     weight: Rgb,
     /// Interfaces passed so far.
     depth: u32,
-    /// Whether only mirrors and glass lie between the camera and the segment.
-    is_sharp: bool,
+    /// Surfaces so far that scattered the path; mirrors and glass do not.
+    scattered: u32,
     /// Density of its direction, 1/sr, if that was sampled where the lamps were sampled too; 0
     /// otherwise.
     density: f64,
@@ -65,6 +65,8 @@ struct DeferredGather {
     /// What one unit of irradiance adds to the ray's radiance.
     weight: Rgb,
     point: GatherPoint,
+    /// Whether the camera sees the point sharply.
+    is_first: bool,
 }
 
 /// Working memory for a batch, kept between batches to save allocations.
@@ -74,6 +76,8 @@ pub(crate) struct Scratch {
     next: Vec<KernelHit>,
     pending: Vec<Segment>,
     deferred: Vec<DeferredGather>,
+    /// Where irradiance was read whose direct part is to be told apart.
+    to_split: Vec<DeferredGather>,
     points: Vec<GatherPoint>,
     shadows: ShadowBatch,
 }
@@ -86,6 +90,8 @@ impl<'a> Integrator<'a> {
             is_solved: scene.is_solved(),
             seed: hash(&[options.seed as u32, (options.seed >> 32) as u32]),
             max_depth: options.max_depth,
+            splits: false,
+            clamp: options.clamp,
         }
     }
 
@@ -129,12 +135,17 @@ impl<'a> Integrator<'a> {
                         number,
                         sampler: sampler(number),
                         scratch: &mut *scratch,
+                        found: RayRadiance::default(),
                     };
                     path.radiance(Segment::first(ray), hit)
                 }),
         );
         scratch.hits = hits;
         self.resolve(scratch, found);
+        self.split(scratch, found);
+        if let Some(most) = self.clamp {
+            found.iter_mut().for_each(|found| found.limit(most));
+        }
     }
 
     /// Runs the deferred gathers and adds what they find to their rays.
@@ -145,18 +156,44 @@ impl<'a> Integrator<'a> {
             spent: 0,
             termination: Termination::Radiosity,
         };
+        let directions = DirectionTables::new(&options);
+        let gatherer = &self.scene.gatherer;
         let together = (GATHER_BATCH / options.rays.max(1)).max(1) as usize;
         for batch in scratch.deferred.chunks(together) {
             scratch.points.clear();
             scratch.points.extend(batch.iter().map(|d| d.point));
-            let gathered = self.scene.gatherer.gather(&scratch.points, &options, self);
+            let gathered = gatherer.gather_with(&scratch.points, &options, &directions, self);
             for (deferred, gathered) in batch.iter().zip(gathered) {
                 let found = &mut found[deferred.ray];
-                found.radiance += deferred.weight * gathered.mean();
+                let [direct, indirect] = [gathered.direct, gathered.indirect];
+                if !deferred.is_first {
+                    found.sampled += deferred.weight * gathered.whole().mean();
+                } else if self.splits {
+                    found.direct += deferred.weight * direct.mean();
+                    found.stored += deferred.weight * indirect.mean();
+                } else {
+                    found.stored += deferred.weight * gathered.whole().mean();
+                }
                 found.is_random = true;
             }
         }
         scratch.deferred.clear();
+    }
+
+    /// Tells the direct part of the irradiance that was read from the rest, which it leaves: both
+    /// together stay what was read.
+    fn split(&self, scratch: &mut Scratch, found: &mut [RayRadiance]) {
+        for batch in scratch.to_split.chunks(GATHER_BATCH as usize) {
+            scratch.points.clear();
+            scratch.points.extend(batch.iter().map(|d| d.point));
+            let direct = self.scene.gatherer.direct(&scratch.points, 1, self.seed);
+            for (at, direct) in batch.iter().zip(direct) {
+                let light = at.weight * direct.whole().mean();
+                found[at.ray].direct += light;
+                found[at.ray].stored += light * -1.0;
+            }
+        }
+        scratch.to_split.clear();
     }
 }
 
@@ -167,6 +204,8 @@ struct CameraPath<'p, 'a> {
     number: usize,
     sampler: PathSampler,
     scratch: &'p mut Scratch,
+    /// What was found so far.
+    found: RayRadiance,
 }
 
 impl<'a> CameraPath<'_, 'a> {
@@ -174,18 +213,28 @@ impl<'a> CameraPath<'_, 'a> {
     /// without the deferred gathers.
     fn radiance(&mut self, first: Segment, hit: &KernelHit) -> RayRadiance {
         let (first, fog) = self.through_fog(first, hit);
-        let mut radiance = fog + self.shade(&first, hit);
+        self.found.direct += fog;
+        self.shade(&first, hit);
         while let Some(segment) = self.scratch.pending.pop() {
             let ray = std::slice::from_ref(&segment.ray);
             self.integrator
                 .tracer()
                 .closest(ray, &mut self.scratch.next);
             let hit = self.scratch.next[0];
-            radiance += self.shade(&segment, &hit);
+            self.shade(&segment, &hit);
         }
         RayRadiance {
-            radiance,
             is_random: self.sampler.is_used(),
+            ..self.found
+        }
+    }
+
+    /// Counts light that a path found after as many surfaces that scattered it.
+    fn count(&mut self, scattered: u32, light: Rgb) {
+        if scattered <= 1 {
+            self.found.direct += light;
+        } else {
+            self.found.sampled += light;
         }
     }
 
@@ -199,53 +248,102 @@ impl<'a> CameraPath<'_, 'a> {
         (Segment { weight, ..first }, first.weight * added)
     }
 
-    /// The radiance that a segment contributes; its continuations become pending.
-    fn shade(&mut self, segment: &Segment, hit: &KernelHit) -> Rgb {
+    /// Adds what a segment contributes; its continuations become pending.
+    fn shade(&mut self, segment: &Segment, hit: &KernelHit) {
         let scene = &self.integrator.scene;
         if !hit.is_hit() {
-            let beyond = scene.beyond(&segment.ray, segment.is_sharp, segment.density);
-            return segment.weight * beyond;
+            let beyond = scene.beyond(&segment.ray, segment.is_sharp(), segment.density);
+            self.count(segment.scattered, segment.weight * beyond);
+            return;
         }
         let surfaces = scene.surfaces();
         let material = surfaces.material(hit.item);
-        let mut own = scene.emitted(&segment.ray, hit, segment.density);
-        if !material.diffuse.is_black() {
+        let emitted = scene.emitted(&segment.ray, hit, segment.density);
+        self.count(segment.scattered, segment.weight * emitted);
+        // The irradiance of a tilted normal is not known: lamps and directions are sampled, as for matt
+        // lobes.
+        let is_tilted =
+            segment.is_sharp() && material.dielectric.is_none() && scene.has_relief(hit);
+        let is_glossy = material.is_specular() || material.brdf.is_some();
+        let at = (is_glossy || is_tilted).then(|| scene.interaction(&segment.ray, hit));
+        let mut is_lit = false;
+        if !material.diffuse.is_black() && !is_tilted {
             let front = surfaces.is_front(&segment.ray, hit);
             let (ray, hit) = (segment.ray, *hit);
-            own += self.reflected(segment, &DiffuseHit { ray, hit, front }, material);
+            let reflectance = self.read_reflectance(segment, &hit, at.as_ref(), material);
+            is_lit = self.reflect_irradiance(segment, &DiffuseHit { ray, hit, front }, reflectance);
         }
-        if material.is_specular() || material.brdf.is_some() {
-            own += self.scatter(segment, hit, material);
+        if let Some(at) = at {
+            self.scatter(segment, hit, &at, material, is_lit);
         }
-        segment.weight * own
     }
 
-    /// Diffusely reflected radiance ρE/π; black if its gather is deferred. Matt lobes that are seen
-    /// sharply are left to [`scatter`](CameraPath::scatter).
-    fn reflected(&mut self, segment: &Segment, at: &DiffuseHit, material: &Material) -> Rgb {
-        let mut reflectance = self.integrator.reflectance(at);
-        if segment.is_sharp {
-            reflectance = Colors::new(reflectance, material.brdf.as_deref()).lambert;
-        }
+    /// Reflectance for the irradiance at a hit: of a surface that is seen sharply the diffuse part,
+    /// and the albedo of its matt lobes in that direction; else the mean of both.
+    fn read_reflectance(
+        &self,
+        segment: &Segment,
+        hit: &KernelHit,
+        at: Option<&SurfaceInteraction>,
+        material: &'a Material,
+    ) -> Rgb {
+        let scene = &self.integrator.scene;
+        let reflectance = scene.reflectance(hit, material);
+        let Some(at) = at.filter(|_| segment.is_sharp()) else {
+            return reflectance;
+        };
+        let matt = scene.shading(hit, at, material, Parts::MattAndLobes);
+        Colors::new(reflectance, material.brdf.as_deref()).lambert + matt.matt_albedo()
+    }
+
+    /// Adds diffusely reflected radiance ρE/π, or defers its gather; false if the irradiance is not
+    /// known at all, because there was no first pass.
+    fn reflect_irradiance(&mut self, segment: &Segment, at: &DiffuseHit, reflectance: Rgb) -> bool {
+        let weight = segment.weight * reflectance * FRAC_1_PI;
         let is_everywhere = matches!(self.integrator.gather, FinalGather::Everywhere(_));
-        let shows_patches = !is_everywhere || (self.integrator.is_solved && !segment.is_sharp);
+        let shows_patches = !is_everywhere || (self.integrator.is_solved && !segment.is_sharp());
         if shows_patches {
             let solved = self.integrator.scene.interpolator.lookup(&at.ray, &at.hit);
             let may_gather = matches!(self.integrator.gather, FinalGather::Uneven(_));
-            let is_uneven = may_gather && segment.is_sharp && solved.is_uneven(at.front);
+            let is_uneven = may_gather && segment.is_sharp() && solved.is_uneven(at.front);
             match solved.irradiance(at.front) {
-                Some(irradiance) if !is_uneven => return irradiance * reflectance * FRAC_1_PI,
+                Some(irradiance) if !is_uneven => {
+                    self.read_irradiance(segment, at, irradiance, weight);
+                    return true;
+                }
                 // Without a solution only lamps show.
-                None if at.front => return Rgb::BLACK,
+                None if at.front => return false,
                 _ => {}
             }
         }
+        let deferred = self.deferred(segment, at, weight);
+        self.scratch.deferred.push(deferred);
+        true
+    }
+
+    /// Adds the light of irradiance that was read.
+    fn read_irradiance(&mut self, segment: &Segment, at: &DiffuseHit, found: Rgb, weight: Rgb) {
+        let light = weight * found;
+        if segment.scattered > 0 {
+            self.found.sampled += light;
+            return;
+        }
+        self.found.stored += light;
+        if self.integrator.splits {
+            let deferred = self.deferred(segment, at, weight);
+            self.scratch.to_split.push(deferred);
+        }
+    }
+
+    /// The point of a hit, for work that is put off.
+    fn deferred(&self, segment: &Segment, at: &DiffuseHit, weight: Rgb) -> DeferredGather {
         let tracer = self.integrator.tracer();
         let point = tracer.resolve(&tracer.world_ray(&segment.ray), &at.hit);
         let serial = self.scratch.deferred.len() as u32;
-        self.scratch.deferred.push(DeferredGather {
+        DeferredGather {
             ray: self.number,
-            weight: segment.weight * reflectance * FRAC_1_PI,
+            weight,
+            is_first: segment.scattered == 0,
             point: GatherPoint {
                 position: point.position,
                 normal: if at.front {
@@ -255,49 +353,64 @@ impl<'a> CameraPath<'_, 'a> {
                 },
                 key: hash(&[self.sampler.stream, self.sampler.sample, serial]),
             },
-        });
-        Rgb::BLACK
+        }
     }
 
-    /// Continues the path in mirrored, refracted and sampled directions; returns the radiance of
-    /// lamps and lights that glossy lobes reflect.
-    fn scatter(&mut self, segment: &Segment, hit: &KernelHit, material: &'a Material) -> Rgb {
-        let at = self.integrator.scene.interaction(&segment.ray, hit);
+    /// Continues the path in mirrored, refracted and sampled directions, and adds the radiance of
+    /// lamps and lights that glossy lobes reflect. `is_lit` if the irradiance was reflected already.
+    fn scatter(
+        &mut self,
+        segment: &Segment,
+        hit: &KernelHit,
+        at: &SurfaceInteraction,
+        material: &'a Material,
+        is_lit: bool,
+    ) {
         let Some(glass) = material.dielectric else {
-            return self.reflect(segment, hit, &at, material);
+            self.reflect(segment, hit, at, material, is_lit);
+            return;
         };
         let interface = at.dielectric(&glass, material.mirror);
         let next = interface.continuations(segment.depth, SPLIT_DEPTH, || self.chance());
         for next in next.into_iter().flatten() {
-            self.send(segment, &at, next);
+            self.send(segment, at, next);
         }
-        Rgb::BLACK
     }
 
     /// Continues the path in the mirrored direction and in one sampled from the lobes, at first
-    /// interfaces in both, later in one by chance; returns the radiance of lamps and lights that
-    /// the lobes reflect. Rays to lamps and rays from the lobes count a lamp once.
+    /// interfaces in both, later in one by chance; adds the radiance of lamps and lights that the
+    /// lobes reflect. Rays to lamps and rays from the lobes count a lamp once.
+    ///
+    /// Where irradiance was read (`is_lit`), matt lobes contribute what they reflect otherwise than a
+    /// diffuse surface of their albedo alone. To follow them whole, from every pixel, would find the
+    /// caustics of all glossy surfaces around, a sample in a thousand at a time.
     fn reflect(
         &mut self,
         segment: &Segment,
         hit: &KernelHit,
         at: &SurfaceInteraction,
         material: &'a Material,
-    ) -> Rgb {
-        let parts = if segment.is_sharp {
-            Parts::MattAndLobes
-        } else {
-            Parts::Lobes
-        };
+        is_lit: bool,
+    ) {
         let scene = &self.integrator.scene;
+        let parts = match segment.is_sharp() {
+            true if scene.has_relief(hit) => Parts::All,
+            true => Parts::MattAndLobes,
+            false => Parts::Lobes,
+        };
         let shading = scene.shading(hit, at, material, parts);
+        let shading = if is_lit {
+            shading.without_albedo()
+        } else {
+            shading
+        };
         let share = mirrored(material, -at.direction.dot(at.shading_normal));
         let mirror = at.mirrored(share);
         if shading.is_black() {
             if !share.is_black() {
                 self.send(segment, at, mirror);
             }
-            return Rgb::BLACK;
+            return;
         }
         let splits = segment.depth < SPLIT_DEPTH;
         let branching = Branching::new(splits, share.mean(), || shading.likely());
@@ -305,13 +418,21 @@ impl<'a> CameraPath<'_, 'a> {
         if let Some(probability) = of_mirror {
             self.send(segment, at, mirror.over(probability));
         }
-        if let Some(probability) = of_lobes {
-            let u = [(); 4].map(|()| self.chance());
-            if let Some(sample) = shading.sample(u) {
-                self.send(segment, at, sample.chosen(probability));
+        let is_first = segment.depth == 0 && parts == Parts::All;
+        let count = if is_first { RELIEF_SAMPLES } else { 1 };
+        let mut found = Rgb::BLACK;
+        for _ in 0..count {
+            if let Some(probability) = of_lobes {
+                let u = [(); 4].map(|()| self.chance());
+                if let Some(sample) = shading.sample(u) {
+                    let next = sample.chosen(probability).over(f64::from(count));
+                    self.send(segment, at, next);
+                }
             }
+            found += self.lit(&shading, branching.lobe_probability());
         }
-        self.lit(&shading, branching.lobe_probability())
+        let lit = segment.weight * (found / f64::from(count));
+        self.count(segment.scattered + 1, lit);
     }
 
     /// What lobes show of lamps and lights; `lobe_probability` as for [`RenderScene::lit`].
@@ -327,13 +448,14 @@ impl<'a> CameraPath<'_, 'a> {
             return;
         }
         let weight = segment.weight * next.weight;
-        let survival = ROULETTE.survival(weight.max_channel(), || self.chance());
+        let carried = weight.map(f64::abs).max_channel();
+        let survival = ROULETTE.survival(carried, || self.chance());
         let Some(survival) = survival else { return };
         self.scratch.pending.push(Segment {
             ray: at.spawn_ray(self.integrator.tracer(), next.direction),
             weight: weight / survival,
             depth: segment.depth + 1,
-            is_sharp: segment.is_sharp && next.density == 0.0,
+            scattered: segment.scattered + u32::from(next.density != 0.0),
             density: next.density,
         });
     }
@@ -362,6 +484,8 @@ impl DiffuseLight for Integrator<'_> {
         }
     }
 
+    /// By the means of pictures of metalness, as the glossy paths of a gather have them, so that both
+    /// together reflect no more than arrives.
     fn reflectance(&self, at: &DiffuseHit) -> Rgb {
         let material = self.surfaces().material(at.hit.item);
         self.scene.interpolator.reflectance(&at.hit, material)
@@ -369,12 +493,17 @@ impl DiffuseLight for Integrator<'_> {
 }
 
 impl Segment {
+    /// Whether only mirrors and glass lie between the camera and the segment.
+    fn is_sharp(&self) -> bool {
+        self.scattered == 0
+    }
+
     fn first(ray: KernelRay) -> Segment {
         Segment {
             ray,
             weight: Rgb::WHITE,
             depth: 0,
-            is_sharp: true,
+            scattered: 0,
             density: 0.0,
         }
     }

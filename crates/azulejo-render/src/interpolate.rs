@@ -169,10 +169,15 @@ impl<'a> Interpolator<'a> {
     /// Textures that could not be loaded, and those on objects without texture coordinates,
     /// change nothing.
     pub fn reflectance(&self, hit: &KernelHit, material: &Material) -> Rgb {
+        material.diffuse * self.pattern(hit, material)
+    }
+
+    /// The factor by which vertex colours and textures change a material's colour at a hit.
+    pub fn pattern(&self, hit: &KernelHit, material: &Material) -> Rgb {
         let (item, shape) = self.at(hit);
         let is_painted = |mesh: &&Mesh| !(mesh.colors.is_empty() && material.textures.is_empty());
         let Some(mesh) = shape.mesh().filter(is_painted) else {
-            return material.diffuse;
+            return Rgb::WHITE;
         };
         let [u, v] = hit.uv().map(f64::from);
         let weights = Weights::on_face(item, u, v);
@@ -183,7 +188,7 @@ impl<'a> Interpolator<'a> {
         };
         let uv = (!material.textures.is_empty()).then(|| weights.uv(mesh));
         let texture = |id| self.scene.textures.get(id as usize);
-        material.painted(color, uv.flatten(), texture)
+        material.pattern(color, uv.flatten(), texture)
     }
 }
 

@@ -9,19 +9,26 @@
 //! Every result depends on scene, options and seed alone: the same bits for any number of
 //! threads.
 
+mod denoise;
 mod film;
 mod first_view;
 mod integrator;
 mod interpolate;
+mod layers;
+mod measured;
 mod pass;
 mod path_sampler;
 mod reference;
 mod render_scene;
 pub mod rtrace;
 mod shading;
+mod surface_maps;
 mod tone;
 
+pub use denoise::{DenoisedImage, denoise};
 pub use first_view::first_view;
-pub use pass::{FinalGather, SecondPass, radiance, render};
-pub use reference::{Reference, ReferencePass, reference, reference_radiance, relative_rmse};
+pub use layers::{NO_DEPTH, PictureLayers, picture_layers};
+pub use measured::{MeasuredImage, relative_rmse};
+pub use pass::{FinalGather, SecondPass, radiance, render, render_measured};
+pub use reference::{ReferencePass, reference, reference_radiance};
 pub use tone::{REINHARD_WHITE, Tone, auto_exposure, srgb_from_linear, tone_map};

@@ -1,7 +1,8 @@
 //! The second pass: options, and the loops over pixels and probe rays.
 
 use crate::film::{Film, Lens, Tile};
-use crate::integrator::{Integrator, RayRadiance, Scratch};
+use crate::integrator::{Integrator, Scratch};
+use crate::measured::{MeasuredImage, PixelSums, RayRadiance};
 use crate::path_sampler::PathSampler;
 use azulejo_scene::math::Ray;
 use azulejo_scene::{Camera, Image, Rgb, Scene};
@@ -23,6 +24,10 @@ pub struct SecondPass {
     /// mirrors, from which light never leaves. What a path still carries then is lost; paths end
     /// long before it by Russian roulette, which loses nothing on average.
     pub max_depth: u32,
+    /// The most radiance, W/(sr·m²), that paths behind the first surface that scatters may add to one
+    /// sample: above it is scaled down, which removes bright dots, and light. `None` removes
+    /// nothing.
+    pub clamp: Option<f64>,
 }
 
 /// Where paths gather irradiance, by rays over the hemisphere and the direct light of all lamps and
@@ -56,7 +61,7 @@ impl FinalGather {
 }
 
 impl Default for SecondPass {
-    /// 512 × 512 pixels, 16 samples each, no final gather, seed 0, at most 1000 interfaces.
+    /// 512 × 512 pixels, 16 samples each, no final gather, seed 0, at most 1000 interfaces, no clamp.
     fn default() -> SecondPass {
         SecondPass {
             size: (512, 512),
@@ -64,6 +69,7 @@ impl Default for SecondPass {
             gather: FinalGather::Unknown,
             seed: 0,
             max_depth: 1000,
+            clamp: None,
         }
     }
 }
@@ -108,12 +114,45 @@ pub fn render(
     options: &SecondPass,
     progress: &Progress,
 ) -> Result<Image, Cancelled> {
+    let integrator = Integrator::new(scene, tracer, options);
+    Ok(measure(integrator, camera, options, progress)?.image)
+}
+
+/// [`render`] with standard errors, and with direct and indirect light apart.
+///
+/// The irradiance on vertices holds both: the direct part is computed anew where the camera sees it,
+/// exactly at the edges of shadows, and the rest is indirect. Where the vertices do not resolve a
+/// shadow, that may be negative. The image is the same as that of [`render`].
+///
+/// # Errors
+/// [`Cancelled`] when `progress` was.
+///
+/// # Panics
+/// As [`render`].
+pub fn render_measured(
+    scene: &Scene,
+    tracer: &Tracer,
+    camera: &Camera,
+    options: &SecondPass,
+    progress: &Progress,
+) -> Result<MeasuredImage, Cancelled> {
+    let mut integrator = Integrator::new(scene, tracer, options);
+    integrator.splits = true;
+    measure(integrator, camera, options, progress)
+}
+
+/// Renders all tiles.
+fn measure(
+    integrator: Integrator,
+    camera: &Camera,
+    options: &SecondPass,
+    progress: &Progress,
+) -> Result<MeasuredImage, Cancelled> {
     let (width, height) = options.size;
     assert!(
         width.checked_mul(height).is_some(),
         "an image of {width} × {height} pixels is too large"
     );
-    let integrator = Integrator::new(scene, tracer, options);
     let film = Film {
         width,
         height,
@@ -133,7 +172,7 @@ pub fn render(
         .into_par_iter()
         .map_init(Batch::default, |batch, tile| pass.tile(tile, batch))
         .collect();
-    Ok(film.assemble(&parts?))
+    Ok(MeasuredImage::assemble(&film, &parts?))
 }
 
 /// Radiance that arrives at the origin of each ray from its direction, W/(sr·m²), in their order.
@@ -186,7 +225,7 @@ fn probe(
         let kernel = open.iter().map(|&i| integrator.kernel_ray(&rays[i]));
         batch.trace(integrator, kernel, |k| PathSampler::new(stream(k), sample));
         for (&i, found) in open.iter().zip(&batch.found) {
-            sums[i] += found.radiance;
+            sums[i] += found.radiance();
             counts[i] += 1;
         }
         let mut random = batch.found.iter().map(|found| found.is_random);
@@ -230,20 +269,24 @@ impl Batch {
 
 impl ImagePass<'_> {
     /// The pixels of one tile.
-    fn tile(&self, tile: Tile, batch: &mut Batch) -> Result<Vec<[f32; 3]>, Cancelled> {
+    fn tile(&self, tile: Tile, batch: &mut Batch) -> Result<Vec<PixelSums>, Cancelled> {
         let pixels: Vec<u32> = tile.pixels(self.film.width).collect();
-        let mut sums = vec![Rgb::BLACK; pixels.len()];
+        let mut sums = vec![PixelSums::default(); pixels.len()];
         let together = (self.batch / self.samples).max(1) as usize;
         for (pixels, sums) in pixels.chunks(together).zip(sums.chunks_mut(together)) {
             self.expose(pixels, sums, batch)?;
             self.progress.advance(pixels.len() as u64)?;
         }
-        let mean = |sum: &Rgb| (*sum / f64::from(self.samples)).to_f32();
-        Ok(sums.iter().map(mean).collect())
+        Ok(sums)
     }
 
     /// Adds up all samples of some pixels, a batch at a time.
-    fn expose(&self, pixels: &[u32], sums: &mut [Rgb], batch: &mut Batch) -> Result<(), Cancelled> {
+    fn expose(
+        &self,
+        pixels: &[u32],
+        sums: &mut [PixelSums],
+        batch: &mut Batch,
+    ) -> Result<(), Cancelled> {
         for start in (0..self.samples).step_by(self.batch as usize) {
             self.progress.advance(0)?;
             let count = self.batch.min(self.samples - start) as usize;
@@ -256,7 +299,9 @@ impl ImagePass<'_> {
                 |k: usize| PathSampler::new(pixels[k / count], start + (k % count) as u32);
             batch.trace(&self.integrator, rays, sampler);
             for (sum, found) in sums.iter_mut().zip(batch.found.chunks(count)) {
-                *sum += found.iter().map(|found| found.radiance).sum();
+                for (sample, found) in (start..).zip(found) {
+                    sum.add(found, sample, self.samples);
+                }
             }
         }
         Ok(())

@@ -6,11 +6,12 @@
 //! Guibas 1995). Slow, unbiased, and with a standard error for every pixel.
 
 use crate::film::{Film, Lens, Tile};
+use crate::measured::{MeasuredImage, PixelSums, RayRadiance};
 use crate::path_sampler::PathSampler;
 use crate::render_scene::{RenderScene, ShadowBatch};
 use crate::shading::{Parts, mirrored};
 use azulejo_scene::math::Ray;
-use azulejo_scene::{Camera, Image, Rgb, Scene};
+use azulejo_scene::{Camera, Rgb, Scene};
 use azulejo_trace::interaction::{Branching, Continuation, Roulette, SurfaceInteraction};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, KernelHit, KernelRay, Progress, Tracer};
@@ -39,6 +40,9 @@ pub struct ReferencePass {
     /// A safety cap on surfaces along one path. What a path still carries there is lost; roulette
     /// ends it long before, which loses nothing on average.
     pub max_depth: u32,
+    /// The most radiance, W/(sr·m²), that the indirect light of one path may have: above it is
+    /// scaled down, which removes bright dots, and light. `None` for an unbiased image.
+    pub clamp: Option<f64>,
 }
 
 impl Default for ReferencePass {
@@ -49,90 +53,8 @@ impl Default for ReferencePass {
             samples_per_pixel: 256,
             seed: 0,
             max_depth: 1000,
+            clamp: None,
         }
-    }
-}
-
-/// An image with its standard error.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Reference {
-    /// Radiance, W/(sr·m²).
-    pub image: Image,
-    /// Standard error of each pixel and channel, as if the samples were independent. They are
-    /// stratified, so it is a little too large.
-    pub error: Image,
-}
-
-impl Reference {
-    /// Expected [`relative_rmse`] of the image against the truth, from its standard errors.
-    pub fn relative_error(&self) -> f64 {
-        let errors = self.error.pixels.iter().flatten();
-        let light = self.image.pixels.iter().flatten();
-        let dim = dim(&self.image);
-        let square = |(&e, &l): (&f32, &f32)| relative_square(e.into(), l.into(), dim);
-        root_mean(errors.zip(light).map(square))
-    }
-}
-
-/// Root mean square of the relative error of an image, over all pixels and channels.
-///
-/// The error is relative to the truth plus a tenth of the truth's mean radiance, so that neither
-/// dark pixels nor the edges of lamps dominate. The images must have the same size; 0 for black
-/// ones.
-pub fn relative_rmse(found: &Image, truth: &Image) -> f64 {
-    let (a, b) = (found.pixels.iter().flatten(), truth.pixels.iter().flatten());
-    let dim = dim(truth);
-    root_mean(
-        a.zip(b)
-            .map(|(&a, &b)| relative_square(f64::from(a) - f64::from(b), b.into(), dim)),
-    )
-}
-
-/// A tenth of the mean radiance.
-fn dim(image: &Image) -> f64 {
-    let all = image.pixels.iter().flatten().map(|&v| f64::from(v));
-    0.1 * all.sum::<f64>() / (3 * image.pixels.len()).max(1) as f64
-}
-
-fn relative_square(error: f64, light: f64, dim: f64) -> f64 {
-    if error == 0.0 {
-        return 0.0;
-    }
-    error * error / (light * light + dim * dim)
-}
-
-fn root_mean(squares: impl Iterator<Item = f64>) -> f64 {
-    let (mut sum, mut count) = (0.0, 0u32);
-    for square in squares {
-        sum += square;
-        count += 1;
-    }
-    (sum / f64::from(count.max(1))).sqrt()
-}
-
-/// A value and its standard error, as sums over samples.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sums {
-    sum: Rgb,
-    squares: Rgb,
-    count: u32,
-}
-
-impl Sums {
-    fn add(&mut self, value: Rgb) {
-        self.sum += value;
-        self.squares += value * value;
-        self.count += 1;
-    }
-
-    fn mean(&self) -> Rgb {
-        self.sum / f64::from(self.count.max(1))
-    }
-
-    fn standard_error(&self) -> Rgb {
-        let (n, mean) = (f64::from(self.count), self.mean());
-        let variance = (self.squares / n - mean * mean) / (n - 1.0).max(1.0);
-        variance.map(|v| v.max(0.0).sqrt())
     }
 }
 
@@ -153,7 +75,7 @@ pub fn reference(
     camera: &Camera,
     options: &ReferencePass,
     progress: &Progress,
-) -> Result<Reference, Cancelled> {
+) -> Result<MeasuredImage, Cancelled> {
     let (width, height) = options.size;
     assert!(
         width.checked_mul(height).is_some(),
@@ -167,7 +89,7 @@ pub fn reference(
     };
     let lens = Lens::new(camera, f64::from(width) / f64::from(height));
     progress.begin("reference", u64::from(width) * u64::from(height));
-    let tile = |scratch: &mut Scratch, tile: Tile| -> Result<Vec<Sums>, Cancelled> {
+    let tile = |scratch: &mut Scratch, tile: Tile| -> Result<Vec<PixelSums>, Cancelled> {
         let pixel = |index: u32| {
             progress.advance(1)?;
             let pixel = film.pixel(index);
@@ -178,16 +100,8 @@ pub fn reference(
     };
     let parts = film.tiles().into_par_iter();
     let parts = parts.map_init(Scratch::default, tile);
-    let parts: Vec<Vec<Sums>> = parts.collect::<Result<_, Cancelled>>()?;
-    let image = |of: fn(&Sums) -> Rgb| {
-        let values = |part: &Vec<Sums>| part.iter().map(|s| of(s).to_f32()).collect();
-        let parts: Vec<Vec<[f32; 3]>> = parts.iter().map(values).collect();
-        film.assemble(&parts)
-    };
-    Ok(Reference {
-        image: image(Sums::mean),
-        error: image(Sums::standard_error),
-    })
+    let parts: Vec<Vec<PixelSums>> = parts.collect::<Result<_, Cancelled>>()?;
+    Ok(MeasuredImage::assemble(&film, &parts))
 }
 
 /// Radiance that arrives at the origin of each ray from its direction, and its standard error, by
@@ -220,6 +134,7 @@ struct PathTracer<'a> {
     seed: u32,
     samples: u32,
     max_depth: u32,
+    clamp: Option<f64>,
 }
 
 /// Working memory of one thread.
@@ -233,13 +148,25 @@ struct Scratch {
 struct PathState {
     ray: KernelRay,
     weight: Rgb,
-    /// Radiance found so far.
-    radiance: Rgb,
-    /// Whether only mirrors and glass were hit.
-    is_sharp: bool,
+    /// What was found so far.
+    found: RayRadiance,
+    /// Surfaces so far that scattered the path; mirrors and glass do not.
+    scattered: u32,
     /// Density of the direction, 1/sr, if it was sampled where the lamps were sampled too; 0
     /// otherwise.
     density: f64,
+}
+
+impl PathState {
+    /// Counts light that arrives by so many more surfaces that scatter.
+    fn count(&mut self, more: u32, light: Rgb) {
+        let light = self.weight * light;
+        if self.scattered + more <= 1 {
+            self.found.direct += light;
+        } else {
+            self.found.sampled += light;
+        }
+    }
 }
 
 impl<'a> PathTracer<'a> {
@@ -249,6 +176,7 @@ impl<'a> PathTracer<'a> {
             seed: hash(&[options.seed as u32, (options.seed >> 32) as u32, 0x7ef]),
             samples: options.samples_per_pixel.max(2),
             max_depth: options.max_depth,
+            clamp: options.clamp,
         }
     }
 
@@ -263,24 +191,30 @@ impl<'a> PathTracer<'a> {
         ray: impl Fn(u32) -> KernelRay,
         scratch: &mut Scratch,
         progress: &Progress,
-    ) -> Result<Sums, Cancelled> {
-        let mut sums = Sums::default();
+    ) -> Result<PixelSums, Cancelled> {
+        let mut sums = PixelSums::default();
         for sample in 0..self.samples {
             if sample % 64 == 0 {
                 progress.advance(0)?;
             }
-            sums.add(self.trace(ray(sample), PathSampler::new(stream, sample), scratch));
+            let found = self.trace(ray(sample), PathSampler::new(stream, sample), scratch);
+            sums.add(&found, sample, self.samples);
         }
         Ok(sums)
     }
 
     /// Radiance along one path.
-    fn trace(&self, ray: KernelRay, mut sampler: PathSampler, scratch: &mut Scratch) -> Rgb {
+    fn trace(
+        &self,
+        ray: KernelRay,
+        mut sampler: PathSampler,
+        scratch: &mut Scratch,
+    ) -> RayRadiance {
         let mut path = PathState {
             ray,
             weight: Rgb::WHITE,
-            radiance: Rgb::BLACK,
-            is_sharp: true,
+            found: RayRadiance::default(),
+            scattered: 0,
             density: 0.0,
         };
         for depth in 0..self.max_depth {
@@ -291,11 +225,11 @@ impl<'a> PathTracer<'a> {
                 self.through_fog(&mut path, &hit);
             }
             if !hit.is_hit() {
-                path.radiance +=
-                    path.weight * self.scene.beyond(&path.ray, path.is_sharp, path.density);
+                let is_sharp = path.scattered == 0;
+                path.count(0, self.scene.beyond(&path.ray, is_sharp, path.density));
                 break;
             }
-            path.radiance += path.weight * self.scene.emitted(&path.ray, &hit, path.density);
+            path.count(0, self.scene.emitted(&path.ray, &hit, path.density));
             let at = self.scene.interaction(&path.ray, &hit);
             let next = self.scatter(&mut path, &hit, &at, &mut sampler, scratch);
             let Some(next) = next.and_then(|n| self.roulette(n, depth, &path, &mut sampler)) else {
@@ -303,12 +237,15 @@ impl<'a> PathTracer<'a> {
             };
             self.turn(&mut path, &at, &next);
         }
-        path.radiance
+        if let Some(most) = self.clamp {
+            path.found.limit(most);
+        }
+        path.found
     }
 
     fn through_fog(&self, path: &mut PathState, hit: &KernelHit) {
         if let Some((clear, added)) = self.scene.fog(&path.ray, hit) {
-            path.radiance += added;
+            path.found.direct += added;
             path.weight *= clear;
         }
     }
@@ -339,7 +276,7 @@ impl<'a> PathTracer<'a> {
         if scattered > 0.0 {
             let (u, shadows) = (four(), &mut scratch.shadows);
             let probability = branching.lobe_probability();
-            path.radiance += path.weight * self.scene.lit(&shading, u, probability, shadows);
+            path.count(1, self.scene.lit(&shading, u, probability, shadows));
         }
         let u = four();
         // Each surface takes as many random numbers, whatever it chooses from.
@@ -370,7 +307,7 @@ impl<'a> PathTracer<'a> {
     fn turn(&self, path: &mut PathState, at: &SurfaceInteraction, next: &Continuation) {
         path.ray = at.spawn_ray(self.scene.tracer(), next.direction);
         path.weight *= next.weight;
-        path.is_sharp &= next.density == 0.0;
+        path.scattered += u32::from(next.density != 0.0);
         path.density = next.density;
     }
 }

@@ -1,7 +1,8 @@
 //! What camera paths need of a scene: interactions, shading, emission, direct light and fog.
 
 use crate::interpolate::Interpolator;
-use crate::shading::{Colors, Parts, Shading};
+use crate::shading::{Colors, Parts, Shading, ShadingPoint};
+use crate::surface_maps::{Finish, FinishLobes, SurfaceMaps};
 use azulejo_scene::math::reflect;
 use azulejo_scene::{Material, Rgb, Scene, SceneBackground};
 use azulejo_trace::interaction::{SurfaceInteraction, shadow_ray};
@@ -13,6 +14,7 @@ use glam::DVec3;
 pub(crate) struct RenderScene<'a> {
     pub gatherer: Gatherer<'a>,
     pub interpolator: Interpolator<'a>,
+    maps: SurfaceMaps,
     /// What the camera sees beyond the scene, straight and in mirrors, unless that is the
     /// surroundings.
     background: Option<SceneBackground>,
@@ -34,6 +36,7 @@ impl<'a> RenderScene<'a> {
             background: scene.background,
             gatherer,
             interpolator: Interpolator::new(scene, tracer),
+            maps: SurfaceMaps::new(scene),
         }
     }
 
@@ -78,10 +81,44 @@ impl<'a> RenderScene<'a> {
     /// The interaction at a hit, with the interpolated normal for shading.
     pub fn interaction(&self, ray: &KernelRay, hit: &KernelHit) -> SurfaceInteraction {
         let at = SurfaceInteraction::new(self.tracer(), ray, hit);
+        let smooth = self.shading_normal(hit, at.facing, at.direction);
         SurfaceInteraction {
-            shading_normal: self.shading_normal(hit, at.facing, at.direction),
+            shading_normal: self.tilted(hit, &at, smooth).unwrap_or(smooth),
             ..at
         }
+    }
+
+    /// The normal that a relief tilts, where there is one.
+    fn tilted(&self, hit: &KernelHit, at: &SurfaceInteraction, smooth: DVec3) -> Option<DVec3> {
+        let surfaces = self.surfaces();
+        let material = surfaces.material(hit.item);
+        let relief = material.relief.as_ref()?;
+        let place = (surfaces.picture_place(hit)?, surfaces.picture_axes(hit)?);
+        let normals = (smooth, at.facing);
+        let mirrors = material.dielectric.is_some() || !material.mirror.is_black();
+        Some((self.maps).tilted(relief, place, normals, (at.direction, mirrors)))
+    }
+
+    /// Whether a relief tilts the normal at a hit.
+    pub fn has_relief(&self, hit: &KernelHit) -> bool {
+        let surfaces = self.surfaces();
+        surfaces.material(hit.item).relief.is_some() && surfaces.picture_place(hit).is_some()
+    }
+
+    /// Diffuse reflectance at a hit, with what vertex colours and all pictures say of it.
+    pub fn reflectance(&self, hit: &KernelHit, material: &Material) -> Rgb {
+        match self.finish(hit, material) {
+            Some((finish, _)) => self.maps.diffuse(&finish),
+            None => self.interpolator.reflectance(hit, material),
+        }
+    }
+
+    /// The finish at a hit of a material that has pictures of it.
+    fn finish(&self, hit: &KernelHit, material: &Material) -> Option<(Finish, FinishLobes<'_>)> {
+        material.finish.as_ref()?;
+        let pattern = self.interpolator.pattern(hit, material);
+        let uv = self.surfaces().picture_place(hit);
+        self.maps.finish(material, uv, pattern)
     }
 
     /// The normal for mirrors, dielectrics and reflection models: the interpolated one of a
@@ -97,25 +134,25 @@ impl<'a> RenderScene<'a> {
     }
 
     /// Some parts of the reflection model of a surface at a hit.
-    pub fn shading(
-        &self,
+    pub fn shading<'s>(
+        &'s self,
         hit: &KernelHit,
         at: &SurfaceInteraction,
-        material: &'a Material,
+        material: &'s Material,
         parts: Parts,
-    ) -> Shading<'a> {
+    ) -> Shading<'s> {
+        let point = ShadingPoint {
+            frame: at.frame(self.surfaces()),
+            facing: at.facing,
+            origin: at.origin(self.tracer()),
+            direction: at.direction,
+        };
+        if let Some((_, lobes)) = self.finish(hit, material) {
+            return Shading::finished(&point, lobes, parts);
+        }
         let brdf = material.brdf.as_deref();
-        let frame = at.frame(self.surfaces());
-        let origin = at.origin(self.tracer());
         let reflectance = self.interpolator.reflectance(hit, material);
-        let colors = Colors::new(reflectance, brdf);
-        Shading::new(
-            (frame, at.facing, origin),
-            at.direction,
-            colors,
-            brdf,
-            parts,
-        )
+        Shading::new(&point, Colors::new(reflectance, brdf), brdf, parts)
     }
 
     /// Radiance that a surface reflects of one sample of the lamps, one of what is outside, and of
@@ -162,7 +199,7 @@ impl<'a> RenderScene<'a> {
             return Rgb::BLACK;
         }
         let is_front = surfaces.is_front(ray, hit);
-        let emitted = surfaces.material(hit.item).emission_from(is_front);
+        let emitted = surfaces.emitted(hit, is_front);
         if density == 0.0 || emitted.is_black() {
             return emitted;
         }
@@ -193,7 +230,7 @@ impl ShadowBatch {
     }
 
     fn push(&mut self, tracer: &Tracer, from: DVec3, to: DVec3, light: Rgb) {
-        if light.max_channel() > 0.0 && light.is_finite() {
+        if !light.is_black() && light.is_finite() {
             self.rays.push(shadow_ray(tracer, from, to));
             self.light.push(light);
         }

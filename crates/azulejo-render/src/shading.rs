@@ -1,6 +1,7 @@
 //! The reflection of a surface at one point: its model in the point's frame, with the colour of its
 //! textures there.
 
+use crate::surface_maps::FinishLobes;
 use azulejo_scene::brdf::{Brdf, Lobes};
 use azulejo_scene::math::Frame;
 use azulejo_scene::{Material, Rgb};
@@ -32,11 +33,28 @@ pub(crate) struct Shading<'a> {
     pub wo: DVec3,
     /// Diffuse reflectance.
     lambert: Rgb,
-    /// Factor of textures and colours on the matt lobes.
-    pattern: Rgb,
-    /// Matt, glossy and narrow lobes, as far as they are evaluated.
-    lobes: [Option<&'a Lobes>; 3],
+    /// Lobes and their factors, as far as they are evaluated: matt, glossy and narrow ones, or those of
+    /// a finish, the matt ones first.
+    lobes: [Option<(&'a Lobes, Rgb)>; 5],
+    /// Reflectance that the caller reads from stored irradiance, and which the matt lobes lack.
+    stored: Rgb,
 }
+
+/// Where a surface is seen, and from which direction.
+pub(crate) struct ShadingPoint {
+    /// Its frame; `z` is the shading normal, on the side that is seen.
+    pub frame: Frame,
+    /// Unit geometric normal of the side that is seen.
+    pub facing: DVec3,
+    /// Where rays start that leave the surface on that side.
+    pub origin: DVec3,
+    /// Unit direction of the ray that hit the surface.
+    pub direction: DVec3,
+}
+
+/// How often the matt lobes are sampled, as a share of their albedo, where only their difference
+/// from a diffuse surface is left to paths.
+const RESIDUAL_SHARE: f64 = 0.1;
 
 /// The parts of a surface's reflectance that do not depend on direction.
 #[derive(Clone, Copy, Debug)]
@@ -102,30 +120,74 @@ impl Scattered {
 }
 
 impl<'a> Shading<'a> {
-    /// From the frame, the geometric normal and the origin of rays; `direction` is that of the ray
-    /// that hit the surface.
+    /// Some parts of a model.
     pub fn new(
-        (frame, facing, origin): (Frame, DVec3, DVec3),
-        direction: DVec3,
+        point: &ShadingPoint,
         colors: Colors,
         brdf: Option<&'a Brdf>,
         parts: Parts,
     ) -> Shading<'a> {
         let some = |lobes: &'a Lobes| (!lobes.is_empty()).then_some(lobes);
+        let of = |lobes: Option<&'a Lobes>, factor| Some((lobes.and_then(some)?, factor));
         let matt = brdf.filter(|_| parts != Parts::Lobes).map(Brdf::matt);
-        let rest = [brdf.map(Brdf::glossy), brdf.map(Brdf::narrow)];
         Shading {
-            frame,
-            facing,
-            origin,
-            wo: frame.to_local(-direction),
             lambert: if parts == Parts::All {
                 colors.lambert
             } else {
                 Rgb::BLACK
             },
-            pattern: colors.pattern,
-            lobes: [matt, rest[0], rest[1]].map(|lobes| lobes.and_then(some)),
+            lobes: [
+                of(matt, colors.pattern),
+                of(brdf.map(Brdf::glossy), Rgb::WHITE),
+                of(brdf.map(Brdf::narrow), Rgb::WHITE),
+                None,
+                None,
+            ],
+            ..Shading::at(point)
+        }
+    }
+
+    /// The diffuse reflectance nearest to the matt lobes as they are seen: with it the irradiance
+    /// that is known is a control variate for them.
+    pub fn matt_albedo(&self) -> Rgb {
+        self.lobes[0].map_or(Rgb::BLACK, |(matt, factor)| {
+            let mean = matt.mean_albedo();
+            mean * factor * (matt.likely(self.wo) / mean.mean().max(f64::MIN_POSITIVE))
+        })
+    }
+
+    /// Leaves the matt lobes' [`matt_albedo`](Shading::matt_albedo) to the caller: paths find what
+    /// they reflect otherwise than a diffuse surface, more or less, and no longer the whole.
+    pub fn without_albedo(self) -> Shading<'a> {
+        Shading {
+            stored: self.matt_albedo(),
+            ..self
+        }
+    }
+
+    /// Some parts of a surface whose finish pictures vary.
+    pub fn finished(point: &ShadingPoint, lobes: FinishLobes<'a>, parts: Parts) -> Shading<'a> {
+        let mut lobes =
+            lobes.map(|(lobes, factor)| (!factor.is_black()).then_some((lobes, factor)));
+        if parts == Parts::Lobes {
+            lobes[0] = None;
+        }
+        Shading {
+            lobes,
+            ..Shading::at(point)
+        }
+    }
+
+    /// A black surface.
+    fn at(point: &ShadingPoint) -> Shading<'a> {
+        Shading {
+            frame: point.frame,
+            facing: point.facing,
+            origin: point.origin,
+            wo: point.frame.to_local(-point.direction),
+            lambert: Rgb::BLACK,
+            lobes: [None; 5],
+            stored: Rgb::BLACK,
         }
     }
 
@@ -140,17 +202,19 @@ impl<'a> Shading<'a> {
     }
 
     /// Estimated reflectance of the diffuse part and of each kind of lobes.
-    fn shares(&self) -> [f64; 4] {
-        let of = |k: usize| self.lobes[k].map_or(0.0, |l| l.likely(self.wo));
-        let matt = of(0) * self.pattern.mean();
-        [self.lambert.mean(), matt, of(1), of(2)]
+    fn shares(&self) -> [f64; 6] {
+        let of = |part: Option<(&Lobes, Rgb)>| {
+            part.map_or(0.0, |(lobes, factor)| lobes.likely(self.wo) * factor.mean())
+        };
+        let [mut matt, b, c, d, e] = self.lobes.map(of);
+        if !self.stored.is_black() {
+            matt *= RESIDUAL_SHARE;
+        }
+        [self.lambert.mean(), matt, b, c, d, e]
     }
 
-    fn pattern_of(&self, kind: usize) -> Rgb {
-        if kind == 0 { self.pattern } else { Rgb::WHITE }
-    }
-
-    /// The BRDF times the cosine toward a world direction; black below either horizon.
+    /// The BRDF times the cosine toward a world direction; black below either horizon. May be
+    /// negative [`without_albedo`](Shading::without_albedo).
     pub fn eval(&self, direction: DVec3) -> Rgb {
         let wi = self.frame.to_local(direction);
         if !(wi.z > 0.0 && self.wo.z > 0.0 && direction.dot(self.facing) > 0.0) {
@@ -160,10 +224,9 @@ impl<'a> Shading<'a> {
     }
 
     fn brdf(&self, wi: DVec3) -> Rgb {
-        let kinds = self.lobes.iter().enumerate();
-        let lobes =
-            kinds.filter_map(|(k, l)| Some(l.as_ref()?.eval(self.wo, wi) * self.pattern_of(k)));
-        self.lambert * FRAC_1_PI + lobes.sum()
+        let lobes = self.lobes.iter().flatten();
+        let lobes = lobes.map(|(lobes, factor)| lobes.eval(self.wo, wi) * *factor);
+        (self.lambert - self.stored) * FRAC_1_PI + lobes.sum()
     }
 
     /// Density of [`sample`](Shading::sample) for a world direction, 1/sr.
@@ -177,8 +240,12 @@ impl<'a> Shading<'a> {
         if !(wi.z > 0.0 && self.wo.z > 0.0 && sum > 0.0) {
             return 0.0;
         }
-        let of = |k: usize| self.lobes[k].map_or(0.0, |l| shares[k + 1] * l.pdf(self.wo, wi));
-        (shares[0] * wi.z * FRAC_1_PI + of(0) + of(1) + of(2)) / sum
+        let lobes = self.lobes.iter().zip(&shares[1..]);
+        let density = |(part, share): (&Option<(&Lobes, Rgb)>, &f64)| match part {
+            Some((lobes, _)) => share * lobes.pdf(self.wo, wi),
+            None => 0.0,
+        };
+        (shares[0] * wi.z * FRAC_1_PI + lobes.map(density).sum::<f64>()) / sum
     }
 
     /// A world direction that light may come from, for four numbers in 0..1, with the weight
@@ -193,7 +260,7 @@ impl<'a> Shading<'a> {
         })?;
         let wi = match chosen {
             0 => Some(cosine_hemisphere(u[2], u[3])),
-            k => self.lobes[k - 1]?.direction(self.wo, [u[1], u[2], u[3]]),
+            k => self.lobes[k - 1]?.0.direction(self.wo, [u[1], u[2], u[3]]),
         }?;
         let direction = self.frame.to_world(wi);
         let pdf = self.density(wi);

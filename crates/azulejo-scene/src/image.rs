@@ -110,6 +110,36 @@ impl Image {
         out
     }
 
+    /// Whether every pixel that [`sample_wrapped`](Image::sample_wrapped) reads between two corners is
+    /// black; `None` if it reads more than `most`, or the corners are not finite.
+    pub(crate) fn is_black_between(
+        &self,
+        [low, high]: [DVec2; 2],
+        wrap: [WrapMode; 2],
+        most: u64,
+    ) -> Option<bool> {
+        let size = [i64::from(self.width), i64::from(self.height)];
+        if size.contains(&0) {
+            return Some(true);
+        }
+        let range = |from: f64, to: f64, count: i64| {
+            let pixel = |x: f64| (x * count as f64 - 0.5).floor();
+            let (first, last) = (pixel(from), pixel(to) + 1.0);
+            let is_short = first.abs() < 1e15 && last - first < most as f64;
+            is_short.then_some(first as i64..=last as i64)
+        };
+        let columns = range(low.x, high.x, size[0])?;
+        let rows = range(1.0 - high.y, 1.0 - low.y, size[1])?;
+        let count = |r: &std::ops::RangeInclusive<i64>| (r.end() - r.start() + 1) as u64;
+        if count(&columns) * count(&rows) > most {
+            return None;
+        }
+        Some(rows.clone().all(|y| {
+            let y = wrap[1].index(y, size[1]);
+            (columns.clone()).all(|x| self.pixel(wrap[0].index(x, size[0]), y) == [0.0; 3])
+        }))
+    }
+
     /// The four pixels around a point of an image of that size, column and row, and their weights;
     /// `None` for an image without pixels, and coordinates that are not finite.
     pub(crate) fn bilinear(

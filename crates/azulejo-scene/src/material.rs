@@ -2,7 +2,7 @@
 
 use crate::brdf::Lobes;
 use crate::image::{TextureId, WrapMode};
-use crate::{Brdf, Image, Opacity, Rgb};
+use crate::{Brdf, FinishMaps, Image, Opacity, Relief, Rgb};
 use glam::DVec2;
 use std::sync::Arc;
 
@@ -28,6 +28,9 @@ pub struct Material {
     pub dielectric: Option<Dielectric>,
     /// Emitted radiance of the front side, W/(sr·m²), the same in all directions.
     pub emission: Rgb,
+    /// A picture that multiplies `emission` where the mesh has texture coordinates; elsewhere its mean
+    /// does. One that could not be loaded is black.
+    pub emission_picture: Option<TextureId>,
     /// Whether the back emits the same.
     pub emits_back: bool,
     /// What the file says of the sides from which the surface is visible. Light does not depend on
@@ -45,6 +48,10 @@ pub struct Material {
     /// How much of the surface is there; `None` is all of it. What it takes is as the other
     /// properties say ([`Material::see_through`]).
     pub opacity: Option<Opacity>,
+    /// Pictures of metalness and roughness, for the second pass; `brdf` has their means.
+    pub finish: Option<FinishMaps>,
+    /// A picture of small relief, which tilts the shading normal in the second pass.
+    pub relief: Option<Relief>,
 }
 
 /// From which sides a surface is visible, by the file that it comes from.
@@ -89,6 +96,24 @@ impl Texture {
     /// Its colour at texture coordinates; `None` if its pixels could not be loaded.
     pub fn sample(&self, uv: DVec2) -> Option<[f32; 3]> {
         Some(self.image.as_ref()?.sample_wrapped(uv, self.wrap))
+    }
+
+    /// Whether all that it shows between two corners of texture coordinates is black; `None` if that are
+    /// more than `most` texels. One that could not be loaded is black.
+    pub fn is_black_between(&self, low: DVec2, high: DVec2, most: u64) -> Option<bool> {
+        let Some(image) = &self.image else {
+            return Some(true);
+        };
+        image.is_black_between([low, high], self.wrap, most)
+    }
+
+    /// The mean colour of its pixels; black if they could not be loaded.
+    pub fn mean(&self) -> Rgb {
+        let pixels = self.image.iter().flat_map(|image| &image.pixels);
+        let (sum, count) = pixels.fold((Rgb::BLACK, 0u32), |(sum, count), pixel| {
+            (sum + Rgb::from(pixel.map(f64::from)), count + 1)
+        });
+        sum / f64::from(count.max(1))
     }
 }
 
@@ -229,22 +254,33 @@ impl Material {
         uv: Option<DVec2>,
         texture: impl Fn(TextureId) -> Option<&'a Texture>,
     ) -> Rgb {
-        let mut reflectance = self.diffuse * color;
+        self.diffuse * self.pattern(color, uv, texture)
+    }
+
+    /// The factor by which a vertex colour and textures change the diffuse reflectance, as
+    /// [`painted`](Material::painted).
+    pub fn pattern<'a>(
+        &self,
+        color: Rgb,
+        uv: Option<DVec2>,
+        texture: impl Fn(TextureId) -> Option<&'a Texture>,
+    ) -> Rgb {
+        let mut pattern = color;
         if let Some(uv) = uv {
             let textures = self.textures.iter().filter_map(|&id| texture(id));
             for color in textures.filter_map(|texture| texture.sample(uv)) {
-                reflectance *= Rgb::from(color.map(f64::from));
+                pattern *= Rgb::from(color.map(f64::from));
             }
         }
-        reflectance
+        pattern
     }
 
-    /// Emitted exitance M = πL of the front, W/m².
+    /// Emitted exitance M = πL of the front, W/m²; a picture of it multiplies this.
     pub fn exitance(&self) -> Rgb {
         self.emission * std::f64::consts::PI
     }
 
-    /// Emitted radiance of one side, W/(sr·m²).
+    /// Emitted radiance of one side, W/(sr·m²); a picture of it multiplies this.
     pub fn emission_from(&self, front: bool) -> Rgb {
         if front || self.emits_back {
             self.emission
@@ -265,10 +301,15 @@ impl Material {
         opacity.filter(|_| !self.is_emitter())
     }
 
-    /// All pictures that it shows: of its colour, then of its opacity.
+    /// All pictures that it shows: of its colour, its opacity, its emission, its relief and its finish.
     pub fn pictures(&self) -> impl Iterator<Item = TextureId> + '_ {
         let of_opacity = self.opacity.and_then(|o| o.picture).map(|p| p.texture);
-        self.textures.iter().copied().chain(of_opacity)
+        let of_relief = self.relief.map(|r| r.texture);
+        let rest = [of_opacity, self.emission_picture, of_relief];
+        let finish = self.finish.iter().flat_map(FinishMaps::pictures);
+        (self.textures.iter().copied())
+            .chain(rest.into_iter().flatten())
+            .chain(finish)
     }
 
     /// Numbers its pictures `by` more, as where their list is appended to another.
@@ -278,11 +319,21 @@ impl Material {
         if let Some(picture) = opacity.and_then(|o| o.picture.as_mut()) {
             picture.texture += by;
         }
+        if let Some(picture) = &mut self.emission_picture {
+            *picture += by;
+        }
+        if let Some(relief) = &mut self.relief {
+            relief.texture += by;
+        }
+        if let Some(finish) = &mut self.finish {
+            finish.renumber(by);
+        }
     }
 
     /// Forgets its pictures.
     pub fn drop_pictures(&mut self) {
         self.textures.clear();
+        (self.emission_picture, self.relief, self.finish) = (None, None, None);
         if let Some(opacity) = &mut self.opacity {
             opacity.picture = None;
         }

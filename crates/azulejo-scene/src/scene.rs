@@ -191,6 +191,34 @@ impl Scene {
         lights.chain(background)
     }
 
+    /// Emitted radiance of the front of each material, W/(sr·m²): times the mean of the picture, where
+    /// there is one. For those who need no more, and for surfaces without texture coordinates.
+    pub fn mean_emissions(&self) -> Vec<Rgb> {
+        let mean = |material: &Material| match material.emission_picture {
+            Some(_) if !material.is_emitter() => Rgb::BLACK,
+            Some(id) => {
+                let texture = self.textures.get(id as usize);
+                material.emission * texture.map_or(Rgb::BLACK, Texture::mean)
+            }
+            None => material.emission,
+        };
+        self.materials.iter().map(mean).collect()
+    }
+
+    /// The scene with the mean of each picture of emission in its place, for formats without such pictures;
+    /// `None` if it has none.
+    pub fn with_even_emission(&self) -> Option<Scene> {
+        if self.materials.iter().all(|m| m.emission_picture.is_none()) {
+            return None;
+        }
+        let mut even = self.clone();
+        for (material, mean) in even.materials.iter_mut().zip(self.mean_emissions()) {
+            material.emission = mean;
+            material.emission_picture = None;
+        }
+        Some(even)
+    }
+
     /// Whether there is a light source: an emitting surface, or a light that is not black.
     pub fn has_light(&self) -> bool {
         use LightKind::*;

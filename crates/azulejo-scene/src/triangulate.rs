@@ -14,7 +14,7 @@ type FaceTriangle = [u32; 3];
 pub const MOST_FACE_CORNERS: usize = 1 << 16;
 
 /// Most corners of a polygon that touches itself: finding them again takes quadratic time.
-const MOST_TOUCHING: usize = 1 << 12;
+pub(crate) const MOST_TOUCHING: usize = 1 << 12;
 
 /// Up to this many corners every apex of a fan is tried; the trials are quadratic.
 const BEST_FAN_CORNERS: usize = 32;
@@ -30,8 +30,8 @@ impl Mesh {
     /// Weakly simple polygons, which touch themselves at corners or run along their own edges, as
     /// bridges to holes do, are filled where a line from outside crosses them an odd number of times;
     /// their triangles do not overlap, and some may have no area. No triangles of its corners fill a
-    /// polygon that crosses itself between corners: it gets what ear clipping leaves, or a fan from
-    /// corner 0, as degenerate polygons do.
+    /// polygon that crosses itself between corners ([`Mesh::divide_crossing_faces`] gives it more): it gets
+    /// what ear clipping leaves, or a fan from corner 0, as degenerate polygons do.
     ///
     /// # Panics
     /// If `face` or its vertices are out of range.
@@ -155,7 +155,7 @@ fn fan(n: u32, apex: u32) -> Vec<FaceTriangle> {
         .collect()
 }
 
-fn signed_area(flat: &[DVec2], [a, b, c]: FaceTriangle) -> f64 {
+pub(crate) fn signed_area(flat: &[DVec2], [a, b, c]: FaceTriangle) -> f64 {
     let at = |k: u32| flat[k as usize];
     0.5 * (at(b) - at(a)).perp_dot(at(c) - at(a))
 }
@@ -188,7 +188,7 @@ fn convex_fan(flat: &[DVec2]) -> Option<Vec<FaceTriangle>> {
 }
 
 /// Turning number of the outline: 1 for a simple polygon, 2 for a pentagram.
-fn turns(flat: &[DVec2]) -> f64 {
+pub(crate) fn turns(flat: &[DVec2]) -> f64 {
     let n = flat.len();
     let edge = |k: usize| flat[(k + 1) % n] - flat[k % n];
     let angle: f64 = (0..n).map(|k| edge(k).angle_to(edge(k + 1))).sum();

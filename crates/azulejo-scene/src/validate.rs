@@ -4,9 +4,9 @@ mod exact;
 mod rtrace;
 
 use crate::{
-    Attribute, BackIrradiance, Environment, EnvironmentSource, LightKind, Material, Mesh,
-    MeshInstance, Object, Opacity, OpacityMode, Primitive, PrimitiveKind, Scene, SceneBackground,
-    Shape, TextureId,
+    Attribute, BackIrradiance, Environment, EnvironmentSource, FinishMaps, LightKind, Material,
+    Mesh, MeshInstance, Object, Opacity, OpacityMode, Primitive, PrimitiveKind, ReliefKind, Scene,
+    SceneBackground, Shape, TextureId,
 };
 use glam::DVec3;
 use std::fmt;
@@ -156,8 +156,15 @@ impl Scene {
             ensure(opacity.is_none_or(is_possible), place, || {
                 format!("opacity is {opacity:?}, expected 0..=1 and a cutoff >= 0")
             })?;
-            let pictures = opacity.and_then(|o| o.picture).map(|p| p.texture);
-            for &t in m.textures.iter().chain(&pictures) {
+            let finish = m.finish.as_ref();
+            ensure(finish.is_none_or(is_finish), place, || {
+                format!("finish is {finish:?}, expected 0..=1")
+            })?;
+            let relief = m.relief.map(|r| r.kind);
+            ensure(relief.is_none_or(is_finite_relief), place, || {
+                format!("relief is {relief:?}, expected a finite number")
+            })?;
+            for t in m.pictures() {
                 ensure((t as usize) < count, place, || {
                     format!("texture {t} of {count}")
                 })?;
@@ -278,6 +285,20 @@ impl Scene {
             })?;
         }
         Ok(())
+    }
+}
+
+/// Whether colour, metalness and roughness are shares.
+fn is_finish(finish: &FinishMaps) -> bool {
+    let [r, g, b] = finish.base.to_array();
+    let all = [r, g, b, finish.metallic, finish.roughness];
+    all.iter().all(|x| (0.0..=1.0).contains(x))
+}
+
+fn is_finite_relief(kind: ReliefKind) -> bool {
+    match kind {
+        ReliefKind::Normals { scale } => scale.is_finite(),
+        ReliefKind::Heights { slope } => slope.is_finite(),
     }
 }
 

@@ -40,9 +40,9 @@ mod surfaces;
 mod tracer;
 
 pub use gather::{
-    DiffuseHit, DiffuseLight, DirectLight, DirectionTables, GatherOptions, GatherPoint, Gathered,
-    Gatherer, NextEvent, OutgoingRadiosity, RAYS_PER_FORMULA, REPLICATES, SplitIrradiance,
-    SurfaceSamples, Termination,
+    DiffuseHit, DiffuseLight, DirectLight, DirectionTables, EmitterForm, GatherOptions,
+    GatherPoint, Gathered, Gatherer, NextEvent, OutgoingRadiosity, RAYS_PER_FORMULA, REPLICATES,
+    SplitIrradiance, SurfaceSamples, Termination,
 };
 pub use hit::{Hit, Item};
 #[cfg(feature = "embree")]

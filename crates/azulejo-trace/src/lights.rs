@@ -10,9 +10,11 @@ mod direction_table;
 mod emitters;
 mod flat_faces;
 mod outside;
+mod pictured;
+mod prism_emitters;
 mod tiles;
 
-use crate::{KernelHit, KernelRay, Surfaces};
+use crate::{Hit, KernelHit, KernelRay, Surfaces};
 use azulejo_scene::{LightKind, Rgb};
 pub(crate) use delta::{beyond, unoccluded, unoccluded_image};
 pub(crate) use emitters::{CurvedEmitter, FlatEmitter, sample_polygon, side_toward};
@@ -21,24 +23,31 @@ pub(crate) use flat_faces::{FaceKey, FlatFace, flat_faces};
 use glam::DVec3;
 pub use outside::Outside;
 pub(crate) use outside::SunDisc;
+use pictured::PicturedEmitters;
+use prism_emitters::{PrismEmitter, PrismPlace, prism_emitters};
 pub(crate) use tiles::{Tile, merged};
 
 /// If there are more lights without area than this, each sample takes this many of them.
 const MOST_DELTA_LIGHTS: usize = 8;
 
-/// All light sources of a scene but the emission of exact shapes, which paths find by chance
-/// alone. Immutable; shared by all threads.
+/// All light sources of a scene but the emission of exact shapes other than prisms, and of those in
+/// set operations, which paths find by chance alone. Immutable; shared by all threads.
 pub struct Lights<'a> {
     flat: FlatEmitters,
     /// Curved emitters in the order of their keys.
     pub(crate) curved: Vec<CurvedEmitter<'a>>,
+    /// Prisms that emit, in the order of their keys.
+    prisms: Vec<PrismEmitter<'a>>,
+    /// Emitters of pictures, together one light.
+    pictured: PicturedEmitters<'a>,
     /// Point and spot lights, and directional ones without size.
     pub(crate) delta: Vec<LightKind>,
     /// Environments and suns.
     pub(crate) outside: Outside<'a>,
     /// Radiance of the surroundings, from all ambient lights, W/(sr·m²).
     pub(crate) ambient: Rgb,
-    /// Sum of the shares of the emitters up to each, the flat ones first.
+    /// Sum of the shares of the emitters up to each: the flat ones, the curved ones, the prisms, and all
+    /// of pictures.
     ends: Vec<f64>,
 }
 
@@ -69,9 +78,11 @@ pub struct DeltaLightSample {
 impl<'a> Lights<'a> {
     /// Collects the light sources of a scene.
     pub fn new(surfaces: &Surfaces<'a>) -> Lights<'a> {
-        let mut flat = FlatEmitters::new(surfaces.scene);
-        let mut curved = curved_emitters(surfaces.scene);
-        let ends = normalized(&mut flat.emitters, &mut curved);
+        let mut flat = FlatEmitters::new(surfaces);
+        let mut curved = curved_emitters(surfaces);
+        let mut prisms = prism_emitters(surfaces.scene);
+        let mut pictured = PicturedEmitters::new(surfaces);
+        let ends = normalized(&mut flat.emitters, &mut curved, &mut prisms, &mut pictured);
         let (mut delta, mut ambient) = (Vec::new(), Rgb::BLACK);
         for light in &surfaces.scene.lights {
             match light.kind {
@@ -85,6 +96,8 @@ impl<'a> Lights<'a> {
         Lights {
             flat,
             curved,
+            prisms,
+            pictured,
             delta,
             outside,
             ambient,
@@ -95,6 +108,16 @@ impl<'a> Lights<'a> {
     /// The flat emitters.
     pub(crate) fn flat(&self) -> &[FlatEmitter] {
         &self.flat.emitters
+    }
+
+    /// Whether surfaces emit pictures.
+    pub(crate) fn has_pictures(&self) -> bool {
+        !self.pictured.is_empty()
+    }
+
+    /// A point of the surfaces that emit pictures, for two numbers in 0..1, and what it emits.
+    pub(crate) fn pictured_point(&self, u: (f64, f64)) -> (Emission, EmitterPoint) {
+        self.pictured.point(u)
     }
 
     /// Whether there is nothing to sample: no emitter, no light without area, and nothing outside.
@@ -130,11 +153,11 @@ impl<'a> Lights<'a> {
     }
 
     /// A point of an emitter as seen from `p`, for three numbers in 0..1: emitters are chosen by
-    /// their power. `None` if there is none or it shows its dark side.
+    /// their power. `None` if there is none, it shows its dark side, or the numbers miss its outline.
     pub fn sample(&self, surfaces: &Surfaces, p: DVec3, u: [f64; 3]) -> Option<LightSample> {
         let last = self.ends.len().checked_sub(1)?;
         let chosen = self.ends.partition_point(|&end| end <= u[0]).min(last);
-        let (emission, point) = self.point(chosen, (u[1], u[2]));
+        let (emission, point) = self.point(chosen, (u[1], u[2]))?;
         let toward = point.position - p;
         let direction = toward.try_normalize()?;
         let cos = -direction.dot(point.normal);
@@ -149,17 +172,19 @@ impl<'a> Lights<'a> {
         })
     }
 
-    /// A point of the emitter of that number, the flat ones first.
-    fn point(&self, number: usize, u: (f64, f64)) -> (&Emission, EmitterPoint) {
-        match number.checked_sub(self.flat().len()) {
-            None => {
-                let light = &self.flat()[number];
-                (&light.emission, light.point(u))
-            }
-            Some(number) => {
-                let light = &self.curved[number];
-                (&light.emission, light.point(u))
-            }
+    /// A point of the emitter of that number, in the order of `ends`; `None` where the numbers miss its
+    /// outline.
+    fn point(&self, number: usize, u: (f64, f64)) -> Option<(Emission, EmitterPoint)> {
+        if let Some(light) = self.flat().get(number) {
+            return Some((light.emission, light.point(u)));
+        }
+        let number = number - self.flat().len();
+        if let Some(light) = self.curved.get(number) {
+            return Some((light.emission, light.point(u)));
+        }
+        match self.prisms.get(number - self.curved.len()) {
+            Some(light) => Some((light.emission, light.point(u)?)),
+            None => Some(self.pictured.point(u)),
         }
     }
 
@@ -174,7 +199,8 @@ impl<'a> Lights<'a> {
         };
         let ray = surfaces.tracer.world_ray(ray);
         let at = surfaces.tracer.resolve(&ray, hit);
-        let found = self.find(key, (at.u, at.v));
+        let on_prism = self.find_prism(key, &at);
+        let found = on_prism.or_else(|| self.find(key, (at.u, at.v)));
         let Some((share, area)) = found else {
             return 0.0;
         };
@@ -184,14 +210,28 @@ impl<'a> Lights<'a> {
         if pdf.is_finite() { pdf } else { 0.0 }
     }
 
+    /// The same of a prism that emits.
+    fn find_prism(&self, key: FaceKey, at: &Hit) -> Option<(f64, f64)> {
+        let key = (key.object, key.face);
+        let found = self.prisms.binary_search_by_key(&key, |l| l.key).ok()?;
+        let place = PrismPlace {
+            part: at.triangle,
+            u: at.u,
+        };
+        let light = &self.prisms[found];
+        Some((light.emission.share, light.area_at(place)))
+    }
+
     /// Share of an emitter and its area per unit of the square at `(u, v)`.
     fn find(&self, key: FaceKey, (u, v): (f64, f64)) -> Option<(f64, f64)> {
         if let Some(light) = self.flat.find(key) {
             return Some((light.emission.share, light.area));
         }
-        let curved = self.curved.binary_search_by_key(&key, |l| l.key);
-        let light = &self.curved[curved.ok()?];
-        Some((light.emission.share, light.point((u, v)).area))
+        if let Ok(curved) = self.curved.binary_search_by_key(&key, |l| l.key) {
+            let light = &self.curved[curved];
+            return Some((light.emission.share, light.point((u, v)).area));
+        }
+        self.pictured.find(key, (u, v))
     }
 
     /// The lights without area above the horizon of a surface. Where they are few it is all of
@@ -229,10 +269,18 @@ impl<'a> Lights<'a> {
 }
 
 /// Divides the power of all emitters by its sum; returns the sums up to each.
-fn normalized(flat: &mut [FlatEmitter], curved: &mut [CurvedEmitter]) -> Vec<f64> {
+fn normalized(
+    flat: &mut [FlatEmitter],
+    curved: &mut [CurvedEmitter],
+    prisms: &mut [PrismEmitter],
+    pictured: &mut PicturedEmitters,
+) -> Vec<f64> {
     let flat = flat.iter_mut().map(|l| &mut l.emission.share);
     let curved = curved.iter_mut().map(|l| &mut l.emission.share);
-    let mut shares: Vec<&mut f64> = flat.chain(curved).collect();
+    let prisms = prisms.iter_mut().map(|l| &mut l.emission.share);
+    let pictured = (!pictured.is_empty()).then_some(&mut pictured.share);
+    let shares = flat.chain(curved).chain(prisms).chain(pictured);
+    let mut shares: Vec<&mut f64> = shares.collect();
     let power: f64 = shares.iter().map(|share| **share).sum();
     let mut sum = 0.0;
     let up_to = |share: &mut &mut f64| {
@@ -258,7 +306,12 @@ mod tests {
     use super::*;
     use crate::{Tracer, interaction::shadow_ray};
     use azulejo_scene::math::Ray;
-    use azulejo_scene::{Material, Mesh, Object, Primitive, Scene, Shape};
+    use azulejo_scene::{
+        Contour, Curve, Exact, Figure, Material, Mesh, Object, Primitive, Prism, Scene, Shape,
+        Solid,
+    };
+    use glam::{DAffine3, DMat3, DVec2};
+    use std::sync::Arc;
 
     /// A polygon in a plane of constant z, by its corners.
     fn polygon(scene: &mut Scene, z: f64, corners: &[[f64; 2]], material: u32) {
@@ -293,6 +346,44 @@ mod tests {
             scene.objects.push(Object::new("lamp", shape));
         }
         scene
+            .objects
+            .push(Object::new("letter", Shape::Exact(letter(front))));
+        scene
+    }
+
+    /// A ring of curves with a straight notch, leaning and turned away.
+    fn letter(material: u32) -> Exact {
+        let at = |x: f64, y: f64| DVec2::new(x, y);
+        let cubic = |a: DVec2, b: DVec2, c: DVec2| Curve::Cubic {
+            start: a,
+            control1: b,
+            control2: c,
+        };
+        let round = Contour {
+            curves: vec![
+                cubic(at(-1.0, 0.0), at(-1.0, -1.4), at(1.0, -1.4)),
+                cubic(at(1.0, 0.0), at(1.0, 1.3), at(0.2, 1.3)),
+                Curve::Line {
+                    start: at(0.0, 1.0),
+                },
+            ],
+        };
+        let hole = Figure::polygon([at(-0.3, -0.3), at(-0.3, 0.2), at(0.4, 0.1)]);
+        let mut figure = Figure {
+            contours: vec![round],
+            ..Figure::default()
+        };
+        figure.contours.extend(hole.contours);
+        let axes = DMat3::from_cols(
+            DVec3::new(0.8, 0.0, 0.3),
+            DVec3::new(0.1, 0.9, 0.0),
+            DVec3::new(-0.3, 0.2, 0.5),
+        );
+        Exact::new(vec![Solid::Prism(Prism {
+            figure: Arc::new(figure),
+            world_from_figure: DAffine3::from_mat3_translation(axes, DVec3::new(0.5, -4.0, 0.8)),
+            material,
+        })])
     }
 
     #[test]
@@ -301,7 +392,7 @@ mod tests {
         let tracer = Tracer::new(&scene);
         let surfaces = Surfaces::new(&scene, &tracer);
         let lights = Lights::new(&surfaces);
-        let mut found = [0; 5];
+        let mut found = [0; 6];
         for k in 0..4000 {
             let u = [1, 2, 3].map(|d| f64::from(crate::sampling::uniform(&[k, d])));
             let Some(sample) = lights.sample(&surfaces, DVec3::ZERO, u) else {
@@ -337,6 +428,7 @@ mod tests {
         let lights = Lights::new(&Surfaces::new(&scene, &tracer));
         let shares = lights.flat().iter().map(|l| l.emission.share);
         let shares = shares.chain(lights.curved.iter().map(|l| l.emission.share));
+        let shares = shares.chain(lights.prisms.iter().map(|l| l.emission.share));
         assert!((shares.sum::<f64>() - 1.0).abs() < 1e-12);
         assert!((lights.ends.last().unwrap() - 1.0).abs() < 1e-12);
         // Of equal polygons the one that emits from both sides has twice the power.

@@ -4,9 +4,10 @@ use crate::{Hit, Item, KernelHit, KernelRay, Tracer};
 use azulejo_scene::brdf::Lobes;
 use azulejo_scene::math::Frame;
 use azulejo_scene::{
-    Leaf, Material, MaterialId, Mesh, MeshInstance, Object, PrimitiveKind, Scene, Shape,
+    Leaf, Material, MaterialId, Mesh, MeshInstance, Object, PrimitiveKind, Rgb, Scene, Shape,
+    Texture,
 };
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -29,6 +30,8 @@ pub struct Surfaces<'a> {
     /// Per object, the triangles of a mesh with texture coordinates: frames need them at every
     /// hit, and to triangulate the face each time would cost more than the rest of the hit.
     triangles: Vec<Option<Arc<MeshTriangles>>>,
+    /// Mean radiance of the front of each material.
+    emissions: Vec<Rgb>,
 }
 
 /// The triangles of all faces of a mesh, so that no face is triangulated twice.
@@ -105,11 +108,13 @@ impl<'a> Surfaces<'a> {
         });
         let leaves: Vec<Vec<Leaf>> = leaves.collect();
         let mut triangles = MeshTriangles::of_objects(scene);
+        let emissions = scene.mean_emissions();
         let prototypes = tracer.prototype_items().into_iter();
         let names: Vec<Item> = prototypes.map(|item| tracer.item(item)).collect();
         let surface = |item: &Item| {
             let object = item.object as usize;
-            ItemSurface::new(scene, &leaves[object], triangles[object].as_deref(), item)
+            let triangles = triangles[object].as_deref();
+            ItemSurface::new(scene, &leaves[object], triangles, &emissions, item)
         };
         let items = names.iter().map(surface).collect();
         for (object, triangles) in scene.objects.iter().zip(&mut triangles) {
@@ -123,6 +128,7 @@ impl<'a> Surfaces<'a> {
             items,
             names,
             triangles,
+            emissions,
         }
     }
 
@@ -149,6 +155,86 @@ impl<'a> Surfaces<'a> {
     /// Whether the front of an item emits.
     pub fn is_emitter(&self, item: u32) -> bool {
         self.surface(item).is_emitter
+    }
+
+    /// Radiance of the front of a material, W/(sr·m²); the mean where it emits a picture.
+    pub fn mean_emission(&self, material: MaterialId) -> Rgb {
+        self.emissions[material as usize]
+    }
+
+    /// The picture that surfaces of an object emit that have this material; `None` if they emit none, or
+    /// evenly: without texture coordinates they emit the mean.
+    pub fn emitted_picture(&self, object: u32, material: MaterialId) -> Option<&'a Texture> {
+        let picture = self.scene.materials[material as usize].emission_picture?;
+        let is_mapped = self.triangles[object as usize].is_some();
+        let shines = is_mapped && !self.mean_emission(material).is_black();
+        shines.then(|| &self.scene.textures[picture as usize])
+    }
+
+    /// The picture that an item emits, as [`emitted_picture`](Surfaces::emitted_picture).
+    fn picture_of(&self, item: u32) -> Option<&'a Texture> {
+        if !self.is_emitter(item) {
+            return None;
+        }
+        self.emitted_picture(self.item(item).object, self.material_id(item))
+    }
+
+    /// Whether an item emits a picture.
+    pub fn emits_picture(&self, item: u32) -> bool {
+        self.picture_of(item).is_some()
+    }
+
+    /// Radiance that an item emits from one side at a hit, W/(sr·m²).
+    pub fn emitted(&self, hit: &KernelHit, front: bool) -> Rgb {
+        let material = self.material(hit.item);
+        if !(self.is_emitter(hit.item) && (front || material.emits_back)) {
+            return Rgb::BLACK;
+        }
+        let Some(picture) = self.picture_of(hit.item) else {
+            return self.mean_emission(self.material_id(hit.item));
+        };
+        let color = self.picture_place(hit).and_then(|uv| picture.sample(uv));
+        material.emission * Rgb::from(color.unwrap_or_default().map(f64::from))
+    }
+
+    /// Texture coordinates at a hit of a mesh that has some.
+    pub fn picture_place(&self, hit: &KernelHit) -> Option<DVec2> {
+        let item = self.item(hit.item);
+        let (_, [a, b, c]) = self.triangle(item.object, item.face, item.triangle)?;
+        let [u, v] = hit.uv().map(f64::from);
+        Some(a + u * (b - a) + v * (c - a))
+    }
+
+    /// The directions in which the texture coordinates grow at a hit of a mesh that has some, of any
+    /// length; `None` where they do not span the surface.
+    pub fn picture_axes(&self, hit: &KernelHit) -> Option<[DVec3; 2]> {
+        let item = self.item(hit.item);
+        let ([a, b, c], [ta, tb, tc]) = self.triangle(item.object, item.face, item.triangle)?;
+        let (d1, d2) = (tb - ta, tc - ta);
+        let turn = d1.perp_dot(d2).signum();
+        let along = (d2.y * (b - a) - d1.y * (c - a)) * turn;
+        let across = (d1.x * (c - a) - d2.x * (b - a)) * turn;
+        let spans = d1.perp_dot(d2) != 0.0 && along.is_finite() && across.is_finite();
+        spans.then_some([along, across])
+    }
+
+    /// Corners and texture coordinates of a triangle of a mesh that has some.
+    pub(crate) fn triangle(
+        &self,
+        object: u32,
+        face: u32,
+        triangle: u32,
+    ) -> Option<([DVec3; 3], [DVec2; 3])> {
+        let placed = self.scene.objects[object as usize].shape.placed_mesh()?;
+        let mesh = placed.mesh;
+        let uvs = mesh.uvs.as_ref()?;
+        let triangles = self.triangles[object as usize].as_ref()?;
+        let corners = triangles.corners_of(mesh, face, triangle);
+        let vertex = |k: u32| mesh.faces.corners[k as usize];
+        Some((
+            corners.map(|k| placed.position(vertex(k))),
+            corners.map(|k| uvs.at(k as usize, vertex(k))),
+        ))
     }
 
     /// Index of the material of an item.
@@ -193,15 +279,7 @@ impl<'a> Surfaces<'a> {
 
     /// The unit direction in which the first texture coordinate grows on a triangle.
     fn tangent(&self, at: &Hit) -> Option<DVec3> {
-        let placed = self.scene.objects[at.object as usize].shape.placed_mesh()?;
-        let mesh = placed.mesh;
-        let uvs = mesh.uvs.as_ref()?;
-        let triangles = self.triangles[at.object as usize].as_ref()?;
-        let corners = triangles.corners_of(mesh, at.face, at.triangle);
-        let corners = corners.map(|k| k as usize);
-        let vertices = corners.map(|k| mesh.faces.corners[k]);
-        let [a, b, c] = vertices.map(|v| placed.position(v));
-        let [ta, tb, tc] = [0, 1, 2].map(|k| uvs.at(corners[k], vertices[k]));
+        let ([a, b, c], [ta, tb, tc]) = self.triangle(at.object, at.face, at.triangle)?;
         let (d1, d2) = (tb - ta, tc - ta);
         let along = (d2.y * (b - a) - d1.y * (c - a)) * d1.perp_dot(d2).signum();
         along.try_normalize()
@@ -243,6 +321,7 @@ impl ItemSurface {
         scene: &Scene,
         leaves: &[Leaf],
         triangles: Option<&MeshTriangles>,
+        emissions: &[Rgb],
         item: &Item,
     ) -> ItemSurface {
         let shape = &scene.objects[item.object as usize].shape;
@@ -265,7 +344,7 @@ impl ItemSurface {
             normal: normal.as_vec3().to_array(),
             material,
             is_specular: surface.is_specular(),
-            is_emitter: surface.is_emitter(),
+            is_emitter: !emissions[material as usize].is_black(),
         }
     }
 }

@@ -8,6 +8,10 @@ use azulejo::scene::MaterialId;
 use std::path::PathBuf;
 
 /// One user action. Menus, keyboard shortcuts, the mouse, scripts and tests all issue commands.
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is one at a time, so its size does not matter"
+)]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Command {
     /// Creates an empty document.

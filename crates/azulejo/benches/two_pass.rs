@@ -50,7 +50,7 @@ fn timed<T>(work: impl FnOnce() -> T) -> (T, f64) {
     (result, cpu() - begin)
 }
 
-fn by_reference(scene: &Scene, samples: u32, seed: u64) -> render::Reference {
+fn by_reference(scene: &Scene, samples: u32, seed: u64) -> render::MeasuredImage {
     let options = ReferencePass {
         size: SIZE,
         samples_per_pixel: samples,

@@ -5,6 +5,8 @@ use crate::npy::{self, Element};
 use crate::npz::Archive;
 use azulejo_factors::FormFactors;
 use azulejo_factors::form_factors::RowRemainder;
+use azulejo_scene::Rgb;
+use azulejo_trace::Gathered;
 use std::io::{self, Write};
 use std::ops::Range;
 
@@ -17,7 +19,8 @@ const ORDERS: [[&str; 2]; 3] = [
 
 /// Writes the arrays of `scipy.sparse.load_npz` (`format`, `shape`, `indptr`, `indices`, `data`);
 /// one `std_error` per entry; per row `areas`, `row_error`, `sky`, `sky_error`, `ground`,
-/// `ground_error`, `escaped` (sky and ground), `hidden`, `cut`, and `names` of groups, or
+/// `ground_error`, `escaped` (sky and ground), `hidden`, `cut`, with light from outside `irradiance` and
+/// `irradiance_error` (n × 3), and `names` of groups, or
 /// `patch_face` (n × 2: object, face) and `patch_back` (1 for back sides) of patches. Separate
 /// orders of reflection are arrays aligned with `data`.
 pub fn write(matrix: &NamedMatrix, out: &mut dyn Write) -> io::Result<()> {
@@ -54,6 +57,11 @@ pub fn write(matrix: &NamedMatrix, out: &mut dyn Write) -> io::Result<()> {
     add("escaped.npy", RowRemainder::escaped)?;
     add("hidden.npy", |r| r.hidden)?;
     add("cut.npy", |r| r.cut)?;
+    if let Some(rows) = matrix.outside {
+        archive.add("irradiance.npy", |w| colours(rows, Gathered::mean, w))?;
+        let error = |row: &Gathered| row.standard_error();
+        archive.add("irradiance_error.npy", |w| colours(rows, error, w))?;
+    }
     match matrix.names {
         Some(names) => archive.add("names.npy", |w| npy::write_texts(names, w))?,
         None => {
@@ -69,6 +77,17 @@ pub fn write(matrix: &NamedMatrix, out: &mut dyn Write) -> io::Result<()> {
     }
     archive.finish()?;
     Ok(())
+}
+
+/// An array of red, green and blue for each row.
+fn colours(
+    rows: &[Gathered],
+    of: impl Fn(&Gathered) -> Rgb,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    npy::write_header(f64::DESCR, &[rows.len(), 3], out)?;
+    let mut numbers = rows.iter().flat_map(|row| of(row).to_array());
+    numbers.try_for_each(|x: f64| x.write(out))
 }
 
 /// Complete rows of a matrix, of which one half is in memory.
@@ -171,6 +190,7 @@ mod tests {
         let matrix = NamedMatrix {
             factors: &factors,
             names,
+            outside: None,
         };
         write(&matrix, &mut bytes).unwrap();
         arrays(&bytes)
@@ -214,6 +234,7 @@ mod tests {
         let matrix = NamedMatrix {
             factors: &factors,
             names: Some(&names),
+            outside: None,
         };
         write(&matrix, &mut file).unwrap();
         let script = "import sys, numpy, scipy.sparse as s\n\

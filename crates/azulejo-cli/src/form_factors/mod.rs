@@ -4,6 +4,7 @@ mod archive;
 pub mod args;
 mod groups;
 mod journal;
+mod outside;
 mod summary;
 mod table;
 mod view3d;
@@ -23,7 +24,7 @@ use azulejo_factors::{
 use azulejo_formats::Format;
 use azulejo_formats::view3d::MatrixLayout;
 use azulejo_scene::Scene;
-use azulejo_trace::Tracer;
+use azulejo_trace::{Gathered, Tracer};
 use journal::FileJournal;
 use std::borrow::Cow;
 use std::path::PathBuf;
@@ -33,6 +34,8 @@ struct NamedMatrix<'a> {
     factors: &'a FormFactors,
     /// Names of the rows, if they are groups.
     names: Option<&'a [String]>,
+    /// Irradiance of the rows by light from outside, if there is any.
+    outside: Option<&'a [Gathered]>,
 }
 
 /// Output formats.
@@ -76,12 +79,17 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
         .iter()
         .flat_map(FileJournal::take_messages)
         .for_each(|message| session.note(&message));
-    let (mut factors, names) = match &room {
+    let (mut factors, names, outside) = match &room {
         Some(room) => (
             room.finish(&computed?, session, &mut report)?,
             Some(room.names()),
+            None,
         ),
-        None => grouped(&scene, computed?, args),
+        None => {
+            let computed = computed?;
+            let outside = outside::irradiance(&prepared, &scene, &computed, session)?;
+            grouped(&scene, computed, outside, args)
+        }
     };
     if let Some(share) = args.matrix.truncate {
         session.with_progress(|p| factors.truncate(share, p))?;
@@ -89,6 +97,7 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
     let matrix = NamedMatrix {
         factors: &factors,
         names: names.as_deref(),
+        outside: outside.as_deref(),
     };
     output.write(session.progress(), |out| match format {
         MatrixFormat::Archive => archive::write(&matrix, out),
@@ -102,6 +111,9 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
     }
     engine.describe(&factors.engine_used, &mut report);
     summary::describe(&matrix, &mut report);
+    if let Some(rows) = matrix.outside {
+        outside::describe(rows, &factors.areas, &mut report);
+    }
     let path = args.output.display().to_string();
     report.fact("output", path.clone(), "wrote", path);
     Ok(report)
@@ -154,18 +166,24 @@ fn matrix_format(args: &FormFactorArgs, output: &Output) -> Result<MatrixFormat,
     }
 }
 
-/// The rows of groups with their names, if groups are requested.
+/// The rows of groups with their names, if groups are requested, and the light of each from outside.
 fn grouped(
     scene: &Scene,
     factors: FormFactors,
+    outside: Option<Vec<Gathered>>,
     args: &FormFactorArgs,
-) -> (FormFactors, Option<Vec<String>>) {
+) -> (FormFactors, Option<Vec<String>>, Option<Vec<Gathered>>) {
     match args.matrix.by {
-        None => (factors, None),
+        None => (factors, None, outside),
         Some(by) => {
             let groups = groups::groups(scene, &factors, by);
-            let factors = factors.grouped(&groups.of_rows, groups.names.len());
-            (factors, Some(groups.names))
+            let count = groups.names.len();
+            let light = |rows: Vec<Gathered>| {
+                outside::grouped(&rows, &factors.areas, &groups.of_rows, count)
+            };
+            let outside = outside.map(light);
+            let factors = factors.grouped(&groups.of_rows, count);
+            (factors, Some(groups.names), outside)
         }
     }
 }

@@ -11,7 +11,8 @@ const ORDERS: &str =
 
 /// Writes one line per entry: between patches i, j, F_ij, its standard error, and patch i's area,
 /// object, face and side; between groups their names, F, its standard error and the area of the
-/// first. Light that leaves the scene is on lines with `sky` and `ground` in place of j.
+/// first. Light that leaves the scene is on lines with `sky` and `ground` in place of j; light from
+/// outside, which is no share but W/m², on lines with `irradiance`.
 pub fn write(matrix: &NamedMatrix, out: &mut dyn Write) -> io::Result<()> {
     let factors = matrix.factors;
     let orders = 0..factors.orders.len();
@@ -42,6 +43,11 @@ pub fn write(matrix: &NamedMatrix, out: &mut dyn Write) -> io::Result<()> {
             ];
             for (name, share, error) in away.into_iter().filter(|(_, share, _)| *share > 0.0) {
                 start(matrix, i, name, share, error, out)?;
+                writeln!(out, "{}", ",,".repeat(orders.len()))?;
+            }
+            if let Some(rows) = matrix.outside {
+                let (value, error) = (rows[i].mean().mean(), rows[i].standard_error().mean());
+                start(matrix, i, "irradiance", value, error, out)?;
                 writeln!(out, "{}", ",,".repeat(orders.len()))?;
             }
         }
@@ -104,6 +110,7 @@ mod tests {
         let matrix = NamedMatrix {
             factors: &factors,
             names,
+            outside: None,
         };
         write(&matrix, &mut text).unwrap();
         assert_eq!(String::from_utf8(text).unwrap(), expected);

@@ -139,6 +139,14 @@ impl<'r> SurfaceRule<'r> {
 
     /// Changes a material, `lumens` apart.
     pub fn change(&self, material: &mut Material) {
+        let is_plain = self.diffuse.is_some() || self.mirror.is_some();
+        if self.brdf.is_some() || self.glass.is_some() || is_plain {
+            // Pictures of metalness and roughness belong to the model that goes.
+            material.finish = None;
+        }
+        if self.emission.is_some() || self.lumens.is_some() {
+            material.emission_picture = None;
+        }
         if let Some(brdf) = &self.brdf {
             let made = Material::with_brdf(material.name.clone(), brdf.clone());
             material.diffuse = made.diffuse;
@@ -146,7 +154,7 @@ impl<'r> SurfaceRule<'r> {
             material.brdf = made.brdf;
             material.dielectric = None;
         }
-        if self.diffuse.is_some() || self.mirror.is_some() {
+        if is_plain {
             material.brdf = None;
             material.dielectric = None;
         }

@@ -37,6 +37,10 @@ pub struct SurroundingsArgs {
     #[arg(long, value_name = "FACTOR", value_parser = not_negative,
           requires = "environment", default_value_t = 1.0)]
     pub environment_strength: f64,
+    /// Take the sun out of --environment, as a light of its own with sharp shadows: what is
+    /// brightest and at most 3 degrees wide
+    #[arg(long, requires = "environment")]
+    pub extract_sun: bool,
     /// What is seen behind the scene without lighting it: a picture as for --environment, or a
     /// radiance R,G,B
     #[arg(long, value_name = "FILE|R,G,B")]

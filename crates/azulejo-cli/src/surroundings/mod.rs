@@ -4,6 +4,7 @@ pub mod args;
 mod ground;
 mod picture;
 mod studio;
+mod sun;
 
 use crate::failure::Failure;
 use crate::session::Session;
@@ -13,7 +14,9 @@ use azulejo_scene::sky::{
     PerezWeather, SUN_HALF_ANGLE, Sky, SkyDistribution, SunPosition, TYPICAL_DEW_POINT,
     direction_from,
 };
-use azulejo_scene::{Environment, Light, LightKind, Rgb, Scene, SceneBackground};
+use azulejo_scene::{
+    Environment, EnvironmentSource, Light, LightKind, Rgb, Scene, SceneBackground,
+};
 use glam::DVec3;
 use jiff::Timestamp;
 use jiff::tz::TimeZone;
@@ -65,6 +68,9 @@ pub fn add(
         let turn = asked.environment_rotate.to_radians() + asked.north.to_radians();
         environment.world_from_environment = upright(scene.units.up, turn);
         environment.scale = Rgb::grey(asked.environment_strength);
+        if asked.extract_sun {
+            extract_sun(scene, &environment, session);
+        }
         push(scene, "environment", LightKind::Environment(environment));
         scene.background = None;
     }
@@ -85,6 +91,43 @@ pub fn add(
         }
     }
     Ok(())
+}
+
+/// Replaces the sun in the picture of an environment by a light, or says that there is none.
+fn extract_sun(scene: &mut Scene, environment: &Environment, session: &mut Session) {
+    let EnvironmentSource::Picture {
+        texture,
+        projection,
+    } = environment.source
+    else {
+        return;
+    };
+    let Some(image) = &mut scene.textures[texture as usize].image else {
+        return;
+    };
+    match sun::extract(image, projection) {
+        Err(why) => session.note(&format!("--extract-sun: no sun found: {why}")),
+        Ok(found) => {
+            let irradiance = found.irradiance * environment.scale;
+            let (azimuth, altitude) = (
+                found.toward.x.atan2(found.toward.y).to_degrees(),
+                found.toward.z.clamp(-1.0, 1.0).asin().to_degrees(),
+            );
+            session.tell(&format!(
+                "the sun of the picture stands at azimuth {azimuth:.1}°, elevation {altitude:.1}° \
+                 of the picture: {} pixels of {:.2}°, irradiance {:.4} of what faces it",
+                found.pixels,
+                2.0 * found.half_angle.to_degrees(),
+                irradiance.mean()
+            ));
+            let kind = LightKind::Directional {
+                direction: -(environment.world_from_environment * found.toward).normalize(),
+                irradiance,
+                half_angle: found.half_angle,
+            };
+            push(scene, "sun", kind);
+        }
+    }
 }
 
 fn push(scene: &mut Scene, name: &str, kind: LightKind) {

@@ -77,3 +77,42 @@ fn experiments_stop() {
     assert_eq!(folder.read("a/results.jsonl"), b"");
     assert!(asked.elapsed() < Duration::from_secs(20));
 }
+
+/// A process that is killed while it writes cannot clean up: the next one in that folder does.
+#[test]
+fn solve_is_killed_while_it_writes() {
+    let folder = Folder::with_room();
+    let drafts = |folder: &Folder| {
+        let names = folder.names().into_iter();
+        names
+            .filter(|n| n.starts_with(".azulejo-") && n.ends_with(".tmp"))
+            .count()
+    };
+    let line = "solve room.obj -o x.grf --patches 20 --rays 16";
+    folder.write("x.grf", "old");
+    // A draft exists for moments; killing at one of them may need several tries.
+    let left = (0..200).any(|_| {
+        let mut child = folder
+            .command(line)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        while drafts(&folder) == 0 && child.try_wait().unwrap().is_none() {}
+        let process = Pid::from_raw(child.id().try_into().unwrap());
+        let _ = kill(process, Signal::SIGKILL);
+        child.wait().unwrap();
+        let found = folder.read("x.grf");
+        if found != b"old" {
+            // It was faster; what it wrote is whole.
+            folder.ok("info x.grf");
+            folder.write("x.grf", "old");
+        }
+        drafts(&folder) > 0
+    });
+    assert!(left, "no draft was left behind in 200 tries");
+    assert_eq!(folder.read("x.grf"), b"old");
+    folder.ok(line);
+    assert_eq!(drafts(&folder), 0);
+    folder.ok("info x.grf");
+}

@@ -27,3 +27,4 @@ mod workbench;
 mod form_factors;
 #[cfg(unix)]
 mod interrupt;
+mod layers;

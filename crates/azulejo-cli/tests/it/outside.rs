@@ -221,3 +221,80 @@ fn several_pictures() {
     let refused = folder.run("render room.obj -o - --turntable 3");
     assert!(refused.err.contains("one picture"), "{}", refused.err);
 }
+
+/// A picture of 1024 × 512 pixels with a sun at 45 degrees: what the floor receives is the same,
+/// whether it comes from pixels or from the light that replaces them.
+#[test]
+fn the_sun_of_a_picture_becomes_a_light() {
+    let folder = plane();
+    let sky = |has_sun: bool| {
+        let mut bytes = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 512 +X 1024\n".to_vec();
+        for k in 0..512 * 1024 {
+            let (row, column) = (k / 1024, k % 1024);
+            let is_sun = (126..130).contains(&row) && (700..705).contains(&column);
+            bytes.extend(if is_sun && has_sun {
+                [128, 128, 128, 143]
+            } else {
+                [128, 128, 128, 129]
+            });
+        }
+        bytes
+    };
+    folder.write("sun.hdr", sky(true));
+    folder.write("cloud.hdr", sky(false));
+    let [before, before_error] = irradiance(&folder, "plane.obj --environment sun.hdr");
+    let [after, error] = irradiance(&folder, "plane.obj --environment sun.hdr --extract-sun");
+    let [cloudy, _] = irradiance(&folder, "plane.obj --environment cloud.hdr");
+    let tolerance = 4.0 * before_error.hypot(error) + 1e-3 * before;
+    assert!(
+        (before - after).abs() < tolerance,
+        "{before} {after} ± {tolerance}"
+    );
+    assert!(before > 2.0 * cloudy, "{before} {cloudy}");
+    let line = "convert plane.obj -o lit.grf --environment sun.hdr --extract-sun";
+    let run = folder.ok(line);
+    assert!(run.err.contains("20 pixels of"), "{}", run.err);
+    // What is saved has no sun in its picture: it is not counted twice.
+    let [saved, error] = irradiance(&folder, "lit.grf");
+    assert!(
+        (saved - after).abs() < 4.0 * error + 2e-3 * after,
+        "{saved} {after}"
+    );
+    let none = folder.ok("convert plane.obj -o x.grf --environment cloud.hdr --extract-sun");
+    assert!(none.err.contains("no sun found"), "{}", none.err);
+    let alone = folder.run("convert plane.obj -o x.grf --extract-sun");
+    assert_eq!(alone.code, Some(2));
+}
+
+/// The light that rows of form factors receive from outside is that of `probe` on the open floor.
+#[test]
+fn form_factors_give_the_light_from_outside() {
+    let folder = plane();
+    let options = "--sky cie:12,200 --sun 120,50,700";
+    let [expected, error] = irradiance(&folder, &format!("plane.obj {options}"));
+    let line = format!("form-factors plane.obj -o f.csv --patches 16 --rays 64 {options}");
+    let report = folder.json(&line);
+    let table = String::from_utf8(folder.read("f.csv")).unwrap();
+    let rows = table.lines().filter(|l| l.contains(",irradiance,"));
+    let mut count = 0;
+    for row in rows {
+        let words: Vec<&str> = row.split(',').collect();
+        let [found, own] = [words[2], words[3]].map(|w| w.parse::<f64>().unwrap());
+        let tolerance = 4.0 * own.hypot(error) + 1e-6 * expected;
+        assert!(
+            (found - expected).abs() < tolerance,
+            "{row}, expected {expected} ± {error}"
+        );
+        assert!(own < 0.05 * found, "{row}");
+        count += 1;
+    }
+    assert!(count >= 16, "{count} rows");
+    let mean = report["irradiance_outside"].as_f64().unwrap();
+    assert!((mean / expected - 1.0).abs() < 0.02, "{mean} {expected}");
+    folder.ok("form-factors plane.obj -o dark.csv --patches 4 --rays 64");
+    assert!(
+        !String::from_utf8(folder.read("dark.csv"))
+            .unwrap()
+            .contains("irradiance")
+    );
+}

@@ -25,3 +25,17 @@ fn references_are_written_with_their_errors() {
         "--gather",
     );
 }
+
+#[test]
+fn clamped_images_state_their_bias() {
+    let folder = Folder::new();
+    let scene = std::fs::read(project().join("examples/cornell-glossy.grf")).unwrap();
+    folder.write("box.grf", scene);
+    let command = "render box.grf --reference --spp 16 --size 16x16 -o x.exr";
+    let share = |line: &str| folder.json(line)["clamped"].as_f64();
+    assert_eq!(share(command), None);
+    let some = share(&format!("{command} --clamp 1")).unwrap();
+    let none = share(&format!("{command} --clamp 1000")).unwrap();
+    assert!(some > 0.0 && some < 0.5 && none == 0.0, "{some} {none}");
+    folder.fails(&format!("{command} --clamp 0"), 2, "above 0");
+}

@@ -5,7 +5,7 @@ use super::contacts::Contacts;
 use super::divide::Division;
 use super::locate::{Locator, is_flat};
 use super::outline::{Outline, Region, Slot};
-use super::reflectance::mean_opacities;
+use super::reflectance::{mean_emitted_pictures, mean_opacities};
 use super::vertex_split::{SplitVertex, split_along_contacts};
 use super::{DisplayVertex, FaceId, FlatRegion, GivenVertex, Lists, Patches};
 use azulejo_scene::math::area_vector;
@@ -45,6 +45,7 @@ pub(super) fn build(outline: &Outline, contacts: &Contacts, division: Division) 
     let locator = Locator::new(outline, &division.cells, &region_patches);
     let mut patches = Patches {
         areas: Vec::new(),
+        emitted_pictures: None,
         regions: outline.regions.iter().map(flat).collect(),
         region_corners: outline.slots.iter().map(|s| s.corner).collect(),
         primitives: outline.scene.objects.iter().map(primitive).collect(),
@@ -67,6 +68,7 @@ pub(super) fn build(outline: &Outline, contacts: &Contacts, division: Division) 
         let areas = patches.areas.iter_mut().zip(shares);
         areas.for_each(|(area, share)| *area *= share);
     }
+    patches.emitted_pictures = mean_emitted_pictures(outline.scene, &patches);
     patches
 }
 

@@ -50,7 +50,7 @@ pub use reflectance::reflectances;
 pub use sample::{PatchPoint, Sampler};
 
 use azulejo_scene::math::area_vector;
-use azulejo_scene::{Material, MaterialId, Primitive, Scene};
+use azulejo_scene::{Material, MaterialId, Primitive, Rgb, Scene};
 use cells::{Cells, NO_CORNER};
 use contacts::Contacts;
 use divide::Division;
@@ -123,6 +123,8 @@ pub struct Patches {
     /// Corners of each patch among `vertices`; the fourth may be `NO_CORNER`.
     corners: Vec<[u32; 4]>,
     areas: Vec<f64>,
+    /// The mean of the picture that each patch emits; `None` if none emits one.
+    emitted_pictures: Option<Vec<Rgb>>,
     /// Region of each patch.
     owner: Vec<u32>,
     regions: Vec<FlatRegion>,
@@ -234,6 +236,15 @@ impl Patches {
     /// Material of the patch's face.
     pub fn material(&self, i: usize) -> MaterialId {
         self.region(i).material
+    }
+
+    /// Mean radiance that a side of a patch emits, W/(sr·m²), if `material` is that of the patch.
+    pub fn emission(&self, i: usize, material: &Material, front: bool) -> Rgb {
+        let emitted = material.emission_from(front);
+        match &self.emitted_pictures {
+            Some(means) if !emitted.is_black() => emitted * means[i],
+            _ => emitted,
+        }
     }
 
     /// The materials of the scene that some patch has; a scene may list others.

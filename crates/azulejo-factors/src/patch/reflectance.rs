@@ -1,7 +1,7 @@
 //! Mean reflectance of patches, and the patch of a hit.
 
 use super::{Patches, RefinedShape};
-use azulejo_scene::{Material, Mesh, Opacity, OpacityMap, Rgb, Scene, Shape};
+use azulejo_scene::{Material, Mesh, Opacity, OpacityMap, Rgb, Scene, Shape, Texture};
 use azulejo_trace::{KernelHit, Surfaces};
 use glam::DVec2;
 use std::collections::HashMap;
@@ -82,13 +82,71 @@ pub(super) fn mean_opacities(scene: &Scene, patches: &Patches) -> Option<Vec<f64
                 RefinedShape::Surface(_) => None,
             };
             let mean = match map.zip(uvs) {
-                Some((map, uvs)) => mean_over(&uvs, |uv| opacity.at(map.sample(uv))),
+                Some((map, uvs)) => {
+                    let value = |uv| Rgb::grey(opacity.at(map.sample(uv)));
+                    mean_over(&uvs, OPACITY_STEPS, value).r
+                }
                 None => opacity.at(1.0),
             };
             all.push(mean.clamp(LEAST_OPACITY, 1.0));
         }
     }
     Some(all)
+}
+
+/// Most steps along each side of a triangle over which an emission is averaged; one for each texel is
+/// enough.
+const MOST_EMISSION_STEPS: f64 = 64.0;
+
+/// Mean of the picture that each patch emits; white where it emits none, and the mean of all of it where
+/// there are no texture coordinates. `None` if no material emits a picture.
+pub(super) fn mean_emitted_pictures(scene: &Scene, patches: &Patches) -> Option<Vec<Rgb>> {
+    let picture = |m: &Material| m.emission_picture.filter(|_| m.is_emitter());
+    if scene.materials.iter().all(|m| picture(m).is_none()) {
+        return None;
+    }
+    let mean = |m: &Material| picture(m).map(|id| scene.textures[id as usize].mean());
+    let means: Vec<Option<Rgb>> = scene.materials.iter().map(mean).collect();
+    let mut all = Vec::with_capacity(patches.len());
+    for object in 0..scene.objects.len() as u32 {
+        let of_object = patches.patches_of(object);
+        let emits = |i: usize| means[patches.material(i) as usize].is_some();
+        let divided = match &scene.objects[object as usize].shape {
+            Shape::Mesh(_) if of_object.clone().any(emits) => patches.refined(object, scene),
+            _ => RefinedShape::Mesh(Mesh::default()),
+        };
+        for (face, patch) in of_object.enumerate() {
+            let material = patches.material(patch) as usize;
+            let Some(mean) = means[material] else {
+                all.push(Rgb::WHITE);
+                continue;
+            };
+            let uvs = match &divided {
+                RefinedShape::Mesh(mesh) => texture_corners(mesh, face),
+                RefinedShape::Surface(_) => None,
+            };
+            let texture =
+                picture(&scene.materials[material]).map(|id| &scene.textures[id as usize]);
+            all.push(match uvs.zip(texture) {
+                Some((uvs, texture)) => mean_of_texels(texture, &uvs),
+                None => mean,
+            });
+        }
+    }
+    Some(all)
+}
+
+fn mean_of_texels(texture: &Texture, uvs: &[DVec2]) -> Rgb {
+    let Some(image) = &texture.image else {
+        return Rgb::BLACK;
+    };
+    let size = DVec2::new(image.width.into(), image.height.into());
+    let longest = uvs.iter().map(|&uv| ((uv - uvs[0]) * size).length());
+    let steps = longest.fold(4.0, f64::max).min(MOST_EMISSION_STEPS);
+    mean_over(uvs, steps.ceil() as u32, |uv| {
+        let color = texture.sample(uv).unwrap_or_default();
+        Rgb::from(color.map(f64::from))
+    })
 }
 
 /// Texture coordinates of a face's corners.
@@ -103,9 +161,10 @@ fn texture_corners(mesh: &Mesh, face: usize) -> Option<Vec<DVec2>> {
     )
 }
 
-/// Mean of a function over a convex polygon, by points spread evenly over its triangles.
-fn mean_over(corners: &[DVec2], value: impl Fn(DVec2) -> f64) -> f64 {
-    let (mut sum, mut whole) = (0.0, 0.0);
+/// Mean of a function over a convex polygon, by points spread evenly over its triangles, `n` along each
+/// side.
+fn mean_over(corners: &[DVec2], n: u32, value: impl Fn(DVec2) -> Rgb) -> Rgb {
+    let (mut sum, mut whole) = (Rgb::BLACK, 0.0);
     for k in 2..corners.len() {
         let (a, b, c) = (
             corners[0],
@@ -114,8 +173,7 @@ fn mean_over(corners: &[DVec2], value: impl Fn(DVec2) -> f64) -> f64 {
         );
         // A triangle without area in the picture shows one colour.
         let weight = b.perp_dot(c).abs().max(f64::MIN_POSITIVE);
-        let n = OPACITY_STEPS;
-        let (mut of_triangle, mut count) = (0.0, 0.0);
+        let (mut of_triangle, mut count) = (Rgb::BLACK, 0.0);
         for (i, j) in (0..n).flat_map(|i| (0..n - i).map(move |j| (i, j))) {
             // The centres of the triangles that point up, and of those that point down.
             for third in [1.0, 2.0] {
@@ -126,7 +184,7 @@ fn mean_over(corners: &[DVec2], value: impl Fn(DVec2) -> f64) -> f64 {
                 }
             }
         }
-        sum += weight * of_triangle / count;
+        sum += of_triangle * (weight / count);
         whole += weight;
     }
     sum / whole

@@ -1,7 +1,8 @@
 //! Writes scenes as DXF of release 12: polyface meshes, one layer for each object.
 
 use super::color::Paint;
-use crate::surface::tessellate::{exact_counts, mesh_of};
+use crate::surface::losses::{LossList, is_more_than_colour};
+use crate::surface::tessellate::mesh_of;
 use azulejo_scene::{Mesh, Rgb, Scene, Units, Up};
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
@@ -50,45 +51,23 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
 
 /// Descriptions of what [`write()`] would omit from a scene, or change.
 pub fn losses(scene: &Scene) -> Vec<String> {
-    let meshes = |lost: fn(&Mesh) -> bool| {
-        let is = |o: &&azulejo_scene::Object| o.shape.mesh().is_some_and(lost);
-        scene.objects.iter().filter(is).count()
-    };
-    let [primitives, solids] = exact_counts(scene);
     let odd_color = |c: Rgb| Paint::Index(nearest(c)).reflectance() != c;
-    let materials = scene.materials.iter();
-    let approximate = materials.clone().filter(|m| odd_color(m.diffuse)).count();
-    let beyond = materials.filter(|m| {
-        m.is_emitter() || m.is_specular() || m.brdf.is_some() || !m.textures.is_empty()
-    });
     let layers = layer_names(scene);
     let named = scene.objects.iter().zip(&layers);
-    let counts = [
-        (scene.lights.len(), "lights without area"),
-        (scene.cameras.len(), "cameras"),
-        (approximate, "colours, to the nearest of 255"),
-        (beyond.count(), "materials of which only the colour is kept"),
-        (
-            named.filter(|(o, layer)| o.name != **layer).count(),
-            "objects whose names change",
-        ),
-        (primitives + solids, "exact shapes that become polygons"),
-        (
-            meshes(|m| m.faces.iter().any(|f| f.len() > 4)),
-            "meshes whose polygons become triangles",
-        ),
-        (
-            meshes(|m| m.normals.is_some() || m.uvs.is_some() || !m.colors.is_empty()),
-            "meshes whose normals, texture coordinates or colours are omitted",
-        ),
-        (
-            meshes(|m| !m.irradiance.is_empty()),
-            "meshes whose irradiance is omitted",
-        ),
-    ];
-    let unit = scene.units.metres_per_unit.map(|_| "the unit".to_owned());
-    let described = |&(count, what): &(usize, &str)| (count > 0).then(|| format!("{count} {what}"));
-    counts.iter().filter_map(described).chain(unit).collect()
+    let renamed = named.filter(|(o, layer)| o.name != **layer).count();
+    LossList::new(scene)
+        .materials(|m| odd_color(m.diffuse), "colours, to the nearest of 255")
+        .materials(
+            is_more_than_colour,
+            "materials of which only the colour is kept",
+        )
+        .count(renamed, "objects whose names change")
+        .exact_shapes()
+        .polygons(4)
+        .corner_attributes()
+        .irradiance()
+        .once(scene.units.metres_per_unit.is_some(), "the unit")
+        .finish()
 }
 
 /// Some faces of a mesh whose vertices 16 bits can count.

@@ -1,6 +1,7 @@
 //! Reads numbers from buffers.
 
 use super::buffers::Buffers;
+use super::draco::{DracoAccessors, DracoElements};
 use gltf_json::accessor::sparse::Sparse;
 use gltf_json::accessor::{Accessor, ComponentType, Type};
 use gltf_json::buffer::View;
@@ -15,6 +16,8 @@ pub(super) struct Data<'a> {
     pub root: &'a Root,
     /// Its buffers.
     pub buffers: Buffers<'a>,
+    /// Accessors whose data are compressed together with the rest of their primitive.
+    pub draco: DracoAccessors,
 }
 
 /// Elements of one accessor, or the values of a sparse one: each begins `stride` bytes after
@@ -61,6 +64,16 @@ impl<'a> Elements<'a> {
             size,
             count,
         })
+    }
+
+    /// The decoded elements of a compressed accessor, which must have this number of components.
+    fn of_draco(decoded: &'a DracoElements, components: usize) -> Result<Elements<'a>, String> {
+        if decoded.width != components {
+            let width = decoded.width;
+            return Err(format!("{width} components per element in its Draco data"));
+        }
+        let size = components * size_of(decoded.kind);
+        Elements::new(&decoded.bytes, 0, None, size, decoded.count)
     }
 
     /// The elements' bytes.
@@ -147,8 +160,12 @@ impl Data<'_> {
         accessor.ok_or_else(|| format!("accessor {index} does not exist"))
     }
 
-    /// The number of elements of an accessor according to the JSON; they may not exist.
+    /// The number of elements of an accessor according to the JSON; they may not exist. Those of
+    /// compressed primitives do.
     pub fn count(&self, index: Index<Accessor>) -> Result<usize, String> {
+        if let Some(decoded) = self.draco.get(index)? {
+            return Ok(decoded.count);
+        }
         let accessor = self.accessor(index)?;
         let count = accessor.count.0;
         // Zeros, or few values among zeros: in no bytes there may be a billion.
@@ -194,13 +211,17 @@ impl Data<'_> {
         self.expect_count(index, count)?;
         let (kind, normalized) = (valid(&accessor.component_type)?.0, accessor.normalized);
         let named = |fault| format!("accessor {index}: {fault}");
-        let mut values = match accessor.buffer_view {
-            Some(view) => {
+        let mut values = match (accessor.buffer_view, self.draco.get(index)?) {
+            (Some(view), _) => {
                 let offset = accessor.byte_offset.unwrap_or_default().0;
                 let elements = self.elements(view, offset, N * size_of(kind), count);
                 elements.map_err(named)?.decoded(kind, normalized, &make)
             }
-            None => vec![make([0.0; N]); count],
+            (None, Some(decoded)) => {
+                let elements = Elements::of_draco(decoded, N).map_err(named)?;
+                elements.decoded(decoded.kind, normalized, &make)
+            }
+            (None, None) => vec![make([0.0; N]); count],
         };
         if let Some(sparse) = &accessor.sparse {
             let changed = self.sparse(sparse, kind, normalized, count, &make);
@@ -233,6 +254,9 @@ impl Data<'_> {
             return self.read(index, count, |[i]| i as u32);
         }
         self.expect_count(index, count)?;
+        if let Some(decoded) = self.draco.get(index)? {
+            return Elements::of_draco(decoded, 1)?.indices(decoded.kind);
+        }
         let view = accessor.buffer_view;
         let view = view.ok_or_else(|| format!("accessor {index} has no buffer view"))?;
         let offset = accessor.byte_offset.unwrap_or_default().0;

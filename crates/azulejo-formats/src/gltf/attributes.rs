@@ -20,6 +20,29 @@ fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<Index<Accessor
     primitive.attributes.get(&Checked::Valid(semantic)).copied()
 }
 
+/// Attributes that vertices are read from.
+pub(super) const USED_ATTRIBUTES: usize = 9;
+
+/// The accessors of the attributes that vertices are read from, under this material.
+pub(super) fn used_attributes(
+    primitive: &Primitive,
+    surface: &GltfSurface,
+) -> [Option<Index<Accessor>>; USED_ATTRIBUTES] {
+    use Semantic::{Colors, Joints, Normals, Positions, TexCoords, Weights};
+    [
+        Positions,
+        Normals,
+        TexCoords(surface.set),
+        Colors(0),
+        Colors(1),
+        Joints(0),
+        Joints(1),
+        Weights(0),
+        Weights(1),
+    ]
+    .map(|semantic| attribute(primitive, semantic))
+}
+
 impl GltfMeshBuilder<'_, '_> {
     /// Adds the vertices of a primitive, and returns the index of the first and their number.
     pub fn vertices(

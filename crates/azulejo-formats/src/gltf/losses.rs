@@ -1,10 +1,10 @@
 //! What glTF cannot represent.
 
-use super::write_material::is_one_colour;
+use super::write_material::{finish_texture, is_one_colour, only_around};
 use crate::surface::gloss::is_repainted;
 use crate::surface::model::gltf_mr;
 use crate::surface::tessellate::exact_counts;
-use azulejo_scene::{LightKind, Material, Mesh, Rgb, Scene};
+use azulejo_scene::{FinishMaps, LightKind, Material, Mesh, ReliefKind, Rgb, Scene};
 
 /// What [`write()`](super::write()) would omit from a scene or change, as text: "2 lights".
 ///
@@ -45,8 +45,21 @@ pub fn losses(scene: &Scene) -> Vec<String> {
             "materials of which only the first picture is kept",
         ),
         (
-            materials(|m| m.brdf.is_some() && (gltf_mr(m).is_none() || is_repainted(m))),
+            materials(|m| {
+                m.finish.is_none() && m.brdf.is_some() && (gltf_mr(m).is_none() || is_repainted(m))
+            }),
             "reflection models that become the nearest metal",
+        ),
+        (
+            materials(|m| m.finish.is_some_and(|f| is_split(&f))),
+            "pictures of metalness and roughness, of which the factors are kept",
+        ),
+        (
+            materials(|m| {
+                m.relief
+                    .is_some_and(|r| matches!(r.kind, ReliefKind::Heights { .. }))
+            }),
+            "pictures of heights",
         ),
         (
             materials(|m| m.dielectric.is_none() && m.brdf.is_none() && !is_one_colour(m)),
@@ -63,6 +76,10 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         (
             lights(|l| matches!(l, LightKind::Environment(_))),
             "environments",
+        ),
+        (
+            only_around(scene).len(),
+            "pictures of the surroundings, of which a file is not written",
         ),
         (
             lights(|l| matches!(l, LightKind::Directional { half_angle, .. } if *half_angle > 0.0)),
@@ -90,4 +107,9 @@ const MOST_CONE: f64 = std::f64::consts::FRAC_PI_2;
 fn is_odd_glass(m: &Material) -> bool {
     m.dielectric
         .is_some_and(|g| g.ior < 1.0 || m.diffuse != Rgb::BLACK)
+}
+
+/// Whether metalness and roughness are not two channels of one picture as glTF has them.
+fn is_split(finish: &FinishMaps) -> bool {
+    finish.pictures().next().is_some() && finish_texture(finish).is_none()
 }

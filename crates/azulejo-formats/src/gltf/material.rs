@@ -7,12 +7,12 @@ use crate::Files;
 use crate::surface::gloss::Gloss;
 use crate::surface::materials::Materials;
 use azulejo_scene::{
-    Dielectric, Image, Material, MaterialId, Opacity, OpacityMode, Rgb, Sidedness, Texture,
-    TextureId,
+    Dielectric, FinishMaps, Image, Material, MaterialId, NumberPicture, Opacity, OpacityMode,
+    PictureChannel, Relief, ReliefKind, Rgb, Sidedness, Texture, TextureId,
 };
 use glam::{DAffine2, DMat2, DVec2};
 use gltf_json::extensions::texture::TextureTransform;
-use gltf_json::material::AlphaMode;
+use gltf_json::material::{AlphaMode, NormalTexture};
 use gltf_json::texture::Info;
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
@@ -28,11 +28,14 @@ const DEFAULT_IOR: f64 = 1.5;
 /// Glass below this roughness is taken as clear without a warning.
 const CLEAR: f64 = 0.1;
 
+/// Least mean roughness by a picture: the surface keeps a model.
+const SMOOTHEST: f64 = 0.03;
+
 /// From this share of transmitted light on, a surface is glass.
 const LEAST_TRANSMISSION: f64 = 0.5;
 
 /// A material as primitives use it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct GltfSurface {
     /// Its index in the scene.
     pub id: MaterialId,
@@ -121,8 +124,15 @@ impl<'a> Surfaces<'a> {
     }
 
     fn plain(&mut self, material: Material) -> GltfSurface {
+        GltfSurface::plain(self.materials.index(material))
+    }
+}
+
+impl GltfSurface {
+    /// A material without texture.
+    fn plain(id: MaterialId) -> GltfSurface {
         GltfSurface {
-            id: self.materials.index(material),
+            id,
             is_textured: false,
             set: 0,
             picture_from_uv: DAffine2::IDENTITY,
@@ -158,9 +168,9 @@ impl MaterialReader<'_, '_> {
     fn material(&mut self) -> Material {
         let mut material = Material {
             name: self.json.name.clone().unwrap_or_default(),
-            emission: self.emission(),
             ..Material::default()
         };
+        (material.emission, material.emission_picture) = self.emission();
         material.emits_back = self.json.double_sided && material.is_emitter();
         material.sidedness = if self.json.double_sided {
             Sidedness::Two
@@ -170,35 +180,40 @@ impl MaterialReader<'_, '_> {
         if !self.glass(&mut material) {
             self.opaque(&mut material);
         }
+        material.relief = self.relief();
         self.name_the_rest();
         material
     }
 
-    /// Radiance in cd/m²: factor, strength, and the mean of the texture.
-    fn emission(&mut self) -> Rgb {
+    /// Radiance in cd/m² by factor and strength, and the picture that multiplies it.
+    fn emission(&mut self) -> (Rgb, Option<TextureId>) {
         let extensions = self.json.extensions.as_ref();
         let strength = extensions.and_then(|e| e.emissive_strength.as_ref());
         let strength = strength.map_or(1.0, |s| f64::from(s.emissive_strength.0));
         let factor = Rgb::from(self.json.emissive_factor.0.map(f64::from));
         let emission = (factor * strength).map(|c| if c.is_finite() { c.max(0.0) } else { 0.0 });
-        let Some(picture) = self.json.emissive_texture.as_ref() else {
-            return emission;
+        let Some(info) = self.json.emissive_texture.as_ref() else {
+            return (emission, None);
         };
         if emission.is_black() {
-            return emission;
+            return (emission, None);
         }
-        match self.pictures.mean(picture.index) {
-            Ok(mean) => {
-                self.warn("emissive texture: the whole surface emits its mean");
-                emission * mean
-            }
-            Err(fault) => {
-                self.warn(&format!(
-                    "emissive texture, {fault}: the surface does not emit light"
-                ));
-                Rgb::BLACK
-            }
+        let (texture, problem) = self.pictures.index(info.index);
+        if let Some(problem) = problem {
+            self.warn(&problem);
         }
+        let mean = texture.map_or(Rgb::BLACK, |id| self.pictures.mean_of(id));
+        if texture.is_none_or(|id| !self.pictures.is_loaded(id)) {
+            self.warn("emissive texture without a picture: the surface does not emit light");
+        }
+        if mean.is_black() {
+            return (Rgb::BLACK, None);
+        }
+        if coordinates_of(info) != self.coordinates() {
+            self.warn("emissive texture placed otherwise than the base colour: its mean shines");
+            return (emission * mean, None);
+        }
+        (emission, texture)
     }
 
     /// Makes the material transmitting and returns `true`, if the file declares it as such.
@@ -278,23 +293,21 @@ impl MaterialReader<'_, '_> {
         let pbr = &self.json.pbr_metallic_roughness;
         let [r, g, b, _] = pbr.base_color_factor.0;
         let base = color([r, g, b]);
-        let (metallic, roughness) = (share(pbr.metallic_factor.0), share(pbr.roughness_factor.0));
-        if pbr.metallic_roughness_texture.is_some() {
-            self.warn("metallic-roughness texture: not used, the surface is diffuse");
-            material.diffuse = base;
-        } else {
-            let metal = self.metal(base, metallic);
-            let gloss = &mut *self.gloss;
-            if let Err(message) = gloss.metallic_roughness(material, metal, metallic, roughness) {
-                self.warn(message);
-            }
-            // The texture multiplies the diffuse reflectance.
-            material.diffuse = Rgb::from([0, 1, 2].map(|k| match metal[k] {
-                0.0 => 0.0,
-                colored => material.diffuse[k] * (base[k] / colored),
-            }));
-            material.limit_reflectance();
+        let finish = self.finish(base);
+        let [metallic, roughness] = finish.means;
+        let metal = self.metal(base, metallic);
+        let gloss = &mut *self.gloss;
+        if let Err(message) = gloss.metallic_roughness(material, metal, metallic, roughness) {
+            self.warn(message);
         }
+        // The texture multiplies the diffuse reflectance.
+        material.diffuse = Rgb::from([0, 1, 2].map(|k| match metal[k] {
+            0.0 => 0.0,
+            colored => material.diffuse[k] * (base[k] / colored),
+        }));
+        material.limit_reflectance();
+        // Without a model the surface is matt, or a mirror.
+        material.finish = finish.maps.filter(|_| material.brdf.is_some());
         if let Some(info) = &pbr.base_color_texture {
             let (texture, problem) = self.pictures.index(info.index);
             material.textures.extend(texture);
@@ -303,6 +316,77 @@ impl MaterialReader<'_, '_> {
             }
         }
         material.opacity = self.opacity(&material.textures);
+    }
+
+    /// Metalness and roughness: the blue and the green channel of a texture, times factors.
+    fn finish(&mut self, base: Rgb) -> GltfFinish {
+        let pbr = &self.json.pbr_metallic_roughness;
+        let (metallic, roughness) = (share(pbr.metallic_factor.0), share(pbr.roughness_factor.0));
+        let maps = FinishMaps {
+            base,
+            metallic,
+            roughness,
+            metallic_picture: None,
+            roughness_picture: None,
+        };
+        let Some(info) = &pbr.metallic_roughness_texture else {
+            // A texture colours metals, too.
+            let is_colored_metal = pbr.base_color_texture.is_some() && metallic > 0.0;
+            return GltfFinish {
+                means: [metallic, roughness],
+                maps: is_colored_metal.then_some(maps),
+            };
+        };
+        let (texture, problem) = self.pictures.index(info.index);
+        if let Some(problem) = problem {
+            self.warn(&problem);
+        }
+        let known = texture.and_then(|id| Some((id, self.pictures.mean_numbers(id)?)));
+        let Some((texture, mean)) = known else {
+            self.warn("metallic-roughness texture without a picture: the surface is diffuse");
+            return GltfFinish {
+                means: [0.0, 1.0],
+                maps: None,
+            };
+        };
+        let is_placed = coordinates_of(info) == self.coordinates();
+        if !is_placed {
+            self.warn(
+                "metallic-roughness texture placed otherwise than the first: its mean counts",
+            );
+        }
+        let picture = |channel| Some(NumberPicture { texture, channel });
+        let maps = FinishMaps {
+            metallic_picture: picture(PictureChannel::Blue),
+            roughness_picture: picture(PictureChannel::Green),
+            ..maps
+        };
+        GltfFinish {
+            means: [metallic * mean.z, (roughness * mean.y).max(SMOOTHEST)],
+            maps: is_placed.then_some(maps),
+        }
+    }
+
+    /// The relief by a normal map.
+    fn relief(&mut self) -> Option<Relief> {
+        let json = self.json;
+        let map = json.normal_texture.as_ref()?;
+        let (texture, problem) = self.pictures.index(map.index);
+        if let Some(problem) = problem {
+            self.warn(&problem);
+        }
+        let texture = texture.filter(|id| self.pictures.is_loaded(*id));
+        let Some(texture) = texture else {
+            self.warn("normal map without a picture: not used");
+            return None;
+        };
+        if self.coordinates() != normal_coordinates(map) {
+            self.warn("normal map placed otherwise than the first texture: not used");
+            return None;
+        }
+        let scale = f64::from(map.scale);
+        let kind = ReliefKind::Normals { scale };
+        Some(Relief { texture, kind }).filter(|_| scale.is_finite())
     }
 
     /// The opacity by `alphaMode`: the alpha of the base colour's factor, times that of its texture.
@@ -332,7 +416,8 @@ impl MaterialReader<'_, '_> {
         let pbr = &self.json.pbr_metallic_roughness;
         let picture = pbr.base_color_texture.as_ref().filter(|_| metallic > 0.0);
         let mean = picture.and_then(|info| self.pictures.mean(info.index).ok());
-        if picture.is_some() {
+        // Mirrors have one colour.
+        if picture.is_some() && pbr.roughness_factor.0 <= 0.0 {
             self.warn("texture of a metal: multiplies diffuse reflection, and its mean multiplies mirror reflection");
         }
         base * mean.unwrap_or(Rgb::WHITE)
@@ -343,7 +428,6 @@ impl MaterialReader<'_, '_> {
         let json = self.json;
         let extensions = json.extensions.as_ref();
         let rest = [
-            (json.normal_texture.is_some(), "normal map: not used"),
             (json.occlusion_texture.is_some(), "occlusion map: not used"),
             (
                 extensions.is_some_and(|e| e.unlit.is_some()),
@@ -357,17 +441,45 @@ impl MaterialReader<'_, '_> {
         }
     }
 
-    /// The texture coordinates of the base colour texture.
+    /// The texture coordinates of its pictures: those of the first that it has.
     fn coordinates(&self) -> GltfSurface {
-        let info = self.json.pbr_metallic_roughness.base_color_texture.as_ref();
-        let transform = info.and_then(transform_of);
-        let set = transform.and_then(|t| t.tex_coord);
-        GltfSurface {
-            id: 0,
-            is_textured: info.is_some(),
-            set: set.or(info.map(|i| i.tex_coord)).unwrap_or(0),
-            picture_from_uv: transform.map_or(DAffine2::IDENTITY, map_of),
-        }
+        let pbr = &self.json.pbr_metallic_roughness;
+        let first = [
+            &pbr.base_color_texture,
+            &self.json.emissive_texture,
+            &pbr.metallic_roughness_texture,
+        ];
+        let first = first.into_iter().flatten().next().map(coordinates_of);
+        let last = || self.json.normal_texture.as_ref().map(normal_coordinates);
+        first.or_else(last).unwrap_or(GltfSurface::plain(0))
+    }
+}
+
+/// Metalness and roughness of a material: their means, and the pictures that vary them.
+struct GltfFinish {
+    means: [f64; 2],
+    maps: Option<FinishMaps>,
+}
+
+/// The texture coordinates of a texture.
+fn coordinates_of(info: &Info) -> GltfSurface {
+    placed(info.tex_coord, transform_of(info))
+}
+
+/// The texture coordinates of a normal map.
+fn normal_coordinates(map: &NormalTexture) -> GltfSurface {
+    let others = map.extensions.as_ref().map(|e| &e.others);
+    let transform = others.and_then(|o| o.get("KHR_texture_transform"));
+    let transform = transform.and_then(|t| serde_json::from_value(t.clone()).ok());
+    placed(map.tex_coord, transform.as_ref())
+}
+
+fn placed(set: u32, transform: Option<&TextureTransform>) -> GltfSurface {
+    GltfSurface {
+        id: 0,
+        is_textured: true,
+        set: transform.and_then(|t| t.tex_coord).unwrap_or(set),
+        picture_from_uv: transform.map_or(DAffine2::IDENTITY, map_of),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Meshes: primitives over shared vertices.
 
 use super::accessor::Data;
+use super::attributes::{USED_ATTRIBUTES, used_attributes};
 use super::irradiance::StoredIrradiance;
 use super::material::{GltfSurface, Surfaces};
 use super::messages::GltfMessages;
@@ -11,17 +12,15 @@ use crate::reading::options::{Budget, Exhausted};
 use azulejo_scene::Mesh;
 use gltf_json::Index;
 use gltf_json::accessor::Accessor;
-use gltf_json::mesh::{Mode, MorphTarget, Primitive, Semantic};
+use gltf_json::mesh::{Mode, MorphTarget, Primitive};
 use gltf_json::validation::Checked;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 
 /// Start of messages about primitives whose data is missing.
 pub(super) const LEFT_OUT: &str = "primitive left out: ";
 
 /// Cost of a primitive in elements, for the time it takes, even if it is left out.
 const ELEMENTS_PER_PRIMITIVE: u64 = 16;
-
-type Attributes = BTreeMap<Checked<Semantic>, Index<Accessor>>;
 
 /// What is needed to read a mesh.
 pub(super) struct GltfMeshBuilder<'b, 'a> {
@@ -52,16 +51,19 @@ pub(super) struct Pose<'p> {
 
 /// Everything that the vertices of a primitive depend on: primitives with the same key share
 /// their vertices, as in the file.
+///
+/// Attributes that are not read are no part of it: a hundred thousand of them, in thousands of
+/// instances, would otherwise be hashed for each.
 #[derive(PartialEq, Eq, Hash)]
-struct VertexKey<'a> {
-    attributes: &'a Attributes,
+struct VertexKey {
+    attributes: [Option<u32>; USED_ATTRIBUTES],
     targets: Vec<[Option<u32>; 2]>,
     set: u32,
     picture_from_uv: [u64; 6],
 }
 
-impl<'a> VertexKey<'a> {
-    fn of(primitive: &'a Primitive, surface: &GltfSurface) -> VertexKey<'a> {
+impl VertexKey {
+    fn of(primitive: &Primitive, surface: &GltfSurface) -> VertexKey {
         let number = |i: &Index<Accessor>| i.value() as u32;
         let target = |t: &MorphTarget| {
             [
@@ -71,7 +73,7 @@ impl<'a> VertexKey<'a> {
         };
         let targets = primitive.targets.iter().flatten();
         VertexKey {
-            attributes: &primitive.attributes,
+            attributes: used_attributes(primitive, surface).map(|i| i.as_ref().map(number)),
             targets: targets.map(target).collect(),
             set: surface.set,
             picture_from_uv: surface.picture_from_uv.to_cols_array().map(f64::to_bits),
@@ -99,7 +101,7 @@ impl From<Exhausted> for Fault {
     }
 }
 
-impl<'a> GltfMeshBuilder<'_, 'a> {
+impl GltfMeshBuilder<'_, '_> {
     /// Counts a warning about the current primitive.
     pub fn warn(&mut self, message: &str) {
         let (mesh, primitive) = (self.mesh, self.primitive);
@@ -147,10 +149,10 @@ impl<'a> GltfMeshBuilder<'_, 'a> {
     /// Adds a primitive to a mesh and its vertices.
     fn primitive(
         &mut self,
-        primitive: &'a Primitive,
+        primitive: &Primitive,
         pose: Pose,
         vertices: &mut Vertices,
-        vertex_ranges: &mut HashMap<VertexKey<'a>, (u32, u32)>,
+        vertex_ranges: &mut HashMap<VertexKey, (u32, u32)>,
         mesh: &mut Mesh,
     ) -> Result<(), Fault> {
         let targets = primitive.targets.as_ref().map_or(0, Vec::len);

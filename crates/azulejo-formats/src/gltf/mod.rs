@@ -5,10 +5,12 @@
 //! panics on damaged buffers.
 
 mod accessor;
+mod animations;
 mod attributes;
 mod buffers;
 mod container;
 mod document;
+mod draco;
 mod image_based;
 mod irradiance;
 mod json_parts;
@@ -40,6 +42,7 @@ use crate::{Files, Loaded, ReadError, ReadOptions};
 use accessor::Data;
 use azulejo_scene::{Scene, Units, Up};
 use buffers::Buffers;
+use draco::DracoAccessors;
 use gltf_json::Root;
 use material::Surfaces;
 use messages::GltfMessages;
@@ -64,14 +67,16 @@ pub fn read(
     let container = container::split(bytes, name, &mut messages)?;
     let root = document::parse(&container, name, &mut messages)?;
     let tree = Tree::of(&root, name)?;
+    let buffers = Buffers::load(&root, container.bin, files, options);
     let data = Data {
         root: &root,
-        buffers: Buffers::load(&root, container.bin, files, options),
+        draco: DracoAccessors::load(&root, &buffers, options.most_unpacked),
+        buffers,
     };
     let surfaces = Surfaces::new(&data, files);
     let mut scene = GltfWalk::new(&data, &tree, surfaces, options, &mut messages, name).scene()?;
     scene.units = units(&root);
-    check_result(&scene, &root, name, &mut messages)?;
+    check_result(&scene, name, &mut messages)?;
     let mut warnings = Warnings::default();
     messages.report(name, &mut warnings);
     Ok(Loaded {
@@ -93,16 +98,8 @@ fn units(root: &Root) -> Units {
     }
 }
 
-/// Warns about animations and empty scenes, and rejects files without a readable mesh.
-fn check_result(
-    scene: &Scene,
-    root: &Root,
-    file: &str,
-    messages: &mut GltfMessages,
-) -> Result<(), ReadError> {
-    if !root.animations.is_empty() {
-        messages.whole("animations: not used, nodes are in their rest pose");
-    }
+/// Warns about empty scenes, and rejects files without a readable mesh.
+fn check_result(scene: &Scene, file: &str, messages: &mut GltfMessages) -> Result<(), ReadError> {
     if !scene.objects.is_empty() {
         return Ok(());
     }

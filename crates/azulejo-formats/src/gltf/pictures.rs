@@ -6,6 +6,7 @@ use crate::Files;
 use crate::picture::PixelBudget;
 use crate::surface::textures::Textures;
 use azulejo_scene::{Image, OpacityPicture, Rgb, Texture, TextureId, WrapMode};
+use glam::DVec3;
 use gltf_json::texture::WrappingMode;
 use gltf_json::validation::Checked;
 use gltf_json::{Index, Root};
@@ -117,6 +118,21 @@ impl<'a> Pictures<'a> {
     /// The first of some pictures that has an alpha channel, as an opacity.
     pub fn alpha_of(&self, pictures: &[TextureId]) -> Option<OpacityPicture> {
         self.textures.alpha_of(pictures)
+    }
+
+    /// Whether the pixels of a picture are loaded.
+    pub fn is_loaded(&self, id: TextureId) -> bool {
+        self.textures.is_loaded(id)
+    }
+
+    /// The mean of the numbers of a picture that was requested, if it could be loaded.
+    pub fn mean_numbers(&self, id: TextureId) -> Option<DVec3> {
+        Some(self.textures.numbers(id)?.mean())
+    }
+
+    /// The mean of a picture that was requested; black if it could not be loaded.
+    pub fn mean_of(&self, id: TextureId) -> Rgb {
+        self.textures.image(id).map_or(Rgb::BLACK, mean)
     }
 
     /// The mean of a texture as linear light.

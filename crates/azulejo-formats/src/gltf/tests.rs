@@ -1,5 +1,6 @@
 //! Reading, and writing and reading back.
 
+mod draco;
 mod errors;
 mod materials;
 mod meshes;

@@ -7,12 +7,13 @@ use crate::picture::png;
 use crate::picture::srgb::srgb_bytes;
 use crate::surface::model::{gltf_mr, model_of, slope};
 use azulejo_scene::{
-    Dielectric, Image, Material, MaterialId, Opacity, OpacityChannel, OpacityMap, OpacityMode, Rgb,
-    Scene, Sidedness, Texture, TextureId, WrapMode,
+    Dielectric, Environment, FinishMaps, Image, Material, MaterialId, Opacity, OpacityChannel,
+    OpacityMap, OpacityMode, PictureChannel, Relief, ReliefKind, Rgb, Scene, Sidedness, Texture,
+    TextureId, WrapMode,
 };
 use glam::DVec2;
 use serde_json::{Map, Value, json};
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::io;
 
 /// Thickness that distinguishes a solid body from a thin wall, in metres. Its value matters only to
@@ -32,6 +33,8 @@ pub(super) struct Materials {
     pub samplers: Vec<Value>,
     /// The extensions that they use.
     pub extensions: BTreeSet<&'static str>,
+    /// The mean of the picture that each emits, if it emits one.
+    emitted_means: Vec<Option<Rgb>>,
     /// Copies without texture, by the index of the material that has one.
     plain: HashMap<MaterialId, usize>,
 }
@@ -43,9 +46,15 @@ impl Materials {
     /// A picture without pixels.
     pub fn of(scene: &Scene, pack: &mut Pack) -> io::Result<Materials> {
         let mut materials = Materials::default();
+        let of_surroundings = only_around(scene);
         for (i, texture) in scene.textures.iter().enumerate() {
+            if of_surroundings.contains(&(i as TextureId)) {
+                // Textures keep their numbers; one without an image is nothing.
+                materials.textures.push(json!({}));
+                continue;
+            }
             let sampler = materials.sampler(texture.wrap);
-            let source = json!({ "source": i });
+            let source = json!({ "source": materials.images.len() });
             materials.textures.push(with_sampler(source, sampler));
             materials.images.push(image(texture, pack)?);
         }
@@ -55,21 +64,46 @@ impl Materials {
                 materials.opacity(scene, material, opacity, &mut json, pack)?;
             }
             materials.list.push(json);
+            let picture = material.emission_picture;
+            let mean = picture.map(|id| scene.textures[id as usize].mean());
+            materials.emitted_means.push(mean);
         }
         Ok(materials)
     }
 
-    /// The index of a material for a mesh without texture coordinates, on which glTF allows no texture.
+    /// The index of a material for a mesh without texture coordinates, on which glTF allows no texture:
+    /// it emits the mean of its picture.
     pub fn plain(&mut self, material: MaterialId) -> usize {
         let of_material = &self.list[material as usize];
-        let picture = &of_material["pbrMetallicRoughness"]["baseColorTexture"];
-        if picture.is_null() {
+        let surface = &of_material["pbrMetallicRoughness"];
+        let pictures = [
+            &surface["baseColorTexture"],
+            &surface["metallicRoughnessTexture"],
+            &of_material["emissiveTexture"],
+            &of_material["normalTexture"],
+        ];
+        if pictures.iter().all(|picture| picture.is_null()) {
             return material as usize;
         }
         *self.plain.entry(material).or_insert_with(|| {
             let mut twin = self.list[material as usize].clone();
             if let Some(surface) = twin["pbrMetallicRoughness"].as_object_mut() {
                 surface.remove("baseColorTexture");
+                surface.remove("metallicRoughnessTexture");
+            }
+            if let Some(twin) = twin.as_object_mut() {
+                twin.remove("normalTexture");
+            }
+            if let Some(mean) = self.emitted_means[material as usize]
+                && let Some(twin) = twin.as_object_mut()
+                && twin.remove("emissiveTexture").is_some()
+            {
+                let factors = twin["emissiveFactor"].as_array().into_iter().flatten();
+                let factors = factors.zip(mean.to_array());
+                let means: Vec<f64> = factors
+                    .map(|(f, mean)| f.as_f64().unwrap_or(0.0) * mean)
+                    .collect();
+                twin["emissiveFactor"] = json!(means);
             }
             self.list.push(twin);
             self.list.len() - 1
@@ -82,15 +116,32 @@ impl Materials {
             Some(glass) => self.glass(m, glass, &mut extensions),
             None => opaque(m),
         };
+        if let Some(finish) = m.finish.filter(|_| m.dielectric.is_none()) {
+            surface = metallic_roughness(finish.base, finish.metallic, finish.roughness);
+            if let Some(texture) = finish_texture(&finish) {
+                surface["metallicRoughnessTexture"] = json!({ "index": texture });
+            }
+        }
         if let Some(&texture) = m.textures.first() {
             surface["baseColorTexture"] = json!({ "index": texture });
         }
         let mut json = named(&m.name);
         json.insert("pbrMetallicRoughness".into(), surface);
         json.insert("doubleSided".into(), json!(has_two_sides(m)));
+        if let Some(Relief {
+            texture,
+            kind: ReliefKind::Normals { scale },
+        }) = m.relief
+        {
+            let map = json!({ "index": texture, "scale": scale });
+            json.insert("normalTexture".into(), map);
+        }
         if m.is_emitter() {
             let factor = self.emission(m.emission, &mut extensions);
             json.insert("emissiveFactor".into(), json!(factor.to_array()));
+            if let Some(texture) = m.emission_picture {
+                json.insert("emissiveTexture".into(), json!({ "index": texture }));
+            }
         }
         if !extensions.is_empty() {
             json.insert("extensions".into(), extensions.into());
@@ -239,6 +290,15 @@ fn opaque(m: &Material) -> Value {
     metallic_roughness(base, share, slope.sqrt())
 }
 
+/// The one picture whose blue channel is the metalness and whose green one is the roughness.
+pub(super) fn finish_texture(finish: &FinishMaps) -> Option<TextureId> {
+    let (metallic, roughness) = (finish.metallic_picture?, finish.roughness_picture?);
+    let is_one = metallic.texture == roughness.texture
+        && metallic.channel == PictureChannel::Blue
+        && roughness.channel == PictureChannel::Green;
+    is_one.then_some(metallic.texture)
+}
+
 /// The mirrored share of a surface's reflectance.
 fn mirrored_share(m: &Material) -> f64 {
     m.mirror.mean() / (m.diffuse + m.mirror).mean()
@@ -256,6 +316,20 @@ fn with_sampler(mut texture: Value, sampler: Option<usize>) -> Value {
         texture["sampler"] = json!(sampler);
     }
     texture
+}
+
+/// The pictures that only environments show, which glTF does not keep: megabytes that no material uses.
+pub(super) fn only_around(scene: &Scene) -> HashSet<TextureId> {
+    let mut around: HashSet<TextureId> = scene
+        .environments()
+        .filter_map(Environment::texture)
+        .collect();
+    for material in &scene.materials {
+        for id in material.pictures() {
+            around.remove(&id);
+        }
+    }
+    around
 }
 
 /// The colours of a picture, or white, with the opacities of a map, as large as the larger of the two.

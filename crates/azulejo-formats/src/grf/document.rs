@@ -5,8 +5,8 @@ use super::solids::{ExactBlock, FigureBlock, SolidDefinition};
 use super::surroundings::EnvironmentBlock;
 use crate::{Position, ReadError};
 use azulejo_scene::{
-    Attribute, BackIrradiance, Light, OpacityChannel, OpacityMode, PrimitiveKind, Rgb, Sidedness,
-    SurfaceLight, WrapMode,
+    Attribute, BackIrradiance, Light, OpacityChannel, OpacityMode, PictureChannel, PrimitiveKind,
+    ReliefKind, Rgb, Sidedness, SurfaceLight, WrapMode,
 };
 use azulejo_scene::{Camera, Faces, Fog, Units};
 use glam::{DAffine3, DVec2, DVec3};
@@ -362,6 +362,7 @@ pub(super) struct MaterialNote {
     pub diffuse: Option<Rgb>,
     pub mirror: Option<Rgb>,
     pub emission: Option<Rgb>,
+    pub emission_texture: Option<GrfName>,
     pub emits_back: bool,
     pub ior: Option<f64>,
     pub transmittance: Option<Rgb>,
@@ -370,6 +371,8 @@ pub(super) struct MaterialNote {
     pub textures: Option<Vec<GrfName>>,
     pub brdf_file: Option<Arc<GrfReflection>>,
     pub opacity: Option<OpacityNote>,
+    pub finish: Option<FinishNote>,
+    pub relief: Option<(GrfName, ReliefKind)>,
 }
 
 /// The opacity of an `ext material`.
@@ -381,12 +384,24 @@ pub(super) struct OpacityNote {
     pub mode: OpacityMode,
 }
 
+/// Pictures of metalness and roughness of an `ext material`.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct FinishNote {
+    pub base: Rgb,
+    pub metallic: f64,
+    pub roughness: f64,
+    /// The picture of each, and its part that counts.
+    pub metallic_picture: Option<(GrfName, PictureChannel)>,
+    pub roughness_picture: Option<(GrfName, PictureChannel)>,
+}
+
 impl MaterialNote {
     /// Whether it has no attributes.
     pub fn is_empty(&self) -> bool {
         let colors = [self.diffuse, self.mirror, self.emission, self.transmittance];
         self.name.is_none()
             && colors.iter().all(Option::is_none)
+            && self.emission_texture.is_none()
             && !self.emits_back
             && self.ior.is_none()
             && !self.thin
@@ -394,6 +409,8 @@ impl MaterialNote {
             && self.textures.is_none()
             && self.brdf_file.is_none()
             && self.opacity.is_none()
+            && self.finish.is_none()
+            && self.relief.is_none()
     }
 }
 

@@ -4,15 +4,15 @@
 
 use super::appearance::MOST_TEXTURES;
 use super::document::{
-    BlockKind, BoxedError, GrfBlock, GrfName, MaterialNote, NameKind, ObjectNotes, OpacityNote,
-    PrimitiveBlock,
+    BlockKind, BoxedError, FinishNote, GrfBlock, GrfName, MaterialNote, NameKind, ObjectNotes,
+    OpacityNote, PrimitiveBlock,
 };
 use super::entries::{EntryValue, ExtensionEntries, ExtensionEntry};
 use super::parser::{GrfParser, ParseResult};
 use super::solids::is_solid;
 use azulejo_scene::{
-    BackIrradiance, Camera, Fog, Light, LightKind, OpacityChannel, OpacityMode, PrimitiveKind, Rgb,
-    Sidedness, SurfaceGrid, SurfaceLight, Units, Up, WrapMode,
+    BackIrradiance, Camera, Fog, Light, LightKind, OpacityChannel, OpacityMode, PictureChannel,
+    PrimitiveKind, ReliefKind, Rgb, Sidedness, SurfaceGrid, SurfaceLight, Units, Up, WrapMode,
 };
 use glam::DAffine3;
 
@@ -326,6 +326,7 @@ impl<'a> GrfParser<'a, '_, '_> {
             diffuse,
             mirror,
             emission,
+            emission_texture: self.take_name(entries, "emission_texture", NameKind::Texture)?,
             emits_back: self.take_flag(entries, "emits_back")?.unwrap_or(false),
             ior: ior.map(|(ior, _)| ior),
             transmittance,
@@ -334,6 +335,8 @@ impl<'a> GrfParser<'a, '_, '_> {
             textures: self.take_textures(entries)?,
             brdf_file: self.take_brdf_file(entries)?,
             opacity: self.take_opacity(entries)?,
+            finish: self.take_finish(entries)?,
+            relief: self.take_relief(entries)?,
         })
     }
 
@@ -393,6 +396,74 @@ impl<'a> GrfParser<'a, '_, '_> {
                 None => OpacityMode::Blend,
             },
         }))
+    }
+
+    /// `base`, `metallic`, `roughness`, and the pictures of the last two; `None` without `base`.
+    fn take_finish(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+    ) -> ParseResult<Option<FinishNote>> {
+        let base = self.take_reflectance(entries, "base")?;
+        let metallic = self.take_share(entries, "metallic")?;
+        let roughness = self.take_share(entries, "roughness")?;
+        let metallic_picture =
+            self.take_numbers(entries, ["metallic_texture", "metallic_channel"])?;
+        let roughness_picture =
+            self.take_numbers(entries, ["roughness_texture", "roughness_channel"])?;
+        Ok(base.map(|base| FinishNote {
+            base,
+            metallic,
+            roughness,
+            metallic_picture,
+            roughness_picture,
+        }))
+    }
+
+    /// A number in 0..=1; 1 if it is missing.
+    fn take_share(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+        key: &'static str,
+    ) -> ParseResult<f64> {
+        match self.take_number(entries, key)? {
+            Some((value, offset)) if !(0.0..=1.0).contains(&value) => {
+                Err(self.fail(offset, format!("{value}"), "0 to 1"))
+            }
+            found => Ok(found.map_or(1.0, |(value, _)| value)),
+        }
+    }
+
+    /// A texture and its channel, which is `red` if it is missing.
+    fn take_numbers(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+        [texture, channel]: [&'static str; 2],
+    ) -> ParseResult<Option<(GrfName, PictureChannel)>> {
+        let name = self.take_name(entries, texture, NameKind::Texture)?;
+        let channel = match self.take_word(entries, channel)? {
+            None | Some(("red", _)) => PictureChannel::Red,
+            Some(("green", _)) => PictureChannel::Green,
+            Some(("blue", _)) => PictureChannel::Blue,
+            Some((word, offset)) => {
+                let expected = "`red`, `green` or `blue`";
+                return Err(self.fail(offset, format!("`{word}`"), expected));
+            }
+        };
+        Ok(name.map(|name| (name, channel)))
+    }
+
+    /// `normal_texture` with `normal_scale`, or `bump_texture` with `bump_slope`.
+    fn take_relief(
+        &mut self,
+        entries: &mut ExtensionEntries<'a>,
+    ) -> ParseResult<Option<(GrfName, ReliefKind)>> {
+        let normals = self.take_name(entries, "normal_texture", NameKind::Texture)?;
+        let scale = self.take_number(entries, "normal_scale")?;
+        let heights = self.take_name(entries, "bump_texture", NameKind::Texture)?;
+        let slope = self.take_number(entries, "bump_slope")?;
+        let [scale, slope] = [scale, slope].map(|given| given.map_or(1.0, |(value, _)| value));
+        let normals = normals.map(|name| (name, ReliefKind::Normals { scale }));
+        Ok(normals.or(heights.map(|name| (name, ReliefKind::Heights { slope }))))
     }
 
     fn take_sides(&mut self, entries: &mut ExtensionEntries<'a>) -> ParseResult<Sidedness> {

@@ -2,9 +2,9 @@
 
 use super::brdf::GrfReflection;
 use super::document::{
-    AppearanceChange, AreaLight, BlockKind, DefinitionBody, GrfBlock, GrfDefinition, GrfDocument,
-    GrfName, MaterialNote, MeshBlock, MeshInstanceBlock, NameKind, ObjectNotes, OpacityNote,
-    PrimitiveBlock, SourcePosition, VertexColumn, VertexList,
+    AppearanceChange, AreaLight, BlockKind, DefinitionBody, FinishNote, GrfBlock, GrfDefinition,
+    GrfDocument, GrfName, MaterialNote, MeshBlock, MeshInstanceBlock, NameKind, ObjectNotes,
+    OpacityNote, PrimitiveBlock, SourcePosition, VertexColumn, VertexList,
 };
 use super::has_area;
 use super::materials::surface;
@@ -13,8 +13,8 @@ use super::surroundings::{self, EnvironmentBlock};
 use azulejo_scene::brdf::{Description, Model};
 use azulejo_scene::{
     Attribute, BackIrradiance, Brdf, Faces, LightKind, Material, MaterialId, Mesh, MeshInstance,
-    Object, Primitive, PrimitiveKind, Rgb, Scene, SceneBackground, Shape, TextureId, Units,
-    WrapMode,
+    NumberPicture, Object, Primitive, PrimitiveKind, Rgb, Scene, SceneBackground, Shape, TextureId,
+    Units, WrapMode,
 };
 use glam::{DVec2, DVec3};
 use std::borrow::Cow;
@@ -318,6 +318,9 @@ fn material_definition(
         diffuse: unless(material.diffuse == expressed.diffuse, material.diffuse),
         mirror: unless(material.mirror == expressed.mirror, material.mirror),
         emission: unless(!material.is_emitter(), material.emission),
+        emission_texture: material
+            .emission_picture
+            .map(|t| textures[t as usize].clone()),
         emits_back: material.emits_back,
         ior: material.dielectric.map(|d| d.ior),
         transmittance: material.dielectric.map(|d| d.transmittance),
@@ -339,6 +342,19 @@ fn material_definition(
                 .map(|p| (textures[p.texture as usize].clone(), p.channel)),
             mode: o.mode,
         }),
+        finish: material.finish.map(|f| {
+            let named = |p: NumberPicture| (textures[p.texture as usize].clone(), p.channel);
+            FinishNote {
+                base: f.base,
+                metallic: f.metallic,
+                roughness: f.roughness,
+                metallic_picture: f.metallic_picture.map(named),
+                roughness_picture: f.roughness_picture.map(named),
+            }
+        }),
+        relief: material
+            .relief
+            .map(|r| (textures[r.texture as usize].clone(), r.kind)),
     };
     let definition = GrfDefinition {
         name: name.clone(),
@@ -380,7 +396,12 @@ fn plain_brdf(diffuse: Rgb, mirror: Rgb) -> Description {
 
 /// The radiance of a mesh whose faces all emit equally.
 fn common_radiance(scene: &Scene, mesh: &Mesh) -> Option<Rgb> {
-    let emission = |m: MaterialId| scene.materials[m as usize].emission;
+    let material = |m: MaterialId| &scene.materials[m as usize];
+    let has_picture = |&m: &MaterialId| material(m).emission_picture.is_some();
+    if mesh.face_materials.iter().any(has_picture) {
+        return None;
+    }
+    let emission = |m: MaterialId| material(m).emission;
     let (first, rest) = mesh.face_materials.split_first()?;
     let radiance = emission(*first);
     let is_common = rest.iter().all(|&m| emission(m) == radiance);

@@ -127,7 +127,8 @@ struct PlainLamp {
 fn lamp_of(scene: &Scene, object: &Object) -> Option<PlainLamp> {
     let material = |id: MaterialId| {
         let material = &scene.materials[id as usize];
-        let is_lamp = material.is_emitter() && is_matt(material) && material.diffuse.is_black();
+        let is_even = material.is_emitter() && material.emission_picture.is_none();
+        let is_lamp = is_even && is_matt(material) && material.diffuse.is_black();
         (is_lamp && material.textures.is_empty()).then_some(material.emission)
     };
     match &object.shape {

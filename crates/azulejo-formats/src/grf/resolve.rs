@@ -2,9 +2,9 @@
 
 use super::appearance::{DerivedMaterialKey, FaceAppearance};
 use super::document::{
-    AreaLight, BlockKind, BoxedError, DefinitionBody, GrfBlock, GrfDefinition, GrfDocument,
-    GrfName, MaterialNote, MeshBlock, NameKind, OpacityNote, PrimitiveBlock, SourcePosition,
-    VertexColumn,
+    AreaLight, BlockKind, BoxedError, DefinitionBody, FinishNote, GrfBlock, GrfDefinition,
+    GrfDocument, GrfName, MaterialNote, MeshBlock, NameKind, OpacityNote, PrimitiveBlock,
+    SourcePosition, VertexColumn,
 };
 use super::instances::SharedMeshes;
 use super::materials::{DefinedMaterial, REFLECTS_TOO_MUCH, surface};
@@ -20,8 +20,9 @@ use crate::reading::warnings::Warnings;
 use crate::{Loaded, ReadError, ReadOptions};
 use azulejo_scene::math::normal_matrix;
 use azulejo_scene::{
-    Attribute, Faces, Figure, MaterialId, Mesh, Object, Opacity, OpacityPicture, Primitive,
-    PrimitiveKind, Rgb, Scene, Shape, Texture, TextureId,
+    Attribute, Faces, Figure, FinishMaps, MaterialId, Mesh, NumberPicture, Object, Opacity,
+    OpacityPicture, PictureChannel, Primitive, PrimitiveKind, Relief, Rgb, Scene, Shape, Texture,
+    TextureId,
 };
 use glam::{DAffine3, DVec3};
 use std::collections::{HashMap, HashSet};
@@ -360,7 +361,31 @@ impl<'d> GrfResolver<'d> {
             None => None,
             Some(opacity) => Some(self.opacity(opacity, place)?),
         };
+        let finish = match &note.finish {
+            None => None,
+            Some(finish) => Some(self.finish(finish, place)?),
+        };
+        let relief = match &note.relief {
+            None => None,
+            Some((name, kind)) => Some(Relief {
+                texture: self.texture_named(name, place)?,
+                kind: *kind,
+            }),
+        };
+        let emission_picture = match &note.emission_texture {
+            None => None,
+            Some(name) => Some(self.texture_named(name, place)?),
+        };
         if let Some(known) = self.surfaces.get_mut(&id) {
+            if emission_picture.is_some() {
+                known.surface.material.emission_picture = emission_picture;
+            }
+            if finish.is_some() {
+                known.surface.material.finish = finish;
+            }
+            if relief.is_some() {
+                known.surface.material.relief = relief;
+            }
             known.sets_textures |= textures.is_some();
             if opacity.is_some() {
                 known.surface.material.opacity = opacity;
@@ -373,6 +398,28 @@ impl<'d> GrfResolver<'d> {
             self.scene.materials[id as usize] = material;
         }
         Ok(())
+    }
+
+    fn finish(&mut self, note: &'d FinishNote, place: SourcePosition) -> ResolveResult<FinishMaps> {
+        let picture = |given: &'d Option<(GrfName, PictureChannel)>| {
+            let number = |(name, channel): &'d (GrfName, PictureChannel)| {
+                let texture = self.texture_named(name, place)?;
+                Ok(NumberPicture {
+                    texture,
+                    channel: *channel,
+                })
+            };
+            let found: ResolveResult<Option<NumberPicture>> =
+                given.as_ref().map(number).transpose();
+            found
+        };
+        Ok(FinishMaps {
+            base: note.base,
+            metallic: note.metallic,
+            roughness: note.roughness,
+            metallic_picture: picture(&note.metallic_picture)?,
+            roughness_picture: picture(&note.roughness_picture)?,
+        })
     }
 
     fn opacity(&mut self, note: &'d OpacityNote, place: SourcePosition) -> ResolveResult<Opacity> {

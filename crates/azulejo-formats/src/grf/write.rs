@@ -2,13 +2,13 @@
 
 use super::brdf::GrfReflection;
 use super::document::{
-    AppearanceChange, AreaLight, BlockKind, DefinitionBody, GrfBlock, GrfDefinition, GrfDocument,
-    MaterialNote, MeshBlock, ObjectNotes, PrimitiveBlock, TransformStep,
+    AppearanceChange, AreaLight, BlockKind, DefinitionBody, FinishNote, GrfBlock, GrfDefinition,
+    GrfDocument, MaterialNote, MeshBlock, ObjectNotes, PrimitiveBlock, TransformStep,
 };
 use azulejo_scene::brdf::{Description, Model, Value};
 use azulejo_scene::{
-    BackIrradiance, Camera, Light, LightKind, OpacityChannel, OpacityMode, PrimitiveKind, Rgb,
-    Sidedness, SurfaceLight, Units, Up, WrapMode,
+    BackIrradiance, Camera, Light, LightKind, OpacityChannel, OpacityMode, PictureChannel,
+    PrimitiveKind, ReliefKind, Rgb, Sidedness, SurfaceLight, Units, Up, WrapMode,
 };
 
 use super::{instances, solids, surroundings};
@@ -562,6 +562,30 @@ fn light(out: &mut GrfOutput<'_>, light: &Light) -> io::Result<()> {
     out.write_all(b" end ext\n")
 }
 
+fn write_finish(out: &mut GrfOutput<'_>, finish: &FinishNote) -> io::Result<()> {
+    let (metallic, roughness) = (Number(finish.metallic), Number(finish.roughness));
+    write!(
+        out,
+        " base = {} metallic = {metallic} roughness = {roughness}",
+        rgb(finish.base)
+    )?;
+    let pictures = [
+        ("metallic", &finish.metallic_picture),
+        ("roughness", &finish.roughness_picture),
+    ];
+    for (of, picture) in pictures {
+        if let Some((name, channel)) = picture {
+            let channel = match channel {
+                PictureChannel::Red => "red",
+                PictureChannel::Green => "green",
+                PictureChannel::Blue => "blue",
+            };
+            write!(out, " {of}_texture = {name} {of}_channel = {channel}")?;
+        }
+    }
+    Ok(())
+}
+
 fn material(out: &mut GrfOutput<'_>, note: &MaterialNote) -> io::Result<()> {
     write!(out, "ext material begin of = {}", note.of)?;
     if let Some(name) = &note.name {
@@ -576,6 +600,9 @@ fn material(out: &mut GrfOutput<'_>, note: &MaterialNote) -> io::Result<()> {
         if let Some(color) = color {
             write!(out, " {key} = {}", rgb(color))?;
         }
+    }
+    if let Some(name) = &note.emission_texture {
+        write!(out, " emission_texture = {name}")?;
     }
     if note.emits_back {
         out.write_all(b" emits_back = true")?;
@@ -607,6 +634,24 @@ fn material(out: &mut GrfOutput<'_>, note: &MaterialNote) -> io::Result<()> {
         }
         if let OpacityMode::Mask { cutoff } = opacity.mode {
             write!(out, " cutoff = {}", Number(cutoff))?;
+        }
+    }
+    if let Some(finish) = &note.finish {
+        write_finish(out, finish)?;
+    }
+    match &note.relief {
+        None => {}
+        Some((name, ReliefKind::Normals { scale })) => write!(
+            out,
+            " normal_texture = {name} normal_scale = {}",
+            Number(*scale)
+        )?,
+        Some((name, ReliefKind::Heights { slope })) => {
+            write!(
+                out,
+                " bump_texture = {name} bump_slope = {}",
+                Number(*slope)
+            )?;
         }
     }
     match note.textures.as_deref() {

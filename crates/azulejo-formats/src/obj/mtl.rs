@@ -8,7 +8,10 @@ use crate::surface::gloss::Gloss;
 use crate::surface::phong::Highlight;
 use crate::surface::textures::Textures;
 use crate::{Files, Loaded, ReadError};
-use azulejo_scene::{Dielectric, Material, MaterialId, Opacity, Rgb, Scene, TextureId, WrapMode};
+use azulejo_scene::{
+    Dielectric, FinishMaps, Material, MaterialId, NumberPicture, Opacity, PictureChannel, Relief,
+    ReliefKind, Rgb, Scene, TextureId, WrapMode,
+};
 use glam::DVec2;
 use std::collections::HashMap;
 
@@ -124,6 +127,9 @@ impl Library {
     }
 }
 
+/// Least mean roughness by a picture: the surface keeps a model.
+const SMOOTHEST: f64 = 0.03;
+
 /// The content of a `newmtl` block; `None` for missing statements.
 #[derive(Debug, Default)]
 struct Definition {
@@ -142,10 +148,31 @@ struct Definition {
     roughness: Option<f64>,
     metallic: Option<f64>,
     map_kd: Option<TextureId>,
+    map_ke: Option<TextureId>,
+    map_pm: Option<NumberPicture>,
+    map_pr: Option<NumberPicture>,
+    relief: Option<Relief>,
     placement: PicturePlacement,
 }
 
+/// What options before a file say of a picture.
+struct PictureOptions {
+    placement: PicturePlacement,
+    wrap: WrapMode,
+    /// `-bm`.
+    bump: f64,
+    /// `-imfchan`.
+    channel: Option<PictureChannel>,
+}
+
 impl Definition {
+    /// Whether a picture has determined the placement.
+    fn has_picture(&self) -> bool {
+        let pictures = [self.map_kd, self.map_d, self.map_ke];
+        let numbers = self.map_pm.is_some() || self.map_pr.is_some();
+        pictures.iter().any(Option::is_some) || numbers || self.relief.is_some()
+    }
+
     fn new(name: String) -> Definition {
         Definition {
             name,
@@ -185,22 +212,17 @@ impl MtlParser<'_> {
             b"Pm" => m.metallic = Some(self.number()?),
             b"Ps" | b"Pc" | b"Pcr" | b"aniso" | b"anisor" => self.unless_zero(keyword),
             b"map_Kd" => {
-                let (placement, wrap) = self.options();
-                if let Some(picture) = self.texture(wrap) {
-                    (m.map_kd, m.placement) = (Some(picture), placement);
+                let options = self.options(keyword);
+                if let Some(picture) = self.texture(options.wrap) {
+                    (m.map_kd, m.placement) = (Some(picture), options.placement);
                 }
             }
-            b"map_d" => {
-                let (placement, wrap) = self.options();
-                if let Some(picture) = self.texture(wrap) {
-                    m.map_d = Some(picture);
-                    // Coordinates are those of the colour, if there is one.
-                    if m.map_kd.is_none() {
-                        m.placement = placement;
-                    } else if m.placement != placement {
-                        self.warn("map_d placed otherwise than map_Kd: placed as map_Kd");
-                    }
-                }
+            b"map_d" => m.map_d = self.further(keyword, m).or(m.map_d),
+            b"map_Ke" => m.map_ke = self.further(keyword, m).or(m.map_ke),
+            b"map_Pm" => m.map_pm = self.numbers(keyword, m).or(m.map_pm),
+            b"map_Pr" => m.map_pr = self.numbers(keyword, m).or(m.map_pr),
+            b"norm" | b"map_Bump" | b"map_bump" | b"bump" => {
+                m.relief = self.relief(keyword, m).or(m.relief);
             }
             // Ambient reflectance stands for indirect light, which azulejo computes; `sharpness`
             // applies to environment maps, which it does not use.
@@ -257,11 +279,61 @@ impl MtlParser<'_> {
         Ok(Some(Rgb::new(r, self.number()?, self.number()?)))
     }
 
-    /// The texture named by `map_Kd` or `map_d`, after its options.
+    /// A picture beside that of the colour, in whose place it is drawn if there is one.
+    fn further(&mut self, keyword: &[u8], m: &mut Definition) -> Option<TextureId> {
+        let options = self.options(keyword);
+        self.placed(keyword, &options, m)
+    }
+
+    /// The picture after options; warns if it is placed otherwise than others of the material.
+    fn placed(
+        &mut self,
+        keyword: &[u8],
+        options: &PictureOptions,
+        m: &mut Definition,
+    ) -> Option<TextureId> {
+        let picture = self.texture(options.wrap)?;
+        if !m.has_picture() {
+            m.placement = options.placement;
+        } else if m.placement != options.placement {
+            let word = text(keyword);
+            self.warn(format!(
+                "{word} placed otherwise than map_Kd: placed as map_Kd"
+            ));
+        }
+        Some(picture)
+    }
+
+    /// A picture of numbers: the channel by `-imfchan`, else the first, as pictures of numbers are grey.
+    fn numbers(&mut self, keyword: &[u8], m: &mut Definition) -> Option<NumberPicture> {
+        let options = self.options(keyword);
+        let texture = self.placed(keyword, &options, m)?;
+        let channel = options.channel.unwrap_or(PictureChannel::Red);
+        Some(NumberPicture { texture, channel })
+            .filter(|_| self.library.textures.is_loaded(texture))
+    }
+
+    /// A relief: `norm` names normals, the others heights; but Blender writes normals as `map_Bump`,
+    /// which the bluish picture tells.
+    fn relief(&mut self, keyword: &[u8], m: &mut Definition) -> Option<Relief> {
+        let options = self.options(keyword);
+        let texture = self.placed(keyword, &options, m)?;
+        let mean = self.library.textures.numbers(texture)?.mean();
+        let is_bluish = mean.z > 0.7 && (mean.x - 0.5).abs() < 0.15 && (mean.y - 0.5).abs() < 0.15;
+        let factor = options.bump;
+        let kind = if keyword == b"norm" || is_bluish {
+            ReliefKind::Normals { scale: factor }
+        } else {
+            ReliefKind::Heights { slope: factor }
+        };
+        Some(Relief { texture, kind })
+    }
+
+    /// The texture named by a statement, after its options.
     fn texture(&mut self, wrap: WrapMode) -> Option<TextureId> {
         let name = self.cursor.name();
         if name.is_empty() {
-            self.warn("map_Kd or map_d without a file: skipped");
+            self.warn("map without a file: skipped");
             return None;
         }
         let (id, problem) = self.library.textures.index(self.file, &name, self.files);
@@ -273,12 +345,19 @@ impl MtlParser<'_> {
 
     /// Options before the file name: `-s 1 1 1`, `-clamp on`... Those that would change the
     /// texture beyond its placement are skipped with a warning.
-    fn options(&mut self) -> (PicturePlacement, WrapMode) {
-        let (mut placement, mut wrap) = (PicturePlacement::default(), WrapMode::Repeat);
+    fn options(&mut self, keyword: &[u8]) -> PictureOptions {
+        let is_relief = matches!(keyword, b"norm" | b"map_Bump" | b"map_bump" | b"bump");
+        let is_number = matches!(keyword, b"map_Pr" | b"map_Pm");
+        let mut options = PictureOptions {
+            placement: PicturePlacement::default(),
+            wrap: WrapMode::Repeat,
+            bump: 1.0,
+            channel: None,
+        };
         loop {
             let mut ahead = self.cursor.clone();
             let Some(option) = ahead.word() else {
-                return (placement, wrap);
+                return options;
             };
             let plain = match option {
                 b"-s" | b"-o" | b"-t" => {
@@ -287,8 +366,8 @@ impl MtlParser<'_> {
                     let [u, v] = [(); 2].map(|()| given.next().unwrap_or(missing));
                     let given = DVec2::new(u, v);
                     match option {
-                        b"-s" => placement.scale = given,
-                        b"-o" => placement.offset = given,
+                        b"-s" => options.placement.scale = given,
+                        b"-o" => options.placement.offset = given,
                         _ => {}
                     }
                     option != b"-t" || given == DVec2::ZERO
@@ -296,17 +375,31 @@ impl MtlParser<'_> {
                 b"-mm" => [ahead.word(), ahead.word()] == [Some(&b"0"[..]), Some(&b"1"[..])],
                 b"-clamp" => {
                     if ahead.word() == Some(b"on") {
-                        wrap = WrapMode::Clamp;
+                        options.wrap = WrapMode::Clamp;
                     }
                     true
                 }
                 b"-cc" => ahead.word() == Some(b"off"),
                 b"-blendu" | b"-blendv" => ahead.word() == Some(b"on"),
+                b"-bm" if is_relief => {
+                    let factor = vector(&mut ahead).first().copied();
+                    options.bump = factor.filter(|f| f.is_finite()).unwrap_or(1.0);
+                    true
+                }
+                b"-imfchan" if is_number => {
+                    options.channel = match ahead.word() {
+                        Some(b"r") => Some(PictureChannel::Red),
+                        Some(b"g") => Some(PictureChannel::Green),
+                        Some(b"b") => Some(PictureChannel::Blue),
+                        _ => None,
+                    };
+                    options.channel.is_some()
+                }
                 b"-texres" | b"-bm" | b"-boost" | b"-imfchan" | b"-type" | b"-colorspace" => {
                     ahead.word();
                     false
                 }
-                _ => return (placement, wrap),
+                _ => return options,
             };
             let option = text(option).into_owned();
             self.cursor = ahead;
@@ -319,9 +412,9 @@ impl MtlParser<'_> {
     /// Converts a finished block to a material.
     fn define(&mut self, m: Definition) {
         let mut material = Material {
-            emission: self.at_least_black(m.ke.unwrap_or_default(), &m),
             ..Material::default()
         };
+        (material.emission, material.emission_picture) = self.emission(&m);
         match self.surface(&m) {
             MtlSurface::Diffuse => self.diffuse(&m, &mut material),
             MtlSurface::Mirror => self.mirror(&m, &mut material),
@@ -332,6 +425,7 @@ impl MtlParser<'_> {
             material.opacity = self.see_through(&m);
         }
         material.textures.extend(m.map_kd);
+        material.relief = m.relief;
         material.name = m.name;
         let id = match self.library.by_name.get(&material.name) {
             Some(&earlier) => {
@@ -349,6 +443,21 @@ impl MtlParser<'_> {
         }
     }
 
+    /// `Ke`, white without it, times `map_Ke`: a picture that is missing or black emits nothing.
+    fn emission(&mut self, m: &Definition) -> (Rgb, Option<TextureId>) {
+        let Some(picture) = m.map_ke else {
+            return (self.at_least_black(m.ke.unwrap_or_default(), m), None);
+        };
+        let emission = self.at_least_black(m.ke.unwrap_or(Rgb::WHITE), m);
+        let image = self.library.textures.image(picture);
+        let shines = image.is_some_and(|i| i.pixels.iter().any(|p| *p != [0.0; 3]));
+        if shines && !emission.is_black() {
+            (emission, Some(picture))
+        } else {
+            (Rgb::BLACK, None)
+        }
+    }
+
     /// A warning about a block that has ended.
     fn warn_about(&mut self, name: &str, what: &str) {
         let message = format!("material \"{}\" {what}", shortened(name));
@@ -360,7 +469,9 @@ impl MtlParser<'_> {
     fn surface(&mut self, m: &Definition) -> MtlSurface {
         let model = m.illum.unwrap_or(2.0);
         let ior = m.ni.filter(|ni| *ni > 1.0);
-        let is_rough = m.metallic.is_some_and(|share| share > 0.0) || m.roughness.is_some();
+        let is_pictured = m.map_pm.is_some() || m.map_pr.is_some();
+        let is_metal = m.metallic.is_some_and(|share| share > 0.0);
+        let is_rough = is_metal || m.roughness.is_some() || is_pictured;
         match model as i64 {
             0..=5 if is_rough && (model != 4.0 || ior.is_none()) => MtlSurface::Rough,
             0..=2 => MtlSurface::Diffuse,
@@ -389,17 +500,37 @@ impl MtlParser<'_> {
     fn rough(&mut self, m: &Definition, material: &mut Material) {
         let base = self.reflectance(m.kd.unwrap_or(missing_kd(m)), m);
         let share = |given: Option<f64>, missing: f64| given.unwrap_or(missing).clamp(0.0, 1.0);
-        let (metallic, roughness) = (share(m.metallic, 0.0), share(m.roughness, 1.0));
-        if m.roughness.is_none() {
+        // A picture of a number multiplies 1 if the number is missing.
+        let metallic = share(m.metallic, f64::from(u8::from(m.map_pm.is_some())));
+        let roughness = share(m.roughness, 1.0);
+        if m.roughness.is_none() && m.map_pr.is_none() {
             let message = "metal (Pm) without roughness (Pr): taken as fully rough";
             self.warnings.add_whole(self.file, message);
         }
-        if m.map_kd.is_some() && metallic > 0.0 {
+        let mean = |picture: Option<NumberPicture>| {
+            let numbers = picture.and_then(|p| self.library.textures.numbers(p.texture));
+            let mean = numbers.zip(picture).map(|(n, p)| p.channel.of(n.mean()));
+            mean.unwrap_or(1.0)
+        };
+        let means = [metallic * mean(m.map_pm), roughness * mean(m.map_pr)];
+        let is_pictured = m.map_pm.is_some() || m.map_pr.is_some();
+        let is_colored_metal = m.map_kd.is_some() && metallic > 0.0;
+        let least = if is_pictured { SMOOTHEST } else { 0.0 };
+        let gloss = &mut self.library.gloss;
+        let made = gloss.metallic_roughness(material, base, means[0], means[1].max(least));
+        let maps = FinishMaps {
+            base,
+            metallic,
+            roughness,
+            metallic_picture: m.map_pm,
+            roughness_picture: m.map_pr,
+        };
+        let is_varied = (is_pictured || is_colored_metal) && material.brdf.is_some();
+        material.finish = is_varied.then_some(maps);
+        if is_colored_metal && !is_varied {
             let message = "texture (map_Kd) of a metal: mirror reflection uses only Kd";
             self.warnings.add_whole(self.file, message);
         }
-        let gloss = &mut self.library.gloss;
-        let made = gloss.metallic_roughness(material, base, metallic, roughness);
         self.warn_if(made);
     }
 

@@ -5,7 +5,8 @@ use crate::surface::model::gltf_mr;
 use crate::surface::phong::{Angle, Highlight};
 use crate::{Format, Loaded, Memory, Position, detect};
 use azulejo_scene::{
-    Image, Material, Mesh, Opacity, OpacityChannel, OpacityPicture, Rgb, Shape, WrapMode,
+    Image, Material, Mesh, NumberPicture, Opacity, OpacityChannel, OpacityPicture, PictureChannel,
+    ReliefKind, Rgb, Shape, WrapMode,
 };
 use glam::{DVec2, DVec3};
 
@@ -676,6 +677,54 @@ fn opacity_maps() {
     check(mtl, (1, OpacityChannel::Alpha), &[placed]);
 }
 
+/// Emission, metalness, roughness and relief by pictures, read and written.
+#[test]
+fn pictures_beside_the_colour() {
+    let picture = |pixel: [u8; 3]| {
+        let mut file = Vec::new();
+        crate::picture::png::write(1, 1, &pixel, &mut file).unwrap();
+        file
+    };
+    let files = |mtl: String| {
+        Memory::new()
+            .with("m.mtl", mtl)
+            .with("grey.png", picture([128; 3]))
+            .with("blue.png", picture([128, 128, 255]))
+            .with("black.png", picture([0; 3]))
+    };
+    let of = |mtl: &str| {
+        let files = files(format!("newmtl m\n{mtl}"));
+        let loaded = load_with(format!("mtllib m.mtl\n{SQUARE}usemtl m\nf 1 2 3"), &files);
+        assert!(loaded.warnings.is_empty(), "{mtl}");
+        let mut out = Vec::new();
+        super::write::write_material(&loaded.scene, &loaded.scene.materials[0], "m", &mut out)
+            .unwrap();
+        let again = files.with("m.mtl", out);
+        let back = load_with(format!("mtllib m.mtl\n{SQUARE}usemtl m\nf 1 2 3"), &again);
+        assert_eq!(back.scene.materials, loaded.scene.materials, "{mtl}");
+        loaded.scene.materials[0].clone()
+    };
+    let lamp = of("Ke 2 3 4\nmap_Ke grey.png");
+    let emitted = (lamp.emission, lamp.emission_picture);
+    assert_eq!(emitted, (Rgb::new(2.0, 3.0, 4.0), Some(0)));
+    assert_eq!(of("map_Ke grey.png").emission, Rgb::WHITE);
+    assert!(!of("Ke 1\nmap_Ke black.png").is_emitter());
+    let finish = of("Kd 0.5\nPr 0.5\nmap_Pm -imfchan b blue.png\nmap_Pr grey.png").finish;
+    let finish = finish.unwrap();
+    assert_eq!((finish.metallic, finish.roughness), (1.0, 0.5));
+    let blue = NumberPicture {
+        texture: 0,
+        channel: PictureChannel::Blue,
+    };
+    assert_eq!(finish.metallic_picture, Some(blue));
+    let relief = |mtl: &str| of(mtl).relief.unwrap().kind;
+    let normals = |scale: f64| ReliefKind::Normals { scale };
+    assert_eq!(relief("norm blue.png"), normals(1.0));
+    assert_eq!(relief("map_Bump -bm 0.5 blue.png"), normals(0.5));
+    let heights = ReliefKind::Heights { slope: 0.25 };
+    assert_eq!(relief("bump -bm 0.25 grey.png"), heights);
+}
+
 #[test]
 fn pictures() {
     let mut png = Vec::new();
@@ -742,13 +791,8 @@ fn metals() {
         &[],
     );
     let unused = |key: &str| format!("\"{key}\" is not used: skipped");
-    let keys = [
-        "Ps", "Pc", "Pcr", "aniso", "anisor", "map_Pr", "map_Pm", "map_Ke", "norm",
-    ];
-    for key in keys
-        .into_iter()
-        .chain(["map_Bump", "bump", "disp", "decal", "refl"])
-    {
+    let keys = ["Ps", "Pc", "Pcr", "aniso", "anisor", "map_Ks", "map_Ns"];
+    for key in keys.into_iter().chain(["disp", "decal", "refl"]) {
         check_material(&format!("{key} 1"), smooth(0.0), &[&unused(key)]);
     }
 }

@@ -5,7 +5,8 @@ use crate::surface::model::gltf_mr;
 use crate::surface::phong::{Angle, Highlight};
 use crate::surface::tessellate::{self, mesh_of};
 use azulejo_scene::{
-    Attribute, Material, Mesh, Object, OpacityMode, Rgb, Scene, Texture, WrapMode,
+    Attribute, Material, Mesh, Object, OpacityMode, PictureChannel, Relief, ReliefKind, Rgb, Scene,
+    Texture, WrapMode,
 };
 use std::collections::HashSet;
 use std::fmt;
@@ -198,21 +199,35 @@ impl MtlModel {
     fn is_approximate(self, m: &Material) -> bool {
         match self {
             MtlModel::Highlight(highlight) => highlight.angle == Angle::Mirrored,
-            MtlModel::Rough(..) => is_repainted(m),
+            MtlModel::Rough(..) => m.finish.is_none() && is_repainted(m),
         }
     }
 }
 
-fn write_material(scene: &Scene, m: &Material, name: &str, out: &mut dyn Write) -> io::Result<()> {
+pub(super) fn write_material(
+    scene: &Scene,
+    m: &Material,
+    name: &str,
+    out: &mut dyn Write,
+) -> io::Result<()> {
     let color = |c: Rgb| c.to_array();
     let model = model(m);
     let kd = match model {
-        Some(MtlModel::Rough(base, ..)) => base,
+        Some(MtlModel::Rough(base, ..)) => m.finish.map_or(base, |f| f.base),
         _ => m.diffuse,
     };
     writeln!(out, "newmtl {name}\nKd {}", Numbers(&color(kd)))?;
     if m.is_emitter() {
         writeln!(out, "Ke {}", Numbers(&color(m.emission)))?;
+        if let Some(picture) = m.emission_picture {
+            let texture = &scene.textures[picture as usize];
+            writeln!(
+                out,
+                "map_Ke {}{}",
+                clamped(texture),
+                one_line(&texture.path)
+            )?;
+        }
     }
     if let Some(glass) = m.dielectric {
         let transmittance = color(glass.transmittance);
@@ -223,9 +238,13 @@ fn write_material(scene: &Scene, m: &Material, name: &str, out: &mut dyn Write) 
             Numbers(&[glass.ior])
         )?;
     } else if let Some(MtlModel::Rough(_, metallic, roughness)) = model {
-        let (metallic, roughness) = ([metallic], [roughness]);
+        let factors = m
+            .finish
+            .map_or((metallic, roughness), |f| (f.metallic, f.roughness));
+        let (metallic, roughness) = ([factors.0], [factors.1]);
         let (metallic, roughness) = (Numbers(&metallic), Numbers(&roughness));
         writeln!(out, "Pm {metallic}\nPr {roughness}\nillum 2")?;
+        write_finish(scene, m, out)?;
     } else if !m.mirror.is_black() {
         writeln!(out, "Ks {}\nillum 3", Numbers(&color(m.mirror)))?;
     } else if let Some(MtlModel::Highlight(highlight)) = model {
@@ -248,6 +267,9 @@ fn write_material(scene: &Scene, m: &Material, name: &str, out: &mut dyn Write) 
             writeln!(out, "map_d {}{}", clamped(texture), one_line(&texture.path))?;
         }
     }
+    if let Some(relief) = &m.relief {
+        write_relief(scene, relief, out)?;
+    }
     if let Some(&texture) = m.textures.first() {
         let texture = &scene.textures[texture as usize];
         writeln!(
@@ -258,6 +280,44 @@ fn write_material(scene: &Scene, m: &Material, name: &str, out: &mut dyn Write) 
         )?;
     }
     writeln!(out)
+}
+
+/// The pictures of metalness and roughness.
+fn write_finish(scene: &Scene, m: &Material, out: &mut dyn Write) -> io::Result<()> {
+    let Some(finish) = &m.finish else {
+        return Ok(());
+    };
+    let pictures = [
+        ("map_Pm", finish.metallic_picture),
+        ("map_Pr", finish.roughness_picture),
+    ];
+    for (keyword, picture) in pictures {
+        if let Some(picture) = picture {
+            let texture = &scene.textures[picture.texture as usize];
+            let channel = match picture.channel {
+                PictureChannel::Red => "",
+                PictureChannel::Green => "-imfchan g ",
+                PictureChannel::Blue => "-imfchan b ",
+            };
+            let (clamped, path) = (clamped(texture), one_line(&texture.path));
+            writeln!(out, "{keyword} {channel}{clamped}{path}")?;
+        }
+    }
+    Ok(())
+}
+
+/// A relief: normals as `norm`, heights as `map_Bump`.
+fn write_relief(scene: &Scene, relief: &Relief, out: &mut dyn Write) -> io::Result<()> {
+    let texture = &scene.textures[relief.texture as usize];
+    let (keyword, factor) = match relief.kind {
+        ReliefKind::Normals { scale } => ("norm", scale),
+        ReliefKind::Heights { slope } => ("map_Bump", slope),
+    };
+    write!(out, "{keyword} ")?;
+    if factor != 1.0 {
+        write!(out, "-bm {} ", Numbers(&[factor]))?;
+    }
+    writeln!(out, "{}{}", clamped(texture), one_line(&texture.path))
 }
 
 /// The option of a texture that does not repeat.

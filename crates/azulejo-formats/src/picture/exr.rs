@@ -13,12 +13,7 @@ use std::io::{self, Cursor};
 /// # Errors
 /// [`PictureError`]: damaged, cut short, without RGB, deep, or larger than its bytes justify.
 pub fn read(bytes: &[u8]) -> std::result::Result<Picture, PictureError> {
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(malformed)?;
-    for header in &meta.headers {
-        let Vec2(width, height) = header.layer_size;
-        check_size(width as u64, height as u64, bytes.len())?;
-        check_bytes(header, bytes.len())?;
-    }
+    check_headers(bytes)?;
     let image = ::exr::image::read::read()
         .no_deep_data()
         .largest_resolution_level()
@@ -36,6 +31,41 @@ pub fn read(bytes: &[u8]) -> std::result::Result<Picture, PictureError> {
     Ok(image.layer_data.channel_data.pixels)
 }
 
+/// Columns and rows.
+pub type PictureSize = (u32, u32);
+
+/// Reads all channels of the first layer, in the order of their names; numbers of 16 bits become
+/// ones of 32.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_channels(
+    bytes: &[u8],
+) -> std::result::Result<(PictureSize, Vec<NamedChannel>), PictureError> {
+    check_headers(bytes)?;
+    let image = ::exr::image::read::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(bytes))
+        .map_err(malformed)?;
+    let layer = image.layer_data;
+    let channel = |channel: AnyChannel<FlatSamples>| NamedChannel {
+        name: channel.name.to_string(),
+        values: match channel.sample_data {
+            FlatSamples::F16(v) => ChannelValues::Float(v.iter().map(|x| x.to_f32()).collect()),
+            FlatSamples::F32(v) => ChannelValues::Float(v),
+            FlatSamples::U32(v) => ChannelValues::Index(v),
+        },
+    };
+    let size = (layer.size.width() as u32, layer.size.height() as u32);
+    let channels = layer.channel_data.list.into_iter().map(channel);
+    Ok((size, channels.collect()))
+}
+
 /// Columns and rows, from the header of the first layer alone; the others are checked when it is read.
 pub(super) fn size(bytes: &[u8]) -> std::result::Result<[u64; 2], PictureError> {
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(malformed)?;
@@ -50,6 +80,17 @@ const MOST_BYTES_PER_BYTE: u64 = 1400;
 
 /// A block that is always allowed, bytes: tiles may be larger than the picture.
 const SMALL_BLOCK: u64 = 1 << 26;
+
+/// Rejects files of which a layer is larger than their bytes justify.
+fn check_headers(bytes: &[u8]) -> std::result::Result<(), PictureError> {
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(malformed)?;
+    for header in &meta.headers {
+        let Vec2(width, height) = header.layer_size;
+        check_size(width as u64, height as u64, bytes.len())?;
+        check_bytes(header, bytes.len())?;
+    }
+    Ok(())
+}
 
 /// Rejects pictures whose pixels, with all their channels, take memory which the file's own length does
 /// not justify, and those that are divided into still larger blocks: a block is allocated as a whole.
@@ -85,17 +126,65 @@ fn check_bytes(header: &Header, bytes: usize) -> std::result::Result<(), Picture
 /// If the picture does not have `width × height` pixels.
 pub fn write(image: &Picture, out: &mut dyn io::Write) -> io::Result<()> {
     assert_whole(image);
-    let channels = SpecificChannels::rgb(|Vec2(x, y): Vec2<usize>| {
-        let [r, g, b] = image.pixels[y * image.width as usize + x];
-        (r, g, b)
-    });
+    let channel = |k: usize| NamedChannel {
+        name: ["R", "G", "B"][k].to_owned(),
+        values: ChannelValues::Float(image.pixels.iter().map(|pixel| pixel[k]).collect()),
+    };
+    let channels = (0..3).map(channel).collect();
+    write_channels((image.width, image.height), channels, "", out)
+}
+
+/// The values of one channel, row by row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ChannelValues {
+    /// Numbers of 32 bits.
+    Float(Vec<f32>),
+    /// Unsigned integers of 32 bits, such as indices.
+    Index(Vec<u32>),
+}
+
+/// One channel of a picture of many.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedChannel {
+    /// Its name; that of its layer stands before a dot, as in `albedo.R`.
+    pub name: String,
+    /// One value per pixel.
+    pub values: ChannelValues,
+}
+
+/// Writes a picture of any channels, with lossless compression, and `comments` for readers.
+///
+/// # Errors
+/// Errors of `out`, a picture without pixels, and channels of equal names.
+///
+/// # Panics
+/// If a channel does not have `width × height` values.
+pub fn write_channels(
+    (width, height): (u32, u32),
+    channels: Vec<NamedChannel>,
+    comments: &str,
+    out: &mut dyn io::Write,
+) -> io::Result<()> {
+    let size = (width as usize, height as usize);
+    let channel = |channel: NamedChannel| {
+        let (count, samples) = match channel.values {
+            ChannelValues::Float(v) => (v.len(), FlatSamples::F32(v)),
+            ChannelValues::Index(v) => (v.len(), FlatSamples::U32(v)),
+        };
+        assert_eq!(count, size.0 * size.1, "values of {}", channel.name);
+        AnyChannel::new(channel.name.as_str(), samples)
+    };
+    let channels = AnyChannels::sort(channels.into_iter().map(channel).collect());
     let encoding = Encoding {
         compression: Compression::ZIP16,
         blocks: Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };
-    let size = (image.width as usize, image.height as usize);
-    let layer = Layer::new(size, LayerAttributes::default(), encoding, channels);
+    let attributes = LayerAttributes {
+        comments: Text::new_or_none(comments).filter(|_| !comments.is_empty()),
+        ..LayerAttributes::default()
+    };
+    let layer = Layer::new(size, attributes, encoding, channels);
     // The format's table of offsets is written last, which requires a seekable target.
     let mut file = Cursor::new(Vec::new());
     Image::from_layer(layer)
@@ -123,6 +212,32 @@ mod tests {
             assert_eq!(read(&file).unwrap(), image);
         }
         assert!(write(&Picture::new(0, 0), &mut Vec::new()).is_err());
+    }
+
+    #[test]
+    fn channels_are_written_with_their_names() {
+        let channel = |name: &str, values| NamedChannel {
+            name: name.into(),
+            values,
+        };
+        let channels = vec![
+            channel("R", ChannelValues::Float(vec![0.5, 1.5])),
+            channel("objectId", ChannelValues::Index(vec![7, 1 << 30])),
+            channel("G", ChannelValues::Float(vec![0.25, -1.0])),
+            channel("B", ChannelValues::Float(vec![0.0, 1e10])),
+        ];
+        let mut file = Vec::new();
+        write_channels((2, 1), channels, "what they are", &mut file).unwrap();
+        assert_eq!(
+            read(&file).unwrap().pixels,
+            [[0.5, 0.25, 0.0], [1.5, -1.0, 1e10]]
+        );
+        let (size, found) = read_channels(&file).unwrap();
+        let names: Vec<&str> = found.iter().map(|c| c.name.as_str()).collect();
+        assert_eq!((size, names), ((2, 1), vec!["B", "G", "R", "objectId"]));
+        assert_eq!(found[3].values, ChannelValues::Index(vec![7, 1 << 30]));
+        assert!(String::from_utf8_lossy(&file).contains("what they are"));
+        damage(&file, |bytes| read_channels(bytes).is_ok());
     }
 
     /// A pixel of two thousand channels, whose file is then said to be a long line or to have a large tile.

@@ -1,7 +1,8 @@
 //! Writes scenes as binary STL.
 
-use crate::surface::tessellate::{exact_counts, mesh_of};
-use azulejo_scene::{Mesh, Rgb, Scene, Units, Up};
+use crate::surface::losses::LossList;
+use crate::surface::tessellate::mesh_of;
+use azulejo_scene::{Rgb, Scene, Units, Up};
 use glam::DVec3;
 use std::io::{self, BufWriter, Write};
 
@@ -54,42 +55,17 @@ pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
 
 /// Descriptions of what [`write()`] would omit from a scene, or change.
 pub fn losses(scene: &Scene) -> Vec<String> {
-    let meshes = |lost: fn(&Mesh) -> bool| {
-        let is = |o: &&azulejo_scene::Object| o.shape.mesh().is_some_and(lost);
-        scene.objects.iter().filter(is).count()
-    };
-    let [primitives, solids] = exact_counts(scene);
-    let painted = scene
-        .materials
-        .iter()
-        .filter(|m| m.diffuse != Rgb::grey(0.5));
-    let counts = [
-        (scene.lights.len(), "lights without area"),
-        (scene.cameras.len(), "cameras"),
-        (painted.count(), "materials"),
-        (
-            if scene.objects.len() > 1 {
-                scene.objects.len()
-            } else {
-                0
-            },
+    let objects = scene.objects.len();
+    LossList::new(scene)
+        .materials(|m| m.diffuse != Rgb::grey(0.5), "materials")
+        .count(
+            if objects > 1 { objects } else { 0 },
             "objects that become one",
-        ),
-        (primitives + solids, "exact shapes that become polygons"),
-        (
-            meshes(|m| m.faces.corners.len() > 3 * m.faces.len()),
-            "meshes whose polygons become triangles",
-        ),
-        (
-            meshes(|m| m.normals.is_some() || m.uvs.is_some() || !m.colors.is_empty()),
-            "meshes whose normals, texture coordinates or colours are omitted",
-        ),
-        (
-            meshes(|m| !m.irradiance.is_empty()),
-            "meshes whose irradiance is omitted",
-        ),
-    ];
-    let unit = scene.units.metres_per_unit.map(|_| "the unit".to_owned());
-    let described = |&(count, what): &(usize, &str)| (count > 0).then(|| format!("{count} {what}"));
-    counts.iter().filter_map(described).chain(unit).collect()
+        )
+        .exact_shapes()
+        .polygons(3)
+        .corner_attributes()
+        .irradiance()
+        .once(scene.units.metres_per_unit.is_some(), "the unit")
+        .finish()
 }

@@ -15,12 +15,15 @@ pub(crate) struct Materials {
 struct Key {
     name: String,
     colors: [[u64; 3]; 3],
+    emission_picture: Option<u32>,
     emits_back: bool,
     sidedness: Sidedness,
     dielectric: Option<(u64, [u64; 3], bool)>,
     textures: Vec<u32>,
     brdf: String,
     opacity: Option<OpacityKey>,
+    /// Finish and relief, as they print: their numbers differ where the text does.
+    maps: String,
 }
 
 /// The constant, the picture and the cutoff of an opacity.
@@ -35,6 +38,7 @@ impl Key {
         Key {
             name: m.name.clone(),
             colors: [m.diffuse, m.mirror, m.emission].map(bits),
+            emission_picture: m.emission_picture,
             emits_back: m.emits_back,
             sidedness: m.sidedness,
             dielectric: m
@@ -54,6 +58,10 @@ impl Key {
                 };
                 (o.constant.to_bits(), picture, cutoff)
             }),
+            maps: match (&m.finish, &m.relief) {
+                (None, None) => String::new(),
+                maps => format!("{maps:?}"),
+            },
         }
     }
 }

@@ -2,6 +2,7 @@
 //! the vertices, normals and polygons of meshes.
 
 pub(crate) mod gloss;
+pub(crate) mod losses;
 pub(crate) mod materials;
 pub(crate) mod model;
 pub(crate) mod phong;

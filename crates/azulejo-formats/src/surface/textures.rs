@@ -4,7 +4,9 @@ use crate::picture::PixelBudget;
 use crate::reading::files::beside;
 use crate::reading::text::shortened;
 use crate::{FileError, Files};
-use azulejo_scene::{Image, OpacityChannel, OpacityPicture, Texture, TextureId, WrapMode};
+use azulejo_scene::{
+    Image, NumberMap, OpacityChannel, OpacityPicture, Texture, TextureId, WrapMode,
+};
 use std::collections::HashMap;
 
 /// Pictures in the order in which they are first named, one per file.
@@ -146,6 +148,11 @@ impl Textures {
     /// The pixels of a picture, if it could be loaded.
     pub fn image(&self, id: TextureId) -> Option<&Image> {
         self.list.get(id as usize)?.image.as_ref()
+    }
+
+    /// The numbers of a picture, if it could be loaded.
+    pub fn numbers(&self, id: TextureId) -> Option<NumberMap> {
+        NumberMap::new(self.list.get(id as usize)?)
     }
 
     /// All pictures, in the order of their indices.

@@ -1,8 +1,9 @@
 //! Writes scenes as VRML97 and as X3D in XML.
 
 use super::markup::{MarkupField, MarkupNode, write_classic, write_xml};
+use crate::surface::losses::LossList;
 use crate::surface::phong::Highlight;
-use crate::surface::tessellate::{exact_counts, mesh_of};
+use crate::surface::tessellate::mesh_of;
 use azulejo_scene::{
     Attribute, Material, MaterialId, Mesh, Object, OpacityMode, Rgb, Scene, Sidedness, Units, Up,
 };
@@ -35,67 +36,51 @@ pub fn write_x3d(scene: &Scene, pictures: &[String], out: &mut dyn Write) -> io:
 
 /// Descriptions of what [`write()`] and [`write_x3d`] would omit from a scene, or change.
 pub fn losses(scene: &Scene) -> Vec<String> {
-    let materials =
-        |lost: fn(&Material) -> bool| scene.materials.iter().filter(|m| lost(m)).count();
-    let meshes = |lost: fn(&Mesh) -> bool| {
-        let is = |o: &&Object| o.shape.mesh().is_some_and(lost);
-        scene.objects.iter().filter(is).count()
-    };
     let names = DefNames::default();
     let renamed = scene.objects.iter().filter(|o| {
         let mut parts = o.name.split('/');
         !o.name.is_empty() && parts.any(|part| names.valid(part) != part)
     });
-    let [primitives, solids] = exact_counts(scene);
-    let counts = [
-        (scene.lights.len(), "lights without area"),
-        (scene.cameras.len(), "cameras"),
-        (usize::from(scene.background.is_some()), "background"),
-        (usize::from(scene.fog.is_some()), "fog"),
-        (primitives + solids, "exact shapes that become polygons"),
-        (renamed.count(), "objects whose names change"),
-        (
-            meshes(|m| m.face_materials.iter().any(|id| *id != m.face_materials[0])),
+    let is_odd_opacity = |m: &Material| {
+        let opacity = m.opacity.as_ref();
+        opacity.is_some_and(|o| o.picture.is_some() || o.mode != OpacityMode::Blend)
+    };
+    LossList::new(scene)
+        .count(usize::from(scene.background.is_some()), "background")
+        .count(usize::from(scene.fog.is_some()), "fog")
+        .exact_shapes()
+        .count(renamed.count(), "objects whose names change")
+        .meshes(
+            |m| m.face_materials.iter().any(|id| *id != m.face_materials[0]),
             "meshes that become several shapes",
-        ),
-        (
-            meshes(|m| m.smoothing.iter().any(|s| *s != 0)),
+        )
+        .meshes(
+            |m| m.smoothing.iter().any(|s| *s != 0),
             "meshes whose smoothing groups are omitted",
-        ),
-        (
-            meshes(|m| !m.irradiance.is_empty()),
-            "meshes whose irradiance is omitted",
-        ),
-        (
-            materials(|m| m.is_specular()),
+        )
+        .irradiance()
+        .materials(
+            Material::is_specular,
             "materials whose mirror or glass is omitted",
-        ),
-        (
-            materials(|m| m.brdf.is_some() && highlight(m).is_none()),
+        )
+        .materials(
+            |m| m.brdf.is_some() && highlight(m).is_none(),
             "reflection models",
-        ),
-        (
-            materials(|m| m.emission.max_channel() > 1.0),
+        )
+        .materials(
+            |m| m.emission.max_channel() > 1.0,
             "materials that emit more than 1, which other programs cut",
-        ),
-        (
-            materials(|m| !m.textures.is_empty() && m.diffuse != Rgb::WHITE),
+        )
+        .materials(
+            |m| !m.textures.is_empty() && m.diffuse != Rgb::WHITE,
             "textured materials, whose colour other programs replace",
-        ),
-        (
-            materials(|m| {
-                m.opacity
-                    .is_some_and(|o| o.picture.is_some() || o.mode != OpacityMode::Blend)
-            }),
-            "pictures and masks of opacity",
-        ),
-        (
-            materials(|m| m.textures.len() > 1),
+        )
+        .materials(is_odd_opacity, "pictures and masks of opacity")
+        .materials(
+            |m| m.textures.len() > 1,
             "materials of which only the first texture is kept",
-        ),
-    ];
-    let said = |&(count, what): &(usize, &str)| (count > 0).then(|| format!("{count} {what}"));
-    counts.iter().filter_map(said).collect()
+        )
+        .finish()
 }
 
 /// The highlight of a material, as these formats have it.

@@ -1,7 +1,8 @@
 //! Rendering of exact shapes: irradiance read from their proxy meshes, and their emission.
 
 use crate::{assert_close, camera, polygon, radiance_along};
-use azulejo_render::{FinalGather, SecondPass, render};
+use azulejo_render::{FinalGather, ReferencePass, SecondPass, reference_radiance, render};
+use azulejo_scene::math::Ray;
 use azulejo_scene::{
     Contour, Csg, Curve, Exact, Figure, FillRule, Material, Mesh, Object, Operation, Primitive,
     Prism, Rgb, Scene, Shape, Solid,
@@ -222,5 +223,76 @@ fn gathers_see_exact_lamps_once() {
             "{found}, not {expected}, beside {} lamps",
             others.len()
         );
+    }
+}
+
+/// A lamp in the form of a ring over a floor of that material. Within a set operation it is found by
+/// chance alone, and its light is the same.
+fn ring_lamp(floor: Material, is_sampled: bool) -> Scene {
+    let mut scene = Scene::default();
+    scene.add_material(Material::emitter("lamp", Rgb::new(20.0, 16.0, 10.0)));
+    let floor = scene.add_material(floor);
+    let (a, b) = (DVec3::X * 8.0, DVec3::Y * 8.0);
+    let sheet = Primitive::parallelogram(dvec3(-4.0, -4.0, 0.0), a, b, floor);
+    crate::primitive(&mut scene, sheet);
+    let axes = DMat3::from_cols(
+        dvec3(0.1, 0.0, 0.03),
+        dvec3(0.02, 0.08, 0.0),
+        dvec3(0.0, 0.03, 0.06),
+    );
+    let map = DAffine3::from_mat3_translation(axes, dvec3(0.24, 0.4, 0.8));
+    let lamp = prism(ring(), map);
+    let lamp = if is_sampled {
+        lamp
+    } else {
+        let far = Primitive::sphere(dvec3(0.0, 0.0, -9.0), 0.1, 1);
+        Solid::Csg(Box::new(Csg {
+            operation: Operation::Union,
+            left: vec![lamp],
+            right: vec![Solid::Primitive(far)],
+        }))
+    };
+    let shape = Shape::Exact(Exact::new(vec![lamp]));
+    scene.objects.push(Object::new("lamp", shape));
+    scene
+}
+
+/// Sampled as lamps, letters give the light that paths find by chance, with less noise.
+#[test]
+fn letters_are_sampled_as_lamps() {
+    let gloss = "ggx_smith ax = 0.1 ay = 0.1 metal = gold";
+    let gloss = azulejo_scene::brdf::Brdf::new(gloss.parse().unwrap()).unwrap();
+    let floors = [
+        (Material::diffuse("floor", Rgb::grey(0.7)), 20.0),
+        (Material::with_brdf("floor", Arc::new(gloss)), 1.5),
+    ];
+    for (floor, gain) in floors {
+        let way = dvec3(0.3, 0.4, -1.0).normalize();
+        let ray = Ray::new(dvec3(0.0, 0.1, 0.0) - 3.0 * way, way);
+        let options = ReferencePass {
+            samples_per_pixel: 1 << 16,
+            ..ReferencePass::default()
+        };
+        let [(by_lamp, own), (by_chance, other)] = [true, false].map(|is_sampled| {
+            let scene = ring_lamp(floor.clone(), is_sampled);
+            scene.validate().expect("the test's scene is valid");
+            let tracer = Tracer::new(&scene);
+            let progress = Progress::new();
+            reference_radiance(&scene, &tracer, &[ray], &options, &progress).unwrap()[0]
+        });
+        for k in 0..3 {
+            let margin = 4.0 * own[k].hypot(other[k]);
+            assert!(
+                margin < 0.2 * by_lamp[k] && margin > 0.0,
+                "{own:?} {other:?}"
+            );
+            assert!(
+                (by_lamp[k] - by_chance[k]).abs() < margin,
+                "{by_lamp:?}, by chance {by_chance:?} within {margin}"
+            );
+        }
+        let ratio = (other.mean() / own.mean()).powi(2);
+        println!("variance by chance / as a lamp: {ratio:.1}");
+        assert!(ratio > gain, "variance is only {ratio} times smaller");
     }
 }

@@ -3,7 +3,7 @@
 
 use crate::{camera, primitive};
 use azulejo_render::{
-    Reference, ReferencePass, SecondPass, radiance, reference, reference_radiance, render,
+    MeasuredImage, ReferencePass, SecondPass, radiance, reference, reference_radiance, render,
 };
 use azulejo_scene::brdf::{Brdf, Description, MODELS};
 use azulejo_scene::math::Ray;
@@ -187,7 +187,7 @@ fn images_carry_their_errors() {
     lamp(&mut scene);
     let tracer = Tracer::new(&scene);
     let eye = camera(DVec3::new(-2.0, -2.0, 1.5), DVec3::ZERO, 60.0);
-    let estimate = |samples, seed| -> Reference {
+    let estimate = |samples, seed| -> MeasuredImage {
         let options = ReferencePass {
             size: (24, 16),
             samples_per_pixel: samples,

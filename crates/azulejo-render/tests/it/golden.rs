@@ -28,6 +28,7 @@ const VERTICES: SecondPass = SecondPass {
     gather: FinalGather::Unknown,
     seed: 0,
     max_depth: 1000,
+    clamp: None,
 };
 
 /// Direct light by formula and shadow rays, the rest by final gathers.

@@ -3,6 +3,7 @@
 use super::{ContentBytes, ContentSink, content_of_fields, content_of_kinds};
 use crate::brdf::{self, Brdf, Description, Measured, Model, Parameter, Value};
 use crate::opacity::{Opacity, OpacityChannel, OpacityMode, OpacityPicture};
+use crate::surface_maps::{FinishMaps, NumberPicture, PictureChannel, Relief, ReliefKind};
 use crate::{Dielectric, Image, Material, Rgb, Sidedness, Texture, WrapMode};
 
 content_of_fields!(Rgb { r, g, b });
@@ -12,12 +13,45 @@ content_of_fields!(Material {
     mirror,
     dielectric,
     emission,
+    emission_picture,
     emits_back,
     sidedness,
     textures,
     brdf,
     opacity,
+    finish,
+    relief,
 });
+content_of_fields!(FinishMaps {
+    base,
+    metallic,
+    roughness,
+    metallic_picture,
+    roughness_picture,
+});
+content_of_fields!(NumberPicture { texture, channel });
+content_of_kinds!(PictureChannel {
+    Red = 0,
+    Green = 1,
+    Blue = 2
+});
+content_of_fields!(Relief { texture, kind });
+
+impl ContentBytes for ReliefKind {
+    fn feed(&self, sink: &mut ContentSink<'_>) {
+        match self {
+            ReliefKind::Normals { scale } => {
+                0u8.feed(sink);
+                scale.feed(sink);
+            }
+            ReliefKind::Heights { slope } => {
+                1u8.feed(sink);
+                slope.feed(sink);
+            }
+        }
+    }
+}
+
 content_of_fields!(Opacity {
     constant,
     picture,

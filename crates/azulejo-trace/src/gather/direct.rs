@@ -89,6 +89,9 @@ impl<'a> Direct<'a> {
                 };
             }
         }
+        self.add_pictures(points, rays.clone(), seed, |index, replicate, value| {
+            sums[index].lamps.replicates[replicate] += value;
+        });
         self.add_environments(points, rays, seed, |index, replicate, value| {
             sums[index].outside.replicates[replicate] += value;
         });
@@ -120,6 +123,7 @@ impl<'a> Direct<'a> {
         for (value, seen) in values.iter_mut().zip(seen) {
             *value *= seen;
         }
+        self.add_picture_samples(points, seed, |index, value| values[index] += value);
         self.add_environment_samples(points, seed, |index, value| values[index] += value);
         values
     }

@@ -12,6 +12,7 @@ mod estimate;
 mod many_lights;
 mod next_event;
 mod outside;
+mod pictured;
 mod polygon;
 mod shadow;
 mod sources;
@@ -22,7 +23,7 @@ use crate::lights::{Lights, mis_weight};
 use crate::sampling::{hash, seeds, uniform};
 use crate::{KernelHit, KernelRay, Surfaces};
 use azulejo_scene::math::{Frame, Ray};
-use azulejo_scene::{Rgb, Shape};
+use azulejo_scene::{MaterialId, Rgb, Shape};
 use collector::Collector;
 use direct::{Direct, MOST_TERMS};
 pub use directions::DirectionTables;
@@ -31,6 +32,7 @@ use glam::DVec3;
 pub use many_lights::SurfaceSamples;
 pub use next_event::NextEvent;
 use sources::DirectSources;
+pub use sources::EmitterForm;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
@@ -201,9 +203,20 @@ impl<'a> Gatherer<'a> {
     }
 
     /// Whether [`direct`](Gatherer::direct) counts the light that an emitter sends `via` this way:
-    /// straight, or from flat emitters by one flat mirror. `is_flat` describes the emitter.
-    pub fn counts_direct(&self, is_flat: bool, via: Via) -> bool {
-        self.sources.counts_direct(is_flat, via)
+    /// straight, or from flat emitters by one flat mirror.
+    pub fn counts_direct(&self, form: EmitterForm, via: Via) -> bool {
+        self.sources.counts_direct(form, via)
+    }
+
+    /// The form of an emitter of an object that is `is_flat` and has this material.
+    pub fn emitter_form(&self, object: u32, material: MaterialId, is_flat: bool) -> EmitterForm {
+        if self.surfaces.emitted_picture(object, material).is_some() {
+            EmitterForm::Pictured
+        } else if is_flat {
+            EmitterForm::Flat
+        } else {
+            EmitterForm::Curved
+        }
     }
 
     /// The light sources.
@@ -228,12 +241,14 @@ impl<'a> Gatherer<'a> {
             return Rgb::BLACK;
         }
         let is_flat = self.surfaces.flat_normal(hit.item).is_some();
-        let object = self.surfaces.item(hit.item).object as usize;
-        let is_exact = matches!(self.surfaces.scene.objects[object].shape, Shape::Exact(_));
-        if !is_exact && self.counts_direct(is_flat, path.via) {
+        let object = self.surfaces.item(hit.item).object;
+        let shape = &self.surfaces.scene.objects[object as usize].shape;
+        let is_exact = matches!(shape, Shape::Exact(_));
+        let form = self.emitter_form(object, self.surfaces.material_id(hit.item), is_flat);
+        if !is_exact && self.counts_direct(form, path.via) {
             return Rgb::BLACK;
         }
-        let exitance = self.surfaces.material(hit.item).emission_from(front) * PI;
+        let exitance = self.surfaces.emitted(hit, front) * PI;
         if path.density == 0.0 {
             return exitance;
         }
@@ -250,7 +265,8 @@ impl<'a> Gatherer<'a> {
         } else {
             4.0 * sources
         };
-        0.25 * sources + tests
+        let pictured = if self.lights.has_pictures() { 4.0 } else { 0.0 };
+        0.25 * sources + tests + pictured
     }
 
     /// Whether there are so many lamps that [`direct_over`](Gatherer::direct_over) finds the direct
@@ -258,7 +274,8 @@ impl<'a> Gatherer<'a> {
     pub fn many_lights(&self) -> bool {
         let curved = self.sources.curved(&self.lights);
         let lamps_alone = self.lights.delta.is_empty() && self.lights.outside.is_empty();
-        self.sources.count() > MOST_TERMS && lamps_alone && curved.is_empty()
+        let is_even = curved.is_empty() && !self.lights.has_pictures();
+        self.sources.count() > MOST_TERMS && lamps_alone && is_even
     }
 
     /// Mean direct irradiance over a surface from flat lamps, straight and by one flat mirror.

@@ -117,7 +117,11 @@ impl Direct<'_> {
     }
 
     /// Traces the planned rays and passes on what arrives of what they stand for.
-    fn add_visible(&mut self, values: &[(usize, Rgb)], mut add: impl FnMut(usize, usize, Rgb)) {
+    pub(super) fn add_visible(
+        &mut self,
+        values: &[(usize, Rgb)],
+        mut add: impl FnMut(usize, usize, Rgb),
+    ) {
         self.tests.trace(|test, share| {
             if share > 0.0 {
                 let (index, value) = values[test.tag as usize];

@@ -16,6 +16,17 @@ const MOST_IMAGES: usize = 256;
 /// The number of mirrors from which no windows are made.
 const MOST_TILES: usize = 4096;
 
+/// How an emitter is sampled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EmitterForm {
+    /// A flat polygon that emits evenly.
+    Flat,
+    /// A curved surface that emits evenly.
+    Curved,
+    /// A surface that emits a picture.
+    Pictured,
+}
+
 /// A flat convex mirror, and the lamps as it shows them.
 pub struct Window {
     /// Corners of the mirror.
@@ -71,11 +82,15 @@ impl DirectSources {
         if self.has_curved { &lights.curved } else { &[] }
     }
 
-    /// Whether the direct light counts what emitters send `via` this way.
-    pub fn counts_direct(&self, is_flat: bool, via: Via) -> bool {
+    /// Whether the direct light counts what emitters of that form send `via` this way.
+    pub fn counts_direct(&self, form: EmitterForm, via: Via) -> bool {
+        let is_flat = form == EmitterForm::Flat;
         match via {
-            Via::Direct if is_flat => self.has_flat,
-            Via::Direct => self.has_curved,
+            Via::Direct => match form {
+                EmitterForm::Flat => self.has_flat,
+                EmitterForm::Curved => self.has_curved,
+                EmitterForm::Pictured => true,
+            },
             Via::Mirror(mirror) => is_flat && self.has_flat && self.is_window[mirror as usize],
             Via::Many => false,
         }

@@ -2,9 +2,10 @@
 
 use super::flat_faces::{FaceKey, flat_faces, is_flat};
 use super::tiles::{MergedTile, Tile, merged};
+use crate::Surfaces;
 use crate::lambert::is_in_front;
 use azulejo_scene::math::area_vector;
-use azulejo_scene::{Material, Primitive, Rgb, Scene, Shape};
+use azulejo_scene::{Material, Primitive, Rgb, Shape};
 use glam::DVec3;
 use std::borrow::Cow;
 
@@ -22,7 +23,7 @@ pub(crate) struct Emission {
 
 impl Emission {
     /// With the power for a share, of a surface of that area.
-    fn new(radiance: Rgb, emits_back: bool, area: f64) -> Emission {
+    pub fn new(radiance: Rgb, emits_back: bool, area: f64) -> Emission {
         let sides = if emits_back { 2.0 } else { 1.0 };
         let power = radiance.mean() * sides * area;
         Emission {
@@ -123,7 +124,7 @@ impl<'a> CurvedEmitter<'a> {
         object: u32,
         primitive: &'a Primitive,
         part: usize,
-        material: &Material,
+        (radiance, emits_back): (Rgb, bool),
     ) -> CurvedEmitter<'a> {
         let bounds = primitive.bounds();
         let area = whole_area(primitive, part);
@@ -132,7 +133,7 @@ impl<'a> CurvedEmitter<'a> {
             part,
             centre: bounds.centre(),
             radius2: (0.5 * bounds.diagonal()).powi(2) / 3.0,
-            emission: Emission::new(material.emission, material.emits_back, area),
+            emission: Emission::new(radiance, emits_back, area),
             key: FaceKey {
                 object,
                 face: part as u32,
@@ -172,14 +173,19 @@ pub(crate) struct FlatEmitters {
 impl FlatEmitters {
     /// Merges faces that fill a convex polygon, as far as they emit alike: a lamp divided into
     /// triangles costs as little as one that is not.
-    pub fn new(scene: &Scene) -> FlatEmitters {
+    /// Those that emit pictures are left out.
+    pub fn new(surfaces: &Surfaces) -> FlatEmitters {
         let (mut keys, mut tiles) = (Vec::new(), Vec::new());
-        flat_faces(scene, Material::is_emitter, |face| {
+        flat_faces(surfaces.scene, Material::is_emitter, |face| {
+            let emission = surfaces.mean_emission(face.id);
+            if emission.is_black() || surfaces.emitted_picture(face.key.object, face.id).is_some() {
+                return;
+            }
             keys.push(face.key);
             tiles.push(Tile {
                 polygon: face.polygon,
                 normal: face.normal,
-                property: (face.material.emission, face.material.emits_back),
+                property: (emission, face.material.emits_back),
             });
         });
         let mut found = FlatEmitters::default();
@@ -203,17 +209,18 @@ impl FlatEmitters {
 }
 
 /// The curved emitters of a scene in the order of their keys.
-pub(crate) fn curved_emitters(scene: &Scene) -> Vec<CurvedEmitter<'_>> {
+pub(crate) fn curved_emitters<'a>(surfaces: &Surfaces<'a>) -> Vec<CurvedEmitter<'a>> {
     let mut emitters = Vec::new();
-    for (object, o) in (0..).zip(&scene.objects) {
+    for (object, o) in (0..).zip(&surfaces.scene.objects) {
         let Shape::Primitive(primitive) = &o.shape else {
             continue;
         };
-        let material = &scene.materials[primitive.material as usize];
-        if material.is_emitter() && !is_flat(primitive.kind) {
+        let emission = surfaces.mean_emission(primitive.material);
+        if !emission.is_black() && !is_flat(primitive.kind) {
+            let material = &surfaces.scene.materials[primitive.material as usize];
+            let emitted = (emission, material.emits_back);
             let parts = 0..primitive.kind.parts();
-            emitters
-                .extend(parts.map(|part| CurvedEmitter::new(object, primitive, part, material)));
+            emitters.extend(parts.map(|part| CurvedEmitter::new(object, primitive, part, emitted)));
         }
     }
     emitters

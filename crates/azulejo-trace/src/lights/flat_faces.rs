@@ -2,7 +2,7 @@
 
 use crate::lambert::ArrayPolygon;
 use azulejo_scene::math::area_vector;
-use azulejo_scene::{Material, PlacedMesh, Primitive, PrimitiveKind, Scene, Shape};
+use azulejo_scene::{Material, MaterialId, PlacedMesh, Primitive, PrimitiveKind, Scene, Shape};
 use glam::DVec3;
 
 /// Which piece of a scene's surface a polygon is. Ordered as [`flat_faces`] visits them.
@@ -24,6 +24,8 @@ pub(crate) struct FlatFace<'a> {
     /// Unit normal of the front.
     pub normal: DVec3,
     pub material: &'a Material,
+    /// Index of the material.
+    pub id: MaterialId,
 }
 
 /// Visits the flat convex polygons of every surface whose material is `wanted`: whole faces
@@ -36,10 +38,10 @@ pub(crate) fn flat_faces<'a>(
 ) {
     for (object, o) in (0..).zip(&scene.objects) {
         if let Some(placed) = o.shape.placed_mesh() {
-            for (face, &material) in placed.mesh.face_materials.iter().enumerate() {
-                let material = &scene.materials[material as usize];
+            for (face, &id) in placed.mesh.face_materials.iter().enumerate() {
+                let material = &scene.materials[id as usize];
                 if wanted(material) {
-                    visit_face(&placed, (object, face), material, &mut visit);
+                    visit_face(&placed, (object, face), (id, material), &mut visit);
                 }
             }
         }
@@ -57,6 +59,7 @@ pub(crate) fn flat_faces<'a>(
                             polygon: part_polygon(p, part),
                             normal: p.point(part, 0.5, 0.5).normal,
                             material,
+                            id: p.material,
                         });
                     }
                 }
@@ -74,7 +77,7 @@ pub(crate) fn is_flat(kind: PrimitiveKind) -> bool {
 fn visit_face<'a>(
     mesh: &PlacedMesh,
     (object, face): (u32, usize),
-    material: &'a Material,
+    (id, material): (MaterialId, &'a Material),
     visit: &mut impl FnMut(FlatFace<'a>),
 ) {
     for (triangle, polygon) in (0..).zip(convex_pieces(mesh, face)) {
@@ -89,6 +92,7 @@ fn visit_face<'a>(
                 polygon,
                 normal,
                 material,
+                id,
             });
         }
     }

@@ -26,7 +26,7 @@ pub use solution::{Solution, same_light};
 use azulejo::formats::Format;
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{
-    Camera, Fog, Light, Material, MaterialId, Object, Rtrace, Scene, SceneBackground, Shape,
+    Camera, Fog, Light, Material, MaterialId, Object, Rgb, Rtrace, Scene, SceneBackground, Shape,
     Texture, Units,
 };
 use glam::{DAffine3, DVec3};
@@ -362,14 +362,19 @@ impl SceneDocument {
         };
         (lamps.objects).retain(|item| item.materials().iter().any(|&m| shines(m)));
         lamps.rtrace = None;
-        // Textures do not affect emission, and they are large.
-        lamps.textures.clear();
+        // Textures are large, and the mean of those that are emitted is enough.
+        let textures = std::mem::take(&mut lamps.textures);
         for material in lamps
             .materials
             .iter_mut()
             .filter(|m| m.pictures().next().is_some())
         {
-            Arc::make_mut(material).drop_pictures();
+            let material = Arc::make_mut(material);
+            if let Some(id) = material.emission_picture {
+                let texture = textures.get(id as usize);
+                material.emission *= texture.map_or(Rgb::BLACK, |t| t.mean());
+            }
+            material.drop_pictures();
         }
         lamps.scene()
     }

@@ -58,6 +58,16 @@ impl SceneDocument {
         let material = self.materials.get(paint.material as usize)?;
         let texture = |id: u32| self.textures.get(id as usize).map(|texture| &**texture);
         let reflectance = material.painted(paint.color, paint.uv, texture);
-        Some(material.emission_from(paint.is_front) + reflectance * irradiance / PI)
+        let picture = material.emission_picture.and_then(texture);
+        let shown = match (material.emission_picture, picture) {
+            (None, _) => Rgb::WHITE,
+            (_, Some(picture)) => match paint.uv.and_then(|uv| picture.sample(uv)) {
+                Some(color) => Rgb::from(color.map(f64::from)),
+                None => picture.mean(),
+            },
+            (Some(_), None) => Rgb::BLACK,
+        };
+        let emitted = material.emission_from(paint.is_front) * shown;
+        Some(emitted + reflectance * irradiance / PI)
     }
 }

@@ -263,9 +263,15 @@ pub fn material(material: Option<&Material>) -> [f32; WORDS] {
         None => material.mirror + 0.35 * glossy,
     };
     let opacity = if is_glass(material) { 0.45 } else { 1.0 };
+    // Pictures of emission are not drawn; with all of the emission, a dark surface with a few bright
+    // windows would be one bright lamp.
+    let emission = match material.emission_picture {
+        Some(_) => Rgb::BLACK,
+        None => material.emission,
+    };
     BlockWriter::new()
         .light(base, (0.6 * glossy.mean()) as f32)
-        .light(material.emission, flag(material.emits_back))
+        .light(emission, flag(material.emits_back))
         .light(mirror, opacity)
         .words
 }

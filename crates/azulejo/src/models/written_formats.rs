@@ -1,7 +1,7 @@
 //! The formats that models are written in.
 
-use azulejo_formats::{dxf, gltf, grf, obj, ply, sff, stl, view3d, vrml};
-use azulejo_scene::Scene;
+use azulejo_formats::{dxf, gltf, grf, obj, ply, sff, stl, three_mf, view3d, vrml};
+use azulejo_scene::{Material, Scene};
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -39,7 +39,7 @@ pub(super) enum ModelWriter {
 pub(super) type NamedFiles = Vec<(String, Vec<u8>)>;
 
 /// All formats; the first is that of standard output.
-pub static FORMATS: [WrittenFormat; 11] = [
+pub static FORMATS: [WrittenFormat; 12] = [
     WrittenFormat {
         name: "GRF",
         extension: "grf",
@@ -128,6 +128,14 @@ pub static FORMATS: [WrittenFormat; 11] = [
         keeps_light: false,
         losses: dxf::losses,
     },
+    WrittenFormat {
+        name: "3MF",
+        extension: "3mf",
+        is_single: false,
+        writer: ModelWriter::One(three_mf::write),
+        keeps_light: false,
+        losses: three_mf::losses,
+    },
 ];
 
 /// GRF without extensions.
@@ -153,7 +161,24 @@ impl WrittenFormat {
 
     /// What of a scene the format cannot represent, as text; empty if nothing is lost.
     pub fn losses(&self, scene: &Scene) -> Vec<String> {
-        (self.losses)(scene)
+        let mut losses = (self.losses)(scene);
+        if !self.keeps_surface_pictures() {
+            let materials = |lost: fn(&Material) -> bool| {
+                let count = scene.materials.iter().filter(|m| lost(m)).count();
+                (count > 0).then_some(count)
+            };
+            let emitted = materials(|m| m.emission_picture.is_some());
+            losses.extend(emitted.map(|n| format!("{n} pictures of emission, whose mean shines")));
+            let others = materials(|m| m.finish.is_some() || m.relief.is_some());
+            losses
+                .extend(others.map(|n| format!("{n} materials with pictures of finish or relief")));
+        }
+        losses
+    }
+
+    /// Whether it has pictures of emission, metalness, roughness and relief.
+    pub(super) fn keeps_surface_pictures(&self) -> bool {
+        matches!(self.name, "GRF" | "OBJ") || matches!(self.extension, "glb" | "gltf")
     }
 }
 

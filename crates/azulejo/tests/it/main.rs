@@ -2,5 +2,6 @@
 
 mod glossy;
 mod outside;
+mod pictured_lamps;
 mod rtrace;
 mod typeface;

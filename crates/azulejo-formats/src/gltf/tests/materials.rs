@@ -4,8 +4,8 @@ use super::{read, triangle};
 use crate::picture::png;
 use crate::surface::model::gltf_mr;
 use azulejo_scene::{
-    Dielectric, Image, Material, Opacity, OpacityChannel, OpacityMode, OpacityPicture, Rgb, Scene,
-    Sidedness, WrapMode,
+    Dielectric, FinishMaps, Image, Material, NumberPicture, Opacity, OpacityChannel, OpacityMode,
+    OpacityPicture, PictureChannel, Relief, ReliefKind, Rgb, Scene, Sidedness, WrapMode,
 };
 use glam::DVec2;
 
@@ -73,18 +73,24 @@ fn emission_is_in_candela_per_square_metre() {
     assert_eq!(lamp.sidedness, Sidedness::Two);
     assert_eq!(material(&matt, &[]).sidedness, Sidedness::One);
     let picture = format!("{matt},\"emissiveFactor\":[1,1,1],\"emissiveTexture\":{{\"index\":0}}");
-    let found = scene(
-        &picture,
-        &picture_of(&[[255; 3], [0; 3]]),
-        &["emits its mean"],
+    let half_black = picture_of(&[[255; 3], [0; 3]]);
+    let without = "textured primitive without";
+    let found = scene(&picture, &half_black, &[without]);
+    let lamp = &found.materials[0];
+    assert_eq!(
+        (lamp.emission, lamp.emission_picture),
+        (Rgb::WHITE, Some(0))
     );
-    let mean = found.materials[0].emission;
-    assert!((mean.r - 0.5).abs() < 1e-6, "{mean:?}");
+    assert!((found.mean_emissions()[0].r - 0.5).abs() < 1e-6);
+    let placed = picture.replace("\"index\":0", "\"index\":0,\"texCoord\":1");
+    assert_eq!(scene(&placed, &half_black, &[]).materials, found.materials);
+    let dark = scene(&picture, &picture_of(&[[0; 3]]), &[without]);
+    assert!(!dark.materials[0].is_emitter());
     let missing = ",\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"x.png\"}]";
     let dark = scene(
         &picture,
         missing,
-        &["no such file: the surface does not emit light"],
+        &["no such file", "the surface does not emit light", without],
     );
     assert_eq!(dark.materials[0].emission, Rgb::BLACK);
 }
@@ -166,6 +172,49 @@ fn pictures_and_their_coordinates() {
     assert!(uvs.iter().zip(expected).all(near), "{uvs:?}");
 }
 
+/// Factors times the blue and the green channel; the model is that of their means. Normals beside.
+#[test]
+fn pictures_of_metalness_roughness_and_normals() {
+    let json = format!(
+        "{},\"normalTexture\":{{\"index\":0,\"texCoord\":1,\"scale\":0.5}}",
+        pbr("\"baseColorFactor\":[0.5,0.25,0,1],\"metallicFactor\":0.5,\
+             \"metallicRoughnessTexture\":{\"index\":0,\"texCoord\":1}")
+    );
+    let found = scene(&json, &picture_of(&[[0, 102, 255], [0, 102, 0]]), &[]);
+    let base = Rgb::new(0.5, 0.25, 0.0);
+    let picture = |channel| {
+        Some(NumberPicture {
+            texture: 0,
+            channel,
+        })
+    };
+    let material = &found.materials[0];
+    let expected = FinishMaps {
+        base,
+        metallic: 0.5,
+        roughness: 1.0,
+        metallic_picture: picture(PictureChannel::Blue),
+        roughness_picture: picture(PictureChannel::Green),
+    };
+    assert_eq!(material.finish, Some(expected));
+    let kind = ReliefKind::Normals { scale: 0.5 };
+    assert_eq!(material.relief, Some(Relief { texture: 0, kind }));
+    let (color, metallic, roughness) = gltf_mr(material).unwrap();
+    assert_eq!(color, base);
+    assert!((metallic - 0.25).abs() < 1e-6 && (roughness - 0.4).abs() < 1e-5);
+    found.validate().unwrap();
+    let mut file = Vec::new();
+    crate::gltf::write(&found, &mut file).unwrap();
+    let options = crate::ReadOptions::default();
+    let loaded = crate::gltf::read(&file, "a.glb", &crate::Memory::new(), &options);
+    let back = loaded.unwrap().scene;
+    let back = &back.materials[0];
+    assert_eq!(
+        (back.finish, back.relief),
+        (material.finish, material.relief)
+    );
+}
+
 #[test]
 fn unused_properties_are_reported() {
     let json = format!(
@@ -177,8 +226,8 @@ fn unused_properties_are_reported() {
         )
     );
     let warnings = [
-        "metallic-roughness texture",
         "\"image 0\" is not used",
+        "metallic-roughness texture",
         "normal map",
         "occlusion map",
         "KHR_materials_unlit",

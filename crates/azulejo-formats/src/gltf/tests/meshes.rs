@@ -243,3 +243,25 @@ fn meshopt_views() {
     let message = error.unwrap_err().to_string();
     assert!(message.contains("damaged compressed data"), "{message}");
 }
+
+/// A hundred thousand attributes of one mesh in ten thousand nodes: hashed for each, they took minutes.
+#[test]
+fn attributes_that_are_not_read_cost_nothing_per_instance() {
+    let many: String = (0..100_000).map(|i| format!("\"_A{i}\":0,")).collect();
+    let nodes = "{\"mesh\":0},".repeat(10_000);
+    let rest = format!(
+        "\"nodes\":[{nodes}{{\"mesh\":0}}],\
+         \"meshes\":[{{\"primitives\":[{{\"attributes\":{{{many}\"POSITION\":0}}}}]}}]"
+    );
+    let started = std::time::Instant::now();
+    assert_eq!(read(&triangle(&[], "", &rest), &[]).objects.len(), 10_001);
+    assert!(started.elapsed().as_secs() < 20, "{:?}", started.elapsed());
+}
+
+/// Bounds are computed, not read.
+#[test]
+fn positions_without_bounds() {
+    let file = triangle(&[], "", &one_mesh(PLAIN)).replace(",\"min\":[0,0,0],\"max\":[1,1,0]", "");
+    let scene = read(&file, &["positions without min and max"]);
+    assert_eq!(mesh_of(&scene, 0).positions[2], DVec3::Y);
+}

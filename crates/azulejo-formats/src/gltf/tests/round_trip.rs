@@ -506,3 +506,43 @@ fn opacities_come_back() {
         &[0.0, 1.0],
     );
 }
+
+/// A GLB with a picture that only an environment shows is no larger for it.
+#[test]
+fn pictures_of_the_surroundings_are_no_textures() {
+    use azulejo_scene::{Environment, Image, Light, LightKind, Projection, Texture, Up};
+    let picture = |value: f32| Texture {
+        image: Some(Image::opaque(64, 32, vec![[value; 3]; 64 * 32])),
+        ..Texture::default()
+    };
+    let mut scene = azulejo_scene::synthetic::cube_room();
+    scene.textures = vec![picture(9.0), picture(0.5)];
+    scene.materials[0].textures = vec![1];
+    let size = |scene: &Scene| {
+        let mut bytes = Vec::new();
+        gltf::write(scene, &mut bytes).unwrap();
+        bytes
+    };
+    let all = size(&scene).len();
+    let environment = Environment::picture(0, Projection::Equirectangular, Up::Z);
+    scene.lights.push(Light {
+        name: "sky".to_owned(),
+        kind: LightKind::Environment(environment),
+    });
+    let bytes = size(&scene);
+    let text = String::from_utf8_lossy(&bytes);
+    assert!(bytes.len() < all, "{} of {all}", bytes.len());
+    assert_eq!(text.matches("\"image/png\"").count(), 1);
+    let said = gltf::losses(&scene);
+    assert!(
+        said.iter()
+            .any(|l| l.starts_with("1 pictures of the surroundings")),
+        "{said:?}"
+    );
+    scene.materials[0].textures = vec![0];
+    assert!(
+        gltf::losses(&scene)
+            .iter()
+            .all(|l| !l.contains("surroundings"))
+    );
+}

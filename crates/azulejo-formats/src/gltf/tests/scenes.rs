@@ -1,6 +1,6 @@
 //! Nodes, instances, lights and cameras.
 
-use super::{json, loaded, mesh_of, read, triangle};
+use super::{json, loaded, mesh_of, one_mesh, read, triangle};
 use crate::gltf::container::tests::glb_of;
 use crate::{Memory, ReadOptions, gltf};
 use azulejo_scene::{LightKind, Rgb};
@@ -223,4 +223,17 @@ fn image_based_light() {
     let above = sky.radiance(DVec3::new(0.01, 1.0, 0.01).normalize(), image);
     assert!((above.g - truth).abs() < 0.01 * truth, "{above:?}, {truth}");
     assert!(sky.radiance(DVec3::NEG_Y, image).g < above.g);
+}
+
+/// Channels of `KHR_animation_pointer` have no node.
+#[test]
+fn animated_pointers() {
+    let animation = "\"animations\":[{\"channels\":[{\"sampler\":0,\"target\":{\"path\":\"pointer\",\
+                     \"extensions\":{\"KHR_animation_pointer\":{\"pointer\":\"/materials/0/x\"}}}}],\
+                     \"samplers\":[{\"input\":0,\"output\":0}]}],\
+                     \"extensionsUsed\":[\"KHR_animation_pointer\"],";
+    let file = triangle(&[], "", &one_mesh("{\"attributes\":{\"POSITION\":0}}"));
+    let file = file.replace("\"nodes\":", &format!("{animation}\"nodes\":"));
+    let scene = read(&file, &["animations: not used"]);
+    assert_eq!(scene.objects.len(), 1);
 }

@@ -4,9 +4,10 @@ use super::exact_shapes::{exact, shared_figures};
 use super::*;
 use azulejo_scene::brdf::Description;
 use azulejo_scene::{
-    Attribute, BackIrradiance, Brdf, Camera, Dielectric, Fog, Light, LightKind, Material, Object,
-    Opacity, OpacityChannel, OpacityMode, OpacityPicture, Primitive, PrimitiveKind, Rgb,
-    SceneBackground, Sidedness, SurfaceGrid, SurfaceLight, Texture, Units, Up, WrapMode,
+    Attribute, BackIrradiance, Brdf, Camera, Dielectric, FinishMaps, Fog, Light, LightKind,
+    Material, NumberPicture, Object, Opacity, OpacityChannel, OpacityMode, OpacityPicture,
+    PictureChannel, Primitive, PrimitiveKind, Relief, ReliefKind, Rgb, SceneBackground, Sidedness,
+    SurfaceGrid, SurfaceLight, Texture, Units, Up, WrapMode,
 };
 use glam::{DAffine3, DMat3, DVec2, DVec3};
 use proptest::collection::vec;
@@ -220,6 +221,9 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
             thin,
         });
     let opacity = option::weighted(0.2, opacity(textures));
+    let maps = (option::weighted(0.2, finish(textures)), relief(textures));
+    let picture = option::weighted(0.3, 0..textures.max(1) as u32);
+    let picture = picture.prop_map(move |p| p.filter(|_| textures > 0));
     let textures = vec(0..textures.max(1) as u32, 0..=3.min(textures));
     let emission = prop_oneof![3 => Just(Rgb::BLACK), 1 => light_rgb()];
     (
@@ -227,8 +231,8 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
         share(),
         share(),
         option::weighted(0.2, dielectric),
-        (emission, any::<bool>(), sidedness()),
-        (textures, opacity),
+        (emission, picture, any::<bool>(), sidedness()),
+        (textures, opacity, maps),
         option::weighted(0.2, brdf()),
     )
         .prop_map(
@@ -237,8 +241,8 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
                 diffuse,
                 mirror,
                 dielectric,
-                (emission, emits_back, sidedness),
-                (textures, opacity),
+                (emission, emission_picture, emits_back, sidedness),
+                (textures, opacity, (finish, relief)),
                 brdf,
             )| {
                 Material {
@@ -247,14 +251,49 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
                     mirror,
                     dielectric,
                     emission,
+                    emission_picture,
                     emits_back,
                     sidedness,
                     textures,
                     brdf,
                     opacity,
+                    finish,
+                    relief,
                 }
             },
         )
+}
+
+fn finish(textures: usize) -> impl Strategy<Value = FinishMaps> {
+    let channel = prop_oneof![
+        Just(PictureChannel::Red),
+        Just(PictureChannel::Green),
+        Just(PictureChannel::Blue)
+    ];
+    let picture = move || {
+        let picture = option::weighted(0.5, (0..textures.max(1) as u32, channel.clone()));
+        picture.prop_map(move |p| p.filter(|_| textures > 0))
+    };
+    let number = |(texture, channel)| NumberPicture { texture, channel };
+    (share(), 0.0..=1.0f64, 0.0..=1.0f64, picture(), picture()).prop_map(
+        move |(base, metallic, roughness, of_metal, of_roughness)| FinishMaps {
+            base,
+            metallic,
+            roughness,
+            metallic_picture: of_metal.map(number),
+            roughness_picture: of_roughness.map(number),
+        },
+    )
+}
+
+fn relief(textures: usize) -> impl Strategy<Value = Option<Relief>> {
+    let kind = prop_oneof![
+        (0.0..2.0f64).prop_map(|scale| ReliefKind::Normals { scale }),
+        (-2.0..2.0f64).prop_map(|slope| ReliefKind::Heights { slope }),
+    ];
+    let relief = (0..textures.max(1) as u32, kind);
+    let relief = relief.prop_map(|(texture, kind)| Relief { texture, kind });
+    option::weighted(0.2, relief).prop_map(move |r| r.filter(|_| textures > 0))
 }
 
 const WRAPS: [[WrapMode; 2]; 3] = [

@@ -199,6 +199,10 @@ fn any_edit() -> impl Strategy<Value = Edit> {
 }
 
 /// Other actions between edits.
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is one at a time, so its size does not matter"
+)]
 #[derive(Clone, Debug)]
 enum TestAction {
     Edit(Edit, Option<u64>),

@@ -141,7 +141,15 @@ fn problem_words(language: Language, problem: &BrdfError) -> String {
 
 /// Whether two materials are the same; models are compared by address.
 pub(super) fn is_same_material(a: &Material, b: &Material) -> bool {
-    let rest = |m: &Material| (m.emission, m.emits_back);
+    let rest = |m: &Material| {
+        (
+            m.emission,
+            m.emission_picture,
+            m.emits_back,
+            m.finish,
+            m.relief,
+        )
+    };
     MaterialReflection::of(a) == MaterialReflection::of(b)
         && rest(a) == rest(b)
         && a.name == b.name

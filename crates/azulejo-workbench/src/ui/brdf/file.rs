@@ -57,9 +57,11 @@ pub fn with_description(
 pub(super) fn with_brdf(material: &Material, brdf: Arc<Brdf>) -> Material {
     Material {
         emission: material.emission,
+        emission_picture: material.emission_picture,
         emits_back: material.emits_back,
         textures: material.textures.clone(),
         opacity: material.opacity,
+        relief: material.relief,
         ..Material::with_brdf(material.name.clone(), brdf)
     }
 }

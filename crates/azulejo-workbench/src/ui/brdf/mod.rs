@@ -83,6 +83,10 @@ pub struct EditorInput<'a> {
 }
 
 /// A response of the editor.
+#[allow(
+    clippy::large_enum_variant,
+    reason = "there is one at a time, so its size does not matter"
+)]
 #[derive(Clone, Debug, PartialEq)]
 pub enum EditorResponse {
     /// The material was changed.

@@ -71,6 +71,7 @@ pub(super) fn draw(
     let mut samples = 0;
     for (seed, count) in (0..).zip(PASSES) {
         let pass = ReferencePass {
+            clamp: None,
             size: (key.side, key.side),
             samples_per_pixel: count,
             seed,

@@ -1,0 +1,106 @@
+//! Layers of pictures, and the filter, on the command line.
+
+use crate::support::{Folder, project};
+use azulejo_formats::picture::exr::{self, ChannelValues, NamedChannel};
+
+fn floats<'c>(channels: &'c [NamedChannel], name: &str) -> &'c [f32] {
+    let found = channels.iter().find(|c| c.name == name);
+    match found.map(|c| &c.values) {
+        Some(ChannelValues::Float(values)) => values,
+        other => panic!("{name}: {other:?}"),
+    }
+}
+
+fn indices<'c>(channels: &'c [NamedChannel], name: &str) -> &'c [u32] {
+    let found = channels.iter().find(|c| c.name == name);
+    match found.map(|c| &c.values) {
+        Some(ChannelValues::Index(values)) => values,
+        other => panic!("{name}: {other:?}"),
+    }
+}
+
+/// A box with glossy surfaces and a word of three letters in it.
+fn folder() -> Folder {
+    let folder = Folder::with_room();
+    let scene = std::fs::read(project().join("examples/cornell-glossy.grf")).unwrap();
+    folder.write("box.grf", scene);
+    let font = project().join("examples/fonts/dejavu-serif.ppf");
+    let text = format!("text LUZ --font {} -o word.grf", font.display());
+    folder.ok(&text);
+    folder
+}
+
+#[test]
+fn layers_add_up_and_name_what_is_seen() {
+    let folder = folder();
+    let size = "--size 32x24 --spp 8 -o x.exr --layers all";
+    for how in ["--reference", "--rays 256", "--rays 256 --gather 8"] {
+        folder.ok(&format!("render box.grf {how} {size}"));
+        let (_, channels) = exr::read_channels(&folder.read("x.exr")).unwrap();
+        let names: Vec<&str> = channels.iter().map(|c| c.name.as_str()).collect();
+        assert_eq!(names.len(), 3 + 3 + 3 + 1 + 3 + 9, "{names:?}");
+        for color in ["R", "G", "B"] {
+            let of = |layer: &str| floats(&channels, &format!("{layer}{color}"));
+            let parts = of("direct.").iter().zip(of("indirect."));
+            for ((direct, indirect), whole) in parts.zip(of("")) {
+                let difference = (direct + indirect - whole).abs();
+                assert!(difference <= 1e-5 * direct.abs().max(whole.abs()), "{how}");
+            }
+            assert!(of("albedo.").iter().all(|a| (0.0..=1.0).contains(a)));
+            assert!(of("error.").iter().all(|e| *e >= 0.0));
+        }
+        // The camera stands 800 mm before the open front of a box of 559 mm.
+        let depth = floats(&channels, "Z");
+        let inside = |z: &&f32| (800.0..1360.0).contains(*z);
+        assert!(depth.iter().filter(inside).count() > 500, "{depth:?}");
+        let objects = indices(&channels, "objectId");
+        assert_eq!(
+            objects.iter().all(|&id| id > 0),
+            depth.iter().all(|&z| z < 1e10)
+        );
+    }
+}
+
+#[test]
+fn letters_are_told_apart() {
+    let folder = folder();
+    folder.ok(
+        "render word.grf --studio --reference --spp 2 --size 60x40 -o w.exr --layers glyph,depth",
+    );
+    let (size, channels) = exr::read_channels(&folder.read("w.exr")).unwrap();
+    assert_eq!((size, channels.len()), ((60, 40), 5));
+    let mut glyphs = indices(&channels, "glyphId").to_vec();
+    glyphs.sort_unstable();
+    glyphs.dedup();
+    assert_eq!(glyphs, [0, 1, 2, 3]);
+}
+
+#[test]
+fn layers_need_their_format() {
+    let folder = folder();
+    for name in ["x.png", "x.hdr"] {
+        let line = format!("render room.obj -o {name} --layers all");
+        folder.fails(&line, 2, "ends in .exr");
+    }
+    folder.fails("render room.obj -o x.exr --layers light", 2, "albedo");
+}
+
+#[test]
+fn denoised_pictures_say_what_was_done() {
+    let folder = folder();
+    let line = "render box.grf --reference --spp 16 --size 48x48 --denoise";
+    let report = folder.json(&format!("{line} -o x.png"));
+    let of = |key: &str| report[key].as_f64().unwrap();
+    assert!(
+        of("denoised_error") < 0.6 * of("denoised_error_before"),
+        "{report}"
+    );
+    assert!(
+        of("denoised_change") > 0.0 && of("denoised_bias").abs() < 0.1,
+        "{report}"
+    );
+    folder.ok(&format!("{line} -o one.exr --threads 1"));
+    folder.ok(&format!("{line} -o two.exr --threads 2"));
+    assert_eq!(folder.read("one.exr"), folder.read("two.exr"));
+    folder.fails("render room.obj -o x.png --spp 2 --denoise", 2, "--spp 4");
+}

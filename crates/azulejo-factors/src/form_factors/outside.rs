@@ -1,0 +1,82 @@
+//! What rows receive from lights that are no patches: skies, suns, pictures of the surroundings.
+
+use super::PreparedPlan;
+use crate::error::FactorsError;
+use crate::patch::Sampler;
+use azulejo_scene::{LightKind, Rgb};
+use azulejo_trace::sampling::{hash, seeds, sobol};
+use azulejo_trace::{GatherPoint, Gathered, Progress, REPLICATES};
+use rayon::prelude::*;
+
+/// Positions on a patch, for each replicate.
+const POSITIONS: u32 = 16;
+
+/// Rows between two looks at the progress.
+const ROWS_AT_ONCE: usize = 64;
+
+impl PreparedPlan<'_> {
+    /// Whether there are lights whose irradiance [`light_from_outside`](PreparedPlan::light_from_outside)
+    /// finds.
+    pub fn has_light_from_outside(&self) -> bool {
+        let lights = &self.plan.proxy.scene.lights;
+        let is_direct = |kind: &LightKind| !matches!(kind, LightKind::Ambient { .. });
+        lights.iter().any(|light| is_direct(&light.kind))
+    }
+
+    /// Mean irradiance of each row, W/m², from environments, suns, and lights without area, straight and by
+    /// way of one flat mirror; without ambient light, which is its radiance times π times what
+    /// escapes ([`RowRemainder::escaped`](super::RowRemainder::escaped)).
+    ///
+    /// Each of the four replicates has positions of its own, so that the standard error includes what
+    /// differs over a patch. The result does not depend on the number of threads.
+    ///
+    /// # Errors
+    /// [`FactorsError::Cancelled`].
+    pub fn light_from_outside(&self, progress: &Progress) -> Result<Vec<Gathered>, FactorsError> {
+        let rows = self.sides.len();
+        progress.begin("light from outside", rows as u64);
+        let seed = hash(&[self.seed, 2]);
+        let blocks = (0..rows.div_ceil(ROWS_AT_ONCE))
+            .into_par_iter()
+            .map(|block| {
+                let from = block * ROWS_AT_ONCE;
+                let range = from..rows.min(from + ROWS_AT_ONCE);
+                progress.advance(range.len() as u64)?;
+                Ok(range.map(|row| self.row_from_outside(row, seed)).collect())
+            });
+        let blocks: Result<Vec<Vec<Gathered>>, FactorsError> = blocks.collect();
+        Ok(blocks?.concat())
+    }
+
+    fn row_from_outside(&self, row: usize, seed: u32) -> Gathered {
+        let side = self.sides.side(row);
+        let flip = if self.sides.is_back(row) { -1.0 } else { 1.0 };
+        let sampler = self.plan.patches.sampler(self.sides.patch(row));
+        let points = positions(&sampler, flip, seed, side);
+        let found = self.gatherer.direct(&points, 1, seed);
+        let mut irradiance = Gathered::default();
+        for (k, light) in found.iter().enumerate() {
+            let share = 1.0 / f64::from(POSITIONS);
+            let all: Rgb = light.external() * share;
+            irradiance.replicates[k / POSITIONS as usize] += all;
+        }
+        irradiance
+    }
+}
+
+/// Positions on one side of a patch, one replicate after the other.
+fn positions(sampler: &Sampler, flip: f64, seed: u32, side: u32) -> Vec<GatherPoint> {
+    let mut points = Vec::with_capacity(REPLICATES * POSITIONS as usize);
+    for r in 0..REPLICATES as u32 {
+        let [s1, s2, ..] = seeds(&[seed, side, r]);
+        points.extend((0..POSITIONS).map(|k| {
+            let at = sampler.sample(sobol(k, 0, s1).into(), sobol(k, 1, s2).into());
+            GatherPoint {
+                position: at.position,
+                normal: flip * at.normal,
+                key: hash(&[side, r, k]),
+            }
+        }));
+    }
+    points
+}

@@ -1,0 +1,88 @@
+//! What writers leave out or change, as text: "2 cameras".
+
+use super::tessellate::exact_counts;
+use azulejo_scene::{Material, Mesh, Object, Scene, Shape};
+
+/// The losses of formats that keep little more than polygons, in the order in which they are named.
+pub(crate) struct LossList<'a> {
+    scene: &'a Scene,
+    said: Vec<String>,
+}
+
+impl<'a> LossList<'a> {
+    /// A list that begins with the lights and the cameras of a scene, all of which are lost.
+    pub fn new(scene: &'a Scene) -> LossList<'a> {
+        let list = LossList {
+            scene,
+            said: Vec::new(),
+        };
+        list.count(scene.lights.len(), "lights without area")
+            .count(scene.cameras.len(), "cameras")
+    }
+
+    /// Adds a loss that occurs `count` times, which may be 0.
+    pub fn count(mut self, count: usize, what: &str) -> Self {
+        self.said
+            .extend((count > 0).then(|| format!("{count} {what}")));
+        self
+    }
+
+    /// Adds a loss that is not counted.
+    pub fn once(mut self, is_lost: bool, what: &str) -> Self {
+        self.said.extend(is_lost.then(|| what.to_owned()));
+        self
+    }
+
+    /// Adds the materials that lose something.
+    pub fn materials(self, lost: impl Fn(&Material) -> bool, what: &str) -> Self {
+        let count = self.scene.materials.iter().filter(|m| lost(m)).count();
+        self.count(count, what)
+    }
+
+    /// Adds the meshes that lose something.
+    pub fn meshes(self, lost: impl Fn(&Mesh) -> bool, what: &str) -> Self {
+        let is = |o: &&Object| matches!(&o.shape, Shape::Mesh(mesh) if lost(mesh));
+        let count = self.scene.objects.iter().filter(is).count();
+        self.count(count, what)
+    }
+
+    /// Adds the shapes of which only polygons remain.
+    pub fn exact_shapes(self) -> Self {
+        let [primitives, solids] = exact_counts(self.scene);
+        self.count(primitives + solids, "exact shapes that become polygons")
+    }
+
+    /// Adds the meshes with faces of more than `most` corners.
+    pub fn polygons(self, most: usize) -> Self {
+        self.meshes(
+            |m| m.faces.iter().any(|f| f.len() > most),
+            "meshes whose polygons become triangles",
+        )
+    }
+
+    /// Adds the meshes with anything but positions at their corners.
+    pub fn corner_attributes(self) -> Self {
+        self.meshes(
+            |m| m.normals.is_some() || m.uvs.is_some() || !m.colors.is_empty(),
+            "meshes whose normals, texture coordinates or colours are omitted",
+        )
+    }
+
+    /// Adds the meshes with light.
+    pub fn irradiance(self) -> Self {
+        self.meshes(
+            |m| !m.irradiance.is_empty(),
+            "meshes whose irradiance is omitted",
+        )
+    }
+
+    /// The list.
+    pub fn finish(self) -> Vec<String> {
+        self.said
+    }
+}
+
+/// Whether a material is more than a diffuse colour.
+pub(crate) fn is_more_than_colour(m: &Material) -> bool {
+    m.is_emitter() || m.is_specular() || m.brdf.is_some() || !m.textures.is_empty()
+}

@@ -1,0 +1,232 @@
+//! Writes scenes as 3MF.
+
+use super::package::OpcPackage;
+use crate::picture::srgb::srgb_from_linear;
+use crate::surface::losses::{LossList, is_more_than_colour};
+use crate::surface::tessellate::mesh_of;
+use azulejo_scene::{Material, MaterialId, Mesh, Object, Rgb, Scene, Units, Up};
+use std::collections::HashMap;
+use std::fmt;
+use std::io::{self, BufWriter, Write};
+
+const CONTENT_TYPES: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
+    <Types xmlns=\"http://schemas.openxmlformats.org/package/2006/content-types\">\
+    <Default Extension=\"rels\" ContentType=\"application/vnd.openxmlformats-package.relationships+xml\"/>\
+    <Default Extension=\"model\" ContentType=\"application/vnd.ms-package.3dmanufacturing-3dmodel+xml\"/>\
+    </Types>\n";
+
+const RELATIONSHIPS: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n\
+    <Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\">\
+    <Relationship Target=\"/3D/3dmodel.model\" Id=\"rel0\" \
+    Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>\n";
+
+/// The units of 3MF by their length in metres.
+const UNITS: [(&str, f64); 6] = [
+    ("micron", 1e-6),
+    ("millimeter", 1e-3),
+    ("centimeter", 1e-2),
+    ("inch", 0.0254),
+    ("foot", 0.3048),
+    ("meter", 1.0),
+];
+
+/// Id of the list of materials; objects follow.
+const MATERIALS: usize = 1;
+
+/// Writes each object as a mesh of triangles with a material for each, all in one build, with z up.
+///
+/// Coordinates read back to the same values; if the unit of the scene is none of the format's, they are
+/// converted to metres. Objects that enclose a volume are models, all others surfaces.
+/// [`losses`] describes what the format cannot represent.
+///
+/// # Errors
+/// Those of `out`; packages of 4 GiB and more.
+pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
+    let (unit, metres) = unit_of(scene);
+    let scene = scene.clone().adapted(Units {
+        up: Up::Z,
+        metres_per_unit: scene.units.metres_per_unit.map(|_| metres),
+        ..scene.units
+    });
+    let mut package = OpcPackage::new(out);
+    package.add("[Content_Types].xml", |out| {
+        out.write_all(CONTENT_TYPES.as_bytes())
+    })?;
+    package.add("_rels/.rels", |out| out.write_all(RELATIONSHIPS.as_bytes()))?;
+    package.add("3D/3dmodel.model", |out| {
+        let mut out = BufWriter::new(out);
+        model(&scene, unit, &mut out)?;
+        out.flush()
+    })?;
+    package.finish()
+}
+
+/// The unit of the file and its length in metres: that of the scene, or metres, as azulejo
+/// assumes where none is known.
+fn unit_of(scene: &Scene) -> (&'static str, f64) {
+    let wanted = scene.units.metres_per_unit.unwrap_or(1.0);
+    let same = |u: &&(&str, f64)| (u.1 / wanted - 1.0).abs() < 1e-9;
+    *UNITS.iter().find(same).unwrap_or(&UNITS[5])
+}
+
+/// Descriptions of what [`write()`] would omit from a scene, or change.
+pub fn losses(scene: &Scene) -> Vec<String> {
+    let known = scene.units.metres_per_unit;
+    let is_odd = known.is_some_and(|metres| (unit_of(scene).1 / metres - 1.0).abs() > 1e-9);
+    let empty = scene
+        .objects
+        .iter()
+        .filter(|o| triangles(&mesh_of(o)).is_empty());
+    LossList::new(scene)
+        .count(usize::from(scene.background.is_some()), "background")
+        .count(usize::from(scene.fog.is_some()), "fog")
+        .materials(
+            is_more_than_colour,
+            "materials of which only the colour is kept",
+        )
+        .materials(
+            |m| m.opacity.is_some(),
+            "materials with an opacity, which become opaque",
+        )
+        .count(empty.count(), "objects without area")
+        .exact_shapes()
+        .polygons(3)
+        .corner_attributes()
+        .irradiance()
+        .once(is_odd, "the unit, converted to metres")
+        .once(known.is_none(), "an unknown unit, written as metres")
+        .finish()
+}
+
+fn model(scene: &Scene, unit: &str, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(
+        out,
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"{unit}\" xml:lang=\"en-US\" \
+         xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">\n\
+         <metadata name=\"Application\">azulejo</metadata>\n<resources>"
+    )?;
+    if !scene.materials.is_empty() {
+        materials(&scene.materials, out)?;
+    }
+    let mut items = Vec::new();
+    for object in &scene.objects {
+        let id = MATERIALS + 1 + items.len();
+        if mesh_object(object, id, out)? {
+            items.push(id);
+        }
+    }
+    writeln!(out, "</resources>\n<build>")?;
+    for id in items {
+        writeln!(out, "<item objectid=\"{id}\"/>")?;
+    }
+    writeln!(out, "</build>\n</model>")
+}
+
+fn materials(materials: &[Material], out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "<basematerials id=\"{MATERIALS}\">")?;
+    for (k, material) in materials.iter().enumerate() {
+        let number = format!("material {k}");
+        let name = if material.name.is_empty() {
+            &number
+        } else {
+            &material.name
+        };
+        let (name, color) = (XmlText(name), DisplayColor(material.diffuse));
+        writeln!(out, "<base name=\"{name}\" displaycolor=\"{color}\"/>")?;
+    }
+    writeln!(out, "</basematerials>")
+}
+
+/// The triangles of a mesh with the material of each; those that use a vertex twice, which
+/// 3MF forbids, are left out.
+fn triangles(mesh: &Mesh) -> Vec<([u32; 3], MaterialId)> {
+    let mut found = Vec::new();
+    let mut pieces = Vec::new();
+    for face in 0..mesh.faces.len() {
+        pieces.clear();
+        mesh.triangulate_into(face, &mut pieces);
+        let corners = mesh.faces.get(face);
+        for [a, b, c] in pieces.iter().map(|t| t.map(|k| corners[k as usize])) {
+            if a != b && b != c && c != a {
+                found.push(([a, b, c], mesh.face_materials[face]));
+            }
+        }
+    }
+    found
+}
+
+/// Writes an object; `false` if nothing of it is left.
+fn mesh_object(object: &Object, id: usize, out: &mut dyn Write) -> io::Result<bool> {
+    let mesh = mesh_of(object);
+    let triangles = triangles(&mesh);
+    let Some(&(_, usual)) = triangles.first() else {
+        return Ok(false);
+    };
+    // Vertices that no triangle uses are left out.
+    let mut places: HashMap<u32, usize> = HashMap::new();
+    let mut used = Vec::new();
+    for v in triangles.iter().flat_map(|t| t.0) {
+        places.entry(v).or_insert_with(|| {
+            used.push(v);
+            used.len() - 1
+        });
+    }
+    let kind = if mesh.is_closed() { "model" } else { "surface" };
+    let name = XmlText(&object.name);
+    writeln!(
+        out,
+        "<object id=\"{id}\" type=\"{kind}\" name=\"{name}\" pid=\"{MATERIALS}\" \
+         pindex=\"{usual}\">\n<mesh>\n<vertices>"
+    )?;
+    for v in used {
+        let [x, y, z] = mesh.positions[v as usize].to_array();
+        writeln!(out, "<vertex x=\"{x}\" y=\"{y}\" z=\"{z}\"/>")?;
+    }
+    writeln!(out, "</vertices>\n<triangles>")?;
+    for (triangle, material) in triangles {
+        let [a, b, c] = triangle.map(|v| places[&v]);
+        write!(out, "<triangle v1=\"{a}\" v2=\"{b}\" v3=\"{c}\"")?;
+        if material != usual {
+            write!(out, " pid=\"{MATERIALS}\" p1=\"{material}\"")?;
+        }
+        writeln!(out, "/>")?;
+    }
+    writeln!(out, "</triangles>\n</mesh>\n</object>")?;
+    Ok(true)
+}
+
+/// A colour as sRGB in hexadecimal digits.
+struct DisplayColor(Rgb);
+
+impl fmt::Display for DisplayColor {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let byte = |c: f64| {
+            (255.0 * srgb_from_linear(c as f32))
+                .round()
+                .clamp(0.0, 255.0) as u8
+        };
+        let [r, g, b] = self.0.to_array().map(byte);
+        write!(f, "#{r:02X}{g:02X}{b:02X}")
+    }
+}
+
+/// Text in an attribute; characters that XML cannot have become question marks.
+struct XmlText<'a>(&'a str);
+
+impl fmt::Display for XmlText<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for c in self.0.chars() {
+            match c {
+                '&' => f.write_str("&amp;")?,
+                '<' => f.write_str("&lt;")?,
+                '>' => f.write_str("&gt;")?,
+                '"' => f.write_str("&quot;")?,
+                '\t' | '\n' | '\r' => write!(f, "&#{};", c as u32)?,
+                '\0'..=' ' if c != ' ' => f.write_str("?")?,
+                '\u{fffe}' | '\u{ffff}' => f.write_str("?")?,
+                c => write!(f, "{c}")?,
+            }
+        }
+        Ok(())
+    }
+}
