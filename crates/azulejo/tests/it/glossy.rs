@@ -173,9 +173,9 @@ fn pictures_of_plastic_have_no_bright_dots() {
     let mut lit = scene.clone();
     lit.set_irradiance(light.irradiance);
     let tracer = Tracer::new(&lit);
-    let second = render::SecondPass {
+    let second = SecondPass {
         size: SIZE,
-        ..render::SecondPass::default()
+        ..SecondPass::default()
     };
     let camera = &lit.cameras[0];
     let found = render::render_measured(&lit, &tracer, camera, &second, &progress).unwrap();
