@@ -292,7 +292,6 @@ fn letters_are_sampled_as_lamps() {
             );
         }
         let ratio = (other.mean() / own.mean()).powi(2);
-        println!("variance by chance / as a lamp: {ratio:.1}");
         assert!(ratio > gain, "variance is only {ratio} times smaller");
     }
 }

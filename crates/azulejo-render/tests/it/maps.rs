@@ -148,7 +148,7 @@ fn reliefs_create_no_energy() {
         let ambient = LightKind::Ambient {
             radiance: Rgb::WHITE,
         };
-        let scene = sheet(material, &[picture.clone()], ambient);
+        let scene = sheet(material, std::slice::from_ref(&picture), ambient);
         for found in seen(&scene, 1024) {
             assert!(
                 found.r <= 1.0 + 1e-9 && found.r > 0.4,
@@ -197,7 +197,10 @@ fn pictured_finishes_are_those_of_the_model() {
             ..model(0.5 * (metallic + 0.5), 0.5 * (roughness + 1.0))
         };
         for light in [sky, lamp] {
-            let found = seen(&sheet(pictured.clone(), &[picture.clone()], light), 4096);
+            let found = seen(
+                &sheet(pictured.clone(), std::slice::from_ref(&picture), light),
+                4096,
+            );
             let expected = seen(&sheet(model(metallic, roughness), &[], light), 4096)[1];
             for (found, tolerance) in found.into_iter().zip([0.05, 0.03]) {
                 let off = (found - expected).map(f64::abs).max_channel();

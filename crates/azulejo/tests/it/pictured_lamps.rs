@@ -102,7 +102,7 @@ fn seen(given: &Scene, engine: Engine) -> Vec<Rgb> {
     let tracer = Tracer::new(given);
     let progress = Progress::new();
     let first = FirstPass {
-        error: Some(0.01),
+        error: Some(0.02),
         engine,
         ..FirstPass::default()
     };
@@ -110,7 +110,7 @@ fn seen(given: &Scene, engine: Engine) -> Vec<Rgb> {
     let mut scene = given.clone();
     scene.set_irradiance(solved.irradiance);
     let second = SecondPass {
-        samples_per_pixel: 256,
+        samples_per_pixel: 64,
         gather: FinalGather::Everywhere(64),
         ..SecondPass::default()
     };
@@ -122,7 +122,7 @@ fn seen(given: &Scene, engine: Engine) -> Vec<Rgb> {
 fn passes_and_reference_agree_under_pictured_lamps() {
     let given = room(windows());
     let options = ReferencePass {
-        samples_per_pixel: 8192,
+        samples_per_pixel: 4096,
         ..ReferencePass::default()
     };
     let tracer = Tracer::new(&given);
