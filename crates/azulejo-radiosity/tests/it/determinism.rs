@@ -123,7 +123,7 @@ fn cancelling_ends_at_once() {
         });
         eprintln!("cancelled after {waited:?}");
         assert_eq!(result.unwrap_err(), SolveError::Cancelled);
-        assert!(waited < Duration::from_secs(3), "{waited:?}");
+        assert!(waited < Duration::from_secs(10), "{waited:?}");
     }
 }
 

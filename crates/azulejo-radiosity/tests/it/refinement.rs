@@ -105,11 +105,11 @@ fn refinement_does_not_depend_on_threads() {
 fn a_deadline_ends_refinement_in_good_order() {
     let scene = cornell_box(CornellVariant::Diffuse);
     let progress = Progress::new();
-    progress.set_deadline(Instant::now() + Duration::from_secs(2));
+    progress.set_deadline(Instant::now() + Duration::from_secs(6));
     let start = Instant::now();
     let found = solved(&scene, &asked(1e-5, 1), &progress);
     let seconds = start.elapsed().as_secs_f64();
-    assert!(seconds < 20.0, "{seconds} s");
+    assert!(seconds < 40.0, "{seconds} s");
     let error = found.report.patch_error;
     assert!(error > 1e-5 && error < 0.1, "{error}");
 }

@@ -20,7 +20,10 @@ pub(super) fn known_mark(bytes: &[u8]) -> Option<Detection> {
             b"IES:LM-63",
             Err("an IES luminaire; name it in an MGF scene"),
         ),
-        (b"PK\x03\x04", Err("a zip archive; unpack it first")),
+        (
+            b"PK\x03\x04",
+            Err("a zip archive, or 3MF, which is written only; unpack it first"),
+        ),
         (b"%PDF", Err("a PDF document")),
         (b"BLENDER", Err("a Blender file; export it as glTF")),
         (b"Kaydara FBX", Err("an FBX model; export it as glTF")),
