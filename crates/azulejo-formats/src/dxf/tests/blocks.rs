@@ -65,8 +65,10 @@ fn arrays() {
     );
     let loaded = load(text);
     assert_eq!(names(&loaded), ["a/tiles"; 6]);
+    let objects = &loaded.scene.objects;
+    assert_eq!(loaded.scene.shared_meshes().len(), 1);
     // Steps are rotated with the block but not scaled: columns along y, rows along −x.
-    let corner = |i| mesh(&loaded, i).positions[0];
+    let corner = |i: usize| objects[i].shape.placed_mesh().unwrap().position(0);
     let expected = [[10, 0], [10, 4], [10, 8], [5, 0], [5, 4], [5, 8]];
     for (i, [x, y]) in expected.into_iter().enumerate() {
         assert!(

@@ -192,11 +192,8 @@ fn external_references() {
         );
         assert_eq!(warnings(&loaded), [""; 0], "{path}");
         assert_eq!(names(&loaded), ["part/walls"; 4], "{path}");
-        assert_eq!(
-            mesh(&loaded, 0).positions[0],
-            DVec3::new(4.0, 0.0, 0.0),
-            "{path}"
-        );
+        let first = loaded.scene.objects[0].shape.placed_mesh().unwrap();
+        assert_eq!(first.position(0), DVec3::new(4.0, 0.0, 0.0), "{path}");
     }
     // A reference within a reference is searched beside it; a cycle is cut.
     let files = Memory::new()

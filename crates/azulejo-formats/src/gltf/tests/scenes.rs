@@ -57,8 +57,13 @@ fn instances_of_an_extension() {
     let nodes = "\"nodes\":[{\"name\":\"tree\",\"mesh\":0,\"extensions\":\
         {\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":1}}}}],";
     let scene = read(&triangle(&more, &places, &format!("{nodes}{MESH}")), &[]);
-    let places: Vec<f64> = (0..2).map(|i| mesh_of(&scene, i).positions[0].x).collect();
+    let placed = scene
+        .objects
+        .iter()
+        .map(|o| o.shape.placed_mesh().unwrap());
+    let places: Vec<f64> = placed.map(|mesh| mesh.position(0).x).collect();
     assert_eq!(places, [1.0, 2.0]);
+    assert_eq!(scene.shared_meshes().len(), 1);
     let damaged = triangle(&[], &instances_out_of_range(), &format!("{nodes}{MESH}"));
     let scene = read(&damaged, &["instances left out"]);
     assert_eq!(scene.objects.len(), 1);

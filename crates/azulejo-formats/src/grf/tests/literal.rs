@@ -3,7 +3,7 @@
 use super::solids::{FIGURES, SOLIDS};
 use super::*;
 use crate::grf::{GrfText, LitText, NotLiteral};
-use azulejo_scene::{BackIrradiance, Rgb, SurfaceGrid, SurfaceLight};
+use azulejo_scene::{BackIrradiance, Rgb, SurfaceGrid, SurfaceLight, VertexLight};
 use glam::DVec3;
 
 /// Gives every object of a scene some irradiance, `level` and more.
@@ -15,7 +15,14 @@ fn lit(mut scene: Scene, level: f64) -> Scene {
                 mesh.irradiance = (0..count).map(|v| Rgb::grey(v as f64 + level)).collect();
                 mesh.irradiance_error = vec![Rgb::grey(0.01); count];
             }
-            Shape::Instance(_) => unreachable!("no file of these is included twice"),
+            Shape::Instance(instance) => {
+                let count = instance.mesh.positions.len();
+                instance.light = Some(Box::new(VertexLight {
+                    irradiance: (0..count).map(|v| Rgb::grey(v as f64 + level)).collect(),
+                    error: vec![Rgb::grey(0.01); count],
+                    back: None,
+                }));
+            }
             Shape::Primitive(p) => {
                 let grids = vec![SurfaceGrid { nu: 1, nv: 2 }; p.kind.parts()];
                 p.light = Some(SurfaceLight {
