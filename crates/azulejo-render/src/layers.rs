@@ -173,11 +173,8 @@ impl LayerFinder<'_> {
         let (surfaces, tracer) = (self.scene.surfaces(), self.scene.tracer());
         let item = surfaces.item(hit.item);
         let at = tracer.resolve(&tracer.world_ray(ray), hit).position;
-        let is_exact = item.instance.is_none()
-            && matches!(
-                surfaces.scene.objects[item.object as usize].shape,
-                Shape::Exact(_)
-            );
+        let shape = &surfaces.scene.objects[item.object as usize].shape;
+        let is_exact = matches!(shape, Shape::Exact(_));
         let leaf = if is_exact { item.face + 1 } else { 0 };
         let depth = (at - self.eye).dot(self.forward) as f32;
         let material = surfaces.material_id(hit.item) + 1;

@@ -6,7 +6,7 @@ mod tables;
 use super::failure::Failure;
 use super::session::Session;
 use azulejo_scene::{
-    Camera, Fog, Light, LightKind, MaterialId, Object, Rgb, Scene, SceneBackground, Shape,
+    Camera, Fog, Light, LightKind, MaterialId, Mesh, Object, Rgb, Scene, SceneBackground, Shape,
 };
 use glam::DVec3;
 use std::collections::HashMap;

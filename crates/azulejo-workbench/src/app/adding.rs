@@ -5,7 +5,7 @@ use crate::command::PrismBase;
 use crate::document::{
     Edit, NewLight, NewLightKind, NewShape, NewShapeKind, PrismOutline, TextLayout,
 };
-use crate::gpu::{MeshInstance, display_mesh, pick};
+use crate::gpu::{DrawnMesh, display_mesh, pick};
 use azulejo::scene::math::Ray;
 use azulejo::scene::{Mesh, Shape};
 use glam::DVec3;
@@ -138,10 +138,10 @@ impl App {
                 (mesh, item.placement)
             })
             .collect();
-        let drawn: Vec<MeshInstance> = (meshes.iter())
-            .map(|(mesh, placement)| MeshInstance {
+        let drawn: Vec<DrawnMesh> = (meshes.iter())
+            .map(|(mesh, placement)| DrawnMesh {
                 world_from_object: *placement,
-                ..MeshInstance::new(0, mesh)
+                ..DrawnMesh::new(0, mesh)
             })
             .collect();
         let up = self.document.units.up.axis();

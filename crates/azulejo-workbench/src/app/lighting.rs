@@ -151,6 +151,7 @@ fn range(document: &SceneDocument, solution: &Solution) -> Option<IrradianceRang
     for item in &document.objects {
         match solution.shape(item.id).map(|s| &**s) {
             Some(Shape::Mesh(mesh)) => push(&mesh.irradiance),
+            Some(Shape::Instance(i)) => i.light.iter().for_each(|l| push(&l.irradiance)),
             Some(Shape::Primitive(p)) => p.light.iter().for_each(|l| push(&l.irradiance)),
             Some(Shape::Exact(exact)) => exact.proxy.iter().for_each(|m| push(&m.irradiance)),
             None => {}

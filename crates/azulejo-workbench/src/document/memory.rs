@@ -164,6 +164,7 @@ fn figure_bytes(figure: &Figure) -> u64 {
 fn shape_bytes(shape: &Shape) -> u64 {
     let inner = match shape {
         Shape::Mesh(mesh) => mesh_bytes(mesh),
+        Shape::Instance(instance) => mesh_bytes(&instance.mesh),
         Shape::Primitive(primitive) => light_bytes(primitive),
         Shape::Exact(exact) => exact_bytes(exact),
     };

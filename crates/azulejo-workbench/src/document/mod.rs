@@ -26,11 +26,11 @@ pub use solution::{Solution, same_light};
 use azulejo::formats::Format;
 use azulejo::scene::math::Aabb;
 use azulejo::scene::{
-    Camera, Fog, Light, Material, MaterialId, Object, Rgb, Rtrace, Scene, SceneBackground, Shape,
-    Texture, Units,
+    Camera, Fog, Light, Material, MaterialId, Mesh, Object, Rgb, Rtrace, Scene, SceneBackground,
+    Shape, Texture, Units,
 };
 use glam::{DAffine3, DVec3};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -90,11 +90,12 @@ pub struct SceneObject {
     pub source_file: Option<usize>,
     /// Whether the viewport omits it. It still casts and receives light.
     pub hidden: bool,
-    /// Its geometry in object space; change it with [`SceneObject::set_shape`].
+    /// Its geometry in object space; change it with [`SceneObject::set_shape`]. Instances of one mesh
+    /// are objects that share a shape.
     pub shape: Arc<Shape>,
     /// Derived data needed in every frame, computed once.
     facts: Arc<ShapeFacts>,
-    /// World from object; the identity for objects loaded from a file.
+    /// World from object; the identity for objects loaded from a file, but instances.
     pub placement: DAffine3,
 }
 
@@ -148,6 +149,22 @@ impl ShapeFacts {
     }
 }
 
+/// A shape that several objects may have, and what is derived from it.
+#[derive(Clone)]
+struct SharedShape {
+    shape: Arc<Shape>,
+    facts: Arc<ShapeFacts>,
+}
+
+impl SharedShape {
+    fn new(shape: Shape) -> SharedShape {
+        SharedShape {
+            facts: Arc::new(ShapeFacts::of(&shape)),
+            shape: Arc::new(shape),
+        }
+    }
+}
+
 impl SceneObject {
     /// The bounding box in world space.
     pub fn bounds(&self) -> Aabb {
@@ -177,6 +194,11 @@ impl SceneObject {
         if self.placement != DAffine3::IDENTITY {
             match &mut shape {
                 Shape::Mesh(mesh) => mesh.transform(&self.placement),
+                Shape::Instance(instance) => {
+                    let mut mesh = instance.to_mesh();
+                    mesh.transform(&self.placement);
+                    shape = Shape::Mesh(mesh);
+                }
                 Shape::Primitive(p) => p.transform(&self.placement),
                 Shape::Exact(exact) => exact.transform(&self.placement),
             }
@@ -193,17 +215,18 @@ fn materials_of(shape: &Shape) -> Vec<MaterialId> {
             found.push(m);
         }
     };
-    match shape {
-        Shape::Mesh(mesh) => {
-            // Consecutive faces often share a material; look up each run once.
-            let mut last = None;
-            for &m in &mesh.face_materials {
-                if last != Some(m) {
-                    note(m);
-                    last = Some(m);
-                }
+    if let Some(mesh) = shape.mesh() {
+        // Consecutive faces often share a material; look up each run once.
+        let mut last = None;
+        for &m in &mesh.face_materials {
+            if last != Some(m) {
+                note(m);
+                last = Some(m);
             }
         }
+    }
+    match shape {
+        Shape::Mesh(_) | Shape::Instance(_) => {}
         Shape::Primitive(p) => note(p.material),
         Shape::Exact(exact) => exact.leaves().iter().for_each(|l| note(l.material())),
     }
@@ -214,6 +237,7 @@ fn materials_of(shape: &Shape) -> Vec<MaterialId> {
 fn bounds_of(shape: &Shape) -> Aabb {
     match shape {
         Shape::Mesh(mesh) => mesh.bounds(),
+        Shape::Instance(instance) => instance.bounds(),
         Shape::Primitive(primitive) => primitive.bounds(),
         Shape::Exact(exact) => exact.bounds(),
     }
@@ -265,11 +289,32 @@ impl SceneDocument {
             self.materials.push(Arc::new(material));
         }
         let mut ids = Vec::new();
-        for mut object in scene.objects {
-            if materials > 0 {
-                map_materials(&mut object.shape, &mut |m| m + materials);
-            }
-            ids.push(self.push_shape(object.name, object.shape, source_file));
+        // By the address of the mesh, which the entries keep alive.
+        let mut shared: HashMap<*const Mesh, (Arc<Mesh>, SharedShape)> = HashMap::new();
+        for object in scene.objects {
+            let id = match object.shape {
+                Shape::Instance(instance) if instance.light.is_none() => {
+                    let mesh = instance.mesh;
+                    let entry = shared.entry(Arc::as_ptr(&mesh)).or_insert_with(|| {
+                        let mut shape = Shape::Mesh(Mesh::clone(&mesh));
+                        map_materials(&mut shape, &mut |m| m + materials);
+                        (mesh, SharedShape::new(shape))
+                    });
+                    let shape = entry.1.clone();
+                    self.push_object(object.name, shape, instance.world_from_mesh, source_file)
+                }
+                mut shape => {
+                    // Light belongs to one place: what is lit gets a mesh of its own.
+                    if let Shape::Instance(instance) = &shape {
+                        shape = Shape::Mesh(instance.to_mesh());
+                    }
+                    if materials > 0 {
+                        map_materials(&mut shape, &mut |m| m + materials);
+                    }
+                    self.push_shape(object.name, shape, source_file)
+                }
+            };
+            ids.push(id);
         }
         for light in scene.lights {
             let id = self.new_id();
@@ -297,15 +342,26 @@ impl SceneDocument {
 
     /// Adds an object with the identity as its placement.
     fn push_shape(&mut self, name: String, shape: Shape, source_file: Option<usize>) -> ItemId {
+        let shape = SharedShape::new(shape);
+        self.push_object(name, shape, DAffine3::IDENTITY, source_file)
+    }
+
+    fn push_object(
+        &mut self,
+        name: String,
+        SharedShape { shape, facts }: SharedShape,
+        placement: DAffine3,
+        source_file: Option<usize>,
+    ) -> ItemId {
         let id = self.new_id();
         self.objects.push(Arc::new(SceneObject {
             id,
             name,
             source_file,
             hidden: false,
-            facts: Arc::new(ShapeFacts::of(&shape)),
-            shape: Arc::new(shape),
-            placement: DAffine3::IDENTITY,
+            shape,
+            facts,
+            placement,
         }));
         id
     }
@@ -452,6 +508,7 @@ impl SceneDocument {
     pub fn face_count(&self) -> usize {
         let faces = |item: &SceneObject| match &*item.shape {
             Shape::Mesh(mesh) => mesh.faces.len(),
+            Shape::Instance(instance) => instance.mesh.faces.len(),
             Shape::Primitive(_) => 1,
             Shape::Exact(exact) => exact.leaves().len(),
         };
@@ -474,6 +531,10 @@ impl SceneDocument {
 fn map_materials(shape: &mut Shape, change: &mut impl FnMut(MaterialId) -> MaterialId) {
     match shape {
         Shape::Mesh(mesh) => mesh.face_materials.iter_mut().for_each(|m| *m = change(*m)),
+        Shape::Instance(instance) => {
+            let mesh = Arc::make_mut(&mut instance.mesh);
+            mesh.face_materials.iter_mut().for_each(|m| *m = change(*m));
+        }
         Shape::Primitive(p) => p.material = change(p.material),
         Shape::Exact(exact) => exact.map_materials(change),
     }

@@ -79,6 +79,7 @@ impl Solution {
 fn is_lit(item: &SceneObject) -> bool {
     match &*item.shape {
         Shape::Mesh(mesh) => mesh.faces.is_empty() || mesh.irradiance.len() == mesh.positions.len(),
+        Shape::Instance(i) => i.mesh.faces.is_empty() || i.light.is_some(),
         Shape::Primitive(p) => p.light.is_some(),
         Shape::Exact(exact) => exact.proxy.is_some(),
     }
@@ -89,6 +90,7 @@ impl SceneDocument {
     pub fn brings_light(&self) -> bool {
         let has_faces = |item: &SceneObject| match &*item.shape {
             Shape::Mesh(mesh) => !mesh.faces.is_empty(),
+            Shape::Instance(instance) => !instance.mesh.faces.is_empty(),
             Shape::Primitive(_) | Shape::Exact(_) => true,
         };
         self.objects.iter().any(|i| has_faces(i) && is_lit(i))
@@ -136,6 +138,7 @@ pub(super) fn remove_irradiance(shape: &mut Shape) {
             mesh.irradiance_error = Vec::new();
             mesh.back = None;
         }
+        Shape::Instance(instance) => instance.light = None,
         Shape::Primitive(p) => p.light = None,
         Shape::Exact(exact) => exact.proxy = None,
     }

@@ -18,7 +18,7 @@ pub struct ViewportFrame<'a> {
     /// The shading mode.
     pub shading: Shading,
     /// The objects to draw.
-    pub objects: &'a [MeshInstance<'a>],
+    pub objects: &'a [DrawnMesh<'a>],
     /// Faces refer to these; a face with a missing material is grey.
     pub materials: &'a [&'a Material],
     /// Materials refer to these.
@@ -50,7 +50,7 @@ impl<'a> ViewportFrame<'a> {
     pub fn new(
         size: [u32; 2],
         camera: &'a Camera,
-        objects: &'a [MeshInstance<'a>],
+        objects: &'a [DrawnMesh<'a>],
         materials: &'a [&'a Material],
     ) -> ViewportFrame<'a> {
         ViewportFrame {
@@ -76,7 +76,7 @@ impl<'a> ViewportFrame<'a> {
 
 /// A placed mesh.
 #[derive(Clone, Copy, Debug)]
-pub struct MeshInstance<'a> {
+pub struct DrawnMesh<'a> {
     /// Identity and revision of the mesh except for its irradiance. A new key uploads the geometry;
     /// it is freed when the key has not been drawn for a while.
     pub key: u64,
@@ -97,11 +97,11 @@ pub struct MeshInstance<'a> {
     pub face_values: Option<FaceValues<'a>>,
 }
 
-impl<'a> MeshInstance<'a> {
+impl<'a> DrawnMesh<'a> {
     /// An unselected mesh with the identity as its placement. `key` is also the revision of its
     /// irradiance.
-    pub fn new(key: u64, mesh: &'a Mesh) -> MeshInstance<'a> {
-        MeshInstance {
+    pub fn new(key: u64, mesh: &'a Mesh) -> DrawnMesh<'a> {
+        DrawnMesh {
             key,
             light_key: key,
             mesh,

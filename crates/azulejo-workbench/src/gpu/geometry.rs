@@ -3,7 +3,7 @@
 //! Only the vertex streams that the shading mode needs are uploaded, when they are first needed.
 
 use super::GpuError;
-use super::frame::{FaceValues, MeshInstance};
+use super::frame::{DrawnMesh, FaceValues};
 use super::mesh_pieces::{MeshPiece, for_each_piece};
 use super::pipelines::VertexAttributes;
 use azulejo::scene::math::Aabb;
@@ -152,7 +152,7 @@ impl GpuMesh {
     /// Uploads the streams in `wanted` that are missing or out of date.
     pub fn upload(
         &mut self,
-        drawn: &MeshInstance,
+        drawn: &DrawnMesh,
         wanted: VertexStreams,
         loader: &mut GpuUploader,
     ) -> Result<(), GpuError> {
@@ -219,7 +219,7 @@ impl GpuMesh {
     }
 
     /// Uploads the selected faces if they have changed.
-    pub fn select(&mut self, drawn: &MeshInstance, loader: &mut GpuUploader) {
+    pub fn select(&mut self, drawn: &DrawnMesh, loader: &mut GpuUploader) {
         let faces = drawn.selected_faces;
         if faces.is_empty() {
             self.selection = None;
@@ -359,7 +359,7 @@ enum FacetSource<'a> {
 }
 
 impl<'a> FacetSource<'a> {
-    fn new(drawn: &MeshInstance<'a>, facets: FacetAttribute) -> FacetSource<'a> {
+    fn new(drawn: &DrawnMesh<'a>, facets: FacetAttribute) -> FacetSource<'a> {
         match (facets, drawn.face_values) {
             (FacetAttribute::Light, _) if is_solved(drawn.mesh) => FacetSource::Light(drawn.mesh),
             (FacetAttribute::Values, Some(values)) => FacetSource::Values(values),
@@ -367,7 +367,7 @@ impl<'a> FacetSource<'a> {
         }
     }
 
-    fn key(&self, drawn: &MeshInstance) -> Option<u64> {
+    fn key(&self, drawn: &DrawnMesh) -> Option<u64> {
         match self {
             // Without values, those of another mode must not remain.
             FacetSource::None => Some(u64::MAX),

@@ -38,7 +38,7 @@ mod uniforms;
 pub use device::HeadlessDevice;
 pub use error::GpuError;
 pub use frame::{
-    Background, ColorScalar, ColorScale, FaceValues, MeshInstance, TextureSource, ViewportFrame,
+    Background, ColorScalar, ColorScale, DrawnMesh, FaceValues, TextureSource, ViewportFrame,
 };
 pub use overlay::{Overlay, OverlayLine, OverlayStyle, OverlayTriangle};
 pub use pick::{PickHit, pick, pick_rectangle};

@@ -1,6 +1,6 @@
 //! The order in which a frame is drawn.
 
-use super::frame::{MeshInstance, ViewportFrame};
+use super::frame::{DrawnMesh, ViewportFrame};
 use super::geometry::{FacetAttribute, GpuMesh, PieceBuffers, VertexStreams};
 use super::overlay::WORDS;
 use super::pipelines::{DrawStage, PipelineKey, RenderPipelines, VertexAttributes};
@@ -131,7 +131,7 @@ pub struct PassEncoder<'a> {
 
 /// An object with its draw stages and the offset of its uniforms.
 struct ObjectDraw<'a> {
-    drawn: &'a MeshInstance<'a>,
+    drawn: &'a DrawnMesh<'a>,
     geometry: &'a GpuMesh,
     visible: &'a VisibleObject,
     number: u32,

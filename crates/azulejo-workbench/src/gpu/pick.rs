@@ -2,7 +2,7 @@
 //!
 //! All triangles are tested: no acceleration structure has to be updated after every edit.
 
-use super::frame::MeshInstance;
+use super::frame::DrawnMesh;
 use super::projection::Projection;
 use azulejo::scene::Mesh;
 use azulejo::scene::math::{Aabb, Ray};
@@ -32,7 +32,7 @@ pub struct PickHit {
 }
 
 /// The nearest intersection with a face, or `None`. With `hides_backs`, back faces are ignored.
-pub fn pick(objects: &[MeshInstance], ray: &Ray, hides_backs: bool) -> Option<PickHit> {
+pub fn pick(objects: &[DrawnMesh], ray: &Ray, hides_backs: bool) -> Option<PickHit> {
     let mut nearest: Option<PickHit> = None;
     for (object, drawn) in objects.iter().enumerate() {
         let mut own = *ray;
@@ -44,7 +44,7 @@ pub fn pick(objects: &[MeshInstance], ray: &Ray, hides_backs: bool) -> Option<Pi
     nearest
 }
 
-fn pick_in(drawn: &MeshInstance, ray: &Ray, hides_backs: bool) -> Option<PickHit> {
+fn pick_in(drawn: &DrawnMesh, ray: &Ray, hides_backs: bool) -> Option<PickHit> {
     let place = drawn.world_from_object;
     let from_world = place.inverse();
     if !from_world.is_finite() {
@@ -161,7 +161,7 @@ fn intersect([a, b, c]: &[DVec3; 3], ray: &Ray) -> Option<(f64, DVec3, bool)> {
 /// The objects with a vertex inside a rectangle of the image (pixels from the upper left corner),
 /// whether occluded or not.
 pub fn pick_rectangle(
-    objects: &[MeshInstance],
+    objects: &[DrawnMesh],
     view: &Projection,
     corner: DVec2,
     opposite: DVec2,
@@ -171,7 +171,7 @@ pub fn pick_rectangle(
         let pixel = view.project(place.transform_point3(p));
         pixel.is_some_and(|q| q.cmpge(low).all() && q.cmple(high).all())
     };
-    let is_touched = |drawn: &MeshInstance| {
+    let is_touched = |drawn: &DrawnMesh| {
         let mesh = drawn.mesh;
         let corners = mesh.faces.corners.par_iter();
         corners.any(|&v| is_inside(&drawn.world_from_object, mesh.positions[v as usize]))
@@ -193,7 +193,7 @@ mod tests {
     #[test]
     fn the_nearest_of_all_is_picked() {
         let (near, far) = (ball(DVec3::Z), ball(-3.0 * DVec3::Z));
-        let objects = [MeshInstance::new(1, &far), MeshInstance::new(2, &near)];
+        let objects = [DrawnMesh::new(1, &far), DrawnMesh::new(2, &near)];
         let ray = Ray::new(DVec3::new(0.1, 0.2, 9.0), -2.0 * DVec3::Z);
         let hit = pick(&objects, &ray, false).expect("a ball");
         assert!(hit.object == 1 && hit.is_front);
@@ -214,12 +214,12 @@ mod tests {
         };
         flat.push_face(&[0, 1, 2], 0);
         for mesh in [mesh, flat, Mesh::default()] {
-            let mut drawn = MeshInstance::new(1, &mesh);
+            let mut drawn = DrawnMesh::new(1, &mesh);
             drawn.world_from_object = DAffine3::from_rotation_translation(
                 glam::DQuat::from_rotation_z(0.4),
                 DVec3::new(5.0, 1.0, -2.0),
             );
-            let boxed = MeshInstance {
+            let boxed = DrawnMesh {
                 bounds: Some(mesh.bounds()),
                 ..drawn
             };
@@ -236,7 +236,7 @@ mod tests {
     fn places_far_away_and_mirrored_count() {
         let mesh = ball(DVec3::ZERO);
         let offset = DVec3::new(3e6, -2e6, 1e6);
-        let mut drawn = MeshInstance::new(1, &mesh);
+        let mut drawn = DrawnMesh::new(1, &mesh);
         drawn.world_from_object = DAffine3::from_scale_rotation_translation(
             DVec3::new(-2.0, 2.0, 2.0),
             glam::DQuat::from_rotation_x(0.3),
@@ -252,7 +252,7 @@ mod tests {
     #[test]
     fn backs_can_be_passed() {
         let mesh = ball(DVec3::ZERO);
-        let drawn = [MeshInstance::new(1, &mesh)];
+        let drawn = [DrawnMesh::new(1, &mesh)];
         let from_inside = Ray::new(DVec3::ZERO, DVec3::new(0.3, 0.2, 1.0));
         let back = pick(&drawn, &from_inside, false).expect("the back");
         assert!(!back.is_front);
@@ -268,7 +268,7 @@ mod tests {
             .map(|(x, y)| DVec3::new(f64::from(x), f64::from(y), 0.0))
             .to_vec();
         mesh.push_face(&[0, 1, 2, 3, 4, 5], 0);
-        let drawn = [MeshInstance::new(1, &mesh)];
+        let drawn = [DrawnMesh::new(1, &mesh)];
         let met = |x, y| {
             let ray = Ray::new(DVec3::new(x, y, 5.0), -DVec3::Z);
             pick(&drawn, &ray, false).is_some()
@@ -279,7 +279,7 @@ mod tests {
     #[test]
     fn a_rectangle_takes_what_it_touches() {
         let (left, right) = (ball(-2.0 * DVec3::X), ball(2.0 * DVec3::X));
-        let objects = [MeshInstance::new(1, &left), MeshInstance::new(2, &right)];
+        let objects = [DrawnMesh::new(1, &left), DrawnMesh::new(2, &right)];
         let camera = Camera {
             name: String::new(),
             eye: 10.0 * DVec3::Z,

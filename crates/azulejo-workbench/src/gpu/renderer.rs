@@ -2,7 +2,7 @@
 
 use super::GpuError;
 use super::device::{DeviceErrors, catch_errors};
-use super::frame::{Background, MeshInstance, TextureSource, ViewportFrame};
+use super::frame::{Background, DrawnMesh, TextureSource, ViewportFrame};
 use super::geometry::{FacetAttribute, GpuMesh, GpuUploader};
 use super::overlay;
 use super::pass::{DrawPlan, PassEncoder, VisibleObject};
@@ -436,13 +436,13 @@ fn materials<'a>(
 }
 
 /// A bounding sphere of a placed mesh.
-fn sphere(drawn: &MeshInstance, geometry: &GpuMesh) -> (glam::DVec3, f64) {
+fn sphere(drawn: &DrawnMesh, geometry: &GpuMesh) -> (glam::DVec3, f64) {
     let centre = drawn.world_from_object.transform_point3(geometry.origin);
     (centre, geometry.radius * stretch(drawn))
 }
 
 /// Upper bound on how much an object's placement stretches lengths.
-fn stretch(drawn: &MeshInstance) -> f64 {
+fn stretch(drawn: &DrawnMesh) -> f64 {
     let m = drawn.world_from_object.matrix3;
     let columns = [m.x_axis, m.y_axis, m.z_axis];
     let is_rigid = columns.iter().all(|c| (c.length() - 1.0).abs() < 1e-6)

@@ -37,6 +37,7 @@ pub fn chord_error(bounds: Aabb, view: &Projection) -> f64 {
 pub fn display_mesh(shape: &Shape, chord_error: f64, lit: bool) -> Cow<'_, Mesh> {
     match shape {
         Shape::Mesh(mesh) => Cow::Borrowed(mesh),
+        Shape::Instance(instance) => Cow::Owned(instance.to_mesh()),
         Shape::Primitive(primitive) => Cow::Owned(of_primitive(primitive, chord_error, lit)),
         Shape::Exact(exact) => match &exact.proxy {
             Some(skin) if lit => Cow::Borrowed(&**skin),

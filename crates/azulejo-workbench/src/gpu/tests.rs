@@ -81,7 +81,7 @@ fn draw_one(
     materials: &[&Material],
     change: impl Fn(&mut ViewportFrame),
 ) -> PixelBuffer {
-    let drawn = [MeshInstance::new(1, mesh)];
+    let drawn = [DrawnMesh::new(1, mesh)];
     let camera = camera(4.0);
     let mut frame = ViewportFrame::new(SIZE, &camera, &drawn, materials);
     frame.background = BLACK;
@@ -136,10 +136,7 @@ fn what_is_nearer_hides_what_is_farther_in_any_order() {
     let camera = camera(4.0);
     on_each_driver(|renderer| {
         for order in [[&near, &far], [&far, &near]] {
-            let drawn = [
-                MeshInstance::new(1, order[0]),
-                MeshInstance::new(2, order[1]),
-            ];
+            let drawn = [DrawnMesh::new(1, order[0]), DrawnMesh::new(2, order[1])];
             renderer.forget();
             let pixels = draw(
                 renderer,
@@ -308,12 +305,12 @@ fn far_from_the_origin_nothing_shakes() {
         let here = draw_one(renderer, &near, &[&white], |_| {});
         let mut there = camera(4.0);
         (there.eye, there.target) = (there.eye + offset, there.target + offset);
-        let drawn = [MeshInstance::new(7, &far)];
+        let drawn = [DrawnMesh::new(7, &far)];
         let mut frame = ViewportFrame::new(SIZE, &there, &drawn, &materials);
         frame.background = BLACK;
         assert_same(&draw(renderer, &frame), &here);
         // The same by the object's placement.
-        let mut placed = MeshInstance::new(8, &near);
+        let mut placed = DrawnMesh::new(8, &near);
         placed.world_from_object = DAffine3::from_translation(offset);
         let drawn = [placed];
         let mut frame = ViewportFrame::new(SIZE, &there, &drawn, &materials);
@@ -354,7 +351,7 @@ fn faces_show_numbers_of_their_own() {
     let values = [0.25, 0.75];
     let camera = camera(4.0);
     on_each_driver(|renderer| {
-        let mut drawn = MeshInstance::new(3, &mesh);
+        let mut drawn = DrawnMesh::new(3, &mesh);
         drawn.face_values = Some(FaceValues {
             key: 1,
             values: &values,
@@ -444,7 +441,7 @@ fn textures_stand_upright() {
     let camera = camera(4.0);
     let mesh = square(0.8, 0.0, 0);
     on_each_driver(|renderer| {
-        let drawn = [MeshInstance::new(1, &mesh)];
+        let drawn = [DrawnMesh::new(1, &mesh)];
         let materials = [&paper];
         let mut frame = ViewportFrame::new(SIZE, &camera, &drawn, &materials);
         (frame.shading, frame.textures) = (Shading::Textured, &textures);
@@ -534,7 +531,7 @@ fn marks_lie_on_top_or_behind() {
     // From behind the camera to behind the square: clipped, not mirrored.
     overlay.line(DVec3::new(0.0, 0.5, 9.0), DVec3::new(0.0, 0.5, 0.1), ink);
     on_each_driver(|renderer| {
-        let drawn = [MeshInstance::new(1, &mesh)];
+        let drawn = [DrawnMesh::new(1, &mesh)];
         let (camera, materials) = (camera(4.0), [&white]);
         let mut frame = ViewportFrame::new(SIZE, &camera, &drawn, &materials);
         frame.overlay = &overlay;
@@ -554,7 +551,7 @@ fn backs_are_red_or_left_out_also_in_a_mirror() {
     let turn = DAffine3::from_rotation_y(std::f64::consts::PI);
     on_each_driver(|renderer| {
         let mut shows = |place: DAffine3, hides_backs: bool| {
-            let mut drawn = MeshInstance::new(1, &mesh);
+            let mut drawn = DrawnMesh::new(1, &mesh);
             drawn.world_from_object = place;
             let drawn = [drawn];
             let mut frame = ViewportFrame::new(SIZE, &camera, &drawn, &[]);
@@ -585,7 +582,7 @@ fn what_is_selected_stands_out() {
     let camera = camera(4.0);
     on_each_driver(|renderer| {
         let mut centre = |selected: bool, faces: &[u32]| {
-            let mut drawn = MeshInstance::new(1, &mesh);
+            let mut drawn = DrawnMesh::new(1, &mesh);
             (drawn.is_selected, drawn.selected_faces) = (selected, faces);
             let drawn = [drawn];
             draw(
@@ -631,7 +628,7 @@ fn only_what_changed_is_brought_again() {
     let camera = camera(4.0);
     on_each_driver(|renderer| {
         let mut bytes = |shading, key, light_key| {
-            let mut drawn = MeshInstance::new(key, &mesh);
+            let mut drawn = DrawnMesh::new(key, &mesh);
             drawn.light_key = light_key;
             let drawn = [drawn];
             let mut frame = ViewportFrame::new(SIZE, &camera, &drawn, &[]);

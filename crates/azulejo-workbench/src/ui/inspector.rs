@@ -4,7 +4,9 @@ use super::panel_context::PanelContext;
 use super::{group_transform, inputs};
 use crate::command::{Command, Selection};
 use crate::document::{Edit, ItemId, SceneCamera, SceneDocument, SceneLight, SceneObject};
-use azulejo::scene::{Camera, Light, LightKind, MaterialId, PrimitiveKind, Rgb, Shape, Units};
+use azulejo::scene::{
+    Camera, Light, LightKind, MaterialId, Mesh, PrimitiveKind, Rgb, Shape, Units,
+};
 use egui::{Grid, Ui};
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use std::sync::Arc;
@@ -109,15 +111,14 @@ fn object(ui: &mut Ui, cx: &mut PanelContext, item: &SceneObject) {
 }
 
 fn kind_of(shape: &Shape, cx: &PanelContext) -> String {
+    let of_mesh = |mesh: &Mesh| {
+        let [vertices, faces] = [cx.tr("vertices"), cx.tr("faces")];
+        let (v, f) = (mesh.positions.len(), mesh.faces.len());
+        format!("{}: {v} {vertices}, {f} {faces}", cx.tr("mesh"))
+    };
     match shape {
-        Shape::Mesh(mesh) => format!(
-            "{}: {} {}, {} {}",
-            cx.tr("mesh"),
-            mesh.positions.len(),
-            cx.tr("vertices"),
-            mesh.faces.len(),
-            cx.tr("faces")
-        ),
+        Shape::Mesh(mesh) => of_mesh(mesh),
+        Shape::Instance(instance) => of_mesh(&instance.mesh),
         Shape::Primitive(p) => match p.kind {
             PrimitiveKind::Sphere => cx.tr("exact sphere").into(),
             PrimitiveKind::Cylinder => cx.tr("exact cylinder").into(),

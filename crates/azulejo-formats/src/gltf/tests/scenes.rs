@@ -57,10 +57,7 @@ fn instances_of_an_extension() {
     let nodes = "\"nodes\":[{\"name\":\"tree\",\"mesh\":0,\"extensions\":\
         {\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"TRANSLATION\":1}}}}],";
     let scene = read(&triangle(&more, &places, &format!("{nodes}{MESH}")), &[]);
-    let placed = scene
-        .objects
-        .iter()
-        .map(|o| o.shape.placed_mesh().unwrap());
+    let placed = scene.objects.iter().map(|o| o.shape.placed_mesh().unwrap());
     let places: Vec<f64> = placed.map(|mesh| mesh.position(0).x).collect();
     assert_eq!(places, [1.0, 2.0]);
     assert_eq!(scene.shared_meshes().len(), 1);

@@ -145,7 +145,7 @@ impl SceneDocument {
             let is_placed = |p: &DVec3| item.placement.transform_point3(*p).is_finite();
             let is_there = match &*item.shape {
                 Shape::Mesh(mesh) => mesh.positions.iter().all(is_placed),
-                Shape::Primitive(_) | Shape::Exact(_) => true,
+                Shape::Instance(_) | Shape::Primitive(_) | Shape::Exact(_) => true,
             };
             let is_there = is_there
                 && (bounds.is_empty() || (bounds.min.is_finite() && bounds.max.is_finite()));

@@ -148,17 +148,18 @@ impl LampSum {
 fn emitter(scene: &Scene, object: &Object, at: DVec3) -> Option<PreviewLamp> {
     let material = |id: u32| scene.materials.get(id as usize).filter(|m| m.is_emitter());
     let mut sum = LampSum::default();
-    match &object.shape {
-        Shape::Mesh(mesh) => {
-            for (face, &id) in mesh.face_materials.iter().enumerate() {
-                let Some(material) = material(id) else {
-                    continue;
-                };
-                let corners = mesh.face_positions(face);
-                let centre = corners.iter().sum::<DVec3>() / corners.len().max(1) as f64;
-                flat(&mut sum, centre - at, mesh.face_area_vector(face), material);
-            }
+    if let Some(mesh) = object.shape.placed_mesh() {
+        for (face, &id) in mesh.mesh.face_materials.iter().enumerate() {
+            let Some(material) = material(id) else {
+                continue;
+            };
+            let corners = mesh.face_positions(face);
+            let centre = corners.iter().sum::<DVec3>() / corners.len().max(1) as f64;
+            flat(&mut sum, centre - at, mesh.face_area_vector(face), material);
         }
+    }
+    match &object.shape {
+        Shape::Mesh(_) | Shape::Instance(_) => {}
         Shape::Primitive(p) if p.kind == PrimitiveKind::Square => {
             let place = p.world_from_object;
             let area = place.matrix3.x_axis.cross(place.matrix3.y_axis);

@@ -2,7 +2,7 @@
 
 use crate::app::App;
 use crate::document::{ItemId, SceneObject};
-use crate::gpu::{FaceValues, MeshInstance, Projection, chord_error, display_mesh, pick};
+use crate::gpu::{DrawnMesh, FaceValues, Projection, chord_error, display_mesh, pick};
 use crate::view::Backdrop;
 use azulejo::scene::math::{Aabb, Ray};
 use azulejo::scene::{Image, Mesh, Rgb, Shape, Texture};
@@ -44,16 +44,17 @@ impl CachedMesh {
             (Some(mesh), _) => mesh,
             (None, Shape::Mesh(mesh)) => mesh,
             (None, Shape::Exact(exact)) => exact.proxy.as_deref().unwrap_or(&EMPTY),
+            (None, Shape::Instance(instance)) => &instance.mesh,
             (None, Shape::Primitive(_)) => &EMPTY,
         }
     }
 
     /// The polygons with their placement, for picking.
-    pub fn drawn(&self) -> MeshInstance<'_> {
-        MeshInstance {
+    pub fn drawn(&self) -> DrawnMesh<'_> {
+        DrawnMesh {
             world_from_object: self.placement,
             bounds: Some(self.bounds),
-            ..MeshInstance::new(self.key, self.mesh())
+            ..DrawnMesh::new(self.key, self.mesh())
         }
     }
 
@@ -80,9 +81,9 @@ impl CachedMesh {
         let Shape::Mesh(mesh) = &*item.shape else {
             return None;
         };
-        let drawn = MeshInstance {
+        let drawn = DrawnMesh {
             world_from_object: item.placement,
-            ..MeshInstance::new(0, mesh)
+            ..DrawnMesh::new(0, mesh)
         };
         pick(&[drawn], ray, false).map(|hit| hit.face)
     }
@@ -93,7 +94,7 @@ impl CachedMesh {
         let item = app.document.object(self.id)?;
         let lit = app.lighting.solution.as_ref()?.shown(item)?;
         let mesh = display_mesh(lit, self.chord_error, true);
-        let hit = pick(&[MeshInstance::new(0, &mesh)], ray, false)?;
+        let hit = pick(&[DrawnMesh::new(0, &mesh)], ray, false)?;
         light_of(&mesh, hit.vertices, hit.barycentric).filter(|_| hit.is_front)
     }
 }
@@ -254,10 +255,10 @@ impl ViewportCache {
 
     /// The meshes to draw, in the order of [`entries`](ViewportCache::entries); if form factors are
     /// shown, their patches replace everything else.
-    pub fn drawn<'a>(&'a self, app: &'a App, shows_factors: bool) -> Vec<MeshInstance<'a>> {
+    pub fn drawn<'a>(&'a self, app: &'a App, shows_factors: bool) -> Vec<DrawnMesh<'a>> {
         if shows_factors && let Some((number, mesh, values)) = &self.form_factors {
             // Keys of objects count up from 1, those of patches down from the maximum.
-            let mut drawn = MeshInstance::new(u64::MAX - number, mesh);
+            let mut drawn = DrawnMesh::new(u64::MAX - number, mesh);
             drawn.face_values = Some(FaceValues {
                 key: *number,
                 values,
@@ -274,12 +275,12 @@ impl ViewportCache {
         app: &'a App,
         entry: &'a CachedMesh,
         selected: &HashSet<ItemId>,
-    ) -> MeshInstance<'a> {
+    ) -> DrawnMesh<'a> {
         let faces = match &app.selection.faces {
             Some((id, faces)) if *id == entry.id => faces.as_slice(),
             _ => &[],
         };
-        MeshInstance {
+        DrawnMesh {
             is_selected: selected.contains(&entry.id) && faces.is_empty(),
             // Selected faces are indices into the model, which mean nothing on the solver's
             // patches: there the overlay marks them.

@@ -5,14 +5,14 @@ use super::legend::number;
 use super::{PanelContext, irradiance_unit};
 use crate::app::App;
 use crate::document::ShadingPoint;
-use crate::gpu::{MeshInstance, PickHit, pick};
+use crate::gpu::{DrawnMesh, PickHit, pick};
 use crate::ui::inspector::named;
 use azulejo::scene::Rgb;
 use azulejo::scene::math::Ray;
 
 /// Object, position, material and light at the point where a ray hits the model.
 pub fn text(cx: &PanelContext, cache: &ViewportCache, ray: &Ray) -> Option<String> {
-    let drawn: Vec<MeshInstance> = cache.entries().iter().map(|e| e.drawn()).collect();
+    let drawn: Vec<DrawnMesh> = cache.entries().iter().map(|e| e.drawn()).collect();
     let hit = pick(&drawn, ray, false)?;
     let entry = &cache.entries()[hit.object];
     let document = &cx.app.document;

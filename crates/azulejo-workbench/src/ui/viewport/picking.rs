@@ -4,7 +4,7 @@
 use super::{Viewport, hover, markers};
 use crate::command::{Command, Selection, SurfacePick};
 use crate::document::ItemId;
-use crate::gpu::{MeshInstance, PickHit, Projection, pick};
+use crate::gpu::{DrawnMesh, PickHit, Projection, pick};
 use crate::ui::panel_context::PanelContext;
 use crate::view::Shading;
 use azulejo::scene::Shape;
@@ -115,27 +115,27 @@ impl Viewport {
     }
 
     fn hit(&self, ray: &Ray) -> Option<PickHit> {
-        let drawn: Vec<MeshInstance> = self.cache.entries().iter().map(|e| e.drawn()).collect();
+        let drawn: Vec<DrawnMesh> = self.cache.entries().iter().map(|e| e.drawn()).collect();
         pick(&drawn, ray, false)
     }
 
     /// Toggles a face in the selection. Faces are those of the model, not the solver's patches.
     fn pick_face(&self, ray: &Ray, cx: &mut PanelContext) {
         let document = &cx.app.document;
-        let meshes: Vec<(ItemId, MeshInstance)> = (document.objects.iter())
+        let meshes: Vec<(ItemId, DrawnMesh)> = (document.objects.iter())
             .filter(|item| !item.hidden)
             .filter_map(|item| match &*item.shape {
                 Shape::Mesh(mesh) => Some((
                     item.id,
-                    MeshInstance {
+                    DrawnMesh {
                         world_from_object: item.placement,
-                        ..MeshInstance::new(0, mesh)
+                        ..DrawnMesh::new(0, mesh)
                     },
                 )),
                 _ => None,
             })
             .collect();
-        let drawn: Vec<MeshInstance> = meshes.iter().map(|(_, d)| *d).collect();
+        let drawn: Vec<DrawnMesh> = meshes.iter().map(|(_, d)| *d).collect();
         let Some(hit) = pick(&drawn, ray, false) else {
             return;
         };
