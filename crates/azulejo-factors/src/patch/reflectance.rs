@@ -112,7 +112,9 @@ pub(super) fn mean_emitted_pictures(scene: &Scene, patches: &Patches) -> Option<
         let of_object = patches.patches_of(object);
         let emits = |i: usize| means[patches.material(i) as usize].is_some();
         let divided = match &scene.objects[object as usize].shape {
-            Shape::Mesh(_) if of_object.clone().any(emits) => patches.refined(object, scene),
+            Shape::Mesh(_) | Shape::Instance(_) if of_object.clone().any(emits) => {
+                patches.refined(object, scene)
+            }
             _ => RefinedShape::Mesh(Mesh::default()),
         };
         for (face, patch) in of_object.enumerate() {

@@ -7,7 +7,7 @@ use super::emitters::{Emission, EmitterPoint};
 use super::flat_faces::FaceKey;
 use crate::Surfaces;
 use crate::sampling::uniform;
-use azulejo_scene::{Rgb, Shape, Texture};
+use azulejo_scene::{Rgb, Texture};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -297,7 +297,7 @@ fn shining_triangles<'a>(surfaces: &Surfaces<'a>) -> Vec<PicturedTriangle<'a>> {
     let scene = surfaces.scene;
     let mut found = Vec::new();
     for (object, o) in (0..).zip(&scene.objects) {
-        let Shape::Mesh(mesh) = &o.shape else {
+        let Some(mesh) = o.shape.mesh() else {
             continue;
         };
         for (face, &id) in (0u32..).zip(&mesh.face_materials) {
@@ -337,7 +337,7 @@ mod tests {
     use super::*;
     use crate::Tracer;
     use crate::sampling::sobol;
-    use azulejo_scene::{Attribute, Image, Material, Mesh, Object, Scene};
+    use azulejo_scene::{Attribute, Image, Material, Mesh, Object, Scene, Shape};
 
     #[test]
     fn cells_hold_their_places() {

@@ -1,6 +1,7 @@
 //! Both passes together.
 
 mod glossy;
+mod instances;
 mod outside;
 mod pictured_lamps;
 mod rtrace;

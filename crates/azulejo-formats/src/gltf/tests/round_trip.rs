@@ -3,10 +3,10 @@
 use crate::{Memory, ReadOptions, gltf};
 use azulejo_scene::{
     Attribute, Camera, Dielectric, Image, Light, LightKind, Material, Mesh, Object, Opacity,
-    OpacityChannel, OpacityMode, OpacityPicture, Primitive, Rgb, Scene, Shape, Sidedness, Texture,
-    Units, Up, WrapMode,
+    OpacityChannel, OpacityMode, OpacityPicture, Primitive, Rgb, Scene, Shape, SharedMesh,
+    Sidedness, Texture, Units, Up, WrapMode,
 };
-use glam::{DVec2, DVec3};
+use glam::{DAffine3, DQuat, DVec2, DVec3};
 use proptest::prelude::*;
 
 fn glb(scene: &Scene) -> Vec<u8> {
@@ -545,4 +545,62 @@ fn pictures_of_the_surroundings_are_no_textures() {
             .iter()
             .all(|l| !l.contains("surroundings"))
     );
+}
+
+/// One mesh in several places stays one, but for a place that nodes cannot say.
+#[test]
+fn shared_meshes_are_written_once() {
+    let mut scene = Scene::default();
+    let id = scene.add_material(Material::diffuse("leaf", Rgb::new(0.25, 0.5, 0.125)));
+    let mut mesh = Mesh {
+        positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z],
+        ..Mesh::default()
+    };
+    mesh.push_face(&[0, 1, 2], id);
+    mesh.push_face(&[0, 3, 1], id);
+    let mut shared = SharedMesh::new(mesh);
+    let shear = DAffine3::from_cols_array(&[1., 0., 0., 0.5, 1., 0., 0., 0., 1., 0., 0., 8.]);
+    let places = [
+        DAffine3::IDENTITY,
+        DAffine3::from_translation(DVec3::new(1.0, 2.0, 4.0)),
+        DAffine3::from_scale(DVec3::new(2.0, 0.5, 1.0)),
+        DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0)),
+        DAffine3::from_scale_rotation_translation(
+            DVec3::splat(2.0),
+            DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5),
+            DVec3::Y,
+        ),
+        shear,
+    ];
+    for place in places {
+        let placed = shared.placed(place).unwrap();
+        scene
+            .objects
+            .push(Object::new("leaf", Shape::Instance(placed)));
+    }
+    scene.validate().unwrap();
+    let once = {
+        let mut alone = scene.clone();
+        alone.objects.truncate(1);
+        glb(&alone).len()
+    };
+    let all = glb(&scene).len();
+    assert!(
+        all < once + 2500,
+        "{all} bytes of six places, {once} of one"
+    );
+    let again = read_back(&scene);
+    assert!(again.shared_meshes().len() <= 2);
+    assert_eq!(again.objects.len(), scene.objects.len());
+    for (a, b) in again.objects.iter().zip(&scene.objects) {
+        let [a, b] = [a, b].map(|o| o.shape.placed_mesh().unwrap());
+        for face in 0..2 {
+            let [p, q] = [&a, &b].map(|m| m.face_positions(face));
+            assert!(
+                p.iter().zip(&q).all(|(p, q)| p.distance(*q) < 1e-6),
+                "{p:?} {q:?}"
+            );
+            assert!(a.face_area_vector(face).distance(b.face_area_vector(face)) < 1e-6);
+        }
+    }
 }

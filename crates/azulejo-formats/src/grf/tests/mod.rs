@@ -4,6 +4,7 @@ mod brdfs;
 mod errors;
 mod exact_shapes;
 mod hostile;
+mod instances;
 mod literal;
 mod plain;
 mod round_trip;
