@@ -184,13 +184,23 @@ fn kind_name(kind: PrimitiveKind) -> &'static str {
 
 fn contents(scene: &Scene, parts: &[ObjectSummary<'_>], report: &mut Report) {
     let sum = |f: fn(&ObjectSummary<'_>) -> usize| parts.iter().map(f).sum::<usize>();
-    let exact = parts.iter().filter(|p| p.kind != "mesh").count();
-    let words = match exact {
-        0 => count(parts.len()),
-        n => format!("{}, {} of them exact shapes", count(parts.len()), count(n)),
-    };
+    let of_kind = |kind: &str| parts.iter().filter(|p| p.kind == kind).count();
+    let instances = of_kind("instance");
+    let exact = parts.len() - of_kind("mesh") - instances;
+    let shared = scene.shared_meshes().len();
+    let mut words = count(parts.len());
+    if exact > 0 {
+        words += &format!(", {} of them exact shapes", count(exact));
+    }
+    if instances > 0 {
+        let meshes = if shared == 1 { "mesh" } else { "meshes" };
+        let (instances, shared) = (count(instances), count(shared));
+        words += &format!(", {instances} of them instances of {shared} {meshes}");
+    }
     report.fact("objects", parts.len(), "objects", words);
     report.value("exact_shapes", exact);
+    report.value("instances", instances);
+    report.value("shared_meshes", shared);
     figures(scene, parts, report);
     for (key, n) in [
         ("materials", scene.materials.len()),

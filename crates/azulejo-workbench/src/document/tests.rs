@@ -5,7 +5,8 @@ use crate::first_pass::LightSettings;
 use azulejo::models::{self, Reading};
 use azulejo::radiosity::{Report, solve};
 use azulejo::scene::{
-    Attribute, Exact, Image, Irradiance, LightKind, Mesh, Primitive, Rgb, Solid, SurfaceGrid,
+    Attribute, Exact, Image, Irradiance, LightKind, Mesh, Primitive, Rgb, SharedMesh, Solid,
+    SurfaceGrid, VertexLight,
 };
 use azulejo::trace::{Progress, Tracer};
 use glam::DVec2;
@@ -137,6 +138,44 @@ fn a_scene_comes_back_from_its_document() {
     ] {
         check(read(name));
     }
+}
+
+/// Instances of a mesh share a shape, also where materials are renumbered; with light they do not.
+#[test]
+fn instances_share_a_shape() {
+    let mut scene = sample_scene();
+    let Shape::Mesh(mesh) = scene.objects[0].shape.clone() else {
+        panic!("the floor is a mesh");
+    };
+    let mut shared = SharedMesh::new(mesh);
+    for k in 0..3 {
+        let place = DAffine3::from_translation(DVec3::Y * f64::from(k));
+        let shape = Shape::Instance(shared.placed(place).unwrap());
+        scene.objects.push(Object::new("shelf", shape));
+    }
+    scene.validate().unwrap();
+    let mut document = SceneDocument::of_scene(sample_scene(), None);
+    let ids = document.append(scene.clone(), None);
+    let [first, last] = [ids.len() - 3, ids.len() - 1].map(|k| document.object(ids[k]).unwrap());
+    assert!(Arc::ptr_eq(&first.shape, &last.shape));
+    assert_eq!(last.placement.translation, 2.0 * DVec3::Y);
+    let mut expected = sample_scene();
+    expected.merge(scene.clone());
+    expected.unfold();
+    assert_eq!(document.scene(), expected);
+    for object in &mut scene.objects {
+        if let Shape::Instance(instance) = &mut object.shape {
+            instance.light = Some(Box::new(VertexLight {
+                irradiance: vec![Rgb::WHITE; instance.mesh.positions.len()],
+                ..VertexLight::default()
+            }));
+        }
+    }
+    let lit = SceneDocument::of_scene(scene.clone(), None);
+    let Shape::Mesh(mesh) = &*lit.objects[lit.objects.len() - 1].shape else {
+        panic!("light needs a mesh of its own");
+    };
+    assert_eq!(mesh.irradiance, vec![Rgb::WHITE; mesh.positions.len()]);
 }
 
 #[test]
