@@ -49,9 +49,10 @@ pub(super) struct GltfWalk<'w, 'a> {
     budget: Budget,
     messages: &'w mut GltfMessages,
     scene: Scene,
-    /// The meshes that look the same at all their nodes; `None` where there is nothing to see, or
-    /// nothing is kept.
-    shared: HashMap<usize, Option<SharedMesh>>,
+    /// The meshes that look the same at all their nodes, with what they take of the budget: every
+    /// place takes as much, since the first pass divides them all. `None` where there is nothing to see,
+    /// or nothing is kept.
+    shared: HashMap<usize, (u64, Option<SharedMesh>)>,
     file: &'w str,
 }
 
@@ -291,15 +292,22 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         name: String,
         placement: NodePlacement,
     ) -> Result<(), ReadError> {
-        if !self.shared.contains_key(&mesh) {
+        let each = if let Some((each, _)) = self.shared.get(&mesh) {
+            let each = *each;
+            self.spend(each)?;
+            each
+        } else {
             let pose = Pose {
                 weights: &[],
                 joints: None,
             };
+            let before = self.budget.left();
             let built = self.built(mesh, pose)?;
-            self.shared.insert(mesh, built.map(SharedMesh::new));
-        }
-        let maps = self.instances(index, node, 0)?;
+            let each = before - self.budget.left();
+            self.shared.insert(mesh, (each, built.map(SharedMesh::new)));
+            each
+        };
+        let maps = self.instances(index, node, each)?;
         for map in maps.unwrap_or_else(|| vec![DAffine3::IDENTITY]) {
             self.instance(name.clone(), mesh, &(placement.world * map))?;
         }
@@ -307,7 +315,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
     }
 
     fn instance(&mut self, name: String, mesh: usize, world: &DAffine3) -> Result<(), ReadError> {
-        let Some(Some(shared)) = self.shared.get_mut(&mesh) else {
+        let Some((_, Some(shared))) = self.shared.get_mut(&mesh) else {
             return self.spend(ELEMENTS_PER_OBJECT);
         };
         let placed = shared.placed(*world);

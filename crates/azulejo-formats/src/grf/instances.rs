@@ -15,10 +15,6 @@ use glam::DAffine3;
 use std::collections::HashMap;
 use std::io::{self, Write};
 
-/// What one more instance takes of the budget, in vertices and corners: about its size in bytes over
-/// theirs.
-const INSTANCE_ELEMENTS: u64 = 16;
-
 impl<'a> GrfParser<'a, '_, '_> {
     /// The name and the place in an `ext shared_mesh`.
     pub fn shared_mesh(
@@ -212,7 +208,9 @@ impl<'d> GrfResolver<'d> {
         if !self.is_repeated || has_light || !block.vertices.named_colors.is_empty() {
             return Ok(None);
         }
-        self.spend(INSTANCE_ELEMENTS, place)?;
+        // Every place counts as a copy does, since the first pass divides them all.
+        let size = block.vertices.positions.len() + block.faces.corners.len();
+        self.spend(size as u64, place)?;
         let map = outer.unwrap_or(DAffine3::IDENTITY);
         let known = self.shared_meshes.included.entry(block).or_default();
         if let Some((_, shared)) = known.iter_mut().find(|(of, _)| of == materials) {
@@ -255,8 +253,12 @@ impl<'d> GrfResolver<'d> {
         place: SourcePosition,
         outer: OuterTransform,
     ) -> ResolveResult<()> {
-        self.spend(INSTANCE_ELEMENTS, place)?;
         let map = outer.unwrap_or(DAffine3::IDENTITY) * block.map;
+        let named = self.shared_meshes.named.get(&*block.of);
+        let size = named.map_or(0, |s| {
+            s.mesh().positions.len() + s.mesh().faces.corners.len()
+        });
+        self.spend(size as u64, place)?;
         let Some(shared) = self.shared_meshes.named.get_mut(&*block.of) else {
             let found = format!("an instance of `{}`", block.of);
             let expected = "the name of an `ext shared_mesh` before it";

@@ -116,7 +116,7 @@ fn an_instance_of_nothing() {
     );
     let error = read(flat.as_bytes(), "test.grf", &Memory::new()).unwrap_err();
     assert!(
-        error.to_string().contains("an invertible transform"),
+        error.to_string().contains("that form an invertible map"),
         "{error}"
     );
 }
