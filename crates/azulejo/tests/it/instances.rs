@@ -2,8 +2,8 @@
 
 use azulejo::radiosity::{Engine, FirstPass, solve};
 use azulejo::render::{ReferencePass, SecondPass, radiance, reference_radiance};
-use azulejo::scene::examples::{CornellVariant, cornell_box};
 use azulejo::scene::math::Ray;
+use azulejo::scene::synthetic::{CornellVariant, cornell_box};
 use azulejo::scene::{
     Attribute, Image, Material, Mesh, Object, Opacity, OpacityChannel, OpacityMode, OpacityPicture,
     Relief, ReliefKind, Rgb, Scene, Shape, SharedMesh, Texture,
