@@ -8,9 +8,7 @@
 use azulejo::scene::math::Ray;
 use azulejo::scene::synthetic::displaced_sphere;
 use azulejo::scene::{Camera, Material, Mesh, Rgb, Shape};
-use azulejo_workbench::gpu::{
-    HeadlessDevice, MeshInstance, Overlay, Renderer, ViewportFrame, pick,
-};
+use azulejo_workbench::gpu::{DrawnMesh, HeadlessDevice, Overlay, Renderer, ViewportFrame, pick};
 use azulejo_workbench::view::Shading;
 use glam::DVec3;
 use std::time::Instant;
@@ -74,7 +72,7 @@ fn bytes_of(mesh: &Mesh) -> usize {
 fn measure(card: HeadlessDevice, mesh: &Mesh, camera: &Camera) {
     let white = Material::diffuse("", Rgb::grey(0.8));
     let materials = [&white; 4];
-    let drawn = [MeshInstance::new(1, mesh)];
+    let drawn = [DrawnMesh::new(1, mesh)];
     let device = card.device.clone();
     let mut renderer = match Renderer::new(card.device, card.queue) {
         Ok(renderer) => renderer,
@@ -108,7 +106,7 @@ fn measure(card: HeadlessDevice, mesh: &Mesh, camera: &Camera) {
 }
 
 fn picking(mesh: &Mesh, camera: &Camera) {
-    let drawn = [MeshInstance::new(1, mesh)];
+    let drawn = [DrawnMesh::new(1, mesh)];
     let rays: Vec<Ray> = (0..20)
         .map(|k| camera.ray(0.5, f64::from(k) / 20.0, 16.0 / 9.0))
         .collect();
