@@ -131,9 +131,9 @@ fn many_includes_of_one_part() {
     let files = Memory::new().with("part.grf", part);
     let mut text = String::new();
     for k in 0..5000 {
-        write!(
+        writeln!(
             text,
-            "transform translation ({k}, 0, 0) begin include \"part.grf\" end\n"
+            "transform translation ({k}, 0, 0) begin include \"part.grf\" end"
         )
         .unwrap();
     }
