@@ -16,7 +16,7 @@ pub struct MeshInstance {
     /// The mesh in its own coordinates, without irradiance.
     pub mesh: Arc<Mesh>,
     /// Its place: invertible, and without mirroring, so that the order of corners is that of the mesh.
-    /// [`MeshInstance::placed`] makes a mirrored mesh where a map mirrors.
+    /// [`SharedMesh::placed`] makes a mirrored mesh where a map mirrors.
     pub world_from_mesh: DAffine3,
     /// Irradiance on its vertices, once the scene is solved.
     pub light: Option<Box<VertexLight>>,
