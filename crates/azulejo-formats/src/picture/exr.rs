@@ -38,7 +38,7 @@ pub type PictureSize = (u32, u32);
 /// ones of 32.
 ///
 /// # Errors
-/// As [`read`].
+/// As [`read`](fn@read).
 pub fn read_channels(
     bytes: &[u8],
 ) -> std::result::Result<(PictureSize, Vec<NamedChannel>), PictureError> {
