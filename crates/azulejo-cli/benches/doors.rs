@@ -7,7 +7,7 @@
 //! optional program (Debian: `apt-get install assimp-utils`); without it its columns stay empty.
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
-use azulejo_formats::{Folder, gltf, obj, ply};
+use azulejo_formats::{Folder, gltf, grf, obj, ply};
 use azulejo_scene::{Attribute, Mesh, Scene, Shape, synthetic};
 use nix::sys::resource::{UsageWho, getrusage};
 use std::fmt::Write;
@@ -33,6 +33,7 @@ fn main() {
     if files.is_empty() {
         files = largest_of_the_corpus();
         files.extend(made_up(&folder));
+        files.extend(forest(&folder));
     }
     println!(
         "{:>9} | {:>8} {:>8} | {:>8} {:>8} | {:>6} {:>6} | {:>8} {:>8} {:>6} | file",
@@ -111,11 +112,35 @@ fn made_up(folder: &Path) -> Vec<PathBuf> {
     ]
 }
 
+/// 1,900 places of a ball of some 4,000 triangles: a GRF that includes it in each, and a GLB of as many
+/// nodes.
+fn forest(folder: &Path) -> Vec<PathBuf> {
+    let mut part = Vec::new();
+    grf::write(&synthetic::displaced_sphere(4_000), &mut part).expect("memory takes all");
+    fs::write(folder.join("tree.grf"), part).expect("space for a file");
+    let mut text = String::new();
+    for k in 0..1900 {
+        let (x, z) = (10 * (k % 50), 10 * (k / 50));
+        let place = format!("translation ({x}, 0, {z})");
+        writeln!(text, "transform {place} begin include \"tree.grf\" end").expect("memory");
+    }
+    let path = folder.join("forest.grf");
+    fs::write(&path, &text).expect("space for a file");
+    let loaded = azulejo_formats::read(text.as_bytes(), "forest.grf", &Folder::of_model(&path));
+    let mut glb = Vec::new();
+    gltf::write(&loaded.expect("own text").scene, &mut glb).expect("memory takes all");
+    let nodes = folder.join("forest.glb");
+    fs::write(&nodes, glb).expect("space for a file");
+    vec![path, nodes]
+}
+
+/// The meshes of a scene, those that are shared once.
 fn meshes(scene: &Scene) -> impl Iterator<Item = &Mesh> {
-    scene.objects.iter().filter_map(|o| match &o.shape {
+    let own = scene.objects.iter().filter_map(|o| match &o.shape {
         Shape::Mesh(mesh) => Some(mesh),
         _ => None,
-    })
+    });
+    own.chain(scene.shared_meshes().into_iter().map(|m| &**m))
 }
 
 fn ascii_ply(scene: &Scene) -> String {
