@@ -1,7 +1,7 @@
 //! Counts of a scene's elements.
 
 use azulejo_scene::math::Aabb;
-use azulejo_scene::{Mesh, Scene, Shape};
+use azulejo_scene::{Mesh, Scene};
 use std::collections::BTreeSet;
 
 /// azulejo's own convention, which the table prints: an object is a placed mesh or primitive; its
@@ -22,12 +22,7 @@ pub struct Counts {
 
 impl Counts {
     pub fn of(scene: &Scene) -> Counts {
-        let meshes = || {
-            scene.objects.iter().filter_map(|o| match &o.shape {
-                Shape::Mesh(mesh) => Some(mesh),
-                _ => None,
-            })
-        };
+        let meshes = || scene.objects.iter().filter_map(|o| o.shape.mesh());
         let parts: Vec<(usize, usize)> = meshes().map(parts_and_positions).collect();
         Counts {
             objects: scene.objects.len(),
