@@ -44,6 +44,7 @@ pub fn choose(
         None if view.from.is_some() || view.at.is_some() => of_all(scene, aspect(size)),
         None => first(scene, aspect(size)),
     };
+    let up = up.or_else(|| upright(&camera, view, scene.units.up.axis()));
     let camera = overridden(camera, view, up);
     check(&camera)?;
     Ok((camera, size))
@@ -99,6 +100,16 @@ pub fn turntable(camera: &Camera, count: u32, up: DVec3) -> Vec<Camera> {
         }
     };
     (0..count).map(turned).collect()
+}
+
+/// The up axis for a camera that is moved: from elsewhere, the tilt of the scene's own camera would be a
+/// roll. `None` if it is not moved, has another axis, or looks along it.
+fn upright(camera: &Camera, view: &CameraArgs, axis: DVec3) -> Option<DVec3> {
+    let is_moved = view.camera.is_none() && (view.from.is_some() || view.at.is_some());
+    let eye = view.from.unwrap_or(camera.eye);
+    let forward = (view.at.unwrap_or(camera.target) - eye).normalize_or_zero();
+    let has_axis = camera.up.normalize_or_zero().dot(axis) > 0.5;
+    (is_moved && has_axis && forward.cross(axis).length() > 0.01).then_some(axis)
 }
 
 fn overridden(camera: Camera, view: &CameraArgs, up: Option<DVec3>) -> Camera {

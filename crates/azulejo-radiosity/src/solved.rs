@@ -28,6 +28,14 @@ const PATCH_SHARE: f64 = 0.6;
 /// leaves little of their noise.
 const REFINEMENT_SHARE: f64 = 0.05;
 
+/// What surfaces reflect at most where the light between some of them does not die out: so white paint
+/// and ceramics do. Models have cavities that reflect all, of which little is seen.
+const MOST_REFLECTED: f64 = 0.98;
+
+/// Most of the emitted light that may be absorbed so: where it is more, the brightness of the scene would
+/// be that of the limit.
+const MOST_ABSORBED: f64 = 0.1;
+
 /// Paths from the middle of each side of a patch, where patches have no radiosity: sides are chosen
 /// for whole surfaces.
 const SIDE_RAYS: u32 = 4;
@@ -83,6 +91,8 @@ pub(crate) struct SolvedPatches<'a> {
     engine_used: EngineUsed,
     /// Whether bounces are limited.
     has_light_left: bool,
+    /// Share of the emitted light that is absorbed because reflectances were limited.
+    absorbed_by_limit: f64,
 }
 
 /// Called with a solution that is about to be refined.
@@ -105,7 +115,7 @@ impl<'a> SolvedPatches<'a> {
             return Err(SolveError::NoSurface);
         }
         let gatherer = Gatherer::new(Surfaces::new(scene, tracer));
-        let reflectance = reflectances(scene, &patches);
+        let mut reflectance = reflectances(scene, &patches);
         let seed = hash(&[pass.key(), 0]);
         let enough = pass.patch_rays(purpose, patches.len());
         let rays = if progress.has_deadline() {
@@ -115,28 +125,46 @@ impl<'a> SolvedPatches<'a> {
         };
         // Entries of eight bytes, hardly more of them than rays.
         let expected = patches.len() as u64 * u64::from(rays) * 8;
-        let parts = SolverInputs {
-            gatherer: &gatherer,
-            patches: &patches,
-            reflectance: &reflectance,
-            rays,
-            goal: pass.goal(purpose, patches.len()),
-            seed,
+        let mut solve = |reflectance: &[Rgb]| -> Result<PatchSolution, SolveError> {
+            let parts = SolverInputs {
+                gatherer: &gatherer,
+                patches: &patches,
+                reflectance,
+                rays,
+                goal: pass.goal(purpose, patches.len()),
+                seed,
+            };
+            progress.limit_phase(PATCH_SHARE);
+            let found = if pass.engine == Engine::Particles {
+                Some(parts.particles(pass, progress)?)
+            } else if expected <= pass.memory {
+                parts.matrix(pass, progress, watch)?
+            } else {
+                parts.shoot(pass, expected, progress)?
+            };
+            match found {
+                Some(found) => Ok(found),
+                None => parts.without_patches(purpose, progress),
+            }
         };
-        progress.limit_phase(PATCH_SHARE);
-        let found = if pass.engine == Engine::Particles {
-            Some(parts.particles(pass, progress)?)
-        } else if expected <= pass.memory {
-            parts.matrix(pass, progress, watch)?
-        } else {
-            parts.shoot(pass, expected, progress)?
-        };
-        let found = match found {
-            Some(found) => found,
-            None => parts.without_patches(purpose, progress)?,
-        };
+        let mut found = solve(&reflectance)?;
+        let mut absorbed_by_limit = 0.0;
         if pass.bounces.is_none() && !found.solution.convergence.is_reached {
-            return Err(SolveError::Endless(found.solution.convergence.iterations));
+            let endless = SolveError::Endless(found.solution.convergence.iterations);
+            let limited: Vec<Rgb> = reflectance.iter().map(|r| r.map(limited)).collect();
+            found = solve(&limited)?;
+            absorbed_by_limit = found.absorbed_by_limit(&patches, &reflectance, &limited);
+            let is_small = absorbed_by_limit <= MOST_ABSORBED;
+            if !found.solution.convergence.is_reached || !is_small {
+                return Err(endless);
+            }
+            found.engine_used.notes.push(format!(
+                "surfaces that reflect more than {:.0}% were taken to reflect that much, because the \
+                 light between some of them did not die out; they absorb {:.2}% of all light",
+                100.0 * MOST_REFLECTED,
+                100.0 * absorbed_by_limit
+            ));
+            reflectance = limited;
         }
         if found.method != Method::Paths {
             progress.measured(Measure::PatchError(found.solution.error(&patches)));
@@ -156,6 +184,7 @@ impl<'a> SolvedPatches<'a> {
             method,
             engine_used,
             has_light_left: pass.bounces.is_some(),
+            absorbed_by_limit,
         })
     }
 
@@ -207,13 +236,14 @@ impl<'a> SolvedPatches<'a> {
         pass.bounces.map(light)
     }
 
-    /// The share of the emitted power that is missing beyond its standard error: as much at least is
-    /// wrong with the light. Nothing, where light is on its way because bounces are limited.
+    /// The share of the emitted power that is missing beyond its standard error, or that limits of
+    /// reflectances absorb: as much at least is wrong with the light. Nothing, where light is on its way because bounces are limited.
     fn unexplained(&self) -> f64 {
         if self.has_light_left {
             return 0.0;
         }
-        self.solution.balance.lost(self.solution.balance_error)
+        let lost = self.solution.balance.lost(self.solution.balance_error);
+        lost.max(self.absorbed_by_limit)
     }
 
     pub fn report(&self, gathering: &Gathering) -> Report {
@@ -249,6 +279,24 @@ struct PatchSolution {
     spent: RefinementWork,
     method: Method,
     engine_used: EngineUsed,
+}
+
+impl PatchSolution {
+    /// The share of the emitted light that surfaces absorb because their reflectance was limited.
+    fn absorbed_by_limit(&self, patches: &Patches, given: &[Rgb], limited: &[Rgb]) -> f64 {
+        let incident = self.solution.incident.iter().enumerate();
+        let absorbed = incident.fold(Rgb::BLACK, |sum, (side, h)| {
+            let patch = side / 2;
+            sum + (given[patch] - limited[patch]) * *h * patches.area(patch)
+        });
+        let emitted = self.solution.balance.emitted.max_channel();
+        absorbed.max_channel() / emitted.max(f64::MIN_POSITIVE)
+    }
+}
+
+/// A reflectance, or the most of [`MOST_REFLECTED`].
+fn limited(reflectance: f64) -> f64 {
+    reflectance.min(MOST_REFLECTED)
 }
 
 /// The inputs of a solution.

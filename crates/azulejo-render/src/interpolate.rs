@@ -2,10 +2,13 @@
 
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{
-    BackIrradiance, Material, Mesh, PlacedMesh, Primitive, Rgb, Scene, Shape, TriangleTree,
+    Attribute, BackIrradiance, Material, Mesh, Object, PlacedMesh, Primitive, Rgb, Scene, Shape,
+    TriangleTree,
 };
 use azulejo_trace::{Item, KernelHit, KernelRay, Tracer};
 use glam::{DAffine3, DVec2, DVec3};
+use std::collections::HashMap;
+use std::sync::Arc;
 
 /// The irradiance of corners may differ by this share of the largest.
 const UNEVEN: f64 = 0.5;
@@ -16,6 +19,8 @@ pub(crate) struct Interpolator<'a> {
     tracer: &'a Tracer,
     /// By prototype: what all instances of a mesh share is stored once.
     items: Vec<ItemFace>,
+    /// For each object the normals of its mesh, if it has smoothing groups instead.
+    group_normals: Vec<Option<Arc<Attribute<DVec3>>>>,
     /// For each object its proxy mesh, if it is an exact shape with irradiance.
     proxies: Vec<Option<IrradianceProxy<'a>>>,
 }
@@ -96,6 +101,7 @@ impl<'a> Interpolator<'a> {
                 .iter()
                 .map(|o| IrradianceProxy::of(&o.shape))
                 .collect(),
+            group_normals: group_normals(scene),
             scene,
             tracer,
         }
@@ -154,7 +160,10 @@ impl<'a> Interpolator<'a> {
         let (item, shape) = self.at(hit);
         let placed = shape.placed_mesh()?;
         let mesh = placed.mesh;
-        let normals = mesh.normals.as_ref()?;
+        let normals = match &mesh.normals {
+            Some(normals) => normals,
+            None => self.group_normals[item.object as usize].as_deref()?,
+        };
         let [u, v] = hit.uv().map(f64::from);
         let weights = Weights::on_face(item, u, v);
         let pairs = weights.corners.iter().zip(weights.weights);
@@ -190,6 +199,18 @@ impl<'a> Interpolator<'a> {
         let texture = |id| self.scene.textures.get(id as usize);
         material.pattern(color, uv.flatten(), texture)
     }
+}
+
+/// For each object the normals by its smoothing groups; instances of one mesh share them.
+fn group_normals(scene: &Scene) -> Vec<Option<Arc<Attribute<DVec3>>>> {
+    let mut known: HashMap<*const Mesh, Option<Arc<Attribute<DVec3>>>> = HashMap::new();
+    let of_object = |object: &Object| {
+        let mesh = object.shape.mesh().filter(|m| m.normals.is_none())?;
+        let of_mesh = || mesh.group_normals().map(Arc::new);
+        let entry = known.entry(std::ptr::from_ref(mesh));
+        entry.or_insert_with(of_mesh).clone()
+    };
+    scene.objects.iter().map(of_object).collect()
 }
 
 impl<'a> IrradianceProxy<'a> {

@@ -145,6 +145,46 @@ impl Mesh {
         self.smoothing.get(face).copied().unwrap_or(0)
     }
 
+    /// Unit normals of corners by the smoothing groups: the mean of the faces of one group around a
+    /// vertex, weighted by their angles there. `None` without groups.
+    ///
+    /// Thürmer and Wüthrich, *Computing vertex normals from polygonal facets*, Journal of Graphics Tools
+    /// 3(1), 1998.
+    pub fn group_normals(&self) -> Option<Attribute<DVec3>> {
+        if self.smoothing.iter().all(|&group| group == 0) {
+            return None;
+        }
+        let mut found = Attribute {
+            values: Vec::new(),
+            corners: Some(Vec::with_capacity(self.faces.corners.len())),
+        };
+        let mut known: HashMap<(u32, u32), u32> = HashMap::new();
+        for (face, corners) in self.faces.iter().enumerate() {
+            let positions = self.face_positions(face);
+            let normal = area_vector(&positions).normalize_or_zero();
+            let (group, count) = (self.smoothing_group(face), positions.len());
+            for (k, &vertex) in corners.iter().enumerate() {
+                let next = positions[(k + 1) % count] - positions[k];
+                let last = positions[(k + count - 1) % count] - positions[k];
+                let new = found.values.len() as u32;
+                let index = match group {
+                    0 => new,
+                    _ => *known.entry((vertex, group)).or_insert(new),
+                };
+                if index == new {
+                    found.values.push(DVec3::ZERO);
+                }
+                let angle = next.cross(last).length().atan2(next.dot(last));
+                found.values[index as usize] += angle * normal;
+                found.corners.get_or_insert_default().push(index);
+            }
+        }
+        for value in &mut found.values {
+            *value = value.normalize_or(DVec3::Z);
+        }
+        Some(found)
+    }
+
     /// The smallest box around the vertices that faces use.
     pub fn bounds(&self) -> Aabb {
         Aabb::around(
@@ -181,5 +221,45 @@ impl Mesh {
         (0..self.faces.len())
             .map(|f| self.face_area_vector(f).length())
             .sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A roof of two slopes: smooth along its ridge in one group, not in two, nor in none.
+    #[test]
+    fn groups_make_normals() {
+        let roof = |smoothing: Vec<u32>| {
+            let mut mesh = Mesh {
+                positions: vec![
+                    DVec3::new(-1.0, 0.0, 0.0),
+                    DVec3::new(0.0, 0.0, 1.0),
+                    DVec3::new(0.0, 1.0, 1.0),
+                    DVec3::new(1.0, 0.0, 0.0),
+                ],
+                smoothing,
+                ..Mesh::default()
+            };
+            mesh.push_face(&[0, 1, 2], 0);
+            mesh.push_face(&[1, 3, 2], 0);
+            mesh
+        };
+        assert!(roof(Vec::new()).group_normals().is_none());
+        assert!(roof(vec![0, 0]).group_normals().is_none());
+        let at = |mesh: &Mesh, corner: usize| {
+            let normals = mesh.group_normals().unwrap();
+            normals.at(corner, mesh.faces.corners[corner])
+        };
+        let one = roof(vec![3, 3]);
+        assert_eq!(at(&one, 1), at(&one, 3));
+        assert!(at(&one, 1).x.abs() < 1e-12, "{}", at(&one, 1));
+        for apart in [roof(vec![1, 2]), roof(vec![0, 2])] {
+            for (corner, face) in [(0, 0), (1, 0), (3, 1), (5, 1)] {
+                let normal = apart.face_area_vector(face).normalize();
+                assert!(at(&apart, corner).distance(normal) < 1e-12);
+            }
+        }
     }
 }

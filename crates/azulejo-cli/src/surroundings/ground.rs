@@ -7,7 +7,7 @@ use azulejo_scene::{Mesh, Scene, Shape};
 const COVERED: f64 = 0.5;
 
 /// Height above the lowest point, relative to the model's size, below which faces may be ground.
-const BOTTOM: f64 = 0.05;
+const BOTTOM: f64 = 0.02;
 
 /// The name of the object whose upward faces near the bottom cover most of the model's footprint.
 pub fn modelled(scene: &Scene) -> Option<&str> {
@@ -21,21 +21,18 @@ pub fn modelled(scene: &Scene) -> Option<&str> {
     let footprint = size.x * size.y * size.z / height.max(f64::MIN_POSITIVE);
     let limit = bounds.min.dot(up) + BOTTOM * size.max_element();
     let covers = |mesh: &Mesh| {
-        let face = |corners: &[u32]| {
-            let corners: Vec<_> = corners
-                .iter()
-                .map(|&c| mesh.positions[c as usize])
-                .collect();
-            let is_low = corners.iter().all(|p| p.dot(up) <= limit);
-            // Faces of either orientation: many models have floors that are turned.
-            if is_low {
-                area_vector(&corners).dot(up).abs()
-            } else {
-                0.0
+        // Of both orientations: many models have floors that are turned. The larger of the two, because
+        // a plate has both.
+        let mut areas = [0.0f64; 2];
+        for k in 0..mesh.faces.len() {
+            let corners = mesh.faces.get(k).iter();
+            let corners: Vec<_> = corners.map(|&c| mesh.positions[c as usize]).collect();
+            if corners.iter().all(|p| p.dot(up) <= limit) {
+                let area = area_vector(&corners).dot(up);
+                areas[usize::from(area > 0.0)] += area.abs();
             }
-        };
-        let area: f64 = (0..mesh.faces.len()).map(|k| face(mesh.faces.get(k))).sum();
-        area > COVERED * footprint
+        }
+        areas[0].max(areas[1]) > COVERED * footprint
     };
     let is_flat = height <= 1e-9 * size.max_element();
     let found = scene.objects.iter().find(|object| match &object.shape {

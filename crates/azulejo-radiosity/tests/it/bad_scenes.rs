@@ -270,6 +270,52 @@ fn rooms_that_absorb_nothing() {
     }
 }
 
+/// A cavity that absorbs nothing does not darken the rest of a scene, if little light gets into it:
+/// the limit of its reflectance is said, with what it absorbs.
+#[test]
+fn cavities_that_absorb_nothing() {
+    for (power, is_solved) in [(1e-3, true), (0.5, false)] {
+        let mut scene = cube(std::array::from_fn(|k| {
+            surface(0.5, 0.0, f64::from(k == 0))
+        }));
+        let mut cavity = cube(std::array::from_fn(|k| {
+            surface(1.0, 0.0, if k == 0 { power } else { 0.0 })
+        }));
+        for object in &mut cavity.objects {
+            if let Shape::Mesh(mesh) = &mut object.shape {
+                mesh.transform(&DAffine3::from_translation(10.0 * DVec3::X));
+            }
+        }
+        let alone = run(&scene, &small()).unwrap();
+        scene.merge(cavity);
+        for memory in [u64::MAX, 0] {
+            let found = run(&scene, &FirstPass { memory, ..small() });
+            if !is_solved {
+                assert!(matches!(found, Err(SolveError::Endless(1..))), "{found:?}");
+                continue;
+            }
+            let found = found.unwrap();
+            let notes = &found.report.engine_used.notes;
+            assert!(
+                notes.iter().any(|n| n.contains("taken to reflect")),
+                "{notes:?}"
+            );
+            let mean = |light: &LightSolution| {
+                let room = &light.irradiance.objects[..alone.irradiance.objects.len()];
+                let all = room.iter().flat_map(|o| match o {
+                    ObjectIrradiance::Vertices { irradiance, .. } => irradiance.clone(),
+                    ObjectIrradiance::Refined(mesh) => mesh.irradiance.clone(),
+                    ObjectIrradiance::Surface(s) => s.irradiance.clone(),
+                });
+                let all: Vec<f64> = all.map(|e| e.mean()).collect();
+                all.iter().sum::<f64>() / all.len() as f64
+            };
+            let (a, b) = (mean(&alone), mean(&found));
+            assert!((a / b - 1.0).abs() < 0.1, "{a} {b}");
+        }
+    }
+}
+
 /// Points far outside, or without a normal, get some answer.
 #[test]
 fn points_that_make_no_sense() {
