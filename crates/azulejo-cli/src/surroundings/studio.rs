@@ -50,11 +50,11 @@ const DISTANCE: f64 = 2.2;
 const FLOOR: f64 = 6.0;
 
 /// Faces along each edge of the floor.
-const FLOOR_CELLS: u32 = 32;
+const FLOOR_CELLS: u32 = 64;
 
 /// How much smaller faces are in the middle of the floor than at its edges: the power to which
 /// their places are raised.
-const GRADING: f64 = 1.7;
+const GRADING: f64 = 2.0;
 
 /// Gap between the model and the floor, relative to the size of the model: faces that lie on it
 /// would flicker.
