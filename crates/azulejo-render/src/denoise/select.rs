@@ -62,25 +62,17 @@ impl FilterSelection {
             let filtered: f32 = (0..FILTERS).map(|f| shares[k][f] * risks[f][k]).sum();
             filtered + (1.0 - shares[k].iter().sum::<f32>()) * before[k]
         };
-        let known: Vec<f64> = before.iter().map(|&risk| f64::from(risk)).collect();
-        let left: Vec<f64> = (0..count).map(|k| f64::from(after(k))).collect();
-        let error_before = (known.iter().sum::<f64>() / (3 * count).max(1) as f64).sqrt();
-        let error_after = left_over(&left).min(error_before);
+        let root = |of: &dyn Fn(usize) -> f32| {
+            let sum: f64 = (0..count).map(|k| f64::from(of(k))).sum();
+            (sum / (3 * count).max(1) as f64).max(0.0).sqrt()
+        };
+        let (error_before, error_after) = (root(&|k| before[k]), root(&after));
         FilterSelection {
             error_before,
             error_after,
             shares,
         }
     }
-}
-
-/// Root of the mean of Stein's estimates, per channel, and its standard error: they scatter around what is
-/// left, below 0 too, and the least were chosen, so the mean alone would promise too much.
-fn left_over(risks: &[f64]) -> f64 {
-    let count = risks.len().max(1) as f64;
-    let mean = risks.iter().sum::<f64>() / count;
-    let squares: f64 = risks.iter().map(|risk| (risk - mean).powi(2)).sum();
-    ((mean.max(0.0) + squares.sqrt() / count) / 3.0).sqrt()
 }
 
 /// Means of risks over the pixels around each that show the same surface: the edges of lamps, which no
