@@ -57,19 +57,6 @@ impl MeshInstance {
         self.world_from_mesh.transform_point3(position)
     }
 
-    /// The factor by which its map changes all lengths; `None` where it differs by direction by more
-    /// than rounding.
-    pub fn scale(&self) -> Option<f64> {
-        let m = self.world_from_mesh.matrix3;
-        let gram = m.transpose() * m;
-        let square = m.determinant().abs().cbrt().powi(2);
-        let even = DMat3::from_diagonal(DVec3::splat(square));
-        let rest = gram - even;
-        let far = [rest.x_axis, rest.y_axis, rest.z_axis].map(|c| c.abs().max_element());
-        let is_even = far.into_iter().all(|x| x <= 1e-12 * square);
-        is_even.then(|| square.sqrt())
-    }
-
     /// Stores the irradiance that the first pass computed.
     ///
     /// # Panics
