@@ -366,6 +366,7 @@ impl<'a> HemicubeEstimator<'a> {
             via: self.via(pixel.order),
             depth: u16::from(pixel.order),
             density: 0.0,
+            passed_pane: false,
         }
     }
 

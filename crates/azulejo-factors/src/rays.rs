@@ -79,6 +79,7 @@ impl<'a> RowSampler<'a> {
                 via: Via::Direct,
                 depth: 0,
                 density: 0.0,
+                passed_pane: false,
             }
         }));
     }
@@ -262,7 +263,7 @@ impl<'a> RayEstimator<'a> {
                     next_event.add(self.gatherer, path, &hit, 0, chances);
                     if self.columns == Columns::All || !material.diffuse.is_black() {
                         let patch = self.hit_patches.at(&hit);
-                        sums.add(side(patch, front), order(path.via), weight);
+                        sums.add(side(patch, front), order(path), weight);
                     }
                 }
             }

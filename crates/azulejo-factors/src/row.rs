@@ -2,7 +2,7 @@
 
 use azulejo_scene::Rgb;
 use azulejo_trace::REPLICATES;
-use azulejo_trace::follow::Via;
+use azulejo_trace::follow::{Path, Via};
 
 /// One side of a patch p: 2p for the front, 2p + 1 for the back.
 pub type Side = u32;
@@ -19,8 +19,9 @@ pub const ORDERS: usize = 3;
 pub type Order = u8;
 
 /// The order of a path.
-pub fn order(via: Via) -> Order {
-    match via {
+pub fn order(path: &Path) -> Order {
+    match path.via {
+        _ if path.passed_pane => 2,
         Via::Direct => 0,
         Via::Mirror(_) => 1,
         Via::Many => 2,

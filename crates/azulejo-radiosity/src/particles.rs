@@ -430,6 +430,7 @@ impl ParticleTracing<'_> {
             via: Via::Direct,
             depth: 0,
             density: 0.0,
+            passed_pane: false,
         }
     }
 
@@ -503,6 +504,7 @@ impl ParticleTracing<'_> {
                     via: Via::Direct,
                     depth: 0,
                     density: 0.0,
+                    passed_pane: false,
                 });
             }
         });

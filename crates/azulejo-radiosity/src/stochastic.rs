@@ -287,6 +287,7 @@ impl Shooter<'_> {
             via: Via::Direct,
             depth: 0,
             density: 0.0,
+            passed_pane: false,
         }
     }
 

@@ -452,11 +452,11 @@ impl<'a> CameraPath<'_, 'a> {
         let survival = ROULETTE.survival(carried, || self.chance());
         let Some(survival) = survival else { return };
         self.scratch.pending.push(Segment {
-            ray: at.spawn_ray(self.integrator.tracer(), next.direction),
+            ray: at.spawn_ray(self.integrator.tracer(), &next),
             weight: weight / survival,
             depth: segment.depth + 1,
             scattered: segment.scattered + u32::from(next.density != 0.0),
-            density: next.density,
+            density: next.density_after(segment.density),
         });
     }
 

@@ -305,9 +305,9 @@ impl<'a> PathTracer<'a> {
 
     /// The path leaves the surface in that direction.
     fn turn(&self, path: &mut PathState, at: &SurfaceInteraction, next: &Continuation) {
-        path.ray = at.spawn_ray(self.scene.tracer(), next.direction);
+        path.ray = at.spawn_ray(self.scene.tracer(), next);
         path.weight *= next.weight;
         path.scattered += u32::from(next.density != 0.0);
-        path.density = next.density;
+        path.density = next.density_after(path.density);
     }
 }

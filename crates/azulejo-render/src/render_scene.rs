@@ -26,7 +26,7 @@ pub(crate) struct ShadowBatch {
     rays: Vec<KernelRay>,
     light: Vec<Rgb>,
     /// What passes along each ray.
-    shares: Vec<f32>,
+    shares: Vec<Rgb>,
 }
 
 impl<'a> RenderScene<'a> {
@@ -243,8 +243,6 @@ impl ShadowBatch {
         }
         tracer.transmittance(&self.rays, &mut self.shares);
         let free = self.light.iter().zip(&self.shares);
-        free.filter(|(_, share)| **share > 0.0)
-            .map(|(&light, &share)| light * f64::from(share))
-            .sum()
+        free.map(|(&light, &share)| light * share).sum()
     }
 }

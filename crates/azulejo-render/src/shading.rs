@@ -270,6 +270,7 @@ impl<'a> Shading<'a> {
             direction,
             weight,
             density: pdf,
+            is_straight: false,
         }))
     }
 }

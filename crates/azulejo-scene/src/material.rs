@@ -81,6 +81,14 @@ pub struct Dielectric {
     pub thin: bool,
 }
 
+impl Dielectric {
+    /// Whether light that passes goes straight on: through a pane, and into a body that does not
+    /// refract.
+    pub fn is_straight(&self) -> bool {
+        self.thin || self.ior == 1.0
+    }
+}
+
 /// An image that materials refer to.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Texture {

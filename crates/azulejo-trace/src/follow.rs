@@ -25,9 +25,12 @@ pub struct Path {
     /// Density of the ray's direction, 1/sr, if it was sampled from glossy lobes; 0 otherwise.
     /// Multiple importance sampling weights by it the light that next event estimation finds too.
     pub density: f32,
+    /// Whether it passed a thin pane, straight on. Such panes do not count for `via` and `density`,
+    /// as shadow rays pass them too.
+    pub passed_pane: bool,
 }
 
-/// What lies between the start of a path and its current ray.
+/// What lies between the start of a path and its current ray, beside thin panes that it passed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Via {
     /// Nothing.
@@ -234,12 +237,13 @@ impl SpecularHit<'_> {
     fn next(&self, tracer: &Tracer, next: Continuation) -> Outcome {
         let weight = self.path.weight * next.weight;
         let next = Path {
-            ray: self.at.spawn_ray(tracer, next.direction),
+            ray: self.at.spawn_ray(tracer, &next),
             id: self.path.id,
             weight,
             via: self.via(&next),
             depth: self.path.depth + 1,
-            density: next.density as f32,
+            density: next.density_after(self.path.density.into()) as f32,
+            passed_pane: self.path.passed_pane || next.is_straight,
         };
         let least = WEIGHT_CUT * self.heaviest;
         if weight.max_channel() > least && next.depth < DEPTH_CUT {
@@ -253,6 +257,7 @@ impl SpecularHit<'_> {
     fn via(&self, next: &Continuation) -> Via {
         let is_mirrored = self.material.dielectric.is_none() && next.density == 0.0;
         match self.path.via {
+            via if next.is_straight => via,
             Via::Direct if is_mirrored => Via::Mirror(self.item),
             _ => Via::Many,
         }
@@ -276,6 +281,7 @@ impl SpecularHit<'_> {
             direction: frame.to_world(sample.wi),
             weight: sample.weight,
             density: sample.pdf,
+            is_straight: false,
         })
     }
 
@@ -325,6 +331,7 @@ mod tests {
             via: Via::Direct,
             depth: 0,
             density: 0.0,
+            passed_pane: false,
         };
         let mut fates = [0.0; 3];
         follow(

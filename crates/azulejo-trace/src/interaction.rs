@@ -37,11 +37,14 @@ pub struct SurfaceInteraction {
     /// Unit normal for mirrors, dielectrics and reflection models: `facing` unless the caller
     /// sets an interpolated one.
     pub shading_normal: DVec3,
+    /// The same ray from behind the surface on.
+    pub straight_on: KernelRay,
 }
 
 impl SurfaceInteraction {
     /// The interaction at the end of a ray, with the geometric normal for shading.
     pub fn new(tracer: &Tracer, ray: &KernelRay, hit: &KernelHit) -> SurfaceInteraction {
+        let straight_on = ray.behind(hit);
         let ray = tracer.world_ray(ray);
         let hit = tracer.resolve(&ray, hit);
         let facing = if hit.entering {
@@ -54,6 +57,7 @@ impl SurfaceInteraction {
             direction: ray.direction.normalize(),
             facing,
             shading_normal: facing,
+            straight_on,
         }
     }
 
@@ -67,8 +71,13 @@ impl SurfaceInteraction {
         tracer.leaving(self.hit.position, self.facing)
     }
 
-    /// The ray that leaves the surface in a unit direction, to either side.
-    pub fn spawn_ray(&self, tracer: &Tracer, direction: DVec3) -> KernelRay {
+    /// The ray with which a path continues, to either side. One that passes straight keeps its origin:
+    /// lights behind are sampled from there.
+    pub fn spawn_ray(&self, tracer: &Tracer, next: &Continuation) -> KernelRay {
+        if next.is_straight {
+            return self.straight_on;
+        }
+        let direction = next.direction;
         let side = self.facing * 1f64.copysign(direction.dot(self.facing));
         let origin = tracer.leaving(self.hit.position, side);
         tracer.kernel_ray(&Ray::new(origin, direction))
@@ -99,6 +108,7 @@ impl SurfaceInteraction {
             mirror,
             transmittance: glass.transmittance,
             compression,
+            is_straight: glass.is_straight(),
         }
     }
 }
@@ -113,6 +123,10 @@ pub struct Continuation {
     pub weight: Rgb,
     /// Density with which the direction was sampled, 1/sr; 0 if it is mirrored or refracted.
     pub density: f64,
+    /// Whether the path passes a pane, straight on. Shadow rays pass panes too
+    /// ([`Tracer::transmittance`]), so the light behind is still that for which lights were sampled at
+    /// the surface before: it keeps the density of the path so far.
+    pub is_straight: bool,
 }
 
 impl Continuation {
@@ -122,6 +136,16 @@ impl Continuation {
             direction,
             weight,
             density: 0.0,
+            is_straight: false,
+        }
+    }
+
+    /// The density of the direction after the surface, of a path that arrives with one.
+    pub fn density_after(&self, before: f64) -> f64 {
+        if self.is_straight {
+            before
+        } else {
+            self.density
         }
     }
 
@@ -150,6 +174,7 @@ pub struct DielectricInterface {
     /// The square of the ratio of indices: refraction conserves L/n², so radiance that arrives
     /// from the far side is divided by it. 1 for a pane, which has the same medium on both sides.
     compression: f64,
+    is_straight: bool,
 }
 
 impl DielectricInterface {
@@ -162,7 +187,10 @@ impl DielectricInterface {
     pub fn refracted(&self) -> Option<Continuation> {
         let passed = (1.0 - self.reflectance) / self.compression;
         let share = self.transmittance * passed;
-        Some(Continuation::specular(self.refracted?, share))
+        Some(Continuation {
+            is_straight: self.is_straight,
+            ..Continuation::specular(self.refracted?, share)
+        })
     }
 
     /// Where a path continues that has passed `depth` interfaces: both ways if that is less than

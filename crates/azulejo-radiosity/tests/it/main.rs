@@ -18,6 +18,7 @@ mod lights;
 mod mirrors;
 mod opacity;
 mod outside;
+mod panes;
 mod particles;
 mod previews;
 mod refinement;

@@ -170,6 +170,7 @@ impl<'g, 'a, L: DiffuseLight> Collector<'g, 'a, L> {
                 via: Via::Direct,
                 depth: 0,
                 density: 0.0,
+                passed_pane: false,
             });
         }
         let at: Vec<GatherPoint> = points.iter().map(|p| p.0).collect();

@@ -83,7 +83,7 @@ impl<'a> Direct<'a> {
             let share = 1.0 / f64::from(term.samples.max(1));
             for (r, sum) in sum.replicates.iter_mut().enumerate() {
                 *sum += if term.is_rough() {
-                    term.radiance * (term.visible[r] * share)
+                    term.radiance * term.visible[r] * share
                 } else {
                     term.full * term.visible_share(r)
                 };
@@ -117,7 +117,7 @@ impl<'a> Direct<'a> {
                 }
             }
         }
-        let mut seen = vec![0.0; points.len()];
+        let mut seen = vec![Rgb::BLACK; points.len()];
         self.tests
             .trace(|test, share| seen[test.tag as usize] = share);
         for (value, seen) in values.iter_mut().zip(seen) {
@@ -238,7 +238,7 @@ impl<'a> Direct<'a> {
         self.tests.trace(|test, share| {
             let term = &mut terms[test.tag as usize];
             term.weights[test.replicate as usize] += test.weight;
-            term.visible[test.replicate as usize] += test.weight * share;
+            term.visible[test.replicate as usize] += share * test.weight;
         });
     }
 }

@@ -147,7 +147,7 @@ struct SampleSums {
 }
 
 impl SampleSums {
-    fn add(&mut self, r: usize, value: Rgb, is_rough: bool, share: f64) {
+    fn add(&mut self, r: usize, value: Rgb, is_rough: bool, share: Rgb) {
         let seen = value * share;
         if is_rough {
             self.rough[r] += seen;
@@ -159,7 +159,8 @@ impl SampleSums {
 
     /// The estimate of a replicate, as [`Term::visible_share`] does it; `known` is the sum of all.
     fn irradiance(&self, r: usize, known: Rgb) -> Rgb {
-        let share = ratio_of_others(&self.seen.map(Rgb::mean), &self.all.map(Rgb::mean), r);
+        let grey = self.seen.map(|seen| Rgb::grey(seen.mean()));
+        let share = ratio_of_others(&grey, &self.all.map(Rgb::mean), r);
         known * share + (self.seen[r] - self.all[r] * share) + self.rough[r]
     }
 }

@@ -396,6 +396,7 @@ impl<'a> Gatherer<'a> {
                     via: Via::Direct,
                     depth: 0,
                     density: 0.0,
+                    passed_pane: false,
                 });
             }
         }

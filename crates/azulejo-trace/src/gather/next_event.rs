@@ -20,7 +20,7 @@ pub struct NextEvent {
     /// The caller's tag of each ray, and what it contributes if nothing stands between.
     contributions: Vec<(u32, Rgb)>,
     /// What passes along each ray.
-    shares: Vec<f32>,
+    shares: Vec<Rgb>,
     /// Surfaces that took samples since the last [`resolve`](NextEvent::resolve), those whose
     /// samples were black included: the keys of random numbers must not depend on what earlier
     /// samples found.
@@ -108,8 +108,8 @@ impl NextEvent {
         let tracer = gatherer.surfaces().tracer;
         tracer.transmittance(&self.rays, &mut self.shares);
         for (&(tag, light), &share) in self.contributions.iter().zip(&self.shares) {
-            if share > 0.0 {
-                report(tag, light * f64::from(share));
+            if !share.is_black() {
+                report(tag, light * share);
             }
         }
         self.rays.clear();

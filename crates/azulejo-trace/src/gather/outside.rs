@@ -123,7 +123,7 @@ impl Direct<'_> {
         mut add: impl FnMut(usize, usize, Rgb),
     ) {
         self.tests.trace(|test, share| {
-            if share > 0.0 {
+            if !share.is_black() {
                 let (index, value) = values[test.tag as usize];
                 add(index, test.replicate as usize, value * share);
             }

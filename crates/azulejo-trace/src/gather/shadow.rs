@@ -4,6 +4,7 @@ use super::sources::Window;
 use crate::interaction::shadow_ray;
 use crate::lambert::mirror_point;
 use crate::{KernelRay, Tracer};
+use azulejo_scene::Rgb;
 use glam::DVec3;
 
 /// A planned shadow test: `count` rays from `first`, one behind the other.
@@ -21,7 +22,7 @@ pub(super) struct ShadowTests<'a> {
     tracer: &'a Tracer,
     rays: Vec<KernelRay>,
     /// What passes along each ray.
-    shares: Vec<f32>,
+    shares: Vec<Rgb>,
     tests: Vec<ShadowTest>,
 }
 
@@ -87,15 +88,13 @@ impl<'a> ShadowTests<'a> {
     }
 
     /// Traces the batch and reports of each test, in their order, the share of the light that passes what
-    /// stands between, 0..=1.
-    pub fn trace(&mut self, mut report: impl FnMut(&ShadowTest, f64)) {
+    /// stands between, 0..=1 per channel.
+    pub fn trace(&mut self, mut report: impl FnMut(&ShadowTest, Rgb)) {
         self.tracer.transmittance(&self.rays, &mut self.shares);
         for test in &self.tests {
             let rays = test.first as usize..(test.first + test.count) as usize;
-            report(
-                test,
-                self.shares[rays].iter().map(|&s| f64::from(s)).product(),
-            );
+            let legs = self.shares[rays].iter();
+            report(test, legs.fold(Rgb::WHITE, |all, &leg| all * leg));
         }
     }
 }

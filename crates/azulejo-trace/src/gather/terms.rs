@@ -21,9 +21,9 @@ pub(super) struct Term {
     pub radiance: Rgb,
     pub target: Target,
     is_rough: bool,
-    /// Sums of weights and of visible weights per replicate.
+    /// Sums of weights, and of the parts of them that arrive, per replicate.
     pub weights: [f64; REPLICATES],
-    pub visible: [f64; REPLICATES],
+    pub visible: [Rgb; REPLICATES],
     /// Samples per replicate, those without weight included.
     pub samples: u32,
 }
@@ -65,7 +65,7 @@ impl Term {
             is_rough: matches!(target, Target::Curved(_)),
             target,
             weights: [0.0; REPLICATES],
-            visible: [0.0; REPLICATES],
+            visible: [Rgb::BLACK; REPLICATES],
             samples: 0,
         }
     }
@@ -99,12 +99,12 @@ impl Term {
     /// Formulas know the sum of all weights, so what the other half of the replicates found to
     /// be the visible share serves as a control variate: unbiased, because it is independent of
     /// this half, and exact where all or nothing is visible.
-    pub fn visible_share(&self, r: usize) -> f64 {
+    pub fn visible_share(&self, r: usize) -> Rgb {
         if self.is_delta() {
             return if self.weights[0] > 0.0 {
                 self.visible[0] / self.weights[0]
             } else {
-                0.0
+                Rgb::BLACK
             };
         }
         let share = ratio_of_others(&self.visible, &self.weights, r);
@@ -115,13 +115,18 @@ impl Term {
 
 /// Σ parts / Σ wholes over the half of the replicates that `r` is not in; 1 without wholes.
 pub(super) fn ratio_of_others(
-    parts: &[f64; REPLICATES],
+    parts: &[Rgb; REPLICATES],
     wholes: &[f64; REPLICATES],
     r: usize,
-) -> f64 {
+) -> Rgb {
     let others = (0..REPLICATES).filter(|s| s / 2 != r / 2);
-    let [part, whole] = [parts, wholes].map(|sums| others.clone().map(|s| sums[s]).sum::<f64>());
-    if whole > 0.0 { part / whole } else { 1.0 }
+    let part: Rgb = others.clone().map(|s| parts[s]).sum();
+    let whole: f64 = others.map(|s| wholes[s]).sum();
+    if whole > 0.0 {
+        part / whole
+    } else {
+        Rgb::WHITE
+    }
 }
 
 /// The term of a sun whose centre is seen in the unit direction `toward`; `None` if it is below the

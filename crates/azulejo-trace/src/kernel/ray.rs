@@ -18,6 +18,16 @@ pub struct KernelRay {
     pub t_max: f32,
 }
 
+impl KernelRay {
+    /// The ray from behind a hit on: no surface is hit twice at the same parameter.
+    pub(crate) fn behind(&self, hit: &KernelHit) -> KernelRay {
+        KernelRay {
+            t_min: hit.t.next_up(),
+            ..*self
+        }
+    }
+}
+
 /// The first hit of a [`KernelRay`]: 16 bytes.
 ///
 /// Of several items at exactly the same `t` it is the one with the smallest number, so the result

@@ -1,8 +1,8 @@
 //! Construction of a tracer from a scene: collects and transforms triangles and shapes, and builds
 //! the tree.
 
-use super::opacity::ItemOpacities;
 use super::placed::{Placed, PlacedPrimitive, PlacedTracer};
+use super::transparency::ItemTransparencies;
 use super::twins::drop_twins;
 use super::{MeshPositions, Tracer, TriangleItem};
 use crate::exact::{ExactPrimitive, Outlines, Preparation};
@@ -56,7 +56,7 @@ pub(crate) fn assemble(scene: &Scene, kernel: &Kernel) -> Tracer {
         }
     }
     let mut tracer = parts.finish(bounds, kernel);
-    tracer.opacities = ItemOpacities::new(scene, &tracer);
+    tracer.transparencies = ItemTransparencies::new(scene, &tracer);
     tracer
 }
 
@@ -323,7 +323,7 @@ impl Parts {
             items: self.items,
             own_items: self.own_items,
             prototypes: self.prototypes,
-            opacities: None,
+            transparencies: None,
         }
     }
 }

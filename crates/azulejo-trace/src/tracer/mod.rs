@@ -1,8 +1,8 @@
 //! The tracer: a scene prepared for rays.
 
 mod assemble;
-mod opacity;
 mod placed;
+mod transparency;
 mod twins;
 
 use crate::exact::point_on_triangle;
@@ -15,8 +15,8 @@ use assemble::assemble;
 use azulejo_scene::Scene;
 use azulejo_scene::math::{Aabb, Ray};
 use glam::DVec3;
-use opacity::ItemOpacities;
 use placed::Placed;
+use transparency::ItemTransparencies;
 
 /// The offset of [`Tracer::leaving`], in units of the rounding of local coordinates.
 const LEAVING_ULPS: f64 = 16.0;
@@ -66,7 +66,7 @@ pub struct Tracer {
     own_items: u32,
     prototypes: u32,
     /// What lets light pass; `None` if nothing does.
-    opacities: Option<ItemOpacities>,
+    transparencies: Option<ItemTransparencies>,
 }
 
 #[derive(Clone, Debug)]
@@ -309,15 +309,15 @@ impl Tracer {
 
     pub(crate) fn closest_into(&self, rays: &[KernelRay], hits: &mut [KernelHit]) {
         self.kernel_closest(rays, hits);
-        if let Some(opacities) = &self.opacities {
-            self.follow_through(opacities, rays, hits);
+        if let Some(transparencies) = &self.transparencies {
+            self.follow_through(transparencies, rays, hits);
         }
     }
 
     pub(crate) fn any_into(&self, rays: &[KernelRay], blocked: &mut [bool]) {
         self.kernel_any(rays, blocked);
-        if let Some(opacities) = &self.opacities {
-            self.clear_passed(opacities, rays, blocked);
+        if let Some(transparencies) = &self.transparencies {
+            self.clear_passed(transparencies, rays, blocked);
         }
     }
 

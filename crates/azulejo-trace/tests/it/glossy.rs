@@ -200,6 +200,7 @@ fn shares_at_a_glossy_surface_add_up() {
         via: Via::Direct,
         depth: 0,
         density: 0.0,
+        passed_pane: false,
     };
     let count = 4096;
     let (mut escaped, mut absorbed) = (0.0, 0.0);

@@ -2,10 +2,10 @@
 
 mod csg;
 mod glossy;
-mod opacity;
 mod precision;
 mod prisms;
 mod shapes;
+mod transparency;
 mod watertight;
 
 use azulejo_scene::{Material, Mesh, Object, Rgb, Scene, Shape};

@@ -151,6 +151,62 @@ fn glossy_floors_show_sky_and_sun() {
     }
 }
 
+/// A room with a tinted window to the south, through which the sun falls on the floor.
+fn room_with_a_window(floor: Material) -> Scene {
+    let mut scene = Scene::default();
+    scene.units.up = Up::Z;
+    let floor = scene.add_material(floor);
+    let walls = scene.add_material(Material::diffuse("walls", Rgb::new(0.6, 0.5, 0.4)));
+    let mut pane = Material::pane("pane", 1.5);
+    pane.dielectric.as_mut().unwrap().transmittance = Rgb::new(0.7, 0.9, 0.8);
+    let pane = scene.add_material(pane);
+    let level = |z: f64| {
+        [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)].map(|(x, y)| DVec3::new(x, y, z))
+    };
+    polygon(&mut scene, level(0.0), floor);
+    polygon(&mut scene, level(3.0), walls);
+    // A part of a wall, from one place on the ground to another, between two heights.
+    let upright = |scene: &mut Scene, from: (f64, f64), to: (f64, f64), z: (f64, f64), material| {
+        let corners = [(from, z.0), (to, z.0), (to, z.1), (from, z.1)];
+        let corners = corners.map(|((x, y), z)| DVec3::new(x, y, z));
+        polygon(scene, corners, material);
+    };
+    upright(&mut scene, (2.0, -2.0), (2.0, 2.0), (0.0, 3.0), walls);
+    upright(&mut scene, (2.0, 2.0), (-2.0, 2.0), (0.0, 3.0), walls);
+    upright(&mut scene, (-2.0, 2.0), (-2.0, -2.0), (0.0, 3.0), walls);
+    for (x, z, material) in [
+        ((-2.0, 2.0), (0.0, 1.0), walls),
+        ((-2.0, 2.0), (2.5, 3.0), walls),
+        ((-2.0, -1.0), (1.0, 2.5), walls),
+        ((1.0, 2.0), (1.0, 2.5), walls),
+        ((-1.0, 1.0), (1.0, 2.5), pane),
+    ] {
+        upright(&mut scene, (x.0, -2.0), (x.1, -2.0), z, material);
+    }
+    daylight(&mut scene);
+    scene
+}
+
+/// Places on the floor in the sun and out of it, a wall and the ceiling, from within and from outside.
+#[test]
+fn the_sun_falls_through_windows() {
+    let (within, outside) = (DVec3::new(1.5, 1.5, 1.6), DVec3::new(0.5, -6.0, 2.0));
+    let places = [
+        (within, DVec3::new(0.0, 0.5, 0.0)),
+        (within, DVec3::new(-1.7, -1.7, 0.0)),
+        (within, DVec3::new(-2.0, 0.3, 1.5)),
+        (within, DVec3::new(0.0, 0.0, 3.0)),
+        (outside, DVec3::new(-0.4, 0.0, 0.0)),
+        (outside, DVec3::new(0.2, 2.0, 1.7)),
+    ];
+    let gloss: Description = "phong kd=0.3 ks=0.5 n=40".parse().unwrap();
+    let gloss = Arc::new(Brdf::new(gloss).unwrap());
+    let matt = Material::diffuse("floor", Rgb::grey(0.5));
+    check(room_with_a_window(matt), &places);
+    let glossy = Material::with_brdf("floor", gloss);
+    check(room_with_a_window(glossy), &places[..2]);
+}
+
 /// Where there is nothing, a camera sees the sky, or the background instead, in both renderers.
 #[test]
 fn a_camera_sees_the_sky_and_its_sun_or_the_background() {

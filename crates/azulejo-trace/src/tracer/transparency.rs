@@ -1,26 +1,43 @@
-//! Surfaces through which light passes straight: which rays go on behind a hit.
+//! Surfaces through which light passes straight: which rays go on behind a hit, and what reaches the
+//! end of a shadow ray.
 //!
 //! Whether a ray stops at a surface of opacity α is decided by a number in 0..1 that is keyed on the ray
 //! and on the surface (stochastic transparency: Enderton, Sintorn, Shirley and Luebke, I3D 2010). So
 //! what a ray hits does not depend on other rays, on the batch or on the thread; the mean over many
 //! rays is right, and their spread shows in the standard errors that all estimates carry. A ray that
 //! stops meets the surface with its whole weight: α of the light is taken, 1 − α passes.
+//!
+//! Panes stop all rays but shadow rays: these take exactly the share that Fresnel's equations and the
+//! tint of the glass let through. So a room behind windows has direct light from lamps, the sun and the
+//! sky as one behind openings has.
 
 use super::Tracer;
+use crate::interaction::SurfaceInteraction;
 use crate::kernel::{KernelHit, KernelRay};
 use crate::sampling::{hash, uniform};
-use azulejo_scene::{Exact, Leaf, Mesh, Opacity, OpacityMap, OpacityPicture, Scene, Shape};
+use azulejo_scene::{
+    Dielectric, Exact, Leaf, Material, Mesh, Opacity, OpacityMap, OpacityPicture, Rgb, Scene, Shape,
+};
 use glam::DVec2;
 use std::collections::HashMap;
 
-/// The opacities of a tracer's items. Takes 4 bytes per prototype, 80 more for each triangle that shows a
+/// What passes through a tracer's items. Takes 4 bytes per prototype, 80 more for each triangle that shows a
 /// picture of its opacity, and 4 per pixel of these pictures.
 #[derive(Clone, Debug)]
-pub(crate) struct ItemOpacities {
-    /// For each prototype 0 if it is opaque, else one more than the index of its opacity in `list`.
+pub(crate) struct ItemTransparencies {
+    /// For each prototype 0 if nothing passes, else one more than an index in `list`.
     of_prototypes: Vec<u32>,
-    list: Vec<ItemOpacity>,
+    list: Vec<ItemTransparency>,
     maps: Vec<OpacityMap>,
+}
+
+/// What passes straight through an item.
+#[derive(Clone, Copy, Debug)]
+struct ItemTransparency {
+    /// The share of it that is there.
+    opacity: ItemOpacity,
+    /// Of what is there, the glass that lets light pass straight.
+    pane: Option<Dielectric>,
 }
 
 /// The opacity of an item.
@@ -36,13 +53,13 @@ enum ItemOpacity {
     },
 }
 
-/// ItemOpacities while they are collected.
-struct OpacityBuilder<'s> {
+/// [`ItemTransparencies`] while they are collected.
+struct TransparencyBuilder<'s> {
     scene: &'s Scene,
-    opacities: ItemOpacities,
+    found: ItemTransparencies,
     /// Index of the map of each picture; `None` where it is opaque everywhere or not loaded.
     known: HashMap<(u32, u8), Option<u32>>,
-    /// Index of the opacity of each material, where it does not depend on the triangle.
+    /// Index of the entry of each material, where it does not depend on the triangle.
     even: HashMap<u32, u32>,
     /// The triangles of the last face: the items of a face follow each other.
     last: Option<FaceTriangles>,
@@ -55,18 +72,23 @@ struct FaceTriangles {
     triangles: Vec<[u32; 3]>,
 }
 
-impl ItemOpacities {
-    /// The opacities of a tracer's items; `None` if all are opaque.
-    pub fn new(scene: &Scene, tracer: &Tracer) -> Option<ItemOpacities> {
-        let see_through: Vec<bool> = (scene.materials.iter())
-            .map(|m| m.see_through().is_some())
+/// The glass of a material through which light passes straight.
+fn pane(material: &Material) -> Option<Dielectric> {
+    material.dielectric.filter(Dielectric::is_straight)
+}
+
+impl ItemTransparencies {
+    /// What passes through a tracer's items; `None` if all stop all light.
+    pub fn new(scene: &Scene, tracer: &Tracer) -> Option<ItemTransparencies> {
+        let passes: Vec<bool> = (scene.materials.iter())
+            .map(|m| m.see_through().is_some() || pane(m).is_some())
             .collect();
-        if !see_through.contains(&true) {
+        if !passes.contains(&true) {
             return None;
         }
-        let mut builder = OpacityBuilder {
+        let mut builder = TransparencyBuilder {
             scene,
-            opacities: ItemOpacities {
+            found: ItemTransparencies {
                 of_prototypes: Vec::new(),
                 list: Vec::new(),
                 maps: Vec::new(),
@@ -90,20 +112,26 @@ impl ItemOpacities {
                 Shape::Exact(_) => leaves[item.object as usize][item.face as usize].material(),
             };
             let index = match shape.mesh() {
-                _ if !see_through[material as usize] => 0,
+                _ if !passes[material as usize] => 0,
                 Some(mesh) => {
                     builder.triangle(material, mesh, (item.object, item.face), item.triangle)
                 }
                 None => builder.even(material),
             };
-            builder.opacities.of_prototypes.push(index);
+            builder.found.of_prototypes.push(index);
         }
-        let opacities = builder.opacities;
-        let is_any = opacities.of_prototypes.iter().any(|&v| v > 0);
-        is_any.then_some(opacities)
+        let found = builder.found;
+        let is_any = found.of_prototypes.iter().any(|&v| v > 0);
+        is_any.then_some(found)
     }
 
-    /// 0 for an opaque item, else one more than the index of its opacity.
+    /// Whether any item is not opaque, beside panes.
+    fn has_see_through(&self) -> bool {
+        let is_opaque = |t: &ItemTransparency| matches!(t.opacity, ItemOpacity::Even(1.0));
+        !self.list.iter().all(is_opaque)
+    }
+
+    /// 0 for an item through which nothing passes, else one more than an index in `list`.
     fn index(&self, tracer: &Tracer, item: u32) -> u32 {
         let prototype = tracer.prototype(item) as usize;
         self.of_prototypes.get(prototype).copied().unwrap_or(0)
@@ -112,16 +140,30 @@ impl ItemOpacities {
     /// The opacity of what a ray hits, 0..=1.
     fn opacity(&self, tracer: &Tracer, ray: &KernelRay, hit: &KernelHit) -> f64 {
         let index = self.index(tracer, hit.item);
-        match index.checked_sub(1).map(|k| &self.list[k as usize]) {
+        match index.checked_sub(1).map(|k| self.list[k as usize].opacity) {
             None => 1.0,
-            Some(ItemOpacity::Even(opacity)) => *opacity,
+            Some(ItemOpacity::Even(opacity)) => opacity,
             Some(ItemOpacity::Mapped { opacity, map, uvs }) => {
                 let point = tracer.resolve(&tracer.world_ray(ray), hit);
-                let [a, b, c] = *uvs;
+                let [a, b, c] = uvs;
                 let uv = a + point.u * (b - a) + point.v * (c - a);
-                opacity.at(self.maps[*map as usize].sample(uv))
+                opacity.at(self.maps[map as usize].sample(uv))
             }
         }
+    }
+
+    /// The share of the light that passes straight through what a ray hits, 0..=1 per channel.
+    fn passed(&self, tracer: &Tracer, ray: &KernelRay, hit: &KernelHit) -> Rgb {
+        let opacity = self.opacity(tracer, ray, hit);
+        let free = Rgb::grey(1.0 - opacity);
+        let index = self.index(tracer, hit.item);
+        let pane = index.checked_sub(1).map(|k| self.list[k as usize].pane);
+        let Some(pane) = pane.flatten().filter(|_| opacity > 0.0) else {
+            return free;
+        };
+        let at = SurfaceInteraction::new(tracer, ray, hit);
+        let of_glass = at.dielectric(&pane, Rgb::BLACK).refracted();
+        free + of_glass.map_or(Rgb::BLACK, |passed| passed.weight * opacity)
     }
 
     /// Whether a ray goes on behind its hit.
@@ -141,30 +183,23 @@ fn chance(ray: &KernelRay, item: u32) -> f64 {
     f64::from(uniform(&[hash(&[x, y, z, dx, dy, dz]), item]))
 }
 
-/// The ray from behind a hit on: no surface is hit twice at the same parameter.
-fn behind(ray: &KernelRay, hit: &KernelHit) -> KernelRay {
-    KernelRay {
-        t_min: hit.t.next_up(),
-        ..*ray
-    }
-}
-
-impl OpacityBuilder<'_> {
-    /// One more than the index of a new opacity.
-    fn push(&mut self, opacity: ItemOpacity) -> u32 {
-        self.opacities.list.push(opacity);
-        self.opacities.list.len() as u32
+impl TransparencyBuilder<'_> {
+    /// One more than the index of a new entry, of that material.
+    fn push(&mut self, material: u32, opacity: ItemOpacity) -> u32 {
+        let pane = pane(&self.scene.materials[material as usize]);
+        self.found.list.push(ItemTransparency { opacity, pane });
+        self.found.list.len() as u32
     }
 
-    /// The opacity of a surface without texture coordinates: its picture does not count.
+    /// The entry of a surface without texture coordinates: its picture does not count.
     fn even(&mut self, material: u32) -> u32 {
         if let Some(&index) = self.even.get(&material) {
             return index;
         }
-        let opacity = self.scene.materials[material as usize].see_through();
-        let value = opacity.map_or(1.0, |o| o.at(1.0));
-        let index = if value < 1.0 {
-            self.push(ItemOpacity::Even(value))
+        let surface = &self.scene.materials[material as usize];
+        let value = surface.see_through().map_or(1.0, |o| o.at(1.0));
+        let index = if value < 1.0 || pane(surface).is_some() {
+            self.push(material, ItemOpacity::Even(value))
         } else {
             0
         };
@@ -201,7 +236,7 @@ impl OpacityBuilder<'_> {
             Some(ItemOpacity::Mapped { opacity, map, uvs })
         });
         match mapped {
-            Some(opacity) => self.push(opacity),
+            Some(opacity) => self.push(material, opacity),
             None => self.even(material),
         }
     }
@@ -217,8 +252,8 @@ impl OpacityBuilder<'_> {
             OpacityMap::new(texture.image.as_ref()?, picture.channel, texture.wrap)
         });
         let index = map.map(|map| {
-            self.opacities.maps.push(map);
-            self.opacities.maps.len() as u32 - 1
+            self.found.maps.push(map);
+            self.found.maps.len() as u32 - 1
         });
         self.known.insert(key, index);
         index
@@ -226,80 +261,84 @@ impl OpacityBuilder<'_> {
 }
 
 impl Tracer {
-    /// Whether light passes straight through any surface.
+    /// Whether any surface is not opaque, so that light passes straight through it; panes of glass are
+    /// not asked for.
     pub fn has_see_through(&self) -> bool {
-        self.opacities.is_some()
+        (self.transparencies.as_ref()).is_some_and(ItemTransparencies::has_see_through)
     }
 
-    /// The share of the light that passes along each ray: the product of 1 − opacity over the surfaces in
-    /// between, 0 behind an opaque one. `shares` is cleared and gets one entry per ray, in 0..=1.
+    /// The share of the light that passes along each ray: the product over the surfaces in between of
+    /// what passes straight through them, black behind one that stops it. That is 1 − opacity, and of
+    /// panes what they transmit ([`Dielectric::is_straight`]). `shares` is cleared and gets one entry
+    /// per ray, in 0..=1 per channel.
     ///
     /// Runs on the calling thread; callers split their rays.
-    pub fn transmittance(&self, rays: &[KernelRay], shares: &mut Vec<f32>) {
+    pub fn transmittance(&self, rays: &[KernelRay], shares: &mut Vec<Rgb>) {
         let mut blocked = vec![false; rays.len()];
         self.kernel_any(rays, &mut blocked);
         shares.clear();
-        shares.extend(blocked.iter().map(|&b| if b { 0.0 } else { 1.0 }));
-        let Some(opacities) = &self.opacities else {
+        let unblocked = |&b: &bool| if b { Rgb::BLACK } else { Rgb::WHITE };
+        shares.extend(blocked.iter().map(unblocked));
+        let Some(transparencies) = &self.transparencies else {
             return;
         };
         for ((ray, share), _) in rays.iter().zip(shares).zip(blocked).filter(|(_, b)| *b) {
-            *share = self.passed(opacities, ray) as f32;
+            *share = self.passed(transparencies, ray);
         }
     }
 
     /// The share of the light that passes along a ray.
-    fn passed(&self, opacities: &ItemOpacities, ray: &KernelRay) -> f64 {
-        let (mut share, mut rest) = (1.0, *ray);
+    fn passed(&self, transparencies: &ItemTransparencies, ray: &KernelRay) -> Rgb {
+        let (mut share, mut rest) = (Rgb::WHITE, *ray);
         let mut hit = [KernelHit::NOTHING];
         loop {
             self.kernel_closest(&[rest], &mut hit);
             if !hit[0].is_hit() {
                 return share;
             }
-            share *= 1.0 - opacities.opacity(self, ray, &hit[0]);
-            if share <= 0.0 {
-                return 0.0;
+            share = share * transparencies.passed(self, ray, &hit[0]);
+            if share.max_channel() <= 0.0 {
+                return Rgb::BLACK;
             }
-            rest = behind(&rest, &hit[0]);
+            rest = rest.behind(&hit[0]);
         }
     }
 
     /// Replaces the hits of rays that go on by what they hit behind.
     pub(super) fn follow_through(
         &self,
-        opacities: &ItemOpacities,
+        transparencies: &ItemTransparencies,
         rays: &[KernelRay],
         hits: &mut [KernelHit],
     ) {
         let mut waiting: Vec<usize> = (0..rays.len())
-            .filter(|&k| opacities.passes(self, &rays[k], &hits[k]))
+            .filter(|&k| transparencies.passes(self, &rays[k], &hits[k]))
             .collect();
         let (mut rest, mut found) = (Vec::new(), Vec::new());
         while !waiting.is_empty() {
             rest.clear();
-            rest.extend(waiting.iter().map(|&k| behind(&rays[k], &hits[k])));
+            rest.extend(waiting.iter().map(|&k| rays[k].behind(&hits[k])));
             found.clear();
             found.resize(rest.len(), KernelHit::NOTHING);
             self.kernel_closest(&rest, &mut found);
             for (&k, hit) in waiting.iter().zip(&found) {
                 hits[k] = *hit;
             }
-            waiting.retain(|&k| opacities.passes(self, &rays[k], &hits[k]));
+            waiting.retain(|&k| transparencies.passes(self, &rays[k], &hits[k]));
         }
     }
 
     /// Clears rays that pass everything in between.
     pub(super) fn clear_passed(
         &self,
-        opacities: &ItemOpacities,
+        transparencies: &ItemTransparencies,
         rays: &[KernelRay],
         blocked: &mut [bool],
     ) {
         for (ray, blocked) in rays.iter().zip(blocked).filter(|(_, b)| **b) {
             let mut hit = [KernelHit::NOTHING];
             self.kernel_closest(&[*ray], &mut hit);
-            self.follow_through(opacities, &[*ray], &mut hit);
+            self.follow_through(transparencies, &[*ray], &mut hit);
             *blocked = hit[0].is_hit();
         }
     }
