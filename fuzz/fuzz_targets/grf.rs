@@ -30,12 +30,14 @@ fuzz_target!(|bytes: &[u8]| {
         String::from_utf8_lossy(&text)
     );
 
-    let (mut document, _) = grf::GrfDocument::parse(bytes, "fuzz.grf", &files).expect("it was read");
+    let (document, _) = grf::GrfDocument::parse(bytes, "fuzz.grf", &files).expect("it was read");
     let mut text = Vec::new();
     document.write(&mut text).expect("memory takes everything");
     let (again, _) = grf::GrfDocument::parse(&text, "fuzz.grf", &files).expect("it was written");
     let mut twice = Vec::new();
     again.write(&mut twice).expect("memory takes everything");
     assert_eq!(text, twice, "{}", String::from_utf8_lossy(&text));
-    assert!(document.set_irradiance(&loaded.scene));
+
+    let text = grf::GrfText::parse(bytes.to_vec(), "fuzz.grf", &files).expect("it was read");
+    let _ = text.lit(&loaded.scene, &files);
 });

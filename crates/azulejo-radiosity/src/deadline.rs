@@ -168,7 +168,7 @@ pub(crate) fn planned_seconds(progress: &Progress) -> f64 {
 }
 
 /// Rays of the first pass over so many points, of 32, 16 and 8; `None` if even the fewest would end
-/// long after the deadline.
+/// after the deadline.
 pub(crate) fn hasty_rays(points: usize, seconds_per_ray: f64, progress: &Progress) -> Option<u32> {
     let left = progress.time_left()?.as_secs_f64();
     let time = |rays: u32| points as f64 * f64::from(rays) * seconds_per_ray;
@@ -176,8 +176,7 @@ pub(crate) fn hasty_rays(points: usize, seconds_per_ray: f64, progress: &Progres
     let most = all
         .into_iter()
         .find(|&rays| time(rays) <= FIRST_SHARE * left);
-    let is_hopeless = time(FEWEST_RAYS) > HOPELESS * left + 0.5;
-    most.or((!is_hopeless).then_some(FEWEST_RAYS))
+    most.or((time(FEWEST_RAYS) <= PLANNED * left).then_some(FEWEST_RAYS))
 }
 
 /// What one stratum costs and gains, either way.

@@ -139,6 +139,9 @@ pub struct Gathering {
     pub strata: Strata,
     /// How many times as many rays the requested error would take; 1 if it is reached.
     pub rays_needed: f64,
+    /// Points at which irradiance was gathered, if a deadline left no time for all: the others have
+    /// that of one of them.
+    pub records: Option<usize>,
     /// What `gathered` is computed from.
     pub(crate) values: GatheredValues,
 }
@@ -152,6 +155,7 @@ impl Gathering {
             spent: vec![0; count],
             strata: Strata::new(count, targets.areas),
             rays_needed: 1.0,
+            records: None,
             values: GatheredValues::everywhere(count),
         }
     }
@@ -298,7 +302,7 @@ impl GatherEffort {
 
 impl Gathering {
     /// How many times as many rays reach `goal`, if there is no limit to them.
-    fn needed(&self, goal: f64) -> f64 {
+    pub(crate) fn needed(&self, goal: f64) -> f64 {
         let sum = |rays: &[u32]| rays.iter().map(|&n| f64::from(n)).sum::<f64>();
         let totals = self.allocate(goal, f64::INFINITY, u32::MAX);
         sum(&totals) / sum(&self.spent).max(1.0)
@@ -414,16 +418,16 @@ pub(crate) struct GatherPass<'a, L> {
 type Way = (u32, u32, Termination, PointKind);
 
 impl<L: DiffuseLight> GatherPass<'_, L> {
-    /// Rays of the first pass before a deadline, from the pace of a keyed sample.
-    fn hasty(&self, all: &Gathering) -> Result<u32, GatherError> {
+    /// Rays of the first pass before a deadline, from the pace of a keyed sample; `None` if there is no
+    /// time for all points.
+    fn hasty(&self, all: &Gathering) -> Result<Option<u32>, GatherError> {
         let count = self.points.len() as u32;
         let key = |k: u32| hash(&[self.seed, k, 0x9ace]) % count.max(1);
         let sample: Vec<u32> = (0..count.min(PACE_POINTS)).map(key).collect();
         let termination = all.strata.termination(0);
         self.gather_at(&sample, 0..FEWEST_RAYS, termination)?;
         let seconds = self.pace.seconds_per_ray(termination);
-        let rays = hasty_rays(self.points.len(), seconds, self.progress);
-        rays.ok_or(GatherError::OutOfTime)
+        Ok(hasty_rays(self.points.len(), seconds, self.progress))
     }
 
     /// Says early if the goal will not be reached, and what it would take.
@@ -466,7 +470,10 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             all.strata.trace_paths(0);
         }
         let rays = match effort.error {
-            _ if self.progress.has_deadline() => self.hasty(all)?.min(most),
+            _ if self.progress.has_deadline() => match self.hasty(all)? {
+                Some(rays) => rays.min(most),
+                None => return self.reach_coarsely(all, effort.error),
+            },
             Some(_) => FIRST_RAYS.min(most),
             None => most,
         };

@@ -23,6 +23,7 @@
 //!
 //! Exact shapes are divided as polygons ([`faceted`](azulejo_factors::faceted)).
 
+mod coarse;
 mod deadline;
 pub mod direct;
 pub mod gather;

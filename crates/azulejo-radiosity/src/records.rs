@@ -8,6 +8,7 @@
 use azulejo_trace::GatherPoint;
 use azulejo_trace::sampling::hash;
 use glam::DVec3;
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// Depth of the octrees: cells of a 2^20th of the scene.
@@ -56,25 +57,44 @@ struct Cell {
 impl RecordCells {
     /// As few cells of one size as are at least `count`, or as many as there are.
     pub fn new(points: &[GatherPoint], seed: u32, count: usize) -> RecordCells {
+        let mut cells = RecordCells::undivided(points, seed);
+        let enough = |&depth: &u32| cells.count_at(depth) >= count;
+        let depth = (0..DEPTH).find(enough).unwrap_or(DEPTH);
+        cells.cells = cells.divided(0..cells.order.len(), depth);
+        cells
+    }
+
+    /// As many cells of one size as are at most `count`, and no fewer than points face in different
+    /// ways.
+    pub fn at_most(points: &[GatherPoint], seed: u32, count: usize) -> RecordCells {
+        let mut cells = RecordCells::undivided(points, seed);
+        let too_many = |&depth: &u32| cells.count_at(depth) > count;
+        let depth = (1..=DEPTH).find(too_many).map_or(DEPTH, |depth| depth - 1);
+        cells.cells = cells.divided(0..cells.order.len(), depth);
+        cells
+    }
+
+    fn undivided(points: &[GatherPoint], seed: u32) -> RecordCells {
         let coder = Coder::new(points);
         let mut sorted: Vec<(CellCode, u32)> = points
             .iter()
             .enumerate()
             .map(|(i, p)| (coder.code(p), i as u32))
             .collect();
-        sorted.sort_unstable();
+        sorted.par_sort_unstable();
         let (codes, order): (Vec<CellCode>, Vec<u32>) = sorted.into_iter().unzip();
         let rank = |(i, p): (usize, &GatherPoint)| hash(&[seed, p.key, i as u32, 0x4ec]);
-        let mut cells = RecordCells {
+        RecordCells {
             order,
             codes,
             ranks: points.iter().enumerate().map(rank).collect(),
             cells: Vec::new(),
-        };
-        let enough = |&depth: &u32| cells.count_at(depth) >= count;
-        let depth = (0..DEPTH).find(enough).unwrap_or(DEPTH);
-        cells.cells = cells.divided(0..cells.order.len(), depth);
-        cells
+        }
+    }
+
+    /// Number of cells.
+    pub fn count(&self) -> usize {
+        self.cells.len()
     }
 
     /// The records' indices among the points, cell by cell.

@@ -4,6 +4,7 @@ use crate::deadline::affordable_patch_rays;
 use crate::gather::{CHUNK, GatherTargets, Gathering, HASTY_RAYS};
 use crate::light::PatchLight;
 use crate::particles::{self, ParticleEffort};
+use crate::records::RecordCells;
 use crate::refine::{RefinementGoal, RefinementWork, refine};
 use crate::solve::{Estimate, FirstPass, Method, PatchPurpose, Report, SolveError};
 use crate::stochastic;
@@ -39,6 +40,9 @@ const MOST_ABSORBED: f64 = 0.1;
 /// Paths from the middle of each side of a patch, where patches have no radiosity: sides are chosen
 /// for whole surfaces.
 const SIDE_RAYS: u32 = 4;
+
+/// Most of them, from the sides that stand for those around them.
+const MOST_SIDES: usize = 1 << 16;
 
 /// The radiosity of every patch.
 pub struct PatchRadiosity {
@@ -249,9 +253,16 @@ impl<'a> SolvedPatches<'a> {
     pub fn report(&self, gathering: &Gathering) -> Report {
         let scene = self.gatherer.surfaces().scene;
         let square_metres = scene.units.metres().powi(2);
+        let mut engine_used = self.engine_used.clone();
+        engine_used.notes.extend(gathering.records.map(|records| {
+            format!(
+                "the time did not suffice for all {} points: each has the light of one of {records}",
+                gathering.gathered.len()
+            )
+        }));
         Report {
             method: self.method,
-            engine_used: self.engine_used.clone(),
+            engine_used,
             patches: self.patches.len(),
             points: gathering.gathered.len(),
             patch_rays: self.solution.rays,
@@ -350,7 +361,7 @@ impl SolverInputs<'_> {
     }
 
     /// No radiosity: every point will be path traced. What arrives at the sides of patches, which
-    /// tells fronts from backs, is estimated by a few paths each.
+    /// tells fronts from backs, is estimated by a few paths each, or of very many at some.
     fn without_patches(
         &self,
         purpose: PatchPurpose,
@@ -384,8 +395,10 @@ impl SolverInputs<'_> {
             PatchPurpose::Points | PatchPurpose::Result => 0,
         };
         let sides: Vec<GatherPoint> = (0..count).map(point).collect();
-        progress.begin("irradiance of patches", sides.len() as u64);
-        let found: Vec<Vec<SplitIrradiance>> = sides
+        let cells = RecordCells::at_most(&sides, self.seed, MOST_SIDES);
+        let records: Vec<GatherPoint> = cells.records().map(|k| sides[k as usize]).collect();
+        progress.begin("irradiance of patches", records.len() as u64);
+        let found: Vec<Vec<SplitIrradiance>> = records
             .par_chunks(CHUNK)
             .map(|points| {
                 progress.advance(points.len() as u64)?;
@@ -396,9 +409,12 @@ impl SolverInputs<'_> {
                 Ok(gatherer.gather_with(points, &options, &directions, &light))
             })
             .collect::<Result<_, SolveError>>()?;
-        let incident = &mut solution.incident;
         let means = found.iter().flatten().map(|e| e.whole().mean());
-        incident.iter_mut().zip(means).for_each(|(h, e)| *h = e);
+        for (mean, inside) in means.zip(cells.points()) {
+            for &k in inside {
+                solution.incident[k as usize] = mean;
+            }
+        }
         let why =
             "paths are traced from every point, because the time does not suffice for patches";
         Ok(PatchSolution {

@@ -110,6 +110,30 @@ impl GatheredValues {
         }
     }
 
+    /// All light of each cell's record, for all of its points; `found` is in the order of the cells.
+    pub fn of_cells(
+        cells: &RecordCells,
+        points: usize,
+        found: &[SplitIrradiance],
+    ) -> GatheredValues {
+        let mut record_of = vec![None; points];
+        let mut stencils = vec![Stencil::default(); points];
+        let mut own = vec![Gathered::default(); points];
+        for (number, (record, inside)) in cells.records().zip(cells.points()).enumerate() {
+            record_of[record as usize] = Some(number as u32);
+            for &point in inside {
+                own[point as usize] = found[number].direct;
+                stencils[point as usize] = Stencil::alone(number as u32);
+            }
+        }
+        let mut values = GatheredValues::at_records(record_of, stencils);
+        values.own = own;
+        if let Some(between) = &mut values.interpolated {
+            between.indirect = found.iter().map(|f| f.indirect).collect();
+        }
+        values
+    }
+
     /// Blends in what was gathered at a point, with a weight in 0..=1.
     pub fn add(&mut self, point: usize, new: &SplitIrradiance, share: f64) {
         let own = &mut self.own[point];

@@ -76,8 +76,9 @@ impl TexelStorage {
             from_samples(shown, channels, samples.len(), value, value)
         };
         let numbers = |channels: usize, count: usize, value: &dyn Fn(usize) -> f32| {
-            let color = |i: usize| value(i).clamp(0.0, f32::MAX);
-            from_samples(shown, channels, count, color, |i| value(i).clamp(0.0, 1.0))
+            // What is not a number is black, and clear.
+            let limited = |i: usize, most: f32| value(i).max(0.0).min(most);
+            from_samples(shown, channels, count, |i| limited(i, f32::MAX), |i| limited(i, 1.0))
         };
         match self {
             TexelStorage::Bytes(1) => integers(1, bytes),
@@ -283,6 +284,13 @@ mod tests {
             &[0, 0x40, 0, 0, 0, 0, 0, 0x3c],
             [2.0, 0.0, 0.0],
             None,
+        );
+        let unusual = [f32::NAN, f32::INFINITY, -1.0, f32::NAN].map(f32::to_le_bytes);
+        check(
+            TexelStorage::Floats(4),
+            &unusual.concat(),
+            [0.0, f32::MAX, 0.0],
+            Some(0.0),
         );
     }
 }
