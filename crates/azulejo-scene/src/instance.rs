@@ -57,6 +57,16 @@ impl MeshInstance {
         self.world_from_mesh.transform_point3(position)
     }
 
+    /// Whether its map can take no point of the mesh's box beyond the largest number.
+    pub fn is_finite(&self) -> bool {
+        let reach = self.mesh.positions.iter().map(|p| p.abs().max_element());
+        let reach = reach.fold(0.0, f64::max);
+        let m = self.world_from_mesh.matrix3;
+        let stretch = m.x_axis.abs() + m.y_axis.abs() + m.z_axis.abs();
+        let farthest = reach * stretch + self.world_from_mesh.translation.abs();
+        farthest.is_finite()
+    }
+
     /// Stores the irradiance that the first pass computed.
     ///
     /// # Panics

@@ -19,6 +19,10 @@ pub(super) struct StatementMark {
     at: usize,
 }
 
+/// Where a statement stands in memory: tells the statements of all files apart, as long as their texts
+/// are kept.
+pub(super) type StatementAddress = *const u8;
+
 #[inline]
 fn is_blank(b: u8) -> bool {
     matches!(b, b' ' | b'\t' | 0x0b | 0x0c)
@@ -37,6 +41,11 @@ impl<'a> MgfLines<'a> {
         StatementMark {
             at: self.text.offset(),
         }
+    }
+
+    /// The address of the statement at a position.
+    pub fn address(&self, mark: StatementMark) -> StatementAddress {
+        self.text.bytes()[mark.at..].as_ptr()
     }
 
     /// Returns to a position in this text.
