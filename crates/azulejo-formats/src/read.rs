@@ -6,6 +6,7 @@ use crate::reading::detect::{EXPECTED, Format, detect, recognize};
 use crate::reading::gzip;
 use crate::reading::options::counted_first;
 use crate::reading::text::decoded;
+use crate::surface::unpainted::darken_unpainted;
 use crate::{Files, Position, ReadError, ReadOptions, Warning};
 use crate::{dxf, gltf, grf, mgf, obj, openflight, ply, scn, sff, stl, studio3ds, view3d, vrml};
 use azulejo_scene::{Mesh, Scene, Shape};
@@ -64,9 +65,10 @@ pub fn read_with(
         read(bytes, name, files, options)
     })?;
     let (mut scene, mut warnings) = (loaded.scene, loaded.warnings);
-    // A GRF file keeps its vertices, in which its light is stored.
+    // A GRF file keeps its vertices, in which its light is stored, and the reflectances of that light.
     if format != Format::Grf {
         warnings.extend(divide_crossing_faces(&mut scene, name));
+        warnings.extend(darken_unpainted(&mut scene, name));
     }
     scene.join_sides();
     Ok(RecognizedModel {

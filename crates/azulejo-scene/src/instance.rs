@@ -95,12 +95,18 @@ impl MeshInstance {
 
     /// The same as a mesh of its own, in the world, with its irradiance.
     pub fn to_mesh(&self) -> Mesh {
-        let mut mesh = Mesh::clone(&self.mesh);
+        self.clone().take_mesh()
+    }
+
+    /// As [`to_mesh`](MeshInstance::to_mesh), without a copy where no other instance has the mesh; leaves
+    /// an empty one.
+    fn take_mesh(&mut self) -> Mesh {
+        let mut mesh = Arc::unwrap_or_clone(std::mem::take(&mut self.mesh));
         mesh.transform(&self.world_from_mesh);
-        if let Some(light) = self.light.as_deref() {
-            mesh.irradiance.clone_from(&light.irradiance);
-            mesh.irradiance_error.clone_from(&light.error);
-            mesh.back.clone_from(&light.back);
+        if let Some(light) = self.light.take() {
+            mesh.irradiance = light.irradiance;
+            mesh.irradiance_error = light.error;
+            mesh.back = light.back;
         }
         mesh
     }
@@ -298,8 +304,8 @@ impl Scene {
     /// Gives some instances meshes of their own.
     pub fn unfold_if(&mut self, is_meant: impl Fn(&Object) -> bool) {
         for object in self.objects.iter_mut().filter(|o| is_meant(o)) {
-            if let Shape::Instance(instance) = &object.shape {
-                object.shape = Shape::Mesh(instance.to_mesh());
+            if let Shape::Instance(instance) = &mut object.shape {
+                object.shape = Shape::Mesh(instance.take_mesh());
             }
         }
     }

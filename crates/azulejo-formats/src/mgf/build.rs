@@ -1,8 +1,9 @@
 //! The scene under construction: named groups, each with a mesh of the faces directly inside it.
 
-use super::sharing::{FrameId, RepeatedMeshes, RepeatedOrigin, WORLD};
+use super::sharing::{FrameId, RepeatedOrigin, WORLD};
 use crate::surface::gloss::Gloss;
 use crate::surface::materials::Materials;
+use crate::surface::repeated::RepeatedMeshes;
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{
     Attribute, Light, Material, MaterialId, Mesh, Object, Primitive, Scene, Shape, Units, Up,
@@ -130,7 +131,9 @@ impl MgfBuilder {
     /// A mesh as a shape: one that others may share, if arrays or includes repeat it.
     fn shape_of(&mut self, mesh: Mesh, origin: Option<RepeatedOrigin>) -> Shape {
         match origin {
-            Some(origin) => self.repeated.place(mesh, &origin),
+            Some(origin) => self
+                .repeated
+                .place(mesh, origin.statement, &origin.world_from_frame),
             None => Shape::Mesh(mesh),
         }
     }

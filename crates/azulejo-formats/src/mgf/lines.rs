@@ -6,6 +6,7 @@
 use crate::Position;
 use crate::reading::cursor::{TextCursor, is_line_end};
 use crate::reading::number;
+use crate::surface::repeated::TextAddress;
 
 /// A cursor over the bytes of a text file, between two statements.
 #[derive(Clone, Debug)]
@@ -18,10 +19,6 @@ pub(super) struct MgfLines<'a> {
 pub(super) struct StatementMark {
     at: usize,
 }
-
-/// Where a statement stands in memory: tells the statements of all files apart, as long as their texts
-/// are kept.
-pub(super) type StatementAddress = *const u8;
 
 #[inline]
 fn is_blank(b: u8) -> bool {
@@ -44,7 +41,7 @@ impl<'a> MgfLines<'a> {
     }
 
     /// The address of the statement at a position.
-    pub fn address(&self, mark: StatementMark) -> StatementAddress {
+    pub fn address(&self, mark: StatementMark) -> TextAddress {
         self.text.bytes()[mark.at..].as_ptr()
     }
 

@@ -2,19 +2,12 @@
 //!
 //! The content of an array is read again for each of its instances, since definitions in it may change
 //! what the next one is. Its meshes are built in the coordinates of the content, where all instances are
-//! equal to the last bit, and become instances of one mesh where they are.
+//! equal to the last bit, and become instances of one mesh where they are ([`repeated`]).
+//!
+//! [`repeated`]: crate::surface::repeated
 
-use super::lines::StatementAddress;
-use azulejo_scene::{Mesh, MeshInstance, Shape, SharedMesh};
+use crate::surface::repeated::TextAddress;
 use glam::DAffine3;
-use std::collections::HashMap;
-
-/// Meshes with fewer corners are copied: rays pass them faster, and an instance takes as much memory.
-const LEAST_CORNERS: usize = 64;
-
-/// How many different meshes of one statement are remembered, so that finding one takes no longer than
-/// reading it.
-const MOST_VARIANTS: usize = 4;
 
 /// Coordinates in which meshes are built: the world, and inside it those of the content of each open
 /// instance of an array or file.
@@ -85,47 +78,6 @@ impl ContentFrames {
 /// Which statement made a mesh that others may be equal to, and the place of this one.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RepeatedOrigin {
-    pub statement: StatementAddress,
+    pub statement: TextAddress,
     pub world_from_frame: DAffine3,
-}
-
-/// The meshes that statements have made.
-#[derive(Debug, Default)]
-pub(super) struct RepeatedMeshes {
-    by_statement: HashMap<StatementAddress, Vec<SharedMesh>>,
-}
-
-impl RepeatedMeshes {
-    /// A mesh in the coordinates of its frame, at its place: an instance, if meshes of its size are shared.
-    pub fn place(&mut self, mesh: Mesh, origin: &RepeatedOrigin) -> Shape {
-        let world_from_frame = &origin.world_from_frame;
-        if mesh.faces.corners.len() < LEAST_CORNERS {
-            return copied(mesh, world_from_frame);
-        }
-        let shared = self.equal_to(mesh, origin.statement);
-        let placed = shared.placed(*world_from_frame);
-        match placed.filter(MeshInstance::is_finite) {
-            Some(placed) => Shape::Instance(placed),
-            None => copied(Mesh::clone(shared.mesh()), world_from_frame),
-        }
-    }
-
-    /// The mesh, as one that the same statement made before if there is an equal one.
-    fn equal_to(&mut self, mesh: Mesh, statement: StatementAddress) -> &mut SharedMesh {
-        let known = self.by_statement.entry(statement).or_default();
-        let at = known.iter().position(|shared| **shared.mesh() == mesh);
-        let at = at.unwrap_or_else(|| {
-            if known.len() == MOST_VARIANTS {
-                known.remove(0);
-            }
-            known.push(SharedMesh::new(mesh));
-            known.len() - 1
-        });
-        &mut known[at]
-    }
-}
-
-fn copied(mut mesh: Mesh, world_from_frame: &DAffine3) -> Shape {
-    mesh.transform(world_from_frame);
-    Shape::Mesh(mesh)
 }
