@@ -6,9 +6,12 @@ use crate::reading::detect::{EXPECTED, Format, detect, recognize};
 use crate::reading::gzip;
 use crate::reading::options::counted_first;
 use crate::reading::text::decoded;
+use crate::surface::unpainted::darken_unpainted;
 use crate::{Files, Position, ReadError, ReadOptions, Warning};
 use crate::{dxf, gltf, grf, mgf, obj, openflight, ply, scn, sff, stl, studio3ds, view3d, vrml};
-use azulejo_scene::{Scene, Shape};
+use azulejo_scene::{Mesh, Scene, Shape};
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
 /// A model and the format that it was recognized as.
 #[derive(Clone, Debug)]
@@ -62,9 +65,10 @@ pub fn read_with(
         read(bytes, name, files, options)
     })?;
     let (mut scene, mut warnings) = (loaded.scene, loaded.warnings);
-    // A GRF file keeps its vertices, in which its light is stored.
+    // A GRF file keeps its vertices, in which its light is stored, and the reflectances of that light.
     if format != Format::Grf {
         warnings.extend(divide_crossing_faces(&mut scene, name));
+        warnings.extend(darken_unpainted(&mut scene, name));
     }
     scene.join_sides();
     Ok(RecognizedModel {
@@ -82,6 +86,7 @@ fn divide_crossing_faces(scene: &mut Scene, name: &str) -> Option<Warning> {
             count += mesh.divide_crossing_faces();
         }
     }
+    count += divide_in_shared_meshes(scene);
     (count > 0).then(|| Warning {
         file: name.to_owned(),
         position: Position::Whole,
@@ -89,6 +94,41 @@ fn divide_crossing_faces(scene: &mut Scene, name: &str) -> Option<Warning> {
             .to_owned(),
         count,
     })
+}
+
+/// Divides the faces of shared meshes once for all their instances; meshes with light at a place stay as
+/// they are. The number of faces counts each instance.
+fn divide_in_shared_meshes(scene: &mut Scene) -> usize {
+    let instances = scene.objects.iter_mut();
+    let instances: Vec<_> = instances
+        .filter_map(|object| match &mut object.shape {
+            Shape::Instance(instance) => Some(instance),
+            _ => None,
+        })
+        .collect();
+    let lit = instances.iter().filter(|i| i.light.is_some());
+    let lit: HashSet<*const Mesh> = lit.map(|i| Arc::as_ptr(&i.mesh)).collect();
+    let mut divided: HashMap<*const Mesh, (usize, Arc<Mesh>)> = HashMap::new();
+    for instance in &instances {
+        let address = Arc::as_ptr(&instance.mesh);
+        if !lit.contains(&address) {
+            divided.entry(address).or_insert_with(|| {
+                let mut mesh = Mesh::clone(&instance.mesh);
+                match mesh.divide_crossing_faces() {
+                    0 => (0, instance.mesh.clone()),
+                    count => (count, Arc::new(mesh)),
+                }
+            });
+        }
+    }
+    let mut count = 0;
+    for instance in instances {
+        if let Some((of_mesh, mesh)) = divided.get(&Arc::as_ptr(&instance.mesh)) {
+            instance.mesh = mesh.clone();
+            count += of_mesh;
+        }
+    }
+    count
 }
 
 /// Reads an SVG or DXF drawing, recognized by its content. `name` is used in messages.
@@ -368,6 +408,20 @@ mod tests {
         };
         assert_eq!((mesh.faces.len(), mesh.area()), (2, 2.0));
         model.scene.validate().unwrap();
+    }
+
+    #[test]
+    fn bow_ties_of_instances_are_divided_once() {
+        let bow_ties = "f a b c d\n".repeat(20);
+        let text = format!(
+            "v a =\np 0 0 0\nv b =\np 2 2 0\nv c =\np 2 0 0\nv d =\np 0 2 0\nm m =\nrd .5\n\
+             xf -a 3 -t 5 0 0\n{bow_ties}xf\n"
+        );
+        let model = read(text.as_bytes(), "a.mgf", &Memory::new()).unwrap();
+        model.scene.validate().unwrap();
+        assert_eq!(model.warnings[0].count, 60);
+        let meshes = model.scene.shared_meshes();
+        assert_eq!((meshes.len(), meshes[0].faces.len()), (1, 40));
     }
 
     #[test]

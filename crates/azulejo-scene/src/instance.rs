@@ -57,6 +57,16 @@ impl MeshInstance {
         self.world_from_mesh.transform_point3(position)
     }
 
+    /// Whether its map can take no point of the mesh's box beyond the largest number.
+    pub fn is_finite(&self) -> bool {
+        let reach = self.mesh.positions.iter().map(|p| p.abs().max_element());
+        let reach = reach.fold(0.0, f64::max);
+        let m = self.world_from_mesh.matrix3;
+        let stretch = m.x_axis.abs() + m.y_axis.abs() + m.z_axis.abs();
+        let farthest = reach * stretch + self.world_from_mesh.translation.abs();
+        farthest.is_finite()
+    }
+
     /// Stores the irradiance that the first pass computed.
     ///
     /// # Panics
@@ -85,12 +95,18 @@ impl MeshInstance {
 
     /// The same as a mesh of its own, in the world, with its irradiance.
     pub fn to_mesh(&self) -> Mesh {
-        let mut mesh = Mesh::clone(&self.mesh);
+        self.clone().take_mesh()
+    }
+
+    /// As [`to_mesh`](MeshInstance::to_mesh), without a copy where no other instance has the mesh; leaves
+    /// an empty one.
+    fn take_mesh(&mut self) -> Mesh {
+        let mut mesh = Arc::unwrap_or_clone(std::mem::take(&mut self.mesh));
         mesh.transform(&self.world_from_mesh);
-        if let Some(light) = self.light.as_deref() {
-            mesh.irradiance.clone_from(&light.irradiance);
-            mesh.irradiance_error.clone_from(&light.error);
-            mesh.back.clone_from(&light.back);
+        if let Some(light) = self.light.take() {
+            mesh.irradiance = light.irradiance;
+            mesh.irradiance_error = light.error;
+            mesh.back = light.back;
         }
         mesh
     }
@@ -288,8 +304,8 @@ impl Scene {
     /// Gives some instances meshes of their own.
     pub fn unfold_if(&mut self, is_meant: impl Fn(&Object) -> bool) {
         for object in self.objects.iter_mut().filter(|o| is_meant(o)) {
-            if let Shape::Instance(instance) = &object.shape {
-                object.shape = Shape::Mesh(instance.to_mesh());
+            if let Shape::Instance(instance) = &mut object.shape {
+                object.shape = Shape::Mesh(instance.take_mesh());
             }
         }
     }

@@ -10,12 +10,12 @@ use super::surfaces::LayerMesh;
 use crate::reading::text::shortened;
 use crate::reading::warnings::Warnings;
 use crate::surface::materials::Materials;
-use azulejo_scene::{MaterialId, Mesh, Object, Scene, Shape, SharedMesh};
+use azulejo_scene::{MaterialId, Mesh, MeshInstance, Object, Scene, Shape, SharedMesh};
 use glam::DAffine3;
 use std::collections::HashMap;
 
 /// Longest path of blocks in an object's name, in bytes; names of deeper blocks are left out.
-const LONGEST_PATH: usize = 1000;
+pub(super) const LONGEST_PATH: usize = 1000;
 
 /// Instantiates all blocks.
 pub(super) fn instantiate(mut project: Project, warnings: &mut Warnings) -> Scene {
@@ -173,10 +173,7 @@ impl<'a> Placer<'a, '_> {
             slots.for_each(|slot| *slot = materials[slot]);
             SharedMesh::new(mesh)
         });
-        let corners = mesh.faces.corners.iter();
-        let mut positions = corners.map(|&v| map.transform_point3(mesh.positions[v as usize]));
-        let placed = shared.placed(*map);
-        match placed.filter(|_| positions.all(|p| p.is_finite())) {
+        match shared.placed(*map).filter(MeshInstance::is_finite) {
             Some(placed) => {
                 let name = joined(&context.path, &layer.name);
                 let shape = Shape::Instance(placed);

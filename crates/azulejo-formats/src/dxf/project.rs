@@ -2,8 +2,10 @@
 
 use super::drawing::{DxfBlock, DxfDrawing, Insert};
 use super::ids::{BlockId, MODEL_SPACE};
+use super::instantiate::LONGEST_PATH;
 use super::pairs::Pairs;
 use super::parse::{parse, position};
+use super::surfaces::LayerMesh;
 use crate::reading::detect::{Format, detect};
 use crate::reading::files::beside;
 use crate::reading::options::Budget;
@@ -19,8 +21,15 @@ const DEEPEST: u32 = 64;
 /// Most external files.
 const MOST_FILES: usize = 1000;
 
-/// Cost of an INSERT, a light or an object in elements, besides its vertices and corners.
+/// Cost of an INSERT or a light in elements.
 const COST_OF_NODE: u64 = 8;
+
+/// Cost of an object besides its name, vertices and corners: it takes as much memory as 32 vertices, with its
+/// place in the tracer and in the tables that commands make of objects.
+const COST_OF_OBJECT: u64 = 32;
+
+/// Bytes of the names of objects that count as one element.
+const BYTES_PER_ELEMENT: u64 = 24;
 
 /// All drawings; the first is the one being read.
 #[derive(Debug)]
@@ -45,12 +54,52 @@ pub(super) struct Node {
 /// What a block expands to.
 #[derive(Clone, Copy, Debug, Default)]
 struct Extent {
-    /// Vertices, corners and the cost of nodes.
+    /// Vertices, corners and the cost of nodes and objects.
     elements: u64,
+    /// Number of objects.
+    objects: u64,
+    /// Most bytes of their names, in which the blocks inside this one occur.
+    name_bytes: u64,
     /// Greatest nesting depth of blocks.
     height: u32,
     /// Whether it is still being computed: an INSERT that leads here closes a cycle.
     is_open: bool,
+}
+
+impl Extent {
+    /// Of a block without its inserted blocks.
+    fn of_surfaces(drawing: &DxfDrawing, block: &DxfBlock) -> Extent {
+        let mut extent = Extent {
+            elements: block.lights.len() as u64 * COST_OF_NODE,
+            ..Extent::default()
+        };
+        for LayerMesh { layer, mesh, .. } in &block.surfaces.meshes {
+            let size = mesh.positions.len() + mesh.faces.corners.len();
+            extent.elements += size as u64 + COST_OF_OBJECT;
+            extent.objects += 1;
+            extent.name_bytes += drawing.layers[*layer as usize].name.len() as u64;
+        }
+        extent
+    }
+
+    /// Adds `count` INSERTs of a block of that name.
+    fn insert(&mut self, count: u64, inner: &Extent, name: &str) {
+        let times = |each: u64| count.saturating_mul(each);
+        let names = inner.objects.saturating_mul(name.len() as u64 + 1);
+        let most = inner.objects.saturating_mul(LONGEST_PATH as u64);
+        let names = inner.name_bytes.saturating_add(names).min(most);
+        let elements = times(inner.elements.saturating_add(COST_OF_NODE));
+        self.elements = self.elements.saturating_add(elements);
+        self.objects = self.objects.saturating_add(times(inner.objects));
+        self.name_bytes = self.name_bytes.saturating_add(times(names));
+        self.height = self.height.max(inner.height + 1);
+    }
+
+    /// What it takes from the budget.
+    fn cost(&self) -> u64 {
+        let names = self.name_bytes / BYTES_PER_ELEMENT;
+        self.elements.saturating_add(names)
+    }
 }
 
 impl Project {
@@ -85,7 +134,7 @@ impl Project {
         };
         let extent = reader.extent(Node::ROOT, 0);
         Budget::new(options)
-            .spend(extent.elements)
+            .spend(extent.cost())
             .map_err(|e| e.error(name))?;
         Ok(reader.project)
     }
@@ -163,18 +212,15 @@ impl ProjectReader<'_, '_> {
             ..Extent::default()
         };
         self.project.extents.insert(node, open);
-        let block = self.project.get(node).1;
-        let mut extent = Extent {
-            elements: own_elements(block),
-            ..Extent::default()
-        };
+        let (drawing, block) = self.project.get(node);
+        let mut extent = Extent::of_surfaces(drawing, block);
         for i in 0..block.inserts.len() {
             match self.inserted(node, i, depth) {
                 Ok(inner) if inner.elements > 0 => {
-                    let count = self.project.get(node).1.inserts[i].count();
-                    let each = inner.elements.saturating_add(COST_OF_NODE);
-                    extent.elements = extent.elements.saturating_add(count.saturating_mul(each));
-                    extent.height = extent.height.max(inner.height + 1);
+                    let (drawing, block) = self.project.get(node);
+                    let insert = &block.inserts[i];
+                    let name = &drawing.blocks[insert.block as usize].name;
+                    extent.insert(insert.count(), &inner, name);
                 }
                 Ok(_) => {}
                 Err(why) => self.refuse(node, i, &why),
@@ -281,15 +327,6 @@ impl ProjectReader<'_, '_> {
         });
         Ok(self.project.drawings.len() - 1)
     }
-}
-
-/// Elements of a block without its inserted blocks.
-fn own_elements(block: &DxfBlock) -> u64 {
-    let meshes = block.surfaces.meshes.iter().map(|m| {
-        let (vertices, corners) = (m.mesh.positions.len(), m.mesh.faces.corners.len());
-        (vertices + corners) as u64 + COST_OF_NODE
-    });
-    meshes.sum::<u64>() + block.lights.len() as u64 * COST_OF_NODE
 }
 
 fn too_deep() -> String {

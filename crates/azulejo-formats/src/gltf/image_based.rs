@@ -6,25 +6,21 @@
 //! Environment Maps*, SIGGRAPH 2001). Where they say that all directions are alike, they are the
 //! light; elsewhere the sharpest level of the cube map is.
 
-use super::json_parts::named;
+use super::cube_map::{face_of, unpacked};
 use super::material::Surfaces;
-use super::pack::Pack;
-use crate::picture::png;
-use crate::picture::srgb::srgb_bytes;
-use azulejo_scene::{Environment, Image, LightKind, Projection, Rgb, Scene, Up};
+use azulejo_scene::{Environment, Image, LightKind, Projection, Rgb, Up};
 use glam::{DQuat, DVec3};
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::f64::consts::PI;
-use std::io;
 
 /// Its name.
 pub(super) const NAME: &str = "EXT_lights_image_based";
 
 /// The constant spherical harmonic Y₀₀.
-const CONSTANT: f64 = 0.282_094_791_773_878_14;
+pub(super) const CONSTANT: f64 = 0.282_094_791_773_878_14;
 
 /// Factors of the bands by which radiance becomes irradiance.
-const BANDS: [f64; 3] = [PI, 2.0 * PI / 3.0, PI / 4.0];
+pub(super) const BANDS: [f64; 3] = [PI, 2.0 * PI / 3.0, PI / 4.0];
 
 /// Most rows of the picture that a cube map becomes.
 const MOST_ROWS: u32 = 1024;
@@ -95,68 +91,47 @@ fn cube_map(light: &Value, surfaces: &mut Surfaces) -> Result<Option<Image>, Str
         .map_err(|_| "a cube map that is not of six images")?;
     let mut images = Vec::with_capacity(6);
     for face in faces {
-        images.push(surfaces.picture(face)?);
+        images.push(unpacked(surfaces.picture(face)?));
     }
     let rows = 2 * images.iter().map(|i| i.height).max().unwrap_or(1);
     let seen = |d: DVec3| face_pixel(&images, d);
     Ok(Some(panorama(rows.clamp(2, MOST_ROWS), seen)))
 }
 
-/// What the faces +x, −x, +y, −y, +z, −z show in a direction (OpenGL 4.6, table 8.19).
+/// What six faces show in a direction.
 fn face_pixel(images: &[Image], d: DVec3) -> [f32; 3] {
-    let size = d.abs();
-    let (face, s, t, depth) = if size.x >= size.y && size.x >= size.z {
-        let is_back = d.x < 0.0;
-        (
-            usize::from(is_back),
-            if is_back { d.z } else { -d.z },
-            -d.y,
-            size.x,
-        )
-    } else if size.y >= size.z {
-        let is_down = d.y < 0.0;
-        (
-            2 + usize::from(is_down),
-            d.x,
-            if is_down { -d.z } else { d.z },
-            size.y,
-        )
-    } else {
-        let is_back = d.z < 0.0;
-        (
-            4 + usize::from(is_back),
-            if is_back { -d.x } else { d.x },
-            -d.y,
-            size.z,
-        )
-    };
+    let (face, s, t) = face_of(d);
     let image = &images[face];
     if image.width == 0 || image.height == 0 {
         return [0.0; 3];
     }
     let index = |x: f64, size: u32| {
-        let place = (0.5 + 0.5 * x / depth) * f64::from(size);
+        let place = (0.5 + 0.5 * x) * f64::from(size);
         (place as u32).min(size - 1)
     };
     image.pixel(index(s, image.width), index(t, image.height))
 }
 
+/// The real spherical harmonics of a unit direction, up to the third band.
+pub(super) fn harmonics(d: DVec3) -> [f64; 9] {
+    [
+        CONSTANT,
+        0.488_603 * d.y,
+        0.488_603 * d.z,
+        0.488_603 * d.x,
+        1.092_548 * d.x * d.y,
+        1.092_548 * d.y * d.z,
+        0.315_392 * (3.0 * d.z * d.z - 1.0),
+        1.092_548 * d.x * d.z,
+        0.546_274 * (d.x * d.x - d.y * d.y),
+    ]
+}
+
 /// The radiance that coefficients describe, nowhere below 0.
-fn smooth(harmonics: &[Rgb; 9]) -> Image {
+fn smooth(coefficients: &[Rgb; 9]) -> Image {
     panorama(SMOOTH_ROWS, |d| {
-        let basis = [
-            CONSTANT,
-            0.488_603 * d.y,
-            0.488_603 * d.z,
-            0.488_603 * d.x,
-            1.092_548 * d.x * d.y,
-            1.092_548 * d.y * d.z,
-            0.315_392 * (3.0 * d.z * d.z - 1.0),
-            1.092_548 * d.x * d.z,
-            0.546_274 * (d.x * d.x - d.y * d.y),
-        ];
         let band = |k: usize| BANDS[usize::from(k > 0) + usize::from(k > 3)];
-        let terms = harmonics.iter().zip(basis).enumerate();
+        let terms = coefficients.iter().zip(harmonics(d)).enumerate();
         let radiance: Rgb = terms.map(|(k, (c, y))| *c * (y / band(k))).sum();
         radiance.map(|c| c.max(0.0)).to_f32()
     })
@@ -178,47 +153,4 @@ fn panorama(rows: u32, seen: impl Fn(DVec3) -> [f32; 3]) -> Image {
         pixels: (0..width * rows).map(pixel).collect(),
         ..Image::default()
     }
-}
-
-/// The extension for the ambient light of a scene, whose cube map is one white pixel in `images`;
-/// `None` without ambient light.
-///
-/// # Errors
-/// Those of encoding the pixel.
-pub(super) fn ambient(
-    scene: &Scene,
-    pack: &mut Pack,
-    images: &mut Vec<Value>,
-) -> io::Result<Option<Value>> {
-    let lights = scene.lights.iter().filter_map(|light| match light.kind {
-        LightKind::Ambient { radiance } => Some((light, radiance)),
-        _ => None,
-    });
-    let radiance: Rgb = lights.clone().map(|(_, radiance)| radiance).sum();
-    let strength = radiance.max_channel();
-    let Some((first, _)) = lights.into_iter().next().filter(|_| strength > 0.0) else {
-        return Ok(None);
-    };
-    let colour = radiance / strength;
-    let mut file = Vec::new();
-    let pixel = Image {
-        width: 1,
-        height: 1,
-        pixels: vec![colour.to_f32()],
-        ..Image::default()
-    };
-    png::write(1, 1, &srgb_bytes(&pixel), &mut file)?;
-    let mut image = named("ambient");
-    image.insert("mimeType".into(), json!("image/png"));
-    image.insert("bufferView".into(), json!(pack.bytes(&file)));
-    images.push(image.into());
-    let mut coefficients = [[0.0; 3]; 9];
-    coefficients[0] = (colour * (PI / CONSTANT)).to_array();
-    let mut light = named(&first.name);
-    light.insert("intensity".into(), json!(strength));
-    light.insert("irradianceCoefficients".into(), json!(coefficients));
-    let faces = [images.len() - 1; 6];
-    light.insert("specularImageSize".into(), json!(1));
-    light.insert("specularImages".into(), json!([faces]));
-    Ok(Some(json!({ "lights": [light] })))
 }

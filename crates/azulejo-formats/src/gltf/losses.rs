@@ -1,5 +1,6 @@
 //! What glTF cannot represent.
 
+use super::write_image_based::{has_bright_spot, is_around};
 use super::write_material::{finish_texture, is_one_colour, only_around};
 use crate::surface::gloss::is_repainted;
 use crate::surface::model::gltf_mr;
@@ -75,7 +76,15 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         ),
         (
             lights(|l| matches!(l, LightKind::Environment(_))),
-            "environments",
+            "environments that become cube maps of 128 rows and 8 bits, without sharp detail",
+        ),
+        (
+            bright_spots(scene),
+            "environments with a sun or a lamp in the picture, which becomes larger and less bright",
+        ),
+        (
+            several_around(scene),
+            "lights from all around that become one",
         ),
         (
             only_around(scene).len(),
@@ -98,6 +107,20 @@ pub fn losses(scene: &Scene) -> Vec<String> {
     ];
     let described = |&(count, what): &(usize, &str)| (count > 0).then(|| format!("{count} {what}"));
     counts.iter().filter_map(described).collect()
+}
+
+fn bright_spots(scene: &Scene) -> usize {
+    let lights = scene.lights.iter();
+    let bright = lights.filter(
+        |l| matches!(&l.kind, LightKind::Environment(around) if has_bright_spot(scene, around)),
+    );
+    bright.count()
+}
+
+/// The lights from all around, if there are several.
+fn several_around(scene: &Scene) -> usize {
+    let count = scene.lights.iter().filter(|l| is_around(&l.kind)).count();
+    if count > 1 { count } else { 0 }
 }
 
 /// Largest half angle of a spot light in glTF.

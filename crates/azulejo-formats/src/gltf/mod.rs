@@ -9,6 +9,7 @@ mod animations;
 mod attributes;
 mod buffers;
 mod container;
+mod cube_map;
 mod document;
 mod draco;
 mod image_based;
@@ -30,6 +31,7 @@ mod uri;
 mod vertices;
 mod walk;
 mod write;
+mod write_image_based;
 mod write_material;
 mod write_mesh;
 

@@ -6,6 +6,7 @@ mod materials;
 mod meshes;
 mod round_trip;
 mod scenes;
+mod surroundings;
 
 use crate::{Loaded, Memory, ReadOptions, gltf};
 use azulejo_scene::{Mesh, Scene, Shape};

@@ -4,6 +4,7 @@ use super::image_based;
 use super::irradiance;
 use super::json_parts::{factor_and_strength, named};
 use super::pack::Pack;
+use super::write_image_based;
 use super::write_material::Materials;
 use super::write_mesh::{self, WrittenMesh};
 use azulejo_scene::{
@@ -79,8 +80,8 @@ struct Document<'a> {
     nodes: Vec<Value>,
     cameras: Vec<Value>,
     lights: Vec<Value>,
-    /// The extension of ambient light.
-    ambient: Option<Value>,
+    /// The extension of light from all around.
+    around: Option<Value>,
     materials: Materials,
     /// Shared meshes, with the index of the mesh without irradiance.
     shared: HashMap<*const Mesh, (Option<WrittenMesh>, Option<usize>)>,
@@ -97,11 +98,11 @@ impl<'a> Document<'a> {
             nodes: Vec::new(),
             cameras: Vec::new(),
             lights: Vec::new(),
-            ambient: None,
+            around: None,
             shared: HashMap::new(),
         };
         let images = &mut document.materials.images;
-        document.ambient = image_based::ambient(scene, &mut document.pack, images)?;
+        document.around = write_image_based::write(scene, &mut document.pack, images)?;
         let scale = irradiance::scale(scene);
         for object in &scene.objects {
             match &object.shape {
@@ -259,7 +260,7 @@ impl<'a> Document<'a> {
         }
         if !roots.is_empty() {
             let mut scene = json!({ "nodes": roots });
-            if self.ambient.is_some() {
+            if self.around.is_some() {
                 scene["extensions"] = json!({ (image_based::NAME): { "light": 0 } });
             }
             root.insert("scenes".into(), json!([scene]));
@@ -273,9 +274,9 @@ impl<'a> Document<'a> {
             let lights = json!({ "lights": self.lights });
             extensions.insert("KHR_lights_punctual".into(), lights);
         }
-        if let Some(ambient) = &self.ambient {
+        if let Some(around) = &self.around {
             used.push(image_based::NAME);
-            extensions.insert(image_based::NAME.into(), ambient.clone());
+            extensions.insert(image_based::NAME.into(), around.clone());
         }
         if !extensions.is_empty() {
             root.insert("extensions".into(), extensions.into());

@@ -1,18 +1,20 @@
 //! The scene under construction: named groups, each with a mesh of the faces directly inside it.
 
+use super::sharing::{FrameId, RepeatedOrigin, WORLD};
 use crate::surface::gloss::Gloss;
 use crate::surface::materials::Materials;
+use crate::surface::repeated::RepeatedMeshes;
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{
     Attribute, Light, Material, MaterialId, Mesh, Object, Primitive, Scene, Shape, Units, Up,
 };
-use glam::{DAffine3, DVec3};
+use glam::DVec3;
 use std::collections::HashMap;
 
 /// Longest name of an object; objects nested more deeply share a name.
 const LONGEST_NAME: usize = 255;
 
-/// A corner of a face, in world coordinates.
+/// A corner of a face, in the coordinates of its group's mesh.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MgfCorner {
     /// Corners with different keys must not share a vertex of the mesh: the revision of the file's
@@ -29,6 +31,7 @@ pub(super) struct MgfBuilder {
     scene: Scene,
     materials: Materials,
     pub gloss: Gloss,
+    repeated: RepeatedMeshes,
     path: String,
     groups: Vec<MgfObject>,
     /// Whether objects and lights are kept.
@@ -40,6 +43,8 @@ pub(super) struct MgfBuilder {
 struct MgfObject {
     /// Length of the path outside of the group.
     path_length: usize,
+    /// The coordinates in which its mesh is built.
+    frame: FrameId,
     /// Its faces, and the index of the object reserved for them.
     draft: Option<Box<(usize, ObjectFaces)>>,
 }
@@ -58,6 +63,7 @@ impl MgfBuilder {
             },
             materials: Materials::default(),
             gloss: Gloss::default(),
+            repeated: RepeatedMeshes::default(),
             path: String::new(),
             groups: vec![MgfObject::default()],
             keeps,
@@ -67,6 +73,11 @@ impl MgfBuilder {
     /// Whether a face would begin an object.
     pub fn begins_object(&self) -> bool {
         self.groups.last().is_none_or(|group| group.draft.is_none())
+    }
+
+    /// The coordinates of the innermost group's mesh.
+    pub fn group_frame(&self) -> FrameId {
+        self.groups.last().map_or(WORLD, |group| group.frame)
     }
 
     /// Path of the open groups, for names of objects.
@@ -85,9 +96,10 @@ impl MgfBuilder {
     }
 
     /// Opens a group; an empty name adds nothing to the path.
-    pub fn open(&mut self, name: &str) {
+    pub fn open(&mut self, name: &str, frame: FrameId) {
         self.groups.push(MgfObject {
             path_length: self.path.len(),
+            frame,
             draft: None,
         });
         if !name.is_empty() && self.path.len() + name.len() < LONGEST_NAME {
@@ -109,9 +121,20 @@ impl MgfBuilder {
     /// Stores a group's faces in the object reserved for them.
     fn place(&mut self, draft: Option<Box<(usize, ObjectFaces)>>) {
         if let Some((object, draft)) = draft.map(|d| *d) {
+            let origin = draft.origin;
             let mut mesh = draft.finish();
             self.suppress_inner_emission(&mut mesh);
-            self.scene.objects[object].shape = Shape::Mesh(mesh);
+            self.scene.objects[object].shape = self.shape_of(mesh, origin);
+        }
+    }
+
+    /// A mesh as a shape: one that others may share, if arrays or includes repeat it.
+    fn shape_of(&mut self, mesh: Mesh, origin: Option<RepeatedOrigin>) -> Shape {
+        match origin {
+            Some(origin) => self
+                .repeated
+                .place(mesh, origin.statement, &origin.world_from_frame),
+            None => Shape::Mesh(mesh),
         }
     }
 
@@ -132,8 +155,14 @@ impl MgfBuilder {
         }
     }
 
-    /// Adds a face of three or more corners to the innermost group.
-    pub fn face(&mut self, corners: &[MgfCorner], material: MaterialId) {
+    /// Adds a face of three or more corners to the innermost group. `origin` is that of its mesh if the
+    /// face is the first.
+    pub fn face(
+        &mut self,
+        corners: &[MgfCorner],
+        material: MaterialId,
+        origin: Option<RepeatedOrigin>,
+    ) {
         if !self.keeps {
             return;
         }
@@ -142,16 +171,23 @@ impl MgfBuilder {
             // Objects are ordered by their first faces, even if groups nest.
             let object = Object::new(self.path.clone(), Shape::Mesh(Mesh::default()));
             self.scene.objects.push(object);
-            Box::new((self.scene.objects.len() - 1, ObjectFaces::default()))
+            let faces = ObjectFaces {
+                origin,
+                ..ObjectFaces::default()
+            };
+            Box::new((self.scene.objects.len() - 1, faces))
         });
         announced.1.face(corners, material);
     }
 
     /// Adds a mesh with one material as an object of its own; the material in the mesh is ignored.
-    pub fn solid(&mut self, mut mesh: Mesh, map: &DAffine3, material: MaterialId) {
-        mesh.transform(map);
+    pub fn solid(&mut self, mut mesh: Mesh, material: MaterialId, origin: Option<RepeatedOrigin>) {
+        if !self.keeps {
+            return;
+        }
         mesh.face_materials.fill(material);
-        self.shape(Shape::Mesh(mesh));
+        let shape = self.shape_of(mesh, origin);
+        self.shape(shape);
     }
 
     /// Adds an exact primitive as an object of its own.
@@ -179,6 +215,8 @@ impl MgfBuilder {
         while !self.groups.is_empty() {
             self.close();
         }
+        drop(self.repeated);
+        self.scene.unfold_single_instances();
         self.scene.materials = self.materials.into_list();
         self.scene
     }
@@ -187,6 +225,8 @@ impl MgfBuilder {
 /// The faces of a group.
 #[derive(Debug, Default)]
 struct ObjectFaces {
+    /// Where they come from, if they may be repeated.
+    origin: Option<RepeatedOrigin>,
     mesh: Mesh,
     known: HashMap<(u64, u64), u32>,
     /// Shading normal of each vertex that has one.
@@ -331,7 +371,7 @@ mod tests {
         let mut builder = MgfBuilder::new(true);
         let grey = builder.material(Material::diffuse("", Rgb::grey(0.5)));
         for face in faces {
-            builder.face(face, grey);
+            builder.face(face, grey, None);
         }
         let mut scene = builder.finish();
         scene.validate().unwrap();
@@ -378,7 +418,7 @@ mod tests {
                     position: [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z][k as usize],
                     normal: None,
                 });
-                builder.face(&corners, lamp);
+                builder.face(&corners, lamp, None);
             }
             let scene = builder.finish();
             let Shape::Mesh(mesh) = &scene.objects[0].shape else {
@@ -399,15 +439,15 @@ mod tests {
     fn groups_nest_and_keep_their_order() {
         let mut builder = MgfBuilder::new(true);
         let grey = builder.material(Material::diffuse("", Rgb::grey(0.5)));
-        builder.open("house");
-        builder.face(&triangle(0, None), grey);
-        builder.open("");
-        builder.open("room");
-        builder.face(&triangle(0, None), grey);
+        builder.open("house", WORLD);
+        builder.face(&triangle(0, None), grey, None);
+        builder.open("", WORLD);
+        builder.open("room", WORLD);
+        builder.face(&triangle(0, None), grey, None);
         builder.close();
         builder.close();
-        builder.face(&triangle(3, None), grey);
-        builder.open(&"long".repeat(100));
+        builder.face(&triangle(3, None), grey, None);
+        builder.open(&"long".repeat(100), WORLD);
         builder.primitive(Primitive::sphere(DVec3::ZERO, 1.0, grey));
         let scene = builder.finish();
         let names: Vec<&str> = scene.objects.iter().map(|o| o.name.as_str()).collect();

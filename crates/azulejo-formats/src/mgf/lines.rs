@@ -6,6 +6,7 @@
 use crate::Position;
 use crate::reading::cursor::{TextCursor, is_line_end};
 use crate::reading::number;
+use crate::surface::repeated::TextAddress;
 
 /// A cursor over the bytes of a text file, between two statements.
 #[derive(Clone, Debug)]
@@ -37,6 +38,11 @@ impl<'a> MgfLines<'a> {
         StatementMark {
             at: self.text.offset(),
         }
+    }
+
+    /// The address of the statement at a position.
+    pub fn address(&self, mark: StatementMark) -> TextAddress {
+        self.text.bytes()[mark.at..].as_ptr()
     }
 
     /// Returns to a position in this text.

@@ -178,7 +178,7 @@ impl MgfReader<'_> {
                 self.rectangle([corner, along, across], &map, material)
             }
             LuminousOpening::Disc { diameter, .. } => {
-                let mesh = solids::ring(centre, normal, 0.0, 0.5 * diameter, SIDES);
+                let mut mesh = solids::ring(centre, normal, 0.0, 0.5 * diameter, SIDES);
                 let material = self.lamp_material(side.lumens / mesh.area())?;
                 if !mesh
                     .positions
@@ -187,7 +187,8 @@ impl MgfReader<'_> {
                 {
                     return skip("luminaire whose size overflows: skipped");
                 }
-                self.builder.solid(mesh, &map, material);
+                mesh.transform(&map);
+                self.builder.solid(mesh, material, None);
                 Ok(())
             }
             LuminousOpening::Point => Ok(()),

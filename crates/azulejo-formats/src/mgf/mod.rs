@@ -12,6 +12,7 @@ mod lines;
 mod luminaire;
 mod material;
 mod reader;
+mod sharing;
 mod solids;
 mod surfaces;
 #[cfg(test)]

@@ -6,6 +6,7 @@ use super::context::{ContextError, ContextTable};
 use super::ies::Luminaire;
 use super::lines::{MgfLines, StatementMark, number};
 use super::material::{MaterialComponent, MgfMaterial};
+use super::sharing::{ContentFrames, FrameId, RepeatedOrigin, WORLD};
 use super::transform::MgfTransform;
 use crate::reading::files::beside;
 use crate::reading::options::{Budget, Exhausted};
@@ -13,8 +14,7 @@ use crate::reading::text::{decoded, quoted, text};
 use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadOptions};
 use azulejo_scene::Sidedness;
-use azulejo_scene::math::normal_matrix;
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 use std::rc::Rc;
 
@@ -64,20 +64,35 @@ pub(super) struct MgfVertex {
 /// The current transform.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TransformState {
+    /// To the world.
     pub map: DAffine3,
-    /// For normals.
-    pub normals: DMat3,
-    /// Mean scale.
+    /// The coordinates in which meshes are built.
+    pub frame: FrameId,
+    /// To the frame.
+    pub frame_from_content: DAffine3,
+    /// Mean scale of `map`.
     pub scale: f64,
     /// Unique among transforms.
     pub serial: u64,
 }
 
 impl TransformState {
-    fn new(map: DAffine3, serial: u64) -> TransformState {
+    /// No transform.
+    const IDENTITY: TransformState = TransformState {
+        map: DAffine3::IDENTITY,
+        frame: WORLD,
+        frame_from_content: DAffine3::IDENTITY,
+        scale: 1.0,
+        serial: 0,
+    };
+
+    /// A transform inside this one.
+    fn then(&self, step: DAffine3, serial: u64) -> TransformState {
+        let map = self.map * step;
         TransformState {
             map,
-            normals: normal_matrix(map.matrix3),
+            frame: self.frame,
+            frame_from_content: self.frame_from_content * step,
             scale: map.matrix3.determinant().abs().cbrt(),
             serial,
         }
@@ -142,6 +157,7 @@ pub(super) struct MgfReader<'r> {
     pub(super) surfaces: ContextTable<MgfMaterial>,
     pub(super) vertices: ContextTable<MgfVertex>,
     pub(super) placement: TransformState,
+    pub(super) frames: ContentFrames,
     /// Counts transforms and changes of vertices.
     serial: u64,
     /// Files being read, outermost first.
@@ -167,7 +183,8 @@ impl<'r> MgfReader<'r> {
             colors: ContextTable::new(),
             surfaces: ContextTable::new(),
             vertices: ContextTable::new(),
-            placement: TransformState::new(DAffine3::IDENTITY, 0),
+            placement: TransformState::IDENTITY,
+            frames: ContentFrames::new(),
             serial: 0,
             open: Vec::new(),
             texts: HashMap::new(),
@@ -242,6 +259,14 @@ impl<'r> MgfReader<'r> {
                 Ok(())
             }
         }
+    }
+
+    /// The origin of a mesh in a frame; `None` in the world, where nothing is repeated.
+    pub(super) fn origin(&self, source: &MgfSource, frame: FrameId) -> Option<RepeatedOrigin> {
+        (frame != WORLD).then(|| RepeatedOrigin {
+            statement: source.lines.address(source.statement),
+            world_from_frame: self.frames.world_from(frame),
+        })
     }
 
     #[cold]
@@ -407,7 +432,7 @@ impl<'r> MgfReader<'r> {
                 self.end(source, is_object, "\"o\" without a matching begin: skipped")
             }
             [name, ..] => {
-                self.builder.open(&text(name));
+                self.builder.open(&text(name), self.placement.frame);
                 source.blocks.push(OpenBlock::Object);
                 Ok(())
             }
@@ -453,7 +478,7 @@ impl<'r> MgfReader<'r> {
         }
         let (transform, wrong) = MgfTransform::parse(words);
         let outer = self.placement;
-        self.enter(&transform, 0, outer);
+        self.enter(&transform, 0, outer, transform.is_array());
         source
             .blocks
             .push(OpenBlock::Transform(Box::new(ArrayInstances {
@@ -465,12 +490,27 @@ impl<'r> MgfReader<'r> {
         option_warning(wrong)
     }
 
-    /// Makes an instance the current transform.
-    fn enter(&mut self, transform: &MgfTransform, instance: u64, outer: TransformState) {
+    /// Makes an instance the current transform, with a frame of its own if its content may be repeated.
+    fn enter(
+        &mut self,
+        transform: &MgfTransform,
+        instance: u64,
+        outer: TransformState,
+        is_repeated: bool,
+    ) {
         self.serial += 1;
-        self.placement = TransformState::new(outer.map * transform.map(instance), self.serial);
+        let mut inner = outer.then(transform.map(instance), self.serial);
+        if is_repeated
+            && let Some(frame) = self
+                .frames
+                .enter(outer.frame, inner.frame_from_content, inner.map)
+        {
+            inner.frame = frame;
+            inner.frame_from_content = DAffine3::IDENTITY;
+        }
+        self.placement = inner;
         if transform.is_array() {
-            self.builder.open(&transform.name(instance));
+            self.builder.open(&transform.name(instance), inner.frame);
         }
     }
 
@@ -486,7 +526,7 @@ impl<'r> MgfReader<'r> {
             source.lines.return_to(instances.start);
             let transform = instances.transform.clone();
             self.budget.spend(REPEATED)?;
-            self.enter(&transform, next, outer);
+            self.enter(&transform, next, outer, true);
             return Ok(());
         }
         let is_transform = |b: &OpenBlock| matches!(b, OpenBlock::Transform(_));
@@ -520,7 +560,7 @@ impl<'r> MgfReader<'r> {
         self.open.push(name.to_owned());
         for instance in 0..transform.instances() {
             self.budget.spend(REPEATED)?;
-            self.enter(transform, instance, outer);
+            self.enter(transform, instance, outer, true);
             self.source(MgfSource::new(name, name, bytes))?;
             if transform.is_array() {
                 self.builder.close();
@@ -601,10 +641,10 @@ impl<'r> MgfReader<'r> {
     ) -> Result<(), EntityError> {
         let outer = self.placement;
         let mut said = Ok(());
-        self.builder.open(name);
+        self.builder.open(name, outer.frame);
         for instance in 0..transform.instances() {
             self.budget.spend(REPEATED)?;
-            self.enter(transform, instance, outer);
+            self.enter(transform, instance, outer, false);
             match place(self) {
                 Err(EntityError::Exhausted(e)) => return Err(e.into()),
                 Err(skipped) => said = Err(skipped),

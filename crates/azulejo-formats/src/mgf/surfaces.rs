@@ -2,13 +2,30 @@
 
 use super::build::MgfCorner;
 use super::reader::{EntityError, MgfReader, MgfSource, MgfVertex, skip};
+use super::sharing::WORLD;
 use super::{holes, solids};
 use crate::reading::text::quoted;
+use azulejo_scene::math::normal_matrix;
 use azulejo_scene::{MaterialId, Mesh, Primitive, PrimitiveKind};
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3};
 
 /// What an object takes from the budget besides its vertices and corners.
 const OBJECT: u64 = 16;
+
+/// From the coordinates of statements to those of the mesh that their faces belong to.
+struct FaceFrame {
+    frame_from_content: DAffine3,
+    /// For normals.
+    normals: DMat3,
+    world_from_frame: DAffine3,
+}
+
+impl FaceFrame {
+    /// Whether it reverses orientation.
+    fn mirrors(&self) -> bool {
+        self.frame_from_content.matrix3.determinant() < 0.0
+    }
+}
 
 impl MgfReader<'_> {
     /// Executes a statement that creates a surface.
@@ -46,15 +63,31 @@ impl MgfReader<'_> {
         }
     }
 
+    /// The frame of the innermost group's mesh, which may be outside of that of the current statement:
+    /// the faces of an included file belong to the group around it.
+    fn face_frame(&self) -> FaceFrame {
+        let (outer, here) = (self.builder.group_frame(), &self.placement);
+        let frame_from_content = match outer {
+            WORLD => here.map,
+            _ => self.frames.outer_from(outer, here.frame) * here.frame_from_content,
+        };
+        FaceFrame {
+            frame_from_content,
+            normals: normal_matrix(frame_from_content.matrix3),
+            world_from_frame: self.frames.world_from(outer),
+        }
+    }
+
     /// A vertex transformed by the current transform.
-    fn corner(&self, name: &[u8]) -> Result<MgfCorner, EntityError> {
+    fn corner(&self, frame: &FaceFrame, name: &[u8]) -> Result<MgfCorner, EntityError> {
         let vertex = self.named(name)?;
-        let position = self.placement.map.transform_point3(vertex.position);
-        if !position.is_finite() {
+        let position = frame.frame_from_content.transform_point3(vertex.position);
+        let in_world = frame.world_from_frame.transform_point3(position);
+        if !(position.is_finite() && in_world.is_finite()) {
             return skip("surface that overflows: skipped");
         }
         // A singular map can leave a normal without direction; any direction is as good.
-        let placed = |n: DVec3| (self.placement.normals * n).try_normalize().unwrap_or(n);
+        let placed = |n: DVec3| (frame.normals * n).try_normalize().unwrap_or(n);
         Ok(MgfCorner {
             key: (vertex.revision, self.placement.serial),
             position,
@@ -92,14 +125,16 @@ impl MgfReader<'_> {
         if names.len() < 3 {
             return skip("face with fewer than 3 corners: skipped");
         }
-        let corners = names.iter().map(|name| self.corner(name));
+        let frame = self.face_frame();
+        let corners = names.iter().map(|name| self.corner(&frame, name));
         let corners: Vec<MgfCorner> = corners.collect::<Result<_, _>>()?;
-        self.polygon(source, corners)
+        self.polygon(source, &frame, corners)
     }
 
     fn polygon(
         &mut self,
         source: &MgfSource,
+        frame: &FaceFrame,
         mut corners: Vec<MgfCorner>,
     ) -> Result<(), EntityError> {
         let object = if self.builder.begins_object() && self.repeated > 0 {
@@ -108,11 +143,12 @@ impl MgfReader<'_> {
             0
         };
         self.budget.spend(object + 2 * corners.len() as u64)?;
-        if self.placement.mirrors() {
+        if frame.mirrors() {
             corners[1..].reverse();
         }
         let material = self.current_material(source, false);
-        self.builder.face(&corners, material);
+        let origin = self.origin(source, self.builder.group_frame());
+        self.builder.face(&corners, material, origin);
         Ok(())
     }
 
@@ -120,7 +156,9 @@ impl MgfReader<'_> {
     fn face_with_holes(&mut self, source: &MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
         let loops: Vec<&[&[u8]]> = words.split(|word| *word == b"-").collect();
         let names = loops.iter().copied().flatten();
-        let corners: Vec<MgfCorner> = names.map(|n| self.corner(n)).collect::<Result<_, _>>()?;
+        let frame = self.face_frame();
+        let corners = names.map(|name| self.corner(&frame, name));
+        let corners: Vec<MgfCorner> = corners.collect::<Result<_, _>>()?;
         let (outline, found) = (loops[0].len(), &loops[1..]);
         if outline < 3 {
             return skip("face with fewer than 3 corners: skipped");
@@ -131,7 +169,8 @@ impl MgfReader<'_> {
             .spend((holes.len() * corners.len()) as u64 / 8)?;
         let points: Vec<DVec3> = corners.iter().map(|c| c.position).collect();
         let (joined, left_out) = holes::join(&points, outline, &holes);
-        self.polygon(source, joined.into_iter().map(|k| corners[k]).collect())?;
+        let joined = joined.into_iter().map(|k| corners[k]).collect();
+        self.polygon(source, &frame, joined)?;
         match left_out {
             0 => Ok(()),
             _ => skip("hole outside of its face: filled"),
@@ -149,28 +188,37 @@ impl MgfReader<'_> {
             glam::DQuat::IDENTITY,
             centre,
         );
-        let map = self.placement.map * map;
-        let size = map.matrix3.determinant();
-        if !(map.is_finite() && size.is_finite() && size != 0.0) {
+        let world_from_sphere = self.placement.map * map;
+        let size = world_from_sphere.matrix3.determinant();
+        if !(world_from_sphere.is_finite() && size.is_finite() && size != 0.0) {
             return skip("sph without size, or that overflows: skipped");
         }
-        let sphere = |material| Primitive::new(PrimitiveKind::Sphere, map, material);
         if inward && self.surfaces.current().1.has_different_sides() {
-            // The front of an exact sphere is its outside.
-            let radius = radius.abs() * self.placement.scale;
-            let grids = sphere(0).grids(1e-3 * radius, f64::INFINITY);
-            self.budget
-                .spend(2 * grids.iter().map(|g| g.vertices() as u64).sum::<u64>())?;
-            let mut mesh = sphere(0).tessellate(&grids);
-            mesh.flip();
-            let normals = mesh.normals.iter_mut().flat_map(|n| &mut n.values);
-            normals.for_each(|n| *n = -*n);
-            return self.solid(source, mesh, true, &DAffine3::IDENTITY);
+            return self.inward_sphere(source, map, radius.abs());
         }
         self.budget.spend(OBJECT)?;
         let material = self.current_material(source, !inward);
-        self.builder.primitive(sphere(material));
+        let sphere = Primitive::new(PrimitiveKind::Sphere, world_from_sphere, material);
+        self.builder.primitive(sphere);
         Ok(())
+    }
+
+    /// A sphere whose front is its inside, which that of an exact sphere never is.
+    fn inward_sphere(
+        &mut self,
+        source: &MgfSource,
+        content_from_sphere: DAffine3,
+        radius: f64,
+    ) -> Result<(), EntityError> {
+        let sphere = Primitive::new(PrimitiveKind::Sphere, content_from_sphere, 0);
+        let grids = sphere.grids(1e-3 * radius, f64::INFINITY);
+        self.budget
+            .spend(2 * grids.iter().map(|g| g.vertices() as u64).sum::<u64>())?;
+        let mut mesh = sphere.tessellate(&grids);
+        mesh.flip();
+        let normals = mesh.normals.iter_mut().flat_map(|n| &mut n.values);
+        normals.for_each(|n| *n = -*n);
+        self.solid(source, mesh, true)
     }
 
     fn cone(
@@ -184,7 +232,7 @@ impl MgfReader<'_> {
         let sides = solids::sides(ra.abs().max(rb.abs()) * self.placement.scale);
         self.budget.spend(6 * u64::from(sides))?;
         match solids::cone(a, ra, b, rb, sides) {
-            Some(mesh) => self.solid(source, mesh, false, &self.placement.map.clone()),
+            Some(mesh) => self.solid(source, mesh, false),
             None => skip(
                 "cyl or cone without length or radius, or with radii of different signs: skipped",
             ),
@@ -199,7 +247,7 @@ impl MgfReader<'_> {
         let sides = solids::sides(outer * self.placement.scale);
         self.budget.spend(6 * u64::from(sides))?;
         let mesh = solids::ring(centre, normal, inner, outer, sides);
-        self.solid(source, mesh, false, &self.placement.map.clone())
+        self.solid(source, mesh, false)
     }
 
     fn torus(&mut self, source: &MgfSource, words: &[&[u8]]) -> Result<(), EntityError> {
@@ -214,7 +262,7 @@ impl MgfReader<'_> {
         let tube = solids::sides(0.5 * (outer_size - inner_size).abs() * scale);
         self.budget.spend(5 * u64::from(around) * u64::from(tube))?;
         let mesh = solids::torus(centre, normal, inner, outer, [around, tube]);
-        self.solid(source, mesh, !inward, &self.placement.map.clone())
+        self.solid(source, mesh, !inward)
     }
 
     /// Centre, normal and two radii.
@@ -240,9 +288,7 @@ impl MgfReader<'_> {
             base.iter().map(|v| (v.position, v.normal)).collect();
         self.budget.spend(8 * base.len() as u64)?;
         match solids::prism(&base, height) {
-            Some(mesh) if height != 0.0 => {
-                self.solid(source, mesh, height > 0.0, &self.placement.map.clone())
-            }
+            Some(mesh) if height != 0.0 => self.solid(source, mesh, height > 0.0),
             _ => skip("prism without area or length: skipped"),
         }
     }
@@ -251,18 +297,22 @@ impl MgfReader<'_> {
     fn solid(
         &mut self,
         source: &MgfSource,
-        mesh: Mesh,
+        mut mesh: Mesh,
         is_closed: bool,
-        map: &DAffine3,
     ) -> Result<(), EntityError> {
         self.budget.spend(OBJECT)?;
-        let placed = mesh.positions.iter().map(|p| map.transform_point3(*p));
+        let frame = self.placement.frame;
+        let world_from_frame = self.frames.world_from(frame);
+        mesh.transform(&self.placement.frame_from_content);
+        let placed = mesh.positions.iter();
+        let placed = placed.flat_map(|&p| [p, world_from_frame.transform_point3(p)]);
         let normals = mesh.normals.iter().flat_map(|n| &n.values);
         if !placed.chain(normals.copied()).all(DVec3::is_finite) {
             return skip("surface that overflows: skipped");
         }
         let material = self.current_material(source, is_closed);
-        self.builder.solid(mesh, map, material);
+        let origin = self.origin(source, frame);
+        self.builder.solid(mesh, material, origin);
         Ok(())
     }
 }

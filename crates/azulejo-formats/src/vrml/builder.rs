@@ -8,6 +8,7 @@ use crate::reading::warnings::Warnings;
 use crate::reading::{cursor, files, gzip};
 use crate::surface::gloss::Gloss;
 use crate::surface::materials::Materials;
+use crate::surface::repeated::RepeatedMeshes;
 use crate::surface::textures::Textures;
 use crate::{Files, Loaded, Position, ReadError, ReadOptions};
 use azulejo_scene::{MaterialId, Mesh, Object, Primitive, PrimitiveKind, Scene, Shape, Units};
@@ -118,6 +119,7 @@ pub(super) struct VrmlSceneBuilder<'a> {
     pub materials: Materials,
     pub gloss: Gloss,
     pub textures: Textures,
+    repeated: RepeatedMeshes,
     pub warnings: Warnings,
     budget: Budget,
     /// The model's name in messages.
@@ -153,6 +155,7 @@ impl<'a> VrmlSceneBuilder<'a> {
             materials: Materials::default(),
             gloss: Gloss::default(),
             textures: Textures::default(),
+            repeated: RepeatedMeshes::default(),
             warnings: Warnings::default(),
             budget: Budget::new(options),
             model: model.to_owned(),
@@ -190,23 +193,31 @@ impl<'a> VrmlSceneBuilder<'a> {
         self.budget.spend(elements).map_err(exhausted)
     }
 
-    /// Transforms a mesh to world coordinates and adds it as an object. `mesh` is in object
-    /// coordinates, its materials are final, and [`VrmlSceneBuilder::spend`] has been called for
-    /// it.
+    /// Adds a mesh as an object; those of a node that is used several times share one. `mesh` is in object
+    /// coordinates, of the node at the byte `at` of `source`, its materials are final, and
+    /// [`VrmlSceneBuilder::spend`] has been called for it.
     pub fn place_mesh(
         &mut self,
         frame: &VrmlPlacement,
         own_name: Option<&str>,
-        mut mesh: Mesh,
+        (source, at): (&VrmlSource, usize),
+        mesh: Mesh,
     ) -> ShapeOutcome {
         if mesh.faces.is_empty() {
             return ShapeOutcome::NoFaces;
         }
-        mesh.transform(&frame.world_from_object);
-        if !mesh.positions.iter().all(|p| p.is_finite()) {
+        if !self.budget.keeps() {
+            // Not even to find equal ones.
+            return ShapeOutcome::Object;
+        }
+        let text = source.bytes[at.min(source.bytes.len())..].as_ptr();
+        let shape = self.repeated.place(mesh, text, &frame.world_from_object);
+        if let Shape::Mesh(mesh) = &shape
+            && !mesh.positions.iter().all(|p| p.is_finite())
+        {
             return ShapeOutcome::Degenerate;
         }
-        self.push(frame, own_name, Shape::Mesh(mesh))
+        self.push(frame, own_name, shape)
     }
 
     /// Adds an exact shape; `object_from_unit` maps the unit primitive to the object. Nothing is
@@ -305,6 +316,8 @@ impl<'a> VrmlSceneBuilder<'a> {
 
     /// The finished scene.
     pub fn finish(mut self, model: &str) -> Loaded {
+        drop(self.repeated);
+        self.scene.unfold_single_instances();
         self.scene.materials = self.materials.into_list();
         self.scene.textures = self.textures.into_list();
         if self.scene.objects.is_empty() {

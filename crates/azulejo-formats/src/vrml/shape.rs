@@ -308,7 +308,7 @@ fn mesh(
         &surface,
         shape_appearance,
     );
-    let placed = builder.place_mesh(frame, None, built.mesh);
+    let placed = builder.place_mesh(frame, None, (&node.source, node.at), built.mesh);
     report(builder, &node.source, node.at, &node.kind, placed);
     Ok(())
 }

@@ -67,7 +67,7 @@ pub(super) fn place(
     }
     let mesh = polygons(solid, material, shape_appearance, is_textured);
     builder.spend(mesh.positions.len() as u64)?;
-    let placed = builder.place_mesh(frame, None, mesh);
+    let placed = builder.place_mesh(frame, None, (&node.source, node.at), mesh);
     report(builder, &node.source, node.at, &node.kind, placed);
     Ok(())
 }

@@ -2,6 +2,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
 mod mgf;
+mod mgf_instances;
 mod obj;
 mod openflight;
 mod sff;

@@ -23,17 +23,21 @@ fn lumens(scene: &Scene) -> f64 {
     let exitance = |m: MaterialId| PI * scene.materials[m as usize].emission.luminance();
     let shines = |m: MaterialId| Material::is_emitter(&scene.materials[m as usize]);
     let objects = scene.objects.iter().map(|object| match &object.shape {
-        Shape::Mesh(mesh) => mesh
-            .face_materials
-            .iter()
-            .enumerate()
-            .filter(|(_, m)| shines(**m))
-            .map(|(f, &m)| mesh.face_area_vector(f).length() * exitance(m))
-            .sum(),
         Shape::Primitive(p) if shines(p.material) => p.area() * exitance(p.material),
-        _ => 0.0,
+        shape => of_faces(shape)
+            .filter(|(_, m)| shines(*m))
+            .map(|(area, m)| area * exitance(m))
+            .sum(),
     });
     objects.sum()
+}
+
+/// Area and material of each face of a mesh; nothing of other shapes.
+fn of_faces(shape: &Shape) -> impl Iterator<Item = (f64, MaterialId)> {
+    shape.placed_mesh().into_iter().flat_map(|placed| {
+        let materials = placed.mesh.face_materials.iter().enumerate();
+        materials.map(move |(f, &m)| (placed.face_area_vector(f).length(), m))
+    })
 }
 
 #[test]
@@ -139,14 +143,7 @@ impl Measures {
         for object in &scene.objects {
             match &object.shape {
                 Shape::Primitive(p) => add(p.area(), p.material),
-                Shape::Exact(_) | Shape::Instance(_) => {
-                    unreachable!("MGF has primitives and meshes only")
-                }
-                Shape::Mesh(mesh) => mesh
-                    .face_materials
-                    .iter()
-                    .enumerate()
-                    .for_each(|(f, &m)| add(mesh.face_area_vector(f).length(), m)),
+                shape => of_faces(shape).for_each(|(area, m)| add(area, m)),
             }
         }
         measures.spheres = scene.objects.iter().filter(|o| is_sphere(&o.shape)).count();

@@ -192,6 +192,42 @@ fn expansion_bombs_are_refused() {
     );
 }
 
+/// Objects and their names count, not only what their meshes have: each INSERT of a small block is an object.
+#[test]
+fn objects_and_their_names_count() {
+    let is_read = |text: &str, most_elements: u64| {
+        let options = ReadOptions {
+            most_elements,
+            ..ReadOptions::default()
+        };
+        read(text.as_bytes(), "a.dxf", &Memory::new(), &options).is_ok()
+    };
+    // A thousand triangles of 3 vertices, 3 corners, the object and the INSERT.
+    let array = |names: [&str; 2]| {
+        let blocks = block(names[0], "", &triangle("8 0"))
+            + &block(
+                names[1],
+                "",
+                &format!("0 INSERT; 2 {}; 70 100; 71 10", names[0]),
+            );
+        drawing(&blocks, &format!("0 INSERT; 2 {}", names[1]))
+    };
+    let short = array(["a", "b"]);
+    let cost = 1000 * (3 + 3 + 32 + 8) + 8;
+    assert!(is_read(&short, cost + 1000 * 5 / 24) && !is_read(&short, cost));
+    let long = array(["a", &"b".repeat(100)]);
+    assert!(is_read(&long, cost + 1000 * 104 / 24) && !is_read(&long, cost + 4000));
+    // Blocks in blocks: two million objects of a file of 2 kB.
+    let mut blocks = block("b0", "", &triangle("8 0"));
+    for i in 1..22 {
+        let two = format!("0 INSERT; 2 b{}; ", i - 1).repeat(2);
+        blocks += &block(&format!("b{i}"), "", &two);
+    }
+    let doubled = |top: u32| drawing(&blocks, &format!("0 INSERT; 2 b{top}"));
+    let most = ReadOptions::default().most_elements;
+    assert!(is_read(&doubled(10), most) && !is_read(&doubled(21), most));
+}
+
 #[test]
 fn overflow_leaves_the_object_out() {
     let mut blocks = block("b0", "", &triangle("8 0"));

@@ -25,6 +25,36 @@ fn transformations_and_names() {
 }
 
 #[test]
+fn shapes_used_again_share_their_mesh() {
+    let heights = "0 1 0 2 0 ".repeat(5);
+    let hill = format!(
+        "DEF hill Shape {{ appearance Appearance {{ material Material {{ }} }} geometry DEF grid ElevationGrid {{ xDimension 5 zDimension 5 height [ {heights} ] }} }}"
+    );
+    let text = format!(
+        "{hill} Transform {{ translation 9 0 0 children DEF both Group {{ children [ USE hill {BOX} ] }} }}
+         Transform {{ scale -2 1 1 children USE both }}
+         Shape {{ appearance Appearance {{ material Material {{ diffuseColor 1 0 0 }} }} geometry USE grid }}"
+    );
+    let (scene, warnings) = load(&text);
+    assert_eq!((scene.objects.len(), warnings.len()), (6, 0));
+    let is_instance = |o: &azulejo_scene::Object| matches!(o.shape, Shape::Instance(_));
+    let instances: Vec<bool> = scene.objects.iter().map(is_instance).collect();
+    // The mirrored one and the red one are the only ones of their meshes.
+    assert_eq!(instances, [true, true, false, false, false, false]);
+    assert_eq!(scene.shared_meshes().len(), 1);
+    let boxes: Vec<(f64, f64)> = [0, 1, 3, 5]
+        .map(|k| scene.objects[k].bounds())
+        .map(|b| (b.min.x, b.max.x))
+        .to_vec();
+    assert_eq!(boxes, [(0.0, 4.0), (9.0, 13.0), (-8.0, 0.0), (0.0, 4.0)]);
+    let up = |k: usize| {
+        let placed = scene.objects[k].shape.placed_mesh().unwrap();
+        placed.face_area_vector(0).y
+    };
+    assert!([0, 1, 3, 5].iter().all(|&k| up(k) > 0.0));
+}
+
+#[test]
 fn scale_along_an_orientation() {
     let text = format!(
         "Transform {{ scale 3 1 1 scaleOrientation 0 1 0 1.5707963267948966 children {BOX} }}"

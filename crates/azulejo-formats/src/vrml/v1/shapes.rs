@@ -136,9 +136,10 @@ impl<'d> V1Traversal<'d, '_, '_> {
 
     /// Adds a mesh in node coordinates as an object.
     pub fn put(&mut self, node: &V1Node, mesh: Mesh) {
+        let (frame, text) = (self.frame(), (self.source, node.at));
         let placed = self
             .builder
-            .place_mesh(&self.frame(), node.name.as_deref(), mesh);
+            .place_mesh(&frame, node.name.as_deref(), text, mesh);
         match placed {
             ShapeOutcome::Object => {}
             ShapeOutcome::NoFaces => self.warn(node, "shape without faces: skipped"),

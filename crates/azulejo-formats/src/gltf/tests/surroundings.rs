@@ -1,0 +1,189 @@
+//! Light from all around, written and read back.
+
+use super::round_trip::read_back;
+use crate::gltf;
+use crate::gltf::image_based::harmonics;
+use azulejo_scene::sky::Sky;
+use azulejo_scene::{
+    Environment, Image, Light, LightKind, Projection, Rgb, Scene, Texture, Units, Up,
+};
+use glam::DVec3;
+use serde_json::Value;
+use std::f64::consts::{PI, TAU};
+
+/// A room under the given lights.
+fn scene(up: Up, kinds: Vec<LightKind>, picture: Option<Image>) -> Scene {
+    let light = |kind| Light {
+        name: "sky".into(),
+        kind,
+    };
+    Scene {
+        lights: kinds.into_iter().map(light).collect(),
+        textures: Vec::from_iter(picture.map(|image| Texture {
+            path: "sky.hdr".into(),
+            image: Some(image),
+            ..Texture::default()
+        })),
+        units: Units {
+            metres_per_unit: Some(1.0),
+            up,
+            photometric: true,
+        },
+        ..azulejo_scene::synthetic::cube_room()
+    }
+}
+
+/// Irradiance on an unoccluded surface, by directions that are spread evenly.
+fn irradiance(scene: &Scene, normal: DVec3) -> Rgb {
+    const COUNT: u32 = 200_000;
+    let golden = PI * (3.0 - 5f64.sqrt());
+    let direction = |k: u32| {
+        let z = 1.0 - (2.0 * f64::from(k) + 1.0) / f64::from(COUNT);
+        let (sin, cos) = (golden * f64::from(k) % TAU).sin_cos();
+        let across = (1.0 - z * z).sqrt();
+        DVec3::new(across * cos, across * sin, z)
+    };
+    let directions = (0..COUNT).map(direction);
+    let sum: Rgb = directions
+        .filter(|d| d.dot(normal) > 0.0)
+        .map(|d| radiance(scene, d) * d.dot(normal))
+        .sum();
+    sum * (4.0 * PI / f64::from(COUNT))
+}
+
+fn radiance(scene: &Scene, d: DVec3) -> Rgb {
+    let of = |light: &Light| match light.kind {
+        LightKind::Ambient { radiance } => radiance,
+        LightKind::Environment(around) => {
+            let texture = around.texture().map(|id| &scene.textures[id as usize]);
+            around.radiance(d, texture.and_then(|t| t.image.as_ref()))
+        }
+        _ => Rgb::BLACK,
+    };
+    scene.lights.iter().map(of).sum()
+}
+
+/// A direction of the scene, with its up axis, where y is up.
+fn y_up(up: Up, d: DVec3) -> DVec3 {
+    match up {
+        Up::Y => d,
+        Up::Z => DVec3::new(d.x, d.z, -d.y),
+    }
+}
+
+/// Floors, ceilings and walls in all directions receive what they did, by the cube map as it is read and by
+/// the coefficients in the file.
+fn check(given: &Scene, tolerance: f64) {
+    given.validate().unwrap();
+    let back = read_back(given);
+    assert_eq!(back.lights.len(), 1);
+    assert_eq!(back.lights[0].name, "sky");
+    let described = described(given);
+    let coefficients: [[f64; 3]; 9] =
+        serde_json::from_value(described["irradianceCoefficients"].clone()).unwrap();
+    let intensity = described["intensity"].as_f64().unwrap();
+    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+    let normals = axes.into_iter().flat_map(|axis| [axis, -axis]);
+    let of_given: Vec<(DVec3, Rgb)> = normals.map(|n| (n, irradiance(given, n))).collect();
+    let most = of_given.iter().map(|(_, e)| e.max_channel());
+    let most = most.fold(0.0, f64::max);
+    for (normal, expected) in of_given {
+        let turned = y_up(given.units.up, normal);
+        let found = irradiance(&back, turned);
+        let terms = coefficients.iter().zip(harmonics(turned));
+        let smooth: Rgb = terms.map(|(c, y)| Rgb::from(*c) * (y * intensity)).sum();
+        for k in 0..3 {
+            // What is nearly black need not be exact beside the rest.
+            let room = tolerance * expected[k].max(0.02 * most);
+            assert!(
+                (found[k] - expected[k]).abs() <= room,
+                "by the cube map, {normal}: {found:?}, not {expected:?}"
+            );
+            // Nine coefficients cannot follow what is small and bright (Ramamoorthi and Hanrahan 2001).
+            assert!(
+                (smooth[k] - expected[k]).abs() <= 0.09 * most,
+                "by coefficients, {normal}: {smooth:?}, not {expected:?}"
+            );
+        }
+    }
+}
+
+/// The light in the JSON of a written file.
+fn described(scene: &Scene) -> Value {
+    let (mut json, mut bin) = (Vec::new(), Vec::new());
+    gltf::write_json(scene, "a.bin", &mut json, &mut bin).unwrap();
+    let root: Value = serde_json::from_slice(&json).unwrap();
+    root["extensions"]["EXT_lights_image_based"]["lights"][0].clone()
+}
+
+#[test]
+fn skies() {
+    for (number, up) in [(3, Up::Z), (12, Up::Y), (12, Up::Z)] {
+        let toward_sun = DVec3::new(0.5, 0.3, 0.6);
+        let sky = Sky::cie(number, toward_sun, 9000.0).unwrap();
+        let mut around = Environment::sky(sky.with_ground(0.2, 0.0), up, 0.4);
+        around.scale = Rgb::new(0.9, 1.0, 1.2);
+        check(&scene(up, vec![LightKind::Environment(around)], None), 0.02);
+    }
+}
+
+#[test]
+fn pictures_with_bright_windows_and_ambient_light_beside_them() {
+    // A dark room with a window a hundred times as bright as the mean.
+    let mut image = Image::new(256, 128);
+    for (k, pixel) in image.pixels.iter_mut().enumerate() {
+        let (x, y) = (k % 256, k / 256);
+        let is_window = (40..52).contains(&x) && (40..56).contains(&y);
+        *pixel = if is_window {
+            [90.0, 100.0, 120.0]
+        } else {
+            [0.3, 0.2, 0.1]
+        };
+    }
+    let around = Environment::picture(0, Projection::Equirectangular, Up::Z);
+    let ambient = LightKind::Ambient {
+        radiance: Rgb::grey(0.1),
+    };
+    let scene = scene(
+        Up::Z,
+        vec![LightKind::Environment(around), ambient],
+        Some(image),
+    );
+    check(&scene, 0.03);
+    let said = gltf::losses(&scene).join(", ");
+    assert!(said.contains("become one"), "{said}");
+    assert!(!said.contains("a sun or a lamp"), "{said}");
+}
+
+#[test]
+fn levels_of_the_cube_map() {
+    let sky = Sky::cie(3, DVec3::Z, 1.0).unwrap();
+    let around = Environment::sky(sky, Up::Y, 0.0);
+    let light = described(&scene(Up::Y, vec![LightKind::Environment(around)], None));
+    let levels = light["specularImages"].as_array().unwrap();
+    // 128, 64, 32 and 16 pixels.
+    assert_eq!(
+        (levels.len(), &light["specularImageSize"]),
+        (4, &Value::from(128))
+    );
+    assert!(
+        levels
+            .iter()
+            .all(|level| level.as_array().unwrap().len() == 6)
+    );
+}
+
+#[test]
+fn a_sun_in_the_picture_is_said() {
+    let mut image = Image::new(64, 32);
+    image.pixels.fill([1.0; 3]);
+    image.pixels[64 * 8] = [1e5; 3];
+    let around = Environment::picture(0, Projection::Equirectangular, Up::Y);
+    let scene = scene(Up::Y, vec![LightKind::Environment(around)], Some(image));
+    let said = gltf::losses(&scene).join(", ");
+    assert!(said.contains("a sun or a lamp"), "{said}");
+    // Nothing is cut off: its power stays.
+    let back = read_back(&scene);
+    let [found, expected] = [&back, &scene].map(|s| irradiance(s, DVec3::Y).g);
+    assert!((found / expected - 1.0).abs() < 0.1, "{found} {expected}");
+}
