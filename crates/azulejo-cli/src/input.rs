@@ -13,17 +13,34 @@ use azulejo_scene::{Scene, Units};
 use jiff::Timestamp;
 use std::path::{Path, PathBuf};
 
+/// What a command does with its models.
+#[derive(Clone, Copy)]
+enum Purpose {
+    /// It converts or describes them as they are.
+    AsGiven,
+    /// It computes light, for an instant at which the sun stands somewhere.
+    Lit(Option<Timestamp>),
+}
+
 /// Reads all models of a command, places and merges them, and reports what was skipped.
 ///
 /// The scene has the axes and unit of the first model, unless the command line specifies others.
 pub fn read_all(input: &InputArgs, session: &mut Session) -> Result<Scene, Failure> {
-    read_all_at(input, None, session)
+    read_all_for(input, Purpose::AsGiven, session)
 }
 
-/// [`read_all`] for an instant, at which the sun stands somewhere.
-pub fn read_all_at(
+/// [`read_all`] for light, at an instant if one is given.
+pub fn read_lit(
     input: &InputArgs,
     instant: Option<Timestamp>,
+    session: &mut Session,
+) -> Result<Scene, Failure> {
+    read_all_for(input, Purpose::Lit(instant), session)
+}
+
+fn read_all_for(
+    input: &InputArgs,
+    purpose: Purpose,
     session: &mut Session,
 ) -> Result<Scene, Failure> {
     if !session.makes_image() && matches!(input.reading.up, Some(UpArg::Picture(_))) {
@@ -35,7 +52,7 @@ pub fn read_all_at(
     let mut whole: Option<Scene> = None;
     for (path, branch) in input.scenes.iter().zip(branches(&input.scenes)) {
         let placement = placements.next(path);
-        let mut model = read_one(path, &input.reading, session)?;
+        let mut model = read_one(path, &input.reading, purpose, session)?;
         if let Some(placement) = placement {
             model.units.up = placement.up.unwrap_or(model.units.up);
             model.units.metres_per_unit = placement.unit.or(model.units.metres_per_unit);
@@ -73,7 +90,7 @@ pub fn read_all_at(
         &mut scene,
         &input.outside,
         input.reading.site(),
-        instant,
+        purpose.instant(),
         session,
     )?;
     Ok(scene)
@@ -131,12 +148,27 @@ impl<'a> PlacementQueue<'a> {
     }
 }
 
+impl Purpose {
+    fn instant(self) -> Option<Timestamp> {
+        match self {
+            Purpose::AsGiven => None,
+            Purpose::Lit(instant) => instant,
+        }
+    }
+}
+
 /// Reads one model and reports what was skipped.
-fn read_one(path: &Path, reading: &ReadingArgs, session: &mut Session) -> Result<Scene, Failure> {
+fn read_one(
+    path: &Path,
+    reading: &ReadingArgs,
+    purpose: Purpose,
+    session: &mut Session,
+) -> Result<Scene, Failure> {
     let how = models::Reading {
         options: ReadOptions {
             lod: reading.lod,
             most_elements: reading.most_elements,
+            darkens_unpainted: matches!(purpose, Purpose::Lit(_)),
             ..ReadOptions::default()
         },
         allow: reading.allow.clone(),

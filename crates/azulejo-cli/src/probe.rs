@@ -51,7 +51,7 @@ pub fn run(args: &ProbeArgs, session: &mut Session) -> Result<Report, Failure> {
     let output = output.map(Output::check).transpose()?;
     session.claim_stdout(output.as_ref().is_some_and(Output::is_stdout))?;
     let prepared = args.first_pass.engine.prepare()?;
-    let mut scene = input::read_all_at(&args.input, args.first_pass.instant(), session)?;
+    let mut scene = input::read_lit(&args.input, args.first_pass.instant(), session)?;
     let mut report = Report::default();
     let probes = &args.probes;
     let rows = match (&probes.points, &probes.radiance, &probes.hits) {

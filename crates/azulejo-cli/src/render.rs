@@ -31,7 +31,7 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
     let errors = errors.transpose()?;
     session.claim_stdout(output.is_stdout())?;
     session.set_makes_image();
-    let mut scene = input::read_all_at(&args.input, args.first_pass.instant(), session)?;
+    let mut scene = input::read_lit(&args.input, args.first_pass.instant(), session)?;
     let mut report = Report::default();
     if args.look.look == RenderStyle::Rtrace {
         let image = rtrace::draw(&scene, args, session)?;

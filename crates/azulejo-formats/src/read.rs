@@ -68,7 +68,9 @@ pub fn read_with(
     // A GRF file keeps its vertices, in which its light is stored, and the reflectances of that light.
     if format != Format::Grf {
         warnings.extend(divide_crossing_faces(&mut scene, name));
-        warnings.extend(darken_unpainted(&mut scene, name));
+        if options.darkens_unpainted {
+            warnings.extend(darken_unpainted(&mut scene, name));
+        }
     }
     scene.join_sides();
     Ok(RecognizedModel {

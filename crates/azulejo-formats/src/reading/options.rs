@@ -15,6 +15,9 @@ pub struct ReadOptions {
     /// Whether what instances, arrays and curves expand to is kept. If not, the reader only counts it,
     /// and its scene has no objects, or not all.
     pub keeps: bool,
+    /// Whether white surfaces whose pictures are missing get a middle reflectance, as they would otherwise
+    /// reflect all light. What is only converted stays as it is.
+    pub darkens_unpainted: bool,
 }
 
 /// Which level of detail is read.
@@ -38,6 +41,7 @@ impl Default for ReadOptions {
             most_elements: 1 << 26,
             most_unpacked: 1 << 30,
             keeps: true,
+            darkens_unpainted: true,
         }
     }
 }
