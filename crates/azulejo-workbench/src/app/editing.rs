@@ -88,7 +88,12 @@ impl App {
                 let is_there = self.follow_material(material);
                 self.selection.material = self.selection.material.filter(|_| is_there);
             }
-            Edit::Duplicate(_) | Edit::AddShape(_) | Edit::AddLight(_) | Edit::AddCamera(_) => {
+            Edit::Duplicate(_)
+            | Edit::AddShape(_)
+            | Edit::AddLight(_)
+            | Edit::AddEnvironment(..)
+            | Edit::ExtractSun(_)
+            | Edit::AddCamera(_) => {
                 self.select(Selection {
                     ids,
                     ..Selection::default()

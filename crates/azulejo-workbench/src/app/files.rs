@@ -3,14 +3,16 @@
 use super::saving::{OnDisk, PendingQuestion};
 use super::{AcceptedLoss, App, JobResult, Severity};
 use crate::command::Command;
-use crate::document::{Edit, SceneDocument, SourceFile};
+use crate::document::{Edit, ItemId, SceneDocument, SourceFile};
 use crate::jobs::{Job, JobKind};
 use crate::words::Language;
 use azulejo::formats::Warning;
 use azulejo::models;
-use azulejo::scene::Units;
+use azulejo::scene::{Projection, Texture, Units};
+use azulejo::surroundings::SurroundingPicture;
 use azulejo::trace::Progress;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 /// A model that a job has read.
@@ -226,6 +228,47 @@ impl App {
             outbox.send(JobResult::Backdrop(Box::new(image)));
             Ok(())
         });
+    }
+}
+
+/// A picture of the surroundings that a job has read.
+pub struct LoadedEnvironment {
+    texture: Arc<Texture>,
+    projection: Projection,
+    /// The environment that gets it; a new one if there is none.
+    into: Option<ItemId>,
+    warnings: Vec<String>,
+}
+
+impl App {
+    pub(super) fn load_environment(&mut self, path: PathBuf, into: Option<ItemId>) {
+        self.asking = None;
+        let path = absolute(path);
+        let title = path.display().to_string();
+        self.jobs
+            .start(JobKind::Environment, title, move |_, outbox| {
+                let read = SurroundingPicture::read(&path);
+                let (picture, warnings) = read.map_err(|e| e.to_string())?;
+                outbox.send(JobResult::Environment(LoadedEnvironment {
+                    texture: Arc::new(picture.texture),
+                    projection: picture.projection,
+                    into,
+                    warnings,
+                }));
+                Ok(())
+            });
+    }
+
+    pub(super) fn take_environment(&mut self, loaded: LoadedEnvironment) {
+        let (texture, projection) = (loaded.texture, loaded.projection);
+        let edit = match loaded.into {
+            Some(id) => Edit::SetEnvironmentPicture(id, texture, projection),
+            None => Edit::AddEnvironment(texture, projection),
+        };
+        self.edit(&edit, None);
+        for warning in loaded.warnings {
+            self.report(Severity::Warning, warning);
+        }
     }
 }
 

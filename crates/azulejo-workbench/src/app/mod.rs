@@ -50,6 +50,8 @@ pub enum JobResult {
     Render(Box<Image>, u32),
     /// An image for the background.
     Backdrop(Box<Image>),
+    /// A picture of the surroundings, with warnings.
+    Environment(files::LoadedEnvironment),
     /// Form factors of a patch.
     FormFactors(Box<crate::first_pass::PatchFormFactors>),
     /// Irradiance measured at probes.
@@ -262,6 +264,7 @@ impl App {
             Command::Edit(edit, gesture) => self.edit(&edit, gesture),
             Command::AddShape(kind) => self.add_shape(kind),
             Command::AddLight(kind) => self.add_light(kind),
+            Command::LoadEnvironment(path, into) => self.load_environment(path, into),
             Command::AddText {
                 text,
                 size,
@@ -325,6 +328,7 @@ impl App {
             JobResult::Light(solution) => self.take_light_of(job, *solution),
             JobResult::Render(image, samples) => self.take_render(*image, samples),
             JobResult::Backdrop(image) => self.take_backdrop(*image),
+            JobResult::Environment(loaded) => self.take_environment(loaded),
             JobResult::FormFactors(seen) => self.lighting.form_factors = Some(*seen),
             JobResult::Measured(measurement) => self.take_measurement(*measurement),
             JobResult::Note(text) => self.report(Severity::Note, text),

@@ -5,6 +5,7 @@ mod files;
 mod light;
 mod recovery;
 mod saving;
+mod surroundings;
 mod units;
 
 use super::*;

@@ -3,10 +3,13 @@
 mod duplicate;
 mod materials;
 mod objects;
+mod surroundings;
 
-use super::{ItemId, NewLight, NewShape, SceneCamera, SceneDocument, SceneLight};
+use super::{ItemId, NewLight, NewShape, SceneCamera, SceneDocument};
+use azulejo::scene::sky::PerezWeather;
 use azulejo::scene::{
-    Camera, Fog, Light, Material, MaterialId, Scene, SceneBackground, Shape, Units,
+    Camera, Fog, Light, Material, MaterialId, Projection, Scene, SceneBackground, Shape, Texture,
+    Units,
 };
 use glam::DAffine3;
 use std::collections::HashSet;
@@ -34,8 +37,18 @@ pub enum Edit {
     SetShape(ItemId, Arc<Shape>),
     /// Adds a light.
     AddLight(NewLight),
-    /// Changes a light.
+    /// Changes a light. A sky around a sun that moves goes with it.
     SetLight(ItemId, Light),
+    /// Adds a loaded picture of the surroundings as a light.
+    AddEnvironment(Arc<Texture>, Projection),
+    /// Gives an environment another picture, in its place and with its brightness.
+    SetEnvironmentPicture(ItemId, Arc<Texture>, Projection),
+    /// Takes the sun out of the picture of an environment, as a light of its own.
+    ExtractSun(ItemId),
+    /// Makes a sky that of weather, and the sun at its place as bright.
+    SetWeather(ItemId, PerezWeather),
+    /// Surrounds a model in which nothing shines with a floor and three lamps.
+    AddStudio,
     /// Adds a camera.
     AddCamera(Camera),
     /// Changes a camera.
@@ -88,8 +101,12 @@ impl Edit {
             Edit::Transform(..) | Edit::SetPlacement(..) => "move",
             Edit::AddShape(_) => "add a shape",
             Edit::SetShape(..) => "change a shape",
-            Edit::AddLight(_) => "add a light",
-            Edit::SetLight(..) => "change a light",
+            Edit::AddLight(_) | Edit::AddEnvironment(..) => "add a light",
+            Edit::SetLight(..) | Edit::SetEnvironmentPicture(..) | Edit::SetWeather(..) => {
+                "change a light"
+            }
+            Edit::ExtractSun(_) => "extract the sun",
+            Edit::AddStudio => "add a studio",
             Edit::AddCamera(_) => "save a camera",
             Edit::SetCamera(..) => "change a camera",
             Edit::AddMaterial(_) => "add a material",
@@ -128,14 +145,23 @@ impl Edit {
         match self {
             Edit::Rename(id, name) => document.rename(*id, name),
             Edit::Hide(ids, hidden) => Ok(document.hide(ids, *hidden)),
-            Edit::Delete(ids) => document.delete(ids),
+            Edit::Delete(ids) => document.with_grounds(|d| d.delete(ids)),
             Edit::Duplicate(ids) => document.duplicate(ids),
-            Edit::Transform(ids, map) => document.transform(ids, map),
+            Edit::Transform(ids, map) => document.with_grounds(|d| d.transform(ids, map)),
             Edit::SetPlacement(id, placement) => document.set_placement(*id, placement),
             Edit::AddShape(new) => document.add_shape(new),
             Edit::SetShape(id, shape) => document.set_shape(*id, shape),
-            Edit::AddLight(new) => document.add_light(new),
-            Edit::SetLight(id, light) => document.set_light(*id, light),
+            Edit::AddLight(new) => document.with_grounds(|d| d.add_light(new)),
+            Edit::SetLight(id, light) => document.with_grounds(|d| d.set_light(*id, light)),
+            Edit::AddEnvironment(texture, projection) => {
+                document.add_environment(texture, *projection)
+            }
+            Edit::SetEnvironmentPicture(id, texture, projection) => {
+                document.set_environment_picture(*id, texture, *projection)
+            }
+            Edit::ExtractSun(id) => document.with_grounds(|d| d.extract_sun(*id)),
+            Edit::SetWeather(id, weather) => document.with_grounds(|d| d.set_weather(*id, weather)),
+            Edit::AddStudio => document.add_studio(),
             Edit::AddCamera(camera) => document.add_camera(camera),
             Edit::SetCamera(id, camera) => document.set_camera(*id, camera),
             Edit::AddMaterial(material) => document.add_material(material),
@@ -175,26 +201,8 @@ fn is_placement(map: &DAffine3) -> bool {
 
 impl SceneDocument {
     fn add_light(&mut self, new: &NewLight) -> Edited {
-        let mut light = new.make(self);
-        light.name = self.unique_name(&light.name);
-        check_light(&light)?;
-        let id = self.new_id();
-        self.lights.push(SceneLight {
-            id,
-            source_file: None,
-            hidden: false,
-            light,
-        });
-        Ok(vec![id])
-    }
-
-    fn set_light(&mut self, id: ItemId, light: &Light) -> Edited {
-        check_light(light)?;
-        match self.lights.iter_mut().find(|l| l.id == id) {
-            Some(lamp) => lamp.light = light.clone(),
-            None => return missing("light"),
-        }
-        Ok(vec![id])
+        let light = new.make(self);
+        self.push_light(&light.name, light.kind)
     }
 
     fn add_camera(&mut self, camera: &Camera) -> Edited {
@@ -290,14 +298,6 @@ impl SceneDocument {
 
 fn set(ids: &[ItemId]) -> HashSet<ItemId> {
     ids.iter().copied().collect()
-}
-
-fn check_light(light: &Light) -> Result<(), EditError> {
-    let alone = Scene {
-        lights: vec![light.clone()],
-        ..Scene::default()
-    };
-    alone.validate().or_else(|e| refuse(e.problem))
 }
 
 fn check_camera(camera: &Camera) -> Result<(), EditError> {

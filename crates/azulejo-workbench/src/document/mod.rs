@@ -6,6 +6,7 @@
 //! one matrix, however many triangles it has.
 
 mod create;
+mod daylight;
 mod edit;
 mod marker_bounds;
 mod memory;
@@ -17,6 +18,7 @@ pub(crate) mod tests;
 mod units;
 
 pub use create::{NewLight, NewLightKind, NewShape, NewShapeKind, TextLayout};
+pub use daylight::SkySettings;
 pub use edit::{Edit, EditError};
 pub use marker_bounds::light_position;
 pub use outline::{PrismOutline, SIDES};

@@ -288,10 +288,20 @@ pub const ACTIONS: &[Action] = &[
         done(Command::AddLight(NewLightKind::Spot))
     }),
     action(Menu::Add, "Sun", None, |_| {
-        done(Command::AddLight(NewLightKind::Directional))
+        done(Command::AddLight(NewLightKind::Sun))
     }),
     action(Menu::Add, "Sky", None, |_| {
+        done(Command::AddLight(NewLightKind::Sky))
+    }),
+    action(Menu::Add, "Ambient light", None, |_| {
         done(Command::AddLight(NewLightKind::Ambient))
+    }),
+    action(Menu::Add, "Picture of the surroundings…", None, |_| {
+        done(Command::RequestFile(FileRequest::Environment(None)))
+    }),
+    action(Menu::Add, "Studio", None, |a| {
+        let is_dark_model = !a.document.objects.is_empty() && !a.document.has_light();
+        enabled_if(is_dark_model, Command::Edit(Edit::AddStudio, None))
     }),
     action(Menu::Add, "Camera from this view", ctrl(Key::K), |a| {
         edit(Edit::AddCamera(a.view.camera.clone()))

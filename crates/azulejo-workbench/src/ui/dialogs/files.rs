@@ -153,6 +153,7 @@ impl FileChooser {
         let dialog = match what {
             FileRequest::Open | FileRequest::Add => FileDialog::open_file().multi_select(true),
             FileRequest::Backdrop
+            | FileRequest::Environment(_)
             | FileRequest::Font
             | FileRequest::Outline
             | FileRequest::LoadBrdf => FileDialog::open_file(),
@@ -211,6 +212,7 @@ fn is_offered(what: FileRequest, path: &Path) -> bool {
         FileRequest::Open | FileRequest::Add | FileRequest::SaveAs | FileRequest::Export => {
             MODELS.contains(&extension.as_str())
         }
+        FileRequest::Environment(_) => ["hdr", "exr"].contains(&extension.as_str()),
         FileRequest::Backdrop => ["png", "jpg", "jpeg", "hdr"].contains(&extension.as_str()),
         FileRequest::SaveRender => ["png", "exr", "hdr"].contains(&extension.as_str()),
         FileRequest::Outline => ["svg", "dxf"].contains(&extension.as_str()),
@@ -226,6 +228,7 @@ fn title(what: FileRequest, cx: &PanelContext) -> &'static str {
         FileRequest::Export => cx.tr("Export a copy"),
         FileRequest::SaveRender => cx.tr("Save the image"),
         FileRequest::Backdrop => cx.tr("Choose a background image"),
+        FileRequest::Environment(_) => cx.tr("Choose a picture of the surroundings"),
         FileRequest::Font => cx.tr("Choose a font"),
         FileRequest::Outline => cx.tr("Choose a drawing to extrude"),
         FileRequest::LoadBrdf => cx.tr("Load a reflection model"),
