@@ -44,11 +44,14 @@ impl App {
         }
         let before = self.version();
         let material = self.chosen_material();
-        match edit.apply(&mut self.document) {
+        let mut notes = Vec::new();
+        match edit.apply_noting(&mut self.document, &mut notes) {
             Ok(ids) => {
                 self.push_history(edit.label(), before, gesture);
                 self.changed();
                 self.select_after(edit, ids, material);
+                let notes = notes.into_iter();
+                notes.for_each(|note| self.report(Severity::Warning, note));
             }
             Err(refused) => {
                 let text = self.tr(&refused.0).to_owned();
@@ -119,6 +122,7 @@ impl App {
         }
         self.refresh_probes();
         self.stop_render();
+        self.update_recipe_notes();
     }
 
     /// Returns a revision number that no document has had before.

@@ -1,5 +1,6 @@
 //! Loading files into the document.
 
+use super::recipes::ImportedRecipes;
 use super::saving::{OnDisk, PendingQuestion};
 use super::{AcceptedLoss, App, JobResult, Severity};
 use crate::command::Command;
@@ -22,6 +23,8 @@ pub struct LoadedModel {
     document: SceneDocument,
     warnings: Vec<Warning>,
     notes: Vec<String>,
+    /// What was wrong with its recipes.
+    recipe_warnings: Vec<String>,
 }
 
 /// Files that are being loaded.
@@ -122,6 +125,7 @@ impl App {
             document,
             warnings,
             mut notes,
+            recipe_warnings,
         } = model;
         let Some(loading) = &self.loading else {
             return;
@@ -134,6 +138,10 @@ impl App {
         }
         if let Some(loading) = &mut self.loading {
             loading.replaces = false;
+        }
+        for file in &document.source_files {
+            let noted = file.recipes.clone();
+            self.noted_recipes.insert(file.path.clone(), noted);
         }
         let before = self.document.objects.len();
         let summary = summary(
@@ -166,6 +174,9 @@ impl App {
         let items = self.document.objects.get(start..).unwrap_or_default();
         let ids: Vec<_> = items.iter().map(|i| i.id).collect();
         self.report_warnings(&warnings, &ids);
+        for warning in recipe_warnings {
+            self.report(Severity::Warning, warning);
+        }
         notes
             .into_iter()
             .for_each(|n| self.report(Severity::Note, n));
@@ -326,6 +337,8 @@ impl ModelReader {
         };
         let model = models::read(path, &reading, progress)?;
         let mut scene = model.scene;
+        // Before anything is renamed or converted: as if the model were opened alone.
+        let imported = ImportedRecipes::apply(path, &mut scene);
         let wanted = *self.units.get_or_insert(scene.units);
         let changes = models::changes(scene.units, wanted);
         scene = scene.adapted(wanted);
@@ -338,9 +351,12 @@ impl ModelReader {
             name,
             path: path.to_owned(),
             format: Some(model.format),
+            recipes: imported.recipes,
         };
+        let changes = changes.iter().map(|c| unit_change_text(path, c));
         Ok(LoadedModel {
-            notes: changes.iter().map(|c| unit_change_text(path, c)).collect(),
+            notes: changes.chain(imported.notes).collect(),
+            recipe_warnings: imported.warnings,
             path: path.to_owned(),
             on_disk,
             document: SceneDocument::of_scene(scene, Some(source_file)),

@@ -10,6 +10,7 @@ mod files;
 mod lighting;
 mod materials;
 mod probes;
+mod recipes;
 mod render;
 mod saving;
 #[cfg(test)]
@@ -148,6 +149,8 @@ pub struct App {
     recovery: Recovery,
     preferences_file: Option<PathBuf>,
     loading: Option<files::Loading>,
+    /// The recipes that are noted beside each model on disk.
+    noted_recipes: HashMap<PathBuf, Vec<PathBuf>>,
     /// A recovery copy, and the files to add once the user has decided whether to open it.
     after_recovery: Option<(PathBuf, Vec<PathBuf>)>,
     /// Files being written, with the numbers of their jobs.
@@ -205,6 +208,7 @@ impl App {
             recovery: dirs.recovery.map_or_else(Recovery::disabled, Recovery::new),
             preferences_file: dirs.preferences,
             loading: None,
+            noted_recipes: HashMap::new(),
             after_recovery: None,
             saves: Vec::new(),
             left: None,
@@ -264,6 +268,7 @@ impl App {
             Command::Edit(edit, gesture) => self.edit(&edit, gesture),
             Command::AddShape(kind) => self.add_shape(kind),
             Command::AddLight(kind) => self.add_light(kind),
+            Command::ApplyRecipe(path) => self.apply_recipe(path),
             Command::LoadEnvironment(path, into) => self.load_environment(path, into),
             Command::AddText {
                 text,

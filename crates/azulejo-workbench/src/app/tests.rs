@@ -3,6 +3,7 @@
 mod edits;
 mod files;
 mod light;
+mod recipes;
 mod recovery;
 mod saving;
 mod surroundings;

@@ -3,9 +3,11 @@
 mod duplicate;
 mod materials;
 mod objects;
+mod recipes;
 mod surroundings;
 
 use super::{ItemId, NewLight, NewShape, SceneCamera, SceneDocument};
+use azulejo::recipe::Recipe;
 use azulejo::scene::sky::PerezWeather;
 use azulejo::scene::{
     Camera, Fog, Light, Material, MaterialId, Projection, Scene, SceneBackground, Shape, Texture,
@@ -71,6 +73,10 @@ pub enum Edit {
     SetFog(Option<Fog>),
     /// Changes the units. Nothing is scaled.
     SetUnits(Units),
+    /// Applies a recipe to everything.
+    ApplyRecipe(Arc<Recipe>),
+    /// Forgets which recipes belong to the models; what they have made stays.
+    ForgetRecipes,
     /// Appends another document in the same units; an empty document takes over its units.
     Append(Box<SceneDocument>),
 }
@@ -117,6 +123,8 @@ impl Edit {
             Edit::SetBackground(_) => "change the background",
             Edit::SetFog(_) => "change the fog",
             Edit::SetUnits(_) => "change the units",
+            Edit::ApplyRecipe(_) => "apply a recipe",
+            Edit::ForgetRecipes => "forget the recipes",
             Edit::Append(_) => "add a file",
         }
     }
@@ -130,6 +138,7 @@ impl Edit {
                 ids.iter().any(is_other)
             }
             Edit::Rename(id, name) => document.name(*id) != Some(name.trim()),
+            Edit::ForgetRecipes => document.has_recipes(),
             _ => true,
         }
     }
@@ -142,6 +151,15 @@ impl Edit {
     /// [`EditError`] if something it refers to does not exist, or if the result is not a valid
     /// scene.
     pub fn apply(&self, document: &mut SceneDocument) -> Edited {
+        self.apply_noting(document, &mut Vec::new())
+    }
+
+    /// [`Edit::apply`]; `notes` receives what is worth saying of an edit that was applied.
+    ///
+    /// # Errors
+    ///
+    /// As [`Edit::apply`].
+    pub fn apply_noting(&self, document: &mut SceneDocument, notes: &mut Vec<String>) -> Edited {
         match self {
             Edit::Rename(id, name) => document.rename(*id, name),
             Edit::Hide(ids, hidden) => Ok(document.hide(ids, *hidden)),
@@ -173,6 +191,8 @@ impl Edit {
             Edit::SetBackground(radiance) => document.set_surroundings(*radiance, document.fog),
             Edit::SetFog(fog) => document.set_surroundings(document.background, *fog),
             Edit::SetUnits(units) => document.set_units(*units),
+            Edit::ApplyRecipe(recipe) => document.apply_recipe(recipe, notes),
+            Edit::ForgetRecipes => document.forget_recipes(),
             Edit::Append(other) => Ok(document.append_document(other)),
         }
     }

@@ -79,6 +79,8 @@ pub struct SourceFile {
     pub path: PathBuf,
     /// Its format, if it was recognized.
     pub format: Option<Format>,
+    /// The recipes that belong to it and are noted beside it, in the order of their application.
+    pub recipes: Vec<PathBuf>,
 }
 
 /// An object: a shape and its placement.

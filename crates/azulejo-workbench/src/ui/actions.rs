@@ -215,6 +215,14 @@ pub const ACTIONS: &[Action] = &[
             Command::RequestFile(FileRequest::SaveRender),
         )
     }),
+    action(Menu::File, "Apply recipe…", None, |a| {
+        let has_surfaces = !a.document.objects.is_empty();
+        enabled_if(has_surfaces, Command::RequestFile(FileRequest::Recipe))
+    }),
+    action(Menu::File, "Forget recipes", None, |a| {
+        let forget = Command::Edit(Edit::ForgetRecipes, None);
+        enabled_if(a.document.has_recipes(), forget)
+    }),
     action(Menu::File, "Preferences…", ctrl(Key::Comma), |_| {
         Some(ActionTarget::Window(WindowAction::Preferences))
     }),

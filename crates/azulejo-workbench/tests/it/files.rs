@@ -49,6 +49,26 @@ fn a_file_is_opened_by_its_name() {
 }
 
 #[test]
+fn a_recipe_is_chosen_in_the_menu_and_undone() {
+    let folder = TestFolder::new("recipe");
+    let mut window = dialog_in(&folder);
+    let before = window.state().app.document.clone();
+    let rule = "[[material]]\nname = \"*\"\ndiffuse = 0.125\n";
+    std::fs::write(folder.path("dark.toml"), rule).unwrap();
+    click(&mut window, "File");
+    click(&mut window, "Apply recipe…");
+    assert!(says(&window, "Choose a recipe"));
+    write(&mut window, "", "dark.toml");
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    wait(&mut window);
+    check_no_error(&window);
+    let materials = &window.state().app.document.materials;
+    assert!(materials.iter().all(|m| m.diffuse.r == 0.125));
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.state().app.document, before);
+}
+
+#[test]
 fn files_are_added_from_the_list_and_a_dialog_can_be_left() {
     let folder = TestFolder::new("listed");
     folder.copy("cornell.grf");
