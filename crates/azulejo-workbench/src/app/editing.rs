@@ -39,6 +39,8 @@ impl App {
     }
 
     pub(super) fn edit(&mut self, edit: &Edit, gesture: Option<u64>) {
+        #[cfg(test)]
+        self.executed.1.push(edit.clone());
         if !edit.changes(&self.document) {
             return;
         }

@@ -162,6 +162,9 @@ pub struct App {
     /// The document in which the probes were measured.
     measured_in: Option<SceneDocument>,
     changed_at: Option<Instant>,
+    /// All commands and edits so far.
+    #[cfg(test)]
+    pub(crate) executed: (Vec<Command>, Vec<crate::document::Edit>),
 }
 
 /// Revision of the document and number of its light solution. Undo restores a revision, but never
@@ -215,6 +218,8 @@ impl App {
             pinned: 0,
             measured_in: None,
             changed_at: None,
+            #[cfg(test)]
+            executed: Default::default(),
         };
         app.view.false_color.map = app.preferences.color_map;
         app
@@ -237,6 +242,8 @@ impl App {
 
     /// Executes a command. Failures are reported in [`App::messages`].
     pub fn execute(&mut self, command: Command) {
+        #[cfg(test)]
+        self.executed.0.push(command.clone());
         match command {
             Command::New | Command::Open(_) | Command::Quit | Command::Recover(_)
                 if self.is_changed() =>

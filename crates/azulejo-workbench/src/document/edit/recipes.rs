@@ -9,6 +9,10 @@ use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
+/// Shapes with other materials, by the address of the old shape and the materials. The old shapes are
+/// kept, so that no other gets the address of one.
+type ReassignedShapes = HashMap<(*const Shape, Vec<MaterialId>), (Arc<Shape>, SharedShape)>;
+
 impl SceneDocument {
     /// Applies a recipe to everything, and keeps in mind that it belongs to the model; `notes`
     /// receives what is worth saying.
@@ -96,9 +100,7 @@ impl SceneDocument {
     /// Gives the objects the materials of those of a scene, in the same order. Objects that shared a
     /// shape and get the same materials share the new one.
     fn adopt_assignments(&mut self, objects: &[Object]) {
-        // By address; the old shapes are kept, so that no other gets the address of one.
-        let mut made: HashMap<(*const Shape, Vec<MaterialId>), (Arc<Shape>, SharedShape)> =
-            HashMap::new();
+        let mut made = ReassignedShapes::new();
         for (item, object) in self.objects.iter_mut().zip(objects) {
             let wanted = materials_in_order(&object.shape);
             if wanted == materials_in_order(&item.shape) {
