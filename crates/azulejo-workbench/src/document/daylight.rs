@@ -72,7 +72,7 @@ impl SceneDocument {
     fn skies(&self) -> impl Iterator<Item = (&Environment, &Sky)> {
         self.lights
             .iter()
-            .filter_map(|lamp| sky_of(&lamp.light.kind))
+            .filter_map(|lamp| as_sky(&lamp.light.kind))
     }
 
     /// Mean irradiance of level ground by all suns.
@@ -84,7 +84,7 @@ impl SceneDocument {
 
     /// What a sky is, in numbers to edit.
     pub fn sky_settings(&self, environment: &Environment, sky: &Sky) -> SkySettings {
-        let scale = environment.scale.mean();
+        let scale = mean_scale(environment);
         let irradiance = scale * sky.diffuse_horizontal();
         let light = irradiance + self.beam_on_ground();
         SkySettings {
@@ -100,20 +100,18 @@ impl SceneDocument {
     }
 
     /// The sky of these numbers in an environment, above ground that it lights together with all
-    /// suns. An environment whose scale is 0 keeps a sky of scale 1.
+    /// suns.
     pub fn sky_of(&self, environment: &Environment, settings: &SkySettings) -> Sky {
-        let scale = environment.scale.mean();
-        // The radiance of the ground is scaled with that of the sky.
-        let [irradiance, beam] = [settings.irradiance, self.beam_on_ground()]
-            .map(|e| if scale > 0.0 { e / scale } else { e });
+        // The ground's radiance is scaled with that of the sky.
+        let scale = mean_scale(environment);
         let sky = Sky {
             distribution: settings.distribution,
             toward_sun: environment.to_local(settings.toward),
             scale: 1.0,
             ground: 0.0,
         };
-        sky.with_diffuse_horizontal(irradiance)
-            .with_ground(settings.reflectance, beam)
+        sky.with_diffuse_horizontal(settings.irradiance / scale)
+            .with_ground(settings.reflectance, self.beam_on_ground() / scale)
     }
 
     /// A sun where the sky is brightest, or else in the south-east, as bright as under a clear sky.
@@ -168,7 +166,7 @@ impl SceneDocument {
             let LightKind::Environment(environment) = &mut lamp.light.kind else {
                 continue;
             };
-            let scale = environment.scale.mean();
+            let scale = mean_scale(environment);
             if let EnvironmentSource::Sky(sky) = &mut environment.source {
                 let diffuse = scale * sky.diffuse_horizontal();
                 if diffuse + beam_before > 0.0 {
@@ -184,8 +182,17 @@ pub(super) fn is_same_place(a: DVec3, b: DVec3) -> bool {
     a.distance(b) < SAME_PLACE
 }
 
+/// The factor of an environment's radiance. One that is switched off keeps its sky for when it is on
+/// again, and counts as unscaled.
+fn mean_scale(environment: &Environment) -> f64 {
+    match environment.scale.mean() {
+        scale if scale > 0.0 => scale,
+        _ => 1.0,
+    }
+}
+
 /// The sky that a light is, if it is one.
-pub(super) fn sky_of(kind: &LightKind) -> Option<(&Environment, &Sky)> {
+fn as_sky(kind: &LightKind) -> Option<(&Environment, &Sky)> {
     match kind {
         LightKind::Environment(environment) => match &environment.source {
             EnvironmentSource::Sky(sky) => Some((environment, sky)),

@@ -77,6 +77,19 @@ fn a_sky_is_made_around_the_sun_and_goes_with_it() {
 }
 
 #[test]
+fn a_sky_replaces_the_background_that_would_hide_it() {
+    let mut app = filled();
+    let before = app.document.background;
+    assert!(before.is_some());
+    app.execute(Command::AddLight(NewLightKind::Sun));
+    assert_eq!(app.document.background, before);
+    app.execute(Command::AddLight(NewLightKind::Sky));
+    assert_eq!(app.document.background, None);
+    app.execute(Command::Undo);
+    assert_eq!(app.document.background, before);
+}
+
+#[test]
 fn a_sky_that_stands_elsewhere_stays_where_it_is() {
     let (mut app, [sun, sky_id]) = daylight();
     let apart = sky(&app, sky_id).with_sun(DVec3::new(0.0, 0.6, 0.8));
@@ -106,6 +119,20 @@ fn the_ground_keeps_its_reflectance_whatever_becomes_of_the_sun() {
     let ground = sky(&app, sky_id).ground;
     assert!((ground - GROUND_REFLECTANCE * diffuse / PI).abs() < 1e-9);
     check_no_error(&app);
+}
+
+#[test]
+fn a_sky_that_is_switched_off_keeps_its_brightness() {
+    let (app, [_, id]) = daylight();
+    let dark = Environment {
+        scale: Rgb::BLACK,
+        ..environment(&app, id)
+    };
+    let old = sky(&app, id);
+    let settings = app.document.sky_settings(&dark, &old);
+    let new = app.document.sky_of(&dark, &settings);
+    assert!((new.diffuse_horizontal() / old.diffuse_horizontal() - 1.0).abs() < 1e-9);
+    assert!((new.ground / old.ground - 1.0).abs() < 1e-9);
 }
 
 #[test]

@@ -20,13 +20,17 @@ impl SceneDocument {
         Ok(edited)
     }
 
-    /// Adds a light under its name or, if that is taken, with a number.
+    /// Adds a light under its name or, if that is taken, with a number. A sky or a picture replaces
+    /// the background, which would hide it.
     pub(super) fn push_light(&mut self, name: &str, kind: LightKind) -> Edited {
         let light = Light {
             name: self.unique_name(name),
             kind,
         };
         self.check_light(&light)?;
+        if let LightKind::Environment(_) = kind {
+            self.background = None;
+        }
         let id = self.new_id();
         self.lights.push(SceneLight {
             id,
