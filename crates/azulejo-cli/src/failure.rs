@@ -3,6 +3,8 @@
 use azulejo::files::{Refused, reason};
 use azulejo::models::{ReadFailure, WriteFailure};
 use azulejo::output::OutputError;
+use azulejo::recipe::RecipeError;
+use azulejo::surroundings::PictureFailure;
 use azulejo_trace::Cancelled;
 use std::fmt;
 use std::io;
@@ -95,6 +97,24 @@ impl From<ReadFailure> for Failure {
         match failure {
             ReadFailure::Cancelled => Failure::Cancelled,
             ReadFailure::File(refused) => refused.into(),
+            other => Failure::failed(other),
+        }
+    }
+}
+
+impl From<PictureFailure> for Failure {
+    fn from(failure: PictureFailure) -> Failure {
+        match failure {
+            PictureFailure::File(failure) => failure.into(),
+            other => Failure::failed(other),
+        }
+    }
+}
+
+impl From<RecipeError> for Failure {
+    fn from(error: RecipeError) -> Failure {
+        match error {
+            RecipeError::File(refused) => refused.into(),
             other => Failure::failed(other),
         }
     }

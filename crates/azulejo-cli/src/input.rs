@@ -3,11 +3,11 @@
 use super::args::{InputArgs, ReadingArgs};
 use super::failure::Failure;
 use super::placement::Placement;
-use super::recipe;
 use super::session::Session;
 use super::surroundings;
 use super::values::UpArg;
 use azulejo::models::{self, read_bytes};
+use azulejo::recipe::Recipe;
 use azulejo_formats::{ReadOptions, camera_json};
 use azulejo_scene::{Scene, Units};
 use jiff::Timestamp;
@@ -80,7 +80,7 @@ fn read_all_for(
     }
     let mut scene = whole.ok_or_else(|| Failure::misuse("no scene given"))?;
     for path in &input.reading.recipe {
-        recipe::apply(path, &mut scene, input.reading.strict, session)?;
+        apply_recipe(path, &mut scene, input.reading.strict, session)?;
     }
     if let Some(path) = &input.lights {
         let lights = camera_json::read_lights(&read_bytes(path)?, &path.to_string_lossy());
@@ -94,6 +94,25 @@ fn read_all_for(
         session,
     )?;
     Ok(scene)
+}
+
+/// Applies a recipe; rules that match nothing are reported, or refused if `is_strict`.
+fn apply_recipe(
+    path: &Path,
+    scene: &mut Scene,
+    is_strict: bool,
+    session: &mut Session,
+) -> Result<(), Failure> {
+    let outcome = Recipe::read(path)?.apply(scene)?;
+    outcome.limited.iter().for_each(|words| session.note(words));
+    match outcome.unmatched.first() {
+        Some(first) if is_strict => Err(Failure::failed(first)),
+        _ => {
+            let unmatched = outcome.unmatched.iter();
+            unmatched.for_each(|words| session.note(words));
+            Ok(())
+        }
+    }
 }
 
 fn unplaceable(path: &Path, problem: &impl std::fmt::Display) -> Failure {

@@ -150,6 +150,22 @@ impl Environment {
         }
     }
 
+    /// Where its north lies in a world with this up axis, radians in 0..2π, clockwise as seen from
+    /// above: what [`Environment::sky`] was given, or the same of a tilted one.
+    pub fn north(&self, up: Up) -> f64 {
+        let north = upright(up, 0.0).conjugate() * (self.world_from_environment * DVec3::Y);
+        north.x.atan2(north.y).rem_euclid(TAU)
+    }
+
+    /// The same, turned about the vertical of a world with this up axis until its north lies there;
+    /// `north` as for [`Environment::sky`]. A tilt stays.
+    #[must_use]
+    pub fn with_north(mut self, up: Up, north: f64) -> Environment {
+        let turn = DQuat::from_axis_angle(up.axis(), self.north(up) - north);
+        self.world_from_environment = (turn * self.world_from_environment).normalize();
+        self
+    }
+
     /// A direction of the world in the frame of the environment.
     pub fn to_local(&self, direction: DVec3) -> DVec3 {
         self.world_from_environment.conjugate() * direction
@@ -316,6 +332,20 @@ mod tests {
         assert!(a.dot(b).abs() > 1.0 - 1e-12);
         environment.turn(&DMat3::ZERO);
         assert_eq!(environment.world_from_environment, a);
+    }
+
+    #[test]
+    fn an_environment_is_turned_to_a_north() {
+        for up in [Up::Y, Up::Z] {
+            let sky = Environment::sky(Sky::uniform(1.0), up, 0.4);
+            assert!((sky.north(up) - 0.4).abs() < 1e-12);
+            let turned = sky.with_north(up, 5.0);
+            let wanted = Environment::sky(Sky::uniform(1.0), up, 5.0);
+            let off = turned
+                .world_from_environment
+                .dot(wanted.world_from_environment);
+            assert!(off.abs() > 1.0 - 1e-12, "{up:?}");
+        }
     }
 
     #[test]

@@ -51,6 +51,10 @@ pub enum Command {
     AddShape(NewShapeKind),
     /// Adds a light above the model.
     AddLight(NewLightKind),
+    /// Applies a recipe to everything.
+    ApplyRecipe(PathBuf),
+    /// Loads a picture of the surroundings: for an environment, or as a new one.
+    LoadEnvironment(PathBuf, Option<ItemId>),
     /// Adds solid text.
     AddText {
         /// The text.
@@ -189,6 +193,10 @@ pub enum FileRequest {
     SaveRender,
     /// An image for the background.
     Backdrop,
+    /// A recipe to apply.
+    Recipe,
+    /// A picture of the surroundings, for an environment or as a new one.
+    Environment(Option<ItemId>),
     /// A font.
     Font,
     /// A drawing to extrude.

@@ -21,6 +21,8 @@ pub enum JobKind {
     Load,
     /// Reading an image for the background.
     Backdrop,
+    /// Reading a picture of the surroundings.
+    Environment,
     /// Writing a file that the user requested.
     Save,
     /// Writing a recovery copy.

@@ -6,6 +6,7 @@ use azulejo::output::Output;
 use azulejo::trace::Progress;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use toml::Table;
 
 /// Light or dark theme.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -99,6 +100,37 @@ impl Preferences {
         output
             .write(&Progress::new(), |out| out.write_all(text.as_bytes()))
             .map_err(|e| e.to_string())
+    }
+
+    /// These preferences with one changed, by its key in the file; `value` as it stands there, but
+    /// text needs no quotes.
+    ///
+    /// # Errors
+    ///
+    /// A message, if there is no such key or its values are of another kind.
+    pub fn with(&self, key: &str, value: &str) -> Result<Preferences, String> {
+        // Recent files may have names that are not Unicode.
+        let others = Preferences {
+            recent: Vec::new(),
+            ..self.clone()
+        };
+        let mut table = Table::try_from(others).map_err(|e| e.to_string())?;
+        if !table.contains_key(key) {
+            let keys: Vec<String> = table.keys().cloned().collect();
+            return Err(format!(
+                "no preference \"{key}\", expected one of {}",
+                keys.join(", ")
+            ));
+        }
+        let parsed: Option<Table> = toml::from_str(&format!("value = {value}")).ok();
+        let parsed = parsed.and_then(|mut table| table.remove("value"));
+        table.insert(key.to_owned(), parsed.unwrap_or_else(|| value.into()));
+        let wrong = |e: toml::de::Error| format!("preference {key}: {}", e.message().trim_end());
+        let changed: Preferences = table.try_into().map_err(wrong)?;
+        Ok(Preferences {
+            recent: self.recent.clone(),
+            ..changed.limited()
+        })
     }
 
     /// Limits the values of a file that may have been edited by hand.

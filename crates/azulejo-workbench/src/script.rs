@@ -14,10 +14,24 @@
 //! ```
 //!
 //! A step that starts a job waits until it ends. A step that fails ends the script, and the command
-//! with status 1.
+//! with status 1. `docs/workbench/scripts.md` lists all steps.
 
+mod fields;
+mod light;
+mod material;
 mod parse;
 mod play;
+mod scene;
+mod selected;
+mod solver;
+#[cfg(test)]
+mod tests;
+mod view;
 
+pub use light::LightStep;
+pub use material::MaterialStep;
 pub use parse::{ScriptStep, parse};
 pub use play::ScriptPlayer;
+pub use scene::SceneStep;
+pub use solver::SolverStep;
+pub use view::ViewStep;

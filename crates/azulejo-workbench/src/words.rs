@@ -13,6 +13,7 @@ mod dialogs;
 mod inspector;
 mod light;
 mod menu;
+mod surroundings;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -36,12 +37,13 @@ pub enum Language {
 type Translation = [&'static str; 3];
 
 /// The tables, one for each part of the window.
-const TABLES: [&[Translation]; 9] = [
+const TABLES: [&[Translation]; 10] = [
     app::TABLE,
     menu::TABLE,
     tree::TABLE,
     viewport::TABLE,
     inspector::TABLE,
+    surroundings::TABLE,
     brdf::TABLE,
     light::TABLE,
     view_tab::TABLE,

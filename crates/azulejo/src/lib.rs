@@ -12,8 +12,11 @@
 //! | [`radiosity`] | first pass: from a scene to the irradiance on its vertices |
 //! | [`render`] | second pass: from a scene to an image |
 //! | [`models`] | model files: reading, merging, atomic writing |
+//! | [`surroundings`] | light from outside: suns, skies, pictures, a studio |
+//! | [`recipe`] | files of rules that are applied to a model each time it is read |
 //! | [`output`] | files written atomically |
 //! | [`files`], [`machine`] | messages for errors of the file system; memory of the machine |
+//! | [`spelling`] | messages for unknown names, with the most similar known one |
 //! | [`typeface`] | the embedded typeface |
 //!
 //! The two passes do not depend on each other: they share data, the irradiance on the vertices.
@@ -28,6 +31,9 @@ pub mod files;
 pub mod machine;
 pub mod models;
 pub mod output;
+pub mod recipe;
+pub mod spelling;
+pub mod surroundings;
 pub mod typeface;
 
 pub use azulejo_factors as factors;

@@ -1,8 +1,8 @@
 //! The file of a suite: its tables, and errors with their positions.
 
 use crate::failure::Failure;
-use crate::spelling;
 use crate::values;
+use azulejo::spelling;
 use serde::de::{Deserialize, Deserializer, SeqAccess, Visitor};
 use std::fmt;
 use std::marker::PhantomData;

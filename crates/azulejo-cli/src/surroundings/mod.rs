@@ -1,46 +1,25 @@
 //! Light from outside: `--sun`, `--sky`, `--environment` and `--background`, and `--studio`.
 
 pub mod args;
-mod ground;
-mod picture;
-mod studio;
-mod sun;
 
 use crate::failure::Failure;
 use crate::session::Session;
 use args::{GroundArg, Site, SkyArg, SunArg, SurroundingsArgs};
+use azulejo::surroundings::{
+    DaylightError, DaylightUnits, GROUND_REFLECTANCE, SurroundingPicture, extract_sun,
+    modelled_ground, studio, sun_light,
+};
 use azulejo_scene::environment::upright;
 use azulejo_scene::sky::{
-    PerezWeather, SUN_HALF_ANGLE, Sky, SkyDistribution, SunPosition, TYPICAL_DEW_POINT,
-    direction_from,
+    PerezWeather, Sky, SkyDistribution, SunPosition, TYPICAL_DEW_POINT, direction_from,
 };
 use azulejo_scene::{
-    Environment, EnvironmentSource, Light, LightKind, Rgb, Scene, SceneBackground,
+    Environment, EnvironmentSource, Light, LightKind, Rgb, Scene, SceneBackground, TextureId,
 };
 use glam::DVec3;
 use jiff::Timestamp;
 use jiff::tz::TimeZone;
-
-/// Luminous efficacy of equal-energy white as Radiance has it, lm/W: between photometric skies and
-/// radiometric scenes.
-const WHITE_EFFICACY: f64 = 179.0;
-
-/// Luminous efficacy of direct sunlight of a clear sky, lm/W of solar radiation: what the model of
-/// Perez et al. (*Modeling daylight availability and irradiance components*, Solar Energy 44(5), 1990)
-/// gives for clear skies, 100 to 105.
-const SUNLIGHT_EFFICACY: f64 = 103.0;
-
-/// The solar constant, W/m².
-const SOLAR_CONSTANT: f64 = 1367.0;
-
-/// Illuminance of level ground under an overcast sky of which nothing else is known, lx.
-const OVERCAST_ILLUMINANCE: f64 = 10_000.0;
-
-/// Turbidity of a clear sky, as in `gensky`.
-const TURBIDITY: f64 = 2.45;
-
-/// Reflectance of the ground, if none is given.
-const GROUND: f64 = 0.2;
+use std::path::Path;
 
 /// Adds the light from outside that is asked for. `instant` is that of `--time`.
 pub fn add(
@@ -64,12 +43,12 @@ pub fn add(
         )));
     }
     if let Some(path) = &asked.environment {
-        let mut environment = picture::environment(scene, path, session)?;
+        let mut environment = environment(scene, path, session)?;
         let turn = asked.environment_rotate.to_radians() + asked.north.to_radians();
         environment.world_from_environment = upright(scene.units.up, turn);
         environment.scale = Rgb::grey(asked.environment_strength);
         if asked.extract_sun {
-            extract_sun(scene, &environment, session);
+            take_sun_out(scene, &environment, session);
         }
         push(scene, "environment", LightKind::Environment(environment));
         scene.background = None;
@@ -78,23 +57,45 @@ pub fn add(
         scene.background = Some(match crate::values::vector(what) {
             Ok(color) if color.min_element() >= 0.0 => Rgb::from(color.to_array()).into(),
             Ok(_) => return Err(Failure::misuse("--background: a radiance is below 0")),
-            Err(_) => {
-                SceneBackground::Environment(picture::environment(scene, what.as_ref(), session)?)
-            }
+            Err(_) => SceneBackground::Environment(environment(scene, what.as_ref(), session)?),
         });
     }
     if asked.studio {
         if scene.has_light() {
             session.note("--studio: the scene has light of its own, nothing is added");
         } else {
-            studio::add(scene);
+            add_studio(scene);
         }
     }
     Ok(())
 }
 
+/// Puts the scene into a studio; its camera is for scenes that have none.
+fn add_studio(scene: &mut Scene) {
+    if let Some(mut around) = studio(scene.bounds(), scene.units) {
+        if !scene.cameras.is_empty() {
+            around.cameras.clear();
+        }
+        scene.merge(around);
+    }
+}
+
+/// Reads a picture of the surroundings, and adds it to the scene's textures.
+fn environment(
+    scene: &mut Scene,
+    path: &Path,
+    session: &mut Session,
+) -> Result<Environment, Failure> {
+    let (picture, warnings) = SurroundingPicture::read(path)?;
+    warnings.iter().for_each(|warning| session.note(warning));
+    let texture = scene.textures.len() as TextureId;
+    scene.textures.push(picture.texture);
+    let up = scene.units.up;
+    Ok(Environment::picture(texture, picture.projection, up))
+}
+
 /// Replaces the sun in the picture of an environment by a light, or says that there is none.
-fn extract_sun(scene: &mut Scene, environment: &Environment, session: &mut Session) {
+fn take_sun_out(scene: &mut Scene, environment: &Environment, session: &mut Session) {
     let EnvironmentSource::Picture {
         texture,
         projection,
@@ -105,17 +106,16 @@ fn extract_sun(scene: &mut Scene, environment: &Environment, session: &mut Sessi
     let Some(image) = &mut scene.textures[texture as usize].image else {
         return;
     };
-    match sun::extract(image, projection) {
+    match extract_sun(image, projection) {
         Err(why) => session.note(&format!("--extract-sun: no sun found: {why}")),
         Ok(found) => {
             let irradiance = found.irradiance * environment.scale;
-            let (azimuth, altitude) = (
-                found.toward.x.atan2(found.toward.y).to_degrees(),
-                found.toward.z.clamp(-1.0, 1.0).asin().to_degrees(),
-            );
+            let at = SunPosition::of(found.toward);
             session.tell(&format!(
-                "the sun of the picture stands at azimuth {azimuth:.1}°, elevation {altitude:.1}° \
+                "the sun of the picture stands at azimuth {:.1}°, elevation {:.1}° \
                  of the picture: {} pixels of {:.2}°, irradiance {:.4} of what faces it",
+                at.azimuth.to_degrees(),
+                at.altitude.to_degrees(),
                 found.pixels,
                 2.0 * found.half_angle.to_degrees(),
                 irradiance.mean()
@@ -180,17 +180,17 @@ impl Daylight {
             irradiance: given,
             day,
         } = daylight.asked_sun(scene, asked, site, instant)?;
-        let units = OutsideUnits {
+        let units = DaylightUnits {
             photometric: scene.units.photometric,
             solar: asked.solar,
         };
         let altitude = toward.map(|d| d.z.clamp(-1.0, 1.0).asin());
-        let mut beam = altitude.map(|a| units.sunlight(a));
+        let mut beam = altitude.map(|a| units.clear_sun(a));
         match asked.sky {
             None => {}
             Some(SkyArg::Uniform(radiance)) => daylight.sky = Some(Sky::uniform(radiance)),
             Some(SkyArg::Cie(kind, irradiance)) => {
-                daylight.sky = Some(units.cie(kind, irradiance, toward)?);
+                daylight.sky = Some(units.cie_sky(kind, toward, irradiance)?);
                 // Overcast and partly cloudy skies hide the sun unless it is asked for.
                 let is_clear = (11..=15).contains(&kind);
                 beam = beam.filter(|_| is_clear || asked.sun.is_some());
@@ -212,7 +212,7 @@ impl Daylight {
                     day_of_year: day.unwrap_or(80),
                     dew_point: dew_point.unwrap_or(TYPICAL_DEW_POINT),
                 };
-                let (sky, direct) = units.perez(&weather, toward);
+                let (sky, direct) = units.perez_sky(&weather, toward);
                 daylight.sky = Some(sky);
                 beam = Some(direct);
             }
@@ -281,7 +281,7 @@ impl Daylight {
 
     fn add(mut self, scene: &mut Scene, session: &mut Session) -> Result<(), Failure> {
         let beam = self.sun.map_or(0.0, |(toward, e)| e * toward.z.max(0.0));
-        let has_ground = ground::modelled(scene);
+        let has_ground = modelled_ground(scene);
         let reflectance = match (self.ground, &has_ground) {
             (Some(GroundArg::None), _) => 0.0,
             (Some(GroundArg::Reflectance(share)), Some(name)) => {
@@ -292,7 +292,7 @@ impl Daylight {
                 share
             }
             (Some(GroundArg::Reflectance(share)), None) => share,
-            (None, _) if self.sky.is_some() => GROUND,
+            (None, _) if self.sky.is_some() => GROUND_REFLECTANCE,
             (None, _) => 0.0,
         };
         if self.sky.is_none() && reflectance > 0.0 {
@@ -311,11 +311,7 @@ impl Daylight {
             scene.background = None;
         }
         if let Some((toward, irradiance)) = self.sun {
-            let kind = LightKind::Directional {
-                direction: -(upright(scene.units.up, self.north) * toward),
-                irradiance: Rgb::grey(irradiance),
-                half_angle: SUN_HALF_ANGLE,
-            };
+            let kind = sun_light(toward, scene.units.up, self.north, irradiance);
             push(scene, "sun", kind);
         }
         if self.is_night {
@@ -338,74 +334,19 @@ fn day_of_year(instant: Timestamp) -> u32 {
     instant.to_zoned(TimeZone::UTC).day_of_year() as u32
 }
 
-/// What the light of skies is measured in.
-#[derive(Clone, Copy)]
-struct OutsideUnits {
-    photometric: bool,
-    solar: bool,
-}
-
-impl OutsideUnits {
-    /// A photometric quantity in the scene's.
-    fn of_light(self, lux: f64) -> f64 {
-        if self.photometric {
-            lux
-        } else {
-            lux / WHITE_EFFICACY
-        }
-    }
-
-    /// Irradiance of what faces the sun under a clear sky: 1367 · 0.7^(m^0.678), with the air mass m
-    /// of Kasten and Young (Meinel and Meinel, *Applied Solar Energy*, 1976).
-    fn sunlight(self, altitude: f64) -> f64 {
-        if altitude <= 0.0 {
-            return 0.0;
-        }
-        let degrees = altitude.to_degrees();
-        let air_mass = 1.0 / (altitude.sin() + 0.50572 * (degrees + 6.07995).powf(-1.6364));
-        let watts = SOLAR_CONSTANT * 0.7f64.powf(air_mass.powf(0.678));
-        if self.solar {
-            watts
-        } else {
-            self.of_light(watts * SUNLIGHT_EFFICACY)
-        }
-    }
-
-    fn cie(self, kind: u8, irradiance: Option<f64>, toward: Option<DVec3>) -> Result<Sky, Failure> {
-        let is_overcast = matches!(kind, 1 | 3 | 5 | 16);
-        let Some(sun) = toward.or(is_overcast.then_some(DVec3::Z)) else {
-            return Err(Failure::misuse(format_args!(
+/// What is missing, with the options that give it.
+impl From<DaylightError> for Failure {
+    fn from(error: DaylightError) -> Failure {
+        match error {
+            DaylightError::NoSun(kind) => Failure::misuse(format_args!(
                 "--sky cie:{kind}: is brightest around the sun: give --sun AZ,EL, or --place LAT,LON \
                  and --time"
-            )));
-        };
-        let sky = match (irradiance, toward) {
-            (Some(irradiance), _) => Sky::cie(kind, sun, irradiance),
-            (None, _) if self.solar => {
-                return Err(Failure::misuse(format_args!(
-                    "--sky cie:{kind}: how bright it is in solar W/m² is not known: give it, as in \
-                     cie:{kind},150"
-                )));
-            }
-            (None, None) => Sky::cie(kind, sun, self.of_light(OVERCAST_ILLUMINANCE)),
-            (None, Some(sun)) => Sky::cie_typical(kind, sun, TURBIDITY).map(|sky| Sky {
-                scale: self.of_light(sky.scale),
-                ..sky
-            }),
-        };
-        sky.map_err(Failure::misuse)
-    }
-
-    /// The sky of weather, and the sun's irradiance.
-    fn perez(self, weather: &PerezWeather, toward: DVec3) -> (Sky, f64) {
-        let azimuth = toward.x.atan2(toward.y);
-        if self.solar {
-            (weather.sky_in_solar_watts(azimuth), weather.dni)
-        } else {
-            let sky = weather.sky_in_lux(azimuth);
-            let scale = self.of_light(sky.scale);
-            let direct = self.of_light(weather.direct_normal_illuminance());
-            (Sky { scale, ..sky }, direct)
+            )),
+            DaylightError::NoBrightness(kind) => Failure::misuse(format_args!(
+                "--sky cie:{kind}: how bright it is in solar W/m² is not known: give it, as in \
+                 cie:{kind},150"
+            )),
+            other => Failure::misuse(other),
         }
     }
 }

@@ -26,6 +26,26 @@ const TYPES: [[f64; 5]; 15] = [
 /// The type of the traditional overcast sky, which has a formula of its own.
 pub(super) const TRADITIONAL_OVERCAST: u8 = 16;
 
+/// Descriptions of the types in the standard, shortened.
+const NAMES: [&str; 16] = [
+    "overcast",
+    "overcast, brighter toward the sun",
+    "overcast, moderate gradation",
+    "overcast, moderate gradation, brighter toward the sun",
+    "uniform",
+    "partly cloudy, no gradation, brighter toward the sun",
+    "partly cloudy, no gradation, bright around the sun",
+    "partly cloudy, no gradation, solar corona",
+    "partly cloudy, sun obscured",
+    "partly cloudy, bright around the sun",
+    "white-blue, solar corona",
+    "clear",
+    "clear, polluted air",
+    "cloudless, turbid, broad solar corona",
+    "white-blue, turbid, broad solar corona",
+    "overcast of 1955",
+];
+
 /// One of the 16 types of the CIE standard general sky, ISO 15469:2004 / CIE S 011/E:2003.
 ///
 /// 1 to 5 are overcast (5 uniform), 6 to 10 partly cloudy, 11 to 15 clear (12 the usual one), and
@@ -52,6 +72,16 @@ impl CieSky {
     /// The number of the type, 1..=16.
     pub const fn number(self) -> u8 {
         self.number
+    }
+
+    /// What the standard calls the type, in short; 16 is "overcast of 1955".
+    pub const fn name(self) -> &'static str {
+        NAMES[self.number as usize - 1]
+    }
+
+    /// All types in the order of their numbers.
+    pub fn all() -> impl Iterator<Item = CieSky> {
+        (1..=TRADITIONAL_OVERCAST).map(|number| CieSky { number })
     }
 
     /// f(χ) φ(Z), for 16 (1 + 2 cos Z)/3: what luminance is proportional to. Positive.

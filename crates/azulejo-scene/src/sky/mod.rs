@@ -178,6 +178,29 @@ impl Sky {
         Sky { ground, ..self }
     }
 
+    /// A sky of this distribution around another sun, as bright on level ground as before; its
+    /// ground stays. `toward_sun`: unit.
+    #[must_use]
+    pub fn with_sun(self, toward_sun: DVec3) -> Sky {
+        Sky { toward_sun, ..self }.with_diffuse_horizontal(self.diffuse_horizontal())
+    }
+
+    /// This sky, scaled to give level ground this irradiance, at least 0; its ground stays. A
+    /// distribution that is 0 everywhere becomes uniform.
+    #[must_use]
+    pub fn with_diffuse_horizontal(self, irradiance: f64) -> Sky {
+        let relative = self.distribution.horizontal(self.toward_sun);
+        if relative > 0.0 {
+            let scale = irradiance / relative;
+            return Sky { scale, ..self };
+        }
+        Sky {
+            distribution: SkyDistribution::Uniform,
+            scale: irradiance / PI,
+            ..self
+        }
+    }
+
     /// Radiance from a direction, unit, in the sky's frame; `ground` below the horizon.
     pub fn radiance(&self, direction: DVec3) -> f64 {
         if direction.z < 0.0 {

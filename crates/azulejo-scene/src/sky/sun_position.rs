@@ -27,6 +27,16 @@ pub struct SunPosition {
 }
 
 impl SunPosition {
+    /// The position in a unit direction of the sky's frame: the inverse of [`Self::toward`]. The
+    /// azimuth of the zenith and the nadir is 0.
+    pub fn of(toward: DVec3) -> SunPosition {
+        SunPosition {
+            // An arc sine would lose half of the digits near the zenith.
+            altitude: toward.z.atan2(toward.x.hypot(toward.y)),
+            azimuth: toward.x.atan2(toward.y).rem_euclid(TAU),
+        }
+    }
+
     /// The unit direction towards the sun in the sky's frame: x east, y north, z up.
     pub fn toward(self) -> DVec3 {
         direction_from(self.azimuth, self.altitude)

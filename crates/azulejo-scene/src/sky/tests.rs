@@ -344,3 +344,34 @@ fn the_table_of_skies_and_suns_is_kept() {
     }
     assert!(checked >= 80, "only {checked} rows are about skies");
 }
+
+#[test]
+fn positions_of_the_sun_and_directions_are_inverse() {
+    for (azimuth, altitude) in [(0.0, 0.3), (2.0, -0.4), (4.5, 1.5)] {
+        let at = SunPosition { altitude, azimuth };
+        let again = SunPosition::of(at.toward());
+        assert!((again.azimuth - azimuth).abs() < 1e-12, "{again:?}");
+        assert!((again.altitude - altitude).abs() < 1e-12, "{again:?}");
+    }
+    assert_eq!(SunPosition::of(DVec3::Z).azimuth, 0.0);
+}
+
+#[test]
+fn a_sky_of_another_sun_or_brightness_keeps_the_rest() {
+    let sky = Sky::cie(12, direction_from(1.0, 0.5), 300.0).unwrap();
+    let moved = sky.with_sun(direction_from(3.0, 1.0));
+    assert!((moved.diffuse_horizontal() - 300.0).abs() < 1e-6);
+    assert_eq!(moved.toward_sun, direction_from(3.0, 1.0));
+    let dim = sky.with_ground(0.2, 0.0).with_diffuse_horizontal(30.0);
+    assert!((dim.diffuse_horizontal() - 30.0).abs() < 1e-6);
+    assert!(dim.ground > 0.0 && dim.distribution == sky.distribution);
+    let lit = Sky::uniform(0.0).with_diffuse_horizontal(PI);
+    assert!((lit.scale - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn every_cie_type_has_a_name_of_its_own() {
+    let names: std::collections::BTreeSet<_> = CieSky::all().map(CieSky::name).collect();
+    assert_eq!(names.len(), 16);
+    assert_eq!(CieSky::new(12).unwrap().name(), "clear");
+}

@@ -39,16 +39,21 @@ impl App {
     }
 
     pub(super) fn edit(&mut self, edit: &Edit, gesture: Option<u64>) {
+        #[cfg(test)]
+        self.executed.1.push(edit.clone());
         if !edit.changes(&self.document) {
             return;
         }
         let before = self.version();
         let material = self.chosen_material();
-        match edit.apply(&mut self.document) {
+        let mut notes = Vec::new();
+        match edit.apply_noting(&mut self.document, &mut notes) {
             Ok(ids) => {
                 self.push_history(edit.label(), before, gesture);
                 self.changed();
                 self.select_after(edit, ids, material);
+                let notes = notes.into_iter();
+                notes.for_each(|note| self.report(Severity::Warning, note));
             }
             Err(refused) => {
                 let text = self.tr(&refused.0).to_owned();
@@ -88,7 +93,12 @@ impl App {
                 let is_there = self.follow_material(material);
                 self.selection.material = self.selection.material.filter(|_| is_there);
             }
-            Edit::Duplicate(_) | Edit::AddShape(_) | Edit::AddLight(_) | Edit::AddCamera(_) => {
+            Edit::Duplicate(_)
+            | Edit::AddShape(_)
+            | Edit::AddLight(_)
+            | Edit::AddEnvironment(..)
+            | Edit::ExtractSun(_)
+            | Edit::AddCamera(_) => {
                 self.select(Selection {
                     ids,
                     ..Selection::default()
@@ -114,6 +124,7 @@ impl App {
         }
         self.refresh_probes();
         self.stop_render();
+        self.update_recipe_notes();
     }
 
     /// Returns a revision number that no document has had before.

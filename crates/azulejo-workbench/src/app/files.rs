@@ -1,16 +1,19 @@
 //! Loading files into the document.
 
+use super::recipes::ImportedRecipes;
 use super::saving::{OnDisk, PendingQuestion};
 use super::{AcceptedLoss, App, JobResult, Severity};
 use crate::command::Command;
-use crate::document::{Edit, SceneDocument, SourceFile};
+use crate::document::{Edit, ItemId, SceneDocument, SourceFile};
 use crate::jobs::{Job, JobKind};
 use crate::words::Language;
 use azulejo::formats::Warning;
 use azulejo::models;
-use azulejo::scene::Units;
+use azulejo::scene::{Projection, Texture, Units};
+use azulejo::surroundings::SurroundingPicture;
 use azulejo::trace::Progress;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 /// A model that a job has read.
@@ -20,6 +23,8 @@ pub struct LoadedModel {
     document: SceneDocument,
     warnings: Vec<Warning>,
     notes: Vec<String>,
+    /// What was wrong with its recipes.
+    recipe_warnings: Vec<String>,
 }
 
 /// Files that are being loaded.
@@ -120,6 +125,7 @@ impl App {
             document,
             warnings,
             mut notes,
+            recipe_warnings,
         } = model;
         let Some(loading) = &self.loading else {
             return;
@@ -132,6 +138,10 @@ impl App {
         }
         if let Some(loading) = &mut self.loading {
             loading.replaces = false;
+        }
+        for file in &document.source_files {
+            let noted = file.recipes.clone();
+            self.noted_recipes.insert(file.path.clone(), noted);
         }
         let before = self.document.objects.len();
         let summary = summary(
@@ -164,6 +174,9 @@ impl App {
         let items = self.document.objects.get(start..).unwrap_or_default();
         let ids: Vec<_> = items.iter().map(|i| i.id).collect();
         self.report_warnings(&warnings, &ids);
+        for warning in recipe_warnings {
+            self.report(Severity::Warning, warning);
+        }
         notes
             .into_iter()
             .for_each(|n| self.report(Severity::Note, n));
@@ -229,6 +242,47 @@ impl App {
     }
 }
 
+/// A picture of the surroundings that a job has read.
+pub struct LoadedEnvironment {
+    texture: Arc<Texture>,
+    projection: Projection,
+    /// The environment that gets it; a new one if there is none.
+    into: Option<ItemId>,
+    warnings: Vec<String>,
+}
+
+impl App {
+    pub(super) fn load_environment(&mut self, path: PathBuf, into: Option<ItemId>) {
+        self.asking = None;
+        let path = absolute(path);
+        let title = path.display().to_string();
+        self.jobs
+            .start(JobKind::Environment, title, move |_, outbox| {
+                let read = SurroundingPicture::read(&path);
+                let (picture, warnings) = read.map_err(|e| e.to_string())?;
+                outbox.send(JobResult::Environment(LoadedEnvironment {
+                    texture: Arc::new(picture.texture),
+                    projection: picture.projection,
+                    into,
+                    warnings,
+                }));
+                Ok(())
+            });
+    }
+
+    pub(super) fn take_environment(&mut self, loaded: LoadedEnvironment) {
+        let (texture, projection) = (loaded.texture, loaded.projection);
+        let edit = match loaded.into {
+            Some(id) => Edit::SetEnvironmentPicture(id, texture, projection),
+            None => Edit::AddEnvironment(texture, projection),
+        };
+        self.edit(&edit, None);
+        for warning in loaded.warnings {
+            self.report(Severity::Warning, warning);
+        }
+    }
+}
+
 /// The absolute path, since the next session may start in another folder. `-` is not a file.
 pub(super) fn absolute(path: PathBuf) -> PathBuf {
     if path == Path::new("-") {
@@ -283,6 +337,8 @@ impl ModelReader {
         };
         let model = models::read(path, &reading, progress)?;
         let mut scene = model.scene;
+        // Before anything is renamed or converted: as if the model were opened alone.
+        let imported = ImportedRecipes::apply(path, &mut scene);
         let wanted = *self.units.get_or_insert(scene.units);
         let changes = models::changes(scene.units, wanted);
         scene = scene.adapted(wanted);
@@ -295,9 +351,12 @@ impl ModelReader {
             name,
             path: path.to_owned(),
             format: Some(model.format),
+            recipes: imported.recipes,
         };
+        let changes = changes.iter().map(|c| unit_change_text(path, c));
         Ok(LoadedModel {
-            notes: changes.iter().map(|c| unit_change_text(path, c)).collect(),
+            notes: changes.chain(imported.notes).collect(),
+            recipe_warnings: imported.warnings,
             path: path.to_owned(),
             on_disk,
             document: SceneDocument::of_scene(scene, Some(source_file)),

@@ -10,6 +10,7 @@ mod files;
 mod lighting;
 mod materials;
 mod probes;
+mod recipes;
 mod render;
 mod saving;
 #[cfg(test)]
@@ -50,6 +51,8 @@ pub enum JobResult {
     Render(Box<Image>, u32),
     /// An image for the background.
     Backdrop(Box<Image>),
+    /// A picture of the surroundings, with warnings.
+    Environment(files::LoadedEnvironment),
     /// Form factors of a patch.
     FormFactors(Box<crate::first_pass::PatchFormFactors>),
     /// Irradiance measured at probes.
@@ -146,6 +149,8 @@ pub struct App {
     recovery: Recovery,
     preferences_file: Option<PathBuf>,
     loading: Option<files::Loading>,
+    /// The recipes that are noted beside each model on disk.
+    noted_recipes: HashMap<PathBuf, Vec<PathBuf>>,
     /// A recovery copy, and the files to add once the user has decided whether to open it.
     after_recovery: Option<(PathBuf, Vec<PathBuf>)>,
     /// Files being written, with the numbers of their jobs.
@@ -157,6 +162,9 @@ pub struct App {
     /// The document in which the probes were measured.
     measured_in: Option<SceneDocument>,
     changed_at: Option<Instant>,
+    /// All commands and edits so far.
+    #[cfg(test)]
+    pub(crate) executed: (Vec<Command>, Vec<crate::document::Edit>),
 }
 
 /// Revision of the document and number of its light solution. Undo restores a revision, but never
@@ -203,12 +211,15 @@ impl App {
             recovery: dirs.recovery.map_or_else(Recovery::disabled, Recovery::new),
             preferences_file: dirs.preferences,
             loading: None,
+            noted_recipes: HashMap::new(),
             after_recovery: None,
             saves: Vec::new(),
             left: None,
             pinned: 0,
             measured_in: None,
             changed_at: None,
+            #[cfg(test)]
+            executed: Default::default(),
         };
         app.view.false_color.map = app.preferences.color_map;
         app
@@ -231,6 +242,8 @@ impl App {
 
     /// Executes a command. Failures are reported in [`App::messages`].
     pub fn execute(&mut self, command: Command) {
+        #[cfg(test)]
+        self.executed.0.push(command.clone());
         match command {
             Command::New | Command::Open(_) | Command::Quit | Command::Recover(_)
                 if self.is_changed() =>
@@ -262,6 +275,8 @@ impl App {
             Command::Edit(edit, gesture) => self.edit(&edit, gesture),
             Command::AddShape(kind) => self.add_shape(kind),
             Command::AddLight(kind) => self.add_light(kind),
+            Command::ApplyRecipe(path) => self.apply_recipe(path),
+            Command::LoadEnvironment(path, into) => self.load_environment(path, into),
             Command::AddText {
                 text,
                 size,
@@ -325,6 +340,7 @@ impl App {
             JobResult::Light(solution) => self.take_light_of(job, *solution),
             JobResult::Render(image, samples) => self.take_render(*image, samples),
             JobResult::Backdrop(image) => self.take_backdrop(*image),
+            JobResult::Environment(loaded) => self.take_environment(loaded),
             JobResult::FormFactors(seen) => self.lighting.form_factors = Some(*seen),
             JobResult::Measured(measurement) => self.take_measurement(*measurement),
             JobResult::Note(text) => self.report(Severity::Note, text),

@@ -3,8 +3,10 @@
 mod edits;
 mod files;
 mod light;
+mod recipes;
 mod recovery;
 mod saving;
+mod surroundings;
 mod units;
 
 use super::*;

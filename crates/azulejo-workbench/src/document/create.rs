@@ -70,8 +70,10 @@ pub enum NewLightKind {
     Point,
     /// A spot light.
     Spot,
-    /// Directional light such as the sun's.
-    Directional,
+    /// The sun: parallel light from a disc. Its position and target do not matter.
+    Sun,
+    /// A clear sky around the sun.
+    Sky,
     /// Uniform light from all directions.
     Ambient,
 }
@@ -291,17 +293,11 @@ impl NewLight {
                     outer: 30f64.to_radians(),
                 },
             ),
-            NewLightKind::Directional => (
-                "sun",
-                LightKind::Directional {
-                    direction,
-                    irradiance: Rgb::grey(wanted),
-                    half_angle: 0.0,
-                },
-            ),
+            NewLightKind::Sun => ("sun", document.new_sun()),
+            NewLightKind::Sky => ("sky", document.new_sky()),
             // A hemisphere of radiance L produces the irradiance πL on a horizontal surface.
             NewLightKind::Ambient => (
-                "sky",
+                "ambient light",
                 LightKind::Ambient {
                     radiance: Rgb::grey(wanted / std::f64::consts::PI),
                 },

@@ -3,10 +3,15 @@
 mod duplicate;
 mod materials;
 mod objects;
+mod recipes;
+mod surroundings;
 
-use super::{ItemId, NewLight, NewShape, SceneCamera, SceneDocument, SceneLight};
+use super::{ItemId, NewLight, NewShape, SceneCamera, SceneDocument};
+use azulejo::recipe::Recipe;
+use azulejo::scene::sky::PerezWeather;
 use azulejo::scene::{
-    Camera, Fog, Light, Material, MaterialId, Scene, SceneBackground, Shape, Units,
+    Camera, Fog, Light, Material, MaterialId, Projection, Scene, SceneBackground, Shape, Texture,
+    Units,
 };
 use glam::DAffine3;
 use std::collections::HashSet;
@@ -34,8 +39,18 @@ pub enum Edit {
     SetShape(ItemId, Arc<Shape>),
     /// Adds a light.
     AddLight(NewLight),
-    /// Changes a light.
+    /// Changes a light. A sky around a sun that moves goes with it.
     SetLight(ItemId, Light),
+    /// Adds a loaded picture of the surroundings as a light.
+    AddEnvironment(Arc<Texture>, Projection),
+    /// Gives an environment another picture, in its place and with its brightness.
+    SetEnvironmentPicture(ItemId, Arc<Texture>, Projection),
+    /// Takes the sun out of the picture of an environment, as a light of its own.
+    ExtractSun(ItemId),
+    /// Makes a sky that of weather, and the sun at its place as bright.
+    SetWeather(ItemId, PerezWeather),
+    /// Surrounds a model in which nothing shines with a floor and three lamps.
+    AddStudio,
     /// Adds a camera.
     AddCamera(Camera),
     /// Changes a camera.
@@ -58,6 +73,10 @@ pub enum Edit {
     SetFog(Option<Fog>),
     /// Changes the units. Nothing is scaled.
     SetUnits(Units),
+    /// Applies a recipe to everything.
+    ApplyRecipe(Arc<Recipe>),
+    /// Forgets which recipes belong to the models; what they have made stays.
+    ForgetRecipes,
     /// Appends another document in the same units; an empty document takes over its units.
     Append(Box<SceneDocument>),
 }
@@ -88,8 +107,12 @@ impl Edit {
             Edit::Transform(..) | Edit::SetPlacement(..) => "move",
             Edit::AddShape(_) => "add a shape",
             Edit::SetShape(..) => "change a shape",
-            Edit::AddLight(_) => "add a light",
-            Edit::SetLight(..) => "change a light",
+            Edit::AddLight(_) | Edit::AddEnvironment(..) => "add a light",
+            Edit::SetLight(..) | Edit::SetEnvironmentPicture(..) | Edit::SetWeather(..) => {
+                "change a light"
+            }
+            Edit::ExtractSun(_) => "extract the sun",
+            Edit::AddStudio => "add a studio",
             Edit::AddCamera(_) => "save a camera",
             Edit::SetCamera(..) => "change a camera",
             Edit::AddMaterial(_) => "add a material",
@@ -100,6 +123,8 @@ impl Edit {
             Edit::SetBackground(_) => "change the background",
             Edit::SetFog(_) => "change the fog",
             Edit::SetUnits(_) => "change the units",
+            Edit::ApplyRecipe(_) => "apply a recipe",
+            Edit::ForgetRecipes => "forget the recipes",
             Edit::Append(_) => "add a file",
         }
     }
@@ -113,6 +138,7 @@ impl Edit {
                 ids.iter().any(is_other)
             }
             Edit::Rename(id, name) => document.name(*id) != Some(name.trim()),
+            Edit::ForgetRecipes => document.has_recipes(),
             _ => true,
         }
     }
@@ -125,17 +151,35 @@ impl Edit {
     /// [`EditError`] if something it refers to does not exist, or if the result is not a valid
     /// scene.
     pub fn apply(&self, document: &mut SceneDocument) -> Edited {
+        self.apply_noting(document, &mut Vec::new())
+    }
+
+    /// [`Edit::apply`]; `notes` receives what is worth saying of an edit that was applied.
+    ///
+    /// # Errors
+    ///
+    /// As [`Edit::apply`].
+    pub fn apply_noting(&self, document: &mut SceneDocument, notes: &mut Vec<String>) -> Edited {
         match self {
             Edit::Rename(id, name) => document.rename(*id, name),
             Edit::Hide(ids, hidden) => Ok(document.hide(ids, *hidden)),
-            Edit::Delete(ids) => document.delete(ids),
+            Edit::Delete(ids) => document.with_grounds(|d| d.delete(ids)),
             Edit::Duplicate(ids) => document.duplicate(ids),
-            Edit::Transform(ids, map) => document.transform(ids, map),
+            Edit::Transform(ids, map) => document.with_grounds(|d| d.transform(ids, map)),
             Edit::SetPlacement(id, placement) => document.set_placement(*id, placement),
             Edit::AddShape(new) => document.add_shape(new),
             Edit::SetShape(id, shape) => document.set_shape(*id, shape),
-            Edit::AddLight(new) => document.add_light(new),
-            Edit::SetLight(id, light) => document.set_light(*id, light),
+            Edit::AddLight(new) => document.with_grounds(|d| d.add_light(new)),
+            Edit::SetLight(id, light) => document.with_grounds(|d| d.set_light(*id, light)),
+            Edit::AddEnvironment(texture, projection) => {
+                document.add_environment(texture, *projection)
+            }
+            Edit::SetEnvironmentPicture(id, texture, projection) => {
+                document.set_environment_picture(*id, texture, *projection)
+            }
+            Edit::ExtractSun(id) => document.with_grounds(|d| d.extract_sun(*id)),
+            Edit::SetWeather(id, weather) => document.with_grounds(|d| d.set_weather(*id, weather)),
+            Edit::AddStudio => document.add_studio(),
             Edit::AddCamera(camera) => document.add_camera(camera),
             Edit::SetCamera(id, camera) => document.set_camera(*id, camera),
             Edit::AddMaterial(material) => document.add_material(material),
@@ -147,6 +191,8 @@ impl Edit {
             Edit::SetBackground(radiance) => document.set_surroundings(*radiance, document.fog),
             Edit::SetFog(fog) => document.set_surroundings(document.background, *fog),
             Edit::SetUnits(units) => document.set_units(*units),
+            Edit::ApplyRecipe(recipe) => document.apply_recipe(recipe, notes),
+            Edit::ForgetRecipes => document.forget_recipes(),
             Edit::Append(other) => Ok(document.append_document(other)),
         }
     }
@@ -175,26 +221,8 @@ fn is_placement(map: &DAffine3) -> bool {
 
 impl SceneDocument {
     fn add_light(&mut self, new: &NewLight) -> Edited {
-        let mut light = new.make(self);
-        light.name = self.unique_name(&light.name);
-        check_light(&light)?;
-        let id = self.new_id();
-        self.lights.push(SceneLight {
-            id,
-            source_file: None,
-            hidden: false,
-            light,
-        });
-        Ok(vec![id])
-    }
-
-    fn set_light(&mut self, id: ItemId, light: &Light) -> Edited {
-        check_light(light)?;
-        match self.lights.iter_mut().find(|l| l.id == id) {
-            Some(lamp) => lamp.light = light.clone(),
-            None => return missing("light"),
-        }
-        Ok(vec![id])
+        let light = new.make(self);
+        self.push_light(&light.name, light.kind)
     }
 
     fn add_camera(&mut self, camera: &Camera) -> Edited {
@@ -290,14 +318,6 @@ impl SceneDocument {
 
 fn set(ids: &[ItemId]) -> HashSet<ItemId> {
     ids.iter().copied().collect()
-}
-
-fn check_light(light: &Light) -> Result<(), EditError> {
-    let alone = Scene {
-        lights: vec![light.clone()],
-        ..Scene::default()
-    };
-    alone.validate().or_else(|e| refuse(e.problem))
 }
 
 fn check_camera(camera: &Camera) -> Result<(), EditError> {

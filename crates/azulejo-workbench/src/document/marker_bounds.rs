@@ -79,7 +79,7 @@ mod tests {
         let mut document = SceneDocument::default();
         for kind in [
             NewLightKind::Point,
-            NewLightKind::Directional,
+            NewLightKind::Sun,
             NewLightKind::Ambient,
         ] {
             let new = NewLight {

@@ -6,6 +6,7 @@
 //! one matrix, however many triangles it has.
 
 mod create;
+mod daylight;
 mod edit;
 mod marker_bounds;
 mod memory;
@@ -17,6 +18,7 @@ pub(crate) mod tests;
 mod units;
 
 pub use create::{NewLight, NewLightKind, NewShape, NewShapeKind, TextLayout};
+pub use daylight::SkySettings;
 pub use edit::{Edit, EditError};
 pub use marker_bounds::light_position;
 pub use outline::{PrismOutline, SIDES};
@@ -77,6 +79,8 @@ pub struct SourceFile {
     pub path: PathBuf,
     /// Its format, if it was recognized.
     pub format: Option<Format>,
+    /// The recipes that belong to it and are noted beside it, in the order of their application.
+    pub recipes: Vec<PathBuf>,
 }
 
 /// An object: a shape and its placement.

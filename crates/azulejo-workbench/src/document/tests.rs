@@ -201,6 +201,7 @@ fn two_scenes_in_one_document_are_as_two_merged() {
         name: "shapes".into(),
         path: "shapes.grf".into(),
         format: None,
+        recipes: Vec::new(),
     };
     let new = document.append(b.clone(), Some(source_file.clone()));
     let mut appended = sample();

@@ -1,7 +1,12 @@
-//! Parsing scripts.
+//! The steps of a script, and how they are written.
 
+use super::fields::{name, number, numbers, one_of, path, split, two_points, whole};
+use super::light::{self, LightStep};
+use super::material::{self, MaterialStep};
+use super::scene::{self, SceneStep};
+use super::solver::{self, SolverStep};
+use super::view::{self, ViewStep};
 use crate::ui::PanelTab;
-use crate::view::{Shading, ViewDirection};
 use glam::DVec3;
 use std::path::PathBuf;
 
@@ -14,41 +19,42 @@ pub enum ScriptStep {
     Open(PathBuf),
     /// See [`ScriptStep::Open`].
     Add(PathBuf),
+    /// `recipe FILE`: applies a recipe.
+    Recipe(PathBuf),
+    /// `environment FILE`: adds a picture of the surroundings.
+    Environment(PathBuf),
     /// `action NAME`: a menu entry by its English name.
     Action(String),
     /// `select NAME`, `select all`, `select nothing`: all objects, lights and cameras with this
     /// name, or with this last component of their name.
     Select(String),
-    /// `rename NAME`: renames the selection.
-    Rename(String),
-    /// `move X Y Z`, `scale F`, `turn X Y Z` in degrees: transforms the selection.
-    Move(DVec3),
-    /// See [`ScriptStep::Move`].
-    Scale(f64),
-    /// See [`ScriptStep::Move`].
-    Turn(DVec3),
-    /// `material new NAME`: adds a material and assigns it to the selection.
-    MaterialNew(String),
-    /// `material brdf DESCRIPTION`: sets the reflection model of the selected material.
-    MaterialBrdf(String),
-    /// `material color R G B`: makes the selected material diffuse with a linear colour.
-    MaterialColor(DVec3),
-    /// `material emit R G B`: sets the emission of the selected material, W/(sr·m²) or cd/m².
-    MaterialEmit(DVec3),
-    /// `shading NAME`, such as `irradiance` or `false-color`.
-    Shading(Shading),
-    /// `view front`, `back`, `left`, `right`, `top`, `bottom`, `corner`, `all`.
-    View(Option<ViewDirection>),
-    /// `camera EX EY EZ TX TY TZ`: sets the camera's position and target.
-    Camera(DVec3, DVec3),
+    /// `select-material NAME`.
+    SelectMaterial(String),
+    /// `select-faces K ...`: faces of the selected mesh by their indices.
+    SelectFaces(Vec<u32>),
+    /// An edit of the scene and its objects.
+    Scene(SceneStep),
+    /// `material ...`: changes the selected material.
+    Material(MaterialStep),
+    /// `light ...`: changes the selected light.
+    Light(LightStep),
+    /// A change of the view.
+    View(ViewStep),
     /// `tab object`, `material`, `light`, `view`.
     Tab(PanelTab),
-    /// `patches N`: sets the number of patches.
-    Patches(u32),
-    /// `solve` or `solve 5%`: solves the light, optionally to a given error.
-    Solve(Option<f64>),
+    /// Sets or starts the solver.
+    Solver(SolverStep),
+    /// `probe EX EY EZ TX TY TZ`: pins a probe where the ray from one point toward another first
+    /// meets a surface.
+    Probe(DVec3, DVec3),
+    /// `form-factors EX EY EZ TX TY TZ`: computes the form factors of the patch there.
+    FormFactors(DVec3, DVec3),
+    /// `remove-probe N`.
+    RemoveProbe(u32),
     /// `render N` or `picture N`: renders up to N paths per pixel.
     Render(u32),
+    /// `stop-render`: closes the rendered image.
+    StopRender,
     /// `save FILE`, `export FILE`, `save-render FILE` or `save-picture FILE`.
     Save(PathBuf),
     /// See [`ScriptStep::Save`].
@@ -57,6 +63,10 @@ pub enum ScriptStep {
     SaveRender(PathBuf),
     /// `screenshot FILE`: writes the window as PNG.
     Screenshot(PathBuf),
+    /// `preference KEY VALUE`: sets a preference by its key in `workbench.toml`.
+    Preference(String, String),
+    /// `clear-messages`: clears the message list.
+    ClearMessages,
     /// `wait SECONDS`, or `wait` until only a render is running.
     Wait(Option<f64>),
     /// `quit`: closes the window.
@@ -82,12 +92,17 @@ pub fn parse(text: &str, name: &str) -> Result<Vec<(usize, ScriptStep)>, String>
 }
 
 fn step(line: &str) -> Result<ScriptStep, String> {
-    let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-    let rest = rest.trim();
-    let path = || match rest {
-        "" => Err(format!("{word} needs a file")),
-        some => Ok(PathBuf::from(some)),
-    };
+    let (word, rest) = split(line);
+    if let Some(step) = scene::parse(word, rest) {
+        return step.map(ScriptStep::Scene);
+    }
+    if let Some(step) = view::parse(word, rest) {
+        return step.map(ScriptStep::View);
+    }
+    if let Some(step) = solver::parse(word, rest) {
+        return step.map(ScriptStep::Solver);
+    }
+    let path = || path(word, rest);
     Ok(match word {
         "size" => {
             let [w, h] = numbers(rest)?;
@@ -98,34 +113,35 @@ fn step(line: &str) -> Result<ScriptStep, String> {
         }
         "open" => ScriptStep::Open(path()?),
         "add" => ScriptStep::Add(path()?),
+        "recipe" => ScriptStep::Recipe(path()?),
+        "environment" => ScriptStep::Environment(path()?),
         "action" => ScriptStep::Action(action(rest)?),
         "select" => ScriptStep::Select(rest.to_owned()),
-        "rename" => ScriptStep::Rename(rest.to_owned()),
-        "move" => ScriptStep::Move(vector(rest)?),
-        "scale" => ScriptStep::Scale(numbers::<1>(rest)?[0]),
-        "turn" => ScriptStep::Turn(vector(rest)?),
-        "material" => material(rest)?,
-        "shading" => ScriptStep::Shading(shading(rest)?),
-        "view" => ScriptStep::View(side(rest)?),
-        "camera" => {
-            let [a, b, c, d, e, f] = numbers(rest)?;
-            let (eye, target) = (DVec3::new(a, b, c), DVec3::new(d, e, f));
-            if eye.distance(target).is_nan() || eye.distance(target) <= 0.0 {
-                return Err("the target of the camera is its own position".into());
-            }
-            ScriptStep::Camera(eye, target)
+        "select-material" => ScriptStep::SelectMaterial(name(word, rest)?),
+        "select-faces" => ScriptStep::SelectFaces(indices(rest)?),
+        "material" => ScriptStep::Material(material::parse(rest)?),
+        "light" => ScriptStep::Light(light::parse(rest)?),
+        "tab" => {
+            let name = |tab: PanelTab| format!("{tab:?}").to_ascii_lowercase();
+            ScriptStep::Tab(one_of("tab", rest, &PanelTab::ALL, name)?)
         }
-        "tab" => ScriptStep::Tab(tab(rest)?),
-        "patches" => ScriptStep::Patches(whole(rest, 10_000_000)?),
-        "solve" => ScriptStep::Solve(error(rest)?),
+        "probe" => two_points(rest).map(|[from, to]| ScriptStep::Probe(from, to))?,
+        "form-factors" => two_points(rest).map(|[from, to]| ScriptStep::FormFactors(from, to))?,
+        "remove-probe" => ScriptStep::RemoveProbe(whole(rest, u32::MAX)?),
         "render" | "picture" => ScriptStep::Render(whole(rest, 65_536)?),
+        "stop-render" => ScriptStep::StopRender,
         "save" => ScriptStep::Save(path()?),
         "export" => ScriptStep::Export(path()?),
         "save-render" | "save-picture" => ScriptStep::SaveRender(path()?),
         "screenshot" => ScriptStep::Screenshot(path()?),
+        "preference" => {
+            let (key, value) = split(rest);
+            ScriptStep::Preference(name(word, key)?, name(word, value)?)
+        }
+        "clear-messages" => ScriptStep::ClearMessages,
         "wait" => ScriptStep::Wait(match rest {
             "" => None,
-            some => Some(numbers::<1>(some)?[0].clamp(0.0, 3_600.0)),
+            some => Some(number(some)?.clamp(0.0, 3_600.0)),
         }),
         "quit" => ScriptStep::Quit,
         other => {
@@ -137,61 +153,67 @@ fn step(line: &str) -> Result<ScriptStep, String> {
     })
 }
 
-const STEPS: [&str; 23] = [
+/// The first words of all steps, in the order of the table in `docs/workbench/scripts.md`.
+pub(super) const STEPS: [&str; 53] = [
     "size",
     "open",
     "add",
-    "action",
-    "select",
-    "rename",
-    "move",
-    "scale",
-    "turn",
-    "material",
-    "shading",
-    "view",
-    "camera",
-    "tab",
-    "patches",
-    "solve",
-    "render",
+    "recipe",
+    "environment",
     "save",
     "export",
     "save-render",
     "screenshot",
+    "action",
+    "select",
+    "select-material",
+    "select-faces",
+    "rename",
+    "move",
+    "turn",
+    "scale",
+    "place",
+    "cone",
+    "text",
+    "prism",
+    "material",
+    "light",
+    "background",
+    "fog",
+    "units",
+    "shading",
+    "view",
+    "camera",
+    "fov",
+    "take-view",
+    "look-through",
+    "exposure",
+    "range",
+    "color-map",
+    "logarithmic",
+    "isolines",
+    "backdrop",
+    "tab",
+    "engine",
+    "patches",
+    "time",
+    "bounces",
+    "solve",
+    "probe",
+    "remove-probe",
+    "form-factors",
+    "render",
+    "stop-render",
+    "preference",
+    "clear-messages",
     "wait",
     "quit",
 ];
 
-fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
-    let words: Vec<&str> = text.split_whitespace().collect();
-    let wrong = || format!("\"{text}\" is not {N} numbers");
-    let parsed: Option<Vec<f64>> = words
-        .iter()
-        .map(|w| w.parse().ok().filter(|x: &f64| x.is_finite()))
-        .collect();
-    parsed.and_then(|v| v.try_into().ok()).ok_or_else(wrong)
-}
-
-fn vector(text: &str) -> Result<DVec3, String> {
-    numbers::<3>(text).map(DVec3::from)
-}
-
-fn whole(text: &str, most: u32) -> Result<u32, String> {
-    let n: Option<u32> = text.parse().ok();
-    n.filter(|n| (1..=most).contains(n))
-        .ok_or_else(|| format!("\"{text}\" is not a number from 1 to {most}"))
-}
-
-fn error(text: &str) -> Result<Option<f64>, String> {
-    if text.is_empty() {
-        return Ok(None);
-    }
-    let value = text.strip_suffix('%').and_then(|t| t.trim().parse().ok());
-    let valid = value.filter(|p: &f64| (0.01..=100.0).contains(p));
-    valid
-        .map(|p| Some(p / 100.0))
-        .ok_or_else(|| format!("\"{text}\" is not an error, expected as in 5%"))
+fn indices(text: &str) -> Result<Vec<u32>, String> {
+    let all: Option<Vec<u32>> = text.split_whitespace().map(|w| w.parse().ok()).collect();
+    let some = all.filter(|v| !v.is_empty());
+    some.ok_or_else(|| format!("\"{text}\" are no indices of faces"))
 }
 
 /// Former labels of actions, so that old scripts still run.
@@ -210,66 +232,14 @@ fn action(name: &str) -> Result<String, String> {
     let known = crate::ui::actions::ACTIONS.iter().map(|a| a.label);
     let renamed = FORMER_LABELS.iter().find(|(former, _)| *former == name);
     let name = renamed.map_or(name, |(_, label)| *label);
-    if known.clone().any(|label| label == name) {
-        Ok(name.to_owned())
-    } else {
-        let all: Vec<&str> = known.collect();
-        Err(format!(
-            "no action \"{name}\", expected one of {}",
-            all.join(", ")
-        ))
-    }
-}
-
-fn material(text: &str) -> Result<ScriptStep, String> {
-    let (word, rest) = text.split_once(char::is_whitespace).unwrap_or((text, ""));
-    match word {
-        "new" => Ok(ScriptStep::MaterialNew(rest.trim().to_owned())),
-        "brdf" => Ok(ScriptStep::MaterialBrdf(rest.trim().to_owned())),
-        "color" => Ok(ScriptStep::MaterialColor(vector(rest)?)),
-        "emit" => Ok(ScriptStep::MaterialEmit(vector(rest)?)),
-        other => Err(format!(
-            "material \"{other}\", expected new, brdf, color or emit"
-        )),
-    }
-}
-
-fn shading(text: &str) -> Result<Shading, String> {
-    let found = Shading::ALL.into_iter().find(|s| s.script_name() == text);
-    found.ok_or_else(|| {
-        let all: Vec<&str> = Shading::ALL.into_iter().map(Shading::script_name).collect();
-        format!("no shading \"{text}\", expected one of {}", all.join(", "))
-    })
-}
-
-fn side(text: &str) -> Result<Option<ViewDirection>, String> {
-    Ok(Some(match text {
-        "front" => ViewDirection::Front,
-        "back" => ViewDirection::Back,
-        "left" => ViewDirection::Left,
-        "right" => ViewDirection::Right,
-        "top" => ViewDirection::Top,
-        "bottom" => ViewDirection::Bottom,
-        "corner" => ViewDirection::Corner,
-        "all" => return Ok(None),
-        other => {
-            return Err(format!(
-                "no view \"{other}\", expected front, back, left, right, top, bottom, corner, all"
-            ));
-        }
-    }))
-}
-
-fn tab(text: &str) -> Result<PanelTab, String> {
-    let found = PanelTab::ALL
-        .into_iter()
-        .find(|t| format!("{t:?}").to_ascii_lowercase() == text);
-    found.ok_or_else(|| format!("no tab \"{text}\", expected object, material, light or view"))
+    let labels: Vec<&str> = known.collect();
+    one_of("action", name, &labels, str::to_owned).map(str::to_owned)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::view::Shading;
 
     #[test]
     fn scripts_are_read() {
@@ -279,10 +249,10 @@ mod tests {
         let expected = [
             ScriptStep::Open("a b.3ds".into()),
             ScriptStep::Action("Area light".into()),
-            ScriptStep::Solve(Some(0.05)),
-            ScriptStep::Move(DVec3::new(1.0, -2.0, 0.5)),
-            ScriptStep::MaterialBrdf("ward_duer ks=0.3".into()),
-            ScriptStep::Shading(Shading::FalseColor),
+            ScriptStep::Solver(SolverStep::Solve(Some(0.05))),
+            ScriptStep::Scene(SceneStep::Move(DVec3::new(1.0, -2.0, 0.5))),
+            ScriptStep::Material(MaterialStep::Brdf("ward_duer ks=0.3".into())),
+            ScriptStep::View(ViewStep::Shading(Shading::FalseColor)),
             ScriptStep::Tab(PanelTab::Light),
             ScriptStep::Wait(None),
             ScriptStep::Quit,
@@ -313,7 +283,24 @@ mod tests {
             ("action Fly", "no action \"Fly\""),
             ("shading pink", "no shading \"pink\""),
             ("patches 0", "is not a number from 1"),
-            ("material wood", "expected new, brdf, color or emit"),
+            ("material wood", "expected new, use, rename, brdf"),
+            ("material glass thick", "\"thick\" is not a number"),
+            ("light up", "expected color, position"),
+            ("light sky 17", "no sky \"17\""),
+            ("light weather 1", "is not 2 or 4 numbers"),
+            ("place 1 2 3 4", "is not 3, 6 or 9 numbers"),
+            ("units 1 x watts", "expected y or z"),
+            ("fog 1 1 1", "is not 4 numbers, nor \"none\""),
+            ("exposure bright", "is not a number, nor \"auto\""),
+            ("backdrop 1 2", "is not a colour"),
+            ("backdrop 1 2 256", "is not a colour"),
+            ("fov 0", "expected 1 to 170"),
+            ("engine steam", "no engine \"steam\""),
+            ("time 0", "expected 0.1"),
+            ("select-faces one", "are no indices"),
+            ("text 1 1 -", "text needs a name"),
+            ("logarithmic yes", "expected on or off"),
+            ("preference theme", "preference needs a name"),
             ("tab left", "no tab \"left\""),
             ("size 1 1", "expected 100 to 16384"),
             ("camera 1 2 3 1 2 3", "its own position"),
@@ -321,6 +308,19 @@ mod tests {
             let error = parse(&format!("quit\n{line}"), "s.txt").unwrap_err();
             assert!(error.starts_with("s.txt:2: "), "{error}");
             assert!(error.contains(expected), "{error}");
+        }
+    }
+
+    #[test]
+    fn every_first_word_is_known_and_documented() {
+        let page = include_str!("../../../../docs/workbench/scripts.md");
+        for word in STEPS {
+            let error = parse(word, "s.txt").err().unwrap_or_default();
+            assert!(!error.contains("unknown step"), "{word}: {error}");
+            assert!(
+                page.contains(&format!("`{word}")),
+                "{word} is not documented"
+            );
         }
     }
 }

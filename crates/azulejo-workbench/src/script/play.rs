@@ -1,19 +1,19 @@
 //! Running a script in a window.
 
+use super::material::MaterialStep;
 use super::parse::ScriptStep;
+use super::selected::{material_named, selected_one};
 use crate::app::{App, Severity};
-use crate::command::{Command, Selection};
-use crate::document::{Edit, ItemId};
+use crate::command::{Command, Selection, SurfacePick};
+use crate::document::ItemId;
 use crate::jobs::JobKind;
 use crate::ui::Workbench;
 use crate::ui::actions::ACTIONS;
-use crate::ui::brdf::with_description;
 use azulejo::output::Output;
-use azulejo::scene::brdf::Description;
-use azulejo::scene::{Camera, Material, Rgb};
+use azulejo::scene::math::Ray;
 use azulejo::trace::Progress;
 use egui::{ColorImage, ScreenshotCallback, ViewportCommand};
-use glam::{DAffine3, DMat3, DVec3};
+use glam::DVec3;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, channel};
@@ -35,7 +35,7 @@ pub struct ScriptPlayer {
 enum WaitCondition {
     /// At least this many more frames, and then until only a render is running.
     Jobs(u32),
-    /// This many more frames, in which the layout settles.
+    /// This many more frames, in which the layout settles, whatever runs.
     Frames(u32),
     /// A point in time.
     Until(Instant),
@@ -181,20 +181,11 @@ impl ScriptPlayer {
         window: &mut Workbench,
         context: &egui::Context,
     ) -> Result<WaitCondition, String> {
-        let settle = WaitCondition::Frames(SETTLE);
         match step {
             ScriptStep::Size(w, h) => {
                 context.send_viewport_cmd(ViewportCommand::InnerSize(egui::vec2(w, h)));
             }
-            ScriptStep::Screenshot(path) => {
-                let (send, picture) = channel();
-                let callback = ScreenshotCallback::new(move |image| {
-                    // The script may have ended meanwhile.
-                    let _ = send.send(image);
-                });
-                context.send_viewport_cmd(ViewportCommand::Screenshot(callback));
-                return Ok(WaitCondition::Screenshot(path, Instant::now(), picture));
-            }
+            ScriptStep::Screenshot(path) => return Ok(screenshot(path, context)),
             ScriptStep::Wait(None) => return Ok(WaitCondition::Jobs(0)),
             ScriptStep::Wait(Some(seconds)) => {
                 let until = Instant::now() + Duration::from_secs_f64(seconds);
@@ -206,8 +197,15 @@ impl ScriptPlayer {
                 let target = action.and_then(|a| (a.target)(&window.app));
                 let target = target.ok_or_else(|| format!("\"{name}\" is not available now"))?;
                 window.run_action(target);
-                // Its effect is visible a few frames later; a job that it started takes longer.
-                return Ok(WaitCondition::Jobs(SETTLE));
+            }
+            ScriptStep::Material(MaterialStep::Load(path)) => window.load_brdf(&path)?,
+            ScriptStep::Probe(from, toward) => {
+                let pick = surface(window, from, toward)?;
+                window.app.execute(Command::AddProbe(pick));
+            }
+            ScriptStep::FormFactors(from, toward) => {
+                let pick = surface(window, from, toward)?;
+                window.app.execute(Command::FormFactorsFrom(pick));
             }
             ScriptStep::Render(samples) => {
                 let (width, height) = window.viewport_size();
@@ -218,184 +216,92 @@ impl ScriptPlayer {
                 });
                 return Ok(WaitCondition::Samples(samples));
             }
-            other => return run(&mut window.app, other),
-        }
-        Ok(settle)
-    }
-}
-
-/// Steps that do not need the window.
-fn run(app: &mut App, step: ScriptStep) -> Result<WaitCondition, String> {
-    let settle = Ok(WaitCondition::Frames(SETTLE));
-    match step {
-        ScriptStep::Open(path) => {
-            app.execute(Command::Open(vec![path]));
-            return Ok(WaitCondition::Jobs(0));
-        }
-        ScriptStep::Add(path) => {
-            app.execute(Command::Add(vec![path]));
-            return Ok(WaitCondition::Jobs(0));
-        }
-        ScriptStep::Save(path) => {
-            app.execute(Command::SaveAs(path));
-            return Ok(WaitCondition::Jobs(0));
-        }
-        ScriptStep::Export(path) => {
-            app.execute(Command::Export(path));
-            return Ok(WaitCondition::Jobs(0));
-        }
-        ScriptStep::SaveRender(path) => {
-            app.execute(Command::SaveRender(path));
-            return Ok(WaitCondition::Jobs(0));
-        }
-        ScriptStep::Solve(error) => {
-            if let Some(error) = error {
-                // A script that specifies an error wants it reached, however long it takes.
-                let settings = crate::first_pass::LightSettings {
-                    error,
-                    time: None,
-                    ..app.lighting.settings
-                };
-                app.execute(Command::SetLight(settings));
+            other => {
+                for command in commands(&window.app, other)? {
+                    window.app.execute(command);
+                }
             }
-            app.execute(Command::Solve);
-            return Ok(WaitCondition::Jobs(0));
         }
-        ScriptStep::Patches(patches) => {
-            let settings = crate::first_pass::LightSettings {
-                patches,
-                ..app.lighting.settings
-            };
-            app.execute(Command::SetLight(settings));
-        }
-        ScriptStep::Select(name) => select(app, &name)?,
-        ScriptStep::Shading(shading) => change_view(app, |view| view.shading = shading),
-        ScriptStep::View(side) => {
-            let (bounds, up) = (app.document.bounds(None), app.document.units.up);
-            change_view(app, |view| match side {
-                Some(side) => view.view_from(side, bounds, up),
-                None => view.frame(bounds),
-            });
-        }
-        ScriptStep::Camera(eye, target) => change_view(app, |view| {
-            view.camera = Camera {
-                eye,
-                target,
-                ..view.camera.clone()
-            };
-        }),
-        other => return change(app, other).map(|()| WaitCondition::Frames(SETTLE)),
-    }
-    settle
-}
-
-/// Steps that edit the document.
-fn change(app: &mut App, step: ScriptStep) -> Result<(), String> {
-    let ids = app.selection.ids.clone();
-    let edit = match step {
-        ScriptStep::Rename(name) => match ids[..] {
-            [id] => Edit::Rename(id, name),
-            _ => return Err(format!("{} items are selected, expected one", ids.len())),
-        },
-        ScriptStep::Move(by) => Edit::Transform(some(ids)?, DAffine3::from_translation(by)),
-        ScriptStep::Scale(factor) => {
-            let map = DAffine3::from_scale(DVec3::splat(factor));
-            Edit::Transform(some(ids)?, about(app, map))
-        }
-        ScriptStep::Turn(degrees) => {
-            let [x, y, z] = degrees.to_array().map(f64::to_radians);
-            let turn = DMat3::from_rotation_z(z) * DMat3::from_rotation_y(y);
-            let turn = turn * DMat3::from_rotation_x(x);
-            Edit::Transform(some(ids)?, about(app, DAffine3::from_mat3(turn)))
-        }
-        ScriptStep::MaterialNew(name) => {
-            let white = Material::diffuse(name, Rgb::grey(0.7));
-            app.execute(Command::Edit(Edit::AddMaterial(white), None));
-            let new = (app.document.materials.len() - 1) as u32;
-            app.execute(Command::Edit(Edit::Assign(some(ids.clone())?, new), None));
-            app.execute(Command::Select(Selection {
-                ids,
-                material: Some(new),
-                ..Selection::default()
-            }));
-            return Ok(());
-        }
-        ScriptStep::MaterialBrdf(text) => {
-            let description: Description = text.parse().map_err(|e| format!("{e}"))?;
-            return set_material(app, |material| {
-                with_description(material, description).map_err(|e| e.to_string())
-            });
-        }
-        ScriptStep::MaterialColor(c) => {
-            return set_material(app, |m| {
-                Ok(Material {
-                    emission: m.emission,
-                    emits_back: m.emits_back,
-                    ..Material::diffuse(m.name.clone(), Rgb::new(c.x, c.y, c.z))
-                })
-            });
-        }
-        ScriptStep::MaterialEmit(c) => {
-            return set_material(app, |m| {
-                Ok(Material {
-                    emission: Rgb::new(c.x, c.y, c.z),
-                    ..m.clone()
-                })
-            });
-        }
-        other => return Err(format!("{other:?} is not an edit of the document")),
-    };
-    app.execute(Command::Edit(edit, None));
-    Ok(())
-}
-
-fn some(ids: Vec<ItemId>) -> Result<Vec<ItemId>, String> {
-    if ids.is_empty() {
-        Err("nothing is selected".into())
-    } else {
-        Ok(ids)
+        // The effect is visible a few frames later; a job that was started takes longer.
+        Ok(WaitCondition::Jobs(SETTLE))
     }
 }
 
-/// Applies a map about the centre of the selection.
-fn about(app: &App, map: DAffine3) -> DAffine3 {
-    let centre = app.document.bounds(Some(&app.selection.ids)).centre();
-    DAffine3::from_translation(centre) * map * DAffine3::from_translation(-centre)
+fn screenshot(path: PathBuf, context: &egui::Context) -> WaitCondition {
+    let (send, picture) = channel();
+    let callback = ScreenshotCallback::new(move |image| {
+        // The script may have ended meanwhile.
+        let _ = send.send(image);
+    });
+    context.send_viewport_cmd(ViewportCommand::Screenshot(callback));
+    WaitCondition::Screenshot(path, Instant::now(), picture)
 }
 
-fn set_material(
-    app: &mut App,
-    change: impl FnOnce(&Material) -> Result<Material, String>,
-) -> Result<(), String> {
-    let id = app.selection.material.ok_or("no material is selected")?;
-    let old = app.document.materials.get(id as usize);
-    let new = change(old.ok_or("the material is gone")?)?;
-    app.execute(Command::Edit(Edit::SetMaterial(id, new), None));
-    Ok(())
+/// The surface that is displayed where the ray from one point toward another first meets one.
+fn surface(window: &Workbench, from: DVec3, toward: DVec3) -> Result<SurfacePick, String> {
+    let direction = (toward - from).try_normalize();
+    let direction = direction.ok_or("both points are the same")?;
+    let pick = window.surface_at(&Ray::new(from, direction));
+    pick.ok_or_else(|| "there is no surface in this direction".to_owned())
 }
 
-fn change_view(app: &mut App, change: impl FnOnce(&mut crate::view::ModelView)) {
-    let mut view = app.view.clone();
-    change(&mut view);
-    app.execute(Command::SetView(Box::new(view)));
+/// The commands of a step that does not need the window.
+fn commands(app: &App, step: ScriptStep) -> Result<Vec<Command>, String> {
+    let one = |command| Ok(vec![command]);
+    match step {
+        ScriptStep::Open(path) => one(Command::Open(vec![path])),
+        ScriptStep::Add(path) => one(Command::Add(vec![path])),
+        ScriptStep::Recipe(path) => one(Command::ApplyRecipe(path)),
+        ScriptStep::Environment(path) => one(Command::LoadEnvironment(path, None)),
+        ScriptStep::Save(path) => one(Command::SaveAs(path)),
+        ScriptStep::Export(path) => one(Command::Export(path)),
+        ScriptStep::SaveRender(path) => one(Command::SaveRender(path)),
+        ScriptStep::Select(name) => one(select(app, &name)?),
+        ScriptStep::SelectMaterial(name) => {
+            let material = Some(material_named(app, &name)?);
+            one(Command::Select(Selection {
+                material,
+                ..app.selection.clone()
+            }))
+        }
+        ScriptStep::SelectFaces(faces) => {
+            let faces = Some((selected_one(app)?, faces));
+            one(Command::Select(Selection {
+                faces,
+                ..app.selection.clone()
+            }))
+        }
+        ScriptStep::Scene(step) => one(step.command(app)?),
+        ScriptStep::Material(step) => step.commands(app),
+        ScriptStep::Light(step) => step.commands(app),
+        ScriptStep::View(step) => one(step.command(app)),
+        ScriptStep::Solver(step) => Ok(step.commands(app)),
+        ScriptStep::RemoveProbe(number) => one(Command::RemoveProbe(u64::from(number))),
+        ScriptStep::StopRender => one(Command::StopRender),
+        ScriptStep::Preference(key, value) => {
+            let preferences = app.preferences.with(&key, &value)?;
+            one(Command::SetPreferences(Box::new(preferences)))
+        }
+        ScriptStep::ClearMessages => one(Command::ClearMessages),
+        other => Err(format!("{other:?} is a step of the window")),
+    }
 }
 
-fn select(app: &mut App, name: &str) -> Result<(), String> {
-    match name {
-        "all" => app.execute(Command::SelectAll),
-        "nothing" => app.execute(Command::Select(Selection::default())),
+fn select(app: &App, name: &str) -> Result<Command, String> {
+    Ok(match name {
+        "all" => Command::SelectAll,
+        "nothing" => Command::Select(Selection::default()),
         name => {
             let ids = named(app, name);
             if ids.is_empty() {
                 return Err(format!("nothing is named \"{name}\""));
             }
-            app.execute(Command::Select(Selection {
+            Command::Select(Selection {
                 ids,
                 ..Selection::default()
-            }));
+            })
         }
-    }
-    Ok(())
+    })
 }
 
 /// The objects, lights and cameras with this name, or with this last component of their name.

@@ -215,6 +215,14 @@ pub const ACTIONS: &[Action] = &[
             Command::RequestFile(FileRequest::SaveRender),
         )
     }),
+    action(Menu::File, "Apply recipe…", None, |a| {
+        let has_surfaces = !a.document.objects.is_empty();
+        enabled_if(has_surfaces, Command::RequestFile(FileRequest::Recipe))
+    }),
+    action(Menu::File, "Forget recipes", None, |a| {
+        let forget = Command::Edit(Edit::ForgetRecipes, None);
+        enabled_if(a.document.has_recipes(), forget)
+    }),
     action(Menu::File, "Preferences…", ctrl(Key::Comma), |_| {
         Some(ActionTarget::Window(WindowAction::Preferences))
     }),
@@ -288,10 +296,20 @@ pub const ACTIONS: &[Action] = &[
         done(Command::AddLight(NewLightKind::Spot))
     }),
     action(Menu::Add, "Sun", None, |_| {
-        done(Command::AddLight(NewLightKind::Directional))
+        done(Command::AddLight(NewLightKind::Sun))
     }),
     action(Menu::Add, "Sky", None, |_| {
+        done(Command::AddLight(NewLightKind::Sky))
+    }),
+    action(Menu::Add, "Ambient light", None, |_| {
         done(Command::AddLight(NewLightKind::Ambient))
+    }),
+    action(Menu::Add, "Picture of the surroundings…", None, |_| {
+        done(Command::RequestFile(FileRequest::Environment(None)))
+    }),
+    action(Menu::Add, "Studio", None, |a| {
+        let is_dark_model = !a.document.objects.is_empty() && !a.document.has_light();
+        enabled_if(is_dark_model, Command::Edit(Edit::AddStudio, None))
     }),
     action(Menu::Add, "Camera from this view", ctrl(Key::K), |a| {
         edit(Edit::AddCamera(a.view.camera.clone()))

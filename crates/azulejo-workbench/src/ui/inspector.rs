@@ -1,12 +1,10 @@
 //! Properties of the selection.
 
 use super::panel_context::PanelContext;
-use super::{group_transform, inputs};
+use super::{group_transform, inputs, lamps};
 use crate::command::{Command, Selection};
-use crate::document::{Edit, ItemId, SceneCamera, SceneDocument, SceneLight, SceneObject};
-use azulejo::scene::{
-    Camera, Light, LightKind, MaterialId, Mesh, PrimitiveKind, Rgb, Shape, Units,
-};
+use crate::document::{Edit, ItemId, SceneCamera, SceneDocument, SceneObject};
+use azulejo::scene::{Camera, MaterialId, Mesh, PrimitiveKind, Shape};
 use egui::{Grid, Ui};
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
 use std::sync::Arc;
@@ -20,7 +18,7 @@ pub fn show(ui: &mut Ui, cx: &mut PanelContext) {
             if let Some(item) = app.document.object(*id) {
                 object(ui, cx, item);
             } else if let Some(lamp) = app.document.light(*id) {
-                lamp_numbers(ui, cx, lamp);
+                lamps::show(ui, cx, lamp);
             } else if let Some(view) = app.document.camera(*id) {
                 camera_numbers(ui, cx, view);
             }
@@ -134,7 +132,8 @@ fn kind_of(shape: &Shape, cx: &PanelContext) -> String {
     }
 }
 
-fn name(ui: &mut Ui, cx: &mut PanelContext, id: ItemId, name: &str) {
+/// The field of a name.
+pub(super) fn name(ui: &mut Ui, cx: &mut PanelContext, id: ItemId, name: &str) {
     let label = ui.label(cx.tr("Name"));
     // Names are trimmed, but typing two words needs a space at the end for a moment.
     let draft = ui.scope_id().with(("name", id));
@@ -292,154 +291,6 @@ pub fn named(document: &SceneDocument, material: MaterialId) -> String {
         Some(m) if !m.name.is_empty() => m.name.clone(),
         _ => format!("#{material}"),
     }
-}
-
-/// The unit of a quantity, radiometric or photometric.
-fn unit(units: Units, radiometric: &'static str, photometric: &'static str) -> &'static str {
-    if units.photometric {
-        photometric
-    } else {
-        radiometric
-    }
-}
-
-/// A row with strength and colour of a light; colours are relative to their brightest channel.
-fn light_color(
-    ui: &mut Ui,
-    cx: &PanelContext,
-    lamp: ItemId,
-    name: &str,
-    unit: &str,
-    light: &mut Rgb,
-) -> bool {
-    let last = egui::Id::unique(("hue", lamp));
-    let (mut strength, mut hue) = inputs::parts(ui, last, *light);
-    let old = (strength, hue);
-    ui.label(name);
-    ui.horizontal(|ui| {
-        inputs::picked(ui, cx.tr("Emission colour"), &mut hue, inputs::hue);
-        let speed = (0.01 * strength).max(0.01);
-        let drag = inputs::number(&mut strength, 0.0..=1e12)
-            .speed(speed)
-            .suffix(format!(" {unit}"));
-        ui.add(drag).accessible_name(name);
-    });
-    ui.end_row();
-    if (strength, hue) == old {
-        return false;
-    }
-    inputs::keep_hue(ui, last, hue);
-    let new = hue * strength;
-    // The colour of a light that is off is remembered without an edit.
-    let changed = new != *light;
-    *light = new;
-    changed
-}
-
-fn lamp_numbers(ui: &mut Ui, cx: &mut PanelContext, lamp: &SceneLight) {
-    name(ui, cx, lamp.id, &lamp.light.name);
-    let mut light = lamp.light.clone();
-    let units = cx.app.document.units;
-    let step = speed(&cx.app.document);
-    let mut changed = false;
-    Grid::new("light")
-        .num_columns(2)
-        .show(ui, |ui| match &mut light.kind {
-            LightKind::Point {
-                position,
-                intensity,
-            } => {
-                changed |= vector(ui, cx.tr("Position"), position, step);
-                let (name, unit) = (cx.tr("Intensity"), unit(units, "W/sr", "cd"));
-                changed |= light_color(ui, cx, lamp.id, name, unit, intensity);
-            }
-            LightKind::Spot {
-                position,
-                direction,
-                intensity,
-                inner,
-                outer,
-            } => {
-                changed |= vector(ui, cx.tr("Position"), position, step);
-                changed |= unit_vector(ui, cx.tr("Direction"), direction);
-                let (name, unit) = (cx.tr("Intensity"), unit(units, "W/sr", "cd"));
-                changed |= light_color(ui, cx, lamp.id, name, unit, intensity);
-                changed |= cone(ui, cx, inner, outer);
-            }
-            LightKind::Directional {
-                direction,
-                irradiance,
-                ..
-            } => {
-                changed |= unit_vector(ui, cx.tr("Direction"), direction);
-                let (name, unit) = (cx.tr("Irradiance"), unit(units, "W/m²", "lx"));
-                changed |= light_color(ui, cx, lamp.id, name, unit, irradiance);
-            }
-            LightKind::Ambient { radiance } => {
-                let (name, unit) = (cx.tr("Radiance"), unit(units, "W/(sr·m²)", "cd/m²"));
-                changed |= light_color(ui, cx, lamp.id, name, unit, radiance);
-            }
-            LightKind::Environment(environment) => {
-                let name = cx.tr("Brightness");
-                changed |= light_color(ui, cx, lamp.id, name, "×", &mut environment.scale);
-            }
-        });
-    ui.weak(attenuation(&light, cx));
-    if changed {
-        cx.edit(Edit::SetLight(lamp.id, light));
-    }
-}
-
-/// The attenuation of a light with distance, which follows from its type.
-fn attenuation(light: &Light, cx: &PanelContext) -> &'static str {
-    match light.kind {
-        LightKind::Point { .. } | LightKind::Spot { .. } => {
-            cx.tr("Falls off with the square of the distance.")
-        }
-        LightKind::Directional { .. } => cx.tr("Independent of the distance."),
-        LightKind::Ambient { .. } => cx.tr("Uniform from all directions."),
-        LightKind::Environment(_) => cx.tr("From all directions, as a picture shows it."),
-    }
-}
-
-/// A direction; vectors without a direction are rejected.
-fn unit_vector(ui: &mut Ui, name: &str, direction: &mut DVec3) -> bool {
-    let mut typed = *direction;
-    if !vector(ui, name, &mut typed, 0.01) {
-        return false;
-    }
-    match typed.try_normalize() {
-        Some(unit) => {
-            *direction = unit;
-            true
-        }
-        None => false,
-    }
-}
-
-fn cone(ui: &mut Ui, cx: &PanelContext, inner: &mut f64, outer: &mut f64) -> bool {
-    let mut degrees = [inner.to_degrees(), outer.to_degrees()];
-    let names = [cx.tr("Inner angle"), cx.tr("Outer angle")];
-    let mut changed = false;
-    for k in 0..2 {
-        let label = ui.label(names[k]);
-        let drag = inputs::number(&mut degrees[k], 0.0..=180.0)
-            .speed(0.25)
-            .suffix("°");
-        if ui.add(drag).labelled_by(label.id).changed() {
-            changed = true;
-            // The field being changed pushes the other one.
-            match k {
-                0 => degrees[1] = degrees[1].max(degrees[0]),
-                _ => degrees[0] = degrees[0].min(degrees[1]),
-            }
-        }
-        ui.end_row();
-    }
-    if changed {
-        (*inner, *outer) = (degrees[0].to_radians(), degrees[1].to_radians());
-    }
-    changed
 }
 
 fn camera_numbers(ui: &mut Ui, cx: &mut PanelContext, view: &SceneCamera) {

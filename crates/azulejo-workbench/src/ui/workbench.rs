@@ -11,11 +11,12 @@ use super::tree::SceneTree;
 use super::viewport::{DeviceLost, Viewport};
 use super::{inspector, light, menu, messages, view_tab};
 use crate::app::{App, Severity};
-use crate::command::Command;
+use crate::command::{Command, SurfacePick};
 use crate::document::Edit;
 use crate::preferences::Theme;
 use crate::script::ScriptPlayer;
 use azulejo::output::Output;
+use azulejo::scene::math::Ray;
 use azulejo::trace::Progress;
 use egui::{CentralPanel, Panel, Ui, ViewportCommand};
 use std::path::Path;
@@ -137,6 +138,11 @@ impl Workbench {
     /// The size of the viewport in pixels.
     pub fn viewport_size(&self) -> (u32, u32) {
         self.viewport.size()
+    }
+
+    /// The displayed surface that a ray hits first.
+    pub fn surface_at(&self, ray: &Ray) -> Option<SurfacePick> {
+        self.viewport.patch_at(ray)
     }
 
     /// Runs one frame.

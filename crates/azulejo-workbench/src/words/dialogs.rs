@@ -109,6 +109,7 @@ pub const TABLE: &[Translation] = &[
         "Una imagen para el fondo",
         "Uma imagem para o fundo",
     ],
+    ["Choose a recipe", "Elija una receta", "Escolha uma receita"],
     ["Choose a font", "Un tipo de letra", "Um tipo de letra"],
     [
         "Load a reflection model",

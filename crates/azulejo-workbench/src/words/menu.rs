@@ -25,6 +25,16 @@ pub const TABLE: &[Translation] = &[
     ["Save as…", "Guardar como…", "Guardar como…"],
     ["Export…", "Exportar…", "Exportar…"],
     ["Save image…", "Guardar la imagen…", "Guardar a imagem…"],
+    [
+        "Apply recipe…",
+        "Aplicar una receta…",
+        "Aplicar uma receita…",
+    ],
+    [
+        "Forget recipes",
+        "Olvidar las recetas",
+        "Esquecer as receitas",
+    ],
     ["Preferences…", "Preferencias…", "Preferências…"],
     ["Quit", "Salir", "Sair"],
     // Edits.
@@ -153,6 +163,16 @@ pub const TABLE: &[Translation] = &[
         "change the units",
         "cambiar las unidades",
         "mudar as unidades",
+    ],
+    [
+        "apply a recipe",
+        "aplicar una receta",
+        "aplicar uma receita",
+    ],
+    [
+        "forget the recipes",
+        "olvidar las recetas",
+        "esquecer as receitas",
     ],
     ["add a file", "añadir un archivo", "adicionar um ficheiro"],
 ];

@@ -130,6 +130,14 @@ fn every_text_of_the_window_is_in_a_table() {
 }
 
 #[test]
+fn every_type_of_sky_is_in_a_table() {
+    let table = table();
+    for sky in azulejo::scene::sky::CieSky::all() {
+        assert!(table.contains_key(sky.name()), "{}", sky.name());
+    }
+}
+
+#[test]
 fn what_undo_takes_back_is_in_a_table() {
     let source = include_str!("../document/edit.rs");
     let body = source.split("pub fn label").nth(1).unwrap();
@@ -146,9 +154,11 @@ fn what_undo_takes_back_is_in_a_table() {
 fn nothing_in_the_tables_is_without_use() {
     let mut used = BTreeSet::new();
     let mut all = sources();
-    // Reflection models contain their own names and those of their parameters.
-    let brdf = Path::new(env!("CARGO_MANIFEST_DIR")).join("../azulejo-scene/src/brdf");
-    walk(&brdf, &mut all);
+    // Reflection models contain their own names and those of their parameters, and so do skies.
+    for models in ["brdf", "sky"] {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../azulejo-scene/src");
+        walk(&folder.join(models), &mut all);
+    }
     for (_, source) in all {
         used.extend(literals(&source).into_iter().map(|(_, text)| text));
     }

@@ -6,7 +6,7 @@ use azulejo_workbench::app::{App, Severity};
 use azulejo_workbench::command::Command;
 use azulejo_workbench::document::NewShapeKind;
 use azulejo_workbench::first_pass::LightSettings;
-use azulejo_workbench::script::ScriptPlayer;
+use azulejo_workbench::script::{ScriptPlayer, parse};
 use azulejo_workbench::ui::PanelTab;
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
@@ -46,6 +46,27 @@ fn a_file_is_opened_by_its_name() {
     assert_eq!(file_of(&window), Some(&*cornell));
     assert!(!says(&window, "Open models"), "the dialog is done");
     assert_eq!(window.state().app.asking, None);
+}
+
+#[test]
+fn a_recipe_is_chosen_in_the_menu_and_undone() {
+    let folder = TestFolder::new("recipe");
+    let mut window = dialog_in(&folder);
+    let before = window.state().app.document.clone();
+    let rule = "[[material]]\nname = \"moss\"\ndiffuse = 0.125\n";
+    std::fs::write(folder.path("dark.toml"), rule).unwrap();
+    click(&mut window, "File");
+    click(&mut window, "Apply recipe…");
+    assert!(says(&window, "Choose a recipe"));
+    write(&mut window, "", "dark.toml");
+    press(&mut window, Modifiers::NONE, Key::Enter);
+    wait(&mut window);
+    check_no_error(&window);
+    let mut materials = window.state().app.document.materials.iter();
+    let moss = materials.find(|m| m.name == "moss").unwrap();
+    assert_eq!(moss.diffuse, azulejo::scene::Rgb::grey(0.125));
+    press(&mut window, Modifiers::COMMAND, Key::Z);
+    assert_eq!(window.state().app.document, before);
 }
 
 #[test]
@@ -247,15 +268,9 @@ fn a_model_is_opened_lit_given_a_reflection_model_solved_saved_and_comes_back() 
     let mut window = dialog_in(&folder);
     press(&mut window, Modifiers::COMMAND, Key::L);
     find_material(&mut window);
-    let steps = [(
-        1,
-        azulejo_workbench::script::ScriptStep::MaterialBrdf(
-            "ward_duer ks=0.3 kd=0.4 ax=0.1 ay=0.3".into(),
-        ),
-    )];
-    window
-        .state_mut()
-        .play(ScriptPlayer::new(steps.into(), "test"));
+    let model = "material brdf ward_duer ks=0.3 kd=0.4 ax=0.1 ay=0.3";
+    let steps = parse(model, "test").unwrap();
+    window.state_mut().play(ScriptPlayer::new(steps, "test"));
     window.run_steps(12);
     window
         .state_mut()

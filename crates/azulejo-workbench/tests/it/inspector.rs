@@ -125,7 +125,7 @@ fn a_spot_has_all_its_properties() {
 fn the_other_lights_have_theirs() {
     for (kind, label) in [
         (NewLightKind::Point, "Intensity"),
-        (NewLightKind::Directional, "Irradiance"),
+        (NewLightKind::Sun, "Irradiance"),
         (NewLightKind::Ambient, "Radiance"),
     ] {
         let mut window = with_light(kind);

@@ -6,6 +6,7 @@ mod inspector;
 mod menus;
 mod script;
 mod snapshots;
+mod surroundings;
 mod tree;
 mod viewport;
 mod window;

@@ -4,6 +4,7 @@ use crate::window::*;
 use azulejo_testing::Need;
 use azulejo_workbench::app::App;
 use azulejo_workbench::command::Command;
+use azulejo_workbench::document::NewLightKind;
 use azulejo_workbench::first_pass::{EngineChoice, LightSettings};
 use azulejo_workbench::gpu::HeadlessDevice;
 use azulejo_workbench::ui::{PanelTab, Viewport, Workbench};
@@ -72,5 +73,16 @@ fn its_light_is_shown_in_false_colours_with_a_legend() {
         window.state_mut().tab = PanelTab::View;
         window.run();
         window.snapshot_options("false-colours", &tolerance());
+    }
+}
+
+#[test]
+fn the_panel_of_a_sky_is_shown() {
+    let mut app = opened("cornell.grf");
+    app.execute(Command::AddLight(NewLightKind::Sun));
+    app.execute(Command::AddLight(NewLightKind::Sky));
+    look(&mut app, Shading::Gouraud);
+    if let Some(mut window) = drawn(app) {
+        window.snapshot_options("sky", &tolerance());
     }
 }

@@ -112,7 +112,8 @@ fn new_light() -> impl Strategy<Value = NewLight> {
     let kinds = select(vec![
         NewLightKind::Point,
         NewLightKind::Spot,
-        NewLightKind::Directional,
+        NewLightKind::Sun,
+        NewLightKind::Sky,
         NewLightKind::Ambient,
     ]);
     (kinds, vector(), vector()).prop_map(|(kind, at, toward)| NewLight { kind, at, toward })

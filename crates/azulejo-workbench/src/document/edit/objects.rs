@@ -85,6 +85,7 @@ impl SceneDocument {
         let carried = Scene {
             lights: lights.map(|l| l.light.clone()).collect(),
             cameras: cameras.map(|c| c.camera.clone()).collect(),
+            textures: self.blank_textures(),
             ..Scene::default()
         }
         .transformed(map);

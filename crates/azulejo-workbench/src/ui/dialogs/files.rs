@@ -153,6 +153,8 @@ impl FileChooser {
         let dialog = match what {
             FileRequest::Open | FileRequest::Add => FileDialog::open_file().multi_select(true),
             FileRequest::Backdrop
+            | FileRequest::Environment(_)
+            | FileRequest::Recipe
             | FileRequest::Font
             | FileRequest::Outline
             | FileRequest::LoadBrdf => FileDialog::open_file(),
@@ -211,6 +213,8 @@ fn is_offered(what: FileRequest, path: &Path) -> bool {
         FileRequest::Open | FileRequest::Add | FileRequest::SaveAs | FileRequest::Export => {
             MODELS.contains(&extension.as_str())
         }
+        FileRequest::Recipe => extension == "toml",
+        FileRequest::Environment(_) => ["hdr", "exr"].contains(&extension.as_str()),
         FileRequest::Backdrop => ["png", "jpg", "jpeg", "hdr"].contains(&extension.as_str()),
         FileRequest::SaveRender => ["png", "exr", "hdr"].contains(&extension.as_str()),
         FileRequest::Outline => ["svg", "dxf"].contains(&extension.as_str()),
@@ -226,6 +230,8 @@ fn title(what: FileRequest, cx: &PanelContext) -> &'static str {
         FileRequest::Export => cx.tr("Export a copy"),
         FileRequest::SaveRender => cx.tr("Save the image"),
         FileRequest::Backdrop => cx.tr("Choose a background image"),
+        FileRequest::Recipe => cx.tr("Choose a recipe"),
+        FileRequest::Environment(_) => cx.tr("Choose a picture of the surroundings"),
         FileRequest::Font => cx.tr("Choose a font"),
         FileRequest::Outline => cx.tr("Choose a drawing to extrude"),
         FileRequest::LoadBrdf => cx.tr("Load a reflection model"),

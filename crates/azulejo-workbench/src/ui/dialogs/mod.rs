@@ -102,6 +102,8 @@ impl Dialogs {
             FileRequest::Export => Command::Export(first),
             FileRequest::SaveRender => Command::SaveRender(first),
             FileRequest::Backdrop => Command::LoadBackdrop(first),
+            FileRequest::Recipe => Command::ApplyRecipe(first),
+            FileRequest::Environment(into) => Command::LoadEnvironment(first, into),
             FileRequest::Font => {
                 if let Some(text) = &mut self.text {
                     text.font = Some(first);

@@ -354,6 +354,7 @@ mod tests {
             name: name.into(),
             path: name.into(),
             format: None,
+            recipes: Vec::new(),
         };
         document.source_files = vec![source_file("z"), source_file("a")];
         for (item, source_file) in document.objects.iter_mut().zip([None, Some(1), Some(0)]) {

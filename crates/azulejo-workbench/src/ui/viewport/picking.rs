@@ -104,7 +104,8 @@ impl Viewport {
         }
     }
 
-    pub(super) fn patch_at(&self, ray: &Ray) -> Option<SurfacePick> {
+    /// The displayed surface that a ray hits first.
+    pub(in crate::ui) fn patch_at(&self, ray: &Ray) -> Option<SurfacePick> {
         let hit = self.hit(ray)?;
         let entry = &self.cache.entries()[hit.object];
         Some(SurfacePick {

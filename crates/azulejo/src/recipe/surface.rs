@@ -1,6 +1,6 @@
 //! Rules by name: what surfaces become.
 
-use super::super::failure::Failure;
+use super::RecipeError;
 use super::tables::{RecipePatterns, RecipeSource, RuleTable};
 use azulejo_formats::mgf::black_body_color;
 use azulejo_scene::brdf::Description;
@@ -14,7 +14,7 @@ const EFFICACY: f64 = 179.0;
 
 /// What the names of a rule are of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RuleTarget {
+pub(super) enum RuleTarget {
     /// Materials.
     Material,
     /// Objects.
@@ -32,7 +32,7 @@ impl RuleTarget {
 }
 
 /// A checked rule.
-pub struct SurfaceRule<'r> {
+pub(super) struct SurfaceRule<'r> {
     /// Its patterns, in messages.
     pub words: String,
     source: &'r RecipeSource,
@@ -52,7 +52,7 @@ impl<'r> SurfaceRule<'r> {
         table: &RuleTable,
         target: RuleTarget,
         source: &'r RecipeSource,
-    ) -> Result<SurfaceRule<'r>, Failure> {
+    ) -> Result<SurfaceRule<'r>, RecipeError> {
         let at = table.name.span().start;
         let list = match table.name.get_ref() {
             RecipePatterns::One(one) => std::slice::from_ref(one),
@@ -95,7 +95,7 @@ impl<'r> SurfaceRule<'r> {
     }
 
     /// Refuses what contradicts itself.
-    fn check(&self, table: &RuleTable, target: RuleTarget) -> Result<(), Failure> {
+    fn check(&self, table: &RuleTable, target: RuleTarget) -> Result<(), RecipeError> {
         let wrong = |message: &str| Err(self.source.wrong(self.at, message));
         if self.lumens.is_some() && target == RuleTarget::Material {
             return wrong("`lumens` is the light of an object: put it under [[object]]");
@@ -174,11 +174,11 @@ impl<'r> SurfaceRule<'r> {
     }
 
     /// The radiance by which a matt lamp of this area emits the rule's `lumens`.
-    pub fn radiance(&self, area: f64, photometric: bool) -> Result<Option<Rgb>, Failure> {
+    pub fn radiance(&self, area: f64, photometric: bool) -> Result<Option<Rgb>, RecipeError> {
         let Some((lumens, temperature)) = self.lumens else {
             return Ok(None);
         };
-        let failed = |message: &str| Failure::Failed(self.place(message));
+        let failed = |message: &str| RecipeError::Content(self.place(message));
         let flux = flux(lumens, temperature, photometric);
         let flux = flux.ok_or_else(|| failed("lumens and temperature must be above 0"))?;
         if area > 0.0 {
@@ -191,7 +191,7 @@ impl<'r> SurfaceRule<'r> {
 
 /// A luminous flux of a colour temperature per channel, in W, or lm in photometric scenes; white
 /// without a temperature. `None` if it is not light.
-pub fn flux(lumens: f64, temperature: Option<f64>, photometric: bool) -> Option<Rgb> {
+pub(super) fn flux(lumens: f64, temperature: Option<f64>, photometric: bool) -> Option<Rgb> {
     let color = match temperature {
         None => Rgb::WHITE,
         Some(kelvin) => black_body_color(kelvin)?,

@@ -1,7 +1,8 @@
 //! The file of a recipe: TOML, with the place of what is wrong.
 
-use super::super::failure::Failure;
-use super::super::spelling;
+use super::RecipeError;
+use crate::files::Refused;
+use crate::spelling;
 use azulejo_scene::Rgb;
 use serde::Deserialize;
 use std::fmt;
@@ -11,7 +12,7 @@ use toml::Spanned;
 /// A recipe.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct RecipeTables {
+pub(super) struct RecipeTables {
     /// Rules for materials.
     #[serde(default)]
     pub material: Vec<RuleTable>,
@@ -33,7 +34,7 @@ pub struct RecipeTables {
 /// One or several patterns.
 #[derive(Debug, Deserialize)]
 #[serde(untagged, expecting = "expected a pattern, or a list of patterns")]
-pub enum RecipePatterns {
+pub(super) enum RecipePatterns {
     /// One.
     One(String),
     /// Several.
@@ -43,7 +44,7 @@ pub enum RecipePatterns {
 /// A colour: a number for all channels, or three.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(untagged, expecting = "expected a number, or [red, green, blue]")]
-pub enum RecipeColor {
+pub(super) enum RecipeColor {
     /// A whole number.
     Whole(i64),
     /// Grey.
@@ -55,7 +56,7 @@ pub enum RecipeColor {
 /// What materials or objects of some names become.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct RuleTable {
+pub(super) struct RuleTable {
     /// The names.
     pub name: Spanned<RecipePatterns>,
     /// Diffuse reflectance.
@@ -80,7 +81,7 @@ pub struct RuleTable {
 /// A light without area.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct LightTable {
+pub(super) struct LightTable {
     /// Its name.
     #[serde(default)]
     pub name: String,
@@ -111,7 +112,7 @@ fn half_right() -> f64 {
 /// A camera.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct CameraTable {
+pub(super) struct CameraTable {
     /// Its name.
     #[serde(default)]
     pub name: String,
@@ -130,7 +131,7 @@ pub struct CameraTable {
 /// Fog.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct FogTable {
+pub(super) struct FogTable {
     /// Its radiance.
     pub color: Spanned<RecipeColor>,
     /// The distance at which nothing is seen.
@@ -141,16 +142,23 @@ pub struct FogTable {
 }
 
 /// The text of a recipe, for errors with positions.
-#[derive(Debug)]
-pub struct RecipeSource {
-    path: PathBuf,
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct RecipeSource {
+    /// Its file.
+    pub path: PathBuf,
     text: String,
 }
 
 impl RecipeSource {
     /// Reads a recipe.
-    pub fn read(path: &Path) -> Result<(RecipeTables, RecipeSource), Failure> {
-        let text = std::fs::read_to_string(path).map_err(|e| Failure::file("read", path, &e))?;
+    pub fn read(path: &Path) -> Result<(RecipeTables, RecipeSource), RecipeError> {
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            RecipeError::File(Refused {
+                deed: "read",
+                path: path.to_owned(),
+                error,
+            })
+        })?;
         let source = RecipeSource {
             path: path.to_owned(),
             text,
@@ -171,18 +179,18 @@ impl RecipeSource {
     }
 
     /// An error at a byte of the text.
-    pub fn wrong(&self, byte: usize, message: impl fmt::Display) -> Failure {
-        Failure::Failed(self.place(byte, message))
+    pub fn wrong(&self, byte: usize, message: impl fmt::Display) -> RecipeError {
+        RecipeError::Content(self.place(byte, message))
     }
 
     /// A colour of light: nothing negative.
-    pub fn light(&self, color: &Spanned<RecipeColor>) -> Result<Rgb, Failure> {
+    pub fn light(&self, color: &Spanned<RecipeColor>) -> Result<Rgb, RecipeError> {
         let rgb = match *color.get_ref() {
             RecipeColor::Whole(x) => Rgb::grey(x as f64),
             RecipeColor::Grey(x) => Rgb::grey(x),
             RecipeColor::Channels(list) => Rgb::from(list),
         };
-        if super::is_light(rgb) {
+        if is_light(rgb) {
             Ok(rgb)
         } else {
             Err(self.wrong(color.span().start, "colours are finite and not negative"))
@@ -190,11 +198,16 @@ impl RecipeSource {
     }
 
     /// A reflectance: 0 to 1.
-    pub fn share(&self, color: &Spanned<RecipeColor>) -> Result<Rgb, Failure> {
+    pub fn share(&self, color: &Spanned<RecipeColor>) -> Result<Rgb, RecipeError> {
         let rgb = self.light(color)?;
         if rgb.max_channel() > 1.0 {
             return Err(self.wrong(color.span().start, "a reflectance is at most 1"));
         }
         Ok(rgb)
     }
+}
+
+/// Whether a colour can be light: finite, nothing negative.
+fn is_light(color: Rgb) -> bool {
+    color.to_array().iter().all(|x| *x >= 0.0 && x.is_finite())
 }

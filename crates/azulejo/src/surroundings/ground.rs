@@ -10,7 +10,7 @@ const COVERED: f64 = 0.5;
 const BOTTOM: f64 = 0.02;
 
 /// The name of the object whose upward faces near the bottom cover most of the model's footprint.
-pub fn modelled(scene: &Scene) -> Option<&str> {
+pub fn modelled_ground(scene: &Scene) -> Option<&str> {
     let bounds = scene.bounds();
     if bounds.is_empty() {
         return None;

@@ -1,6 +1,6 @@
-//! `--studio`: a floor and three lamps around a model in which nothing shines.
+//! A studio: a floor and three lamps around a model in which nothing shines.
 
-use azulejo_scene::math::Frame;
+use azulejo_scene::math::{Aabb, Frame};
 use azulejo_scene::{Camera, Material, Mesh, Object, Primitive, Rgb, Scene, Shape, Units};
 use glam::DVec3;
 
@@ -60,29 +60,28 @@ const GRADING: f64 = 2.0;
 /// would flicker.
 const GAP: f64 = 1e-4;
 
-/// Adds the floor and the lamps. A scene without extent stays as it is.
-pub fn add(scene: &mut Scene) {
-    let bounds = scene.bounds();
+/// A studio around a model of these bounds: the floor, the lamps, and the camera `studio`, which
+/// sees the model. `None` around a model without extent. Everything else of the scene is default.
+pub fn studio(bounds: Aabb, units: Units) -> Option<Scene> {
     let size = bounds.diagonal();
     if bounds.is_empty() || size <= 0.0 || !size.is_finite() {
-        return;
+        return None;
     }
-    let Units {
-        up, photometric, ..
-    } = scene.units;
-    let up = up.axis();
+    let up = units.up.axis();
     // A room's light in lux, so that the numbers of photometric scenes are everyday ones.
-    let brightness = if photometric { 100.0 } else { 1.0 };
+    let brightness = if units.photometric { 100.0 } else { 1.0 };
     let centre = bounds.centre();
     let bottom = bounds.min.dot(up) - GAP * size;
     let ground = centre + up * (bottom - centre.dot(up));
-    let mut view = Camera::framing(bounds, 1.0, up);
-    let viewer = (view.eye - view.target).normalize_or(DVec3::X);
     // The view of the model alone, as that of all would show the floor for the most part.
-    if scene.cameras.is_empty() {
-        view.name = "studio".into();
-        scene.cameras.push(view);
-    }
+    let mut view = Camera::framing(bounds, 1.0, up);
+    view.name = "studio".into();
+    let viewer = (view.eye - view.target).normalize_or(DVec3::X);
+    let mut scene = Scene {
+        units,
+        cameras: vec![view],
+        ..Scene::default()
+    };
     let front = (viewer - up * viewer.dot(up)).normalize_or(DVec3::X);
     let right = up.cross(front);
     let floor = scene.add_material(Material::diffuse("studio floor", Rgb::grey(0.5)));
@@ -101,8 +100,10 @@ pub fn add(scene: &mut Scene) {
         let edge = lamp.size * size;
         let (x, y) = (edge * frame.x, edge * frame.y);
         let corner = centre + DISTANCE * size * toward - 0.5 * (x + y);
-        add_sheet(scene, lamp.name, corner, (x, y), -toward, material);
+        let lamp = facing_sheet(lamp.name, corner, (x, y), -toward, material);
+        scene.objects.push(lamp);
     }
+    Some(scene)
 }
 
 /// A square with the half edges `x` and `y`, whose front faces x × y, of faces that are small in the
@@ -125,21 +126,38 @@ fn graded_floor(centre: DVec3, (x, y): (DVec3, DVec3), material: u32) -> Mesh {
     floor
 }
 
-/// Adds a parallelogram that faces `toward`.
-fn add_sheet(
-    scene: &mut Scene,
+/// A parallelogram that faces `toward`.
+fn facing_sheet(
     name: &str,
     corner: DVec3,
     (x, y): (DVec3, DVec3),
     toward: DVec3,
     material: u32,
-) {
+) -> Object {
     let (x, y) = if x.cross(y).dot(toward) > 0.0 {
         (x, y)
     } else {
         (y, x)
     };
     let sheet = Primitive::parallelogram(corner, x, y, material);
-    let shape = Shape::Primitive(sheet);
-    scene.objects.push(Object::new(name, shape));
+    Object::new(name, Shape::Primitive(sheet))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_studio_is_below_and_around_the_model() {
+        let bounds = Aabb::around([DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0)]);
+        let scene = studio(bounds, Units::default()).unwrap();
+        scene.validate().unwrap();
+        assert!(scene.has_light() && scene.cameras.len() == 1);
+        let floor = scene.objects[0].bounds();
+        assert!(floor.max.y < bounds.min.y && floor.size().x > 10.0);
+        for lamp in &scene.objects[1..] {
+            assert!(lamp.bounds().min.y > bounds.min.y, "{}", lamp.name);
+        }
+        assert_eq!(studio(Aabb::EMPTY, Units::default()), None);
+    }
 }

@@ -17,7 +17,7 @@ const MOST_HALF_ANGLE: f64 = 1.5 * PI / 180.0;
 /// Each pixel is integrated over this many points squared.
 const POINTS: u32 = 4;
 
-/// A sun that was taken out of a picture.
+/// A sun that was taken out of a picture of the surroundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ExtractedSun {
     /// Unit, toward it, in the frame of the environment.
@@ -38,7 +38,7 @@ pub struct ExtractedSun {
 ///
 /// # Errors
 /// Why there is none; the picture is then unchanged.
-pub fn extract(image: &mut Image, projection: Projection) -> Result<ExtractedSun, String> {
+pub fn extract_sun(image: &mut Image, projection: Projection) -> Result<ExtractedSun, String> {
     let sphere = PixelSphere {
         width: image.width as usize,
         height: image.height as usize,
@@ -247,7 +247,7 @@ mod tests {
             let half_angle = 1f64.to_radians();
             let mut image = picture(projection, toward, half_angle, 20_000.0);
             let before = irradiance(&image, projection, DVec3::Z);
-            let sun = extract(&mut image, projection).unwrap();
+            let sun = extract_sun(&mut image, projection).unwrap();
             assert!(
                 sun.toward.angle_between(toward) < 0.1f64.to_radians(),
                 "{sun:?}"
@@ -274,7 +274,7 @@ mod tests {
             0.3f64.to_radians(),
             9e4,
         );
-        let sun = extract(&mut image, Projection::Equirectangular).unwrap();
+        let sun = extract_sun(&mut image, Projection::Equirectangular).unwrap();
         assert!(sun.half_angle >= SUN_HALF_ANGLE && sun.toward.x < -0.999);
     }
 
@@ -283,7 +283,7 @@ mod tests {
         let refuse = |half_angle: f64, radiance: f32, part: &str| {
             let mut image = picture(Projection::Equirectangular, DVec3::Z, half_angle, radiance);
             let given = image.clone();
-            let said = extract(&mut image, Projection::Equirectangular).unwrap_err();
+            let said = extract_sun(&mut image, Projection::Equirectangular).unwrap_err();
             assert!(said.contains(part), "{said}");
             assert!(image == given);
         };

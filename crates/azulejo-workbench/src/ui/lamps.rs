@@ -1,0 +1,173 @@
+//! Properties of a light source without area.
+
+use super::inspector::{name, speed, vector};
+use super::panel_context::PanelContext;
+use super::{inputs, surroundings};
+use crate::document::{Edit, ItemId, SceneLight};
+use azulejo::scene::{EnvironmentSource, Light, LightKind, Rgb, Units};
+use egui::{Grid, Ui};
+use glam::DVec3;
+
+/// Draws the properties.
+pub(super) fn show(ui: &mut Ui, cx: &mut PanelContext, lamp: &SceneLight) {
+    name(ui, cx, lamp.id, &lamp.light.name);
+    let mut light = lamp.light.clone();
+    let rows = Grid::new("light").num_columns(2);
+    let changed = rows.show(ui, |ui| numbers(ui, cx, lamp.id, &mut light.kind));
+    ui.weak(attenuation(&light, cx));
+    if changed.inner {
+        cx.edit(Edit::SetLight(lamp.id, light));
+    }
+    surroundings::buttons(ui, cx, lamp);
+}
+
+/// The rows of a light; returns whether they changed it.
+fn numbers(ui: &mut Ui, cx: &PanelContext, lamp: ItemId, kind: &mut LightKind) -> bool {
+    let units = cx.app.document.units;
+    let step = speed(&cx.app.document);
+    match kind {
+        LightKind::Point {
+            position,
+            intensity,
+        } => {
+            let moved = vector(ui, cx.tr("Position"), position, step);
+            let (name, unit) = (cx.tr("Intensity"), unit(units, "W/sr", "cd"));
+            moved | light_color(ui, cx, lamp, name, unit, intensity)
+        }
+        LightKind::Spot {
+            position,
+            direction,
+            intensity,
+            inner,
+            outer,
+        } => {
+            let moved = vector(ui, cx.tr("Position"), position, step)
+                | unit_vector(ui, cx.tr("Direction"), direction);
+            let (name, unit) = (cx.tr("Intensity"), unit(units, "W/sr", "cd"));
+            let dimmed = light_color(ui, cx, lamp, name, unit, intensity);
+            moved | dimmed | cone(ui, cx, inner, outer)
+        }
+        LightKind::Directional {
+            direction,
+            irradiance,
+            half_angle,
+        } => {
+            let moved = surroundings::sun_place(ui, cx, direction);
+            let (name, unit) = (cx.tr("Irradiance"), unit(units, "W/m²", "lx"));
+            let dimmed = light_color(ui, cx, lamp, name, unit, irradiance);
+            moved | dimmed | surroundings::sun_size(ui, cx, half_angle)
+        }
+        LightKind::Ambient { radiance } => {
+            let (name, unit) = (cx.tr("Radiance"), unit(units, "W/(sr·m²)", "cd/m²"));
+            light_color(ui, cx, lamp, name, unit, radiance)
+        }
+        LightKind::Environment(environment) => {
+            let changed = surroundings::environment(ui, cx, environment);
+            let name = cx.tr("Brightness");
+            changed | light_color(ui, cx, lamp, name, "×", &mut environment.scale)
+        }
+    }
+}
+
+/// The unit of a quantity, radiometric or photometric.
+pub(super) fn unit(
+    units: Units,
+    radiometric: &'static str,
+    photometric: &'static str,
+) -> &'static str {
+    if units.photometric {
+        photometric
+    } else {
+        radiometric
+    }
+}
+
+/// A row with strength and colour of a light; colours are relative to their brightest channel.
+fn light_color(
+    ui: &mut Ui,
+    cx: &PanelContext,
+    lamp: ItemId,
+    name: &str,
+    unit: &str,
+    light: &mut Rgb,
+) -> bool {
+    let last = egui::Id::unique(("hue", lamp));
+    let (mut strength, mut hue) = inputs::parts(ui, last, *light);
+    let old = (strength, hue);
+    ui.label(name);
+    ui.horizontal(|ui| {
+        inputs::picked(ui, cx.tr("Emission colour"), &mut hue, inputs::hue);
+        let speed = (0.01 * strength).max(0.01);
+        let drag = inputs::number(&mut strength, 0.0..=1e12)
+            .speed(speed)
+            .suffix(format!(" {unit}"));
+        ui.add(drag).accessible_name(name);
+    });
+    ui.end_row();
+    if (strength, hue) == old {
+        return false;
+    }
+    inputs::keep_hue(ui, last, hue);
+    let new = hue * strength;
+    // The colour of a light that is off is remembered without an edit.
+    let changed = new != *light;
+    *light = new;
+    changed
+}
+
+/// The attenuation of a light with distance, which follows from its type.
+fn attenuation(light: &Light, cx: &PanelContext) -> &'static str {
+    match light.kind {
+        LightKind::Point { .. } | LightKind::Spot { .. } => {
+            cx.tr("Falls off with the square of the distance.")
+        }
+        LightKind::Directional { .. } => cx.tr("Independent of the distance."),
+        LightKind::Ambient { .. } => cx.tr("Uniform from all directions."),
+        LightKind::Environment(environment) => match environment.source {
+            EnvironmentSource::Picture { .. } => {
+                cx.tr("From all directions, as a picture shows it.")
+            }
+            EnvironmentSource::Sky(_) => cx.tr("From the sky, and from the ground below it."),
+        },
+    }
+}
+
+/// A direction; vectors without a direction are rejected.
+fn unit_vector(ui: &mut Ui, name: &str, direction: &mut DVec3) -> bool {
+    let mut typed = *direction;
+    if !vector(ui, name, &mut typed, 0.01) {
+        return false;
+    }
+    match typed.try_normalize() {
+        Some(unit) => {
+            *direction = unit;
+            true
+        }
+        None => false,
+    }
+}
+
+fn cone(ui: &mut Ui, cx: &PanelContext, inner: &mut f64, outer: &mut f64) -> bool {
+    let mut degrees = [inner.to_degrees(), outer.to_degrees()];
+    let names = [cx.tr("Inner angle"), cx.tr("Outer angle")];
+    let mut changed = false;
+    for k in 0..2 {
+        let label = ui.label(names[k]);
+        let drag = inputs::number(&mut degrees[k], 0.0..=180.0)
+            .speed(0.25)
+            .suffix("°");
+        if ui.add(drag).labelled_by(label.id).changed() {
+            changed = true;
+            // The field being changed pushes the other one.
+            match k {
+                0 => degrees[1] = degrees[1].max(degrees[0]),
+                _ => degrees[0] = degrees[0].min(degrees[1]),
+            }
+        }
+        ui.end_row();
+    }
+    if changed {
+        (*inner, *outer) = (degrees[0].to_radians(), degrees[1].to_radians());
+    }
+    changed
+}
