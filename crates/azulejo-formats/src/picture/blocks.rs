@@ -78,7 +78,13 @@ impl TexelStorage {
         let numbers = |channels: usize, count: usize, value: &dyn Fn(usize) -> f32| {
             // What is not a number is black, and clear.
             let limited = |i: usize, most: f32| value(i).max(0.0).min(most);
-            from_samples(shown, channels, count, |i| limited(i, f32::MAX), |i| limited(i, 1.0))
+            from_samples(
+                shown,
+                channels,
+                count,
+                |i| limited(i, f32::MAX),
+                |i| limited(i, 1.0),
+            )
         };
         match self {
             TexelStorage::Bytes(1) => integers(1, bytes),
