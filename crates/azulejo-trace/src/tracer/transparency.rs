@@ -296,7 +296,7 @@ impl Tracer {
             if !hit[0].is_hit() {
                 return share;
             }
-            share = share * transparencies.passed(self, ray, &hit[0]);
+            share *= transparencies.passed(self, ray, &hit[0]);
             if share.max_channel() <= 0.0 {
                 return Rgb::BLACK;
             }

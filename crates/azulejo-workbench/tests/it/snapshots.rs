@@ -25,7 +25,7 @@ fn drawn(app: App) -> Option<TestWindow> {
     azulejo_testing::require(Need::Gpu, card)?;
     let mut window = Harness::builder()
         .with_size([800.0, 520.0])
-        .with_max_steps(20)
+        .with_max_steps(200)
         .wgpu()
         .build_eframe(|context| {
             let viewport = Viewport::of_window(context).expect("a card that draws");

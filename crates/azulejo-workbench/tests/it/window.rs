@@ -29,7 +29,7 @@ pub fn window_with_files(app: App) -> TestWindow {
 fn around(app: App, check_accessibility: bool) -> TestWindow {
     let mut window = Harness::builder()
         .with_size([1200.0, 800.0])
-        .with_max_steps(20)
+        .with_max_steps(200)
         .with_accessibility_check(check_accessibility)
         .build_ui_state(
             |ui, window: &mut Workbench| window.show(ui),
