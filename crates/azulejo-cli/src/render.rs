@@ -35,14 +35,8 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
     let mut report = Report::default();
     if args.look.look == RenderStyle::Rtrace {
         let image = rtrace::draw(&scene, args, session)?;
-        write(
-            &image,
-            format,
-            args,
-            (&output, &args.output),
-            session,
-            &mut report,
-        )?;
+        let target = (&output, args.output.as_path());
+        write_rtrace(&image, format, target, session, &mut report)?;
         return Ok(report);
     }
     let (views, size) = views::choose(args, &scene)?;
@@ -135,10 +129,13 @@ fn deliver(
     report: &mut Report,
 ) -> Result<(), Failure> {
     state_clamp(found, args, report);
-    let target = (&view.output, view.path.as_path());
     let picture = &args.picture;
+    let exposed = |image: &Image| {
+        azulejo_render::auto_exposure_of_surfaces(image, scene, tracer, &view.camera)
+    };
+    let target = (view, format, &exposed as AutoExposure);
     if picture.layers.is_none() && !picture.denoise {
-        return write(&found.image, format, args, target, session, report);
+        return write(&found.image, target, args, session, report);
     }
     let size = (found.image.width, found.image.height);
     let samples = picture.spp.unwrap_or(SAMPLES);
@@ -152,7 +149,7 @@ fn deliver(
     };
     let image = filtered.as_ref().unwrap_or(&found.image);
     let Some(names) = &picture.layers else {
-        return write(image, format, args, target, session, report);
+        return write(image, target, args, session, report);
     };
     refuse_overflow(image)?;
     let channels = layers::channels(image, found, &seen, names);
@@ -162,7 +159,7 @@ fn deliver(
     })?;
     let names = layers::chosen(names).len();
     report.fact("layers", names, "layers", count(names));
-    state_output(size, target.1, report);
+    state_output(size, &view.path, report);
     Ok(())
 }
 
@@ -297,28 +294,46 @@ fn write_linear(
     Ok(())
 }
 
-fn write(
+/// Writes a picture as RTRACE shades it.
+fn write_rtrace(
     image: &Image,
     format: ImageFormat,
-    args: &RenderArgs,
     (output, path): (&Output, &Path),
     session: &Session,
     report: &mut Report,
 ) -> Result<(), Failure> {
-    let progress = session.progress();
     refuse_overflow(image)?;
     match format {
         ImageFormat::Exr | ImageFormat::Hdr => write_linear(image, format, output, session)?,
-        ImageFormat::Png if args.look.look == RenderStyle::Rtrace => {
+        ImageFormat::Png => {
             let pixels = azulejo_render::rtrace::bytes(image);
-            output.write(progress, |out| {
+            output.write(session.progress(), |out| {
                 png::write(image.width, image.height, &pixels, out)
             })?;
         }
+    }
+    state_output((image.width, image.height), path, report);
+    Ok(())
+}
+
+/// The exposure that suits an image of a view.
+type AutoExposure<'a> = &'a dyn Fn(&Image) -> f64;
+
+fn write(
+    image: &Image,
+    (view, format, exposed): (&PictureView, ImageFormat, AutoExposure),
+    args: &RenderArgs,
+    session: &Session,
+    report: &mut Report,
+) -> Result<(), Failure> {
+    let (progress, output) = (session.progress(), &view.output);
+    refuse_overflow(image)?;
+    match format {
+        ImageFormat::Exr | ImageFormat::Hdr => write_linear(image, format, output, session)?,
         ImageFormat::Png => {
             let factor = match args.picture.exposure {
                 Some(stops) => stops.exp2(),
-                None => azulejo_render::auto_exposure(image),
+                None => exposed(image),
             };
             let stops = factor.log2();
             let words = match args.picture.exposure {
@@ -332,7 +347,7 @@ fn write(
             })?;
         }
     }
-    state_output((image.width, image.height), path, report);
+    state_output((image.width, image.height), &view.path, report);
     Ok(())
 }
 

@@ -51,7 +51,8 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         let wanted = ((rays / f64::from(HASTY_RAYS)) as usize).max(LEAST_RECORDS);
         let cells = RecordCells::at_most(self.points, self.seed, wanted.min(most));
         let each = (rays / cells.count() as f64).min(f64::from(MOST_RECORD_RAYS)) as u32;
-        let each = (each.max(2 * FEWEST_RAYS) / 2).next_power_of_two();
+        // Sequences are best distributed in powers of two.
+        let each = 1 << each.max(FEWEST_RAYS).ilog2();
         self.gather_cells(all, &cells, each)?;
         if let Some(goal) = goal {
             let more = all.needed(goal);

@@ -415,8 +415,7 @@ impl SolverInputs<'_> {
                 solution.incident[k as usize] = mean;
             }
         }
-        let why =
-            "paths are traced from every point, because the time does not suffice for patches";
+        let why = "paths are traced from the points, because the time does not suffice for patches";
         Ok(PatchSolution {
             solution,
             spent: RefinementWork::default(),

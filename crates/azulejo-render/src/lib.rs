@@ -10,6 +10,7 @@
 //! threads.
 
 mod denoise;
+mod exposure;
 mod film;
 mod first_view;
 mod integrator;
@@ -26,6 +27,7 @@ mod surface_maps;
 mod tone;
 
 pub use denoise::{DenoisedImage, denoise};
+pub use exposure::auto_exposure_of_surfaces;
 pub use first_view::first_view;
 pub use layers::{NO_DEPTH, PictureLayers, picture_layers};
 pub use measured::{MeasuredImage, relative_rmse};

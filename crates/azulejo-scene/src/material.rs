@@ -2,8 +2,8 @@
 
 use crate::brdf::Lobes;
 use crate::image::{TextureId, WrapMode};
-use crate::{Brdf, FinishMaps, Image, Opacity, Relief, Rgb};
-use glam::DVec2;
+use crate::{Brdf, FinishMaps, Image, Opacity, Relief, Rgb, fresnel};
+use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
 /// Index of a material in [`Scene::materials`](crate::Scene::materials).
@@ -86,6 +86,13 @@ impl Dielectric {
     /// refract.
     pub fn is_straight(&self) -> bool {
         self.thin || self.ior == 1.0
+    }
+
+    /// The share of the light in a unit direction that passes straight on, where it
+    /// [does](Dielectric::is_straight); `normal` is unit and faces where the light comes from.
+    pub fn straight_transmittance(&self, direction: DVec3, normal: DVec3) -> Rgb {
+        let reflected = fresnel::pane(direction, normal, self.ior).reflectance;
+        self.transmittance * (1.0 - reflected)
     }
 }
 

@@ -12,7 +12,6 @@
 //! sky as one behind openings has.
 
 use super::Tracer;
-use crate::interaction::SurfaceInteraction;
 use crate::kernel::{KernelHit, KernelRay};
 use crate::sampling::{hash, uniform};
 use azulejo_scene::{
@@ -161,9 +160,15 @@ impl ItemTransparencies {
         let Some(pane) = pane.flatten().filter(|_| opacity > 0.0) else {
             return free;
         };
-        let at = SurfaceInteraction::new(tracer, ray, hit);
-        let of_glass = at.dielectric(&pane, Rgb::BLACK).refracted();
-        free + of_glass.map_or(Rgb::BLACK, |passed| passed.weight * opacity)
+        let ray = tracer.world_ray(ray);
+        let point = tracer.resolve(&ray, hit);
+        let facing = if point.entering {
+            point.normal
+        } else {
+            -point.normal
+        };
+        let direction = ray.direction.normalize();
+        free + pane.straight_transmittance(direction, facing) * opacity
     }
 
     /// Whether a ray goes on behind its hit.
