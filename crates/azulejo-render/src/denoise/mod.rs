@@ -34,8 +34,7 @@ pub struct DenoisedImage {
     /// Root mean square of the relative error before, estimated from standard errors and the
     /// difference between the halves; relative as in [`relative_rmse`](crate::relative_rmse).
     pub error_before: f64,
-    /// The same after, noise and what the filter blurs together, by Stein's unbiased risk estimate; at
-    /// least the noise that is left, by the difference between the filtered halves.
+    /// The same after, noise and what the filter blurs together, by Stein's unbiased risk estimate.
     pub error_after: f64,
 }
 

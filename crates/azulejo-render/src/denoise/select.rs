@@ -58,22 +58,18 @@ impl FilterSelection {
         let shares: Vec<[f32; FILTERS]> = (0..count)
             .map(|k| std::array::from_fn(|f| shares[f][k]))
             .collect();
-        let after = |of_filters: &[Vec<f32>], k: usize| {
-            let filtered: f32 = (0..FILTERS).map(|f| shares[k][f] * of_filters[f][k]).sum();
+        let after = |k: usize| {
+            let filtered: f32 = (0..FILTERS).map(|f| shares[k][f] * risks[f][k]).sum();
             filtered + (1.0 - shares[k].iter().sum::<f32>()) * before[k]
         };
         let root = |of: &dyn Fn(usize) -> f32| {
             let sum: f64 = (0..count).map(|k| f64::from(of(k))).sum();
             (sum / (3 * count).max(1) as f64).max(0.0).sqrt()
         };
-        // The least of several estimates is too low, and may be below zero; the noise that is left is not.
-        let noise: Vec<Vec<f32>> = candidates
-            .iter()
-            .map(|one| risk(&|k, c| 0.25 * apart(one, k, c).powi(2)))
-            .collect();
+        let (error_before, error_after) = (root(&|k| before[k]), root(&after));
         FilterSelection {
-            error_before: root(&|k| before[k]),
-            error_after: root(&|k| after(&risks, k)).max(root(&|k| after(&noise, k))),
+            error_before,
+            error_after,
             shares,
         }
     }
@@ -137,10 +133,6 @@ fn stein(noisy: &NoisyImage, filtered: &Candidate, k: usize, c: usize) -> f32 {
         let moved = filtered.halves[h][k][c] - noisy.halves[h][k][c];
         moved * moved + (2.0 * filtered.own[h][k] - 1.0) * variance
     };
-    0.5 * (one(0) + one(1)) - 0.25 * apart(filtered, k, c).powi(2)
-}
-
-/// The difference of the filtered halves, of which a quarter of the square is the variance of their mean.
-fn apart(filtered: &Candidate, k: usize, c: usize) -> f32 {
-    filtered.halves[0][k][c] - filtered.halves[1][k][c]
+    let apart = filtered.halves[0][k][c] - filtered.halves[1][k][c];
+    0.5 * (one(0) + one(1)) - 0.25 * apart * apart
 }
