@@ -237,7 +237,7 @@ fn errors(pass: &azulejo_radiosity::Report, args: &FirstPassArgs, report: &mut R
     );
     report.value("quarter_means", numbers(pass.quarters.map(|q| q.mean)));
     report.value("quarter_errors", numbers(pass.quarters.map(|q| q.error)));
-    if pass.path_traced > 0.0 {
+    if pass.path_traced > 0.0 && pass.method != Method::Paths {
         let words = format!(
             "{} of the {}, where patches are too coarse",
             percent(pass.path_traced),

@@ -21,6 +21,9 @@ const LEAST_RECORDS: usize = 64;
 /// Most rays of a record: from then on the cells are what is wrong.
 const MOST_RECORD_RAYS: u32 = 512;
 
+/// Largest error, relative to the mean irradiance, of light that is worth having.
+const MOST_ERROR: f64 = 1.0;
+
 /// Points of the sample.
 const SAMPLE: usize = 1024;
 
@@ -31,14 +34,16 @@ const SAMPLE_SHARE: f64 = 0.2;
 const DOUBT: f64 = 1.0;
 
 impl<L: DiffuseLight> GatherPass<'_, L> {
-    /// Gathers at as many records as the time suffices for, whose light all points of their cells get.
+    /// Gathers at as many records as the time suffices for, whose light all points of their cells get;
+    /// with at most `most_rays` from each.
     ///
     /// # Errors
-    /// [`GatherError::OutOfTime`] if it suffices for hardly any.
+    /// [`GatherError::OutOfTime`] if it suffices for hardly any, or the error is larger than the light.
     pub fn reach_coarsely(
         &self,
         all: &mut Gathering,
         goal: Option<f64>,
+        most_rays: u32,
     ) -> Result<(), GatherError> {
         let termination = all.strata.termination(0);
         let left = self.progress.time_left().unwrap_or_default();
@@ -50,10 +55,14 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         }
         let wanted = ((rays / f64::from(HASTY_RAYS)) as usize).max(LEAST_RECORDS);
         let cells = RecordCells::at_most(self.points, self.seed, wanted.min(most));
-        let each = (rays / cells.count() as f64).min(f64::from(MOST_RECORD_RAYS)) as u32;
+        let most_rays = f64::from(most_rays.min(MOST_RECORD_RAYS));
+        let each = (rays / cells.count() as f64).min(most_rays) as u32;
         // Sequences are best distributed in powers of two.
         let each = 1 << each.max(FEWEST_RAYS).ilog2();
         self.gather_cells(all, &cells, each)?;
+        if all.relative_error() > MOST_ERROR {
+            return Err(GatherError::OutOfTime);
+        }
         if let Some(goal) = goal {
             let more = all.needed(goal);
             all.rays_needed = more * self.points.len() as f64 / cells.count() as f64;

@@ -472,7 +472,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         let rays = match effort.error {
             _ if self.progress.has_deadline() => match self.hasty(all)? {
                 Some(rays) => rays.min(most),
-                None => return self.reach_coarsely(all, effort.error),
+                None => return self.reach_coarsely(all, effort.error, most),
             },
             Some(_) => FIRST_RAYS.min(most),
             None => most,
