@@ -160,6 +160,11 @@ impl Gathering {
         }
     }
 
+    /// Indirect light of each point, where it is kept apart.
+    pub(crate) fn indirect(&self) -> Vec<Gathered> {
+        self.values.indirect()
+    }
+
     /// Computes `gathered` again after a change of what it is computed from.
     pub(crate) fn combine(&mut self) {
         self.gathered = self.values.combined();
@@ -290,6 +295,32 @@ pub(crate) fn gather_watched(
     }
     let mut all = Gathering::new(targets);
     pass.reach(&mut all, effort, watch)?;
+    Ok(all)
+}
+
+/// As [`gather`] without interpolation, with indirect light apart ([`Gathering::indirect`]).
+pub(crate) fn gather_split(
+    gatherer: &Gatherer,
+    light: GatherLight<impl DiffuseLight>,
+    targets: GatherTargets,
+    effort: GatherEffort,
+    seed: u32,
+    progress: &Progress,
+) -> Result<Gathering, GatherError> {
+    let pass = GatherPass {
+        gatherer,
+        light,
+        points: targets.points,
+        pace: &GatherPace::default(),
+        seed,
+        progress,
+    };
+    progress.limit_phase(1.0);
+    let mut all = Gathering {
+        values: GatheredValues::apart(targets.points.len()),
+        ..Gathering::new(targets)
+    };
+    pass.reach(&mut all, effort, &mut |_| ())?;
     Ok(all)
 }
 

@@ -10,6 +10,7 @@
 //! | [`mod@solve`] | the whole pass: options, report, errors |
 //! | [`solved`] | the light on patches, before it is gathered |
 //! | [`direct`] | direct light of patches |
+//! | [`SolvedLight`], [`IrradianceField`] | the light of patches for any points, also with finer light of others |
 //! | [`system`] | rows of form factors and their solution by Jacobi iteration |
 //! | [`refine`] | more rays for the rows that dominate the error |
 //! | [`stochastic`] | Stochastic Jacobi, which needs no rows |
@@ -26,6 +27,7 @@
 mod coarse;
 mod deadline;
 pub mod direct;
+mod fine_light;
 pub mod gather;
 mod interpolation;
 pub mod light;
@@ -36,6 +38,7 @@ pub mod refine;
 mod sides;
 pub mod solve;
 pub mod solved;
+mod solved_light;
 mod sparse;
 mod standard_errors;
 pub mod stochastic;
@@ -45,11 +48,12 @@ mod validation;
 pub mod vertices;
 
 pub use azulejo_factors::{Engine, EngineUsed, PatchSize, Patches, PointNormal};
+pub use fine_light::IrradianceField;
 pub use preview::{Preview, PreviewStage};
 pub use sides::StoredSides;
 pub use solve::{
-    Estimate, FirstPass, LightSolution, Method, Probed, Report, SolveError, probe, solve,
-    solve_watched,
+    Estimate, FirstPass, LightSolution, Method, Report, SolveError, solve, solve_watched,
 };
 pub use solved::{PatchRadiosity, radiosity};
+pub use solved_light::{GatheredPoints, PointEffort, Probed, SolvedLight, probe};
 pub use system::EnergyBalance;

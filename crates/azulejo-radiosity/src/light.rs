@@ -1,5 +1,6 @@
 //! The solved light of patches as a light source of gathers.
 
+use crate::fine_light::IrradianceField;
 use azulejo_factors::Patches;
 use azulejo_factors::rays::HitPatches;
 use azulejo_factors::row::side;
@@ -18,6 +19,8 @@ pub struct PatchLight<'a> {
     reflected: Vec<[[f32; 3]; REPLICATES]>,
     /// Distance from which each diffuse patch may be read, zero for the others.
     footprint: Vec<f32>,
+    /// Light finer than that of the patches.
+    fine: Option<&'a dyn IrradianceField>,
 }
 
 impl<'a> PatchLight<'a> {
@@ -43,6 +46,15 @@ impl<'a> PatchLight<'a> {
             reflectance,
             footprint,
             reflected: (0..2 * patches.len()).map(of_side).collect(),
+            fine: None,
+        }
+    }
+
+    /// The same with light that is known finer where there is some.
+    pub(crate) fn with_fine(self, field: &'a dyn IrradianceField) -> PatchLight<'a> {
+        PatchLight {
+            fine: Some(field),
+            ..self
         }
     }
 
@@ -59,6 +71,14 @@ impl<'a> PatchLight<'a> {
 impl DiffuseLight for PatchLight<'_> {
     fn outgoing(&self, at: &DiffuseHit, replicate: usize) -> OutgoingRadiosity {
         let patch = self.hit_patches.at(&at.hit);
+        let fine = self.fine.and_then(|field| field.irradiance(at));
+        if let Some((irradiance, footprint)) = fine {
+            let reflectance = self.reflectance[patch as usize].to_f32();
+            return OutgoingRadiosity {
+                radiosity: std::array::from_fn(|c| reflectance[c] * irradiance[c]),
+                footprint,
+            };
+        }
         OutgoingRadiosity {
             radiosity: self.reflected[side(patch, at.front) as usize][replicate],
             footprint: self.footprint[patch as usize],

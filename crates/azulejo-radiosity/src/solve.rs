@@ -2,7 +2,7 @@
 
 use crate::gather::{
     ErrorParts, GatherEffort, GatherError, GatherLight, GatherTargets, MOST_RAYS, Paths,
-    QuarterError, gather, gather_watched,
+    QuarterError, gather_watched,
 };
 use crate::preview::{Preview, PreviewReporter};
 use crate::refine::RefinementGoal;
@@ -10,10 +10,10 @@ use crate::sides::StoredSides;
 use crate::solved::SolvedPatches;
 use crate::system::EnergyBalance;
 use crate::vertices;
-use azulejo_factors::{Engine, EngineUsed, FactorsError, PatchSize, PointNormal, ProxyScene};
+use azulejo_factors::{Engine, EngineUsed, FactorsError, PatchSize, ProxyScene};
 use azulejo_scene::{Irradiance, Rgb, Scene};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, GatherPoint, Gathered, Progress, Tracer};
+use azulejo_trace::{Cancelled, Progress, Tracer};
 use std::fmt;
 
 /// Options of the first pass.
@@ -82,7 +82,7 @@ const AVERAGED_PATCHES: f64 = 20_000.0;
 const MOST_PATCH_ERROR: f64 = 0.25;
 
 impl FirstPass {
-    fn effort(&self, method: Method) -> GatherEffort {
+    pub(crate) fn effort(&self, method: Method) -> GatherEffort {
         let paths = match method {
             Method::Paths => Paths::Always,
             Method::Matrix | Method::Stochastic => Paths::Measured,
@@ -403,62 +403,4 @@ pub struct Estimate {
     pub value: Rgb,
     /// Its standard error: the truth lies within two of them 95 times in 100.
     pub error: Rgb,
-}
-
-/// Irradiance at points.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Probed {
-    /// One estimate per point, W/m².
-    pub estimates: Vec<Estimate>,
-    /// Statistics and error of the solution.
-    pub report: Report,
-}
-
-/// Irradiance at given points and normals. `keep_mesh` has no effect.
-///
-/// Points on concave exact shapes may lie behind their proxy polygons, and are moved onto them.
-///
-/// # Errors
-/// As [`solve`].
-pub fn probe(
-    scene: &Scene,
-    tracer: &Tracer,
-    points: &[PointNormal],
-    pass: &FirstPass,
-    progress: &Progress,
-) -> Result<Probed, SolveError> {
-    let proxy = ProxyScene::new(scene, tracer, pass.size);
-    let purpose = PatchPurpose::Points;
-    let solved = SolvedPatches::new(&proxy, pass, purpose, progress, &mut |_, _| ())?;
-    let points = proxy.on_polygons(points);
-    let (light, black) = (solved.light(pass), solved.black_light(pass));
-    let place = |(i, p): (usize, &PointNormal)| GatherPoint {
-        position: p.position,
-        normal: p.normal,
-        key: i as u32,
-    };
-    let places: Vec<GatherPoint> = points.iter().enumerate().map(place).collect();
-    let seed = hash(&[pass.key(), 2]);
-    let found = gather(
-        &solved.gatherer,
-        GatherLight::new(&light, black.as_ref()),
-        GatherTargets {
-            points: &places,
-            areas: &[],
-        },
-        pass.effort(solved.method),
-        seed,
-        progress,
-    )?;
-    let errors = found.standard_errors();
-    let estimate = |(g, &error): (&Gathered, &Rgb)| Estimate {
-        // The estimate of a visible fraction may fall slightly below zero.
-        value: g.mean().map(|e| e.max(0.0)),
-        error,
-    };
-    let estimates = found.gathered.iter().zip(&errors).map(estimate).collect();
-    Ok(Probed {
-        estimates,
-        report: solved.report(&found),
-    })
 }

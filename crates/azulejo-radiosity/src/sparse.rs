@@ -92,6 +92,22 @@ impl GatheredValues {
         }
     }
 
+    /// All light is gathered at every point, with indirect light apart.
+    pub fn apart(count: usize) -> GatheredValues {
+        let all = 0..count as u32;
+        let alone = all.clone().map(Stencil::alone).collect();
+        GatheredValues::at_records(all.map(Some).collect(), alone)
+    }
+
+    /// Indirect light of each point; nothing where it is not kept apart.
+    pub fn indirect(&self) -> Vec<Gathered> {
+        let Some(between) = &self.interpolated else {
+            return vec![Gathered::default(); self.own.len()];
+        };
+        let all = between.stencils.iter();
+        all.map(|stencil| stencil.apply(&between.indirect)).collect()
+    }
+
     /// Indirect light is gathered where there is a record.
     fn at_records(record_of: Vec<Option<u32>>, stencils: Vec<Stencil>) -> GatheredValues {
         let count = record_of.iter().flatten().count();

@@ -24,6 +24,14 @@ const COMPARISON_SHARE: f64 = 0.15;
 /// Most rays of a sampled point: by then either answer costs little.
 const MOST_SAMPLE_RAYS: u32 = 1 << 13;
 
+/// Standard errors by which the difference must be beyond what is allowed for patches to be too coarse.
+/// Samples are judged up to six times in each of eight strata: with one of them, noise alone would have
+/// an eighth of the points path traced.
+const SURE: f64 = 3.0;
+
+/// Rays per point from which on a difference is believed: variances of fewer miss rare light.
+const LEAST_SURE: u32 = 1024;
+
 /// One point of the sample, gathered both ways from the same directions.
 struct Comparison {
     point: u32,
@@ -64,6 +72,7 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             let sample = self.sample(all.strata.points(stratum));
             let allowed = SHARE * SHARE * permitted;
             let (spent, sample, verdict) = self.compare(all, sample, allowed, most)?;
+            { let errs = all.errors(); let e=&errs[stratum]; let v = match verdict { Verdict::Good(f)=>format!("good {:.5}", f.sqrt()), Verdict::Bad(f)=>format!("BAD {:.5}", f.sqrt()), Verdict::Open(f,d)=>format!("open {:.5} {:.5}", f.max(0.0).sqrt(), d.sqrt())}; eprintln!("DBG stratum {stratum} mean {:.4} share {:.3} allowed {:.5} spent {spent} {v}; diffs {:?}", e.mean, e.share, allowed.sqrt(), sample.iter().map(|c| { let a=c.patches.whole().mean().mean(); let b=c.paths.whole().mean().mean(); format!("{:.4}{:+.4}", b, a-b)}).collect::<Vec<_>>()); }
             match verdict {
                 Verdict::Bad(found) if !self.progress.out_of_time() => {
                     self.trace_paths(all, stratum, found, (spent, sample), most)?;
@@ -226,7 +235,10 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             }
             spent = next;
             let is_last = spent >= most || self.progress.phase_is_over();
-            let verdict = judge(all, &sample, allowed);
+            let mut verdict = judge(all, &sample, allowed);
+            if let (Verdict::Bad(found), true) = (&verdict, spent < LEAST_SURE && !is_last) {
+                verdict = Verdict::Open(*found, *found);
+            }
             if is_last || !matches!(verdict, Verdict::Open(..)) {
                 return Ok((spent, sample, verdict));
             }
@@ -250,7 +262,7 @@ fn judge(all: &Gathering, sample: &[Comparison], allowed: f64) -> Verdict {
     let (found, doubt) = (squares / count, (4.0 * noise).sqrt() / count);
     if found + doubt <= allowed {
         Verdict::Good(found.max(0.0) + 0.5 * doubt)
-    } else if found - doubt > allowed {
+    } else if found - SURE * doubt > allowed {
         Verdict::Bad(found)
     } else {
         Verdict::Open(found.max(0.0), doubt)

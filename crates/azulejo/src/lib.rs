@@ -11,6 +11,7 @@
 //! | [`factors`] | form factors between the patches of a scene |
 //! | [`radiosity`] | first pass: from a scene to the irradiance on its vertices |
 //! | [`render`] | second pass: from a scene to an image |
+//! | [`mod@bake`], [`lightmap`] | third pass: from a scene to the irradiance in the texels of a lightmap |
 //! | [`models`] | model files: reading, merging, atomic writing |
 //! | [`surroundings`] | light from outside: suns, skies, pictures, a studio |
 //! | [`recipe`] | files of rules that are applied to a model each time it is read |
@@ -28,6 +29,7 @@
 //! the module `gpu`: item buffers on graphics cards.
 
 pub mod files;
+pub mod lightmap;
 pub mod machine;
 pub mod models;
 pub mod output;
@@ -36,6 +38,7 @@ pub mod spelling;
 pub mod surroundings;
 pub mod typeface;
 
+pub use azulejo_bake as bake;
 pub use azulejo_factors as factors;
 pub use azulejo_formats as formats;
 #[cfg(feature = "gpu")]

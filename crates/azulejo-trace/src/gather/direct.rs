@@ -23,6 +23,25 @@ use std::ops::Range;
 /// More terms than this at one point are sampled by importance instead of one by one.
 pub(super) const MOST_TERMS: usize = 32;
 
+/// Which shadow rays the points of a batch use.
+#[derive(Clone, Debug)]
+pub(super) enum ShadowRays {
+    /// Each point those of these numbers, of a sequence of its own.
+    Own(Range<u32>),
+    /// Each point one, all of one sequence.
+    Shared,
+}
+
+impl ShadowRays {
+    /// Per point, replicate and source.
+    fn of_point(&self) -> Range<u32> {
+        match self {
+            ShadowRays::Own(rays) => rays.clone(),
+            ShadowRays::Shared => 0..1,
+        }
+    }
+}
+
 /// Computes the direct light of batches of points.
 pub(super) struct Direct<'a> {
     pub(super) surfaces: &'a Surfaces<'a>,
@@ -52,9 +71,10 @@ impl<'a> Direct<'a> {
     pub(super) fn irradiance(
         &mut self,
         points: &[GatherPoint],
-        rays: Range<u32>,
+        shadow_rays: ShadowRays,
         seed: u32,
     ) -> Vec<DirectLight> {
+        let rays = shadow_rays.of_point();
         let mut sums = vec![DirectLight::default(); points.len()];
         let mut terms = Vec::new();
         for (index, point) in points.iter().enumerate() {
@@ -68,7 +88,7 @@ impl<'a> Direct<'a> {
             }
             self.sun_terms_of(index as u32, point, &mut terms);
         }
-        self.test_terms(points, &mut terms, rays.clone(), seed);
+        self.test_terms(points, &mut terms, &shadow_rays, seed);
         for term in &terms {
             let sum = &mut sums[term.point as usize];
             if term.is_delta() {
@@ -212,13 +232,18 @@ impl<'a> Direct<'a> {
         &mut self,
         points: &[GatherPoint],
         terms: &mut [Term],
-        rays: Range<u32>,
+        rays: &ShadowRays,
         seed: u32,
     ) {
-        let (first, rays) = (rays.start, rays.end - rays.start);
+        let (of_point, is_shared) = (rays.of_point(), matches!(rays, ShadowRays::Shared));
+        let (first, rays) = (of_point.start, of_point.end - of_point.start);
+        // The number of a term among those of its point.
+        let (mut point_before, mut number) = (u32::MAX, 0);
         self.tests.clear();
         for (t, term) in terms.iter_mut().enumerate() {
             let point = &points[term.point as usize];
+            number = if term.point == point_before { number + 1 } else { 0 };
+            point_before = term.point;
             // A light without area is one point, so one ray decides.
             let (replicates, count) = if term.is_delta() {
                 (1, 1)
@@ -227,9 +252,17 @@ impl<'a> Direct<'a> {
             };
             term.samples = count;
             for r in 0..replicates {
-                let s = seeds(&[seed, point.key, (t as u32) ^ (term.point << 16), r / 2]);
+                let s = if is_shared {
+                    seeds(&[seed, points[0].key, number, r / 2])
+                } else {
+                    seeds(&[seed, point.key, (t as u32) ^ (term.point << 16), r / 2])
+                };
                 for k in 0..count {
-                    let k = 2 * first + r % 2 * count + k;
+                    let k = if is_shared {
+                        r % 2 * points.len() as u32 + term.point
+                    } else {
+                        2 * first + r % 2 * count + k
+                    };
                     let u = (f64::from(sobol(k, 0, s[0])), f64::from(sobol(k, 1, s[1])));
                     self.plan(point, t as u32, r, &term.target, u);
                 }

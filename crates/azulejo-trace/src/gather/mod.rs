@@ -25,7 +25,7 @@ use crate::{KernelHit, KernelRay, Surfaces};
 use azulejo_scene::math::{Frame, Ray};
 use azulejo_scene::{MaterialId, Rgb, Shape};
 use collector::Collector;
-use direct::{Direct, MOST_TERMS};
+use direct::{Direct, MOST_TERMS, ShadowRays};
 pub use directions::DirectionTables;
 pub use estimate::{DirectLight, Gathered, SplitIrradiance};
 use glam::DVec3;
@@ -289,13 +289,22 @@ impl<'a> Gatherer<'a> {
         self.direct_range(points, 0..rays, seed)
     }
 
+    /// Direct irradiance at points of one small area, from one shadow ray per point, replicate and
+    /// source. All rays to a source are of one sequence, so that their mean has less noise than that of
+    /// as many points by themselves; points in the order of a grid would align with it.
+    pub fn direct_at_near(&self, points: &[GatherPoint], seed: u32) -> Vec<DirectLight> {
+        self.direct_light()
+            .irradiance(points, ShadowRays::Shared, seed)
+    }
+
     fn direct_range(
         &self,
         points: &[GatherPoint],
         rays: Range<u32>,
         seed: u32,
     ) -> Vec<DirectLight> {
-        self.direct_light().irradiance(points, rays, seed)
+        self.direct_light()
+            .irradiance(points, ShadowRays::Own(rays), seed)
     }
 
     fn direct_light(&self) -> Direct<'_> {

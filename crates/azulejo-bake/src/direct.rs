@@ -1,0 +1,208 @@
+//! Direct light of texels: few shadow rays where all of a lamp is seen or none, many at the edges of
+//! shadows, where a texel is a mean over what it covers.
+
+use crate::atlas::Atlas;
+use crate::samples::{PageSampler, Rows, Samples};
+use azulejo_scene::Rgb;
+use azulejo_trace::sampling::{hash, uniform};
+use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer, Progress};
+use glam::DVec2;
+use rayon::prelude::*;
+
+/// Samples that are gathered together.
+const BATCH: usize = 64;
+
+/// Standard error of direct light, as a share of what is permitted in all, up to which a texel is not
+/// looked at in more places: in few, and in many.
+const PERMITTED: [f64; 2] = [0.3, 1.0];
+
+/// Difference between neighbouring texels, as a multiple of the permitted error, from which on a texel
+/// is looked at in more places.
+const UNEVEN: f64 = 2.0;
+
+/// Places along each axis of an uneven texel, coarse and fine.
+const PLACES: [u32; 2] = [4, 8];
+
+/// Direct light of each sample.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SampleDirect {
+    /// Irradiance, W/m².
+    pub irradiance: Vec<[f32; 3]>,
+    /// Its variance.
+    pub variance: Vec<[f32; 3]>,
+}
+
+impl SampleDirect {
+    fn set(&mut self, sample: usize, found: &Gathered) {
+        self.irradiance[sample] = found.mean().map(|e| e.max(0.0)).to_f32();
+        self.variance[sample] = found.variance().to_f32();
+    }
+
+    fn mean(&self, sample: usize) -> Rgb {
+        Rgb::from(self.irradiance[sample].map(f64::from))
+    }
+}
+
+/// Gathers the direct light of all samples, so that its error is a small part of `error`, a share of
+/// the mean of the whole.
+///
+/// # Errors
+/// The caller cancelled.
+pub fn direct(
+    samples: &Samples,
+    atlas: &Atlas,
+    gatherer: &Gatherer,
+    error: f64,
+    seed: u32,
+    progress: &Progress,
+) -> Result<SampleDirect, Cancelled> {
+    let count = samples.samples.len();
+    progress.begin("direct light", count as u64);
+    let mut found = SampleDirect {
+        irradiance: vec![[0.0; 3]; count],
+        variance: vec![[0.0; 3]; count],
+    };
+    let all: Vec<u32> = (0..count as u32).collect();
+    let coarse = in_batches(&all, |batch| {
+        progress.advance(batch.len() as u64)?;
+        let point = |&s: &u32| gather_point(samples, s as usize);
+        let points: Vec<GatherPoint> = batch.iter().map(point).collect();
+        let light = gatherer.direct(&points, 1, seed);
+        Ok(light.iter().map(|l| l.whole()).collect())
+    })?;
+    for (sample, light) in coarse.iter().enumerate() {
+        found.set(sample, light);
+    }
+    let mean = mean(samples, &found);
+    for (round, places) in PLACES.into_iter().enumerate() {
+        let uneven = uneven(samples, &found, error * mean, round);
+        progress.begin("shadow edges", uneven.len() as u64);
+        let fine = in_batches(&uneven, |batch| {
+            progress.advance(batch.len() as u64)?;
+            let light = |&s: &u32| over_texel(samples, s as usize, atlas, gatherer, places, seed);
+            Ok(batch.iter().map(light).collect())
+        })?;
+        for (&sample, light) in uneven.iter().zip(&fine) {
+            found.set(sample as usize, light);
+        }
+    }
+    { let all: f64 = samples.samples.iter().map(|s| f64::from(s.area)).sum(); let mut n = [0usize; 4]; let mut v = [0.0; 4]; for (i, s) in samples.samples.iter().enumerate() { let x = Rgb::from(found.variance[i].map(f64::from)).mean(); let k = if x == 0.0 {0} else if x.sqrt() < 0.01*mean {1} else if x.sqrt() < 0.05*mean {2} else {3}; n[k]+=1; v[k]+= x*f64::from(s.area)/all; } eprintln!("DBG direct mean {mean} classes {n:?} rms/mean {:?}", v.map(|v| v.sqrt()/mean)); }
+    Ok(found)
+}
+
+fn in_batches(
+    samples: &[u32],
+    gather: impl Fn(&[u32]) -> Result<Vec<Gathered>, Cancelled> + Sync + Send,
+) -> Result<Vec<Gathered>, Cancelled> {
+    let found: Result<Vec<Vec<Gathered>>, Cancelled> =
+        samples.par_chunks(BATCH).map(gather).collect();
+    Ok(found?.concat())
+}
+
+pub(crate) fn gather_point(samples: &Samples, sample: usize) -> GatherPoint {
+    let s = &samples.samples[sample];
+    GatherPoint {
+        position: s.position,
+        normal: s.normal,
+        key: hash(&[s.page, s.texel, sample as u32]),
+    }
+}
+
+/// Mean over all areas and channels.
+fn mean(samples: &Samples, found: &SampleDirect) -> f64 {
+    let (mut sum, mut area) = (0.0, 0.0);
+    for (sample, s) in samples.samples.iter().enumerate() {
+        sum += found.mean(sample).mean() * f64::from(s.area);
+        area += f64::from(s.area);
+    }
+    sum / f64::max(area, f64::MIN_POSITIVE)
+}
+
+/// The samples whose light is not known to the permitted error in a round: those that are noisy
+/// or differ from a neighbour, and are the only ones of their texels.
+fn uneven(samples: &Samples, found: &SampleDirect, permitted: f64, round: usize) -> Vec<u32> {
+    let is_noisy = |s: usize| {
+        let variance = Rgb::from(found.variance[s].map(f64::from));
+        variance.max_channel().sqrt() > PERMITTED[round] * permitted
+    };
+    let mut uneven = Vec::new();
+    for (page, coverage) in samples.pages.iter().enumerate() {
+        let first = samples.samples.partition_point(|s| (s.page as usize) < page);
+        let end = samples.samples.partition_point(|s| s.page as usize <= page);
+        let mut sample_of = vec![u32::MAX; coverage.texels.len()];
+        let mut is_alone = vec![true; coverage.texels.len()];
+        for (s, sample) in samples.samples[first..end].iter().enumerate() {
+            let of_texel = &mut sample_of[sample.texel as usize];
+            is_alone[sample.texel as usize] = *of_texel == u32::MAX;
+            *of_texel = (first + s) as u32;
+        }
+        let rows = Rows::new(coverage);
+        let differs = |a: usize, b: usize| {
+            let difference = found.mean(a) - found.mean(b);
+            difference.map(f64::abs).max_channel() > UNEVEN * permitted
+        };
+        let of_page: Vec<u32> = (0..coverage.texels.len())
+            .into_par_iter()
+            .filter(|&t| is_alone[t])
+            .filter_map(|t| {
+                let sample = sample_of[t] as usize;
+                let chart = coverage.texels[t].chart;
+                let [column, row] = rows.place(coverage.texels[t].index);
+                let mut beside = rows
+                    .around(column, row)
+                    .filter(|&n| coverage.texels[n as usize].chart == chart);
+                let mut is_edge = || beside.any(|n| differs(sample, sample_of[n as usize] as usize));
+                let is_uneven = is_noisy(sample) || (round == 0 && is_edge());
+                is_uneven.then_some(sample as u32)
+            })
+            .collect();
+        uneven.extend(of_page);
+    }
+    uneven
+}
+
+/// Direct light of a texel from points all over what it covers.
+fn over_texel(
+    samples: &Samples,
+    sample: usize,
+    atlas: &Atlas,
+    gatherer: &Gatherer,
+    places: u32,
+    seed: u32,
+) -> Gathered {
+    let s = &samples.samples[sample];
+    let coverage = &samples.pages[s.page as usize];
+    let sampler = PageSampler::new(atlas, gatherer.surfaces().tracer, coverage, s.page);
+    let texel = coverage.texels[s.texel as usize];
+    let [column, row] = [texel.index % coverage.size[0], texel.index / coverage.size[0]];
+    let corner = DVec2::new(column.into(), row.into());
+    let point = |k: u32| {
+        let cell = DVec2::new((k % places).into(), (k / places).into());
+        let jitter = [0, 1].map(|d| f64::from(uniform(&[seed, s.page, texel.index, k, d, 0xd17])));
+        let place = corner + (cell + DVec2::from(jitter)) / f64::from(places);
+        let (position, normal) = sampler.place_of(s.texel as usize, place)?;
+        Some(GatherPoint {
+            position,
+            normal,
+            key: hash(&[s.page, texel.index, k]),
+        })
+    };
+    let mut order: Vec<u32> = (0..places * places).collect();
+    // The rays of points side by side would go to places of a lamp side by side.
+    order.sort_by_key(|&k| hash(&[seed, s.page, texel.index, k, 0x0d3]));
+    let points: Vec<GatherPoint> = order.into_iter().filter_map(point).collect();
+    let points = if points.is_empty() {
+        vec![gather_point(samples, sample)]
+    } else {
+        points
+    };
+    let found = gatherer.direct_at_near(&points, seed);
+    let mut sum = Gathered::default();
+    for light in &found {
+        sum = sum.plus(&light.whole());
+    }
+    let share = 1.0 / found.len() as f64;
+    Gathered {
+        replicates: sum.replicates.map(|r| r * share),
+    }
+}

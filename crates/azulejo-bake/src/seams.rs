@@ -1,0 +1,131 @@
+//! Edges at which charts end, because light may change abruptly there.
+//!
+//! An unwrapper folds a flat chart over an edge of 90° if that saves a cut; the bilinear filter of a
+//! viewer then mixes the light of a floor with that of a wall.
+
+use crate::Receiver;
+use glam::DVec3;
+use std::collections::HashMap;
+
+/// Shading normals of two faces at a vertex that differ by more than this make a hard edge, degrees.
+const HARD: f64 = 5.0;
+
+/// An edge of a triangle by the positions of its ends, in the order of the smaller bits.
+type EdgeKey = [[u64; 3]; 2];
+
+/// One side of an edge.
+#[derive(Clone, Copy)]
+struct EdgeSide {
+    triangle: u32,
+    /// The edge from this corner to the next.
+    corner: u8,
+    /// Whether the triangle has the ends in the order of the key.
+    is_along: bool,
+}
+
+/// The edges of a receiver's triangles: where its surface goes on beyond each.
+pub(crate) struct Edges {
+    sides: HashMap<EdgeKey, Vec<EdgeSide>>,
+}
+
+/// Two triangles that meet at an edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct EdgePair {
+    /// The triangles, and the corners at which the edge begins in each.
+    pub sides: [(u32, u8); 2],
+    /// Whether both have it in the same direction, so that their fronts are on different sides.
+    pub is_twisted: bool,
+    /// Whether more than two triangles meet here.
+    pub is_shared_by_more: bool,
+}
+
+impl Edges {
+    /// The edges of the triangles that are visible.
+    pub fn of(receiver: &Receiver, is_visible: &[bool]) -> Edges {
+        let key = |v: u32| {
+            let p = receiver.positions[v as usize];
+            // Negative zero is where zero is.
+            (p + 0.0).to_array().map(f64::to_bits)
+        };
+        let mut sides: HashMap<EdgeKey, Vec<EdgeSide>> = HashMap::new();
+        let triangles = receiver.triangles.iter().enumerate();
+        for (triangle, corners) in triangles.filter(|(t, _)| is_visible[*t]) {
+            for corner in 0..3 {
+                let (a, b) = (key(corners[corner]), key(corners[(corner + 1) % 3]));
+                let is_along = a <= b;
+                let entry = sides.entry(if is_along { [a, b] } else { [b, a] });
+                entry.or_default().push(EdgeSide {
+                    triangle: triangle as u32,
+                    corner: corner as u8,
+                    is_along,
+                });
+            }
+        }
+        Edges { sides }
+    }
+
+    /// All pairs of triangles that meet at an edge, in the order of the triangles.
+    pub fn pairs(&self) -> Vec<EdgePair> {
+        let mut pairs = Vec::new();
+        for sides in self.sides.values() {
+            for (i, a) in sides.iter().enumerate() {
+                for b in &sides[i + 1..] {
+                    pairs.push(EdgePair {
+                        sides: [(a.triangle, a.corner), (b.triangle, b.corner)],
+                        is_twisted: a.is_along == b.is_along,
+                        is_shared_by_more: sides.len() > 2,
+                    });
+                }
+            }
+        }
+        pairs.sort_unstable_by_key(|p| p.sides);
+        pairs
+    }
+}
+
+impl EdgePair {
+    /// Whether the two triangles are one smooth surface here: nothing that light does at the edge
+    /// keeps a filter from mixing both. `crease` is the largest angle between their normals, degrees.
+    pub fn is_smooth(&self, receiver: &Receiver, crease: f64) -> bool {
+        if self.is_twisted || self.is_shared_by_more {
+            return false;
+        }
+        let [(a, i), (b, j)] = self.sides;
+        if receiver.parts[a as usize] != receiver.parts[b as usize] {
+            return false;
+        }
+        let normal = |t: u32| receiver.area_vector(t as usize).normalize_or_zero();
+        is_within(normal(a), normal(b), crease) && !self.is_hard(receiver, (a, i), (b, j))
+    }
+
+    /// Whether shading normals differ at either end of the edge, which runs in opposite directions.
+    fn is_hard(&self, receiver: &Receiver, a: (u32, u8), b: (u32, u8)) -> bool {
+        let normal = |(t, corner): (u32, u8), end: u8| {
+            let normals = receiver.normals.get(t as usize);
+            normals.map(|n| n[((corner + end) % 3) as usize])
+        };
+        [(0, 1), (1, 0)].into_iter().any(|(of_a, of_b)| {
+            match (normal(a, of_a), normal(b, of_b)) {
+                (Some(n), Some(m)) => !is_within(n, m, HARD),
+                _ => false,
+            }
+        })
+    }
+}
+
+fn is_within(a: DVec3, b: DVec3, degrees: f64) -> bool {
+    a.dot(b) >= degrees.to_radians().cos()
+}
+
+/// For each triangle which of its edges, from corner k to k + 1, a chart must not cross.
+pub(crate) fn seams(receiver: &Receiver, is_visible: &[bool], crease: f64) -> Vec<[bool; 3]> {
+    let mut seams = vec![[false; 3]; receiver.triangles.len()];
+    for pair in Edges::of(receiver, is_visible).pairs() {
+        if !pair.is_smooth(receiver, crease) {
+            for (triangle, corner) in pair.sides {
+                seams[triangle as usize][corner as usize] = true;
+            }
+        }
+    }
+    seams
+}

@@ -1,0 +1,209 @@
+//! Equal light on both sides of the seams of a smooth surface.
+//!
+//! Where a chart ends, a viewer interpolates between texels that lie differently on either side, and
+//! their error is not the same: a line is seen. Texels along seams are changed as little as makes both
+//! sides agree, by least squares.
+//!
+//! Iwanicki, *Lighting technology of The Last of Us*, SIGGRAPH 2013.
+
+use crate::atlas::Atlas;
+use crate::layout::{Layout, NO_CHART};
+use crate::lightmap::{Lightmap, bilinear_cells};
+use crate::seams::Edges;
+use crate::Receiver;
+use std::collections::HashMap;
+
+/// Points along a seam, per texel.
+const POINTS_PER_TEXEL: f64 = 2.0;
+
+/// Weight of a texel's own value beside that of a point of a seam.
+const OWN: f64 = 0.1;
+
+/// Most steps of conjugate gradients.
+const MOST_STEPS: usize = 200;
+
+/// Residual at which they end, relative to the first.
+const ENOUGH: f64 = 1e-4;
+
+/// A point of a seam on both sides: texels and weights, which should sum to nothing.
+type Row = Vec<(u32, f64)>;
+
+/// Makes light equal on both sides of seams that are no creases; `crease` as the charts had it, degrees.
+/// Returns the root mean square of the difference along them before and after, of all channels.
+pub fn stitch(
+    lightmap: &mut Lightmap,
+    atlas: &Atlas,
+    crease: f64,
+) -> SeamErrors {
+    let starts = page_starts(lightmap);
+    let rows = rows(lightmap, &atlas.receivers, &atlas.layout, crease, &starts);
+    let mut numbers: HashMap<u32, u32> = HashMap::new();
+    let mut texels = Vec::new();
+    let system: Vec<Row> = rows
+        .iter()
+        .map(|row| {
+            row.iter()
+                .map(|&(texel, weight)| {
+                    let number = *numbers.entry(texel).or_insert_with(|| {
+                        texels.push(texel);
+                        texels.len() as u32 - 1
+                    });
+                    (number, weight)
+                })
+                .collect()
+        })
+        .collect();
+    let mut errors = SeamErrors {
+        points: rows.len(),
+        ..SeamErrors::default()
+    };
+    for channel in 0..3 {
+        let given: Vec<f64> = texels
+            .iter()
+            .map(|&t| f64::from(lightmap.texel(&starts, t)[channel]))
+            .collect();
+        let found = solve(&system, &given);
+        errors.before += square(&system, &given);
+        errors.after += square(&system, &found);
+        for (&texel, value) in texels.iter().zip(found) {
+            lightmap.texel(&starts, texel)[channel] = value.max(0.0) as f32;
+        }
+    }
+    let count = (3 * rows.len()).max(1) as f64;
+    errors.before = (errors.before / count).sqrt();
+    errors.after = (errors.after / count).sqrt();
+    errors
+}
+
+/// Differences of irradiance along seams.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SeamErrors {
+    /// Points at which it was measured.
+    pub points: usize,
+    /// Root mean square before they were made equal, W/m².
+    pub before: f64,
+    /// And after.
+    pub after: f64,
+}
+
+/// The number of the first texel of each page, counted over all pages.
+fn page_starts(lightmap: &Lightmap) -> Vec<u32> {
+    let mut start = 0;
+    let of_page = |page: &crate::LightmapPage| {
+        let first = start;
+        start += page.charts.len() as u32;
+        first
+    };
+    lightmap.pages.iter().map(of_page).collect()
+}
+
+impl Lightmap {
+    /// A texel counted over all pages.
+    fn texel(&mut self, starts: &[u32], texel: u32) -> &mut [f32; 3] {
+        let page = starts.partition_point(|&s| s <= texel) - 1;
+        &mut self.pages[page].irradiance[(texel - starts[page]) as usize]
+    }
+}
+
+/// The points of all seams.
+fn rows(
+    lightmap: &Lightmap,
+    receivers: &[Receiver],
+    layout: &Layout,
+    crease: f64,
+    starts: &[u32],
+) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for (r, receiver) in receivers.iter().enumerate() {
+        let of_receiver = &layout.receivers[r];
+        let edges = Edges::of(receiver, &receiver.visible_triangles());
+        let pairs = edges.pairs().into_iter();
+        for pair in pairs.filter(|p| p.is_smooth(receiver, crease)) {
+            let ends = pair.sides.map(|(triangle, corner)| {
+                let uvs = of_receiver.uvs[triangle as usize];
+                let corner = usize::from(corner);
+                [uvs[corner], uvs[(corner + 1) % 3]]
+            });
+            let is_charted = |(t, _): (u32, u8)| of_receiver.charts[t as usize] != NO_CHART;
+            // The second side has the edge the other way round.
+            let is_joined = ends[0][0] == ends[1][1] && ends[0][1] == ends[1][0];
+            if is_joined || !pair.sides.into_iter().all(is_charted) {
+                continue;
+            }
+            let pages = pair.sides.map(|(t, _)| of_receiver.pages[t as usize]);
+            let sizes = pages.map(|p| layout.pages[p as usize]);
+            let length = |side: usize| {
+                let [a, b] = ends[side];
+                let along = |k: usize| f64::from(b[k] - a[k]) * f64::from(sizes[side][k]);
+                along(0).hypot(along(1))
+            };
+            let count = (POINTS_PER_TEXEL * length(0).max(length(1))).ceil().max(1.0) as u32;
+            for k in 0..count {
+                let t = (f64::from(k) + 0.5) / f64::from(count);
+                let mut row = Row::new();
+                for (side, sign) in [(0, 1.0), (1, -1.0)] {
+                    let t = if side == 0 { t } else { 1.0 - t };
+                    let [a, b] = ends[side];
+                    let uv = [0, 1].map(|k| f64::from(a[k]) * (1.0 - t) + f64::from(b[k]) * t);
+                    let (cells, weights) = bilinear_cells(sizes[side], uv);
+                    let page = pages[side] as usize;
+                    for (cell, weight) in cells.into_iter().zip(weights) {
+                        let is_known = lightmap.pages[page].charts[cell] != NO_CHART;
+                        if weight > 0.0 && is_known {
+                            row.push((starts[page] + cell as u32, sign * weight));
+                        }
+                    }
+                }
+                rows.push(row);
+            }
+        }
+    }
+    rows
+}
+
+fn difference(row: &Row, values: &[f64]) -> f64 {
+    row.iter().map(|&(t, w)| w * values[t as usize]).sum()
+}
+
+fn square(rows: &[Row], values: &[f64]) -> f64 {
+    rows.iter().map(|row| difference(row, values).powi(2)).sum()
+}
+
+/// The values nearest to the given ones for which rows sum to nothing, by conjugate gradients on
+/// (AᵀA + OWN) x = OWN · given.
+fn solve(rows: &[Row], given: &[f64]) -> Vec<f64> {
+    let apply = |x: &[f64]| {
+        let mut y: Vec<f64> = x.iter().map(|v| OWN * v).collect();
+        for row in rows {
+            let sum = difference(row, x);
+            for &(t, w) in row {
+                y[t as usize] += w * sum;
+            }
+        }
+        y
+    };
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
+    let mut x = given.to_vec();
+    let of_x = apply(&x);
+    let mut residual: Vec<f64> = given.iter().zip(&of_x).map(|(g, y)| OWN * g - y).collect();
+    let mut direction = residual.clone();
+    let first = dot(&residual, &residual);
+    let mut old = first;
+    for _ in 0..MOST_STEPS {
+        if old <= ENOUGH * ENOUGH * first || old == 0.0 {
+            break;
+        }
+        let of_direction = apply(&direction);
+        let step = old / dot(&direction, &of_direction);
+        for i in 0..x.len() {
+            x[i] += step * direction[i];
+            residual[i] -= step * of_direction[i];
+        }
+        let new = dot(&residual, &residual);
+        for (d, r) in direction.iter_mut().zip(&residual) {
+            *d = r + (new / old) * *d;
+        }
+        old = new;
+    }
+    x
+}

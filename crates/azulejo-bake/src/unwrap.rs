@@ -1,0 +1,369 @@
+//! Charts for surfaces that have none that a lightmap could use, packed on pages.
+
+use crate::layout::{Layout, NO_CHART, ReceiverLayout};
+use crate::seams::seams;
+use crate::Receiver;
+use azulejo_scene::math::Aabb;
+use azulejo_trace::{Cancelled, Progress};
+use glam::DVec3;
+use std::fmt;
+use uvunwrap::{Atlas, Density, MeshInput, Options, OutputMesh, Packing, Stage};
+
+/// Largest width and height of a page, texels: what graphics cards take.
+pub const MOST_SIZE: u32 = 16_384;
+
+/// Share of a page that charts of usual scenes fill, when pages are counted in advance.
+const USUAL_COVERAGE: f64 = 0.5;
+
+/// Charts from which on they are packed in rows: by shape, thousands of them take tens of seconds.
+const MOST_SHAPED: usize = 40_000;
+
+/// How finely and where charts are laid out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnwrapOptions {
+    /// How many texels there are.
+    pub resolution: Resolution,
+    /// Width and height of a page, texels; the largest with [`Resolution::PerUnit`].
+    pub size: u32,
+    /// Number of pages to divide the receivers among; more are used where one resolution asks for
+    /// more texels than fit.
+    pub pages: u32,
+    /// Empty texels around each chart: charts are twice as far apart.
+    pub padding: u32,
+    /// Whether charts keep to blocks of 4 × 4 texels, for compressed formats.
+    pub blocks: bool,
+    /// Charts end at edges with a larger angle between the normals, degrees.
+    pub crease: f64,
+}
+
+impl Default for UnwrapOptions {
+    fn default() -> UnwrapOptions {
+        UnwrapOptions {
+            resolution: Resolution::Fill,
+            size: 1024,
+            pages: 1,
+            padding: 2,
+            blocks: false,
+            crease: 30.0,
+        }
+    }
+}
+
+/// How many texels a lightmap has.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Resolution {
+    /// As many as fit the pages.
+    Fill,
+    /// So many per scene unit of length, on as many pages as that takes.
+    PerUnit(f64),
+}
+
+/// Why there is no layout.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum LayoutError {
+    /// There is no triangle with an area.
+    NoSurface,
+    /// The size of pages is not within 1 + 2 × padding and [`MOST_SIZE`].
+    PageSize {
+        /// The size.
+        size: u32,
+        /// The smallest that could hold a chart.
+        least: u32,
+    },
+    /// There are more charts than the pages have room for, each with its padding.
+    TooManyCharts {
+        /// Size of a page, texels.
+        size: u32,
+        /// A size that would do.
+        enough: u32,
+    },
+    /// At the requested texels per unit a lightmap is larger than all memory.
+    TooDense {
+        /// The texels that it would have.
+        texels: f64,
+    },
+    /// The unwrapper failed for a reason of its own.
+    Unwrapper(String),
+    /// The caller cancelled.
+    Cancelled,
+}
+
+impl fmt::Display for LayoutError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            LayoutError::NoSurface => {
+                f.write_str("there is no triangle with an area that could receive a lightmap")
+            }
+            LayoutError::PageSize { size, least } => write!(
+                f,
+                "pages of {size} texels: expected {least} to {MOST_SIZE}"
+            ),
+            LayoutError::TooManyCharts { size, enough } => write!(
+                f,
+                "there are more charts than a page of {size} × {size} texels has room for, with their \
+                 padding: ask for {enough} texels, more pages, or less padding"
+            ),
+            LayoutError::TooDense { texels } => write!(
+                f,
+                "a lightmap of {texels:.3e} texels is too large: ask for fewer texels per metre"
+            ),
+            LayoutError::Unwrapper(what) => write!(f, "no charts could be made: {what}"),
+            LayoutError::Cancelled => f.write_str("cancelled"),
+        }
+    }
+}
+
+impl std::error::Error for LayoutError {}
+
+impl From<Cancelled> for LayoutError {
+    fn from(_: Cancelled) -> LayoutError {
+        LayoutError::Cancelled
+    }
+}
+
+/// Most texels of a lightmap.
+const MOST_TEXELS: f64 = (1u64 << 30) as f64;
+
+/// Cuts the receivers into charts and packs these on pages.
+///
+/// # Errors
+/// [`LayoutError`].
+pub fn unwrap(
+    receivers: &[Receiver],
+    options: &UnwrapOptions,
+    progress: &Progress,
+) -> Result<Layout, LayoutError> {
+    let least = 1 + 2 * options.padding;
+    if !(least..=MOST_SIZE).contains(&options.size) {
+        let size = options.size;
+        return Err(LayoutError::PageSize { size, least });
+    }
+    let meshes: Vec<UnwrapMesh> = receivers
+        .iter()
+        .map(|r| UnwrapMesh::new(r, options.crease))
+        .collect();
+    if meshes.iter().all(|m| m.ignored.iter().all(|&i| i)) {
+        return Err(LayoutError::NoSurface);
+    }
+    let count: usize = receivers.iter().map(|r| r.triangles.len()).sum();
+    progress.begin("charts", count as u64);
+    let pages = page_count(receivers, options)?;
+    let mut layout = Layout {
+        receivers: vec![ReceiverLayout::default(); receivers.len()],
+        ..Layout::default()
+    };
+    for members in page_members(receivers, pages) {
+        let inputs: Vec<MeshInput> = members
+            .iter()
+            .map(|&r| meshes[r].input(receivers[r].density))
+            .collect();
+        let atlas = packed(&inputs, options, progress)?;
+        layout.add_page(&members, receivers, &atlas, options);
+    }
+    Ok(layout)
+}
+
+/// Pages that the resolution asks for.
+fn page_count(receivers: &[Receiver], options: &UnwrapOptions) -> Result<usize, LayoutError> {
+    let Resolution::PerUnit(density) = options.resolution else {
+        return Ok(options.pages.max(1) as usize);
+    };
+    let texels: f64 = receivers
+        .iter()
+        .map(|r| r.area() * (density * r.density).powi(2))
+        .sum();
+    if texels.is_nan() || texels > MOST_TEXELS {
+        return Err(LayoutError::TooDense { texels });
+    }
+    let room = USUAL_COVERAGE * f64::from(options.size).powi(2);
+    Ok((texels / room).ceil().max(options.pages.into()) as usize)
+}
+
+/// Divides the receivers among pages by area, the largest first to where there is most room left.
+fn page_members(receivers: &[Receiver], pages: usize) -> Vec<Vec<usize>> {
+    let weight = |r: &Receiver| r.area() * r.density.powi(2);
+    let weights: Vec<f64> = receivers.iter().map(weight).collect();
+    let mut order: Vec<usize> = (0..receivers.len()).collect();
+    order.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]).then(a.cmp(&b)));
+    let mut members = vec![Vec::new(); pages.clamp(1, receivers.len().max(1))];
+    let mut filled = vec![0.0; members.len()];
+    for r in order {
+        let emptiest = (0..filled.len()).min_by(|&a, &b| f64::total_cmp(&filled[a], &filled[b]));
+        let page = emptiest.unwrap_or(0);
+        filled[page] += weights[r];
+        members[page].push(r);
+    }
+    members.iter_mut().for_each(|m| m.sort_unstable());
+    members.retain(|m| !m.is_empty());
+    members
+}
+
+/// One page of charts.
+fn packed(
+    inputs: &[MeshInput],
+    options: &UnwrapOptions,
+    progress: &Progress,
+) -> Result<Atlas, LayoutError> {
+    let triangles: usize = inputs.iter().map(|m| m.indices.len() / 3).sum();
+    let density = match options.resolution {
+        Resolution::Fill => Density::Auto {
+            page_size: options.size,
+        },
+        Resolution::PerUnit(density) => Density::Fixed {
+            texels_per_unit: density as f32,
+            page_size: None,
+        },
+    };
+    let packing = if triangles > MOST_SHAPED {
+        Packing::Fast
+    } else {
+        Packing::Shape
+    };
+    let wanted = Options {
+        density,
+        padding: options.padding,
+        block_align: options.blocks,
+        packing,
+        ..Options::default()
+    };
+    let mut flattened = std::sync::atomic::AtomicUsize::new(0);
+    let report = |p: uvunwrap::Progress| match p.stage {
+        Stage::Parameterizing => {
+            let before = flattened.swap(p.done, std::sync::atomic::Ordering::Relaxed);
+            progress.advance(p.done.saturating_sub(before) as u64).is_ok()
+        }
+        _ => progress.advance(0).is_ok(),
+    };
+    let atlas = uvunwrap::generate_with_progress(inputs, &wanted, report);
+    flattened.get_mut();
+    let atlas = atlas.map_err(|error| match error {
+        uvunwrap::Error::Cancelled => LayoutError::Cancelled,
+        uvunwrap::Error::ChartTooLarge { .. } => LayoutError::TooManyCharts {
+            size: options.size,
+            enough: enough(options.size, 4),
+        },
+        uvunwrap::Error::AtlasTooLarge { texels } => LayoutError::TooDense {
+            texels: texels as f64,
+        },
+        other => LayoutError::Unwrapper(other.to_string()),
+    })?;
+    if atlas.page_count > 1 {
+        // Padding alone fills a page: the unwrapper goes on with pages of a low density.
+        return Err(LayoutError::TooManyCharts {
+            size: options.size,
+            enough: enough(options.size, atlas.page_count),
+        });
+    }
+    Ok(atlas)
+}
+
+/// A size of pages with room for so many pages of `size`.
+fn enough(size: u32, pages: u32) -> u32 {
+    let side = f64::from(size) * f64::from(pages).sqrt();
+    (side.ceil() as u32).next_power_of_two().min(MOST_SIZE)
+}
+
+impl Layout {
+    /// Adds a page with the charts of some receivers.
+    fn add_page(
+        &mut self,
+        members: &[usize],
+        receivers: &[Receiver],
+        atlas: &Atlas,
+        options: &UnwrapOptions,
+    ) {
+        let page = self.pages.len() as u32;
+        // The unwrapper crops a page to the rows in use.
+        let size = match options.resolution {
+            Resolution::Fill => [options.size; 2],
+            Resolution::PerUnit(_) => [atlas.width, atlas.height],
+        };
+        let scale = [
+            f64::from(atlas.width) / f64::from(size[0]),
+            f64::from(atlas.height) / f64::from(size[1]),
+        ];
+        self.pages.push(size);
+        for (&r, mesh) in members.iter().zip(&atlas.meshes) {
+            let count = receivers[r].triangles.len();
+            self.receivers[r] = laid_out(mesh, count, page, self.charts, scale);
+        }
+        self.charts += atlas.chart_count;
+    }
+}
+
+fn laid_out(
+    mesh: &OutputMesh,
+    triangles: usize,
+    page: u32,
+    first_chart: u32,
+    scale: [f64; 2],
+) -> ReceiverLayout {
+    let mut layout = ReceiverLayout {
+        pages: vec![page; triangles],
+        ..ReceiverLayout::default()
+    };
+    for corners in mesh.indices.chunks_exact(3) {
+        let vertices = [0, 1, 2].map(|k| mesh.vertices[corners[k] as usize]);
+        let uv = |k: usize| {
+            let [u, v] = vertices[k].uv;
+            [
+                (f64::from(u) * scale[0]) as f32,
+                (f64::from(v) * scale[1]) as f32,
+            ]
+        };
+        layout.uvs.push([0, 1, 2].map(uv));
+        let charts = vertices.map(|v| v.chart);
+        let is_charted = charts[0].is_some() && charts.iter().all(|c| *c == charts[0]);
+        layout.charts.push(match charts[0] {
+            Some(chart) if is_charted => first_chart + chart,
+            _ => NO_CHART,
+        });
+    }
+    layout
+}
+
+/// A receiver as the unwrapper takes it.
+struct UnwrapMesh {
+    /// Around the middle of the receiver, so that single precision suffices.
+    positions: Vec<[f32; 3]>,
+    indices: Vec<u32>,
+    parts: Vec<u32>,
+    seams: Vec<[bool; 3]>,
+    ignored: Vec<bool>,
+}
+
+impl UnwrapMesh {
+    fn new(receiver: &Receiver, crease: f64) -> UnwrapMesh {
+        let used = receiver.triangles.iter().flatten();
+        let used = used.map(|&v| receiver.positions[v as usize]);
+        let bounds = Aabb::around(used.filter(|p| p.is_finite()));
+        let middle = if receiver.triangles.is_empty() {
+            DVec3::ZERO
+        } else {
+            0.5 * (bounds.min + bounds.max)
+        };
+        let is_visible = receiver.visible_triangles();
+        let place = |p: &DVec3| {
+            let p = *p - middle;
+            (if p.is_finite() { p } else { DVec3::ZERO }).as_vec3().to_array()
+        };
+        UnwrapMesh {
+            positions: receiver.positions.iter().map(place).collect(),
+            indices: receiver.triangles.iter().flatten().copied().collect(),
+            parts: receiver.parts.clone(),
+            seams: seams(receiver, &is_visible, crease),
+            ignored: is_visible.iter().map(|v| !v).collect(),
+        }
+    }
+
+    fn input(&self, density: f64) -> MeshInput<'_> {
+        MeshInput {
+            face_materials: Some(&self.parts),
+            ignored_faces: Some(&self.ignored),
+            seams: Some(&self.seams),
+            scale: density as f32,
+            ..MeshInput::new(&self.positions, &self.indices)
+        }
+    }
+}

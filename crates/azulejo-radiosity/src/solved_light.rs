@@ -1,0 +1,185 @@
+//! The light of a scene, solved once and gathered as often as needed.
+
+use crate::fine_light::IrradianceField;
+use crate::gather::{GatherEffort, GatherLight, GatherTargets, Gathering, gather, gather_split};
+use crate::solve::{Estimate, FirstPass, PatchPurpose, Report, SolveError};
+use crate::solved::SolvedPatches;
+use azulejo_factors::row::side;
+use azulejo_factors::{PointNormal, ProxyScene};
+use azulejo_scene::{Rgb, Scene};
+use azulejo_trace::sampling::hash;
+use azulejo_trace::{GatherPoint, Gathered, Gatherer, Progress, Tracer};
+
+/// The light on the patches of a scene.
+pub struct SolvedLight<'a> {
+    proxy: &'a ProxyScene<'a>,
+    solved: SolvedPatches<'a>,
+    pass: FirstPass,
+}
+
+/// Irradiance at points by where it comes from.
+pub struct GatheredPoints {
+    /// Indirect irradiance, W/m²: all that [`Gatherer::direct`] does not count.
+    pub indirect: Vec<Gathered>,
+    /// Standard error of each point, discretization included, W/m².
+    pub errors: Vec<Rgb>,
+    /// Statistics and error of the solution.
+    pub report: Report,
+}
+
+impl<'a> SolvedLight<'a> {
+    /// Solves the light between patches.
+    ///
+    /// # Errors
+    /// As [`solve`](crate::solve()).
+    pub fn new(
+        proxy: &'a ProxyScene<'a>,
+        pass: &FirstPass,
+        progress: &Progress,
+    ) -> Result<SolvedLight<'a>, SolveError> {
+        let purpose = PatchPurpose::Points;
+        Ok(SolvedLight {
+            proxy,
+            solved: SolvedPatches::new(proxy, pass, purpose, progress, &mut |_, _| ())?,
+            pass: pass.clone(),
+        })
+    }
+
+    /// What gathers in the scene.
+    pub fn gatherer(&self) -> &Gatherer<'a> {
+        &self.solved.gatherer
+    }
+
+    /// Irradiance of either side at a place of a face, as hits have it, front and back: that of the whole
+    /// patch, W/m².
+    pub fn sides_at(&self, [object, face, triangle]: [u32; 3], [u, v]: [f32; 2]) -> [Rgb; 2] {
+        let patch = self.solved.patches.locate(object, face, triangle, u, v);
+        [true, false].map(|front| self.solved.solution.incident[side(patch, front) as usize])
+    }
+
+    /// Irradiance at points and normals, all alike.
+    ///
+    /// Points on concave exact shapes may lie behind their proxy polygons, and are moved onto them.
+    ///
+    /// # Errors
+    /// As [`solve`](crate::solve()).
+    pub fn probe(&self, points: &[PointNormal], progress: &Progress) -> Result<Probed, SolveError> {
+        let points = self.proxy.on_polygons(points);
+        let place = |(i, p): (usize, &PointNormal)| GatherPoint {
+            position: p.position,
+            normal: p.normal,
+            key: i as u32,
+        };
+        let places: Vec<GatherPoint> = points.iter().enumerate().map(place).collect();
+        let (light, black) = (
+            self.solved.light(&self.pass),
+            self.solved.black_light(&self.pass),
+        );
+        let found = gather(
+            &self.solved.gatherer,
+            GatherLight::new(&light, black.as_ref()),
+            GatherTargets {
+                points: &places,
+                areas: &[],
+            },
+            self.pass.effort(self.solved.method),
+            hash(&[self.pass.key(), 2]),
+            progress,
+        )?;
+        let errors = found.standard_errors();
+        let estimate = |(g, &error): (&Gathered, &Rgb)| Estimate {
+            // The estimate of a visible fraction may fall slightly below zero.
+            value: g.mean().map(|e| e.max(0.0)),
+            error,
+        };
+        let estimates = found.gathered.iter().zip(&errors).map(estimate).collect();
+        Ok(Probed {
+            estimates,
+            report: self.solved.report(&found),
+        })
+    }
+
+    /// Indirect irradiance at points that stand for areas (square scene units), so exact that with direct
+    /// light beside it the error is that of `effort`. Hits read `fine` light where it is known, and
+    /// patches elsewhere. Samples depend on the points' keys and `seed`.
+    ///
+    /// # Errors
+    /// As [`solve`](crate::solve()).
+    pub fn indirect(
+        &self,
+        points: &[GatherPoint],
+        areas: &[f64],
+        fine: Option<&dyn IrradianceField>,
+        effort: PointEffort,
+        seed: u32,
+        progress: &Progress,
+    ) -> Result<GatheredPoints, SolveError> {
+        let light = self.solved.light(&self.pass);
+        let light = match fine {
+            Some(field) if self.pass.bounces.is_none() => light.with_fine(field),
+            _ => light,
+        };
+        let black = self.solved.black_light(&self.pass);
+        let usual = self.pass.effort(self.solved.method);
+        let effort = GatherEffort {
+            interpolate: false,
+            error: match effort {
+                PointEffort::Error(error) => Some(error),
+                PointEffort::Rays(_) => None,
+            },
+            rays: match effort {
+                PointEffort::Error(_) => usual.rays,
+                PointEffort::Rays(rays) => rays.min(usual.rays),
+            },
+            ..usual
+        };
+        let found: Gathering = gather_split(
+            &self.solved.gatherer,
+            GatherLight::new(&light, black.as_ref()),
+            GatherTargets { points, areas },
+            effort,
+            hash(&[self.pass.key(), 2, seed]),
+            progress,
+        )?;
+        Ok(GatheredPoints {
+            indirect: found.indirect(),
+            errors: found.standard_errors(),
+            report: self.solved.report(&found),
+        })
+    }
+}
+
+/// When gathering ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PointEffort {
+    /// At this error, relative to the mean irradiance of the points.
+    Error(f64),
+    /// After so many rays per point.
+    Rays(u32),
+}
+
+/// Irradiance at points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Probed {
+    /// One estimate per point, W/m².
+    pub estimates: Vec<Estimate>,
+    /// Statistics and error of the solution.
+    pub report: Report,
+}
+
+/// Irradiance at given points and normals. `keep_mesh` has no effect.
+///
+/// Points on concave exact shapes may lie behind their proxy polygons, and are moved onto them.
+///
+/// # Errors
+/// As [`solve`].
+pub fn probe(
+    scene: &Scene,
+    tracer: &Tracer,
+    points: &[PointNormal],
+    pass: &FirstPass,
+    progress: &Progress,
+) -> Result<Probed, SolveError> {
+    let proxy = ProxyScene::new(scene, tracer, pass.size);
+    SolvedLight::new(&proxy, pass, progress)?.probe(points, progress)
+}

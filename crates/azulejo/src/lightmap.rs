@@ -1,0 +1,241 @@
+//! Lightmaps of scenes: charts, light of the solved first pass in their texels, and padding.
+//!
+//! [`bake`] is the third pass beside the picture: `azulejo-bake` knows texels, `azulejo-radiosity` knows
+//! light, and here the two meet.
+
+use azulejo_bake::{
+    Atlas, Lightmap, LightmapPage, NodeLight, NodeRequest, Receiver, Samples,
+    SeamErrors, TexelField, TexelStatistics, UnwrapOptions,
+};
+use azulejo_bake::{LayoutError, layout::NO_CHART};
+use azulejo_factors::ProxyScene;
+use azulejo_radiosity::{
+    FirstPass, IrradianceField, PointEffort, Report, SolveError, SolvedLight,
+};
+use azulejo_scene::{Rgb, Scene};
+use azulejo_trace::sampling::hash;
+use azulejo_trace::{Cancelled, DiffuseHit, Progress, Tracer};
+use std::fmt;
+
+/// Share of the permitted error that is left to noise and patches beside interpolation.
+const NOISE_SHARE: f64 = 0.85;
+
+/// Rays per point of the first look at the light.
+const FIRST_RAYS: u32 = 256;
+
+/// Error where none is requested.
+const DEFAULT_ERROR: f64 = 0.03;
+
+/// Which light a lightmap holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BakedLight {
+    /// All.
+    #[default]
+    Total,
+    /// All but what comes straight from lamps and lights, or from them by one flat mirror.
+    Indirect,
+    /// That alone.
+    Direct,
+}
+
+/// Which side of surfaces a lightmap has.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BakedSides {
+    /// Fronts.
+    #[default]
+    Front,
+    /// Of each chart the side that gets more light.
+    Brighter,
+}
+
+/// How a lightmap is baked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BakeOptions {
+    /// Charts and pages.
+    pub charts: UnwrapOptions,
+    /// The first pass, with the error to reach.
+    pub pass: FirstPass,
+    /// Which light.
+    pub light: BakedLight,
+    /// Which sides.
+    pub sides: BakedSides,
+}
+
+/// Why there is no lightmap.
+#[derive(Clone, Debug, PartialEq)]
+pub enum BakeError {
+    /// No charts.
+    Layout(LayoutError),
+    /// No light.
+    Solve(SolveError),
+}
+
+impl fmt::Display for BakeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            BakeError::Layout(error) => error.fmt(f),
+            BakeError::Solve(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for BakeError {}
+
+impl From<LayoutError> for BakeError {
+    fn from(error: LayoutError) -> BakeError {
+        match error {
+            LayoutError::Cancelled => BakeError::Solve(SolveError::Cancelled),
+            other => BakeError::Layout(other),
+        }
+    }
+}
+
+impl From<SolveError> for BakeError {
+    fn from(error: SolveError) -> BakeError {
+        BakeError::Solve(error)
+    }
+}
+
+impl From<Cancelled> for BakeError {
+    fn from(_: Cancelled) -> BakeError {
+        BakeError::Solve(SolveError::Cancelled)
+    }
+}
+
+/// A lightmap with what is known of it.
+#[derive(Clone, Debug)]
+pub struct Baked {
+    /// Surfaces and their places.
+    pub atlas: Atlas,
+    /// The texels.
+    pub lightmap: Lightmap,
+    /// How they were computed.
+    pub texels: TexelStatistics,
+    /// The light between patches.
+    pub report: Report,
+    /// Differences along seams.
+    pub seams: SeamErrors,
+}
+
+/// Bakes the lightmap of a scene of meshes: the objects that are listed receive.
+///
+/// # Errors
+/// [`BakeError`].
+pub fn bake(
+    scene: &Scene,
+    tracer: &Tracer,
+    objects: &[u32],
+    options: &BakeOptions,
+    progress: &Progress,
+) -> Result<Baked, BakeError> {
+    let proxy = ProxyScene::new(scene, tracer, options.pass.size);
+    let receiver = |&o: &u32| Receiver::of_object(&proxy.scene.objects[o as usize]);
+    let (receivers, objects): (Vec<Receiver>, Vec<u32>) = objects
+        .iter()
+        .filter_map(|o| Some((receiver(o)?, *o)))
+        .unzip();
+    let layout = azulejo_bake::unwrap(&receivers, &options.charts, progress)?;
+    let mut atlas = Atlas {
+        receivers,
+        layout,
+        turned: Vec::new(),
+    };
+    let solved = SolvedLight::new(&proxy, &options.pass, progress)?;
+    if options.sides == BakedSides::Brighter {
+        atlas.turned = turned(&atlas, &objects, &proxy.scene, &solved);
+    }
+    let gatherer = solved.gatherer();
+    let surfaces = gatherer.surfaces();
+    let samples = Samples::new(&atlas, surfaces.tracer, progress)?;
+    let error = options.pass.error.unwrap_or(DEFAULT_ERROR);
+    let seed = hash(&[options.pass.seed as u32, (options.pass.seed >> 32) as u32, 3]);
+    let direct = azulejo_bake::direct(&samples, &atlas, gatherer, error, seed, progress)?;
+    let mut reports = Vec::new();
+    let mut gather = |request: &NodeRequest, fine: Option<&dyn IrradianceField>| {
+        let effort = match request.error {
+            Some(error) => PointEffort::Error(NOISE_SHARE * error),
+            None => PointEffort::Rays(FIRST_RAYS),
+        };
+        let (points, areas) = (request.points, request.areas);
+        let found = solved.indirect(points, areas, fine, effort, request.round, progress)?;
+        reports.push(found.report);
+        let light = found.indirect.into_iter().zip(found.errors);
+        let node = |(irradiance, standard_error)| NodeLight {
+            irradiance,
+            standard_error,
+        };
+        Ok::<_, SolveError>(light.map(node).collect())
+    };
+    let look = azulejo_bake::first_look(&samples, &direct, &mut |r| gather(r, None))?;
+    let field = TexelField::new(&atlas, &samples, &look, &objects, surfaces);
+    let field = FieldOfTexels(&field);
+    let mut gather = |request: &NodeRequest| gather(request, Some(&field));
+    let (light, texels) = azulejo_bake::with_indirect(&samples, &direct, error, &mut gather)?;
+    let mut lightmap = Lightmap::new(&samples, &light, surfaces);
+    for page in &mut lightmap.pages {
+        azulejo_bake::pad_charts(page, options.charts.padding);
+    }
+    let seams = azulejo_bake::stitch(&mut lightmap, &atlas, options.charts.crease);
+    for page in &mut lightmap.pages {
+        azulejo_bake::fill(page);
+    }
+    Ok(Baked {
+        atlas,
+        lightmap,
+        texels,
+        report: reports.swap_remove(1),
+        seams,
+    })
+}
+
+/// Light of texels beside that of patches.
+struct FieldOfTexels<'a>(&'a TexelField<'a>);
+
+impl IrradianceField for FieldOfTexels<'_> {
+    fn irradiance(&self, at: &DiffuseHit) -> Option<([f32; 3], f32)> {
+        self.0.irradiance(at)
+    }
+}
+
+/// For each triangle of a receiver its face, and its number in the face.
+fn face_triangles(scene: &Scene, object: u32) -> Vec<[u32; 2]> {
+    let mesh = scene.objects[object as usize].shape.mesh();
+    let faces = mesh.map_or(0, |mesh| mesh.faces.len());
+    let of_face = |face: usize| {
+        let count = mesh.map_or(0, |mesh| mesh.faces.get(face).len() - 2);
+        (0..count as u32).map(move |triangle| [face as u32, triangle])
+    };
+    (0..faces).flat_map(of_face).collect()
+}
+
+/// Of each chart whether its back gets more light.
+fn turned(atlas: &Atlas, objects: &[u32], scene: &Scene, solved: &SolvedLight) -> Vec<bool> {
+    let mut excess = vec![0.0; atlas.layout.charts as usize];
+    for (r, receiver) in atlas.receivers.iter().enumerate() {
+        let faces = face_triangles(scene, objects[r]);
+        for (t, [face, triangle]) in faces.into_iter().enumerate() {
+            let chart = atlas.layout.receivers[r].charts[t];
+            if chart != NO_CHART {
+                let place = [objects[r], face, triangle];
+                let [front, back] = solved.sides_at(place, [1.0 / 3.0; 2]);
+                let area = receiver.area_vector(t).length();
+                excess[chart as usize] += area * (back - front).mean();
+            }
+        }
+    }
+    excess.into_iter().map(|e| e > 0.0).collect()
+}
+
+impl Baked {
+    /// Irradiance as a viewer reads it at a point of a receiver's triangle, W/m².
+    pub fn irradiance(&self, receiver: usize, triangle: usize, weights: [f64; 3]) -> Option<Rgb> {
+        let layout = &self.atlas.layout.receivers[receiver];
+        if layout.charts[triangle] == NO_CHART {
+            return None;
+        }
+        let uvs = layout.uvs[triangle];
+        let uv = [0, 1].map(|k| (0..3).map(|c| weights[c] * f64::from(uvs[c][k])).sum());
+        let page: &LightmapPage = &self.lightmap.pages[layout.pages[triangle] as usize];
+        Some(page.bilinear(uv))
+    }
+}
