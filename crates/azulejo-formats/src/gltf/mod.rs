@@ -23,6 +23,7 @@ mod messages;
 mod nodes;
 mod origin;
 mod pack;
+pub mod patch;
 mod pictures;
 mod skin;
 #[cfg(test)]
