@@ -15,7 +15,7 @@ use super::notes::Notes;
 use super::primitives::{PrimitiveJson, VARIANTS};
 use super::scan::Span;
 use super::source::{Source, parsed};
-use super::splits::{SplitPrimitive, Splits};
+use super::splits::{MISSING, SplitPrimitive, Splits, VertexGroup};
 use super::types::{Convention, GltfFile, LightmapEdit, LightsMode, PatchedFile};
 use super::undo;
 use serde_json::{Map, Value, json};
@@ -90,6 +90,8 @@ struct Split {
     primitives: Vec<Vec<(usize, SplitPrimitive)>>,
     /// New accessors of each list of vertices; `None` where it could not be split.
     vertices: Vec<Option<NewVertices>>,
+    /// Numbers of vertices of each list before and after.
+    counts: Vec<[usize; 2]>,
     /// New indices of primitives, by assignment and primitive.
     indices: HashMap<(usize, usize), usize>,
 }
@@ -182,6 +184,7 @@ impl<'w, 's> Work<'w, 's> {
         let mut split = Split {
             primitives,
             vertices,
+            counts: splits.groups.iter().map(VertexGroup::counts).collect(),
             indices: HashMap::new(),
         };
         self.indices(&mut split, &accessors, additions)?;
@@ -201,20 +204,37 @@ impl<'w, 's> Work<'w, 's> {
                     continue;
                 }
                 let json = &self.meshes[assignment.mesh][*i];
-                let decoded = match &primitive.corners {
-                    None if json.has_draco() => {
-                        let count = json.count(self.source);
-                        count.and_then(|count| json.corners(self.source, count)).ok()
-                    }
-                    _ => None,
-                };
-                if let Some(corners) = primitive.corners.as_ref().or(decoded.as_ref()) {
-                    let new = accessors.corners(corners, json.indices, additions)?;
+                let counts = split.counts[primitive.group];
+                if let Some(corners) = self.corners(json, primitive, counts) {
+                    let new = accessors.corners(&corners, json.indices, additions)?;
                     split.indices.insert((a, *i), new);
                 }
             }
         }
         Ok(())
+    }
+
+    /// The corners of a primitive that needs new indices.
+    fn corners(
+        &self,
+        json: &PrimitiveJson,
+        primitive: &SplitPrimitive,
+        [before, after]: [usize; 2],
+    ) -> Option<Vec<u32>> {
+        // Vertices that there are not yet must not become those of the copies.
+        let missing = |v: u32| if v == MISSING { after as u32 } else { v };
+        if let Some(corners) = &primitive.corners {
+            return Some(corners.iter().map(|v| missing(*v)).collect());
+        }
+        if after == before && !json.has_draco() {
+            return None;
+        }
+        let corners = json.corners(self.source, before).ok()?;
+        let is_copy = |v: u32| (before..after).contains(&(v as usize));
+        // Without indices all vertices would be drawn, the copies, too.
+        let is_needed = json.has_draco() || json.indices.is_none() || corners.iter().any(|v| is_copy(*v));
+        let kept = corners.into_iter().map(|v| if is_copy(v) { after as u32 } else { v });
+        is_needed.then(|| kept.collect())
     }
 
     /// The light of the primitives of an assignment.

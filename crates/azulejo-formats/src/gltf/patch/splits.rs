@@ -31,9 +31,13 @@ pub struct SplitPrimitive {
     pub group: usize,
     /// The index of its picture.
     pub page: u32,
-    /// Its corners, if they changed; then always as a list of triangles.
+    /// Its corners, if they changed; then always as a list of triangles. [`MISSING`] for vertices that
+    /// there never were.
     pub corners: Option<Vec<u32>>,
 }
+
+/// A corner whose vertex does not exist.
+pub const MISSING: u32 = u32::MAX;
 
 /// What one primitive of an object receives.
 #[derive(Clone, Copy, Debug)]
@@ -174,6 +178,11 @@ impl<'l> Wanted<'l> {
 }
 
 impl VertexGroup {
+    /// The number of vertices before and after.
+    pub fn counts(&self) -> [usize; 2] {
+        [self.uvs.len(), self.uvs.len() + self.sources.len()]
+    }
+
     /// Gives the corners of faces their coordinates; the new corners of the primitive if some changed.
     fn place(&mut self, wanted: &Wanted) -> Result<Option<Vec<u32>>, String> {
         let mut changed: Vec<(usize, [u32; 3])> = Vec::new();
@@ -193,7 +202,9 @@ impl VertexGroup {
             return Ok(None);
         }
         let all = topology::triangles(wanted.mode, &wanted.corners);
-        let mut corners: Vec<u32> = (0..all.count()).flat_map(|i| all.get(i)).collect();
+        let there = |v: u32| if (v as usize) < wanted.count { v } else { MISSING };
+        let corners = (0..all.count()).flat_map(|i| all.get(i).map(there));
+        let mut corners: Vec<u32> = corners.collect();
         for (triangle, placed) in changed {
             corners[3 * triangle..][..3].copy_from_slice(&placed);
         }
