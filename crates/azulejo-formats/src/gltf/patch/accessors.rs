@@ -8,6 +8,7 @@ use super::scan::{self, Span};
 use super::source::Source;
 use super::splits::VertexGroup;
 use gltf_json::accessor::ComponentType;
+use serde_json::{Value, json};
 use std::collections::HashMap;
 
 /// Members of an accessor that say where its bytes are.
@@ -109,7 +110,7 @@ impl<'s> NewAccessors<'s> {
         let count = group.uvs.len() + group.more_uvs.len();
         additions.spend(8 * count)?;
         let bytes: Vec<u8> = uvs.flatten().flat_map(|v| v.to_le_bytes()).collect();
-        let view = additions.view(&bytes, ",\"target\":34962");
+        let view = additions.view(&bytes, &vertex_view(8));
         Ok(additions.accessor(format!(
             "{{\"bufferView\":{view},\"componentType\":5126,\"count\":{count},\"type\":\"VEC2\"}}"
         )))
@@ -141,16 +142,10 @@ impl<'s> NewAccessors<'s> {
             bytes.extend_from_slice(&old[vertex * size..][..size]);
             bytes.resize(bytes.len().next_multiple_of(4), 0);
         }
-        let strided = format!(",\"byteStride\":{stride},\"target\":34962");
-        let beside = if stride == size { ",\"target\":34962" } else { &strided };
-        let view = additions.view(&bytes, beside);
-        let mut entry = format!("{{\"bufferView\":{view},\"count\":{total}");
-        if self.is_compressed(accessor) {
-            entry += &self.decoded_members(accessor, kind, &old, size);
-        } else {
-            entry += &self.members(accessor, &PLACE);
-        }
-        Ok(Ok(additions.accessor(entry + "}")))
+        let view = additions.view(&bytes, &vertex_view(stride));
+        let members = self.members_of_copy(accessor, kind, &old, size);
+        let entry = format!("{{\"bufferView\":{view},\"count\":{total}{members}}}");
+        Ok(Ok(additions.accessor(entry)))
     }
 
     /// The members of an accessor, but for some.
@@ -162,18 +157,32 @@ impl<'s> NewAccessors<'s> {
         kept.map(|m| format!(",{}", &text[m.span])).collect()
     }
 
-    /// The members of an accessor that was compressed: type and bounds may differ from those declared.
-    fn decoded_members(&self, accessor: usize, kind: ComponentType, bytes: &[u8], size: usize) -> String {
-        let component = kind as u32;
-        let but = [&PLACE[..], &["componentType", "min", "max"]].concat();
-        let mut entry = format!(",\"componentType\":{component}");
-        entry += &self.members(accessor, &but);
-        let has_bounds = self.data().root.accessors.get(accessor);
-        if has_bounds.is_some_and(|a| a.min.is_some()) {
-            let [least, most] = bounds(kind, bytes, size);
-            entry += &format!(",\"min\":{},\"max\":{}", list(&least), list(&most));
+    /// The members of the copy of an accessor. Of a compressed one, type and bounds may differ from those
+    /// declared; bounds that were wrong are not repeated.
+    fn members_of_copy(
+        &self,
+        accessor: usize,
+        kind: ComponentType,
+        bytes: &[u8],
+        size: usize,
+    ) -> String {
+        let json = self.data().root.accessors.get(accessor);
+        let declared = json.and_then(|a| Some([numbers(a.min.as_ref()?), numbers(a.max.as_ref()?)]));
+        let actual = declared.as_ref().map(|_| bounds(kind, bytes, size));
+        let mut but = PLACE.to_vec();
+        let mut entry = String::new();
+        if self.is_compressed(accessor) {
+            but.push("componentType");
+            entry += &format!(",\"componentType\":{}", kind as u32);
         }
-        entry
+        if let Some(actual) = actual.filter(|actual| declared.as_ref() != Some(actual))
+            && actual.iter().flatten().all(|v| v.is_finite())
+        {
+            but.extend(["min", "max"]);
+            let [least, most] = actual.map(|numbers| json!(numbers));
+            entry += &format!(",\"min\":{least},\"max\":{most}");
+        }
+        self.members(accessor, &but) + &entry
     }
 
     /// The accessor of the corners of a primitive that had others in `old`.
@@ -214,8 +223,15 @@ impl<'s> NewAccessors<'s> {
     }
 }
 
-fn list(numbers: &[f64]) -> String {
-    serde_json::json!(numbers).to_string()
+/// What a view of vertices has beside its place. The stride is needed where accessors share the view.
+fn vertex_view(stride: usize) -> String {
+    format!(",\"byteStride\":{stride},\"target\":34962")
+}
+
+/// Bounds as they are declared, in the precision of the components.
+fn numbers(bound: &Value) -> Vec<f64> {
+    let list = bound.as_array().into_iter().flatten();
+    list.map(|v| v.as_f64().map_or(f64::NAN, |v| f64::from(v as f32))).collect()
 }
 
 /// Least and largest components.

@@ -41,7 +41,7 @@ impl Look<'_> {
         // The default material comes first, for what is set after it.
         let (mut change, mut used) = match material {
             Some(_) => (Edit::default(), Vec::new()),
-            None => grey(),
+            None => grey(convention),
         };
         used.extend(match convention {
             Convention::Moz => self.moz(&json, &mut change),
@@ -151,7 +151,7 @@ impl Look<'_> {
 
 /// The material of surfaces without one, as the reader takes it: glTF's own default is a white metal, of
 /// which a lightmap shows nothing.
-fn grey() -> Change {
+fn grey(convention: Convention) -> Change {
     let [r, g, b] = DEFAULT_REFLECTANCE.to_array();
     let mut change = Edit::default();
     change.key("name").set("\"default\"");
@@ -159,6 +159,9 @@ fn grey() -> Change {
     let factor = json!([r, g, b, 1]).to_string();
     surface.key("baseColorFactor").set(factor);
     surface.key("metallicFactor").set("0");
+    if convention == Convention::Unlit {
+        return (change, Vec::new());
+    }
     let extensions = change.key("extensions");
     let specular = "KHR_materials_specular";
     extensions.key(specular).key("specularFactor").set("0");

@@ -4,7 +4,7 @@ use super::{Case, Charts, check};
 use crate::Folder;
 use std::path::{Path, PathBuf};
 
-fn files_in(folder: &Path, list: &mut Vec<PathBuf>) {
+pub fn files_in(folder: &Path, list: &mut Vec<PathBuf>) {
     let entries = std::fs::read_dir(folder).unwrap();
     let mut paths: Vec<PathBuf> = entries.map(|e| e.unwrap().path()).collect();
     paths.sort();

@@ -2,6 +2,7 @@
 
 mod corpus;
 mod crafted;
+mod dump;
 mod kept;
 
 use super::super::origin::ObjectOrigin;
