@@ -52,6 +52,7 @@ pub fn edited(
         _ => edit.lights,
     };
     let mut facts = Map::new();
+    facts.insert("convention".into(), json!(name_of(edit.convention)));
     facts.insert("texCoord".into(), json!(set));
     let baked = lights::change(&source, mode, &mut additions);
     if !baked.is_empty() {
@@ -63,6 +64,16 @@ pub fn edited(
         files,
         notes: notes.finish(),
     })
+}
+
+fn name_of(convention: Convention) -> &'static str {
+    match convention {
+        Convention::Moz => "moz",
+        Convention::Mx => "mx",
+        Convention::Emissive => "emissive",
+        Convention::Unlit => "unlit",
+        Convention::Plain => "plain",
+    }
 }
 
 fn check_pages(source: &Source, edit: &LightmapEdit) -> Result<(), PatchError> {

@@ -13,11 +13,13 @@
 //! | `additions`, `accessors` | new entries and bytes |
 //! | `assign`, `splits`, `free_set` | texture coordinates of objects as those of vertices |
 //! | `looks`, `materials`, `lights` | what shows them |
-//! | `lightmap`, `undo` | the edits as a whole |
+//! | `lightmap`, `undo`, `strip` | the edits as a whole, and what undoes them |
+//! | `convert` | other containers |
 
 mod accessors;
 mod additions;
 mod assign;
+mod convert;
 mod edits;
 mod error;
 mod free_set;
@@ -31,6 +33,7 @@ mod primitives;
 mod scan;
 mod source;
 mod splits;
+mod strip;
 #[cfg(test)]
 mod tests;
 mod types;
@@ -59,33 +62,40 @@ pub fn with_lightmap(
 ) -> Result<PatchedFile, PatchError> {
     let mut notes = Notes::default();
     let parts = Parts::of(original.bytes, original.name)?;
-    if undo::found(&parts).is_none() {
-        return lightmap::edited(original, origins, edit, notes);
+    let mut bytes = None;
+    if undo::found(&parts).is_some() {
+        notes.add("the file had a lightmap: removed");
+        bytes = Some(strip(original.bytes, original.name)?.bytes);
     }
-    notes.add("the file had a lightmap: removed");
-    let stripped = strip(original.bytes, original.name)?;
     let file = GltfFile {
-        bytes: &stripped.bytes,
+        bytes: bytes.as_deref().unwrap_or(original.bytes),
         ..*original
     };
-    lightmap::edited(&file, origins, edit, notes)
+    let Some(other) = convert::converted(&file, &edit.output, &mut notes)? else {
+        return lightmap::edited(&file, origins, edit, notes);
+    };
+    let files = convert::Overlay {
+        old: original.files,
+        new: &other.files,
+    };
+    let file = GltfFile {
+        bytes: &other.bytes,
+        files: &files,
+        ..*original
+    };
+    let mut patched = lightmap::edited(&file, origins, edit, notes)?;
+    patched.files.splice(0..0, other.files.iter().cloned());
+    Ok(patched)
 }
 
 /// Removes the lightmap of azulejo's from a file. `name` is used in messages.
 ///
+/// The file is again what it was, byte for byte; it is then in the container in which it was written last. If
+/// another program has written it since, extensions and lights are restored in the file as it is now, and
+/// the result says so.
+///
 /// # Errors
 /// Files that are not glTF, or have no such lightmap.
 pub fn strip(bytes: &[u8], name: &str) -> Result<StrippedFile, PatchError> {
-    let parts = Parts::of(bytes, name)?;
-    let found = undo::found(&parts);
-    let found = found.ok_or_else(|| PatchError::of(name, "it has no lightmap of azulejo's"))?;
-    let bytes = found.undone(&parts);
-    let bytes = bytes.ok_or_else(|| PatchError::of(name, "another program has written it"))?;
-    let names = found.list("files").iter();
-    Ok(StrippedFile {
-        bytes,
-        is_exact: true,
-        unused_files: names.filter_map(|n| Some(n.as_str()?.to_owned())).collect(),
-        notes: Vec::new(),
-    })
+    strip::stripped(bytes, name)
 }

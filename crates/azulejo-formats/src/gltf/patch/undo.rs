@@ -47,7 +47,7 @@ pub fn sealed(
 }
 
 /// The file of these contents in such a frame.
-fn assembled(frame: &Frame, text: &str, bin: Option<&[u8]>) -> Option<Vec<u8>> {
+pub fn assembled(frame: &Frame, text: &str, bin: Option<&[u8]>) -> Option<Vec<u8>> {
     match frame {
         Frame::Text(mark) => Some([mark, text.as_bytes()].concat()),
         Frame::Glb(glb) => {

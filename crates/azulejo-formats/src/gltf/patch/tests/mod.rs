@@ -2,7 +2,6 @@
 
 mod corpus;
 mod crafted;
-mod dump;
 mod kept;
 
 use super::super::origin::ObjectOrigin;
