@@ -186,15 +186,14 @@ impl GltfMeshBuilder<'_, '_> {
             self.warn("corners that do not form a complete triangle: left out");
         }
         let (origins, number) = (&mut self.origins, self.primitive as u32);
-        let outside =
-            triangles.push_into(mesh, vertices, first, count, surface.id, |triangle| {
-                if let Some(origins) = origins {
-                    origins.push(FaceOrigin {
-                        primitive: number,
-                        triangle,
-                    });
-                }
-            });
+        let outside = triangles.push_into(mesh, vertices, first, count, surface.id, |triangle| {
+            if let Some(origins) = origins {
+                origins.push(FaceOrigin {
+                    primitive: number,
+                    triangle,
+                });
+            }
+        });
         if outside > 0 {
             self.warn("triangles with missing vertices: left out");
         }

@@ -108,7 +108,15 @@ fn read_recorded(
     };
     let surfaces = Surfaces::new(&data, files);
     let recorder = records.then(|| OriginRecorder::new(&root, container.json));
-    let walk = GltfWalk::new(&data, &tree, surfaces, options, &mut messages, recorder, name);
+    let walk = GltfWalk::new(
+        &data,
+        &tree,
+        surfaces,
+        options,
+        &mut messages,
+        recorder,
+        name,
+    );
     let (mut scene, origins) = walk.scene()?;
     scene.units = units(&root);
     check_result(&scene, name, &mut messages)?;

@@ -89,7 +89,11 @@ pub(super) fn data_uri(media_type: &str, bytes: &[u8]) -> String {
         for k in 0..4 {
             let sextet = bits >> (18 - 6 * k) & 63;
             let is_there = k <= three.len();
-            uri.push(if is_there { ALPHABET[sextet as usize].into() } else { '=' });
+            uri.push(if is_there {
+                ALPHABET[sextet as usize].into()
+            } else {
+                '='
+            });
         }
     }
     uri

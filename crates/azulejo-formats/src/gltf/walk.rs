@@ -355,14 +355,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
     }
 
     /// Adds an object at `world`, which its shape has taken into account.
-    fn push(
-        &mut self,
-        place: Place,
-        name: String,
-        shape: Shape,
-        world: &DAffine3,
-        faces: &Faces,
-    ) {
+    fn push(&mut self, place: Place, name: String, shape: Shape, world: &DAffine3, faces: &Faces) {
         let root = self.root();
         if let Some(origins) = &mut self.origins {
             let mirrored = world.matrix3.determinant() < 0.0;

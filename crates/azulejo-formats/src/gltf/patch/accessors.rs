@@ -151,7 +151,10 @@ impl<'s> NewAccessors<'s> {
     /// The members of an accessor, but for some.
     fn members(&self, accessor: usize, but: &[&str]) -> String {
         let text = self.source.text();
-        let members = self.entries.get(accessor).and_then(|e| scan::members(text, e));
+        let members = self
+            .entries
+            .get(accessor)
+            .and_then(|e| scan::members(text, e));
         let members = members.into_iter().flatten();
         let kept = members.filter(|m| !but.contains(&m.key.as_str()));
         kept.map(|m| format!(",{}", &text[m.span])).collect()
@@ -167,13 +170,14 @@ impl<'s> NewAccessors<'s> {
         size: usize,
     ) -> String {
         let json = self.data().root.accessors.get(accessor);
-        let declared = json.and_then(|a| Some([numbers(a.min.as_ref()?), numbers(a.max.as_ref()?)]));
+        let declared =
+            json.and_then(|a| Some([numbers(a.min.as_ref()?), numbers(a.max.as_ref()?)]));
         let actual = declared.as_ref().map(|_| bounds(kind, bytes, size));
         let mut but = PLACE.to_vec();
         let mut entry = String::new();
         if self.is_compressed(accessor) {
             but.push("componentType");
-            entry += &format!(",\"componentType\":{}", kind as u32);
+            entry += &format!(",\"componentType\":{}", kind.as_gl_enum());
         }
         if let Some(actual) = actual.filter(|actual| declared.as_ref() != Some(actual))
             && actual.iter().flatten().all(|v| v.is_finite())
@@ -208,7 +212,9 @@ impl<'s> NewAccessors<'s> {
             _ => 4,
         };
         additions.spend(size * corners.len())?;
-        let bytes = corners.iter().flat_map(|v| v.to_le_bytes().into_iter().take(size));
+        let bytes = corners
+            .iter()
+            .flat_map(|v| v.to_le_bytes().into_iter().take(size));
         let bytes: Vec<u8> = bytes.collect();
         let view = additions.view(&bytes, ",\"target\":34963");
         let component = match size {
@@ -231,7 +237,8 @@ fn vertex_view(stride: usize) -> String {
 /// Bounds as they are declared, in the precision of the components.
 fn numbers(bound: &Value) -> Vec<f64> {
     let list = bound.as_array().into_iter().flatten();
-    list.map(|v| v.as_f64().map_or(f64::NAN, |v| f64::from(v as f32))).collect()
+    list.map(|v| v.as_f64().map_or(f64::NAN, |v| f64::from(v as f32)))
+        .collect()
 }
 
 /// Least and largest components.

@@ -85,7 +85,8 @@ impl<'s> Additions<'s> {
     pub fn spend(&mut self, bytes: usize) -> Result<(), PatchError> {
         let left = self.left.checked_sub(bytes as u64);
         self.left = left.ok_or_else(|| {
-            let found = "a lightmap that takes more bytes than allowed (ReadOptions::most_unpacked)";
+            let found =
+                "a lightmap that takes more bytes than allowed (ReadOptions::most_unpacked)";
             self.source.refused(found)
         })?;
         Ok(())

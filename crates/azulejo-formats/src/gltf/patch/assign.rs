@@ -57,7 +57,11 @@ pub fn assignments<'l>(
     notes: &mut Notes,
 ) -> Result<Vec<Assignment<'l>>, PatchError> {
     if origins.len() != edit.objects.len() {
-        let found = format!("{} layouts for {} objects", edit.objects.len(), origins.len());
+        let found = format!(
+            "{} layouts for {} objects",
+            edit.objects.len(),
+            origins.len()
+        );
         return Err(source.refused(found));
     }
     let mut chosen = Vec::new();
@@ -93,7 +97,9 @@ pub fn assignments<'l>(
             (None, _) if first == list.len() && !kept.contains(&mesh) => Entry::Own,
             (None, _) => {
                 if edit.instances != InstanceMode::Copy && first != list.len() {
-                    notes.add("instance whose coordinates are not moved and scaled ones: gets a copy");
+                    notes.add(
+                        "instance whose coordinates are not moved and scaled ones: gets a copy",
+                    );
                 }
                 Entry::Copy
             }
@@ -129,7 +135,9 @@ fn parts<'l>(
     let count = origin.faces.len();
     if layout.uvs.len() != count || layout.pages.len() != count {
         let (uvs, pages) = (layout.uvs.len(), layout.pages.len());
-        return Err(format!("coordinates of {uvs} and pages of {pages} faces, of {count}"));
+        return Err(format!(
+            "coordinates of {uvs} and pages of {pages} faces, of {count}"
+        ));
     }
     if !layout.uvs.iter().flatten().flatten().all(|v| v.is_finite()) {
         return Err("coordinates that are not finite".to_owned());
@@ -138,7 +146,10 @@ fn parts<'l>(
     let mut at = 0;
     for faces in origin.faces.chunk_by(|a, b| a.primitive == b.primitive) {
         let part = part(faces, at, layout, origin.mirrored)?;
-        if parts.last().is_some_and(|last| last.primitive >= part.primitive) {
+        if parts
+            .last()
+            .is_some_and(|last| last.primitive >= part.primitive)
+        {
             return Err("faces that are not in the order of their primitives".to_owned());
         }
         if edit.convention != Convention::Plain && part.page as usize >= edit.pages.len() {

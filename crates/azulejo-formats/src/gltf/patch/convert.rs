@@ -133,9 +133,9 @@ impl Conversion<'_, '_> {
             if i > 0 && uri.starts_with("data:") {
                 continue;
             }
-            let bytes = self.bytes(&uri).map_err(|fault| {
-                PatchError::of(self.file.name, format!("buffer {i}: {fault}"))
-            })?;
+            let bytes = self
+                .bytes(&uri)
+                .map_err(|fault| PatchError::of(self.file.name, format!("buffer {i}: {fault}")))?;
             let change = self.edit.key("buffers").index(i).key("uri");
             match i {
                 0 => {
@@ -151,7 +151,10 @@ impl Conversion<'_, '_> {
     /// Embeds the pictures that are files, after the numbers.
     fn images(&mut self, bin: &mut Vec<u8>) {
         let buffers = self.list("buffers");
-        if buffers.first().is_some_and(|first| self.uri(first).is_none()) {
+        if buffers
+            .first()
+            .is_some_and(|first| self.uri(first).is_none())
+        {
             // A buffer without bytes keeps none.
             return;
         }
@@ -195,7 +198,21 @@ fn media_type(bytes: &[u8], uri: &str) -> &'static str {
     match bytes {
         [0x89, b'P', b'N', b'G', ..] => "image/png",
         [0xff, 0xd8, ..] => "image/jpeg",
-        [b'R', b'I', b'F', b'F', _, _, _, _, b'W', b'E', b'B', b'P', ..] => "image/webp",
+        [
+            b'R',
+            b'I',
+            b'F',
+            b'F',
+            _,
+            _,
+            _,
+            _,
+            b'W',
+            b'E',
+            b'B',
+            b'P',
+            ..,
+        ] => "image/webp",
         [0xab, b'K', b'T', b'X', ..] => "image/ktx2",
         [b'D', b'D', b'S', b' ', ..] => "image/vnd-ms.dds",
         _ if ending.eq_ignore_ascii_case("png") => "image/png",

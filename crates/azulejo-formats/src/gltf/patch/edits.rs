@@ -80,7 +80,10 @@ impl Edit {
     pub fn is_empty(&self) -> bool {
         match self {
             Edit::Within { members, elements } => {
-                let mut all = members.iter().map(|(_, edit)| edit).chain(elements.values());
+                let mut all = members
+                    .iter()
+                    .map(|(_, edit)| edit)
+                    .chain(elements.values());
                 all.all(Edit::is_empty)
             }
             Edit::Set(_) | Edit::Remove => false,
@@ -181,7 +184,9 @@ fn splice_object(
     let is_last = |i: usize| list[i + 1..].iter().all(|m| m.key != list[i].key);
     let change = |i: usize| {
         let found = changes.iter().find(|(key, _)| *key == list[i].key);
-        found.map(|(_, edit)| edit).filter(|edit| is_last(i) || matches!(edit, Edit::Remove))
+        found
+            .map(|(_, edit)| edit)
+            .filter(|edit| is_last(i) || matches!(edit, Edit::Remove))
     };
     let items: Vec<Item> = (0..list.len())
         .map(|i| Item {
@@ -191,7 +196,9 @@ fn splice_object(
         })
         .collect();
     let is_new = |key: &str| list.iter().all(|m| m.key != key);
-    let added = changes.iter().filter(|(key, edit)| is_new(key) && is_present(edit));
+    let added = changes
+        .iter()
+        .filter(|(key, edit)| is_new(key) && is_present(edit));
     let added = added.map(|(key, edit)| named(key, edit)).collect();
     splice_items(text, span, &items, added, splices);
 }
@@ -210,7 +217,10 @@ fn splice_list(
     });
     let items: Vec<Item> = items.collect();
     let added = changes.range(list.len()..).map(|(_, edit)| edit);
-    let added = added.filter(|edit| is_present(edit)).map(Edit::rendered).collect();
+    let added = added
+        .filter(|edit| is_present(edit))
+        .map(Edit::rendered)
+        .collect();
     splice_items(text, span, &items, added, splices);
 }
 
@@ -220,7 +230,10 @@ fn is_present(edit: &Edit) -> bool {
         Edit::Set(_) => true,
         Edit::Remove => false,
         Edit::Within { members, elements } => {
-            let mut all = members.iter().map(|(_, edit)| edit).chain(elements.values());
+            let mut all = members
+                .iter()
+                .map(|(_, edit)| edit)
+                .chain(elements.values());
             all.any(is_present)
         }
     }
@@ -285,7 +298,11 @@ mod tests {
         let mut edit = Edit::default();
         change(&mut edit);
         let splices = edit.splices(text, &whole(text));
-        assert!(splices.windows(2).all(|w| w[0].range.end <= w[1].range.start));
+        assert!(
+            splices
+                .windows(2)
+                .all(|w| w[0].range.end <= w[1].range.start)
+        );
         assert_eq!(spliced(text, &splices), expected, "{text}");
     }
 
@@ -331,7 +348,15 @@ mod tests {
 
     #[test]
     fn values_of_other_kinds_are_replaced() {
-        check("{\"a\":null}", |e| e.key("a").key("b").set("1"), "{\"a\":{\"b\":1}}");
-        check("{\"a\":1,\"a\":2}", |e| e.key("a").set("3"), "{\"a\":1,\"a\":3}");
+        check(
+            "{\"a\":null}",
+            |e| e.key("a").key("b").set("1"),
+            "{\"a\":{\"b\":1}}",
+        );
+        check(
+            "{\"a\":1,\"a\":2}",
+            |e| e.key("a").set("3"),
+            "{\"a\":1,\"a\":3}",
+        );
     }
 }

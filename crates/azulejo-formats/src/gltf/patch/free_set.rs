@@ -12,12 +12,16 @@ pub fn of(source: &Source, materials: &HashSet<usize>, wished: u32) -> u32 {
     let entries = source.list("materials");
     let mut used = HashSet::new();
     for material in materials {
-        let text = entries.get(*material).map(|span| &source.text()[span.clone()]);
+        let text = entries
+            .get(*material)
+            .map(|span| &source.text()[span.clone()]);
         let json = text.and_then(|text| serde_json::from_str::<Value>(text).ok());
         json.iter().for_each(|json| add_used(json, &mut used));
     }
     // Of as many sets as there are numbers, one is free.
-    (wished..).find(|set| !used.contains(&u64::from(*set))).unwrap_or(wished)
+    (wished..)
+        .find(|set| !used.contains(&u64::from(*set)))
+        .unwrap_or(wished)
 }
 
 /// Adds the sets that the textures in a value use.
@@ -28,7 +32,10 @@ fn add_used(value: &Value, used: &mut HashSet<u64>) {
             // References to textures have an index, and set 0 if they name none.
             let first = members.get("index").map(|_| 0);
             used.extend(set.or(first));
-            for (_, inner) in members.iter().filter(|(key, _)| !LIGHTMAPS.contains(&key.as_str())) {
+            for (_, inner) in members
+                .iter()
+                .filter(|(key, _)| !LIGHTMAPS.contains(&key.as_str()))
+            {
                 add_used(inner, used);
             }
         }

@@ -89,7 +89,9 @@ impl<'a> Glb<'a> {
     /// be larger than a GLB can be.
     pub fn joined(&self, text: &str, bin: Option<&[u8]>) -> Option<Vec<u8>> {
         let blanks = [b' '; 4];
-        let padding = self.odd_padding.unwrap_or(&blanks[..padding_of(text.len())]);
+        let padding = self
+            .odd_padding
+            .unwrap_or(&blanks[..padding_of(text.len())]);
         let mut body = Vec::new();
         let json = Chunk {
             kind: *b"JSON",
@@ -133,7 +135,9 @@ fn push_chunk(body: &mut Vec<u8>, chunk: Chunk, padding: &[u8]) -> Option<()> {
 
 /// The JSON of a GLB and the rest of it.
 fn split(bytes: &[u8]) -> Result<(&[u8], Glb<'_>), &'static str> {
-    let (header, mut rest) = bytes.split_at_checked(12).ok_or("a GLB header that is cut off")?;
+    let (header, mut rest) = bytes
+        .split_at_checked(12)
+        .ok_or("a GLB header that is cut off")?;
     if word(header, 4) != Some(2) {
         return Err("binary glTF of another version than 2");
     }
@@ -179,7 +183,12 @@ mod tests {
 
     #[test]
     fn any_glb_comes_back() {
-        let mut odd = glb_of(&[(b"JSON", b"{}  \0"), (b"abc\0", b"?"), (b"BIN\0", b"12"), (b"BIN\0", b"3")]);
+        let mut odd = glb_of(&[
+            (b"JSON", b"{}  \0"),
+            (b"abc\0", b"?"),
+            (b"BIN\0", b"12"),
+            (b"BIN\0", b"3"),
+        ]);
         odd.extend(*b"tail");
         odd[8] = 7;
         let files = [

@@ -16,7 +16,7 @@ use super::primitives::{PrimitiveJson, VARIANTS};
 use super::scan::Span;
 use super::source::{Source, parsed};
 use super::splits::{MISSING, SplitPrimitive, Splits, VertexGroup};
-use super::types::{Convention, GltfFile, LightmapEdit, LightsMode, PatchedFile};
+use super::types::{Convention, GltfFile, InstanceMode, LightmapEdit, LightsMode, PatchedFile};
 use super::undo;
 use serde_json::{Map, Value, json};
 use std::collections::{HashMap, HashSet};
@@ -31,7 +31,7 @@ pub fn edited(
     let parts = Parts::of(file.bytes, file.name)?;
     let root = parsed(&parts, file)?;
     let source = Source::new(parts, &root, file);
-    check_pages(&source, edit)?;
+    check_edit(&source, edit)?;
     let assignments = assignments(&source, origins, edit, &mut notes)?;
     let work = Work::new(&source, edit, assignments);
     let set = work.set(&mut notes);
@@ -41,7 +41,14 @@ pub fn edited(
     let uses = work.uses(&split);
     let replaced = match edit.convention {
         Convention::Mx | Convention::Plain => Replaced::default(),
-        _ => uses.light(&source, edit, set, &mut textures, &mut additions, &mut notes)?,
+        _ => uses.light(
+            &source,
+            edit,
+            set,
+            &mut textures,
+            &mut additions,
+            &mut notes,
+        )?,
     };
     work.meshes(&split, &replaced, set, &mut additions, &mut notes);
     if edit.convention == Convention::Mx {
@@ -76,12 +83,15 @@ fn name_of(convention: Convention) -> &'static str {
     }
 }
 
-fn check_pages(source: &Source, edit: &LightmapEdit) -> Result<(), PatchError> {
+fn check_edit(source: &Source, edit: &LightmapEdit) -> Result<(), PatchError> {
     let is_number = |i: f64| i.is_finite() && i >= 0.0;
-    if edit.pages.iter().all(|page| is_number(page.intensity)) {
-        return Ok(());
+    if !edit.pages.iter().all(|page| is_number(page.intensity)) {
+        return Err(source.refused("a lightmap whose intensity is no number, or negative"));
     }
-    Err(source.refused("a lightmap whose intensity is no number, or negative"))
+    if edit.instances == InstanceMode::Node && edit.convention != Convention::Mx {
+        return Err(source.refused("offsets at nodes, which only MX_lightmap has"));
+    }
+    Ok(())
 }
 
 /// An edit, and what it is about.
@@ -114,7 +124,9 @@ impl<'w, 's> Work<'w, 's> {
         assignments: Vec<Assignment<'w>>,
     ) -> Work<'w, 's> {
         let spans = source.list("meshes");
-        let meshes = spans.iter().map(|span| PrimitiveJson::of_mesh(source.text(), span));
+        let meshes = spans
+            .iter()
+            .map(|span| PrimitiveJson::of_mesh(source.text(), span));
         Work {
             source,
             edit,
@@ -162,7 +174,15 @@ impl<'w, 's> Work<'w, 's> {
                 let pages = same.into_iter().zip(&assignment.parts);
                 primitives.push(
                     pages
-                        .map(|((i, split), part)| (i, SplitPrimitive { page: part.page, ..split }))
+                        .map(|((i, split), part)| {
+                            (
+                                i,
+                                SplitPrimitive {
+                                    page: part.page,
+                                    ..split
+                                },
+                            )
+                        })
                         .collect(),
                 );
                 continue;
@@ -172,7 +192,8 @@ impl<'w, 's> Work<'w, 's> {
             let list = splits.add(self.source, mesh, &assignment.parts, is_shared);
             let list = list.map_err(|fault| {
                 let node = assignment.node;
-                self.source.refused(format!("a layout that does not fit node {node}: {fault}"))
+                self.source
+                    .refused(format!("a layout that does not fit node {node}: {fault}"))
             })?;
             for (primitive, split) in &list {
                 owners.entry(split.group).or_insert(&mesh[*primitive]);
@@ -243,8 +264,11 @@ impl<'w, 's> Work<'w, 's> {
         let corners = json.corners(self.source, before).ok()?;
         let is_copy = |v: u32| (before..after).contains(&(v as usize));
         // Without indices all vertices would be drawn, the copies, too.
-        let is_needed = json.has_draco() || json.indices.is_none() || corners.iter().any(|v| is_copy(*v));
-        let kept = corners.into_iter().map(|v| if is_copy(v) { after as u32 } else { v });
+        let is_needed =
+            json.has_draco() || json.indices.is_none() || corners.iter().any(|v| is_copy(*v));
+        let kept = corners
+            .into_iter()
+            .map(|v| if is_copy(v) { after as u32 } else { v });
         is_needed.then(|| kept.collect())
     }
 
@@ -256,7 +280,8 @@ impl<'w, 's> Work<'w, 's> {
         };
         let list = split.primitives[assignment].iter();
         let list = list.filter(|(_, p)| split.vertices[p.group].is_some());
-        list.map(|(i, p)| (*i, Lit::new(p.page, placement))).collect()
+        list.map(|(i, p)| (*i, Lit::new(p.page, placement)))
+            .collect()
     }
 
     /// Who uses the materials once all meshes have changed.
@@ -385,8 +410,10 @@ impl<'w, 's> Work<'w, 's> {
             }
         }
         let all = self.meshes.iter().enumerate();
-        let mut all = all.flat_map(|(m, list)| list.iter().enumerate().map(move |(p, json)| ((m, p), json)));
-        let compressed: Vec<(usize, usize)> = all.by_ref()
+        let mut all =
+            all.flat_map(|(m, list)| list.iter().enumerate().map(move |(p, json)| ((m, p), json)));
+        let compressed: Vec<(usize, usize)> = all
+            .by_ref()
             .filter(|(_, json)| json.has_draco())
             .map(|(place, _)| place)
             .collect();

@@ -27,7 +27,9 @@ pub fn change(source: &Source, mode: LightsMode, additions: &mut Additions) -> V
 
 fn dim(source: &Source, additions: &mut Additions) -> Vec<Value> {
     let text = source.text();
-    let list = source.find(&LIGHT_LIST).and_then(|list| elements(text, &list));
+    let list = source
+        .find(&LIGHT_LIST)
+        .and_then(|list| elements(text, &list));
     let mut baked = Vec::new();
     for (i, light) in list.into_iter().flatten().enumerate() {
         let old = member(text, &light, "intensity").map(|span| &text[span]);

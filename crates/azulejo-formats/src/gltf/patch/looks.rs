@@ -24,7 +24,8 @@ pub struct Look<'l> {
 type Change = (Edit, Vec<&'static str>);
 
 const UNLIT: &str = "KHR_materials_unlit";
-const MOVED: &str = "KHR_texture_transform";
+/// The extension that moves texture coordinates.
+pub const MOVED: &str = "KHR_texture_transform";
 
 impl Look<'_> {
     /// The change of a material, or of the default one.
@@ -100,7 +101,9 @@ impl Look<'_> {
         }
         let surface = change.key("pbrMetallicRoughness");
         let alpha = material.alpha();
-        surface.key("baseColorFactor").set(format!("[0,0,0,{alpha}]"));
+        surface
+            .key("baseColorFactor")
+            .set(format!("[0,0,0,{alpha}]"));
         surface.key("metallicFactor").set("0");
         surface.key("roughnessFactor").set("1");
         surface.key("metallicRoughnessTexture").remove();
@@ -123,17 +126,17 @@ impl Look<'_> {
         Ok(used)
     }
 
-    fn unlit(
-        &self,
-        material: &Material,
-        change: &mut Edit,
-    ) -> Result<Vec<&'static str>, String> {
+    fn unlit(&self, material: &Material, change: &mut Edit) -> Result<Vec<&'static str>, String> {
         if material.emits() {
             return Err("material that emits light: stays, without lightmap".to_owned());
         }
         let steps = ["pbrMetallicRoughness", "baseColorTexture"];
         let has_picture = material.find(&steps).is_some();
-        if has_picture && material.string("alphaMode").is_some_and(|mode| mode != "OPAQUE") {
+        if has_picture
+            && material
+                .string("alphaMode")
+                .is_some_and(|mode| mode != "OPAQUE")
+        {
             let fault = "material with holes in its picture: stays, without lightmap";
             return Err(fault.to_owned());
         }
@@ -143,7 +146,9 @@ impl Look<'_> {
         let alpha = material.alpha();
         let factor = format!("[{colour},{colour},{colour},{alpha}]");
         surface.key("baseColorFactor").set(factor);
-        surface.key("baseColorTexture").set(self.texture().rendered());
+        surface
+            .key("baseColorTexture")
+            .set(self.texture().rendered());
         change.key("extensions").key(UNLIT).set("{}");
         Ok(self.used([UNLIT]))
     }

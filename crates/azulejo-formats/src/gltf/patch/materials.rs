@@ -159,6 +159,10 @@ impl MaterialUses {
     ) -> Result<Replaced, PatchError> {
         let entries = source.list("materials");
         let mut replaced = Replaced::default();
+        let pages = self.0.values().flatten().flatten().map(|lit| lit.page);
+        for page in pages.collect::<BTreeSet<u32>>() {
+            textures.of(page, additions)?;
+        }
         for (&material, uses) in &self.0 {
             let span = material.and_then(|m| entries.get(m));
             let mut in_place = span.is_some() && !uses.contains(&None);
@@ -182,6 +186,10 @@ impl MaterialUses {
                 };
                 let used = extensions.iter();
                 used.for_each(|e| additions.use_extension("extensionsUsed", e));
+                if lit.placement.is_some() {
+                    // Without the transform the coordinates are those of another place.
+                    additions.use_extension("extensionsRequired", looks::MOVED);
+                }
                 let new = entry(source, material, span, change, in_place, additions, notes);
                 in_place = false;
                 replaced.0.insert((material, *lit), new);

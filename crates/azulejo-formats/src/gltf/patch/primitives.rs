@@ -38,7 +38,9 @@ impl<'t> PrimitiveJson<'t> {
     pub fn of_mesh(text: &'t str, mesh: &Span) -> Vec<PrimitiveJson<'t>> {
         let list = member(text, mesh, "primitives").and_then(|list| elements(text, &list));
         let list = list.unwrap_or_default();
-        list.iter().map(|span| PrimitiveJson::of(text, span)).collect()
+        list.iter()
+            .map(|span| PrimitiveJson::of(text, span))
+            .collect()
     }
 
     fn of(text: &'t str, span: &Span) -> PrimitiveJson<'t> {

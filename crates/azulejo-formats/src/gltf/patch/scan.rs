@@ -76,7 +76,8 @@ pub fn member(text: &str, object: &Span, key: &str) -> Option<Span> {
 /// The member of a member of ... an object.
 pub fn find(text: &str, from: &Span, keys: &[&str]) -> Option<Span> {
     let first = from.clone();
-    keys.iter().try_fold(first, |span, key| member(text, &span, key))
+    keys.iter()
+        .try_fold(first, |span, key| member(text, &span, key))
 }
 
 /// The text of a JSON string.
@@ -89,7 +90,12 @@ pub fn number(text: &str, span: &Span) -> Option<usize> {
     let number = text.get(span.clone())?;
     let plain = number.parse().ok();
     // Some writers give indices a fraction of zero.
-    plain.or_else(|| serde_json::from_str::<serde_json::Value>(number).ok()?.as_f64().and_then(whole_of))
+    plain.or_else(|| {
+        serde_json::from_str::<serde_json::Value>(number)
+            .ok()?
+            .as_f64()
+            .and_then(whole_of)
+    })
 }
 
 fn whole_of(value: f64) -> Option<usize> {
@@ -175,7 +181,8 @@ fn nested_end(bytes: &[u8], start: usize) -> usize {
 mod tests {
     use super::*;
 
-    const TEXT: &str = " {\r\n \"a\" : [ 1, -0.0,{\"]\":\"}\\\"\"} , [] ],\"\\u0062\":{},\"b\" :\"\u{e9}\" }\n";
+    const TEXT: &str =
+        " {\r\n \"a\" : [ 1, -0.0,{\"]\":\"}\\\"\"} , [] ],\"\\u0062\":{},\"b\" :\"\u{e9}\" }\n";
 
     #[test]
     fn values_and_their_places() {
@@ -211,7 +218,9 @@ mod tests {
     #[test]
     fn texts_that_end_early() {
         for end in 0..TEXT.len() {
-            let Some(text) = TEXT.get(..end) else { continue };
+            let Some(text) = TEXT.get(..end) else {
+                continue;
+            };
             let root = whole(text);
             if let Some(list) = member(text, &root, "a") {
                 elements(text, &list);

@@ -144,7 +144,9 @@ impl<'l> Wanted<'l> {
         primitive: &PrimitiveJson,
         faces: PrimitiveFaces<'l>,
     ) -> Result<Wanted<'l>, String> {
-        let mode = primitive.mode.ok_or("faces of a primitive without triangles")?;
+        let mode = primitive
+            .mode
+            .ok_or("faces of a primitive without triangles")?;
         let count = primitive.count(source)?;
         let corners = primitive.corners(source, count)?;
         let triangles = topology::triangles(mode, &corners).count();
@@ -189,7 +191,11 @@ impl VertexGroup {
         let faces = wanted.faces.faces.iter().zip(wanted.faces.uvs);
         for ((face, uvs), vertices) in faces.zip(wanted.triangles()) {
             let [a, b, c] = *uvs;
-            let uvs = if wanted.faces.mirrored { [a, c, b] } else { [a, b, c] };
+            let uvs = if wanted.faces.mirrored {
+                [a, c, b]
+            } else {
+                [a, b, c]
+            };
             let mut placed = vertices;
             for (vertex, uv) in placed.iter_mut().zip(uvs) {
                 *vertex = self.vertex(*vertex, uv)?;
@@ -202,7 +208,13 @@ impl VertexGroup {
             return Ok(None);
         }
         let all = topology::triangles(wanted.mode, &wanted.corners);
-        let there = |v: u32| if (v as usize) < wanted.count { v } else { MISSING };
+        let there = |v: u32| {
+            if (v as usize) < wanted.count {
+                v
+            } else {
+                MISSING
+            }
+        };
         let corners = (0..all.count()).flat_map(|i| all.get(i).map(there));
         let mut corners: Vec<u32> = corners.collect();
         for (triangle, placed) in changed {
@@ -227,7 +239,10 @@ impl VertexGroup {
         }
         let copy = u32::try_from(self.uvs.len() + self.sources.len());
         // The largest index restarts primitives.
-        let copy = copy.ok().filter(|c| *c < u32::MAX - 1).ok_or("too many vertices")?;
+        let copy = copy
+            .ok()
+            .filter(|c| *c < u32::MAX - 1)
+            .ok_or("too many vertices")?;
         self.sources.push(vertex);
         self.more_uvs.push(uv);
         self.copies.insert((vertex, bits), copy);

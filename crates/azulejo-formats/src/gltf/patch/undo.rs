@@ -13,12 +13,7 @@ use super::source::Source;
 use serde_json::{Map, Value, json};
 
 /// The steps to the note.
-pub const NOTE: [&str; 4] = [
-    "asset",
-    "extras",
-    "azulejo",
-    "lightmap",
-];
+pub const NOTE: [&str; 4] = ["asset", "extras", "azulejo", "lightmap"];
 
 /// Stands in the place of the note while the text is made. JSON has no such character.
 const MARK: &str = "\u{1}";
@@ -33,7 +28,11 @@ pub fn sealed(
     mut facts: Map<String, Value>,
 ) -> Result<(Vec<u8>, Vec<(String, Vec<u8>)>), PatchError> {
     let bin = additions.finish_bytes();
-    let names: Vec<&str> = additions.files.iter().map(|(name, _)| name.as_str()).collect();
+    let names: Vec<&str> = additions
+        .files
+        .iter()
+        .map(|(name, _)| name.as_str())
+        .collect();
     if !names.is_empty() {
         facts.insert("files".into(), json!(names));
     }
@@ -97,13 +96,16 @@ fn with_note(source: &Source, edit: &mut Edit, mut facts: Map<String, Value>) ->
 /// Puts the mark into the extras of the asset, whatever they are.
 fn add_mark(source: &Source, edit: &mut Edit) {
     let text = source.text();
-    let is_other = |span: &Span| !text[span.clone()].starts_with('{') && &text[span.clone()] != "null";
+    let is_other =
+        |span: &Span| !text[span.clone()].starts_with('{') && &text[span.clone()] != "null";
     let extras = source.find(&NOTE[..2]);
     let azulejo = source.find(&NOTE[..3]);
     let place = edit.key("asset").key("extras");
     if let Some(old) = extras.filter(is_other) {
         let old = &text[old];
-        place.set(format!("{{\"value\":{old},\"azulejo\":{{\"lightmap\":{MARK}}}}}"));
+        place.set(format!(
+            "{{\"value\":{old},\"azulejo\":{{\"lightmap\":{MARK}}}}}"
+        ));
     } else if let Some(old) = azulejo.filter(is_other) {
         let old = &text[old];
         let place = place.key("azulejo");
@@ -202,4 +204,3 @@ fn hash(text: &str) -> String {
     });
     format!("{mixed:016x}")
 }
-

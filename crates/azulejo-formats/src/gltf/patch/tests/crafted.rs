@@ -4,6 +4,8 @@ use super::super::super::container::tests::glb_of;
 use super::{Case, Charts, check};
 use crate::Memory;
 use crate::gltf::patch::{InstanceMode, LightsMode, PatchedFile, strip};
+use crate::gltf::tests::draco;
+use proptest::prelude::*;
 use serde_json::Value;
 
 /// A file that is put together.
@@ -28,7 +30,14 @@ impl Craft {
     }
 
     /// Adds an accessor of bytes, and returns its index.
-    pub fn accessor(&mut self, bytes: &[u8], component: u32, count: usize, kind: &str, more: &str) -> usize {
+    pub fn accessor(
+        &mut self,
+        bytes: &[u8],
+        component: u32,
+        count: usize,
+        kind: &str,
+        more: &str,
+    ) -> usize {
         let view = self.view(bytes, "");
         self.accessors.push(format!(
             "{{ \"bufferView\":{view},\"componentType\":{component},\"count\":{count},\
@@ -48,8 +57,12 @@ impl Craft {
         let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         let bounds = if kind == "VEC3" {
             let at = |k: usize| values.iter().skip(k).step_by(3).copied();
-            let least: Vec<f32> = (0..3).map(|k| at(k).fold(f32::INFINITY, f32::min)).collect();
-            let most: Vec<f32> = (0..3).map(|k| at(k).fold(f32::NEG_INFINITY, f32::max)).collect();
+            let least: Vec<f32> = (0..3)
+                .map(|k| at(k).fold(f32::INFINITY, f32::min))
+                .collect();
+            let most: Vec<f32> = (0..3)
+                .map(|k| at(k).fold(f32::NEG_INFINITY, f32::max))
+                .collect();
             format!(",\"min\":{least:?},\"max\":{most:?}")
         } else {
             String::new()
@@ -69,7 +82,9 @@ impl Craft {
     /// Indices of the triangles of those squares, in so many bytes each.
     pub fn triangles(&mut self, quads: usize, size: usize) -> usize {
         let corners = (0..quads as u32).flat_map(|q| [0, 2, 1, 1, 2, 3].map(|k| 2 * q + k));
-        let bytes: Vec<u8> = corners.flat_map(|v| v.to_le_bytes().into_iter().take(size)).collect();
+        let bytes: Vec<u8> = corners
+            .flat_map(|v| v.to_le_bytes().into_iter().take(size))
+            .collect();
         let component = match size {
             1 => 5121,
             2 => 5123,
@@ -92,7 +107,12 @@ impl Craft {
         )
     }
 
-    /// A GLB of this and other chunks.
+    /// The numbers.
+    pub fn bin(&self) -> Vec<u8> {
+        self.bin.clone()
+    }
+
+    /// A GLB of this.
     pub fn glb(&self, rest: &str) -> Vec<u8> {
         let mut json = self.json("", rest).into_bytes();
         json.resize(json.len().next_multiple_of(4), b' ');
@@ -106,7 +126,12 @@ impl Craft {
 fn check_all(bytes: &[u8], name: &str, files: &Memory) -> PatchedFile {
     let case = Case { bytes, name, files };
     let mut last = None;
-    for charts in [Charts::One, Charts::Random(3), Charts::Random(4), Charts::Faces] {
+    for charts in [
+        Charts::One,
+        Charts::Random(3),
+        Charts::Random(4),
+        Charts::Faces,
+    ] {
         last = check(&case, charts, |_| {});
         for mode in [InstanceMode::Transform] {
             check(&case, charts, |edit| {
@@ -120,12 +145,22 @@ fn check_all(bytes: &[u8], name: &str, files: &Memory) -> PatchedFile {
 
 /// Meshes of these primitives, one node each.
 fn nodes_of(meshes: &[&str]) -> String {
-    let nodes: Vec<String> = (0..meshes.len()).map(|m| format!("{{\"mesh\":{m}}}")).collect();
-    let meshes: Vec<String> = meshes.iter().map(|p| format!("{{\"primitives\":[{p}]}}")).collect();
-    format!("\"nodes\":[{}],\"meshes\":[{}]", nodes.join(","), meshes.join(","))
+    let nodes: Vec<String> = (0..meshes.len())
+        .map(|m| format!("{{\"mesh\":{m}}}"))
+        .collect();
+    let meshes: Vec<String> = meshes
+        .iter()
+        .map(|p| format!("{{\"primitives\":[{p}]}}"))
+        .collect();
+    format!(
+        "\"nodes\":[{}],\"meshes\":[{}]",
+        nodes.join(","),
+        meshes.join(",")
+    )
 }
 
-fn json_of(file: &PatchedFile) -> Value {
+/// The JSON of an edited file.
+pub fn json_of(file: &PatchedFile) -> Value {
     let parts = super::super::glb::Parts::of(&file.bytes, "a").unwrap();
     serde_json::from_str(parts.text).unwrap()
 }
@@ -148,7 +183,11 @@ fn texts_that_look_like_others() {
     );
     let patched = glb_case(&craft, &rest);
     let text = String::from_utf8_lossy(&patched.bytes).into_owned();
-    assert_eq!(text.matches("[0.725,1e0,-0.0,1E+2,100000000000000000000]").count(), 6);
+    assert_eq!(
+        text.matches("[0.725,1e0,-0.0,1E+2,100000000000000000000]")
+            .count(),
+        6
+    );
     // As text, with marks, blanks and line ends.
     let files = Memory::new().with("b c.bin", craft.bin.clone());
     for (before, after) in [("", ""), ("\u{feff}", "\r\n"), ("\n\t ", "  \n")] {
@@ -163,10 +202,20 @@ fn texts_that_look_like_others() {
 fn extras_of_any_kind() {
     let mut craft = Craft::default();
     let (p, i) = (craft.positions(2), craft.triangles(2, 2));
-    let rest = nodes_of(&[&format!("{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i}}}")]);
+    let rest = nodes_of(&[&format!(
+        "{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i}}}"
+    )]);
     let all = [
-        "\"text\"", "7", "null", "[1,{\"azulejo\":2}]", "{}", "{\"azulejo\":7}", "{\"azulejo\":null}",
-        "{\"azulejo\":{}}", "{\"azulejo\":{\"photometric\":true}}", "{\"a\":1,\"azulejo\" : [ ]}",
+        "\"text\"",
+        "7",
+        "null",
+        "[1,{\"azulejo\":2}]",
+        "{}",
+        "{\"azulejo\":7}",
+        "{\"azulejo\":null}",
+        "{\"azulejo\":{}}",
+        "{\"azulejo\":{\"photometric\":true}}",
+        "{\"a\":1,\"azulejo\" : [ ]}",
     ];
     for extras in all {
         let json = craft.json("", &rest);
@@ -180,12 +229,19 @@ fn extras_of_any_kind() {
 fn chunks_of_others() {
     let mut craft = Craft::default();
     let (p, i) = (craft.positions(2), craft.triangles(2, 1));
-    let rest = nodes_of(&[&format!("{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i}}}")]);
+    let rest = nodes_of(&[&format!(
+        "{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i}}}"
+    )]);
     let json = craft.json("", &rest);
     let json = json.as_bytes();
     let odd = [json, b"\0 \0"].concat();
     let mut files = vec![
-        glb_of(&[(b"JSON", json), (b"abc\0", b"123"), (b"BIN\0", &craft.bin), (b"BIN\0", b"x")]),
+        glb_of(&[
+            (b"JSON", json),
+            (b"abc\0", b"123"),
+            (b"BIN\0", &craft.bin),
+            (b"BIN\0", b"x"),
+        ]),
         glb_of(&[(b"JSON", &odd), (b"BIN\0", &craft.bin), (b"zzzz", b"")]),
     ];
     let mut tail = files[0].clone();
@@ -200,16 +256,28 @@ fn chunks_of_others() {
     let files = Memory::new().with("a.bin", craft.bin.clone());
     let patched = check_all(&glb_of(&[(b"JSON", json.as_bytes())]), "a.glb", &files);
     assert!(patched.files.is_empty());
-    check_all(&glb_of(&[(b"JSON", json.as_bytes()), (b"BIN\0", b"left")]), "a.glb", &files);
+    check_all(
+        &glb_of(&[(b"JSON", json.as_bytes()), (b"BIN\0", b"left")]),
+        "a.glb",
+        &files,
+    );
 }
 
 #[test]
 fn files_without_anything() {
     let least = "{\"asset\":{\"version\":\"2.0\"}}";
     check_all(least.as_bytes(), "a.gltf", &Memory::new());
-    check_all(&glb_of(&[(b"JSON", least.as_bytes())]), "a.glb", &Memory::new());
+    check_all(
+        &glb_of(&[(b"JSON", least.as_bytes())]),
+        "a.glb",
+        &Memory::new(),
+    );
     let bin: (&[u8; 4], &[u8]) = (b"BIN\0", b"");
-    check_all(&glb_of(&[(b"JSON", least.as_bytes()), bin]), "a.glb", &Memory::new());
+    check_all(
+        &glb_of(&[(b"JSON", least.as_bytes()), bin]),
+        "a.glb",
+        &Memory::new(),
+    );
     assert!(strip(least.as_bytes(), "a.gltf").is_err());
 }
 
@@ -218,7 +286,10 @@ fn attributes_of_all_kinds() {
     let mut craft = Craft::default();
     let count = 6;
     let bytes = |n: usize| (0..n).map(|i| (i * 37 % 251) as u8).collect::<Vec<u8>>();
-    let short: Vec<u8> = (0..count).flat_map(|i: u16| [i / 2, i % 2, 0, 99].map(|v| v * 300)).flat_map(u16::to_le_bytes).collect();
+    let short: Vec<u8> = (0..count)
+        .flat_map(|i: u16| [i / 2, i % 2, 0, 99].map(|v| v * 300))
+        .flat_map(u16::to_le_bytes)
+        .collect();
     let view = craft.view(&short, ",\"byteStride\":8");
     craft.accessors.push(format!(
         "{{\"bufferView\":{view},\"componentType\":5123,\"count\":{count},\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[600,300,0]}}"
@@ -228,7 +299,13 @@ fn attributes_of_all_kinds() {
     let n = craft.accessor(&normals, 5120, count.into(), "VEC3", ",\"normalized\":true");
     let view = craft.views.len() - 1;
     craft.views[view] = craft.views[view].replace("}", ",\"byteStride\":4}");
-    let c = craft.accessor(&bytes(24), 5121, 6, "VEC4", ",\"normalized\":true,\"name\":\"c\"");
+    let c = craft.accessor(
+        &bytes(24),
+        5121,
+        6,
+        "VEC4",
+        ",\"normalized\":true,\"name\":\"c\"",
+    );
     let uv = craft.accessor(&bytes(24), 5123, 6, "VEC2", ",\"normalized\":true");
     let uv1 = craft.floats(&[0.5; 12], "VEC2");
     let joints = craft.accessor(&[0; 24], 5121, 6, "VEC4", "");
@@ -257,7 +334,11 @@ fn attributes_of_all_kinds() {
         + ",\"materials\":[{\"emissiveTexture\":{\"index\":0,\"texCoord\":1}}],\"textures\":[{}],\
            \"extensionsUsed\":[\"KHR_mesh_quantization\"],\"extensionsRequired\":[\"KHR_mesh_quantization\"]";
     let patched = glb_case(&craft, &rest);
-    assert!(patched.notes.iter().any(|n| n.contains("TEXCOORD_2")), "{:?}", patched.notes);
+    assert!(
+        patched.notes.iter().any(|n| n.contains("TEXCOORD_2")),
+        "{:?}",
+        patched.notes
+    );
     let json = json_of(&patched);
     let attributes = &json["meshes"][0]["primitives"][0]["attributes"];
     let copied = |name: &str| {
@@ -271,22 +352,42 @@ fn attributes_of_all_kinds() {
     assert_eq!(copied("NORMAL")["normalized"], true);
     assert_eq!(copied("POSITION")["max"][0], 600);
     assert!(copied("_SPARSE").get("sparse").is_none());
-    assert_eq!(json["meshes"][0]["primitives"][0]["targets"][1]["NORMAL"],
-        json["meshes"][0]["primitives"][0]["targets"][0]["POSITION"]);
+    assert_eq!(
+        json["meshes"][0]["primitives"][0]["targets"][1]["NORMAL"],
+        json["meshes"][0]["primitives"][0]["targets"][0]["POSITION"]
+    );
 }
 
 #[test]
 fn indices_grow_when_they_must() {
-    for (quads, size, expected) in [(100, 1, 5123), (40, 1, 5121), (40, 2, 5123), (40, 4, 5125), (11_000, 2, 5125)] {
+    for (quads, size, expected) in [
+        (100, 1, 5123),
+        (40, 1, 5121),
+        (40, 2, 5123),
+        (40, 4, 5125),
+        (10_922, 2, 5123),
+        (10_923, 2, 5125),
+    ] {
         let mut craft = Craft::default();
         let (p, i) = (craft.positions(quads), craft.triangles(quads, size));
-        let rest = nodes_of(&[&format!("{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i}}}")]);
+        let rest = nodes_of(&[&format!(
+            "{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i}}}"
+        )]);
         let file = craft.glb(&rest);
-        let case = Case { bytes: &file, name: "a.glb", files: &Memory::new() };
+        let case = Case {
+            bytes: &file,
+            name: "a.glb",
+            files: &Memory::new(),
+        };
         let patched = check(&case, Charts::Faces, |_| {}).unwrap();
         let json = json_of(&patched);
-        let index = json["meshes"][0]["primitives"][0]["indices"].as_u64().unwrap() as usize;
-        assert_eq!(json["accessors"][index]["componentType"], expected, "{quads} × {size}");
+        let index = json["meshes"][0]["primitives"][0]["indices"]
+            .as_u64()
+            .unwrap() as usize;
+        assert_eq!(
+            json["accessors"][index]["componentType"], expected,
+            "{quads} × {size}"
+        );
     }
 }
 
@@ -300,9 +401,18 @@ fn strips_and_fans() {
     let fan = format!("{{\"attributes\":{{\"POSITION\":{p}}},\"mode\" : 6.0}}");
     let points = format!("{{\"attributes\":{{\"POSITION\":{p}}},\"mode\":0}}");
     let alone = format!("{{\"attributes\":{{\"POSITION\":{p}}}}}");
-    let rest = nodes_of(&[&strip, &plain, &[&fan[..], &points, &alone].join(",").replace("6.0", "6"), &alone]);
+    let rest = nodes_of(&[
+        &strip,
+        &plain,
+        &[&fan[..], &points, &alone].join(",").replace("6.0", "6"),
+        &alone,
+    ]);
     let file = craft.glb(&rest);
-    let case = Case { bytes: &file, name: "a.glb", files: &Memory::new() };
+    let case = Case {
+        bytes: &file,
+        name: "a.glb",
+        files: &Memory::new(),
+    };
     let patched = check(&case, Charts::One, |_| {}).unwrap();
     let json = json_of(&patched);
     assert_eq!(json["meshes"][0]["primitives"][0]["mode"], 5);
@@ -316,7 +426,8 @@ fn strips_and_fans() {
 fn instances_get_entries_of_their_own() {
     let mut craft = Craft::default();
     let (p, i) = (craft.positions(2), craft.triangles(2, 2));
-    let primitive = format!("{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i},\"material\":0}}");
+    let primitive =
+        format!("{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i},\"material\":0}}");
     let rest = format!(
         "\"meshes\":[{{\"primitives\":[{primitive}],\"name\":\"m\"}},{{\"primitives\":[{primitive}]}}],\
          \"materials\":[{{}}],\"nodes\":[{{\"mesh\":0}},{{\"mesh\":0,\"scale\":[-1,1,1]}},\
@@ -324,7 +435,11 @@ fn instances_get_entries_of_their_own() {
          {{\"children\":[4]}}]"
     );
     let file = craft.glb(&rest);
-    let case = Case { bytes: &file, name: "a.glb", files: &Memory::new() };
+    let case = Case {
+        bytes: &file,
+        name: "a.glb",
+        files: &Memory::new(),
+    };
     let patched = check(&case, Charts::One, |_| {}).unwrap();
     let json = json_of(&patched);
     let mesh = |node: usize| json["nodes"][node]["mesh"].as_u64().unwrap();
@@ -336,7 +451,68 @@ fn instances_get_entries_of_their_own() {
     let patched = check(&case, Charts::Random(5), |_| {}).unwrap();
     let json = json_of(&patched);
     let primitive = |mesh: usize| &json["meshes"][mesh]["primitives"][0];
-    assert_eq!(primitive(3)["attributes"]["POSITION"], primitive(0)["attributes"]["POSITION"]);
+    assert_eq!(
+        primitive(3)["attributes"]["POSITION"],
+        primitive(0)["attributes"]["POSITION"]
+    );
     assert_eq!(primitive(3)["indices"], primitive(0)["indices"]);
     check_all(&file, "a.glb", &Memory::new());
+}
+
+#[test]
+fn compressed_primitives_are_no_longer() {
+    for data in draco::BY_GOOGLE {
+        let json = draco::file(&draco::bytes_of(data), 9, 24, 1, "");
+        let case = Case {
+            bytes: json.as_bytes(),
+            name: "a.gltf",
+            files: &Memory::new(),
+        };
+        for charts in [Charts::One, Charts::Random(2), Charts::Faces] {
+            let patched = check(&case, charts, |_| {}).unwrap();
+            let json = json_of(&patched);
+            let primitive = &json["meshes"][0]["primitives"][0];
+            assert!(primitive.get("extensions").is_none());
+            assert_eq!(json["extensionsUsed"][0], "KHR_materials_specular");
+            assert!(json.get("extensionsRequired").is_none());
+            let positions = primitive["attributes"]["POSITION"].as_u64().unwrap() as usize;
+            // The bounds are those of what was decompressed, not those that the file declares.
+            assert_ne!(
+                json["accessors"][positions]["min"],
+                json["accessors"][0]["min"]
+            );
+            assert!(patched.notes.iter().any(|n| n.contains("Draco")));
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    /// Any charts over any triangles of shared vertices.
+    #[test]
+    fn any_layout_of_any_triangles(
+        primitives in prop::collection::vec(prop::collection::vec(0u8..14, 0..40), 1..4),
+        seed in any::<u64>(),
+        nodes in prop::collection::vec((0usize..3, any::<bool>()), 1..5),
+        mode in 4u32..7,
+    ) {
+        let mut craft = Craft::default();
+        let positions = craft.positions(5);
+        let meshes: Vec<String> = primitives.chunks(2).map(|mesh| {
+            let list: Vec<String> = mesh.iter().map(|corners| {
+                let i = craft.accessor(corners, 5121, corners.len(), "SCALAR", "");
+                format!("{{\"attributes\":{{\"POSITION\":{positions}}},\"indices\":{i},\"mode\":{mode}}}")
+            }).collect();
+            format!("{{\"primitives\":[{}]}}", list.join(","))
+        }).collect();
+        let nodes: Vec<String> = nodes.iter().map(|(mesh, mirrored)| {
+            let scale = if *mirrored { ",\"scale\":[1,-1,1]" } else { "" };
+            format!("{{\"mesh\":{}{scale}}}", mesh % meshes.len())
+        }).collect();
+        let rest = format!("\"meshes\":[{}],\"nodes\":[{}]", meshes.join(","), nodes.join(","));
+        let bytes = craft.glb(&rest);
+        let case = Case { bytes: &bytes, name: "a.glb", files: &Memory::new() };
+        check(&case, Charts::Random(seed), |_| {});
+    }
 }

@@ -43,7 +43,10 @@ const REPLACED: [&str; 12] = [
 
 /// Every value of the JSON is where it was, and so are the numbers of a GLB.
 pub fn check_text(old: &[u8], new: &[u8]) {
-    let (old, new) = (Parts::of(old, "old").unwrap(), Parts::of(new, "new").unwrap());
+    let (old, new) = (
+        Parts::of(old, "old").unwrap(),
+        Parts::of(new, "new").unwrap(),
+    );
     let value = |parts: &Parts| -> Value { serde_json::from_str(parts.text).unwrap() };
     check_value("", &value(&old), &value(&new));
     let (Frame::Glb(before), Frame::Glb(after)) = (&old.frame, &new.frame) else {
@@ -54,14 +57,18 @@ pub fn check_text(old: &[u8], new: &[u8]) {
     }
     let kinds = |glb: &super::super::glb::Glb| {
         let kinds = glb.chunks.iter().map(|c| c.kind);
-        kinds.filter(|k| before.bin().is_some() || k != b"BIN\0").collect::<Vec<_>>()
+        kinds
+            .filter(|k| before.bin().is_some() || k != b"BIN\0")
+            .collect::<Vec<_>>()
     };
     assert_eq!(kinds(before), kinds(after));
     assert!(undo::found(&new).is_some());
 }
 
 fn check_value(place: &str, old: &Value, new: &Value) {
-    if REPLACED.iter().any(|pattern| matches(place, pattern)) || place.starts_with("extensionsRequired") {
+    if REPLACED.iter().any(|pattern| matches(place, pattern))
+        || place.starts_with("extensionsRequired")
+    {
         return;
     }
     let below = |name: &str| match place {
@@ -113,7 +120,12 @@ pub fn check_scene(before: &Scene, after: &Scene) {
         for (old, new) in a.mesh.face_materials.iter().zip(&b.mesh.face_materials) {
             let colours = |scene: &Scene, id: u32| {
                 let material = &scene.materials[id as usize];
-                (material.name.clone(), material.diffuse, material.mirror, material.emission)
+                (
+                    material.name.clone(),
+                    material.diffuse,
+                    material.mirror,
+                    material.emission,
+                )
             };
             assert_eq!(colours(before, *old), colours(after, *new));
         }
@@ -138,7 +150,12 @@ pub fn check_scene(before: &Scene, after: &Scene) {
     }
 }
 
-fn corner<T: Copy>(mesh: &Mesh, list: Option<&azulejo_scene::Attribute<T>>, face: usize, k: usize) -> Option<T> {
+fn corner<T: Copy>(
+    mesh: &Mesh,
+    list: Option<&azulejo_scene::Attribute<T>>,
+    face: usize,
+    k: usize,
+) -> Option<T> {
     let attribute = list?;
     let corner = mesh.faces.corner_range(face).start + k;
     let corners = attribute.corners.as_ref().unwrap_or(&mesh.faces.corners);
@@ -159,8 +176,14 @@ fn uv(mesh: &Mesh, face: usize, k: usize) -> Option<[u64; 2]> {
 pub fn check_origins(old: &[ObjectOrigin], new: &[ObjectOrigin]) {
     assert_eq!(old.len(), new.len());
     for (a, b) in old.iter().zip(new) {
-        assert_eq!((a.node, a.instance, a.mirrored), (b.node, b.instance, b.mirrored));
-        assert_eq!((a.stillness, a.level_of_detail), (b.stillness, b.level_of_detail));
+        assert_eq!(
+            (a.node, a.instance, a.mirrored),
+            (b.node, b.instance, b.mirrored)
+        );
+        assert_eq!(
+            (a.stillness, a.level_of_detail),
+            (b.stillness, b.level_of_detail)
+        );
         assert_eq!(a.faces, b.faces);
     }
 }
@@ -181,7 +204,9 @@ pub fn check_coordinates(
         options: &options,
     };
     let parts = Parts::of(bytes, name).unwrap();
-    let set = undo::found(&parts).unwrap().note["texCoord"].as_u64().unwrap() as u32;
+    let set = undo::found(&parts).unwrap().note["texCoord"]
+        .as_u64()
+        .unwrap() as u32;
     let root = parsed(&parts, &file).unwrap();
     let source = Source::new(parts, &root, &file);
     let mut seen = std::collections::HashSet::new();
@@ -204,7 +229,11 @@ pub fn check_coordinates(
                 panic!("a mode")
             };
             let [a, b, c] = topology::triangles(mode, corners).get(face.triangle as usize);
-            let order = if origin.mirrored { [a, c, b] } else { [a, b, c] };
+            let order = if origin.mirrored {
+                [a, c, b]
+            } else {
+                [a, b, c]
+            };
             for (vertex, uv) in order.iter().zip(uvs) {
                 assert_eq!(values[*vertex as usize], uv.map(f64::from), "{name}");
             }
@@ -213,10 +242,15 @@ pub fn check_coordinates(
 }
 
 fn coordinates(data: &Data, primitive: &Primitive, set: u32) -> Option<(Vec<u32>, Vec<[f64; 2]>)> {
-    if !matches!(primitive.mode, Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)) {
+    if !matches!(
+        primitive.mode,
+        Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
+    ) {
         return None;
     }
-    let uvs = *primitive.attributes.get(&Checked::Valid(Semantic::TexCoords(set)))?;
+    let uvs = *primitive
+        .attributes
+        .get(&Checked::Valid(Semantic::TexCoords(set)))?;
     let count = data.count(uvs).unwrap();
     let values = data.read(uvs, count, |uv: [f64; 2]| uv).unwrap();
     let corners = match primitive.indices {

@@ -3,6 +3,7 @@
 mod corpus;
 mod crafted;
 mod kept;
+mod materials;
 
 use super::super::origin::ObjectOrigin;
 use super::*;
@@ -67,7 +68,9 @@ pub fn layouts(
                     [share(key), share(mixed(key, 1))]
                 };
                 layout.uvs.push([uv(0), uv(1), uv(2)]);
-                layout.pages.push((face.primitive + i as u32) % pages.max(1));
+                layout
+                    .pages
+                    .push((face.primitive + i as u32) % pages.max(1));
             }
             Some(layout)
         })
@@ -109,7 +112,11 @@ pub fn usual<'a>(
 
 /// Edits a file, and checks that everything else stays and that the edit can be undone. `None` if the file
 /// cannot be read.
-pub fn check(case: &Case, charts: Charts, change: impl Fn(&mut LightmapEdit)) -> Option<PatchedFile> {
+pub fn check(
+    case: &Case,
+    charts: Charts,
+    change: impl Fn(&mut LightmapEdit),
+) -> Option<PatchedFile> {
     let options = ReadOptions::default();
     let read = |bytes: &[u8], files: &dyn crate::Files| {
         gltf::read_with_origins(bytes, case.name, files, &options)
@@ -145,7 +152,9 @@ pub fn check(case: &Case, charts: Charts, change: impl Fn(&mut LightmapEdit)) ->
         new: patched
             .files
             .iter()
-            .fold(Memory::new(), |m, (name, bytes)| m.with(name, bytes.clone())),
+            .fold(Memory::new(), |m, (name, bytes)| {
+                m.with(name, bytes.clone())
+            }),
     };
     let (again, new_origins) = read(&patched.bytes, &files).unwrap_or_else(|e| panic!("{e}"));
     kept::check_text(case.bytes, &patched.bytes);
