@@ -136,6 +136,20 @@ impl<'a> Elements<'a> {
     }
 }
 
+/// Bytes of an element whose components have `size` bytes each. Columns of matrices begin at multiples
+/// of 4 bytes (glTF 2.0, 3.6.2.4).
+fn element_size(kind: Type, size: usize) -> usize {
+    match kind {
+        Type::Scalar => size,
+        Type::Vec2 => 2 * size,
+        Type::Vec3 => 3 * size,
+        Type::Vec4 => 4 * size,
+        Type::Mat2 => 2 * (2 * size).next_multiple_of(4),
+        Type::Mat3 => 3 * (3 * size).next_multiple_of(4),
+        Type::Mat4 => 4 * (4 * size).next_multiple_of(4),
+    }
+}
+
 fn size_of(kind: ComponentType) -> usize {
     match kind {
         ComponentType::I8 | ComponentType::U8 => 1,
@@ -233,6 +247,60 @@ impl Data<'_> {
         Ok(values)
     }
 
+    /// The bytes of all elements of an accessor as they are stored, one after another. For a compressed one
+    /// the type of their components comes with them.
+    ///
+    /// # Errors
+    /// As [`Data::read`].
+    pub fn raw(
+        &self,
+        index: Index<Accessor>,
+        count: usize,
+    ) -> Result<(Vec<u8>, ComponentType), String> {
+        let accessor = self.accessor(index)?;
+        self.expect_count(index, count)?;
+        let kind = valid(&accessor.component_type)?.0;
+        let size = element_size(valid(&accessor.type_)?, size_of(kind));
+        let named = |fault| format!("accessor {index}: {fault}");
+        let elements = match (accessor.buffer_view, self.draco.get(index)?) {
+            (Some(view), _) => {
+                let offset = accessor.byte_offset.unwrap_or_default().0;
+                Some(self.elements(view, offset, size, count).map_err(named)?)
+            }
+            (None, Some(decoded)) => {
+                let elements = Elements::of_draco(decoded, self.width(index)?).map_err(named)?;
+                return Ok((elements.iter().flatten().copied().collect(), decoded.kind));
+            }
+            (None, None) => None,
+        };
+        let total = count.checked_mul(size).ok_or("too many elements")?;
+        let mut bytes = match elements {
+            Some(elements) => elements.iter().flatten().copied().collect(),
+            None => vec![0; total],
+        };
+        if let Some(sparse) = &accessor.sparse {
+            for (i, value) in self.raw_sparse(sparse, size, count).map_err(named)? {
+                let slot = bytes.chunks_exact_mut(size).nth(i as usize);
+                let slot = slot.ok_or_else(|| named("a sparse index out of range".into()))?;
+                slot.copy_from_slice(value);
+            }
+        }
+        Ok((bytes, kind))
+    }
+
+    /// The elements that a sparse accessor replaces as they are stored, with their indices.
+    fn raw_sparse(
+        &self,
+        sparse: &Sparse,
+        size: usize,
+        most: usize,
+    ) -> Result<impl Iterator<Item = (u32, &[u8])>, String> {
+        let (indices, count) = self.sparse_indices(sparse, most)?;
+        let of = &sparse.values;
+        let values = self.elements(of.buffer_view, of.byte_offset.0, size, count)?;
+        Ok(indices.into_iter().zip(values.iter()))
+    }
+
     fn expect_count(&self, index: Index<Accessor>, expected: usize) -> Result<(), String> {
         match self.count(index)? {
             count if count == expected => Ok(()),
@@ -288,19 +356,23 @@ impl Data<'_> {
         most: usize,
         make: &impl Fn([f64; N]) -> T,
     ) -> Result<impl Iterator<Item = (u32, T)>, String> {
-        let count = usize::try_from(sparse.count.0).unwrap_or(usize::MAX);
-        if count > most {
-            return Err("more sparse values than elements".to_owned());
-        }
-        let of = &sparse.indices;
-        let index_kind = valid(&of.component_type)?.0;
-        let size = size_of(index_kind);
-        let indices = self.elements(of.buffer_view, of.byte_offset.0, size, count)?;
-        let indices = indices.indices(index_kind)?;
+        let (indices, count) = self.sparse_indices(sparse, most)?;
         let of = &sparse.values;
         let size = N * size_of(kind);
         let values = self.elements(of.buffer_view, of.byte_offset.0, size, count)?;
         let values = values.decoded(kind, normalized, make);
         Ok(indices.into_iter().zip(values))
+    }
+
+    /// Which elements a sparse accessor replaces, at most `most`, and their number.
+    fn sparse_indices(&self, sparse: &Sparse, most: usize) -> Result<(Vec<u32>, usize), String> {
+        let count = usize::try_from(sparse.count.0).unwrap_or(usize::MAX);
+        if count > most {
+            return Err("more sparse values than elements".to_owned());
+        }
+        let of = &sparse.indices;
+        let kind = valid(&of.component_type)?.0;
+        let indices = self.elements(of.buffer_view, of.byte_offset.0, size_of(kind), count)?;
+        Ok((indices.indices(kind)?, count))
     }
 }

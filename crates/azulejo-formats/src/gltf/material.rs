@@ -20,7 +20,7 @@ use std::collections::HashMap;
 
 /// Reflectance of primitives without a material. glTF's own default is white, but no surface
 /// reflects all light.
-const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
+pub(super) const DEFAULT_REFLECTANCE: Rgb = Rgb::grey(0.5);
 
 /// Index of refraction without an extension that defines it.
 const DEFAULT_IOR: f64 = 1.5;

@@ -5,6 +5,7 @@ use super::attributes::{USED_ATTRIBUTES, used_attributes};
 use super::irradiance::StoredIrradiance;
 use super::material::{GltfSurface, Surfaces};
 use super::messages::GltfMessages;
+use super::origin::FaceOrigin;
 use super::skin::Joints;
 use super::topology;
 use super::vertices::{Vertices, finish};
@@ -38,6 +39,8 @@ pub(super) struct GltfMeshBuilder<'b, 'a> {
     pub mesh: usize,
     /// Index of the primitive in it.
     pub primitive: usize,
+    /// The origin of each face so far, if it is wanted.
+    pub origins: Option<Vec<FaceOrigin>>,
 }
 
 /// How the node that instantiates a mesh deforms its vertices.
@@ -182,7 +185,15 @@ impl GltfMeshBuilder<'_, '_> {
         if triangles.left_over > 0 {
             self.warn("corners that do not form a complete triangle: left out");
         }
-        let outside = triangles.push_into(mesh, vertices, first, count, surface.id);
+        let (origins, number) = (&mut self.origins, self.primitive as u32);
+        let outside = triangles.push_into(mesh, vertices, first, count, surface.id, |triangle| {
+            if let Some(origins) = origins {
+                origins.push(FaceOrigin {
+                    primitive: number,
+                    triangle,
+                });
+            }
+        });
         if outside > 0 {
             self.warn("triangles with missing vertices: left out");
         }

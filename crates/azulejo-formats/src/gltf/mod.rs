@@ -21,7 +21,9 @@ mod mesh;
 mod meshopt;
 mod messages;
 mod nodes;
+mod origin;
 mod pack;
+pub mod patch;
 mod pictures;
 mod skin;
 #[cfg(test)]
@@ -36,8 +38,10 @@ mod write_material;
 mod write_mesh;
 
 pub use losses::losses;
+pub use origin::{FaceOrigin, ObjectOrigin, Stillness};
 pub use write::{write, write_json};
 
+use crate::reading::options::counted_first;
 use crate::reading::text::decoded;
 use crate::reading::warnings::Warnings;
 use crate::{Files, Loaded, ReadError, ReadOptions};
@@ -49,6 +53,7 @@ use gltf_json::Root;
 use material::Surfaces;
 use messages::GltfMessages;
 use nodes::Tree;
+use origin::OriginRecorder;
 use walk::GltfWalk;
 
 /// Reads a glTF or GLB file.
@@ -64,6 +69,32 @@ pub fn read(
     files: &dyn Files,
     options: &ReadOptions,
 ) -> Result<Loaded, ReadError> {
+    Ok(read_recorded(bytes, name, files, options, false)?.0)
+}
+
+/// Like [`read`], with the origin of each object of the scene, in the same order. A file that expands to
+/// more than the options allow is refused before it takes the memory.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_with_origins(
+    bytes: &[u8],
+    name: &str,
+    files: &dyn Files,
+    options: &ReadOptions,
+) -> Result<(Loaded, Vec<ObjectOrigin>), ReadError> {
+    counted_first(bytes.len(), options, |options| {
+        read_recorded(bytes, name, files, options, true)
+    })
+}
+
+fn read_recorded(
+    bytes: &[u8],
+    name: &str,
+    files: &dyn Files,
+    options: &ReadOptions,
+    records: bool,
+) -> Result<(Loaded, Vec<ObjectOrigin>), ReadError> {
     let bytes = &*decoded(bytes);
     let mut messages = GltfMessages::default();
     let container = container::split(bytes, name, &mut messages)?;
@@ -76,15 +107,26 @@ pub fn read(
         buffers,
     };
     let surfaces = Surfaces::new(&data, files);
-    let mut scene = GltfWalk::new(&data, &tree, surfaces, options, &mut messages, name).scene()?;
+    let recorder = records.then(|| OriginRecorder::new(&root, container.json));
+    let walk = GltfWalk::new(
+        &data,
+        &tree,
+        surfaces,
+        options,
+        &mut messages,
+        recorder,
+        name,
+    );
+    let (mut scene, origins) = walk.scene()?;
     scene.units = units(&root);
     check_result(&scene, name, &mut messages)?;
     let mut warnings = Warnings::default();
     messages.report(name, &mut warnings);
-    Ok(Loaded {
+    let loaded = Loaded {
         scene,
         warnings: warnings.finish(name),
-    })
+    };
+    Ok((loaded, origins))
 }
 
 /// Metres, y up and photometric units, by the standard; azulejo's own files declare whether their

@@ -1,9 +1,10 @@
 //! Reading, and writing and reading back.
 
-mod draco;
+pub(super) mod draco;
 mod errors;
 mod materials;
 mod meshes;
+mod origins;
 mod round_trip;
 mod scenes;
 mod surroundings;

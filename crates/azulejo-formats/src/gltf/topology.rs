@@ -28,14 +28,16 @@ pub(super) fn triangles(mode: Mode, corners: &[u32]) -> Triangles<'_> {
 }
 
 impl Triangles<'_> {
-    fn count(&self) -> usize {
+    /// Number of triangles.
+    pub fn count(&self) -> usize {
         match self.mode {
             Mode::Triangles => self.corners.len() / 3,
             _ => self.corners.len().saturating_sub(2),
         }
     }
 
-    fn get(&self, i: usize) -> [u32; 3] {
+    /// The corners of a triangle below [`Triangles::count`].
+    pub fn get(&self, i: usize) -> [u32; 3] {
         let c = self.corners;
         match self.mode {
             Mode::TriangleStrip => [c[i], c[i + 1 + i % 2], c[i + 2 - i % 2]],
@@ -44,8 +46,8 @@ impl Triangles<'_> {
         }
     }
 
-    /// Adds the triangles to a mesh; their vertices are the `count` from `first` on. Returns the
-    /// number of triangles with missing or non-finite vertices.
+    /// Adds the triangles to a mesh; their vertices are the `count` from `first` on. Calls `kept` with the
+    /// number of each, and returns how many were not added: those with missing or non-finite vertices.
     pub fn push_into(
         &self,
         mesh: &mut Mesh,
@@ -53,16 +55,19 @@ impl Triangles<'_> {
         first: u32,
         count: u32,
         material: MaterialId,
+        mut kept: impl FnMut(u32),
     ) -> usize {
         let mut outside = 0;
         let triangles = self.count();
         mesh.faces.starts.reserve(triangles);
         mesh.faces.corners.reserve(3 * triangles);
         mesh.face_materials.reserve(triangles);
-        for triangle in (0..triangles).map(|i| self.get(i)) {
+        for i in 0..triangles {
+            let triangle = self.get(i);
             let usable = |&v: &u32| v < count && vertices.is_usable(first + v);
             if triangle.iter().all(usable) {
                 mesh.push_face(&triangle.map(|v| first + v), material);
+                kept(i as u32);
             } else {
                 outside += 1;
             }

@@ -78,6 +78,27 @@ pub(super) fn escaped(name: &str) -> String {
     uri
 }
 
+/// Bytes as a URI that contains them, RFC 2397.
+pub(super) fn data_uri(media_type: &str, bytes: &[u8]) -> String {
+    const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut uri = format!("data:{media_type};base64,");
+    uri.reserve(bytes.len().div_ceil(3) * 4);
+    for three in bytes.chunks(3) {
+        let byte = |i: usize| u32::from(three.get(i).copied().unwrap_or(0));
+        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
+        for k in 0..4 {
+            let sextet = bits >> (18 - 6 * k) & 63;
+            let is_there = k <= three.len();
+            uri.push(if is_there {
+                ALPHABET[sextet as usize].into()
+            } else {
+                '='
+            });
+        }
+    }
+    uri
+}
+
 /// Value of each base64 character; 64 for all others.
 const SEXTETS: [u8; 256] = {
     let mut table = [64; 256];
@@ -143,6 +164,16 @@ mod tests {
         check("http://a/b.bin", Err("outside"));
         check("a%20b%C3%A1.bin", Ok(Uri::File("a bá.bin".into())));
         check("c/d.bin", Ok(Uri::File("c/d.bin".into())));
+    }
+
+    #[test]
+    fn bytes_come_back() {
+        for length in 0..7u8 {
+            let bytes: Vec<u8> = (0..length).map(|i| i.wrapping_mul(97)).collect();
+            let uri = data_uri("a/b", &bytes);
+            assert_eq!(uri.len() % 4, "data:a/b;base64,".len() % 4);
+            assert_eq!(read(&uri), Ok(Uri::Data(bytes)));
+        }
     }
 
     #[test]

@@ -7,6 +7,7 @@ use super::material::Surfaces;
 use super::mesh::{GltfMeshBuilder, Pose};
 use super::messages::GltfMessages;
 use super::nodes::{MOST_LEVELS, Tree, children, is_usable, parent_from_node, placed};
+use super::origin::{Faces, ObjectOrigin, OriginRecorder, Place};
 use super::skin::Joints;
 use crate::reading::options::Budget;
 use crate::reading::text::shortened;
@@ -52,7 +53,9 @@ pub(super) struct GltfWalk<'w, 'a> {
     /// The meshes that look the same at all their nodes, with what they take of the budget: every
     /// place takes as much, since the first pass divides them all. `None` where there is nothing to see,
     /// or nothing is kept.
-    shared: HashMap<usize, (u64, Option<SharedMesh>)>,
+    shared: HashMap<usize, (u64, Option<(SharedMesh, Faces)>)>,
+    /// Where the objects come from, if that is wanted.
+    origins: Option<OriginRecorder>,
     file: &'w str,
 }
 
@@ -73,6 +76,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         surfaces: Surfaces<'a>,
         options: &ReadOptions,
         messages: &'w mut GltfMessages,
+        origins: Option<OriginRecorder>,
         file: &'w str,
     ) -> GltfWalk<'w, 'a> {
         GltfWalk {
@@ -84,15 +88,17 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
             messages,
             scene: Scene::default(),
             shared: HashMap::new(),
+            origins,
             file,
         }
     }
 
-    /// Reads the default scene; if none is declared the first, and without scenes all nodes.
+    /// Reads the default scene; if none is declared the first, and without scenes all nodes. The origins
+    /// of its objects come with it if they are wanted, else an empty list.
     ///
     /// # Errors
     /// Nodes nested too deeply, and a file that expands to more than allowed.
-    pub fn scene(mut self) -> Result<Scene, ReadError> {
+    pub fn scene(mut self) -> Result<(Scene, Vec<ObjectOrigin>), ReadError> {
         let root = self.root();
         let chosen = root.scene.map_or(0, |s| s.value());
         for (i, scene) in root.scenes.iter().enumerate() {
@@ -123,7 +129,8 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         self.shared.clear();
         self.scene.unfold_single_instances();
         (self.scene.materials, self.scene.textures) = self.surfaces.finish();
-        Ok(self.scene)
+        let origins = self.origins.map(OriginRecorder::finish);
+        Ok((self.scene, origins.unwrap_or_default()))
     }
 
     /// The image-based light of the scene.
@@ -256,20 +263,27 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         let Some(built) = built else {
             return Ok(());
         };
+        let mut place = Place {
+            node: index,
+            instance: None,
+            mesh,
+        };
         match self.instances(index, node, each)? {
-            None if joints.is_some() => self.object(name, built, &DAffine3::IDENTITY),
-            None => self.object(name, built, &placement.world),
+            None if joints.is_some() => self.object(place, name, built, &DAffine3::IDENTITY),
+            None => self.object(place, name, built, &placement.world),
             Some(maps) => {
-                for map in maps {
+                for (i, map) in maps.into_iter().enumerate() {
                     let world = placement.world * map;
-                    self.object(name.clone(), built.clone(), &world)?;
+                    place.instance = Some(i);
+                    self.object(place, name.clone(), built.clone(), &world)?;
                 }
                 Ok(())
             }
         }
     }
 
-    fn built(&mut self, mesh: usize, pose: Pose) -> Result<Option<Mesh>, ReadError> {
+    /// A mesh, and the origins of its faces if they are wanted.
+    fn built(&mut self, mesh: usize, pose: Pose) -> Result<Option<(Mesh, Faces)>, ReadError> {
         let mut builder = GltfMeshBuilder {
             data: self.data,
             surfaces: &mut self.surfaces,
@@ -278,9 +292,12 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
             irradiance: self.irradiance.get(mesh).copied().flatten(),
             mesh,
             primitive: 0,
+            origins: self.origins.is_some().then(Vec::new),
         };
         let built = builder.mesh(pose);
-        built.map_err(|e| e.error(self.file))
+        let faces = builder.origins.take().map(Into::into);
+        let built = built.map_err(|e| e.error(self.file))?;
+        Ok(built.map(|mesh| (mesh, faces)))
     }
 
     /// The instances of a mesh without a pose at a node.
@@ -304,29 +321,47 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
             let before = self.budget.left();
             let built = self.built(mesh, pose)?;
             let each = before - self.budget.left();
-            self.shared.insert(mesh, (each, built.map(SharedMesh::new)));
+            let built = built.map(|(mesh, faces)| (SharedMesh::new(mesh), faces));
+            self.shared.insert(mesh, (each, built));
             each
         };
         let maps = self.instances(index, node, each)?;
-        for map in maps.unwrap_or_else(|| vec![DAffine3::IDENTITY]) {
-            self.instance(name.clone(), mesh, &(placement.world * map))?;
+        let is_instanced = maps.is_some();
+        let maps = maps.unwrap_or_else(|| vec![DAffine3::IDENTITY]);
+        for (i, map) in maps.into_iter().enumerate() {
+            let place = Place {
+                node: index,
+                instance: is_instanced.then_some(i),
+                mesh,
+            };
+            self.instance(place, name.clone(), &(placement.world * map))?;
         }
         Ok(())
     }
 
-    fn instance(&mut self, name: String, mesh: usize, world: &DAffine3) -> Result<(), ReadError> {
-        let Some((_, Some(shared))) = self.shared.get_mut(&mesh) else {
+    fn instance(&mut self, place: Place, name: String, world: &DAffine3) -> Result<(), ReadError> {
+        let Some((_, Some((shared, faces)))) = self.shared.get_mut(&place.mesh) else {
             return self.spend(ELEMENTS_PER_OBJECT);
         };
+        let faces = faces.clone();
         let placed = shared.placed(*world);
         if let Some(placed) = placed.filter(|_| is_usable(world)) {
             self.spend(ELEMENTS_PER_OBJECT + (name.len() / BYTES_PER_ELEMENT) as u64)?;
-            let shape = Shape::Instance(placed);
-            self.scene.objects.push(Object::new(name, shape));
+            self.push(place, name, Shape::Instance(placed), world, &faces);
             return Ok(());
         }
         let mesh = Mesh::clone(shared.mesh());
-        self.object(name, mesh, world)
+        self.object(place, name, (mesh, faces), world)
+    }
+
+    /// Adds an object at `world`, which its shape has taken into account.
+    fn push(&mut self, place: Place, name: String, shape: Shape, world: &DAffine3, faces: &Faces) {
+        let root = self.root();
+        if let Some(origins) = &mut self.origins {
+            let mirrored = world.matrix3.determinant() < 0.0;
+            origins.push(root, place, mirrored, faces);
+        }
+        self.scene.objects.push(Object::new(name, shape));
     }
 
     /// The joints of a node's mesh, if it is skinned.
@@ -345,7 +380,13 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
             .ok())
     }
 
-    fn object(&mut self, name: String, mut mesh: Mesh, world: &DAffine3) -> Result<(), ReadError> {
+    fn object(
+        &mut self,
+        place: Place,
+        name: String,
+        (mut mesh, faces): (Mesh, Faces),
+        world: &DAffine3,
+    ) -> Result<(), ReadError> {
         if !is_usable(world) {
             self.messages
                 .whole("instance with an unusable transform: left out");
@@ -358,9 +399,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         if *world != DAffine3::IDENTITY {
             mesh.transform(world);
         }
-        self.scene
-            .objects
-            .push(Object::new(name, Shape::Mesh(mesh)));
+        self.push(place, name, Shape::Mesh(mesh), world, &faces);
         Ok(())
     }
 

@@ -9,7 +9,7 @@ use glam::DVec3;
 /// The heights (x − 1)(y − 1)/2 over a grid of 3 × 3 points, two triangles in each of its squares, and
 /// the colours (28 i, 255 − 28 i, 7) of point i: compressed by Google's Draco 1.5.7 with 11 bits at levels 0
 /// (sequential) and 7 (EdgeBreaker). Attribute 0 is the colours, attribute 1 the positions.
-const BY_GOOGLE: [&str; 2] = [
+pub const BY_GOOGLE: [&str; 2] = [
     "445241434f0202010000000809010001040004030102050105040304070307060405080408070102020203010000090300010102000101\
      010139511561022f61029ff912f912095a43bb0599808a608300000000ff000000000101000c2b014001000000c0ffff0f80fff91f00ff\
      13c0ff01f87f0000c0ff00008000fcffbfff030080fe0700000100000000ff0700000000000000000000000000bf000000400b",
@@ -18,14 +18,15 @@ const BY_GOOGLE: [&str; 2] = [
      0000e0ff00040080ff010000000200c0ff000000000100e07f0000f81f00000000ff0700000000000000000000000000bf000000400b",
 ];
 
-fn bytes_of(hex: &str) -> Vec<u8> {
+/// The bytes of hexadecimal digits.
+pub fn bytes_of(hex: &str) -> Vec<u8> {
     let digits: Vec<u8> = hex.bytes().filter(u8::is_ascii_hexdigit).collect();
     let value = |pair: &[u8]| u8::from_str_radix(std::str::from_utf8(pair).unwrap(), 16).unwrap();
     digits.chunks(2).map(value).collect()
 }
 
 /// A file of one compressed primitive with positions and colours.
-fn file(data: &[u8], points: usize, corners: usize, positions: u32, more: &str) -> String {
+pub fn file(data: &[u8], points: usize, corners: usize, positions: u32, more: &str) -> String {
     let escaped: String = data.iter().map(|b| format!("%{b:02x}")).collect();
     json(&format!(
         "\"extensionsUsed\":[\"KHR_draco_mesh_compression\"],\

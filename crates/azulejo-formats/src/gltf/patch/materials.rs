@@ -1,0 +1,226 @@
+//! Lightmaps of materials. A material stays shared where all its users agree on their page, else some get a
+//! copy of the same name.
+
+use super::additions::Additions;
+use super::assign::Placement;
+use super::edits::Edit;
+use super::error::PatchError;
+use super::looks;
+use super::notes::Notes;
+use super::primitives::PrimitiveJson;
+use super::scan::Span;
+use super::source::Source;
+use super::types::{LightmapEdit, LightmapPage, MediaType};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+/// The light of a primitive: its page, and how its coordinates are moved, as bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Lit {
+    page: u32,
+    placement: Option<[u32; 4]>,
+}
+
+impl Lit {
+    /// The light of a page.
+    pub fn new(page: u32, placement: Option<Placement>) -> Lit {
+        let bits = |p: Placement| [p.offset[0], p.offset[1], p.scale[0], p.scale[1]];
+        Lit {
+            page,
+            placement: placement.map(|p| bits(p).map(f32::to_bits)),
+        }
+    }
+
+    /// How its coordinates are moved.
+    pub fn placement(&self) -> Option<Placement> {
+        let [a, b, c, d] = self.placement?.map(f32::from_bits);
+        Some(Placement {
+            offset: [a, b],
+            scale: [c, d],
+        })
+    }
+}
+
+/// The textures of the pages, each added when it is first used.
+pub struct Textures<'l> {
+    pages: &'l [LightmapPage],
+    mipmaps: bool,
+    known: HashMap<u32, usize>,
+    sampler: Option<usize>,
+}
+
+impl<'l> Textures<'l> {
+    /// None yet.
+    pub fn new(edit: &LightmapEdit<'l>) -> Textures<'l> {
+        Textures {
+            pages: edit.pages,
+            mipmaps: edit.mipmaps,
+            known: HashMap::new(),
+            sampler: None,
+        }
+    }
+
+    /// A page and the index of its texture.
+    ///
+    /// # Errors
+    /// Too many bytes.
+    pub fn of(
+        &mut self,
+        page: u32,
+        additions: &mut Additions,
+    ) -> Result<Option<(&'l LightmapPage, usize)>, PatchError> {
+        let Some(content) = self.pages.get(page as usize) else {
+            return Ok(None);
+        };
+        if let Some(&known) = self.known.get(&page) {
+            return Ok(Some((content, known)));
+        }
+        let fallback = content.fallback.as_deref().unwrap_or_default();
+        additions.spend(content.picture.len() + fallback.len())?;
+        // Clamped, since a page does not go on beyond its edges; mipmaps only if the padding is made for them.
+        let least = if self.mipmaps { 9987 } else { 9729 };
+        let sampler = *self.sampler.get_or_insert_with(|| {
+            let entry = format!(
+                "{{\"magFilter\":9729,\"minFilter\":{least},\"wrapS\":33071,\"wrapT\":33071}}"
+            );
+            additions.append("samplers", entry)
+        });
+        let texture = texture(content, sampler, additions);
+        let texture = additions.append("textures", texture);
+        self.known.insert(page, texture);
+        Ok(Some((content, texture)))
+    }
+}
+
+/// The entry of the texture of a page.
+fn texture(page: &LightmapPage, sampler: usize, additions: &mut Additions) -> String {
+    let (kind, ending, extension) = match page.media_type {
+        MediaType::Png => ("image/png", "png", None),
+        MediaType::Hdr => ("image/vnd.radiance", "hdr", Some("MOZ_texture_rgbe")),
+        MediaType::Ktx2 => ("image/ktx2", "ktx2", Some("KHR_texture_basisu")),
+    };
+    let mut texture = Edit::default();
+    texture.key("sampler").set(sampler.to_string());
+    let image = additions.image(&page.name, &page.picture, kind, ending);
+    match extension {
+        None => texture.key("source").set(image.to_string()),
+        Some(extension) => {
+            if let Some(png) = &page.fallback {
+                let png = additions.image(&page.name, png, "image/png", "png");
+                texture.key("source").set(png.to_string());
+            }
+            let own = texture.key("extensions").key(extension);
+            own.key("source").set(image.to_string());
+            additions.use_extension("extensionsUsed", extension);
+        }
+    }
+    if !page.name.is_empty() {
+        texture.key("name").set(super::edits::quoted(&page.name));
+    }
+    texture.rendered()
+}
+
+/// Which materials take the place of others.
+#[derive(Debug, Default)]
+pub struct Replaced(HashMap<(Option<usize>, Lit), usize>);
+
+impl Replaced {
+    /// The material that a primitive with this light gets in the place of its own.
+    pub fn of(&self, material: Option<usize>, lit: Lit) -> Option<usize> {
+        let new = self.0.get(&(material, lit)).copied();
+        new.filter(|new| Some(*new) != material)
+    }
+}
+
+/// Who uses each material, and with what light.
+#[derive(Debug, Default)]
+pub struct MaterialUses(BTreeMap<Option<usize>, BTreeSet<Option<Lit>>>);
+
+impl MaterialUses {
+    /// Counts the materials of a primitive, of its variants, too.
+    pub fn add(&mut self, primitive: &PrimitiveJson, lit: Option<Lit>) {
+        let all = primitive.variants.iter().chain([&primitive.material]);
+        for material in all {
+            self.0.entry(*material).or_default().insert(lit);
+        }
+    }
+
+    /// Gives all materials their light.
+    ///
+    /// # Errors
+    /// Too many bytes.
+    pub fn light(
+        &self,
+        source: &Source,
+        edit: &LightmapEdit,
+        set: u32,
+        textures: &mut Textures,
+        additions: &mut Additions,
+        notes: &mut Notes,
+    ) -> Result<Replaced, PatchError> {
+        let entries = source.list("materials");
+        let mut replaced = Replaced::default();
+        let pages = self.0.values().flatten().flatten().map(|lit| lit.page);
+        for page in pages.collect::<BTreeSet<u32>>() {
+            textures.of(page, additions)?;
+        }
+        for (&material, uses) in &self.0 {
+            let span = material.and_then(|m| entries.get(m));
+            let mut in_place = span.is_some() && !uses.contains(&None);
+            for lit in uses.iter().flatten() {
+                let Some((page, texture)) = textures.of(lit.page, additions)? else {
+                    continue;
+                };
+                let look = looks::Look {
+                    page,
+                    texture,
+                    set,
+                    placement: lit.placement(),
+                };
+                let changed = look.change(edit.convention, source.text(), span);
+                let (change, extensions) = match changed {
+                    Ok(changed) => changed,
+                    Err(fault) => {
+                        notes.add(&fault);
+                        continue;
+                    }
+                };
+                let used = extensions.iter();
+                used.for_each(|e| additions.use_extension("extensionsUsed", e));
+                if lit.placement.is_some() {
+                    // Without the transform the coordinates are those of another place.
+                    additions.use_extension("extensionsRequired", looks::MOVED);
+                }
+                let new = entry(source, material, span, change, in_place, additions, notes);
+                in_place = false;
+                replaced.0.insert((material, *lit), new);
+            }
+        }
+        Ok(replaced)
+    }
+}
+
+/// The index of a material with a change: its own, or that of a copy.
+fn entry(
+    source: &Source,
+    material: Option<usize>,
+    span: Option<&Span>,
+    change: Edit,
+    in_place: bool,
+    additions: &mut Additions,
+    notes: &mut Notes,
+) -> usize {
+    match (material, span) {
+        (Some(material), _) if in_place => {
+            *additions.edit.key("materials").index(material) = change;
+            material
+        }
+        (_, Some(span)) => {
+            notes.add("material whose users have different light: copied");
+            additions.append("materials", change.applied(source.text(), span))
+        }
+        _ => {
+            notes.add("primitive without material: gets a grey one, as it was lit");
+            additions.append("materials", change.rendered())
+        }
+    }
+}

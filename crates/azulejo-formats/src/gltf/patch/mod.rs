@@ -1,0 +1,101 @@
+//! Edits of glTF files that keep every other byte of them.
+//!
+//! The JSON is edited as text: entries are added at the end of lists, a few values are replaced, and the
+//! rest stays as it is, numbers and blanks included, and also what azulejo does not know. New numbers
+//! follow the old ones. What undoes an edit is noted in the file, so that [`strip`] gives back its
+//! bytes.
+//!
+//! | module | purpose |
+//! |---|---|
+//! | `types`, `error`, `notes` | what goes in and out |
+//! | `scan`, `edits`, `glb` | places in text, changes of text, parts of a file |
+//! | `source`, `primitives` | a file that is edited |
+//! | `additions`, `accessors` | new entries and bytes |
+//! | `assign`, `splits`, `free_set` | texture coordinates of objects as those of vertices |
+//! | `looks`, `materials`, `lights` | what shows them |
+//! | `lightmap`, `undo`, `strip` | the edits as a whole, and what undoes them |
+//! | `convert` | other containers |
+
+mod accessors;
+mod additions;
+mod assign;
+mod convert;
+mod edits;
+mod error;
+mod free_set;
+mod glb;
+mod lightmap;
+mod lights;
+mod looks;
+mod materials;
+mod notes;
+mod primitives;
+mod scan;
+mod source;
+mod splits;
+mod strip;
+#[cfg(test)]
+mod tests;
+mod types;
+mod undo;
+
+pub use error::PatchError;
+pub use types::{
+    Container, Convention, GltfFile, InstanceMode, LightmapEdit, LightmapPage, LightsMode,
+    MediaType, ObjectLayout, Output, PatchedFile, StrippedFile,
+};
+
+use super::origin::ObjectOrigin;
+use glb::Parts;
+use notes::Notes;
+
+/// Puts a lightmap into a file. `origins` are those of its objects; if it has a lightmap of azulejo's, that is
+/// removed first. (Its lights are dimmed, so [`strip`] a file before it is read to be lit again.)
+///
+/// # Errors
+/// Files that cannot be read or are not UTF-8, layouts that do not fit the origins, and more bytes than
+/// the options or a GLB allow.
+pub fn with_lightmap(
+    original: &GltfFile,
+    origins: &[ObjectOrigin],
+    edit: &LightmapEdit,
+) -> Result<PatchedFile, PatchError> {
+    let mut notes = Notes::default();
+    let parts = Parts::of(original.bytes, original.name)?;
+    let mut bytes = None;
+    if undo::found(&parts).is_some() {
+        notes.add("the file had a lightmap: removed");
+        bytes = Some(strip(original.bytes, original.name)?.bytes);
+    }
+    let file = GltfFile {
+        bytes: bytes.as_deref().unwrap_or(original.bytes),
+        ..*original
+    };
+    let Some(other) = convert::converted(&file, &edit.output, &mut notes)? else {
+        return lightmap::edited(&file, origins, edit, notes);
+    };
+    let files = convert::Overlay {
+        old: original.files,
+        new: &other.files,
+    };
+    let file = GltfFile {
+        bytes: &other.bytes,
+        files: &files,
+        ..*original
+    };
+    let mut patched = lightmap::edited(&file, origins, edit, notes)?;
+    patched.files.splice(0..0, other.files.iter().cloned());
+    Ok(patched)
+}
+
+/// Removes the lightmap of azulejo's from a file. `name` is used in messages.
+///
+/// The file is again what it was, byte for byte; it is then in the container in which it was written last. If
+/// another program has written it since, extensions and lights are restored in the file as it is now, and
+/// the result says so.
+///
+/// # Errors
+/// Files that are not glTF, or have no such lightmap.
+pub fn strip(bytes: &[u8], name: &str) -> Result<StrippedFile, PatchError> {
+    strip::stripped(bytes, name)
+}

@@ -1,0 +1,494 @@
+//! Materials, lights, conventions and instances of edited files.
+
+use super::super::super::container::tests::glb_of;
+use super::crafted::{Craft, json_of};
+use super::{Case, Charts, check, layouts, pages, usual};
+use crate::gltf::patch::{
+    Container, Convention, GltfFile, InstanceMode, LightmapEdit, LightsMode, MediaType,
+    ObjectLayout, PatchError, PatchedFile, strip, with_lightmap,
+};
+use crate::gltf::read_with_origins;
+use crate::{Memory, ReadOptions};
+use serde_json::{Value, json};
+
+/// A file of some primitives with these materials, each a mesh, and what follows; the nodes of the meshes
+/// come in the order of `nodes`.
+fn file(materials: &[Option<usize>], nodes: &[usize], list: &str, more: &str) -> Vec<u8> {
+    let mut craft = Craft::default();
+    let (p, i) = (craft.positions(2), craft.triangles(2, 2));
+    let meshes: Vec<String> = materials
+        .iter()
+        .map(|material| {
+            let material = material.map_or(String::new(), |m| format!(",\"material\":{m}"));
+            format!("{{\"primitives\":[{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i}{material}}}]}}")
+        })
+        .collect();
+    let nodes: Vec<String> = nodes.iter().map(|m| format!("{{\"mesh\":{m}}}")).collect();
+    craft.glb(&format!(
+        "\"meshes\":[{}],\"nodes\":[{}],\"materials\":[{list}]{more}",
+        meshes.join(","),
+        nodes.join(",")
+    ))
+}
+
+/// Edits a file whose objects have these pages, `None` for those that receive nothing.
+fn edit(
+    bytes: &[u8],
+    on: &[Option<u32>],
+    change: impl Fn(&mut LightmapEdit),
+) -> Result<PatchedFile, PatchError> {
+    let options = ReadOptions::default();
+    let files = Memory::new();
+    let (loaded, origins) = read_with_origins(bytes, "a.glb", &files, &options).unwrap();
+    let pages = pages(2);
+    let mut objects = layouts(&loaded.scene, &origins, Charts::Random(1), 1);
+    for (layout, page) in objects.iter_mut().zip(on) {
+        match page {
+            None => *layout = None,
+            Some(page) => layout.as_mut().unwrap().pages.fill(*page),
+        }
+    }
+    let mut edit = usual(&objects, &pages);
+    change(&mut edit);
+    let file = GltfFile {
+        bytes,
+        name: "a.glb",
+        files: &files,
+        options: &options,
+    };
+    let patched = with_lightmap(&file, &origins, &edit)?;
+    if edit.output.container == Container::Same {
+        let stripped = strip(&patched.bytes, "a.glb").unwrap();
+        assert!(stripped.is_exact && stripped.bytes == bytes);
+    }
+    Ok(patched)
+}
+
+fn material_of(json: &Value, mesh: usize) -> u64 {
+    let material = &json["meshes"][mesh]["primitives"][0]["material"];
+    material.as_u64().unwrap()
+}
+
+fn lightmap(json: &Value, material: u64) -> &Value {
+    &json["materials"][material as usize]["extensions"]["MOZ_lightmap"]
+}
+
+#[test]
+fn materials_stay_shared_where_their_users_agree() {
+    let two = "{\"name\":\"a\"},{\"name\":\"b\",\"extensions\":{\"KHR_materials_unlit\":{}}}";
+    let bytes = file(&[Some(0), Some(0), Some(1), None], &[0, 1, 2, 3], two, "");
+    let json = json_of(&edit(&bytes, &[Some(0); 4], |_| {}).unwrap());
+    let materials: Vec<u64> = (0..4).map(|m| material_of(&json, m)).collect();
+    assert_eq!(materials, [0, 0, 1, 2]);
+    let same = json!({ "index": 0, "texCoord": 1, "intensity": 12.5 });
+    assert_eq!(lightmap(&json, 0), &same);
+    let unlit = lightmap(&json, 1)["intensity"].as_f64().unwrap();
+    assert!((unlit - 12.5 / std::f64::consts::PI).abs() < 1e-12);
+    assert_eq!(
+        json["extensionsUsed"],
+        json!(["KHR_materials_specular", "MOZ_lightmap"])
+    );
+    assert_eq!(
+        json["samplers"],
+        json!([{ "magFilter": 9729, "minFilter": 9729, "wrapS": 33071, "wrapT": 33071 }])
+    );
+    // Two pages: the first in place, a copy for the other.
+    let json = json_of(&edit(&bytes, &[Some(0), Some(1), Some(1), Some(1)], |_| {}).unwrap());
+    assert_eq!([0, 1, 2].map(|m| material_of(&json, m)), [0, 3, 1]);
+    assert_eq!(json["materials"][3]["name"], "a");
+    assert_eq!(
+        (&lightmap(&json, 0)["index"], &lightmap(&json, 3)["index"]),
+        (&json!(0), &json!(1))
+    );
+    // One user without light: the material stays as it is.
+    let json = json_of(&edit(&bytes, &[None, Some(0), None, Some(0)], |_| {}).unwrap());
+    assert_eq!(lightmap(&json, 0), &Value::Null);
+    assert_eq!([0, 1, 2].map(|m| material_of(&json, m)), [0, 3, 1]);
+    assert_eq!(lightmap(&json, 3), &same);
+}
+
+#[test]
+fn meshes_of_nodes_without_light_stay() {
+    let bytes = file(&[Some(0)], &[0, 0, 0], "{}", "");
+    let json = json_of(&edit(&bytes, &[None, Some(0), Some(0)], |_| {}).unwrap());
+    let mesh = |node: usize| json["nodes"][node]["mesh"].as_u64().unwrap();
+    assert_eq!([0, 1, 2].map(mesh), [0, 1, 2]);
+    assert_eq!(
+        json["meshes"][0]["primitives"][0]["attributes"]
+            .as_object()
+            .unwrap()
+            .len(),
+        1
+    );
+    assert_eq!(material_of(&json, 1), material_of(&json, 2));
+    assert_eq!(lightmap(&json, 0), &Value::Null);
+}
+
+#[test]
+fn variants_get_it_too() {
+    let mut craft = Craft::default();
+    let (p, i) = (craft.positions(2), craft.triangles(2, 2));
+    let primitive = |more: &str| {
+        format!("{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i},\"material\":0{more}}}")
+    };
+    let variants = ",\"extensions\":{\"KHR_materials_variants\":{\"mappings\":[{\"material\":1,\"variants\":[0]},\
+                    {\"material\":2,\"variants\":[1]}]}}";
+    let bytes = craft.glb(&format!(
+        "\"meshes\":[{{\"primitives\":[{}]}},{{\"primitives\":[{}]}}],\"nodes\":[{{\"mesh\":0}},{{\"mesh\":1}}],\
+         \"materials\":[{{}},{{}},{{}}],\"extensionsUsed\":[\"KHR_materials_variants\"]",
+        primitive(variants),
+        primitive("").replace(":0}", ":1}")
+    ));
+    let json = json_of(&edit(&bytes, &[Some(0), None], |_| {}).unwrap());
+    let primitive = &json["meshes"][0]["primitives"][0];
+    let mappings = &primitive["extensions"]["KHR_materials_variants"]["mappings"];
+    assert_eq!(primitive["material"], 0);
+    assert_eq!(
+        (&mappings[0]["material"], &mappings[1]["material"]),
+        (&json!(3), &json!(2))
+    );
+    assert_eq!(mappings[0]["variants"], json!([0]));
+    assert!([0, 2, 3].iter().all(|m| lightmap(&json, *m).is_object()));
+}
+
+#[test]
+fn lights_do_not_shine_twice() {
+    let lights = ",\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\",\"intensity\":1e2},\
+                  {\"type\":\"point\"},{\"type\":\"point\",\"intensity\":0.0}]}},\
+                  \"extensionsUsed\":[\"KHR_lights_punctual\"]";
+    let bytes = file(&[Some(0)], &[0], "{}", lights);
+    let dimmed = |file: &PatchedFile| {
+        let json = json_of(file);
+        let list = &json["extensions"]["KHR_lights_punctual"]["lights"];
+        [0, 1, 2].map(|i| list[i]["intensity"].as_f64())
+    };
+    let patched = edit(&bytes, &[Some(0)], |_| {}).unwrap();
+    assert_eq!(dimmed(&patched), [Some(0.0); 3]);
+    let baked = &json_of(&patched)["asset"]["extras"]["azulejo"]["lightmap"]["baked"];
+    assert_eq!(baked, &json!([[0, "1e2"], [1, null]]));
+    let kept = edit(&bytes, &[Some(0)], |e| e.lights = LightsMode::Keep).unwrap();
+    assert_eq!(dimmed(&kept), [Some(100.0), None, Some(0.0)]);
+    let plain = edit(&bytes, &[Some(0)], |e| e.convention = Convention::Plain).unwrap();
+    assert_eq!(dimmed(&plain), [Some(100.0), None, Some(0.0)]);
+    assert!(json_of(&plain).get("textures").is_none());
+}
+
+#[test]
+fn another_program_in_between() {
+    let lights = ",\"extensions\":{\"KHR_lights_punctual\":{\"lights\":[{\"type\":\"point\",\"intensity\":1e2},\
+                  {\"type\":\"point\"}]}},\"extensionsUsed\":[\"KHR_lights_punctual\"]";
+    let bytes = file(&[Some(0), None], &[0, 1], "{\"name\":\"a\"}", lights);
+    let patched = edit(&bytes, &[Some(0); 2], |_| {}).unwrap();
+    let text = serde_json::to_string(&json_of(&patched)).unwrap();
+    let stripped = strip(text.as_bytes(), "a.gltf").unwrap();
+    assert!(!stripped.is_exact && !stripped.notes.is_empty());
+    let json: Value = serde_json::from_slice(&stripped.bytes).unwrap();
+    assert_eq!(json["asset"], json!({ "version": "2.0" }));
+    assert_eq!(json["materials"][0], json!({ "name": "a" }));
+    let list = &json["extensions"]["KHR_lights_punctual"]["lights"];
+    assert_eq!(list[0]["intensity"], 100.0);
+    assert!(list[1].get("intensity").is_none());
+    assert_eq!(
+        json["extensionsUsed"],
+        json!(["KHR_lights_punctual", "KHR_materials_specular"])
+    );
+    assert!(strip(&stripped.bytes, "a.gltf").is_err());
+    // A note that says nothing sensible.
+    for note in [
+        "{}",
+        "{\"undo\":[1],\"baked\":[[9,\"x\"],7]}",
+        "{\"undo\":[9e9,1,\"\"],\"hash\":\"\"}",
+    ] {
+        let text = format!(
+            "{{\"asset\":{{\"version\":\"2.0\",\"extras\":{{\"azulejo\":{{\"lightmap\":{note}}}}}}}}}"
+        );
+        let stripped = strip(text.as_bytes(), "a.gltf").unwrap();
+        assert_eq!(stripped.bytes, b"{\"asset\":{\"version\":\"2.0\"}}");
+    }
+}
+
+#[test]
+fn surfaces_that_seem_lit() {
+    let list = "{\"name\":\"a\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,0.25]}},\
+                {\"emissiveFactor\":[0,1,0]}";
+    let bytes = file(&[Some(0), Some(1)], &[0, 1], list, "");
+    let json = json_of(
+        &edit(&bytes, &[Some(0); 2], |e| {
+            e.convention = Convention::Emissive
+        })
+        .unwrap(),
+    );
+    let material = &json["materials"][0];
+    assert_eq!(
+        material["pbrMetallicRoughness"]["baseColorFactor"],
+        json!([0, 0, 0, 0.25])
+    );
+    assert_eq!(
+        material["emissiveTexture"],
+        json!({ "index": 0, "texCoord": 1 })
+    );
+    let strength = &material["extensions"]["KHR_materials_emissive_strength"];
+    assert_eq!(strength["emissiveStrength"], 12.5);
+    assert_eq!(json["materials"][1], json!({ "emissiveFactor": [0, 1, 0] }));
+    let json = json_of(&edit(&bytes, &[Some(0); 2], |e| e.convention = Convention::Unlit).unwrap());
+    let material = &json["materials"][0];
+    assert_eq!(
+        material["pbrMetallicRoughness"]["baseColorFactor"],
+        json!([1.0, 1.0, 1.0, 0.25])
+    );
+    assert!(material["extensions"]["KHR_materials_unlit"].is_object());
+}
+
+#[test]
+fn pictures_of_other_types() {
+    let bytes = file(&[Some(0)], &[0], "{}", "");
+    let mut other = pages(1);
+    other[0].media_type = MediaType::Ktx2;
+    other[0].fallback = Some(b"png".to_vec());
+    let json = json_of(
+        &edit(&bytes, &[Some(0)], |e| {
+            e.pages = Box::leak(other.clone().into())
+        })
+        .unwrap(),
+    );
+    let texture = &json["textures"][0];
+    assert_eq!(texture["source"], 1);
+    assert_eq!(texture["extensions"]["KHR_texture_basisu"]["source"], 0);
+    assert_eq!(json["images"][0]["mimeType"], "image/ktx2");
+    other[0].media_type = MediaType::Hdr;
+    other[0].fallback = None;
+    let json = json_of(
+        &edit(&bytes, &[Some(0)], |e| {
+            e.pages = Box::leak(other.clone().into())
+        })
+        .unwrap(),
+    );
+    assert_eq!(
+        json["textures"][0]["extensions"]["MOZ_texture_rgbe"]["source"],
+        0
+    );
+    assert!(json["textures"][0].get("source").is_none());
+}
+
+#[test]
+fn instances_that_are_moved() {
+    let bytes = file(&[Some(0)], &[0, 0, 0], "{}", "");
+    let options = ReadOptions::default();
+    let files = Memory::new();
+    let (loaded, origins) = read_with_origins(&bytes, "a.glb", &files, &options).unwrap();
+    let mut objects = layouts(&loaded.scene, &origins, Charts::Random(1), 1);
+    let first = objects[0].clone().unwrap();
+    let moved = |[u, v]: [f32; 2]| [0.25 + 0.5 * u, 0.5 - 0.25 * v];
+    objects[1] = Some(ObjectLayout {
+        uvs: first.uvs.iter().map(|c| c.map(moved)).collect(),
+        pages: vec![1; first.pages.len()],
+    });
+    let pages = pages(2);
+    let file = GltfFile {
+        bytes: &bytes,
+        name: "a.glb",
+        files: &files,
+        options: &options,
+    };
+    let mut change = usual(&objects, &pages);
+    change.instances = InstanceMode::Transform;
+    let patched = with_lightmap(&file, &origins, &change).unwrap();
+    let json = json_of(&patched);
+    let near = |value: &Value, expected: [f64; 2]| {
+        let pair = [0, 1].map(|k| value[k].as_f64().unwrap());
+        assert!(
+            pair.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5),
+            "{value}"
+        );
+    };
+    let attributes = |mesh: usize| &json["meshes"][mesh]["primitives"][0]["attributes"];
+    assert_eq!(attributes(1), attributes(0));
+    assert_ne!(attributes(2)["TEXCOORD_1"], attributes(0)["TEXCOORD_1"]);
+    let info = lightmap(&json, material_of(&json, 1));
+    let placement = &info["extensions"]["KHR_texture_transform"];
+    near(&placement["offset"], [0.25, 0.5]);
+    near(&placement["scale"], [0.5, -0.25]);
+    assert_eq!(info["index"], 1);
+    assert_eq!(json["extensionsRequired"], json!(["KHR_texture_transform"]));
+    assert_eq!(strip(&patched.bytes, "a.glb").unwrap().bytes, bytes);
+    // At the node, with one mesh for both.
+    change.instances = InstanceMode::Node;
+    assert!(with_lightmap(&file, &origins, &change).is_err());
+    change.convention = Convention::Mx;
+    let patched = with_lightmap(&file, &origins, &change).unwrap();
+    let json = json_of(&patched);
+    assert_eq!(json["nodes"][1]["mesh"], 0);
+    assert_eq!(json["nodes"][2]["mesh"], 1);
+    let extension = &json["nodes"][1]["extensions"]["MX_lightmap"];
+    near(&extension["offset"], [0.25, 0.5]);
+    assert_eq!(
+        extension["lightMapTexture"],
+        json!({ "index": 1, "texCoord": 1 })
+    );
+    assert_eq!(
+        json["nodes"][0]["extensions"]["MX_lightmap"]["scale"],
+        json!([1.0, 1.0])
+    );
+    assert_eq!(json["materials"], json!([{}]));
+    assert_eq!(strip(&patched.bytes, "a.glb").unwrap().bytes, bytes);
+}
+
+#[test]
+fn other_containers() {
+    let mut craft = Craft::default();
+    let (p, i) = (craft.positions(2), craft.triangles(2, 2));
+    let rest = format!(
+        "\"meshes\":[{{\"primitives\":[{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i},\"material\":0}}]}}],\
+         \"nodes\":[{{\"mesh\":0}}],\"materials\":[{{\"pbrMetallicRoughness\":{{\"baseColorTexture\":{{\"index\":0}}}}}}],\
+         \"textures\":[{{\"source\":0}}],\"images\":[{{\"uri\":\"a%20b.png\"}},{{\"uri\":\"c.png\"}}]"
+    );
+    let glb = craft.glb(&rest);
+    let options = ReadOptions::default();
+    let picture = b"\x89PNG?".to_vec();
+    let files = Memory::new()
+        .with("a b.png", picture.clone())
+        .with("b.bin", craft.bin());
+    let json = craft.json("\"uri\":\"b.bin\",", &rest);
+    for (bytes, container) in [
+        (&glb[..], Container::Json),
+        (json.as_bytes(), Container::Glb),
+    ] {
+        let (loaded, origins) = read_with_origins(bytes, "a", &files, &options).unwrap();
+        let objects = layouts(&loaded.scene, &origins, Charts::Faces, 1);
+        let pages = pages(1);
+        let mut edit = usual(&objects, &pages);
+        edit.output.container = container;
+        let file = GltfFile {
+            bytes,
+            name: "a",
+            files: &files,
+            options: &options,
+        };
+        let patched = with_lightmap(&file, &origins, &edit).unwrap();
+        let all = patched
+            .files
+            .iter()
+            .fold(files.clone(), |m, (n, b)| m.with(n, b.clone()));
+        let (again, found) = read_with_origins(&patched.bytes, "a", &all, &options).unwrap();
+        super::kept::check_scene(&loaded.scene, &again.scene);
+        super::kept::check_coordinates("a", &patched.bytes, &all, &found, &objects);
+        let names: Vec<&str> = patched.files.iter().map(|(n, _)| n.as_str()).collect();
+        let text = json_of(&patched);
+        if container == Container::Glb {
+            assert!(patched.bytes.starts_with(b"glTF") && names.is_empty());
+            assert_eq!(text["images"][0]["mimeType"], "image/png");
+            assert_eq!(text["images"][1]["uri"], "c.png");
+        } else {
+            assert_eq!(names, ["a.bin", "a.lightmap-0.png", "a.lightmap.bin"]);
+        }
+        // What remains is the file in that container.
+        let stripped = strip(&patched.bytes, "a").unwrap();
+        let (plain, _) = read_with_origins(&stripped.bytes, "a", &all, &options).unwrap();
+        super::kept::check_scene(&loaded.scene, &plain.scene);
+    }
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let bytes = file(&[Some(0)], &[0], "{}", "");
+    let refused = |change: &dyn Fn(&mut LightmapEdit), part: &str| {
+        let error = edit(&bytes, &[Some(0)], change).unwrap_err().to_string();
+        assert!(error.contains(part), "{error}");
+    };
+    refused(&|e| e.objects = &[], "0 layouts for 1 objects");
+    refused(
+        &|e| e.objects = Box::leak(Box::new([Some(ObjectLayout::default())])),
+        "of 0 and pages of 0",
+    );
+    refused(&|e| e.pages = &[], "page 0 of 0");
+    let far = |uv: f32, page: u32| {
+        let mut pages = vec![0; 4];
+        pages[3] = page;
+        let layout = ObjectLayout {
+            uvs: vec![[[uv; 2]; 3]; 4],
+            pages,
+        };
+        Box::leak(Box::new([Some(layout)]))
+    };
+    refused(&|e| e.objects = far(f32::NAN, 0), "not finite");
+    refused(&|e| e.objects = far(0.0, 1), "several pages");
+    let mut odd = pages(1);
+    odd[0].intensity = f64::NAN;
+    let odd: &'static [_] = Box::leak(odd.into());
+    refused(&|e| e.pages = odd, "intensity");
+    let few = ReadOptions {
+        most_unpacked: 100,
+        ..ReadOptions::default()
+    };
+    let (loaded, origins) = read_with_origins(&bytes, "a", &Memory::new(), &few).unwrap();
+    let objects = layouts(&loaded.scene, &origins, Charts::Faces, 1);
+    let file = GltfFile {
+        bytes: &bytes,
+        name: "a",
+        files: &Memory::new(),
+        options: &few,
+    };
+    let error = with_lightmap(&file, &origins, &usual(&objects, &pages(1))).unwrap_err();
+    assert!(
+        error.to_string().contains("more bytes than allowed"),
+        "{error}"
+    );
+    // Origins of another file.
+    let mut other = origins.clone();
+    other[0].faces = vec![
+        crate::gltf::FaceOrigin {
+            primitive: 0,
+            triangle: 4
+        };
+        4
+    ]
+    .into();
+    let file = GltfFile {
+        options: &ReadOptions::default(),
+        ..file
+    };
+    let error = with_lightmap(&file, &other, &usual(&objects, &pages(1))).unwrap_err();
+    assert!(
+        error.to_string().contains("a triangle out of range"),
+        "{error}"
+    );
+    assert!(strip(b"glTF", "a").is_err());
+    assert!(strip(&glb_of(&[(b"JSON", b"[")]), "a").is_err());
+}
+
+#[test]
+fn coordinates_of_pictures_are_left_alone() {
+    let list = "{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,\"texCoord\":1}},\
+                \"normalTexture\":{\"index\":0,\"extensions\":{\"KHR_texture_transform\":{\"texCoord\":2}}}}";
+    let bytes = file(&[Some(0)], &[0], list, ",\"textures\":[{}]");
+    let case = Case {
+        bytes: &bytes,
+        name: "a.glb",
+        files: &Memory::new(),
+    };
+    let patched = check(&case, Charts::Faces, |_| {}).unwrap();
+    let json = json_of(&patched);
+    // Both sets are missing in the file, and numbered names have no gaps.
+    let attributes = json["meshes"][0]["primitives"][0]["attributes"]
+        .as_object()
+        .unwrap();
+    let names: Vec<&str> = attributes.keys().map(String::as_str).collect();
+    assert_eq!(
+        names,
+        [
+            "POSITION",
+            "TEXCOORD_0",
+            "TEXCOORD_1",
+            "TEXCOORD_2",
+            "TEXCOORD_3"
+        ]
+    );
+    assert_eq!(lightmap(&json, 0)["texCoord"], 3);
+    let bytes = file(&[Some(0)], &[0], "{}", "");
+    let case = Case {
+        bytes: &bytes,
+        ..case
+    };
+    let wished = check(&case, Charts::One, |e| e.uv_set = Some(0)).unwrap();
+    assert_eq!(lightmap(&json_of(&wished), 0)["texCoord"], 0);
+}
