@@ -2,6 +2,7 @@
 //! shadows, where a texel is a mean over what it covers.
 
 use crate::atlas::Atlas;
+use crate::lightmap::TexelLight;
 use crate::samples::{PageSampler, Rows, Samples};
 use azulejo_scene::Rgb;
 use azulejo_trace::sampling::{hash, uniform};
@@ -36,6 +37,26 @@ impl SampleDirect {
     fn set(&mut self, sample: usize, found: &Gathered) {
         self.irradiance[sample] = found.mean().map(|e| e.max(0.0)).to_f32();
         self.variance[sample] = found.variance().to_f32();
+    }
+
+    /// This light alone, of each sample.
+    pub fn light(&self) -> Vec<TexelLight> {
+        let all = self.irradiance.iter().zip(&self.variance);
+        all.map(|(e, variance)| TexelLight {
+            irradiance: Rgb::from(e.map(f64::from)),
+            standard_error: Rgb::from(variance.map(|v| f64::from(v).sqrt())),
+        })
+        .collect()
+    }
+
+    /// Takes this light, and its error, out of the light of all samples.
+    pub fn take_from(&self, light: &mut [TexelLight]) {
+        for (all, direct) in light.iter_mut().zip(self.light()) {
+            all.irradiance = (all.irradiance - direct.irradiance).map(|e| e.max(0.0));
+            let square = |e: Rgb| e * e;
+            let rest = square(all.standard_error) - square(direct.standard_error);
+            all.standard_error = rest.map(|v| v.max(0.0).sqrt());
+        }
     }
 
     fn mean(&self, sample: usize) -> Rgb {
@@ -86,7 +107,6 @@ pub fn direct(
             found.set(sample as usize, light);
         }
     }
-    { let all: f64 = samples.samples.iter().map(|s| f64::from(s.area)).sum(); let mut n = [0usize; 4]; let mut v = [0.0; 4]; for (i, s) in samples.samples.iter().enumerate() { let x = Rgb::from(found.variance[i].map(f64::from)).mean(); let k = if x == 0.0 {0} else if x.sqrt() < 0.01*mean {1} else if x.sqrt() < 0.05*mean {2} else {3}; n[k]+=1; v[k]+= x*f64::from(s.area)/all; } eprintln!("DBG direct mean {mean} classes {n:?} rms/mean {:?}", v.map(|v| v.sqrt()/mean)); }
     Ok(found)
 }
 

@@ -32,8 +32,11 @@ const DIVIDED: f64 = 0.25;
 /// Most divisions.
 const MOST_ROUNDS: u32 = 6;
 
-/// Part of the permitted error that nodes may have: interpolation averages their noise.
-const NODE_ERROR: f64 = 1.7;
+/// Error that nodes may have, relative to the permitted one: interpolation averages their noise.
+const NODE_ERROR: f64 = 1.5;
+
+/// Error of interpolation in a first look, relative to that of the result.
+const LOOK_ERROR: f64 = 3.0;
 
 /// Indirect light of a node.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -69,44 +72,40 @@ pub struct TexelStatistics {
 }
 
 /// A first look at the light of all samples, for others to read: `direct`, and indirect light that
-/// `gather` finds at few of them.
+/// `gather` finds at some of them, so many that interpolation is off by at most [`LOOK_ERROR`] times
+/// `error`; and the nodes at which it was found.
 ///
 /// # Errors
 /// Those of `gather`.
 pub fn first_look<E>(
     samples: &Samples,
     direct: &SampleDirect,
+    error: f64,
     gather: &mut dyn FnMut(&NodeRequest) -> Result<Vec<NodeLight>, E>,
-) -> Result<Vec<TexelLight>, E> {
-    let mut nodes = Nodes::new(samples, direct, None);
-    nodes.gather(0, gather)?;
-    let errors = vec![0.0; nodes.lattice.len()];
-    Ok(nodes.interpolated(&errors))
+) -> Result<(Vec<TexelLight>, NodeLattice), E> {
+    let mut nodes = Nodes::new(samples, direct, first_lattice(samples), LOOK_ERROR * error);
+    nodes.is_look = true;
+    let errors = nodes.refine(gather)?;
+    Ok((nodes.interpolated(&errors), NodeLattice(nodes.lattice)))
 }
 
-/// Light of all samples: `direct`, and indirect light that `gather` finds at some of them; its error
-/// is to be `error` of the mean.
+/// Where a first look found light to change.
+pub struct NodeLattice(Lattice);
+
+/// Light of all samples: `direct`, and indirect light that `gather` finds at nodes, those of a first
+/// look and more; its error is to be `error` of the mean.
 ///
 /// # Errors
 /// Those of `gather`.
 pub fn with_indirect<E>(
     samples: &Samples,
     direct: &SampleDirect,
+    start: NodeLattice,
     error: f64,
     gather: &mut dyn FnMut(&NodeRequest) -> Result<Vec<NodeLight>, E>,
 ) -> Result<(Vec<TexelLight>, TexelStatistics), E> {
-    let mut nodes = Nodes::new(samples, direct, Some(error));
-    nodes.gather(0, gather)?;
-    let mut errors = nodes.interpolation_errors();
-    for round in 1..=MOST_ROUNDS {
-        let coarse = nodes.coarse_cells(&errors);
-        if !coarse.contains(&true) {
-            break;
-        }
-        nodes.lattice.divide(samples, &coarse);
-        nodes.gather(round, gather)?;
-        errors = nodes.interpolation_errors();
-    }
+    let mut nodes = Nodes::new(samples, direct, start.0, error);
+    let errors = nodes.refine(gather)?;
     let light = nodes.interpolated(&errors);
     let area: f64 = samples.samples.iter().map(|s| f64::from(s.area)).sum();
     let squares: f64 = (0..nodes.lattice.len())
@@ -120,6 +119,17 @@ pub fn with_indirect<E>(
     Ok((light, statistics))
 }
 
+/// Cells as large as leaves enough of them.
+fn first_lattice(samples: &Samples) -> Lattice {
+    let mut level = FIRST_LEVEL;
+    let mut lattice = Lattice::new(samples, level);
+    while lattice.len() < LEAST_CELLS && level > 0 {
+        level -= 1;
+        lattice = Lattice::new(samples, level);
+    }
+    lattice
+}
+
 /// The nodes of a lattice with their light.
 struct Nodes<'a> {
     samples: &'a Samples,
@@ -128,17 +138,17 @@ struct Nodes<'a> {
     light: Vec<NodeLight>,
     /// Mean irradiance of all samples, W/m².
     mean: f64,
-    error: Option<f64>,
+    error: f64,
+    is_look: bool,
 }
 
 impl<'a> Nodes<'a> {
-    fn new(samples: &'a Samples, direct: &'a SampleDirect, error: Option<f64>) -> Nodes<'a> {
-        let mut level = FIRST_LEVEL;
-        let mut lattice = Lattice::new(samples, level);
-        while lattice.len() < LEAST_CELLS && level > 0 {
-            level -= 1;
-            lattice = Lattice::new(samples, level);
-        }
+    fn new(
+        samples: &'a Samples,
+        direct: &'a SampleDirect,
+        lattice: Lattice,
+        error: f64,
+    ) -> Nodes<'a> {
         Nodes {
             samples,
             direct,
@@ -146,7 +156,28 @@ impl<'a> Nodes<'a> {
             light: Vec::new(),
             mean: 0.0,
             error,
+            is_look: false,
         }
+    }
+
+    /// Gathers at nodes, and at more of them where interpolation is too coarse. Returns its mean square
+    /// error by cell.
+    fn refine<E>(
+        &mut self,
+        gather: &mut dyn FnMut(&NodeRequest) -> Result<Vec<NodeLight>, E>,
+    ) -> Result<Vec<f64>, E> {
+        self.gather(0, gather)?;
+        let mut errors = self.interpolation_errors();
+        for round in 1..=MOST_ROUNDS {
+            let coarse = self.coarse_cells(&errors);
+            if !coarse.contains(&true) {
+                break;
+            }
+            self.lattice.divide(self.samples, &coarse);
+            self.gather(round, gather)?;
+            errors = self.interpolation_errors();
+        }
+        Ok(errors)
     }
 
     fn cell_area(&self, cell: usize) -> f64 {
@@ -180,7 +211,7 @@ impl<'a> Nodes<'a> {
             }
         }
         let brightness = self.brightness(new, &areas);
-        let error = self.error.map(|error| NODE_ERROR * error * brightness);
+        let error = (!self.is_look).then(|| NODE_ERROR * self.error * brightness);
         let found = gather(&NodeRequest {
             points: &points,
             areas: &areas,
@@ -263,7 +294,7 @@ impl<'a> Nodes<'a> {
     fn coarse_cells(&self, errors: &[f64]) -> Vec<bool> {
         let areas: Vec<f64> = (0..self.lattice.len()).map(|c| self.cell_area(c)).collect();
         let all: f64 = areas.iter().sum();
-        let permitted = SHARE * (self.error.unwrap_or(0.0) * self.mean).powi(2) * all;
+        let permitted = SHARE * (self.error * self.mean).powi(2) * all;
         let of_cell = |c: usize| {
             // A cell of one texel is gathered, not interpolated.
             if self.lattice.samples(c).len() > 1 {

@@ -27,6 +27,9 @@ pub struct ReceiverLayout {
     pub charts: Vec<u32>,
     /// Page of each triangle.
     pub pages: Vec<u32>,
+    /// Which edges of each triangle, from corner k to k + 1, charts must not cross, because light may
+    /// differ on either side: creases, borders of parts, and contacts.
+    pub cuts: Vec<[bool; 3]>,
 }
 
 impl ReceiverLayout {

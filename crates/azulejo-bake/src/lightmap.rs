@@ -16,6 +16,15 @@ pub struct TexelLight {
     pub standard_error: Rgb,
 }
 
+/// Light of a quarter of the area, W/m².
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct QuarterLight {
+    /// Mean irradiance.
+    pub mean: f64,
+    /// Root mean square of its standard error.
+    pub error: f64,
+}
+
 /// The texels of one page.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LightmapPage {
@@ -111,6 +120,59 @@ impl Lightmap {
             }
         }
         sum / f64::max(area, f64::MIN_POSITIVE)
+    }
+
+    /// Share of the texels of all pages that cover surfaces.
+    pub fn covered_share(&self) -> f64 {
+        let areas = || self.pages.iter().flat_map(|p| &p.areas);
+        let covered = areas().filter(|&&a| a > 0.0).count() + self.buried;
+        covered as f64 / f64::max(areas().count() as f64, 1.0)
+    }
+
+    /// Share of the area where irradiance is below a share of the largest of its page.
+    pub fn share_below(&self, share: f64) -> f64 {
+        let (mut below, mut all) = (0.0, 0.0);
+        for page in &self.pages {
+            let most = page.irradiance.iter().flatten().copied().fold(0.0, f32::max);
+            for (e, &area) in page.irradiance.iter().zip(&page.areas) {
+                let bright = e.iter().copied().fold(0.0, f32::max);
+                all += f64::from(area);
+                if f64::from(bright) < share * f64::from(most) {
+                    below += f64::from(area);
+                }
+            }
+        }
+        below / f64::max(all, f64::MIN_POSITIVE)
+    }
+
+    /// Mean irradiance and root mean square of the standard error of each quarter of the area, from dark to
+    /// bright, W/m².
+    pub fn quarters(&self) -> [QuarterLight; 4] {
+        let mut texels: Vec<(f64, f64, f64)> = Vec::new();
+        for page in &self.pages {
+            for (t, &area) in page.areas.iter().enumerate().filter(|(_, a)| **a > 0.0) {
+                let [e, error] = [page.irradiance[t], page.standard_error[t]]
+                    .map(|value| Rgb::from(value.map(f64::from)));
+                texels.push((e.mean(), (error * error).mean(), f64::from(area)));
+            }
+        }
+        texels.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let all: f64 = texels.iter().map(|t| t.2).sum();
+        let (mut quarters, mut areas) = ([QuarterLight::default(); 4], [0.0; 4]);
+        let mut before = 0.0;
+        for (e, square, area) in texels {
+            let q = ((4.0 * before / all) as usize).min(3);
+            before += area;
+            areas[q] += area;
+            quarters[q].mean += area * e;
+            quarters[q].error += area * square;
+        }
+        for (quarter, area) in quarters.iter_mut().zip(areas) {
+            let share = 1.0 / f64::max(area, f64::MIN_POSITIVE);
+            quarter.mean *= share;
+            quarter.error = (share * quarter.error).sqrt();
+        }
+        quarters
     }
 
     /// Root mean square of the standard error over the area and the channels, over the mean.

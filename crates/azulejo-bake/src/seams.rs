@@ -4,7 +4,10 @@
 //! viewer then mixes the light of a floor with that of a wall.
 
 use crate::Receiver;
+use azulejo_scene::math::Ray;
+use azulejo_trace::Tracer;
 use glam::DVec3;
+use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// Shading normals of two faces at a vertex that differ by more than this make a hard edge, degrees.
@@ -117,15 +120,58 @@ fn is_within(a: DVec3, b: DVec3, degrees: f64) -> bool {
     a.dot(b) >= degrees.to_radians().cos()
 }
 
-/// For each triangle which of its edges, from corner k to k + 1, a chart must not cross.
-pub(crate) fn seams(receiver: &Receiver, is_visible: &[bool], crease: f64) -> Vec<[bool; 3]> {
+/// For each triangle which of its edges, from corner k to k + 1, a chart must not cross: creases, and
+/// edges on which something stands.
+pub(crate) fn seams(
+    receiver: &Receiver,
+    is_visible: &[bool],
+    crease: f64,
+    tracer: &Tracer,
+) -> Vec<[bool; 3]> {
     let mut seams = vec![[false; 3]; receiver.triangles.len()];
-    for pair in Edges::of(receiver, is_visible).pairs() {
-        if !pair.is_smooth(receiver, crease) {
-            for (triangle, corner) in pair.sides {
-                seams[triangle as usize][corner as usize] = true;
-            }
-        }
+    let (smooth, creases): (Vec<EdgePair>, Vec<EdgePair>) = Edges::of(receiver, is_visible)
+        .pairs()
+        .into_iter()
+        .partition(|pair| pair.is_smooth(receiver, crease));
+    let is_contact = |pair: &&EdgePair| pair.is_contact(receiver, tracer);
+    let contacts: Vec<EdgePair> = smooth.par_iter().filter(is_contact).copied().collect();
+    for (triangle, corner) in creases.iter().chain(&contacts).flat_map(|pair| pair.sides) {
+        seams[triangle as usize][corner as usize] = true;
     }
     seams
 }
+
+impl EdgePair {
+    /// Whether something stands along the edge, on either side of the surface: the way from one triangle to
+    /// the other is not free.
+    fn is_contact(&self, receiver: &Receiver, tracer: &Tracer) -> bool {
+        let [(a, i), (b, _)] = self.sides;
+        let corners = receiver.corners(a as usize);
+        let (start, end) = (corners[usize::from(i)], corners[usize::from(i + 1) % 3]);
+        let along = end - start;
+        let flat = |t: u32| receiver.area_vector(t as usize).normalize_or_zero();
+        // From the edge into each of them.
+        let into = [flat(a).cross(along), -flat(b).cross(along)].map(|d| d.normalize_or_zero());
+        let height = |t: u32| 2.0 * receiver.area_vector(t as usize).length() / along.length();
+        let step = f64::min(NEAR_LENGTH * along.length(), NEAR_HEIGHT * height(a).min(height(b)));
+        let is_blocked = |share: f64, side: f64| {
+            let on = start + share * along;
+            let [from, to] = [(into[0], flat(a)), (into[1], flat(b))].map(|(into, normal)| {
+                let up = side * normal;
+                tracer.leaving(on + step * into, up) + 0.5 * step * up
+            });
+            tracer.occluded(&Ray::between(from, to))
+        };
+        [1.0, -1.0].into_iter().any(|side| {
+            let blocked = ALONG.iter().filter(|&&share| is_blocked(share, side));
+            2 * blocked.count() > ALONG.len()
+        })
+    }
+}
+
+/// Places along an edge at which the way across it is tested.
+const ALONG: [f64; 3] = [0.2, 0.5, 0.8];
+
+/// How far from the edge, as a share of its length, and of the height of the lower triangle.
+const NEAR_LENGTH: f64 = 0.02;
+const NEAR_HEIGHT: f64 = 0.1;

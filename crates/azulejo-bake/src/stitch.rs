@@ -28,15 +28,14 @@ const ENOUGH: f64 = 1e-4;
 /// A point of a seam on both sides: texels and weights, which should sum to nothing.
 type Row = Vec<(u32, f64)>;
 
-/// Makes light equal on both sides of seams that are no creases; `crease` as the charts had it, degrees.
+/// Makes light equal on both sides of seams that are neither creases nor contacts.
 /// Returns the root mean square of the difference along them before and after, of all channels.
 pub fn stitch(
     lightmap: &mut Lightmap,
     atlas: &Atlas,
-    crease: f64,
 ) -> SeamErrors {
     let starts = page_starts(lightmap);
-    let rows = rows(lightmap, &atlas.receivers, &atlas.layout, crease, &starts);
+    let rows = rows(lightmap, &atlas.receivers, &atlas.layout, &starts);
     let mut numbers: HashMap<u32, u32> = HashMap::new();
     let mut texels = Vec::new();
     let system: Vec<Row> = rows
@@ -110,15 +109,15 @@ fn rows(
     lightmap: &Lightmap,
     receivers: &[Receiver],
     layout: &Layout,
-    crease: f64,
     starts: &[u32],
 ) -> Vec<Row> {
     let mut rows = Vec::new();
     for (r, receiver) in receivers.iter().enumerate() {
         let of_receiver = &layout.receivers[r];
         let edges = Edges::of(receiver, &receiver.visible_triangles());
+        let is_cut = |(t, corner): (u32, u8)| of_receiver.cuts[t as usize][usize::from(corner)];
         let pairs = edges.pairs().into_iter();
-        for pair in pairs.filter(|p| p.is_smooth(receiver, crease)) {
+        for pair in pairs.filter(|p| !p.sides.into_iter().any(is_cut)) {
             let ends = pair.sides.map(|(triangle, corner)| {
                 let uvs = of_receiver.uvs[triangle as usize];
                 let corner = usize::from(corner);

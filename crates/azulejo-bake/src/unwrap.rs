@@ -4,9 +4,10 @@ use crate::layout::{Layout, NO_CHART, ReceiverLayout};
 use crate::seams::seams;
 use crate::Receiver;
 use azulejo_scene::math::Aabb;
-use azulejo_trace::{Cancelled, Progress};
+use azulejo_trace::{Cancelled, Progress, Tracer};
 use glam::DVec3;
 use std::fmt;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use uvunwrap::{Atlas, Density, MeshInput, Options, OutputMesh, Packing, Stage};
 
 /// Largest width and height of a page, texels: what graphics cards take.
@@ -56,6 +57,20 @@ pub enum Resolution {
     Fill,
     /// So many per scene unit of length, on as many pages as that takes.
     PerUnit(f64),
+    /// About so many that cover surfaces, on as many pages as that takes.
+    Texels(f64),
+}
+
+impl Resolution {
+    /// Texels per scene unit; `None` for as many as fit.
+    fn density(self, receivers: &[Receiver]) -> Option<f64> {
+        let area: f64 = receivers.iter().map(|r| r.area() * r.density.powi(2)).sum();
+        match self {
+            Resolution::Fill => None,
+            Resolution::PerUnit(density) => Some(density),
+            Resolution::Texels(texels) => Some((texels / area.max(f64::MIN_POSITIVE)).sqrt()),
+        }
+    }
 }
 
 /// Why there is no layout.
@@ -125,12 +140,14 @@ impl From<Cancelled> for LayoutError {
 /// Most texels of a lightmap.
 const MOST_TEXELS: f64 = (1u64 << 30) as f64;
 
-/// Cuts the receivers into charts and packs these on pages.
+/// Cuts the receivers into charts and packs these on pages. Charts end at creases, and at edges of
+/// triangles on which `tracer` finds something standing.
 ///
 /// # Errors
 /// [`LayoutError`].
 pub fn unwrap(
     receivers: &[Receiver],
+    tracer: &Tracer,
     options: &UnwrapOptions,
     progress: &Progress,
 ) -> Result<Layout, LayoutError> {
@@ -141,14 +158,15 @@ pub fn unwrap(
     }
     let meshes: Vec<UnwrapMesh> = receivers
         .iter()
-        .map(|r| UnwrapMesh::new(r, options.crease))
+        .map(|r| UnwrapMesh::new(r, options.crease, tracer))
         .collect();
     if meshes.iter().all(|m| m.ignored.iter().all(|&i| i)) {
         return Err(LayoutError::NoSurface);
     }
     let count: usize = receivers.iter().map(|r| r.triangles.len()).sum();
     progress.begin("charts", count as u64);
-    let pages = page_count(receivers, options)?;
+    let density = options.resolution.density(receivers);
+    let pages = page_count(receivers, density, options)?;
     let mut layout = Layout {
         receivers: vec![ReceiverLayout::default(); receivers.len()],
         ..Layout::default()
@@ -158,15 +176,19 @@ pub fn unwrap(
             .iter()
             .map(|&r| meshes[r].input(receivers[r].density))
             .collect();
-        let atlas = packed(&inputs, options, progress)?;
-        layout.add_page(&members, receivers, &atlas, options);
+        let atlas = packed(&inputs, density, options, progress)?;
+        layout.add_page(&members, &meshes, &atlas, options);
     }
     Ok(layout)
 }
 
 /// Pages that the resolution asks for.
-fn page_count(receivers: &[Receiver], options: &UnwrapOptions) -> Result<usize, LayoutError> {
-    let Resolution::PerUnit(density) = options.resolution else {
+fn page_count(
+    receivers: &[Receiver],
+    density: Option<f64>,
+    options: &UnwrapOptions,
+) -> Result<usize, LayoutError> {
+    let Some(density) = density else {
         return Ok(options.pages.max(1) as usize);
     };
     let texels: f64 = receivers
@@ -202,15 +224,16 @@ fn page_members(receivers: &[Receiver], pages: usize) -> Vec<Vec<usize>> {
 /// One page of charts.
 fn packed(
     inputs: &[MeshInput],
+    density: Option<f64>,
     options: &UnwrapOptions,
     progress: &Progress,
 ) -> Result<Atlas, LayoutError> {
     let triangles: usize = inputs.iter().map(|m| m.indices.len() / 3).sum();
-    let density = match options.resolution {
-        Resolution::Fill => Density::Auto {
+    let density = match density {
+        None => Density::Auto {
             page_size: options.size,
         },
-        Resolution::PerUnit(density) => Density::Fixed {
+        Some(density) => Density::Fixed {
             texels_per_unit: density as f32,
             page_size: None,
         },
@@ -227,16 +250,15 @@ fn packed(
         packing,
         ..Options::default()
     };
-    let mut flattened = std::sync::atomic::AtomicUsize::new(0);
+    let flattened = AtomicUsize::new(0);
     let report = |p: uvunwrap::Progress| match p.stage {
         Stage::Parameterizing => {
-            let before = flattened.swap(p.done, std::sync::atomic::Ordering::Relaxed);
+            let before = flattened.swap(p.done, Ordering::Relaxed);
             progress.advance(p.done.saturating_sub(before) as u64).is_ok()
         }
         _ => progress.advance(0).is_ok(),
     };
     let atlas = uvunwrap::generate_with_progress(inputs, &wanted, report);
-    flattened.get_mut();
     let atlas = atlas.map_err(|error| match error {
         uvunwrap::Error::Cancelled => LayoutError::Cancelled,
         uvunwrap::Error::ChartTooLarge { .. } => LayoutError::TooManyCharts {
@@ -269,7 +291,7 @@ impl Layout {
     fn add_page(
         &mut self,
         members: &[usize],
-        receivers: &[Receiver],
+        meshes: &[UnwrapMesh],
         atlas: &Atlas,
         options: &UnwrapOptions,
     ) {
@@ -277,7 +299,7 @@ impl Layout {
         // The unwrapper crops a page to the rows in use.
         let size = match options.resolution {
             Resolution::Fill => [options.size; 2],
-            Resolution::PerUnit(_) => [atlas.width, atlas.height],
+            _ => [atlas.width, atlas.height],
         };
         let scale = [
             f64::from(atlas.width) / f64::from(size[0]),
@@ -285,8 +307,9 @@ impl Layout {
         ];
         self.pages.push(size);
         for (&r, mesh) in members.iter().zip(&atlas.meshes) {
-            let count = receivers[r].triangles.len();
+            let count = meshes[r].parts.len();
             self.receivers[r] = laid_out(mesh, count, page, self.charts, scale);
+            self.receivers[r].cuts.clone_from(&meshes[r].seams);
         }
         self.charts += atlas.chart_count;
     }
@@ -334,7 +357,7 @@ struct UnwrapMesh {
 }
 
 impl UnwrapMesh {
-    fn new(receiver: &Receiver, crease: f64) -> UnwrapMesh {
+    fn new(receiver: &Receiver, crease: f64, tracer: &Tracer) -> UnwrapMesh {
         let used = receiver.triangles.iter().flatten();
         let used = used.map(|&v| receiver.positions[v as usize]);
         let bounds = Aabb::around(used.filter(|p| p.is_finite()));
@@ -352,7 +375,7 @@ impl UnwrapMesh {
             positions: receiver.positions.iter().map(place).collect(),
             indices: receiver.triangles.iter().flatten().copied().collect(),
             parts: receiver.parts.clone(),
-            seams: seams(receiver, &is_visible, crease),
+            seams: seams(receiver, &is_visible, crease, tracer),
             ignored: is_visible.iter().map(|v| !v).collect(),
         }
     }

@@ -1,5 +1,6 @@
 //! The command line as clap parses it. Values get their types here; the commands interpret them.
 
+use super::bake;
 use super::brdf::{BRDF_EXAMPLES, BrdfCommand};
 use super::engine::EngineArgs;
 use super::form_factors;
@@ -62,6 +63,9 @@ pub enum Command {
     /// First pass: compute the irradiance on the vertices
     #[command(after_help = SOLVE_EXAMPLES)]
     Solve(SolveArgs),
+    /// Bake a lightmap: irradiance in the texels of a second set of texture coordinates
+    #[command(after_help = bake::args::EXAMPLES)]
+    Bake(bake::args::BakeArgs),
     /// Second pass: render an image; solves first if the scene has no irradiance yet
     #[command(after_help = RENDER_EXAMPLES)]
     Render(RenderArgs),

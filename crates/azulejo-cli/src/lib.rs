@@ -5,6 +5,7 @@
 //! libraries below do the work.
 
 mod args;
+mod bake;
 mod brdf;
 mod camera;
 mod clock;
@@ -101,6 +102,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         }
         Command::Convert(args) => convert::run(args, &mut session)?,
         Command::Solve(args) => solve::run(args, &mut session)?,
+        Command::Bake(args) => bake::run(args, &mut session)?,
         Command::Render(args) => render::run(args, &mut session)?,
         Command::Probe(args) => probe::run(args, &mut session)?,
         Command::FormFactors(args) => form_factors::run(args, &mut session)?,

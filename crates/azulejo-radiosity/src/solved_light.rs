@@ -50,6 +50,14 @@ impl<'a> SolvedLight<'a> {
         &self.solved.gatherer
     }
 
+    /// Statistics and error of the light between patches.
+    pub fn report(&self) -> Report {
+        self.solved.report(&Gathering::new(GatherTargets {
+            points: &[],
+            areas: &[],
+        }))
+    }
+
     /// Irradiance of either side at a place of a face, as hits have it, front and back: that of the whole
     /// patch, W/m².
     pub fn sides_at(&self, [object, face, triangle]: [u32; 3], [u, v]: [f32; 2]) -> [Rgb; 2] {

@@ -22,7 +22,8 @@ fn main() {
             Some(whole) => whole.merge(model.scene),
         }
     }
-    let scene = scene.unwrap();
+    let mut scene = scene.unwrap();
+    if args.iter().any(|a| a == "--cut") { scene = azulejo::lightmap::meshes_of(&scene, true); }
     let start = Instant::now();
     let tracer = Tracer::new(&scene);
     let options = BakeOptions {

@@ -8,11 +8,11 @@ use azulejo_bake::{
     SeamErrors, TexelField, TexelStatistics, UnwrapOptions,
 };
 use azulejo_bake::{LayoutError, layout::NO_CHART};
-use azulejo_factors::ProxyScene;
+use azulejo_factors::{PatchSize, Patches, ProxyScene, RefinedShape};
 use azulejo_radiosity::{
     FirstPass, IrradianceField, PointEffort, Report, SolveError, SolvedLight,
 };
-use azulejo_scene::{Rgb, Scene};
+use azulejo_scene::{Rgb, Scene, Shape};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, DiffuseHit, Progress, Tracer};
 use std::fmt;
@@ -21,7 +21,13 @@ use std::fmt;
 const NOISE_SHARE: f64 = 0.85;
 
 /// Rays per point of the first look at the light.
-const FIRST_RAYS: u32 = 256;
+const FIRST_RAYS: u32 = 128;
+
+/// Chord error of tessellated primitives, relative to their size.
+const CHORD_ERROR: f64 = 1e-3;
+
+/// Longest edge of faces that are cut, as a part of the scene: contacts of a twentieth of that count.
+const CUTS: f64 = 8.0;
 
 /// Error where none is requested.
 const DEFAULT_ERROR: f64 = 0.03;
@@ -63,6 +69,7 @@ pub struct BakeOptions {
 
 /// Why there is no lightmap.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub enum BakeError {
     /// No charts.
     Layout(LayoutError),
@@ -107,6 +114,8 @@ impl From<Cancelled> for BakeError {
 pub struct Baked {
     /// Surfaces and their places.
     pub atlas: Atlas,
+    /// The object of each receiver.
+    pub objects: Vec<u32>,
     /// The texels.
     pub lightmap: Lightmap,
     /// How they were computed.
@@ -134,7 +143,7 @@ pub fn bake(
         .iter()
         .filter_map(|o| Some((receiver(o)?, *o)))
         .unzip();
-    let layout = azulejo_bake::unwrap(&receivers, &options.charts, progress)?;
+    let layout = azulejo_bake::unwrap(&receivers, &proxy.tracer, &options.charts, progress)?;
     let mut atlas = Atlas {
         receivers,
         layout,
@@ -150,7 +159,7 @@ pub fn bake(
     let error = options.pass.error.unwrap_or(DEFAULT_ERROR);
     let seed = hash(&[options.pass.seed as u32, (options.pass.seed >> 32) as u32, 3]);
     let direct = azulejo_bake::direct(&samples, &atlas, gatherer, error, seed, progress)?;
-    let mut reports = Vec::new();
+    let mut report = None;
     let mut gather = |request: &NodeRequest, fine: Option<&dyn IrradianceField>| {
         let effort = match request.error {
             Some(error) => PointEffort::Error(NOISE_SHARE * error),
@@ -158,7 +167,9 @@ pub fn bake(
         };
         let (points, areas) = (request.points, request.areas);
         let found = solved.indirect(points, areas, fine, effort, request.round, progress)?;
-        reports.push(found.report);
+        if request.error.is_some() && request.round == 0 {
+            report = Some(found.report);
+        }
         let light = found.indirect.into_iter().zip(found.errors);
         let node = |(irradiance, standard_error)| NodeLight {
             irradiance,
@@ -166,26 +177,65 @@ pub fn bake(
         };
         Ok::<_, SolveError>(light.map(node).collect())
     };
-    let look = azulejo_bake::first_look(&samples, &direct, &mut |r| gather(r, None))?;
+    let look = |r: &NodeRequest| gather(r, None);
+    let (look, nodes) = azulejo_bake::first_look(&samples, &direct, error, &mut { look })?;
     let field = TexelField::new(&atlas, &samples, &look, &objects, surfaces);
     let field = FieldOfTexels(&field);
     let mut gather = |request: &NodeRequest| gather(request, Some(&field));
-    let (light, texels) = azulejo_bake::with_indirect(&samples, &direct, error, &mut gather)?;
+    let (mut light, mut texels) = (Vec::new(), TexelStatistics::default());
+    if options.light == BakedLight::Direct {
+        light = direct.light();
+        texels.samples = light.len();
+    } else {
+        (light, texels) =
+            azulejo_bake::with_indirect(&samples, &direct, nodes, error, &mut gather)?;
+    }
+    if options.light == BakedLight::Indirect {
+        direct.take_from(&mut light);
+    }
     let mut lightmap = Lightmap::new(&samples, &light, surfaces);
     for page in &mut lightmap.pages {
         azulejo_bake::pad_charts(page, options.charts.padding);
     }
-    let seams = azulejo_bake::stitch(&mut lightmap, &atlas, options.charts.crease);
+    let seams = azulejo_bake::stitch(&mut lightmap, &atlas);
     for page in &mut lightmap.pages {
         azulejo_bake::fill(page);
     }
     Ok(Baked {
         atlas,
+        objects,
         lightmap,
         texels,
-        report: reports.swap_remove(1),
+        report: report.unwrap_or_else(|| solved.report()),
         seams,
     })
+}
+
+/// A scene of meshes alone, for models that are written anew; if wished, cut along the lines on which one
+/// thing stands on another, so that charts can end there. Instances share their mesh, which stays whole.
+pub fn meshes_of(scene: &Scene, cuts_contacts: bool) -> Scene {
+    let mut meshes = azulejo_factors::faceted(scene, PatchSize::Edge(0.0)).into_owned();
+    for object in &mut meshes.objects {
+        if let Shape::Primitive(primitive) = &object.shape {
+            let chord_error = CHORD_ERROR * primitive.bounds().diagonal();
+            let grids = primitive.grids(chord_error, f64::INFINITY);
+            object.shape = Shape::Mesh(primitive.tessellate(&grids));
+        }
+    }
+    if !cuts_contacts {
+        return meshes;
+    }
+    let edge = meshes.bounds().diagonal() / CUTS;
+    let patches = Patches::new(&meshes, PatchSize::Edge(edge));
+    let mut cut = meshes.clone();
+    for (number, object) in cut.objects.iter_mut().enumerate() {
+        if let Shape::Mesh(_) = &object.shape
+            && let RefinedShape::Mesh(mesh) = patches.refined(number as u32, &meshes)
+        {
+            object.shape = Shape::Mesh(mesh);
+        }
+    }
+    cut
 }
 
 /// Light of texels beside that of patches.

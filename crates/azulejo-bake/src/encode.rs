@@ -1,0 +1,70 @@
+//! Light as bytes of pictures.
+
+use azulejo_trace::sampling::hash;
+
+/// Linear light as sRGB bytes, rows from the top, and the light of the value 1: the largest of all
+/// texels.
+///
+/// Each byte is rounded up or down at random, keyed on the texel, so that the mean of a few texels is nearer
+/// than half a step: the same for all runs.
+pub fn srgb_bytes(light: &[[f32; 3]]) -> (Vec<u8>, f64) {
+    let most = light.iter().flatten().copied().fold(0.0, f32::max);
+    if most.is_nan() || most <= 0.0 {
+        return (vec![0; 3 * light.len()], 0.0);
+    }
+    let mut bytes = Vec::with_capacity(3 * light.len());
+    for (texel, value) in light.iter().enumerate() {
+        for (channel, &v) in value.iter().enumerate() {
+            bytes.push(dithered(v / most, texel as u32, channel as u32));
+        }
+    }
+    (bytes, f64::from(most))
+}
+
+/// One of the two bytes around a linear value 0..=1, so that the mean of what they decode to is the value.
+fn dithered(linear: f32, texel: u32, channel: u32) -> u8 {
+    let linear = linear.clamp(0.0, 1.0);
+    let below = (255.0 * encoded(linear)).floor().min(254.0);
+    let (low, high) = (decoded(below / 255.0), decoded((below + 1.0) / 255.0));
+    let share = ((linear - low) / (high - low)).clamp(0.0, 1.0);
+    let threshold = (hash(&[texel, channel, 0xd17]) >> 8) as f32 / (1 << 24) as f32;
+    below as u8 + u8::from(share > threshold)
+}
+
+/// The transfer function of sRGB (IEC 61966-2-1).
+fn encoded(linear: f32) -> f32 {
+    if linear <= 0.003_130_8 {
+        12.92 * linear
+    } else {
+        1.055 * linear.powf(1.0 / 2.4) - 0.055
+    }
+}
+
+/// Its inverse.
+fn decoded(value: f32) -> f32 {
+    if value <= 0.040_45 {
+        value / 12.92
+    } else {
+        ((value + 0.055) / 1.055).powf(2.4)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The mean of many texels of one value is the value, far nearer than a step.
+    #[test]
+    fn dither_keeps_the_mean() {
+        for value in [0.001, 0.03, 0.217, 0.9] {
+            let mut light = vec![[value; 3]; 4096];
+            light[0] = [1.0; 3];
+            let (bytes, intensity) = srgb_bytes(&light);
+            assert_eq!(intensity, 1.0);
+            let sum: f32 = bytes[3..].iter().map(|&b| decoded(f32::from(b) / 255.0)).sum();
+            let mean = sum / (3.0 * 4095.0);
+            assert!((mean / value - 1.0).abs() < 0.004, "{value}: {mean}");
+        }
+        assert_eq!(srgb_bytes(&[[0.0; 3]; 2]), (vec![0; 6], 0.0));
+    }
+}

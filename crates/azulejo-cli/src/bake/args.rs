@@ -1,0 +1,229 @@
+//! Options of `bake`.
+
+use crate::args::{FirstPassArgs, InputArgs};
+use crate::values;
+use azulejo::bake::unwrap::MOST_SIZE;
+use azulejo::lightmap::{BakedLight, BakedSides};
+use azulejo_formats::gltf::patch::{Convention, InstanceMode, LightsMode};
+use clap::{Args, ValueEnum, ValueHint};
+use std::path::PathBuf;
+
+/// Examples.
+pub const EXAMPLES: &str = "\
+Examples:
+  azulejo bake level.glb -o baked.glb --size 1024 --error 1%
+  azulejo bake old.3ds sun.grf -o lit.glb --texels-per-metre 20 --lightmap E.exr --error-map SE.exr
+  azulejo bake word.sff room.wrl -o page.html
+  azulejo bake baked.glb --strip -o level-again.glb
+
+A glTF file keeps every byte that does not have to change; `--strip` gives it back as it was. Other models \
+are written as glTF.";
+
+/// `bake`
+#[derive(Debug, Args)]
+pub struct BakeArgs {
+    #[command(flatten)]
+    pub input: InputArgs,
+    /// Output file: .glb, .gltf (with its pictures beside it), or .html, a page that shows the model with
+    /// its light in any browser
+    #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath,
+          required_unless_present = "lightmap")]
+    pub output: Option<PathBuf>,
+    /// Remove the lightmap that azulejo has put into a glTF file: gives back the file as it was
+    #[arg(long, requires = "output")]
+    pub strip: bool,
+    #[command(flatten)]
+    pub texels: TexelArgs,
+    #[command(flatten)]
+    pub files: LightmapFileArgs,
+    #[command(flatten)]
+    pub first_pass: FirstPassArgs,
+}
+
+/// The texels of a lightmap.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Texels")]
+pub struct TexelArgs {
+    /// Width and height of a page, texels; with --texels-per-metre or --texels the largest
+    /// [default: 1024, or 8192 with those]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SIZE)))]
+    pub size: Option<u32>,
+    /// Texels per metre of surface, on as many pages as that takes
+    #[arg(long, value_name = "N", value_parser = values::positive, conflicts_with = "count")]
+    pub texels_per_metre: Option<f64>,
+    /// Texels that cover surfaces, about, on as many pages as that takes: 1e6
+    #[arg(long = "texels", id = "count", value_name = "N", value_parser = values::positive)]
+    pub count: Option<f64>,
+    /// Number of pages: whole objects are divided among them
+    #[arg(long, value_name = "N", default_value_t = 1,
+          value_parser = clap::value_parser!(u32).range(1..=256))]
+    pub pages: u32,
+    /// Empty texels around each chart: 1 for bilinear filters, 2 for bicubic ones
+    #[arg(long, value_name = "N", default_value_t = 2,
+          value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub padding: u32,
+    /// Smaller copies (mipmaps) that viewers may use: padding grows to 2^N texels
+    #[arg(long, value_name = "N", default_value_t = 0,
+          value_parser = clap::value_parser!(u32).range(0..=6))]
+    pub mips: u32,
+    /// Keep charts to blocks of 4 × 4 texels, for compressed pictures
+    #[arg(long)]
+    pub blocks: bool,
+    /// Cut charts at edges with a larger angle between the faces, degrees
+    #[arg(long, value_name = "DEGREES", default_value_t = 30.0, value_parser = values::degrees)]
+    pub crease: f64,
+    /// Do not cut faces where one thing stands on another. By default, faces of models that are written anew
+    /// are cut there, so that the light on either side stays apart; those of glTF files never are
+    #[arg(long)]
+    pub no_split_contacts: bool,
+    /// Which side of surfaces has light [default: the front in glTF files, the brighter one in others]
+    #[arg(long, value_name = "SIDE")]
+    pub double_sided: Option<DoubleSidedArg>,
+    /// Which light to bake
+    #[arg(long, value_name = "LIGHT", default_value = "total")]
+    pub light: LightArg,
+}
+
+/// Files of a lightmap, and how they say what they are.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Files")]
+pub struct LightmapFileArgs {
+    /// Irradiance as OpenEXR, in the unit of the scene, top row at v = 0; of several pages, each gets its
+    /// number before the extension
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub lightmap: Option<PathBuf>,
+    /// Its standard error, likewise
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub error_map: Option<PathBuf>,
+    /// What tells viewers of the lightmap
+    #[arg(long = "as", value_name = "CONVENTION", default_value = "moz")]
+    pub convention: ConventionArg,
+    /// The pictures in the file
+    #[arg(long, value_name = "TYPE", default_value = "png")]
+    pub image: ImageArg,
+    /// The set of texture coordinates that is added, TEXCOORD_N; if a picture uses it, the next free one
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub uv_set: u32,
+    /// How nodes that share a mesh get a place each
+    #[arg(long, value_name = "HOW", default_value = "copy")]
+    pub instances: InstancesArg,
+    /// What becomes of lamps without area that were baked [default: dim; keep with --light indirect]
+    #[arg(long, value_name = "WHAT")]
+    pub lights: Option<LightsArg>,
+}
+
+/// `--light`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LightArg {
+    /// All
+    Total,
+    /// Without what comes straight from lamps and the sun, for viewers that add it
+    Indirect,
+    /// That alone
+    Direct,
+}
+
+impl LightArg {
+    /// For the library.
+    pub fn baked(self) -> BakedLight {
+        match self {
+            LightArg::Total => BakedLight::Total,
+            LightArg::Indirect => BakedLight::Indirect,
+            LightArg::Direct => BakedLight::Direct,
+        }
+    }
+}
+
+/// `--double-sided`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DoubleSidedArg {
+    /// The front
+    Front,
+    /// Of each chart the one that gets more light
+    Brighter,
+}
+
+impl DoubleSidedArg {
+    /// For the library.
+    pub fn baked(self) -> BakedSides {
+        match self {
+            DoubleSidedArg::Front => BakedSides::Front,
+            DoubleSidedArg::Brighter => BakedSides::Brighter,
+        }
+    }
+}
+
+/// `--as`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ConventionArg {
+    /// The extension MOZ_lightmap of materials
+    Moz,
+    /// The extension MX_lightmap of nodes
+    Mx,
+    /// Nothing: texture coordinates alone, for a --lightmap beside the file
+    Plain,
+}
+
+impl ConventionArg {
+    /// For the writer.
+    pub fn written(self) -> Convention {
+        match self {
+            ConventionArg::Moz => Convention::Moz,
+            ConventionArg::Mx => Convention::Mx,
+            ConventionArg::Plain => Convention::Plain,
+        }
+    }
+}
+
+/// `--image`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ImageArg {
+    /// PNG: 8 bits, which every viewer reads
+    Png,
+    /// Radiance HDR, as Mozilla Hubs reads it, with a PNG for others
+    Hdr,
+}
+
+/// `--instances`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum InstancesArg {
+    /// A mesh for each further node, which shares all but the texture coordinates
+    Copy,
+    /// A material for each node, with KHR_texture_transform
+    Transform,
+    /// Offset and scale at the node, with --as mx
+    Node,
+}
+
+impl InstancesArg {
+    /// For the writer.
+    pub fn written(self) -> InstanceMode {
+        match self {
+            InstancesArg::Copy => InstanceMode::Copy,
+            InstancesArg::Transform => InstanceMode::Transform,
+            InstancesArg::Node => InstanceMode::Node,
+        }
+    }
+}
+
+/// `--lights`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LightsArg {
+    /// Their intensity becomes 0, with a note of what it was
+    Dim,
+    /// They stay
+    Keep,
+    /// Nodes lose them
+    Remove,
+}
+
+impl LightsArg {
+    /// For the writer.
+    pub fn written(self) -> LightsMode {
+        match self {
+            LightsArg::Dim => LightsMode::Dim,
+            LightsArg::Keep => LightsMode::Keep,
+            LightsArg::Remove => LightsMode::Remove,
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! `bake`: the third pass, from a scene to a lightmap in a glTF file or a page.
+
+pub mod args;
+mod page;
+mod report;
+mod source;
+mod written;
+
+use crate::failure::Failure;
+use crate::report::Report;
+use crate::session::Session;
+use crate::{pass, report as words};
+use args::{BakeArgs, DoubleSidedArg, TexelArgs};
+use azulejo::bake::{Resolution, UnwrapOptions};
+use azulejo::lightmap::{BakeError, BakeOptions, BakedSides, bake};
+use azulejo::output::Output;
+use azulejo_scene::Scene;
+use source::BakeSource;
+use written::BakeOutputs;
+
+/// Size of pages where none is given, and where the density is.
+const SIZE: u32 = 1024;
+const MOST_SIZE: u32 = 8192;
+
+/// Runs `bake`.
+pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
+    if args.strip {
+        return strip(args, session);
+    }
+    refuse_misplaced(args)?;
+    let outputs = BakeOutputs::check(args)?;
+    session.claim_stdout(outputs.is_stdout())?;
+    let prepared = args.first_pass.engine.prepare()?;
+    let source = BakeSource::read(args, session)?;
+    let tracer = prepared.tracer(&source.scene)?;
+    let options = BakeOptions {
+        charts: charts(&args.texels, &source.scene),
+        pass: pass::options(&args.first_pass, &prepared),
+        light: args.texels.light.baked(),
+        sides: sides(args, &source),
+    };
+    session.limit_time(args.first_pass.limit());
+    let baked = pass::with_forecast(&args.first_pass, session, |progress| {
+        bake(&source.scene, &tracer, &source.receivers, &options, progress)
+    });
+    let baked = baked.map_err(|error| match error {
+        BakeError::Solve(error) => pass::failure(error),
+        BakeError::Layout(error) => Failure::failed(error),
+        other => Failure::failed(other),
+    })?;
+    let mut summary = Report::default();
+    report::describe(&baked, &args.first_pass, &source.scene, &mut summary)?;
+    outputs.write(args, &source, &baked, session, &mut summary)?;
+    Ok(summary)
+}
+
+/// Options of the first pass that mean nothing here.
+fn refuse_misplaced(args: &BakeArgs) -> Result<(), Failure> {
+    let given = [
+        (args.first_pass.keep_mesh, "--keep-mesh"),
+        (args.first_pass.sides.is_some(), "--sides"),
+        (args.first_pass.no_interpolation, "--no-interpolation"),
+    ];
+    match given.into_iter().find(|(is_given, _)| *is_given) {
+        Some((_, option)) => Err(Failure::misuse(format_args!(
+            "{option} is about light on vertices; a lightmap has texels"
+        ))),
+        None => Ok(()),
+    }
+}
+
+fn charts(args: &TexelArgs, scene: &Scene) -> UnwrapOptions {
+    let resolution = match (args.texels_per_metre, args.count) {
+        (Some(density), _) => Resolution::PerUnit(density * scene.units.metres()),
+        (None, Some(texels)) => Resolution::Texels(texels),
+        (None, None) => Resolution::Fill,
+    };
+    let size = match resolution {
+        Resolution::Fill => SIZE,
+        _ => MOST_SIZE,
+    };
+    UnwrapOptions {
+        resolution,
+        size: args.size.unwrap_or(size),
+        pages: args.pages,
+        padding: args.padding.max(1 << args.mips),
+        blocks: args.blocks,
+        crease: args.crease,
+    }
+}
+
+/// The side that receives: glTF says which side is the front, other formats often do not.
+fn sides(args: &BakeArgs, source: &BakeSource) -> BakedSides {
+    let usual = if source.is_given {
+        BakedSides::Front
+    } else {
+        BakedSides::Brighter
+    };
+    args.texels.double_sided.map_or(usual, DoubleSidedArg::baked)
+}
+
+/// Removes a lightmap.
+fn strip(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
+    let ([input], Some(path)) = (&args.input.scenes[..], &args.output) else {
+        return Err(Failure::misuse("--strip takes one file, and -o OUT"));
+    };
+    let output = Output::check(path)?;
+    session.claim_stdout(output.is_stdout())?;
+    let stripped = source::stripped(input, session.progress())?;
+    stripped.notes.iter().for_each(|note| session.note(note));
+    if !stripped.is_exact {
+        session.note("another program has written the file since: it is not what it was before");
+    }
+    output.write(session.progress(), |out| out.write_all(&stripped.bytes))?;
+    let mut report = Report::default();
+    let size = words::bytes(stripped.bytes.len() as u64);
+    let shown = output.path().display().to_string();
+    report.fact("output", shown.clone(), "wrote", format!("{shown}, {size}"));
+    report.value("exact", stripped.is_exact);
+    if !stripped.unused_files.is_empty() {
+        let names = stripped.unused_files.join(", ");
+        report.fact("unused_files", stripped.unused_files, "no longer used", names);
+    }
+    Ok(report)
+}
