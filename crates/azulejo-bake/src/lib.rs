@@ -1,0 +1,3 @@
+//! Lightmaps of solved scenes, and web pages that show them.
+
+pub mod page;

@@ -1,0 +1,86 @@
+//! The page in a browser, compared with what rays see.
+//!
+//! Needs Node.js and Chromium, and passes with a message where they are missing.
+
+use crate::room::{Room, lamp_light};
+use azulejo_bake::page;
+use glam::DVec3;
+use serde_json::{Value, json};
+use std::path::Path;
+use std::process::Command;
+
+/// Exit status by which the script says that there is no Chromium.
+const MISSING: i32 = 77;
+
+/// Pixels of the compared picture.
+const SIZE: u32 = 400;
+
+/// Radiance, irradiance and standard error at more than 64 places are within 1% of those of rays; the
+/// controls work; nothing is asked of the network.
+#[test]
+fn pixels_are_what_rays_see() {
+    let folder = std::env::temp_dir().join(format!("azulejo-page-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let (page, expected) = (folder.join("room.html"), folder.join("expected.json"));
+    let room = Room::cornell();
+    let mut bytes = Vec::new();
+    page::write(&room.page(1024, lamp_light), &mut bytes).unwrap();
+    std::fs::write(&page, bytes).unwrap();
+    std::fs::write(&expected, expectation(&room).to_string()).unwrap();
+    run(&page, &expected);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+fn run(page: &Path, expected: &Path) {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser/check.mjs");
+    let output = Command::new("node")
+        .arg(script)
+        .arg(page)
+        .arg(expected)
+        .output();
+    let Ok(output) = output else {
+        eprintln!("skipped: no node");
+        return;
+    };
+    let text = String::from_utf8_lossy(&output.stdout);
+    if output.status.code() == Some(MISSING) {
+        eprintln!("skipped: {text}");
+        return;
+    }
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{text}{errors}");
+    println!("{text}");
+}
+
+/// What the first camera sees in the middles of pixels on a grid, away from edges.
+fn expectation(room: &Room) -> Value {
+    let camera = &room.scene.cameras[0];
+    let mut points = Vec::new();
+    for k in 0..24 * 24 {
+        let [x, y] = [k % 24, k / 24].map(|i| f64::from(i * 16 + 14) + 0.5);
+        let size = f64::from(SIZE);
+        let ray = camera.ray(x / size, y / size, 1.0);
+        let Some((face, distance)) = room.hit(&ray) else {
+            continue;
+        };
+        // A pixel is a few units wide, and light has a kink where it falls flat.
+        let place = ray.at(distance);
+        let cosine = (DVec3::new(278.0, 480.0, 279.5) - place)
+            .normalize()
+            .dot(face.normal);
+        if face.margin(place) < 4.0 || cosine.abs() < 0.02 {
+            continue;
+        }
+        let (light, error) = lamp_light(room, place, face.normal);
+        let luminance = |c: [f32; 3]| azulejo_scene::Rgb::from(c.map(f64::from)).luminance();
+        points.push(json!({
+            "x": x,
+            "y": y,
+            "radiance": room.radiance(&ray, lamp_light),
+            "light": light,
+            "error": luminance(error),
+        }));
+    }
+    assert!(points.len() >= 64);
+    json!({ "camera": 0, "width": SIZE, "height": SIZE, "points": points })
+}

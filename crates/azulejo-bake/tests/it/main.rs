@@ -1,0 +1,5 @@
+//! What the crate does for its users.
+
+mod browser;
+mod page;
+mod room;
