@@ -1,16 +1,12 @@
 //! The page in a browser, compared with what rays see.
 //!
-//! Needs Node.js and Chromium, and passes with a message where they are missing.
+//! Needs Node.js and Chromium, and is skipped where they are missing.
 
 use crate::room::{Room, lamp_light};
 use azulejo_bake::page;
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::path::Path;
-use std::process::Command;
-
-/// Exit status by which the script says that there is no Chromium.
-const MISSING: i32 = 77;
 
 /// Pixels of the compared picture.
 const SIZE: u32 = 400;
@@ -33,23 +29,13 @@ fn pixels_are_what_rays_see() {
 
 fn run(page: &Path, expected: &Path) {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/browser/check.mjs");
-    let output = Command::new("node")
-        .arg(script)
-        .arg(page)
-        .arg(expected)
-        .output();
-    let Ok(output) = output else {
-        eprintln!("skipped: no node");
+    let arguments = [page.as_os_str(), expected.as_os_str()];
+    let Some(output) = azulejo_testing::browser_script(&script, &arguments) else {
         return;
     };
     let text = String::from_utf8_lossy(&output.stdout);
-    if output.status.code() == Some(MISSING) {
-        eprintln!("skipped: {text}");
-        return;
-    }
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{text}{errors}");
-    println!("{text}");
 }
 
 /// What the first camera sees in the middles of pixels on a grid, away from edges.

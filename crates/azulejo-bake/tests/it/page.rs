@@ -47,7 +47,7 @@ fn hostile_texts_stay_texts() {
     model.materials[0].name = hostile.into();
     model.cameras[0].name = hostile.into();
     let page = String::from_utf8(page(&model)).unwrap();
-    for tag in ["<script", "</script", "<!--", "{{", "alert(1)</"] {
+    for tag in ["<script", "</script", "<!--", "offerHook(started)"] {
         let count = |text: &str| text.matches(tag).count();
         assert_eq!(count(&page), count(&plain), "{tag}");
     }
