@@ -18,7 +18,7 @@ function exposureOf(luminances) {
 }
 
 // The exposure for what a view shows of surfaces; for all surfaces where that cannot be read.
-function exposureOfView(renderer, view, samples, hideBacks) {
+function exposureOfView(renderer, view, model, hideBacks) {
     const [width, height] = [96, 64];
     const pixels = renderer.read(view, { show: SHOW.radiance, hideBacks }, width, height);
     const seen = [];
@@ -27,6 +27,7 @@ function exposureOfView(renderer, view, samples, hideBacks) {
             seen.push(luminance(pixels[k], pixels[k + 1], pixels[k + 2]));
         }
     }
-    return exposureOf(seen.length > 0.01 * width * height ? seen : samples.map((s) => s.radiance));
+    const isEnough = seen.length > 0.01 * width * height;
+    return exposureOf(isEnough ? seen : model.samples.map((s) => s.radiance));
 }
 

@@ -30,11 +30,6 @@ class Interface {
         this.listen();
         this.range = { light: null, error: null };
         this.isLogarithmic = { light: null, error: null };
-        const isWide = ([low, high]) => high / low > 30;
-        for (const show of ["light", "error"]) {
-            this.isLogarithmic[show] = isWide(rangeOf(viewer.model.values(show), true));
-            this.fit(show);
-        }
         this.shownChanged();
     }
 
@@ -146,8 +141,12 @@ class Interface {
         this.viewer.changed(false);
     }
 
-    // Sets the range of a kind of value to what the model has.
+    // Sets the range of a kind of value to what the model has; logarithmic at first if that is wide.
     fit(show) {
+        if (this.isLogarithmic[show] === null) {
+            const [low, high] = rangeOf(this.viewer.model.values(show), true);
+            this.isLogarithmic[show] = high / low > 30;
+        }
         this.range[show] = rangeOf(this.viewer.model.values(show), this.isLogarithmic[show]);
     }
 
@@ -176,6 +175,9 @@ class Interface {
                 : photometric ? ["Illuminance", "lux"] : ["Irradiance", "W/m²"];
             element("quantity").replaceChildren(name, Object.assign(document.createElement("small"),
                 { textContent: unit }));
+            if (!this.range[show]) {
+                this.fit(show);
+            }
             settings.range = this.range[show];
             settings.isLogarithmic = this.isLogarithmic[show];
             element("logarithmic").checked = settings.isLogarithmic;

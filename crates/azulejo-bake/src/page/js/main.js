@@ -14,10 +14,16 @@ class Model {
         model.batches = makeBatches(head, geometry);
         model.bounds = boundsOf(geometry);
         model.diagonal = model.bounds.diagonal();
-        model.samples = sampleLight(head, geometry, model.batches, lightmaps);
         model.hasErrors = head.lightmaps.some((map) => map.errorPeak !== null);
         model.cameras = [...head.cameras, framingCamera(model.bounds, head.up)];
         return model;
+    }
+
+    // Light in places of the surfaces, found when it is first asked for.
+    get samples() {
+        const { head, geometry, batches, lightmaps } = this;
+        this.known ??= sampleLight(head, geometry, batches, lightmaps);
+        return this.known;
     }
 
     // Values on the surfaces of what false colours show.
@@ -26,8 +32,19 @@ class Model {
     }
 }
 
+// The canvas's means to draw.
+function contextOf(canvas) {
+    const options = { antialias: true, alpha: false, powerPreference: "high-performance" };
+    const gl = canvas.getContext("webgl2", options);
+    if (!gl) {
+        throw new Error("This page needs WebGL 2, which this browser does not offer. " +
+            "Perhaps it is switched off, or the graphics driver is too old.");
+    }
+    return gl;
+}
+
 class Viewer {
-    constructor(model, canvas) {
+    constructor(model, canvas, program) {
         this.model = model;
         this.canvas = canvas;
         this.settings = {
@@ -44,7 +61,7 @@ class Viewer {
             say("The graphics card was taken away; waiting for it…");
         });
         this.canvas.addEventListener("webglcontextrestored", () => this.begin());
-        this.begin();
+        this.begin(program);
         this.navigation = new Navigation(canvas, this);
         this.interface = new Interface(this);
         this.canvas.addEventListener("pointermove", (event) => this.hovered(event));
@@ -65,14 +82,9 @@ class Viewer {
     }
 
     // Makes what lives on the graphics card, at first and after it was lost.
-    begin() {
-        const options = { antialias: true, alpha: false, powerPreference: "high-performance" };
-        const gl = this.canvas.getContext("webgl2", options);
-        if (!gl) {
-            throw new Error("This page needs WebGL 2, which this browser does not offer. " +
-                "Perhaps it is switched off, or the graphics driver is too old.");
-        }
-        this.renderer = new Renderer(gl, this.model);
+    begin(program) {
+        const gl = contextOf(this.canvas);
+        this.renderer = new Renderer(gl, program ?? startProgram(gl), this.model);
         say("");
         this.requestDraw();
     }
@@ -152,7 +164,7 @@ class Viewer {
         }
         const isDue = this.isExposureOld && !(time - this.measured < 200);
         if (isDue) {
-            this.wanted = exposureOfView(this.renderer, this.view(), this.model.samples, settings.hideBacks);
+            this.wanted = exposureOfView(this.renderer, this.view(), this.model, settings.hideBacks);
             this.measured = time;
             this.isExposureOld = false;
         }
@@ -295,7 +307,10 @@ async function start() {
     if (!window.DecompressionStream) {
         throw new Error("This page needs a browser of 2023 or later.");
     }
-    const viewer = new Viewer(await Model.load(), element("picture"));
+    // The graphics card gets ready while the data are unpacked.
+    const canvas = element("picture");
+    const program = startProgram(contextOf(canvas));
+    const viewer = new Viewer(await Model.load(), canvas, program);
     await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
     return viewer;
 }

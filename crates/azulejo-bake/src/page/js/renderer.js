@@ -17,14 +17,15 @@ function rampColor(t) {
 }
 
 class Renderer {
-    constructor(gl, model) {
+    constructor(gl, program, model) {
         this.gl = gl;
         this.model = model;
         this.canFloat = Boolean(gl.getExtension("EXT_color_buffer_float"));
         this.canHalf = this.canFloat || Boolean(gl.getExtension("EXT_color_buffer_half_float"));
         this.canBlendFloat = !this.canFloat || Boolean(gl.getExtension("EXT_float_blend"));
-        this.program = linkedProgram(gl, ["position", "normal", "uv", "lightUv", "color"]);
-        this.uniforms = uniformsOf(gl, this.program);
+        this.program = program;
+        checkProgram(gl, program);
+        this.uniforms = uniformsOf(gl, program);
         this.shape = this.makeShape(model.geometry);
         this.white = this.makeTexture(1, 1, new Uint8Array([255, 255, 255, 255]));
         const ramp = Array.from({ length: 256 }, (_, k) => [...rampColor(k / 255), 255]).flat();
@@ -274,23 +275,28 @@ class Renderer {
     }
 }
 
-function linkedProgram(gl, attributes) {
+const ATTRIBUTES = ["position", "normal", "uv", "lightUv", "color"];
+const SHADERS = ["surface-vertex", "surface-fragment"];
+
+// A program that the graphics driver goes on to make by itself, while there is other work.
+function startProgram(gl) {
     const program = gl.createProgram();
-    for (const [type, id] of [[gl.VERTEX_SHADER, "surface-vertex"], [gl.FRAGMENT_SHADER, "surface-fragment"]]) {
-        const shader = gl.createShader(type);
+    SHADERS.forEach((id, k) => {
+        const shader = gl.createShader(k === 0 ? gl.VERTEX_SHADER : gl.FRAGMENT_SHADER);
         gl.shaderSource(shader, element(id).textContent);
         gl.compileShader(shader);
-        if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS) && !gl.isContextLost()) {
-            throw new Error(`${id}: ${gl.getShaderInfoLog(shader)}`);
-        }
         gl.attachShader(program, shader);
-    }
-    attributes.forEach((name, place) => gl.bindAttribLocation(program, place, name));
+    });
+    ATTRIBUTES.forEach((name, place) => gl.bindAttribLocation(program, place, name));
     gl.linkProgram(program);
-    if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
-        throw new Error(gl.getProgramInfoLog(program));
-    }
     return program;
+}
+
+function checkProgram(gl, program) {
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
+        const logs = gl.getAttachedShaders(program).map((shader) => gl.getShaderInfoLog(shader));
+        throw new Error(`the shaders: ${[...logs, gl.getProgramInfoLog(program)].join(" ")}`);
+    }
 }
 
 function uniformsOf(gl, program) {
