@@ -21,6 +21,7 @@
 //! | `AZULEJO_DATA` | a folder with `reference/`, `scenes/` and `corpus/` |
 //! | `AZULEJO_CHROMIUM` | a Chromium or Chrome, instead of the first in the path |
 //! | `AZULEJO_PYTHON` | a Python with NumPy and SciPy, instead of `python3` |
+//! | `AZULEJO_VIEWERS` | a folder with the npm packages `three`, `babylonjs` and `babylonjs-loaders` |
 
 mod exit;
 mod need;

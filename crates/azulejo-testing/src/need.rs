@@ -16,7 +16,7 @@ pub enum Need {
     Fonts,
     /// A Python interpreter with NumPy and SciPy.
     Python,
-    /// Node.js and Chromium.
+    /// Node.js and Chromium, and the packages of web viewers that are compared with.
     Browser,
 }
 
@@ -66,7 +66,8 @@ impl Need {
             }
             Need::Browser => {
                 "Install Node.js and Chromium (Debian and Ubuntu: apt install nodejs chromium), or \
-                 set AZULEJO_CHROMIUM to a Chromium or Chrome."
+                 set AZULEJO_CHROMIUM to a Chromium or Chrome; run `npm install three babylonjs \
+                 babylonjs-loaders` in a folder of its own and set AZULEJO_VIEWERS to it."
             }
         }
     }

@@ -171,7 +171,7 @@ class Interface {
         element("exposure-row").disabled = show !== "lit";
         if (hasScale) {
             const { photometric } = viewer.model.head;
-            const [name, unit] = show === "error" ? ["Error", "% of the value"]
+            const [name, unit] = show === "error" ? ["Error", "% of value"]
                 : photometric ? ["Illuminance", "lux"] : ["Irradiance", "W/m²"];
             element("quantity").replaceChildren(name, Object.assign(document.createElement("small"),
                 { textContent: unit }));

@@ -111,6 +111,7 @@ class Viewer {
     // The point of view or what is drawn has changed.
     changed() {
         this.isExposureOld = true;
+        element("readout").replaceChildren();
         this.mark(null);
         this.requestDraw();
     }
@@ -202,15 +203,10 @@ class Viewer {
 
     mark(place) {
         const mark = element("mark");
-        if (mark.hidden === !place) {
-            return;
-        }
         mark.hidden = !place;
         if (place) {
             mark.style.left = `${100 * place[0]}%`;
             mark.style.top = `${100 * place[1]}%`;
-        } else {
-            element("readout").replaceChildren();
         }
     }
 
