@@ -3,7 +3,9 @@
 //! Needs Node.js and Chromium, and is skipped where they are missing.
 
 use crate::room::{Room, lamp_light};
-use azulejo_bake::page;
+use crate::swatches;
+use azulejo_bake::page::{self, PageModel};
+use azulejo_scene::Up;
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -15,15 +17,29 @@ const SIZE: u32 = 400;
 /// controls work; nothing is asked of the network.
 #[test]
 fn pixels_are_what_rays_see() {
-    let folder = std::env::temp_dir().join(format!("azulejo-page-{}", std::process::id()));
-    std::fs::create_dir_all(&folder).unwrap();
-    let (page, expected) = (folder.join("room.html"), folder.join("expected.json"));
     let room = Room::cornell();
+    check("room", &room.page(1024, lamp_light), &expectation(&room));
+}
+
+/// Pictures, masks, blending, unlit and vertex colours, backs, and emission, with either axis up.
+#[test]
+fn materials_are_what_they_say() {
+    for up in [Up::Y, Up::Z] {
+        let (model, expected) = swatches::swatches(up);
+        check(&format!("swatches-{up:?}"), &model, &expected);
+    }
+}
+
+/// Compares the page of a model with what is expected of it.
+fn check(name: &str, model: &PageModel, expected: &Value) {
+    let folder = std::env::temp_dir().join(format!("azulejo-{name}-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let paths = (folder.join("page.html"), folder.join("expected.json"));
     let mut bytes = Vec::new();
-    page::write(&room.page(1024, lamp_light), &mut bytes).unwrap();
-    std::fs::write(&page, bytes).unwrap();
-    std::fs::write(&expected, expectation(&room).to_string()).unwrap();
-    run(&page, &expected);
+    page::write(model, &mut bytes).unwrap();
+    std::fs::write(&paths.0, bytes).unwrap();
+    std::fs::write(&paths.1, expected.to_string()).unwrap();
+    run(&paths.0, &paths.1);
     std::fs::remove_dir_all(folder).unwrap();
 }
 
@@ -68,5 +84,5 @@ fn expectation(room: &Room) -> Value {
         }));
     }
     assert!(points.len() >= 64);
-    json!({ "camera": 0, "width": SIZE, "height": SIZE, "points": points })
+    json!({ "camera": 0, "width": SIZE, "height": SIZE, "operates": true, "points": points })
 }

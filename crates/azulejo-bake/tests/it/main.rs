@@ -3,4 +3,5 @@
 mod browser;
 mod page;
 mod room;
+mod swatches;
 mod viewers;

@@ -3,13 +3,27 @@
 // The light that is known to be in EXR, in place of the pictures of the model.
 let exrAddress = null;
 
-// The lightmaps and their factors.
-const lightmaps = [];
-
 // Babylon cuts linear colours at 30, so what is read as numbers is drawn darker by this power of 2.
 const DIMMED = 2 ** -20;
 
-const setDimming = (factor) => lightmaps.forEach(({ texture, level }) => (texture.level = level * factor));
+// Multiplies everything that shines by a factor.
+function dim(scene, factor) {
+    const done = new Set();
+    const scale = (object, property) => {
+        if (object && !done.has(object)) {
+            done.add(object);
+            object[property] *= factor;
+        }
+    };
+    for (const material of scene.materials) {
+        scale(material, "emissiveIntensity");
+        scale(material.lightmapTexture, "level");
+        if (material.unlit && !material.lightmapTexture) {
+            material.albedoColor.scaleToRef(factor, material.albedoColor);
+        }
+    }
+    scene.lights.forEach((light) => scale(light, "intensity"));
+}
 
 // The extension of Babylon's loader. `unlit` with a lightmap used as a shadow map shows colour × texel × level.
 BABYLON.GLTF2.GLTFLoader.RegisterExtension("MOZ_lightmap", (loader) => ({
@@ -33,8 +47,7 @@ BABYLON.GLTF2.GLTFLoader.RegisterExtension("MOZ_lightmap", (loader) => ({
             material.useLightmapAsShadowmap = true;
             material.lightmapTexture = exrAddress ? await exrLike(texture, loader.babylonScene) : texture;
             const intensity = exrAddress ? 1 : lightmap.intensity ?? 1;
-            const level = isUnlit ? intensity : intensity / Math.PI;
-            lightmaps.push({ texture: material.lightmapTexture, level });
+            material.lightmapTexture.level = isUnlit ? intensity : intensity / Math.PI;
         });
     },
 }));
@@ -88,10 +101,10 @@ window.show = async ({ model, camera, points, exr, tone, exposure }) => {
     for (let k = 0; k < 200 && !target.isReadyForRendering(); k++) {
         await new Promise((done) => setTimeout(done, 10));
     }
-    setDimming(DIMMED);
+    dim(scene, DIMMED);
     target.render();
     const numbers = (await target.readPixels()).map((x) => x / DIMMED);
-    setDimming(1);
+    dim(scene, 1 / DIMMED);
     const pixels = pixelsAt(numbers, width, height, points);
     if (!tone) {
         return { pixels };
