@@ -89,6 +89,14 @@ async function operate(browser) {
         await key(browser, code, text, 30);
         check((await state(shown)) === value, `${code} shows ${await state(shown)}`);
     }
+    await state(`document.getElementById("picture").focus()`);
+    await key(browser, "Enter", "Enter", 30);
+    check(await state(`!document.getElementById("mark").hidden`), "Enter marks no value");
+    await pinch(browser);
+    await key(browser, "KeyO", "o", 30);
+    const eye = await state("azulejo.place()");
+    await drag(browser, [400, 300], [300, 300]);
+    check(JSON.stringify(eye) === JSON.stringify(await state("azulejo.place()")), "looking around moves the eye");
     await key(browser, "KeyH", "h", 30);
     check(await state(`document.getElementById("help").open`), "H shows no help");
     await state(`document.getElementById("help").close()`);
@@ -104,8 +112,23 @@ async function drag(browser, from, to) {
     await wait(300);
 }
 
+// Two fingers that go apart bring the eye nearer.
+async function pinch(browser) {
+    const distance = async () => (await browser.evaluate("azulejo.pick(0.5, 0.4)")).distance;
+    const before = await distance();
+    const touch = (type, ...places) => browser.send("Input.dispatchTouchEvent",
+        { type, touchPoints: places.map(([x, y], id) => ({ x, y, id })) });
+    await touch("touchStart", [380, 250], [420, 250]);
+    for (let k = 1; k <= 5; k++) {
+        await touch("touchMove", [380 - 8 * k, 250], [420 + 8 * k, 250]);
+    }
+    await touch("touchEnd");
+    await wait(200);
+    check((await distance()) < 0.9 * before, "two fingers do not zoom");
+}
+
 async function key(browser, code, text, milliseconds) {
-    await browser.send("Input.dispatchKeyEvent", { type: "keyDown", code, key: text, text });
+    await browser.send("Input.dispatchKeyEvent", { type: "keyDown", code, key: text, ...(text.length === 1 ? { text } : {}) });
     await wait(milliseconds);
     await browser.send("Input.dispatchKeyEvent", { type: "keyUp", code, key: text });
     await wait(100);

@@ -275,6 +275,7 @@ function viewOf(model, camera, aspect) {
 //                  { eye, target, up, verticalFov } with degrees. `quantity` is "radiance" (the default),
 //                  RGB and coverage, or "light": RGB of E, and luminance of its standard error.
 //   pick(x, y)     what is at a place of the view, 0 to 1 from the upper left
+//   place()        where the eye is
 //   set(settings)  as the controls do: show ("lit", "plain", "light", "error"), tone, stops, camera, …
 function offerHook(ready) {
     const hook = (window.azulejo = { ready });
@@ -286,6 +287,7 @@ function offerHook(ready) {
             return viewer.renderer.read(viewOf(viewer.model, camera, width / height), look, width, height);
         };
         hook.pick = (x, y) => viewer.pickAt(x, y);
+        hook.place = () => [...viewer.eye.place];
         hook.set = ({ show, camera, ...settings }) => {
             Object.assign(viewer.settings, settings);
             if (camera !== undefined) {

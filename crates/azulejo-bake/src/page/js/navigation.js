@@ -85,16 +85,24 @@ class Eye {
     }
 }
 
-// A camera from which all of a box is in view.
+// A camera from which all of a box is in view, from the front and a little above.
 function framingCamera(box, up) {
     const verticalFov = 40;
-    const radius = Math.max(box.diagonal() / 2, 1e-6);
-    const front = up[1] > 0.5 ? [0.5, 0.35, 1] : [0.5, -1, 0.35];
+    const tangent = Math.tan((verticalFov * Math.PI) / 360);
     const centre = box.centre();
-    const distance = radius / Math.sin((verticalFov * Math.PI) / 360);
+    const forward = normalize(times(up[1] > 0.5 ? [0.5, 0.35, 1] : [0.5, -1, 0.35], -1));
+    const right = normalize(cross(forward, up));
+    const upright = cross(right, forward);
+    // Each corner asks for a distance from the centre at which it is just in view.
+    const distances = box.corners().map((place) => {
+        const from = subtract(place, centre);
+        const beside = Math.max(Math.abs(dot(from, right)), Math.abs(dot(from, upright)));
+        return beside / tangent - dot(from, forward);
+    });
+    const distance = 1.06 * Math.max(...distances, 1e-6);
     return {
         name: "Everything",
-        eye: add(centre, times(normalize(front), distance)),
+        eye: subtract(centre, times(forward, distance)),
         target: centre,
         up,
         verticalFov,
@@ -127,7 +135,10 @@ class Navigation {
         on("dblclick", this.clickedTwice);
         canvas.addEventListener("contextmenu", (event) => event.preventDefault());
         window.addEventListener("keydown", (event) => this.keyPressed(event));
-        window.addEventListener("keyup", (event) => this.held.delete(event.code));
+        window.addEventListener("keyup", (event) => {
+            this.held.delete(event.code);
+            this.isFast = event.shiftKey;
+        });
         window.addEventListener("blur", () => this.held.clear());
     }
 
@@ -243,15 +254,18 @@ class Navigation {
     }
 
     keyPressed(event) {
-        const isTyping = event.target.closest && event.target.closest("input, select, textarea, dialog");
-        if (isTyping || event.ctrlKey || event.metaKey || event.altKey) {
+        const isWithin = (places) => Boolean(event.target.closest && event.target.closest(places));
+        // Letters mean nothing to boxes and sliders, but arrows do.
+        const isTaken = isWithin("select, textarea, dialog, input[type=text]") ||
+            (isWithin("input") && /^(Arrow|Page)/.test(event.code));
+        this.isFast = event.shiftKey;
+        if (isTaken || event.ctrlKey || event.metaKey || event.altKey) {
             return;
         }
         if (event.code in STEPS || event.code in TURNS) {
             event.preventDefault();
             this.findPivot();
             this.held.add(event.code);
-            this.isFast = event.shiftKey;
             this.viewer.changed(true);
         }
     }
