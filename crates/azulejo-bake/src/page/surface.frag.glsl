@@ -6,7 +6,7 @@ precision highp int;
 in vec3 fromEye;
 in vec3 vertexNormal;
 in vec2 pictureUv;
-in vec2 mapUv;
+centroid in vec2 mapUv;
 in vec3 vertexColor;
 
 // The material.

@@ -14,7 +14,8 @@ uniform mat4 viewProjection;
 out vec3 fromEye;
 out vec3 vertexNormal;
 out vec2 pictureUv;
-out vec2 mapUv;
+// At the edges of triangles, where a pixel is only partly covered, the light is that of the covered part.
+centroid out vec2 mapUv;
 out vec3 vertexColor;
 
 void main() {

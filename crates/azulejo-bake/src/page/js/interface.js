@@ -21,16 +21,22 @@ class Interface {
         const { head } = viewer.model;
         element("title").textContent = head.title;
         element("note").textContent = head.note;
-        element("error-choice").querySelector("input").disabled = !viewer.model.hasErrors;
-        if (!viewer.model.hasErrors) {
-            element("error-choice").title = "The file has no standard errors";
-        }
+        this.offer("light-choice", head.lightmaps.length > 0, "The file has no light");
+        this.offer("error-choice", viewer.model.hasErrors, "The file has no standard errors");
         this.fillCameras();
         this.stateFacts();
         this.listen();
         this.range = { light: null, error: null };
         this.isLogarithmic = { light: null, error: null };
-        this.shownChanged();
+        this.choose(head.lightmaps.length > 0 ? "lit" : "plain");
+    }
+
+    // Takes a choice away for a reason.
+    offer(id, isOffered, reason) {
+        if (!isOffered) {
+            element(id).querySelector("input").disabled = true;
+            element(id).title = reason;
+        }
     }
 
     fillCameras() {
@@ -116,11 +122,12 @@ class Interface {
     }
 
     choose(show) {
-        if (show === "error" && !this.viewer.model.hasErrors) {
+        const choice = document.querySelector(`input[name="show"][value="${show}"]`);
+        if (choice.disabled) {
             return;
         }
         this.settings.show = show;
-        document.querySelector(`input[name="show"][value="${show}"]`).checked = true;
+        choice.checked = true;
         this.shownChanged();
     }
 

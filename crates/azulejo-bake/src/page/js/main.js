@@ -317,6 +317,6 @@ const started = start();
 started.catch((problem) => {
     console.error(problem);
     say(problem.message, true);
-    document.body.classList.add("folded");
+    document.body.classList.add("failed");
 });
 offerHook(started);
