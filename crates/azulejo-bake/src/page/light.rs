@@ -12,8 +12,8 @@ use azulejo_scene::Rgb;
 /// Codes per factor 2 of irradiance: half a step is 0.27%.
 pub(super) const LIGHT_STEPS: u16 = 128;
 
-/// Codes per factor 2 of standard errors: half a step is 2.2%.
-pub(super) const ERROR_STEPS: u16 = 16;
+/// Codes per factor 2 of standard errors: half a step is 4.4%.
+pub(super) const ERROR_STEPS: u16 = 8;
 
 /// Octaves below the largest value that are kept; half floats have no more at full precision.
 pub(super) const OCTAVES: u16 = 28;
