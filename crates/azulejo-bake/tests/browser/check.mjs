@@ -1,9 +1,9 @@
 // What a page does in headless Chromium: node check.mjs PAGE.html EXPECTED.json
 //
-// EXPECTED is { camera, width, height, operates, points: [{ x, y, radiance, light, error }] }: what the linear picture holds
-// at places, in pixels from the upper left; x and y end in .5. A radiance of null is a place where nothing is; light and
-// error are compared where they are given. With `operates`, the controls are tried as well. Prints what was compared; the exit status is 0 if all is
-// well, 1 if not, and 77 if there is no Chromium.
+// EXPECTED is { camera, width, height, operates, points: [{ x, y, radiance, light, error }] }: what the linear
+// picture holds at places, in pixels from the upper left; x and y end in .5. A radiance of null is a place where
+// nothing is; light and error are compared where they are given. With `operates`, the controls are tried as well.
+// Prints what was compared; the exit status is 0 if all is well, 1 if not, and 77 if there is no Chromium.
 
 import { readFileSync } from "node:fs";
 import { resolve } from "node:path";
@@ -85,7 +85,8 @@ async function operate(browser) {
     await key(browser, "KeyW", "w", 400);
     check((await state("azulejo.pick(0.5, 0.4)")).distance < 0.98 * distance, "W does not walk");
     const shown = `document.querySelector('input[name="show"]:checked').value`;
-    for (const [code, text, value] of [["KeyF", "f", "light"], ["KeyX", "x", "error"], ["KeyX", "x", "lit"], ["KeyL", "l", "plain"]]) {
+    const choices = [["KeyF", "f", "light"], ["KeyX", "x", "error"], ["KeyX", "x", "lit"], ["KeyL", "l", "plain"]];
+    for (const [code, text, value] of choices) {
         await key(browser, code, text, 30);
         check((await state(shown)) === value, `${code} shows ${await state(shown)}`);
     }
@@ -128,7 +129,8 @@ async function pinch(browser) {
 }
 
 async function key(browser, code, text, milliseconds) {
-    await browser.send("Input.dispatchKeyEvent", { type: "keyDown", code, key: text, ...(text.length === 1 ? { text } : {}) });
+    const typed = text.length === 1 ? { text } : {};
+    await browser.send("Input.dispatchKeyEvent", { type: "keyDown", code, key: text, ...typed });
     await wait(milliseconds);
     await browser.send("Input.dispatchKeyEvent", { type: "keyUp", code, key: text });
     await wait(100);

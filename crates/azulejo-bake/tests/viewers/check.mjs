@@ -37,7 +37,8 @@ for (const [script, options, tolerance] of RUNS) {
         break;
     }
     const pixels = JSON.parse(run.stdout);
-    const differences = pixels.map((pixel, k) => Math.max(...pixel.map((value, c) => Math.abs(value / radiance[k][c] - 1))));
+    const difference = (pixel, k) => Math.max(...pixel.map((value, c) => Math.abs(value / radiance[k][c] - 1)));
+    const differences = pixels.map(difference);
     const worst = differences.indexOf(Math.max(...differences));
     const isGood = pixels.length === points.length && differences[worst] <= tolerance;
     console.log(`${name}: ${points.length} points, largest difference ${(100 * differences[worst]).toFixed(3)}%` +

@@ -9,7 +9,9 @@ import { Browser, findChromium } from "../browser/chromium.mjs";
 // Exit status that says that something is not installed.
 export const MISSING = 77;
 
-const TYPES = { ".html": "text/html", ".js": "text/javascript", ".mjs": "text/javascript", ".json": "application/json" };
+const TYPES = { ".html": "text/html", ".js": "text/javascript", ".json": "application/json" };
+
+const OPTIONS = ["exr", "picture", "tone", "exposure", "material"];
 
 function missing(message) {
     console.error(message);
@@ -36,7 +38,7 @@ function parseArguments(list) {
             files.push(list[k]);
         }
     }
-    const unknown = Object.keys(options).filter((name) => !["exr", "picture", "tone", "exposure", "material"].includes(name));
+    const unknown = Object.keys(options).filter((name) => !OPTIONS.includes(name));
     if (files.length < 2 || files.length > 3 || unknown.length > 0 || Object.values(options).includes(undefined)) {
         console.error("usage: MODEL CAMERA.json [POINTS.json] [--exr LIGHT.exr] [--picture OUT.png] " +
             "[--tone aces|linear] [--exposure FACTOR] [--material standard|lambert]");

@@ -22,7 +22,7 @@ class Renderer {
         this.model = model;
         this.canFloat = Boolean(gl.getExtension("EXT_color_buffer_float"));
         this.canHalf = this.canFloat || Boolean(gl.getExtension("EXT_color_buffer_half_float"));
-        this.canBlendFloat = !this.canFloat || Boolean(gl.getExtension("EXT_float_blend"));
+        this.canBlendFloat = Boolean(gl.getExtension("EXT_float_blend"));
         this.program = program;
         checkProgram(gl, program);
         this.uniforms = uniformsOf(gl, program);
@@ -207,7 +207,8 @@ class Renderer {
             return null;
         }
         const { gl } = this;
-        this.bindTarget(width, height);
+        const isBlended = look.show === SHOW.radiance;
+        this.bindTarget(width, height, this.canFloat && (this.canBlendFloat || !isBlended));
         this.draw(view, look, width, height);
         const rows = new Float32Array(4 * width * height);
         gl.readPixels(0, 0, width, height, gl.RGBA, gl.FLOAT, rows);
@@ -219,10 +220,10 @@ class Renderer {
         return turned;
     }
 
-    // Binds a framebuffer of floats with this size; the last few are kept.
-    bindTarget(width, height) {
+    // Binds a framebuffer of floats, or half floats, with this size; the last few are kept.
+    bindTarget(width, height, isWhole) {
         const { gl } = this;
-        const key = `${width}x${height}`;
+        const key = `${width}x${height} ${isWhole}`;
         if (this.targets.has(key)) {
             gl.bindFramebuffer(gl.FRAMEBUFFER, this.targets.get(key).buffer);
             return;
@@ -236,7 +237,7 @@ class Renderer {
             gl.framebufferRenderbuffer(gl.FRAMEBUFFER, place, gl.RENDERBUFFER, part);
             made.parts.push(part);
         };
-        attach(this.canFloat && this.canBlendFloat ? gl.RGBA32F : gl.RGBA16F, gl.COLOR_ATTACHMENT0);
+        attach(isWhole ? gl.RGBA32F : gl.RGBA16F, gl.COLOR_ATTACHMENT0);
         attach(gl.DEPTH_COMPONENT24, gl.DEPTH_ATTACHMENT);
         this.targets.set(key, made);
         if (this.targets.size > 4) {
