@@ -46,7 +46,7 @@ mod tests;
 use azulejo_scene::{Camera, Up, WrapMode};
 use std::io::{self, Write};
 
-/// What a page shows. All numbers are finite; see [`write`].
+/// What a page shows. All numbers are finite; see [`write()`].
 #[derive(Clone, Debug, Default)]
 pub struct PageModel {
     /// The title of the page; `azulejo` if empty.

@@ -74,14 +74,14 @@ class Eye {
         this.place = add(this.place, by);
     }
 
-    // Comes nearer to a place, or goes away from it, by a factor of the distance.
-    approach(target, factor) {
-        const least = 1e-3 * this.model.diagonal;
-        if (factor < 1 && this.distance * factor < least) {
-            return;
-        }
-        this.place = add(target, times(subtract(this.place, target), factor));
-        this.distance = clamp(this.distance * factor, least, 20 * this.model.diagonal);
+    // Comes nearer to the pivot, or goes away from it, by a factor of the distance; near it, pushes it ahead.
+    approach(factor) {
+        const least = 0.01 * this.model.diagonal;
+        const pivot = this.pivot();
+        const { forward } = this.frame();
+        this.move(times(forward, this.distance * (1 - factor)));
+        const distance = dot(subtract(pivot, this.place), forward);
+        this.distance = clamp(distance, Math.min(least, this.distance), 20 * this.model.diagonal);
     }
 }
 
@@ -209,10 +209,15 @@ class Navigation {
 
     // Two fingers: their distance zooms, their middle pans.
     pinch(other, last, now) {
-        const { eye } = this.viewer;
+        const { eye, isWalking, model } = this.viewer;
         const before = Math.hypot(last.x - other.x, last.y - other.y);
         const after = Math.hypot(now.x - other.x, now.y - other.y);
-        eye.approach(eye.pivot(), clamp(before / Math.max(after, 1), 0.5, 2));
+        const factor = clamp(before / Math.max(after, 1), 0.5, 2);
+        if (isWalking) {
+            eye.move(times(eye.frame().forward, (1 - factor) * 0.3 * model.diagonal));
+        } else {
+            eye.approach(factor);
+        }
         this.pan((now.x - last.x) / 2, (now.y - last.y) / 2);
     }
 
@@ -234,7 +239,7 @@ class Navigation {
         if (isWalking) {
             eye.move(times(eye.frame().forward, (-amount / 3000) * model.diagonal));
         } else {
-            eye.approach(eye.pivot(), Math.exp(amount * 0.0015));
+            eye.approach(Math.exp(amount * 0.0015));
         }
         this.viewer.changed(true);
     }
