@@ -16,10 +16,12 @@
 //!
 //! | variable | meaning |
 //! |---|---|
-//! | `AZULEJO_REQUIRE` | needs separated by commas, of `data`, `gpu`, `embree`, `fonts` and `python`; a test that lacks one of these fails instead of being skipped |
+//! | `AZULEJO_REQUIRE` | needs separated by commas, of `data`, `gpu`, `embree`, `fonts`, `python` and `browser`; a test that lacks one of these fails instead of being skipped |
 //! | `AZULEJO_SKIPPED` | a file to which each test binary appends what it skipped, one line per test: the need, the reason, the binary and the test, separated by tabs |
 //! | `AZULEJO_DATA` | a folder with `reference/`, `scenes/` and `corpus/` |
+//! | `AZULEJO_CHROMIUM` | a Chromium or Chrome, instead of the first in the path |
 //! | `AZULEJO_PYTHON` | a Python with NumPy and SciPy, instead of `python3` |
+//! | `AZULEJO_VIEWERS` | a folder with the npm packages `three`, `babylonjs` and `babylonjs-loaders` |
 
 mod exit;
 mod need;
@@ -30,7 +32,7 @@ pub use need::Need;
 use std::ffi::{OsStr, OsString};
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 
 /// The folder with reference data, scenes and corpus, or `None` after recording a skip.
 ///
@@ -81,6 +83,24 @@ pub fn python() -> Option<OsString> {
         Err(error) => Err(format!("{shown}: {error}")),
     };
     require(Need::Python, found).map(|()| program)
+}
+
+/// The output of a script that Node.js runs with headless Chromium, or `None` after recording a skip. Scripts say
+/// with exit status 77 that something is not installed.
+///
+/// # Panics
+/// If Node.js or Chromium is missing and `AZULEJO_REQUIRE` has `browser`.
+#[must_use]
+pub fn browser_script(script: &Path, arguments: &[&OsStr]) -> Option<Output> {
+    let output = Command::new("node").arg(script).args(arguments).output();
+    let found = match output {
+        Err(error) => Err(format!("node: {error}")),
+        Ok(output) if output.status.code() == Some(77) => {
+            Err(String::from_utf8_lossy(&output.stdout).trim().to_owned())
+        }
+        Ok(output) => Ok(output),
+    };
+    require(Need::Browser, found)
 }
 
 /// The value of `found`, or `None` after recording its error as the reason for a skip.

@@ -16,16 +16,19 @@ pub enum Need {
     Fonts,
     /// A Python interpreter with NumPy and SciPy.
     Python,
+    /// Node.js and Chromium, and the packages of web viewers that are compared with.
+    Browser,
 }
 
 impl Need {
     /// All of them, in the order in which messages list them.
-    pub const ALL: [Need; 5] = [
+    pub const ALL: [Need; 6] = [
         Need::Data,
         Need::Gpu,
         Need::Embree,
         Need::Fonts,
         Need::Python,
+        Need::Browser,
     ];
 
     /// The word for it in `AZULEJO_REQUIRE`.
@@ -37,6 +40,7 @@ impl Need {
             Need::Embree => "embree",
             Need::Fonts => "fonts",
             Need::Python => "python",
+            Need::Browser => "browser",
         }
     }
 
@@ -59,6 +63,11 @@ impl Need {
             Need::Python => {
                 "Install NumPy and SciPy for python3, or set AZULEJO_PYTHON to a Python that has \
                  them."
+            }
+            Need::Browser => {
+                "Install Node.js and Chromium (Debian and Ubuntu: apt install nodejs chromium), or \
+                 set AZULEJO_CHROMIUM to a Chromium or Chrome; run `npm install three babylonjs \
+                 babylonjs-loaders` in a folder of its own and set AZULEJO_VIEWERS to it."
             }
         }
     }
@@ -102,14 +111,14 @@ mod tests {
         check(Some(""), &[]);
         check(Some("data"), &[Need::Data]);
         check(Some(" gpu, data,"), &[Need::Data, Need::Gpu]);
-        check(Some("python,fonts,embree,gpu,data"), &Need::ALL);
+        check(Some("browser,python,fonts,embree,gpu,data"), &Need::ALL);
     }
 
     #[test]
     fn an_unknown_word_names_those_that_exist() {
         assert_eq!(
             required(Some("data,gpus")).unwrap_err(),
-            "AZULEJO_REQUIRE has `gpus`, which is none of data, gpu, embree, fonts, python"
+            "AZULEJO_REQUIRE has `gpus`, which is none of data, gpu, embree, fonts, python, browser"
         );
     }
 }

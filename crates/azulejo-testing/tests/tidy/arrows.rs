@@ -6,7 +6,7 @@ use std::path::Path;
 
 /// Each crate and the crates of ours that it may use. What is not here is forbidden; above all,
 /// radiosity and render do not know each other: they meet in data, irradiance on vertices.
-const ARROWS: [(&str, &[&str]); 11] = [
+const ARROWS: [(&str, &[&str]); 12] = [
     ("azulejo-testing", &[]),
     ("azulejo-scene", &[]),
     ("azulejo-formats", &["azulejo-scene"]),
@@ -18,6 +18,7 @@ const ARROWS: [(&str, &[&str]); 11] = [
         &["azulejo-scene", "azulejo-trace", "azulejo-factors"],
     ),
     ("azulejo-render", &["azulejo-scene", "azulejo-trace"]),
+    ("azulejo-bake", &["azulejo-scene", "azulejo-trace"]),
     (
         "azulejo",
         &[
@@ -28,6 +29,7 @@ const ARROWS: [(&str, &[&str]); 11] = [
             "azulejo-factors",
             "azulejo-radiosity",
             "azulejo-render",
+            "azulejo-bake",
         ],
     ),
     (
@@ -41,6 +43,7 @@ const ARROWS: [(&str, &[&str]); 11] = [
             "azulejo-factors",
             "azulejo-radiosity",
             "azulejo-render",
+            "azulejo-bake",
         ],
     ),
     (
@@ -54,6 +57,7 @@ const ARROWS: [(&str, &[&str]); 11] = [
             "azulejo-factors",
             "azulejo-radiosity",
             "azulejo-render",
+            "azulejo-bake",
         ],
     ),
 ];

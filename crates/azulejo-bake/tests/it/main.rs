@@ -1,0 +1,7 @@
+//! What the crate does for its users.
+
+mod browser;
+mod page;
+mod room;
+mod swatches;
+mod viewers;
