@@ -5,8 +5,8 @@ use crate::samples::{Samples, TexelSample};
 use crate::solids::Solids;
 use azulejo_scene::Rgb;
 use azulejo_scene::math::{Frame, Ray};
-use azulejo_trace::{KernelHit, KernelRay, Surfaces};
 use azulejo_trace::sampling::{cosine_about, hash, uniform};
+use azulejo_trace::{KernelHit, KernelRay, Surfaces};
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -72,7 +72,9 @@ fn share_inside(region: &Region, samples: &Samples, solids: &Solids, surfaces: &
     let (mut inside, mut all) = (0, 0);
     for number in looks {
         let sample = &samples.samples[number as usize];
-        let rays: Vec<_> = (0..RAYS).map(|k| ray(sample, number, k, surfaces)).collect();
+        let rays: Vec<_> = (0..RAYS)
+            .map(|k| ray(sample, number, k, surfaces))
+            .collect();
         let mut hits = Vec::new();
         surfaces.tracer.closest(&rays, &mut hits);
         let is_inside = |(ray, hit): &(&KernelRay, &KernelHit)| {

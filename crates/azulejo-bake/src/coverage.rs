@@ -331,8 +331,8 @@ impl Coverage {
         let size = self.size;
         let mut nearest = (f64::INFINITY, None);
         for piece in self.pieces(texel) {
-            let corners =
-                layout.receivers[piece.of.receiver as usize].texels(piece.of.triangle as usize, size);
+            let corners = layout.receivers[piece.of.receiver as usize]
+                .texels(piece.of.triangle as usize, size);
             let Some(weights) = barycentric(corners, place) else {
                 continue;
             };
@@ -350,7 +350,9 @@ impl Coverage {
                 nearest = (distance, Some((piece.of, weights)));
             }
         }
-        let (of, weights) = nearest.1.unwrap_or((self.pieces(texel)[0].of, [1.0 / 3.0; 3]));
+        let (of, weights) = nearest
+            .1
+            .unwrap_or((self.pieces(texel)[0].of, [1.0 / 3.0; 3]));
         TexelPoint {
             of,
             weights: normalized(weights),

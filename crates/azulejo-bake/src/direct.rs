@@ -147,7 +147,9 @@ fn uneven(samples: &Samples, found: &SampleDirect, permitted: f64, round: usize)
     };
     let mut uneven = Vec::new();
     for (page, coverage) in samples.pages.iter().enumerate() {
-        let first = samples.samples.partition_point(|s| (s.page as usize) < page);
+        let first = samples
+            .samples
+            .partition_point(|s| (s.page as usize) < page);
         let end = samples.samples.partition_point(|s| s.page as usize <= page);
         let mut sample_of = vec![u32::MAX; coverage.texels.len()];
         let mut is_alone = vec![true; coverage.texels.len()];
@@ -171,7 +173,8 @@ fn uneven(samples: &Samples, found: &SampleDirect, permitted: f64, round: usize)
                 let mut beside = rows
                     .around(column, row)
                     .filter(|&n| coverage.texels[n as usize].chart == chart);
-                let mut is_edge = || beside.any(|n| differs(sample, sample_of[n as usize] as usize));
+                let mut is_edge =
+                    || beside.any(|n| differs(sample, sample_of[n as usize] as usize));
                 let is_uneven = is_noisy(sample) || (round == 0 && is_edge());
                 is_uneven.then_some(sample as u32)
             })
@@ -194,7 +197,10 @@ fn over_texel(
     let coverage = &samples.pages[s.page as usize];
     let sampler = PageSampler::new(atlas, gatherer.surfaces().tracer, coverage, s.page);
     let texel = coverage.texels[s.texel as usize];
-    let [column, row] = [texel.index % coverage.size[0], texel.index / coverage.size[0]];
+    let [column, row] = [
+        texel.index % coverage.size[0],
+        texel.index / coverage.size[0],
+    ];
     let corner = DVec2::new(column.into(), row.into());
     let point = |k: u32| {
         let cell = DVec2::new((k % places).into(), (k / places).into());

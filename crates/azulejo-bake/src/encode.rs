@@ -61,7 +61,10 @@ mod tests {
             light[0] = [1.0; 3];
             let (bytes, intensity) = srgb_bytes(&light);
             assert_eq!(intensity, 1.0);
-            let sum: f32 = bytes[3..].iter().map(|&b| decoded(f32::from(b) / 255.0)).sum();
+            let sum: f32 = bytes[3..]
+                .iter()
+                .map(|&b| decoded(f32::from(b) / 255.0))
+                .sum();
             let mean = sum / (3.0 * 4095.0);
             assert!((mean / value - 1.0).abs() < 0.004, "{value}: {mean}");
         }

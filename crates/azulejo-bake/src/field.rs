@@ -56,8 +56,11 @@ impl<'a> TexelField<'a> {
             let area = atlas.receivers[r].area_vector(t).length();
             (area / in_texels.max(f64::MIN_POSITIVE)).sqrt() as f32
         };
-        let widths = (0..atlas.receivers.len())
-            .map(|r| (0..atlas.receivers[r].triangles.len()).map(|t| width(r, t)).collect());
+        let widths = (0..atlas.receivers.len()).map(|r| {
+            (0..atlas.receivers[r].triangles.len())
+                .map(|t| width(r, t))
+                .collect()
+        });
         TexelField {
             atlas,
             surfaces,

@@ -211,7 +211,7 @@ impl<'a> Nodes<'a> {
             }
         }
         let brightness = self.brightness(new, &areas);
-        let error = (!self.is_look).then(|| NODE_ERROR * self.error * brightness);
+        let error = (!self.is_look).then_some(NODE_ERROR * self.error * brightness);
         let found = gather(&NodeRequest {
             points: &points,
             areas: &areas,
@@ -328,7 +328,10 @@ impl<'a> Nodes<'a> {
                 let mut shares = Vec::new();
                 let of_sample = |&s: &u32| {
                     weights(place(self.samples, s), &places, &mut shares);
-                    (s, self.sample_light(s, &around[cell], &shares, errors[cell]))
+                    (
+                        s,
+                        self.sample_light(s, &around[cell], &shares, errors[cell]),
+                    )
                 };
                 self.lattice.samples(cell).iter().map(of_sample).collect()
             })

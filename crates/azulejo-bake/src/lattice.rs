@@ -63,7 +63,8 @@ impl Lattice {
             ..Lattice::default()
         };
         let mut start = 0;
-        for of_cell in keys.chunk_by(|a, b| (a.0, a.1 >> (2 * level)) == (b.0, b.1 >> (2 * level))) {
+        for of_cell in keys.chunk_by(|a, b| (a.0, a.1 >> (2 * level)) == (b.0, b.1 >> (2 * level)))
+        {
             let range = start..start + of_cell.len();
             start = range.end;
             let node = lattice.nodes.len() as u32;

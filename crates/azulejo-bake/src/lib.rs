@@ -22,7 +22,9 @@ pub use coverage::{Coverage, CoveredTexel, Piece, TriangleId};
 pub use direct::{SampleDirect, direct};
 pub use encode::srgb_bytes;
 pub use field::TexelField;
-pub use indirect::{NodeLattice, NodeLight, NodeRequest, TexelStatistics, first_look, with_indirect};
+pub use indirect::{
+    NodeLattice, NodeLight, NodeRequest, TexelStatistics, first_look, with_indirect,
+};
 pub use layout::{Layout, ReceiverLayout};
 pub use lightmap::{Lightmap, LightmapPage, QuarterLight, TexelLight};
 pub use pad::{fill, pad_charts};

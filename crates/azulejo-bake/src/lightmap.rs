@@ -60,7 +60,11 @@ impl Lightmap {
         assert_eq!(samples.samples.len(), light.len(), "one light per sample");
         let is_buried = buried_regions(samples, light, surfaces);
         let mut lightmap = Lightmap {
-            pages: samples.pages.iter().map(|p| LightmapPage::dark(p.size)).collect(),
+            pages: samples
+                .pages
+                .iter()
+                .map(|p| LightmapPage::dark(p.size))
+                .collect(),
             buried: 0,
         };
         let mut buried = Vec::new();
@@ -74,7 +78,10 @@ impl Lightmap {
                 continue;
             };
             let covered = samples.pages[sample.page as usize].texels[sample.texel as usize];
-            let (to, at) = (&mut lightmap.pages[sample.page as usize], covered.index as usize);
+            let (to, at) = (
+                &mut lightmap.pages[sample.page as usize],
+                covered.index as usize,
+            );
             to.irradiance[at] = light[number].irradiance.to_f32();
             to.standard_error[at] = light[number].standard_error.to_f32();
             to.charts[at] = covered.chart;
@@ -133,7 +140,12 @@ impl Lightmap {
     pub fn share_below(&self, share: f64) -> f64 {
         let (mut below, mut all) = (0.0, 0.0);
         for page in &self.pages {
-            let most = page.irradiance.iter().flatten().copied().fold(0.0, f32::max);
+            let most = page
+                .irradiance
+                .iter()
+                .flatten()
+                .copied()
+                .fold(0.0, f32::max);
             for (e, &area) in page.irradiance.iter().zip(&page.areas) {
                 let bright = e.iter().copied().fold(0.0, f32::max);
                 all += f64::from(area);
@@ -222,7 +234,17 @@ pub(crate) fn bilinear_cells(size: [u32; 2], uv: [f64; 2]) -> ([usize; 4], [f64;
     let (top, bottom, fy) = split(uv[1], size[1]);
     let at = |column: usize, row: usize| row * size[0] as usize + column;
     (
-        [at(left, top), at(right, top), at(left, bottom), at(right, bottom)],
-        [(1.0 - fx) * (1.0 - fy), fx * (1.0 - fy), (1.0 - fx) * fy, fx * fy],
+        [
+            at(left, top),
+            at(right, top),
+            at(left, bottom),
+            at(right, bottom),
+        ],
+        [
+            (1.0 - fx) * (1.0 - fy),
+            fx * (1.0 - fy),
+            (1.0 - fx) * fy,
+            fx * fy,
+        ],
     )
 }

@@ -4,11 +4,11 @@
 //! texels are joined where nothing is between them, to *regions* of the surface; a texel between two
 //! regions has a point in each, and only one of them counts in the end ([`Lightmap`](crate::Lightmap)).
 
-use crate::coverage::{Coverage, TexelPoint, TriangleId};
+use crate::Receiver;
 use crate::atlas::Atlas;
+use crate::coverage::{Coverage, TexelPoint, TriangleId};
 use crate::layout::signed_area;
 use crate::solids::Groups;
-use crate::Receiver;
 use azulejo_scene::math::Ray;
 use azulejo_trace::{Cancelled, Progress, Tracer};
 use glam::{DVec2, DVec3};
@@ -213,7 +213,11 @@ impl<'a> PageSampler<'a> {
         let receiver = &receivers[of.receiver as usize];
         let triangle = of.triangle as usize;
         let chart = layout.receivers[of.receiver as usize].charts[triangle];
-        let side = if self.atlas.is_turned(chart) { -1.0 } else { 1.0 };
+        let side = if self.atlas.is_turned(chart) {
+            -1.0
+        } else {
+            1.0
+        };
         let corners = receiver.corners(triangle);
         let on: DVec3 = corners.iter().zip(weights).map(|(&c, w)| w * c).sum();
         let vector = receiver.area_vector(triangle);
@@ -259,7 +263,10 @@ impl<'a> PageSampler<'a> {
             return on;
         }
         let start = self.tracer.leaving(on, flat);
-        if self.tracer.occluded(&Ray::between(start, self.tracer.leaving(outside, flat))) {
+        if self
+            .tracer
+            .occluded(&Ray::between(start, self.tracer.leaving(outside, flat)))
+        {
             on
         } else {
             outside
@@ -414,7 +421,9 @@ impl Rows {
 
     /// The covered ones of the eight texels around one.
     pub fn around(&self, column: u32, row: u32) -> impl Iterator<Item = u32> + '_ {
-        let steps = [-1, 0, 1].into_iter().flat_map(|y| [-1, 0, 1].map(|x| (x, y)));
+        let steps = [-1, 0, 1]
+            .into_iter()
+            .flat_map(|y| [-1, 0, 1].map(|x| (x, y)));
         steps
             .filter(|step| *step != (0, 0))
             .filter_map(move |(x, y)| {

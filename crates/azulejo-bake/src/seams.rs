@@ -107,12 +107,12 @@ impl EdgePair {
             let normals = receiver.normals.get(t as usize);
             normals.map(|n| n[((corner + end) % 3) as usize])
         };
-        [(0, 1), (1, 0)].into_iter().any(|(of_a, of_b)| {
-            match (normal(a, of_a), normal(b, of_b)) {
+        [(0, 1), (1, 0)]
+            .into_iter()
+            .any(|(of_a, of_b)| match (normal(a, of_a), normal(b, of_b)) {
                 (Some(n), Some(m)) => !is_within(n, m, HARD),
                 _ => false,
-            }
-        })
+            })
     }
 }
 
@@ -153,7 +153,10 @@ impl EdgePair {
         // From the edge into each of them.
         let into = [flat(a).cross(along), -flat(b).cross(along)].map(|d| d.normalize_or_zero());
         let height = |t: u32| 2.0 * receiver.area_vector(t as usize).length() / along.length();
-        let step = f64::min(NEAR_LENGTH * along.length(), NEAR_HEIGHT * height(a).min(height(b)));
+        let step = f64::min(
+            NEAR_LENGTH * along.length(),
+            NEAR_HEIGHT * height(a).min(height(b)),
+        );
         let is_blocked = |share: f64, side: f64| {
             let on = start + share * along;
             let [from, to] = [(into[0], flat(a)), (into[1], flat(b))].map(|(into, normal)| {

@@ -6,11 +6,11 @@
 //!
 //! Iwanicki, *Lighting technology of The Last of Us*, SIGGRAPH 2013.
 
+use crate::Receiver;
 use crate::atlas::Atlas;
 use crate::layout::{Layout, NO_CHART};
 use crate::lightmap::{Lightmap, bilinear_cells};
 use crate::seams::Edges;
-use crate::Receiver;
 use std::collections::HashMap;
 
 /// Points along a seam, per texel.
@@ -30,10 +30,7 @@ type Row = Vec<(u32, f64)>;
 
 /// Makes light equal on both sides of seams that are neither creases nor contacts.
 /// Returns the root mean square of the difference along them before and after, of all channels.
-pub fn stitch(
-    lightmap: &mut Lightmap,
-    atlas: &Atlas,
-) -> SeamErrors {
+pub fn stitch(lightmap: &mut Lightmap, atlas: &Atlas) -> SeamErrors {
     let starts = page_starts(lightmap);
     let rows = rows(lightmap, &atlas.receivers, &atlas.layout, &starts);
     let mut numbers: HashMap<u32, u32> = HashMap::new();
@@ -105,12 +102,7 @@ impl Lightmap {
 }
 
 /// The points of all seams.
-fn rows(
-    lightmap: &Lightmap,
-    receivers: &[Receiver],
-    layout: &Layout,
-    starts: &[u32],
-) -> Vec<Row> {
+fn rows(lightmap: &Lightmap, receivers: &[Receiver], layout: &Layout, starts: &[u32]) -> Vec<Row> {
     let mut rows = Vec::new();
     for (r, receiver) in receivers.iter().enumerate() {
         let of_receiver = &layout.receivers[r];
@@ -136,7 +128,9 @@ fn rows(
                 let along = |k: usize| f64::from(b[k] - a[k]) * f64::from(sizes[side][k]);
                 along(0).hypot(along(1))
             };
-            let count = (POINTS_PER_TEXEL * length(0).max(length(1))).ceil().max(1.0) as u32;
+            let count = (POINTS_PER_TEXEL * length(0).max(length(1)))
+                .ceil()
+                .max(1.0) as u32;
             for k in 0..count {
                 let t = (f64::from(k) + 0.5) / f64::from(count);
                 let mut row = Row::new();

@@ -1,8 +1,8 @@
 //! Charts for surfaces that have none that a lightmap could use, packed on pages.
 
+use crate::Receiver;
 use crate::layout::{Layout, NO_CHART, ReceiverLayout};
 use crate::seams::seams;
-use crate::Receiver;
 use azulejo_scene::math::Aabb;
 use azulejo_trace::{Cancelled, Progress, Tracer};
 use glam::DVec3;
@@ -110,10 +110,9 @@ impl fmt::Display for LayoutError {
             LayoutError::NoSurface => {
                 f.write_str("there is no triangle with an area that could receive a lightmap")
             }
-            LayoutError::PageSize { size, least } => write!(
-                f,
-                "pages of {size} texels: expected {least} to {MOST_SIZE}"
-            ),
+            LayoutError::PageSize { size, least } => {
+                write!(f, "pages of {size} texels: expected {least} to {MOST_SIZE}")
+            }
             LayoutError::TooManyCharts { size, enough } => write!(
                 f,
                 "there are more charts than a page of {size} × {size} texels has room for, with their \
@@ -254,7 +253,9 @@ fn packed(
     let report = |p: uvunwrap::Progress| match p.stage {
         Stage::Parameterizing => {
             let before = flattened.swap(p.done, Ordering::Relaxed);
-            progress.advance(p.done.saturating_sub(before) as u64).is_ok()
+            progress
+                .advance(p.done.saturating_sub(before) as u64)
+                .is_ok()
         }
         _ => progress.advance(0).is_ok(),
     };
@@ -369,7 +370,9 @@ impl UnwrapMesh {
         let is_visible = receiver.visible_triangles();
         let place = |p: &DVec3| {
             let p = *p - middle;
-            (if p.is_finite() { p } else { DVec3::ZERO }).as_vec3().to_array()
+            (if p.is_finite() { p } else { DVec3::ZERO })
+                .as_vec3()
+                .to_array()
         };
         UnwrapMesh {
             positions: receiver.positions.iter().map(place).collect(),

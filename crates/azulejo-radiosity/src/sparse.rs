@@ -105,7 +105,8 @@ impl GatheredValues {
             return vec![Gathered::default(); self.own.len()];
         };
         let all = between.stencils.iter();
-        all.map(|stencil| stencil.apply(&between.indirect)).collect()
+        all.map(|stencil| stencil.apply(&between.indirect))
+            .collect()
     }
 
     /// Indirect light is gathered where there is a record.

@@ -72,7 +72,6 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             let sample = self.sample(all.strata.points(stratum));
             let allowed = SHARE * SHARE * permitted;
             let (spent, sample, verdict) = self.compare(all, sample, allowed, most)?;
-            { let errs = all.errors(); let e=&errs[stratum]; let v = match verdict { Verdict::Good(f)=>format!("good {:.5}", f.sqrt()), Verdict::Bad(f)=>format!("BAD {:.5}", f.sqrt()), Verdict::Open(f,d)=>format!("open {:.5} {:.5}", f.max(0.0).sqrt(), d.sqrt())}; eprintln!("DBG stratum {stratum} mean {:.4} share {:.3} allowed {:.5} spent {spent} {v}; diffs {:?}", e.mean, e.share, allowed.sqrt(), sample.iter().map(|c| { let a=c.patches.whole().mean().mean(); let b=c.paths.whole().mean().mean(); format!("{:.4}{:+.4}", b, a-b)}).collect::<Vec<_>>()); }
             match verdict {
                 Verdict::Bad(found) if !self.progress.out_of_time() => {
                     self.trace_paths(all, stratum, found, (spent, sample), most)?;

@@ -4,14 +4,12 @@
 //! light, and here the two meet.
 
 use azulejo_bake::{
-    Atlas, Lightmap, LightmapPage, NodeLight, NodeRequest, Receiver, Samples,
-    SeamErrors, TexelField, TexelStatistics, UnwrapOptions,
+    Atlas, Lightmap, LightmapPage, NodeLight, NodeRequest, Receiver, Samples, SeamErrors,
+    TexelField, TexelStatistics, UnwrapOptions,
 };
 use azulejo_bake::{LayoutError, layout::NO_CHART};
 use azulejo_factors::{PatchSize, Patches, ProxyScene, RefinedShape};
-use azulejo_radiosity::{
-    FirstPass, IrradianceField, PointEffort, Report, SolveError, SolvedLight,
-};
+use azulejo_radiosity::{FirstPass, IrradianceField, PointEffort, Report, SolveError, SolvedLight};
 use azulejo_scene::{Rgb, Scene, Shape};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, DiffuseHit, Progress, Tracer};
@@ -157,7 +155,11 @@ pub fn bake(
     let surfaces = gatherer.surfaces();
     let samples = Samples::new(&atlas, surfaces.tracer, progress)?;
     let error = options.pass.error.unwrap_or(DEFAULT_ERROR);
-    let seed = hash(&[options.pass.seed as u32, (options.pass.seed >> 32) as u32, 3]);
+    let seed = hash(&[
+        options.pass.seed as u32,
+        (options.pass.seed >> 32) as u32,
+        3,
+    ]);
     let direct = azulejo_bake::direct(&samples, &atlas, gatherer, error, seed, progress)?;
     let mut report = None;
     let mut gather = |request: &NodeRequest, fine: Option<&dyn IrradianceField>| {
@@ -182,14 +184,16 @@ pub fn bake(
     let field = TexelField::new(&atlas, &samples, &look, &objects, surfaces);
     let field = FieldOfTexels(&field);
     let mut gather = |request: &NodeRequest| gather(request, Some(&field));
-    let (mut light, mut texels) = (Vec::new(), TexelStatistics::default());
-    if options.light == BakedLight::Direct {
-        light = direct.light();
-        texels.samples = light.len();
+    let (mut light, texels) = if options.light == BakedLight::Direct {
+        let light = direct.light();
+        let texels = TexelStatistics {
+            samples: light.len(),
+            ..TexelStatistics::default()
+        };
+        (light, texels)
     } else {
-        (light, texels) =
-            azulejo_bake::with_indirect(&samples, &direct, nodes, error, &mut gather)?;
-    }
+        azulejo_bake::with_indirect(&samples, &direct, nodes, error, &mut gather)?
+    };
     if options.light == BakedLight::Indirect {
         direct.take_from(&mut light);
     }

@@ -1,5 +1,6 @@
 //! What the crate does for its users.
 
+mod atlas;
 mod browser;
 mod page;
 mod room;

@@ -41,7 +41,13 @@ pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
     };
     session.limit_time(args.first_pass.limit());
     let baked = pass::with_forecast(&args.first_pass, session, |progress| {
-        bake(&source.scene, &tracer, &source.receivers, &options, progress)
+        bake(
+            &source.scene,
+            &tracer,
+            &source.receivers,
+            &options,
+            progress,
+        )
     });
     let baked = baked.map_err(|error| match error {
         BakeError::Solve(error) => pass::failure(error),
@@ -96,7 +102,9 @@ fn sides(args: &BakeArgs, source: &BakeSource) -> BakedSides {
     } else {
         BakedSides::Brighter
     };
-    args.texels.double_sided.map_or(usual, DoubleSidedArg::baked)
+    args.texels
+        .double_sided
+        .map_or(usual, DoubleSidedArg::baked)
 }
 
 /// Removes a lightmap.
@@ -119,7 +127,12 @@ fn strip(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
     report.value("exact", stripped.is_exact);
     if !stripped.unused_files.is_empty() {
         let names = stripped.unused_files.join(", ");
-        report.fact("unused_files", stripped.unused_files, "no longer used", names);
+        report.fact(
+            "unused_files",
+            stripped.unused_files,
+            "no longer used",
+            names,
+        );
     }
     Ok(report)
 }

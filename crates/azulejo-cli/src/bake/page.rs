@@ -23,7 +23,11 @@ pub fn write(
     out: &mut dyn Write,
 ) -> io::Result<()> {
     let scene = &source.scene;
-    let title = args.input.scenes.first().map(|p: &std::path::PathBuf| p.as_path());
+    let title = args
+        .input
+        .scenes
+        .first()
+        .map(|p: &std::path::PathBuf| p.as_path());
     let title = title.and_then(Path::file_stem).unwrap_or_default();
     let mut model = PageModel {
         title: title.to_string_lossy().into_owned(),
@@ -54,7 +58,10 @@ pub fn write(
 }
 
 fn material_of(scene: &Scene, material: &Material) -> io::Result<PageMaterial> {
-    let picture = material.textures.first().map(|&t| &scene.textures[t as usize]);
+    let picture = material
+        .textures
+        .first()
+        .map(|&t| &scene.textures[t as usize]);
     let picture = match picture.and_then(|t| Some((t, t.image.as_ref()?))) {
         None => None,
         Some((texture, image)) => {
@@ -110,9 +117,8 @@ fn add_meshes(scene: &Scene, baked: &Baked, receiver: usize, model: &mut PageMod
                 let corner = first + corner as usize;
                 let vertex = mesh.faces.corners[corner];
                 let normal = placed.normal(corner, vertex);
-                let normal = normal.unwrap_or_else(|| {
-                    placed.face_area_vector(face).normalize_or(DVec3::Z)
-                });
+                let normal =
+                    normal.unwrap_or_else(|| placed.face_area_vector(face).normalize_or(DVec3::Z));
                 let uv = mesh.uvs.as_ref().map(|uvs| uvs.at(corner, vertex));
                 let place = layout.uvs[number][k];
                 let key = (
@@ -124,7 +130,9 @@ fn add_meshes(scene: &Scene, baked: &Baked, receiver: usize, model: &mut PageMod
                 let next = page_mesh.positions.len() as u32;
                 let index = *known.entry(key).or_insert(next);
                 if index == next {
-                    page_mesh.positions.push(placed.position(vertex).as_vec3().to_array());
+                    page_mesh
+                        .positions
+                        .push(placed.position(vertex).as_vec3().to_array());
                     page_mesh.normals.push(normal.as_vec3().to_array());
                     page_mesh.uvs.extend(uv.map(|uv| uv.as_vec2().to_array()));
                     page_mesh.lightmap_uvs.push(place);
@@ -137,6 +145,8 @@ fn add_meshes(scene: &Scene, baked: &Baked, receiver: usize, model: &mut PageMod
         }
     }
     let filled = order.into_iter().filter_map(|part| parts.remove(&part));
-    let filled = filled.map(|(mesh, _)| mesh).filter(|mesh| !mesh.indices.is_empty());
+    let filled = filled
+        .map(|(mesh, _)| mesh)
+        .filter(|mesh| !mesh.indices.is_empty());
     model.meshes.extend(filled);
 }

@@ -33,7 +33,11 @@ pub fn describe(
     let charts = format!(
         "{} on {} of {} texels",
         count(layout.charts),
-        if sizes.len() == 1 { "a page".to_owned() } else { format!("{} pages", sizes.len()) },
+        if sizes.len() == 1 {
+            "a page".to_owned()
+        } else {
+            format!("{} pages", sizes.len())
+        },
         sizes.join(", ")
     );
     report.fact("charts", layout.charts, "charts", charts);
@@ -53,7 +57,11 @@ pub fn describe(
         count(baked.texels.nodes)
     );
     report.fact("nodes", baked.texels.nodes, "indirect light", nodes);
-    let unit = if scene.units.photometric { "lx" } else { "W/m²" };
+    let unit = if scene.units.photometric {
+        "lx"
+    } else {
+        "W/m²"
+    };
     let mean = baked.lightmap.mean();
     report.fact(
         "mean",
@@ -62,7 +70,9 @@ pub fn describe(
         format!("{} {unit}", short(mean.mean())),
     );
     let error = baked.lightmap.relative_error();
-    let asked = args.error.map_or(String::new(), |asked| format!(", {} asked for", percent(asked)));
+    let asked = args.error.map_or(String::new(), |asked| {
+        format!(", {} asked for", percent(asked))
+    });
     report.fact(
         "error",
         number(error),
@@ -71,7 +81,10 @@ pub fn describe(
     );
     let quarters = baked.lightmap.quarters();
     let by_quarter: Vec<String> = quarters.iter().map(|q| percent(q.error / q.mean)).collect();
-    report.line("by quarters", format!("{} (dark to bright)", by_quarter.join(", ")));
+    report.line(
+        "by quarters",
+        format!("{} (dark to bright)", by_quarter.join(", ")),
+    );
     if baked.seams.points > 0 {
         let seams = baked.seams.after / mean.mean();
         let words = format!("{} of the mean apart", percent(seams));
@@ -79,7 +92,12 @@ pub fn describe(
     }
     if baked.lightmap.buried > 0 {
         let words = format!("{} inside of solids", count(baked.lightmap.buried));
-        report.fact("buried_texels", baked.lightmap.buried, "buried texels", words);
+        report.fact(
+            "buried_texels",
+            baked.lightmap.buried,
+            "buried texels",
+            words,
+        );
     }
     Ok(())
 }

@@ -80,8 +80,7 @@ impl BakeSource {
                 ..ReadOptions::default()
             },
         };
-        let read =
-            gltf::read_with_origins(&file.bytes, &file.name, &file.files, &file.options);
+        let read = gltf::read_with_origins(&file.bytes, &file.name, &file.files, &file.options);
         let (_, origins) = read.map_err(Failure::failed)?;
         // What is added for light alone, such as the floor of a studio, comes behind.
         let has_more = args.input.scenes.len() > 1 && scene.objects.len() > origins.len();
@@ -143,15 +142,19 @@ impl BakeSource {
                 ..ReadOptions::default()
             },
         };
-        let read =
-            gltf::read_with_origins(&file.bytes, &file.name, &file.files, &file.options);
+        let read = gltf::read_with_origins(&file.bytes, &file.name, &file.files, &file.options);
         let (loaded, origins) = read.map_err(Failure::failed)?;
         let is_same = loaded.scene.objects.len() == scene.objects.len();
-        let order: Vec<Option<Vec<u32>>> =
-            scene.objects.iter().map(|o| Some(written_order(o))).collect();
+        let order: Vec<Option<Vec<u32>>> = scene
+            .objects
+            .iter()
+            .map(|o| Some(written_order(o)))
+            .collect();
         let counts = origins.iter().zip(&order);
         let is_complete = counts.clone().all(|(origin, order)| {
-            order.as_ref().is_some_and(|order| order.len() == origin.faces.len())
+            order
+                .as_ref()
+                .is_some_and(|order| order.len() == origin.faces.len())
         });
         if !is_same || !is_complete {
             return Err(Failure::failed(

@@ -45,8 +45,14 @@ impl BakeOutputs {
             None => None,
             Some(path) => Some((Output::check(path)?, kind_of(path)?)),
         };
-        for path in [&args.files.lightmap, &args.files.error_map].into_iter().flatten() {
-            if path.extension().is_none_or(|e| !e.eq_ignore_ascii_case("exr")) {
+        for path in [&args.files.lightmap, &args.files.error_map]
+            .into_iter()
+            .flatten()
+        {
+            if path
+                .extension()
+                .is_none_or(|e| !e.eq_ignore_ascii_case("exr"))
+            {
                 return Err(Failure::misuse(format_args!(
                     "{}: expected a name that ends with .exr",
                     path.display()
@@ -63,7 +69,9 @@ impl BakeOutputs {
 
     /// Whether a result goes to standard output.
     pub fn is_stdout(&self) -> bool {
-        self.main.as_ref().is_some_and(|(output, _)| output.is_stdout())
+        self.main
+            .as_ref()
+            .is_some_and(|(output, _)| output.is_stdout())
     }
 
     /// Writes all files, or none.
@@ -78,7 +86,10 @@ impl BakeOutputs {
         let mut drafts = DraftList::default();
         let pages = &baked.lightmap.pages;
         for (path, values) in [
-            (&self.lightmap, (|p| &p.irradiance) as fn(&LightmapPage) -> &Vec<[f32; 3]>),
+            (
+                &self.lightmap,
+                (|p| &p.irradiance) as fn(&LightmapPage) -> &Vec<[f32; 3]>,
+            ),
             (&self.error_map, |p| &p.standard_error),
         ] {
             let Some(path) = path else { continue };
@@ -223,7 +234,13 @@ fn pictures(args: &BakeArgs, baked: &Baked) -> Result<Vec<patch::LightmapPage>, 
             }
         })
     };
-    baked.lightmap.pages.iter().enumerate().map(picture).collect()
+    baked
+        .lightmap
+        .pages
+        .iter()
+        .enumerate()
+        .map(picture)
+        .collect()
 }
 
 /// Says how much of a lightmap is so dark that 8 bits show it worse than was asked for.
@@ -268,7 +285,8 @@ impl DraftList {
         let mut draft = output.draft()?;
         draft.write_all(file).map_err(|e| draft.error(e))?;
         let size = bytes(file.len() as u64);
-        self.written.push(format!("{} ({size})", output.path().display()));
+        self.written
+            .push(format!("{} ({size})", output.path().display()));
         self.drafts.push(draft);
         Ok(())
     }

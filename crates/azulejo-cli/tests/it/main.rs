@@ -1,6 +1,7 @@
 //! The command line from outside.
 
 mod bad_input;
+mod bake;
 mod brdf;
 mod commands;
 mod engines;

@@ -242,7 +242,11 @@ impl<'a> Direct<'a> {
         self.tests.clear();
         for (t, term) in terms.iter_mut().enumerate() {
             let point = &points[term.point as usize];
-            number = if term.point == point_before { number + 1 } else { 0 };
+            number = if term.point == point_before {
+                number + 1
+            } else {
+                0
+            };
             point_before = term.point;
             // A light without area is one point, so one ray decides.
             let (replicates, count) = if term.is_delta() {

@@ -2,6 +2,7 @@
 
 mod glossy;
 mod instances;
+mod lightmap;
 mod outside;
 mod pictured_lamps;
 mod rtrace;

@@ -1,0 +1,140 @@
+//! `bake`: lightmaps from the command line.
+
+use super::support::Folder;
+use serde_json::Value;
+use std::fs;
+
+/// The JSON of a GLB.
+fn json(glb: &[u8]) -> Value {
+    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    serde_json::from_slice(&glb[20..20 + length]).unwrap()
+}
+
+#[test]
+fn a_legacy_model_gets_a_lightmap() {
+    let folder = Folder::with_room();
+    let run = folder
+        .ok("bake room.obj -o room.glb --size 64 --error 10% --lightmap e.exr --error-map se.exr");
+    assert!(run.err.contains("estimated error"), "{}", run.err);
+    assert!(run.err.contains("10% asked for"), "{}", run.err);
+    let file = json(&folder.read("room.glb"));
+    assert!(
+        file["extensionsUsed"]
+            .as_array()
+            .unwrap()
+            .contains(&"MOZ_lightmap".into())
+    );
+    let materials = file["materials"].as_array().unwrap();
+    let lightmap = &materials[0]["extensions"]["MOZ_lightmap"];
+    assert_eq!(lightmap["texCoord"], 1);
+    assert!(lightmap["intensity"].as_f64().unwrap() > 0.0);
+    let primitives = file["meshes"][0]["primitives"].as_array().unwrap();
+    assert!(
+        primitives
+            .iter()
+            .all(|p| p["attributes"]["TEXCOORD_1"].is_u64())
+    );
+    assert!(folder.read("e.exr").starts_with(&[0x76, 0x2f, 0x31, 0x01]));
+    assert_eq!(
+        folder.names(),
+        ["e.exr", "room.glb", "room.mtl", "room.obj", "se.exr"]
+    );
+}
+
+/// A file with a lightmap is what it was, byte for byte, once that is removed.
+#[test]
+fn what_was_baked_can_be_stripped() {
+    let folder = Folder::with_room();
+    folder.ok("convert room.obj -o room.glb");
+    let before = folder.read("room.glb");
+    folder.ok("bake room.glb -o baked.glb --size 64 --error 20%");
+    assert!(folder.read("baked.glb").len() > before.len());
+    let report = folder.json("bake baked.glb --strip -o again.glb");
+    assert_eq!(report["exact"], true);
+    assert!(folder.read("again.glb") == before);
+    let refused = folder.run("bake room.glb --strip -o again.glb");
+    assert_eq!(refused.code, Some(1));
+    assert!(folder.read("again.glb") == before);
+}
+
+#[test]
+fn a_page_is_one_file() {
+    let folder = Folder::with_room();
+    folder.ok("bake room.obj -o page.html --size 64 --error 20%");
+    let page = String::from_utf8(folder.read("page.html")).unwrap();
+    assert!(page.starts_with("<!doctype html>"));
+    assert!(!page.contains("http://") && !page.contains("https://"));
+    assert_eq!(folder.names(), ["page.html", "room.mtl", "room.obj"]);
+}
+
+#[test]
+fn a_gltf_file_gets_pictures_beside_it() {
+    let folder = Folder::with_room();
+    folder.ok("convert room.obj -o room.gltf");
+    let before = folder.names();
+    folder.ok("bake room.gltf -o baked.gltf --size 64 --error 20%");
+    let file: Value = serde_json::from_slice(&folder.read("baked.gltf")).unwrap();
+    let added: Vec<String> = folder
+        .names()
+        .into_iter()
+        .filter(|name| !before.contains(name) && name != "baked.gltf")
+        .collect();
+    let named = |list: &str| -> Vec<String> {
+        let entries = file[list].as_array().unwrap().iter();
+        entries
+            .filter_map(|e| Some(e["uri"].as_str()?.to_owned()))
+            .collect()
+    };
+    let used = [named("buffers"), named("images")].concat();
+    assert!(
+        !added.is_empty() && added.iter().all(|name| used.contains(name)),
+        "{added:?}, {used:?}"
+    );
+}
+
+#[test]
+fn what_cannot_be_baked_is_said() {
+    let folder = Folder::with_room();
+    folder.write("empty.obj", "o nothing\n");
+    let all = folder.names();
+    for (line, code, said) in [
+        ("bake room.obj -o room.obj", 2, ".glb, .gltf or .html"),
+        ("bake room.obj -o room.glb --size 0", 2, "--size"),
+        ("bake room.obj -o room.glb --size 100000", 2, "--size"),
+        ("bake room.obj -o room.glb --size 4", 1, "expected 5"),
+        (
+            "bake room.obj -o room.glb --keep-mesh",
+            2,
+            "a lightmap has texels",
+        ),
+        ("bake room.obj -o missing/room.glb", 1, "missing"),
+        ("bake room.obj --lightmap e.png", 2, ".exr"),
+        ("bake empty.obj -o room.glb --sky 1", 1, ""),
+        (
+            "bake room.obj -o room.glb --texels-per-metre 1e9",
+            1,
+            "too large",
+        ),
+    ] {
+        let run = folder.run(line);
+        assert_eq!(run.code, Some(code), "{line}\n{}", run.err);
+        assert!(run.err.contains(said), "{line}\n{}", run.err);
+        assert_eq!(folder.names(), all, "{line}");
+    }
+    fs::remove_file(folder.path("empty.obj")).unwrap();
+}
+
+#[test]
+fn pages_and_parts_of_the_light_are_chosen() {
+    let folder = Folder::with_room();
+    let report =
+        folder.json("bake room.obj -o room.glb --size 64 --pages 2 --error 20% --light indirect");
+    assert_eq!(report["texels"].as_u64().map(|n| n > 100), Some(true));
+    let file = json(&folder.read("room.glb"));
+    let pages = file["images"].as_array().unwrap().len();
+    assert!(pages >= 1, "{pages}");
+    let plain = folder.run("bake room.obj -o plain.glb --as plain --size 64 --error 20%");
+    assert_eq!(plain.code, Some(0), "{}", plain.err);
+    let file = json(&folder.read("plain.glb"));
+    assert!(file["images"].is_null());
+}

@@ -1,0 +1,307 @@
+//! Lightmaps beside light that is gathered at points, and light that is known.
+
+use azulejo::bake::{Resolution, UnwrapOptions};
+use azulejo::factors::PointNormal;
+use azulejo::lightmap::{BakeError, BakeOptions, Baked, BakedLight, BakedSides, bake, meshes_of};
+use azulejo::radiosity::{FirstPass, SolveError, probe};
+use azulejo::scene::synthetic::{CornellVariant, cornell_box};
+use azulejo::scene::{Light, LightKind, Material, Mesh, Object, Rgb, Scene, Shape};
+use azulejo::trace::sampling::uniform;
+use azulejo::trace::{Progress, Tracer};
+use glam::DVec3;
+use std::f64::consts::PI;
+
+fn options(size: u32, error: f64) -> BakeOptions {
+    BakeOptions {
+        charts: UnwrapOptions {
+            size,
+            ..UnwrapOptions::default()
+        },
+        pass: FirstPass {
+            error: Some(error),
+            ..FirstPass::default()
+        },
+        light: BakedLight::Total,
+        sides: BakedSides::Brighter,
+    }
+}
+
+fn baked(scene: &Scene, options: &BakeOptions) -> Baked {
+    let objects: Vec<u32> = (0..scene.objects.len() as u32).collect();
+    bake(
+        scene,
+        &Tracer::new(scene),
+        &objects,
+        options,
+        &Progress::new(),
+    )
+    .unwrap()
+}
+
+/// A point of the surface of an atlas, uniform by area: receiver, triangle and weights.
+fn places(baked: &Baked, count: u32) -> Vec<(usize, usize, [f64; 3])> {
+    let receivers = &baked.atlas.receivers;
+    let mut triangles = Vec::new();
+    let mut sum = 0.0;
+    for (r, receiver) in receivers.iter().enumerate() {
+        for t in 0..receiver.triangles.len() {
+            sum += receiver.area_vector(t).length();
+            triangles.push((sum, r, t));
+        }
+    }
+    let place = |k: u32| {
+        let [u, v, w] = [0, 1, 2].map(|d| f64::from(uniform(&[k, d, 77])));
+        let at = triangles
+            .partition_point(|t| t.0 < w * sum)
+            .min(triangles.len() - 1);
+        let root = u.sqrt();
+        let weights = [1.0 - root, root * (1.0 - v), root * v];
+        (triangles[at].1, triangles[at].2, weights)
+    };
+    (0..count).map(place).collect()
+}
+
+/// What viewers read at points is within one and a half times the requested error of what is there.
+#[test]
+fn texels_have_the_requested_error() {
+    let scene = meshes_of(&cornell_box(CornellVariant::Diffuse), true);
+    let error = 0.03;
+    let baked = baked(&scene, &options(192, error));
+    let stated = baked.lightmap.relative_error();
+    assert!(stated < 1.2 * error, "stated {stated}");
+    let places = places(&baked, 400);
+    let point = |&(r, t, weights): &(usize, usize, [f64; 3])| {
+        let receiver = &baked.atlas.receivers[r];
+        let corners = receiver.corners(t);
+        let chart = baked.atlas.layout.receivers[r].charts[t];
+        let side = if baked.atlas.is_turned(chart) {
+            -1.0
+        } else {
+            1.0
+        };
+        PointNormal {
+            position: (0..3).map(|k| weights[k] * corners[k]).sum(),
+            normal: side * receiver.area_vector(t).normalize(),
+        }
+    };
+    let points: Vec<PointNormal> = places.iter().map(point).collect();
+    let pass = FirstPass {
+        error: Some(0.007),
+        ..FirstPass::default()
+    };
+    let truth = probe(
+        &scene,
+        &Tracer::new(&scene),
+        &points,
+        &pass,
+        &Progress::new(),
+    )
+    .unwrap();
+    let (mut squares, mut bias, mut sum) = (0.0, 0.0, 0.0);
+    for (&(r, t, weights), truth) in places.iter().zip(&truth.estimates) {
+        let found = baked.irradiance(r, t, weights).unwrap();
+        let difference = found - truth.value;
+        squares += (difference * difference).mean();
+        bias += difference.mean();
+        sum += truth.value.mean();
+    }
+    let (count, mean) = (places.len() as f64, sum / places.len() as f64);
+    let (rms, bias) = ((squares / count).sqrt() / mean, bias / sum);
+    assert!(rms < 1.5 * error, "{rms}");
+    assert!(bias.abs() < 0.01, "{bias}");
+}
+
+/// A box of six walls, its normals inside.
+fn room(scene: &mut Scene, low: DVec3, high: DVec3, material: u32, floor: bool) {
+    let corner = |k: u32| {
+        let pick = |axis: usize| {
+            if k >> axis & 1 == 1 {
+                high[axis]
+            } else {
+                low[axis]
+            }
+        };
+        DVec3::new(pick(0), pick(1), pick(2))
+    };
+    let mut mesh = Mesh {
+        positions: (0..8).map(corner).collect(),
+        ..Mesh::default()
+    };
+    let walls = [
+        [0, 1, 3, 2],
+        [4, 6, 7, 5],
+        [0, 4, 5, 1],
+        [2, 3, 7, 6],
+        [0, 2, 6, 4],
+        [1, 5, 7, 3],
+    ];
+    for wall in walls.iter().skip(usize::from(!floor)) {
+        mesh.push_face(wall, material);
+    }
+    scene.objects.push(Object::new("room", Shape::Mesh(mesh)));
+}
+
+/// In a closed room of one reflectance ρ that emits L everywhere, irradiance is πL/(1 − ρ).
+#[test]
+fn a_white_furnace_is_even() {
+    let mut scene = Scene::default();
+    let glowing = scene.add_material(Material {
+        emission: Rgb::grey(1.0),
+        ..Material::diffuse("glowing", Rgb::grey(0.6))
+    });
+    room(
+        &mut scene,
+        DVec3::ZERO,
+        DVec3::new(2.0, 3.0, 2.5),
+        glowing,
+        true,
+    );
+    let options = BakeOptions {
+        sides: BakedSides::Front,
+        ..options(96, 0.02)
+    };
+    let baked = baked(&scene, &options);
+    let expected = PI / (1.0 - 0.6);
+    let mean = baked.lightmap.mean().mean();
+    assert!(
+        (mean / expected - 1.0).abs() < 0.01,
+        "{mean} for {expected}"
+    );
+    let page = &baked.lightmap.pages[0];
+    for (t, e) in page
+        .irradiance
+        .iter()
+        .enumerate()
+        .filter(|(t, _)| page.areas[*t] > 0.0)
+    {
+        let off = (f64::from(e[1]) / expected - 1.0).abs();
+        assert!(off < 0.15, "texel {t}: {e:?}");
+    }
+}
+
+/// Walls of half a texel, and of two, on a floor that runs under them: no light in the room, none of its dark
+/// outside.
+#[test]
+fn closed_rooms_stay_dark() {
+    for thickness in [0.05, 0.2] {
+        let mut scene = Scene::default();
+        let grey = scene.add_material(Material::diffuse("grey", Rgb::grey(0.5)));
+        let mut floor = Mesh {
+            positions: [[-4.0, -4.0], [8.0, -4.0], [8.0, 8.0], [-4.0, 8.0]]
+                .map(|[x, y]| DVec3::new(x, y, 0.0))
+                .to_vec(),
+            ..Mesh::default()
+        };
+        floor.push_face(&[0, 1, 2, 3], grey);
+        scene.objects.push(Object::new("floor", Shape::Mesh(floor)));
+        let (low, high) = (DVec3::ZERO, DVec3::new(4.0, 4.0, 2.5));
+        // The inner walls, and the outer ones with their fronts outside.
+        room(&mut scene, low, high, grey, false);
+        let out = DVec3::new(thickness, thickness, 0.0);
+        room(
+            &mut scene,
+            low - out,
+            high + out + DVec3::Z * thickness,
+            grey,
+            false,
+        );
+        if let Shape::Mesh(mesh) = &mut scene.objects[2].shape {
+            (0..mesh.faces.len()).for_each(|face| mesh.reverse_face(face));
+        }
+        scene.lights.push(Light {
+            name: "sky".into(),
+            kind: LightKind::Ambient {
+                radiance: Rgb::grey(1.0),
+            },
+        });
+        let scene = meshes_of(&scene, true);
+        let mut options = options(512, 0.05);
+        options.charts.resolution = Resolution::PerUnit(10.0);
+        let baked = baked(&scene, &options);
+        let floor = &baked.atlas.receivers[0];
+        let (mut inside, mut outside, mut dimmest) = (0.0f64, 0.0f64, f64::INFINITY);
+        for (r, t, weights) in places(&baked, 4000) {
+            if r != 0 {
+                continue;
+            }
+            let corners = floor.corners(t);
+            let p: DVec3 = (0..3).map(|k| weights[k] * corners[k]).sum();
+            let e = baked.irradiance(r, t, weights).unwrap().mean();
+            let is_inside = p.x > 0.0 && p.x < 4.0 && p.y > 0.0 && p.y < 4.0;
+            let away = (p.x - 2.0).abs().max((p.y - 2.0).abs()) - 2.0 - thickness;
+            if is_inside {
+                inside = inside.max(e);
+            } else if away > 0.0 {
+                outside = outside.max(e);
+                dimmest = dimmest.min(e);
+            }
+        }
+        assert!(
+            inside <= 1e-3 * outside,
+            "{thickness}: {inside} of {outside}"
+        );
+        assert!(
+            dimmest > 0.4 * outside,
+            "{thickness}: {dimmest} of {outside}"
+        );
+    }
+}
+
+#[test]
+fn parts_of_the_light_add_up() {
+    let scene = cornell_box(CornellVariant::Diffuse);
+    let part = |light: BakedLight| {
+        let options = BakeOptions {
+            light,
+            ..options(96, 0.05)
+        };
+        baked(&scene, &options).lightmap.mean().mean()
+    };
+    let [total, indirect, direct] =
+        [BakedLight::Total, BakedLight::Indirect, BakedLight::Direct].map(part);
+    assert!(indirect > 0.1 * total && direct > 0.1 * total);
+    assert!(
+        ((indirect + direct) / total - 1.0).abs() < 0.01,
+        "{indirect} + {direct} of {total}"
+    );
+}
+
+#[test]
+fn threads_make_no_difference_and_cancelling_stops() {
+    let scene = cornell_box(CornellVariant::Diffuse);
+    let with = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        pool.unwrap()
+            .install(|| baked(&scene, &options(64, 0.1)).lightmap)
+    };
+    let one = with(1);
+    assert!(one == with(2) && one == with(7));
+    let progress = Progress::new();
+    progress.cancel();
+    let objects = [0, 1, 2];
+    let stopped = bake(
+        &scene,
+        &Tracer::new(&scene),
+        &objects,
+        &options(64, 0.1),
+        &progress,
+    );
+    assert_eq!(
+        stopped.unwrap_err(),
+        BakeError::Solve(SolveError::Cancelled)
+    );
+}
+
+#[test]
+fn scenes_without_light_or_surface_are_refused() {
+    let mut scene = cornell_box(CornellVariant::Diffuse);
+    for material in &mut scene.materials {
+        material.emission = Rgb::BLACK;
+    }
+    let refused = |scene: &Scene, objects: &[u32]| {
+        let tracer = Tracer::new(scene);
+        bake(scene, &tracer, objects, &options(64, 0.1), &Progress::new()).unwrap_err()
+    };
+    assert_eq!(refused(&scene, &[0]), BakeError::Solve(SolveError::NoLight));
+    assert!(refused(&scene, &[]).to_string().contains("no triangle"));
+}
