@@ -76,9 +76,10 @@ impl Look<'_> {
 
     fn moz(&self, material: &Material, change: &mut Edit) -> Vec<&'static str> {
         // Where there is no light, the picture is the colour; elsewhere it is divided by π.
-        let intensity = match material.has_extension(UNLIT) {
-            true => self.page.intensity / PI,
-            false => self.page.intensity,
+        let intensity = if material.has_extension(UNLIT) {
+            self.page.intensity / PI
+        } else {
+            self.page.intensity
         };
         let mut info = self.texture();
         info.key("intensity").set(json!(intensity).to_string());

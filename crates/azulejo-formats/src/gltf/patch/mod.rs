@@ -12,6 +12,7 @@
 //! | `source`, `primitives` | a file that is edited |
 //! | `additions`, `accessors` | new entries and bytes |
 //! | `assign`, `splits`, `free_set` | texture coordinates of objects as those of vertices |
+//! | `work`, `meshes` | the meshes of a file with them |
 //! | `looks`, `materials`, `lights` | what shows them |
 //! | `lightmap`, `undo`, `strip` | the edits as a whole, and what undoes them |
 //! | `convert` | other containers |
@@ -28,6 +29,7 @@ mod lightmap;
 mod lights;
 mod looks;
 mod materials;
+mod meshes;
 mod notes;
 mod primitives;
 mod scan;
@@ -38,6 +40,7 @@ mod strip;
 mod tests;
 mod types;
 mod undo;
+mod work;
 
 pub use error::PatchError;
 pub use types::{

@@ -8,8 +8,10 @@ use super::additions::Additions;
 use super::edits::{Edit, Splice, spliced};
 use super::error::PatchError;
 use super::glb::{Frame, Glb, Parts};
+use super::notes::Notes;
 use super::scan::{self, Span};
 use super::source::Source;
+use super::types::PatchedFile;
 use serde_json::{Map, Value, json};
 
 /// The steps to the note.
@@ -26,7 +28,8 @@ pub fn sealed(
     source: &Source,
     mut additions: Additions,
     mut facts: Map<String, Value>,
-) -> Result<(Vec<u8>, Vec<(String, Vec<u8>)>), PatchError> {
+    notes: Notes,
+) -> Result<PatchedFile, PatchError> {
     let bin = additions.finish_bytes();
     let names: Vec<&str> = additions
         .files
@@ -41,8 +44,11 @@ pub fn sealed(
     }
     let text = with_note(source, &mut additions.edit, facts);
     let file = assembled(&source.parts.frame, &text, bin.as_deref());
-    let file = file.ok_or_else(|| source.refused("a GLB of more than 4 GiB"))?;
-    Ok((file, additions.files))
+    Ok(PatchedFile {
+        bytes: file.ok_or_else(|| source.refused("a GLB of more than 4 GiB"))?,
+        files: additions.files,
+        notes: notes.finish(),
+    })
 }
 
 /// The file of these contents in such a frame.

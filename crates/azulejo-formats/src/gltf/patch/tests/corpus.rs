@@ -35,7 +35,6 @@ fn files_of_others() {
             files: &files,
         };
         for charts in [Charts::One, Charts::Faces, Charts::Random(7)] {
-            println!("{}, {charts:?}", path.display());
             edited += usize::from(check(&case, charts, |_| {}).is_some());
         }
     }

@@ -1,6 +1,7 @@
 //! Edits of whole files.
 
 mod corpus;
+mod craft;
 mod crafted;
 mod kept;
 mod materials;
