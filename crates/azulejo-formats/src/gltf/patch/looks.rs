@@ -9,7 +9,7 @@ use serde_json::json;
 use std::f64::consts::PI;
 
 /// The lightmap of a material.
-pub struct Look<'l> {
+pub struct MaterialLightmap<'l> {
     /// The picture.
     pub page: &'l LightmapPage,
     /// Its texture.
@@ -27,7 +27,7 @@ const UNLIT: &str = "KHR_materials_unlit";
 /// The extension that moves texture coordinates.
 pub const MOVED: &str = "KHR_texture_transform";
 
-impl Look<'_> {
+impl MaterialLightmap<'_> {
     /// The change of a material, or of the default one.
     ///
     /// # Errors

@@ -134,7 +134,7 @@ fn undo(text: &str, splices: &[Splice]) -> Value {
 }
 
 /// A note that was found in a file.
-pub struct Found {
+pub struct LightmapNote {
     /// Its bytes in the text.
     pub span: Span,
     /// What it says.
@@ -142,13 +142,13 @@ pub struct Found {
 }
 
 /// The note in a file, if there is one.
-pub fn found(parts: &Parts) -> Option<Found> {
+pub fn found(parts: &Parts) -> Option<LightmapNote> {
     let span = scan::find(parts.text, &scan::whole(parts.text), &NOTE)?;
     let note = serde_json::from_str(&parts.text[span.clone()]).ok()?;
-    Some(Found { span, note })
+    Some(LightmapNote { span, note })
 }
 
-impl Found {
+impl LightmapNote {
     /// The file as it was, if it is known.
     pub fn undone(&self, parts: &Parts) -> Option<Vec<u8>> {
         let Span { start, end } = self.span;

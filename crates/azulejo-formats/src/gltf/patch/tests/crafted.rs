@@ -129,6 +129,20 @@ fn chunks_of_others() {
     for file in &files {
         check_all(file, "a.glb", &Memory::new());
     }
+    // A primitive whose indices reach beyond the numbers must not find new ones there.
+    let size = craft.bin.len();
+    craft.accessors.push(format!(
+        "{{\"bufferView\":{},\"componentType\":5121,\"count\":6,\"type\":\"SCALAR\"}}",
+        craft.views.len()
+    ));
+    craft.views.push(format!(
+        "{{\"buffer\":0,\"byteOffset\":{},\"byteLength\":8}}",
+        size - 4
+    ));
+    let far = craft.accessors.len() - 1;
+    let primitive = |i: usize| format!("{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i}}}");
+    let damaged = nodes_of(&[&[primitive(i), primitive(far)].join(",")]);
+    check_all(&craft.glb(&damaged), "a.glb", &Memory::new());
     // Numbers of a GLB in another file: new ones cannot be in it.
     let json = craft.json("\"uri\":\"a.bin\",", &rest);
     let files = Memory::new().with("a.bin", craft.bin.clone());
