@@ -19,6 +19,7 @@ pub struct Additions<'s> {
     pub files: Vec<(String, Vec<u8>)>,
     source: &'s Source<'s>,
     stem: &'s str,
+    what: &'static str,
     bytes: Vec<u8>,
     place: NewBytes,
     /// The index of the next entry of each list.
@@ -49,8 +50,14 @@ fn reaches_beyond(source: &Source) -> bool {
 }
 
 impl<'s> Additions<'s> {
-    /// Nothing yet. At most `left` bytes are added; files beside the file begin with `stem`.
-    pub fn new(source: &'s Source<'s>, stem: &'s str, left: u64) -> Additions<'s> {
+    /// Nothing yet. At most `left` bytes are added; files beside the file begin with `stem`, and say `what`
+    /// they are for.
+    pub fn new(
+        source: &'s Source<'s>,
+        stem: &'s str,
+        what: &'static str,
+        left: u64,
+    ) -> Additions<'s> {
         let buffers = &source.data.root.buffers;
         let of_bin = buffers.first().is_none_or(|b| b.uri.is_none()) && !reaches_beyond(source);
         let place = match (&source.parts.frame, source.parts.bin()) {
@@ -63,6 +70,7 @@ impl<'s> Additions<'s> {
             files: Vec::new(),
             source,
             stem,
+            what,
             bytes: Vec::new(),
             place,
             next: HashMap::new(),
@@ -148,7 +156,7 @@ impl<'s> Additions<'s> {
             name => format!(",\"name\":{}", quoted(name)),
         };
         let entry = if self.has_files() {
-            let file = format!("{}.lightmap-{}.{ending}", self.stem, self.files.len());
+            let file = format!("{}.{}-{}.{ending}", self.stem, self.what, self.files.len());
             let uri = quoted(&uri::escaped(&file));
             self.files.push((file, bytes.to_vec()));
             format!("{{\"uri\":{uri}{named}}}")
@@ -192,7 +200,7 @@ impl<'s> Additions<'s> {
                 Some(bin)
             }
             NewBytes::Own => {
-                let name = format!("{}.lightmap.bin", self.stem);
+                let name = format!("{}.{}.bin", self.stem, self.what);
                 let uri = if self.has_files() {
                     uri::escaped(&name)
                 } else {

@@ -28,7 +28,12 @@ pub fn edited(
     let assignments = assignments(&source, origins, edit, &mut notes)?;
     let work = Work::new(&source, edit, assignments);
     let set = work.set(&mut notes);
-    let mut additions = Additions::new(&source, edit.output.stem, file.options.most_unpacked);
+    let mut additions = Additions::new(
+        &source,
+        edit.output.stem,
+        "lightmap",
+        file.options.most_unpacked,
+    );
     let split = work.split(set, &mut additions, &mut notes)?;
     let mut textures = Textures::new(edit);
     let uses = work.uses(&split);

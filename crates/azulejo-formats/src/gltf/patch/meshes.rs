@@ -1,6 +1,5 @@
 //! The changed entries of meshes and nodes.
 
-use super::super::draco::DRACO;
 use super::accessors::NewVertices;
 use super::additions::Additions;
 use super::assign::{Entry, Placement};
@@ -9,8 +8,8 @@ use super::error::PatchError;
 use super::materials::{Replaced, Textures};
 use super::notes::Notes;
 use super::primitives::{PrimitiveJson, VARIANTS};
-use super::scan::{self, Span};
 use super::types::Convention;
+use super::uncompress;
 use super::work::{Split, Work};
 use gltf_json::mesh::Mode;
 use serde_json::{Value, json};
@@ -82,10 +81,7 @@ impl Work<'_, '_> {
             }
             if json.has_draco() {
                 notes.add("primitive compressed with Draco: is no longer");
-                match json.extensions.len() {
-                    1 => change.key("extensions").remove(),
-                    _ => change.key("extensions").key(DRACO).remove(),
-                }
+                uncompress::primitive(change, json);
             }
             if let Some(new) = replaced.of(json.material, *lit) {
                 change.key("material").set(new.to_string());
@@ -110,30 +106,7 @@ impl Work<'_, '_> {
                 changed.extend(lit.keys().map(|primitive| (assignment.mesh, *primitive)));
             }
         }
-        let all = self.meshes.iter().enumerate();
-        let mut all =
-            all.flat_map(|(m, list)| list.iter().enumerate().map(move |(p, json)| ((m, p), json)));
-        let compressed: Vec<(usize, usize)> = all
-            .by_ref()
-            .filter(|(_, json)| json.has_draco())
-            .map(|(place, _)| place)
-            .collect();
-        if compressed.is_empty() || !compressed.iter().all(|place| changed.contains(place)) {
-            return;
-        }
-        let text = self.source.text();
-        for list in ["extensionsUsed", "extensionsRequired"] {
-            let names = self.source.list(list);
-            let is_draco = |span: &Span| scan::string(text, span).as_deref() == Some(DRACO);
-            let found = names.iter().filter(|span| is_draco(span)).count();
-            if found > 0 && found == names.len() && list == "extensionsRequired" {
-                additions.edit.key(list).remove();
-                continue;
-            }
-            for (i, _) in names.iter().enumerate().filter(|(_, span)| is_draco(span)) {
-                additions.edit.key(list).index(i).remove();
-            }
-        }
+        uncompress::lists(self.source, &self.meshes, &changed, additions);
     }
 
     /// Gives nodes their lightmap (`MX_lightmap`).

@@ -125,11 +125,7 @@ impl<'t> Splits<'t> {
         {
             return open;
         }
-        self.groups.push(VertexGroup {
-            uvs: vec![[0.0; 2]; count],
-            has_uv: vec![false; count],
-            ..VertexGroup::default()
-        });
+        self.groups.push(VertexGroup::new(count));
         let new = self.groups.len() - 1;
         if is_shared {
             self.open.insert(key, new);
@@ -180,6 +176,15 @@ impl<'l> Wanted<'l> {
 }
 
 impl VertexGroup {
+    /// So many vertices, without copies.
+    pub fn new(count: usize) -> VertexGroup {
+        VertexGroup {
+            uvs: vec![[0.0; 2]; count],
+            has_uv: vec![false; count],
+            ..VertexGroup::default()
+        }
+    }
+
     /// The number of vertices before and after.
     pub fn counts(&self) -> [usize; 2] {
         [self.uvs.len(), self.uvs.len() + self.sources.len()]

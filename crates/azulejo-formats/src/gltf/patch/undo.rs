@@ -51,6 +51,26 @@ pub fn sealed(
     })
 }
 
+/// Ends an edit that is not undone.
+///
+/// # Errors
+/// More than 4 GiB.
+pub fn unsealed(
+    source: &Source,
+    mut additions: Additions,
+    notes: Notes,
+) -> Result<PatchedFile, PatchError> {
+    let bin = additions.finish_bytes();
+    let splices = additions.edit.splices(source.text(), &source.root);
+    let text = spliced(source.text(), &splices);
+    let file = assembled(&source.parts.frame, &text, bin.as_deref());
+    Ok(PatchedFile {
+        bytes: file.ok_or_else(|| source.refused("a GLB of more than 4 GiB"))?,
+        files: additions.files,
+        notes: notes.finish(),
+    })
+}
+
 /// The file of these contents in such a frame.
 pub fn assembled(frame: &Frame, text: &str, bin: Option<&[u8]>) -> Option<Vec<u8>> {
     match frame {
@@ -102,22 +122,28 @@ fn with_note(source: &Source, edit: &mut Edit, mut facts: Map<String, Value>) ->
 /// Puts the mark into the extras of the asset, whatever they are.
 fn add_mark(source: &Source, edit: &mut Edit) {
     let text = source.text();
+    let place = edit.key("asset").key("extras");
+    add_extra(text, source.find(&NOTE[..2]), "lightmap", MARK, place);
+}
+
+/// Sets a member of `azulejo` in extras, whatever they are: what is no object is kept as `value`.
+pub fn add_extra(text: &str, extras: Option<Span>, key: &str, value: &str, edit: &mut Edit) {
     let is_other =
         |span: &Span| !text[span.clone()].starts_with('{') && &text[span.clone()] != "null";
-    let extras = source.find(&NOTE[..2]);
-    let azulejo = source.find(&NOTE[..3]);
-    let place = edit.key("asset").key("extras");
+    let azulejo = extras
+        .as_ref()
+        .and_then(|e| scan::member(text, e, "azulejo"));
     if let Some(old) = extras.filter(is_other) {
         let old = &text[old];
-        place.set(format!(
-            "{{\"value\":{old},\"azulejo\":{{\"lightmap\":{MARK}}}}}"
+        edit.set(format!(
+            "{{\"value\":{old},\"azulejo\":{{\"{key}\":{value}}}}}"
         ));
     } else if let Some(old) = azulejo.filter(is_other) {
         let old = &text[old];
-        let place = place.key("azulejo");
-        place.set(format!("{{\"value\":{old},\"lightmap\":{MARK}}}"));
+        let place = edit.key("azulejo");
+        place.set(format!("{{\"value\":{old},\"{key}\":{value}}}"));
     } else {
-        place.key("azulejo").key("lightmap").set(MARK);
+        edit.key("azulejo").key(key).set(value);
     }
 }
 
