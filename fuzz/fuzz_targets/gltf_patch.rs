@@ -1,13 +1,14 @@
 //! Any bytes as glTF: a lightmap can be put into what is read, its removal gives back the bytes, and the
-//! edited file has the same faces.
+//! edited file has the same faces, also with light of its vertices.
 #![no_main]
 
 use azulejo_formats::gltf::patch::{
     Container, Convention, GltfFile, InstanceMode, LightmapEdit, LightmapPage, LightsMode,
-    MediaType, ObjectLayout, Output, strip, with_lightmap,
+    MediaType, ObjectLayout, Output, strip, with_lightmap, with_vertex_light,
 };
-use azulejo_formats::gltf::{ObjectOrigin, read_with_origins};
+use azulejo_formats::gltf::{FaceOrigin, ObjectOrigin, read_with_origins};
 use azulejo_formats::{Memory, ReadOptions};
+use azulejo_scene::{Rgb, Scene, Shape};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
@@ -45,6 +46,16 @@ fuzz_target!(|bytes: &[u8]| {
         files: &files,
         options: &options,
     };
+    let output = edit.output;
+    if let Ok(lit) = with_vertex_light(&original, &origins, &lit(loaded.scene), output) {
+        let all = lit.files.iter();
+        let files = all.fold(files.clone(), |all, (name, bytes)| {
+            all.with(name, bytes.clone())
+        });
+        let read = read_with_origins(&lit.bytes, "lit.gltf", &files, &ReadOptions::default());
+        let (_, again) = read.expect("what is lit is read");
+        assert!(faces(&again).eq(faces(&origins)));
+    }
     // Texts in UTF-16 and cut files are read, but not edited.
     let Ok(patched) = with_lightmap(&original, &origins, &edit) else {
         return;
@@ -62,6 +73,17 @@ fuzz_target!(|bytes: &[u8]| {
     assert!(had_one || faces(&again).eq(faces(&origins)));
 });
 
+/// The scene with the same light everywhere.
+fn lit(mut scene: Scene) -> Scene {
+    scene.unfold();
+    for object in &mut scene.objects {
+        if let Shape::Mesh(mesh) = &mut object.shape {
+            mesh.irradiance = vec![Rgb::grey(3.0); mesh.positions.len()];
+        }
+    }
+    scene
+}
+
 /// A layout in which neighbours share some corners and not others.
 fn layout(origin: &ObjectOrigin) -> Option<ObjectLayout> {
     let count = origin.faces.len();
@@ -73,8 +95,6 @@ fn layout(origin: &ObjectOrigin) -> Option<ObjectLayout> {
     })
 }
 
-fn faces(
-    origins: &[ObjectOrigin],
-) -> impl Iterator<Item = (usize, &[azulejo_formats::gltf::FaceOrigin])> {
+fn faces(origins: &[ObjectOrigin]) -> impl Iterator<Item = (usize, &[FaceOrigin])> {
     origins.iter().map(|origin| (origin.node, &*origin.faces))
 }

@@ -68,6 +68,22 @@ impl<'s> NewAccessors<'s> {
         Ok(Ok(new))
     }
 
+    /// Adds the texture coordinates of a list of vertices that has the copies of another.
+    ///
+    /// # Errors
+    /// Too many bytes.
+    pub fn same_vertices(
+        &self,
+        group: &VertexGroup,
+        other: &NewVertices,
+        additions: &mut Additions,
+    ) -> Result<NewVertices, PatchError> {
+        Ok(NewVertices {
+            uvs: self.uvs(group, additions)?,
+            ..other.clone()
+        })
+    }
+
     /// Adds copies of the attributes of a list of vertices where vertices were copied or were compressed.
     /// `but` is an attribute that is not needed.
     ///

@@ -27,7 +27,7 @@ pub fn edited(
     check_edit(&source, edit)?;
     let assignments = assignments(&source, origins, edit, &mut notes)?;
     let work = Work::new(&source, edit, assignments);
-    let set = work.set(&mut notes);
+    let set = work.set(&mut notes)?;
     let mut additions = Additions::new(
         &source,
         edit.output.stem,

@@ -85,28 +85,31 @@ impl<'t> Splits<'t> {
         is_shared: bool,
     ) -> Result<Vec<(usize, SplitPrimitive)>, String> {
         let mut wanted = Vec::new();
+        let mut users: HashMap<(&str, &str), Vec<usize>> = HashMap::new();
         for &part in parts {
             let primitive = mesh.get(part.primitive).ok_or("a primitive out of range")?;
+            users.entry(primitive.key).or_default().push(wanted.len());
             wanted.push((primitive.key, Wanted::of(source, primitive, part)?));
         }
         let mut chosen: HashMap<(&str, &str), usize> = HashMap::new();
-        for (key, first) in &wanted {
-            if !chosen.contains_key(key) {
-                let same = wanted.iter().filter(|(k, _)| k == key).map(|(_, w)| w);
-                let group = self.group(*key, first.count, same, is_shared);
-                chosen.insert(*key, group);
-            }
-        }
         let mut list = Vec::new();
-        for (key, wanted) in wanted {
-            let group = chosen.get(&key).copied().unwrap_or_default();
-            let corners = self.groups[group].place(&wanted)?;
+        for (key, own) in &wanted {
+            let group = match chosen.get(key) {
+                Some(&group) => group,
+                None => {
+                    let users = users.get(key).into_iter().flatten();
+                    let users = users.filter_map(|user| Some(&wanted.get(*user)?.1));
+                    let group = self.group(*key, own.count, users, is_shared);
+                    chosen.insert(*key, group);
+                    group
+                }
+            };
             let split = SplitPrimitive {
                 group,
-                page: wanted.faces.page,
-                corners,
+                page: own.faces.page,
+                corners: self.groups[group].place(own)?,
             };
-            list.push((wanted.faces.primitive, split));
+            list.push((own.faces.primitive, split));
         }
         Ok(list)
     }

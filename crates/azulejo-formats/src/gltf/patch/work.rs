@@ -62,7 +62,10 @@ impl<'w, 's> Work<'w, 's> {
     }
 
     /// The number of the set of texture coordinates.
-    pub fn set(&self, notes: &mut Notes) -> u32 {
+    ///
+    /// # Errors
+    /// Pictures use all sets.
+    pub fn set(&self, notes: &mut Notes) -> Result<u32, PatchError> {
         let mut materials = HashSet::new();
         for assignment in &self.assignments {
             for part in &assignment.parts {
@@ -74,13 +77,15 @@ impl<'w, 's> Work<'w, 's> {
         }
         let wished = self.edit.uv_set.unwrap_or(1);
         let set = free_set::of(self.source, &materials, wished);
+        let taken = || format!("no set of texture coordinates from TEXCOORD_{wished} on is free");
+        let set = set.ok_or_else(|| self.source.refused(taken()))?;
         if set != wished {
             notes.add(&format!(
                 "TEXCOORD_{wished} is used by a picture: the lightmap uses TEXCOORD_{set}, \
                  which some viewers do not know"
             ));
         }
-        set
+        Ok(set)
     }
 
     /// Gives all primitives their texture coordinates.
@@ -127,11 +132,18 @@ impl<'w, 's> Work<'w, 's> {
         }
         let accessors = NewAccessors::new(self.source);
         let name = format!("TEXCOORD_{set}");
-        let mut vertices = Vec::new();
+        let mut vertices: Vec<Option<NewVertices>> = Vec::new();
+        // Instances with the same seams share what they must copy.
+        let mut known: HashMap<((&str, &str), &[u32]), usize> = HashMap::new();
         for (i, group) in splits.groups.iter().enumerate() {
-            let new = match owners.get(&i) {
-                Some(owner) => accessors.vertices(group, owner, &name, additions)?,
-                None => Err("no primitive".to_owned()),
+            let Some(owner) = owners.get(&i) else {
+                vertices.push(None);
+                continue;
+            };
+            let same = *known.entry((owner.key, &group.sources)).or_insert(i);
+            let new = match vertices.get(same) {
+                Some(Some(same)) => accessors.same_vertices(group, same, additions).map(Ok)?,
+                _ => accessors.vertices(group, owner, &name, additions)?,
             };
             if let Err(fault) = &new {
                 notes.add(&format!("primitive without lightmap: {fault}"));

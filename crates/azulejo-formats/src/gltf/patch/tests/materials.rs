@@ -401,6 +401,7 @@ fn what_does_not_fit_is_refused() {
         "of 0 and pages of 0",
     );
     refused(&|e| e.pages = &[], "page 0 of 0");
+    refused(&|e| e.uv_set = Some(9), "no set of texture coordinates");
     let far = |uv: f32, page: u32| {
         let mut pages = vec![0; 4];
         pages[3] = page;
