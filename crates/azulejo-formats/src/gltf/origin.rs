@@ -64,7 +64,7 @@ pub(super) struct OriginRecorder {
 
 /// The place of an object that is being made.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct ObjectPlace {
     /// Index of the node.
     pub node: usize,
     /// Number of the instance at this node.
@@ -99,7 +99,7 @@ impl OriginRecorder {
     }
 
     /// Records the origin of the next object.
-    pub fn push(&mut self, root: &Root, place: Place, mirrored: bool, faces: &Faces) {
+    pub fn push(&mut self, root: &Root, place: ObjectPlace, mirrored: bool, faces: &Faces) {
         self.list.push(ObjectOrigin {
             node: place.node,
             instance: place.instance,
@@ -111,7 +111,7 @@ impl OriginRecorder {
         });
     }
 
-    fn stillness(&self, root: &Root, place: Place) -> Stillness {
+    fn stillness(&self, root: &Root, place: ObjectPlace) -> Stillness {
         let (node, mesh) = (root.nodes.get(place.node), root.meshes.get(place.mesh));
         if node.is_some_and(|n| n.skin.is_some()) {
             return Stillness::Skinned;

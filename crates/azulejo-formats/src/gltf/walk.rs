@@ -7,7 +7,7 @@ use super::material::Surfaces;
 use super::mesh::{GltfMeshBuilder, Pose};
 use super::messages::GltfMessages;
 use super::nodes::{MOST_LEVELS, Tree, children, is_usable, parent_from_node, placed};
-use super::origin::{Faces, ObjectOrigin, OriginRecorder, Place};
+use super::origin::{Faces, ObjectOrigin, ObjectPlace, OriginRecorder};
 use super::skin::Joints;
 use crate::reading::options::Budget;
 use crate::reading::text::shortened;
@@ -263,7 +263,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         let Some(built) = built else {
             return Ok(());
         };
-        let mut place = Place {
+        let mut place = ObjectPlace {
             node: index,
             instance: None,
             mesh,
@@ -329,7 +329,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         let is_instanced = maps.is_some();
         let maps = maps.unwrap_or_else(|| vec![DAffine3::IDENTITY]);
         for (i, map) in maps.into_iter().enumerate() {
-            let place = Place {
+            let place = ObjectPlace {
                 node: index,
                 instance: is_instanced.then_some(i),
                 mesh,
@@ -339,7 +339,12 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         Ok(())
     }
 
-    fn instance(&mut self, place: Place, name: String, world: &DAffine3) -> Result<(), ReadError> {
+    fn instance(
+        &mut self,
+        place: ObjectPlace,
+        name: String,
+        world: &DAffine3,
+    ) -> Result<(), ReadError> {
         let Some((_, Some((shared, faces)))) = self.shared.get_mut(&place.mesh) else {
             return self.spend(ELEMENTS_PER_OBJECT);
         };
@@ -355,7 +360,14 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
     }
 
     /// Adds an object at `world`, which its shape has taken into account.
-    fn push(&mut self, place: Place, name: String, shape: Shape, world: &DAffine3, faces: &Faces) {
+    fn push(
+        &mut self,
+        place: ObjectPlace,
+        name: String,
+        shape: Shape,
+        world: &DAffine3,
+        faces: &Faces,
+    ) {
         let root = self.root();
         if let Some(origins) = &mut self.origins {
             let mirrored = world.matrix3.determinant() < 0.0;
@@ -382,7 +394,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
 
     fn object(
         &mut self,
-        place: Place,
+        place: ObjectPlace,
         name: String,
         (mut mesh, faces): (Mesh, Faces),
         world: &DAffine3,

@@ -48,13 +48,48 @@ impl<'s> NewAccessors<'s> {
         &self.source.data
     }
 
-    /// Adds the texture coordinates of a list of vertices, and copies of its other attributes where
-    /// vertices were copied or were compressed. `but` is an attribute that is not needed.
+    /// Adds the texture coordinates of a list of vertices, and copies of its other attributes as
+    /// [`NewAccessors::copies`].
     ///
     /// # Errors
-    /// The reason why attributes cannot be copied: then nothing was added. Too many bytes are an error of
-    /// the whole.
+    /// As there.
     pub fn vertices(
+        &self,
+        group: &VertexGroup,
+        primitive: &PrimitiveJson,
+        but: &str,
+        additions: &mut Additions,
+    ) -> Result<Result<NewVertices, String>, PatchError> {
+        let mut new = match self.copies(group, primitive, but, additions)? {
+            Ok(new) => new,
+            Err(fault) => return Ok(Err(fault)),
+        };
+        new.uvs = self.uvs(group, additions)?;
+        Ok(Ok(new))
+    }
+
+    /// Adds the texture coordinates of a list of vertices that has the copies of another.
+    ///
+    /// # Errors
+    /// Too many bytes.
+    pub fn same_vertices(
+        &self,
+        group: &VertexGroup,
+        other: &NewVertices,
+        additions: &mut Additions,
+    ) -> Result<NewVertices, PatchError> {
+        Ok(NewVertices {
+            uvs: self.uvs(group, additions)?,
+            ..other.clone()
+        })
+    }
+
+    /// Adds copies of the attributes of a list of vertices where vertices were copied or were compressed.
+    /// `but` is an attribute that is not needed.
+    ///
+    /// # Errors
+    /// The reason why an attribute cannot be copied. Too many bytes are an error of the whole.
+    pub fn copies(
         &self,
         group: &VertexGroup,
         primitive: &PrimitiveJson,
@@ -91,7 +126,6 @@ impl<'s> NewAccessors<'s> {
                 }
             }
         }
-        new.uvs = self.uvs(group, additions)?;
         Ok(Ok(new))
     }
 
@@ -113,6 +147,28 @@ impl<'s> NewAccessors<'s> {
         let view = additions.view(&bytes, &vertex_view(8));
         Ok(additions.accessor(format!(
             "{{\"bufferView\":{view},\"componentType\":5126,\"count\":{count},\"type\":\"VEC2\"}}"
+        )))
+    }
+
+    /// Adds an attribute in single precision.
+    ///
+    /// # Errors
+    /// Too many bytes.
+    pub fn attribute(
+        &self,
+        values: &[[f32; 3]],
+        additions: &mut Additions,
+    ) -> Result<usize, PatchError> {
+        let count = values.len();
+        additions.spend(12 * count)?;
+        let bytes: Vec<u8> = values
+            .iter()
+            .flatten()
+            .flat_map(|v| v.to_le_bytes())
+            .collect();
+        let view = additions.view(&bytes, &vertex_view(12));
+        Ok(additions.accessor(format!(
+            "{{\"bufferView\":{view},\"componentType\":5126,\"count\":{count},\"type\":\"VEC3\"}}"
         )))
     }
 

@@ -6,6 +6,7 @@ use super::error::PatchError;
 use super::glb::{Frame, padding_of};
 use super::scan;
 use super::source::Source;
+use gltf_json::Index;
 use std::collections::HashMap;
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
@@ -18,8 +19,9 @@ pub struct Additions<'s> {
     pub files: Vec<(String, Vec<u8>)>,
     source: &'s Source<'s>,
     stem: &'s str,
+    what: &'static str,
     bytes: Vec<u8>,
-    place: Place,
+    place: NewBytes,
     /// The index of the next entry of each list.
     next: HashMap<&'static str, usize>,
     /// Views that were added, by a hash of their bytes: the view, and where its bytes begin and end.
@@ -31,28 +33,44 @@ pub struct Additions<'s> {
 
 /// Where new bytes go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
+enum NewBytes {
     /// After the numbers of a GLB, of which there are so many bytes.
     Bin(usize),
     /// Into a buffer of their own: a file beside a JSON file, else embedded.
     Own,
 }
 
+/// Whether a view is damaged: one that reaches beyond the numbers would reach into new ones.
+fn reaches_beyond(source: &Source) -> bool {
+    let mut views = 0..source.data.root.buffer_views.len();
+    views.any(|view| {
+        let index = u32::try_from(view).map(Index::new);
+        index.is_ok_and(|index| source.data.buffers.view(index).is_err())
+    })
+}
+
 impl<'s> Additions<'s> {
-    /// Nothing yet. At most `left` bytes are added; files beside the file begin with `stem`.
-    pub fn new(source: &'s Source<'s>, stem: &'s str, left: u64) -> Additions<'s> {
+    /// Nothing yet. At most `left` bytes are added; files beside the file begin with `stem`, and say `what`
+    /// they are for.
+    pub fn new(
+        source: &'s Source<'s>,
+        stem: &'s str,
+        what: &'static str,
+        left: u64,
+    ) -> Additions<'s> {
         let buffers = &source.data.root.buffers;
-        let of_bin = buffers.first().is_none_or(|b| b.uri.is_none());
+        let of_bin = buffers.first().is_none_or(|b| b.uri.is_none()) && !reaches_beyond(source);
         let place = match (&source.parts.frame, source.parts.bin()) {
-            (Frame::Glb(_), Some(bin)) if of_bin => Place::Bin(bin.len()),
-            (Frame::Glb(_), None) if buffers.is_empty() => Place::Bin(0),
-            _ => Place::Own,
+            (Frame::Glb(_), Some(bin)) if of_bin => NewBytes::Bin(bin.len()),
+            (Frame::Glb(_), None) if buffers.is_empty() => NewBytes::Bin(0),
+            _ => NewBytes::Own,
         };
         Additions {
             edit: Edit::default(),
             files: Vec::new(),
             source,
             stem,
+            what,
             bytes: Vec::new(),
             place,
             next: HashMap::new(),
@@ -108,8 +126,8 @@ impl<'s> Additions<'s> {
         let end = self.bytes.len();
         self.bytes.resize(end + padding_of(end), 0);
         let (buffer, before) = match self.place {
-            Place::Bin(length) => (0, length.next_multiple_of(4)),
-            Place::Own => (self.source.data.root.buffers.len(), 0),
+            NewBytes::Bin(length) => (0, length.next_multiple_of(4)),
+            NewBytes::Own => (self.source.data.root.buffers.len(), 0),
         };
         let entry = format!(
             "{{\"buffer\":{buffer},\"byteOffset\":{},\"byteLength\":{}{beside}}}",
@@ -138,7 +156,7 @@ impl<'s> Additions<'s> {
             name => format!(",\"name\":{}", quoted(name)),
         };
         let entry = if self.has_files() {
-            let file = format!("{}.lightmap-{}.{ending}", self.stem, self.files.len());
+            let file = format!("{}.{}-{}.{ending}", self.stem, self.what, self.files.len());
             let uri = quoted(&uri::escaped(&file));
             self.files.push((file, bytes.to_vec()));
             format!("{{\"uri\":{uri}{named}}}")
@@ -172,7 +190,7 @@ impl<'s> Additions<'s> {
         }
         let new = std::mem::take(&mut self.bytes);
         match self.place {
-            Place::Bin(_) => {
+            NewBytes::Bin(_) => {
                 let mut bin = old.unwrap_or_default().to_vec();
                 bin.resize(bin.len().next_multiple_of(4), 0);
                 bin.extend(new);
@@ -181,8 +199,8 @@ impl<'s> Additions<'s> {
                 buffer.key("byteLength").set(length);
                 Some(bin)
             }
-            Place::Own => {
-                let name = format!("{}.lightmap.bin", self.stem);
+            NewBytes::Own => {
+                let name = format!("{}.{}.bin", self.stem, self.what);
                 let uri = if self.has_files() {
                     uri::escaped(&name)
                 } else {

@@ -20,6 +20,8 @@ pub struct Placement {
 /// An object that receives light.
 #[derive(Clone, Debug)]
 pub struct Assignment<'l> {
+    /// Its number in the scene.
+    pub object: usize,
     /// Its node.
     pub node: usize,
     /// The mesh of the node.
@@ -66,7 +68,7 @@ pub fn assignments<'l>(
     }
     let mut chosen = Vec::new();
     let mut nodes = HashSet::new();
-    for (origin, layout) in origins.iter().zip(edit.objects) {
+    for (object, (origin, layout)) in origins.iter().zip(edit.objects).enumerate() {
         let Some(layout) = layout else { continue };
         let Some(mesh) = mesh_of(source, origin.node) else {
             let found = format!("a layout for node {}, which has no mesh", origin.node);
@@ -79,13 +81,13 @@ pub fn assignments<'l>(
         } else if !nodes.insert(origin.node) {
             notes.add("node that occurs twice in the scene: has the lightmap of its first place");
         } else if !parts.is_empty() {
-            chosen.push((origin, mesh, parts));
+            chosen.push((object, origin, mesh, parts));
         }
     }
     let kept = meshes_of_nodes_without(source, &nodes);
     let mut first_of: HashMap<usize, usize> = HashMap::new();
     let mut list: Vec<Assignment> = Vec::new();
-    for (origin, mesh, parts) in chosen {
+    for (object, origin, mesh, parts) in chosen {
         let first = *first_of.entry(mesh).or_insert(list.len());
         let moved = list.get(first).and_then(|base| {
             let is_moved = edit.instances != InstanceMode::Copy;
@@ -105,6 +107,7 @@ pub fn assignments<'l>(
             }
         };
         list.push(Assignment {
+            object,
             node: origin.node,
             mesh,
             entry,

@@ -45,8 +45,8 @@ pub fn converted(
         notes,
     };
     let converted = match (output.container, &parts.frame) {
-        (Container::Glb, Frame::Text(_)) => conversion.to_glb()?,
-        (Container::Json, Frame::Glb(glb)) => conversion.to_json(glb, output.stem),
+        (Container::Glb, Frame::Text(_)) => conversion.glb()?,
+        (Container::Json, Frame::Glb(glb)) => conversion.json(glb, output.stem),
         _ => return Ok(None),
     };
     notes.add("another container: without its lightmap the file stays in that");
@@ -79,7 +79,7 @@ impl Conversion<'_, '_> {
         spliced(text, &self.edit.splices(text, &self.root))
     }
 
-    fn to_json(mut self, glb: &Glb, stem: &str) -> PatchedFile {
+    fn json(mut self, glb: &Glb, stem: &str) -> PatchedFile {
         let first = self.list("buffers").into_iter().next();
         let is_used = first.is_some_and(|first| self.uri(&first).is_none());
         let mut files = Vec::new();
@@ -103,7 +103,7 @@ impl Conversion<'_, '_> {
         }
     }
 
-    fn to_glb(mut self) -> Result<PatchedFile, PatchError> {
+    fn glb(mut self) -> Result<PatchedFile, PatchError> {
         let mut bin = self.buffers()?;
         let before = bin.as_ref().map_or(0, Vec::len);
         let mut new = bin.take().unwrap_or_default();

@@ -1,7 +1,7 @@
 //! Changes of a JSON text that keep every other byte of it.
 
-use super::scan::{Span, elements, members};
-use std::collections::BTreeMap;
+use super::scan::{Member, Span, elements, members};
+use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
 /// A change of a value: none, until something is done with it.
@@ -13,8 +13,8 @@ pub enum Edit {
     Remove,
     /// Values in it change.
     Within {
-        /// Members of an object in the order in which new ones are added.
-        members: Vec<(String, Edit)>,
+        /// Members of an object. New ones are added in this order.
+        members: BTreeMap<String, Edit>,
         /// Elements of a list. Those after its end are added there.
         elements: BTreeMap<usize, Edit>,
     },
@@ -23,7 +23,7 @@ pub enum Edit {
 impl Default for Edit {
     fn default() -> Edit {
         Edit::Within {
-            members: Vec::new(),
+            members: BTreeMap::new(),
             elements: BTreeMap::new(),
         }
     }
@@ -44,15 +44,10 @@ impl Edit {
         if !matches!(self, Edit::Within { .. }) {
             *self = Edit::default();
         }
-        let Edit::Within { members, .. } = self else {
-            return self;
-        };
-        let found = members.iter().position(|(k, _)| k == key);
-        let place = found.unwrap_or_else(|| {
-            members.push((key.to_owned(), Edit::default()));
-            members.len() - 1
-        });
-        &mut members[place].1
+        match self {
+            Edit::Within { members, .. } => members.entry(key.to_owned()).or_default(),
+            other => other,
+        }
     }
 
     /// The change of an element.
@@ -80,10 +75,7 @@ impl Edit {
     pub fn is_empty(&self) -> bool {
         match self {
             Edit::Within { members, elements } => {
-                let mut all = members
-                    .iter()
-                    .map(|(_, edit)| edit)
-                    .chain(elements.values());
+                let mut all = members.values().chain(elements.values());
                 all.all(Edit::is_empty)
             }
             Edit::Set(_) | Edit::Remove => false,
@@ -177,25 +169,24 @@ pub fn spliced(text: &str, splices: &[Splice]) -> String {
 fn splice_object(
     text: &str,
     span: &Span,
-    list: &[super::scan::Member],
-    changes: &[(String, Edit)],
+    list: &[Member],
+    changes: &BTreeMap<String, Edit>,
     splices: &mut Vec<Splice>,
 ) {
-    let is_last = |i: usize| list[i + 1..].iter().all(|m| m.key != list[i].key);
-    let change = |i: usize| {
-        let found = changes.iter().find(|(key, _)| *key == list[i].key);
-        found
-            .map(|(_, edit)| edit)
-            .filter(|edit| is_last(i) || matches!(edit, Edit::Remove))
-    };
-    let items: Vec<Item> = (0..list.len())
-        .map(|i| Item {
-            span: list[i].span.clone(),
-            value: list[i].value.clone(),
-            edit: change(i),
-        })
-        .collect();
-    let is_new = |key: &str| list.iter().all(|m| m.key != key);
+    // Of several members of one name the last counts; all of them are removed.
+    let places = list.iter().enumerate().map(|(i, m)| (m.key.as_str(), i));
+    let last: HashMap<&str, usize> = places.collect();
+    let items = list.iter().enumerate().map(|(i, m)| {
+        let edit = changes.get(&m.key);
+        let is_last = last.get(m.key.as_str()) == Some(&i);
+        Item {
+            span: m.span.clone(),
+            value: m.value.clone(),
+            edit: edit.filter(|edit| is_last || matches!(edit, Edit::Remove)),
+        }
+    });
+    let items: Vec<Item> = items.collect();
+    let is_new = |key: &str| !last.contains_key(key);
     let added = changes
         .iter()
         .filter(|(key, edit)| is_new(key) && is_present(edit));
@@ -230,10 +221,7 @@ fn is_present(edit: &Edit) -> bool {
         Edit::Set(_) => true,
         Edit::Remove => false,
         Edit::Within { members, elements } => {
-            let mut all = members
-                .iter()
-                .map(|(_, edit)| edit)
-                .chain(elements.values());
+            let mut all = members.values().chain(elements.values());
             all.any(is_present)
         }
     }

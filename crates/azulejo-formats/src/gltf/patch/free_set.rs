@@ -7,8 +7,11 @@ use std::collections::HashSet;
 /// Extensions whose own lightmap is replaced.
 const LIGHTMAPS: [&str; 2] = ["MOZ_lightmap", "MX_lightmap"];
 
-/// The first set from `wished` on that none of the materials uses.
-pub fn of(source: &Source, materials: &HashSet<usize>, wished: u32) -> u32 {
+/// Sets of texture coordinates that a primitive may have: every one below that of the lightmap must be there.
+const MOST_SETS: u32 = 8;
+
+/// The first set from `wished` on that none of the materials uses, if there is one.
+pub fn of(source: &Source, materials: &HashSet<usize>, wished: u32) -> Option<u32> {
     let entries = source.list("materials");
     let mut used = HashSet::new();
     for material in materials {
@@ -18,10 +21,7 @@ pub fn of(source: &Source, materials: &HashSet<usize>, wished: u32) -> u32 {
         let json = text.and_then(|text| serde_json::from_str::<Value>(text).ok());
         json.iter().for_each(|json| add_used(json, &mut used));
     }
-    // Of as many sets as there are numbers, one is free.
-    (wished..)
-        .find(|set| !used.contains(&u64::from(*set)))
-        .unwrap_or(wished)
+    (wished..MOST_SETS).find(|set| !used.contains(&u64::from(*set)))
 }
 
 /// Adds the sets that the textures in a value use.

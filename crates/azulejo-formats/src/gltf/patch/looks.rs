@@ -9,7 +9,7 @@ use serde_json::json;
 use std::f64::consts::PI;
 
 /// The lightmap of a material.
-pub struct Look<'l> {
+pub struct MaterialLightmap<'l> {
     /// The picture.
     pub page: &'l LightmapPage,
     /// Its texture.
@@ -27,7 +27,7 @@ const UNLIT: &str = "KHR_materials_unlit";
 /// The extension that moves texture coordinates.
 pub const MOVED: &str = "KHR_texture_transform";
 
-impl Look<'_> {
+impl MaterialLightmap<'_> {
     /// The change of a material, or of the default one.
     ///
     /// # Errors
@@ -76,9 +76,10 @@ impl Look<'_> {
 
     fn moz(&self, material: &Material, change: &mut Edit) -> Vec<&'static str> {
         // Where there is no light, the picture is the colour; elsewhere it is divided by π.
-        let intensity = match material.has_extension(UNLIT) {
-            true => self.page.intensity / PI,
-            false => self.page.intensity,
+        let intensity = if material.has_extension(UNLIT) {
+            self.page.intensity / PI
+        } else {
+            self.page.intensity
         };
         let mut info = self.texture();
         info.key("intensity").set(json!(intensity).to_string());

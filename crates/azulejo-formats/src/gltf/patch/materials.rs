@@ -170,7 +170,7 @@ impl MaterialUses {
                 let Some((page, texture)) = textures.of(lit.page, additions)? else {
                     continue;
                 };
-                let look = looks::Look {
+                let look = looks::MaterialLightmap {
                     page,
                     texture,
                     set,

@@ -12,9 +12,11 @@
 //! | `source`, `primitives` | a file that is edited |
 //! | `additions`, `accessors` | new entries and bytes |
 //! | `assign`, `splits`, `free_set` | texture coordinates of objects as those of vertices |
+//! | `work`, `meshes` | the meshes of a file with them |
 //! | `looks`, `materials`, `lights` | what shows them |
 //! | `lightmap`, `undo`, `strip` | the edits as a whole, and what undoes them |
-//! | `convert` | other containers |
+//! | `uncompress`, `convert` | Draco, other containers |
+//! | `vertex_light` | light of vertices |
 
 mod accessors;
 mod additions;
@@ -28,6 +30,7 @@ mod lightmap;
 mod lights;
 mod looks;
 mod materials;
+mod meshes;
 mod notes;
 mod primitives;
 mod scan;
@@ -37,7 +40,10 @@ mod strip;
 #[cfg(test)]
 mod tests;
 mod types;
+mod uncompress;
 mod undo;
+mod vertex_light;
+mod work;
 
 pub use error::PatchError;
 pub use types::{
@@ -46,6 +52,7 @@ pub use types::{
 };
 
 use super::origin::ObjectOrigin;
+use azulejo_scene::Scene;
 use glb::Parts;
 use notes::Notes;
 
@@ -71,19 +78,50 @@ pub fn with_lightmap(
         bytes: bytes.as_deref().unwrap_or(original.bytes),
         ..*original
     };
-    let Some(other) = convert::converted(&file, &edit.output, &mut notes)? else {
-        return lightmap::edited(&file, origins, edit, notes);
+    in_container(&file, &edit.output, notes, |file, notes| {
+        lightmap::edited(file, origins, edit, notes)
+    })
+}
+
+/// Puts the irradiance of the vertices of `scene` into its file: as colours of the same vertices, with the
+/// extras that [`read`](super::read) and [`write()`](super::write()) know. Everything else stays, a
+/// lightmap, too. The objects of the scene have the faces that were read, with `origins`; those
+/// without irradiance stay as they are. Nodes that share a mesh get entries of their own. It is not noted
+/// how to undo it.
+///
+/// # Errors
+/// As [`with_lightmap`].
+pub fn with_vertex_light(
+    original: &GltfFile,
+    origins: &[ObjectOrigin],
+    scene: &Scene,
+    output: Output,
+) -> Result<PatchedFile, PatchError> {
+    in_container(original, &output, Notes::default(), |file, notes| {
+        vertex_light::edited(file, origins, scene, output, notes)
+    })
+}
+
+/// Edits a file in the container that is asked for.
+fn in_container(
+    file: &GltfFile,
+    output: &Output,
+    mut notes: Notes,
+    edited: impl Fn(&GltfFile, Notes) -> Result<PatchedFile, PatchError>,
+) -> Result<PatchedFile, PatchError> {
+    let Some(other) = convert::converted(file, output, &mut notes)? else {
+        return edited(file, notes);
     };
     let files = convert::Overlay {
-        old: original.files,
+        old: file.files,
         new: &other.files,
     };
-    let file = GltfFile {
+    let other_file = GltfFile {
         bytes: &other.bytes,
         files: &files,
-        ..*original
+        ..*file
     };
-    let mut patched = lightmap::edited(&file, origins, edit, notes)?;
+    let mut patched = edited(&other_file, notes)?;
     patched.files.splice(0..0, other.files.iter().cloned());
     Ok(patched)
 }

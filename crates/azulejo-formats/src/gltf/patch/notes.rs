@@ -1,15 +1,23 @@
 //! What an edit skips or changes beside what was asked for, each counted.
 
+use std::collections::HashMap;
+
 /// Notes in the order in which they first occurred.
 #[derive(Debug, Default)]
-pub struct Notes(Vec<(String, usize)>);
+pub struct Notes {
+    list: Vec<(String, usize)>,
+    known: HashMap<String, usize>,
+}
 
 impl Notes {
     /// Counts a note.
     pub fn add(&mut self, note: &str) {
-        match self.0.iter_mut().find(|(known, _)| known == note) {
-            Some((_, count)) => *count += 1,
-            None => self.0.push((note.to_owned(), 1)),
+        match self.known.get(note) {
+            Some(&known) => self.list[known].1 += 1,
+            None => {
+                self.known.insert(note.to_owned(), self.list.len());
+                self.list.push((note.to_owned(), 1));
+            }
         }
     }
 
@@ -19,6 +27,6 @@ impl Notes {
             1 => note,
             _ => format!("{note} ({count} times)"),
         };
-        self.0.into_iter().map(shown).collect()
+        self.list.into_iter().map(shown).collect()
     }
 }

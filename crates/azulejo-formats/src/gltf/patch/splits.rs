@@ -85,28 +85,31 @@ impl<'t> Splits<'t> {
         is_shared: bool,
     ) -> Result<Vec<(usize, SplitPrimitive)>, String> {
         let mut wanted = Vec::new();
+        let mut users: HashMap<(&str, &str), Vec<usize>> = HashMap::new();
         for &part in parts {
             let primitive = mesh.get(part.primitive).ok_or("a primitive out of range")?;
+            users.entry(primitive.key).or_default().push(wanted.len());
             wanted.push((primitive.key, Wanted::of(source, primitive, part)?));
         }
         let mut chosen: HashMap<(&str, &str), usize> = HashMap::new();
-        for (key, first) in &wanted {
-            if !chosen.contains_key(key) {
-                let same = wanted.iter().filter(|(k, _)| k == key).map(|(_, w)| w);
-                let group = self.group(*key, first.count, same, is_shared);
-                chosen.insert(*key, group);
-            }
-        }
         let mut list = Vec::new();
-        for (key, wanted) in wanted {
-            let group = chosen.get(&key).copied().unwrap_or_default();
-            let corners = self.groups[group].place(&wanted)?;
+        for (key, own) in &wanted {
+            let group = match chosen.get(key) {
+                Some(&group) => group,
+                None => {
+                    let users = users.get(key).into_iter().flatten();
+                    let users = users.filter_map(|user| Some(&wanted.get(*user)?.1));
+                    let group = self.group(*key, own.count, users, is_shared);
+                    chosen.insert(*key, group);
+                    group
+                }
+            };
             let split = SplitPrimitive {
                 group,
-                page: wanted.faces.page,
-                corners,
+                page: own.faces.page,
+                corners: self.groups[group].place(own)?,
             };
-            list.push((wanted.faces.primitive, split));
+            list.push((own.faces.primitive, split));
         }
         Ok(list)
     }
@@ -125,11 +128,7 @@ impl<'t> Splits<'t> {
         {
             return open;
         }
-        self.groups.push(VertexGroup {
-            uvs: vec![[0.0; 2]; count],
-            has_uv: vec![false; count],
-            ..VertexGroup::default()
-        });
+        self.groups.push(VertexGroup::new(count));
         let new = self.groups.len() - 1;
         if is_shared {
             self.open.insert(key, new);
@@ -180,6 +179,15 @@ impl<'l> Wanted<'l> {
 }
 
 impl VertexGroup {
+    /// So many vertices, without copies.
+    pub fn new(count: usize) -> VertexGroup {
+        VertexGroup {
+            uvs: vec![[0.0; 2]; count],
+            has_uv: vec![false; count],
+            ..VertexGroup::default()
+        }
+    }
+
     /// The number of vertices before and after.
     pub fn counts(&self) -> [usize; 2] {
         [self.uvs.len(), self.uvs.len() + self.sources.len()]

@@ -6,7 +6,7 @@ use super::glb::Parts;
 use super::lights::LIGHT_LIST;
 use super::scan::{self, Span};
 use super::types::StrippedFile;
-use super::undo::{self, Found};
+use super::undo::{self, LightmapNote};
 use serde_json::Value;
 
 /// Extensions with a lightmap, by the list of the entries that have them.
@@ -46,7 +46,7 @@ pub fn stripped(bytes: &[u8], name: &str) -> Result<StrippedFile, PatchError> {
 }
 
 /// Removes what is known to be of a lightmap.
-fn removal(parts: &Parts, found: &Found) -> Edit {
+fn removal(parts: &Parts, found: &LightmapNote) -> Edit {
     let (text, root) = (parts.text, scan::whole(parts.text));
     let mut edit = Edit::default();
     for (list, extension) in LIGHTMAPS {
@@ -97,7 +97,7 @@ fn remove(text: &str, object: &Span, keys: &[&str], edit: &mut Edit) {
 }
 
 /// Gives lights that are still dark their old intensity.
-fn brighten(text: &str, root: &Span, found: &Found, edit: &mut Edit) {
+fn brighten(text: &str, root: &Span, found: &LightmapNote, edit: &mut Edit) {
     let lights = entries(text, root, &LIGHT_LIST);
     for baked in found.list("baked") {
         let number = baked.get(0).and_then(Value::as_u64);

@@ -8,8 +8,10 @@ use super::additions::Additions;
 use super::edits::{Edit, Splice, spliced};
 use super::error::PatchError;
 use super::glb::{Frame, Glb, Parts};
+use super::notes::Notes;
 use super::scan::{self, Span};
 use super::source::Source;
+use super::types::PatchedFile;
 use serde_json::{Map, Value, json};
 
 /// The steps to the note.
@@ -26,7 +28,8 @@ pub fn sealed(
     source: &Source,
     mut additions: Additions,
     mut facts: Map<String, Value>,
-) -> Result<(Vec<u8>, Vec<(String, Vec<u8>)>), PatchError> {
+    notes: Notes,
+) -> Result<PatchedFile, PatchError> {
     let bin = additions.finish_bytes();
     let names: Vec<&str> = additions
         .files
@@ -41,8 +44,31 @@ pub fn sealed(
     }
     let text = with_note(source, &mut additions.edit, facts);
     let file = assembled(&source.parts.frame, &text, bin.as_deref());
-    let file = file.ok_or_else(|| source.refused("a GLB of more than 4 GiB"))?;
-    Ok((file, additions.files))
+    Ok(PatchedFile {
+        bytes: file.ok_or_else(|| source.refused("a GLB of more than 4 GiB"))?,
+        files: additions.files,
+        notes: notes.finish(),
+    })
+}
+
+/// Ends an edit that is not undone.
+///
+/// # Errors
+/// More than 4 GiB.
+pub fn unsealed(
+    source: &Source,
+    mut additions: Additions,
+    notes: Notes,
+) -> Result<PatchedFile, PatchError> {
+    let bin = additions.finish_bytes();
+    let splices = additions.edit.splices(source.text(), &source.root);
+    let text = spliced(source.text(), &splices);
+    let file = assembled(&source.parts.frame, &text, bin.as_deref());
+    Ok(PatchedFile {
+        bytes: file.ok_or_else(|| source.refused("a GLB of more than 4 GiB"))?,
+        files: additions.files,
+        notes: notes.finish(),
+    })
 }
 
 /// The file of these contents in such a frame.
@@ -96,22 +122,28 @@ fn with_note(source: &Source, edit: &mut Edit, mut facts: Map<String, Value>) ->
 /// Puts the mark into the extras of the asset, whatever they are.
 fn add_mark(source: &Source, edit: &mut Edit) {
     let text = source.text();
+    let place = edit.key("asset").key("extras");
+    add_extra(text, source.find(&NOTE[..2]), "lightmap", MARK, place);
+}
+
+/// Sets a member of `azulejo` in extras, whatever they are: what is no object is kept as `value`.
+pub fn add_extra(text: &str, extras: Option<Span>, key: &str, value: &str, edit: &mut Edit) {
     let is_other =
         |span: &Span| !text[span.clone()].starts_with('{') && &text[span.clone()] != "null";
-    let extras = source.find(&NOTE[..2]);
-    let azulejo = source.find(&NOTE[..3]);
-    let place = edit.key("asset").key("extras");
+    let azulejo = extras
+        .as_ref()
+        .and_then(|e| scan::member(text, e, "azulejo"));
     if let Some(old) = extras.filter(is_other) {
         let old = &text[old];
-        place.set(format!(
-            "{{\"value\":{old},\"azulejo\":{{\"lightmap\":{MARK}}}}}"
+        edit.set(format!(
+            "{{\"value\":{old},\"azulejo\":{{\"{key}\":{value}}}}}"
         ));
     } else if let Some(old) = azulejo.filter(is_other) {
         let old = &text[old];
-        let place = place.key("azulejo");
-        place.set(format!("{{\"value\":{old},\"lightmap\":{MARK}}}"));
+        let place = edit.key("azulejo");
+        place.set(format!("{{\"value\":{old},\"{key}\":{value}}}"));
     } else {
-        place.key("azulejo").key("lightmap").set(MARK);
+        edit.key("azulejo").key(key).set(value);
     }
 }
 
@@ -128,7 +160,7 @@ fn undo(text: &str, splices: &[Splice]) -> Value {
 }
 
 /// A note that was found in a file.
-pub struct Found {
+pub struct LightmapNote {
     /// Its bytes in the text.
     pub span: Span,
     /// What it says.
@@ -136,13 +168,13 @@ pub struct Found {
 }
 
 /// The note in a file, if there is one.
-pub fn found(parts: &Parts) -> Option<Found> {
+pub fn found(parts: &Parts) -> Option<LightmapNote> {
     let span = scan::find(parts.text, &scan::whole(parts.text), &NOTE)?;
     let note = serde_json::from_str(&parts.text[span.clone()]).ok()?;
-    Some(Found { span, note })
+    Some(LightmapNote { span, note })
 }
 
-impl Found {
+impl LightmapNote {
     /// The file as it was, if it is known.
     pub fn undone(&self, parts: &Parts) -> Option<Vec<u8>> {
         let Span { start, end } = self.span;

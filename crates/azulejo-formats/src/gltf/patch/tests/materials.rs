@@ -1,7 +1,7 @@
 //! Materials, lights, conventions and instances of edited files.
 
 use super::super::super::container::tests::glb_of;
-use super::crafted::{Craft, json_of};
+use super::craft::{Craft, json_of};
 use super::{Case, Charts, check, layouts, pages, usual};
 use crate::gltf::patch::{
     Container, Convention, GltfFile, InstanceMode, LightmapEdit, LightsMode, MediaType,
@@ -347,7 +347,7 @@ fn other_containers() {
     let picture = b"\x89PNG?".to_vec();
     let files = Memory::new()
         .with("a b.png", picture.clone())
-        .with("b.bin", craft.bin());
+        .with("b.bin", craft.bin.clone());
     let json = craft.json("\"uri\":\"b.bin\",", &rest);
     for (bytes, container) in [
         (&glb[..], Container::Json),
@@ -401,6 +401,7 @@ fn what_does_not_fit_is_refused() {
         "of 0 and pages of 0",
     );
     refused(&|e| e.pages = &[], "page 0 of 0");
+    refused(&|e| e.uv_set = Some(9), "no set of texture coordinates");
     let far = |uv: f32, page: u32| {
         let mut pages = vec![0; 4];
         pages[3] = page;

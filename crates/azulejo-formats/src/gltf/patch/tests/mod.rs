@@ -1,9 +1,11 @@
 //! Edits of whole files.
 
 mod corpus;
+mod craft;
 mod crafted;
 mod kept;
 mod materials;
+mod vertex_light;
 
 use super::super::origin::ObjectOrigin;
 use super::*;
@@ -157,7 +159,7 @@ pub fn check(
             }),
     };
     let (again, new_origins) = read(&patched.bytes, &files).unwrap_or_else(|e| panic!("{e}"));
-    kept::check_text(case.bytes, &patched.bytes);
+    kept::check_values(case.bytes, &patched.bytes);
     kept::check_scene(&loaded.scene, &again.scene);
     kept::check_origins(&origins, &new_origins);
     kept::check_coordinates(case.name, &patched.bytes, &files, &new_origins, &objects);

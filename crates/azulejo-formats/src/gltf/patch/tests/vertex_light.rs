@@ -1,0 +1,157 @@
+//! Light of vertices in edited files.
+
+use super::craft::{Craft, json_of};
+use super::kept::{self, Both};
+use super::{Case, Container, GltfFile, Output, PatchedFile, corpus, mixed, with_vertex_light};
+use crate::gltf::read_with_origins;
+use crate::gltf::tests::draco;
+use crate::{Files, Memory, ReadOptions};
+use azulejo_scene::{Rgb, Scene, Shape};
+use serde_json::json;
+
+const OUTPUT: Output = Output {
+    container: Container::Same,
+    stem: "a",
+};
+
+/// Light for every vertex, which single precision represents exactly, but none for every fourth object.
+fn light(scene: &mut Scene) {
+    scene.unfold();
+    for (i, object) in scene.objects.iter_mut().enumerate() {
+        let Shape::Mesh(mesh) = &mut object.shape else {
+            panic!("a mesh");
+        };
+        mesh.irradiance.clear();
+        if i % 4 != 3 {
+            let value = |v: usize, k: u64| (mixed(v as u64, i as u64 + k) % 4096) as f64 / 16.0;
+            let vertices = 0..mesh.positions.len();
+            let light = vertices.map(|v| Rgb::new(value(v, 1), value(v, 2), value(v, 3)));
+            mesh.irradiance = light.collect();
+        }
+    }
+}
+
+/// Puts light into a file and reads it again; `None` if it cannot be read.
+fn check(case: &Case) -> Option<PatchedFile> {
+    let options = ReadOptions::default();
+    let read =
+        |bytes: &[u8], files: &dyn Files| read_with_origins(bytes, case.name, files, &options);
+    let (mut loaded, origins) = read(case.bytes, case.files).ok()?;
+    light(&mut loaded.scene);
+    let file = GltfFile {
+        bytes: case.bytes,
+        name: case.name,
+        files: case.files,
+        options: &options,
+    };
+    let patched = with_vertex_light(&file, &origins, &loaded.scene, OUTPUT);
+    let patched = patched.unwrap_or_else(|e| panic!("{e}"));
+    kept::check_values(case.bytes, &patched.bytes);
+    let new = patched.files.iter();
+    let files = Both {
+        old: case.files,
+        new: new.fold(Memory::new(), |all, (name, bytes)| {
+            all.with(name, bytes.clone())
+        }),
+    };
+    let (mut again, new_origins) = read(&patched.bytes, &files).unwrap_or_else(|e| panic!("{e}"));
+    kept::check_origins(&origins, &new_origins);
+    again.scene.unfold();
+    let objects = loaded.scene.objects.iter().zip(&again.scene.objects);
+    for (old, new) in objects {
+        let (old, new) = (old.shape.mesh().unwrap(), new.shape.mesh().unwrap());
+        assert_eq!(
+            old.irradiance.is_empty(),
+            new.irradiance.is_empty(),
+            "{}",
+            case.name
+        );
+        for (v, w) in old.faces.corners.iter().zip(&new.faces.corners) {
+            assert_eq!(old.positions[*v as usize], new.positions[*w as usize]);
+            let of = |list: &[Rgb], v: u32| list.get(v as usize).copied();
+            assert_eq!(
+                of(&old.irradiance, *v),
+                of(&new.irradiance, *w),
+                "{}",
+                case.name
+            );
+            let white = |c: Option<Rgb>| c.unwrap_or(Rgb::WHITE);
+            assert_eq!(
+                white(of(&old.colors, *v)),
+                white(of(&new.colors, *w)),
+                "{}",
+                case.name
+            );
+        }
+    }
+    Some(patched)
+}
+
+#[test]
+fn light_of_vertices_comes_back() {
+    let mut craft = Craft::default();
+    let (p, i) = (craft.positions(2), craft.triangles(2, 2));
+    let colours = craft.accessor(&[100; 24], 5121, 6, "VEC4", ",\"normalized\":true");
+    let plain = format!("{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i}}}");
+    let coloured =
+        format!("{{\"attributes\":{{\"POSITION\":{p},\"COLOR_0\":{colours}}},\"indices\":{i}}}");
+    let strip = format!("{{\"attributes\":{{\"POSITION\":{p}}},\"mode\":5}}");
+    let rest = format!(
+        "\"meshes\":[{{\"primitives\":[{plain}],\"extras\":\"text\"}},{{\"primitives\":[{coloured},{strip}]}}],\
+         \"nodes\":[{{\"mesh\":0}},{{\"mesh\":0,\"scale\":[1,1,-1]}},{{\"mesh\":1}},{{\"mesh\":1}}]"
+    );
+    let bytes = craft.glb(&rest);
+    let case = Case {
+        bytes: &bytes,
+        name: "a.glb",
+        files: &Memory::new(),
+    };
+    let patched = check(&case).unwrap();
+    let json = json_of(&patched);
+    assert_eq!(json["meshes"][0]["extras"]["value"], "text");
+    assert_eq!(
+        json["meshes"][0]["extras"]["azulejo"]["irradiance"]["attribute"],
+        "COLOR_0"
+    );
+    // The last node has no light, so its mesh stays, and the other one gets a copy.
+    assert_eq!(json["nodes"][3]["mesh"], 1);
+    assert_eq!(
+        json["meshes"][1]["primitives"][1]["attributes"],
+        json!({ "POSITION": p })
+    );
+    let copy = json["nodes"][2]["mesh"].as_u64().unwrap() as usize;
+    let extras = &json["meshes"][copy]["extras"]["azulejo"]["irradiance"];
+    assert_eq!(
+        (&extras["attribute"], &extras["unit"]),
+        (&json!("COLOR_1"), &json!("lx"))
+    );
+    // New light takes the place of old light.
+    let again = check(&Case {
+        bytes: &patched.bytes,
+        ..case
+    })
+    .unwrap();
+    let extras = &json_of(&again)["meshes"][copy]["extras"]["azulejo"]["irradiance"];
+    assert_eq!(extras["attribute"], "COLOR_1");
+}
+
+#[test]
+fn light_of_compressed_vertices() {
+    let json = draco::file(&draco::bytes_of(draco::BY_GOOGLE[0]), 9, 24, 1, "");
+    let case = Case {
+        bytes: json.as_bytes(),
+        name: "a.gltf",
+        files: &Memory::new(),
+    };
+    let patched = check(&case).unwrap();
+    assert!(json_of(&patched).get("extensionsRequired").is_none());
+    assert_eq!(patched.files[0].0, "a.light.bin");
+}
+
+#[test]
+fn light_in_files_of_others() {
+    let Some(data) = azulejo_testing::data() else {
+        return;
+    };
+    corpus::each(&data, |case| drop(check(case)));
+}
