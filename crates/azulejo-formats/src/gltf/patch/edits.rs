@@ -136,7 +136,7 @@ impl Edit {
                 format!("[{}]", parts.collect::<Vec<_>>().join(","))
             }
             Edit::Within { members, .. } => {
-                let members = members.iter().filter(|(_, edit)| present(&edit));
+                let members = members.iter().filter(|(_, edit)| present(edit));
                 let parts = members.map(|(key, edit)| named(key, edit));
                 format!("{{{}}}", parts.collect::<Vec<_>>().join(","))
             }
