@@ -127,16 +127,18 @@ impl Edit {
 
     /// The value where there was none.
     pub fn rendered(&self) -> String {
-        let present = |edit: &&Edit| is_present(edit);
         match self {
             Edit::Set(text) => text.clone(),
             Edit::Remove => "null".to_owned(),
             Edit::Within { members, elements } if members.is_empty() => {
-                let parts = elements.values().filter(present).map(Edit::rendered);
+                let parts = elements
+                    .values()
+                    .filter(|edit| is_present(edit))
+                    .map(Edit::rendered);
                 format!("[{}]", parts.collect::<Vec<_>>().join(","))
             }
             Edit::Within { members, .. } => {
-                let members = members.iter().filter(|(_, edit)| present(edit));
+                let members = members.iter().filter(|(_, edit)| is_present(edit));
                 let parts = members.map(|(key, edit)| named(key, edit));
                 format!("{{{}}}", parts.collect::<Vec<_>>().join(","))
             }
