@@ -7,7 +7,7 @@
 #[allow(dead_code)]
 mod room;
 
-use azulejo_bake::page;
+use azulejo_bake::web_page;
 use azulejo_scene::math::Ray;
 use azulejo_scene::random::split_mix64;
 use glam::DVec3;
@@ -24,7 +24,7 @@ fn main() -> std::io::Result<()> {
     let size = arguments.next().and_then(|s| s.parse().ok()).unwrap_or(256);
     let mut model = Room::cornell().page(size, shadowed_light);
     model.note = "Direct light by 96 rays per texel, reflected light by a guess.".into();
-    page::write(&model, &mut BufWriter::new(File::create(path)?))
+    web_page::write(&model, &mut BufWriter::new(File::create(path)?))
 }
 
 fn shadowed_light(room: &Room, place: DVec3, normal: DVec3) -> ([f32; 3], [f32; 3]) {

@@ -1,6 +1,6 @@
 //! Regions of surfaces that lie inside of solids, where nobody sees them.
 
-use crate::lightmap::TexelLight;
+use crate::light::TexelLight;
 use crate::samples::{Samples, TexelSample};
 use crate::solids::Solids;
 use azulejo_scene::Rgb;

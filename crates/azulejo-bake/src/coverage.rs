@@ -15,6 +15,9 @@ const BAND: u32 = 16;
 /// How far outside a triangle a point may lie for rounding alone, barycentric.
 const ROUNDING: f64 = 1e-9;
 
+/// Rounding of texture coordinates in single precision, as a share of the page.
+const COORDINATE_ROUNDING: f64 = 1.0 / (1 << 23) as f64;
+
 /// A triangle of a receiver.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct TriangleId {
@@ -26,7 +29,7 @@ pub struct TriangleId {
 
 /// The part of a triangle that a texel covers.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Piece {
+pub struct CoveredPiece {
     /// The triangle.
     pub of: TriangleId,
     /// Area, square scene units.
@@ -55,7 +58,7 @@ pub struct Coverage {
     pub size: [u32; 2],
     /// In the order of their indices.
     pub texels: Vec<CoveredTexel>,
-    pieces: Vec<Piece>,
+    pieces: Vec<CoveredPiece>,
     /// Texels that charts share, which should be none: each counts for the chart with the most area.
     pub shared: u32,
 }
@@ -109,7 +112,7 @@ impl Coverage {
     }
 
     /// The pieces of a texel, by its place in `texels`.
-    pub fn pieces(&self, texel: usize) -> &[Piece] {
+    pub fn pieces(&self, texel: usize) -> &[CoveredPiece] {
         let end = self.texels.get(texel + 1);
         let end = end.map_or(self.pieces.len(), |next| next.first as usize);
         &self.pieces[self.texels[texel].first as usize..end]
@@ -175,7 +178,7 @@ fn placed_triangles(receivers: &[Receiver], layout: &Layout, page: u32) -> Vec<P
 struct Covered {
     index: u32,
     chart: u32,
-    piece: Piece,
+    piece: CoveredPiece,
     /// Centre of the piece, texels.
     centre: DVec2,
 }
@@ -242,13 +245,16 @@ fn cover(triangle: &PlacedTriangle, size: [u32; 2], band: u32, covered: &mut Vec
         let (first, last) = range([first, last, last], size[0]);
         for column in first..=last {
             let polygon = clipped(&strip, 0, f64::from(column));
+            if is_rounding(&polygon, triangle, size) {
+                continue;
+            }
             let (area, centre) = area_and_centre(&polygon);
             let area = (area * triangle.area_per_texel) as f32;
             if area > 0.0 {
                 covered.push(Covered {
                     index: row * size[0] + column,
                     chart: triangle.chart,
-                    piece: Piece {
+                    piece: CoveredPiece {
                         of: triangle.id,
                         area,
                     },
@@ -257,6 +263,20 @@ fn cover(triangle: &PlacedTriangle, size: [u32; 2], band: u32, covered: &mut Vec
             }
         }
     }
+}
+
+/// Whether a piece is so thin, beside its triangle, that it comes from rounding the coordinates of
+/// corners that lie on the border of a texel.
+fn is_rounding(piece: &[DVec2], triangle: &PlacedTriangle, size: [u32; 2]) -> bool {
+    let extent = |corners: &[DVec2], axis: usize| {
+        let along = corners.iter().map(|c| c[axis]);
+        let high = along.clone().fold(f64::NEG_INFINITY, f64::max);
+        high - along.fold(f64::INFINITY, f64::min)
+    };
+    [0, 1].into_iter().any(|axis| {
+        let rounding = COORDINATE_ROUNDING * f64::from(size[axis]);
+        extent(piece, axis) < rounding && extent(&triangle.corners, axis) > 2.0 * rounding
+    })
 }
 
 /// A convex polygon between `low` and `low + 1` along an axis (Sutherland and Hodgman 1974).

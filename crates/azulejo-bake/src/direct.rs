@@ -2,7 +2,7 @@
 //! shadows, where a texel is a mean over what it covers.
 
 use crate::atlas::Atlas;
-use crate::lightmap::TexelLight;
+use crate::light::TexelLight;
 use crate::samples::{PageSampler, Rows, Samples};
 use azulejo_scene::Rgb;
 use azulejo_trace::sampling::{hash, uniform};

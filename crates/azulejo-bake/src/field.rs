@@ -2,7 +2,7 @@
 
 use crate::atlas::Atlas;
 use crate::layout::{NO_CHART, signed_area};
-use crate::lightmap::TexelLight;
+use crate::light::TexelLight;
 use crate::samples::Samples;
 use azulejo_trace::{DiffuseHit, Surfaces};
 

@@ -6,7 +6,7 @@
 
 use crate::direct::{SampleDirect, gather_point};
 use crate::lattice::{Lattice, place, weights};
-use crate::lightmap::TexelLight;
+use crate::light::TexelLight;
 use crate::samples::Samples;
 use azulejo_scene::Rgb;
 use azulejo_trace::{GatherPoint, Gathered};
@@ -72,7 +72,7 @@ pub struct TexelStatistics {
 }
 
 /// A first look at the light of all samples, for others to read: `direct`, and indirect light that
-/// `gather` finds at some of them, so many that interpolation is off by at most [`LOOK_ERROR`] times
+/// `gather` finds at some of them, so many that interpolation is off by a few times
 /// `error`; and the nodes at which it was found.
 ///
 /// # Errors

@@ -31,14 +31,14 @@ pub(crate) struct Lattice {
     /// Samples by region and, within it, along a Morton curve.
     order: Vec<u32>,
     codes: Vec<u64>,
-    cells: Vec<Cell>,
+    cells: Vec<LatticeCell>,
     /// Sample of each node.
     pub nodes: Vec<u32>,
 }
 
 /// A square of texels of one region.
 #[derive(Clone, Debug, PartialEq)]
-struct Cell {
+struct LatticeCell {
     /// Of `order`.
     samples: Range<usize>,
     /// Texels along a side, as a power of two.
@@ -69,7 +69,7 @@ impl Lattice {
             start = range.end;
             let node = lattice.nodes.len() as u32;
             lattice.nodes.push(lattice.middle(samples, &range));
-            lattice.cells.push(Cell {
+            lattice.cells.push(LatticeCell {
                 samples: range,
                 level,
                 node,
@@ -129,7 +129,7 @@ impl Lattice {
                     self.nodes.push(node);
                     self.nodes.len() as u32 - 1
                 };
-                self.cells.push(Cell {
+                self.cells.push(LatticeCell {
                     samples: range,
                     level,
                     node,

@@ -1,4 +1,17 @@
-//! Lightmaps: irradiance in the texels of a second set of texture coordinates.
+//! Lightmaps: the irradiance of surfaces in the texels of a second set of texture coordinates.
+//!
+//! | Step | Modules |
+//! |---|---|
+//! | Surfaces that receive light | [`Receiver`] |
+//! | Charts, which end where light jumps, packed on pages | [`unwrap()`], [`layout`]: an [`Atlas`] |
+//! | What each texel covers, exactly, and the points at which it needs light | [`Coverage`], [`Samples`] |
+//! | Direct light of each texel, more finely at the edges of shadows | [`direct()`] |
+//! | Indirect light at some of them, interpolated, more finely where leaving one out shows an error | [`first_look`], [`with_indirect`] |
+//! | Texels without what lies inside of solids, continued around charts, alike on both sides of seams | [`Lightmap`], [`pad_charts`], [`stitch`], [`fill`] |
+//! | A model with its lightmaps and a viewer in one HTML file | [`web_page`] |
+//!
+//! This crate knows texels, not how light is computed: that comes from the caller, through
+//! [`NodeRequest`]. `azulejo::lightmap::bake` brings both together.
 mod atlas;
 mod buried;
 mod coverage;
@@ -8,17 +21,19 @@ mod field;
 mod indirect;
 mod lattice;
 pub mod layout;
+mod light;
 mod lightmap;
+mod lightmap_page;
 mod pad;
-pub mod page;
 mod receiver;
 mod samples;
 mod seams;
 mod solids;
 mod stitch;
 pub mod unwrap;
+pub mod web_page;
 pub use atlas::Atlas;
-pub use coverage::{Coverage, CoveredTexel, Piece, TriangleId};
+pub use coverage::{Coverage, CoveredPiece, CoveredTexel, TriangleId};
 pub use direct::{SampleDirect, direct};
 pub use encode::srgb_bytes;
 pub use field::TexelField;
@@ -26,7 +41,9 @@ pub use indirect::{
     NodeLattice, NodeLight, NodeRequest, TexelStatistics, first_look, with_indirect,
 };
 pub use layout::{Layout, ReceiverLayout};
-pub use lightmap::{Lightmap, LightmapPage, QuarterLight, TexelLight};
+pub use light::TexelLight;
+pub use lightmap::{Lightmap, QuarterLight};
+pub use lightmap_page::LightmapPage;
 pub use pad::{fill, pad_charts};
 pub use receiver::Receiver;
 pub use samples::{Samples, TexelSample};

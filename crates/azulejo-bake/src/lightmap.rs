@@ -1,20 +1,12 @@
 //! Pages of texels with their irradiance.
 
 use crate::buried::buried_regions;
-use crate::layout::NO_CHART;
-use crate::pad::{mean, neighbours};
+use crate::light::TexelLight;
+use crate::lightmap_page::{LightmapPage, mean, neighbours};
 use crate::samples::{Samples, TexelSample};
 use azulejo_scene::Rgb;
 use azulejo_trace::Surfaces;
-
-/// Irradiance with its standard error, W/m² (lx in photometric scenes).
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TexelLight {
-    /// The value.
-    pub irradiance: Rgb,
-    /// Its standard error.
-    pub standard_error: Rgb,
-}
+use std::collections::HashMap;
 
 /// Light of a quarter of the area, W/m².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -23,22 +15,6 @@ pub struct QuarterLight {
     pub mean: f64,
     /// Root mean square of its standard error.
     pub error: f64,
-}
-
-/// The texels of one page.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct LightmapPage {
-    /// Width and height, texels.
-    pub size: [u32; 2],
-    /// Irradiance, W/m² (lx in photometric scenes), row by row from v = 0: the top row of a picture.
-    pub irradiance: Vec<[f32; 3]>,
-    /// Its standard error.
-    pub standard_error: Vec<[f32; 3]>,
-    /// The chart that each texel covers or pads; [`NO_CHART`] between charts.
-    pub charts: Vec<u32>,
-    /// What each texel covers, square scene units: none where it pads a chart, or lies inside of a
-    /// solid.
-    pub areas: Vec<f32>,
 }
 
 /// A lightmap: the light of the texels that cover a surface, before it is continued to those
@@ -67,6 +43,7 @@ impl Lightmap {
                 .collect(),
             buried: 0,
         };
+        let mut shown: HashMap<(usize, usize), &TexelSample> = HashMap::new();
         let mut buried = Vec::new();
         let numbered: Vec<(usize, &TexelSample)> = samples.samples.iter().enumerate().collect();
         for of_texel in numbered.chunk_by(|a, b| (a.1.page, a.1.texel) == (b.1.page, b.1.texel)) {
@@ -78,37 +55,53 @@ impl Lightmap {
                 continue;
             };
             let covered = samples.pages[sample.page as usize].texels[sample.texel as usize];
-            let (to, at) = (
-                &mut lightmap.pages[sample.page as usize],
-                covered.index as usize,
-            );
+            let (page, at) = (sample.page as usize, covered.index as usize);
+            let to = &mut lightmap.pages[page];
             to.irradiance[at] = light[number].irradiance.to_f32();
             to.standard_error[at] = light[number].standard_error.to_f32();
             to.charts[at] = covered.chart;
             if is_buried[sample.region as usize] {
-                buried.push((sample.page as usize, at));
+                buried.push((page, at));
             } else {
                 to.areas[at] = covered.area;
+                shown.insert((page, at), sample);
             }
         }
         lightmap.buried = buried.len();
-        lightmap.light_rims(&buried);
+        lightmap.light_rims(&buried, &shown);
         lightmap
     }
 
     /// Gives buried texels beside others of their chart the light of those, because viewers interpolate
-    /// between both.
-    fn light_rims(&mut self, buried: &[(usize, usize)]) {
+    /// between both. Where a thin wall has its two sides around one texel, the side that is nearer counts:
+    /// the one that shows most of the texels around.
+    fn light_rims(
+        &mut self,
+        buried: &[(usize, usize)],
+        shown: &HashMap<(usize, usize), &TexelSample>,
+    ) {
         let mut rims = Vec::new();
         for &(page, texel) in buried {
             let texels = &self.pages[page];
-            let seen: Vec<usize> = neighbours(texels.size, texel as u32)
-                .map(|(_, n)| n)
-                .filter(|&n| texels.areas[n] > 0.0 && texels.charts[n] == texels.charts[texel])
-                .collect();
-            if !seen.is_empty() {
-                let light = mean(&texels.irradiance, &seen);
-                rims.push((page, texel, light, mean(&texels.standard_error, &seen)));
+            let mut sides: Vec<(u32, f32, Vec<usize>)> = Vec::new();
+            for (_, beside) in neighbours(texels.size, texel as u32) {
+                let Some(sample) = shown.get(&(page, beside)) else {
+                    continue;
+                };
+                if texels.charts[beside] != texels.charts[texel] {
+                    continue;
+                }
+                match sides.iter_mut().find(|side| side.0 == sample.region) {
+                    Some(side) => {
+                        side.1 += sample.free;
+                        side.2.push(beside);
+                    }
+                    None => sides.push((sample.region, sample.free, vec![beside])),
+                }
+            }
+            if let Some((_, _, seen)) = sides.iter().max_by(|a, b| a.1.total_cmp(&b.1)) {
+                let light = mean(&texels.irradiance, seen);
+                rims.push((page, texel, light, mean(&texels.standard_error, seen)));
             }
         }
         for (page, texel, light, error) in rims {
@@ -200,51 +193,4 @@ impl Lightmap {
         let square = sum / f64::max(area, f64::MIN_POSITIVE);
         square.sqrt() / self.mean().mean().max(f64::MIN_POSITIVE)
     }
-}
-
-impl LightmapPage {
-    /// A page without light or charts.
-    pub fn dark(size: [u32; 2]) -> LightmapPage {
-        let count = size[0] as usize * size[1] as usize;
-        LightmapPage {
-            size,
-            irradiance: vec![[0.0; 3]; count],
-            standard_error: vec![[0.0; 3]; count],
-            charts: vec![NO_CHART; count],
-            areas: vec![0.0; count],
-        }
-    }
-
-    /// Irradiance between the centres of texels, as viewers interpolate it, at texture coordinates 0..=1.
-    pub fn bilinear(&self, uv: [f64; 2]) -> Rgb {
-        let (cells, weights) = bilinear_cells(self.size, uv);
-        let value = |c: usize| Rgb::from(self.irradiance[c].map(f64::from));
-        cells.iter().zip(weights).map(|(&c, w)| value(c) * w).sum()
-    }
-}
-
-/// The four texels around a place, and their weights; beyond the border the texels at it.
-pub(crate) fn bilinear_cells(size: [u32; 2], uv: [f64; 2]) -> ([usize; 4], [f64; 4]) {
-    let split = |x: f64, n: u32| {
-        let x = (x * f64::from(n) - 0.5).clamp(0.0, f64::from(n - 1));
-        let low = (x.floor() as usize).min(n as usize - 1);
-        (low, (low + 1).min(n as usize - 1), x - low as f64)
-    };
-    let (left, right, fx) = split(uv[0], size[0]);
-    let (top, bottom, fy) = split(uv[1], size[1]);
-    let at = |column: usize, row: usize| row * size[0] as usize + column;
-    (
-        [
-            at(left, top),
-            at(right, top),
-            at(left, bottom),
-            at(right, bottom),
-        ],
-        [
-            (1.0 - fx) * (1.0 - fy),
-            fx * (1.0 - fy),
-            (1.0 - fx) * fy,
-            fx * fy,
-        ],
-    )
 }

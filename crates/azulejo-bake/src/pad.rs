@@ -1,7 +1,7 @@
 //! Light for the texels around charts, which viewers read at the charts' borders.
 
 use crate::layout::NO_CHART;
-use crate::lightmap::LightmapPage;
+use crate::lightmap_page::{LightmapPage, mean, neighbours};
 
 /// Continues the light of each chart to so many texels around it.
 pub fn pad_charts(page: &mut LightmapPage, rings: u32) {
@@ -9,18 +9,6 @@ pub fn pad_charts(page: &mut LightmapPage, rings: u32) {
         add_ring(page);
     }
 }
-
-/// Columns and rows around a texel, those with an edge in common first.
-const AROUND: [(i32, i32); 8] = [
-    (-1, 0),
-    (1, 0),
-    (0, -1),
-    (0, 1),
-    (-1, -1),
-    (1, -1),
-    (-1, 1),
-    (1, 1),
-];
 
 /// Gives every empty texel beside a chart the light of the chart's texels around it.
 fn add_ring(page: &mut LightmapPage) {
@@ -54,27 +42,6 @@ fn add_ring(page: &mut LightmapPage) {
         page.irradiance[texel] = irradiance;
         page.standard_error[texel] = error;
     }
-}
-
-/// The texels around one, with their places in [`AROUND`].
-pub(crate) fn neighbours(size: [u32; 2], texel: u32) -> impl Iterator<Item = (usize, usize)> {
-    let (column, row) = (texel % size[0], texel / size[0]);
-    AROUND.iter().enumerate().filter_map(move |(k, &(x, y))| {
-        let (column, row) = (column.checked_add_signed(x)?, row.checked_add_signed(y)?);
-        let is_inside = column < size[0] && row < size[1];
-        is_inside.then_some((k, row as usize * size[0] as usize + column as usize))
-    })
-}
-
-pub(crate) fn mean(values: &[[f32; 3]], of: &[usize]) -> [f32; 3] {
-    let share = 1.0 / of.len() as f32;
-    let mut sum = [0.0; 3];
-    for &i in of {
-        for (s, v) in sum.iter_mut().zip(values[i]) {
-            *s += share * v;
-        }
-    }
-    sum
 }
 
 /// Fills the texels without a chart, so that smaller copies of the picture (mipmaps) mean something, by

@@ -19,6 +19,9 @@ use std::collections::HashMap;
 /// texels of a surface that bends by 30° lies 0.13 of it below.
 const LIFT: f64 = 0.25;
 
+/// How far points keep from the borders of triangles, texels.
+const INSET: f64 = 0.01;
+
 /// Points along each axis of a texel that is between regions.
 const FINE: u32 = 4;
 
@@ -42,6 +45,9 @@ pub struct TexelSample {
     pub normal: DVec3,
     /// What the sample stands for, square scene units.
     pub area: f32,
+    /// The share of the texel's places that is free to be seen from its region, nothing standing on
+    /// them.
+    pub free: f32,
     /// The part of the surface that it belongs to, of those that can see one another.
     pub region: u32,
 }
@@ -156,7 +162,7 @@ impl<'a> PageSampler<'a> {
                 if is_between[t] {
                     self.between(t, &points, &region_of, &rows)
                 } else {
-                    vec![self.sample(t, &points[t], region_of[t], 1.0)]
+                    vec![self.sample(t, &points[t], region_of[t], [1.0; 2])]
                 }
             })
             .collect();
@@ -168,7 +174,14 @@ impl<'a> PageSampler<'a> {
         Ok((samples, regions))
     }
 
-    fn sample(&self, texel: usize, point: &SurfacePoint, region: u32, share: f32) -> TexelSample {
+    /// A sample with its shares of the texel's area and of its places.
+    fn sample(
+        &self,
+        texel: usize,
+        point: &SurfacePoint,
+        region: u32,
+        [share, free]: [f32; 2],
+    ) -> TexelSample {
         TexelSample {
             page: self.page,
             texel: texel as u32,
@@ -177,6 +190,7 @@ impl<'a> PageSampler<'a> {
             position: point.position,
             normal: point.normal,
             area: share * self.coverage.texels[texel].area,
+            free,
             region,
         }
     }
@@ -219,10 +233,12 @@ impl<'a> PageSampler<'a> {
             1.0
         };
         let corners = receiver.corners(triangle);
+        let texels = layout.texels(of.receiver as usize, triangle);
+        let weights = off_border(weights, texels);
         let on: DVec3 = corners.iter().zip(weights).map(|(&c, w)| w * c).sum();
         let vector = receiver.area_vector(triangle);
         let flat = side * vector.normalize_or(DVec3::Z);
-        let in_texels = signed_area(layout.texels(of.receiver as usize, triangle)).abs();
+        let in_texels = signed_area(texels).abs();
         let width = (vector.length() / in_texels.max(f64::MIN_POSITIVE)).sqrt();
         let raised = self.tracer.leaving(on, flat) + lift * width * flat;
         SurfacePoint {
@@ -377,13 +393,26 @@ impl<'a> PageSampler<'a> {
         found.truncate(2);
         let all: u32 = found.iter().map(|f| f.1).sum();
         if found.is_empty() {
-            return vec![self.sample(texel, &points[texel], u32::MAX, 1.0)];
+            return vec![self.sample(texel, &points[texel], u32::MAX, [1.0, 0.0])];
         }
         let of_region = |(region, count, _, point): &(u32, u32, f64, SurfacePoint)| {
-            self.sample(texel, point, *region, *count as f32 / all as f32)
+            let shares = [all, FINE * FINE].map(|n| *count as f32 / n as f32);
+            self.sample(texel, point, *region, shares)
         };
         found.iter().map(of_region).collect()
     }
+}
+
+/// A point of a triangle, [`INSET`] texels inside where it lies on the border: a point in the very corner
+/// of a room sees what is behind the wall.
+fn off_border(weights: [f64; 3], corners: [DVec2; 3]) -> [f64; 3] {
+    if weights.iter().all(|&w| w > INSET) {
+        return weights;
+    }
+    let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+    let place: DVec2 = (0..3).map(|k| weights[k] * corners[k]).sum();
+    let share = (INSET / f64::max(place.distance(middle), f64::MIN_POSITIVE)).min(0.5);
+    weights.map(|w| w + share * (1.0 / 3.0 - w))
 }
 
 /// The number of a texel that covers nothing.

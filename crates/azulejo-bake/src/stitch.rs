@@ -9,7 +9,8 @@
 use crate::Receiver;
 use crate::atlas::Atlas;
 use crate::layout::{Layout, NO_CHART};
-use crate::lightmap::{Lightmap, bilinear_cells};
+use crate::lightmap::Lightmap;
+use crate::lightmap_page::bilinear_cells;
 use crate::seams::Edges;
 use std::collections::HashMap;
 

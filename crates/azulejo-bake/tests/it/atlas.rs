@@ -75,7 +75,8 @@ fn charts_are_apart_and_texels_cover_all_area() {
                     let other = charts[(y * width + x) as usize];
                     assert!(
                         other == NO_CHART || other == texel.chart,
-                        "{name}: {dx}, {dy}"
+                        "{name}: {dx}, {dy} at {x}, {y}, {} and {other}",
+                        texel.chart
                     );
                 }
             }

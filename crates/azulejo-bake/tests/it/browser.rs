@@ -4,7 +4,7 @@
 
 use crate::room::{Room, lamp_light};
 use crate::swatches;
-use azulejo_bake::page::{self, PageModel};
+use azulejo_bake::web_page::{self, PageModel};
 use azulejo_scene::Up;
 use glam::DVec3;
 use serde_json::{Value, json};
@@ -36,7 +36,7 @@ fn check(name: &str, model: &PageModel, expected: &Value) {
     std::fs::create_dir_all(&folder).unwrap();
     let paths = (folder.join("page.html"), folder.join("expected.json"));
     let mut bytes = Vec::new();
-    page::write(model, &mut bytes).unwrap();
+    web_page::write(model, &mut bytes).unwrap();
     std::fs::write(&paths.0, bytes).unwrap();
     std::fs::write(&paths.1, expected.to_string()).unwrap();
     run(&paths.0, &paths.1);

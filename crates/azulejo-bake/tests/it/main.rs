@@ -2,7 +2,7 @@
 
 mod atlas;
 mod browser;
-mod page;
 mod room;
 mod swatches;
 mod viewers;
+mod web_page;

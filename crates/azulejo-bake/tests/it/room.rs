@@ -1,6 +1,6 @@
 //! The Cornell box with light that is a function of the place, as a page and as what a ray sees.
 
-use azulejo_bake::page::{PageLightmap, PageMaterial, PageMesh, PageModel};
+use azulejo_bake::web_page::{PageLightmap, PageMaterial, PageMesh, PageModel};
 use azulejo_scene::math::Ray;
 use azulejo_scene::synthetic::{CornellVariant, cornell_box};
 use azulejo_scene::{Mesh, Scene, Shape, Up};

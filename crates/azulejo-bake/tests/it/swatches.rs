@@ -1,6 +1,6 @@
 //! Squares in a row, one for each thing that a material can be, under even light.
 
-use azulejo_bake::page::{
+use azulejo_bake::web_page::{
     PageLightmap, PageMaterial, PageMesh, PageModel, PageOpacity, PagePicture,
 };
 use azulejo_scene::{Camera, Up};

@@ -4,7 +4,7 @@ use super::args::BakeArgs;
 use super::source::BakeSource;
 use crate::report::percent;
 use azulejo::bake::layout::NO_CHART;
-use azulejo::bake::page::{
+use azulejo::bake::web_page::{
     self, PageLightmap, PageMaterial, PageMesh, PageModel, PageOpacity, PagePicture,
 };
 use azulejo::lightmap::Baked;

@@ -1,12 +1,12 @@
 //! The page as a file: its size, its repeatability, and what it does with hostile texts.
 
 use crate::room::{Room, lamp_light};
-use azulejo_bake::page::{self, PageModel};
+use azulejo_bake::web_page::{self, PageModel};
 use azulejo_scene::random::split_mix64;
 
 fn page(model: &PageModel) -> Vec<u8> {
     let mut bytes = Vec::new();
-    page::write(model, &mut bytes).expect("a valid model");
+    web_page::write(model, &mut bytes).expect("a valid model");
     bytes
 }
 

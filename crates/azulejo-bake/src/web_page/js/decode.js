@@ -1,4 +1,4 @@
-// The data of the page; src/page/ of azulejo-bake writes them and says what is in them.
+// The data of the page; src/web_page/ of azulejo-bake writes them and says what is in them.
 
 const element = (id) => document.getElementById(id);
 

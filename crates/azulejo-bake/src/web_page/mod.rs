@@ -15,7 +15,7 @@
 //! in lossless pictures. That is smaller than RGBE, whose shared exponent is worth 0.39% at best.
 //!
 //! ```
-//! use azulejo_bake::page::{PageMaterial, PageMesh, PageModel};
+//! use azulejo_bake::web_page::{PageMaterial, PageMesh, PageModel};
 //! let mut model = PageModel::default();
 //! model.title = "A triangle".into();
 //! model.materials.push(PageMaterial::matt("grey", [0.5; 3]));
@@ -27,7 +27,7 @@
 //!     ..PageMesh::default()
 //! });
 //! let mut page = Vec::new();
-//! azulejo_bake::page::write(&model, &mut page)?;
+//! azulejo_bake::web_page::write(&model, &mut page)?;
 //! assert!(page.starts_with(b"<!doctype html>"));
 //! # Ok::<(), std::io::Error>(())
 //! ```
