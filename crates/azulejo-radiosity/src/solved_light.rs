@@ -180,7 +180,7 @@ pub struct Probed {
 /// Points on concave exact shapes may lie behind their proxy polygons, and are moved onto them.
 ///
 /// # Errors
-/// As [`solve`].
+/// As [`solve`](crate::solve()).
 pub fn probe(
     scene: &Scene,
     tracer: &Tracer,
