@@ -1,17 +1,19 @@
 //! Indirect light of texels from that of some of them.
 //!
-//! Indirect light is gathered at the nodes of a [lattice](crate::lattice). Leaving out a node and
-//! interpolating it from the others measures the error of interpolation, beyond the noise of both;
-//! cells are divided where it is largest, until it is a small part of what is permitted.
+//! Indirect light is gathered at the nodes of a [lattice](crate::lattice) and interpolated. A first look reads the
+//! light of patches; another reads that look and is [corrected](crate::correction) by paths, so that it has
+//! neither what patches leak nor what they miss; and the last, with as many rays as the requested error takes,
+//! reads that.
 
-use crate::direct::{SampleDirect, gather_point};
-use crate::lattice::{Lattice, place, weights};
-use crate::light::TexelLight;
+use crate::correction::corrected;
+use crate::direct::SampleDirect;
+use crate::lattice::Lattice;
+use crate::light::{NodeLight, NodePair, TexelLight};
+use crate::nodes::Nodes;
 use crate::samples::Samples;
 use azulejo_scene::Rgb;
-use azulejo_trace::{GatherPoint, Gathered};
-use glam::DVec2;
-use rayon::prelude::*;
+use azulejo_trace::{GatherPoint, Gathered, sequence_gain};
+use std::ops::Range;
 
 /// Texels along a side of the first cells, as a power of two.
 const FIRST_LEVEL: u32 = 4;
@@ -19,45 +21,70 @@ const FIRST_LEVEL: u32 = 4;
 /// The same where there are so few texels that cells would be few.
 const LEAST_CELLS: usize = 1500;
 
-/// Part of the permitted mean square error that interpolation may make.
-const SHARE: f64 = 0.25;
-
-/// Mean square error of interpolation at a texel relative to that at a node that was left out, which is
-/// farther from the others.
-const LEFT_OUT: f64 = 0.5;
-
-/// The same after its cell was divided, where light is smooth.
-const DIVIDED: f64 = 0.25;
-
-/// Most divisions.
+/// Most divisions of cells.
 const MOST_ROUNDS: u32 = 6;
-
-/// Error that nodes may have, relative to the permitted one: interpolation averages their noise.
-const NODE_ERROR: f64 = 1.5;
 
 /// Error of interpolation in a first look, relative to that of the result.
 const LOOK_ERROR: f64 = 3.0;
 
-/// Indirect light of a node.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct NodeLight {
-    /// Irradiance, W/m².
-    pub irradiance: Gathered,
-    /// Its standard error.
-    pub standard_error: Rgb,
+/// Rays of the first gather at a node.
+const FIRST_RAYS: PairRays = PairRays {
+    read: 128,
+    traced: 32,
+};
+
+/// Most rays of a node that read light.
+const MOST_RAYS: u32 = 1 << 14;
+
+/// Noise that a node may have before cells are divided, relative to the permitted error: more would be taken for
+/// errors of interpolation.
+const NODE_ERROR: f64 = 2.0;
+
+/// Part of the permitted mean square error, or of all that is not noise, that is left to noise at least.
+const LEAST_NOISE: f64 = 0.25;
+
+/// What of a requested error is aimed at: estimated errors have errors.
+const MARGIN: f64 = 0.95;
+
+/// Cost of a path beside that of a ray that reads light.
+const PATH_COST: f64 = 5.0;
+
+/// The variance of read light falls with rays n about as n^−1.2, between random, 1, and 2-D strata, 3/2.
+const READ_RATE: f64 = 1.2;
+
+/// Largest growth of rays at once.
+const GROWTH: f64 = 8.0;
+
+/// Most times that rays are added.
+const MOST_RAISES: u32 = 6;
+
+/// Numbers of rays of a node.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PairRays {
+    /// Those that read light.
+    pub read: u32,
+    /// Those of them that are also path traced.
+    pub traced: u32,
 }
 
-/// Points at which indirect light is to be gathered.
-pub struct NodeRequest<'a> {
+/// Nodes at which a first look is to be gathered, from rays that read patches.
+pub struct LookRequest<'a> {
+    /// The points.
+    pub points: &'a [GatherPoint],
+    /// Counts the requests.
+    pub round: u32,
+}
+
+/// Nodes at which light is to be gathered in two ways.
+pub struct PairRequest<'a> {
     /// The points.
     pub points: &'a [GatherPoint],
     /// The area for which each stands, square scene units.
     pub areas: &'a [f64],
-    /// The error that is permitted, relative to the mean light of these points; `None` for a first
-    /// look.
-    pub error: Option<f64>,
-    /// Counts the requests.
-    pub round: u32,
+    /// Which rays of each read light.
+    pub read: Range<u32>,
+    /// Which rays of each are path traced.
+    pub traced: Range<u32>,
 }
 
 /// How the light of a lightmap was computed.
@@ -67,13 +94,15 @@ pub struct TexelStatistics {
     pub samples: usize,
     /// Samples at which indirect light was gathered.
     pub nodes: usize,
+    /// Rays of each.
+    pub rays: PairRays,
     /// Root mean square of the error that interpolation makes, W/m².
     pub interpolation: f64,
 }
 
 /// A first look at the light of all samples, for others to read: `direct`, and indirect light that
-/// `gather` finds at some of them, so many that interpolation is off by a few times
-/// `error`; and the nodes at which it was found.
+/// `gather` finds at some of them, so many that interpolation is off by a few times `error`, a share of the
+/// mean; and the nodes at which it was found.
 ///
 /// # Errors
 /// Those of `gather`.
@@ -81,19 +110,53 @@ pub fn first_look<E>(
     samples: &Samples,
     direct: &SampleDirect,
     error: f64,
-    gather: &mut dyn FnMut(&NodeRequest) -> Result<Vec<NodeLight>, E>,
+    gather: &mut dyn FnMut(&LookRequest) -> Result<Vec<Gathered>, E>,
 ) -> Result<(Vec<TexelLight>, NodeLattice), E> {
-    let mut nodes = Nodes::new(samples, direct, first_lattice(samples), LOOK_ERROR * error);
-    nodes.is_look = true;
-    let errors = nodes.refine(gather)?;
+    let mut nodes = Nodes::new(samples, direct, first_lattice(samples));
+    let mut errors = Vec::new();
+    for round in 0..=MOST_ROUNDS {
+        if round > 0 {
+            let coarse = nodes.coarse_cells(&errors, LOOK_ERROR * error);
+            if !coarse.contains(&true) {
+                break;
+            }
+            nodes.lattice.divide(samples, &coarse);
+        }
+        let (points, _) = nodes.targets();
+        let found = gather(&LookRequest {
+            points: &points,
+            round,
+        })?;
+        nodes.light.extend(found.into_iter().map(NodeLight::from));
+        nodes.measure_mean();
+        errors = nodes.interpolation_errors();
+    }
     Ok((nodes.interpolated(&errors), NodeLattice(nodes.lattice)))
 }
 
 /// Where a first look found light to change.
+#[derive(Clone, Debug)]
 pub struct NodeLattice(Lattice);
 
+/// Another look, at the nodes of the first: reads the first, and corrects that by paths.
+///
+/// # Errors
+/// Those of `gather`.
+pub fn look_again<E>(
+    samples: &Samples,
+    direct: &SampleDirect,
+    nodes: &NodeLattice,
+    gather: &mut dyn FnMut(&PairRequest) -> Result<Vec<NodePair>, E>,
+) -> Result<Vec<TexelLight>, E> {
+    let mut paired = PairedNodes::new(samples, direct, nodes.0.clone());
+    paired.gather_new(gather)?;
+    let errors = vec![0.0; paired.nodes.lattice.len()];
+    Ok(paired.nodes.interpolated(&errors))
+}
+
 /// Light of all samples: `direct`, and indirect light that `gather` finds at nodes, those of a first
-/// look and more; its error is to be `error` of the mean.
+/// look and more, with as many rays as bring its error to `error`, a share of the mean. `is_final` says that
+/// `gather` has brought its light to that error itself.
 ///
 /// # Errors
 /// Those of `gather`.
@@ -102,21 +165,43 @@ pub fn with_indirect<E>(
     direct: &SampleDirect,
     start: NodeLattice,
     error: f64,
-    gather: &mut dyn FnMut(&NodeRequest) -> Result<Vec<NodeLight>, E>,
+    is_final: bool,
+    gather: &mut dyn FnMut(&PairRequest) -> Result<Vec<NodePair>, E>,
 ) -> Result<(Vec<TexelLight>, TexelStatistics), E> {
-    let mut nodes = Nodes::new(samples, direct, start.0, error);
-    let errors = nodes.refine(gather)?;
-    let light = nodes.interpolated(&errors);
+    let mut paired = PairedNodes::new(samples, direct, start.0);
+    paired.gather_new(gather)?;
+    if !is_final {
+        paired.quieten(error, gather)?;
+    }
+    let mut errors = paired.nodes.interpolation_errors();
+    for _ in 1..=MOST_ROUNDS {
+        let coarse = paired.nodes.coarse_cells(&errors, error);
+        if !coarse.contains(&true) {
+            break;
+        }
+        paired.nodes.lattice.divide(samples, &coarse);
+        paired.gather_new(gather)?;
+        errors = paired.nodes.interpolation_errors();
+    }
+    if !is_final {
+        for _ in 0..MOST_RAISES {
+            let Some(rays) = paired.wanted(&errors, error) else {
+                break;
+            };
+            paired.raise(rays, gather)?;
+            errors = paired.nodes.interpolation_errors();
+        }
+    }
+    let nodes = &paired.nodes;
     let area: f64 = samples.samples.iter().map(|s| f64::from(s.area)).sum();
-    let squares: f64 = (0..nodes.lattice.len())
-        .map(|cell| nodes.cell_area(cell) * errors[cell])
-        .sum();
+    let squares = nodes.mean_of_cells(&errors) * area;
     let statistics = TexelStatistics {
         samples: samples.samples.len(),
         nodes: nodes.light.len(),
+        rays: paired.rays,
         interpolation: (squares.max(0.0) / f64::max(area, f64::MIN_POSITIVE)).sqrt(),
     };
-    Ok((light, statistics))
+    Ok((nodes.interpolated(&errors), statistics))
 }
 
 /// Cells as large as leaves enough of them.
@@ -130,236 +215,129 @@ fn first_lattice(samples: &Samples) -> Lattice {
     lattice
 }
 
-/// The nodes of a lattice with their light.
-struct Nodes<'a> {
-    samples: &'a Samples,
-    direct: &'a SampleDirect,
-    lattice: Lattice,
-    light: Vec<NodeLight>,
-    /// Mean irradiance of all samples, W/m².
-    mean: f64,
-    error: f64,
-    is_look: bool,
+/// Nodes at which light is gathered in two ways.
+struct PairedNodes<'a> {
+    nodes: Nodes<'a>,
+    pairs: Vec<NodePair>,
+    /// Rays that every node has.
+    rays: PairRays,
 }
 
-impl<'a> Nodes<'a> {
-    fn new(
-        samples: &'a Samples,
-        direct: &'a SampleDirect,
-        lattice: Lattice,
-        error: f64,
-    ) -> Nodes<'a> {
-        Nodes {
-            samples,
-            direct,
-            lattice,
-            light: Vec::new(),
-            mean: 0.0,
-            error,
-            is_look: false,
+type PairGather<'g, E> = dyn FnMut(&PairRequest) -> Result<Vec<NodePair>, E> + 'g;
+
+impl<'a> PairedNodes<'a> {
+    fn new(samples: &'a Samples, direct: &'a SampleDirect, lattice: Lattice) -> PairedNodes<'a> {
+        PairedNodes {
+            nodes: Nodes::new(samples, direct, lattice),
+            pairs: Vec::new(),
+            rays: FIRST_RAYS,
         }
     }
 
-    /// Gathers at nodes, and at more of them where interpolation is too coarse. Returns its mean square
-    /// error by cell.
-    fn refine<E>(
-        &mut self,
-        gather: &mut dyn FnMut(&NodeRequest) -> Result<Vec<NodeLight>, E>,
-    ) -> Result<Vec<f64>, E> {
-        self.gather(0, gather)?;
-        let mut errors = self.interpolation_errors();
-        for round in 1..=MOST_ROUNDS {
-            let coarse = self.coarse_cells(&errors);
-            if !coarse.contains(&true) {
-                break;
-            }
-            self.lattice.divide(self.samples, &coarse);
-            self.gather(round, gather)?;
-            errors = self.interpolation_errors();
+    /// Gathers at the nodes that have no light yet, as many rays as the others have.
+    fn gather_new<E>(&mut self, gather: &mut PairGather<E>) -> Result<(), E> {
+        self.nodes.light.truncate(self.pairs.len());
+        let (points, areas) = self.nodes.targets();
+        if !points.is_empty() {
+            self.pairs.extend(gather(&PairRequest {
+                points: &points,
+                areas: &areas,
+                read: 0..self.rays.read,
+                traced: 0..self.rays.traced,
+            })?);
         }
-        Ok(errors)
+        self.update();
+        Ok(())
     }
 
-    fn cell_area(&self, cell: usize) -> f64 {
-        let area = |&s: &u32| f64::from(self.samples.samples[s as usize].area);
-        self.lattice.samples(cell).iter().map(area).sum()
+    fn update(&mut self) {
+        let nodes = &mut self.nodes;
+        nodes.light = corrected(nodes.samples, &nodes.lattice, &self.pairs);
+        let gain = sequence_gain(self.pairs.iter().map(|p| &p.read), Rgb::mean);
+        nodes
+            .light
+            .iter_mut()
+            .for_each(|light| light.noise *= gain.sqrt());
+        nodes.measure_mean();
     }
 
-    fn direct_of(&self, sample: u32) -> Rgb {
-        Rgb::from(self.direct.irradiance[sample as usize].map(f64::from))
-    }
-
-    /// Gathers at all nodes that have no light yet.
-    fn gather<E>(
-        &mut self,
-        round: u32,
-        gather: &mut dyn FnMut(&NodeRequest) -> Result<Vec<NodeLight>, E>,
-    ) -> Result<(), E> {
-        let known = self.light.len();
-        let new = &self.lattice.nodes[known..];
-        if new.is_empty() {
-            return Ok(());
-        }
-        let points: Vec<GatherPoint> = new
-            .iter()
-            .map(|&s| gather_point(self.samples, s as usize))
-            .collect();
-        let mut areas = vec![0.0; new.len()];
-        for cell in 0..self.lattice.len() {
-            if let Some(of_node) = (self.lattice.node(cell) as usize).checked_sub(known) {
-                areas[of_node] += self.cell_area(cell);
-            }
-        }
-        let brightness = self.brightness(new, &areas);
-        let error = (!self.is_look).then_some(NODE_ERROR * self.error * brightness);
-        let found = gather(&NodeRequest {
+    /// Brings every node to more rays.
+    fn raise<E>(&mut self, rays: PairRays, gather: &mut PairGather<E>) -> Result<(), E> {
+        self.nodes.light.clear();
+        let (points, areas) = self.nodes.targets();
+        let more = gather(&PairRequest {
             points: &points,
             areas: &areas,
-            error,
-            round,
+            read: self.rays.read..rays.read,
+            traced: self.rays.traced..rays.traced,
         })?;
-        self.light.extend(found);
-        if known == 0 {
-            let all: f64 = areas.iter().sum();
-            let of_nodes = self.lattice.nodes.iter().zip(&self.light).zip(&areas);
-            let light = |((&s, l), a): ((&u32, &NodeLight), &f64)| {
-                (self.direct_of(s) + l.irradiance.mean()).mean() * a
-            };
-            self.mean = of_nodes.map(light).sum::<f64>() / f64::max(all, f64::MIN_POSITIVE);
+        let share = |from: u32, to: u32| f64::from(to - from) / f64::from(to);
+        let read = share(self.rays.read, rays.read);
+        let traced = share(self.rays.traced, rays.traced);
+        for (pair, more) in self.pairs.iter_mut().zip(more) {
+            pair.read = pair.read.blend(&more.read, read);
+            pair.few = pair.few.blend(&more.few, traced);
+            pair.traced = pair.traced.blend(&more.traced, traced);
+        }
+        self.rays = rays;
+        self.update();
+        Ok(())
+    }
+
+    /// Adds rays that read light until the noise of nodes is not taken for their differences.
+    fn quieten<E>(&mut self, error: f64, gather: &mut PairGather<E>) -> Result<(), E> {
+        for _ in 0..MOST_RAISES {
+            let (noise, _) = self.nodes.node_noise();
+            let permitted = (NODE_ERROR * error * self.nodes.mean).powi(2);
+            if noise <= permitted {
+                break;
+            }
+            let factor = (noise / permitted).powf(1.0 / READ_RATE);
+            let read = grown(self.rays.read, factor, MOST_RAYS);
+            if read == self.rays.read {
+                break;
+            }
+            let traced = self.rays.traced;
+            self.raise(PairRays { read, traced }, gather)?;
         }
         Ok(())
     }
 
-    /// The mean light of all nodes, relative to that of these: in the dark, less is permitted.
-    fn brightness(&self, nodes: &[u32], areas: &[f64]) -> f64 {
-        if self.light.is_empty() {
-            return 1.0;
+    /// Rays that bring the error to `error`, at least cost; `None` if there are enough, or no more.
+    fn wanted(&self, errors: &[f64], error: f64) -> Option<PairRays> {
+        let (read, shared, rest) = self.nodes.texel_noise(errors);
+        let permitted = (MARGIN * error * self.nodes.mean).powi(2);
+        let budget = (permitted - rest).max(LEAST_NOISE * permitted.max(rest));
+        if read + shared <= budget {
+            return None;
         }
-        let all: f64 = areas.iter().sum();
-        let direct = nodes.iter().zip(areas);
-        let direct: f64 = direct.map(|(&s, a)| self.direct_of(s).mean() * a).sum();
-        let indirect = self.light.iter().map(|l| l.irradiance.mean().mean());
-        let indirect = indirect.sum::<f64>() / self.light.len() as f64;
-        let here = direct / f64::max(all, f64::MIN_POSITIVE) + indirect;
-        (self.mean / f64::max(here, f64::MIN_POSITIVE)).clamp(0.25, 16.0)
-    }
-
-    /// For each cell the mean square error of interpolating in it, (W/m²)², mean of the channels.
-    fn interpolation_errors(&self) -> Vec<f64> {
-        let around = self.lattice.nodes_around(self.samples);
-        let own: Vec<f64> = (0..self.lattice.len())
-            .into_par_iter()
-            .map(|cell| self.left_out(cell, &around[cell]))
-            .collect();
-        let mut of_node = vec![0.0; self.light.len()];
-        for (cell, &error) in own.iter().enumerate() {
-            of_node[self.lattice.node(cell) as usize] = error;
-        }
-        // One difference has one degree of freedom; those around it say more.
-        let pooled = |nodes: &Vec<u32>| {
-            let sum: f64 = nodes.iter().map(|&n| of_node[n as usize]).sum();
-            LEFT_OUT * (sum / nodes.len().max(1) as f64).max(0.0)
+        // By Lagrange, each is in proportion to the root of what it costs.
+        let cost = [
+            (read * f64::from(self.rays.read)).sqrt(),
+            (shared * f64::from(self.rays.traced) * PATH_COST).sqrt(),
+        ];
+        let scale = budget / (cost[0] + cost[1]);
+        let factor = |noise: f64, cost: f64| noise / (scale * cost).max(f64::MIN_POSITIVE);
+        let wanted = PairRays {
+            read: grown(
+                self.rays.read,
+                factor(read, cost[0]).powf(1.0 / READ_RATE),
+                MOST_RAYS,
+            ),
+            traced: grown(self.rays.traced, factor(shared, cost[1]), MOST_RAYS / 4),
         };
-        around.iter().map(pooled).collect()
-    }
-
-    /// The squared difference between a cell's node and what those around it give, less its noise.
-    fn left_out(&self, cell: usize, around: &[u32]) -> f64 {
-        let own = self.lattice.node(cell);
-        let others: Vec<u32> = around.iter().copied().filter(|&n| n != own).collect();
-        if others.len() < 3 {
-            return 0.0;
-        }
-        let node = self.lattice.nodes[own as usize];
-        let places = self.places(&others);
-        let mut shares = Vec::new();
-        weights(place(self.samples, node), &places, &mut shares);
-        let mut difference = self.light[own as usize].irradiance;
-        for (&n, w) in others.iter().zip(shares) {
-            let other = self.light[n as usize].irradiance;
-            for (d, o) in difference.replicates.iter_mut().zip(other.replicates) {
-                *d = *d - o * w;
-            }
-        }
-        let mean = difference.mean();
-        (mean * mean - difference.variance()).mean()
-    }
-
-    fn places(&self, nodes: &[u32]) -> Vec<DVec2> {
-        let at = |&n: &u32| place(self.samples, self.lattice.nodes[n as usize]);
-        nodes.iter().map(at).collect()
-    }
-
-    /// The cells to be divided, those with the largest errors, so that the whole is within its share.
-    fn coarse_cells(&self, errors: &[f64]) -> Vec<bool> {
-        let areas: Vec<f64> = (0..self.lattice.len()).map(|c| self.cell_area(c)).collect();
-        let all: f64 = areas.iter().sum();
-        let permitted = SHARE * (self.error * self.mean).powi(2) * all;
-        let of_cell = |c: usize| {
-            // A cell of one texel is gathered, not interpolated.
-            if self.lattice.samples(c).len() > 1 {
-                areas[c] * errors[c]
-            } else {
-                0.0
-            }
+        let wanted = PairRays {
+            read: wanted.read.max(wanted.traced),
+            ..wanted
         };
-        let mut left: f64 = (0..areas.len()).map(of_cell).sum();
-        let mut worst: Vec<usize> = (0..areas.len()).filter(|&c| of_cell(c) > 0.0).collect();
-        worst.sort_by(|&a, &b| errors[b].total_cmp(&errors[a]).then(a.cmp(&b)));
-        let mut is_coarse = vec![false; areas.len()];
-        for cell in worst {
-            if left <= permitted {
-                break;
-            }
-            is_coarse[cell] = true;
-            left -= (1.0 - DIVIDED) * of_cell(cell);
-        }
-        is_coarse
+        (wanted != self.rays).then_some(wanted)
     }
+}
 
-    /// The light of every sample.
-    fn interpolated(&self, errors: &[f64]) -> Vec<TexelLight> {
-        let around = self.lattice.nodes_around(self.samples);
-        let mut light = vec![TexelLight::default(); self.samples.samples.len()];
-        let found: Vec<Vec<(u32, TexelLight)>> = (0..self.lattice.len())
-            .into_par_iter()
-            .map(|cell| {
-                let places = self.places(&around[cell]);
-                let mut shares = Vec::new();
-                let of_sample = |&s: &u32| {
-                    weights(place(self.samples, s), &places, &mut shares);
-                    (
-                        s,
-                        self.sample_light(s, &around[cell], &shares, errors[cell]),
-                    )
-                };
-                self.lattice.samples(cell).iter().map(of_sample).collect()
-            })
-            .collect();
-        for (sample, of_sample) in found.into_iter().flatten() {
-            light[sample as usize] = of_sample;
-        }
-        light
-    }
-
-    fn sample_light(
-        &self,
-        sample: u32,
-        nodes: &[u32],
-        shares: &[f64],
-        interpolation: f64,
-    ) -> TexelLight {
-        let (mut indirect, mut variance) = (Rgb::BLACK, Rgb::grey(interpolation));
-        for (&n, &w) in nodes.iter().zip(shares) {
-            let node = &self.light[n as usize];
-            indirect += node.irradiance.mean() * w;
-            let error = node.standard_error * w;
-            variance += error * error;
-        }
-        variance += Rgb::from(self.direct.variance[sample as usize].map(f64::from));
-        TexelLight {
-            irradiance: (self.direct_of(sample) + indirect).map(|e| e.max(0.0)),
-            standard_error: variance.map(f64::sqrt),
-        }
-    }
+/// A number of rays times about `factor`, by powers of two.
+fn grown(rays: u32, factor: f64, most: u32) -> u32 {
+    let steps = factor.clamp(1.0, GROWTH).log2();
+    // A third of a step more than is needed would cost a quarter more on average.
+    let steps = (steps - 0.15).ceil().max(0.0) as u32;
+    (rays << steps).min(most.max(rays))
 }

@@ -13,9 +13,6 @@ use rstar::RTree;
 use rstar::primitives::GeomWithData;
 use std::ops::Range;
 
-/// Nodes of one interpolation.
-const NEIGHBOURS: usize = 12;
-
 /// How far apart regions are kept in the search for nodes, texels: beyond the largest page.
 const APART: f64 = 1e6;
 
@@ -138,8 +135,8 @@ impl Lattice {
         }
     }
 
-    /// For each cell the nodes around its own, nearest first, itself among them.
-    pub fn nodes_around(&self, samples: &Samples) -> Vec<Vec<u32>> {
+    /// For each cell its own node and up to `count` of those around in its region, nearest first.
+    pub fn nodes_around(&self, samples: &Samples, count: usize) -> Vec<Vec<u32>> {
         let at = |sample: u32| {
             let place = place(samples, sample);
             let region = samples.samples[sample as usize].region;
@@ -156,7 +153,7 @@ impl Lattice {
                 let mut near: Vec<(f64, u32)> = tree
                     .nearest_neighbor_iter_with_distance_2(&from)
                     .take_while(|(_, d)| *d < APART)
-                    .take(NEIGHBOURS + 1)
+                    .take(count + 1)
                     .map(|(n, d)| (d, n.data))
                     .collect();
                 near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

@@ -6,14 +6,15 @@
 //! | Charts, which end where light jumps, packed on pages | [`unwrap()`], [`layout`]: an [`Atlas`] |
 //! | What each texel covers, exactly, and the points at which it needs light | [`Coverage`], [`Samples`] |
 //! | Direct light of each texel, more finely at the edges of shadows | [`direct()`] |
-//! | Indirect light at some of them, interpolated, more finely where leaving one out shows an error | [`first_look`], [`with_indirect`] |
+//! | Indirect light at some of them, interpolated, more finely where leaving one out shows an error | [`first_look`], [`look_again`], [`with_indirect`] |
 //! | Texels without what lies inside of solids, continued around charts, alike on both sides of seams | [`Lightmap`], [`pad_charts`], [`stitch`], [`fill`] |
 //! | A model with its lightmaps and a viewer in one HTML file | [`web_page`] |
 //!
 //! This crate knows texels, not how light is computed: that comes from the caller, through
-//! [`NodeRequest`]. `azulejo::lightmap::bake` brings both together.
+//! [`LookRequest`] and [`PairRequest`]. `azulejo::lightmap::bake` brings both together.
 mod atlas;
 mod buried;
+mod correction;
 mod coverage;
 mod direct;
 mod encode;
@@ -24,6 +25,7 @@ pub mod layout;
 mod light;
 mod lightmap;
 mod lightmap_page;
+mod nodes;
 mod pad;
 mod receiver;
 mod samples;
@@ -38,10 +40,11 @@ pub use direct::{SampleDirect, direct};
 pub use encode::srgb_bytes;
 pub use field::TexelField;
 pub use indirect::{
-    NodeLattice, NodeLight, NodeRequest, TexelStatistics, first_look, with_indirect,
+    LookRequest, NodeLattice, PairRays, PairRequest, TexelStatistics, first_look, look_again,
+    with_indirect,
 };
 pub use layout::{Layout, ReceiverLayout};
-pub use light::TexelLight;
+pub use light::{NodePair, TexelLight};
 pub use lightmap::{Lightmap, QuarterLight};
 pub use lightmap_page::LightmapPage;
 pub use pad::{fill, pad_charts};

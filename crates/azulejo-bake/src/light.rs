@@ -1,6 +1,7 @@
 //! Light with its error.
 
 use azulejo_scene::Rgb;
+use azulejo_trace::Gathered;
 
 /// Irradiance with its standard error, W/m² (lx in photometric scenes).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -9,4 +10,38 @@ pub struct TexelLight {
     pub irradiance: Rgb,
     /// Its standard error.
     pub standard_error: Rgb,
+}
+
+/// Indirect light of a node, W/m².
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct NodeLight {
+    /// Irradiance.
+    pub irradiance: Gathered,
+    /// Standard deviation of its own noise.
+    pub noise: Rgb,
+    /// Standard deviation of the noise of its correction, which it shares with the nodes around.
+    pub shared_noise: Rgb,
+    /// Root mean square of what the correction misses, because it is a mean over many nodes.
+    pub bias: f64,
+}
+
+impl From<Gathered> for NodeLight {
+    fn from(irradiance: Gathered) -> NodeLight {
+        NodeLight {
+            irradiance,
+            noise: irradiance.variance().map(f64::sqrt),
+            ..NodeLight::default()
+        }
+    }
+}
+
+/// Indirect light of a node, found in two ways, W/m².
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NodePair {
+    /// From rays that read light where they end.
+    pub read: Gathered,
+    /// The same from the first few of them.
+    pub few: Gathered,
+    /// Path traced, from the same directions as `few`.
+    pub traced: Gathered,
 }

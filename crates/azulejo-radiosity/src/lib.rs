@@ -32,6 +32,7 @@ pub mod gather;
 mod interpolation;
 pub mod light;
 pub mod particles;
+mod path_pairs;
 mod preview;
 mod records;
 pub mod refine;
@@ -49,11 +50,12 @@ pub mod vertices;
 
 pub use azulejo_factors::{Engine, EngineUsed, PatchSize, Patches, PointNormal};
 pub use fine_light::IrradianceField;
+pub use path_pairs::{PairRange, PathPair};
 pub use preview::{Preview, PreviewStage};
 pub use sides::StoredSides;
 pub use solve::{
     Estimate, FirstPass, LightSolution, Method, Report, SolveError, solve, solve_watched,
 };
 pub use solved::{PatchRadiosity, radiosity};
-pub use solved_light::{GatheredPoints, PointEffort, Probed, SolvedLight, probe};
+pub use solved_light::{GatheredPoints, Probed, SolvedLight, probe};
 pub use system::EnergyBalance;

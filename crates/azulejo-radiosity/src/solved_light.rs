@@ -2,6 +2,7 @@
 
 use crate::fine_light::IrradianceField;
 use crate::gather::{GatherEffort, GatherLight, GatherTargets, Gathering, gather, gather_split};
+use crate::path_pairs::{PairRange, PathPair, gather_pairs};
 use crate::solve::{Estimate, FirstPass, PatchPurpose, Report, SolveError};
 use crate::solved::SolvedPatches;
 use azulejo_factors::row::side;
@@ -107,9 +108,39 @@ impl<'a> SolvedLight<'a> {
         })
     }
 
+    /// Indirect irradiance at points in two ways: from `fine` light, or that of patches where there is none,
+    /// and path traced. Patches do not know how often their light was reflected: where bounces are limited,
+    /// only what is path traced heeds that.
+    ///
+    /// # Errors
+    /// The caller cancelled.
+    pub fn path_pairs(
+        &self,
+        points: &[GatherPoint],
+        fine: Option<&dyn IrradianceField>,
+        rays: &PairRange,
+        seed: u32,
+        progress: &Progress,
+    ) -> Result<Vec<PathPair>, SolveError> {
+        let light = self.solved.light(&self.pass);
+        let light = match fine {
+            Some(field) => light.with_fine(field),
+            None => light,
+        };
+        let black = self.solved.black_light(&self.pass);
+        Ok(gather_pairs(
+            &self.solved.gatherer,
+            GatherLight::new(&light, black.as_ref()),
+            points,
+            rays,
+            hash(&[self.pass.key(), 2, seed]),
+            progress,
+        )?)
+    }
+
     /// Indirect irradiance at points that stand for areas (square scene units), so exact that with direct
-    /// light beside it the error is that of `effort`. Hits read `fine` light where it is known, and
-    /// patches elsewhere. Samples depend on the points' keys and `seed`.
+    /// light beside it the error is `error`, relative to the mean. Samples depend on the points' keys and
+    /// `seed`.
     ///
     /// # Errors
     /// As [`solve`](crate::solve()).
@@ -117,29 +148,16 @@ impl<'a> SolvedLight<'a> {
         &self,
         points: &[GatherPoint],
         areas: &[f64],
-        fine: Option<&dyn IrradianceField>,
-        effort: PointEffort,
+        error: f64,
         seed: u32,
         progress: &Progress,
     ) -> Result<GatheredPoints, SolveError> {
         let light = self.solved.light(&self.pass);
-        let light = match fine {
-            Some(field) if self.pass.bounces.is_none() => light.with_fine(field),
-            _ => light,
-        };
         let black = self.solved.black_light(&self.pass);
-        let usual = self.pass.effort(self.solved.method);
         let effort = GatherEffort {
             interpolate: false,
-            error: match effort {
-                PointEffort::Error(error) => Some(error),
-                PointEffort::Rays(_) => None,
-            },
-            rays: match effort {
-                PointEffort::Error(_) => usual.rays,
-                PointEffort::Rays(rays) => rays.min(usual.rays),
-            },
-            ..usual
+            error: Some(error),
+            ..self.pass.effort(self.solved.method)
         };
         let found: Gathering = gather_split(
             &self.solved.gatherer,
@@ -155,15 +173,6 @@ impl<'a> SolvedLight<'a> {
             report: self.solved.report(&found),
         })
     }
-}
-
-/// When gathering ends.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PointEffort {
-    /// At this error, relative to the mean irradiance of the points.
-    Error(f64),
-    /// After so many rays per point.
-    Rays(u32),
 }
 
 /// Irradiance at points.

@@ -6,7 +6,7 @@
 
 use crate::gather::{ErrorParts, QuarterError};
 use azulejo_scene::Rgb;
-use azulejo_trace::{Gathered, REPLICATES, Termination};
+use azulejo_trace::{Gathered, Termination, sequence_gain};
 
 /// Number of strata: each gathers in its own way.
 const STRATA: usize = 8;
@@ -219,35 +219,10 @@ impl Strata {
         self.strata.iter().map(of).collect()
     }
 
-    /// Variance of the estimates relative to that of independent replicates, a quarter to 1.
-    ///
-    /// Replicates are parts of one sequence, so two together are better distributed than each
-    /// alone. Comparing the variance of halves with that of quarters, over all points, measures how
-    /// much this helps; the whole is assumed to gain over halves what these gain over quarters.
+    /// Variance of the estimates relative to that of independent replicates ([`sequence_gain`]).
     fn gain(&self, points: &[u32], gathered: &[Gathered]) -> f64 {
-        /// Weight of the conservative assumption, in points: a few points carry little information.
-        const DOUBT: f64 = 20.0;
-        let (mut halves, mut quarters) = (0.0, 0.0);
-        for &i in points {
-            let g = &gathered[i as usize];
-            let [a, b, c, d] = g.replicates;
-            let half = (a + b - c - d) * 0.5;
-            // Both estimate the variance of one of their parts, times one minus the parts'
-            // correlation.
-            let (half, quarter) = (
-                self.mean_of(half * half) / 2.0,
-                REPLICATES as f64 * self.mean_of(g.variance()),
-            );
-            halves += half;
-            quarters += quarter;
-        }
-        let step = if quarters > 0.0 {
-            (2.0 * halves / quarters).clamp(0.5, 1.0)
-        } else {
-            1.0
-        };
-        let count = points.len() as f64;
-        (count * step * step + DOUBT) / (count + DOUBT)
+        let of_points = points.iter().map(|&i| &gathered[i as usize]);
+        sequence_gain(of_points, |value| self.mean_of(value))
     }
 
     /// The whole error, relative to the mean irradiance.

@@ -42,7 +42,7 @@ mod tracer;
 pub use gather::{
     DiffuseHit, DiffuseLight, DirectLight, DirectionTables, EmitterForm, GatherOptions,
     GatherPoint, Gathered, Gatherer, NextEvent, OutgoingRadiosity, RAYS_PER_FORMULA, REPLICATES,
-    SplitIrradiance, SurfaceSamples, Termination,
+    SplitIrradiance, SurfaceSamples, Termination, sequence_gain,
 };
 pub use hit::{Hit, Item};
 #[cfg(feature = "embree")]

@@ -109,7 +109,7 @@ pub struct LightmapFileArgs {
     pub instances: InstancesArg,
     /// What becomes of lamps without area that were baked [default: dim; keep with --light indirect]
     #[arg(long, value_name = "WHAT")]
-    pub lights: Option<LightsArg>,
+    pub baked_lights: Option<LightsArg>,
 }
 
 /// `--light`
@@ -206,7 +206,7 @@ impl InstancesArg {
     }
 }
 
-/// `--lights`
+/// `--baked-lights`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LightsArg {
     /// Their intensity becomes 0, with a note of what it was

@@ -173,7 +173,7 @@ fn kind_of(path: &Path) -> Result<OutputKind, Failure> {
 }
 
 fn lights(args: &BakeArgs) -> LightsMode {
-    match args.files.lights {
+    match args.files.baked_lights {
         Some(lights) => lights.written(),
         None if args.texels.light == LightArg::Indirect => LightsArg::Keep.written(),
         None => LightsArg::Dim.written(),

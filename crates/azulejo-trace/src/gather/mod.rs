@@ -27,7 +27,7 @@ use azulejo_scene::{MaterialId, Rgb, Shape};
 use collector::Collector;
 use direct::{Direct, MOST_TERMS, ShadowRays};
 pub use directions::DirectionTables;
-pub use estimate::{DirectLight, Gathered, SplitIrradiance};
+pub use estimate::{DirectLight, Gathered, SplitIrradiance, sequence_gain};
 use glam::DVec3;
 pub use many_lights::SurfaceSamples;
 pub use next_event::NextEvent;

@@ -1,0 +1,272 @@
+//! Indirect light of nodes, corrected by a few paths.
+//!
+//! Light that is read at the ends of rays has little noise, but is as wrong as what is read: what leaks
+//! into a dark cavity stays there. Path traced light is right on average, and noisy. Their difference
+//! along the same rays changes slowly over a surface, so its mean over many nodes is known well: read
+//! light serves as a control variate, whose coefficient is that of the regression over the nodes around
+//! (Glasserman, *Monte Carlo Methods in Financial Engineering*, 2004, section 4.1). In a cavity that no
+//! light reaches it is 0, and paths alone count.
+
+use crate::lattice::{Lattice, place};
+use crate::light::{NodeLight, NodePair};
+use crate::samples::Samples;
+use azulejo_scene::Rgb;
+use azulejo_trace::{Gathered, REPLICATES};
+use rayon::prelude::*;
+
+/// Nodes over which differences are averaged: as many as leave the least error. Of few, noise is left; over many,
+/// what changes from place to place is blurred.
+const NEIGHBOURS: [usize; 4] = [6, 12, 24, 48];
+
+/// Standard errors by which the coefficient must differ from 1.
+const SURE: f64 = 2.0;
+
+/// Strata of brightness in which noise and variation are measured: of one node they are hardly known.
+const STRATA: usize = 16;
+
+/// The light of every node of a lattice.
+pub(crate) fn corrected(
+    samples: &Samples,
+    lattice: &Lattice,
+    pairs: &[NodePair],
+) -> Vec<NodeLight> {
+    let around = lattice.nodes_around(samples, NEIGHBOURS[NEIGHBOURS.len() - 1]);
+    let smooth = |count| Smoothed::new(samples, lattice, pairs, &around, count);
+    let nearest = smooth(NEIGHBOURS[0]);
+    let strata = nearest.strata();
+    // Light hardly changes between the nearest nodes: what their corrections differ by is noise (Rice, *Bandwidth
+    // choice for nonparametric regression*, 1984). Replicates of one node know a part of it alone.
+    let scales: Vec<f64> = strata.iter().map(|s| nearest.noise_scale(s)).collect();
+    let mut best: Option<(f64, Vec<NodeLight>)> = None;
+    for count in NEIGHBOURS {
+        let smoothed = if count == NEIGHBOURS[0] {
+            nearest.clone()
+        } else {
+            smooth(count)
+        };
+        let (error, light) = smoothed.stated(samples, lattice, &strata, &scales);
+        if best.as_ref().is_none_or(|(least, _)| error < *least) {
+            best = Some((error, light));
+        }
+    }
+    best.map_or(Vec::new(), |(_, light)| light)
+}
+
+/// The light of all nodes with corrections over so many of them.
+#[derive(Clone)]
+struct Smoothed {
+    light: Vec<NodeLight>,
+    /// For each node the mean square by which corrections around differ from their mean, (W/m²)², and what it would
+    /// be from the noise of replicates alone.
+    differences: Vec<[f64; 2]>,
+}
+
+impl Smoothed {
+    fn new(
+        samples: &Samples,
+        lattice: &Lattice,
+        pairs: &[NodePair],
+        around: &[Vec<u32>],
+        count: usize,
+    ) -> Smoothed {
+        let found: Vec<(u32, (NodeLight, [f64; 2]))> = (0..lattice.len())
+            .into_par_iter()
+            .map(|cell| {
+                let node = lattice.node(cell);
+                let near = &around[cell][..around[cell].len().min(count + 1)];
+                (node, node_light(samples, lattice, pairs, node, near))
+            })
+            .collect();
+        let mut smoothed = Smoothed {
+            light: vec![NodeLight::default(); pairs.len()],
+            differences: vec![[0.0; 2]; pairs.len()],
+        };
+        for (node, (light, differences)) in found {
+            smoothed.light[node as usize] = light;
+            smoothed.differences[node as usize] = differences;
+        }
+        smoothed
+    }
+
+    /// The nodes by brightness.
+    fn strata(&self) -> Vec<Vec<u32>> {
+        let brightness = |n: &u32| self.light[*n as usize].irradiance.mean().mean();
+        let mut order: Vec<u32> = (0..self.light.len() as u32).collect();
+        order.sort_by(|a, b| brightness(a).total_cmp(&brightness(b)).then(a.cmp(b)));
+        let size = order.len().div_ceil(STRATA).max(1);
+        order.chunks(size).map(<[u32]>::to_vec).collect()
+    }
+
+    /// Sums over a stratum of what corrections differ by, and of what they would by the noise of replicates.
+    fn sums(&self, stratum: &[u32]) -> [f64; 2] {
+        stratum.iter().fold([0.0; 2], |[a, b], &n| {
+            let [found, expected] = self.differences[n as usize];
+            [a + found, b + expected]
+        })
+    }
+
+    /// Variance of corrections relative to that of replicates.
+    fn noise_scale(&self, stratum: &[u32]) -> f64 {
+        let [found, expected] = self.sums(stratum);
+        if expected > 0.0 {
+            found / expected
+        } else {
+            1.0
+        }
+    }
+
+    /// The light with its errors, and the mean square of those by area, (W/m²)².
+    fn stated(
+        mut self,
+        samples: &Samples,
+        lattice: &Lattice,
+        strata: &[Vec<u32>],
+        scales: &[f64],
+    ) -> (f64, Vec<NodeLight>) {
+        for (stratum, &scale) in strata.iter().zip(scales) {
+            let [found, expected] = self.sums(stratum);
+            let variation = (found - scale * expected) / stratum.len() as f64;
+            for &n in stratum {
+                let light = &mut self.light[n as usize];
+                light.shared_noise *= scale.sqrt();
+                light.bias = variation.max(0.0).sqrt();
+            }
+        }
+        let (mut squares, mut area) = (0.0, 0.0);
+        for cell in 0..lattice.len() {
+            let of_sample = |s: &u32| f64::from(samples.samples[*s as usize].area);
+            let of_cell: f64 = lattice.samples(cell).iter().map(of_sample).sum();
+            let light = &self.light[lattice.node(cell) as usize];
+            let noise = light.shared_noise * light.shared_noise;
+            squares += of_cell * (noise.mean() + light.bias.powi(2));
+            area += of_cell;
+        }
+        (squares / f64::max(area, f64::MIN_POSITIVE), self.light)
+    }
+}
+
+/// The light of a node; the mean square by which the corrections of single nodes around differ from their mean,
+/// and what that would be by the noise of their replicates.
+fn node_light(
+    samples: &Samples,
+    lattice: &Lattice,
+    pairs: &[NodePair],
+    node: u32,
+    around: &[u32],
+) -> (NodeLight, [f64; 2]) {
+    let read = pairs[node as usize].read;
+    let weights = weights(samples, lattice, node, around);
+    let coefficient = coefficient(pairs, around, &weights);
+    // The correction of what is read, and its variance.
+    let mut correction = read.mean() * (coefficient - 1.0);
+    let mut variance = read.variance() * (1.0 - coefficient).powi(2);
+    let (mut rests, mut own_noise, mut noise) = (Rgb::BLACK, 0.0, Rgb::BLACK);
+    for (&n, &w) in around.iter().zip(&weights) {
+        let rest = difference(&pairs[n as usize], coefficient);
+        rests += rest.mean() * w;
+        variance += rest.variance() * (w * w);
+        own_noise += w * rest.variance().mean();
+        noise += pairs[n as usize].read.variance() * w;
+    }
+    correction += rests;
+    let squares = around.iter().zip(&weights).map(|(&n, &w)| {
+        let off = difference(&pairs[n as usize], coefficient).mean() - rests;
+        w * (off * off).mean()
+    });
+    let concentration: f64 = weights.iter().map(|w| w * w).sum();
+    let differences = [squares.sum(), own_noise * (1.0 - concentration)];
+    // What may be noise alone is not corrected (James and Stein, *Estimation with quadratic loss*, 1961).
+    let square = (correction * correction).mean();
+    let share = if square > variance.mean() {
+        1.0 - variance.mean() / square
+    } else {
+        0.0
+    };
+    let light = NodeLight {
+        irradiance: Gathered {
+            replicates: read.replicates.map(|r| r + correction * share),
+        },
+        noise: noise.map(f64::sqrt),
+        shared_noise: variance.map(|v| share.sqrt() * v.sqrt()),
+        bias: 0.0,
+    };
+    (light, differences)
+}
+
+/// What paths have beyond `coefficient` times what is read along the same rays.
+fn difference(pair: &NodePair, coefficient: f64) -> Gathered {
+    let of = |r: usize| pair.traced.replicates[r] - pair.few.replicates[r] * coefficient;
+    Gathered {
+        replicates: std::array::from_fn(of),
+    }
+}
+
+/// Weights of the nodes around one, larger for those near; their sum is 1.
+fn weights(samples: &Samples, lattice: &Lattice, node: u32, around: &[u32]) -> Vec<f64> {
+    let at = |n: u32| place(samples, lattice.nodes[n as usize]);
+    let centre = at(node);
+    let reach = around
+        .iter()
+        .map(|&n| at(n).distance(centre))
+        .fold(0.0, f64::max);
+    let weight = |&n: &u32| {
+        let share = at(n).distance(centre) / (1.05 * reach).max(f64::MIN_POSITIVE);
+        (1.0 - share * share).max(0.0)
+    };
+    let weights: Vec<f64> = around.iter().map(weight).collect();
+    let sum: f64 = weights.iter().sum();
+    weights.into_iter().map(|w| w / sum).collect()
+}
+
+/// How much paths change with what is read along the same rays, 0 to 1: less than 1 only as far as that is
+/// sure, because the mean over many nodes blurs what is left to paths.
+fn coefficient(pairs: &[NodePair], around: &[u32], weights: &[f64]) -> f64 {
+    let (mut both, mut own, mut other) = (0.0, 0.0, 0.0);
+    for (&n, w) in around.iter().zip(weights) {
+        let pair = &pairs[n as usize];
+        let (traced, few) = (pair.traced.mean(), pair.few.mean());
+        for (&t, &f) in pair.traced.replicates.iter().zip(&pair.few.replicates) {
+            both += w * ((t - traced) * (f - few)).mean();
+            own += w * ((f - few) * (f - few)).mean();
+            other += w * ((t - traced) * (t - traced)).mean();
+        }
+    }
+    if own <= 0.0 {
+        return 1.0;
+    }
+    let slope = both / own;
+    // The square of the slope's standard error, from what the line leaves of the replicates.
+    let squares: f64 = weights.iter().map(|w| w * w).sum();
+    let left = (other - slope * both).max(0.0);
+    let doubt = squares * left / (own * (REPLICATES - 1) as f64);
+    let short = 1.0 - slope;
+    let share = 1.0 - SURE * SURE * doubt / (short * short).max(f64::MIN_POSITIVE);
+    (1.0 - short * share.max(0.0)).clamp(0.0, 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gathered(values: [f64; 4]) -> Gathered {
+        Gathered {
+            replicates: values.map(Rgb::grey),
+        }
+    }
+
+    #[test]
+    fn what_is_read_counts_as_far_as_paths_follow_it() {
+        let read = gathered([1.0, 1.2, 0.9, 0.9]);
+        let pair = |traced| NodePair {
+            read,
+            few: read,
+            traced,
+        };
+        let follows = pair(gathered([0.8, 1.0, 0.7, 0.7]));
+        let dark = pair(gathered([0.0; 4]));
+        let of =
+            |pair: NodePair| coefficient(&[pair; 9], &[0, 1, 2, 3, 4, 5, 6, 7, 8], &[1.0 / 9.0; 9]);
+        assert!((of(follows) - 1.0).abs() < 1e-12);
+        assert!(of(dark).abs() < 1e-12);
+    }
+}

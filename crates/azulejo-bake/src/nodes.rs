@@ -1,0 +1,271 @@
+//! Nodes with their indirect light, and the light of samples between them.
+//!
+//! Leaving out a node and interpolating it from the others measures the error of interpolation, beyond the
+//! noise of both; cells are divided where it is largest, until it is a small part of what is permitted.
+
+use crate::direct::{SampleDirect, gather_point};
+use crate::lattice::{Lattice, place, weights};
+use crate::light::{NodeLight, TexelLight};
+use crate::samples::Samples;
+use azulejo_scene::Rgb;
+use azulejo_trace::GatherPoint;
+use glam::DVec2;
+use rayon::prelude::*;
+
+/// Part of the permitted mean square error that interpolation may make.
+const SHARE: f64 = 0.25;
+
+/// Mean square error of interpolation at a texel relative to that at a node that was left out, which is
+/// farther from the others.
+const LEFT_OUT: f64 = 0.5;
+
+/// The same after its cell was divided, where light is smooth.
+const DIVIDED: f64 = 0.25;
+
+/// Nodes of one interpolation.
+const NEIGHBOURS: usize = 12;
+
+/// The nodes of a lattice with their light.
+pub(crate) struct Nodes<'a> {
+    pub samples: &'a Samples,
+    direct: &'a SampleDirect,
+    pub lattice: Lattice,
+    /// Of the first nodes; those behind have none yet.
+    pub light: Vec<NodeLight>,
+    /// Mean irradiance of all samples, W/m².
+    pub mean: f64,
+}
+
+impl<'a> Nodes<'a> {
+    pub fn new(samples: &'a Samples, direct: &'a SampleDirect, lattice: Lattice) -> Nodes<'a> {
+        Nodes {
+            samples,
+            direct,
+            lattice,
+            light: Vec::new(),
+            mean: 0.0,
+        }
+    }
+
+    /// Points and areas of the nodes that have no light yet.
+    pub fn targets(&self) -> (Vec<GatherPoint>, Vec<f64>) {
+        let known = self.light.len();
+        let new = &self.lattice.nodes[known..];
+        let point = |&s: &u32| gather_point(self.samples, s as usize);
+        let mut areas = vec![0.0; new.len()];
+        for cell in 0..self.lattice.len() {
+            if let Some(of_node) = (self.lattice.node(cell) as usize).checked_sub(known) {
+                areas[of_node] += self.cell_area(cell);
+            }
+        }
+        (new.iter().map(point).collect(), areas)
+    }
+
+    /// Sets the mean irradiance, from that of all nodes.
+    pub fn measure_mean(&mut self) {
+        let light = |cell: usize| {
+            let node = self.lattice.node(cell) as usize;
+            let sample = self.lattice.nodes[node];
+            (self.direct_of(sample) + self.light[node].irradiance.mean()).mean()
+        };
+        let lights: Vec<f64> = (0..self.lattice.len()).map(light).collect();
+        self.mean = self.mean_of_cells(&lights);
+    }
+
+    /// The mean of values of cells by area.
+    pub fn mean_of_cells(&self, values: &[f64]) -> f64 {
+        let (mut sum, mut area) = (0.0, 0.0);
+        for (cell, value) in values.iter().enumerate() {
+            let of_cell = self.cell_area(cell);
+            sum += of_cell * value;
+            area += of_cell;
+        }
+        sum / f64::max(area, f64::MIN_POSITIVE)
+    }
+
+    fn cell_area(&self, cell: usize) -> f64 {
+        let area = |&s: &u32| f64::from(self.samples.samples[s as usize].area);
+        self.lattice.samples(cell).iter().map(area).sum()
+    }
+
+    fn direct_of(&self, sample: u32) -> Rgb {
+        Rgb::from(self.direct.irradiance[sample as usize].map(f64::from))
+    }
+
+    /// Mean squares of the noise of nodes, their own and that which they share with those around, (W/m²)².
+    pub fn node_noise(&self) -> (f64, f64) {
+        let of = |part: fn(&NodeLight) -> Rgb| {
+            let square = |cell: usize| {
+                let noise = part(&self.light[self.lattice.node(cell) as usize]);
+                (noise * noise).mean()
+            };
+            let squares: Vec<f64> = (0..self.lattice.len()).map(square).collect();
+            self.mean_of_cells(&squares)
+        };
+        (of(|light| light.noise), of(|light| light.shared_noise))
+    }
+
+    /// Mean squares of the errors of texels, (W/m²)²: noise of nodes, averaged by interpolation; noise that
+    /// nodes share; and the rest, of interpolation with `errors` by cell, corrections and direct light.
+    pub fn texel_noise(&self, errors: &[f64]) -> (f64, f64, f64) {
+        let around = self.lattice.nodes_around(self.samples, NEIGHBOURS);
+        let own: Vec<f64> = (0..self.lattice.len())
+            .into_par_iter()
+            .map(|cell| {
+                // The middle of a cell and its rim: a node and a texel between.
+                let places = self.places(&around[cell]);
+                let mut shares = Vec::new();
+                let of_cell = self.lattice.samples(cell);
+                let some = [
+                    of_cell[0],
+                    of_cell[of_cell.len() / 2],
+                    of_cell[of_cell.len() - 1],
+                ];
+                let noise = some.map(|s| {
+                    weights(place(self.samples, s), &places, &mut shares);
+                    let square = |(&n, w): (&u32, &f64)| {
+                        let noise = self.light[n as usize].noise * *w;
+                        (noise * noise).mean()
+                    };
+                    around[cell].iter().zip(&shares).map(square).sum::<f64>()
+                });
+                noise.iter().sum::<f64>() / 3.0
+            })
+            .collect();
+        let of_node = |cell: usize| &self.light[self.lattice.node(cell) as usize];
+        let rest = |cell: usize| errors[cell] + of_node(cell).bias.powi(2);
+        let rest: Vec<f64> = (0..self.lattice.len()).map(rest).collect();
+        let (mut direct, mut area) = (0.0, 0.0);
+        for (s, variance) in self.samples.samples.iter().zip(&self.direct.variance) {
+            direct += f64::from(s.area) * Rgb::from(variance.map(f64::from)).mean();
+            area += f64::from(s.area);
+        }
+        (
+            self.mean_of_cells(&own),
+            self.node_noise().1,
+            self.mean_of_cells(&rest) + direct / f64::max(area, f64::MIN_POSITIVE),
+        )
+    }
+
+    /// For each cell the mean square error of interpolating in it, (W/m²)², mean of the channels.
+    pub fn interpolation_errors(&self) -> Vec<f64> {
+        let around = self.lattice.nodes_around(self.samples, NEIGHBOURS);
+        let own: Vec<f64> = (0..self.lattice.len())
+            .into_par_iter()
+            .map(|cell| self.left_out(cell, &around[cell]))
+            .collect();
+        let mut of_node = vec![0.0; self.light.len()];
+        for (cell, &error) in own.iter().enumerate() {
+            of_node[self.lattice.node(cell) as usize] = error;
+        }
+        // One difference has one degree of freedom; those around it say more.
+        let pooled = |nodes: &Vec<u32>| {
+            let sum: f64 = nodes.iter().map(|&n| of_node[n as usize]).sum();
+            LEFT_OUT * (sum / nodes.len().max(1) as f64).max(0.0)
+        };
+        let of_cell = |(cell, nodes): (usize, &Vec<u32>)| match self.lattice.samples(cell).len() {
+            // A cell of one texel is gathered, not interpolated.
+            1 => 0.0,
+            _ => pooled(nodes),
+        };
+        around.iter().enumerate().map(of_cell).collect()
+    }
+
+    /// The squared difference between a cell's node and what those around it give, less its noise.
+    fn left_out(&self, cell: usize, around: &[u32]) -> f64 {
+        let own = self.lattice.node(cell);
+        let others: Vec<u32> = around.iter().copied().filter(|&n| n != own).collect();
+        if others.len() < 3 {
+            return 0.0;
+        }
+        let node = self.lattice.nodes[own as usize];
+        let places = self.places(&others);
+        let mut shares = Vec::new();
+        weights(place(self.samples, node), &places, &mut shares);
+        let mut difference = self.light[own as usize].irradiance;
+        for (&n, w) in others.iter().zip(shares) {
+            let other = self.light[n as usize].irradiance;
+            for (d, o) in difference.replicates.iter_mut().zip(other.replicates) {
+                *d = *d - o * w;
+            }
+        }
+        let mean = difference.mean();
+        (mean * mean - difference.variance()).mean()
+    }
+
+    fn places(&self, nodes: &[u32]) -> Vec<DVec2> {
+        let at = |&n: &u32| place(self.samples, self.lattice.nodes[n as usize]);
+        nodes.iter().map(at).collect()
+    }
+
+    /// The cells to be divided, those with the largest errors, so that the whole is within its share of
+    /// `error`, relative to the mean.
+    pub fn coarse_cells(&self, errors: &[f64], error: f64) -> Vec<bool> {
+        let areas: Vec<f64> = (0..self.lattice.len()).map(|c| self.cell_area(c)).collect();
+        let all: f64 = areas.iter().sum();
+        let permitted = SHARE * (error * self.mean).powi(2) * all;
+        let of_cell = |c: usize| areas[c] * errors[c];
+        let mut left: f64 = (0..areas.len()).map(of_cell).sum();
+        let mut worst: Vec<usize> = (0..areas.len()).filter(|&c| of_cell(c) > 0.0).collect();
+        worst.sort_by(|&a, &b| errors[b].total_cmp(&errors[a]).then(a.cmp(&b)));
+        let mut is_coarse = vec![false; areas.len()];
+        for cell in worst {
+            if left <= permitted {
+                break;
+            }
+            is_coarse[cell] = true;
+            left -= (1.0 - DIVIDED) * of_cell(cell);
+        }
+        is_coarse
+    }
+
+    /// The light of every sample.
+    pub fn interpolated(&self, errors: &[f64]) -> Vec<TexelLight> {
+        let around = self.lattice.nodes_around(self.samples, NEIGHBOURS);
+        let mut light = vec![TexelLight::default(); self.samples.samples.len()];
+        let found: Vec<Vec<(u32, TexelLight)>> = (0..self.lattice.len())
+            .into_par_iter()
+            .map(|cell| {
+                let places = self.places(&around[cell]);
+                let mut shares = Vec::new();
+                let of_sample = |&s: &u32| {
+                    weights(place(self.samples, s), &places, &mut shares);
+                    (
+                        s,
+                        self.sample_light(s, &around[cell], &shares, errors[cell]),
+                    )
+                };
+                self.lattice.samples(cell).iter().map(of_sample).collect()
+            })
+            .collect();
+        for (sample, of_sample) in found.into_iter().flatten() {
+            light[sample as usize] = of_sample;
+        }
+        light
+    }
+
+    fn sample_light(
+        &self,
+        sample: u32,
+        nodes: &[u32],
+        shares: &[f64],
+        interpolation: f64,
+    ) -> TexelLight {
+        let mut indirect = Rgb::BLACK;
+        let (mut own, mut shared, mut bias) = (Rgb::BLACK, Rgb::BLACK, 0.0);
+        for (&n, &w) in nodes.iter().zip(shares) {
+            let node = &self.light[n as usize];
+            indirect += node.irradiance.mean() * w;
+            own += (node.noise * w) * (node.noise * w);
+            // Nodes side by side share all of this.
+            shared += node.shared_noise * w.abs();
+            bias += node.bias * w.abs();
+        }
+        let direct = Rgb::from(self.direct.variance[sample as usize].map(f64::from));
+        let variance = own + shared * shared + Rgb::grey(interpolation + bias * bias) + direct;
+        TexelLight {
+            irradiance: (self.direct_of(sample) + indirect).map(|e| e.max(0.0)),
+            standard_error: variance.map(f64::sqrt),
+        }
+    }
+}
