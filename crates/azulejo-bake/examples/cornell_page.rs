@@ -4,7 +4,7 @@
 //! solution, but as noisy as one.
 
 #[path = "../tests/it/room.rs"]
-#[allow(dead_code)]
+#[allow(dead_code, reason = "tests use more of the room")]
 mod room;
 
 use azulejo_bake::web_page;

@@ -57,5 +57,5 @@ pub use solve::{
     Estimate, FirstPass, LightSolution, Method, Report, SolveError, solve, solve_watched,
 };
 pub use solved::{PatchRadiosity, radiosity};
-pub use solved_light::{GatheredPoints, Probed, SolvedLight, probe};
+pub use solved_light::{Probed, SolvedLight, probe};
 pub use system::EnergyBalance;

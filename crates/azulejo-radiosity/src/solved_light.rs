@@ -18,16 +18,6 @@ pub struct SolvedLight<'a> {
     pass: FirstPass,
 }
 
-/// Irradiance at points by where it comes from.
-pub struct GatheredPoints {
-    /// Indirect irradiance, W/m²: all that [`Gatherer::direct`] does not count.
-    pub indirect: Vec<Gathered>,
-    /// Standard error of each point, discretization included, W/m².
-    pub errors: Vec<Rgb>,
-    /// Statistics and error of the solution.
-    pub report: Report,
-}
-
 impl<'a> SolvedLight<'a> {
     /// Solves the light between patches.
     ///
@@ -138,7 +128,8 @@ impl<'a> SolvedLight<'a> {
         )?)
     }
 
-    /// Indirect irradiance at points that stand for areas (square scene units), so exact that with direct
+    /// Indirect irradiance (W/m², all that [`Gatherer::direct`] does not count) at points that stand for areas
+    /// (square scene units), so exact that with direct
     /// light beside it the error is `error`, relative to the mean. Samples depend on the points' keys and
     /// `seed`.
     ///
@@ -151,7 +142,7 @@ impl<'a> SolvedLight<'a> {
         error: f64,
         seed: u32,
         progress: &Progress,
-    ) -> Result<GatheredPoints, SolveError> {
+    ) -> Result<Vec<Gathered>, SolveError> {
         let light = self.solved.light(&self.pass);
         let black = self.solved.black_light(&self.pass);
         let effort = GatherEffort {
@@ -167,11 +158,7 @@ impl<'a> SolvedLight<'a> {
             hash(&[self.pass.key(), 2, seed]),
             progress,
         )?;
-        Ok(GatheredPoints {
-            indirect: found.indirect(),
-            errors: found.standard_errors(),
-            report: self.solved.report(&found),
-        })
+        Ok(found.indirect())
     }
 }
 

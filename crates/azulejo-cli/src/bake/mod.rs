@@ -12,7 +12,7 @@ use crate::session::Session;
 use crate::{pass, report as words};
 use args::{BakeArgs, DoubleSidedArg, TexelArgs};
 use azulejo::bake::{Resolution, UnwrapOptions};
-use azulejo::lightmap::{BakeError, BakeOptions, BakedSides, bake};
+use azulejo::lightmap::{BakeError, BakeOptions, Baked, BakedSides, bake};
 use azulejo::output::Output;
 use azulejo_scene::Scene;
 use source::BakeSource;
@@ -21,6 +21,9 @@ use written::BakeOutputs;
 /// Size of pages where none is given, and where the density is.
 const SIZE: u32 = 1024;
 const MOST_SIZE: u32 = 8192;
+
+/// Error beside the requested one up to which that counts as reached.
+const TOLERATED: f64 = 1.2;
 
 /// Runs `bake`.
 pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
@@ -56,8 +59,26 @@ pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
     })?;
     let mut summary = Report::default();
     report::describe(&baked, &args.first_pass, &source.scene, &mut summary)?;
+    say_unreached(&baked, args, session);
     outputs.write(args, &source, &baked, session, &mut summary)?;
     Ok(summary)
+}
+
+/// Says that the requested error is not reached.
+fn say_unreached(baked: &Baked, args: &BakeArgs, session: &mut Session) {
+    let error = baked.lightmap.relative_error();
+    if let Some(asked) = args
+        .first_pass
+        .error
+        .filter(|asked| error > TOLERATED * asked)
+    {
+        session.note(&format!(
+            "the error is {}, not {}: interpolation and noise between the points that were \
+             gathered are larger",
+            words::percent(error),
+            words::percent(asked)
+        ));
+    }
 }
 
 /// Options of the first pass that mean nothing here.
