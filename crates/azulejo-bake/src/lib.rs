@@ -7,6 +7,7 @@
 //! | What each texel covers, exactly, and the points at which it needs light | [`Coverage`], [`Samples`] |
 //! | Direct light of each texel, more finely at the edges of shadows | [`direct()`] |
 //! | Indirect light at some of them, interpolated, more finely where leaving one out shows an error | [`first_look`], [`with_indirect`] |
+//! | What is wrong with texture coordinates, ours or anybody's | [`check()`](check::check) |
 //! | Texels without what lies inside of solids, continued around charts, alike on both sides of seams | [`Lightmap`], [`pad_charts`], [`stitch`], [`fill`] |
 //! | A model with its lightmaps and a viewer in one HTML file | [`web_page`] |
 //!
@@ -14,6 +15,7 @@
 //! [`NodeRequest`]. `azulejo::lightmap::bake` brings both together.
 mod atlas;
 mod buried;
+pub mod check;
 mod coverage;
 mod direct;
 mod encode;

@@ -2,6 +2,7 @@
 
 mod atlas;
 mod browser;
+mod check;
 mod room;
 mod swatches;
 mod viewers;

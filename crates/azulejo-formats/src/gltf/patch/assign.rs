@@ -117,7 +117,8 @@ pub fn assignments<'l>(
     Ok(list)
 }
 
-fn mesh_of(source: &Source, node: usize) -> Option<usize> {
+/// The mesh of a node.
+pub fn mesh_of(source: &Source, node: usize) -> Option<usize> {
     let node = source.data.root.nodes.get(node)?;
     node.mesh.map(|mesh| mesh.value())
 }

@@ -69,6 +69,35 @@ pub struct ObjectLayout {
     pub pages: Vec<u32>,
 }
 
+/// The page of faces that have no lightmap.
+pub const NO_PAGE: u32 = u32::MAX;
+
+/// The lightmap that a file has.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FoundLightmap {
+    /// Whether materials or nodes name a lightmap.
+    pub is_named: bool,
+    /// The set of texture coordinates; the last, if there are several.
+    pub set: u32,
+    /// Whether all that has coordinates has them in one set.
+    pub is_one_set: bool,
+    /// For each object, parallel to the origins, the coordinates of its faces as they read the picture, and
+    /// their pages: [`NO_PAGE`] where a face has none. `None` for objects without any. Coordinates are what
+    /// the file says: any number, or none.
+    pub objects: Vec<Option<ObjectLayout>>,
+    /// The pages.
+    pub pages: Vec<FoundPage>,
+}
+
+/// A picture that a file has as a lightmap.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FoundPage {
+    /// The file of the picture, if one is named; why it cannot be had.
+    pub picture: Result<Option<Vec<u8>>, String>,
+    /// What a decoded texel is multiplied with.
+    pub intensity: f64,
+}
+
 /// A picture of a lightmap.
 ///
 /// For [`Convention::Moz`] and [`Convention::Mx`], a texel times `intensity` is the irradiance, E, in
