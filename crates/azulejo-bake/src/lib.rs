@@ -4,6 +4,7 @@
 //! |---|---|
 //! | Surfaces that receive light | [`Receiver`] |
 //! | Charts, which end where light jumps, packed on pages | [`unwrap()`], [`layout`]: an [`Atlas`] |
+//! | Charts of coordinates that surfaces have already | [`kept_layout`] |
 //! | What each texel covers, exactly, and the points at which it needs light | [`Coverage`], [`Samples`] |
 //! | Direct light of each texel, more finely at the edges of shadows | [`direct()`] |
 //! | Indirect light at some of them, interpolated, more finely where leaving one out shows an error | [`first_look`], [`with_indirect`] |
@@ -21,6 +22,7 @@ mod direct;
 mod encode;
 mod field;
 mod indirect;
+mod kept;
 mod lattice;
 pub mod layout;
 mod light;
@@ -42,6 +44,7 @@ pub use field::TexelField;
 pub use indirect::{
     NodeLattice, NodeLight, NodeRequest, TexelStatistics, first_look, with_indirect,
 };
+pub use kept::kept_layout;
 pub use layout::{Layout, ReceiverLayout};
 pub use light::TexelLight;
 pub use lightmap::{Lightmap, QuarterLight};
@@ -49,5 +52,5 @@ pub use lightmap_page::LightmapPage;
 pub use pad::{fill, pad_charts};
 pub use receiver::Receiver;
 pub use samples::{Samples, TexelSample};
-pub use stitch::{SeamErrors, stitch};
+pub use stitch::{SeamErrors, seam_errors, stitch};
 pub use unwrap::{LayoutError, Resolution, UnwrapOptions, unwrap};

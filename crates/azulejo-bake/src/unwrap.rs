@@ -378,7 +378,7 @@ impl UnwrapMesh {
             positions: receiver.positions.iter().map(place).collect(),
             indices: receiver.triangles.iter().flatten().copied().collect(),
             parts: receiver.parts.clone(),
-            seams: seams(receiver, &is_visible, crease, tracer),
+            seams: seams(receiver, &is_visible, crease, Some(tracer)),
             ignored: is_visible.iter().map(|v| !v).collect(),
         }
     }

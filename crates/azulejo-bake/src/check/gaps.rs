@@ -62,7 +62,7 @@ pub(super) fn find(triangles: &[CheckedTriangle], gap: f64, found: &mut AtlasChe
     for (distance, triangle) in nearest.into_iter().flatten() {
         found.near.add(-distance, triangles[triangle].id);
     }
-    found.near.amount = -found.near.amount;
+    found.near.amount = 0.0 - found.near.amount;
 }
 
 /// Distance of two segments.

@@ -218,3 +218,16 @@ fn checked_triangles(
     found.charts = charts as usize;
     list
 }
+
+/// The charts of the triangles of all receivers, and their number. Triangles that cannot cover a texel have none.
+pub(crate) fn chart_numbers(receivers: &[Receiver], layout: &Layout) -> (Vec<Vec<u32>>, u32) {
+    let mut found = AtlasCheck::default();
+    let options = CheckOptions::default();
+    let triangles = checked_triangles(receivers, layout, &options, &mut found);
+    let counts = receivers.iter().map(|r| r.triangles.len());
+    let mut numbers: Vec<Vec<u32>> = counts.map(|count| vec![NO_CHART; count]).collect();
+    for triangle in triangles.iter().filter(|t| t.texels != 0.0) {
+        numbers[triangle.id.receiver as usize][triangle.id.triangle as usize] = triangle.chart;
+    }
+    (numbers, found.charts as u32)
+}

@@ -15,6 +15,7 @@ Examples:
   azulejo bake old.3ds sun.grf -o lit.glb --texels-per-metre 20 --lightmap E.exr --error-map SE.exr
   azulejo bake word.sff room.wrl -o page.html
   azulejo bake baked.glb --strip -o level-again.glb
+  azulejo bake baked.glb --check --lightmap E.exr
 
 A glTF file keeps every byte that does not have to change; `--strip` gives it back as it was. Other models \
 are written as glTF.";
@@ -27,11 +28,15 @@ pub struct BakeArgs {
     /// Output file: .glb, .gltf (with its pictures beside it), or .html, a page that shows the model with
     /// its light in any browser
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath,
-          required_unless_present = "lightmap")]
+          required_unless_present_any = ["lightmap", "check"])]
     pub output: Option<PathBuf>,
     /// Remove the lightmap that azulejo has put into a glTF file: gives back the file as it was
     #[arg(long, requires = "output")]
     pub strip: bool,
+    /// Only look what is wrong with the lightmap of a glTF file, whoever made it, or with a second set of texture
+    /// coordinates for one; with --lightmap, how far the picture in the file is from that
+    #[arg(long, conflicts_with_all = ["strip", "output"])]
+    pub check: bool,
     #[command(flatten)]
     pub texels: TexelArgs,
     #[command(flatten)]
@@ -101,14 +106,15 @@ pub struct LightmapFileArgs {
     /// The pictures in the file
     #[arg(long, value_name = "TYPE", default_value = "png")]
     pub image: ImageArg,
-    /// The set of texture coordinates that is added, TEXCOORD_N; if a picture uses it, the next free one
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub uv_set: u32,
+    /// The set of texture coordinates, TEXCOORD_N, that is added, kept or checked; one that is added becomes the next
+    /// free one if a picture uses it [default: 1, or what the lightmap of the file says]
+    #[arg(long, value_name = "N")]
+    pub uv_set: Option<u32>,
     /// How nodes that share a mesh get a place each
     #[arg(long, value_name = "HOW", default_value = "copy")]
     pub instances: InstancesArg,
     /// What becomes of lamps without area that were baked [default: dim; keep with --light indirect]
-    #[arg(long, value_name = "WHAT")]
+    #[arg(long = "baked-lights", id = "baked_lights", value_name = "WHAT")]
     pub lights: Option<LightsArg>,
 }
 
@@ -206,7 +212,7 @@ impl InstancesArg {
     }
 }
 
-/// `--lights`
+/// `--baked-lights`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LightsArg {
     /// Their intensity becomes 0, with a note of what it was

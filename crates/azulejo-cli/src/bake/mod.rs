@@ -1,9 +1,11 @@
 //! `bake`: the third pass, from a scene to a lightmap in a glTF file or a page.
 
 pub mod args;
+mod check;
 mod page;
 mod report;
 mod source;
+mod verdict;
 mod written;
 
 use crate::failure::Failure;
@@ -21,6 +23,9 @@ use written::BakeOutputs;
 /// Size of pages where none is given, and where the density is.
 const SIZE: u32 = 1024;
 const MOST_SIZE: u32 = 8192;
+
+/// Runs `bake --check`: the report, and whether all is well.
+pub use check::run as check;
 
 /// Runs `bake`.
 pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {

@@ -138,3 +138,53 @@ fn pages_and_parts_of_the_light_are_chosen() {
     let file = json(&folder.read("plain.glb"));
     assert!(file["images"].is_null());
 }
+
+/// What was baked passes all tests; a mesh whose faces all have the same coordinates does not.
+#[test]
+fn lightmaps_are_checked() {
+    let folder = Folder::with_room();
+    folder.ok("bake room.obj -o room.glb --size 128 --error 20% --lightmap e.exr");
+    let before = folder.names();
+    let report = folder.json("bake room.glb --check --lightmap e.exr");
+    assert_eq!(report["ok"], true);
+    let value = |key: &str| {
+        let tests = report["tests"].as_array().unwrap();
+        let test = tests.iter().find(|t| t["test"] == key);
+        test.and_then(|t| t["value"].as_f64()).unwrap()
+    };
+    assert_eq!(value("overlaps"), 0.0);
+    let error = value("picture_error");
+    assert!(error > 0.0 && error < 0.02, "{error}");
+    assert_eq!(folder.names(), before, "nothing is written");
+    let small = folder.run("bake room.glb --check --size 64 --lightmap e.exr");
+    assert_eq!(small.code, Some(1));
+    assert!(
+        small.err.contains("no picture of this size"),
+        "{}",
+        small.err
+    );
+    // Pictures go on beyond the wall, and over one another.
+    let textured = "mtllib room.mtl\nv 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0 1 0\nv 1 1 0\n\
+        vt 0 0\nvt 3 0\nvt 3 3\nvt 0 3\no floor\nf 1/1 2/2 3/3 4/4\nf 1/1 2/2 6/3 5/4\n";
+    folder.write("tiles.obj", textured);
+    folder.ok("convert tiles.obj -o tiles.glb");
+    let tiles = folder.run("bake tiles.glb --check --uv-set 0");
+    assert_eq!(tiles.code, Some(1), "{}", tiles.err);
+    for said in ["overlapping triangles", "DEFECT", "\"floor\", triangle"] {
+        assert!(tiles.out.contains(said), "{}", tiles.out);
+    }
+    for (line, code, said) in [
+        (
+            "bake tiles.glb --check",
+            1,
+            "no object has texture coordinates",
+        ),
+        ("bake room.obj --check", 1, "room.obj"),
+        ("bake room.glb --check -o x.glb", 2, "--output"),
+        ("bake room.glb room.glb --check", 2, "one glTF file"),
+    ] {
+        let run = folder.run(line);
+        assert_eq!(run.code, Some(code), "{line}\n{}", run.err);
+        assert!(run.err.contains(said), "{line}\n{}", run.err);
+    }
+}

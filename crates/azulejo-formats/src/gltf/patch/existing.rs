@@ -11,8 +11,6 @@ use super::primitives::{PrimitiveJson, accessor_index};
 use super::source::{Source, parsed};
 use super::types::{FoundLightmap, FoundPage, GltfFile, NO_PAGE, ObjectLayout};
 use crate::Files;
-use gltf_json::Index;
-use gltf_json::buffer::View;
 use serde_json::Value;
 use std::collections::HashMap;
 
@@ -78,8 +76,8 @@ struct LightmapReader<'r, 's> {
     set: Option<u32>,
     /// Sets that are used.
     sets: Vec<u32>,
-    /// Pages by texture and the bits of their intensity.
-    numbers: HashMap<(u64, u64), u32>,
+    /// Pages by picture.
+    numbers: HashMap<Option<usize>, u32>,
     found: FoundLightmap,
 }
 
@@ -163,45 +161,42 @@ impl LightmapReader<'_, '_> {
 
     /// The number of the page of a lightmap.
     fn page(&mut self, info: Option<&LightmapInfo>) -> u32 {
-        let key = match info {
-            Some(info) => (info.texture, info.intensity.to_bits()),
-            None => (u64::MAX, 0),
-        };
-        if let Some(&known) = self.numbers.get(&key) {
+        let image = info.and_then(|info| self.image(info.texture));
+        let intensity = info.map_or(1.0, |i| i.intensity);
+        if let Some(&known) = self.numbers.get(&image) {
+            let page = &mut self.found.pages[known as usize];
+            page.intensity = page.intensity.max(intensity);
             return known;
         }
         let number = self.found.pages.len() as u32;
-        let picture = match info {
-            Some(info) => self.picture(info.texture).map(Some),
-            None => Ok(None),
+        let picture = match (info, image) {
+            (None, _) => Ok(None),
+            (Some(_), None) => Err("a texture without a picture".to_owned()),
+            (Some(_), Some(image)) => self.picture(image).map(Some),
         };
-        self.found.pages.push(FoundPage {
-            picture,
-            intensity: info.map_or(1.0, |i| i.intensity),
-        });
-        self.numbers.insert(key, number);
+        self.found.pages.push(FoundPage { picture, intensity });
+        self.numbers.insert(image, number);
         number
     }
 
-    /// The bytes of the picture of a texture.
-    fn picture(&self, texture: u64) -> Result<Vec<u8>, String> {
-        let texture = self.textures.get(texture as usize);
-        let texture = texture.ok_or("a texture that is not in the file")?;
-        let own = PICTURES.iter().find_map(|name| {
-            let source = extension(texture, name)?.get("source")?;
-            source.as_u64()
-        });
-        let image = own.or_else(|| texture.get("source")?.as_u64());
-        let images = &self.source.data.root.images;
-        let image = image.and_then(|i| images.get(usize::try_from(i).ok()?));
-        let image = image.ok_or("a texture without a picture")?;
+    /// The picture of a texture.
+    fn image(&self, texture: u64) -> Option<usize> {
+        let texture = self.textures.get(usize::try_from(texture).ok()?)?;
+        let own = PICTURES
+            .iter()
+            .find_map(|name| extension(texture, name)?.get("source"));
+        let image = own.or_else(|| texture.get("source"))?.as_u64()?;
+        usize::try_from(image).ok()
+    }
+
+    /// The bytes of a picture.
+    fn picture(&self, image: usize) -> Result<Vec<u8>, String> {
+        let image = self.source.data.root.images.get(image);
+        let image = image.ok_or("a picture that is not in the file")?;
         match (image.buffer_view, &image.uri) {
-            (Some(view), _) => {
-                let view: Index<View> = view;
-                Ok(self.source.data.buffers.view(view)?.to_vec())
-            }
+            (Some(view), _) => Ok(self.source.data.buffers.view(view)?.to_vec()),
             (None, Some(uri)) => match uri::read(uri)? {
-                Uri::Data(bytes) => Ok(bytes.into()),
+                Uri::Data(bytes) => Ok(bytes),
                 Uri::File(name) => self.files.read(&name).map_err(|e| e.to_string()),
             },
             (None, None) => Err("an image without a uri".to_owned()),

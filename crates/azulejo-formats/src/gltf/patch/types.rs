@@ -94,7 +94,7 @@ pub struct FoundLightmap {
 pub struct FoundPage {
     /// The file of the picture, if one is named; why it cannot be had.
     pub picture: Result<Option<Vec<u8>>, String>,
-    /// What a decoded texel is multiplied with.
+    /// What a decoded texel is multiplied with; the largest that a material says.
     pub intensity: f64,
 }
 
