@@ -2,10 +2,8 @@
 
 use crate::Receiver;
 use crate::layout::{Layout, NO_CHART, ReceiverLayout};
-use crate::seams::seams;
-use azulejo_scene::math::Aabb;
+use crate::unwrap_mesh::UnwrapMesh;
 use azulejo_trace::{Cancelled, Progress, Tracer};
-use glam::DVec3;
 use std::fmt;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use uvunwrap::{Atlas, Density, MeshInput, Options, OutputMesh, Packing, Stage};
@@ -150,15 +148,46 @@ pub fn unwrap(
     options: &UnwrapOptions,
     progress: &Progress,
 ) -> Result<Layout, LayoutError> {
+    let meshes = receivers
+        .iter()
+        .map(|r| UnwrapMesh::new(r, options.crease, tracer))
+        .collect();
+    laid_out_on_pages(receivers, meshes, options, progress)
+}
+
+/// Packs charts that receivers have already, such as several meshes that fill a page each: their shapes stay, but
+/// for turns and the size. `coordinates` has the `uvs` of each receiver. Charts that fold or overlap are
+/// made anew.
+///
+/// # Errors
+/// [`LayoutError`].
+pub fn repack(
+    receivers: &[Receiver],
+    coordinates: &[ReceiverLayout],
+    tracer: &Tracer,
+    options: &UnwrapOptions,
+    progress: &Progress,
+) -> Result<Layout, LayoutError> {
+    let meshes = receivers
+        .iter()
+        .zip(coordinates)
+        .map(|(r, c)| UnwrapMesh::new(r, options.crease, tracer).with_uvs(&c.uvs))
+        .collect();
+    laid_out_on_pages(receivers, meshes, options, progress)
+}
+
+/// Cuts meshes into charts and packs these.
+fn laid_out_on_pages(
+    receivers: &[Receiver],
+    meshes: Vec<UnwrapMesh>,
+    options: &UnwrapOptions,
+    progress: &Progress,
+) -> Result<Layout, LayoutError> {
     let least = 1 + 2 * options.padding;
     if !(least..=MOST_SIZE).contains(&options.size) {
         let size = options.size;
         return Err(LayoutError::PageSize { size, least });
     }
-    let meshes: Vec<UnwrapMesh> = receivers
-        .iter()
-        .map(|r| UnwrapMesh::new(r, options.crease, tracer))
-        .collect();
     if meshes.iter().all(|m| m.ignored.iter().all(|&i| i)) {
         return Err(LayoutError::NoSurface);
     }
@@ -345,51 +374,4 @@ fn laid_out(
         });
     }
     layout
-}
-
-/// A receiver as the unwrapper takes it.
-struct UnwrapMesh {
-    /// Around the middle of the receiver, so that single precision suffices.
-    positions: Vec<[f32; 3]>,
-    indices: Vec<u32>,
-    parts: Vec<u32>,
-    seams: Vec<[bool; 3]>,
-    ignored: Vec<bool>,
-}
-
-impl UnwrapMesh {
-    fn new(receiver: &Receiver, crease: f64, tracer: &Tracer) -> UnwrapMesh {
-        let used = receiver.triangles.iter().flatten();
-        let used = used.map(|&v| receiver.positions[v as usize]);
-        let bounds = Aabb::around(used.filter(|p| p.is_finite()));
-        let middle = if receiver.triangles.is_empty() {
-            DVec3::ZERO
-        } else {
-            0.5 * (bounds.min + bounds.max)
-        };
-        let is_visible = receiver.visible_triangles();
-        let place = |p: &DVec3| {
-            let p = *p - middle;
-            (if p.is_finite() { p } else { DVec3::ZERO })
-                .as_vec3()
-                .to_array()
-        };
-        UnwrapMesh {
-            positions: receiver.positions.iter().map(place).collect(),
-            indices: receiver.triangles.iter().flatten().copied().collect(),
-            parts: receiver.parts.clone(),
-            seams: seams(receiver, &is_visible, crease, Some(tracer)),
-            ignored: is_visible.iter().map(|v| !v).collect(),
-        }
-    }
-
-    fn input(&self, density: f64) -> MeshInput<'_> {
-        MeshInput {
-            face_materials: Some(&self.parts),
-            ignored_faces: Some(&self.ignored),
-            seams: Some(&self.seams),
-            scale: density as f32,
-            ..MeshInput::new(&self.positions, &self.indices)
-        }
-    }
 }

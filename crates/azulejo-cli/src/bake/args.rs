@@ -6,6 +6,7 @@ use azulejo::bake::unwrap::MOST_SIZE;
 use azulejo::lightmap::{BakedLight, BakedSides};
 use azulejo_formats::gltf::patch::{Convention, InstanceMode, LightsMode};
 use clap::{Args, ValueEnum, ValueHint};
+use globset::{Glob, GlobMatcher};
 use std::path::PathBuf;
 
 /// Examples.
@@ -74,6 +75,14 @@ pub struct TexelArgs {
     /// Keep charts to blocks of 4 × 4 texels, for compressed pictures
     #[arg(long)]
     pub blocks: bool,
+    /// Whether the coordinates that a glTF file has in the set are used as they are [default: keep them if they
+    /// are fit for a lightmap]
+    #[arg(long, value_name = "WHAT")]
+    pub uv: Option<UvArg>,
+    /// Texels of the objects with such names relative to others, per length: 'table*=2'. Of several that fit a
+    /// name, the last counts
+    #[arg(long, value_name = "GLOB=N", value_parser = density, conflicts_with = "uv")]
+    pub density: Vec<DensityArg>,
     /// Cut charts at edges with a larger angle between the faces, degrees
     #[arg(long, value_name = "DEGREES", default_value_t = 30.0, value_parser = values::degrees)]
     pub crease: f64,
@@ -117,6 +126,46 @@ pub struct LightmapFileArgs {
     #[arg(long = "baked-lights", id = "baked_lights", value_name = "WHAT")]
     pub lights: Option<LightsArg>,
 }
+
+/// `--uv`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum UvArg {
+    /// Keep the coordinates; fail if they are not fit for a lightmap
+    Keep,
+    /// Make new ones
+    New,
+}
+
+/// `--density`
+#[derive(Clone, Debug)]
+pub struct DensityArg {
+    /// As it was given.
+    pub text: String,
+    /// Names of objects.
+    pub names: GlobMatcher,
+    /// Texels per length relative to others.
+    pub factor: f64,
+}
+
+/// `GLOB=N`
+fn density(text: &str) -> Result<DensityArg, String> {
+    let (names, factor) = text
+        .rsplit_once('=')
+        .ok_or("expected a name with * and ?, = and a number")?;
+    let factor = values::positive(factor)?;
+    if !(LEAST_DENSITY..=1.0 / LEAST_DENSITY).contains(&factor) {
+        return Err(format!("{factor}: expected 0.001 to 1000"));
+    }
+    let names = Glob::new(names).map_err(|e| e.to_string())?;
+    Ok(DensityArg {
+        text: text.to_owned(),
+        names: names.compile_matcher(),
+        factor,
+    })
+}
+
+/// Least density of an object relative to others.
+const LEAST_DENSITY: f64 = 1e-3;
 
 /// `--light`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

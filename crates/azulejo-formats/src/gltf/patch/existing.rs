@@ -10,6 +10,7 @@ use super::looks::MOVED;
 use super::primitives::{PrimitiveJson, accessor_index};
 use super::source::{Source, parsed};
 use super::types::{FoundLightmap, FoundPage, GltfFile, NO_PAGE, ObjectLayout};
+use super::undo;
 use crate::Files;
 use serde_json::Value;
 use std::collections::HashMap;
@@ -25,6 +26,24 @@ pub fn found(
     file: &GltfFile,
     origins: &[ObjectOrigin],
     set: Option<u32>,
+) -> Result<FoundLightmap, PatchError> {
+    read(file, origins, set, true)
+}
+
+/// Reads one set of coordinates; see [`coordinates`](super::coordinates).
+pub fn coordinates(
+    file: &GltfFile,
+    origins: &[ObjectOrigin],
+    set: u32,
+) -> Result<FoundLightmap, PatchError> {
+    read(file, origins, Some(set), false)
+}
+
+fn read(
+    file: &GltfFile,
+    origins: &[ObjectOrigin],
+    set: Option<u32>,
+    follows: bool,
 ) -> Result<FoundLightmap, PatchError> {
     let parts = Parts::of(file.bytes, file.name)?;
     let root = parsed(&parts, file)?;
@@ -45,12 +64,17 @@ pub fn found(
         files: file.files,
         source: &source,
     };
-    let has_any = reader.has_lightmap();
+    let has_any = follows && reader.has_lightmap();
+    if !follows {
+        reader.materials.clear();
+        reader.nodes.clear();
+    }
     for origin in origins {
         let object = reader.object(origin, has_any);
         reader.found.objects.push(object);
     }
     reader.found.is_named = has_any;
+    reader.found.is_own = undo::found(&reader.source.parts).is_some();
     reader.found.set = reader.sets.iter().copied().max().unwrap_or(USUAL_SET);
     reader.found.is_one_set = reader.sets.len() <= 1;
     Ok(reader.found)

@@ -50,7 +50,8 @@ mod work;
 pub use error::PatchError;
 pub use types::{
     Container, Convention, FoundLightmap, FoundPage, GltfFile, InstanceMode, LightmapEdit,
-    LightmapPage, LightsMode, MediaType, NO_PAGE, ObjectLayout, Output, PatchedFile, StrippedFile,
+    LightmapPage, LightmapUvs, LightsMode, MediaType, NO_PAGE, ObjectLayout, Output, PatchedFile,
+    StrippedFile,
 };
 
 use super::origin::ObjectOrigin;
@@ -97,6 +98,19 @@ pub fn found_lightmap(
     set: Option<u32>,
 ) -> Result<FoundLightmap, PatchError> {
     existing::found(file, origins, set)
+}
+
+/// One set of texture coordinates as it is in the file, whatever lightmaps it has, as
+/// [`found_lightmap`] has it.
+///
+/// # Errors
+/// Files that cannot be read or are not UTF-8.
+pub fn coordinates(
+    file: &GltfFile,
+    origins: &[ObjectOrigin],
+    set: u32,
+) -> Result<FoundLightmap, PatchError> {
+    existing::coordinates(file, origins, set)
 }
 
 /// Puts the irradiance of the vertices of `scene` into its file: as colours of the same vertices, with the

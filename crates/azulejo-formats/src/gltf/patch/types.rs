@@ -44,9 +44,8 @@ pub struct LightmapEdit<'a> {
     pub objects: &'a [Option<ObjectLayout>],
     /// The pictures.
     pub pages: &'a [LightmapPage],
-    /// The set of texture coordinates, `TEXCOORD_n`, that is wished: by default 1. If a picture of a material
-    /// that gets a lightmap uses it, the next free one is taken.
-    pub uv_set: Option<u32>,
+    /// Where the texture coordinates of the objects are put.
+    pub uvs: LightmapUvs,
     /// How several nodes of one mesh get a place in the pictures each.
     pub instances: InstanceMode,
     /// How the file says what the pictures are.
@@ -57,6 +56,22 @@ pub struct LightmapEdit<'a> {
     pub mipmaps: bool,
     /// What is written.
     pub output: Output<'a>,
+}
+
+/// Where the texture coordinates of a lightmap are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightmapUvs {
+    /// In a new set, `TEXCOORD_n`, which takes the place of one of this number. If a picture of a material that
+    /// gets a lightmap uses it, the next free one is taken.
+    Added(u32),
+    /// In this set of the file, which stays as it is, with all vertices: the layouts have its coordinates.
+    Existing(u32),
+}
+
+impl Default for LightmapUvs {
+    fn default() -> LightmapUvs {
+        LightmapUvs::Added(1)
+    }
 }
 
 /// Where the faces of an object are in the pictures.
@@ -77,6 +92,8 @@ pub const NO_PAGE: u32 = u32::MAX;
 pub struct FoundLightmap {
     /// Whether materials or nodes name a lightmap.
     pub is_named: bool,
+    /// Whether it is one of azulejo's, which [`strip`](super::strip) removes.
+    pub is_own: bool,
     /// The set of texture coordinates; the last, if there are several.
     pub set: u32,
     /// Whether all that has coordinates has them in one set.
