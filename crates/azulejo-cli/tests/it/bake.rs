@@ -188,3 +188,108 @@ fn lightmaps_are_checked() {
         assert!(run.err.contains(said), "{line}\n{}", run.err);
     }
 }
+
+/// A GLB with other JSON: what another program might have written.
+fn rewritten(glb: &[u8], change: impl Fn(&mut Value)) -> Vec<u8> {
+    let mut json = json(glb);
+    json["asset"].as_object_mut().unwrap().remove("extras");
+    change(&mut json);
+    let mut text = json.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let bin = &glb[20 + length..];
+    let total = (20 + text.len() + bin.len()) as u32;
+    let mut file = glb[..8].to_vec();
+    file.extend(total.to_le_bytes());
+    file.extend((text.len() as u32).to_le_bytes());
+    file.extend(&glb[16..20]);
+    file.extend(text);
+    file.extend(bin);
+    file
+}
+
+/// Coordinates that are fit stay, those that are not are made anew, and it is said why.
+#[test]
+fn coordinates_of_files_are_kept() {
+    let folder = Folder::with_room();
+    folder.ok("bake room.obj -o plain.glb --as plain --size 128 --error 30%");
+    let given = rewritten(&folder.read("plain.glb"), |_| {});
+    folder.write("given.glb", &given);
+    let run = folder.ok("bake given.glb -o kept.glb --size 128 --error 30% --uv keep");
+    assert!(run.err.contains("TEXCOORD_1 are kept"), "{}", run.err);
+    let (before, after) = (json(&given), json(&folder.read("kept.glb")));
+    assert_eq!(before["accessors"], after["accessors"]);
+    let attributes = |file: &Value| file["meshes"][0]["primitives"][0]["attributes"].clone();
+    assert_eq!(attributes(&before), attributes(&after));
+    assert_eq!(
+        after["materials"][0]["extensions"]["MOZ_lightmap"]["texCoord"],
+        1
+    );
+    assert_eq!(folder.json("bake kept.glb --check")["ok"], true);
+    folder.ok("bake kept.glb --strip -o again.glb");
+    assert!(folder.read("again.glb") == given);
+    // At this size charts are too near one another.
+    let coarse = folder.run("bake given.glb -o coarse.glb --size 32 --error 30% --uv keep");
+    assert_eq!(coarse.code, Some(1));
+    assert!(coarse.err.contains("charts near others"), "{}", coarse.err);
+    // All objects have the coordinates of the first.
+    let wall = json(&given)["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"].clone();
+    folder.write(
+        "twice.glb",
+        rewritten(&given, |file| {
+            let copy = file["nodes"][0].clone();
+            let nodes = file["nodes"].as_array_mut().unwrap();
+            nodes.push(copy);
+            nodes.last_mut().unwrap()["translation"] = serde_json::json!([50.0, 0.0, 0.0]);
+            let number = nodes.len() - 1;
+            file["scenes"][0]["nodes"]
+                .as_array_mut()
+                .unwrap()
+                .push(number.into());
+        }),
+    );
+    assert!(wall.is_u64());
+    let run = folder.ok("bake twice.glb -o repacked.glb --size 128 --error 30%");
+    assert!(run.err.contains("overlapping triangles"), "{}", run.err);
+    assert!(run.err.contains("packed anew"), "{}", run.err);
+    assert_eq!(folder.json("bake repacked.glb --check")["ok"], true);
+    let run = folder.ok("bake twice.glb -o new.glb --size 128 --error 30% --uv new");
+    assert!(!run.err.contains("TEXCOORD_1"), "{}", run.err);
+    for (line, said) in [
+        ("bake room.obj -o x.glb --uv keep", "only a glTF file"),
+        (
+            "bake given.glb -o x.glb --uv keep --uv-set 2",
+            "no TEXCOORD_2",
+        ),
+        ("bake given.glb -o x.glb --uv keep --pages 2", "on one page"),
+        (
+            "bake twice.glb -o x.glb --uv keep --size 128",
+            "overlapping",
+        ),
+    ] {
+        let run = folder.run(line);
+        assert_eq!(run.code, Some(1), "{line}\n{}", run.err);
+        assert!(run.err.contains(said), "{line}\n{}", run.err);
+    }
+}
+
+#[test]
+fn objects_are_denser_than_others() {
+    let folder = Folder::with_room();
+    let density = |more: &str| {
+        let line = format!("bake room.obj -o room.glb --texels-per-metre 20 --error 30% {more}");
+        let run = folder.run(&format!("{line} --json"));
+        let report: Value = serde_json::from_str(&run.out).unwrap();
+        (report["texels_per_metre"].as_f64().unwrap(), run.err)
+    };
+    let usual = density("").0;
+    assert!((usual - 20.0).abs() < 1.0, "{usual}");
+    // The last that fits counts.
+    let (sparse, _) = density("--density *=2 --density wal?s=0.25");
+    assert!(sparse > 4.9 && sparse < 7.0, "{sparse}");
+    assert!(density("--density none*=2").1.contains("no object has such a name"));
+    for wrong in ["walls", "walls=0", "walls=x", "[=2", "walls=1e9"] {
+        let run = folder.run(&format!("bake room.obj -o x.glb --density {wrong}"));
+        assert_eq!(run.code, Some(2), "{wrong}\n{}", run.err);
+    }
+}
