@@ -34,6 +34,7 @@ mod samples;
 mod seams;
 mod solids;
 mod stitch;
+mod thin;
 pub mod unwrap;
 mod unwrap_mesh;
 pub mod web_page;

@@ -2,6 +2,7 @@
 
 use crate::Receiver;
 use crate::layout::{Layout, NO_CHART, ReceiverLayout};
+use crate::thin;
 use crate::unwrap_mesh::UnwrapMesh;
 use azulejo_trace::{Cancelled, Progress, Tracer};
 use std::fmt;
@@ -88,7 +89,7 @@ pub enum LayoutError {
     TooManyCharts {
         /// Size of a page, texels.
         size: u32,
-        /// A size that would do.
+        /// A size that would do; there may be no pages so large.
         enough: u32,
     },
     /// At the requested texels per unit a lightmap is larger than all memory.
@@ -111,11 +112,17 @@ impl fmt::Display for LayoutError {
             LayoutError::PageSize { size, least } => {
                 write!(f, "pages of {size} texels: expected {least} to {MOST_SIZE}")
             }
-            LayoutError::TooManyCharts { size, enough } => write!(
-                f,
-                "there are more charts than a page of {size} × {size} texels has room for, with their \
-                 padding: ask for {enough} texels, more pages, or less padding"
-            ),
+            LayoutError::TooManyCharts { size, enough } => {
+                write!(
+                    f,
+                    "there are more charts than a page of {size} × {size} texels has room for, with their \
+                     padding: ask for "
+                )?;
+                if *enough <= MOST_SIZE {
+                    write!(f, "a size of {enough} texels, ")?;
+                }
+                f.write_str("more pages, or less padding")
+            }
             LayoutError::TooDense { texels } => write!(
                 f,
                 "a lightmap of {texels:.3e} texels is too large: ask for fewer texels per metre"
@@ -293,7 +300,7 @@ fn packed(
         uvunwrap::Error::Cancelled => LayoutError::Cancelled,
         uvunwrap::Error::ChartTooLarge { .. } => LayoutError::TooManyCharts {
             size: options.size,
-            enough: enough(options.size, 4),
+            enough: 2 * options.size,
         },
         uvunwrap::Error::AtlasTooLarge { texels } => LayoutError::TooDense {
             texels: texels as f64,
@@ -304,16 +311,23 @@ fn packed(
         // Padding alone fills a page: the unwrapper goes on with pages of a low density.
         return Err(LayoutError::TooManyCharts {
             size: options.size,
-            enough: enough(options.size, atlas.page_count),
+            enough: enough(atlas.chart_count, options),
         });
     }
     Ok(atlas)
 }
 
-/// A size of pages with room for so many pages of `size`.
-fn enough(size: u32, pages: u32) -> u32 {
-    let side = f64::from(size) * f64::from(pages).sqrt();
-    (side.ceil() as u32).next_power_of_two().min(MOST_SIZE)
+/// The next power of two that has room for so many charts of a texel each, larger than the size that has not.
+fn enough(charts: u32, options: &UnwrapOptions) -> u32 {
+    let cell = 1 + 2 * options.padding;
+    let cell = if options.blocks {
+        cell.next_multiple_of(4)
+    } else {
+        cell
+    };
+    let per_side = f64::from(charts).sqrt().ceil() as u32;
+    let least = per_side.saturating_mul(cell).max(options.size + 1);
+    least.min(1 << 31).next_power_of_two()
 }
 
 impl Layout {
@@ -336,12 +350,14 @@ impl Layout {
             f64::from(atlas.height) / f64::from(size[1]),
         ];
         self.pages.push(size);
+        let first_chart = self.charts;
         for (&r, mesh) in members.iter().zip(&atlas.meshes) {
             let count = meshes[r].parts.len();
             self.receivers[r] = laid_out(mesh, count, page, self.charts, scale);
             self.receivers[r].cuts.clone_from(&meshes[r].seams);
         }
         self.charts += atlas.chart_count;
+        thin::widen(self, members, page, first_chart);
     }
 }
 

@@ -3,6 +3,7 @@
 mod atlas;
 mod browser;
 mod check;
+mod crowded;
 mod room;
 mod swatches;
 mod viewers;
