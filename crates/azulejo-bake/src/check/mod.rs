@@ -18,6 +18,7 @@ mod quality;
 use crate::layout::{Layout, NO_CHART, signed_area};
 use crate::{Receiver, TriangleId};
 use glam::DVec2;
+use islands::IslandTriangle;
 
 /// How far outside of the page coordinates may lie for rounding, as a share of it.
 const OUTSIDE_ROUNDING: f64 = 1e-6;
@@ -119,6 +120,7 @@ impl AtlasCheck {
 struct CheckedTriangle {
     id: TriangleId,
     page: u32,
+    /// [`NO_CHART`] if it has none.
     chart: u32,
     /// Corners, texels.
     corners: [DVec2; 3],
@@ -126,14 +128,15 @@ struct CheckedTriangle {
     texels: f64,
     /// Area of the surface, square scene units.
     area: f64,
-    /// Whether the coordinates are numbers of a usable size.
+    /// Whether it has a chart, and coordinates that are numbers of a usable size.
     is_placed: bool,
     /// Which edges no other triangle of the chart has with the same coordinates.
     is_border: [bool; 3],
 }
 
 /// Checks texture coordinates. Charts are those of `layout` where it has them, else triangles that meet at edges
-/// with equal coordinates. Triangles without coordinates, chart or page are left out.
+/// with equal coordinates. Triangles without coordinates
+/// or page are left out; those without chart cover no texel.
 pub fn check(receivers: &[Receiver], layout: &Layout, options: &CheckOptions) -> AtlasCheck {
     let mut found = AtlasCheck {
         is_complete: true,
@@ -174,15 +177,14 @@ fn checked_triangles(
     let mut charts = 0;
     for (r, (receiver, placed)) in receivers.iter().zip(&layout.receivers).enumerate() {
         let is_visible = receiver.visible_triangles();
-        let is_checked = |t: usize| {
-            let given = placed.charts.get(t);
-            let page = placed.pages.get(t).copied().unwrap_or(0);
-            let is_there = (page as usize) < layout.pages.len() && t < placed.uvs.len();
-            is_visible[t] && is_there && given != Some(&NO_CHART)
+        let is_checked = |t: &usize| {
+            let page = placed.pages.get(*t).copied().unwrap_or(0);
+            let is_there = (page as usize) < layout.pages.len() && *t < placed.uvs.len();
+            is_visible[*t] && is_there
         };
-        let kept: Vec<usize> = (0..receiver.triangles.len())
-            .filter(|&t| is_checked(t))
-            .collect();
+        let is_charted = |t: &usize| placed.charts.get(*t) != Some(&NO_CHART);
+        let all = (0..receiver.triangles.len()).filter(is_checked);
+        let (kept, bare): (Vec<usize>, Vec<usize>) = all.partition(is_charted);
         let islands = islands::of(receiver, placed, &kept);
         for crease in islands.creases(receiver, options.crease) {
             let id = TriangleId {
@@ -191,21 +193,28 @@ fn checked_triangles(
             };
             found.creases.add(crease.0, id);
         }
-        for (&t, island) in kept.iter().zip(&islands.triangles) {
+        let none = IslandTriangle {
+            chart: NO_CHART,
+            is_border: [false; 3],
+        };
+        let bare = bare.iter().map(|t| (t, &none));
+        for (&t, island) in kept.iter().zip(&islands.triangles).chain(bare) {
             let page = placed.pages.get(t).copied().unwrap_or(0);
             let size = layout.pages[page as usize];
             let corners = placed.texels(t, size);
-            let is_placed = placed.uvs[t]
-                .iter()
-                .flatten()
-                .all(|c| f64::from(c.abs()) < FARTHEST);
+            let mut coordinates = placed.uvs[t].iter().flatten();
+            let is_placed =
+                island.chart != NO_CHART && coordinates.all(|c| f64::from(c.abs()) < FARTHEST);
             list.push(CheckedTriangle {
                 id: TriangleId {
                     receiver: r as u32,
                     triangle: t as u32,
                 },
                 page,
-                chart: charts + island.chart,
+                chart: match island.chart {
+                    NO_CHART => NO_CHART,
+                    chart => charts + chart,
+                },
                 corners,
                 texels: if is_placed { signed_area(corners) } else { 0.0 },
                 area: receiver.area_vector(t).length(),

@@ -39,13 +39,13 @@ pub(super) fn find(
     let (mut weight, mut squares) = (0.0, 0.0);
     let mut densities = Vec::new();
     for triangle in triangles {
-        let chart = &charts[triangle.chart as usize];
         let own = share(triangle.area);
         if triangle.texels == 0.0 {
             found.collapsed.add(own, triangle.id);
             found.collapsed_share += own;
             continue;
         }
+        let chart = &charts[triangle.chart as usize];
         if (triangle.texels > 0.0) != (chart.area[0] >= chart.area[1]) {
             found.mirrored.add(own, triangle.id);
             found.mirrored_share += own;
@@ -93,16 +93,15 @@ fn chart_sums(triangles: &[CheckedTriangle], count: usize) -> Vec<ChartSums> {
         first: usize::MAX,
     };
     let mut charts = vec![empty; count];
-    for (number, triangle) in triangles.iter().enumerate() {
+    let placed = triangles.iter().enumerate();
+    for (number, triangle) in placed.filter(|(_, t)| t.texels != 0.0) {
         let chart = &mut charts[triangle.chart as usize];
         chart.first = chart.first.min(number);
-        if triangle.texels != 0.0 {
-            chart.area[usize::from(triangle.texels < 0.0)] += triangle.area;
-            chart.texels += triangle.texels.abs();
-            for corner in triangle.corners {
-                chart.low = chart.low.min(corner);
-                chart.high = chart.high.max(corner);
-            }
+        chart.area[usize::from(triangle.texels < 0.0)] += triangle.area;
+        chart.texels += triangle.texels.abs();
+        for corner in triangle.corners {
+            chart.low = chart.low.min(corner);
+            chart.high = chart.high.max(corner);
         }
     }
     charts
