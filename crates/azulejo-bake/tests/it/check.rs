@@ -298,8 +298,8 @@ fn random_mesh(number: u32) -> Receiver {
     let scale = 10f64.powf(4.0 * random(1) - 2.0);
     match number % 3 {
         0 | 1 => {
-            let rough = random(2) * if number % 3 == 0 { 0.3 } else { 2.0 };
-            let long = if number % 3 == 0 { 1.0 } else { 20.0 };
+            let rough = random(2) * if number.is_multiple_of(3) { 0.3 } else { 2.0 };
+            let long = if number.is_multiple_of(3) { 1.0 } else { 20.0 };
             for (y, x) in (0..=side).flat_map(|y| (0..=side).map(move |x| (y, x))) {
                 let z = rough * random(10 + y * 32 + x);
                 let p = DVec3::new(f64::from(x), long * f64::from(y), z);
@@ -332,7 +332,7 @@ fn atlases_of_random_meshes_are_clean() {
         let options = UnwrapOptions {
             size: 256,
             padding: 1 + number % 3,
-            blocks: number % 7 == 0,
+            blocks: number.is_multiple_of(7),
             ..UnwrapOptions::default()
         };
         let name = receiver.name.clone();
