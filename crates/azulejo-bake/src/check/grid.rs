@@ -9,8 +9,8 @@ use glam::DVec2;
 const LEVELS: [i32; 2] = [-24, 26];
 
 /// Boxes that are looked at for all together, at most, and for each of them, at least and at most.
-const MOST_LOOKS: usize = 1 << 30;
-const LOOKS_EACH: [usize; 2] = [4096, 1 << 20];
+const MOST_LOOKS: usize = 1 << 29;
+const LOOKS_EACH: [usize; 2] = [1024, 1 << 20];
 
 /// A box on a page, texels.
 #[derive(Clone, Copy, Debug)]
