@@ -30,6 +30,7 @@ mod lightmap;
 mod lightmap_page;
 mod pad;
 mod receiver;
+mod regions;
 mod samples;
 mod seams;
 mod solids;

@@ -127,10 +127,20 @@ pub(crate) fn seams(
     crease: f64,
     tracer: Option<&Tracer>,
 ) -> Vec<[bool; 3]> {
+    let pairs = Edges::of(receiver, is_visible).pairs();
+    seams_among(&pairs, receiver, crease, tracer)
+}
+
+/// The same, of these pairs of its triangles.
+pub(crate) fn seams_among(
+    pairs: &[EdgePair],
+    receiver: &Receiver,
+    crease: f64,
+    tracer: Option<&Tracer>,
+) -> Vec<[bool; 3]> {
     let mut seams = vec![[false; 3]; receiver.triangles.len()];
-    let (smooth, creases): (Vec<EdgePair>, Vec<EdgePair>) = Edges::of(receiver, is_visible)
-        .pairs()
-        .into_iter()
+    let (smooth, creases): (Vec<EdgePair>, Vec<EdgePair>) = pairs
+        .iter()
         .partition(|pair| pair.is_smooth(receiver, crease));
     let is_contact =
         |pair: &&EdgePair| tracer.is_some_and(|tracer| pair.is_contact(receiver, tracer));

@@ -15,6 +15,9 @@ pub const MOST_SIZE: u32 = 16_384;
 /// Share of a page that charts of usual scenes fill, when pages are counted in advance.
 const USUAL_COVERAGE: f64 = 0.5;
 
+/// Texels of charts that are only looked at.
+const FEW_TEXELS: f64 = 65_536.0;
+
 /// Charts from which on they are packed in rows: by shape, thousands of them take tens of seconds.
 const MOST_SHAPED: usize = 40_000;
 
@@ -186,7 +189,7 @@ pub fn repack(
 /// Cuts meshes into charts and packs these.
 fn laid_out_on_pages(
     receivers: &[Receiver],
-    meshes: Vec<UnwrapMesh>,
+    mut meshes: Vec<UnwrapMesh>,
     options: &UnwrapOptions,
     progress: &Progress,
 ) -> Result<Layout, LayoutError> {
@@ -200,6 +203,9 @@ fn laid_out_on_pages(
     }
     let count: usize = receivers.iter().map(|r| r.triangles.len()).sum();
     progress.begin("charts", count as u64);
+    for (mesh, receiver) in meshes.iter_mut().zip(receivers) {
+        divide_folds(mesh, receiver, progress)?;
+    }
     let density = options.resolution.density(receivers);
     let pages = page_count(receivers, density, options)?;
     let mut layout = Layout {
@@ -215,6 +221,39 @@ fn laid_out_on_pages(
         layout.add_page(&members, &meshes, &atlas, options);
     }
     Ok(layout)
+}
+
+/// Divides the charts of a mesh that would fold over an edge at which they should end: makes charts once, to see
+/// which.
+fn divide_folds(
+    mesh: &mut UnwrapMesh,
+    receiver: &Receiver,
+    progress: &Progress,
+) -> Result<(), LayoutError> {
+    let density = (FEW_TEXELS / receiver.area()).sqrt() as f32;
+    if !density.is_normal() || !mesh.may_fold() {
+        return Ok(());
+    }
+    let wanted = Options {
+        density: Density::Fixed {
+            texels_per_unit: density,
+            page_size: None,
+        },
+        padding: 0,
+        packing: Packing::Fast,
+        ..Options::default()
+    };
+    let report = |_: uvunwrap::Progress| progress.advance(0).is_ok();
+    match uvunwrap::generate_with_progress(&[mesh.input(1.0)], &wanted, report) {
+        Ok(atlas) => {
+            let layout = laid_out(&atlas.meshes[0], mesh.parts.len(), 0, 0, [1.0; 2]);
+            mesh.divide(&layout.charts);
+            Ok(())
+        }
+        Err(uvunwrap::Error::Cancelled) => Err(LayoutError::Cancelled),
+        // What is wrong will be said when charts are made for good.
+        Err(_) => Ok(()),
+    }
 }
 
 /// Pages that the resolution asks for.

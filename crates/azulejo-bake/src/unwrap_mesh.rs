@@ -1,7 +1,8 @@
 //! Receivers as the unwrapper takes them.
 
 use crate::Receiver;
-use crate::seams::seams;
+use crate::regions::{has_folds, regions};
+use crate::seams::{EdgePair, Edges, seams_among};
 use azulejo_scene::math::Aabb;
 use azulejo_trace::Tracer;
 use glam::DVec3;
@@ -16,6 +17,8 @@ pub(crate) struct UnwrapMesh {
     pub parts: Vec<u32>,
     /// Edges that charts must not cross.
     pub seams: Vec<[bool; 3]>,
+    /// Triangles that meet at an edge.
+    pairs: Vec<EdgePair>,
     /// Triangles that get no chart.
     pub ignored: Vec<bool>,
     /// Coordinates of the vertices, if their charts stay.
@@ -40,11 +43,13 @@ impl UnwrapMesh {
                 .as_vec3()
                 .to_array()
         };
+        let pairs = Edges::of(receiver, &is_visible).pairs();
         UnwrapMesh {
             positions: receiver.positions.iter().map(place).collect(),
             indices: receiver.triangles.iter().flatten().copied().collect(),
             parts: receiver.parts.clone(),
-            seams: seams(receiver, &is_visible, crease, Some(tracer)),
+            seams: seams_among(&pairs, receiver, crease, Some(tracer)),
+            pairs,
             ignored: is_visible.iter().map(|v| !v).collect(),
             uvs: None,
         }
@@ -69,6 +74,25 @@ impl UnwrapMesh {
         self.positions = positions;
         self.uvs = Some(of_vertices);
         self
+    }
+
+    /// Whether surfaces that seams do not cut in two have both sides of one.
+    pub fn may_fold(&self) -> bool {
+        let is_smooth = |pair: &&EdgePair| {
+            let mut sides = pair.sides.into_iter();
+            !sides.any(|(t, corner)| self.seams[t as usize][usize::from(corner)])
+        };
+        let smooth: Vec<EdgePair> = self.pairs.iter().filter(is_smooth).copied().collect();
+        let whole = vec![0; self.parts.len()];
+        let surfaces = regions(&smooth, &self.seams, &whole);
+        self.uvs.is_none() && has_folds(&self.pairs, &self.seams, &surfaces)
+    }
+
+    /// Divides charts that fold over a seam: their parts become parts of the mesh.
+    pub fn divide(&mut self, charts: &[u32]) {
+        if has_folds(&self.pairs, &self.seams, charts) {
+            self.parts = regions(&self.pairs, &self.seams, charts);
+        }
     }
 
     /// For the unwrapper, at this density relative to others.

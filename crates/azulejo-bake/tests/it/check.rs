@@ -245,6 +245,7 @@ fn judged(
     assert_eq!(found.outside.count, 0, "{name}: {found:?}");
     assert_eq!(found.overlaps.count, 0, "{name}: {found:?}");
     assert_eq!(found.near.count, 0, "{name}: {found:?}");
+    assert_eq!(found.creases.count, 0, "{name}: {found:?}");
     assert!(found.mirrored_share < 1e-6, "{name}: {found:?}");
     assert!(found.collapsed_share < 1e-6, "{name}: {found:?}");
     let charted: Vec<u32> = layout
@@ -274,12 +275,11 @@ fn our_atlases_are_clean() {
             ..UnwrapOptions::default()
         };
         let found = judged(name, &receivers(&scene), &Tracer::new(&scene), &options);
-        assert!(found.stretch <= 1.05, "{name}: {found:?}");
-        // On a rough ball creases end within a chart.
-        assert!(
-            found.creases.count == 0 || name == "ball",
-            "{name}: {found:?}"
+        println!(
+            "{name}: {} charts, covered {:.2}",
+            found.charts, found.covered
         );
+        assert!(found.stretch <= 1.05, "{name}: {found:?}");
         assert!(found.most_stretch.amount <= 4.0, "{name}: {found:?}");
         let least = if found.charts < 100 { 0.5 } else { 0.3 };
         assert!(found.covered > least, "{name}: {found:?}");

@@ -81,7 +81,7 @@ fn atlases_of_files_are_clean() {
         };
         let found = check(&receivers, &layout, &wanted);
         assert!(found.is_complete, "{name}");
-        for finding in [found.outside, found.overlaps, found.near] {
+        for finding in [found.outside, found.overlaps, found.near, found.creases] {
             assert_eq!(finding.count, 0, "{name}: {found:?}");
         }
         assert!(found.mirrored_share < 1e-6, "{name}: {found:?}");
