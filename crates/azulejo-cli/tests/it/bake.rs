@@ -280,14 +280,21 @@ fn objects_are_denser_than_others() {
         let line = format!("bake room.obj -o room.glb --texels-per-metre 20 --error 30% {more}");
         let run = folder.run(&format!("{line} --json"));
         let report: Value = serde_json::from_str(&run.out).unwrap();
-        (report["texels_per_metre"].as_f64().unwrap(), run.err)
+        (
+            report["texels_per_metre"].as_f64().unwrap(),
+            report["warnings"].to_string(),
+        )
     };
     let usual = density("").0;
     assert!((usual - 20.0).abs() < 1.0, "{usual}");
     // The last that fits counts.
     let (sparse, _) = density("--density *=2 --density wal?s=0.25");
     assert!(sparse > 4.9 && sparse < 7.0, "{sparse}");
-    assert!(density("--density none*=2").1.contains("no object has such a name"));
+    assert!(
+        density("--density none*=2")
+            .1
+            .contains("no object has such a name")
+    );
     for wrong in ["walls", "walls=0", "walls=x", "[=2", "walls=1e9"] {
         let run = folder.run(&format!("bake room.obj -o x.glb --density {wrong}"));
         assert_eq!(run.code, Some(2), "{wrong}\n{}", run.err);

@@ -45,6 +45,12 @@ fn read(
     set: Option<u32>,
     follows: bool,
 ) -> Result<FoundLightmap, PatchError> {
+    // Nodes that share a mesh have coordinates each, as they may read the picture in other places.
+    let faces: u64 = origins.iter().map(|o| o.faces.len() as u64).sum();
+    if faces > file.options.most_elements {
+        let found = format!("{faces} faces with those of all nodes that share a mesh");
+        return Err(PatchError::of(file.name, found));
+    }
     let parts = Parts::of(file.bytes, file.name)?;
     let root = parsed(&parts, file)?;
     let source = Source::new(parts, &root, file);
