@@ -275,10 +275,6 @@ fn our_atlases_are_clean() {
             ..UnwrapOptions::default()
         };
         let found = judged(name, &receivers(&scene), &Tracer::new(&scene), &options);
-        println!(
-            "{name}: {} charts, covered {:.2}",
-            found.charts, found.covered
-        );
         assert!(found.stretch <= 1.05, "{name}: {found:?}");
         assert!(found.most_stretch.amount <= 4.0, "{name}: {found:?}");
         let least = if found.charts < 100 { 0.5 } else { 0.3 };

@@ -87,15 +87,6 @@ fn atlases_of_files_are_clean() {
         assert!(found.mirrored_share < 1e-6, "{name}: {found:?}");
         assert!(found.collapsed_share < 1e-6, "{name}: {found:?}");
         assert!(found.stretch <= 1.05, "{name}: {found:?}");
-        println!(
-            "{name}: {triangles} triangles, {} charts, {} creases, covered {:.2}, stretch {:.4} {:.2}, {} thin",
-            found.charts,
-            found.creases.count,
-            found.covered,
-            found.stretch,
-            found.most_stretch.amount,
-            found.thin.count
-        );
         clean += 1;
     });
     assert!(clean > 10, "{clean}");
