@@ -42,6 +42,35 @@ pub struct SourceFile {
     pub options: ReadOptions,
 }
 
+impl SourceFile {
+    /// Reads a file as the command says.
+    pub fn read(args: &BakeArgs, path: &Path) -> Result<SourceFile, Failure> {
+        let reading = &args.input.reading;
+        let files = Folder::of_model(path);
+        Ok(SourceFile {
+            bytes: read_bytes(path)?,
+            name: path.to_string_lossy().into_owned(),
+            files: (reading.allow.iter()).fold(files, |files, more| files.allow(more)),
+            options: ReadOptions {
+                lod: reading.lod,
+                most_elements: reading.most_elements,
+                darkens_unpainted: true,
+                ..ReadOptions::default()
+            },
+        })
+    }
+
+    /// For edits.
+    pub fn patched(&self) -> gltf::patch::GltfFile<'_> {
+        gltf::patch::GltfFile {
+            bytes: &self.bytes,
+            name: &self.name,
+            files: &self.files,
+            options: &self.options,
+        }
+    }
+}
+
 impl BakeSource {
     /// Reads the models of a command.
     pub fn read(args: &BakeArgs, session: &mut Session) -> Result<BakeSource, Failure> {
@@ -67,19 +96,7 @@ impl BakeSource {
                 "a glTF file that gets a lightmap cannot come from standard input: name the file",
             ));
         }
-        let reading = &args.input.reading;
-        let files = Folder::of_model(path);
-        let file = SourceFile {
-            bytes: read_bytes(path)?,
-            name: path.to_string_lossy().into_owned(),
-            files: (reading.allow.iter()).fold(files, |files, more| files.allow(more)),
-            options: ReadOptions {
-                lod: reading.lod,
-                most_elements: reading.most_elements,
-                darkens_unpainted: true,
-                ..ReadOptions::default()
-            },
-        };
+        let file = SourceFile::read(args, path)?;
         let read = gltf::read_with_origins(&file.bytes, &file.name, &file.files, &file.options);
         let (_, origins) = read.map_err(Failure::failed)?;
         // What is added for light alone, such as the floor of a studio, comes behind.

@@ -4,8 +4,8 @@ use super::super::super::container::tests::glb_of;
 use super::craft::{Craft, json_of};
 use super::{Case, Charts, check, layouts, pages, usual};
 use crate::gltf::patch::{
-    Container, Convention, GltfFile, InstanceMode, LightmapEdit, LightsMode, MediaType,
-    ObjectLayout, PatchError, PatchedFile, strip, with_lightmap,
+    Container, Convention, GltfFile, InstanceMode, LightmapEdit, LightmapUvs, LightsMode,
+    MediaType, ObjectLayout, PatchError, PatchedFile, strip, with_lightmap,
 };
 use crate::gltf::read_with_origins;
 use crate::{Memory, ReadOptions};
@@ -401,7 +401,10 @@ fn what_does_not_fit_is_refused() {
         "of 0 and pages of 0",
     );
     refused(&|e| e.pages = &[], "page 0 of 0");
-    refused(&|e| e.uv_set = Some(9), "no set of texture coordinates");
+    refused(
+        &|e| e.uvs = LightmapUvs::Added(9),
+        "no set of texture coordinates",
+    );
     let far = |uv: f32, page: u32| {
         let mut pages = vec![0; 4];
         pages[3] = page;
@@ -490,6 +493,6 @@ fn coordinates_of_pictures_are_left_alone() {
         bytes: &bytes,
         ..case
     };
-    let wished = check(&case, Charts::One, |e| e.uv_set = Some(0)).unwrap();
+    let wished = check(&case, Charts::One, |e| e.uvs = LightmapUvs::Added(0)).unwrap();
     assert_eq!(lightmap(&json_of(&wished), 0)["texCoord"], 0);
 }
