@@ -34,6 +34,8 @@ pub(crate) struct Integrator<'a> {
     gather: FinalGather,
     /// Whether the scene carries irradiance.
     is_solved: bool,
+    /// Whether it has a lightmap, of which surfaces without one get light.
+    has_lightmap: bool,
     seed: u32,
     max_depth: u32,
     /// Whether direct light is told from indirect light in stored irradiance.
@@ -88,6 +90,7 @@ impl<'a> Integrator<'a> {
             scene: RenderScene::new(scene, tracer),
             gather: options.gather,
             is_solved: scene.is_solved(),
+            has_lightmap: scene.has_lightmap(),
             seed: hash(&[options.seed as u32, (options.seed >> 32) as u32]),
             max_depth: options.max_depth,
             splits: false,
@@ -312,7 +315,7 @@ impl<'a> CameraPath<'_, 'a> {
                     return true;
                 }
                 // Without a solution only lamps show.
-                None if at.front => return false,
+                None if at.front && !self.integrator.has_lightmap => return false,
                 _ => {}
             }
         }

@@ -2,8 +2,8 @@
 
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{
-    Attribute, BackIrradiance, Material, Mesh, Object, PlacedMesh, Primitive, Rgb, Scene, Shape,
-    TriangleTree,
+    Attribute, BackIrradiance, Image, IrradiancePicture, Material, Mesh, Object, PlacedMesh,
+    Primitive, Rgb, Scene, Shape, Sidedness, TriangleTree,
 };
 use azulejo_trace::{Item, KernelHit, KernelRay, Tracer};
 use glam::{DAffine3, DVec2, DVec3};
@@ -45,8 +45,8 @@ struct ItemFace {
     /// The remaining corner of a quadrilateral that is convex along its normal, in the affine
     /// coordinates in which the triangle is (0, 0), (1, 0), (0, 1); NaN for all other faces.
     fourth: [f32; 2],
-    /// Size of the face or of the primitive's cell, scene units, and without irradiance infinite; of a
-    /// shared mesh in its coordinates.
+    /// Size of the face, of the primitive's cell or of a texel of the lightmap, scene units, and without
+    /// irradiance infinite; of a shared mesh in its coordinates.
     footprint: f32,
 }
 
@@ -61,10 +61,22 @@ pub(crate) struct IrradianceLookup<'a> {
 enum IrradianceSource<'a> {
     /// Between the corners of a face.
     Mesh(PlacedMesh<'a>, Weights),
+    /// In a lightmap.
+    Lightmap(LightmapTexel<'a>),
     /// At `(u, v)` of a part of a primitive.
     Primitive(&'a Primitive, usize, f64, f64),
     /// On an exact shape: on the nearest face of its proxy mesh, if it has one.
     Exact(Option<(&'a Mesh, Weights)>),
+}
+
+/// A place in a lightmap.
+#[derive(Clone, Copy, Debug)]
+struct LightmapTexel<'a> {
+    lightmap: IrradiancePicture,
+    image: &'a Image,
+    uv: DVec2,
+    /// Whether the back shows it, too.
+    both_sides: bool,
 }
 
 /// A mean of up to four corners of one face.
@@ -112,9 +124,16 @@ impl<'a> Interpolator<'a> {
         let (item, shape) = self.at(hit);
         let [u, v] = hit.uv().map(f64::from);
         if let Some(placed) = shape.placed_mesh() {
+            let weights = Weights::on_face(item, u, v);
+            if let Some(texel) = self.texel(hit, &placed, &weights) {
+                return IrradianceLookup {
+                    footprint: in_world(&placed, item.footprint),
+                    source: IrradianceSource::Lightmap(texel),
+                };
+            }
             return IrradianceLookup {
                 footprint: footprint(&placed, item),
-                source: IrradianceSource::Mesh(placed, Weights::on_face(item, u, v)),
+                source: IrradianceSource::Mesh(placed, weights),
             };
         }
         match shape {
@@ -124,6 +143,29 @@ impl<'a> Interpolator<'a> {
             },
             _ => self.on_proxy(item.object, ray, hit),
         }
+    }
+
+    /// The place in a lightmap, of a mesh that has one and no irradiance on its vertices.
+    fn texel(
+        &self,
+        hit: &KernelHit,
+        placed: &PlacedMesh<'a>,
+        weights: &Weights,
+    ) -> Option<LightmapTexel<'a>> {
+        if !placed.irradiance.is_empty() {
+            return None;
+        }
+        let uv = weights.of_attribute(placed.mesh, placed.mesh.lightmap_uvs.as_ref()?);
+        let face = self.tracer.item(hit.item).face as usize;
+        let material = placed.mesh.face_materials[face];
+        let (lightmap, image) = self.scene.lightmap(material)?;
+        let sidedness = self.scene.materials[material as usize].sidedness;
+        Some(LightmapTexel {
+            lightmap,
+            image,
+            uv,
+            both_sides: sidedness != Sidedness::One,
+        })
     }
 
     /// The face that was hit, and the shape of its object.
@@ -241,9 +283,12 @@ impl ItemFace {
         let object = item.object;
         let shape = &scene.objects[object as usize].shape;
         if let Some(mesh) = shape.mesh() {
+            let face = item.face as usize;
+            let of_mesh = ItemFace::of_mesh(mesh, face, corners);
             return ItemFace {
                 object,
-                ..ItemFace::of_mesh(mesh, item.face as usize, corners)
+                footprint: texel_size(scene, mesh, face, corners).unwrap_or(of_mesh.footprint),
+                ..of_mesh
             };
         }
         match shape {
@@ -288,8 +333,37 @@ fn footprint(placed: &PlacedMesh, item: &ItemFace) -> f32 {
     if placed.irradiance.is_empty() {
         return f32::INFINITY;
     }
+    in_world(placed, item.footprint)
+}
+
+/// A length of a mesh in the world.
+fn in_world(placed: &PlacedMesh, length: f32) -> f32 {
     let scale = |map: &DAffine3| map.matrix3.determinant().cbrt() as f32;
-    item.footprint * placed.world_from_mesh().map_or(1.0, scale)
+    length * placed.world_from_mesh().map_or(1.0, scale)
+}
+
+/// Size of a texel of the lightmap on a triangle of a face, in the coordinates of the mesh; `None` where
+/// there is no lightmap, or the whole triangle shows one point of it.
+fn texel_size(scene: &Scene, mesh: &Mesh, face: usize, corners: [u32; 3]) -> Option<f32> {
+    if mesh.lightmap_uvs.is_none() || !mesh.irradiance.is_empty() {
+        return None;
+    }
+    let (_, image) = scene.lightmap(mesh.face_materials[face])?;
+    let start = mesh.faces.starts[face] as usize;
+    let of_corner = |k: u32| {
+        let corner = start + k as usize;
+        let position = mesh.positions[mesh.faces.corners[corner] as usize];
+        Some((position, mesh.lightmap_uv(corner)?))
+    };
+    let [(a, a_uv), (b, b_uv), (c, c_uv)] = [
+        of_corner(corners[0])?,
+        of_corner(corners[1])?,
+        of_corner(corners[2])?,
+    ];
+    let texels = DVec2::new(f64::from(image.width), f64::from(image.height));
+    let covered = ((b_uv - a_uv) * texels).perp_dot((c_uv - a_uv) * texels);
+    let size = (b - a).cross(c - a).length() / covered.abs();
+    Some(size.sqrt() as f32).filter(|size| size.is_finite())
 }
 
 /// The corner of a quadrilateral that a triangle of it lacks, in the triangle's affine
@@ -334,6 +408,10 @@ impl IrradianceLookup<'_> {
             (IrradianceSource::Mesh(placed, weights), false) => {
                 weights.of_backs(placed.mesh, placed.back?)
             }
+            (IrradianceSource::Lightmap(texel), front) => {
+                let shown = front || texel.both_sides;
+                shown.then(|| texel.lightmap.at(texel.image, texel.uv))
+            }
             (IrradianceSource::Primitive(p, part, u, v), true) => {
                 p.light.as_ref().map(|light| light.at(*part, *u, *v))
             }
@@ -371,6 +449,8 @@ impl IrradianceLookup<'_> {
                     differ(values)
                 })
             }
+            // Texels are as fine as whoever baked them wanted.
+            (IrradianceSource::Lightmap(_), _) => false,
             (IrradianceSource::Primitive(..) | IrradianceSource::Exact(_), _) => false,
         }
     }
@@ -451,13 +531,15 @@ impl Weights {
     }
 
     fn uv(&self, mesh: &Mesh) -> Option<DVec2> {
-        let uvs = mesh.uvs.as_ref()?;
+        Some(self.of_attribute(mesh, mesh.uvs.as_ref()?))
+    }
+
+    /// The mean of texture coordinates.
+    fn of_attribute(&self, mesh: &Mesh, uvs: &Attribute<DVec2>) -> DVec2 {
         let pairs = self.corners.iter().zip(self.weights);
-        Some(
-            pairs
-                .map(|(&c, w)| w * uvs.at(c, mesh.faces.corners[c]))
-                .sum(),
-        )
+        pairs
+            .map(|(&c, w)| w * uvs.at(c, mesh.faces.corners[c]))
+            .sum()
     }
 }
 

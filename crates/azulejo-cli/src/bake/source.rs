@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::input;
 use crate::session::Session;
 use azulejo::lightmap::meshes_of;
-use azulejo::models::read_bytes;
+use azulejo::models::{read_bytes, unbaked};
 use azulejo_formats::gltf::{self, ObjectOrigin, Stillness};
 use azulejo_formats::{Folder, Format, ReadOptions};
 use azulejo_scene::{Object, Scene, Shape};
@@ -45,7 +45,7 @@ pub struct SourceFile {
 impl BakeSource {
     /// Reads the models of a command.
     pub fn read(args: &BakeArgs, session: &mut Session) -> Result<BakeSource, Failure> {
-        let scene = input::read_lit(&args.input, args.first_pass.instant(), session)?;
+        let scene = input::read_relit(&args.input, args.first_pass.instant(), session)?;
         if session.formats().first() == Some(&Format::Gltf) {
             if let Some(source) = BakeSource::given(&scene, args, session)? {
                 return Ok(source);
@@ -69,9 +69,11 @@ impl BakeSource {
         }
         let reading = &args.input.reading;
         let files = Folder::of_model(path);
+        let name = path.to_string_lossy().into_owned();
         let file = SourceFile {
-            bytes: read_bytes(path)?,
-            name: path.to_string_lossy().into_owned(),
+            // As the scene was read: without a lightmap of azulejo's.
+            bytes: unbaked(read_bytes(path)?, &name).0,
+            name,
             files: (reading.allow.iter()).fold(files, |files, more| files.allow(more)),
             options: ReadOptions {
                 lod: reading.lod,
