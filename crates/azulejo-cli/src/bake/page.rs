@@ -54,7 +54,7 @@ pub fn write(
     for receiver in 0..baked.atlas.receivers.len() {
         add_meshes(scene, baked, receiver, &mut model);
     }
-    page::write(&model, out)
+    web_page::write(&model, out)
 }
 
 fn material_of(scene: &Scene, material: &Material) -> io::Result<PageMaterial> {
