@@ -108,7 +108,7 @@ pub struct LightmapFileArgs {
     #[arg(long, value_name = "HOW", default_value = "copy")]
     pub instances: InstancesArg,
     /// What becomes of lamps without area that were baked [default: dim; keep with --light indirect]
-    #[arg(long, value_name = "WHAT")]
+    #[arg(long = "baked-lights", id = "baked_lights", value_name = "WHAT")]
     pub lights: Option<LightsArg>,
 }
 
@@ -206,7 +206,7 @@ impl InstancesArg {
     }
 }
 
-/// `--lights`
+/// `--baked-lights`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum LightsArg {
     /// Their intensity becomes 0, with a note of what it was

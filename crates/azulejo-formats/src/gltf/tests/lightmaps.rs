@@ -140,7 +140,8 @@ fn bright_pictures_come_before_others() {
     let pixels = vec![[8.0, 8.0, 8.0]; 4];
     hdr::write(&Image::opaque(2, 2, pixels), &mut bright).unwrap();
     let mut file = square(json!({ "index": 0, "intensity": 2 }));
-    file["images"][1] = json!({ "uri": data(&bright), "mimeType": "image/vnd.radiance" });
+    let images = file["images"].as_array_mut().unwrap();
+    images.push(json!({ "uri": data(&bright), "mimeType": "image/vnd.radiance" }));
     file["textures"][0]["extensions"] = json!({ "MOZ_texture_rgbe": { "source": 1 } });
     let scene = read(&file.to_string(), &[]);
     near(irradiance(&scene, 0, 0.75, 0.75), 16.0);
@@ -193,8 +194,8 @@ fn places_share_a_lightmap_or_have_their_own() {
 #[test]
 fn only_primitives_with_coordinates_have_one() {
     let mut file = square(json!({ "index": 0 }));
-    file["meshes"][0]["primitives"][1] =
-        json!({ "attributes": { "POSITION": 0 }, "indices": 2, "material": 0 });
+    let primitives = file["meshes"][0]["primitives"].as_array_mut().unwrap();
+    primitives.push(json!({ "attributes": { "POSITION": 0 }, "indices": 2, "material": 0 }));
     let scene = read(&file.to_string(), &["without TEXCOORD_1"]);
     let mesh = mesh_of(&scene, 0);
     let lit = mesh

@@ -41,7 +41,7 @@ fn lightmaps_of_others_are_replaced() {
     let text = String::from_utf8_lossy(&bytes).into_owned();
     assert!(text.contains("\"intensity\": 3.50"));
     let lightmap = |patched: &PatchedFile, material: usize| {
-        json_of(&patched.bytes)["materials"][material]["extensions"]["MOZ_lightmap"].clone()
+        json_of(patched)["materials"][material]["extensions"]["MOZ_lightmap"].clone()
     };
     let replaced = edit(&bytes, &[Some(0), Some(0)], |_| {}).unwrap();
     assert_eq!(lightmap(&replaced, 0)["intensity"], 12.5);
@@ -56,7 +56,7 @@ fn lightmaps_of_others_are_replaced() {
     assert!(of_nodes.notes.iter().any(|n| n.contains("loses it")));
     // The other way round.
     let again = edit(&of_nodes_of_others(), &[Some(0)], |_| {}).unwrap();
-    assert!(json_of(&again.bytes)["nodes"][0]["extensions"]["MX_lightmap"].is_null());
+    assert!(json_of(&again)["nodes"][0]["extensions"]["MX_lightmap"].is_null());
 }
 
 /// A node with the lightmap of another program.
