@@ -305,8 +305,11 @@ impl<'a> CameraPath<'_, 'a> {
         let weight = segment.weight * reflectance * FRAC_1_PI;
         let is_everywhere = matches!(self.integrator.gather, FinalGather::Everywhere(_));
         let shows_patches = !is_everywhere || (self.integrator.is_solved && !segment.is_sharp());
-        if shows_patches {
-            let solved = self.integrator.scene.interpolator.lookup(&at.ray, &at.hit);
+        let look_up = || self.integrator.scene.interpolator.lookup(&at.ray, &at.hit);
+        // The lamps of a lightmap may be gone, so that nothing else finds their light.
+        let may_be_baked = self.integrator.has_lightmap;
+        let solved = (shows_patches || may_be_baked).then(look_up);
+        if let Some(solved) = solved.filter(|s| shows_patches || s.is_baked()) {
             let may_gather = matches!(self.integrator.gather, FinalGather::Uneven(_));
             let is_uneven = may_gather && segment.is_sharp() && solved.is_uneven(at.front);
             match solved.irradiance(at.front) {

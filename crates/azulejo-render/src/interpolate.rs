@@ -45,8 +45,8 @@ struct ItemFace {
     /// The remaining corner of a quadrilateral that is convex along its normal, in the affine
     /// coordinates in which the triangle is (0, 0), (1, 0), (0, 1); NaN for all other faces.
     fourth: [f32; 2],
-    /// Size of the face, of the primitive's cell or of a texel of the lightmap, scene units, and without
-    /// irradiance infinite; of a shared mesh in its coordinates.
+    /// Size of the face or of the primitive's cell, scene units, and without irradiance infinite; of a
+    /// shared mesh in its coordinates.
     footprint: f32,
 }
 
@@ -127,7 +127,8 @@ impl<'a> Interpolator<'a> {
             let weights = Weights::on_face(item, u, v);
             if let Some(texel) = self.texel(hit, &placed, &weights) {
                 return IrradianceLookup {
-                    footprint: in_world(&placed, item.footprint),
+                    // Read from any distance: the lamps whose light it has may be gone.
+                    footprint: 0.0,
                     source: IrradianceSource::Lightmap(texel),
                 };
             }
@@ -145,26 +146,43 @@ impl<'a> Interpolator<'a> {
         }
     }
 
-    /// The place in a lightmap, of a mesh that has one and no irradiance on its vertices.
+    /// Whether the surface at a hit has a lightmap, and no irradiance on vertices.
+    pub fn is_baked(&self, hit: &KernelHit) -> bool {
+        let (_, shape) = self.at(hit);
+        let placed = shape.placed_mesh();
+        placed.is_some_and(|placed| self.lightmap(hit, &placed).is_some())
+    }
+
+    /// The lightmap at a hit of a mesh without irradiance on vertices, and whether backs show it.
+    fn lightmap(
+        &self,
+        hit: &KernelHit,
+        placed: &PlacedMesh<'a>,
+    ) -> Option<(IrradiancePicture, &'a Image, bool)> {
+        if !placed.irradiance.is_empty() || placed.mesh.lightmap_uvs.is_none() {
+            return None;
+        }
+        let face = self.tracer.item(hit.item).face as usize;
+        let material = placed.mesh.face_materials[face];
+        let (lightmap, image) = self.scene.lightmap(material)?;
+        let sidedness = self.scene.materials[material as usize].sidedness;
+        Some((lightmap, image, sidedness != Sidedness::One))
+    }
+
+    /// The place in the lightmap at a hit.
     fn texel(
         &self,
         hit: &KernelHit,
         placed: &PlacedMesh<'a>,
         weights: &Weights,
     ) -> Option<LightmapTexel<'a>> {
-        if !placed.irradiance.is_empty() {
-            return None;
-        }
-        let uv = weights.of_attribute(placed.mesh, placed.mesh.lightmap_uvs.as_ref()?);
-        let face = self.tracer.item(hit.item).face as usize;
-        let material = placed.mesh.face_materials[face];
-        let (lightmap, image) = self.scene.lightmap(material)?;
-        let sidedness = self.scene.materials[material as usize].sidedness;
+        let (lightmap, image, both_sides) = self.lightmap(hit, placed)?;
+        let uvs = placed.mesh.lightmap_uvs.as_ref()?;
         Some(LightmapTexel {
             lightmap,
             image,
-            uv,
-            both_sides: sidedness != Sidedness::One,
+            uv: weights.of_attribute(placed.mesh, uvs),
+            both_sides,
         })
     }
 
@@ -283,12 +301,9 @@ impl ItemFace {
         let object = item.object;
         let shape = &scene.objects[object as usize].shape;
         if let Some(mesh) = shape.mesh() {
-            let face = item.face as usize;
-            let of_mesh = ItemFace::of_mesh(mesh, face, corners);
             return ItemFace {
                 object,
-                footprint: texel_size(scene, mesh, face, corners).unwrap_or(of_mesh.footprint),
-                ..of_mesh
+                ..ItemFace::of_mesh(mesh, item.face as usize, corners)
             };
         }
         match shape {
@@ -333,37 +348,8 @@ fn footprint(placed: &PlacedMesh, item: &ItemFace) -> f32 {
     if placed.irradiance.is_empty() {
         return f32::INFINITY;
     }
-    in_world(placed, item.footprint)
-}
-
-/// A length of a mesh in the world.
-fn in_world(placed: &PlacedMesh, length: f32) -> f32 {
     let scale = |map: &DAffine3| map.matrix3.determinant().cbrt() as f32;
-    length * placed.world_from_mesh().map_or(1.0, scale)
-}
-
-/// Size of a texel of the lightmap on a triangle of a face, in the coordinates of the mesh; `None` where
-/// there is no lightmap, or the whole triangle shows one point of it.
-fn texel_size(scene: &Scene, mesh: &Mesh, face: usize, corners: [u32; 3]) -> Option<f32> {
-    if mesh.lightmap_uvs.is_none() || !mesh.irradiance.is_empty() {
-        return None;
-    }
-    let (_, image) = scene.lightmap(mesh.face_materials[face])?;
-    let start = mesh.faces.starts[face] as usize;
-    let of_corner = |k: u32| {
-        let corner = start + k as usize;
-        let position = mesh.positions[mesh.faces.corners[corner] as usize];
-        Some((position, mesh.lightmap_uv(corner)?))
-    };
-    let [(a, a_uv), (b, b_uv), (c, c_uv)] = [
-        of_corner(corners[0])?,
-        of_corner(corners[1])?,
-        of_corner(corners[2])?,
-    ];
-    let texels = DVec2::new(f64::from(image.width), f64::from(image.height));
-    let covered = ((b_uv - a_uv) * texels).perp_dot((c_uv - a_uv) * texels);
-    let size = (b - a).cross(c - a).length() / covered.abs();
-    Some(size.sqrt() as f32).filter(|size| size.is_finite())
+    item.footprint * placed.world_from_mesh().map_or(1.0, scale)
 }
 
 /// The corner of a quadrilateral that a triangle of it lacks, in the triangle's affine
@@ -453,6 +439,11 @@ impl IrradianceLookup<'_> {
             (IrradianceSource::Lightmap(_), _) => false,
             (IrradianceSource::Primitive(..) | IrradianceSource::Exact(_), _) => false,
         }
+    }
+
+    /// Whether it is read in a lightmap.
+    pub fn is_baked(&self) -> bool {
+        matches!(self.source, IrradianceSource::Lightmap(_))
     }
 
     /// Size of the patch, scene units: from nearer than this its interpolated irradiance is too

@@ -3,8 +3,8 @@
 use crate::{assert_close, mesh_of, polygon, radiance_along};
 use azulejo_render::{FinalGather, SecondPass};
 use azulejo_scene::{
-    Attribute, Image, IrradiancePicture, Material, Object, Rgb, Scene, Shape, SharedMesh,
-    Sidedness, Texture, WrapMode,
+    Attribute, Image, IrradiancePicture, Material, Object, Relief, ReliefKind, Rgb, Scene, Shape,
+    SharedMesh, Sidedness, Texture, WrapMode,
 };
 use glam::{DAffine3, DVec2, DVec3};
 use std::f64::consts::PI;
@@ -72,7 +72,11 @@ const SEEN: [(f64, f64); 7] = [
 fn texels_are_interpolated() {
     let scene = square(Sidedness::Two);
     assert!(scene.is_solved());
-    for gather in [FinalGather::Unknown, FinalGather::Uneven(16)] {
+    for gather in [
+        FinalGather::Unknown,
+        FinalGather::Uneven(16),
+        FinalGather::Everywhere(16),
+    ] {
         let options = SecondPass {
             gather,
             ..SecondPass::default()
@@ -172,6 +176,27 @@ fn other_surfaces_see_the_light() {
     let found = radiance_along(&scene, &[up(0.0), up(3.0)], &options);
     assert_close(found[0], Rgb::grey(0.5 * light), 1e-4);
     assert_close(found[1], Rgb::grey(0.5 * light), 0.02 * light);
+}
+
+/// The light of a lightmap does not depend on relief.
+#[test]
+fn reliefs_show_the_same() {
+    let mut scene = square(Sidedness::Two);
+    scene.textures.push(Texture {
+        path: "normals".into(),
+        image: Some(Image::opaque(1, 1, vec![[0.8, 0.2, 0.6]])),
+        ..Texture::default()
+    });
+    scene.materials[0].relief = Some(Relief {
+        texture: 1,
+        kind: ReliefKind::Normals { scale: 1.0 },
+    });
+    let mesh = mesh_of(&mut scene, 0);
+    mesh.uvs = mesh.lightmap_uvs.clone();
+    let found = radiance_along(&scene, &down(1.0, &SEEN), &SecondPass::default());
+    for (&(x, y), found) in SEEN.iter().zip(found) {
+        assert_close(found, expected(x, y), 1e-4);
+    }
 }
 
 /// Lamps with a lightmap emit, too.
