@@ -289,7 +289,7 @@ fn the_program_explains_itself() {
     folder.ok("man .");
     let page = String::from_utf8(folder.read("azulejo-render.1")).unwrap();
     assert!(page.contains(".TH") && page.contains("exposure"));
-    assert_eq!(folder.names().len(), 26);
+    assert_eq!(folder.names().len(), 27);
 }
 
 #[test]
