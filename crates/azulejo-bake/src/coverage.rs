@@ -16,7 +16,7 @@ const BAND: u32 = 16;
 const ROUNDING: f64 = 1e-9;
 
 /// Rounding of texture coordinates in single precision, as a share of the page.
-const COORDINATE_ROUNDING: f64 = 1.0 / (1 << 23) as f64;
+pub(crate) const COORDINATE_ROUNDING: f64 = 1.0 / (1 << 23) as f64;
 
 /// A triangle of a receiver.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -286,7 +286,7 @@ fn clipped(polygon: &[DVec2], axis: usize, low: f64) -> Vec<DVec2> {
 }
 
 /// The part of a convex polygon where `inside` is not negative.
-fn half(polygon: &[DVec2], inside: impl Fn(DVec2) -> f64) -> Vec<DVec2> {
+pub(crate) fn half(polygon: &[DVec2], inside: impl Fn(DVec2) -> f64) -> Vec<DVec2> {
     let mut kept = Vec::with_capacity(polygon.len() + 2);
     for (i, &a) in polygon.iter().enumerate() {
         let b = polygon[(i + 1) % polygon.len()];
@@ -302,7 +302,7 @@ fn half(polygon: &[DVec2], inside: impl Fn(DVec2) -> f64) -> Vec<DVec2> {
 }
 
 /// Area and centre of a convex polygon of either orientation.
-fn area_and_centre(polygon: &[DVec2]) -> (f64, DVec2) {
+pub(crate) fn area_and_centre(polygon: &[DVec2]) -> (f64, DVec2) {
     let Some((&a, rest)) = polygon.split_first() else {
         return (0.0, DVec2::ZERO);
     };

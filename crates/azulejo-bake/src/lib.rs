@@ -4,9 +4,11 @@
 //! |---|---|
 //! | Surfaces that receive light | [`Receiver`] |
 //! | Charts, which end where light jumps, packed on pages | [`unwrap()`], [`layout`]: an [`Atlas`] |
+//! | Charts of coordinates that surfaces have already | [`kept_layout`] |
 //! | What each texel covers, exactly, and the points at which it needs light | [`Coverage`], [`Samples`] |
 //! | Direct light of each texel, more finely at the edges of shadows | [`direct()`] |
 //! | Indirect light at some of them, interpolated, more finely where leaving one out shows an error | [`first_look`], [`look_again`], [`with_indirect`] |
+//! | What is wrong with texture coordinates, ours or anybody's | [`check()`](check::check) |
 //! | Texels without what lies inside of solids, continued around charts, alike on both sides of seams | [`Lightmap`], [`pad_charts`], [`stitch`], [`fill`] |
 //! | A model with its lightmaps and a viewer in one HTML file | [`web_page`] |
 //!
@@ -14,12 +16,14 @@
 //! [`LookRequest`] and [`PairRequest`]. `azulejo::lightmap::bake` brings both together.
 mod atlas;
 mod buried;
+pub mod check;
 mod correction;
 mod coverage;
 mod direct;
 mod encode;
 mod field;
 mod indirect;
+mod kept;
 mod lattice;
 pub mod layout;
 mod light;
@@ -28,11 +32,14 @@ mod lightmap_page;
 mod nodes;
 mod pad;
 mod receiver;
+mod regions;
 mod samples;
 mod seams;
 mod solids;
 mod stitch;
+mod thin;
 pub mod unwrap;
+mod unwrap_mesh;
 pub mod web_page;
 pub use atlas::Atlas;
 pub use coverage::{Coverage, CoveredPiece, CoveredTexel, TriangleId};
@@ -43,6 +50,7 @@ pub use indirect::{
     LookRequest, NodeLattice, PairRays, PairRequest, TexelStatistics, first_look, look_again,
     with_indirect,
 };
+pub use kept::kept_layout;
 pub use layout::{Layout, ReceiverLayout};
 pub use light::{NodePair, TexelLight};
 pub use lightmap::{Lightmap, QuarterLight};
@@ -50,5 +58,5 @@ pub use lightmap_page::LightmapPage;
 pub use pad::{fill, pad_charts};
 pub use receiver::Receiver;
 pub use samples::{Samples, TexelSample};
-pub use stitch::{SeamErrors, stitch};
-pub use unwrap::{LayoutError, Resolution, UnwrapOptions, unwrap};
+pub use stitch::{SeamErrors, seam_errors, stitch};
+pub use unwrap::{LayoutError, Resolution, UnwrapOptions, repack, unwrap};

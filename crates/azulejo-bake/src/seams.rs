@@ -67,18 +67,17 @@ impl Edges {
         Edges { sides }
     }
 
-    /// All pairs of triangles that meet at an edge, in the order of the triangles.
+    /// Pairs of triangles that meet at an edge, in the order of the triangles. Of more than two at one edge, each
+    /// is in a pair with the next, so that there are no more pairs than triangles have edges.
     pub fn pairs(&self) -> Vec<EdgePair> {
         let mut pairs = Vec::new();
         for sides in self.sides.values() {
-            for (i, a) in sides.iter().enumerate() {
-                for b in &sides[i + 1..] {
-                    pairs.push(EdgePair {
-                        sides: [(a.triangle, a.corner), (b.triangle, b.corner)],
-                        is_twisted: a.is_along == b.is_along,
-                        is_shared_by_more: sides.len() > 2,
-                    });
-                }
+            for two in sides.windows(2) {
+                pairs.push(EdgePair {
+                    sides: [two[0], two[1]].map(|s| (s.triangle, s.corner)),
+                    is_twisted: two[0].is_along == two[1].is_along,
+                    is_shared_by_more: sides.len() > 2,
+                });
             }
         }
         pairs.sort_unstable_by_key(|p| p.sides);
@@ -121,19 +120,30 @@ fn is_within(a: DVec3, b: DVec3, degrees: f64) -> bool {
 }
 
 /// For each triangle which of its edges, from corner k to k + 1, a chart must not cross: creases, and
-/// edges on which something stands.
+/// edges on which `tracer` finds something standing.
 pub(crate) fn seams(
     receiver: &Receiver,
     is_visible: &[bool],
     crease: f64,
-    tracer: &Tracer,
+    tracer: Option<&Tracer>,
+) -> Vec<[bool; 3]> {
+    let pairs = Edges::of(receiver, is_visible).pairs();
+    seams_among(&pairs, receiver, crease, tracer)
+}
+
+/// The same, of these pairs of its triangles.
+pub(crate) fn seams_among(
+    pairs: &[EdgePair],
+    receiver: &Receiver,
+    crease: f64,
+    tracer: Option<&Tracer>,
 ) -> Vec<[bool; 3]> {
     let mut seams = vec![[false; 3]; receiver.triangles.len()];
-    let (smooth, creases): (Vec<EdgePair>, Vec<EdgePair>) = Edges::of(receiver, is_visible)
-        .pairs()
-        .into_iter()
+    let (smooth, creases): (Vec<EdgePair>, Vec<EdgePair>) = pairs
+        .iter()
         .partition(|pair| pair.is_smooth(receiver, crease));
-    let is_contact = |pair: &&EdgePair| pair.is_contact(receiver, tracer);
+    let is_contact =
+        |pair: &&EdgePair| tracer.is_some_and(|tracer| pair.is_contact(receiver, tracer));
     let contacts: Vec<EdgePair> = smooth.par_iter().filter(is_contact).copied().collect();
     for (triangle, corner) in creases.iter().chain(&contacts).flat_map(|pair| pair.sides) {
         seams[triangle as usize][corner as usize] = true;

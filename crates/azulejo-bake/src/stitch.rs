@@ -72,6 +72,31 @@ pub fn stitch(lightmap: &mut Lightmap, atlas: &Atlas) -> SeamErrors {
     errors
 }
 
+/// The root mean square of the difference along seams that are neither creases nor contacts, as it is:
+/// the same before and after.
+pub fn seam_errors(lightmap: &Lightmap, atlas: &Atlas) -> SeamErrors {
+    let starts = page_starts(lightmap);
+    let rows = rows(lightmap, &atlas.receivers, &atlas.layout, &starts);
+    let pages = lightmap.pages.iter();
+    let texels: Vec<[f32; 3]> = pages.flat_map(|p| p.irradiance.iter().copied()).collect();
+    let of_row = |row: &Row| -> f64 {
+        let of_channel = |k: usize| -> f64 {
+            let values = row.iter();
+            values
+                .map(|&(t, w)| w * f64::from(texels[t as usize][k]))
+                .sum()
+        };
+        (0..3).map(|k| of_channel(k).powi(2)).sum()
+    };
+    let count = (3 * rows.len()).max(1) as f64;
+    let error = (rows.iter().map(of_row).fold(0.0, |sum, x| sum + x) / count).sqrt();
+    SeamErrors {
+        points: rows.len(),
+        before: error,
+        after: error,
+    }
+}
+
 /// Differences of irradiance along seams.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SeamErrors {

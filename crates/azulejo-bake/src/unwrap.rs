@@ -2,10 +2,9 @@
 
 use crate::Receiver;
 use crate::layout::{Layout, NO_CHART, ReceiverLayout};
-use crate::seams::seams;
-use azulejo_scene::math::Aabb;
+use crate::thin;
+use crate::unwrap_mesh::UnwrapMesh;
 use azulejo_trace::{Cancelled, Progress, Tracer};
-use glam::DVec3;
 use std::fmt;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use uvunwrap::{Atlas, Density, MeshInput, Options, OutputMesh, Packing, Stage};
@@ -15,6 +14,9 @@ pub const MOST_SIZE: u32 = 16_384;
 
 /// Share of a page that charts of usual scenes fill, when pages are counted in advance.
 const USUAL_COVERAGE: f64 = 0.5;
+
+/// Texels of charts that are only looked at.
+const FEW_TEXELS: f64 = 65_536.0;
 
 /// Charts from which on they are packed in rows: by shape, thousands of them take tens of seconds.
 const MOST_SHAPED: usize = 40_000;
@@ -90,7 +92,7 @@ pub enum LayoutError {
     TooManyCharts {
         /// Size of a page, texels.
         size: u32,
-        /// A size that would do.
+        /// A size that would do; there may be no pages so large.
         enough: u32,
     },
     /// At the requested texels per unit a lightmap is larger than all memory.
@@ -113,11 +115,17 @@ impl fmt::Display for LayoutError {
             LayoutError::PageSize { size, least } => {
                 write!(f, "pages of {size} texels: expected {least} to {MOST_SIZE}")
             }
-            LayoutError::TooManyCharts { size, enough } => write!(
-                f,
-                "there are more charts than a page of {size} × {size} texels has room for, with their \
-                 padding: ask for {enough} texels, more pages, or less padding"
-            ),
+            LayoutError::TooManyCharts { size, enough } => {
+                write!(
+                    f,
+                    "there are more charts than a page of {size} × {size} texels has room for, with their \
+                     padding: ask for "
+                )?;
+                if *enough <= MOST_SIZE {
+                    write!(f, "a size of {enough} texels, ")?;
+                }
+                f.write_str("more pages, or less padding")
+            }
             LayoutError::TooDense { texels } => write!(
                 f,
                 "a lightmap of {texels:.3e} texels is too large: ask for fewer texels per metre"
@@ -150,20 +158,54 @@ pub fn unwrap(
     options: &UnwrapOptions,
     progress: &Progress,
 ) -> Result<Layout, LayoutError> {
+    let meshes = receivers
+        .iter()
+        .map(|r| UnwrapMesh::new(r, options.crease, tracer))
+        .collect();
+    laid_out_on_pages(receivers, meshes, options, progress)
+}
+
+/// Packs charts that receivers have already, such as several meshes that fill a page each: their shapes stay, but
+/// for turns and the size. `coordinates` has the `uvs` of each receiver. Charts that fold or overlap are
+/// made anew.
+///
+/// # Errors
+/// [`LayoutError`].
+pub fn repack(
+    receivers: &[Receiver],
+    coordinates: &[ReceiverLayout],
+    tracer: &Tracer,
+    options: &UnwrapOptions,
+    progress: &Progress,
+) -> Result<Layout, LayoutError> {
+    let meshes = receivers
+        .iter()
+        .zip(coordinates)
+        .map(|(r, c)| UnwrapMesh::new(r, options.crease, tracer).with_uvs(&c.uvs))
+        .collect();
+    laid_out_on_pages(receivers, meshes, options, progress)
+}
+
+/// Cuts meshes into charts and packs these.
+fn laid_out_on_pages(
+    receivers: &[Receiver],
+    mut meshes: Vec<UnwrapMesh>,
+    options: &UnwrapOptions,
+    progress: &Progress,
+) -> Result<Layout, LayoutError> {
     let least = 1 + 2 * options.padding;
     if !(least..=MOST_SIZE).contains(&options.size) {
         let size = options.size;
         return Err(LayoutError::PageSize { size, least });
     }
-    let meshes: Vec<UnwrapMesh> = receivers
-        .iter()
-        .map(|r| UnwrapMesh::new(r, options.crease, tracer))
-        .collect();
     if meshes.iter().all(|m| m.ignored.iter().all(|&i| i)) {
         return Err(LayoutError::NoSurface);
     }
     let count: usize = receivers.iter().map(|r| r.triangles.len()).sum();
     progress.begin("charts", count as u64);
+    for (mesh, receiver) in meshes.iter_mut().zip(receivers) {
+        divide_folds(mesh, receiver, progress)?;
+    }
     let density = options.resolution.density(receivers);
     let pages = page_count(receivers, density, options)?;
     let mut layout = Layout {
@@ -179,6 +221,39 @@ pub fn unwrap(
         layout.add_page(&members, &meshes, &atlas, options);
     }
     Ok(layout)
+}
+
+/// Divides the charts of a mesh that would fold over an edge at which they should end: makes charts once, to see
+/// which.
+fn divide_folds(
+    mesh: &mut UnwrapMesh,
+    receiver: &Receiver,
+    progress: &Progress,
+) -> Result<(), LayoutError> {
+    let density = (FEW_TEXELS / receiver.area()).sqrt() as f32;
+    if !density.is_normal() || !mesh.may_fold() {
+        return Ok(());
+    }
+    let wanted = Options {
+        density: Density::Fixed {
+            texels_per_unit: density,
+            page_size: None,
+        },
+        padding: 0,
+        packing: Packing::Fast,
+        ..Options::default()
+    };
+    let report = |_: uvunwrap::Progress| progress.advance(0).is_ok();
+    match uvunwrap::generate_with_progress(&[mesh.input(1.0)], &wanted, report) {
+        Ok(atlas) => {
+            let layout = laid_out(&atlas.meshes[0], mesh.parts.len(), 0, 0, [1.0; 2]);
+            mesh.divide(&layout.charts);
+            Ok(())
+        }
+        Err(uvunwrap::Error::Cancelled) => Err(LayoutError::Cancelled),
+        // What is wrong will be said when charts are made for good.
+        Err(_) => Ok(()),
+    }
 }
 
 /// Pages that the resolution asks for.
@@ -264,7 +339,7 @@ fn packed(
         uvunwrap::Error::Cancelled => LayoutError::Cancelled,
         uvunwrap::Error::ChartTooLarge { .. } => LayoutError::TooManyCharts {
             size: options.size,
-            enough: enough(options.size, 4),
+            enough: 2 * options.size,
         },
         uvunwrap::Error::AtlasTooLarge { texels } => LayoutError::TooDense {
             texels: texels as f64,
@@ -275,16 +350,23 @@ fn packed(
         // Padding alone fills a page: the unwrapper goes on with pages of a low density.
         return Err(LayoutError::TooManyCharts {
             size: options.size,
-            enough: enough(options.size, atlas.page_count),
+            enough: enough(atlas.chart_count, options),
         });
     }
     Ok(atlas)
 }
 
-/// A size of pages with room for so many pages of `size`.
-fn enough(size: u32, pages: u32) -> u32 {
-    let side = f64::from(size) * f64::from(pages).sqrt();
-    (side.ceil() as u32).next_power_of_two().min(MOST_SIZE)
+/// The next power of two that has room for so many charts of a texel each, larger than the size that has not.
+fn enough(charts: u32, options: &UnwrapOptions) -> u32 {
+    let cell = 1 + 2 * options.padding;
+    let cell = if options.blocks {
+        cell.next_multiple_of(4)
+    } else {
+        cell
+    };
+    let per_side = f64::from(charts).sqrt().ceil() as u32;
+    let least = per_side.saturating_mul(cell).max(options.size + 1);
+    least.min(1 << 31).next_power_of_two()
 }
 
 impl Layout {
@@ -307,12 +389,14 @@ impl Layout {
             f64::from(atlas.height) / f64::from(size[1]),
         ];
         self.pages.push(size);
+        let first_chart = self.charts;
         for (&r, mesh) in members.iter().zip(&atlas.meshes) {
             let count = meshes[r].parts.len();
             self.receivers[r] = laid_out(mesh, count, page, self.charts, scale);
             self.receivers[r].cuts.clone_from(&meshes[r].seams);
         }
         self.charts += atlas.chart_count;
+        thin::widen(self, members, page, first_chart);
     }
 }
 
@@ -345,51 +429,4 @@ fn laid_out(
         });
     }
     layout
-}
-
-/// A receiver as the unwrapper takes it.
-struct UnwrapMesh {
-    /// Around the middle of the receiver, so that single precision suffices.
-    positions: Vec<[f32; 3]>,
-    indices: Vec<u32>,
-    parts: Vec<u32>,
-    seams: Vec<[bool; 3]>,
-    ignored: Vec<bool>,
-}
-
-impl UnwrapMesh {
-    fn new(receiver: &Receiver, crease: f64, tracer: &Tracer) -> UnwrapMesh {
-        let used = receiver.triangles.iter().flatten();
-        let used = used.map(|&v| receiver.positions[v as usize]);
-        let bounds = Aabb::around(used.filter(|p| p.is_finite()));
-        let middle = if receiver.triangles.is_empty() {
-            DVec3::ZERO
-        } else {
-            0.5 * (bounds.min + bounds.max)
-        };
-        let is_visible = receiver.visible_triangles();
-        let place = |p: &DVec3| {
-            let p = *p - middle;
-            (if p.is_finite() { p } else { DVec3::ZERO })
-                .as_vec3()
-                .to_array()
-        };
-        UnwrapMesh {
-            positions: receiver.positions.iter().map(place).collect(),
-            indices: receiver.triangles.iter().flatten().copied().collect(),
-            parts: receiver.parts.clone(),
-            seams: seams(receiver, &is_visible, crease, tracer),
-            ignored: is_visible.iter().map(|v| !v).collect(),
-        }
-    }
-
-    fn input(&self, density: f64) -> MeshInput<'_> {
-        MeshInput {
-            face_materials: Some(&self.parts),
-            ignored_faces: Some(&self.ignored),
-            seams: Some(&self.seams),
-            scale: density as f32,
-            ..MeshInput::new(&self.positions, &self.indices)
-        }
-    }
 }

@@ -52,7 +52,6 @@ pub struct CommonArgs {
 
 /// The commands.
 #[derive(Debug, Subcommand)]
-#[expect(clippy::large_enum_variant, reason = "there is one in a process")]
 pub enum Command {
     /// Show what a model contains
     #[command(after_help = INFO_EXAMPLES)]

@@ -50,12 +50,16 @@ pub fn run(args: &InfoArgs, session: &mut Session) -> Result<Report, Failure> {
     lights(&scene, &parts, &mut report);
     viewpoints(&scene, &mut report);
     let solved = scene.is_solved();
-    let words = if solved {
-        "stored on the vertices"
-    } else {
-        "not solved yet"
+    let mapped = (scene.objects.iter())
+        .filter(|o| scene.is_lightmapped(&o.shape))
+        .count();
+    let words = match (mapped, solved) {
+        (0, true) => "stored on the vertices".to_owned(),
+        (0, false) => "not solved yet".to_owned(),
+        (mapped, _) => format!("in lightmaps, of {mapped} of {} objects", parts.len()),
     };
     report.fact("solved", solved, "irradiance", words);
+    report.value("lightmapped_objects", mapped);
     inverted(&scene, &mut report);
     if session.json() {
         list(&scene, &parts, &mut report);
@@ -131,7 +135,7 @@ fn part<'s>(scene: &'s Scene, object: &'s Object) -> ObjectSummary<'s> {
             triangles: mesh.faces.triangle_count(),
             area,
             power: emits.then_some(power),
-            solved: !placed.irradiance.is_empty(),
+            solved: !placed.irradiance.is_empty() || scene.is_lightmapped(&object.shape),
         };
     }
     match &object.shape {

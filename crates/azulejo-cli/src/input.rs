@@ -18,8 +18,10 @@ use std::path::{Path, PathBuf};
 enum Purpose {
     /// It converts or describes them as they are.
     AsGiven,
-    /// It computes light, for an instant at which the sun stands somewhere.
+    /// It shows light, for an instant at which the sun stands somewhere.
     Lit(Option<Timestamp>),
+    /// It computes light in place of what the models have.
+    Relit(Option<Timestamp>),
 }
 
 /// Reads all models of a command, places and merges them, and reports what was skipped.
@@ -36,6 +38,23 @@ pub fn read_lit(
     session: &mut Session,
 ) -> Result<Scene, Failure> {
     read_all_for(input, Purpose::Lit(instant), session)
+}
+
+/// [`read_lit`] for light that takes the place of lightmaps: those that azulejo has baked are removed with what
+/// was done for them, others are left out.
+pub fn read_relit(
+    input: &InputArgs,
+    instant: Option<Timestamp>,
+    session: &mut Session,
+) -> Result<Scene, Failure> {
+    let mut scene = read_all_for(input, Purpose::Relit(instant), session)?;
+    if scene.drop_lightmaps() {
+        session.note(
+            "materials or nodes have a lightmap of another program: its light is left out, and computed \
+             anew from the lamps of the model",
+        );
+    }
+    Ok(scene)
 }
 
 fn read_all_for(
@@ -171,7 +190,7 @@ impl Purpose {
     fn instant(self) -> Option<Timestamp> {
         match self {
             Purpose::AsGiven => None,
-            Purpose::Lit(instant) => instant,
+            Purpose::Lit(instant) | Purpose::Relit(instant) => instant,
         }
     }
 }
@@ -187,13 +206,20 @@ fn read_one(
         options: ReadOptions {
             lod: reading.lod,
             most_elements: reading.most_elements,
-            darkens_unpainted: matches!(purpose, Purpose::Lit(_)),
+            darkens_unpainted: !matches!(purpose, Purpose::AsGiven),
             ..ReadOptions::default()
         },
         allow: reading.allow.clone(),
         home: None,
     };
-    let model = models::read(path, &how, session.progress())?;
+    let model = match purpose {
+        Purpose::AsGiven | Purpose::Lit(_) => models::read(path, &how, session.progress())?,
+        Purpose::Relit(_) => {
+            let (model, notes) = models::read_unbaked(path, &how, session.progress())?;
+            notes.iter().for_each(|note| session.note(note));
+            model
+        }
+    };
     model.warnings.iter().for_each(|w| session.warn(w));
     session.has_read(model.format);
     match model.warnings.len() {

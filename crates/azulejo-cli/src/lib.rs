@@ -102,6 +102,11 @@ fn run(cli: Cli) -> Result<(), Failure> {
         }
         Command::Convert(args) => convert::run(args, &mut session)?,
         Command::Solve(args) => solve::run(args, &mut session)?,
+        Command::Bake(args) if args.check => {
+            let (report, end) = bake::check(args, &mut session)?;
+            session.print(report)?;
+            return end;
+        }
         Command::Bake(args) => bake::run(args, &mut session)?,
         Command::Render(args) => render::run(args, &mut session)?,
         Command::Probe(args) => probe::run(args, &mut session)?,

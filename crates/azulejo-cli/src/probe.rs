@@ -51,9 +51,14 @@ pub fn run(args: &ProbeArgs, session: &mut Session) -> Result<Report, Failure> {
     let output = output.map(Output::check).transpose()?;
     session.claim_stdout(output.as_ref().is_some_and(Output::is_stdout))?;
     let prepared = args.first_pass.engine.prepare()?;
-    let mut scene = input::read_lit(&args.input, args.first_pass.instant(), session)?;
-    let mut report = Report::default();
     let probes = &args.probes;
+    let instant = args.first_pass.instant();
+    let mut scene = if probes.points.is_some() {
+        input::read_relit(&args.input, instant, session)?
+    } else {
+        input::read_lit(&args.input, instant, session)?
+    };
+    let mut report = Report::default();
     let rows = match (&probes.points, &probes.radiance, &probes.hits) {
         (Some(path), _, _) => irradiance(&scene, path, args, &prepared, session, &mut report)?,
         (_, Some(path), _) => radiance(&mut scene, path, args, &prepared, session, &mut report)?,

@@ -9,7 +9,7 @@ use super::{input, layers, pass, rtrace, values};
 use azulejo::output::Output;
 use azulejo_formats::picture::{exr, hdr, png};
 use azulejo_render::{MeasuredImage, PictureLayers, ReferencePass, SecondPass, Tone};
-use azulejo_scene::{Image, Scene};
+use azulejo_scene::{Image, Object, Scene};
 use azulejo_trace::Tracer;
 use std::path::Path;
 
@@ -31,7 +31,12 @@ pub fn run(args: &RenderArgs, session: &mut Session) -> Result<Report, Failure> 
     let errors = errors.transpose()?;
     session.claim_stdout(output.is_stdout())?;
     session.set_makes_image();
-    let mut scene = input::read_lit(&args.input, args.first_pass.instant(), session)?;
+    let instant = args.first_pass.instant();
+    let mut scene = if args.picture.reference {
+        input::read_relit(&args.input, instant, session)?
+    } else {
+        input::read_lit(&args.input, instant, session)?
+    };
     let mut report = Report::default();
     if args.look.look == RenderStyle::Rtrace {
         let image = rtrace::draw(&scene, args, session)?;
@@ -215,13 +220,14 @@ fn errors_of(path: &Path) -> Result<(Output, ImageFormat), Failure> {
 fn lit(
     scene: &mut Scene,
     args: &RenderArgs,
-    session: &Session,
+    session: &mut Session,
     report: &mut Report,
 ) -> Result<Tracer, Failure> {
     let prepared = args.first_pass.engine.prepare()?;
     let solved = scene.is_solved();
     report.value("solved_before", solved);
     if solved {
+        say_unmapped(scene, session);
         return prepared.tracer(scene);
     }
     let tracer = prepared.tracer(scene)?;
@@ -230,6 +236,28 @@ fn lit(
     scene.set_irradiance(light.irradiance);
     // The subdivided mesh has other faces than the one of the first tracer.
     prepared.tracer(scene)
+}
+
+/// Says that objects without a lightmap get their light from those with one.
+fn say_unmapped(scene: &Scene, session: &mut Session) {
+    let reflects = |o: &Object| {
+        let mut materials = o.shape.mesh().into_iter().flat_map(|m| &m.face_materials);
+        materials.any(|&m| !scene.materials[m as usize].diffuse.is_black())
+    };
+    let unlit = |o: &&Object| {
+        let placed = o.shape.placed_mesh();
+        let on_vertices = placed.is_some_and(|m| !m.irradiance.is_empty());
+        reflects(o) && !on_vertices && !scene.is_lightmapped(&o.shape)
+    };
+    if scene.has_lightmap() {
+        let count = scene.objects.iter().filter(unlit).count();
+        if count > 0 {
+            session.note(&format!(
+                "{count} objects have no lightmap: they show the light of lamps, and of the surfaces that \
+                 have one"
+            ));
+        }
+    }
 }
 
 fn format_of(path: &Path) -> Result<ImageFormat, Failure> {

@@ -52,7 +52,7 @@ pub fn run(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
         SolvedOutput::InPlace(_) => InPlace::options(&args.first_pass),
     };
     let prepared = first_pass.engine.prepare()?;
-    let mut scene = input::read_lit(&args.input, first_pass.instant(), session)?;
+    let mut scene = input::read_relit(&args.input, first_pass.instant(), session)?;
     let tracer = prepared.tracer(&scene)?;
     let light = pass::solve(&scene, &tracer, &first_pass, &prepared, session)?;
     let mut report = Report::default();

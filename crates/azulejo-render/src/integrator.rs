@@ -34,6 +34,8 @@ pub(crate) struct Integrator<'a> {
     gather: FinalGather,
     /// Whether the scene carries irradiance.
     is_solved: bool,
+    /// Whether it has a lightmap, of which surfaces without one get light.
+    has_lightmap: bool,
     seed: u32,
     max_depth: u32,
     /// Whether direct light is told from indirect light in stored irradiance.
@@ -88,6 +90,7 @@ impl<'a> Integrator<'a> {
             scene: RenderScene::new(scene, tracer),
             gather: options.gather,
             is_solved: scene.is_solved(),
+            has_lightmap: scene.has_lightmap(),
             seed: hash(&[options.seed as u32, (options.seed >> 32) as u32]),
             max_depth: options.max_depth,
             splits: false,
@@ -302,8 +305,11 @@ impl<'a> CameraPath<'_, 'a> {
         let weight = segment.weight * reflectance * FRAC_1_PI;
         let is_everywhere = matches!(self.integrator.gather, FinalGather::Everywhere(_));
         let shows_patches = !is_everywhere || (self.integrator.is_solved && !segment.is_sharp());
-        if shows_patches {
-            let solved = self.integrator.scene.interpolator.lookup(&at.ray, &at.hit);
+        let look_up = || self.integrator.scene.interpolator.lookup(&at.ray, &at.hit);
+        // The lamps of a lightmap may be gone, so that nothing else finds their light.
+        let may_be_baked = self.integrator.has_lightmap;
+        let solved = (shows_patches || may_be_baked).then(look_up);
+        if let Some(solved) = solved.filter(|s| shows_patches || s.is_baked()) {
             let may_gather = matches!(self.integrator.gather, FinalGather::Uneven(_));
             let is_uneven = may_gather && segment.is_sharp() && solved.is_uneven(at.front);
             match solved.irradiance(at.front) {
@@ -312,7 +318,7 @@ impl<'a> CameraPath<'_, 'a> {
                     return true;
                 }
                 // Without a solution only lamps show.
-                None if at.front => return false,
+                None if at.front && !self.integrator.has_lightmap => return false,
                 _ => {}
             }
         }

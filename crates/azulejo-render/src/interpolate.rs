@@ -2,8 +2,8 @@
 
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{
-    Attribute, BackIrradiance, Material, Mesh, Object, PlacedMesh, Primitive, Rgb, Scene, Shape,
-    TriangleTree,
+    Attribute, BackIrradiance, Image, IrradiancePicture, Material, Mesh, Object, PlacedMesh,
+    Primitive, Rgb, Scene, Shape, Sidedness, TriangleTree,
 };
 use azulejo_trace::{Item, KernelHit, KernelRay, Tracer};
 use glam::{DAffine3, DVec2, DVec3};
@@ -61,10 +61,22 @@ pub(crate) struct IrradianceLookup<'a> {
 enum IrradianceSource<'a> {
     /// Between the corners of a face.
     Mesh(PlacedMesh<'a>, Weights),
+    /// In a lightmap.
+    Lightmap(LightmapTexel<'a>),
     /// At `(u, v)` of a part of a primitive.
     Primitive(&'a Primitive, usize, f64, f64),
     /// On an exact shape: on the nearest face of its proxy mesh, if it has one.
     Exact(Option<(&'a Mesh, Weights)>),
+}
+
+/// A place in a lightmap.
+#[derive(Clone, Copy, Debug)]
+struct LightmapTexel<'a> {
+    lightmap: IrradiancePicture,
+    image: &'a Image,
+    uv: DVec2,
+    /// Whether the back shows it, too.
+    both_sides: bool,
 }
 
 /// A mean of up to four corners of one face.
@@ -112,9 +124,17 @@ impl<'a> Interpolator<'a> {
         let (item, shape) = self.at(hit);
         let [u, v] = hit.uv().map(f64::from);
         if let Some(placed) = shape.placed_mesh() {
+            let weights = Weights::on_face(item, u, v);
+            if let Some(texel) = self.texel(hit, &placed, &weights) {
+                return IrradianceLookup {
+                    // Read from any distance: the lamps whose light it has may be gone.
+                    footprint: 0.0,
+                    source: IrradianceSource::Lightmap(texel),
+                };
+            }
             return IrradianceLookup {
                 footprint: footprint(&placed, item),
-                source: IrradianceSource::Mesh(placed, Weights::on_face(item, u, v)),
+                source: IrradianceSource::Mesh(placed, weights),
             };
         }
         match shape {
@@ -124,6 +144,46 @@ impl<'a> Interpolator<'a> {
             },
             _ => self.on_proxy(item.object, ray, hit),
         }
+    }
+
+    /// Whether the surface at a hit has a lightmap, and no irradiance on vertices.
+    pub fn is_baked(&self, hit: &KernelHit) -> bool {
+        let (_, shape) = self.at(hit);
+        let placed = shape.placed_mesh();
+        placed.is_some_and(|placed| self.lightmap(hit, &placed).is_some())
+    }
+
+    /// The lightmap at a hit of a mesh without irradiance on vertices, and whether backs show it.
+    fn lightmap(
+        &self,
+        hit: &KernelHit,
+        placed: &PlacedMesh<'a>,
+    ) -> Option<(IrradiancePicture, &'a Image, bool)> {
+        if !placed.irradiance.is_empty() || placed.mesh.lightmap_uvs.is_none() {
+            return None;
+        }
+        let face = self.tracer.item(hit.item).face as usize;
+        let material = placed.mesh.face_materials[face];
+        let (lightmap, image) = self.scene.lightmap(material)?;
+        let sidedness = self.scene.materials[material as usize].sidedness;
+        Some((lightmap, image, sidedness != Sidedness::One))
+    }
+
+    /// The place in the lightmap at a hit.
+    fn texel(
+        &self,
+        hit: &KernelHit,
+        placed: &PlacedMesh<'a>,
+        weights: &Weights,
+    ) -> Option<LightmapTexel<'a>> {
+        let (lightmap, image, both_sides) = self.lightmap(hit, placed)?;
+        let uvs = placed.mesh.lightmap_uvs.as_ref()?;
+        Some(LightmapTexel {
+            lightmap,
+            image,
+            uv: weights.of_attribute(placed.mesh, uvs),
+            both_sides,
+        })
     }
 
     /// The face that was hit, and the shape of its object.
@@ -334,6 +394,10 @@ impl IrradianceLookup<'_> {
             (IrradianceSource::Mesh(placed, weights), false) => {
                 weights.of_backs(placed.mesh, placed.back?)
             }
+            (IrradianceSource::Lightmap(texel), front) => {
+                let shown = front || texel.both_sides;
+                shown.then(|| texel.lightmap.at(texel.image, texel.uv))
+            }
             (IrradianceSource::Primitive(p, part, u, v), true) => {
                 p.light.as_ref().map(|light| light.at(*part, *u, *v))
             }
@@ -371,8 +435,15 @@ impl IrradianceLookup<'_> {
                     differ(values)
                 })
             }
+            // Texels are as fine as whoever baked them wanted.
+            (IrradianceSource::Lightmap(_), _) => false,
             (IrradianceSource::Primitive(..) | IrradianceSource::Exact(_), _) => false,
         }
+    }
+
+    /// Whether it is read in a lightmap.
+    pub fn is_baked(&self) -> bool {
+        matches!(self.source, IrradianceSource::Lightmap(_))
     }
 
     /// Size of the patch, scene units: from nearer than this its interpolated irradiance is too
@@ -451,13 +522,15 @@ impl Weights {
     }
 
     fn uv(&self, mesh: &Mesh) -> Option<DVec2> {
-        let uvs = mesh.uvs.as_ref()?;
+        Some(self.of_attribute(mesh, mesh.uvs.as_ref()?))
+    }
+
+    /// The mean of texture coordinates.
+    fn of_attribute(&self, mesh: &Mesh, uvs: &Attribute<DVec2>) -> DVec2 {
         let pairs = self.corners.iter().zip(self.weights);
-        Some(
-            pairs
-                .map(|(&c, w)| w * uvs.at(c, mesh.faces.corners[c]))
-                .sum(),
-        )
+        pairs
+            .map(|(&c, w)| w * uvs.at(c, mesh.faces.corners[c]))
+            .sum()
     }
 }
 

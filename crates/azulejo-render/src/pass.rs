@@ -98,7 +98,8 @@ impl SecondPass {
 /// without [`gather`](SecondPass::gather) only lamps, their mirror images and the ambient light
 /// show. Vertices carry the irradiance of the front, and of the back too where both sides of
 /// a sheet were solved; where a path hits the side of a diffuse surface that they do not carry,
-/// irradiance is gathered there.
+/// irradiance is gathered there. Meshes whose vertices have no irradiance show that of their lightmaps; beside
+/// those, surfaces with neither gather it, too.
 ///
 /// Counts pixels on `progress`.
 ///

@@ -99,10 +99,13 @@ impl<'a> RenderScene<'a> {
         Some((self.maps).tilted(relief, place, normals, (at.direction, mirrors)))
     }
 
-    /// Whether a relief tilts the normal at a hit.
+    /// Whether a relief tilts the normal at a hit of which no irradiance is known: a lightmap has that of the
+    /// relief, as far as its baker knew it.
     pub fn has_relief(&self, hit: &KernelHit) -> bool {
         let surfaces = self.surfaces();
-        surfaces.material(hit.item).relief.is_some() && surfaces.picture_place(hit).is_some()
+        surfaces.material(hit.item).relief.is_some()
+            && surfaces.picture_place(hit).is_some()
+            && !self.interpolator.is_baked(hit)
     }
 
     /// Diffuse reflectance at a hit, with what vertex colours and all pictures say of it.

@@ -2,7 +2,7 @@
 
 use crate::brdf::Lobes;
 use crate::image::{TextureId, WrapMode};
-use crate::{Brdf, FinishMaps, Image, Opacity, Relief, Rgb, fresnel};
+use crate::{Brdf, FinishMaps, Image, IrradiancePicture, Opacity, Relief, Rgb, fresnel};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
@@ -52,6 +52,9 @@ pub struct Material {
     pub finish: Option<FinishMaps>,
     /// A picture of small relief, which tilts the shading normal in the second pass.
     pub relief: Option<Relief>,
+    /// Irradiance in a picture, for the second pass, where the mesh has coordinates of lightmaps and no
+    /// irradiance on its vertices. Surfaces that are not [one-sided](Sidedness::One) show it on both sides.
+    pub lightmap: Option<IrradiancePicture>,
 }
 
 /// From which sides a surface is visible, by the file that it comes from.
@@ -316,11 +319,13 @@ impl Material {
         opacity.filter(|_| !self.is_emitter())
     }
 
-    /// All pictures that it shows: of its colour, its opacity, its emission, its relief and its finish.
+    /// All pictures that it shows: of its colour, its opacity, its emission, its relief, its
+    /// lightmap and its finish.
     pub fn pictures(&self) -> impl Iterator<Item = TextureId> + '_ {
         let of_opacity = self.opacity.and_then(|o| o.picture).map(|p| p.texture);
         let of_relief = self.relief.map(|r| r.texture);
-        let rest = [of_opacity, self.emission_picture, of_relief];
+        let of_light = self.lightmap.map(|l| l.texture);
+        let rest = [of_opacity, self.emission_picture, of_relief, of_light];
         let finish = self.finish.iter().flat_map(FinishMaps::pictures);
         (self.textures.iter().copied())
             .chain(rest.into_iter().flatten())
@@ -329,19 +334,22 @@ impl Material {
 
     /// Numbers its pictures `by` more, as where their list is appended to another.
     pub fn renumber_pictures(&mut self, by: TextureId) {
-        self.textures.iter_mut().for_each(|t| *t += by);
-        let opacity = self.opacity.as_mut();
-        if let Some(picture) = opacity.and_then(|o| o.picture.as_mut()) {
-            picture.texture += by;
-        }
-        if let Some(picture) = &mut self.emission_picture {
-            *picture += by;
-        }
-        if let Some(relief) = &mut self.relief {
-            relief.texture += by;
-        }
+        self.number_pictures(|t| t + by);
+    }
+
+    /// Numbers its pictures anew.
+    pub(crate) fn number_pictures(&mut self, number: impl Fn(TextureId) -> TextureId) {
+        self.textures.iter_mut().for_each(|t| *t = number(*t));
+        let of_opacity = self.opacity.as_mut().and_then(|o| o.picture.as_mut());
+        let rest = [
+            of_opacity.map(|p| &mut p.texture),
+            self.emission_picture.as_mut(),
+            self.relief.as_mut().map(|r| &mut r.texture),
+            self.lightmap.as_mut().map(|l| &mut l.texture),
+        ];
+        rest.into_iter().flatten().for_each(|t| *t = number(*t));
         if let Some(finish) = &mut self.finish {
-            finish.renumber(by);
+            finish.renumber(&number);
         }
     }
 
@@ -349,6 +357,7 @@ impl Material {
     pub fn drop_pictures(&mut self) {
         self.textures.clear();
         (self.emission_picture, self.relief, self.finish) = (None, None, None);
+        self.lightmap = None;
         if let Some(opacity) = &mut self.opacity {
             opacity.picture = None;
         }

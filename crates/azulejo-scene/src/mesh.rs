@@ -17,6 +17,8 @@ pub struct Mesh {
     pub normals: Option<Attribute<DVec3>>,
     /// Texture coordinates, if any.
     pub uvs: Option<Attribute<DVec2>>,
+    /// Texture coordinates of the lightmaps of its materials, with v upwards, if any.
+    pub lightmap_uvs: Option<Attribute<DVec2>>,
     /// Colour of each vertex, which multiplies the diffuse reflectance; empty when absent.
     pub colors: Vec<Rgb>,
     /// Irradiance of each vertex on the front side, W/m²; empty until the scene is solved.

@@ -23,10 +23,10 @@ impl Scene {
             mesh.positions.iter_mut().for_each(point);
             let normals = mesh.normals.iter_mut().flat_map(|a| &mut a.values);
             normals.for_each(point);
-            mesh.uvs
-                .iter_mut()
-                .flat_map(|a| &mut a.values)
-                .for_each(pair);
+            let uvs = [&mut mesh.uvs, &mut mesh.lightmap_uvs]
+                .into_iter()
+                .flatten();
+            uvs.flat_map(|a| &mut a.values).for_each(pair);
             round_all(&mut mesh.colors, digits);
         });
         self.round_light(digits);

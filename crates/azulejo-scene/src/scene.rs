@@ -246,8 +246,13 @@ impl Scene {
         self.objects.iter().any(lamp) || self.lights.iter().any(light)
     }
 
-    /// Whether every surface that can show irradiance carries it.
+    /// Whether every surface that can show irradiance carries it. A scene with a lightmap is solved, too: it may
+    /// lack the lamps whose light that holds, so that the first pass would find less. What has no lightmap there
+    /// gets light from what has one.
     pub fn is_solved(&self) -> bool {
+        if self.has_lightmap() {
+            return true;
+        }
         let solved = |o: &Object| match &o.shape {
             Shape::Mesh(mesh) => {
                 mesh.faces.is_empty() || mesh.irradiance.len() == mesh.positions.len()

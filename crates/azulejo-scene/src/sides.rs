@@ -131,6 +131,7 @@ impl Mesh {
         let indices = [
             self.normals.as_mut().and_then(|a| a.corners.as_mut()),
             self.uvs.as_mut().and_then(|a| a.corners.as_mut()),
+            (self.lightmap_uvs.as_mut()).and_then(|a| a.corners.as_mut()),
             Some(&mut self.faces.corners),
         ];
         for corners in indices.into_iter().flatten() {
@@ -196,7 +197,10 @@ impl Mesh {
         if let Some(normals) = &mut self.normals {
             copies.extend_attribute(normals, &corners, |n: DVec3| -n);
         }
-        if let Some(uvs) = &mut self.uvs {
+        for uvs in [&mut self.uvs, &mut self.lightmap_uvs]
+            .into_iter()
+            .flatten()
+        {
             copies.extend_attribute(uvs, &corners, |uv| uv);
         }
         let mut ring = Vec::new();
@@ -350,6 +354,7 @@ impl Mesh {
         }
         retain_attribute(self.normals.as_mut(), stays, &corner_stays);
         retain_attribute(self.uvs.as_mut(), stays, &corner_stays);
+        retain_attribute(self.lightmap_uvs.as_mut(), stays, &corner_stays);
         retain(&mut self.face_materials, |f| !is_removed[f]);
         retain(&mut self.smoothing, |f| !is_removed[f]);
     }

@@ -59,10 +59,12 @@ impl FinishMaps {
         both.into_iter().flatten().map(|p| p.texture)
     }
 
-    /// Numbers its pictures `by` more.
-    pub(crate) fn renumber(&mut self, by: TextureId) {
+    /// Numbers its pictures anew.
+    pub(crate) fn renumber(&mut self, number: &impl Fn(TextureId) -> TextureId) {
         let both = [&mut self.metallic_picture, &mut self.roughness_picture];
-        both.into_iter().flatten().for_each(|p| p.texture += by);
+        both.into_iter()
+            .flatten()
+            .for_each(|p| p.texture = number(p.texture));
     }
 }
 

@@ -141,6 +141,7 @@ impl Mesh {
         flip_corners(&self.faces.starts, &mut self.faces.corners);
         flip_attribute(&mut self.normals, &self.faces);
         flip_attribute(&mut self.uvs, &self.faces);
+        flip_attribute(&mut self.lightmap_uvs, &self.faces);
     }
 }
 

@@ -33,6 +33,7 @@ impl Mesh {
         let taken = |list: &[u32]| corners.iter().map(|&c| list[c]).collect::<Vec<u32>>();
         retake(&mut self.normals, taken);
         retake(&mut self.uvs, taken);
+        retake(&mut self.lightmap_uvs, taken);
         self.faces = Faces {
             starts: (0..=parents.len() as u32).map(|k| 3 * k).collect(),
             corners: taken(&self.faces.corners),

@@ -164,6 +164,10 @@ impl Scene {
             ensure(relief.is_none_or(is_finite_relief), place, || {
                 format!("relief is {relief:?}, expected a finite number")
             })?;
+            let scale = m.lightmap.map_or(0.0, |l| l.scale);
+            ensure(scale >= 0.0 && scale.is_finite(), place, || {
+                format!("scale of the lightmap is {scale}, expected a finite number >= 0")
+            })?;
             for t in m.pictures() {
                 ensure((t as usize) < count, place, || {
                     format!("texture {t} of {count}")
@@ -377,9 +381,13 @@ fn validate_mesh(mesh: &Mesh, materials: usize) -> Check {
     validate_attribute(mesh, "normal", mesh.normals.as_ref(), |n| {
         (n.length() - 1.0).abs() < 1e-3
     })?;
-    validate_attribute(mesh, "texture coordinate", mesh.uvs.as_ref(), |t| {
-        t.is_finite()
-    })
+    for (name, uvs) in [
+        ("texture coordinate", &mesh.uvs),
+        ("lightmap coordinate", &mesh.lightmap_uvs),
+    ] {
+        validate_attribute(mesh, name, uvs.as_ref(), |t| t.is_finite())?;
+    }
+    Ok(())
 }
 
 /// The place and the light of an instance; its mesh is validated once for all.

@@ -4,8 +4,9 @@
 //! light, and here the two meet.
 
 use azulejo_bake::{
-    Atlas, Lightmap, LightmapPage, LookRequest, NodePair, PairRequest, Receiver, SampleDirect,
-    Samples, SeamErrors, TexelField, TexelLight, TexelStatistics, UnwrapOptions,
+    Atlas, Layout, Lightmap, LightmapPage, LookRequest, NodePair, PairRequest, Receiver,
+    ReceiverLayout, SampleDirect, Samples, SeamErrors, TexelField, TexelLight, TexelStatistics,
+    UnwrapOptions,
 };
 use azulejo_bake::{LayoutError, layout::NO_CHART};
 use azulejo_factors::{PatchSize, Patches, ProxyScene, RefinedShape};
@@ -58,11 +59,33 @@ pub enum BakedSides {
     Brighter,
 }
 
+/// Where the texture coordinates of a lightmap come from.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Coordinates {
+    /// They are made.
+    #[default]
+    New,
+    /// The objects have them, each those of its triangles, and they stay.
+    Kept {
+        /// `uvs` and `pages` of each object that receives.
+        of_objects: Vec<ReceiverLayout>,
+        /// Width and height of each page, texels.
+        pages: Vec<[u32; 2]>,
+    },
+    /// The objects have charts, which are packed anew: `uvs` of each object that receives.
+    Repacked(Vec<ReceiverLayout>),
+}
+
 /// How a lightmap is baked.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BakeOptions {
     /// Charts and pages.
     pub charts: UnwrapOptions,
+    /// Where the coordinates come from.
+    pub coordinates: Coordinates,
+    /// For each object that receives, how much denser than others its texels are, per length; empty if all are
+    /// alike.
+    pub densities: Vec<f64>,
     /// The first pass, with the error to reach.
     pub pass: FirstPass,
     /// Which light.
@@ -130,7 +153,8 @@ pub struct Baked {
     pub seams: SeamErrors,
 }
 
-/// Bakes the lightmap of a scene of meshes: the objects that are listed receive.
+/// Bakes the lightmap of a scene of meshes: the objects that are listed receive. Where options have something for
+/// each of them, all of them are meshes.
 ///
 /// # Errors
 /// [`BakeError`].
@@ -142,12 +166,14 @@ pub fn bake(
     progress: &Progress,
 ) -> Result<Baked, BakeError> {
     let proxy = ProxyScene::new(scene, tracer, options.pass.size);
-    let receiver = |&o: &u32| Receiver::of_object(&proxy.scene.objects[o as usize]);
-    let (receivers, objects): (Vec<Receiver>, Vec<u32>) = objects
-        .iter()
-        .filter_map(|o| Some((receiver(o)?, *o)))
-        .unzip();
-    let layout = azulejo_bake::unwrap(&receivers, &proxy.tracer, &options.charts, progress)?;
+    let receiver = |(place, &o): (usize, &u32)| {
+        let mut receiver = Receiver::of_object(&proxy.scene.objects[o as usize])?;
+        receiver.density = options.densities.get(place).copied().unwrap_or(1.0);
+        Some((receiver, o))
+    };
+    let (receivers, objects): (Vec<Receiver>, Vec<u32>) =
+        objects.iter().enumerate().filter_map(receiver).unzip();
+    let layout = laid_out(&receivers, options, &proxy.tracer, progress)?;
     let mut atlas = Atlas {
         receivers,
         layout,
@@ -202,6 +228,29 @@ pub fn bake(
         report: solved.report(),
         seams,
     })
+}
+
+/// The layout of the receivers, made or kept.
+fn laid_out(
+    receivers: &[Receiver],
+    options: &BakeOptions,
+    tracer: &Tracer,
+    progress: &Progress,
+) -> Result<Layout, LayoutError> {
+    let charts = &options.charts;
+    match &options.coordinates {
+        Coordinates::New => azulejo_bake::unwrap(receivers, tracer, charts, progress),
+        Coordinates::Kept { of_objects, pages } => Ok(azulejo_bake::kept_layout(
+            receivers,
+            of_objects.clone(),
+            pages.clone(),
+            charts.crease,
+            Some(tracer),
+        )),
+        Coordinates::Repacked(of_objects) => {
+            azulejo_bake::repack(receivers, of_objects, tracer, charts, progress)
+        }
+    }
 }
 
 /// A scene of meshes alone, for models that are written anew; if wished, cut along the lines on which one

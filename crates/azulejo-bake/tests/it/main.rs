@@ -2,6 +2,8 @@
 
 mod atlas;
 mod browser;
+mod check;
+mod crowded;
 mod room;
 mod swatches;
 mod viewers;

@@ -6,6 +6,7 @@ use azulejo::bake::unwrap::MOST_SIZE;
 use azulejo::lightmap::{BakedLight, BakedSides};
 use azulejo_formats::gltf::patch::{Convention, InstanceMode, LightsMode};
 use clap::{Args, ValueEnum, ValueHint};
+use globset::{Glob, GlobMatcher};
 use std::path::PathBuf;
 
 /// Examples.
@@ -15,6 +16,7 @@ Examples:
   azulejo bake old.3ds sun.grf -o lit.glb --texels-per-metre 20 --lightmap E.exr --error-map SE.exr
   azulejo bake word.sff room.wrl -o page.html
   azulejo bake baked.glb --strip -o level-again.glb
+  azulejo bake baked.glb --check --lightmap E.exr
 
 A glTF file keeps every byte that does not have to change; `--strip` gives it back as it was. Other models \
 are written as glTF.";
@@ -27,11 +29,15 @@ pub struct BakeArgs {
     /// Output file: .glb, .gltf (with its pictures beside it), or .html, a page that shows the model with
     /// its light in any browser
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath,
-          required_unless_present = "lightmap")]
+          required_unless_present_any = ["lightmap", "check"])]
     pub output: Option<PathBuf>,
     /// Remove the lightmap that azulejo has put into a glTF file: gives back the file as it was
     #[arg(long, requires = "output")]
     pub strip: bool,
+    /// Only look what is wrong with the lightmap of a glTF file, whoever made it, or with a second set of texture
+    /// coordinates for one; with --lightmap, how far the picture in the file is from that
+    #[arg(long, conflicts_with_all = ["strip", "output"])]
+    pub check: bool,
     #[command(flatten)]
     pub texels: TexelArgs,
     #[command(flatten)]
@@ -69,6 +75,14 @@ pub struct TexelArgs {
     /// Keep charts to blocks of 4 × 4 texels, for compressed pictures
     #[arg(long)]
     pub blocks: bool,
+    /// Whether the coordinates that a glTF file has in the set are used as they are [default: keep them if they
+    /// are fit for a lightmap]
+    #[arg(long, value_name = "WHAT")]
+    pub uv: Option<UvArg>,
+    /// Texels of the objects with such names relative to others, per length: 'table*=2'. Of several that fit a
+    /// name, the last counts
+    #[arg(long, value_name = "GLOB=N", value_parser = density, conflicts_with = "uv")]
+    pub density: Vec<DensityArg>,
     /// Cut charts at edges with a larger angle between the faces, degrees
     #[arg(long, value_name = "DEGREES", default_value_t = 30.0, value_parser = values::degrees)]
     pub crease: f64,
@@ -101,9 +115,10 @@ pub struct LightmapFileArgs {
     /// The pictures in the file
     #[arg(long, value_name = "TYPE", default_value = "png")]
     pub image: ImageArg,
-    /// The set of texture coordinates that is added, TEXCOORD_N; if a picture uses it, the next free one
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub uv_set: u32,
+    /// The set of texture coordinates, TEXCOORD_N, that is added, kept or checked; one that is added becomes the next
+    /// free one if a picture uses it [default: 1, or what the lightmap of the file says]
+    #[arg(long, value_name = "N")]
+    pub uv_set: Option<u32>,
     /// How nodes that share a mesh get a place each
     #[arg(long, value_name = "HOW", default_value = "copy")]
     pub instances: InstancesArg,
@@ -111,6 +126,46 @@ pub struct LightmapFileArgs {
     #[arg(long, value_name = "WHAT")]
     pub baked_lights: Option<LightsArg>,
 }
+
+/// `--uv`
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum UvArg {
+    /// Keep the coordinates; fail if they are not fit for a lightmap
+    Keep,
+    /// Make new ones
+    New,
+}
+
+/// `--density`
+#[derive(Clone, Debug)]
+pub struct DensityArg {
+    /// As it was given.
+    pub text: String,
+    /// Names of objects.
+    pub names: GlobMatcher,
+    /// Texels per length relative to others.
+    pub factor: f64,
+}
+
+/// `GLOB=N`
+fn density(text: &str) -> Result<DensityArg, String> {
+    let (names, factor) = text
+        .rsplit_once('=')
+        .ok_or("expected a name with * and ?, = and a number")?;
+    let factor = values::positive(factor)?;
+    if !(LEAST_DENSITY..=1.0 / LEAST_DENSITY).contains(&factor) {
+        return Err(format!("{factor}: expected 0.001 to 1000"));
+    }
+    let names = Glob::new(names).map_err(|e| e.to_string())?;
+    Ok(DensityArg {
+        text: text.to_owned(),
+        names: names.compile_matcher(),
+        factor,
+    })
+}
+
+/// Least density of an object relative to others.
+const LEAST_DENSITY: f64 = 1e-3;
 
 /// `--light`
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

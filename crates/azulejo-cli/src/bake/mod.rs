@@ -1,9 +1,12 @@
 //! `bake`: the third pass, from a scene to a lightmap in a glTF file or a page.
 
 pub mod args;
+mod check;
+mod coordinates;
 mod page;
 mod report;
 mod source;
+mod verdict;
 mod written;
 
 use crate::failure::Failure;
@@ -25,6 +28,9 @@ const MOST_SIZE: u32 = 8192;
 /// Error beside the requested one up to which that counts as reached.
 const TOLERATED: f64 = 1.2;
 
+/// Runs `bake --check`: the report, and whether all is well.
+pub use check::run as check;
+
 /// Runs `bake`.
 pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
     if args.strip {
@@ -36,8 +42,12 @@ pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
     let prepared = args.first_pass.engine.prepare()?;
     let source = BakeSource::read(args, session)?;
     let tracer = prepared.tracer(&source.scene)?;
+    let charts = charts(&args.texels, &source.scene);
+    let chosen = coordinates::choose(args, &source, &charts, session)?;
     let options = BakeOptions {
-        charts: charts(&args.texels, &source.scene),
+        charts,
+        coordinates: chosen.coordinates,
+        densities: densities(&args.texels, &source, session),
         pass: pass::options(&args.first_pass, &prepared),
         light: args.texels.light.baked(),
         sides: sides(args, &source),
@@ -60,7 +70,7 @@ pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
     let mut summary = Report::default();
     report::describe(&baked, &args.first_pass, &source.scene, &mut summary)?;
     say_unreached(&baked, args, session);
-    outputs.write(args, &source, &baked, session, &mut summary)?;
+    outputs.write(args, &source, &baked, chosen.uvs, session, &mut summary)?;
     Ok(summary)
 }
 
@@ -114,6 +124,32 @@ fn charts(args: &TexelArgs, scene: &Scene) -> UnwrapOptions {
         blocks: args.blocks,
         crease: args.crease,
     }
+}
+
+/// How dense the texels of each receiver are, relative to others; empty if all are alike.
+fn densities(args: &TexelArgs, source: &BakeSource, session: &mut Session) -> Vec<f64> {
+    if args.density.is_empty() {
+        return Vec::new();
+    }
+    let name = |&r: &u32| source.scene.objects[r as usize].name.as_str();
+    for given in &args.density {
+        if !source
+            .receivers
+            .iter()
+            .any(|r| given.names.is_match(name(r)))
+        {
+            session.note(&format!(
+                "--density {}: no object has such a name",
+                given.text
+            ));
+        }
+    }
+    let factor = |r: &u32| {
+        let mut fits = args.density.iter().rev();
+        fits.find(|given| given.names.is_match(name(r)))
+            .map_or(1.0, |given| given.factor)
+    };
+    source.receivers.iter().map(factor).collect()
 }
 
 /// The side that receives: glTF says which side is the front, other formats often do not.

@@ -5,7 +5,7 @@ use crate::failure::Failure;
 use crate::input;
 use crate::session::Session;
 use azulejo::lightmap::meshes_of;
-use azulejo::models::read_bytes;
+use azulejo::models::{read_bytes, unbaked};
 use azulejo_formats::gltf::{self, ObjectOrigin, Stillness};
 use azulejo_formats::{Folder, Format, ReadOptions};
 use azulejo_scene::{Object, Scene, Shape};
@@ -42,10 +42,39 @@ pub struct SourceFile {
     pub options: ReadOptions,
 }
 
+impl SourceFile {
+    /// Reads a file as the command says.
+    pub fn read(args: &BakeArgs, path: &Path) -> Result<SourceFile, Failure> {
+        let reading = &args.input.reading;
+        let files = Folder::of_model(path);
+        Ok(SourceFile {
+            bytes: read_bytes(path)?,
+            name: path.to_string_lossy().into_owned(),
+            files: (reading.allow.iter()).fold(files, |files, more| files.allow(more)),
+            options: ReadOptions {
+                lod: reading.lod,
+                most_elements: reading.most_elements,
+                darkens_unpainted: true,
+                ..ReadOptions::default()
+            },
+        })
+    }
+
+    /// For edits.
+    pub fn patched(&self) -> gltf::patch::GltfFile<'_> {
+        gltf::patch::GltfFile {
+            bytes: &self.bytes,
+            name: &self.name,
+            files: &self.files,
+            options: &self.options,
+        }
+    }
+}
+
 impl BakeSource {
     /// Reads the models of a command.
     pub fn read(args: &BakeArgs, session: &mut Session) -> Result<BakeSource, Failure> {
-        let scene = input::read_lit(&args.input, args.first_pass.instant(), session)?;
+        let scene = input::read_relit(&args.input, args.first_pass.instant(), session)?;
         if session.formats().first() == Some(&Format::Gltf) {
             if let Some(source) = BakeSource::given(&scene, args, session)? {
                 return Ok(source);
@@ -67,19 +96,9 @@ impl BakeSource {
                 "a glTF file that gets a lightmap cannot come from standard input: name the file",
             ));
         }
-        let reading = &args.input.reading;
-        let files = Folder::of_model(path);
-        let file = SourceFile {
-            bytes: read_bytes(path)?,
-            name: path.to_string_lossy().into_owned(),
-            files: (reading.allow.iter()).fold(files, |files, more| files.allow(more)),
-            options: ReadOptions {
-                lod: reading.lod,
-                most_elements: reading.most_elements,
-                darkens_unpainted: true,
-                ..ReadOptions::default()
-            },
-        };
+        let mut file = SourceFile::read(args, path)?;
+        // As the scene was read: without a lightmap of azulejo's.
+        file.bytes = unbaked(file.bytes, &file.name).0;
         let read = gltf::read_with_origins(&file.bytes, &file.name, &file.files, &file.options);
         let (_, origins) = read.map_err(Failure::failed)?;
         // What is added for light alone, such as the floor of a studio, comes behind.

@@ -10,7 +10,7 @@ use azulejo::bake::{LightmapPage, srgb_bytes};
 use azulejo::lightmap::Baked;
 use azulejo::output::{Draft, Output, commit};
 use azulejo_formats::gltf::patch::{
-    self, Container, GltfFile, LightmapEdit, LightsMode, MediaType, ObjectLayout, PatchedFile,
+    self, Container, LightmapEdit, LightmapUvs, LightsMode, MediaType, ObjectLayout, PatchedFile,
 };
 use azulejo_formats::picture::{exr, hdr, png};
 use azulejo_scene::Image;
@@ -80,6 +80,7 @@ impl BakeOutputs {
         args: &BakeArgs,
         source: &BakeSource,
         baked: &Baked,
+        uvs: LightmapUvs,
         session: &mut Session,
         report: &mut Report,
     ) -> Result<(), Failure> {
@@ -108,7 +109,7 @@ impl BakeOutputs {
                 drafts.add_to(output, &file)?;
             }
             Some((output, kind)) => {
-                let patched = self.patched(output, *kind, args, source, baked)?;
+                let patched = self.patched(output, *kind, args, source, baked, uvs)?;
                 patched.notes.iter().for_each(|note| session.note(note));
                 say_dim(args, baked, session, report);
                 for (name, file) in &patched.files {
@@ -131,12 +132,13 @@ impl BakeOutputs {
         args: &BakeArgs,
         source: &BakeSource,
         baked: &Baked,
+        uvs: LightmapUvs,
     ) -> Result<PatchedFile, Failure> {
         let stem = output.path().file_stem().unwrap_or_default();
         let edit = LightmapEdit {
             objects: &layouts(source, baked),
             pages: &pictures(args, baked)?,
-            uv_set: Some(args.files.uv_set),
+            uvs,
             instances: args.files.instances.written(),
             convention: args.files.convention.written(),
             lights: lights(args),
@@ -149,12 +151,7 @@ impl BakeOutputs {
                 stem: &stem.to_string_lossy(),
             },
         };
-        let file = GltfFile {
-            bytes: &source.file.bytes,
-            name: &source.file.name,
-            files: &source.file.files,
-            options: &source.file.options,
-        };
+        let file = source.file.patched();
         patch::with_lightmap(&file, &source.origins, &edit).map_err(Failure::failed)
     }
 }
@@ -260,7 +257,7 @@ fn say_dim(args: &BakeArgs, baked: &Baked, session: &mut Session, report: &mut R
 }
 
 /// The name of a page's file.
-fn numbered(path: &Path, number: usize, count: usize) -> PathBuf {
+pub fn numbered(path: &Path, number: usize, count: usize) -> PathBuf {
     if count == 1 {
         return path.to_owned();
     }

@@ -61,7 +61,7 @@ pub fn add(
         });
     }
     if asked.studio {
-        if scene.has_light() {
+        if scene.has_light() || scene.has_lightmap() {
             session.note("--studio: the scene has light of its own, nothing is added");
         } else {
             add_studio(scene);

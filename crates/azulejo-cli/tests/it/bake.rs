@@ -138,3 +138,165 @@ fn pages_and_parts_of_the_light_are_chosen() {
     let file = json(&folder.read("plain.glb"));
     assert!(file["images"].is_null());
 }
+
+/// What was baked passes all tests; a mesh whose faces all have the same coordinates does not.
+#[test]
+fn lightmaps_are_checked() {
+    let folder = Folder::with_room();
+    folder.ok("bake room.obj -o room.glb --size 128 --error 20% --lightmap e.exr");
+    let before = folder.names();
+    let report = folder.json("bake room.glb --check --lightmap e.exr");
+    assert_eq!(report["ok"], true);
+    let value = |key: &str| {
+        let tests = report["tests"].as_array().unwrap();
+        let test = tests.iter().find(|t| t["test"] == key);
+        test.and_then(|t| t["value"].as_f64()).unwrap()
+    };
+    assert_eq!(value("overlaps"), 0.0);
+    let error = value("picture_error");
+    assert!(error > 0.0 && error < 0.02, "{error}");
+    assert_eq!(folder.names(), before, "nothing is written");
+    let small = folder.run("bake room.glb --check --size 64 --lightmap e.exr");
+    assert_eq!(small.code, Some(1));
+    assert!(
+        small.err.contains("no picture of this size"),
+        "{}",
+        small.err
+    );
+    // Pictures go on beyond the wall, and over one another.
+    let textured = "mtllib room.mtl\nv 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0 1 0\nv 1 1 0\n\
+        vt 0 0\nvt 3 0\nvt 3 3\nvt 0 3\no floor\nf 1/1 2/2 3/3 4/4\nf 1/1 2/2 6/3 5/4\n";
+    folder.write("tiles.obj", textured);
+    folder.ok("convert tiles.obj -o tiles.glb");
+    let tiles = folder.run("bake tiles.glb --check --uv-set 0");
+    assert_eq!(tiles.code, Some(1), "{}", tiles.err);
+    for said in ["overlapping triangles", "DEFECT", "\"floor\", triangle"] {
+        assert!(tiles.out.contains(said), "{}", tiles.out);
+    }
+    for (line, code, said) in [
+        (
+            "bake tiles.glb --check",
+            1,
+            "no object has texture coordinates",
+        ),
+        ("bake room.obj --check", 1, "room.obj"),
+        ("bake room.glb --check -o x.glb", 2, "--output"),
+        ("bake room.glb room.glb --check", 2, "one glTF file"),
+    ] {
+        let run = folder.run(line);
+        assert_eq!(run.code, Some(code), "{line}\n{}", run.err);
+        assert!(run.err.contains(said), "{line}\n{}", run.err);
+    }
+}
+
+/// A GLB with other JSON: what another program might have written.
+fn rewritten(glb: &[u8], change: impl Fn(&mut Value)) -> Vec<u8> {
+    let mut json = json(glb);
+    json["asset"].as_object_mut().unwrap().remove("extras");
+    change(&mut json);
+    let mut text = json.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let bin = &glb[20 + length..];
+    let total = (20 + text.len() + bin.len()) as u32;
+    let mut file = glb[..8].to_vec();
+    file.extend(total.to_le_bytes());
+    file.extend((text.len() as u32).to_le_bytes());
+    file.extend(&glb[16..20]);
+    file.extend(text);
+    file.extend(bin);
+    file
+}
+
+/// Coordinates that are fit stay, those that are not are made anew, and it is said why.
+#[test]
+fn coordinates_of_files_are_kept() {
+    let folder = Folder::with_room();
+    folder.ok("bake room.obj -o plain.glb --as plain --size 128 --error 30%");
+    let given = rewritten(&folder.read("plain.glb"), |_| {});
+    folder.write("given.glb", &given);
+    let run = folder.ok("bake given.glb -o kept.glb --size 128 --error 30% --uv keep");
+    assert!(run.err.contains("TEXCOORD_1 are kept"), "{}", run.err);
+    let (before, after) = (json(&given), json(&folder.read("kept.glb")));
+    assert_eq!(before["accessors"], after["accessors"]);
+    let attributes = |file: &Value| file["meshes"][0]["primitives"][0]["attributes"].clone();
+    assert_eq!(attributes(&before), attributes(&after));
+    assert_eq!(
+        after["materials"][0]["extensions"]["MOZ_lightmap"]["texCoord"],
+        1
+    );
+    assert_eq!(folder.json("bake kept.glb --check")["ok"], true);
+    folder.ok("bake kept.glb --strip -o again.glb");
+    assert!(folder.read("again.glb") == given);
+    // At this size charts are too near one another.
+    let coarse = folder.run("bake given.glb -o coarse.glb --size 32 --error 30% --uv keep");
+    assert_eq!(coarse.code, Some(1));
+    assert!(coarse.err.contains("charts near others"), "{}", coarse.err);
+    // All objects have the coordinates of the first.
+    let wall = json(&given)["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"].clone();
+    folder.write(
+        "twice.glb",
+        rewritten(&given, |file| {
+            let copy = file["nodes"][0].clone();
+            let nodes = file["nodes"].as_array_mut().unwrap();
+            nodes.push(copy);
+            nodes.last_mut().unwrap()["translation"] = serde_json::json!([50.0, 0.0, 0.0]);
+            let number = nodes.len() - 1;
+            file["scenes"][0]["nodes"]
+                .as_array_mut()
+                .unwrap()
+                .push(number.into());
+        }),
+    );
+    assert!(wall.is_u64());
+    let run = folder.ok("bake twice.glb -o repacked.glb --size 128 --error 30%");
+    assert!(run.err.contains("overlapping triangles"), "{}", run.err);
+    assert!(run.err.contains("packed anew"), "{}", run.err);
+    assert_eq!(folder.json("bake repacked.glb --check")["ok"], true);
+    let run = folder.ok("bake twice.glb -o new.glb --size 128 --error 30% --uv new");
+    assert!(!run.err.contains("TEXCOORD_1"), "{}", run.err);
+    for (line, said) in [
+        ("bake room.obj -o x.glb --uv keep", "only a glTF file"),
+        (
+            "bake given.glb -o x.glb --uv keep --uv-set 2",
+            "no TEXCOORD_2",
+        ),
+        ("bake given.glb -o x.glb --uv keep --pages 2", "on one page"),
+        (
+            "bake twice.glb -o x.glb --uv keep --size 128",
+            "overlapping",
+        ),
+    ] {
+        let run = folder.run(line);
+        assert_eq!(run.code, Some(1), "{line}\n{}", run.err);
+        assert!(run.err.contains(said), "{line}\n{}", run.err);
+    }
+}
+
+#[test]
+fn objects_are_denser_than_others() {
+    let folder = Folder::with_room();
+    let density = |more: &str| {
+        let line = format!("bake room.obj -o room.glb --texels-per-metre 20 --error 30% {more}");
+        let run = folder.run(&format!("{line} --json"));
+        let report: Value = serde_json::from_str(&run.out).unwrap();
+        (
+            report["texels_per_metre"].as_f64().unwrap(),
+            report["warnings"].to_string(),
+        )
+    };
+    let usual = density("").0;
+    assert!((usual - 20.0).abs() < 1.0, "{usual}");
+    // The last that fits counts.
+    let (sparse, _) = density("--density *=2 --density wal?s=0.25");
+    assert!(sparse > 4.9 && sparse < 7.0, "{sparse}");
+    assert!(
+        density("--density none*=2")
+            .1
+            .contains("no object has such a name")
+    );
+    for wrong in ["walls", "walls=0", "walls=x", "[=2", "walls=1e9"] {
+        let run = folder.run(&format!("bake room.obj -o x.glb --density {wrong}"));
+        assert_eq!(run.code, Some(2), "{wrong}\n{}", run.err);
+    }
+}

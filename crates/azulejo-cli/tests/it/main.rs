@@ -29,3 +29,4 @@ mod form_factors;
 #[cfg(unix)]
 mod interrupt;
 mod layers;
+mod lightmap;

@@ -1,6 +1,6 @@
 //! Vertices of one primitive: its attributes, deformed by morph targets and joints.
 
-use super::material::GltfSurface;
+use super::material::{GltfCoordinates, GltfSurface};
 use super::mesh::{Fault, GltfMeshBuilder, Pose, left_out, skipped};
 use super::skin::Joints;
 use super::vertices::Vertices;
@@ -16,12 +16,23 @@ use gltf_json::validation::Checked;
 /// For every vertex, four joints and their weights.
 type Influences = (Vec<[f64; 4]>, Vec<[f64; 4]>);
 
+/// Where the vertices of a primitive are.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct VertexRange {
+    /// Index of the first.
+    pub first: u32,
+    /// Their number.
+    pub count: u32,
+    /// Whether they have coordinates of a lightmap.
+    pub has_lightmap: bool,
+}
+
 fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<Index<Accessor>> {
     primitive.attributes.get(&Checked::Valid(semantic)).copied()
 }
 
 /// Attributes that vertices are read from.
-pub(super) const USED_ATTRIBUTES: usize = 9;
+pub(super) const USED_ATTRIBUTES: usize = 10;
 
 /// The accessors of the attributes that vertices are read from, under this material.
 pub(super) fn used_attributes(
@@ -29,9 +40,12 @@ pub(super) fn used_attributes(
     surface: &GltfSurface,
 ) -> [Option<Index<Accessor>>; USED_ATTRIBUTES] {
     use Semantic::{Colors, Joints, Normals, Positions, TexCoords, Weights};
+    let of_lightmap = surface.lightmap.map(|l| TexCoords(l.set));
     [
         Positions,
         Normals,
+        // Positions stand for what there is not.
+        of_lightmap.unwrap_or(Positions),
         TexCoords(surface.set),
         Colors(0),
         Colors(1),
@@ -44,14 +58,14 @@ pub(super) fn used_attributes(
 }
 
 impl GltfMeshBuilder<'_, '_> {
-    /// Adds the vertices of a primitive, and returns the index of the first and their number.
+    /// Adds the vertices of a primitive, and returns where they are.
     pub fn vertices(
         &mut self,
         primitive: &Primitive,
         surface: &GltfSurface,
         pose: Pose,
         vertices: &mut Vertices,
-    ) -> Result<(u32, u32), Fault> {
+    ) -> Result<VertexRange, Fault> {
         let positions = attribute(primitive, Semantic::Positions);
         let positions = positions.ok_or_else(|| skipped("primitive without positions: skipped"))?;
         let count = self.data.count(positions).map_err(left_out)?;
@@ -61,7 +75,11 @@ impl GltfMeshBuilder<'_, '_> {
             return Err(skipped("mesh of more than 4 billion vertices: skipped"));
         }
         if !self.budget.keeps() {
-            return Ok((0, count as u32));
+            return Ok(VertexRange {
+                first: 0,
+                count: count as u32,
+                has_lightmap: false,
+            });
         }
         let mut added = Vertices::new(vertices.irradiance);
         let read = self.data.read(positions, count, DVec3::from);
@@ -76,19 +94,30 @@ impl GltfMeshBuilder<'_, '_> {
         }
         self.colours(primitive, surface, &mut added);
         added.make_usable();
-        let first = vertices.len() as u32;
+        let range = VertexRange {
+            first: vertices.len() as u32,
+            count: count as u32,
+            has_lightmap: !added.lightmap_uvs.is_empty(),
+        };
         vertices.append(added);
-        Ok((first, count as u32))
+        Ok(range)
     }
 
     /// Reads the attributes that colour vertices: texture coordinates, colours, irradiance.
     fn colours(&mut self, primitive: &Primitive, surface: &GltfSurface, vertices: &mut Vertices) {
         let count = vertices.len();
         if let Some(uvs) = attribute(primitive, Semantic::TexCoords(surface.set)) {
-            let read = self.data.read(uvs, count, |uv| uv_of(surface, uv));
+            let coordinates = GltfCoordinates {
+                set: surface.set,
+                picture_from_uv: surface.picture_from_uv,
+            };
+            let read = self.data.read(uvs, count, |uv| coordinates.uv_of(uv));
             vertices.uvs = self.optional(read, "texture coordinates");
         } else if surface.is_textured {
             self.warn("textured primitive without texture coordinates");
+        }
+        if let Some(lightmap) = surface.lightmap {
+            vertices.lightmap_uvs = self.lightmap_uvs(primitive, lightmap, count);
         }
         for set in [0, 1] {
             if let Some(colors) = attribute(primitive, Semantic::Colors(set)) {
@@ -97,6 +126,24 @@ impl GltfMeshBuilder<'_, '_> {
                 vertices.set_colors(set, values);
             }
         }
+    }
+
+    /// The coordinates of a lightmap; none, with a warning, if the primitive does not have them.
+    fn lightmap_uvs(
+        &mut self,
+        primitive: &Primitive,
+        lightmap: GltfCoordinates,
+        count: usize,
+    ) -> Vec<DVec2> {
+        let set = lightmap.set;
+        let Some(uvs) = attribute(primitive, Semantic::TexCoords(set)) else {
+            self.warn(&format!(
+                "lightmap of a primitive without TEXCOORD_{set}: not used"
+            ));
+            return Vec::new();
+        };
+        let read = self.data.read(uvs, count, |uv| lightmap.uv_of(uv));
+        self.optional(read, "lightmap")
     }
 
     /// An optional attribute; a fault is a warning.
@@ -185,10 +232,4 @@ impl GltfMeshBuilder<'_, '_> {
             self.data.read(weights, count, same)?,
         ))
     }
-}
-
-/// Texture coordinates in azulejo's convention, with v upwards.
-fn uv_of(surface: &GltfSurface, uv: [f64; 2]) -> DVec2 {
-    let uv = surface.picture_from_uv.transform_point2(uv.into());
-    DVec2::new(uv.x, 1.0 - uv.y)
 }

@@ -8,7 +8,7 @@ use gltf_json::validation::{Checked, Error, Validate};
 use gltf_json::{Path, Root, mesh::Semantic};
 
 /// Extensions that a file may require.
-const SUPPORTED: [&str; 19] = [
+const SUPPORTED: [&str; 22] = [
     "EXT_lights_image_based",
     "EXT_mesh_gpu_instancing",
     "EXT_meshopt_compression",
@@ -25,6 +25,9 @@ const SUPPORTED: [&str; 19] = [
     // KTX2, whose Basis Universal is refused picture by picture.
     "KHR_texture_basisu",
     "KHR_texture_transform",
+    super::lightmap::OF_MATERIALS,
+    super::lightmap::OF_NODES,
+    super::pictures::BRIGHT_PICTURES,
     "MSFT_texture_dds",
     // These affect neither the geometry nor the light at rest.
     "KHR_animation_pointer",

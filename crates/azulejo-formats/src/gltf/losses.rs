@@ -1,7 +1,7 @@
 //! What glTF cannot represent.
 
 use super::write_image_based::{has_bright_spot, is_around};
-use super::write_material::{finish_texture, is_one_colour, only_around};
+use super::write_material::{bright_lightmaps, finish_texture, is_one_colour, only_around};
 use crate::surface::gloss::is_repainted;
 use crate::surface::model::gltf_mr;
 use crate::surface::tessellate::exact_counts;
@@ -73,6 +73,10 @@ pub fn losses(scene: &Scene) -> Vec<String> {
         (
             materials(is_odd_glass),
             "dielectrics that glTF cannot describe exactly",
+        ),
+        (
+            bright_lightmaps(scene).len(),
+            "pictures of lightmaps that become PNG, with coarse steps in the dark",
         ),
         (
             lights(|l| matches!(l, LightKind::Environment(_))),

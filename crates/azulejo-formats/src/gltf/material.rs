@@ -1,14 +1,15 @@
 //! Materials: metallic-roughness as a reflection model.
 
 use super::accessor::Data;
+use super::lightmap::{self, NamedLightmap};
 use super::messages::GltfMessages;
 use super::pictures::Pictures;
 use crate::Files;
 use crate::surface::gloss::Gloss;
 use crate::surface::materials::Materials;
 use azulejo_scene::{
-    Dielectric, FinishMaps, Image, Material, MaterialId, NumberPicture, Opacity, OpacityMode,
-    PictureChannel, Relief, ReliefKind, Rgb, Sidedness, Texture, TextureId,
+    Dielectric, FinishMaps, Image, IrradiancePicture, Material, MaterialId, NumberPicture, Opacity,
+    OpacityMode, PictureChannel, Relief, ReliefKind, Rgb, Sidedness, Texture, TextureId,
 };
 use glam::{DAffine2, DMat2, DVec2};
 use gltf_json::extensions::texture::TextureTransform;
@@ -45,6 +46,48 @@ pub(super) struct GltfSurface {
     pub set: u32,
     /// The transform of those coordinates.
     pub picture_from_uv: DAffine2,
+    /// The coordinates of its lightmap, if it has one.
+    pub lightmap: Option<GltfCoordinates>,
+}
+
+/// Texture coordinates of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct GltfCoordinates {
+    /// The set.
+    pub set: u32,
+    /// Their transform.
+    pub picture_from_uv: DAffine2,
+}
+
+impl GltfCoordinates {
+    /// Coordinates of the file in azulejo's convention, with v upwards.
+    pub fn uv_of(&self, uv: [f64; 2]) -> DVec2 {
+        let uv = self.picture_from_uv.transform_point2(uv.into());
+        DVec2::new(uv.x, 1.0 - uv.y)
+    }
+}
+
+/// A lightmap that is used.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct GltfLightmap {
+    /// Its picture.
+    pub picture: IrradiancePicture,
+    /// Where that lies.
+    pub coordinates: GltfCoordinates,
+}
+
+/// A lightmap by its bits: texture, scale, set and transform.
+type LightmapBits = (TextureId, u64, u32, [u64; 6]);
+
+impl GltfLightmap {
+    fn bits(&self) -> LightmapBits {
+        let GltfCoordinates {
+            set,
+            picture_from_uv,
+        } = self.coordinates;
+        let map = picture_from_uv.to_cols_array().map(f64::to_bits);
+        (self.picture.texture, self.picture.scale.to_bits(), set, map)
+    }
 }
 
 /// The materials of a file, read when they are first used.
@@ -53,7 +96,10 @@ pub(super) struct Surfaces<'a> {
     pictures: Pictures<'a>,
     materials: Materials,
     gloss: Gloss,
-    known: HashMap<Option<usize>, GltfSurface>,
+    /// By the index of the material, and the lightmap of the node.
+    known: HashMap<(Option<usize>, Option<LightmapBits>), GltfSurface>,
+    /// Materials without the lightmap that they have.
+    unlit: HashMap<MaterialId, MaterialId>,
 }
 
 impl<'a> Surfaces<'a> {
@@ -65,6 +111,7 @@ impl<'a> Surfaces<'a> {
             materials: Materials::default(),
             gloss: Gloss::default(),
             known: HashMap::new(),
+            unlit: HashMap::new(),
         }
     }
 
@@ -89,42 +136,108 @@ impl<'a> Surfaces<'a> {
         self.pictures.add(name, image)
     }
 
-    /// A material of the file, or the default one of primitives without a material.
+    /// A material of the file, or the default one of primitives without a material; a lightmap of the node
+    /// comes before that of the material.
     pub fn of(
         &mut self,
         index: Option<Index<gltf_json::Material>>,
+        of_node: Option<GltfLightmap>,
         messages: &mut GltfMessages,
     ) -> GltfSurface {
-        let key = index.map(|i| i.value());
+        let key = (index.map(|i| i.value()), of_node.map(|l| l.bits()));
         if let Some(&known) = self.known.get(&key) {
             return known;
         }
         let given = index.and_then(|i| self.root.get(i));
-        let surface = match given {
-            None => self.plain(Material::diffuse("default", DEFAULT_REFLECTANCE)),
-            Some(material) => {
+        let number = index.map_or(0, |i| i.value());
+        let of_material = given.filter(|_| of_node.is_none());
+        let lightmap = match of_material {
+            Some(json) => self.lightmap_of(json, number, messages),
+            None => of_node,
+        };
+        let (mut material, coordinates) = match given {
+            None => (
+                Material::diffuse("default", DEFAULT_REFLECTANCE),
+                GltfSurface::plain(0),
+            ),
+            Some(json) => {
                 let mut reader = MaterialReader {
-                    json: material,
-                    index: key.unwrap_or(0),
+                    json,
+                    index: number,
                     pictures: &mut self.pictures,
                     gloss: &mut self.gloss,
                     messages,
                 };
-                let read = reader.material();
-                let uv = reader.coordinates();
-                let surface = self.plain(read);
-                GltfSurface {
-                    id: surface.id,
-                    ..uv
-                }
+                (reader.material(), reader.coordinates())
             }
+        };
+        material.lightmap = lightmap.map(|l| l.picture);
+        let surface = GltfSurface {
+            id: self.materials.index(material),
+            lightmap: lightmap.map(|l| l.coordinates),
+            ..coordinates
         };
         self.known.insert(key, surface);
         surface
     }
 
-    fn plain(&mut self, material: Material) -> GltfSurface {
-        GltfSurface::plain(self.materials.index(material))
+    /// A material without its lightmap, for primitives that lack the coordinates.
+    pub fn without_lightmap(&mut self, surface: GltfSurface) -> GltfSurface {
+        let materials = &mut self.materials;
+        let id = *self.unlit.entry(surface.id).or_insert_with(|| {
+            let unlit = Material {
+                lightmap: None,
+                ..materials.get(surface.id).clone()
+            };
+            materials.index(unlit)
+        });
+        GltfSurface {
+            id,
+            lightmap: None,
+            ..surface
+        }
+    }
+
+    /// The lightmap of a material.
+    fn lightmap_of(
+        &mut self,
+        json: &gltf_json::Material,
+        index: usize,
+        messages: &mut GltfMessages,
+    ) -> Option<GltfLightmap> {
+        let extensions = json.extensions.as_ref()?;
+        let extension = extensions.others.get(lightmap::OF_MATERIALS)?;
+        let named = lightmap::of_material(extension, extensions.unlit.is_some(), self.root);
+        let (found, problem) = self.lightmap(named);
+        if let Some(problem) = problem {
+            messages.of(&problem, || format!("materials[{index}]"));
+        }
+        found
+    }
+
+    /// A lightmap with its picture, and a warning if there is one.
+    pub fn lightmap(
+        &mut self,
+        named: Result<NamedLightmap, String>,
+    ) -> (Option<GltfLightmap>, Option<String>) {
+        let named = match named {
+            Ok(named) => named,
+            Err(fault) => return (None, Some(format!("lightmap not used: {fault}"))),
+        };
+        let (texture, problem) = self.pictures.of_light(named.texture);
+        let texture = texture.filter(|id| self.pictures.is_loaded(*id));
+        let Some(texture) = texture else {
+            let problem = problem.unwrap_or_else(|| "its picture is missing".to_owned());
+            return (None, Some(format!("lightmap not used: {problem}")));
+        };
+        let lightmap = GltfLightmap {
+            picture: IrradiancePicture {
+                texture,
+                scale: named.scale,
+            },
+            coordinates: named.coordinates,
+        };
+        (Some(lightmap), problem)
     }
 }
 
@@ -136,6 +249,7 @@ impl GltfSurface {
             is_textured: false,
             set: 0,
             picture_from_uv: DAffine2::IDENTITY,
+            lightmap: None,
         }
     }
 }
@@ -322,6 +436,12 @@ impl MaterialReader<'_, '_> {
     fn finish(&mut self, base: Rgb) -> GltfFinish {
         let pbr = &self.json.pbr_metallic_roughness;
         let (metallic, roughness) = (share(pbr.metallic_factor.0), share(pbr.roughness_factor.0));
+        if self.is_unlit() {
+            return GltfFinish {
+                means: [0.0, 1.0],
+                maps: None,
+            };
+        }
         let maps = FinishMaps {
             base,
             metallic,
@@ -423,14 +543,20 @@ impl MaterialReader<'_, '_> {
         base * mean.unwrap_or(Rgb::WHITE)
     }
 
+    /// Whether it shows its colour whatever the light (`KHR_materials_unlit`). Its other properties are for
+    /// programs that do not know that.
+    fn is_unlit(&self) -> bool {
+        let extensions = self.json.extensions.as_ref();
+        extensions.is_some_and(|e| e.unlit.is_some())
+    }
+
     /// Warns about properties that have no effect here.
     fn name_the_rest(&mut self) {
         let json = self.json;
-        let extensions = json.extensions.as_ref();
         let rest = [
             (json.occlusion_texture.is_some(), "occlusion map: not used"),
             (
-                extensions.is_some_and(|e| e.unlit.is_some()),
+                self.is_unlit(),
                 "material without shading (KHR_materials_unlit): lit as diffuse",
             ),
         ];
@@ -479,7 +605,8 @@ fn placed(set: u32, transform: Option<&TextureTransform>) -> GltfSurface {
         id: 0,
         is_textured: true,
         set: transform.and_then(|t| t.tex_coord).unwrap_or(set),
-        picture_from_uv: transform.map_or(DAffine2::IDENTITY, map_of),
+        picture_from_uv: transform.map_or(DAffine2::IDENTITY, transform_matrix),
+        lightmap: None,
     }
 }
 
@@ -490,7 +617,7 @@ fn transform_of(info: &Info) -> Option<&TextureTransform> {
 /// `KHR_texture_transform`: scale, then rotation counter-clockwise as the texture is seen, then
 /// offset. The formula in its specification turns the other way than its text and its example;
 /// programs follow the text.
-fn map_of(transform: &TextureTransform) -> DAffine2 {
+pub(super) fn transform_matrix(transform: &TextureTransform) -> DAffine2 {
     let [x, y] = transform.scale.0.map(f64::from);
     let offset = DVec2::from(transform.offset.0.map(f64::from));
     let (sin, cos) = f64::from(transform.rotation.0).sin_cos();

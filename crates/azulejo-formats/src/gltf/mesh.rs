@@ -1,9 +1,9 @@
 //! Meshes: primitives over shared vertices.
 
 use super::accessor::Data;
-use super::attributes::{USED_ATTRIBUTES, used_attributes};
+use super::attributes::{USED_ATTRIBUTES, VertexRange, used_attributes};
 use super::irradiance::StoredIrradiance;
-use super::material::{GltfSurface, Surfaces};
+use super::material::{GltfLightmap, GltfSurface, Surfaces};
 use super::messages::GltfMessages;
 use super::origin::FaceOrigin;
 use super::skin::Joints;
@@ -11,6 +11,7 @@ use super::topology;
 use super::vertices::{Vertices, finish};
 use crate::reading::options::{Budget, Exhausted};
 use azulejo_scene::Mesh;
+use glam::DAffine2;
 use gltf_json::Index;
 use gltf_json::accessor::Accessor;
 use gltf_json::mesh::{Mode, MorphTarget, Primitive};
@@ -35,6 +36,8 @@ pub(super) struct GltfMeshBuilder<'b, 'a> {
     pub messages: &'b mut GltfMessages,
     /// How the mesh stores its irradiance, if it has any.
     pub irradiance: Option<StoredIrradiance>,
+    /// The lightmap of its node, which comes before those of its materials.
+    pub lightmap: Option<GltfLightmap>,
     /// Index of the mesh.
     pub mesh: usize,
     /// Index of the primitive in it.
@@ -63,6 +66,7 @@ struct VertexKey {
     targets: Vec<[Option<u32>; 2]>,
     set: u32,
     picture_from_uv: [u64; 6],
+    lightmap: Option<(u32, [u64; 6])>,
 }
 
 impl VertexKey {
@@ -75,11 +79,13 @@ impl VertexKey {
             ]
         };
         let targets = primitive.targets.iter().flatten();
+        let bits = |map: DAffine2| map.to_cols_array().map(f64::to_bits);
         VertexKey {
             attributes: used_attributes(primitive, surface).map(|i| i.as_ref().map(number)),
             targets: targets.map(target).collect(),
             set: surface.set,
-            picture_from_uv: surface.picture_from_uv.to_cols_array().map(f64::to_bits),
+            picture_from_uv: bits(surface.picture_from_uv),
+            lightmap: surface.lightmap.map(|l| (l.set, bits(l.picture_from_uv))),
         }
     }
 }
@@ -155,7 +161,7 @@ impl GltfMeshBuilder<'_, '_> {
         primitive: &Primitive,
         pose: Pose,
         vertices: &mut Vertices,
-        vertex_ranges: &mut HashMap<VertexKey, (u32, u32)>,
+        vertex_ranges: &mut HashMap<VertexKey, VertexRange>,
         mesh: &mut Mesh,
     ) -> Result<(), Fault> {
         let targets = primitive.targets.as_ref().map_or(0, Vec::len);
@@ -167,9 +173,9 @@ impl GltfMeshBuilder<'_, '_> {
             Checked::Valid(Mode::Points) => return Err(skipped("points: skipped")),
             _ => return Err(skipped("lines: skipped")),
         };
-        let surface = self.surfaces.of(primitive.material, self.messages);
+        let mut surface = (self.surfaces).of(primitive.material, self.lightmap, self.messages);
         let key = VertexKey::of(primitive, &surface);
-        let (first, count) = match vertex_ranges.get(&key) {
+        let range = match vertex_ranges.get(&key) {
             Some(&known) => known,
             None => {
                 let range = self.vertices(primitive, &surface, pose, vertices)?;
@@ -177,6 +183,10 @@ impl GltfMeshBuilder<'_, '_> {
                 range
             }
         };
+        if surface.lightmap.is_some() && !range.has_lightmap {
+            surface = self.surfaces.without_lightmap(surface);
+        }
+        let VertexRange { first, count, .. } = range;
         let corners = self.corners(primitive, count)?;
         if !self.budget.keeps() {
             return Ok(());

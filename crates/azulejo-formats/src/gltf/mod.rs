@@ -15,6 +15,7 @@ mod draco;
 mod image_based;
 mod irradiance;
 mod json_parts;
+mod lightmap;
 mod losses;
 mod material;
 mod mesh;

@@ -18,7 +18,15 @@ use std::collections::HashMap;
 const MOST_DECODED: usize = 2;
 
 /// Extensions that name pictures in other formats, in order of preference.
-const OTHER_PICTURES: [&str; 3] = ["EXT_texture_webp", "MSFT_texture_dds", "KHR_texture_basisu"];
+const OTHER_PICTURES: [&str; 4] = [
+    "EXT_texture_webp",
+    "MSFT_texture_dds",
+    "KHR_texture_basisu",
+    BRIGHT_PICTURES,
+];
+
+/// The extension of textures that names a Radiance HDR picture, beside a darker one for others.
+pub(super) const BRIGHT_PICTURES: &str = "MOZ_texture_rgbe";
 
 /// The pictures of a file, each loaded once.
 pub(super) struct Pictures<'a> {
@@ -72,9 +80,34 @@ impl<'a> Pictures<'a> {
             let problem = "texture without a picture: not used";
             return (None, Some(problem.to_owned()));
         };
-        let wrap = self.wrap(texture);
+        let (id, problem) = self.of_image(image, self.wrap(texture));
+        (Some(id), problem)
+    }
+
+    /// The texture's picture of light: that with bright texels, where it can be loaded, else the other.
+    pub fn of_light(
+        &mut self,
+        texture: Index<gltf_json::Texture>,
+    ) -> (Option<TextureId>, Option<String>) {
+        let extensions = self.root.get(texture).and_then(|t| t.extensions.as_ref());
+        let bright = extensions
+            .and_then(|e| e.others.get(BRIGHT_PICTURES)?.get("source")?.as_u64())
+            .filter(|&image| image < self.root.images.len() as u64);
+        let Some(bright) = bright else {
+            return self.index(texture);
+        };
+        let (id, problem) = self.of_image(bright as usize, self.wrap(texture));
+        if self.is_loaded(id) {
+            return (Some(id), problem);
+        }
+        let (other, its_problem) = self.index(texture);
+        (other, problem.or(its_problem))
+    }
+
+    /// The picture of an image, and a warning if there is one.
+    fn of_image(&mut self, image: usize, wrap: [WrapMode; 2]) -> (TextureId, Option<String>) {
         if let Some(&known) = self.known.get(&image) {
-            return (Some(self.textures.wrapped(known, wrap)), None);
+            return (self.textures.wrapped(known, wrap), None);
         }
         let (id, problem) = match self.source(image) {
             Ok(PictureSource::File(name)) => self.textures.index("", &name, self.files),
@@ -88,7 +121,7 @@ impl<'a> Pictures<'a> {
             }
         };
         self.known.insert(image, id);
-        (Some(self.textures.wrapped(id, wrap)), problem)
+        (self.textures.wrapped(id, wrap), problem)
     }
 
     /// How a texture goes on beyond its edges, by its sampler.

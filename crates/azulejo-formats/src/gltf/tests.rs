@@ -2,6 +2,7 @@
 
 pub(super) mod draco;
 mod errors;
+mod lightmaps;
 mod materials;
 mod meshes;
 mod origins;

@@ -13,6 +13,8 @@ pub(super) struct Vertices {
     pub normals: Vec<DVec3>,
     /// Texture coordinates.
     pub uvs: Vec<DVec2>,
+    /// Texture coordinates of lightmaps.
+    pub lightmap_uvs: Vec<DVec2>,
     /// Colours that multiply the reflectance.
     pub colors: Vec<Rgb>,
     /// Irradiance.
@@ -28,6 +30,7 @@ impl Vertices {
             positions: Vec::new(),
             normals: Vec::new(),
             uvs: Vec::new(),
+            lightmap_uvs: Vec::new(),
             colors: Vec::new(),
             light: Vec::new(),
             irradiance,
@@ -70,7 +73,8 @@ impl Vertices {
         for normal in self.normals.iter_mut().filter(|n| !is_unit(**n)) {
             *normal = normal.normalize_or_zero();
         }
-        for uv in self.uvs.iter_mut().filter(|uv| !uv.is_finite()) {
+        let uvs = self.uvs.iter_mut().chain(&mut self.lightmap_uvs);
+        for uv in uvs.filter(|uv| !uv.is_finite()) {
             *uv = DVec2::ZERO;
         }
     }
@@ -81,6 +85,8 @@ impl Vertices {
         let (here, there) = (self.len(), other.len());
         join(&mut self.normals, other.normals, here, there, DVec3::ZERO);
         join(&mut self.uvs, other.uvs, here, there, DVec2::ZERO);
+        let uvs = other.lightmap_uvs;
+        join(&mut self.lightmap_uvs, uvs, here, there, DVec2::ZERO);
         join(&mut self.colors, other.colors, here, there, Rgb::WHITE);
         join(&mut self.light, other.light, here, there, Rgb::BLACK);
         join(
@@ -97,6 +103,7 @@ impl Vertices {
         retain(&mut self.positions, marked);
         retain(&mut self.normals, marked);
         retain(&mut self.uvs, marked);
+        retain(&mut self.lightmap_uvs, marked);
         retain(&mut self.colors, marked);
         retain(&mut self.light, marked);
     }
@@ -133,6 +140,7 @@ pub(super) fn finish(mesh: &mut Mesh, mut vertices: Vertices) -> usize {
     }
     mesh.positions = vertices.positions;
     mesh.uvs = per_vertex(vertices.uvs);
+    mesh.lightmap_uvs = per_vertex(vertices.lightmap_uvs);
     mesh.colors = vertices.colors;
     mesh.irradiance = vertices.light;
     let missing = vertices

@@ -3,7 +3,8 @@
 use super::accessor::Data;
 use super::image_based;
 use super::irradiance::{self, StoredIrradiance};
-use super::material::Surfaces;
+use super::lightmap;
+use super::material::{GltfLightmap, Surfaces};
 use super::mesh::{GltfMeshBuilder, Pose};
 use super::messages::GltfMessages;
 use super::nodes::{MOST_LEVELS, Tree, children, is_usable, parent_from_node, placed};
@@ -250,12 +251,14 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         };
         let name = self.name(node, json.name.as_deref(), placement);
         let has_irradiance = self.irradiance.get(mesh).copied().flatten().is_some();
-        // Irradiance belongs to one place, and a pose to one node.
-        if joints.is_none() && pose.weights.is_empty() && !has_irradiance {
+        let lightmap = self.lightmap(index, node);
+        // Irradiance belongs to one place, a pose and a lightmap of its own to one node.
+        let is_own = joints.is_some() || !pose.weights.is_empty() || lightmap.is_some();
+        if !is_own && !has_irradiance {
             return self.shared_mesh(index, node, mesh, name, placement);
         }
         let before = self.budget.left();
-        let built = self.built(mesh, pose)?;
+        let built = self.built(mesh, pose, lightmap)?;
         let each = before - self.budget.left();
         if !self.budget.keeps() {
             self.instances(index, node, each)?;
@@ -282,14 +285,32 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
         }
     }
 
+    /// The lightmap that a node has for itself.
+    fn lightmap(&mut self, index: usize, node: &Node) -> Option<GltfLightmap> {
+        let extensions = node.extensions.as_ref();
+        let extension = extensions.and_then(|e| e.others.get(lightmap::OF_NODES))?;
+        let named = lightmap::of_node(extension, self.root());
+        let (found, problem) = self.surfaces.lightmap(named);
+        if let Some(problem) = problem {
+            self.messages.of(&problem, || format!("nodes[{index}]"));
+        }
+        found
+    }
+
     /// A mesh, and the origins of its faces if they are wanted.
-    fn built(&mut self, mesh: usize, pose: Pose) -> Result<Option<(Mesh, Faces)>, ReadError> {
+    fn built(
+        &mut self,
+        mesh: usize,
+        pose: Pose,
+        lightmap: Option<GltfLightmap>,
+    ) -> Result<Option<(Mesh, Faces)>, ReadError> {
         let mut builder = GltfMeshBuilder {
             data: self.data,
             surfaces: &mut self.surfaces,
             budget: &mut self.budget,
             messages: &mut *self.messages,
             irradiance: self.irradiance.get(mesh).copied().flatten(),
+            lightmap,
             mesh,
             primitive: 0,
             origins: self.origins.is_some().then(Vec::new),
@@ -319,7 +340,7 @@ impl<'w, 'a> GltfWalk<'w, 'a> {
                 joints: None,
             };
             let before = self.budget.left();
-            let built = self.built(mesh, pose)?;
+            let built = self.built(mesh, pose, None)?;
             let each = before - self.budget.left();
             let built = built.map(|(mesh, faces)| (SharedMesh::new(mesh), faces));
             self.shared.insert(mesh, (each, built));

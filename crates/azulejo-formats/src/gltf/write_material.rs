@@ -1,6 +1,7 @@
 //! Writes materials and textures as glTF.
 
 use super::json_parts::{factor_and_strength, named};
+use super::lightmap;
 use super::pack::Pack;
 use super::uri;
 use crate::picture::png;
@@ -15,6 +16,9 @@ use glam::DVec2;
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::io;
+
+/// The set of texture coordinates of lightmaps.
+const LIGHTMAP_SET: u32 = 1;
 
 /// Thickness that distinguishes a solid body from a thin wall, in metres. Its value matters only to
 /// programs that do not trace rays.
@@ -47,6 +51,7 @@ impl Materials {
     pub fn of(scene: &Scene, pack: &mut Pack) -> io::Result<Materials> {
         let mut materials = Materials::default();
         let of_surroundings = only_around(scene);
+        let peaks = bright_lightmaps(scene);
         for (i, texture) in scene.textures.iter().enumerate() {
             if of_surroundings.contains(&(i as TextureId)) {
                 // Textures keep their numbers; one without an image is nothing.
@@ -56,10 +61,24 @@ impl Materials {
             let sampler = materials.sampler(texture.wrap);
             let source = json!({ "source": materials.images.len() });
             materials.textures.push(with_sampler(source, sampler));
-            materials.images.push(image(texture, pack)?);
+            let entry = match peaks.get(&(i as TextureId)) {
+                Some(&peak) => image(&darkened(texture, peak), pack)?,
+                None => image(texture, pack)?,
+            };
+            materials.images.push(entry);
         }
+        let has_lightmap = scene.has_lightmap();
         for material in &scene.materials {
             let mut json = materials.material(material);
+            if let Some(lightmap) = material.lightmap.filter(|_| has_lightmap) {
+                let peak = peaks.get(&lightmap.texture).copied().unwrap_or(1.0);
+                materials.extensions.insert(lightmap::OF_MATERIALS);
+                json["extensions"][lightmap::OF_MATERIALS] = json!({
+                    "index": lightmap.texture,
+                    "texCoord": LIGHTMAP_SET,
+                    "intensity": lightmap.scale * peak,
+                });
+            }
             if let Some(opacity) = &material.opacity {
                 materials.opacity(scene, material, opacity, &mut json, pack)?;
             }
@@ -316,6 +335,30 @@ fn with_sampler(mut texture: Value, sampler: Option<usize>) -> Value {
         texture["sampler"] = json!(sampler);
     }
     texture
+}
+
+/// The pictures of lightmaps with texels above 1, and the largest: they are divided by it, and their intensity
+/// grows, since a PNG ends at 1.
+pub(super) fn bright_lightmaps(scene: &Scene) -> HashMap<TextureId, f64> {
+    let ids: HashSet<TextureId> = (scene.materials.iter())
+        .filter_map(|m| Some(m.lightmap?.texture))
+        .collect();
+    let peak = |id: TextureId| {
+        let image = scene.textures.get(id as usize)?.image.as_ref()?;
+        let peak = image.pixels.iter().flatten().copied().fold(1.0, f32::max);
+        (peak > 1.0 && peak.is_finite()).then_some((id, f64::from(peak)))
+    };
+    ids.into_iter().filter_map(peak).collect()
+}
+
+/// A picture whose texels are divided by the largest.
+fn darkened(texture: &Texture, peak: f64) -> Texture {
+    let mut darker = texture.clone();
+    let pixels = darker.image.iter_mut().flat_map(|image| &mut image.pixels);
+    pixels
+        .flatten()
+        .for_each(|value| *value = (f64::from(*value) / peak) as f32);
+    darker
 }
 
 /// The pictures that only environments show, which glTF does not keep: megabytes that no material uses.

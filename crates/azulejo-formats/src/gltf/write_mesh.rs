@@ -10,6 +10,9 @@ use glam::DVec3;
 use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 
+/// The texture coordinates of lightmaps; [`super::write_material`] has the number.
+const LIGHTMAP_SET: &str = "TEXCOORD_1";
+
 /// The mesh of an object; `None` if it has no faces.
 pub(super) fn mesh(
     object: &Object,
@@ -81,11 +84,11 @@ impl WrittenMesh {
     }
 }
 
-/// The vertices that glTF needs: one for each combination of a vertex with a normal and texture
-/// coordinates.
+/// The vertices that glTF needs: one for each combination of a vertex with a normal, texture
+/// coordinates and those of the lightmap.
 struct MergedCorners {
-    /// Vertex, normal and texture coordinates, as indices into the mesh's lists.
-    vertices: Vec<[u32; 3]>,
+    /// Vertex, normal and both texture coordinates, as indices into the mesh's lists.
+    vertices: Vec<[u32; 4]>,
     /// Index of the combination of each corner of the mesh.
     corners: Vec<u32>,
 }
@@ -95,16 +98,22 @@ impl MergedCorners {
         let by_corner = |a: Option<&Vec<u32>>, corner: usize, v: u32| a.map_or(v, |a| a[corner]);
         let normals = mesh.normals.as_ref().and_then(|a| a.corners.as_ref());
         let uvs = mesh.uvs.as_ref().and_then(|a| a.corners.as_ref());
-        if normals.is_none() && uvs.is_none() {
+        let of_light = mesh.lightmap_uvs.as_ref().and_then(|a| a.corners.as_ref());
+        if normals.is_none() && uvs.is_none() && of_light.is_none() {
             return MergedCorners {
-                vertices: (0..mesh.positions.len() as u32).map(|v| [v; 3]).collect(),
+                vertices: (0..mesh.positions.len() as u32).map(|v| [v; 4]).collect(),
                 corners: mesh.faces.corners.clone(),
             };
         }
         let mut vertices = Vec::with_capacity(mesh.positions.len());
         let mut known = HashMap::with_capacity(mesh.positions.len());
         let corners = mesh.faces.corners.iter().enumerate().map(|(corner, &v)| {
-            let key = [v, by_corner(normals, corner, v), by_corner(uvs, corner, v)];
+            let key = [
+                v,
+                by_corner(normals, corner, v),
+                by_corner(uvs, corner, v),
+                by_corner(of_light, corner, v),
+            ];
             *known.entry(key).or_insert_with(|| {
                 vertices.push(key);
                 vertices.len() as u32 - 1
@@ -121,7 +130,7 @@ impl MergedCorners {
         which: usize,
         numbers: impl Fn(T) -> [f64; N] + 'c,
     ) -> impl ExactSizeIterator<Item = [f64; N]> + 'c {
-        let value = move |key: &[u32; 3]| numbers(list[key[which] as usize]);
+        let value = move |key: &[u32; 4]| numbers(list[key[which] as usize]);
         self.vertices.iter().map(value)
     }
 }
@@ -139,6 +148,14 @@ fn attributes(mesh: &Mesh, corners: &MergedCorners, pack: &mut Pack) -> Map<Stri
     if let Some(Attribute { values, .. }) = &mesh.uvs {
         let uvs = corners.of_vertices(values, 2, |uv| [uv.x, 1.0 - uv.y]);
         attributes.insert("TEXCOORD_0".into(), json!(pack.attribute(uvs)));
+    }
+    if let Some(Attribute { values, .. }) = &mesh.lightmap_uvs {
+        let uvs = corners.of_vertices(values, 3, |uv| [uv.x, 1.0 - uv.y]);
+        let accessor = json!(pack.attribute(uvs));
+        // Sets are numbered without gaps.
+        let first = attributes.entry("TEXCOORD_0");
+        first.or_insert_with(|| accessor.clone());
+        attributes.insert(LIGHTMAP_SET.into(), accessor);
     }
     if !mesh.colors.is_empty() {
         let colors = corners.of_vertices(&mesh.colors, 0, |c| c.to_array().map(|c| c.min(1.0)));

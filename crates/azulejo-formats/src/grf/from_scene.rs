@@ -523,6 +523,8 @@ impl VertexSplitter<'_> {
             positions: (0..count).map(|v| old.positions[position(v)]).collect(),
             normals: self.attribute(&old.normals, 1, DVec3::Z),
             uvs: self.attribute(&old.uvs, 2, DVec2::ZERO),
+            // GRF has no lightmaps.
+            lightmap_uvs: None,
             colors: taken(&old.colors),
             irradiance: taken(&old.irradiance),
             irradiance_error: taken(&old.irradiance_error),

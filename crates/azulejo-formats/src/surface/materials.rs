@@ -22,7 +22,7 @@ struct Key {
     textures: Vec<u32>,
     brdf: String,
     opacity: Option<OpacityKey>,
-    /// Finish and relief, as they print: their numbers differ where the text does.
+    /// Finish, relief and lightmap, as they print: their numbers differ where the text does.
     maps: String,
 }
 
@@ -58,8 +58,8 @@ impl Key {
                 };
                 (o.constant.to_bits(), picture, cutoff)
             }),
-            maps: match (&m.finish, &m.relief) {
-                (None, None) => String::new(),
+            maps: match (&m.finish, &m.relief, &m.lightmap) {
+                (None, None, None) => String::new(),
                 maps => format!("{maps:?}"),
             },
         }

@@ -7,6 +7,7 @@ mod gallery;
 mod gather;
 mod glossy;
 mod golden;
+mod lightmap;
 mod maps;
 mod opacity;
 mod optics;

@@ -182,6 +182,7 @@ content_of_fields!(Mesh {
     positions,
     normals,
     uvs,
+    lightmap_uvs,
     colors,
     irradiance,
     irradiance_error,

@@ -4,7 +4,7 @@ use super::{ContentBytes, ContentSink, content_of_fields, content_of_kinds};
 use crate::brdf::{self, Brdf, Description, Measured, Model, Parameter, Value};
 use crate::opacity::{Opacity, OpacityChannel, OpacityMode, OpacityPicture};
 use crate::surface_maps::{FinishMaps, NumberPicture, PictureChannel, Relief, ReliefKind};
-use crate::{Dielectric, Image, Material, Rgb, Sidedness, Texture, WrapMode};
+use crate::{Dielectric, Image, IrradiancePicture, Material, Rgb, Sidedness, Texture, WrapMode};
 
 content_of_fields!(Rgb { r, g, b });
 content_of_fields!(Material {
@@ -21,6 +21,7 @@ content_of_fields!(Material {
     opacity,
     finish,
     relief,
+    lightmap,
 });
 content_of_fields!(FinishMaps {
     base,
@@ -35,6 +36,7 @@ content_of_kinds!(PictureChannel {
     Green = 1,
     Blue = 2
 });
+content_of_fields!(IrradiancePicture { texture, scale });
 content_of_fields!(Relief { texture, kind });
 
 impl ContentBytes for ReliefKind {

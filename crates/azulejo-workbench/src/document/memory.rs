@@ -205,6 +205,7 @@ fn mesh_bytes(mesh: &Mesh) -> usize {
         + vector(&mesh.positions)
         + mesh.normals.as_ref().map_or(0, attribute)
         + mesh.uvs.as_ref().map_or(0, attribute)
+        + mesh.lightmap_uvs.as_ref().map_or(0, attribute)
         + colors.into_iter().map(vector).sum::<usize>()
         + numbers.into_iter().map(vector).sum::<usize>()
 }

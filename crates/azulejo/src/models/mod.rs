@@ -28,6 +28,8 @@ mod written_formats;
 
 pub use azulejo_formats::RecognizedModel;
 pub use merging::{Change, branch_name, changes, name_branch};
-pub use reading::{MAX_FILE, MAX_STREAM, ReadFailure, Reading, VastFace, read, read_bytes};
+pub use reading::{
+    MAX_FILE, MAX_STREAM, ReadFailure, Reading, VastFace, read, read_bytes, read_unbaked, unbaked,
+};
 pub use written::{ModelOutput, WriteFailure, write, write_copy};
 pub use written_formats::{FORMATS, WrittenFormat, by_extension};

@@ -1,7 +1,9 @@
 //! Reading of model files.
 
 use crate::files::Refused;
-use azulejo_formats::{FileError, Files, Folder, ReadError, ReadOptions, RecognizedModel};
+use azulejo_formats::{
+    FileError, Files, Folder, Format, ReadError, ReadOptions, RecognizedModel, gltf, recognize,
+};
 use azulejo_scene::{MOST_FACE_CORNERS, Object, Scene};
 use azulejo_trace::{Cancelled, Progress};
 use std::fmt;
@@ -124,11 +126,51 @@ pub fn read(
     progress: &Progress,
 ) -> Result<RecognizedModel, ReadFailure> {
     let bytes = read_file(path, progress)?;
+    parsed(&bytes, path, reading, progress)
+}
+
+/// [`read`] for light that is computed anew: without the lightmap that azulejo has put into a glTF file, so
+/// that the lamps that were dimmed for it shine again. Says so in notes.
+///
+/// # Errors
+/// [`ReadFailure`].
+pub fn read_unbaked(
+    path: &Path,
+    reading: &Reading,
+    progress: &Progress,
+) -> Result<(RecognizedModel, Vec<String>), ReadFailure> {
+    let bytes = read_file(path, progress)?;
+    let (bytes, notes) = unbaked(bytes, &path.to_string_lossy());
+    Ok((parsed(&bytes, path, reading, progress)?, notes))
+}
+
+/// A file without the lightmap that azulejo has put into it, and what is to be said of that; the file itself,
+/// if it has none.
+pub fn unbaked(bytes: Vec<u8>, name: &str) -> (Vec<u8>, Vec<String>) {
+    if !matches!(recognize(&bytes, name), Ok(Format::Gltf)) {
+        return (bytes, Vec::new());
+    }
+    let Ok(stripped) = gltf::patch::strip(&bytes, name) else {
+        return (bytes, Vec::new());
+    };
+    let mut notes = vec![format!(
+        "{name}: its lightmap, which azulejo has baked, is removed first"
+    )];
+    notes.extend(stripped.notes);
+    (stripped.bytes, notes)
+}
+
+fn parsed(
+    bytes: &[u8],
+    path: &Path,
+    reading: &Reading,
+    progress: &Progress,
+) -> Result<RecognizedModel, ReadFailure> {
     progress.begin("parsing", 0);
     progress.advance(0)?;
     let around = CancellableFiles::of(path, reading, progress);
     let name = path.to_string_lossy();
-    let read = azulejo_formats::read_with(&bytes, &name, &around, &reading.options);
+    let read = azulejo_formats::read_with(bytes, &name, &around, &reading.options);
     // What a reader makes of files that it was not given is no reason.
     progress.advance(0)?;
     let model = read.map_err(ReadFailure::Content)?;

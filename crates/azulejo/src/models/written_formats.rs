@@ -173,6 +173,11 @@ impl WrittenFormat {
             losses
                 .extend(others.map(|n| format!("{n} materials with pictures of finish or relief")));
         }
+        let mapped = scene.objects.iter();
+        let mapped = mapped.filter(|o| scene.is_lightmapped(&o.shape)).count();
+        if mapped > 0 && !matches!(self.extension, "glb" | "gltf") {
+            losses.push(format!("{mapped} lightmaps, and with them their light"));
+        }
         losses
     }
 

@@ -2,7 +2,9 @@
 
 use azulejo::bake::{Resolution, UnwrapOptions};
 use azulejo::factors::PointNormal;
-use azulejo::lightmap::{BakeError, BakeOptions, Baked, BakedLight, BakedSides, bake, meshes_of};
+use azulejo::lightmap::{
+    BakeError, BakeOptions, Baked, BakedLight, BakedSides, Coordinates, bake, meshes_of,
+};
 use azulejo::radiosity::{FirstPass, SolveError, probe};
 use azulejo::scene::synthetic::{CornellVariant, cornell_box};
 use azulejo::scene::{Light, LightKind, Material, Mesh, Object, Rgb, Scene, Shape};
@@ -21,6 +23,8 @@ fn options(size: u32, error: f64) -> BakeOptions {
             error: Some(error),
             ..FirstPass::default()
         },
+        coordinates: Coordinates::New,
+        densities: Vec::new(),
         light: BakedLight::Total,
         sides: BakedSides::Brighter,
     }

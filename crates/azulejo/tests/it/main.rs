@@ -1,5 +1,6 @@
 //! Both passes together.
 
+mod atlases;
 mod glossy;
 mod instances;
 mod lightmap;

@@ -20,8 +20,8 @@ const LARGEST_INDEX: [u32; 2] = [254, 65_534];
 /// Accessors that take the place of those of a list of vertices.
 #[derive(Clone, Debug, Default)]
 pub struct NewVertices {
-    /// The texture coordinates.
-    pub uvs: usize,
+    /// The texture coordinates; `None` where they stay.
+    pub uvs: Option<usize>,
     /// Attributes.
     pub attributes: Attributes,
     /// Attributes of morph targets, each with the number of its target.
@@ -64,7 +64,7 @@ impl<'s> NewAccessors<'s> {
             Ok(new) => new,
             Err(fault) => return Ok(Err(fault)),
         };
-        new.uvs = self.uvs(group, additions)?;
+        new.uvs = Some(self.uvs(group, additions)?);
         Ok(Ok(new))
     }
 
@@ -79,7 +79,7 @@ impl<'s> NewAccessors<'s> {
         additions: &mut Additions,
     ) -> Result<NewVertices, PatchError> {
         Ok(NewVertices {
-            uvs: self.uvs(group, additions)?,
+            uvs: Some(self.uvs(group, additions)?),
             ..other.clone()
         })
     }

@@ -5,7 +5,7 @@ use super::error::PatchError;
 use super::notes::Notes;
 use super::source::Source;
 use super::splits::PrimitiveFaces;
-use super::types::{Convention, InstanceMode, LightmapEdit, ObjectLayout};
+use super::types::{Convention, InstanceMode, LightmapEdit, LightmapUvs, ObjectLayout};
 use std::collections::{HashMap, HashSet};
 
 /// An offset and a scale of texture coordinates: uv ↦ offset + scale · uv.
@@ -117,7 +117,8 @@ pub fn assignments<'l>(
     Ok(list)
 }
 
-fn mesh_of(source: &Source, node: usize) -> Option<usize> {
+/// The mesh of a node.
+pub fn mesh_of(source: &Source, node: usize) -> Option<usize> {
     let node = source.data.root.nodes.get(node)?;
     node.mesh.map(|mesh| mesh.value())
 }
@@ -142,7 +143,8 @@ fn parts<'l>(
             "coordinates of {uvs} and pages of {pages} faces, of {count}"
         ));
     }
-    if !layout.uvs.iter().flatten().flatten().all(|v| v.is_finite()) {
+    let is_written = matches!(edit.uvs, LightmapUvs::Added(_));
+    if is_written && !layout.uvs.iter().flatten().flatten().all(|v| v.is_finite()) {
         return Err("coordinates that are not finite".to_owned());
     }
     let mut parts: Vec<PrimitiveFaces> = Vec::new();

@@ -6,13 +6,17 @@ use super::assign::assignments;
 use super::error::PatchError;
 use super::glb::Parts;
 use super::lights;
-use super::materials::{Replaced, Textures};
+use super::materials::{MaterialUses, Replaced, Textures};
 use super::notes::Notes;
+use super::scan::{Span, find};
 use super::source::{Source, parsed};
 use super::types::{Convention, GltfFile, InstanceMode, LightmapEdit, LightsMode, PatchedFile};
 use super::undo;
 use super::work::Work;
 use serde_json::{Map, json};
+
+const MOZ_LIGHTMAP: &str = "MOZ_lightmap";
+const MX_LIGHTMAP: &str = "MX_lightmap";
 
 /// Puts a lightmap into a file that has none of azulejo's.
 pub fn edited(
@@ -52,6 +56,7 @@ pub fn edited(
     if edit.convention == Convention::Mx {
         work.nodes(set, &mut textures, &mut additions)?;
     }
+    drop_others(&work, &uses, &mut additions, &mut notes);
     let mode = match edit.convention {
         Convention::Plain => LightsMode::Keep,
         _ => edit.lights,
@@ -64,6 +69,42 @@ pub fn edited(
         facts.insert("baked".into(), json!(baked));
     }
     undo::sealed(&source, additions, facts, notes)
+}
+
+/// Removes lightmaps of other programs that programs would show beside the new one; those that are in its place are
+/// replaced with it.
+fn drop_others(work: &Work, uses: &MaterialUses, additions: &mut Additions, notes: &mut Notes) {
+    let (source, text) = (work.source, work.source.text());
+    let remove = |list: &str, entry: usize, name: &str, additions: &mut Additions| {
+        let entries = source.list(list);
+        let has_one = |span: &Span| find(text, span, &["extensions", name]).is_some();
+        let found = entries.get(entry).is_some_and(has_one);
+        if found {
+            let change = additions.edit.key(list).index(entry);
+            change.key("extensions").key(name).remove();
+        }
+        found
+    };
+    match work.edit.convention {
+        Convention::Plain => {}
+        Convention::Mx => {
+            for (material, is_shared) in uses.receiving() {
+                if is_shared {
+                    continue;
+                }
+                if remove("materials", material, MOZ_LIGHTMAP, additions) {
+                    notes.add("material with a lightmap of another program: loses it");
+                }
+            }
+        }
+        Convention::Moz | Convention::Emissive | Convention::Unlit => {
+            for assignment in &work.assignments {
+                if remove("nodes", assignment.node, MX_LIGHTMAP, additions) {
+                    notes.add("node with a lightmap of another program: loses it");
+                }
+            }
+        }
+    }
 }
 
 fn name_of(convention: Convention) -> &'static str {

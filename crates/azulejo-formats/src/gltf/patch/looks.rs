@@ -115,6 +115,7 @@ impl MaterialLightmap<'_> {
         change.key("emissiveFactor").set(factor);
         let extensions = change.key("extensions");
         let mut used = self.used(["KHR_materials_specular"]);
+        extensions.key("MOZ_lightmap").remove();
         let matt = "{\"specularFactor\":0}";
         extensions.key("KHR_materials_specular").set(matt);
         extensions.key("KHR_materials_emissive_strength").remove();
@@ -150,7 +151,9 @@ impl MaterialLightmap<'_> {
         surface
             .key("baseColorTexture")
             .set(self.texture().rendered());
-        change.key("extensions").key(UNLIT).set("{}");
+        let extensions = change.key("extensions");
+        extensions.key(UNLIT).set("{}");
+        extensions.key("MOZ_lightmap").remove();
         Ok(self.used([UNLIT]))
     }
 }

@@ -144,6 +144,17 @@ impl MaterialUses {
         }
     }
 
+    /// The materials of surfaces that get light, and whether others have them, too.
+    pub fn receiving(&self) -> impl Iterator<Item = (usize, bool)> + '_ {
+        let entries = self.0.iter();
+        entries.filter_map(|(material, uses)| {
+            let is_lit = uses.iter().any(Option::is_some);
+            material
+                .filter(|_| is_lit)
+                .map(|m| (m, uses.contains(&None)))
+        })
+    }
+
     /// Gives all materials their light.
     ///
     /// # Errors

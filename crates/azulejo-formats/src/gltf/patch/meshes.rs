@@ -8,7 +8,7 @@ use super::error::PatchError;
 use super::materials::{Replaced, Textures};
 use super::notes::Notes;
 use super::primitives::{PrimitiveJson, VARIANTS};
-use super::types::Convention;
+use super::types::{Convention, LightmapUvs};
 use super::uncompress;
 use super::work::{Split, Work};
 use gltf_json::mesh::Mode;
@@ -79,7 +79,7 @@ impl Work<'_, '_> {
                 notes.add("strip or fan with a seam: becomes a list of triangles");
                 change.key("mode").set("4");
             }
-            if json.has_draco() {
+            if json.has_draco() && vertices.uvs.is_some() {
                 notes.add("primitive compressed with Draco: is no longer");
                 uncompress::primitive(change, json);
             }
@@ -99,6 +99,9 @@ impl Work<'_, '_> {
 
     /// Takes Draco from the lists of extensions if no primitive is compressed any more.
     fn drop_draco(&self, split: &Split, additions: &mut Additions) {
+        if let LightmapUvs::Existing(_) = self.edit.uvs {
+            return;
+        }
         let mut changed = HashSet::new();
         for (a, assignment) in self.assignments.iter().enumerate() {
             if assignment.entry == Entry::Own {
@@ -150,15 +153,18 @@ fn change_vertices(change: &mut Edit, json: &PrimitiveJson, new: &NewVertices, s
     for (name, accessor) in &new.attributes {
         change.key("attributes").key(name).set(accessor.to_string());
     }
+    let Some(uvs) = new.uvs else {
+        return;
+    };
     // Names are numbered without gaps (glTF 2.0, 3.7.2.1).
     for lower in 0..set {
         let name = format!("TEXCOORD_{lower}");
         if json.attribute(&name).is_none() {
-            change.key("attributes").key(&name).set(new.uvs.to_string());
+            change.key("attributes").key(&name).set(uvs.to_string());
         }
     }
     let name = format!("TEXCOORD_{set}");
-    change.key("attributes").key(&name).set(new.uvs.to_string());
+    change.key("attributes").key(&name).set(uvs.to_string());
     for (target, name, accessor) in &new.targets {
         let target = change.key("targets").index(*target);
         target.key(name).set(accessor.to_string());

@@ -17,6 +17,7 @@
 //! | `lightmap`, `undo`, `strip` | the edits as a whole, and what undoes them |
 //! | `uncompress`, `convert` | Draco, other containers |
 //! | `vertex_light` | light of vertices |
+//! | `existing` | the lightmap that a file has |
 
 mod accessors;
 mod additions;
@@ -24,6 +25,7 @@ mod assign;
 mod convert;
 mod edits;
 mod error;
+mod existing;
 mod free_set;
 mod glb;
 mod lightmap;
@@ -47,8 +49,9 @@ mod work;
 
 pub use error::PatchError;
 pub use types::{
-    Container, Convention, GltfFile, InstanceMode, LightmapEdit, LightmapPage, LightsMode,
-    MediaType, ObjectLayout, Output, PatchedFile, StrippedFile,
+    Container, Convention, FoundLightmap, FoundPage, GltfFile, InstanceMode, LightmapEdit,
+    LightmapPage, LightmapUvs, LightsMode, MediaType, NO_PAGE, ObjectLayout, Output, PatchedFile,
+    StrippedFile,
 };
 
 use super::origin::ObjectOrigin;
@@ -81,6 +84,33 @@ pub fn with_lightmap(
     in_container(&file, &edit.output, notes, |file, notes| {
         lightmap::edited(file, origins, edit, notes)
     })
+}
+
+/// The lightmap that a file has, by `MOZ_lightmap` or `MX_lightmap`, whoever made it; if it has none, the texture
+/// coordinates that could be used for one. `origins` are those of its objects; `set` is the set of
+/// coordinates, by default the one that lightmaps name, else 1.
+///
+/// # Errors
+/// Files that cannot be read or are not UTF-8.
+pub fn found_lightmap(
+    file: &GltfFile,
+    origins: &[ObjectOrigin],
+    set: Option<u32>,
+) -> Result<FoundLightmap, PatchError> {
+    existing::found(file, origins, set)
+}
+
+/// One set of texture coordinates as it is in the file, whatever lightmaps it has, as
+/// [`found_lightmap`] has it.
+///
+/// # Errors
+/// Files that cannot be read or are not UTF-8.
+pub fn coordinates(
+    file: &GltfFile,
+    origins: &[ObjectOrigin],
+    set: u32,
+) -> Result<FoundLightmap, PatchError> {
+    existing::coordinates(file, origins, set)
 }
 
 /// Puts the irradiance of the vertices of `scene` into its file: as colours of the same vertices, with the

@@ -44,9 +44,8 @@ pub struct LightmapEdit<'a> {
     pub objects: &'a [Option<ObjectLayout>],
     /// The pictures.
     pub pages: &'a [LightmapPage],
-    /// The set of texture coordinates, `TEXCOORD_n`, that is wished: by default 1. If a picture of a material
-    /// that gets a lightmap uses it, the next free one is taken.
-    pub uv_set: Option<u32>,
+    /// Where the texture coordinates of the objects are put.
+    pub uvs: LightmapUvs,
     /// How several nodes of one mesh get a place in the pictures each.
     pub instances: InstanceMode,
     /// How the file says what the pictures are.
@@ -59,6 +58,22 @@ pub struct LightmapEdit<'a> {
     pub output: Output<'a>,
 }
 
+/// Where the texture coordinates of a lightmap are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightmapUvs {
+    /// In a new set, `TEXCOORD_n`, which takes the place of one of this number. If a picture of a material that
+    /// gets a lightmap uses it, the next free one is taken.
+    Added(u32),
+    /// In this set of the file, which stays as it is, with all vertices: the layouts have its coordinates.
+    Existing(u32),
+}
+
+impl Default for LightmapUvs {
+    fn default() -> LightmapUvs {
+        LightmapUvs::Added(1)
+    }
+}
+
 /// Where the faces of an object are in the pictures.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObjectLayout {
@@ -67,6 +82,37 @@ pub struct ObjectLayout {
     pub uvs: Vec<[[f32; 2]; 3]>,
     /// For every face, the index of its picture. All faces of one primitive have the same.
     pub pages: Vec<u32>,
+}
+
+/// The page of faces that have no lightmap.
+pub const NO_PAGE: u32 = u32::MAX;
+
+/// The lightmap that a file has.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FoundLightmap {
+    /// Whether materials or nodes name a lightmap.
+    pub is_named: bool,
+    /// Whether it is one of azulejo's, which [`strip`](super::strip) removes.
+    pub is_own: bool,
+    /// The set of texture coordinates; the last, if there are several.
+    pub set: u32,
+    /// Whether all that has coordinates has them in one set.
+    pub is_one_set: bool,
+    /// For each object, parallel to the origins, the coordinates of its faces as they read the picture, and
+    /// their pages: [`NO_PAGE`] where a face has none. `None` for objects without any. Coordinates are what
+    /// the file says: any number, or none.
+    pub objects: Vec<Option<ObjectLayout>>,
+    /// The pages.
+    pub pages: Vec<FoundPage>,
+}
+
+/// A picture that a file has as a lightmap.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FoundPage {
+    /// The file of the picture, if one is named; why it cannot be had.
+    pub picture: Result<Option<Vec<u8>>, String>,
+    /// What a decoded texel is multiplied with; the largest that a material says.
+    pub intensity: f64,
 }
 
 /// A picture of a lightmap.

@@ -15,7 +15,8 @@ use super::scan::{Span, member};
 use super::source::{Source, parsed};
 use super::splits::VertexGroup;
 use super::types::{
-    Convention, GltfFile, InstanceMode, LightmapEdit, LightsMode, ObjectLayout, Output, PatchedFile,
+    Convention, GltfFile, InstanceMode, LightmapEdit, LightmapUvs, LightsMode, ObjectLayout,
+    Output, PatchedFile,
 };
 use super::{uncompress, undo};
 use azulejo_scene::{Rgb, Scene};
@@ -36,7 +37,7 @@ pub fn edited(
     let edit = LightmapEdit {
         objects: &layouts,
         pages: &[],
-        uv_set: None,
+        uvs: LightmapUvs::default(),
         instances: InstanceMode::Copy,
         convention: Convention::Plain,
         lights: LightsMode::Keep,

@@ -11,8 +11,8 @@ use super::notes::Notes;
 use super::primitives::PrimitiveJson;
 use super::scan::Span;
 use super::source::Source;
-use super::splits::{MISSING, SplitPrimitive, Splits, VertexGroup};
-use super::types::LightmapEdit;
+use super::splits::{MISSING, PrimitiveFaces, SplitPrimitive, Splits, VertexGroup};
+use super::types::{LightmapEdit, LightmapUvs};
 use std::collections::{HashMap, HashSet};
 
 /// An edit, and what it is about.
@@ -66,6 +66,10 @@ impl<'w, 's> Work<'w, 's> {
     /// # Errors
     /// Pictures use all sets.
     pub fn set(&self, notes: &mut Notes) -> Result<u32, PatchError> {
+        let wished = match self.edit.uvs {
+            LightmapUvs::Added(wished) => wished,
+            LightmapUvs::Existing(set) => return self.existing_set(set),
+        };
         let mut materials = HashSet::new();
         for assignment in &self.assignments {
             for part in &assignment.parts {
@@ -75,7 +79,6 @@ impl<'w, 's> Work<'w, 's> {
                 materials.extend(primitive.and_then(|p| p.material));
             }
         }
-        let wished = self.edit.uv_set.unwrap_or(1);
         let set = free_set::of(self.source, &materials, wished);
         let taken = || format!("no set of texture coordinates from TEXCOORD_{wished} on is free");
         let set = set.ok_or_else(|| self.source.refused(taken()))?;
@@ -88,6 +91,41 @@ impl<'w, 's> Work<'w, 's> {
         Ok(set)
     }
 
+    /// A set that all primitives have.
+    fn existing_set(&self, set: u32) -> Result<u32, PatchError> {
+        let name = format!("TEXCOORD_{set}");
+        for assignment in &self.assignments {
+            let mesh = &self.meshes[assignment.mesh];
+            let has_it = |p: &PrimitiveJson| p.attribute(&name).is_some();
+            let mut parts = assignment.parts.iter();
+            if !parts.all(|part| mesh.get(part.primitive).is_some_and(has_it)) {
+                let node = assignment.node;
+                let found = format!("a lightmap in {name}, which the mesh of node {node} lacks");
+                return Err(self.source.refused(found));
+            }
+        }
+        Ok(set)
+    }
+
+    /// The primitives as they are.
+    fn as_they_are(&self) -> Split {
+        let of_part = |part: &PrimitiveFaces| {
+            let split = SplitPrimitive {
+                group: 0,
+                page: part.page,
+                corners: None,
+            };
+            (part.primitive, split)
+        };
+        let of_assignment = |a: &Assignment| a.parts.iter().map(of_part).collect();
+        Split {
+            primitives: self.assignments.iter().map(of_assignment).collect(),
+            vertices: vec![Some(NewVertices::default())],
+            counts: vec![[0; 2]],
+            indices: HashMap::new(),
+        }
+    }
+
     /// Gives all primitives their texture coordinates.
     pub fn split(
         &self,
@@ -95,6 +133,9 @@ impl<'w, 's> Work<'w, 's> {
         additions: &mut Additions,
         notes: &mut Notes,
     ) -> Result<Split, PatchError> {
+        if let LightmapUvs::Existing(_) = self.edit.uvs {
+            return Ok(self.as_they_are());
+        }
         let mut splits = Splits::default();
         let mut owners = HashMap::new();
         let mut primitives = Vec::new();

@@ -219,7 +219,7 @@ fn pictures_of_metalness_roughness_and_normals() {
 fn unused_properties_are_reported() {
     let json = format!(
         "{},\"normalTexture\":{{\"index\":0}},\"occlusionTexture\":{{\"index\":0}},\
-         \"alphaMode\":\"MASK\",\"extensions\":{{\"KHR_materials_unlit\":{{}}}}",
+         \"alphaMode\":\"MASK\"",
         pbr(
             "\"baseColorFactor\":[1,1,1,0.5],\"metallicRoughnessTexture\":{\"index\":0},\
              \"baseColorTexture\":{\"index\":0}"
@@ -230,7 +230,6 @@ fn unused_properties_are_reported() {
         "metallic-roughness texture",
         "normal map",
         "occlusion map",
-        "KHR_materials_unlit",
         "textured primitive without",
     ];
     let rest = ",\"textures\":[{\"source\":0}],\"images\":[{}]";
@@ -238,6 +237,21 @@ fn unused_properties_are_reported() {
         scene(&json, rest, &warnings).materials[0].diffuse,
         Rgb::WHITE
     );
+}
+
+/// Of an unlit material only the colour counts, metalness and all else are for others.
+#[test]
+fn unlit_materials_are_diffuse() {
+    let json = format!(
+        "{},\"extensions\":{{\"KHR_materials_unlit\":{{}}}}",
+        pbr("\"baseColorFactor\":[0.5,0.25,0,1]")
+    );
+    let unlit = material(&json, &["KHR_materials_unlit"]);
+    let expected = Material {
+        sidedness: Sidedness::One,
+        ..Material::diffuse("", Rgb::new(0.5, 0.25, 0.0))
+    };
+    assert_eq!(unlit, expected);
 }
 
 /// By factor and picture, as masks and shares; a picture without an alpha channel is opaque.

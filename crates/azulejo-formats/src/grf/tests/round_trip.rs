@@ -259,6 +259,7 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
                     opacity,
                     finish,
                     relief,
+                    lightmap: None,
                 }
             },
         )

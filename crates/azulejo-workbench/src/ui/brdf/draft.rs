@@ -148,6 +148,7 @@ pub(super) fn is_same_material(a: &Material, b: &Material) -> bool {
             m.emits_back,
             m.finish,
             m.relief,
+            m.lightmap,
         )
     };
     MaterialReflection::of(a) == MaterialReflection::of(b)

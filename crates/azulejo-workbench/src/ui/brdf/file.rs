@@ -62,6 +62,7 @@ pub(super) fn with_brdf(material: &Material, brdf: Arc<Brdf>) -> Material {
         textures: material.textures.clone(),
         opacity: material.opacity,
         relief: material.relief,
+        lightmap: material.lightmap,
         ..Material::with_brdf(material.name.clone(), brdf)
     }
 }

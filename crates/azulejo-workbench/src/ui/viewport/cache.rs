@@ -117,6 +117,7 @@ static EMPTY: Mesh = Mesh {
     positions: Vec::new(),
     normals: None,
     uvs: None,
+    lightmap_uvs: None,
     colors: Vec::new(),
     irradiance: Vec::new(),
     irradiance_error: Vec::new(),

@@ -4,8 +4,8 @@ use super::super::super::container::tests::glb_of;
 use super::craft::{Craft, json_of};
 use super::{Case, Charts, check, layouts, pages, usual};
 use crate::gltf::patch::{
-    Container, Convention, GltfFile, InstanceMode, LightmapEdit, LightsMode, MediaType,
-    ObjectLayout, PatchError, PatchedFile, strip, with_lightmap,
+    Container, Convention, GltfFile, InstanceMode, LightmapEdit, LightmapUvs, LightsMode,
+    MediaType, ObjectLayout, PatchError, PatchedFile, strip, with_lightmap,
 };
 use crate::gltf::read_with_origins;
 use crate::{Memory, ReadOptions};
@@ -28,6 +28,45 @@ fn file(materials: &[Option<usize>], nodes: &[usize], list: &str, more: &str) ->
         "\"meshes\":[{}],\"nodes\":[{}],\"materials\":[{list}]{more}",
         meshes.join(","),
         nodes.join(",")
+    ))
+}
+
+/// Lightmaps of other programs go where they would show beside the new one, and come back with what undoes the
+/// edit ([`check`] and [`edit`] compare the bytes).
+#[test]
+fn lightmaps_of_others_are_replaced() {
+    let old = "{\"name\":\"a\",\"extensions\":{\"MOZ_lightmap\":{ \"index\" : 0, \"intensity\": 3.50 } }}";
+    let more = ",\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"a.png\"}]";
+    let bytes = file(&[Some(0), Some(0)], &[0, 1], old, more);
+    let text = String::from_utf8_lossy(&bytes).into_owned();
+    assert!(text.contains("\"intensity\": 3.50"));
+    let lightmap = |patched: &PatchedFile, material: usize| {
+        json_of(patched)["materials"][material]["extensions"]["MOZ_lightmap"].clone()
+    };
+    let replaced = edit(&bytes, &[Some(0), Some(0)], |_| {}).unwrap();
+    assert_eq!(lightmap(&replaced, 0)["intensity"], 12.5);
+    assert_eq!(lightmap(&replaced, 0)["texCoord"], 1);
+    // What receives nothing keeps its own.
+    let kept = edit(&bytes, &[Some(0), None], |_| {}).unwrap();
+    assert_eq!(lightmap(&kept, 0)["intensity"], 3.5);
+    assert_eq!(lightmap(&kept, 1)["intensity"], 12.5);
+    let to_mx = |edit: &mut LightmapEdit| edit.convention = Convention::Mx;
+    let of_nodes = edit(&bytes, &[Some(0), Some(0)], to_mx).unwrap();
+    assert!(lightmap(&of_nodes, 0).is_null());
+    assert!(of_nodes.notes.iter().any(|n| n.contains("loses it")));
+    // The other way round.
+    let again = edit(&of_nodes_of_others(), &[Some(0)], |_| {}).unwrap();
+    assert!(json_of(&again)["nodes"][0]["extensions"]["MX_lightmap"].is_null());
+}
+
+/// A node with the lightmap of another program.
+fn of_nodes_of_others() -> Vec<u8> {
+    let mut craft = Craft::default();
+    let (p, i) = (craft.positions(2), craft.triangles(2, 2));
+    craft.glb(&format!(
+        "\"meshes\":[{{\"primitives\":[{{\"attributes\":{{\"POSITION\":{p}}},\"indices\":{i}}}]}}],\
+         \"nodes\":[{{\"mesh\":0,\"extensions\":{{\"MX_lightmap\":{{\"index\":0}}}}}}],\
+         \"textures\":[{{\"source\":0}}],\"images\":[{{\"uri\":\"a.png\"}}]"
     ))
 }
 
@@ -401,7 +440,10 @@ fn what_does_not_fit_is_refused() {
         "of 0 and pages of 0",
     );
     refused(&|e| e.pages = &[], "page 0 of 0");
-    refused(&|e| e.uv_set = Some(9), "no set of texture coordinates");
+    refused(
+        &|e| e.uvs = LightmapUvs::Added(9),
+        "no set of texture coordinates",
+    );
     let far = |uv: f32, page: u32| {
         let mut pages = vec![0; 4];
         pages[3] = page;
@@ -490,6 +532,6 @@ fn coordinates_of_pictures_are_left_alone() {
         bytes: &bytes,
         ..case
     };
-    let wished = check(&case, Charts::One, |e| e.uv_set = Some(0)).unwrap();
+    let wished = check(&case, Charts::One, |e| e.uvs = LightmapUvs::Added(0)).unwrap();
     assert_eq!(lightmap(&json_of(&wished), 0)["texCoord"], 0);
 }

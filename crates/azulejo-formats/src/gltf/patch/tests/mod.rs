@@ -3,6 +3,7 @@
 mod corpus;
 mod craft;
 mod crafted;
+mod existing;
 mod kept;
 mod materials;
 mod vertex_light;
@@ -100,7 +101,7 @@ pub fn usual<'a>(
     LightmapEdit {
         objects,
         pages,
-        uv_set: None,
+        uvs: LightmapUvs::default(),
         instances: InstanceMode::Copy,
         convention: Convention::Moz,
         lights: LightsMode::Dim,

@@ -1,0 +1,338 @@
+//! `bake --check`: what is wrong with the lightmap of a glTF file, or with coordinates for one.
+
+use super::args::BakeArgs;
+use super::source::SourceFile;
+use super::verdict::{Grade, TestRow, atlas_rows, table};
+use crate::failure::Failure;
+use crate::report::{Report, count, number, percent};
+use crate::session::Session;
+use azulejo::bake::check::{CheckOptions, check};
+use azulejo::bake::{
+    Atlas, Coverage, Layout, Lightmap, LightmapPage, Receiver, ReceiverLayout, kept_layout,
+    seam_errors,
+};
+use azulejo::models::read_bytes;
+use azulejo_formats::gltf;
+use azulejo_formats::gltf::patch::{self, FoundLightmap};
+use azulejo_formats::picture::{self, exr};
+use azulejo_scene::{Image, Scene};
+use azulejo_trace::Progress;
+use std::path::Path;
+
+/// Size of pages where neither a picture nor an option says it.
+const SIZE: u32 = 1024;
+
+/// Difference along seams from which on it is said, as a share of the mean.
+const SEAM_LIMIT: f64 = 0.01;
+
+/// Difference of a texel from which on it is counted, as a share of its value.
+const OFF: f64 = 0.01;
+
+/// Error of the picture in the file from which on it is said, as a share of the mean.
+const PICTURE_LIMIT: f64 = 0.02;
+
+/// A file with what was found of its lightmap.
+struct CheckedFile {
+    receivers: Vec<Receiver>,
+    layout: Layout,
+    found: FoundLightmap,
+    /// Decoded pictures, if there are any.
+    pictures: Option<Vec<Image>>,
+}
+
+/// Runs `bake --check`. The answer may be no: then the second result is a failure.
+pub fn run(
+    args: &BakeArgs,
+    session: &mut Session,
+) -> Result<(Report, Result<(), Failure>), Failure> {
+    let [path] = &args.input.scenes[..] else {
+        return Err(Failure::misuse("--check takes one glTF file"));
+    };
+    let file = read(args, path, session)?;
+    let options = CheckOptions {
+        gap: 2.0,
+        crease: args.texels.crease,
+    };
+    let found = session.with_progress(|_| check(&file.receivers, &file.layout, &options));
+    let mut report = Report::default();
+    describe(&file, &mut report);
+    let mut rows = atlas_rows(&found, &options);
+    if !found.is_complete {
+        session.note("so many triangles lie over one another that not all pairs were compared");
+        report.value("complete", false);
+    }
+    rows.extend(picture_rows(args, &file)?);
+    let is_good = rows.iter().all(|row| row.grade != Grade::Defect);
+    table(&rows, &file.receivers, &mut report);
+    report.value("ok", is_good);
+    let end = if is_good { Ok(()) } else { Err(Failure::Found) };
+    Ok((report, end))
+}
+
+/// The objects of a file that have coordinates, and its pictures.
+fn read(args: &BakeArgs, path: &Path, session: &mut Session) -> Result<CheckedFile, Failure> {
+    let file = SourceFile::read(args, path)?;
+    let read = gltf::read_with_origins(&file.bytes, &file.name, &file.files, &file.options);
+    let (loaded, origins) = read.map_err(Failure::failed)?;
+    let found = patch::found_lightmap(&file.patched(), &origins, args.files.uv_set);
+    let found = found.map_err(Failure::failed)?;
+    let instances = origins.iter().filter(|o| o.instance.is_some()).count();
+    if instances > 0 {
+        session.note("instances by EXT_mesh_gpu_instancing share one mesh: not checked");
+    }
+    let is_checked = |number: usize| origins[number].instance.is_none();
+    let (receivers, coordinates) = receivers(&loaded.scene, &found, is_checked);
+    if receivers.is_empty() {
+        let set = args.files.uv_set.unwrap_or(1);
+        return Err(Failure::failed(format_args!(
+            "{}: no object has texture coordinates for a lightmap (TEXCOORD_{set})",
+            path.display()
+        )));
+    }
+    let pictures = pictures(&found, session)?;
+    let size = |number: usize| match pictures.as_ref().map(|list: &Vec<Image>| &list[number]) {
+        Some(image) if args.texels.size.is_none() => [image.width, image.height],
+        _ => [args.texels.size.unwrap_or(SIZE); 2],
+    };
+    let sizes = (0..found.pages.len()).map(size).collect();
+    let layout = kept_layout(&receivers, coordinates, sizes, args.texels.crease, None);
+    Ok(CheckedFile {
+        receivers,
+        layout,
+        found,
+        pictures,
+    })
+}
+
+/// Receivers with the coordinates that the file has for them.
+pub fn receivers(
+    scene: &Scene,
+    found: &FoundLightmap,
+    is_wanted: impl Fn(usize) -> bool,
+) -> (Vec<Receiver>, Vec<ReceiverLayout>) {
+    let objects = scene.objects.iter().zip(&found.objects).enumerate();
+    let of_object = |(number, (object, layout)): (usize, (_, &Option<patch::ObjectLayout>))| {
+        let layout = layout.as_ref().filter(|_| is_wanted(number))?;
+        let receiver = Receiver::of_object(object)?;
+        (receiver.triangles.len() == layout.uvs.len()).then(|| {
+            let coordinates = ReceiverLayout {
+                uvs: layout.uvs.clone(),
+                pages: layout.pages.clone(),
+                ..ReceiverLayout::default()
+            };
+            (receiver, coordinates)
+        })
+    };
+    objects.filter_map(of_object).unzip()
+}
+
+/// The pictures of all pages; none if the file names none, or one cannot be read.
+fn pictures(found: &FoundLightmap, session: &mut Session) -> Result<Option<Vec<Image>>, Failure> {
+    let mut list = Vec::new();
+    for page in &found.pages {
+        let image = match &page.picture {
+            Ok(None) => return Ok(None),
+            Ok(Some(bytes)) => picture::decode(bytes).map_err(|e| e.to_string()),
+            Err(fault) => Err(fault.clone()),
+        };
+        match image {
+            Ok(image) => list.push(image),
+            Err(fault) => {
+                session.note(&format!(
+                    "a picture of the lightmap cannot be read: {fault}"
+                ));
+                return Ok(None);
+            }
+        }
+    }
+    Ok(Some(list))
+}
+
+fn describe(file: &CheckedFile, report: &mut Report) {
+    let triangles: usize = file.receivers.iter().map(|r| r.triangles.len()).sum();
+    let words = format!(
+        "{} triangles of {} objects, TEXCOORD_{}",
+        count(triangles),
+        count(file.receivers.len()),
+        file.found.set
+    );
+    report.fact("uv_set", file.found.set, "coordinates", words);
+    report.value("triangles", triangles);
+    let sizes: Vec<String> = file
+        .layout
+        .pages
+        .iter()
+        .map(|[width, height]| format!("{width} × {height}"))
+        .collect();
+    let kind = match (&file.pictures, file.found.is_named) {
+        (Some(_), _) => "",
+        (None, true) => ", pictures not read",
+        (None, false) => ", no lightmap",
+    };
+    let words = format!("{}{kind}", sizes.join(", "));
+    report.fact("pages", file.layout.pages.len(), "pages", words);
+    report.fact(
+        "charts",
+        file.layout.charts,
+        "charts",
+        count(file.layout.charts),
+    );
+}
+
+/// Tests of the pictures.
+fn picture_rows(args: &BakeArgs, file: &CheckedFile) -> Result<Vec<TestRow>, Failure> {
+    let has_size = |(image, size): (&Image, &[u32; 2])| [image.width, image.height] == *size;
+    let pictures = file
+        .pictures
+        .as_ref()
+        .filter(|list| list.iter().zip(&file.layout.pages).all(has_size));
+    let Some(pictures) = pictures else {
+        return match &args.files.lightmap {
+            None => Ok(Vec::new()),
+            Some(_) => Err(Failure::failed(
+                "--lightmap: the file has no picture of this size to compare with",
+            )),
+        };
+    };
+    let mut rows = Vec::new();
+    let intensities = file.found.pages.iter().map(|p| p.intensity as f32);
+    let pages: Vec<LightmapPage> = pictures
+        .iter()
+        .zip(intensities)
+        .map(|(image, intensity)| LightmapPage {
+            irradiance: scaled(image, intensity),
+            charts: vec![0; image.pixels.len()],
+            ..LightmapPage::dark([image.width, image.height])
+        })
+        .collect();
+    let weights = weights(file)?;
+    rows.extend(seam_row(file, &pages, &weights));
+    if let Some(path) = &args.files.lightmap {
+        rows.extend(compared(path, &pages, &weights)?);
+    }
+    Ok(rows)
+}
+
+fn scaled(image: &Image, intensity: f32) -> Vec<[f32; 3]> {
+    let texels = image.pixels.iter();
+    texels.map(|t| t.map(|v| intensity * v)).collect()
+}
+
+/// Texels that cover surfaces, by page, with the area that they cover.
+fn weights(file: &CheckedFile) -> Result<Vec<Vec<(usize, f64)>>, Failure> {
+    let of_page = |page: u32| {
+        let coverage = Coverage::new(&file.receivers, &file.layout, page, &Progress::new())?;
+        let texels = coverage.texels.iter();
+        Ok(texels
+            .map(|t| (t.index as usize, f64::from(t.area)))
+            .collect())
+    };
+    (0..file.layout.pages.len() as u32).map(of_page).collect()
+}
+
+/// Differences on both sides of seams; `None` if there are no seams.
+fn seam_row(
+    file: &CheckedFile,
+    pages: &[LightmapPage],
+    weights: &[Vec<(usize, f64)>],
+) -> Option<TestRow> {
+    let (mut sum, mut whole) = (0.0, 0.0);
+    for (page, of_page) in pages.iter().zip(weights) {
+        for &(texel, area) in of_page {
+            sum += area * mean(page.irradiance[texel]);
+            whole += area;
+        }
+    }
+    let atlas = Atlas {
+        receivers: file.receivers.clone(),
+        layout: file.layout.clone(),
+        turned: Vec::new(),
+    };
+    let lightmap = Lightmap {
+        pages: pages.to_vec(),
+        buried: 0,
+    };
+    let errors = seam_errors(&lightmap, &atlas);
+    let share = errors.before / f64::max(sum / whole, f64::MIN_POSITIVE);
+    (errors.points > 0).then(|| TestRow {
+        key: "seams",
+        name: "light across seams",
+        found: format!("{} of the mean apart", percent(share)),
+        value: number(share),
+        count: errors.points,
+        limit: percent(SEAM_LIMIT),
+        grade: Grade::poor_if(share > SEAM_LIMIT),
+        worst: None,
+    })
+}
+
+fn mean(texel: [f32; 3]) -> f64 {
+    texel.iter().map(|&v| f64::from(v)).sum::<f64>() / 3.0
+}
+
+/// The picture in the file beside the irradiance in a file of its own.
+fn compared(
+    path: &Path,
+    pages: &[LightmapPage],
+    weights: &[Vec<(usize, f64)>],
+) -> Result<Vec<TestRow>, Failure> {
+    let (mut squares, mut sum, mut off, mut whole) = (0.0, 0.0, 0.0, 0.0);
+    for (place, (page, of_page)) in pages.iter().zip(weights).enumerate() {
+        let path = super::written::numbered(path, place, pages.len());
+        let file = exr::read(&read_bytes(&path)?);
+        let file = file.map_err(|e| Failure::failed(format_args!("{}: {e}", path.display())))?;
+        if [file.width, file.height] != page.size {
+            return Err(Failure::failed(format_args!(
+                "{}: {} × {} texels: expected {} × {}, as the picture in the file has",
+                path.display(),
+                file.width,
+                file.height,
+                page.size[0],
+                page.size[1]
+            )));
+        }
+        for &(texel, area) in of_page {
+            let (own, truth) = (page.irradiance[texel], file.pixels[texel]);
+            let square = |k: usize| f64::from(own[k] - truth[k]).powi(2);
+            squares += area * (square(0) + square(1) + square(2)) / 3.0;
+            sum += area * mean(truth);
+            let is_off = (mean(own) - mean(truth)).abs() > OFF * mean(truth);
+            off += if is_off { area } else { 0.0 };
+            whole += area;
+        }
+    }
+    let whole = f64::max(whole, f64::MIN_POSITIVE);
+    let error = (squares / whole).sqrt() / f64::max(sum / whole, f64::MIN_POSITIVE);
+    let row = |key, name, found, value, limit: &str, grade| TestRow {
+        key,
+        name,
+        found,
+        value: number(value),
+        count: 0,
+        limit: limit.to_owned(),
+        grade,
+        worst: None,
+    };
+    let words = format!("{} of the mean (root mean square)", percent(error));
+    let limit = percent(PICTURE_LIMIT);
+    let grade = Grade::poor_if(error.is_nan() || error > PICTURE_LIMIT);
+    let share = format!("{} of the area", percent(off / whole));
+    Ok(vec![
+        row(
+            "picture_error",
+            "picture beside EXR",
+            words,
+            error,
+            &limit,
+            grade,
+        ),
+        row(
+            "picture_off",
+            "off by more than 1%",
+            share,
+            off / whole,
+            "",
+            Grade::Good,
+        ),
+    ])
+}

@@ -1,0 +1,293 @@
+//! What the tests of an atlas say, in words.
+
+use crate::report::{Report, count, number, percent, short};
+use azulejo::bake::check::{AtlasCheck, CheckOptions, Finding};
+use azulejo::bake::{Receiver, TriangleId};
+use serde_json::{Value, json};
+
+/// Share of the area that may be mirrored or collapsed.
+const LEAST_AREA: f64 = 1e-6;
+
+/// Largest spread of densities.
+const SPREAD: f64 = 4.0;
+
+/// Distance of charts below which they share texels.
+const SHARED: f64 = 1.0;
+
+/// Largest stretch over all area, and anywhere.
+const STRETCH: [f64; 2] = [1.05, 4.0];
+
+/// Covered share of pages with few charts, and with many.
+const COVERED: [f64; 2] = [0.6, 0.3];
+const FEW_CHARTS: usize = 100;
+
+/// How bad a result is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Grade {
+    /// Within the limit.
+    Good,
+    /// Beyond it; pictures may be worse than they could be.
+    Poor,
+    /// It will show in pictures.
+    Defect,
+}
+
+impl Grade {
+    /// Poor or good.
+    pub fn poor_if(is_poor: bool) -> Grade {
+        if is_poor { Grade::Poor } else { Grade::Good }
+    }
+
+    fn word(self) -> &'static str {
+        match self {
+            Grade::Good => "ok",
+            Grade::Poor => "poor",
+            Grade::Defect => "DEFECT",
+        }
+    }
+}
+
+/// The result of a test.
+#[derive(Clone, Debug)]
+pub struct TestRow {
+    /// Its key in the JSON.
+    pub key: &'static str,
+    /// Its name.
+    pub name: &'static str,
+    /// What was found.
+    pub found: String,
+    /// The number for the JSON.
+    pub value: Value,
+    /// How often.
+    pub count: usize,
+    /// What it is held against; empty for nothing.
+    pub limit: String,
+    /// How bad that is.
+    pub grade: Grade,
+    /// Where it is worst.
+    pub worst: Option<TriangleId>,
+}
+
+/// Whether coordinates can be kept for a lightmap; the test that they fail.
+pub fn unfit(found: &AtlasCheck, options: &CheckOptions) -> Option<TestRow> {
+    const NEEDED: [&str; 6] = [
+        "outside",
+        "overlaps",
+        "near_charts",
+        "mirrored",
+        "collapsed",
+        "density_spread",
+    ];
+    let rows = atlas_rows(found, options).into_iter();
+    let is_needed = |row: &TestRow| NEEDED.contains(&row.key) && row.grade != Grade::Good;
+    let mut failed: Vec<TestRow> = rows.filter(is_needed).collect();
+    // What shows comes first.
+    failed.sort_by_key(|row| row.grade != Grade::Defect);
+    failed.into_iter().next()
+}
+
+/// All tests of an atlas.
+pub fn atlas_rows(found: &AtlasCheck, options: &CheckOptions) -> Vec<TestRow> {
+    let defect_if = |finding: &Finding| match finding.count {
+        0 => Grade::Good,
+        _ => Grade::Defect,
+    };
+    let row = |key, name, of: &Finding, detail: String, limit: &str, grade| TestRow {
+        key,
+        name,
+        found: match of.count {
+            0 => "0".to_owned(),
+            n => format!("{}{detail}", count(n)),
+        },
+        value: number(of.amount),
+        count: of.count,
+        limit: limit.to_owned(),
+        grade,
+        worst: of.worst.filter(|_| of.count > 0),
+    };
+    let near = match found.near.count {
+        0 => Grade::Good,
+        _ if found.near.amount < SHARED => Grade::Defect,
+        _ => Grade::Poor,
+    };
+    let up_to = |share: f64| format!(", up to {}", percent(share));
+    let of_area = |share: f64| format!(", {} of the area", percent(share));
+    let mut rows = vec![
+        row(
+            "outside",
+            "coordinates outside of 0..1",
+            &found.outside,
+            format!(", by {}", short(found.outside.amount)),
+            "0",
+            defect_if(&found.outside),
+        ),
+        row(
+            "overlaps",
+            "overlapping triangles",
+            &found.overlaps,
+            up_to(found.overlaps.amount),
+            "0",
+            defect_if(&found.overlaps),
+        ),
+        row(
+            "near_charts",
+            "charts near others",
+            &found.near,
+            format!(", {} texels apart", short(found.near.amount)),
+            &format!("{} texels", short(options.gap)),
+            near,
+        ),
+        row(
+            "mirrored",
+            "mirrored triangles",
+            &found.mirrored,
+            of_area(found.mirrored_share),
+            "0.0001%",
+            Grade::poor_if(found.mirrored_share > LEAST_AREA),
+        ),
+        row(
+            "collapsed",
+            "triangles without texel",
+            &found.collapsed,
+            of_area(found.collapsed_share),
+            "0.0001%",
+            Grade::poor_if(found.collapsed_share > LEAST_AREA),
+        ),
+        row(
+            "creases",
+            "creases inside of charts",
+            &found.creases,
+            format!(", up to {}°", short(found.creases.amount.round())),
+            &format!("{}°", short(options.crease)),
+            Grade::poor_if(found.creases.count > 0),
+        ),
+        row(
+            "thin_charts",
+            "charts under half a texel",
+            &found.thin,
+            String::new(),
+            "0",
+            Grade::poor_if(found.thin.count > 0),
+        ),
+    ];
+    rows.extend(quality_rows(found));
+    rows
+}
+
+fn quality_rows(found: &AtlasCheck) -> Vec<TestRow> {
+    let row = |key, name, words: String, value, limit: String, is_poor| TestRow {
+        key,
+        name,
+        found: words,
+        value: number(value),
+        count: 0,
+        limit,
+        grade: Grade::poor_if(is_poor),
+        worst: None,
+    };
+    let spread = found.density_spread();
+    let least = COVERED[usize::from(found.charts >= FEW_CHARTS)];
+    let most = &found.most_stretch;
+    vec![
+        row(
+            "density_spread",
+            "spread of density",
+            short(spread),
+            spread,
+            short(SPREAD),
+            spread > SPREAD,
+        ),
+        row(
+            "stretch",
+            "stretch, mean",
+            short(found.stretch),
+            found.stretch,
+            short(STRETCH[0]),
+            found.stretch > STRETCH[0],
+        ),
+        TestRow {
+            worst: most.worst,
+            count: most.count,
+            ..row(
+                "most_stretch",
+                "stretch, largest",
+                short(most.amount),
+                most.amount,
+                short(STRETCH[1]),
+                most.amount > STRETCH[1],
+            )
+        },
+        row(
+            "covered",
+            "covered share of pages",
+            percent(found.covered),
+            found.covered,
+            percent(least),
+            found.covered < least,
+        ),
+        row(
+            "below_texel",
+            "triangles under a texel",
+            format!("{} of the area", percent(found.below_texel)),
+            found.below_texel,
+            String::new(),
+            false,
+        ),
+    ]
+}
+
+/// Where the worst of a test is: `"wall", triangle 17`.
+pub fn place(row: &TestRow, receivers: &[Receiver]) -> String {
+    let Some(worst) = row.worst else {
+        return String::new();
+    };
+    let name = receivers.get(worst.receiver as usize).map(|r| &r.name);
+    let name = name.map_or("", String::as_str);
+    format!("\"{name}\", triangle {}", worst.triangle)
+}
+
+/// Adds the tests as a table, and as JSON.
+pub fn table(rows: &[TestRow], receivers: &[Receiver], report: &mut Report) {
+    let heads = ["test", "found", "limit", "verdict", "worst"].map(str::to_owned);
+    let cells = |row: &TestRow| {
+        [
+            row.name.to_owned(),
+            row.found.clone(),
+            row.limit.clone(),
+            row.grade.word().to_owned(),
+            place(row, receivers),
+        ]
+    };
+    let lines: Vec<[String; 5]> = std::iter::once(heads)
+        .chain(rows.iter().map(cells))
+        .collect();
+    let width = |k: usize| {
+        lines
+            .iter()
+            .map(|l| l[k].chars().count())
+            .max()
+            .unwrap_or(0)
+    };
+    let widths = [0, 1, 2, 3].map(width);
+    for [name, found, limit, verdict, worst] in &lines {
+        let [a, b, c, d] = widths;
+        let line = format!("{name:<a$}  {found:<b$}  {limit:<c$}  {verdict:<d$}  {worst}");
+        report.plain(line.trim_end());
+    }
+    let tests: Vec<Value> = rows
+        .iter()
+        .map(|row| {
+            let object = row.worst.and_then(|w| receivers.get(w.receiver as usize));
+            json!({
+                "test": row.key,
+                "count": row.count,
+                "value": row.value,
+                "limit": row.limit,
+                "verdict": row.grade.word().to_lowercase(),
+                "object": object.map(|r| r.name.as_str()),
+                "triangle": row.worst.map(|w| w.triangle),
+            })
+        })
+        .collect();
+    report.value("tests", tests);
+}

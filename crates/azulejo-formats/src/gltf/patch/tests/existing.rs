@@ -1,0 +1,109 @@
+//! Lightmaps that files have, and coordinates that stay.
+
+use super::craft::{Craft, json_of};
+use super::{pages, usual};
+use crate::gltf::patch::{
+    GltfFile, LightmapUvs, NO_PAGE, ObjectLayout, coordinates, found_lightmap, strip, with_lightmap,
+};
+use crate::gltf::read_with_origins;
+use crate::{Memory, ReadOptions};
+
+/// Coordinates of the six vertices of two squares.
+const UVS: [f32; 12] = [0.0, 0.0, 0.0, 1.0, 0.5, 0.0, 0.5, 1.0, 1.0, 0.0, 1.0, 1.0];
+
+/// Two meshes of two squares; the second has no coordinates if `is_whole` is false.
+fn file(is_whole: bool) -> Vec<u8> {
+    let mut craft = Craft::default();
+    let (p, i) = (craft.positions(2), craft.triangles(2, 2));
+    let uv = craft.floats(&UVS, "VEC2");
+    let mesh = |has_uv: bool| {
+        let uvs = if has_uv {
+            format!(",\"TEXCOORD_0\":{uv},\"TEXCOORD_1\":{uv}")
+        } else {
+            String::new()
+        };
+        format!(
+            "{{\"primitives\":[{{\"attributes\":{{\"POSITION\":{p}{uvs}}},\"indices\":{i},\"material\":0}}]}}"
+        )
+    };
+    craft.glb(&format!(
+        "\"meshes\":[{},{}],\"nodes\":[{{\"mesh\":0}},{{\"mesh\":1,\"scale\":[-1,1,1]}}],\"materials\":[{{}}]",
+        mesh(true),
+        mesh(is_whole)
+    ))
+}
+
+#[test]
+fn coordinates_stay_and_are_found_again() {
+    let bytes = file(true);
+    let options = ReadOptions::default();
+    let files = Memory::new();
+    let original = GltfFile {
+        bytes: &bytes,
+        name: "a.glb",
+        files: &files,
+        options: &options,
+    };
+    let (_, origins) = read_with_origins(&bytes, "a.glb", &files, &options).unwrap();
+    let found = coordinates(&original, &origins, 1).unwrap();
+    assert!(!found.is_named && !found.is_own && found.pages[0].picture == Ok(None));
+    let first: &ObjectLayout = found.objects[0].as_ref().unwrap();
+    assert_eq!(first.uvs.len(), 4);
+    assert_eq!(first.uvs[0][0], [0.0, 0.0]);
+    // The mirrored node has the corners of each face in the other order.
+    let second = found.objects[1].as_ref().unwrap();
+    let [a, b, c] = first.uvs[1];
+    assert_eq!(second.uvs[1], [a, c, b]);
+
+    let pictures = pages(1);
+    let mut edit = usual(&found.objects, &pictures);
+    edit.uvs = LightmapUvs::Existing(1);
+    let patched = with_lightmap(&original, &origins, &edit).unwrap();
+    let json = json_of(&patched);
+    assert_eq!(
+        json["accessors"].as_array().unwrap().len(),
+        3,
+        "no vertices are added"
+    );
+    let lightmap = &json["materials"][0]["extensions"]["MOZ_lightmap"];
+    assert_eq!(lightmap["texCoord"], 1);
+    assert!(strip(&patched.bytes, "a.glb").unwrap().bytes == bytes);
+
+    let baked = GltfFile {
+        bytes: &patched.bytes,
+        ..original
+    };
+    let again = found_lightmap(&baked, &origins, None).unwrap();
+    assert!(again.is_named && again.is_own && again.is_one_set);
+    assert_eq!((again.set, &again.objects), (1, &found.objects));
+    assert_eq!(again.pages.len(), 1);
+    assert_eq!(
+        again.pages[0].picture,
+        Ok(Some(pictures[0].picture.clone()))
+    );
+    assert_eq!(again.pages[0].intensity, pictures[0].intensity);
+}
+
+#[test]
+fn what_has_no_coordinates_is_refused() {
+    let bytes = file(false);
+    let options = ReadOptions::default();
+    let files = Memory::new();
+    let original = GltfFile {
+        bytes: &bytes,
+        name: "a.glb",
+        files: &files,
+        options: &options,
+    };
+    let (_, origins) = read_with_origins(&bytes, "a.glb", &files, &options).unwrap();
+    let found = coordinates(&original, &origins, 1).unwrap();
+    assert!(found.objects[0].is_some() && found.objects[1].is_none());
+    assert!(coordinates(&original, &origins, 2).unwrap().objects[0].is_none());
+    let pictures = pages(1);
+    let whole = vec![found.objects[0].clone(); 2];
+    let mut edit = usual(&whole, &pictures);
+    edit.uvs = LightmapUvs::Existing(1);
+    let refused = with_lightmap(&original, &origins, &edit).unwrap_err();
+    assert!(refused.to_string().contains("TEXCOORD_1"), "{refused}");
+    assert_ne!(found.objects[0].as_ref().unwrap().pages[0], NO_PAGE);
+}
