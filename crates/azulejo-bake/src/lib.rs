@@ -10,6 +10,7 @@
 //! | Indirect light at some of them, interpolated, more finely where leaving one out shows an error | [`first_look`], [`look_again`], [`with_indirect`] |
 //! | What is wrong with texture coordinates, ours or anybody's | [`check()`](check::check) |
 //! | Texels without what lies inside of solids, continued around charts, alike on both sides of seams | [`Lightmap`], [`pad_charts`], [`stitch`], [`fill`] |
+//! | What they are too coarse for, added to their errors | [`BetweenTexels`] |
 //! | A model with its lightmaps and a viewer in one HTML file | [`web_page`] |
 //!
 //! This crate knows texels, not how light is computed: that comes from the caller, through
@@ -33,6 +34,7 @@ mod nodes;
 mod pad;
 mod receiver;
 mod regions;
+mod resolution;
 mod samples;
 mod seams;
 mod solids;
@@ -53,10 +55,11 @@ pub use indirect::{
 pub use kept::kept_layout;
 pub use layout::{Layout, ReceiverLayout};
 pub use light::{NodePair, TexelLight};
-pub use lightmap::{Lightmap, QuarterLight};
+pub use lightmap::{Lightmap, QuarterLight, ShownSample, ShownSamples};
 pub use lightmap_page::LightmapPage;
 pub use pad::{fill, pad_charts};
 pub use receiver::Receiver;
+pub use resolution::BetweenTexels;
 pub use samples::{Samples, TexelSample};
 pub use stitch::{SeamErrors, seam_errors, stitch};
 pub use unwrap::{LayoutError, Resolution, UnwrapOptions, repack, unwrap};

@@ -27,51 +27,91 @@ pub struct Lightmap {
     pub buried: usize,
 }
 
-impl Lightmap {
-    /// From the light of each sample.
+/// The sample that a texel shows.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShownSample {
+    /// Page of the texel.
+    pub page: usize,
+    /// Its place on the page, row by row.
+    pub at: usize,
+    /// The sample.
+    pub sample: usize,
+    /// Whether it lies inside of a solid, in the dark.
+    pub is_buried: bool,
+}
+
+/// The sample that each covered texel shows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ShownSamples {
+    texels: Vec<ShownSample>,
+}
+
+impl ShownSamples {
+    /// Chooses by the light of each sample: of those of a texel the larger one that is seen.
     ///
     /// # Panics
     /// If there is not one light for each sample.
-    pub fn new(samples: &Samples, light: &[TexelLight], surfaces: &Surfaces) -> Lightmap {
+    pub fn new(samples: &Samples, light: &[TexelLight], surfaces: &Surfaces) -> ShownSamples {
         assert_eq!(samples.samples.len(), light.len(), "one light per sample");
         let is_buried = buried_regions(samples, light, surfaces);
-        let mut lightmap = Lightmap {
-            pages: samples
-                .pages
-                .iter()
-                .map(|p| LightmapPage::dark(p.size))
-                .collect(),
-            buried: 0,
-        };
-        let mut shown: HashMap<(usize, usize), &TexelSample> = HashMap::new();
-        let mut buried = Vec::new();
         let numbered: Vec<(usize, &TexelSample)> = samples.samples.iter().enumerate().collect();
-        for of_texel in numbered.chunk_by(|a, b| (a.1.page, a.1.texel) == (b.1.page, b.1.texel)) {
+        let of_texels = numbered.chunk_by(|a, b| (a.1.page, a.1.texel) == (b.1.page, b.1.texel));
+        let shown = |of_texel: &[(usize, &TexelSample)]| {
             // What is seen counts, of that what is larger.
             let rank = |s: &TexelSample| (!is_buried[s.region as usize], s.area);
             let order = |a: &(bool, f32), b: &(bool, f32)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1));
-            let best = of_texel.iter().max_by(|a, b| order(&rank(a.1), &rank(b.1)));
-            let Some(&(number, sample)) = best else {
-                continue;
-            };
-            let covered = samples.pages[sample.page as usize].texels[sample.texel as usize];
-            let (page, at) = (sample.page as usize, covered.index as usize);
+            let best = of_texel
+                .iter()
+                .max_by(|a, b| order(&rank(a.1), &rank(b.1)))?;
+            let page = best.1.page as usize;
+            Some(ShownSample {
+                page,
+                at: samples.pages[page].texels[best.1.texel as usize].index as usize,
+                sample: best.0,
+                is_buried: is_buried[best.1.region as usize],
+            })
+        };
+        ShownSamples {
+            texels: of_texels.filter_map(shown).collect(),
+        }
+    }
+
+    /// Those that are not buried.
+    pub fn seen(&self) -> impl Iterator<Item = &ShownSample> {
+        self.texels.iter().filter(|shown| !shown.is_buried)
+    }
+
+    /// The lightmap of some light of all samples.
+    pub fn lightmap(&self, samples: &Samples, light: &[TexelLight]) -> Lightmap {
+        let dark = samples.pages.iter().map(|p| LightmapPage::dark(p.size));
+        let mut lightmap = Lightmap {
+            pages: dark.collect(),
+            buried: 0,
+        };
+        let mut seen: HashMap<(usize, usize), &TexelSample> = HashMap::new();
+        let mut buried = Vec::new();
+        for shown in &self.texels {
+            let (page, at) = (shown.page, shown.at);
+            let sample = &samples.samples[shown.sample];
+            let covered = &samples.pages[page].texels[sample.texel as usize];
             let to = &mut lightmap.pages[page];
-            to.irradiance[at] = light[number].irradiance.to_f32();
-            to.standard_error[at] = light[number].standard_error.to_f32();
+            to.irradiance[at] = light[shown.sample].irradiance.to_f32();
+            to.standard_error[at] = light[shown.sample].standard_error.to_f32();
             to.charts[at] = covered.chart;
-            if is_buried[sample.region as usize] {
+            if shown.is_buried {
                 buried.push((page, at));
             } else {
                 to.areas[at] = covered.area;
-                shown.insert((page, at), sample);
+                seen.insert((page, at), sample);
             }
         }
         lightmap.buried = buried.len();
-        lightmap.light_rims(&buried, &shown);
+        lightmap.light_rims(&buried, &seen);
         lightmap
     }
+}
 
+impl Lightmap {
     /// Gives buried texels beside others of their chart the light of those, because viewers interpolate
     /// between both. Where a thin wall has its two sides around one texel, the side that is nearer counts:
     /// the one that shows most of the texels around.

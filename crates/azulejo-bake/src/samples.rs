@@ -123,6 +123,27 @@ impl<'a> PageSampler<'a> {
         Some((point.position, point.normal))
     }
 
+    /// The same, if nothing stands between the place and the sample.
+    pub fn seen_place(&self, sample: &TexelSample, place: DVec2) -> Option<(DVec3, DVec3)> {
+        let texel = sample.texel as usize;
+        let at = self.coverage.point_at(&self.atlas.layout, texel, place)?;
+        if sample.free == 1.0 {
+            let point = self.on_surface(at, 0.0);
+            return Some((point.position, point.normal));
+        }
+        let [u, v] = sample.uv.map(f64::from);
+        let of_sample = TexelPoint {
+            of: sample.of,
+            weights: [1.0 - u - v, u, v],
+        };
+        let lift = LIFT / f64::from(FINE);
+        let mut points = [at, of_sample].map(|point| self.on_surface(point, lift));
+        self.lower_where_blocked(&mut points);
+        let [point, seen] = points;
+        let ray = Ray::between(point.raised, seen.raised);
+        (!self.tracer.occluded(&ray)).then_some((point.position, point.normal))
+    }
+
     /// The samples of the page, with regions numbered from `first`, and the number of regions.
     fn samples(
         &self,

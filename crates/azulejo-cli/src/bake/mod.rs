@@ -74,21 +74,30 @@ pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
     Ok(summary)
 }
 
-/// Says that the requested error is not reached.
+/// Says that the requested error is not reached, and what would.
 fn say_unreached(baked: &Baked, args: &BakeArgs, session: &mut Session) {
     let error = baked.lightmap.relative_error();
-    if let Some(asked) = args
+    let Some(asked) = args
         .first_pass
         .error
         .filter(|asked| error > TOLERATED * asked)
-    {
-        session.note(&format!(
-            "the error is {}, not {}: interpolation and noise between the points that were \
-             gathered are larger",
-            words::percent(error),
-            words::percent(asked)
-        ));
-    }
+    else {
+        return;
+    };
+    let between = baked.between_texels / baked.lightmap.mean().mean();
+    let why = if between > asked {
+        format!(
+            "light changes abruptly between texels, which makes {} of it: more texels reduce that",
+            words::percent(between)
+        )
+    } else {
+        "interpolation and noise between the points that were gathered are larger".to_owned()
+    };
+    session.note(&format!(
+        "the error is {}, not {}: {why}",
+        words::percent(error),
+        words::percent(asked)
+    ));
 }
 
 /// Options of the first pass that mean nothing here.

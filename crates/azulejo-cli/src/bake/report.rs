@@ -79,16 +79,32 @@ pub fn describe(
         "estimated error",
         format!("{} of the mean irradiance{asked}", percent(error)),
     );
+    let between = baked.between_texels / mean.mean();
+    report.fact(
+        "between_texels",
+        number(between),
+        "between texels",
+        format!(
+            "{} of that: light that texels are too coarse for",
+            percent(between)
+        ),
+    );
     let quarters = baked.lightmap.quarters();
     let by_quarter: Vec<String> = quarters.iter().map(|q| percent(q.error / q.mean)).collect();
     report.line(
         "by quarters",
         format!("{} (dark to bright)", by_quarter.join(", ")),
     );
-    if baked.seams.points > 0 {
-        let seams = baked.seams.after / mean.mean();
-        let words = format!("{} of the mean apart", percent(seams));
-        report.fact("seams", number(seams), "seams", words);
+    let seams = &baked.seams;
+    if seams.points + seams.abrupt > 0 {
+        let apart = seams.after / mean.mean();
+        let abrupt = seams.abrupt as f64 / (seams.points + seams.abrupt) as f64;
+        let mut words = format!("{} of the mean apart", percent(apart));
+        if seams.abrupt > 0 {
+            words += &format!(", but for {} where light changes abruptly", percent(abrupt));
+        }
+        report.fact("seams", number(apart), "seams", words);
+        report.value("abrupt_seams", number(abrupt));
     }
     if baked.lightmap.buried > 0 {
         let words = format!("{} inside of solids", count(baked.lightmap.buried));

@@ -1,0 +1,204 @@
+//! What texels are too coarse for: the error of light that is interpolated between them.
+//!
+//! A texel has the mean light of what it covers, and its standard error is that of the mean. What viewers
+//! show between texels differs from the light there, at the edges of shadows by far more than that. Here
+//! direct light is gathered at places between, and compared with what is interpolated; indirect light is
+//! smoother, and the error of interpolating it between nodes is known.
+
+use crate::atlas::Atlas;
+use crate::direct::SampleDirect;
+use crate::light::TexelLight;
+use crate::lightmap::{Lightmap, ShownSample, ShownSamples};
+use crate::lightmap_page::{LightmapPage, neighbours};
+use crate::pad::pad_charts;
+use crate::samples::{PageSampler, Samples};
+use azulejo_scene::Rgb;
+use azulejo_trace::sampling::{hash, uniform};
+use azulejo_trace::{Cancelled, GatherPoint, Gatherer, Progress};
+use glam::DVec2;
+use rayon::prelude::*;
+
+/// Places along each axis of a texel where light is uneven.
+const PLACES: u32 = 2;
+
+/// Of the texels where it is even, one of so many is looked at, in one place.
+const EVEN: u32 = 16;
+
+/// Difference to a neighbour, as a multiple of the permitted error, from which on light is uneven.
+const UNEVEN: f64 = 1.0;
+
+/// Part of the variance of texels that is left between them: the mean of the squared weights.
+const LEFT: f64 = 4.0 / 9.0;
+
+/// Texels that are worked on together.
+const BATCH: usize = 256;
+
+/// Compares a lightmap with direct light between its texels.
+pub struct BetweenTexels<'a> {
+    /// The surfaces.
+    pub atlas: &'a Atlas,
+    /// The points that the lightmap was made from.
+    pub samples: &'a Samples,
+    /// Those of them that it shows.
+    pub shown: &'a ShownSamples,
+    /// Direct light of all samples.
+    pub direct: &'a SampleDirect,
+    /// All their light but that.
+    pub rest: &'a [TexelLight],
+    /// Where direct light comes from.
+    pub gatherer: &'a Gatherer<'a>,
+    /// The permitted error, relative to the mean.
+    pub error: f64,
+    /// Keys the choice of places.
+    pub seed: u32,
+}
+
+/// Mean square of the differences at places of a texel, of each channel, W²/m⁴.
+type Squares = [f64; 3];
+
+impl BetweenTexels<'_> {
+    /// Adds what interpolation misses to the standard errors of a lightmap whose charts have padding of
+    /// `padding` texels. Returns its root mean square over the area and the channels, W/m².
+    ///
+    /// # Errors
+    /// The caller cancelled.
+    pub fn add_to(
+        &self,
+        lightmap: &mut Lightmap,
+        padding: u32,
+        progress: &Progress,
+    ) -> Result<f64, Cancelled> {
+        let mut rest = self.shown.lightmap(self.samples, self.rest);
+        for page in &mut rest.pages {
+            pad_charts(page, padding);
+        }
+        let permitted = UNEVEN * self.error * lightmap.mean().mean();
+        let looked_at: Vec<(&ShownSample, bool)> = (self.shown.seen())
+            .map(|shown| (shown, self.is_uneven(shown, lightmap, &rest, permitted)))
+            .filter(|(shown, is_uneven)| *is_uneven || self.is_chosen(shown))
+            .collect();
+        progress.begin("between texels", looked_at.len() as u64);
+        let found: Result<Vec<Vec<Option<Squares>>>, Cancelled> = looked_at
+            .par_chunks(BATCH)
+            .map(|batch| {
+                progress.advance(batch.len() as u64)?;
+                let squares = |&(shown, is_uneven): &(&ShownSample, bool)| {
+                    self.squares(shown, is_uneven, lightmap, &rest)
+                };
+                Ok(batch.iter().map(squares).collect())
+            })
+            .collect();
+        let found = found?.concat();
+        let area = |shown: &ShownSample| f64::from(lightmap.pages[shown.page].areas[shown.at]);
+        let (mut of_even, mut even_area) = ([0.0; 3], 0.0);
+        for ((shown, is_uneven), squares) in looked_at.iter().zip(&found) {
+            if let (false, Some(squares)) = (is_uneven, squares) {
+                even_area += area(shown);
+                (0..3).for_each(|k| of_even[k] += area(shown) * squares[k]);
+            }
+        }
+        let of_even =
+            of_even.map(|sum| f64::max(sum / f64::max(even_area, f64::MIN_POSITIVE), 0.0));
+        let mut of_texel: Vec<Vec<Squares>> = (lightmap.pages.iter())
+            .map(|page| vec![of_even; page.areas.len()])
+            .collect();
+        for ((shown, _), squares) in looked_at.iter().zip(&found).filter(|(l, _)| l.1) {
+            if let Some(squares) = squares {
+                of_texel[shown.page][shown.at] = squares.map(|s| s.max(0.0));
+            }
+        }
+        let (mut sum, mut whole) = (0.0, 0.0);
+        for (page, squares) in lightmap.pages.iter_mut().zip(&of_texel) {
+            for (t, squares) in squares
+                .iter()
+                .enumerate()
+                .filter(|(t, _)| page.areas[*t] > 0.0)
+            {
+                let area = f64::from(page.areas[t]);
+                sum += area * squares.iter().sum::<f64>() / 3.0;
+                whole += area;
+                for (error, square) in page.standard_error[t].iter_mut().zip(squares) {
+                    *error = f64::from(*error).hypot(square.sqrt()) as f32;
+                }
+            }
+        }
+        Ok((sum / f64::max(whole, f64::MIN_POSITIVE)).sqrt())
+    }
+
+    /// Whether a texel is one of those that are looked at although their light is even.
+    fn is_chosen(&self, shown: &ShownSample) -> bool {
+        hash(&[self.seed, shown.page as u32, shown.at as u32, 0xe7e]).is_multiple_of(EVEN)
+    }
+
+    /// Whether direct light differs between a texel and one around it.
+    fn is_uneven(
+        &self,
+        shown: &ShownSample,
+        lightmap: &Lightmap,
+        rest: &Lightmap,
+        permitted: f64,
+    ) -> bool {
+        let (page, rest) = (&lightmap.pages[shown.page], &rest.pages[shown.page]);
+        let direct = |t: usize| light(&page.irradiance[t]) - light(&rest.irradiance[t]);
+        let own = direct(shown.at);
+        neighbours(page.size, shown.at as u32)
+            .filter(|&(_, n)| page.charts[n] == page.charts[shown.at])
+            .any(|(_, n)| (direct(n) - own).map(f64::abs).max_channel() > permitted)
+    }
+
+    /// Mean square of what interpolation misses at places of a texel, less noise; `None` if none of them is
+    /// seen.
+    fn squares(
+        &self,
+        shown: &ShownSample,
+        is_uneven: bool,
+        lightmap: &Lightmap,
+        rest: &Lightmap,
+    ) -> Option<Squares> {
+        let places = if is_uneven { PLACES } else { 1 };
+        let sample = &self.samples.samples[shown.sample];
+        let coverage = &self.samples.pages[shown.page];
+        let tracer = self.gatherer.surfaces().tracer;
+        let sampler = PageSampler::new(self.atlas, tracer, coverage, shown.page as u32);
+        let [width, height] = coverage.size;
+        let corner = DVec2::new(
+            (shown.at as u32 % width).into(),
+            (shown.at as u32 / width).into(),
+        );
+        let (mut points, mut uvs) = (Vec::new(), Vec::new());
+        for k in 0..places * places {
+            let keys = |d: u32| [self.seed, shown.page as u32, shown.at as u32, k, d, 0xbe7];
+            let jitter = DVec2::new(uniform(&keys(0)).into(), uniform(&keys(1)).into());
+            let cell = DVec2::new((k % places).into(), (k / places).into());
+            let place = corner + (cell + jitter) / f64::from(places);
+            if let Some((position, normal)) = sampler.seen_place(sample, place) {
+                points.push(GatherPoint {
+                    position,
+                    normal,
+                    key: hash(&keys(2)),
+                });
+                uvs.push([place.x / f64::from(width), place.y / f64::from(height)]);
+            }
+        }
+        if points.is_empty() {
+            return None;
+        }
+        let noise = self.direct.variance[shown.sample].map(|v| LEFT * f64::from(v));
+        let mut squares = [0.0; 3];
+        for (found, uv) in self.gatherer.direct(&points, 1, self.seed).iter().zip(&uvs) {
+            let found = found.whole();
+            let interpolated =
+                |map: &Lightmap| -> Rgb { LightmapPage::bilinear(&map.pages[shown.page], *uv) };
+            let difference = interpolated(lightmap) - interpolated(rest) - found.mean();
+            let [d, variance] = [difference, found.variance()].map(Rgb::to_array);
+            for k in 0..3 {
+                squares[k] += d[k] * d[k] - variance[k] - noise[k];
+            }
+        }
+        Some(squares.map(|s| s / points.len() as f64))
+    }
+}
+
+fn light(texel: &[f32; 3]) -> Rgb {
+    Rgb::from(texel.map(f64::from))
+}
