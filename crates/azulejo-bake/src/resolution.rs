@@ -102,10 +102,25 @@ impl BetweenTexels<'_> {
         let mut of_texel: Vec<Vec<Squares>> = (lightmap.pages.iter())
             .map(|page| vec![of_even; page.areas.len()])
             .collect();
-        for ((shown, _), squares) in looked_at.iter().zip(&found).filter(|(l, _)| l.1) {
-            if let Some(squares) = squares {
-                of_texel[shown.page][shown.at] = squares.map(|s| s.max(0.0));
-            }
+        let of_uneven: Vec<(&ShownSample, Squares)> = looked_at
+            .iter()
+            .zip(&found)
+            .filter(|((_, is_uneven), _)| *is_uneven)
+            .filter_map(|((shown, _), squares)| Some((*shown, (*squares)?)))
+            .collect();
+        // Few places are noisy, and what is taken for noise may be more than there is: the sum is right.
+        let share = [0, 1, 2].map(|k| {
+            let of = |square: fn(f64) -> f64| -> f64 {
+                let each = of_uneven
+                    .iter()
+                    .map(|(shown, s)| area(shown) * square(s[k]));
+                each.sum()
+            };
+            let (sum, positive) = (of(|s| s), of(|s| s.max(0.0)));
+            f64::max(sum, 0.0) / f64::max(positive, f64::MIN_POSITIVE)
+        });
+        for (shown, squares) in &of_uneven {
+            of_texel[shown.page][shown.at] = [0, 1, 2].map(|k| share[k] * squares[k].max(0.0));
         }
         let (mut sum, mut whole) = (0.0, 0.0);
         for (page, squares) in lightmap.pages.iter_mut().zip(&of_texel) {
