@@ -10,6 +10,7 @@
 //! | Indirect light at some of them, interpolated, more finely where leaving one out shows an error | [`first_look`], [`look_again`], [`with_indirect`] |
 //! | What is wrong with texture coordinates, ours or anybody's | [`check()`](check::check) |
 //! | Texels without what lies inside of solids, continued around charts, alike on both sides of seams | [`Lightmap`], [`pad_charts`], [`stitch`], [`fill`] |
+//! | What surfaces reflect in each texel, for pictures of the light that leaves them | [`texel_colors`] |
 //! | A model with its lightmaps and a viewer in one HTML file | [`web_page`] |
 //!
 //! This crate knows texels, not how light is computed: that comes from the caller, through
@@ -32,6 +33,7 @@ mod lightmap_page;
 mod nodes;
 mod pad;
 mod receiver;
+mod reflectance;
 mod regions;
 mod samples;
 mod seams;
@@ -44,7 +46,7 @@ pub mod web_page;
 pub use atlas::Atlas;
 pub use coverage::{Coverage, CoveredPiece, CoveredTexel, TriangleId};
 pub use direct::{SampleDirect, direct};
-pub use encode::srgb_bytes;
+pub use encode::{srgb_bytes, srgb_bytes_up_to};
 pub use field::TexelField;
 pub use indirect::{
     LookRequest, NodeLattice, PairRays, PairRequest, TexelStatistics, first_look, look_again,
@@ -57,6 +59,7 @@ pub use lightmap::{Lightmap, QuarterLight};
 pub use lightmap_page::LightmapPage;
 pub use pad::{fill, pad_charts};
 pub use receiver::Receiver;
+pub use reflectance::{SurfaceColor, texel_colors};
 pub use samples::{Samples, TexelSample};
 pub use stitch::{SeamErrors, seam_errors, stitch};
 pub use unwrap::{LayoutError, Resolution, UnwrapOptions, repack, unwrap};

@@ -3,6 +3,10 @@
 //! [`bake`] is the third pass beside the picture: `azulejo-bake` knows texels, `azulejo-radiosity` knows
 //! light, and here the two meet.
 
+mod radiance;
+
+pub use radiance::{TexelRadiance, VertexColors};
+
 use azulejo_bake::{
     Atlas, Layout, Lightmap, LightmapPage, LookRequest, NodePair, PairRequest, Receiver,
     ReceiverLayout, SampleDirect, Samples, SeamErrors, TexelField, TexelLight, TexelStatistics,

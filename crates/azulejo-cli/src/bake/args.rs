@@ -110,8 +110,19 @@ pub struct LightmapFileArgs {
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub error_map: Option<PathBuf>,
     /// What tells viewers of the lightmap
-    #[arg(long = "as", value_name = "CONVENTION", default_value = "moz")]
-    pub convention: ConventionArg,
+    #[arg(
+        long = "as",
+        id = "conventions",
+        value_name = "CONVENTION",
+        default_value = "moz",
+        value_delimiter = ','
+    )]
+    pub conventions: Vec<ConventionArg>,
+    /// With --as unlit or emissive: radiance times this is stored, and cut at 1, which is white; 'auto' makes all
+    /// but the brightest thousandth of the area fit [default: auto with --as unlit; none with --as emissive, which
+    /// stores any light]
+    #[arg(long, value_name = "F", value_parser = exposure)]
+    pub exposure: Option<ExposureArg>,
     /// The pictures in the file
     #[arg(long, value_name = "TYPE", default_value = "png")]
     pub image: ImageArg,
@@ -125,6 +136,33 @@ pub struct LightmapFileArgs {
     /// What becomes of lamps without area that were baked [default: dim; keep with --light indirect]
     #[arg(long, value_name = "WHAT")]
     pub baked_lights: Option<LightsArg>,
+}
+
+impl LightmapFileArgs {
+    /// What tells viewers of the lightmap.
+    pub fn convention(&self) -> ConventionArg {
+        self.conventions
+            .first()
+            .copied()
+            .unwrap_or(ConventionArg::Moz)
+    }
+}
+
+/// `--exposure`
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ExposureArg {
+    /// By the radiance of the surfaces.
+    Auto,
+    /// A factor.
+    Factor(f64),
+}
+
+/// `auto`, or a number above 0.
+fn exposure(text: &str) -> Result<ExposureArg, String> {
+    match text {
+        "auto" => Ok(ExposureArg::Auto),
+        _ => values::positive(text).map(ExposureArg::Factor),
+    }
 }
 
 /// `--uv`
@@ -215,6 +253,10 @@ pub enum ConventionArg {
     Moz,
     /// The extension MX_lightmap of nodes
     Mx,
+    /// As light that surfaces emit: for viewers that know no lightmaps
+    Emissive,
+    /// As colours that need no light: for viewers that know no lightmaps
+    Unlit,
     /// Nothing: texture coordinates alone, for a --lightmap beside the file
     Plain,
 }
@@ -225,6 +267,8 @@ impl ConventionArg {
         match self {
             ConventionArg::Moz => Convention::Moz,
             ConventionArg::Mx => Convention::Mx,
+            ConventionArg::Emissive => Convention::Emissive,
+            ConventionArg::Unlit => Convention::Unlit,
             ConventionArg::Plain => Convention::Plain,
         }
     }

@@ -1,27 +1,21 @@
 //! The files of a lightmap.
 
-use super::args::{BakeArgs, ImageArg, LightArg, LightsArg};
-use super::page;
+use super::args::{BakeArgs, LightArg, LightsArg};
 use super::source::BakeSource;
+use super::{page, pictures};
 use crate::failure::Failure;
-use crate::report::{Report, bytes, percent};
+use crate::report::{Report, bytes};
 use crate::session::Session;
-use azulejo::bake::{LightmapPage, srgb_bytes};
+use azulejo::bake::LightmapPage;
 use azulejo::lightmap::Baked;
 use azulejo::output::{Draft, Output, commit};
 use azulejo_formats::gltf::patch::{
-    self, Container, LightmapEdit, LightmapUvs, LightsMode, MediaType, ObjectLayout, PatchedFile,
+    self, Container, LightmapEdit, LightmapUvs, LightsMode, ObjectLayout, PatchedFile,
 };
-use azulejo_formats::picture::{exr, hdr, png};
+use azulejo_formats::picture::exr;
 use azulejo_scene::Image;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-
-/// Part of the largest irradiance below which 8 bits are coarser than a hundredth.
-const DIM: f64 = 0.1;
-
-/// Share of the area below it from which on that is said.
-const MUCH_DIM: f64 = 0.2;
 
 /// What the main output is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,7 +74,7 @@ impl BakeOutputs {
         args: &BakeArgs,
         source: &BakeSource,
         baked: &Baked,
-        uvs: LightmapUvs,
+        (uvs, padding): (LightmapUvs, u32),
         session: &mut Session,
         report: &mut Report,
     ) -> Result<(), Failure> {
@@ -109,9 +103,9 @@ impl BakeOutputs {
                 drafts.add_to(output, &file)?;
             }
             Some((output, kind)) => {
-                let patched = self.patched(output, *kind, args, source, baked, uvs)?;
+                let pages = pictures::pictures(args, source, baked, padding, session, report)?;
+                let patched = patched((output, *kind), args, source, baked, &pages, uvs)?;
                 patched.notes.iter().for_each(|note| session.note(note));
-                say_dim(args, baked, session, report);
                 for (name, file) in &patched.files {
                     drafts.add(&output.path().with_file_name(name), file)?;
                 }
@@ -124,36 +118,36 @@ impl BakeOutputs {
         report.fact("output", drafts.written, "wrote", names);
         Ok(())
     }
+}
 
-    fn patched(
-        &self,
-        output: &Output,
-        kind: OutputKind,
-        args: &BakeArgs,
-        source: &BakeSource,
-        baked: &Baked,
-        uvs: LightmapUvs,
-    ) -> Result<PatchedFile, Failure> {
-        let stem = output.path().file_stem().unwrap_or_default();
-        let edit = LightmapEdit {
-            objects: &layouts(source, baked),
-            pages: &pictures(args, baked)?,
-            uvs,
-            instances: args.files.instances.written(),
-            convention: args.files.convention.written(),
-            lights: lights(args),
-            mipmaps: args.texels.mips > 0,
-            output: patch::Output {
-                container: match kind {
-                    OutputKind::Json => Container::Json,
-                    _ => Container::Glb,
-                },
-                stem: &stem.to_string_lossy(),
+/// The file with its lightmap.
+fn patched(
+    (output, kind): (&Output, OutputKind),
+    args: &BakeArgs,
+    source: &BakeSource,
+    baked: &Baked,
+    pages: &[patch::LightmapPage],
+    uvs: LightmapUvs,
+) -> Result<PatchedFile, Failure> {
+    let stem = output.path().file_stem().unwrap_or_default();
+    let edit = LightmapEdit {
+        objects: &layouts(source, baked),
+        pages,
+        uvs,
+        instances: args.files.instances.written(),
+        convention: args.files.convention().written(),
+        lights: lights(args),
+        mipmaps: args.texels.mips > 0,
+        output: patch::Output {
+            container: match kind {
+                OutputKind::Json => Container::Json,
+                _ => Container::Glb,
             },
-        };
-        let file = source.file.patched();
-        patch::with_lightmap(&file, &source.origins, &edit).map_err(Failure::failed)
-    }
+            stem: &stem.to_string_lossy(),
+        },
+    };
+    let file = source.file.patched();
+    patch::with_lightmap(&file, &source.origins, &edit).map_err(Failure::failed)
 }
 
 fn kind_of(path: &Path) -> Result<OutputKind, Failure> {
@@ -195,65 +189,6 @@ fn layouts(source: &BakeSource, baked: &Baked) -> Vec<Option<ObjectLayout>> {
         });
     }
     layouts
-}
-
-/// The pictures of all pages.
-fn pictures(args: &BakeArgs, baked: &Baked) -> Result<Vec<patch::LightmapPage>, Failure> {
-    let count = baked.lightmap.pages.len();
-    let picture = |(number, page): (usize, &LightmapPage)| {
-        let [width, height] = page.size;
-        let (rgb, intensity) = srgb_bytes(&page.irradiance);
-        let mut small = Vec::new();
-        png::write(width, height, &rgb, &mut small).map_err(Failure::failed)?;
-        let name = match count {
-            1 => "lightmap".to_owned(),
-            _ => format!("lightmap {}", number + 1),
-        };
-        Ok(match args.files.image {
-            ImageArg::Png => patch::LightmapPage {
-                name,
-                picture: small,
-                media_type: MediaType::Png,
-                intensity,
-                fallback: None,
-            },
-            ImageArg::Hdr => {
-                let image = Image::opaque(width, height, page.irradiance.clone());
-                let mut file = Vec::new();
-                hdr::write(&image, &mut file).map_err(Failure::failed)?;
-                patch::LightmapPage {
-                    name,
-                    picture: file,
-                    media_type: MediaType::Hdr,
-                    intensity: 1.0,
-                    fallback: None,
-                }
-            }
-        })
-    };
-    baked
-        .lightmap
-        .pages
-        .iter()
-        .enumerate()
-        .map(picture)
-        .collect()
-}
-
-/// Says how much of a lightmap is so dark that 8 bits show it worse than was asked for.
-fn say_dim(args: &BakeArgs, baked: &Baked, session: &mut Session, report: &mut Report) {
-    if args.files.image != ImageArg::Png {
-        return;
-    }
-    let dim = baked.lightmap.share_below(DIM);
-    report.value("dim_share", dim);
-    if dim > MUCH_DIM {
-        session.note(&format!(
-            "{} of the area is below a tenth of the brightest texel, where the steps of an 8-bit PNG \
-             are more than 1%: --lightmap E.exr or --image hdr keep it",
-            percent(dim)
-        ));
-    }
 }
 
 /// The name of a page's file.
