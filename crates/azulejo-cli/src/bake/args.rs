@@ -31,6 +31,9 @@ pub struct BakeArgs {
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath,
           required_unless_present_any = ["lightmap", "check"])]
     pub output: Option<PathBuf>,
+    /// Write a page that shows the model, whatever the name of the output
+    #[arg(long, requires = "output", conflicts_with_all = ["strip", "check"])]
+    pub html: bool,
     /// Remove the lightmap that azulejo has put into a glTF file: gives back the file as it was
     #[arg(long, requires = "output")]
     pub strip: bool,
@@ -103,12 +106,16 @@ pub struct TexelArgs {
 #[command(next_help_heading = "Files")]
 pub struct LightmapFileArgs {
     /// Irradiance as OpenEXR, in the unit of the scene, top row at v = 0; of several pages, each gets its
-    /// number before the extension
+    /// number before the extension. Its floats have 16 bits, which are exact to 0.05%, or 32 where values are out of
+    /// their range
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub lightmap: Option<PathBuf>,
     /// Its standard error, likewise
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub error_map: Option<PathBuf>,
+    /// Floats of 32 bits in --lightmap and --error-map
+    #[arg(long)]
+    pub float: bool,
     /// What tells viewers of the lightmap
     #[arg(
         long = "as",
@@ -281,6 +288,10 @@ pub enum ImageArg {
     Png,
     /// Radiance HDR, as Mozilla Hubs reads it, with a PNG for others
     Hdr,
+    /// KTX2 with 9 bits and an exponent, as three.js and Bevy read it, with a PNG for others
+    Ktx2,
+    /// KTX2 with floats of 16 bits, likewise
+    Ktx2Half,
 }
 
 /// `--instances`

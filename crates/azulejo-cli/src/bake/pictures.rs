@@ -8,6 +8,7 @@ use crate::session::Session;
 use azulejo::bake::{srgb_bytes, srgb_bytes_up_to};
 use azulejo::lightmap::{Baked, TexelRadiance, VertexColors};
 use azulejo_formats::gltf::patch::{LightmapPage, MediaType};
+use azulejo_formats::picture::ktx2::{self, Ktx2Texels};
 use azulejo_formats::picture::{hdr, png};
 use azulejo_scene::Image;
 
@@ -30,6 +31,12 @@ pub fn pictures(
         ConventionArg::Plain => return Ok(Vec::new()),
         ConventionArg::Moz | ConventionArg::Mx => {
             say_dim(args, baked, session, report);
+            if matches!(args.files.image, ImageArg::Ktx2 | ImageArg::Ktx2Half) {
+                session.note(
+                    "KHR_texture_basisu names a KTX2 with bright texels, which three.js shows, but which its \
+                     specification does not have: validators will say so",
+                );
+            }
             return irradiance(args, baked);
         }
         ConventionArg::Emissive => VertexColors::Included,
@@ -47,29 +54,51 @@ pub fn pictures(
     shown(args, baked, (radiance, unit), session, report)
 }
 
-/// Pictures of irradiance.
+/// Pictures of irradiance, all with a PNG.
 fn irradiance(args: &BakeArgs, baked: &Baked) -> Result<Vec<LightmapPage>, Failure> {
     let pages = baked.lightmap.pages.iter();
-    let picture = |(place, page): (usize, &azulejo::bake::LightmapPage)| match args.files.image {
-        ImageArg::Png => {
-            let (rgb, intensity) = srgb_bytes(&page.irradiance);
-            png_page(baked, place, &rgb, intensity)
-        }
-        ImageArg::Hdr => {
-            let [width, height] = page.size;
-            let image = Image::opaque(width, height, page.irradiance.clone());
+    let picture = |(place, page): (usize, &azulejo::bake::LightmapPage)| {
+        let (rgb, intensity) = srgb_bytes(&page.irradiance);
+        let png = png_page(baked, place, &rgb, intensity)?;
+        let bright = |media_type, picture| LightmapPage {
+            picture,
+            media_type,
+            fallback: Some(png.picture.clone()),
+            ..png.clone()
+        };
+        let levels = args.texels.mips + 1;
+        let ktx2 = |texels| {
             let mut file = Vec::new();
-            hdr::write(&image, &mut file).map_err(Failure::failed)?;
-            Ok(LightmapPage {
-                name: name(baked, place),
-                picture: file,
-                media_type: MediaType::Hdr,
-                intensity: 1.0,
-                fallback: None,
-            })
+            let written = ktx2::write(&scaled(page, intensity), texels, levels, &mut file);
+            written.map_err(Failure::failed)?;
+            Ok(bright(MediaType::Ktx2, file))
+        };
+        match args.files.image {
+            ImageArg::Png => Ok(png),
+            ImageArg::Hdr => {
+                let mut file = Vec::new();
+                let written = hdr::write(&scaled(page, intensity), &mut file);
+                written.map_err(Failure::failed)?;
+                Ok(bright(MediaType::Hdr, file))
+            }
+            ImageArg::Ktx2 => ktx2(Ktx2Texels::SharedExponent),
+            ImageArg::Ktx2Half => ktx2(Ktx2Texels::Half),
         }
     };
     pages.enumerate().map(picture).collect()
+}
+
+/// Irradiance over that of a texel of 1: the PNG for others has the same scale.
+fn scaled(page: &azulejo::bake::LightmapPage, intensity: f64) -> Image {
+    let [width, height] = page.size;
+    let share = if intensity > 0.0 {
+        1.0 / intensity
+    } else {
+        1.0
+    };
+    let texels = page.irradiance.iter();
+    let texels = texels.map(|texel| texel.map(|v| (share * f64::from(v)) as f32));
+    Image::opaque(width, height, texels.collect())
 }
 
 /// Pictures of radiance; where the target ends at 1, darkened or brightened and cut there.
@@ -148,7 +177,7 @@ fn say_dim(args: &BakeArgs, baked: &Baked, session: &mut Session, report: &mut R
     if dim > MUCH_DIM {
         session.note(&format!(
             "{} of the area is below a tenth of the brightest texel, where the steps of an 8-bit PNG \
-             are more than 1%: --lightmap E.exr or --image hdr keep it",
+             are more than 1%: --lightmap E.exr, --image ktx2 and --image hdr keep it",
             percent(dim)
         ));
     }

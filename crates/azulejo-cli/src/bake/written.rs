@@ -37,6 +37,7 @@ impl BakeOutputs {
     pub fn check(args: &BakeArgs) -> Result<BakeOutputs, Failure> {
         let main = match &args.output {
             None => None,
+            Some(path) if args.html => Some((Output::check(path)?, OutputKind::Page)),
             Some(path) => Some((Output::check(path)?, kind_of(path)?)),
         };
         for path in [&args.files.lightmap, &args.files.error_map]
@@ -88,11 +89,13 @@ impl BakeOutputs {
             (&self.error_map, |p| &p.standard_error),
         ] {
             let Some(path) = path else { continue };
+            let is_half = !args.files.float && is_in_range(baked, values, path, session);
             for (number, page) in pages.iter().enumerate() {
                 let [width, height] = page.size;
                 let image = Image::opaque(width, height, values(page).clone());
                 let mut file = Vec::new();
-                exr::write(&image, &mut file).map_err(Failure::failed)?;
+                let write = if is_half { exr::write_half } else { exr::write };
+                write(&image, &mut file).map_err(Failure::failed)?;
                 drafts.add(&numbered(path, number, pages.len()), &file)?;
             }
         }
@@ -169,6 +172,33 @@ fn lights(args: &BakeArgs) -> LightsMode {
         None if args.texels.light == LightArg::Indirect => LightsArg::Keep.written(),
         None => LightsArg::Dim.written(),
     }
+}
+
+/// Part of the mean irradiance down to which floats of 16 bits must have all of theirs.
+const DARK: f64 = 1e-3;
+
+/// Whether floats of 16 bits can hold what a file gets, and what is said if not.
+fn is_in_range(
+    baked: &Baked,
+    values: fn(&LightmapPage) -> &Vec<[f32; 3]>,
+    path: &Path,
+    session: &mut Session,
+) -> bool {
+    let texels = baked.lightmap.pages.iter().flat_map(values);
+    let most = texels.flatten().copied().fold(0.0, f32::max);
+    let mean = baked.lightmap.mean().mean();
+    let fault = if most > exr::MOST_HALF {
+        "values above 65504"
+    } else if mean > 0.0 && DARK * mean < f64::from(exr::LEAST_HALF) {
+        "values so small"
+    } else {
+        return true;
+    };
+    session.note(&format!(
+        "{}: floats of 32 bits, since those of 16 have no {fault}",
+        path.display()
+    ));
+    false
 }
 
 /// Where the faces of the file's objects lie.
