@@ -20,6 +20,7 @@ use azulejo::lightmap::{BakeError, BakeOptions, Baked, BakedSides, bake};
 use azulejo::output::Output;
 use azulejo_scene::Scene;
 use source::BakeSource;
+pub use source::SourceFile;
 use written::BakeOutputs;
 
 /// Size of pages where none is given, and where the density is.

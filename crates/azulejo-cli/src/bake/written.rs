@@ -3,18 +3,18 @@
 use super::args::{BakeArgs, LightArg, LightsArg};
 use super::source::BakeSource;
 use super::{page, pictures};
+use crate::draft_list::DraftList;
 use crate::failure::Failure;
-use crate::report::{Report, bytes};
+use crate::report::Report;
 use crate::session::Session;
 use azulejo::bake::LightmapPage;
 use azulejo::lightmap::Baked;
-use azulejo::output::{Draft, Output, commit};
+use azulejo::output::Output;
 use azulejo_formats::gltf::patch::{
     self, Container, LightmapEdit, LightmapUvs, LightsMode, ObjectLayout, PatchedFile,
 };
 use azulejo_formats::picture::exr;
 use azulejo_scene::Image;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// What the main output is.
@@ -116,9 +116,9 @@ impl BakeOutputs {
             }
             None => {}
         }
-        commit(drafts.drafts, session.progress())?;
-        let names = drafts.written.join(", ");
-        report.fact("output", drafts.written, "wrote", names);
+        let written = drafts.commit(session)?;
+        let names = written.join(", ");
+        report.fact("output", written, "wrote", names);
         Ok(())
     }
 }
@@ -229,27 +229,4 @@ pub fn numbered(path: &Path, number: usize, count: usize) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let extension = path.extension().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!("{stem}-{}.{extension}", number + 1))
-}
-
-/// Files that are put in place together.
-#[derive(Default)]
-struct DraftList {
-    drafts: Vec<Draft>,
-    written: Vec<String>,
-}
-
-impl DraftList {
-    fn add(&mut self, path: &Path, file: &[u8]) -> Result<(), Failure> {
-        self.add_to(&Output::check(path)?, file)
-    }
-
-    fn add_to(&mut self, output: &Output, file: &[u8]) -> Result<(), Failure> {
-        let mut draft = output.draft()?;
-        draft.write_all(file).map_err(|e| draft.error(e))?;
-        let size = bytes(file.len() as u64);
-        self.written
-            .push(format!("{} ({size})", output.path().display()));
-        self.drafts.push(draft);
-        Ok(())
-    }
 }

@@ -281,3 +281,107 @@ fn bright_texels_are_within_their_steps() {
         assert!((a - b).abs() <= b / 2047.0 + 3e-8, "{a}, {b}");
     }
 }
+
+/// Models of other formats get matt surfaces that mirror nothing in any viewer, and are read as matt.
+#[test]
+fn matt_surfaces_say_so() {
+    let folder = Folder::with_room();
+    folder.ok("bake room.obj -o room.glb --as plain --size 32 --error 30%");
+    let glb = folder.read("room.glb");
+    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let json: serde_json::Value = serde_json::from_slice(&glb[20..20 + length]).unwrap();
+    for material in json["materials"].as_array().unwrap() {
+        let specular = &material["extensions"]["KHR_materials_specular"];
+        assert_eq!(specular["specularFactor"], 0, "{material}");
+    }
+    let scene = scene_of(&folder, "room.glb");
+    assert!(
+        scene
+            .materials
+            .iter()
+            .all(|m| m.brdf.is_none() && m.mirror.is_black())
+    );
+}
+
+/// A page is one whatever its name is.
+#[test]
+fn a_page_of_any_name() {
+    let folder = Folder::with_room();
+    folder.ok("bake room.obj -o page.txt --html --size 32 --error 30%");
+    assert!(folder.read("page.txt").starts_with(b"<!doctype html>"));
+    let run = folder.ok("bake room.obj -o - --html --size 32 --error 30%");
+    assert!(run.out.starts_with("<!doctype html>"));
+}
+
+/// The light of a glTF file that keeps its mesh goes into the file itself, and out again.
+#[test]
+fn light_on_the_vertices_of_the_file_itself() {
+    let folder = Folder::with_room();
+    for (file, lit, beside) in [
+        ("room.glb", "lit.glb", None),
+        ("room.gltf", "lit.gltf", Some("lit.light.bin")),
+    ] {
+        folder.ok(&format!("convert room.obj -o {file}"));
+        let report = folder.json(&format!("solve {file} -o {lit} --keep-mesh --error 10%"));
+        assert_eq!(report["output"], lit);
+        assert_eq!(
+            beside.is_none_or(|name| folder.names().contains(&name.to_owned())),
+            true
+        );
+        assert_eq!(folder.json(&format!("info {lit}"))["solved"], true);
+        let stripped = folder.json(&format!("bake {lit} --strip -o again"));
+        assert_eq!(stripped["exact"], true);
+        assert!(folder.read("again") == folder.read(file), "{file}");
+    }
+    // The same light as in a file that is written anew.
+    folder.ok("solve room.obj -o anew.glb --keep-mesh --sides front --error 10%");
+    let light = |name: &str| {
+        let scene = scene_of(&folder, name);
+        let mut light = Vec::new();
+        for placed in scene.objects.iter().filter_map(|o| o.shape.placed_mesh()) {
+            for face in placed.mesh.faces.iter() {
+                for &v in face {
+                    let at = placed.position(v).to_array().map(|x| (1000.0 * x) as i64);
+                    light.push((at, placed.irradiance[v as usize].mean()));
+                }
+            }
+        }
+        light.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        light
+    };
+    let (kept, anew) = (light("lit.glb"), light("anew.glb"));
+    assert_eq!(kept.len(), anew.len());
+    let mean = |list: &[([i64; 3], f64)]| list.iter().map(|l| l.1).sum::<f64>() / list.len() as f64;
+    let (kept, anew) = (mean(&kept), mean(&anew));
+    assert!((kept / anew - 1.0).abs() < 0.02, "{kept}, {anew}");
+    // Light that is computed again takes the place of the other.
+    let before = folder.read("lit.glb");
+    let run = folder.ok("solve lit.glb -o lit.glb --keep-mesh --error 10%");
+    assert!(
+        run.err.contains("has put on its vertices is removed first"),
+        "{}",
+        run.err
+    );
+    assert!(folder.read("lit.glb") == before);
+    // What changes more than light is written anew.
+    let run = folder.ok("solve room.glb -o other.glb --keep-mesh --sides brighter --error 10%");
+    assert!(
+        run.err.contains("--sides changes more than light"),
+        "{}",
+        run.err
+    );
+    folder.fails(
+        "bake other.glb --strip -o again",
+        1,
+        "nor its light on vertices",
+    );
+    // A lightmap takes the place of it.
+    let run = folder.ok("bake lit.glb -o baked.glb --size 32 --error 30%");
+    assert!(
+        run.err.contains("has put on its vertices is removed first"),
+        "{}",
+        run.err
+    );
+    folder.ok("bake baked.glb --strip -o again");
+    assert!(folder.read("again") == folder.read("room.glb"));
+}
