@@ -1,6 +1,6 @@
 //! `solve --keep-mesh` of a glTF file: the light goes onto the vertices of the file itself.
 
-use super::args::{FirstPassArgs, InputArgs, SidesArg, SolveArgs};
+use super::args::{SidesArg, SolveArgs};
 use super::bake::SourceFile;
 use super::draft_list::DraftList;
 use super::failure::Failure;
@@ -11,7 +11,7 @@ use azulejo::output::Output;
 use azulejo_formats::Format;
 use azulejo_formats::gltf::patch::{self, Container};
 use azulejo_formats::gltf::{self, ObjectOrigin};
-use azulejo_scene::{Object, Scene};
+use azulejo_scene::{Irradiance, Object, ObjectIrradiance, Scene};
 use std::path::Path;
 
 /// The glTF file that light is put into.
@@ -39,7 +39,7 @@ impl KeptGltf {
         if session.formats() != [Format::Gltf] {
             return Ok(None);
         }
-        if let Some(option) = changed(&args.input, &args.first_pass) {
+        if let Some(option) = changed(args) {
             session.note(&format!(
                 "{option} changes more than light: the file is written anew"
             ));
@@ -64,12 +64,13 @@ impl KeptGltf {
         }))
     }
 
-    /// The options of a first pass that leaves faces as they are: their fronts have light.
-    pub fn options(args: &FirstPassArgs) -> FirstPassArgs {
-        FirstPassArgs {
-            sides: Some(SidesArg::Front),
-            ..args.clone()
-        }
+    /// Whether the light fits the faces as they are: one value for each vertex, that of the fronts.
+    pub fn fits(light: &Irradiance) -> bool {
+        let is_front = |object: &ObjectIrradiance| match object {
+            ObjectIrradiance::Vertices { back, turned, .. } => back.is_none() && turned.is_empty(),
+            ObjectIrradiance::Refined(_) | ObjectIrradiance::Surface(_) => false,
+        };
+        light.objects.iter().all(is_front)
     }
 
     /// Writes the file with the light of the solved scene.
@@ -119,16 +120,16 @@ fn output_of(args: &SolveArgs) -> Option<(&Path, Container)> {
 }
 
 /// An option by which more than light changes.
-fn changed(input: &InputArgs, first_pass: &FirstPassArgs) -> Option<&'static str> {
-    let reading = &input.reading;
-    let turns = first_pass.sides.is_some_and(|s| s != SidesArg::Front);
+fn changed(args: &SolveArgs) -> Option<&'static str> {
+    let (input, reading) = (&args.input, &args.input.reading);
+    let is_split = args.first_pass.sides == Some(SidesArg::Split);
     let all = [
         (reading.placements().next().is_some(), "--place"),
         (input.outside.studio, "--studio"),
         (reading.up.is_some(), "--up"),
         (reading.unit.is_some(), "--unit"),
         (!reading.recipe.is_empty(), "--recipe"),
-        (turns, "--sides"),
+        (is_split, "--sides split"),
     ];
     all.into_iter()
         .find_map(|(is_given, option)| is_given.then_some(option))

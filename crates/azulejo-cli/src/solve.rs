@@ -53,15 +53,21 @@ pub fn run(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
     let kept = KeptGltf::of(args, &scene, session)?;
     let first_pass = match &output {
         SolvedOutput::InPlace(_) => InPlace::options(&args.first_pass),
-        SolvedOutput::Model(_) if kept.is_some() => KeptGltf::options(&args.first_pass),
         SolvedOutput::Model(_) => args.first_pass.clone(),
     };
     let tracer = prepared.tracer(&scene)?;
     let light = pass::solve(&scene, &tracer, &first_pass, &prepared, session)?;
     let mut report = Report::default();
     pass::describe(&light.report, &first_pass, &prepared, &scene, &mut report)?;
+    let fits = KeptGltf::fits(&light.irradiance);
+    if kept.is_some() && !fits {
+        session.note(
+            "some faces are turned to the side that is lit, so the file is written anew: --sides front \
+             keeps it as it is",
+        );
+    }
     scene.set_irradiance(light.irradiance);
-    if let Some(kept) = kept {
+    if let Some(kept) = kept.filter(|_| fits) {
         kept.write(&scene, session, &mut report)?;
         return Ok(report);
     }

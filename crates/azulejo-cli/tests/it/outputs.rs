@@ -364,9 +364,9 @@ fn light_on_the_vertices_of_the_file_itself() {
     );
     assert!(folder.read("lit.glb") == before);
     // What changes more than light is written anew.
-    let run = folder.ok("solve room.glb -o other.glb --keep-mesh --sides brighter --error 10%");
+    let run = folder.ok("solve room.glb -o other.glb --keep-mesh --sides split --error 10%");
     assert!(
-        run.err.contains("--sides changes more than light"),
+        run.err.contains("--sides split changes more than light"),
         "{}",
         run.err
     );
@@ -375,6 +375,21 @@ fn light_on_the_vertices_of_the_file_itself() {
         1,
         "nor its light on vertices",
     );
+    // So is a file whose walls look away from the light.
+    let room = String::from_utf8(folder.read("room.obj")).unwrap();
+    let turned = room.lines().map(|line| match line.strip_prefix("f ") {
+        Some(face) if !face.starts_with('9') => {
+            let corners: Vec<&str> = face.split(' ').rev().collect();
+            format!("f {}\n", corners.join(" "))
+        }
+        _ => format!("{line}\n"),
+    });
+    folder.write("turned.obj", turned.collect::<String>());
+    folder.ok("convert turned.obj -o turned.glb");
+    let run = folder.ok("solve turned.glb -o other.glb --keep-mesh --error 10%");
+    assert!(run.err.contains("some faces are turned"), "{}", run.err);
+    let run = folder.ok("solve turned.glb -o other.glb --keep-mesh --sides front --error 10%");
+    assert!(!run.err.contains("turned"), "{}", run.err);
     // A lightmap takes the place of it.
     let run = folder.ok("bake lit.glb -o baked.glb --size 32 --error 30%");
     assert!(

@@ -96,20 +96,27 @@ impl<'a> Pictures<'a> {
         let others = extensions.map(|e| &e.others);
         let named = LIGHT_PICTURES.iter().filter_map(|name| {
             let image = others?.get(*name)?.get("source")?.as_u64()?;
-            (image < self.root.images.len() as u64).then_some(image as usize)
+            (image < self.root.images.len() as u64).then_some((*name, image as usize))
         });
         let mut problem = None;
-        for bright in named {
+        let mut problem_of_basis = None;
+        for (name, bright) in named {
             let (id, its_problem) = self.of_image(bright, self.wrap(texture));
             if self.is_loaded(id) {
                 return (Some(id), its_problem);
             }
-            problem = problem.or(its_problem);
+            match name {
+                BRIGHT_PICTURES => problem = its_problem,
+                _ => problem_of_basis = its_problem,
+            }
         }
         let (other, its_problem) = self.index(texture);
-        // What cannot be read counts only where nothing else is there.
-        let problem = if other.is_some() { None } else { problem };
-        (other, its_problem.or(problem))
+        // Basis Universal beside a PNG is as it should be, and is not read.
+        let problem = problem.or(its_problem);
+        match other {
+            Some(_) => (other, problem),
+            None => (other, problem_of_basis.or(problem)),
+        }
     }
 
     /// The picture of an image, and a warning if there is one.

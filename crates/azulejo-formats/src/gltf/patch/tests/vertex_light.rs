@@ -152,7 +152,7 @@ fn light_of_vertices_comes_back() {
     let extras = &json_of(&again)["meshes"][copy]["extras"]["azulejo"]["irradiance"];
     assert_eq!(extras["attribute"], "COLOR_1");
     // That can no longer be undone exactly.
-    let stripped = strip(&again.bytes, "a.glb").unwrap();
+    let stripped = super::super::strip(&again.bytes, "a.glb").unwrap();
     assert!(!stripped.is_exact && stripped.is_of_vertices);
     assert!(stripped.notes[0].contains("light on vertices stays"));
     let json = json_of_bytes(&stripped.bytes, "a.glb").unwrap();
