@@ -113,10 +113,10 @@ impl<'a> Pictures<'a> {
         let (other, its_problem) = self.index(texture);
         // Basis Universal beside a PNG is as it should be, and is not read.
         let problem = problem.or(its_problem);
-        match other {
-            Some(_) => (other, problem),
-            None => (other, problem_of_basis.or(problem)),
+        if other.is_some_and(|id| self.is_loaded(id)) {
+            return (other, problem);
         }
+        (other, problem_of_basis.or(problem))
     }
 
     /// The picture of an image, and a warning if there is one.
