@@ -15,6 +15,7 @@ Examples:
   azulejo bake level.glb -o baked.glb --size 1024 --error 1%
   azulejo bake old.3ds sun.grf -o lit.glb --texels-per-metre 20 --lightmap E.exr --error-map SE.exr
   azulejo bake word.sff room.wrl -o page.html
+  azulejo bake level.glb -o shop.glb --as emissive
   azulejo bake baked.glb --strip -o level-again.glb
   azulejo bake baked.glb --check --lightmap E.exr
 
@@ -34,7 +35,8 @@ pub struct BakeArgs {
     /// Write a page that shows the model, whatever the name of the output
     #[arg(long, requires = "output", conflicts_with_all = ["strip", "check"])]
     pub html: bool,
-    /// Remove the lightmap that azulejo has put into a glTF file: gives back the file as it was
+    /// Remove the lightmap that azulejo has put into a glTF file, or the light on its vertices by `solve
+    /// --keep-mesh`: gives back the file as it was
     #[arg(long, requires = "output")]
     pub strip: bool,
     /// Only look what is wrong with the lightmap of a glTF file, whoever made it, or with a second set of texture

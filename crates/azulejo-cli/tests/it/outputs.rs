@@ -11,15 +11,17 @@ use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 use std::fs;
 
-/// A floor with a picture, a wall without, and a lamp over both.
+/// A floor with a picture, a wall with colours of its vertices, and a lamp over both.
 const ROOM: &str = "\
 mtllib room.mtl
 v 0 0 0
 v 2 0 0
 v 2 0 2
 v 0 0 2
-v 0 2 0
-v 2 2 0
+v 0 0 0 1 1 1
+v 2 0 0 0.3 0.6 0.9
+v 2 2 0 0.5 0.5 0.5
+v 0 2 0 0.9 0.2 0.4
 v 0.5 2.5 0.5
 v 1.5 2.5 0.5
 v 1.5 2.5 1.5
@@ -33,10 +35,10 @@ usemtl picture
 f 1/1 4/4 3/3 2/2
 o wall
 usemtl plain
-f 1 2 6 5
+f 5 6 7 8
 o lamp
 usemtl lamp
-f 7 8 9 10
+f 9 10 11 12
 ";
 
 const MATERIALS: &str = "\
@@ -75,8 +77,9 @@ fn scene_of(folder: &Folder, name: &str) -> Scene {
 struct BakedPoint {
     position: DVec3,
     normal: DVec3,
-    /// Texture coordinates of the file that was written.
+    /// Texture coordinates and the colour of vertices of the file that was written.
     uv: DVec2,
+    color: Rgb,
     material: usize,
     baked: Rgb,
 }
@@ -107,7 +110,13 @@ fn points(folder: &Folder, baked: &Scene) -> Vec<BakedPoint> {
                     Some(corners.clone().zip(weights).map(|(c, w)| w * at(c)).sum())
                 };
                 let texture = |id: u32| given.textures.get(id as usize);
-                let reflectance = of_old.painted(Rgb::WHITE, mean(old.mesh), texture);
+                let color = |mesh: &azulejo_scene::Mesh| -> Rgb {
+                    let of = |c: usize| mesh.colors.get(mesh.faces.corners[c] as usize);
+                    let colors = corners.clone().zip(weights);
+                    let colors = colors.map(|(c, w)| of(c).copied().unwrap_or(Rgb::WHITE) * w);
+                    colors.sum()
+                };
+                let reflectance = of_old.painted(color(old.mesh), mean(old.mesh), texture);
                 let uv = mean(placed.mesh).unwrap();
                 let e = light.sample_wrapped(uv, [WrapMode::Clamp; 2]);
                 let positions = placed.face_positions(face);
@@ -115,6 +124,7 @@ fn points(folder: &Folder, baked: &Scene) -> Vec<BakedPoint> {
                     position: positions.iter().zip(weights).map(|(&p, w)| w * p).sum(),
                     normal: placed.face_area_vector(face).normalize(),
                     uv,
+                    color: color(placed.mesh),
                     material: placed.mesh.face_materials[face] as usize,
                     baked: reflectance * Rgb::from(e.map(f64::from)) / PI,
                 });
@@ -168,7 +178,7 @@ fn surfaces_shine_as_they_are_lit() {
     let shown = |p: &BakedPoint| {
         let material = &scene.materials[p.material];
         let texture = |id: u32| scene.textures.get(id as usize);
-        material.painted(Rgb::WHITE, Some(p.uv), texture) / exposure
+        material.painted(p.color, Some(p.uv), texture) / exposure
     };
     let shown: Vec<Rgb> = points_of.iter().map(shown).collect();
     check_near(&shown, &points_of);

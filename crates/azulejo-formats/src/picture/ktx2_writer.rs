@@ -259,7 +259,10 @@ fn halved(image: &Image) -> Option<Image> {
         return None;
     }
     let mut half = Image::new((width / 2).max(1), (height / 2).max(1));
-    let range = |k: u32, old: u32, new: u32| k * old / new..((k + 1) * old).div_ceil(new);
+    let range = |k: u32, old: u32, new: u32| {
+        let [k, old, new] = [k, old, new].map(u64::from);
+        (k * old / new) as u32..((k + 1) * old).div_ceil(new) as u32
+    };
     for y in 0..half.height {
         for x in 0..half.width {
             let (rows, columns) = (range(y, height, half.height), range(x, width, half.width));
