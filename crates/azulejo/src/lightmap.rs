@@ -5,7 +5,7 @@
 
 mod radiance;
 
-pub use radiance::{TexelRadiance, VertexColors};
+pub use radiance::TexelRadiance;
 
 use azulejo_bake::{
     Atlas, Layout, Lightmap, LightmapPage, LookRequest, NodePair, PairRequest, Receiver,

@@ -6,7 +6,7 @@ use crate::failure::Failure;
 use crate::report::{Report, number, percent, short};
 use crate::session::Session;
 use azulejo::bake::{srgb_bytes, srgb_bytes_up_to};
-use azulejo::lightmap::{Baked, TexelRadiance, VertexColors};
+use azulejo::lightmap::{Baked, TexelRadiance};
 use azulejo_formats::gltf::patch::{LightmapPage, MediaType};
 use azulejo_formats::picture::ktx2::{self, Ktx2Texels};
 use azulejo_formats::picture::{hdr, png};
@@ -27,7 +27,7 @@ pub fn pictures(
     session: &mut Session,
     report: &mut Report,
 ) -> Result<Vec<LightmapPage>, Failure> {
-    let colors = match args.files.convention() {
+    match args.files.convention() {
         ConventionArg::Plain => return Ok(Vec::new()),
         ConventionArg::Moz | ConventionArg::Mx => {
             say_dim(args, baked, session, report);
@@ -39,13 +39,10 @@ pub fn pictures(
             }
             return irradiance(args, baked);
         }
-        ConventionArg::Emissive => VertexColors::Included,
-        // Viewers multiply the colour of unlit surfaces, too, with those of vertices.
-        ConventionArg::Unlit => VertexColors::LeftOut,
-    };
-    let radiance = session.with_progress(|progress| {
-        TexelRadiance::new(baked, &source.scene, colors, padding, progress)
-    })?;
+        ConventionArg::Emissive | ConventionArg::Unlit => {}
+    }
+    let radiance = session
+        .with_progress(|progress| TexelRadiance::new(baked, &source.scene, padding, progress))?;
     let unit = if source.scene.units.photometric {
         "cd/m²"
     } else {

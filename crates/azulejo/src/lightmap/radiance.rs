@@ -11,15 +11,6 @@ use std::f32::consts::PI;
 /// Share of the area that may be brighter than what an automatic exposure shows.
 const BRIGHTEST: f64 = 1e-3;
 
-/// Whether radiance has the colours of vertices.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum VertexColors {
-    /// Yes.
-    Included,
-    /// No: viewers multiply with them.
-    LeftOut,
-}
-
 /// The radiance of the diffusely reflected light, ρE/π, of each texel of each page, W/(sr·m²) (cd/m² in
 /// photometric scenes): ρ is the mean over what the texel covers.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -38,11 +29,10 @@ impl TexelRadiance {
     pub fn new(
         baked: &Baked,
         scene: &Scene,
-        colors: VertexColors,
         padding: u32,
         progress: &Progress,
     ) -> Result<TexelRadiance, Cancelled> {
-        let colors = ColorOfObjects::new(baked, scene, colors);
+        let colors = ColorOfObjects::new(baked, scene);
         let mut pages = texel_colors(&baked.atlas, &colors, padding, progress)?;
         for (colors, page) in pages.iter_mut().zip(&baked.lightmap.pages) {
             for (color, light) in colors.iter_mut().zip(&page.irradiance) {
@@ -103,7 +93,6 @@ impl TexelRadiance {
 struct ColorOfObjects<'a> {
     reflectance: DiffuseReflectance<'a>,
     objects: Vec<Option<ReceivingMesh<'a>>>,
-    colors: VertexColors,
 }
 
 /// The mesh of an object with its triangles.
@@ -115,7 +104,7 @@ struct ReceivingMesh<'a> {
 }
 
 impl<'a> ColorOfObjects<'a> {
-    fn new(baked: &Baked, scene: &'a Scene, colors: VertexColors) -> ColorOfObjects<'a> {
+    fn new(baked: &Baked, scene: &'a Scene) -> ColorOfObjects<'a> {
         let mesh_of = |&object: &u32| {
             let placed = scene.objects[object as usize].shape.placed_mesh()?;
             let faces = 0..placed.mesh.faces.len();
@@ -130,17 +119,12 @@ impl<'a> ColorOfObjects<'a> {
         ColorOfObjects {
             reflectance: DiffuseReflectance::new(scene),
             objects: baked.objects.iter().map(mesh_of).collect(),
-            colors,
         }
     }
 
     /// The mesh of a triangle that has a place in the lightmap.
     fn mesh(&self, of: TriangleId) -> Option<&ReceivingMesh<'a>> {
         self.objects.get(of.receiver as usize)?.as_ref()
-    }
-
-    fn has_colors(&self, mesh: &ReceivingMesh) -> bool {
-        self.colors == VertexColors::Included && !mesh.placed.mesh.colors.is_empty()
     }
 }
 
@@ -152,13 +136,13 @@ impl SurfaceColor for ColorOfObjects<'_> {
         let mesh = receiving.placed.mesh;
         let corners = receiving.triangles.corners(of.triangle as usize);
         let vertex = |c: u32| mesh.faces.corners[c as usize];
-        let color = if self.has_colors(receiving) {
+        let color = if mesh.colors.is_empty() {
+            Rgb::WHITE
+        } else {
             let parts = corners.iter().zip(weights);
             parts
                 .map(|(&c, w)| mesh.colors[vertex(c) as usize] * w)
                 .sum()
-        } else {
-            Rgb::WHITE
         };
         let uv = mesh.uvs.as_ref().map(|uvs| {
             let parts = corners.iter().zip(weights);
@@ -177,7 +161,7 @@ impl SurfaceColor for ColorOfObjects<'_> {
         let mesh = receiving.placed.mesh;
         let material = mesh.face_materials[receiving.faces[of.triangle as usize] as usize];
         let is_textured = mesh.uvs.is_some() && self.reflectance.is_textured(material);
-        is_textured || self.has_colors(receiving)
+        is_textured || !mesh.colors.is_empty()
     }
 }
 
