@@ -284,6 +284,34 @@ fn surfaces_that_seem_lit() {
     assert!(material["extensions"]["KHR_materials_unlit"].is_object());
 }
 
+/// Colours of vertices are in the picture of unlit surfaces; what stays as it is keeps them.
+#[test]
+fn colours_of_unlit_surfaces() {
+    let mut craft = Craft::default();
+    let (p, i) = (craft.positions(2), craft.triangles(2, 2));
+    let colours = craft.accessor(&[100; 24], 5121, 6, "VEC4", ",\"normalized\":true");
+    let mesh = |material: usize| {
+        format!(
+            "{{\"primitives\":[{{\"attributes\":{{\"POSITION\":{p},\"COLOR_0\":{colours}}},\
+             \"indices\":{i},\"material\":{material}}}]}}"
+        )
+    };
+    let bytes = craft.glb(&format!(
+        "\"meshes\":[{},{}],\"nodes\":[{{\"mesh\":0}},{{\"mesh\":1}}],\
+         \"materials\":[{{\"pbrMetallicRoughness\":{{\"metallicFactor\":0}}}},{{\"name\":\"metal\"}}]",
+        mesh(0),
+        mesh(1)
+    ));
+    let unlit = edit(&bytes, &[Some(0); 2], |e| e.convention = Convention::Unlit).unwrap();
+    let json = json_of(&unlit);
+    let has_colours = |mesh: usize| {
+        let attributes = &json["meshes"][mesh]["primitives"][0]["attributes"];
+        attributes["COLOR_0"].is_u64()
+    };
+    assert_eq!([has_colours(0), has_colours(1)], [false, true]);
+    assert!(unlit.notes.iter().any(|n| n.contains("metal: stays")));
+}
+
 #[test]
 fn pictures_of_other_types() {
     let bytes = file(&[Some(0)], &[0], "{}", "");
