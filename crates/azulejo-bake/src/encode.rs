@@ -12,13 +12,18 @@ pub fn srgb_bytes(light: &[[f32; 3]]) -> (Vec<u8>, f64) {
     if most.is_nan() || most <= 0.0 {
         return (vec![0; 3 * light.len()], 0.0);
     }
+    (srgb_bytes_up_to(light, most), f64::from(most))
+}
+
+/// Linear light as [`srgb_bytes`], with a given light of the value 1, above 0: what is brighter is cut there.
+pub fn srgb_bytes_up_to(light: &[[f32; 3]], most: f32) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(3 * light.len());
     for (texel, value) in light.iter().enumerate() {
         for (channel, &v) in value.iter().enumerate() {
             bytes.push(dithered(v / most, texel as u32, channel as u32));
         }
     }
-    (bytes, f64::from(most))
+    bytes
 }
 
 /// One of the two bytes around a linear value 0..=1, so that the mean of what they decode to is the value.
@@ -69,5 +74,6 @@ mod tests {
             assert!((mean / value - 1.0).abs() < 0.004, "{value}: {mean}");
         }
         assert_eq!(srgb_bytes(&[[0.0; 3]; 2]), (vec![0; 6], 0.0));
+        assert_eq!(srgb_bytes_up_to(&[[0.0, 2.0, 9.0]], 2.0), [0, 255, 255]);
     }
 }

@@ -11,6 +11,7 @@
 //! | What is wrong with texture coordinates, ours or anybody's | [`check()`](check::check) |
 //! | Texels without what lies inside of solids, continued around charts, alike on both sides of seams | [`Lightmap`], [`pad_charts`], [`stitch`], [`fill`] |
 //! | What they are too coarse for, added to their errors | [`BetweenTexels`] |
+//! | What surfaces reflect in each texel, for pictures of the light that leaves them | [`texel_colors`] |
 //! | A model with its lightmaps and a viewer in one HTML file | [`web_page`] |
 //!
 //! This crate knows texels, not how light is computed: that comes from the caller, through
@@ -33,6 +34,7 @@ mod lightmap_page;
 mod nodes;
 mod pad;
 mod receiver;
+mod reflectance;
 mod regions;
 mod resolution;
 mod samples;
@@ -46,7 +48,7 @@ pub mod web_page;
 pub use atlas::Atlas;
 pub use coverage::{Coverage, CoveredPiece, CoveredTexel, TriangleId};
 pub use direct::{SampleDirect, direct};
-pub use encode::srgb_bytes;
+pub use encode::{srgb_bytes, srgb_bytes_up_to};
 pub use field::TexelField;
 pub use indirect::{
     LookRequest, NodeLattice, PairRays, PairRequest, TexelStatistics, first_look, look_again,
@@ -59,6 +61,7 @@ pub use lightmap::{Lightmap, QuarterLight, ShownSample, ShownSamples};
 pub use lightmap_page::LightmapPage;
 pub use pad::{fill, pad_charts};
 pub use receiver::Receiver;
+pub use reflectance::{SurfaceColor, texel_colors};
 pub use resolution::BetweenTexels;
 pub use samples::{Samples, TexelSample};
 pub use stitch::{SeamErrors, seam_errors, stitch};

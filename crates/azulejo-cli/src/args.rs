@@ -297,7 +297,8 @@ pub struct FirstPassArgs {
     /// Accept a solution in which more than 10% of the emitted power is unaccounted for
     #[arg(long)]
     pub allow_imbalance: bool,
-    /// Write irradiance on the original vertices, without subdividing faces
+    /// Write irradiance on the original vertices, without subdividing faces. A glTF file that `solve` writes as glTF
+    /// keeps all bytes that do not have to change for it; `bake --strip` gives it back as it was
     #[arg(long)]
     pub keep_mesh: bool,
     /// Which side's irradiance surfaces store [default: by what the file says of each surface]

@@ -3,6 +3,7 @@
 use super::args::{SidesArg, SolveArgs};
 use super::failure::Failure;
 use super::in_place::InPlace;
+use super::kept_gltf::KeptGltf;
 use super::report::Report;
 use super::session::Session;
 use super::{convert, input, pass};
@@ -47,17 +48,29 @@ impl SolvedOutput {
 pub fn run(args: &SolveArgs, session: &mut Session) -> Result<Report, Failure> {
     let output = SolvedOutput::check(args)?;
     session.claim_stdout(output.is_stdout())?;
+    let prepared = args.first_pass.engine.prepare()?;
+    let mut scene = input::read_relit(&args.input, args.first_pass.instant(), session)?;
+    let kept = KeptGltf::of(args, &scene, session)?;
     let first_pass = match &output {
-        SolvedOutput::Model(_) => args.first_pass.clone(),
         SolvedOutput::InPlace(_) => InPlace::options(&args.first_pass),
+        SolvedOutput::Model(_) => args.first_pass.clone(),
     };
-    let prepared = first_pass.engine.prepare()?;
-    let mut scene = input::read_relit(&args.input, first_pass.instant(), session)?;
     let tracer = prepared.tracer(&scene)?;
     let light = pass::solve(&scene, &tracer, &first_pass, &prepared, session)?;
     let mut report = Report::default();
     pass::describe(&light.report, &first_pass, &prepared, &scene, &mut report)?;
+    let fits = KeptGltf::fits(&light.irradiance);
+    if kept.is_some() && !fits {
+        session.note(
+            "some faces are turned to the side that is lit, so the file is written anew: --sides front \
+             keeps it as it is",
+        );
+    }
     scene.set_irradiance(light.irradiance);
+    if let Some(kept) = kept.filter(|_| fits) {
+        kept.write(&scene, session, &mut report)?;
+        return Ok(report);
+    }
     let path: &Path = match &output {
         SolvedOutput::Model(output) => {
             if first_pass.sides == Some(SidesArg::Split) {

@@ -10,6 +10,7 @@
 //! threads.
 
 mod denoise;
+mod diffuse_reflectance;
 mod exposure;
 mod film;
 mod first_view;
@@ -27,6 +28,7 @@ mod surface_maps;
 mod tone;
 
 pub use denoise::{DenoisedImage, denoise};
+pub use diffuse_reflectance::DiffuseReflectance;
 pub use exposure::auto_exposure_of_surfaces;
 pub use first_view::first_view;
 pub use layers::{NO_DEPTH, PictureLayers, picture_layers};

@@ -3,6 +3,10 @@
 //! [`bake`] is the third pass beside the picture: `azulejo-bake` knows texels, `azulejo-radiosity` knows
 //! light, and here the two meet.
 
+mod radiance;
+
+pub use radiance::TexelRadiance;
+
 use azulejo_bake::{
     Atlas, BetweenTexels, Layout, Lightmap, LightmapPage, LookRequest, NodePair, PairRequest,
     Receiver, ReceiverLayout, SampleDirect, Samples, SeamErrors, ShownSamples, TexelField,

@@ -3,6 +3,7 @@
 import * as THREE from "three";
 import { GLTFLoader } from "three/addons/loaders/GLTFLoader.js";
 import { EXRLoader } from "three/addons/loaders/EXRLoader.js";
+import { KTX2Loader } from "three/addons/loaders/KTX2Loader.js";
 
 // The plugin: lightmaps of all materials, unlit ones included.
 class LightmapPlugin {
@@ -67,7 +68,10 @@ function useLambert(scene) {
 
 window.show = async ({ model, camera, points, exr, tone, exposure, material }) => {
     const { width, height } = camera;
-    const gltf = await new GLTFLoader().register((parser) => new LightmapPlugin(parser)).loadAsync(model);
+    const renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+    const loader = new GLTFLoader().register((parser) => new LightmapPlugin(parser));
+    loader.setKTX2Loader(new KTX2Loader().detectSupport(renderer));
+    const gltf = await loader.loadAsync(model);
     if (exr) {
         await useExr(gltf.scene, exr);
     }
@@ -84,7 +88,6 @@ window.show = async ({ model, camera, points, exr, tone, exposure, material }) =
     const scene = new THREE.Scene();
     scene.add(gltf.scene);
 
-    const renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
     renderer.setSize(width, height);
     document.body.appendChild(renderer.domElement);
     renderer.toneMapping = THREE.NoToneMapping;

@@ -15,6 +15,7 @@ Examples:
   azulejo bake level.glb -o baked.glb --size 1024 --error 1%
   azulejo bake old.3ds sun.grf -o lit.glb --texels-per-metre 20 --lightmap E.exr --error-map SE.exr
   azulejo bake word.sff room.wrl -o page.html
+  azulejo bake level.glb -o shop.glb --as emissive
   azulejo bake baked.glb --strip -o level-again.glb
   azulejo bake baked.glb --check --lightmap E.exr
 
@@ -31,7 +32,11 @@ pub struct BakeArgs {
     #[arg(long, short, value_name = "OUT", value_hint = ValueHint::FilePath,
           required_unless_present_any = ["lightmap", "check"])]
     pub output: Option<PathBuf>,
-    /// Remove the lightmap that azulejo has put into a glTF file: gives back the file as it was
+    /// Write a page that shows the model, whatever the name of the output
+    #[arg(long, requires = "output", conflicts_with_all = ["strip", "check"])]
+    pub html: bool,
+    /// Remove the lightmap that azulejo has put into a glTF file, or the light on its vertices by `solve
+    /// --keep-mesh`: gives back the file as it was
     #[arg(long, requires = "output")]
     pub strip: bool,
     /// Only look what is wrong with the lightmap of a glTF file, whoever made it, or with a second set of texture
@@ -103,15 +108,30 @@ pub struct TexelArgs {
 #[command(next_help_heading = "Files")]
 pub struct LightmapFileArgs {
     /// Irradiance as OpenEXR, in the unit of the scene, top row at v = 0; of several pages, each gets its
-    /// number before the extension
+    /// number before the extension. Its floats have 16 bits, which are exact to 0.05%, or 32 where values are out of
+    /// their range
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub lightmap: Option<PathBuf>,
     /// Its standard error, likewise
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub error_map: Option<PathBuf>,
+    /// Floats of 32 bits in --lightmap and --error-map
+    #[arg(long)]
+    pub float: bool,
     /// What tells viewers of the lightmap
-    #[arg(long = "as", value_name = "CONVENTION", default_value = "moz")]
-    pub convention: ConventionArg,
+    #[arg(
+        long = "as",
+        id = "conventions",
+        value_name = "CONVENTION",
+        default_value = "moz",
+        value_delimiter = ','
+    )]
+    pub conventions: Vec<ConventionArg>,
+    /// With --as unlit or emissive: radiance times this is stored, and cut at 1, which is white; 'auto' makes all
+    /// but the brightest thousandth of the area fit [default: auto with --as unlit; none with --as emissive, which
+    /// stores any light]
+    #[arg(long, value_name = "F", value_parser = exposure)]
+    pub exposure: Option<ExposureArg>,
     /// The pictures in the file
     #[arg(long, value_name = "TYPE", default_value = "png")]
     pub image: ImageArg,
@@ -125,6 +145,33 @@ pub struct LightmapFileArgs {
     /// What becomes of lamps without area that were baked [default: dim; keep with --light indirect]
     #[arg(long, value_name = "WHAT")]
     pub baked_lights: Option<LightsArg>,
+}
+
+impl LightmapFileArgs {
+    /// What tells viewers of the lightmap.
+    pub fn convention(&self) -> ConventionArg {
+        self.conventions
+            .first()
+            .copied()
+            .unwrap_or(ConventionArg::Moz)
+    }
+}
+
+/// `--exposure`
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ExposureArg {
+    /// By the radiance of the surfaces.
+    Auto,
+    /// A factor.
+    Factor(f64),
+}
+
+/// `auto`, or a number above 0.
+fn exposure(text: &str) -> Result<ExposureArg, String> {
+    match text {
+        "auto" => Ok(ExposureArg::Auto),
+        _ => values::positive(text).map(ExposureArg::Factor),
+    }
 }
 
 /// `--uv`
@@ -215,6 +262,10 @@ pub enum ConventionArg {
     Moz,
     /// The extension MX_lightmap of nodes
     Mx,
+    /// As light that surfaces emit: for viewers that know no lightmaps
+    Emissive,
+    /// As colours that need no light: for viewers that know no lightmaps
+    Unlit,
     /// Nothing: texture coordinates alone, for a --lightmap beside the file
     Plain,
 }
@@ -225,6 +276,8 @@ impl ConventionArg {
         match self {
             ConventionArg::Moz => Convention::Moz,
             ConventionArg::Mx => Convention::Mx,
+            ConventionArg::Emissive => Convention::Emissive,
+            ConventionArg::Unlit => Convention::Unlit,
             ConventionArg::Plain => Convention::Plain,
         }
     }
@@ -237,6 +290,10 @@ pub enum ImageArg {
     Png,
     /// Radiance HDR, as Mozilla Hubs reads it, with a PNG for others
     Hdr,
+    /// KTX2 with 9 bits and an exponent, as three.js and Bevy read it, with a PNG for others
+    Ktx2,
+    /// KTX2 with floats of 16 bits, likewise
+    Ktx2Half,
 }
 
 /// `--instances`

@@ -71,7 +71,7 @@ pub fn run(
 
 /// The objects of a file that have coordinates, and its pictures.
 fn read(args: &BakeArgs, path: &Path, session: &mut Session) -> Result<CheckedFile, Failure> {
-    let file = SourceFile::read(args, path)?;
+    let file = SourceFile::read(&args.input.reading, path)?;
     let read = gltf::read_with_origins(&file.bytes, &file.name, &file.files, &file.options);
     let (loaded, origins) = read.map_err(Failure::failed)?;
     let found = patch::found_lightmap(&file.patched(), &origins, args.files.uv_set);

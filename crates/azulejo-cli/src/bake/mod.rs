@@ -4,6 +4,7 @@ pub mod args;
 mod check;
 mod coordinates;
 mod page;
+mod pictures;
 mod report;
 mod source;
 mod verdict;
@@ -13,12 +14,13 @@ use crate::failure::Failure;
 use crate::report::Report;
 use crate::session::Session;
 use crate::{pass, report as words};
-use args::{BakeArgs, DoubleSidedArg, TexelArgs};
+use args::{BakeArgs, ConventionArg, DoubleSidedArg, ImageArg, LightmapFileArgs, TexelArgs};
 use azulejo::bake::{Resolution, UnwrapOptions};
 use azulejo::lightmap::{BakeError, BakeOptions, Baked, BakedSides, bake};
 use azulejo::output::Output;
 use azulejo_scene::Scene;
 use source::BakeSource;
+pub use source::SourceFile;
 use written::BakeOutputs;
 
 /// Size of pages where none is given, and where the density is.
@@ -70,7 +72,8 @@ pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
     let mut summary = Report::default();
     report::describe(&baked, &args.first_pass, &source.scene, &mut summary)?;
     say_unreached(&baked, args, session);
-    outputs.write(args, &source, &baked, chosen.uvs, session, &mut summary)?;
+    let places = (chosen.uvs, options.charts.padding);
+    outputs.write(args, &source, &baked, places, session, &mut summary)?;
     Ok(summary)
 }
 
@@ -107,12 +110,34 @@ fn refuse_misplaced(args: &BakeArgs) -> Result<(), Failure> {
         (args.first_pass.sides.is_some(), "--sides"),
         (args.first_pass.no_interpolation, "--no-interpolation"),
     ];
-    match given.into_iter().find(|(is_given, _)| *is_given) {
-        Some((_, option)) => Err(Failure::misuse(format_args!(
+    if let Some((_, option)) = given.into_iter().find(|(is_given, _)| *is_given) {
+        return Err(Failure::misuse(format_args!(
             "{option} is about light on vertices; a lightmap has texels"
-        ))),
-        None => Ok(()),
+        )));
     }
+    refuse_conventions(&args.files)
+}
+
+/// Options of files that do not fit each other.
+fn refuse_conventions(files: &LightmapFileArgs) -> Result<(), Failure> {
+    let convention = files.convention();
+    let shows_radiance = matches!(convention, ConventionArg::Emissive | ConventionArg::Unlit);
+    if files.conventions.iter().any(|c| *c != convention) {
+        return Err(Failure::misuse(
+            "--as: one convention at a time: viewers that know both would add up their light",
+        ));
+    }
+    if files.exposure.is_some() && !shows_radiance {
+        return Err(Failure::misuse(
+            "--exposure is for --as unlit and --as emissive: other lightmaps have a scale of their own",
+        ));
+    }
+    if shows_radiance && files.image != ImageArg::Png {
+        return Err(Failure::misuse(
+            "--as unlit and --as emissive are for viewers that know only PNG: --image png",
+        ));
+    }
+    Ok(())
 }
 
 fn charts(args: &TexelArgs, scene: &Scene) -> UnwrapOptions {

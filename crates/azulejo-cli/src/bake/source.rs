@@ -1,12 +1,13 @@
 //! What is baked: a glTF file that stays as it is, or models that become one.
 
 use super::args::BakeArgs;
+use crate::args::ReadingArgs;
 use crate::failure::Failure;
 use crate::input;
 use crate::session::Session;
 use azulejo::lightmap::meshes_of;
 use azulejo::models::{read_bytes, unbaked};
-use azulejo_formats::gltf::{self, ObjectOrigin, Stillness};
+use azulejo_formats::gltf::{self, MattSurfaces, ObjectOrigin, Stillness};
 use azulejo_formats::{Folder, Format, ReadOptions};
 use azulejo_scene::{Object, Scene, Shape};
 use azulejo_trace::Progress;
@@ -44,8 +45,7 @@ pub struct SourceFile {
 
 impl SourceFile {
     /// Reads a file as the command says.
-    pub fn read(args: &BakeArgs, path: &Path) -> Result<SourceFile, Failure> {
-        let reading = &args.input.reading;
+    pub fn read(reading: &ReadingArgs, path: &Path) -> Result<SourceFile, Failure> {
         let files = Folder::of_model(path);
         Ok(SourceFile {
             bytes: read_bytes(path)?,
@@ -96,7 +96,7 @@ impl BakeSource {
                 "a glTF file that gets a lightmap cannot come from standard input: name the file",
             ));
         }
-        let mut file = SourceFile::read(args, path)?;
+        let mut file = SourceFile::read(&args.input.reading, path)?;
         // As the scene was read: without a lightmap of azulejo's.
         file.bytes = unbaked(file.bytes, &file.name).0;
         let read = gltf::read_with_origins(&file.bytes, &file.name, &file.files, &file.options);
@@ -151,7 +151,7 @@ impl BakeSource {
         let has_faces = |o: &Object| o.shape.mesh().is_some_and(|mesh| !mesh.faces.is_empty());
         scene.objects.retain(has_faces);
         let mut bytes = Vec::new();
-        gltf::write(&scene, &mut bytes).map_err(Failure::failed)?;
+        gltf::write_with(&scene, MattSurfaces::Said, &mut bytes).map_err(Failure::failed)?;
         let file = SourceFile {
             bytes,
             name: "the written model".to_owned(),

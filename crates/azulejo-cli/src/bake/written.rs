@@ -1,27 +1,21 @@
 //! The files of a lightmap.
 
-use super::args::{BakeArgs, ImageArg, LightArg, LightsArg};
-use super::page;
+use super::args::{BakeArgs, LightArg, LightsArg};
 use super::source::BakeSource;
+use super::{page, pictures};
+use crate::draft_list::DraftList;
 use crate::failure::Failure;
-use crate::report::{Report, bytes, percent};
+use crate::report::Report;
 use crate::session::Session;
-use azulejo::bake::{LightmapPage, srgb_bytes};
+use azulejo::bake::LightmapPage;
 use azulejo::lightmap::Baked;
-use azulejo::output::{Draft, Output, commit};
+use azulejo::output::Output;
 use azulejo_formats::gltf::patch::{
-    self, Container, LightmapEdit, LightmapUvs, LightsMode, MediaType, ObjectLayout, PatchedFile,
+    self, Container, LightmapEdit, LightmapUvs, LightsMode, ObjectLayout, PatchedFile,
 };
-use azulejo_formats::picture::{exr, hdr, png};
+use azulejo_formats::picture::exr;
 use azulejo_scene::Image;
-use std::io::Write;
 use std::path::{Path, PathBuf};
-
-/// Part of the largest irradiance below which 8 bits are coarser than a hundredth.
-const DIM: f64 = 0.1;
-
-/// Share of the area below it from which on that is said.
-const MUCH_DIM: f64 = 0.2;
 
 /// What the main output is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,6 +37,7 @@ impl BakeOutputs {
     pub fn check(args: &BakeArgs) -> Result<BakeOutputs, Failure> {
         let main = match &args.output {
             None => None,
+            Some(path) if args.html => Some((Output::check(path)?, OutputKind::Page)),
             Some(path) => Some((Output::check(path)?, kind_of(path)?)),
         };
         for path in [&args.files.lightmap, &args.files.error_map]
@@ -80,7 +75,7 @@ impl BakeOutputs {
         args: &BakeArgs,
         source: &BakeSource,
         baked: &Baked,
-        uvs: LightmapUvs,
+        (uvs, padding): (LightmapUvs, u32),
         session: &mut Session,
         report: &mut Report,
     ) -> Result<(), Failure> {
@@ -94,11 +89,13 @@ impl BakeOutputs {
             (&self.error_map, |p| &p.standard_error),
         ] {
             let Some(path) = path else { continue };
+            let is_half = !args.files.float && is_in_range(baked, values, path, session);
             for (number, page) in pages.iter().enumerate() {
                 let [width, height] = page.size;
                 let image = Image::opaque(width, height, values(page).clone());
                 let mut file = Vec::new();
-                exr::write(&image, &mut file).map_err(Failure::failed)?;
+                let write = if is_half { exr::write_half } else { exr::write };
+                write(&image, &mut file).map_err(Failure::failed)?;
                 drafts.add(&numbered(path, number, pages.len()), &file)?;
             }
         }
@@ -109,9 +106,9 @@ impl BakeOutputs {
                 drafts.add_to(output, &file)?;
             }
             Some((output, kind)) => {
-                let patched = self.patched(output, *kind, args, source, baked, uvs)?;
+                let pages = pictures::pictures(args, source, baked, padding, session, report)?;
+                let patched = patched((output, *kind), args, source, baked, &pages, uvs)?;
                 patched.notes.iter().for_each(|note| session.note(note));
-                say_dim(args, baked, session, report);
                 for (name, file) in &patched.files {
                     drafts.add(&output.path().with_file_name(name), file)?;
                 }
@@ -119,41 +116,41 @@ impl BakeOutputs {
             }
             None => {}
         }
-        commit(drafts.drafts, session.progress())?;
-        let names = drafts.written.join(", ");
-        report.fact("output", drafts.written, "wrote", names);
+        let written = drafts.commit(session)?;
+        let names = written.join(", ");
+        report.fact("output", written, "wrote", names);
         Ok(())
     }
+}
 
-    fn patched(
-        &self,
-        output: &Output,
-        kind: OutputKind,
-        args: &BakeArgs,
-        source: &BakeSource,
-        baked: &Baked,
-        uvs: LightmapUvs,
-    ) -> Result<PatchedFile, Failure> {
-        let stem = output.path().file_stem().unwrap_or_default();
-        let edit = LightmapEdit {
-            objects: &layouts(source, baked),
-            pages: &pictures(args, baked)?,
-            uvs,
-            instances: args.files.instances.written(),
-            convention: args.files.convention.written(),
-            lights: lights(args),
-            mipmaps: args.texels.mips > 0,
-            output: patch::Output {
-                container: match kind {
-                    OutputKind::Json => Container::Json,
-                    _ => Container::Glb,
-                },
-                stem: &stem.to_string_lossy(),
+/// The file with its lightmap.
+fn patched(
+    (output, kind): (&Output, OutputKind),
+    args: &BakeArgs,
+    source: &BakeSource,
+    baked: &Baked,
+    pages: &[patch::LightmapPage],
+    uvs: LightmapUvs,
+) -> Result<PatchedFile, Failure> {
+    let stem = output.path().file_stem().unwrap_or_default();
+    let edit = LightmapEdit {
+        objects: &layouts(source, baked),
+        pages,
+        uvs,
+        instances: args.files.instances.written(),
+        convention: args.files.convention().written(),
+        lights: lights(args),
+        mipmaps: args.texels.mips > 0,
+        output: patch::Output {
+            container: match kind {
+                OutputKind::Json => Container::Json,
+                _ => Container::Glb,
             },
-        };
-        let file = source.file.patched();
-        patch::with_lightmap(&file, &source.origins, &edit).map_err(Failure::failed)
-    }
+            stem: &stem.to_string_lossy(),
+        },
+    };
+    let file = source.file.patched();
+    patch::with_lightmap(&file, &source.origins, &edit).map_err(Failure::failed)
 }
 
 fn kind_of(path: &Path) -> Result<OutputKind, Failure> {
@@ -177,6 +174,33 @@ fn lights(args: &BakeArgs) -> LightsMode {
     }
 }
 
+/// Part of the mean irradiance down to which floats of 16 bits must have all of theirs.
+const DARK: f64 = 1e-3;
+
+/// Whether floats of 16 bits can hold what a file gets, and what is said if not.
+fn is_in_range(
+    baked: &Baked,
+    values: fn(&LightmapPage) -> &Vec<[f32; 3]>,
+    path: &Path,
+    session: &mut Session,
+) -> bool {
+    let texels = baked.lightmap.pages.iter().flat_map(values);
+    let most = texels.flatten().copied().fold(0.0, f32::max);
+    let mean = baked.lightmap.mean().mean();
+    let fault = if most > exr::MOST_HALF {
+        "values above 65504"
+    } else if mean > 0.0 && DARK * mean < f64::from(exr::LEAST_HALF) {
+        "values so small"
+    } else {
+        return true;
+    };
+    session.note(&format!(
+        "{}: floats of 32 bits, since those of 16 have no {fault}",
+        path.display()
+    ));
+    false
+}
+
 /// Where the faces of the file's objects lie.
 fn layouts(source: &BakeSource, baked: &Baked) -> Vec<Option<ObjectLayout>> {
     let mut layouts = vec![None; source.origins.len()];
@@ -197,65 +221,6 @@ fn layouts(source: &BakeSource, baked: &Baked) -> Vec<Option<ObjectLayout>> {
     layouts
 }
 
-/// The pictures of all pages.
-fn pictures(args: &BakeArgs, baked: &Baked) -> Result<Vec<patch::LightmapPage>, Failure> {
-    let count = baked.lightmap.pages.len();
-    let picture = |(number, page): (usize, &LightmapPage)| {
-        let [width, height] = page.size;
-        let (rgb, intensity) = srgb_bytes(&page.irradiance);
-        let mut small = Vec::new();
-        png::write(width, height, &rgb, &mut small).map_err(Failure::failed)?;
-        let name = match count {
-            1 => "lightmap".to_owned(),
-            _ => format!("lightmap {}", number + 1),
-        };
-        Ok(match args.files.image {
-            ImageArg::Png => patch::LightmapPage {
-                name,
-                picture: small,
-                media_type: MediaType::Png,
-                intensity,
-                fallback: None,
-            },
-            ImageArg::Hdr => {
-                let image = Image::opaque(width, height, page.irradiance.clone());
-                let mut file = Vec::new();
-                hdr::write(&image, &mut file).map_err(Failure::failed)?;
-                patch::LightmapPage {
-                    name,
-                    picture: file,
-                    media_type: MediaType::Hdr,
-                    intensity: 1.0,
-                    fallback: None,
-                }
-            }
-        })
-    };
-    baked
-        .lightmap
-        .pages
-        .iter()
-        .enumerate()
-        .map(picture)
-        .collect()
-}
-
-/// Says how much of a lightmap is so dark that 8 bits show it worse than was asked for.
-fn say_dim(args: &BakeArgs, baked: &Baked, session: &mut Session, report: &mut Report) {
-    if args.files.image != ImageArg::Png {
-        return;
-    }
-    let dim = baked.lightmap.share_below(DIM);
-    report.value("dim_share", dim);
-    if dim > MUCH_DIM {
-        session.note(&format!(
-            "{} of the area is below a tenth of the brightest texel, where the steps of an 8-bit PNG \
-             are more than 1%: --lightmap E.exr or --image hdr keep it",
-            percent(dim)
-        ));
-    }
-}
-
 /// The name of a page's file.
 pub fn numbered(path: &Path, number: usize, count: usize) -> PathBuf {
     if count == 1 {
@@ -264,27 +229,4 @@ pub fn numbered(path: &Path, number: usize, count: usize) -> PathBuf {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let extension = path.extension().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!("{stem}-{}.{extension}", number + 1))
-}
-
-/// Files that are put in place together.
-#[derive(Default)]
-struct DraftList {
-    drafts: Vec<Draft>,
-    written: Vec<String>,
-}
-
-impl DraftList {
-    fn add(&mut self, path: &Path, file: &[u8]) -> Result<(), Failure> {
-        self.add_to(&Output::check(path)?, file)
-    }
-
-    fn add_to(&mut self, output: &Output, file: &[u8]) -> Result<(), Failure> {
-        let mut draft = output.draft()?;
-        draft.write_all(file).map_err(|e| draft.error(e))?;
-        let size = bytes(file.len() as u64);
-        self.written
-            .push(format!("{} ({size})", output.path().display()));
-        self.drafts.push(draft);
-        Ok(())
-    }
 }

@@ -12,6 +12,7 @@ mod experiment;
 mod files;
 mod grf;
 mod lettering;
+mod outputs;
 mod outside;
 mod reading;
 mod recipe;

@@ -33,7 +33,7 @@ const CLEAR: f64 = 0.1;
 const SMOOTHEST: f64 = 0.03;
 
 /// From this share of transmitted light on, a surface is glass.
-const LEAST_TRANSMISSION: f64 = 0.5;
+pub(super) const LEAST_TRANSMISSION: f64 = 0.5;
 
 /// A material as primitives use it.
 #[derive(Clone, Copy, Debug, PartialEq)]

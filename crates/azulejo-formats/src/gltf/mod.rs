@@ -40,7 +40,8 @@ mod write_mesh;
 
 pub use losses::losses;
 pub use origin::{FaceOrigin, ObjectOrigin, Stillness};
-pub use write::{write, write_json};
+pub use write::{write, write_json, write_with};
+pub use write_material::MattSurfaces;
 
 use crate::reading::options::counted_first;
 use crate::reading::text::decoded;

@@ -28,6 +28,9 @@ const OTHER_PICTURES: [&str; 4] = [
 /// The extension of textures that names a Radiance HDR picture, beside a darker one for others.
 pub(super) const BRIGHT_PICTURES: &str = "MOZ_texture_rgbe";
 
+/// Extensions of textures with pictures of light: of these, bright ones come before the PNG for others.
+const LIGHT_PICTURES: [&str; 2] = [BRIGHT_PICTURES, "KHR_texture_basisu"];
+
 /// The pictures of a file, each loaded once.
 pub(super) struct Pictures<'a> {
     root: &'a Root,
@@ -84,24 +87,36 @@ impl<'a> Pictures<'a> {
         (Some(id), problem)
     }
 
-    /// The texture's picture of light: that with bright texels, where it can be loaded, else the other.
+    /// The texture's picture of light: that in a format of bright texels, where it can be loaded, else the other.
     pub fn of_light(
         &mut self,
         texture: Index<gltf_json::Texture>,
     ) -> (Option<TextureId>, Option<String>) {
         let extensions = self.root.get(texture).and_then(|t| t.extensions.as_ref());
-        let bright = extensions
-            .and_then(|e| e.others.get(BRIGHT_PICTURES)?.get("source")?.as_u64())
-            .filter(|&image| image < self.root.images.len() as u64);
-        let Some(bright) = bright else {
-            return self.index(texture);
-        };
-        let (id, problem) = self.of_image(bright as usize, self.wrap(texture));
-        if self.is_loaded(id) {
-            return (Some(id), problem);
+        let others = extensions.map(|e| &e.others);
+        let named = LIGHT_PICTURES.iter().filter_map(|name| {
+            let image = others?.get(*name)?.get("source")?.as_u64()?;
+            (image < self.root.images.len() as u64).then_some((*name, image as usize))
+        });
+        let mut problem = None;
+        let mut problem_of_basis = None;
+        for (name, bright) in named {
+            let (id, its_problem) = self.of_image(bright, self.wrap(texture));
+            if self.is_loaded(id) {
+                return (Some(id), its_problem);
+            }
+            match name {
+                BRIGHT_PICTURES => problem = its_problem,
+                _ => problem_of_basis = its_problem,
+            }
         }
         let (other, its_problem) = self.index(texture);
-        (other, problem.or(its_problem))
+        // Basis Universal beside a PNG is as it should be, and is not read.
+        let problem = problem.or(its_problem);
+        if other.is_some_and(|id| self.is_loaded(id)) {
+            return (other, problem);
+        }
+        (other, problem_of_basis.or(problem))
     }
 
     /// The picture of an image, and a warning if there is one.

@@ -5,7 +5,7 @@ use super::irradiance;
 use super::json_parts::{factor_and_strength, named};
 use super::pack::Pack;
 use super::write_image_based;
-use super::write_material::Materials;
+use super::write_material::{Materials, MattSurfaces};
 use super::write_mesh::{self, WrittenMesh};
 use azulejo_scene::{
     Camera, Light, LightKind, Mesh, MeshInstance, Object, Scene, Shape, Units, Up,
@@ -31,8 +31,16 @@ const NEAR: f64 = 0.01;
 /// # Errors
 /// Errors of `out`, and a scene that needs more than 4 GiB.
 pub fn write(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
+    write_with(scene, MattSurfaces::default(), out)
+}
+
+/// As [`write()`], with a choice of what the file says of matt surfaces.
+///
+/// # Errors
+/// As [`write()`].
+pub fn write_with(scene: &Scene, matt: MattSurfaces, out: &mut dyn Write) -> io::Result<()> {
     let scene = &*scene.split_sides();
-    let mut document = Document::of(scene)?;
+    let mut document = Document::of(scene, matt)?;
     let mut json = document.json(None)?;
     let mut bin = std::mem::take(&mut document.pack.bin);
     json.resize(json.len().next_multiple_of(4), b' ');
@@ -65,7 +73,7 @@ pub fn write_json(
     bin: &mut dyn Write,
 ) -> io::Result<()> {
     let scene = &*scene.split_sides();
-    let document = Document::of(scene)?;
+    let document = Document::of(scene, MattSurfaces::default())?;
     json.write_all(&document.json(Some(bin_name))?)?;
     bin.write_all(&document.pack.bin)?;
     json.flush()?;
@@ -88,11 +96,11 @@ struct Document<'a> {
 }
 
 impl<'a> Document<'a> {
-    fn of(scene: &'a Scene) -> io::Result<Document<'a>> {
+    fn of(scene: &'a Scene, matt: MattSurfaces) -> io::Result<Document<'a>> {
         let mut pack = Pack::default();
         let mut document = Document {
             scene,
-            materials: Materials::of(scene, &mut pack)?,
+            materials: Materials::of(scene, matt, &mut pack)?,
             pack,
             meshes: Vec::new(),
             nodes: Vec::new(),

@@ -24,6 +24,17 @@ const LIGHTMAP_SET: u32 = 1;
 /// programs that do not trace rays.
 const SOLID: f64 = 0.01;
 
+/// What a file says of matt surfaces.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum MattSurfaces {
+    /// That their roughness is 1. Programs that know nothing else let them mirror 4% of the light, and more
+    /// at grazing angles.
+    #[default]
+    Rough,
+    /// Also that nothing is mirrored: `KHR_materials_specular` with a factor of 0.
+    Said,
+}
+
 /// The materials of a file being written, in the order of the scene's.
 #[derive(Debug, Default)]
 pub(super) struct Materials {
@@ -41,6 +52,8 @@ pub(super) struct Materials {
     emitted_means: Vec<Option<Rgb>>,
     /// Copies without texture, by the index of the material that has one.
     plain: HashMap<MaterialId, usize>,
+    /// Whether matt surfaces say that they are.
+    says_matt: bool,
 }
 
 impl Materials {
@@ -48,8 +61,11 @@ impl Materials {
     ///
     /// # Errors
     /// A picture without pixels.
-    pub fn of(scene: &Scene, pack: &mut Pack) -> io::Result<Materials> {
-        let mut materials = Materials::default();
+    pub fn of(scene: &Scene, matt: MattSurfaces, pack: &mut Pack) -> io::Result<Materials> {
+        let mut materials = Materials {
+            says_matt: matt == MattSurfaces::Said,
+            ..Materials::default()
+        };
         let of_surroundings = only_around(scene);
         let peaks = bright_lightmaps(scene);
         for (i, texture) in scene.textures.iter().enumerate() {
@@ -161,6 +177,10 @@ impl Materials {
             if let Some(texture) = m.emission_picture {
                 json.insert("emissiveTexture".into(), json!({ "index": texture }));
             }
+        }
+        if self.says_matt && is_matt(m) {
+            let none = json!({ "specularFactor": 0 });
+            self.extend(&mut extensions, "KHR_materials_specular", none);
         }
         if !extensions.is_empty() {
             json.insert("extensions".into(), extensions.into());
@@ -276,6 +296,11 @@ impl Materials {
 fn has_two_sides(m: &Material) -> bool {
     let is_solid = m.dielectric.is_some_and(|g| is_solid(&g));
     !is_solid && (!m.is_emitter() || m.emits_back) && m.sidedness != Sidedness::One
+}
+
+/// Whether all that a surface reflects is reflected diffusely.
+fn is_matt(m: &Material) -> bool {
+    m.mirror.is_black() && m.brdf.is_none() && m.dielectric.is_none() && m.finish.is_none()
 }
 
 /// Glass without a volume is a thin pane in glTF; one of index 1 equals the boundary of a body.

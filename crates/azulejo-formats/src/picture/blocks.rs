@@ -19,6 +19,8 @@ pub(super) enum TexelStorage {
     Halves(usize),
     /// Floating-point numbers of 32 bits of these many channels.
     Floats(usize),
+    /// RGB of nine bits each with one exponent of five, in numbers of 32 bits.
+    SharedExponent,
     /// Numbers of these many bytes, from which masks select red, green, blue and alpha.
     Masked(usize, [u32; 4]),
     /// As `Masked`, for grey.
@@ -46,6 +48,7 @@ impl TexelStorage {
             TexelStorage::Bytes(n) | TexelStorage::Bgr(n, _) => n,
             TexelStorage::Words(n) | TexelStorage::Halves(n) => 2 * n,
             TexelStorage::Floats(n) => 4 * n,
+            TexelStorage::SharedExponent => 4,
             TexelStorage::Masked(n, _) | TexelStorage::MaskedGrey(n, _) => n,
             TexelStorage::Bc1 | TexelStorage::Bc4(_) => return block_bytes([width, height], 8),
             _ => return block_bytes([width, height], 16),
@@ -108,6 +111,12 @@ impl TexelStorage {
                 let (words, _) = bytes.as_chunks::<4>();
                 numbers(n, words.len(), &|i| f32::from_le_bytes(words[i]))
             }
+            TexelStorage::SharedExponent => {
+                let (words, _) = bytes.as_chunks::<4>();
+                let channels = |w: &[u8; 4]| shared_exponent(u32::from_le_bytes(*w));
+                let samples: Vec<f32> = words.iter().flat_map(channels).collect();
+                numbers(3, samples.len(), &|i| samples[i])
+            }
             TexelStorage::Masked(n, masks) => {
                 let value = |p: &[u8]| masks.map(|mask| super::bmp::masked(number(p), mask));
                 match masks[3] {
@@ -161,6 +170,12 @@ fn number(pixel: &[u8]) -> u32 {
 /// Every pixel of `n` bytes, changed.
 fn pixels<const M: usize>(bytes: &[u8], n: usize, change: impl Fn(&[u8]) -> [u8; M]) -> Vec<u8> {
     bytes.chunks_exact(n).flat_map(change).collect()
+}
+
+/// Red, green and blue with one exponent, from the lowest bits upwards.
+fn shared_exponent(word: u32) -> [f32; 3] {
+    let scale = 2f32.powi((word >> 27) as i32 - 24);
+    [0, 9, 18].map(|shift| (word >> shift & 0x1ff) as f32 * scale)
 }
 
 /// IEEE 754's half precision.

@@ -10,6 +10,8 @@ use flate2::read::ZlibDecoder;
 use ruzstd::decoding::StreamingDecoder;
 use std::io::Read;
 
+pub use super::ktx2_writer::{Ktx2Texels, write};
+
 /// The 12 bytes of all files.
 pub(super) const START: &[u8; 12] = b"\xabKTX 20\xbb\r\n\x1a\n";
 
@@ -27,7 +29,7 @@ struct Ktx2Header {
     level: (u64, u64),
 }
 
-/// Reads a KTX2 as linear light: uncompressed pixels and BC1 to BC7, plain or compressed by Zstandard or
+/// Reads a KTX2 as linear light: uncompressed pixels, also with a shared exponent, and BC1 to BC7, plain or compressed by Zstandard or
 /// DEFLATE. Values are sRGB or linear, as the format says. Of cubes, arrays and volumes, the first
 /// picture. Basis Universal (UASTC, ETC1S) and the compressions of phones (ETC2, ASTC) are refused.
 ///
@@ -127,6 +129,7 @@ fn vulkan(format: u32) -> Option<(TexelStorage, bool)> {
         100 => TexelStorage::Floats(1),
         106 => TexelStorage::Floats(3),
         109 => TexelStorage::Floats(4),
+        123 => TexelStorage::SharedExponent,
         131..=134 => TexelStorage::Bc1,
         135 | 136 => TexelStorage::Bc2,
         137 | 138 => TexelStorage::Bc3,

@@ -11,6 +11,7 @@ pub mod gif;
 pub mod hdr;
 pub mod jpeg;
 pub mod ktx2;
+mod ktx2_writer;
 pub mod png;
 mod samples;
 pub mod sgi;

@@ -144,7 +144,7 @@ pub fn read_unbaked(
     Ok((parsed(&bytes, path, reading, progress)?, notes))
 }
 
-/// A file without the lightmap that azulejo has put into it, and what is to be said of that; the file itself,
+/// A file without the lightmap or the light on vertices that azulejo has put into it, and what is to be said of that; the file itself,
 /// if it has none.
 pub fn unbaked(bytes: Vec<u8>, name: &str) -> (Vec<u8>, Vec<String>) {
     if !matches!(recognize(&bytes, name), Ok(Format::Gltf)) {
@@ -153,9 +153,12 @@ pub fn unbaked(bytes: Vec<u8>, name: &str) -> (Vec<u8>, Vec<String>) {
     let Ok(stripped) = gltf::patch::strip(&bytes, name) else {
         return (bytes, Vec::new());
     };
-    let mut notes = vec![format!(
-        "{name}: its lightmap, which azulejo has baked, is removed first"
-    )];
+    let what = if stripped.is_of_vertices {
+        "the light that azulejo has put on its vertices"
+    } else {
+        "its lightmap, which azulejo has baked,"
+    };
+    let mut notes = vec![format!("{name}: {what} is removed first")];
     notes.extend(stripped.notes);
     (stripped.bytes, notes)
 }

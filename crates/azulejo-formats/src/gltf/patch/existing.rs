@@ -80,7 +80,8 @@ fn read(
         reader.found.objects.push(object);
     }
     reader.found.is_named = has_any;
-    reader.found.is_own = undo::found(&reader.source.parts).is_some();
+    let note = undo::found(&reader.source.parts);
+    reader.found.is_own = note.is_some_and(|note| !note.is_of_vertices());
     reader.found.set = reader.sets.iter().copied().max().unwrap_or(USUAL_SET);
     reader.found.is_one_set = reader.sets.len() <= 1;
     Ok(reader.found)

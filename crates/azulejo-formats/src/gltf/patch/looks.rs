@@ -1,6 +1,6 @@
 //! How a material says that a surface has a lightmap, by the conventions there are.
 
-use super::super::material::DEFAULT_REFLECTANCE;
+use super::super::material::{DEFAULT_REFLECTANCE, LEAST_TRANSMISSION};
 use super::assign::Placement;
 use super::edits::Edit;
 use super::scan::{Span, elements, find, members, string};
@@ -94,13 +94,15 @@ impl MaterialLightmap<'_> {
         material: &Material,
         change: &mut Edit,
     ) -> Result<Vec<&'static str>, String> {
-        if material.emits() {
-            return Err("material that emits light: stays, without lightmap".to_owned());
-        }
+        material.check_shown()?;
         if material.has_extension(UNLIT) {
             return Err("unlit material: stays, without lightmap".to_owned());
         }
         let surface = change.key("pbrMetallicRoughness");
+        if material.is_opaque() {
+            // It is black, whatever it shows; where it has holes, they stay.
+            surface.key("baseColorTexture").remove();
+        }
         let alpha = material.alpha();
         surface
             .key("baseColorFactor")
@@ -129,16 +131,10 @@ impl MaterialLightmap<'_> {
     }
 
     fn unlit(&self, material: &Material, change: &mut Edit) -> Result<Vec<&'static str>, String> {
-        if material.emits() {
-            return Err("material that emits light: stays, without lightmap".to_owned());
-        }
+        material.check_shown()?;
         let steps = ["pbrMetallicRoughness", "baseColorTexture"];
         let has_picture = material.find(&steps).is_some();
-        if has_picture
-            && material
-                .string("alphaMode")
-                .is_some_and(|mode| mode != "OPAQUE")
-        {
+        if has_picture && !material.is_opaque() {
             let fault = "material with holes in its picture: stays, without lightmap";
             return Err(fault.to_owned());
         }
@@ -201,6 +197,44 @@ impl Material<'_> {
     fn numbers(&self, steps: &[&str]) -> Vec<&str> {
         let list = self.find(steps).and_then(|list| elements(self.text, &list));
         list.into_iter().flatten().map(|n| &self.text[n]).collect()
+    }
+
+    fn number(&self, steps: &[&str]) -> Option<f64> {
+        self.text[self.find(steps)?].parse().ok()
+    }
+
+    fn is_opaque(&self) -> bool {
+        let mode = self.string("alphaMode");
+        mode.is_none_or(|mode| mode == "OPAQUE")
+    }
+
+    /// Refuses materials whose look is not that of diffusely reflected light.
+    fn check_shown(&self) -> Result<(), String> {
+        let kind = if self.emits() {
+            "material that emits light"
+        } else if self.is_metal() {
+            "metal"
+        } else if self.is_glass() {
+            "glass"
+        } else {
+            return Ok(());
+        };
+        Err(format!("{kind}: stays, without lightmap"))
+    }
+
+    /// Whether nothing is reflected diffusely; metals are what glTF has where nothing is said.
+    fn is_metal(&self) -> bool {
+        let steps = ["pbrMetallicRoughness", "metallicRoughnessTexture"];
+        let factor = self.number(&["pbrMetallicRoughness", "metallicFactor"]);
+        let is_lit = self.material.is_some() && !self.has_extension(UNLIT);
+        is_lit && self.find(&steps).is_none() && factor.unwrap_or(1.0) >= 1.0
+    }
+
+    /// Whether most light passes.
+    fn is_glass(&self) -> bool {
+        let steps = ["extensions", "KHR_materials_transmission"];
+        let factor = self.number(&[steps[0], steps[1], "transmissionFactor"]);
+        factor.is_some_and(|f| f >= LEAST_TRANSMISSION)
     }
 
     fn emits(&self) -> bool {

@@ -124,6 +124,11 @@ fn texture(page: &LightmapPage, sampler: usize, additions: &mut Additions) -> St
 pub struct Replaced(HashMap<(Option<usize>, Lit), usize>);
 
 impl Replaced {
+    /// Whether a material shows this light: some stay as they are.
+    pub fn shows(&self, material: Option<usize>, lit: Lit) -> bool {
+        self.0.contains_key(&(material, lit))
+    }
+
     /// The material that a primitive with this light gets in the place of its own.
     pub fn of(&self, material: Option<usize>, lit: Lit) -> Option<usize> {
         let new = self.0.get(&(material, lit)).copied();

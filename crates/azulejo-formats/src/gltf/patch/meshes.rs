@@ -69,7 +69,8 @@ impl Work<'_, '_> {
             let json = &mesh[*i];
             let change = edit.key("primitives").index(*i);
             change_vertices(change, json, vertices, set);
-            if self.edit.convention == Convention::Unlit {
+            let is_unlit = self.edit.convention == Convention::Unlit;
+            if is_unlit && replaced.shows(json.material, *lit) {
                 drop_colours(change, json);
             }
             if let Some(indices) = split.indices.get(&(a, *i)) {

@@ -74,7 +74,7 @@ pub fn with_lightmap(
     let parts = Parts::of(original.bytes, original.name)?;
     let mut bytes = None;
     if undo::found(&parts).is_some() {
-        notes.add("the file had a lightmap: removed");
+        notes.add("the file had a lightmap, or light on its vertices: removed");
         bytes = Some(strip(original.bytes, original.name)?.bytes);
     }
     let file = GltfFile {
@@ -116,8 +116,8 @@ pub fn coordinates(
 /// Puts the irradiance of the vertices of `scene` into its file: as colours of the same vertices, with the
 /// extras that [`read`](super::read) and [`write()`](super::write()) know. Everything else stays, a
 /// lightmap, too. The objects of the scene have the faces that were read, with `origins`; those
-/// without irradiance stay as they are. Nodes that share a mesh get entries of their own. It is not noted
-/// how to undo it.
+/// without irradiance stay as they are. Nodes that share a mesh get entries of their own. [`strip`] undoes it,
+/// unless the file has been edited before: only the first edit can be undone, and no longer exactly.
 ///
 /// # Errors
 /// As [`with_lightmap`].
@@ -156,7 +156,8 @@ fn in_container(
     Ok(patched)
 }
 
-/// Removes the lightmap of azulejo's from a file. `name` is used in messages.
+/// Removes the lightmap of azulejo's from a file, or light that was put on its vertices. `name` is used in
+/// messages.
 ///
 /// The file is again what it was, byte for byte; it is then in the container in which it was written last. If
 /// another program has written it since, extensions and lights are restored in the file as it is now, and

@@ -16,11 +16,17 @@ const LIGHTMAPS: [(&str, &str); 2] = [("materials", "MOZ_lightmap"), ("nodes", "
 pub fn stripped(bytes: &[u8], name: &str) -> Result<StrippedFile, PatchError> {
     let parts = Parts::of(bytes, name)?;
     let found = undo::found(&parts);
-    let found = found.ok_or_else(|| PatchError::of(name, "it has no lightmap of azulejo's"))?;
+    let found = found.ok_or_else(|| {
+        PatchError::of(
+            name,
+            "it has no lightmap of azulejo's, nor its light on vertices",
+        )
+    })?;
     if let Some(bytes) = found.undone(&parts) {
         let names = found.list("files").iter();
         return Ok(StrippedFile {
             bytes,
+            is_of_vertices: found.is_of_vertices(),
             is_exact: true,
             unused_files: names.filter_map(|n| Some(n.as_str()?.to_owned())).collect(),
             notes: Vec::new(),
@@ -29,6 +35,10 @@ pub fn stripped(bytes: &[u8], name: &str) -> Result<StrippedFile, PatchError> {
     let mut notes = vec![
         "another program has written the file: coordinates, pictures and copies stay".to_owned(),
     ];
+    if found.is_of_vertices() {
+        notes =
+            vec!["another program has written the file: the light on vertices stays".to_owned()];
+    }
     let convention = found.note.get("convention").and_then(Value::as_str);
     if let Some(convention @ ("emissive" | "unlit")) = convention {
         notes.push(format!("materials that became {convention} stay so"));
@@ -39,6 +49,7 @@ pub fn stripped(bytes: &[u8], name: &str) -> Result<StrippedFile, PatchError> {
     let bytes = undo::assembled(&parts.frame, &text, parts.bin());
     Ok(StrippedFile {
         bytes: bytes.ok_or_else(|| PatchError::of(name, "a GLB of more than 4 GiB"))?,
+        is_of_vertices: found.is_of_vertices(),
         is_exact: false,
         unused_files: Vec::new(),
         notes,
@@ -49,6 +60,10 @@ pub fn stripped(bytes: &[u8], name: &str) -> Result<StrippedFile, PatchError> {
 fn removal(parts: &Parts, found: &LightmapNote) -> Edit {
     let (text, root) = (parts.text, scan::whole(parts.text));
     let mut edit = Edit::default();
+    if found.is_of_vertices() {
+        remove(text, &root, &undo::NOTE, &mut edit);
+        return edit;
+    }
     for (list, extension) in LIGHTMAPS {
         for (i, entry) in entries(text, &root, &[list]).iter().enumerate() {
             if scan::find(text, entry, &["extensions", extension]).is_some() {

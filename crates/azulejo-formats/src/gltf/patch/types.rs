@@ -204,6 +204,9 @@ pub struct PatchedFile {
 pub struct StrippedFile {
     /// The file.
     pub bytes: Vec<u8>,
+    /// Whether it had light on its vertices by
+    /// [`with_vertex_light`](super::with_vertex_light), not a lightmap.
+    pub is_of_vertices: bool,
     /// Whether these are the bytes of the file as it was before. If another program has written the file
     /// since, the lightmap is removed from it as it is now.
     pub is_exact: bool,

@@ -17,6 +17,9 @@ use serde_json::{Map, Value, json};
 /// The steps to the note.
 pub const NOTE: [&str; 4] = ["asset", "extras", "azulejo", "lightmap"];
 
+/// The convention of an edit that has put light on vertices.
+pub const OF_VERTICES: &str = "vertices";
+
 /// Stands in the place of the note while the text is made. JSON has no such character.
 const MARK: &str = "\u{1}";
 
@@ -175,6 +178,11 @@ pub fn found(parts: &Parts) -> Option<LightmapNote> {
 }
 
 impl LightmapNote {
+    /// Whether it is about light on vertices, not about a lightmap.
+    pub fn is_of_vertices(&self) -> bool {
+        self.note.get("convention").and_then(Value::as_str) == Some(OF_VERTICES)
+    }
+
     /// The file as it was, if it is known.
     pub fn undone(&self, parts: &Parts) -> Option<Vec<u8>> {
         let Span { start, end } = self.span;

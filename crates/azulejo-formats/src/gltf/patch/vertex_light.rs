@@ -20,6 +20,7 @@ use super::types::{
 };
 use super::{uncompress, undo};
 use azulejo_scene::{Rgb, Scene};
+use serde_json::{Map, json};
 use std::collections::{HashMap, HashSet};
 
 /// Puts the irradiance of the vertices of a scene into its file.
@@ -73,7 +74,13 @@ pub fn edited(
         }
     }
     uncompress::lists(&source, &meshes, &uncompressed, &mut additions);
-    undo::unsealed(&source, additions, notes)
+    if undo::found(&source.parts).is_some() {
+        // What undoes the edit before is lost: its text is no longer what it was.
+        return undo::unsealed(&source, additions, notes);
+    }
+    let mut facts = Map::new();
+    facts.insert("convention".into(), json!(undo::OF_VERTICES));
+    undo::sealed(&source, additions, facts, notes)
 }
 
 /// A place for every face of the objects that have light: their vertices stay as they are.

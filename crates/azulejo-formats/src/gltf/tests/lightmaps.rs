@@ -1,7 +1,7 @@
 //! Lightmaps of materials and of nodes, of azulejo's own and of others' files.
 
 use super::{loaded, mesh_of, read};
-use crate::picture::{hdr, png};
+use crate::picture::{hdr, ktx2, png};
 use crate::{Memory, ReadOptions, gltf};
 use azulejo_scene::{Image, Rgb, Scene, Shape};
 use glam::DVec2;
@@ -157,6 +157,30 @@ fn bright_pictures_come_before_others() {
         .remove("source");
     let scene = read(&file.to_string(), &[]);
     near(irradiance(&scene, 0, 0.75, 0.75), 16.0625);
+}
+
+/// A KTX2 with a shared exponent comes before the PNG for others, which is shown where that is Basis Universal.
+#[test]
+fn ktx2_comes_before_others() {
+    let mut bright = Vec::new();
+    let image = Image::opaque(2, 2, vec![[8.0, 8.0, 8.0]; 4]);
+    ktx2::write(&image, ktx2::Ktx2Texels::SharedExponent, 1, &mut bright).unwrap();
+    let mut file = square(json!({ "index": 0, "intensity": 2 }));
+    let images = file["images"].as_array_mut().unwrap();
+    images.push(json!({ "uri": data(&bright), "mimeType": "image/ktx2" }));
+    file["textures"][0]["extensions"] = json!({ "KHR_texture_basisu": { "source": 1 } });
+    let scene = read(&file.to_string(), &[]);
+    near(irradiance(&scene, 0, 0.75, 0.75), 16.0);
+    // No format of Vulkan's.
+    bright[12..16].fill(0);
+    file["images"][1]["uri"] = data(&bright).into();
+    let scene = read(&file.to_string(), &[]);
+    near(irradiance(&scene, 0, 0.25, 0.75), 2.0);
+    file["textures"][0]
+        .as_object_mut()
+        .unwrap()
+        .remove("source");
+    read(&file.to_string(), &["Basis Universal"]);
 }
 
 /// Nodes of one mesh show the lightmap of its material; those with one of their own that, moved and scaled.

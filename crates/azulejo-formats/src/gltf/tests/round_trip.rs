@@ -603,3 +603,59 @@ fn shared_meshes_are_written_once() {
         }
     }
 }
+
+/// Matt surfaces may say that they mirror nothing; others are written as before, and all are read as before.
+#[test]
+fn matt_surfaces_say_so() {
+    let mut scene = Scene {
+        materials: vec![
+            Material::diffuse("matt", Rgb::grey(0.5)),
+            Material::mirror("mirror", Rgb::grey(0.5)),
+            Material::dielectric("glass", 1.5),
+            Material::emitter("lamp", Rgb::grey(0.5)),
+        ],
+        ..Scene::default()
+    };
+    for material in 0..4 {
+        let mut mesh = Mesh {
+            positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+            ..Mesh::default()
+        };
+        mesh.push_face(&[0, 1, 2], material);
+        scene.objects.push(Object::new("", Shape::Mesh(mesh)));
+    }
+    let said = |matt| {
+        let mut file = Vec::new();
+        gltf::write_with(&scene, matt, &mut file).unwrap();
+        let length = u32::from_le_bytes(file[12..16].try_into().unwrap()) as usize;
+        let json: serde_json::Value = serde_json::from_slice(&file[20..20 + length]).unwrap();
+        let factor = |m: &serde_json::Value| {
+            m["extensions"]["KHR_materials_specular"]["specularFactor"].clone()
+        };
+        let factors: Vec<_> = json["materials"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(factor)
+            .collect();
+        (factors, json["extensionsUsed"].to_string(), file)
+    };
+    let (said_factors, used, with) = said(gltf::MattSurfaces::Said);
+    let none = serde_json::Value::Null;
+    assert_eq!(
+        said_factors,
+        [0.into(), none.clone(), none.clone(), 0.into()]
+    );
+    assert!(used.contains("KHR_materials_specular"), "{used}");
+    let (factors, used, without) = said(gltf::MattSurfaces::Rough);
+    assert!(factors.iter().all(|f| *f == none));
+    assert!(!used.contains("KHR_materials_specular"), "{used}");
+    assert!(without == glb(&scene));
+    let read = |file: &[u8]| {
+        let loaded = gltf::read(file, "a.glb", &Memory::new(), &ReadOptions::default());
+        let loaded = loaded.unwrap();
+        assert_eq!(loaded.warnings, []);
+        loaded.scene
+    };
+    assert_eq!(read(&with), read(&without));
+}

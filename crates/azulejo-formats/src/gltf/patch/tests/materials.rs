@@ -248,11 +248,15 @@ fn another_program_in_between() {
 
 #[test]
 fn surfaces_that_seem_lit() {
-    let list = "{\"name\":\"a\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,0.25]}},\
-                {\"emissiveFactor\":[0,1,0]}";
-    let bytes = file(&[Some(0), Some(1)], &[0, 1], list, "");
+    let list = "{\"name\":\"a\",\"pbrMetallicRoughness\":{\"baseColorFactor\":[0.5,0.5,0.5,0.25],\
+                \"metallicFactor\":0}},{\"emissiveFactor\":[0,1,0]},\
+                {\"pbrMetallicRoughness\":{\"roughnessFactor\":0.5}},\
+                {\"pbrMetallicRoughness\":{\"metallicFactor\":0},\"extensions\":\
+                {\"KHR_materials_transmission\":{\"transmissionFactor\":1}}}";
+    let bytes = file(&[0, 1, 2, 3].map(Some), &[0, 1, 2, 3], list, "");
+    let before: Value = serde_json::from_str(&format!("[{list}]")).unwrap();
     let json = json_of(
-        &edit(&bytes, &[Some(0); 2], |e| {
+        &edit(&bytes, &[Some(0); 4], |e| {
             e.convention = Convention::Emissive
         })
         .unwrap(),
@@ -268,14 +272,44 @@ fn surfaces_that_seem_lit() {
     );
     let strength = &material["extensions"]["KHR_materials_emissive_strength"];
     assert_eq!(strength["emissiveStrength"], 12.5);
-    assert_eq!(json["materials"][1], json!({ "emissiveFactor": [0, 1, 0] }));
-    let json = json_of(&edit(&bytes, &[Some(0); 2], |e| e.convention = Convention::Unlit).unwrap());
+    for other in 1..4 {
+        assert_eq!(json["materials"][other], before[other], "{other}");
+    }
+    let json = json_of(&edit(&bytes, &[Some(0); 4], |e| e.convention = Convention::Unlit).unwrap());
     let material = &json["materials"][0];
     assert_eq!(
         material["pbrMetallicRoughness"]["baseColorFactor"],
         json!([1.0, 1.0, 1.0, 0.25])
     );
     assert!(material["extensions"]["KHR_materials_unlit"].is_object());
+}
+
+/// Colours of vertices are in the picture of unlit surfaces; what stays as it is keeps them.
+#[test]
+fn colours_of_unlit_surfaces() {
+    let mut craft = Craft::default();
+    let (p, i) = (craft.positions(2), craft.triangles(2, 2));
+    let colours = craft.accessor(&[100; 24], 5121, 6, "VEC4", ",\"normalized\":true");
+    let mesh = |material: usize| {
+        format!(
+            "{{\"primitives\":[{{\"attributes\":{{\"POSITION\":{p},\"COLOR_0\":{colours}}},\
+             \"indices\":{i},\"material\":{material}}}]}}"
+        )
+    };
+    let bytes = craft.glb(&format!(
+        "\"meshes\":[{},{}],\"nodes\":[{{\"mesh\":0}},{{\"mesh\":1}}],\
+         \"materials\":[{{\"pbrMetallicRoughness\":{{\"metallicFactor\":0}}}},{{\"name\":\"metal\"}}]",
+        mesh(0),
+        mesh(1)
+    ));
+    let unlit = edit(&bytes, &[Some(0); 2], |e| e.convention = Convention::Unlit).unwrap();
+    let json = json_of(&unlit);
+    let has_colours = |mesh: usize| {
+        let attributes = &json["meshes"][mesh]["primitives"][0]["attributes"];
+        attributes["COLOR_0"].is_u64()
+    };
+    assert_eq!([has_colours(0), has_colours(1)], [false, true]);
+    assert!(unlit.notes.iter().any(|n| n.contains("metal: stays")));
 }
 
 #[test]

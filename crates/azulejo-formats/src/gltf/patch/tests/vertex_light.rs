@@ -1,5 +1,7 @@
 //! Light of vertices in edited files.
 
+use super::super::glb::Parts;
+use super::super::strip;
 use super::craft::{Craft, json_of};
 use super::kept::{self, Both};
 use super::{Case, Container, GltfFile, Output, PatchedFile, corpus, mixed, with_vertex_light};
@@ -7,7 +9,7 @@ use crate::gltf::read_with_origins;
 use crate::gltf::tests::draco;
 use crate::{Files, Memory, ReadOptions};
 use azulejo_scene::{Rgb, Scene, Shape};
-use serde_json::json;
+use serde_json::{Value, json};
 
 const OUTPUT: Output = Output {
     container: Container::Same,
@@ -29,6 +31,13 @@ fn light(scene: &mut Scene) {
             mesh.irradiance = light.collect();
         }
     }
+}
+
+/// What undoes an edit.
+const NOTE: &str = "/asset/extras/azulejo/lightmap";
+
+fn json_of_bytes(bytes: &[u8], name: &str) -> Option<Value> {
+    serde_json::from_str(Parts::of(bytes, name).ok()?.text).ok()
 }
 
 /// Puts light into a file and reads it again; `None` if it cannot be read.
@@ -84,6 +93,15 @@ fn check(case: &Case) -> Option<PatchedFile> {
             );
         }
     }
+    if json_of_bytes(case.bytes, case.name).is_none_or(|json| json.pointer(NOTE).is_none()) {
+        let stripped = strip(&patched.bytes, case.name).unwrap();
+        assert!(
+            stripped.is_exact && stripped.is_of_vertices,
+            "{}",
+            case.name
+        );
+        assert!(stripped.bytes == case.bytes, "{}: strip", case.name);
+    }
     Some(patched)
 }
 
@@ -133,6 +151,13 @@ fn light_of_vertices_comes_back() {
     .unwrap();
     let extras = &json_of(&again)["meshes"][copy]["extras"]["azulejo"]["irradiance"];
     assert_eq!(extras["attribute"], "COLOR_1");
+    // That can no longer be undone exactly.
+    let stripped = super::super::strip(&again.bytes, "a.glb").unwrap();
+    assert!(!stripped.is_exact && stripped.is_of_vertices);
+    assert!(stripped.notes[0].contains("light on vertices stays"));
+    let json = json_of_bytes(&stripped.bytes, "a.glb").unwrap();
+    assert_eq!(json.pointer(NOTE), None);
+    assert_eq!(json["meshes"][copy], json_of(&again)["meshes"][copy]);
 }
 
 #[test]

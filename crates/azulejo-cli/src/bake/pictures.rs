@@ -1,0 +1,181 @@
+//! The pictures of a lightmap: irradiance, or the radiance that surfaces show.
+
+use super::args::{BakeArgs, ConventionArg, ExposureArg, ImageArg};
+use super::source::BakeSource;
+use crate::failure::Failure;
+use crate::report::{Report, number, percent, short};
+use crate::session::Session;
+use azulejo::bake::{srgb_bytes, srgb_bytes_up_to};
+use azulejo::lightmap::{Baked, TexelRadiance};
+use azulejo_formats::gltf::patch::{LightmapPage, MediaType};
+use azulejo_formats::picture::ktx2::{self, Ktx2Texels};
+use azulejo_formats::picture::{hdr, png};
+use azulejo_scene::Image;
+
+/// Part of the largest irradiance below which 8 bits are coarser than a hundredth.
+const DIM: f64 = 0.1;
+
+/// Share of the area below it from which on that is said.
+const MUCH_DIM: f64 = 0.2;
+
+/// The pictures of all pages, as the convention wants them.
+pub fn pictures(
+    args: &BakeArgs,
+    source: &BakeSource,
+    baked: &Baked,
+    padding: u32,
+    session: &mut Session,
+    report: &mut Report,
+) -> Result<Vec<LightmapPage>, Failure> {
+    match args.files.convention() {
+        ConventionArg::Plain => return Ok(Vec::new()),
+        ConventionArg::Moz | ConventionArg::Mx => {
+            say_dim(args, baked, session, report);
+            if matches!(args.files.image, ImageArg::Ktx2 | ImageArg::Ktx2Half) {
+                session.note(
+                    "KHR_texture_basisu names a KTX2 with bright texels, which three.js shows, but which its \
+                     specification does not have: validators will say so",
+                );
+            }
+            return irradiance(args, baked);
+        }
+        ConventionArg::Emissive | ConventionArg::Unlit => {}
+    }
+    let radiance = session
+        .with_progress(|progress| TexelRadiance::new(baked, &source.scene, padding, progress))?;
+    let unit = if source.scene.units.photometric {
+        "cd/m²"
+    } else {
+        "W/(sr·m²)"
+    };
+    shown(args, baked, (radiance, unit), session, report)
+}
+
+/// Pictures of irradiance, all with a PNG.
+fn irradiance(args: &BakeArgs, baked: &Baked) -> Result<Vec<LightmapPage>, Failure> {
+    let pages = baked.lightmap.pages.iter();
+    let picture = |(place, page): (usize, &azulejo::bake::LightmapPage)| {
+        let (rgb, intensity) = srgb_bytes(&page.irradiance);
+        let png = png_page(baked, place, &rgb, intensity)?;
+        let bright = |media_type, picture| LightmapPage {
+            picture,
+            media_type,
+            fallback: Some(png.picture.clone()),
+            ..png.clone()
+        };
+        let levels = args.texels.mips + 1;
+        let ktx2 = |texels| {
+            let mut file = Vec::new();
+            let written = ktx2::write(&scaled(page, intensity), texels, levels, &mut file);
+            written.map_err(Failure::failed)?;
+            Ok(bright(MediaType::Ktx2, file))
+        };
+        match args.files.image {
+            ImageArg::Png => Ok(png),
+            ImageArg::Hdr => {
+                let mut file = Vec::new();
+                let written = hdr::write(&scaled(page, intensity), &mut file);
+                written.map_err(Failure::failed)?;
+                Ok(bright(MediaType::Hdr, file))
+            }
+            ImageArg::Ktx2 => ktx2(Ktx2Texels::SharedExponent),
+            ImageArg::Ktx2Half => ktx2(Ktx2Texels::Half),
+        }
+    };
+    pages.enumerate().map(picture).collect()
+}
+
+/// Irradiance over that of a texel of 1: the PNG for others has the same scale.
+fn scaled(page: &azulejo::bake::LightmapPage, intensity: f64) -> Image {
+    let [width, height] = page.size;
+    let share = if intensity > 0.0 {
+        1.0 / intensity
+    } else {
+        1.0
+    };
+    let texels = page.irradiance.iter();
+    let texels = texels.map(|texel| texel.map(|v| (share * f64::from(v)) as f32));
+    Image::opaque(width, height, texels.collect())
+}
+
+/// Pictures of radiance; where the target ends at 1, darkened or brightened and cut there.
+fn shown(
+    args: &BakeArgs,
+    baked: &Baked,
+    (mut radiance, unit): (TexelRadiance, &str),
+    session: &mut Session,
+    report: &mut Report,
+) -> Result<Vec<LightmapPage>, Failure> {
+    let exposure = match (args.files.exposure, args.files.convention()) {
+        (Some(ExposureArg::Factor(factor)), _) => Some(factor),
+        (Some(ExposureArg::Auto), _) | (None, ConventionArg::Unlit) => Some(radiance.exposure()),
+        (None, _) => None,
+    };
+    if let Some(exposure) = exposure {
+        let cut = radiance.expose(exposure);
+        let words = format!(
+            "{}: white is {} {unit}",
+            short(exposure),
+            short(1.0 / exposure)
+        );
+        report.fact("exposure", number(exposure), "exposure", words);
+        report.value("cut_share", number(cut));
+        if cut > 0.0 {
+            session.note(&format!(
+                "{} of the area is brighter than white, and cut there: --exposure sets what white is",
+                percent(cut)
+            ));
+        }
+    }
+    let texels = radiance.pages.iter().enumerate();
+    let picture = |(place, texels): (usize, &Vec<[f32; 3]>)| {
+        let (rgb, intensity) = match exposure {
+            Some(_) => (srgb_bytes_up_to(texels, 1.0), 1.0),
+            None => srgb_bytes(texels),
+        };
+        png_page(baked, place, &rgb, intensity)
+    };
+    texels.map(picture).collect()
+}
+
+fn png_page(
+    baked: &Baked,
+    place: usize,
+    rgb: &[u8],
+    intensity: f64,
+) -> Result<LightmapPage, Failure> {
+    let [width, height] = baked.lightmap.pages[place].size;
+    let mut file = Vec::new();
+    png::write(width, height, rgb, &mut file).map_err(Failure::failed)?;
+    Ok(LightmapPage {
+        name: name(baked, place),
+        picture: file,
+        media_type: MediaType::Png,
+        intensity,
+        fallback: None,
+    })
+}
+
+/// The name of a page's picture.
+fn name(baked: &Baked, place: usize) -> String {
+    match baked.lightmap.pages.len() {
+        1 => "lightmap".to_owned(),
+        _ => format!("lightmap {}", place + 1),
+    }
+}
+
+/// Says how much of a lightmap is so dark that 8 bits show it worse than was asked for.
+fn say_dim(args: &BakeArgs, baked: &Baked, session: &mut Session, report: &mut Report) {
+    if args.files.image != ImageArg::Png {
+        return;
+    }
+    let dim = baked.lightmap.share_below(DIM);
+    report.value("dim_share", dim);
+    if dim > MUCH_DIM {
+        session.note(&format!(
+            "{} of the area is below a tenth of the brightest texel, where the steps of an 8-bit PNG \
+             are more than 1%: --lightmap E.exr, --image ktx2 and --image hdr keep it",
+            percent(dim)
+        ));
+    }
+}
