@@ -65,7 +65,7 @@ impl SampleDirect {
 }
 
 /// Gathers the direct light of all samples, so that its error is a small part of `error`, a share of
-/// the mean of the whole.
+/// the mean of the whole, as far as the deadline of `progress` permits.
 ///
 /// # Errors
 /// The caller cancelled.
@@ -96,6 +96,9 @@ pub fn direct(
     }
     let mean = mean(samples, &found);
     for (round, places) in PLACES.into_iter().enumerate() {
+        if progress.out_of_time() {
+            break;
+        }
         let uneven = uneven(samples, &found, error * mean, round);
         progress.begin("shadow edges", uneven.len() as u64);
         let fine = in_batches(&uneven, |batch| {

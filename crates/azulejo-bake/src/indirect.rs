@@ -12,7 +12,7 @@ use crate::light::{NodeLight, NodePair, TexelLight};
 use crate::nodes::Nodes;
 use crate::samples::Samples;
 use azulejo_scene::Rgb;
-use azulejo_trace::{GatherPoint, Gathered, sequence_gain};
+use azulejo_trace::{GatherPoint, Gathered, Progress, sequence_gain};
 use std::ops::Range;
 
 /// Texels along a side of the first cells, as a power of two.
@@ -102,7 +102,7 @@ pub struct TexelStatistics {
 
 /// A first look at the light of all samples, for others to read: `direct`, and indirect light that
 /// `gather` finds at some of them, so many that interpolation is off by a few times `error`, a share of the
-/// mean; and the nodes at which it was found.
+/// mean; and the nodes at which it was found. Nodes are not added once the deadline of `progress` has passed.
 ///
 /// # Errors
 /// Those of `gather`.
@@ -110,6 +110,7 @@ pub fn first_look<E>(
     samples: &Samples,
     direct: &SampleDirect,
     error: f64,
+    progress: &Progress,
     gather: &mut dyn FnMut(&LookRequest) -> Result<Vec<Gathered>, E>,
 ) -> Result<(Vec<TexelLight>, NodeLattice), E> {
     let mut nodes = Nodes::new(samples, direct, first_lattice(samples));
@@ -117,7 +118,7 @@ pub fn first_look<E>(
     for round in 0..=MOST_ROUNDS {
         if round > 0 {
             let coarse = nodes.coarse_cells(&errors, LOOK_ERROR * error);
-            if !coarse.contains(&true) {
+            if !coarse.contains(&true) || progress.out_of_time() {
                 break;
             }
             nodes.lattice.divide(samples, &coarse);
@@ -156,7 +157,8 @@ pub fn look_again<E>(
 
 /// Light of all samples: `direct`, and indirect light that `gather` finds at nodes, those of a first
 /// look and more, with as many rays as bring its error to `error`, a share of the mean. `is_final` says that
-/// `gather` has brought its light to that error itself.
+/// `gather` has brought its light to that error itself. No nodes or rays are added once the deadline of
+/// `progress` has passed: the errors of the light say what that leaves.
 ///
 /// # Errors
 /// Those of `gather`.
@@ -166,17 +168,18 @@ pub fn with_indirect<E>(
     start: NodeLattice,
     error: f64,
     is_final: bool,
+    progress: &Progress,
     gather: &mut dyn FnMut(&PairRequest) -> Result<Vec<NodePair>, E>,
 ) -> Result<(Vec<TexelLight>, TexelStatistics), E> {
     let mut paired = PairedNodes::new(samples, direct, start.0);
     paired.gather_new(gather)?;
     if !is_final {
-        paired.quieten(error, gather)?;
+        paired.quieten(error, progress, gather)?;
     }
     let mut errors = paired.nodes.interpolation_errors();
     for _ in 1..=MOST_ROUNDS {
         let coarse = paired.nodes.coarse_cells(&errors, error);
-        if !coarse.contains(&true) {
+        if !coarse.contains(&true) || progress.out_of_time() {
             break;
         }
         paired.nodes.lattice.divide(samples, &coarse);
@@ -188,6 +191,9 @@ pub fn with_indirect<E>(
             let Some(rays) = paired.wanted(&errors, error) else {
                 break;
             };
+            if progress.out_of_time() {
+                break;
+            }
             paired.raise(rays, gather)?;
             errors = paired.nodes.interpolation_errors();
         }
@@ -285,11 +291,16 @@ impl<'a> PairedNodes<'a> {
     }
 
     /// Adds rays that read light until the noise of nodes is not taken for their differences.
-    fn quieten<E>(&mut self, error: f64, gather: &mut PairGather<E>) -> Result<(), E> {
+    fn quieten<E>(
+        &mut self,
+        error: f64,
+        progress: &Progress,
+        gather: &mut PairGather<E>,
+    ) -> Result<(), E> {
         for _ in 0..MOST_RAISES {
             let (noise, _) = self.nodes.node_noise();
             let permitted = (NODE_ERROR * error * self.nodes.mean).powi(2);
-            if noise <= permitted {
+            if noise <= permitted || progress.out_of_time() {
                 break;
             }
             let factor = (noise / permitted).powf(1.0 / READ_RATE);

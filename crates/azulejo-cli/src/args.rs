@@ -283,8 +283,8 @@ pub struct FirstPassArgs {
     /// Number of diffuse reflections [default: until converged]
     #[arg(long, value_name = "N")]
     pub bounces: Option<u32>,
-    /// Memory for the form factor matrix; a larger problem is solved without a matrix
-    /// [default: half of the machine's]
+    /// Memory for the form factor matrix, a larger problem is solved without one; and for the texels of a
+    /// lightmap, of which no more are baked [default: half of the machine's]
     #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
     pub memory: Option<u64>,
     /// Seed of the random numbers; the same seed gives the same result

@@ -38,6 +38,10 @@ const CHORD_ERROR: f64 = 1e-3;
 /// Longest edge of faces that are cut, as a part of the scene: contacts of a twentieth of that count.
 const CUTS: f64 = 8.0;
 
+/// Memory of a texel, and what one that covers a surface takes beside that, bytes: measured.
+const BYTES_PER_TEXEL: f64 = 100.0;
+const BYTES_PER_COVERED: f64 = 400.0;
+
 /// Error where none is requested.
 const DEFAULT_ERROR: f64 = 0.03;
 
@@ -106,6 +110,13 @@ pub enum BakeError {
     Layout(LayoutError),
     /// No light.
     Solve(SolveError),
+    /// No room.
+    Memory {
+        /// What the texels would take, bytes.
+        needed: u64,
+        /// What is permitted, bytes.
+        permitted: u64,
+    },
 }
 
 impl fmt::Display for BakeError {
@@ -113,6 +124,16 @@ impl fmt::Display for BakeError {
         match self {
             BakeError::Layout(error) => error.fmt(f),
             BakeError::Solve(error) => error.fmt(f),
+            BakeError::Memory { needed, permitted } => {
+                let gibibytes = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+                write!(
+                    f,
+                    "the texels would take about {:.1} GiB of memory, and {:.1} GiB are permitted: ask for \
+                     fewer texels, or permit more memory",
+                    gibibytes(*needed),
+                    gibibytes(*permitted)
+                )
+            }
         }
     }
 }
@@ -186,6 +207,13 @@ pub fn bake(
         layout,
         turned: Vec::new(),
     };
+    let needed = memory_of(&atlas.layout);
+    if needed > options.pass.memory {
+        return Err(BakeError::Memory {
+            needed,
+            permitted: options.pass.memory,
+        });
+    }
     let solved = SolvedLight::new(&proxy, &options.pass, progress)?;
     if options.sides == BakedSides::Brighter {
         atlas.turned = turned(&atlas, &objects, &proxy.scene, &solved);
@@ -253,6 +281,23 @@ pub fn bake(
         seams,
         between_texels: between,
     })
+}
+
+/// Memory that the texels of a layout take while they are baked, bytes, about.
+fn memory_of(layout: &Layout) -> u64 {
+    let (mut texels, mut covered) = (0.0, 0.0);
+    for [width, height] in &layout.pages {
+        texels += f64::from(*width) * f64::from(*height);
+    }
+    for receiver in &layout.receivers {
+        for (uvs, &page) in receiver.uvs.iter().zip(&receiver.pages) {
+            let [width, height] = layout.pages[page as usize].map(f64::from);
+            let [a, b, c] = uvs.map(|uv| uv.map(f64::from));
+            let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+            covered += 0.5 * area.abs() * width * height;
+        }
+    }
+    (texels * BYTES_PER_TEXEL + covered * BYTES_PER_COVERED) as u64
 }
 
 /// The layout of the receivers, made or kept.
@@ -332,14 +377,25 @@ impl IndirectLight<'_> {
             let found = self.pairs(request.points, None, &range, 0)?;
             Ok::<_, SolveError>(found.iter().map(|pair| pair.read).collect())
         };
-        let (mut light, nodes) = azulejo_bake::first_look(samples, direct, self.error, &mut look)?;
+        let (mut light, nodes) =
+            azulejo_bake::first_look(samples, direct, self.error, self.progress, &mut look)?;
         if self.options.pass.bounces.is_some() {
             let mut gather = |request: &PairRequest| self.limited(request);
-            let found =
-                azulejo_bake::with_indirect(samples, direct, nodes, self.error, true, &mut gather)?;
+            let found = azulejo_bake::with_indirect(
+                samples,
+                direct,
+                nodes,
+                self.error,
+                true,
+                self.progress,
+                &mut gather,
+            )?;
             return Ok(found);
         }
         for number in 1..=LOOKS {
+            if self.progress.out_of_time() {
+                break;
+            }
             let field = TexelField::new(atlas, samples, &light, objects, surfaces);
             let mut gather = |request: &PairRequest| self.paired(request, &field, number);
             light = azulejo_bake::look_again(samples, direct, &nodes, &mut gather)?;
@@ -352,6 +408,7 @@ impl IndirectLight<'_> {
             nodes,
             self.error,
             false,
+            self.progress,
             &mut gather,
         )?)
     }

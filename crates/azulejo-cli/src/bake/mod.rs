@@ -88,7 +88,9 @@ fn say_unreached(baked: &Baked, args: &BakeArgs, session: &mut Session) {
         return;
     };
     let between = baked.between_texels / baked.lightmap.mean().mean();
-    let why = if between > asked {
+    let why = if session.progress().out_of_time() {
+        "there was no time for more".to_owned()
+    } else if between > asked {
         format!(
             "light changes abruptly between texels, which makes {} of it: more texels reduce that",
             words::percent(between)

@@ -3,8 +3,12 @@
 use crate::args::FirstPassArgs;
 use crate::failure::Failure;
 use crate::report::{Report, count, number, percent, short};
+use azulejo::bake::QuarterLight;
 use azulejo::lightmap::Baked;
 use azulejo_scene::Scene;
+
+/// Light of a quarter of the area, relative to the mean, of which no relative error is given.
+const DARK: f64 = 1e-3;
 
 /// Adds what was baked, and its error.
 ///
@@ -90,7 +94,14 @@ pub fn describe(
         ),
     );
     let quarters = baked.lightmap.quarters();
-    let by_quarter: Vec<String> = quarters.iter().map(|q| percent(q.error / q.mean)).collect();
+    let of_quarter = |q: &QuarterLight| {
+        if q.mean > DARK * mean.mean() {
+            percent(q.error / q.mean)
+        } else {
+            "dark".to_owned()
+        }
+    };
+    let by_quarter: Vec<String> = quarters.iter().map(of_quarter).collect();
     report.line(
         "by quarters",
         format!("{} (dark to bright)", by_quarter.join(", ")),

@@ -93,6 +93,18 @@ fn a_gltf_file_gets_pictures_beside_it() {
 }
 
 #[test]
+fn a_deadline_is_kept_and_said() {
+    let folder = Folder::with_room();
+    let run = folder.run("bake room.obj --lightmap e.exr --size 256 --error 0.05% --time 0.01s");
+    assert_eq!(run.code, Some(0), "{}", run.err);
+    assert!(
+        run.err.contains("there was no time for more"),
+        "{}",
+        run.err
+    );
+}
+
+#[test]
 fn what_cannot_be_baked_is_said() {
     let folder = Folder::with_room();
     folder.write("empty.obj", "o nothing\n");
@@ -114,6 +126,11 @@ fn what_cannot_be_baked_is_said() {
             "bake room.obj -o room.glb --texels-per-metre 1e9",
             1,
             "too large",
+        ),
+        (
+            "bake room.obj -o room.glb --size 256 --memory 1MiB",
+            1,
+            "permit more memory",
         ),
     ] {
         let run = folder.run(line);
