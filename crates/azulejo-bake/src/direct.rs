@@ -13,12 +13,13 @@ use rayon::prelude::*;
 /// Samples that are gathered together.
 const BATCH: usize = 64;
 
-/// Standard error of direct light, as a share of what is permitted in all, up to which a texel is not
-/// looked at in more places: in few, and in many.
-const PERMITTED: [f64; 2] = [0.3, 1.0];
+/// Root mean square of the standard errors of direct light, as a share of what is permitted in all, that is
+/// left: texels with the largest are looked at in more places until it is reached.
+const PERMITTED: f64 = 0.5;
 
 /// Difference between neighbouring texels, as a multiple of the permitted error, from which on a texel
-/// is looked at in more places.
+/// is looked at in more places. Noise makes such differences too; what it hides at the edges of shadows would be
+/// missed if they had to be larger than that.
 const UNEVEN: f64 = 2.0;
 
 /// Places along each axis of an uneven texel, coarse and fine.
@@ -141,13 +142,10 @@ fn mean(samples: &Samples, found: &SampleDirect) -> f64 {
     sum / f64::max(area, f64::MIN_POSITIVE)
 }
 
-/// The samples whose light is not known to the permitted error in a round: those that are noisy
-/// or differ from a neighbour, and are the only ones of their texels.
+/// The samples that are looked at in more places, of those that are the only ones of their texels: the
+/// noisiest, and in the first round those that differ from a neighbour.
 fn uneven(samples: &Samples, found: &SampleDirect, permitted: f64, round: usize) -> Vec<u32> {
-    let is_noisy = |s: usize| {
-        let variance = Rgb::from(found.variance[s].map(f64::from));
-        variance.max_channel().sqrt() > PERMITTED[round] * permitted
-    };
+    let is_uneven = noisiest(samples, found, (PERMITTED * permitted).powi(2));
     let mut uneven = Vec::new();
     for (page, coverage) in samples.pages.iter().enumerate() {
         let first = samples
@@ -178,13 +176,36 @@ fn uneven(samples: &Samples, found: &SampleDirect, permitted: f64, round: usize)
                     .filter(|&n| coverage.texels[n as usize].chart == chart);
                 let mut is_edge =
                     || beside.any(|n| differs(sample, sample_of[n as usize] as usize));
-                let is_uneven = is_noisy(sample) || (round == 0 && is_edge());
-                is_uneven.then_some(sample as u32)
+                (is_uneven[sample] || (round == 0 && is_edge())).then_some(sample as u32)
             })
             .collect();
         uneven.extend(of_page);
     }
     uneven
+}
+
+/// For each sample whether it is one of the noisiest, without which the mean of the variance over the area
+/// is `permitted`.
+fn noisiest(samples: &Samples, found: &SampleDirect, permitted: f64) -> Vec<bool> {
+    let area = |s: u32| f64::from(samples.samples[s as usize].area);
+    let variance = |s: u32| {
+        let [r, g, b] = found.variance[s as usize];
+        f64::from(r.max(g).max(b))
+    };
+    let count = samples.samples.len();
+    let mut noisy: Vec<u32> = (0..count as u32).filter(|&s| variance(s) > 0.0).collect();
+    noisy.par_sort_unstable_by(|&a, &b| variance(b).total_cmp(&variance(a)).then(a.cmp(&b)));
+    let all: f64 = (0..count as u32).map(area).sum();
+    let mut left: f64 = noisy.iter().map(|&s| area(s) * variance(s)).sum();
+    let mut is_noisy = vec![false; count];
+    for sample in noisy {
+        if left <= permitted * all {
+            break;
+        }
+        is_noisy[sample as usize] = true;
+        left -= area(sample) * variance(sample);
+    }
+    is_noisy
 }
 
 /// Direct light of a texel from points all over what it covers.
