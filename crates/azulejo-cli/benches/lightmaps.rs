@@ -6,7 +6,8 @@
 //! read again, and the EXR beside it is interpolated at its texture coordinates. Fronts are baked, and points
 //! on backs are left out, which no lightmap of fronts can have.
 //!
-//! All errors are over the mean irradiance of the points, less the reference's own noise.
+//! All errors are over the mean irradiance of the points, less the reference's own noise; what is said is the
+//! root mean square of the error map at the points.
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
 use azulejo::models;
@@ -193,7 +194,7 @@ impl Work {
         format!(
             "{work:<32} {:>9} {:>6.2}% {:>6.2}% {:>+6.2}% {:>6.2}% {:>6.2}% {:>6.2}% {:>6.1} {:>6.1} {:>7.0} {:>5.0}%",
             number("texels"),
-            100.0 * number("error"),
+            100.0 * found.stated,
             100.0 * found.error,
             100.0 * found.bias,
             100.0 * found.off,
@@ -215,7 +216,7 @@ impl Work {
             };
             Some(picture.at(image, lightmap_uv(scene, at)?).to_array())
         };
-        let (mut square, mut sum, mut bias) = (0.0, 0.0, 0.0);
+        let (mut square, mut sum, mut bias, mut of_map) = (0.0, 0.0, 0.0, 0.0);
         let (mut count, mut missing, mut off, mut within) = (0, 0, 0, 0);
         let mean = self.light.iter().flatten().sum::<f64>() / (3 * self.light.len()) as f64;
         for (place, (light, error)) in self.light.iter().zip(&self.errors).enumerate() {
@@ -237,6 +238,7 @@ impl Work {
                 let d = found[k] - light[k];
                 square += d * d - error[k] * error[k];
                 bias += d;
+                of_map += stated[k] * stated[k];
                 sum += light[k];
                 difference += d / 3.0;
                 within += usize::from(d.abs() <= 2.0 * stated[k].hypot(error[k]));
@@ -249,6 +251,7 @@ impl Work {
         let values = f64::from(3 * count).max(1.0);
         Comparison {
             error: f64::max(square / values, 0.0).sqrt() / (sum / values),
+            stated: (of_map / values).sqrt() / (sum / values),
             bias: bias / sum,
             off: f64::from(off) / all,
             missing: f64::from(missing) / all,
@@ -260,6 +263,8 @@ impl Work {
 /// A lightmap beside the truth.
 struct Comparison {
     error: f64,
+    /// What the error map says of the points.
+    stated: f64,
     bias: f64,
     /// Share of the points that differ by more than [`OFF`] of the mean.
     off: f64,
