@@ -40,7 +40,7 @@ pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
     let outputs = BakeOutputs::check(args)?;
     session.claim_stdout(outputs.is_stdout())?;
     let prepared = args.first_pass.engine.prepare()?;
-    let source = BakeSource::read(args, session)?;
+    let source = source::read(args, session)?;
     let tracer = prepared.tracer(&source.scene)?;
     let charts = charts(&args.texels, &source.scene);
     let chosen = coordinates::choose(args, &source, &charts, session)?;

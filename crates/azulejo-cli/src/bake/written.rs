@@ -10,7 +10,7 @@ use azulejo::bake::{LightmapPage, srgb_bytes};
 use azulejo::lightmap::Baked;
 use azulejo::output::{Draft, Output, commit};
 use azulejo_formats::gltf::patch::{
-    self, Container, LightmapEdit, LightmapUvs, LightsMode, MediaType, ObjectLayout, PatchedFile,
+    self, Container, LightmapEdit, LightmapUvs, LightsMode, MediaType, PatchedFile,
 };
 use azulejo_formats::picture::{exr, hdr, png};
 use azulejo_scene::Image;
@@ -136,7 +136,7 @@ impl BakeOutputs {
     ) -> Result<PatchedFile, Failure> {
         let stem = output.path().file_stem().unwrap_or_default();
         let edit = LightmapEdit {
-            objects: &layouts(source, baked),
+            objects: &source.layouts(baked),
             pages: &pictures(args, baked)?,
             uvs,
             instances: args.files.instances.written(),
@@ -175,26 +175,6 @@ fn lights(args: &BakeArgs) -> LightsMode {
         None if args.texels.light == LightArg::Indirect => LightsArg::Keep.written(),
         None => LightsArg::Dim.written(),
     }
-}
-
-/// Where the faces of the file's objects lie.
-fn layouts(source: &BakeSource, baked: &Baked) -> Vec<Option<ObjectLayout>> {
-    let mut layouts = vec![None; source.origins.len()];
-    for (receiver, layout) in baked.atlas.layout.receivers.iter().enumerate() {
-        let place = baked.objects[receiver] as usize;
-        let place = source.receivers.iter().position(|&r| r as usize == place);
-        let Some(place) = place else { continue };
-        let in_order = |t: usize| match &source.order[place] {
-            Some(order) => order[t] as usize,
-            None => t,
-        };
-        let count = layout.uvs.len();
-        layouts[source.origin_of[place]] = Some(ObjectLayout {
-            uvs: (0..count).map(|t| layout.uvs[in_order(t)]).collect(),
-            pages: (0..count).map(|t| layout.pages[in_order(t)]).collect(),
-        });
-    }
-    layouts
 }
 
 /// The pictures of all pages.
