@@ -50,7 +50,7 @@ impl LightmapTexture {
         }
         let pages = lightmap.map_or(&[][..], |l| l.pages);
         let layers = device.limits().max_texture_array_layers as usize;
-        if pages.is_empty() || pages.len() > layers {
+        if pages.is_empty() || pages.len() >= layers {
             *self = LightmapTexture {
                 key,
                 ..LightmapTexture::new(device, queue)
@@ -104,6 +104,15 @@ fn layer(page: &Image, size: [u32; 2], step: u32, scale: f32) -> Vec<[u16; 4]> {
     (0..size[0] * size[1]).into_par_iter().map(texel).collect()
 }
 
+/// Layers of a texture for so many pages: OpenGL takes one layer for a plain texture, and multiples of six for the
+/// sides of cubes.
+fn layer_count(pages: u32) -> u32 {
+    match pages.max(2) {
+        pages if pages.is_multiple_of(6) => pages + 1,
+        pages => pages,
+    }
+}
+
 fn load(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
@@ -113,7 +122,7 @@ fn load(
     let size = wgpu::Extent3d {
         width,
         height,
-        depth_or_array_layers: layers.len() as u32,
+        depth_or_array_layers: layer_count(layers.len() as u32),
     };
     let texture = device.create_texture(&wgpu::TextureDescriptor {
         label: Some("lightmap"),
@@ -168,6 +177,7 @@ mod tests {
         assert_eq!(step([1024, 1024], 1, 8192), 1);
         assert_eq!(step([16384, 512], 1, 8192), 2);
         assert_eq!(step([8192, 8192], 4, 8192), 4);
+        assert_eq!([1, 2, 6, 7].map(layer_count), [2, 2, 7, 7]);
         let page = Image::opaque(3, 2, (0..6u8).map(|v| [f32::from(v); 3]).collect());
         let halved = layer(&page, [2, 1], 2, 0.5);
         // Means of 0, 1, 3, 4 and of 2, 5, in units of a half.

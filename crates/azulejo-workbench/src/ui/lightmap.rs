@@ -19,6 +19,8 @@ use std::sync::Arc;
 
 /// Size of the picture when the window opens, points.
 const FIRST_SIZE: f32 = 360.0;
+/// Width of the legend, points.
+const LEGEND: f32 = 112.0;
 /// Stops by which the exposure of the light is changed at most.
 const STOPS: f64 = 10.0;
 
@@ -82,7 +84,12 @@ impl LightmapWindow {
         self.view.map = cx.app.view.false_color.map;
         self.refresh(ui, result);
         ui.horizontal_top(|ui| {
-            let free = vec2(ui.available_width() - 200.0, ui.available_height());
+            let height = ui.available_height();
+            if let Some(scale) = self.shown.as_ref().and_then(|s| s.picture.scale) {
+                let (rect, _) = ui.allocate_exact_size(vec2(LEGEND, height), Sense::hover());
+                self.legend(ui, cx, rect, &scale);
+            }
+            let free = vec2(ui.available_width() - 200.0, height);
             let size = free.max(Vec2::splat(120.0));
             let under = ui.allocate_ui(size, |ui| self.picture(ui, cx)).inner;
             ui.vertical(|ui| {
@@ -188,9 +195,6 @@ impl LightmapWindow {
                     .image(shown.texture.id(), rect, whole, Color32::WHITE);
                 under(&response, rect, scale, &shown.picture)
             });
-        if let Some(scale) = &shown.picture.scale {
-            self.legend(ui, cx, area.inner_rect, scale);
-        }
         area.inner
     }
 

@@ -42,8 +42,7 @@ fn open(path: PathBuf) -> App {
 #[test]
 fn a_lightmap_is_baked_from_the_menu_and_looked_at() {
     let mut window = window(opened("cornell.grf"));
-    click(&mut window, "Light");
-    click_last(&mut window, "Bake a lightmap…");
+    press(&mut window, Modifiers::NONE, Key::F9);
     set(&mut window, "Size of the page", 64.0);
     set(&mut window, "Target error", 30.0);
     click_last(&mut window, "Bake");
@@ -60,7 +59,8 @@ fn a_lightmap_is_baked_from_the_menu_and_looked_at() {
         window.state_mut().lightmap.view.quantity = view;
         window.run();
     }
-    click(&mut window, "In the viewport");
+    find(&window, Role::CheckBox, "In the viewport").click();
+    window.run();
     let shown = |window: &TestWindow| {
         let lightmap = &window.state().app.lightmap;
         lightmap.shown_in(Shading::Irradiance).is_some()
