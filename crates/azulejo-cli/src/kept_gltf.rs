@@ -1,11 +1,12 @@
 //! `solve --keep-mesh` of a glTF file: the light goes onto the vertices of the file itself.
 
 use super::args::{SidesArg, SolveArgs};
-use super::bake::SourceFile;
+use super::bake::read_file;
 use super::draft_list::DraftList;
 use super::failure::Failure;
 use super::report::Report;
 use super::session::Session;
+use azulejo::lightmap::SourceFile;
 use azulejo::models::unbaked;
 use azulejo::output::Output;
 use azulejo_formats::Format;
@@ -45,7 +46,7 @@ impl KeptGltf {
             ));
             return Ok(None);
         }
-        let mut file = SourceFile::read(&args.input.reading, &args.input.scenes[0])?;
+        let mut file = read_file(&args.input.reading, &args.input.scenes[0])?;
         // As the scene was read: without the light of azulejo's.
         file.bytes = unbaked(file.bytes, &file.name).0;
         let read = gltf::read_with_origins(&file.bytes, &file.name, &file.files, &file.options);

@@ -155,14 +155,17 @@ impl FirstLook<'_> {
             .map(|k| TAU * f64::from(k) / f64::from(WAYS))
             .map(|angle| angle.cos() * x + angle.sin() * y)
             .collect();
-        let far = |way: DVec3| self.free(place, way, bounds);
-        // Toward where most is seen, from as far back as there is room.
+        // Toward where most is seen, and not out of the room, from as far back as there is room, which a wall
+        // that is missing gives.
+        let seen = |way: DVec3| self.free(place, way).unwrap_or(0.0);
+        let back = |way: DVec3| self.free(place, -way).unwrap_or(0.5 * bounds.diagonal());
         let (_, way) = ways
             .iter()
-            .map(|&way| (far(way) + 0.9 * far(-way), way))
+            .map(|&way| (seen(way) + 0.9 * back(way), way))
+            .filter(|(_, way)| seen(*way) > 0.0)
             .max_by(|a, b| a.0.total_cmp(&b.0))?;
-        let eye = place - 0.9 * far(-way) * way;
-        let target = place + 0.5 * far(way) * way - 0.08 * far(way) * self.up;
+        let eye = place - 0.9 * back(way) * way;
+        let target = place + 0.5 * seen(way) * way - 0.08 * seen(way) * self.up;
         (eye.distance(target) > 0.0).then(|| Camera {
             name: String::new(),
             eye,
@@ -188,16 +191,14 @@ impl FirstLook<'_> {
         (0..4 * RAYS).map(ray).collect()
     }
 
-    /// How far one can go from a place in a unit direction.
-    fn free(&self, place: DVec3, way: DVec3, bounds: Aabb) -> f64 {
+    /// How far one can go from a place in a unit direction; `None` if there is no end.
+    fn free(&self, place: DVec3, way: DVec3) -> Option<f64> {
         let ray = Ray::new(place, way);
         let mut hits = Vec::new();
         self.tracer
             .closest(&[self.tracer.kernel_ray(&ray)], &mut hits);
-        if hits[0].is_hit() {
-            return self.tracer.resolve(&ray, &hits[0]).position.distance(place);
-        }
-        0.5 * bounds.diagonal()
+        let is_hit = hits[0].is_hit();
+        is_hit.then(|| self.tracer.resolve(&ray, &hits[0]).position.distance(place))
     }
 }
 
@@ -228,6 +229,35 @@ mod tests {
         assert!(right.is_finite() && up.is_finite() && forward.is_finite());
         // The same at every call.
         assert_eq!(view(&room), camera);
+    }
+
+    /// Where a wall is missing, one looks away from there.
+    #[test]
+    fn open_rooms_are_looked_into() {
+        for missing in [0, 4] {
+            let mut room = cube_room();
+            let bounds = room.bounds();
+            let azulejo_scene::Shape::Mesh(mesh) = &mut room.objects[0].shape else {
+                unreachable!("a room of polygons")
+            };
+            let whole = std::mem::take(mesh);
+            mesh.positions = whole.positions.clone();
+            for face in (0..whole.faces.len()).filter(|&f| f != missing) {
+                mesh.push_face(whole.faces.get(face), whole.face_materials[face]);
+            }
+            room.lights.push(Light {
+                name: "lamp".into(),
+                kind: LightKind::Point {
+                    position: bounds.centre(),
+                    intensity: Rgb::WHITE,
+                },
+            });
+            let camera = view(&room);
+            let outside = Camera::framing(bounds, 1.5, room.units.up.axis());
+            assert_ne!(camera, outside);
+            let ray = Ray::new(camera.eye, (camera.target - camera.eye).normalize());
+            assert!(Tracer::new(&room).hit(&ray).is_some(), "{camera:?}");
+        }
     }
 
     #[test]

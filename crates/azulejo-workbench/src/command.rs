@@ -1,5 +1,6 @@
 //! Commands: everything the user can do.
 
+use crate::bake::{BakeSettings, LightmapFile};
 use crate::document::{Edit, ItemId, NewLightKind, NewShapeKind};
 use crate::first_pass::LightSettings;
 use crate::preferences::Preferences;
@@ -124,6 +125,15 @@ pub enum Command {
     /// Closes the rendered image.
     StopRender,
 
+    /// Changes the settings of the next lightmap.
+    SetBake(BakeSettings),
+    /// Starts baking a lightmap.
+    Bake,
+    /// Shows the lightmap in the viewport, or the light of vertices.
+    ShowLightmap(bool),
+    /// Writes a part of the lightmap to a file.
+    SaveLightmap(LightmapFile, PathBuf),
+
     /// Cancels the job of this number.
     Cancel(u64),
     /// Changes the preferences.
@@ -191,6 +201,8 @@ pub enum FileRequest {
     Export,
     /// The file for the rendered image.
     SaveRender,
+    /// The file for a part of the lightmap.
+    SaveLightmap(LightmapFile),
     /// An image for the background.
     Backdrop,
     /// A recipe to apply.

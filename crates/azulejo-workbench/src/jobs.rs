@@ -31,6 +31,8 @@ pub enum JobKind {
     Solve,
     /// The second pass: rendering.
     Render,
+    /// The third pass: baking a lightmap.
+    Bake,
     /// Computing the form factors of one patch.
     FormFactors,
     /// Measuring irradiance at probes.

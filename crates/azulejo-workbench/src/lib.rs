@@ -4,6 +4,7 @@
 //! [`brdf`](azulejo::scene::brdf) and displays the results of the two passes.
 
 pub mod app;
+pub mod bake;
 pub mod command;
 pub mod document;
 pub mod first_pass;

@@ -16,6 +16,7 @@
 //! A step that starts a job waits until it ends. A step that fails ends the script, and the command
 //! with status 1. `docs/workbench/scripts.md` lists all steps.
 
+mod bake;
 mod fields;
 mod light;
 mod material;
@@ -28,6 +29,7 @@ mod solver;
 mod tests;
 mod view;
 
+pub use bake::{BakeOption, BakeStep};
 pub use light::LightStep;
 pub use material::MaterialStep;
 pub use parse::{ScriptStep, parse};

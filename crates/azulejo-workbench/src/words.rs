@@ -12,6 +12,7 @@ mod brdf;
 mod dialogs;
 mod inspector;
 mod light;
+mod lightmap;
 mod menu;
 mod surroundings;
 #[cfg(test)]
@@ -37,7 +38,7 @@ pub enum Language {
 type Translation = [&'static str; 3];
 
 /// The tables, one for each part of the window.
-const TABLES: [&[Translation]; 10] = [
+const TABLES: [&[Translation]; 11] = [
     app::TABLE,
     menu::TABLE,
     tree::TABLE,
@@ -46,6 +47,7 @@ const TABLES: [&[Translation]; 10] = [
     surroundings::TABLE,
     brdf::TABLE,
     light::TABLE,
+    lightmap::TABLE,
     view_tab::TABLE,
     dialogs::TABLE,
 ];

@@ -1,7 +1,11 @@
 //! Lightmaps of scenes: charts, light of the solved first pass in their texels, and padding.
 //!
 //! [`bake`] is the third pass beside the picture: `azulejo-bake` knows texels, `azulejo-radiosity` knows
-//! light, and here the two meet.
+//! light, and here the two meet. A [`BakeSource`] is the scene with the glTF file that gets its lightmap.
+
+mod source;
+
+pub use source::{BakeSource, SourceError, SourceFile};
 
 mod radiance;
 

@@ -1,7 +1,7 @@
 //! `bake --check`: what is wrong with the lightmap of a glTF file, or with coordinates for one.
 
 use super::args::BakeArgs;
-use super::source::SourceFile;
+use super::source::read_file;
 use super::verdict::{Grade, TestRow, atlas_rows, table};
 use crate::failure::Failure;
 use crate::report::{Report, count, number, percent};
@@ -71,7 +71,7 @@ pub fn run(
 
 /// The objects of a file that have coordinates, and its pictures.
 fn read(args: &BakeArgs, path: &Path, session: &mut Session) -> Result<CheckedFile, Failure> {
-    let file = SourceFile::read(&args.input.reading, path)?;
+    let file = read_file(&args.input.reading, path)?;
     let read = gltf::read_with_origins(&file.bytes, &file.name, &file.files, &file.options);
     let (loaded, origins) = read.map_err(Failure::failed)?;
     let found = patch::found_lightmap(&file.patched(), &origins, args.files.uv_set);

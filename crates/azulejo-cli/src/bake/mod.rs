@@ -20,7 +20,7 @@ use azulejo::lightmap::{BakeError, BakeOptions, Baked, BakedSides, bake};
 use azulejo::output::Output;
 use azulejo_scene::Scene;
 use source::BakeSource;
-pub use source::SourceFile;
+pub use source::read_file;
 use written::BakeOutputs;
 
 /// Size of pages where none is given, and where the density is.
@@ -42,7 +42,7 @@ pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
     let outputs = BakeOutputs::check(args)?;
     session.claim_stdout(outputs.is_stdout())?;
     let prepared = args.first_pass.engine.prepare()?;
-    let source = BakeSource::read(args, session)?;
+    let source = source::read(args, session)?;
     let tracer = prepared.tracer(&source.scene)?;
     let charts = charts(&args.texels, &source.scene);
     let chosen = coordinates::choose(args, &source, &charts, session)?;

@@ -2,6 +2,7 @@
 
 use super::args::BakeArgs;
 use super::source::BakeSource;
+use crate::camera;
 use crate::report::percent;
 use azulejo::bake::layout::NO_CHART;
 use azulejo::bake::web_page::{
@@ -9,11 +10,14 @@ use azulejo::bake::web_page::{
 };
 use azulejo::lightmap::Baked;
 use azulejo_formats::picture::png;
-use azulejo_scene::{Material, Scene, Sidedness};
+use azulejo_scene::{Camera, Material, Scene, Sidedness};
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 use std::io::{self, Write};
 use std::path::Path;
+
+/// Width over height of the window that the page is expected in.
+const ASPECT: f64 = 1.6;
 
 /// Writes the page.
 pub fn write(
@@ -31,7 +35,7 @@ pub fn write(
     let title = title.and_then(Path::file_stem).unwrap_or_default();
     let mut model = PageModel {
         title: title.to_string_lossy().into_owned(),
-        cameras: scene.cameras.clone(),
+        cameras: cameras(scene),
         up: scene.units.up,
         photometric: scene.units.photometric,
         note: format!(
@@ -55,6 +59,22 @@ pub fn write(
         add_meshes(scene, baked, receiver, &mut model);
     }
     web_page::write(&model, out)
+}
+
+/// The views of the scene; without any, the one that `render` takes if it is from within. From outside the page
+/// frames everything by itself, in windows of any shape.
+fn cameras(scene: &Scene) -> Vec<Camera> {
+    if !scene.cameras.is_empty() {
+        return scene.cameras.clone();
+    }
+    let first = camera::first_look(scene, ASPECT);
+    if first == camera::of_all(scene, ASPECT) {
+        return Vec::new();
+    }
+    vec![Camera {
+        name: "Inside".into(),
+        ..first
+    }]
 }
 
 fn material_of(scene: &Scene, material: &Material) -> io::Result<PageMaterial> {

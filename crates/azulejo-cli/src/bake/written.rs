@@ -11,7 +11,7 @@ use azulejo::bake::LightmapPage;
 use azulejo::lightmap::Baked;
 use azulejo::output::Output;
 use azulejo_formats::gltf::patch::{
-    self, Container, LightmapEdit, LightmapUvs, LightsMode, ObjectLayout, PatchedFile,
+    self, Container, LightmapEdit, LightmapUvs, LightsMode, PatchedFile,
 };
 use azulejo_formats::picture::exr;
 use azulejo_scene::Image;
@@ -134,7 +134,7 @@ fn patched(
 ) -> Result<PatchedFile, Failure> {
     let stem = output.path().file_stem().unwrap_or_default();
     let edit = LightmapEdit {
-        objects: &layouts(source, baked),
+        objects: &source.layouts(baked),
         pages,
         uvs,
         instances: args.files.instances.written(),
@@ -199,26 +199,6 @@ fn is_in_range(
         path.display()
     ));
     false
-}
-
-/// Where the faces of the file's objects lie.
-fn layouts(source: &BakeSource, baked: &Baked) -> Vec<Option<ObjectLayout>> {
-    let mut layouts = vec![None; source.origins.len()];
-    for (receiver, layout) in baked.atlas.layout.receivers.iter().enumerate() {
-        let place = baked.objects[receiver] as usize;
-        let place = source.receivers.iter().position(|&r| r as usize == place);
-        let Some(place) = place else { continue };
-        let in_order = |t: usize| match &source.order[place] {
-            Some(order) => order[t] as usize,
-            None => t,
-        };
-        let count = layout.uvs.len();
-        layouts[source.origin_of[place]] = Some(ObjectLayout {
-            uvs: (0..count).map(|t| layout.uvs[in_order(t)]).collect(),
-            pages: (0..count).map(|t| layout.pages[in_order(t)]).collect(),
-        });
-    }
-    layouts
 }
 
 /// The name of a page's file.

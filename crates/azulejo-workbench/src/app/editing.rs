@@ -119,6 +119,7 @@ impl App {
     fn edited(&mut self) {
         self.changed_at.get_or_insert_with(Instant::now);
         self.jobs.cancel_kind(JobKind::FormFactors);
+        self.lightmap_outdated();
         if self.lighting.document_changed(&self.document) {
             self.light_changed();
         }

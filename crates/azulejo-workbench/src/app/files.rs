@@ -163,6 +163,7 @@ impl App {
             self.edit(&Edit::Append(Box::new(document)), None);
             if was_empty {
                 self.take_light_of_file();
+                self.show_lightmap_of_file();
                 self.frame_all();
             }
         }

@@ -157,6 +157,11 @@ fn range(document: &SceneDocument, solution: &Solution) -> Option<IrradianceRang
             None => {}
         }
     }
+    range_of(values)
+}
+
+/// Range of values; `None` if there are none.
+pub(super) fn range_of(mut values: Vec<f64>) -> Option<IrradianceRange> {
     values.retain(|v| v.is_finite());
     let least = |a: f64, b: &f64| a.min(*b);
     let most = |a: f64, b: &f64| a.max(*b);
@@ -187,6 +192,8 @@ impl App {
             // Show the light that is about to be solved.
             self.view.shading = Shading::Irradiance;
         }
+        // What is solved is to be seen, not a lightmap.
+        self.show_lightmap(false);
         self.jobs.cancel_kind(JobKind::Solve);
         self.lighting.measures.clear();
         self.lighting.began = Some(Instant::now());

@@ -5,6 +5,7 @@
 
 mod adding;
 mod autosave;
+mod bake;
 mod editing;
 mod files;
 mod lighting;
@@ -16,7 +17,8 @@ mod saving;
 #[cfg(test)]
 mod tests;
 
-pub use lighting::{Lighting, Stopwatch};
+pub use bake::{LightmapState, ViewportLightmap};
+pub use lighting::{IrradianceRange, Lighting, Stopwatch};
 pub use probes::{Probe, ProbeMeasurement, ProbeSurface};
 pub use render::{RenderedImage, shown};
 pub use saving::{OnDisk, PendingQuestion};
@@ -49,6 +51,8 @@ pub enum JobResult {
     Light(Box<crate::document::Solution>),
     /// A rendered image with its number of paths per pixel.
     Render(Box<Image>, u32),
+    /// A lightmap.
+    Baked(Box<crate::bake::BakedDocument>),
     /// An image for the background.
     Backdrop(Box<Image>),
     /// A picture of the surroundings, with warnings.
@@ -113,6 +117,8 @@ pub struct App {
     pub view: ModelView,
     /// The light solution and its solver.
     pub lighting: Lighting,
+    /// The lightmap.
+    pub lightmap: LightmapState,
     /// Pinned probes in the order of their numbers.
     pub probes: Vec<Probe>,
     /// The image being rendered, if there is one.
@@ -191,6 +197,7 @@ impl App {
             selection: Selection::default(),
             view: ModelView::default(),
             lighting: Lighting::default(),
+            lightmap: LightmapState::default(),
             probes: Vec::new(),
             render: None,
             file: None,
@@ -309,6 +316,10 @@ impl App {
                 self.start_render((width, height), most);
             }
             Command::StopRender => self.stop_render(),
+            Command::SetBake(settings) => self.lightmap.settings = settings,
+            Command::Bake => self.bake(),
+            Command::ShowLightmap(is_shown) => self.show_lightmap(is_shown),
+            Command::SaveLightmap(what, path) => self.save_lightmap(what, path),
             Command::Cancel(job) => self.cancel(job),
             Command::SetPreferences(preferences) => self.set_preferences(*preferences),
             Command::ClearMessages => self.messages.clear(),
@@ -339,6 +350,7 @@ impl App {
             JobResult::Autosaved(revision) => self.recovery.done(revision),
             JobResult::Light(solution) => self.take_light_of(job, *solution),
             JobResult::Render(image, samples) => self.take_render(*image, samples),
+            JobResult::Baked(baked) => self.take_baked(*baked),
             JobResult::Backdrop(image) => self.take_backdrop(*image),
             JobResult::Environment(loaded) => self.take_environment(loaded),
             JobResult::FormFactors(seen) => self.lighting.form_factors = Some(*seen),
@@ -565,6 +577,7 @@ impl App {
         self.changed_at = None;
         self.forget_copy();
         self.lighting.replaced(&self.document);
+        self.drop_lightmap();
         self.frame_all();
     }
 }

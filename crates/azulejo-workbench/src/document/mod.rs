@@ -8,6 +8,7 @@
 mod create;
 mod daylight;
 mod edit;
+mod lightmapped;
 mod marker_bounds;
 mod memory;
 mod outline;
@@ -20,6 +21,7 @@ mod units;
 pub use create::{NewLight, NewLightKind, NewShape, NewShapeKind, TextLayout};
 pub use daylight::SkySettings;
 pub use edit::{Edit, EditError};
+pub use lightmapped::{LightmappedMesh, ShownLightmap};
 pub use marker_bounds::light_position;
 pub use outline::{PrismOutline, SIDES};
 pub use shading_point::ShadingPoint;

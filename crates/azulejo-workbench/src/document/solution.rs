@@ -115,7 +115,7 @@ fn same_materials(then: &SceneDocument, now: &SceneDocument) -> bool {
         && pairs.into_iter().all(|(a, b)| same_material(a, b))
 }
 
-fn same_geometry(a: &SceneObject, b: &SceneObject) -> bool {
+pub(super) fn same_geometry(a: &SceneObject, b: &SceneObject) -> bool {
     Arc::ptr_eq(&a.shape, &b.shape) && a.placement == b.placement
 }
 

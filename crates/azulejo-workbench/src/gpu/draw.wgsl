@@ -40,7 +40,8 @@ struct Frame {
     is_luminance: f32,
     // Largest channel of the fog's colour: without exposure, fog is a normalized colour.
     fog_scale: f32,
-    unused: f32,
+    // Irradiance that the stored value 1 of the lightmap stands for.
+    lightmap_scale: f32,
 }
 
 struct Object {
@@ -70,6 +71,7 @@ struct Material {
 @group(0) @binding(2) var backdrop_sampler: sampler;
 @group(0) @binding(3) var color_map: texture_2d<f32>;
 @group(0) @binding(4) var color_map_sampler: sampler;
+@group(0) @binding(5) var lightmap: texture_2d_array<f32>;
 @group(1) @binding(0) var<uniform> object: Object;
 @group(2) @binding(0) var<uniform> material: Material;
 @group(3) @binding(0) var surface_texture: texture_2d<f32>;
@@ -83,6 +85,8 @@ struct Varying {
     @location(2) light: vec4f,
     @location(3) color: vec3f,
     @location(4) uv: vec2f,
+    // Place in the lightmap, and 1 more than the page; 0 for none.
+    @location(5) spot: vec3f,
 }
 
 // ---------------------------------------------------------------- vertex shaders
@@ -101,6 +105,7 @@ fn surface(
     @location(2) light: vec4f,
     @location(3) color: vec4f,
     @location(4) uv: vec2f,
+    @location(5) spot: vec3f,
 ) -> Varying {
     var out: Varying;
     out.clip = object.clip_from_object * vec4f(position, 1.0);
@@ -109,6 +114,7 @@ fn surface(
     out.light = vec4f(light.rgb * object.light_scale, light.a);
     out.color = color.rgb;
     out.uv = vec2f(uv.x, 1.0 - uv.y);
+    out.spot = spot;
     return out;
 }
 
@@ -337,19 +343,35 @@ fn textured(in: Varying, @builtin(front_facing) facing: bool) -> @location(0) ve
     return tinted(srgb(in_fog(c, in.place)), n, in.place);
 }
 
+struct Light {
+    irradiance: vec3f,
+    is_known: bool,
+}
+
+// Irradiance from the lightmap, which both sides show, or of the vertices, which is known on front sides.
+fn light_of(in: Varying, front: bool) -> Light {
+    if in.spot.z > 0.5 {
+        let half_texel = 0.5 / vec2f(textureDimensions(lightmap));
+        let place = clamp(in.spot.xy, half_texel, 1.0 - half_texel);
+        let page = i32(round(in.spot.z)) - 1;
+        let stored = textureSampleLevel(lightmap, color_map_sampler, place, page, 0.0);
+        return Light(stored.rgb * frame.lightmap_scale, true);
+    }
+    return Light(in.light.rgb, object.is_solved > 0.5 && in.light.a > 0.5 && front);
+}
+
 // The display colour of the radiance leaving a matt surface.
 fn lit(in: Varying, paint: vec3f, n: vec3f, front: bool) -> vec3f {
     let rho = material.diffuse * in.color * paint;
-    let radiance = emitted(front) + rho * in.light.rgb * 0.31830988618;
+    // Glass has no irradiance to display on either side.
+    let light = light_of(in, front || material.opacity < 1.0);
+    let radiance = emitted(front) + rho * light.irradiance * 0.31830988618;
     let through = transmittance(in.place);
     let c = tone_mapped(mix(frame.fog, radiance, through));
     let shown = srgb(max(c, through * 0.25 * hint(n, in.place)));
     let lamp = in_fog(lamp_at_eye(rho, n, in.place, front), in.place);
-    // Irradiance is known on front sides; glass has none to display on either side.
-    let has_side = front || material.opacity < 1.0;
-    let known = object.is_solved > 0.5 && in.light.a > 0.5 && has_side;
     let shines = any(emitted(front) > vec3f(0.0));
-    return select(hatched(srgb(lamp), in.clip), shown, known || shines);
+    return select(hatched(srgb(lamp), in.clip), shown, light.is_known || shines);
 }
 
 @fragment
@@ -367,25 +389,25 @@ fn patches(in: Varying, @builtin(front_facing) facing: bool) -> @location(0) vec
     return opaque(lit(in, vec3f(1.0), n, is_front(facing)), n, in.place);
 }
 
-fn scaled(in: Varying, x: f32, front: bool, has_lines: bool) -> vec4f {
+fn scaled(in: Varying, x: f32, known: bool, has_lines: bool) -> vec4f {
     let n = facet_normal(in.place);
     let t = place_on_scale(x);
     let plain = mapped(t);
     let lined = with_isolines(plain, t);
     let grey = hatched(srgb(lamp_at_eye(vec3f(0.6), n, in.place, false)), in.clip);
-    let known = object.is_solved > 0.5 && in.light.a > 0.5 && front;
     return opaque(select(grey, select(plain, lined, has_lines), known), n, in.place);
 }
 
 @fragment
 fn false_color(in: Varying, @builtin(front_facing) facing: bool) -> @location(0) vec4f {
-    return scaled(in, number_of(in.light.rgb), is_front(facing), true);
+    let light = light_of(in, is_front(facing));
+    return scaled(in, number_of(light.irradiance), light.is_known, true);
 }
 
 // Values of faces apply to both sides.
 @fragment
 fn face_number(in: Varying) -> @location(0) vec4f {
-    return scaled(in, in.light.r, true, false);
+    return scaled(in, in.light.r, object.is_solved > 0.5 && in.light.a > 0.5, false);
 }
 
 @fragment

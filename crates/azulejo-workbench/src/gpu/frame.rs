@@ -1,6 +1,6 @@
 //! The input of the renderer, as plain data.
 
-use super::Overlay;
+use super::{LightmapPages, Overlay};
 use crate::view::{BackgroundFit, ColorMap, Shading};
 use azulejo::render::Tone;
 use azulejo::scene::math::Aabb;
@@ -23,6 +23,8 @@ pub struct ViewportFrame<'a> {
     pub materials: &'a [&'a Material],
     /// Materials refer to these.
     pub textures: &'a [TextureSource<'a>],
+    /// The pages that places of meshes in a lightmap refer to, shown in the modes that show irradiance.
+    pub lightmap: Option<LightmapPages<'a>>,
     /// The background.
     pub background: Background<'a>,
     /// Fog, applied in modes with realistic shading.
@@ -60,6 +62,7 @@ impl<'a> ViewportFrame<'a> {
             objects,
             materials,
             textures: &[],
+            lightmap: None,
             background: Background::Color([58, 62, 68]),
             fog: None,
             overlay: Overlay::none(),
@@ -84,6 +87,9 @@ pub struct DrawnMesh<'a> {
     pub light_key: u64,
     /// Its polygons.
     pub mesh: &'a Mesh,
+    /// For each vertex its place on a page of the lightmap, u and v from the upper left corner, and
+    /// the number of the page, or a negative one. Part of what the key identifies.
+    pub lightmap: Option<&'a [[f32; 3]]>,
     /// Its placement; changing it uploads nothing.
     pub world_from_object: DAffine3,
     /// Bounding box in object space, if known: picking skips the polygons of objects that the ray
@@ -105,6 +111,7 @@ impl<'a> DrawnMesh<'a> {
             key,
             light_key: key,
             mesh,
+            lightmap: None,
             world_from_object: DAffine3::IDENTITY,
             bounds: None,
             is_selected: false,

@@ -23,7 +23,9 @@ const BRIGHTEST: f64 = 16384.0;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct VertexStreams {
     pub normals: bool,
+    /// Irradiance of vertices, and places in the lightmap.
     pub light: bool,
+    pub lightmap: bool,
     pub colors: bool,
     pub uvs: bool,
     pub edges: bool,
@@ -73,6 +75,7 @@ pub struct PieceBuffers {
     pub triangles: wgpu::Buffer,
     pub normals: Option<wgpu::Buffer>,
     pub light: Option<wgpu::Buffer>,
+    pub lightmap: Option<wgpu::Buffer>,
     pub colors: Option<wgpu::Buffer>,
     pub uvs: Option<wgpu::Buffer>,
     pub edges: Option<wgpu::Buffer>,
@@ -172,6 +175,7 @@ impl GpuMesh {
         let wanted = VertexStreams {
             normals: wanted.normals && mesh.normals.is_some(),
             light: wanted.light && is_solved(mesh),
+            lightmap: wanted.light && places_of(drawn).is_some(),
             colors: wanted.colors && mesh.colors.len() == mesh.positions.len(),
             uvs: wanted.uvs && mesh.uvs.is_some(),
             ..wanted
@@ -190,6 +194,9 @@ impl GpuMesh {
             let origin = self.origin;
             let buffers = &mut self.pieces[number];
             buffers.complete(mesh, piece, wanted, loader, scales[0]);
+            if let Some(places) = places_of(drawn).filter(|_| wanted.lightmap) {
+                buffers.complete_lightmap(places, piece, loader);
+            }
             if wanted.facets != FacetAttribute::None {
                 buffers.complete_facets(mesh, piece, origin, &source, scales[1], loader);
             }
@@ -205,6 +212,7 @@ impl GpuMesh {
             .map_or(VertexAttributes::default(), |p| VertexAttributes {
                 normals: p.normals.is_some(),
                 light: p.light.is_some(),
+                lightmap: p.lightmap.is_some(),
                 colors: p.colors.is_some(),
                 uvs: p.uvs.is_some(),
             })
@@ -282,6 +290,7 @@ impl PieceBuffers {
             triangles: loader.load(wgpu::BufferUsages::INDEX, &piece.triangles),
             normals: None,
             light: None,
+            lightmap: None,
             colors: None,
             uvs: None,
             edges: None,
@@ -294,6 +303,7 @@ impl PieceBuffers {
         let facets = self.facets.is_some() && self.facet_values.is_some();
         (!wanted.normals || self.normals.is_some())
             && (!wanted.light || self.light.is_some())
+            && (!wanted.lightmap || self.lightmap.is_some())
             && (!wanted.colors || self.colors.is_some())
             && (!wanted.uvs || self.uvs.is_some())
             && (!wanted.edges || self.edges.is_some())
@@ -328,6 +338,22 @@ impl PieceBuffers {
         if wanted.edges && self.edges.is_none() {
             self.edge_ends = piece.edges.len() as u32;
             self.edges = Some(loader.load(wgpu::BufferUsages::INDEX, &piece.edges));
+        }
+    }
+
+    fn complete_lightmap(
+        &mut self,
+        places: &[[f32; 3]],
+        piece: &MeshPiece,
+        loader: &mut GpuUploader,
+    ) {
+        if self.lightmap.is_none() {
+            // The shader takes 0 for none, which meshes without places have.
+            let place = |v: &[u32; 2]| {
+                let [u, v, page] = places[v[0] as usize];
+                [u, v, page + 1.0]
+            };
+            self.lightmap = Some(loader.vertices(piece.vertices.iter().map(place)));
         }
     }
 
@@ -410,6 +436,12 @@ pub fn is_solved(mesh: &Mesh) -> bool {
     !mesh.irradiance.is_empty() && mesh.irradiance.len() == mesh.positions.len()
 }
 
+/// The places in the lightmap, if every vertex has one.
+fn places_of<'a>(drawn: &DrawnMesh<'a>) -> Option<&'a [[f32; 3]]> {
+    let is_complete = |places: &&[[f32; 3]]| places.len() == drawn.mesh.positions.len();
+    drawn.lightmap.filter(is_complete)
+}
+
 fn brightest(mesh: &Mesh) -> f64 {
     if !is_solved(mesh) {
         return 0.0;
@@ -437,7 +469,7 @@ fn halves(light: Rgb, scale: f64) -> [u16; 4] {
 }
 
 /// The nearest half float in 0..=65504; 0 for negative values and NaN.
-fn half(x: f32) -> u16 {
+pub fn half(x: f32) -> u16 {
     let x = if x > 0.0 { x.min(65504.0) } else { 0.0 };
     // 2^-112 changes the exponent's bias from 127 to 15 and maps small values to subnormals.
     let bits = (x * f32::from_bits(0x0780_0000)).to_bits();

@@ -9,7 +9,7 @@
 //! | `frame`, `overlay` | the input of the renderer, as plain data |
 //! | `projection` | from world space to pixels, in `f64` |
 //! | `mesh_pieces`, `geometry` | polygons to vertices and triangles, and their upload |
-//! | `textures`, `uniforms` | upload of textures and uniform data |
+//! | `textures`, `lightmap`, `uniforms` | upload of textures, lightmaps and uniform data |
 //! | `pipelines`, `draw.wgsl` | pipelines and shaders |
 //! | `pass`, `renderer`, `target` | the render pass and its target |
 //! | `tessellate` | polygons of exact shapes, as fine as the view requires |
@@ -21,6 +21,7 @@ mod device;
 mod error;
 mod frame;
 mod geometry;
+mod lightmap;
 mod mesh_pieces;
 mod overlay;
 mod pass;
@@ -40,6 +41,7 @@ pub use error::GpuError;
 pub use frame::{
     Background, ColorScalar, ColorScale, DrawnMesh, FaceValues, TextureSource, ViewportFrame,
 };
+pub use lightmap::LightmapPages;
 pub use overlay::{Overlay, OverlayLine, OverlayStyle, OverlayTriangle};
 pub use pick::{PickHit, pick, pick_rectangle};
 pub use projection::Projection;

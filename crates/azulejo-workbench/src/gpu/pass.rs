@@ -309,7 +309,7 @@ impl PassEncoder<'_> {
         if let (Some(facets), Some(values)) = (&piece.facets, &piece.facet_values)
             && self.plan.streams.facets != FacetAttribute::None
         {
-            let buffers = [facets, zeros, values, ones, zeros];
+            let buffers = [facets, zeros, values, ones, zeros, zeros];
             for (slot, buffer) in (0..).zip(buffers) {
                 pass.set_vertex_buffer(slot, buffer.slice(..));
             }
@@ -321,6 +321,7 @@ impl PassEncoder<'_> {
             piece.light.as_ref().unwrap_or(zeros),
             piece.colors.as_ref().unwrap_or(ones),
             piece.uvs.as_ref().unwrap_or(zeros),
+            piece.lightmap.as_ref().unwrap_or(zeros),
         ];
         for (slot, buffer) in (0..).zip(buffers) {
             pass.set_vertex_buffer(slot, buffer.slice(..));

@@ -1,5 +1,6 @@
 //! Render pipelines of draw.wgsl, created on first use.
 
+use super::lightmap::lightmap_binding;
 use super::overlay::WORDS;
 use super::target::{COLOR, DEPTH};
 use super::textures::{sampler_binding, texture_binding};
@@ -47,6 +48,7 @@ pub enum DrawStage {
 pub struct VertexAttributes {
     pub normals: bool,
     pub light: bool,
+    pub lightmap: bool,
     pub colors: bool,
     pub uvs: bool,
 }
@@ -273,7 +275,7 @@ fn inked() -> wgpu::VertexBufferLayout<'static> {
     }
 }
 
-/// Five vertex buffers; missing attributes have one constant value.
+/// Six vertex buffers; missing attributes have one constant value.
 fn surface(has: VertexAttributes) -> Vec<Option<wgpu::VertexBufferLayout<'static>>> {
     let optional = |is_there, array_stride, attributes| {
         Some(wgpu::VertexBufferLayout {
@@ -290,12 +292,14 @@ fn surface(has: VertexAttributes) -> Vec<Option<wgpu::VertexBufferLayout<'static
     let light = &const { wgpu::vertex_attr_array![2 => Float16x4] };
     let colors = &const { wgpu::vertex_attr_array![3 => Unorm8x4] };
     let uvs = &const { wgpu::vertex_attr_array![4 => Float32x2] };
+    let lightmap = &const { wgpu::vertex_attr_array![5 => Float32x3] };
     vec![
         Some(position(wgpu::VertexStepMode::Vertex)),
         optional(has.normals, 4, normals),
         optional(has.light, 8, light),
         optional(has.colors, 4, colors),
         optional(has.uvs, 8, uvs),
+        optional(has.lightmap, 12, lightmap),
     ]
 }
 
@@ -314,6 +318,7 @@ fn frame_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
             entry(2, sampler_binding()),
             entry(3, texture_binding()),
             entry(4, sampler_binding()),
+            entry(5, lightmap_binding()),
         ],
     })
 }

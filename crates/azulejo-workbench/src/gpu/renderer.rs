@@ -4,6 +4,7 @@ use super::GpuError;
 use super::device::{DeviceErrors, catch_errors};
 use super::frame::{Background, DrawnMesh, TextureSource, ViewportFrame};
 use super::geometry::{FacetAttribute, GpuMesh, GpuUploader};
+use super::lightmap::LightmapTexture;
 use super::overlay;
 use super::pass::{DrawPlan, PassEncoder, VisibleObject};
 use super::pipelines::RenderPipelines;
@@ -35,6 +36,7 @@ pub struct Renderer {
     object_blocks: UniformBlocks,
     material_blocks: UniformBlocks,
     color_map: (ColorMap, wgpu::TextureView),
+    lightmap: LightmapTexture,
     constants: DefaultAttributes,
     number: u64,
     statistics: RenderStatistics,
@@ -104,6 +106,7 @@ impl Renderer {
             object_blocks: UniformBlocks::new(&device, &pipelines.block, 1),
             material_blocks: UniformBlocks::new(&device, &pipelines.block, 1),
             color_map: load_map(&device, &queue, ColorMap::default()),
+            lightmap: LightmapTexture::new(&device, &queue),
             constants: DefaultAttributes::new(&device, &queue),
             geometries: HashMap::new(),
             target: None,
@@ -195,6 +198,7 @@ impl Renderer {
     pub fn forget(&mut self) {
         self.geometries.clear();
         self.textures.free_before(u64::MAX);
+        self.lightmap = LightmapTexture::new(&self.device, &self.queue);
         self.target = None;
     }
 
@@ -212,6 +216,8 @@ impl Renderer {
         if self.color_map.0 != frame.scale.map {
             self.color_map = load_map(&self.device, &self.queue, frame.scale.map);
         }
+        self.lightmap
+            .upload(&self.device, &self.queue, frame.lightmap);
         let view = self.view(frame, size);
         let visible = self.load(frame, &view, &plan)?;
         let textures = self.load_textures(frame, &plan);
@@ -224,7 +230,7 @@ impl Renderer {
         self.material_blocks
             .write(&self.device, &self.queue, layout, &materials);
         let picture = backdrop.as_ref().and(background_size(&frame.background));
-        let block = uniforms::frame(frame, &view, picture);
+        let block = uniforms::frame(frame, &view, picture, self.lightmap.scale);
         self.queue
             .write_buffer(&self.frame_block, 0, bytemuck::cast_slice(&block));
         let group = self.frame_group(backdrop.as_ref());
@@ -387,6 +393,7 @@ impl Renderer {
             sampler.clone(),
             wgpu::BindingResource::TextureView(&self.color_map.1),
             sampler,
+            wgpu::BindingResource::TextureView(&self.lightmap.view),
         ];
         let entries: Vec<_> = (0..)
             .zip(resources)

@@ -114,11 +114,13 @@ impl<const N: usize> BlockWriter<N> {
     }
 }
 
-/// The uniforms of the frame. `picture` is the size of the background image, if there is one.
+/// The uniforms of the frame. `picture` is the size of the background image, if there is one, and
+/// `lightmap_scale` the irradiance that the stored value 1 of the lightmap stands for.
 pub fn frame(
     frame: &ViewportFrame,
     view: &Projection,
     picture: Option<[u32; 2]>,
+    lightmap_scale: f32,
 ) -> [f32; FRAME_WORDS] {
     let size = view.size();
     let tone = match frame.tone {
@@ -159,7 +161,7 @@ pub fn frame(
         .vector(world.z_axis, 0.0)
         .put(&[flag(scale.is_logarithmic)])
         .put(&[flag(scale.quantity == ColorScalar::Luminance)])
-        .put(&[fog_color.max_channel().max(1.0) as f32])
+        .put(&[fog_color.max_channel().max(1.0) as f32, lightmap_scale])
         .words
 }
 

@@ -1,5 +1,6 @@
 //! The steps of a script, and how they are written.
 
+use super::bake::{self, BakeStep};
 use super::fields::{name, number, numbers, one_of, path, split, two_points, whole};
 use super::light::{self, LightStep};
 use super::material::{self, MaterialStep};
@@ -44,6 +45,8 @@ pub enum ScriptStep {
     Tab(PanelTab),
     /// Sets or starts the solver.
     Solver(SolverStep),
+    /// Bakes a lightmap, saves or shows it.
+    Bake(BakeStep),
     /// `probe EX EY EZ TX TY TZ`: pins a probe where the ray from one point toward another first
     /// meets a surface.
     Probe(DVec3, DVec3),
@@ -102,6 +105,9 @@ fn step(line: &str) -> Result<ScriptStep, String> {
     if let Some(step) = solver::parse(word, rest) {
         return step.map(ScriptStep::Solver);
     }
+    if let Some(step) = bake::parse(word, rest) {
+        return step.map(ScriptStep::Bake);
+    }
     let path = || path(word, rest);
     Ok(match word {
         "size" => {
@@ -154,7 +160,7 @@ fn step(line: &str) -> Result<ScriptStep, String> {
 }
 
 /// The first words of all steps, in the order of the table in `docs/workbench/scripts.md`.
-pub(super) const STEPS: [&str; 53] = [
+pub(super) const STEPS: [&str; 57] = [
     "size",
     "open",
     "add",
@@ -204,6 +210,10 @@ pub(super) const STEPS: [&str; 53] = [
     "form-factors",
     "render",
     "stop-render",
+    "bake",
+    "lightmap",
+    "save-lightmap",
+    "save-error-map",
     "preference",
     "clear-messages",
     "wait",
@@ -297,6 +307,13 @@ mod tests {
             ("fov 0", "expected 1 to 170"),
             ("engine steam", "no engine \"steam\""),
             ("time 0", "expected 0.1"),
+            ("bake size=8", "expected 16 to 8192"),
+            ("bake error=5", "expected as in 5%"),
+            ("bake light=red", "expected total, indirect, direct"),
+            ("bake texels-per-metre=-1", "expected more than 0"),
+            ("bake thoroughly", "expected size, texels-per-metre"),
+            ("lightmap upside-down", "expected light, false-color"),
+            ("save-lightmap", "save-lightmap needs a file"),
             ("select-faces one", "are no indices"),
             ("text 1 1 -", "text needs a name"),
             ("logarithmic yes", "expected on or off"),

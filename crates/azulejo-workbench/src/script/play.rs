@@ -1,5 +1,6 @@
 //! Running a script in a window.
 
+use super::bake::BakeStep;
 use super::material::MaterialStep;
 use super::parse::ScriptStep;
 use super::selected::{material_named, selected_one};
@@ -199,6 +200,7 @@ impl ScriptPlayer {
                 window.run_action(target);
             }
             ScriptStep::Material(MaterialStep::Load(path)) => window.load_brdf(&path)?,
+            ScriptStep::Bake(BakeStep::Show(shown)) => window.show_lightmap(shown)?,
             ScriptStep::Probe(from, toward) => {
                 let pick = surface(window, from, toward)?;
                 window.app.execute(Command::AddProbe(pick));
@@ -276,6 +278,7 @@ fn commands(app: &App, step: ScriptStep) -> Result<Vec<Command>, String> {
         ScriptStep::Light(step) => step.commands(app),
         ScriptStep::View(step) => one(step.command(app)),
         ScriptStep::Solver(step) => Ok(step.commands(app)),
+        ScriptStep::Bake(step) => step.commands(app),
         ScriptStep::RemoveProbe(number) => one(Command::RemoveProbe(u64::from(number))),
         ScriptStep::StopRender => one(Command::StopRender),
         ScriptStep::Preference(key, value) => {

@@ -53,6 +53,10 @@ pub enum WindowAction {
     ToggleRender,
     /// Renames the selection.
     Rename,
+    /// Opens the dialog for a lightmap.
+    Bake,
+    /// Shows the lightmap, or hides it.
+    ToggleLightmap,
     /// Pins a probe at the surface point under the mouse, or else at the next click.
     AddProbe,
 }
@@ -424,6 +428,15 @@ pub const ACTIONS: &[Action] = &[
     }),
     action(Menu::Light, "Clear light", None, |a| {
         enabled_if(a.lighting.solution.is_some(), Command::ClearLight)
+    }),
+    action(Menu::Light, "Bake a lightmap…", key(Key::F9), |a| {
+        let can_bake = !a.document.objects.is_empty() && a.document.has_light();
+        let is_free = !a.is_busy(JobKind::Bake);
+        (can_bake && is_free).then_some(ActionTarget::Window(WindowAction::Bake))
+    }),
+    action(Menu::Light, "Lightmap", shift(Key::F9), |a| {
+        let result = a.lightmap.result.as_ref();
+        result.map(|_| ActionTarget::Window(WindowAction::ToggleLightmap))
     }),
     action(
         Menu::Help,

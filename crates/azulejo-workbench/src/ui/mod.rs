@@ -14,6 +14,7 @@ mod inputs;
 pub mod inspector;
 mod lamps;
 pub mod light;
+pub mod lightmap;
 mod material;
 mod material_actions;
 pub mod menu;

@@ -64,7 +64,7 @@ fn false_colors(ui: &mut Ui, cx: &PanelContext, view: &mut ModelView) {
                 ui.selectable_value(&mut colors.map, map, map_name(map, cx));
             }
         });
-    let found = cx.app.lighting.range;
+    let found = super::viewport::shown_range(cx.app);
     let mut auto = colors.range.is_none();
     if ui.checkbox(&mut auto, cx.tr("Auto range")).changed() {
         let now = found.map_or((0.0, 1.0), |r| (r.low, r.usual));

@@ -4,7 +4,8 @@ mod closing;
 
 use super::actions::{self, ActionTarget, WindowAction};
 use super::brdf::{apply_file, with_description};
-use super::dialogs::{BrdfFileChoice, Dialogs, PrismDialog, TextDialog};
+use super::dialogs::{BakeDialog, BrdfFileChoice, Dialogs, PrismDialog, TextDialog};
+use super::lightmap::{LightmapView, LightmapWindow};
 use super::material::MaterialPanel;
 use super::panel_context::PanelContext;
 use super::tree::SceneTree;
@@ -58,6 +59,8 @@ pub struct Workbench {
     tree: SceneTree,
     dialogs: Dialogs,
     materials: MaterialPanel,
+    /// The window with the lightmap.
+    pub lightmap: LightmapWindow,
     shows_messages: bool,
     /// Counts mouse presses: each is one gesture.
     press: u64,
@@ -101,6 +104,7 @@ impl Workbench {
             tree: SceneTree::default(),
             dialogs: Dialogs::default(),
             materials: MaterialPanel::default(),
+            lightmap: LightmapWindow::default(),
             shows_messages: false,
             press: 0,
             player: None,
@@ -242,6 +246,7 @@ impl Workbench {
                     });
             });
         let shown = CentralPanel::no_frame().show(ui, |ui| viewport.show(ui, &mut cx));
+        self.lightmap.show(ui, &mut cx);
         let chosen = dialogs.show(ui, &mut cx);
         let commands = cx.commands;
         // A press elsewhere ends typing, and is itself not part of it.
@@ -269,6 +274,10 @@ impl Workbench {
                 let size = 0.25 * self.app.default_size();
                 self.dialogs.text = Some(TextDialog::new(size));
             }
+            ActionTarget::Window(WindowAction::Bake) => {
+                self.dialogs.bake = Some(BakeDialog::new(self.app.lightmap.settings));
+            }
+            ActionTarget::Window(WindowAction::ToggleLightmap) => self.lightmap.toggle(),
             ActionTarget::Window(WindowAction::AddProbe) => match self.viewport.pointed_surface() {
                 Some(place) => self.app.execute(Command::AddProbe(place)),
                 None => self.viewport.pins_next = true,
@@ -286,6 +295,25 @@ impl Workbench {
                 });
             }
         }
+    }
+
+    /// Opens the window with the lightmap for a view of a page, counted from 1, or closes it.
+    ///
+    /// # Errors
+    ///
+    /// A message if there is no such page.
+    pub fn show_lightmap(&mut self, shown: Option<(LightmapView, u32)>) -> Result<(), String> {
+        self.lightmap.is_open = shown.is_some();
+        if let Some((quantity, page)) = shown {
+            let result = self.app.lightmap.result.as_ref();
+            let count = result.map_or(0, |r| r.baked.lightmap.pages.len());
+            let page = page as usize;
+            if !(1..=count).contains(&page) {
+                return Err(format!("page {page} of a lightmap of {count}"));
+            }
+            (self.lightmap.view.quantity, self.lightmap.view.page) = (quantity, page - 1);
+        }
+        Ok(())
     }
 
     /// Loads or saves a reflection model.

@@ -3,6 +3,7 @@
 mod dialogs;
 mod files;
 mod inspector;
+mod lightmap;
 mod menus;
 mod script;
 mod snapshots;

@@ -3,10 +3,12 @@
 use crate::window::*;
 use azulejo_testing::Need;
 use azulejo_workbench::app::App;
+use azulejo_workbench::bake::BakeSettings;
 use azulejo_workbench::command::Command;
 use azulejo_workbench::document::NewLightKind;
 use azulejo_workbench::first_pass::{EngineChoice, LightSettings};
 use azulejo_workbench::gpu::HeadlessDevice;
+use azulejo_workbench::ui::lightmap::LightmapView;
 use azulejo_workbench::ui::{PanelTab, Viewport, Workbench};
 use azulejo_workbench::view::Shading;
 use egui_kittest::{Harness, SnapshotOptions};
@@ -84,5 +86,46 @@ fn the_panel_of_a_sky_is_shown() {
     look(&mut app, Shading::Gouraud);
     if let Some(mut window) = drawn(app) {
         window.snapshot_options("sky", &tolerance());
+    }
+}
+
+#[test]
+fn a_lightmap_is_shown_beside_the_model() {
+    let mut app = opened("cornell.grf");
+    app.execute(Command::SetBake(BakeSettings {
+        size: 128,
+        error: 0.1,
+        ..BakeSettings::default()
+    }));
+    app.execute(Command::Bake);
+    while !app.jobs().is_empty() {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+        app.poll();
+    }
+    let result = app.lightmap.result.as_mut();
+    let result = result
+        .and_then(std::sync::Arc::get_mut)
+        .expect("it is baked");
+    result.time = std::time::Duration::from_secs(2);
+    if let Some(mut window) = drawn(app) {
+        window.snapshot_options("lightmap", &tolerance());
+        for view in [LightmapView::Charts, LightmapView::Error] {
+            window.state_mut().lightmap.view.quantity = view;
+            window.run();
+            let name = format!("lightmap-{}", view.script_name());
+            window.snapshot_options(name, &tolerance());
+        }
+        window.state_mut().lightmap.is_open = false;
+        look(&mut window.state_mut().app, Shading::FalseColor);
+        window.run();
+        window.snapshot_options("lightmap-viewport", &tolerance());
+    }
+}
+
+#[test]
+fn the_dialog_for_a_lightmap_is_shown() {
+    if let Some(mut window) = drawn(opened("cornell.grf")) {
+        press(&mut window, egui::Modifiers::NONE, egui::Key::F9);
+        window.snapshot_options("bake", &tolerance());
     }
 }

@@ -1,6 +1,7 @@
 //! The file dialog.
 
 use super::show_all_files::ShowAllFiles;
+use crate::bake::LightmapFile;
 use crate::command::{Command, FileRequest};
 use crate::ui::panel_context::PanelContext;
 use egui::{Id, Modal, Ui};
@@ -163,6 +164,9 @@ impl FileChooser {
             FileRequest::SaveRender => {
                 FileDialog::save_file().default_filename(format!("{stem}.png"))
             }
+            FileRequest::SaveLightmap(what) => {
+                FileDialog::save_file().default_filename(lightmap_name(&stem, what))
+            }
             FileRequest::SaveBrdf => FileDialog::save_file().default_filename("material.brdf"),
         };
         let mut dialog = dialog
@@ -193,15 +197,30 @@ fn default_extension(what: FileRequest) -> Option<&'static str> {
     match what {
         FileRequest::SaveAs => Some("grf"),
         FileRequest::SaveRender => Some("png"),
+        FileRequest::SaveLightmap(what) => Some(what.extension()),
         FileRequest::SaveBrdf => Some("brdf"),
         _ => None,
     }
 }
 
+/// The name that is proposed: another one than that of the model, which would be replaced.
+fn lightmap_name(stem: &str, what: LightmapFile) -> String {
+    let part = match what {
+        LightmapFile::Model => "baked",
+        LightmapFile::Irradiance => "irradiance",
+        LightmapFile::StandardError => "error",
+    };
+    format!("{stem}-{part}.{}", what.extension())
+}
+
 fn saves(what: FileRequest) -> bool {
     matches!(
         what,
-        FileRequest::SaveAs | FileRequest::Export | FileRequest::SaveRender | FileRequest::SaveBrdf
+        FileRequest::SaveAs
+            | FileRequest::Export
+            | FileRequest::SaveRender
+            | FileRequest::SaveLightmap(_)
+            | FileRequest::SaveBrdf
     )
 }
 
@@ -217,6 +236,10 @@ fn is_offered(what: FileRequest, path: &Path) -> bool {
         FileRequest::Environment(_) => ["hdr", "exr"].contains(&extension.as_str()),
         FileRequest::Backdrop => ["png", "jpg", "jpeg", "hdr"].contains(&extension.as_str()),
         FileRequest::SaveRender => ["png", "exr", "hdr"].contains(&extension.as_str()),
+        FileRequest::SaveLightmap(LightmapFile::Model) => {
+            ["glb", "gltf"].contains(&extension.as_str())
+        }
+        FileRequest::SaveLightmap(_) => extension == "exr",
         FileRequest::Outline => ["svg", "dxf"].contains(&extension.as_str()),
         FileRequest::Font | FileRequest::LoadBrdf | FileRequest::SaveBrdf => true,
     }
@@ -229,6 +252,9 @@ fn title(what: FileRequest, cx: &PanelContext) -> &'static str {
         FileRequest::SaveAs => cx.tr("Save as GRF"),
         FileRequest::Export => cx.tr("Export a copy"),
         FileRequest::SaveRender => cx.tr("Save the image"),
+        FileRequest::SaveLightmap(LightmapFile::Model) => cx.tr("Save the model with its lightmap"),
+        FileRequest::SaveLightmap(LightmapFile::Irradiance) => cx.tr("Save the irradiance"),
+        FileRequest::SaveLightmap(LightmapFile::StandardError) => cx.tr("Save the standard error"),
         FileRequest::Backdrop => cx.tr("Choose a background image"),
         FileRequest::Recipe => cx.tr("Choose a recipe"),
         FileRequest::Environment(_) => cx.tr("Choose a picture of the surroundings"),

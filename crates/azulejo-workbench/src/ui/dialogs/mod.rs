@@ -1,6 +1,7 @@
-//! Dialogs, one per file: questions, files, text, prisms, preferences, shortcuts.
+//! Dialogs, one per file: questions, files, text, prisms, lightmaps, preferences, shortcuts.
 
 mod about;
+mod bake;
 mod files;
 mod preferences;
 mod prism;
@@ -17,6 +18,7 @@ use egui::Ui;
 use files::{ChosenFiles, FileChooser};
 use std::path::PathBuf;
 
+pub(super) use bake::BakeDialog;
 pub use preferences::map_name;
 pub(super) use prism::PrismDialog;
 pub use text::TextDialog;
@@ -29,6 +31,8 @@ pub struct Dialogs {
     pub text: Option<TextDialog>,
     /// The dialog for a prism.
     pub(super) prism: Option<PrismDialog>,
+    /// The dialog for a lightmap.
+    pub(super) bake: Option<BakeDialog>,
     /// Whether the preferences are open.
     pub preferences: bool,
     /// Whether the shortcuts are open.
@@ -68,12 +72,13 @@ impl Dialogs {
             || self.files.is_open()
             || self.text.is_some()
             || self.prism.is_some()
+            || self.bake.is_some()
             || self.preferences
             || self.keys
             || self.about
     }
 
-    /// Draws the dialogs for text and prisms. They hide while they wait for a file, so as not to
+    /// Draws the dialogs for text, prisms and lightmaps. They hide while they wait for a file, so as not to
     /// cover the file dialog.
     fn show_shapes(&mut self, ui: &Ui, cx: &mut PanelContext) {
         if self.files.is_open() {
@@ -84,6 +89,9 @@ impl Dialogs {
         }
         if self.prism.as_mut().is_some_and(|prism| prism.show(ui, cx)) {
             self.prism = None;
+        }
+        if self.bake.as_mut().is_some_and(|bake| bake.show(ui, cx)) {
+            self.bake = None;
         }
     }
 
@@ -101,6 +109,7 @@ impl Dialogs {
             FileRequest::SaveAs => Command::SaveAs(first),
             FileRequest::Export => Command::Export(first),
             FileRequest::SaveRender => Command::SaveRender(first),
+            FileRequest::SaveLightmap(what) => Command::SaveLightmap(what, first),
             FileRequest::Backdrop => Command::LoadBackdrop(first),
             FileRequest::Recipe => Command::ApplyRecipe(first),
             FileRequest::Environment(into) => Command::LoadEnvironment(first, into),

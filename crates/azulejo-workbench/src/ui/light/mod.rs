@@ -11,6 +11,9 @@ mod settings;
 #[cfg(test)]
 mod tests;
 
+pub(super) use control::seconds;
+pub(super) use report::count;
+
 use super::panel_context::PanelContext;
 use egui::{CollapsingHeader, RichText, Ui};
 
@@ -56,7 +59,7 @@ fn row(ui: &mut Ui, name: &str, about: &str, value: String) {
 }
 
 /// A percentage with a suitable number of digits.
-fn percent(share: f64) -> String {
+pub(super) fn percent(share: f64) -> String {
     let hundredths = 100.0 * share;
     let digits = match hundredths.abs() {
         x if x >= 10.0 || x == 0.0 => 0,

@@ -65,7 +65,7 @@ fn rows(ui: &mut Ui, cx: &PanelContext, report: &Report) {
 }
 
 /// A count with thin spaces between thousands, as is common to all languages of the window.
-fn count(n: u64) -> String {
+pub fn count(n: u64) -> String {
     let digits = n.to_string();
     let mut text = String::new();
     for (k, digit) in digits.chars().enumerate() {

@@ -1,7 +1,7 @@
 //! The displayed polygons of each object, cached between frames.
 
 use crate::app::App;
-use crate::document::{ItemId, SceneObject};
+use crate::document::{ItemId, LightmappedMesh, SceneObject};
 use crate::gpu::{DrawnMesh, FaceValues, Projection, chord_error, display_mesh, pick};
 use crate::view::Backdrop;
 use azulejo::scene::math::{Aabb, Ray};
@@ -28,6 +28,8 @@ pub struct CachedMesh {
     shape: Arc<Shape>,
     /// The tessellation of an exact shape.
     made: Option<Mesh>,
+    /// What is shown of an object with a lightmap.
+    lightmapped: Option<Arc<LightmappedMesh>>,
     chord_error: f64,
     is_lit: bool,
     key: u64,
@@ -40,6 +42,9 @@ pub struct CachedMesh {
 impl CachedMesh {
     /// The polygons.
     pub fn mesh(&self) -> &Mesh {
+        if let Some(lightmapped) = &self.lightmapped {
+            return &lightmapped.mesh;
+        }
         match (&self.made, &*self.shape) {
             (Some(mesh), _) => mesh,
             (None, Shape::Mesh(mesh)) => mesh,
@@ -54,6 +59,7 @@ impl CachedMesh {
         DrawnMesh {
             world_from_object: self.placement,
             bounds: Some(self.bounds),
+            lightmap: self.lightmapped.as_ref().map(|l| &l.spots[..]),
             ..DrawnMesh::new(self.key, self.mesh())
         }
     }
@@ -73,6 +79,12 @@ impl CachedMesh {
     /// not solved.
     pub fn light(&self, corners: [u32; 3], weights: DVec3) -> Option<(Rgb, Option<Rgb>)> {
         light_of(self.mesh(), corners, weights).filter(|_| self.is_lit)
+    }
+
+    /// Irradiance at a point of a triangle by the lightmap, if the object is shown with it.
+    pub fn light_of_lightmap(&self, app: &App, corners: [u32; 3], weights: DVec3) -> Option<Rgb> {
+        let spot = self.lightmapped.as_ref()?.spot(corners, weights);
+        app.lightmap.shown.as_ref()?.lightmap.irradiance(spot)
     }
 
     /// The face of the model that a ray hits, where the solver's patches are displayed.
@@ -150,7 +162,12 @@ impl ViewportCache {
         view: &Projection,
         old: Option<CachedMesh>,
     ) -> CachedMesh {
-        let lit = if app.view.shading.shows_light() {
+        let lightmap = app.lightmap.shown_in(app.view.shading);
+        let lightmapped = lightmap.and_then(|shown| shown.lightmap.shown(item));
+        let lit = if lightmapped.is_some() {
+            // The triangles of the lightmap are shown in place of the shape.
+            Some(&item.shape)
+        } else if app.view.shading.shows_light() {
             app.lighting.solution.as_ref().and_then(|s| s.shown(item))
         } else {
             None
@@ -170,20 +187,25 @@ impl ViewportCache {
         if let Some(mut old) = old
             && Arc::ptr_eq(&old.shape, shape)
             && old.is_lit == is_lit
+            && is_same(&old.lightmapped, lightmapped)
             && old.chord_error == error
         {
             old.placement = placement;
             return old;
         }
         self.next += 1;
-        let made = match display_mesh(shape, error, is_lit) {
-            Cow::Borrowed(_) => None,
-            Cow::Owned(mesh) => Some(mesh),
+        let made = match lightmapped {
+            Some(_) => None,
+            None => match display_mesh(shape, error, is_lit) {
+                Cow::Borrowed(_) => None,
+                Cow::Owned(mesh) => Some(mesh),
+            },
         };
         let mut entry = CachedMesh {
             id: item.id,
             shape: Arc::clone(shape),
             made,
+            lightmapped: lightmapped.cloned(),
             chord_error: error,
             is_lit,
             key: self.next,
@@ -288,6 +310,13 @@ impl ViewportCache {
             selected_faces: if entry.is_lit { &[] } else { faces },
             ..entry.drawn()
         }
+    }
+}
+
+fn is_same(a: &Option<Arc<LightmappedMesh>>, b: Option<&Arc<LightmappedMesh>>) -> bool {
+    match (a, b) {
+        (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+        (a, b) => a.is_none() && b.is_none(),
     }
 }
 

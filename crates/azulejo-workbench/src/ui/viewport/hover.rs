@@ -45,11 +45,13 @@ fn light(
     paint: &ShadingPoint,
     ray: &Ray,
 ) -> Option<String> {
-    if !hit.is_front {
-        // Irradiance is known on front sides only.
+    let of_lightmap = entry.light_of_lightmap(cx.app, hit.vertices, hit.barycentric);
+    if !hit.is_front && of_lightmap.is_none() {
+        // Irradiance of vertices is known on front sides only.
         return None;
     }
     let shown = entry.light(hit.vertices, hit.barycentric);
+    let shown = of_lightmap.map(|light| (light, None)).or(shown);
     let (irradiance, error) = shown.or_else(|| entry.light_beneath(cx.app, ray))?;
     let error = error.map_or_else(|| "?".to_owned(), value);
     let app = cx.app;

@@ -16,12 +16,15 @@ pub(super) use markers::middle;
 pub use gizmo::GizmoMode;
 pub use hover::{radiance_unit, value};
 pub use legend::number;
+pub(super) use legend::paint as paint_legend;
 
 use super::panel_context::PanelContext;
-use crate::app::App;
+use crate::app::{App, IrradianceRange};
 use crate::command::{Command, SurfacePick};
 use crate::document::Edit;
-use crate::gpu::{Background, ColorScalar, ColorScale, Projection, TextureSource, ViewportFrame};
+use crate::gpu::{
+    Background, ColorScalar, ColorScale, LightmapPages, Projection, TextureSource, ViewportFrame,
+};
 use crate::view::{Backdrop, ModelView, Shading};
 use azulejo::render::Tone;
 use azulejo::scene::math::Ray;
@@ -58,11 +61,19 @@ pub struct Viewport {
 
 /// The exposure at which typical irradiance on a grey surface appears as a bright mid-tone.
 pub fn auto_exposure(app: &App) -> f64 {
-    let usual = app.lighting.range.map_or(0.0, |r| r.usual);
+    let usual = shown_range(app).map_or(0.0, |r| r.usual);
     if usual > 0.0 {
         0.6 * std::f64::consts::PI / (0.5 * usual)
     } else {
         1.0
+    }
+}
+
+/// Range of the irradiance that is shown: that of the lightmap, or of vertices.
+pub fn shown_range(app: &App) -> Option<IrradianceRange> {
+    match app.lightmap.shown_in(app.view.shading) {
+        Some(shown) => shown.range,
+        None => app.lighting.range,
     }
 }
 
@@ -187,12 +198,14 @@ impl Viewport {
         };
         let app = cx.app;
         let scale = scale(app);
+        let lightmap = app.lightmap.shown_in(view.shading);
         let stamp = DrawStamp {
             view: view.clone(),
             size: self.size,
             revision: app.revision(),
             selection: app.selection.clone(),
             seen: app.lighting.form_factors.as_ref().map(|s| s.number),
+            lightmap: lightmap.map(|shown| shown.key),
             scale,
         };
         let materials: Vec<&Material> = app.document.materials.iter().map(|m| &**m).collect();
@@ -211,6 +224,10 @@ impl Viewport {
         let frame = ViewportFrame {
             shading: view.shading,
             textures: &textures,
+            lightmap: lightmap.map(|shown| LightmapPages {
+                key: shown.key,
+                pages: &shown.lightmap.pages,
+            }),
             background: background(app, view, backdrop, ui.visuals().dark_mode),
             fog: app.document.fog.filter(|_| view.shows_fog),
             overlay: &overlay,
@@ -272,7 +289,7 @@ impl Viewport {
         }
         if app.render.is_none() {
             match app.view.shading {
-                Shading::FalseColor if app.lighting.solution.is_some() => {
+                Shading::FalseColor if app.lighting.solution.is_some() || shows_lightmap(app) => {
                     legend::paint(ui.painter(), rect, &scale(app), irradiance_unit(app));
                 }
                 Shading::FormFactors if app.lighting.form_factors.is_some() => {
@@ -309,6 +326,9 @@ impl Viewport {
             Some(cx.tr("Click the point to pin a probe at; Escape cancels."))
         } else if shading == Shading::FormFactors && lighting.form_factors.is_none() {
             Some(cx.tr("Click a surface to display its form factors."))
+        } else if shows_lightmap(app) {
+            let is_old = app.lightmap.result.is_some() && !app.lightmap.is_current;
+            is_old.then(|| cx.tr("This lightmap is of an earlier state of the model."))
         } else if shading.shows_light() && lighting.solution.is_none() {
             Some(cx.tr("Not solved yet: press F5."))
         } else if shading.shows_light() && !lighting.is_current {
@@ -335,6 +355,11 @@ impl Viewport {
     }
 }
 
+/// Whether the viewport shows a lightmap.
+fn shows_lightmap(app: &App) -> bool {
+    app.lightmap.shown_in(app.view.shading).is_some()
+}
+
 /// The current colour scale.
 fn scale(app: &App) -> ColorScale {
     let colors = &app.view.false_color;
@@ -354,7 +379,7 @@ fn scale(app: &App) -> ColorScale {
             quantity: ColorScalar::default(),
         };
     }
-    let found = app.lighting.range;
+    let found = shown_range(app);
     let found = found.map_or((0.0, 1.0), |r| (r.low, r.usual.max(r.low + 1e-12)));
     let (mut low, mut high) = colors.range.unwrap_or(found);
     if colors.logarithmic {

@@ -19,6 +19,7 @@ pub struct DrawStamp {
     pub revision: u64,
     pub selection: Selection,
     pub seen: Option<u64>,
+    pub lightmap: Option<u64>,
     pub scale: ColorScale,
 }
 

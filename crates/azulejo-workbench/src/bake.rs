@@ -1,0 +1,171 @@
+//! The third pass as run by the window: a lightmap of the document, and its files.
+
+mod files;
+mod source;
+
+pub use files::{LightmapFile, numbered, write};
+
+use crate::app::JobResult;
+use crate::document::SceneDocument;
+use crate::first_pass::LightSettings;
+use crate::jobs::JobSender;
+use azulejo::bake::{Resolution, UnwrapOptions};
+use azulejo::formats::gltf::patch::Convention;
+use azulejo::lightmap::{
+    BakeError, BakeOptions, BakeSource, Baked, BakedLight, BakedSides, Coordinates, bake,
+};
+use azulejo::radiosity::{FirstPass, SolveError};
+use azulejo::scene::Scene;
+use azulejo::trace::{Progress, Tracer};
+use std::time::{Duration, Instant};
+
+/// Largest width and height of pages whose resolution is given, texels.
+const MAX_SIZE: u32 = 8192;
+
+/// How a lightmap is baked and said.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BakeSettings {
+    /// Width and height of the page, texels; unused with `texels_per_metre`.
+    pub size: u32,
+    /// Texels per metre of surface, on as many pages as that takes.
+    pub texels_per_metre: Option<f64>,
+    /// Relative error of the irradiance at which gathering stops.
+    pub error: f64,
+    /// The side of surfaces that has light; `None` for the front in glTF files and the brighter one in others.
+    pub sides: Option<BakedSides>,
+    /// Which light.
+    pub light: BakedLight,
+    /// What tells viewers of the lightmap.
+    pub convention: Convention,
+}
+
+impl Default for BakeSettings {
+    fn default() -> BakeSettings {
+        BakeSettings {
+            size: 1024,
+            texels_per_metre: None,
+            error: 0.03,
+            sides: None,
+            light: BakedLight::Total,
+            convention: Convention::Moz,
+        }
+    }
+}
+
+impl BakeSettings {
+    /// Charts and pages in the units of a scene.
+    fn charts(&self, scene: &Scene) -> UnwrapOptions {
+        let (resolution, size) = match self.texels_per_metre {
+            Some(density) => (
+                Resolution::PerUnit(density * scene.units.metres()),
+                MAX_SIZE,
+            ),
+            None => (Resolution::Fill, self.size),
+        };
+        UnwrapOptions {
+            resolution,
+            size,
+            ..UnwrapOptions::default()
+        }
+    }
+
+    /// The library's type for these settings, with the engine and the bounces of the solver.
+    fn options(&self, light: &LightSettings, source: &BakeSource) -> BakeOptions {
+        let usual = if source.is_given {
+            BakedSides::Front
+        } else {
+            BakedSides::Brighter
+        };
+        BakeOptions {
+            charts: self.charts(&source.scene),
+            coordinates: Coordinates::New,
+            densities: Vec::new(),
+            pass: FirstPass {
+                engine: light.engine.engine(),
+                error: Some(self.error),
+                bounces: light.bounces,
+                memory: azulejo::machine::memory_budget(),
+                ..FirstPass::default()
+            },
+            light: self.light,
+            sides: self.sides.unwrap_or(usual),
+        }
+    }
+}
+
+/// A lightmap with what it was baked of.
+pub struct BakedDocument {
+    /// The document at that time.
+    pub document: SceneDocument,
+    /// The scene, and the glTF file that gets the lightmap.
+    pub source: BakeSource,
+    /// The lightmap.
+    pub baked: Baked,
+    /// The settings.
+    pub settings: BakeSettings,
+    /// Texels per metre of each chart.
+    pub densities: Vec<f64>,
+    /// How long it took.
+    pub time: Duration,
+}
+
+/// Bakes a lightmap of a document, and sends it.
+///
+/// # Errors
+///
+/// What cannot be laid out, written or solved, as text.
+pub fn bake_document(
+    document: &SceneDocument,
+    settings: &BakeSettings,
+    light: &LightSettings,
+    progress: &Progress,
+    outbox: &JobSender<JobResult>,
+) -> Result<(), String> {
+    let begin = Instant::now();
+    progress.begin("reading", 0);
+    let source = source::of(document)?;
+    for note in &source.notes {
+        outbox.send(JobResult::Note(note.clone()));
+    }
+    let tracer = Tracer::new(&source.scene);
+    let options = settings.options(light, &source);
+    let baked = match bake(
+        &source.scene,
+        &tracer,
+        &source.receivers,
+        &options,
+        progress,
+    ) {
+        Err(BakeError::Solve(SolveError::Cancelled)) => return Ok(()),
+        Err(other) => return Err(other.to_string()),
+        Ok(baked) => baked,
+    };
+    outbox.send(JobResult::Baked(Box::new(BakedDocument {
+        document: document.clone(),
+        densities: densities(&source, &baked),
+        source,
+        baked,
+        settings: *settings,
+        time: begin.elapsed(),
+    })));
+    Ok(())
+}
+
+/// Texels per metre of each chart.
+fn densities(source: &BakeSource, baked: &Baked) -> Vec<f64> {
+    let atlas = &baked.atlas;
+    let mut sums = vec![(0.0, 0.0); atlas.layout.charts as usize];
+    for (r, receiver) in atlas.receivers.iter().enumerate() {
+        for t in 0..receiver.triangles.len() {
+            let chart = atlas.layout.receivers[r].charts[t];
+            if let Some((texels, area)) = sums.get_mut(chart as usize) {
+                let [a, b, c] = atlas.layout.texels(r, t);
+                *texels += 0.5 * (b - a).perp_dot(c - a).abs();
+                *area += receiver.area_vector(t).length();
+            }
+        }
+    }
+    let metres = source.scene.units.metres();
+    let density = |(texels, area): (f64, f64)| (texels / f64::max(area, f64::MIN_POSITIVE)).sqrt();
+    sums.into_iter().map(|sum| density(sum) / metres).collect()
+}

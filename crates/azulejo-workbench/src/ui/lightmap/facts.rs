@@ -1,0 +1,82 @@
+//! What is known of a lightmap, and of one texel.
+
+use super::page::{Texel, luminance};
+use super::with_unit;
+use crate::bake::BakedDocument;
+use crate::ui::light::{count, percent, seconds};
+use crate::ui::panel_context::PanelContext;
+use crate::ui::viewport::{irradiance_unit, number};
+use azulejo::bake::layout::NO_CHART;
+use egui::{Grid, Label, Ui};
+
+/// Draws what is known of the lightmap.
+pub fn show(ui: &mut Ui, cx: &PanelContext, result: &BakedDocument) {
+    let baked = &result.baked;
+    let layout = &baked.atlas.layout;
+    let metres = result.source.scene.units.metres();
+    let density = layout.density(&baked.atlas.receivers) / metres;
+    let mean = baked.lightmap.mean().luminance();
+    let pages: Vec<String> = layout
+        .pages
+        .iter()
+        .map(|[width, height]| format!("{width} × {height}"))
+        .collect();
+    let pages = match &pages[..] {
+        [one] => one.clone(),
+        several => format!("{} ({}…)", several.len(), several[0]),
+    };
+    rows(
+        ui,
+        "lightmap facts",
+        &[
+            (cx.tr("Charts"), count(layout.charts.into())),
+            (cx.tr("Pages"), pages),
+            (cx.tr("Covered"), percent(baked.lightmap.covered_share())),
+            (cx.tr("Texels per metre"), number(density)),
+            (
+                cx.tr("Mean irradiance"),
+                with_unit(mean, irradiance_unit(cx.app)),
+            ),
+            (
+                cx.tr("Estimated error"),
+                percent(baked.lightmap.relative_error()),
+            ),
+            (cx.tr("Time"), seconds(result.time)),
+        ],
+    );
+}
+
+/// Draws what is known of the texel under the pointer.
+pub fn texel(ui: &mut Ui, cx: &PanelContext, result: &BakedDocument, texel: Option<&Texel>) {
+    let Some(&Texel { page, place }) = texel else {
+        ui.weak(cx.tr("Point at a texel for its values."));
+        return;
+    };
+    let of = &result.baked.lightmap.pages[page];
+    let at = place[1] as usize * of.size[0] as usize + place[0] as usize;
+    let mut all = vec![(cx.tr("Texel"), format!("{}, {}", place[0], place[1]))];
+    let chart = of.charts[at];
+    if chart != NO_CHART {
+        let unit = irradiance_unit(cx.app);
+        let value = |light: [f32; 3]| with_unit(luminance(light), unit);
+        let density = result.densities.get(chart as usize).copied();
+        all.extend([
+            (cx.tr("Irradiance"), value(of.irradiance[at])),
+            (cx.tr("Standard error"), value(of.standard_error[at])),
+            (cx.tr("Chart"), chart.to_string()),
+            (cx.tr("Texels per metre"), number(density.unwrap_or(0.0))),
+        ]);
+    }
+    rows(ui, "texel facts", &all);
+}
+
+fn rows(ui: &mut Ui, id: &str, all: &[(&str, String)]) {
+    let grid = Grid::new(id).num_columns(2).spacing([12.0, 2.0]);
+    grid.show(ui, |ui| {
+        for (name, value) in all {
+            ui.label(*name);
+            ui.add(Label::new(value).wrap());
+            ui.end_row();
+        }
+    });
+}

@@ -1,0 +1,156 @@
+//! Texts of lightmaps: their dialog and their window.
+
+use super::Translation;
+
+pub const TABLE: &[Translation] = &[
+    [
+        "Bake a lightmap…",
+        "Calcular un mapa de luz…",
+        "Calcular um mapa de luz…",
+    ],
+    [
+        "Bake a lightmap",
+        "Calcular un mapa de luz",
+        "Calcular um mapa de luz",
+    ],
+    ["Bake", "Calcular", "Calcular"],
+    ["Lightmap", "Mapa de luz", "Mapa de luz"],
+    ["lightmap", "mapa de luz", "mapa de luz"],
+    ["charts", "cartas", "cartas"],
+    ["texels", "téxeles", "texels"],
+    ["edges of shadows", "bordes de sombras", "bordas de sombras"],
+    [
+        "comparing with paths",
+        "comparando con caminos",
+        "a comparar com caminhos",
+    ],
+    [
+        "Size of the page",
+        "Tamaño de la página",
+        "Tamanho da página",
+    ],
+    ["Texels per metre", "Téxeles por metro", "Texels por metro"],
+    ["texels per metre", "téxeles por metro", "texels por metro"],
+    [
+        "On as many pages as that takes.",
+        "En las páginas que hagan falta.",
+        "Nas páginas que forem precisas.",
+    ],
+    [
+        "Estimated error of all texels relative to their mean. Half the error takes up to four times as long.",
+        "Error estimado de todos los téxeles respecto a su media. La mitad del error tarda hasta cuatro veces más.",
+        "Erro estimado de todos os texels em relação à sua média. Metade do erro demora até quatro vezes mais.",
+    ],
+    ["Baked light", "Luz del mapa", "Luz do mapa"],
+    ["all light", "toda la luz", "toda a luz"],
+    [
+        "indirect light alone",
+        "solo la luz indirecta",
+        "só a luz indireta",
+    ],
+    [
+        "direct light alone",
+        "solo la luz directa",
+        "só a luz direta",
+    ],
+    [
+        "Viewers that add the direct light of lamps need the indirect one alone.",
+        "Los visores que añaden la luz directa de las lámparas necesitan solo la indirecta.",
+        "Os visualizadores que juntam a luz direta das lâmpadas precisam só da indireta.",
+    ],
+    ["Lit side", "Lado con luz", "Lado com luz"],
+    [
+        "as the format says",
+        "según el formato",
+        "segundo o formato",
+    ],
+    ["the front", "el anverso", "a frente"],
+    ["the brighter one", "el más claro", "o mais claro"],
+    [
+        "glTF says which side of a surface is the front; of other formats each chart gets the light of its brighter side.",
+        "glTF dice cuál es el anverso de una superficie; en otros formatos cada carta recibe la luz de su lado más claro.",
+        "O glTF diz qual é a frente de uma superfície; noutros formatos cada carta recebe a luz do seu lado mais claro.",
+    ],
+    ["Convention", "Convención", "Convenção"],
+    [
+        "MOZ_lightmap of materials",
+        "MOZ_lightmap de los materiales",
+        "MOZ_lightmap dos materiais",
+    ],
+    [
+        "MX_lightmap of nodes",
+        "MX_lightmap de los nodos",
+        "MX_lightmap dos nós",
+    ],
+    [
+        "texture coordinates alone",
+        "solo coordenadas de textura",
+        "só coordenadas de textura",
+    ],
+    [
+        "What tells viewers of the lightmap in the file.",
+        "Lo que informa a los visores del mapa en el archivo.",
+        "O que informa os visualizadores do mapa no ficheiro.",
+    ],
+    ["What is shown", "Lo que se muestra", "O que é mostrado"],
+    ["Page", "Página", "Página"],
+    ["Pages", "Páginas", "Páginas"],
+    ["Stops", "Diafragmas", "Diafragmas"],
+    ["In the viewport", "En la vista", "Na vista"],
+    ["Full size", "Tamaño real", "Tamanho real"],
+    [
+        "This lightmap is of an earlier state of the model.",
+        "Este mapa de luz es de un estado anterior del modelo.",
+        "Este mapa de luz é de um estado anterior do modelo.",
+    ],
+    ["% of the mean", "% de la media", "% da média"],
+    ["Standard error", "Error estándar", "Erro padrão"],
+    ["Charts", "Cartas", "Cartas"],
+    ["Chart", "Carta", "Carta"],
+    [
+        "Texel density",
+        "Densidad de téxeles",
+        "Densidade de texels",
+    ],
+    ["Covered", "Cubierto", "Coberto"],
+    ["Mean irradiance", "Irradiancia media", "Irradiância média"],
+    ["Time", "Tiempo", "Tempo"],
+    ["Texel", "Téxel", "Texel"],
+    [
+        "Point at a texel for its values.",
+        "Señale un téxel para ver sus valores.",
+        "Aponte para um texel para ver os seus valores.",
+    ],
+    ["Save the model…", "Guardar el modelo…", "Guardar o modelo…"],
+    [
+        "Save the irradiance…",
+        "Guardar la irradiancia…",
+        "Guardar a irradiância…",
+    ],
+    ["Save the error…", "Guardar el error…", "Guardar o erro…"],
+    [
+        "Save the model with its lightmap",
+        "Guardar el modelo con su mapa de luz",
+        "Guardar o modelo com o seu mapa de luz",
+    ],
+    [
+        "Save the irradiance",
+        "Guardar la irradiancia",
+        "Guardar a irradiância",
+    ],
+    [
+        "Save the standard error",
+        "Guardar el error estándar",
+        "Guardar o erro padrão",
+    ],
+    [
+        "there is no lightmap yet: bake one first",
+        "aún no hay mapa de luz: calcule uno antes",
+        "ainda não há mapa de luz: calcule um antes",
+    ],
+    [
+        "there are no surfaces",
+        "no hay superficies",
+        "não há superfícies",
+    ],
+];

@@ -1,0 +1,309 @@
+//! The glTF file that gets a lightmap: one that stays as it is, or one that is written of a scene.
+//!
+//! A [`BakeSource`] says which objects of a scene are baked, and which faces of the file they are.
+//! [`BakeSource::layouts`] carries the charts of a lightmap over to the file.
+
+use super::{Baked, meshes_of};
+use crate::models::unbaked;
+use azulejo_formats::gltf::patch::{GltfFile, ObjectLayout};
+use azulejo_formats::gltf::{self, MattSurfaces, ObjectOrigin, Stillness};
+use azulejo_formats::{Folder, ReadError, ReadOptions};
+use azulejo_scene::{Object, Scene, Shape};
+use std::fmt;
+use std::io;
+use std::path::Path;
+
+/// A scene, and the glTF file that gets its lightmap.
+pub struct BakeSource {
+    /// What shades, lights and receives.
+    pub scene: Scene,
+    /// The objects of `scene` that receive.
+    pub receivers: Vec<u32>,
+    /// The glTF file.
+    pub file: SourceFile,
+    /// The origins of its objects.
+    pub origins: Vec<ObjectOrigin>,
+    /// For each receiver, which of the origins it is.
+    pub origin_of: Vec<usize>,
+    /// For each receiver, where its triangles are among those of the file.
+    pub order: Vec<Option<Vec<u32>>>,
+    /// Whether the file is the user's own, not one that was made of other models.
+    pub is_given: bool,
+    /// What is to be said of it.
+    pub notes: Vec<String>,
+}
+
+/// A glTF file.
+pub struct SourceFile {
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+    /// Its name, for messages.
+    pub name: String,
+    /// The files around it.
+    pub files: Folder,
+    /// How it was read.
+    pub options: ReadOptions,
+}
+
+impl SourceFile {
+    /// For edits.
+    pub fn patched(&self) -> GltfFile<'_> {
+        GltfFile {
+            bytes: &self.bytes,
+            name: &self.name,
+            files: &self.files,
+            options: &self.options,
+        }
+    }
+}
+
+/// Why a scene has no glTF file that could get a lightmap.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum SourceError {
+    /// The file cannot be read.
+    Read(ReadError),
+    /// The scene cannot be written.
+    Write(io::Error),
+    /// Triangles would have no area in the single precision of the format.
+    Precision,
+}
+
+impl fmt::Display for SourceError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            SourceError::Read(error) => error.fmt(f),
+            SourceError::Write(error) => error.fmt(f),
+            SourceError::Precision => f.write_str(
+                "some triangles cannot be written in single precision: scale the model with --place",
+            ),
+        }
+    }
+}
+
+impl std::error::Error for SourceError {}
+
+impl From<ReadError> for SourceError {
+    fn from(error: ReadError) -> SourceError {
+        SourceError::Read(error)
+    }
+}
+
+impl From<io::Error> for SourceError {
+    fn from(error: io::Error) -> SourceError {
+        SourceError::Write(error)
+    }
+}
+
+impl BakeSource {
+    /// A glTF file as it is, without a lightmap of azulejo's, and the scene that was read from it, to which
+    /// others may have added light. `None` if the scene has other surfaces: `is_alone` says that those behind
+    /// the file's own, such as the floor of a studio, are there for the light.
+    ///
+    /// # Errors
+    /// [`SourceError::Read`].
+    pub fn given(
+        scene: &Scene,
+        mut file: SourceFile,
+        is_alone: bool,
+    ) -> Result<Option<BakeSource>, SourceError> {
+        file.bytes = unbaked(file.bytes, &file.name).0;
+        let read = gltf::read_with_origins(&file.bytes, &file.name, &file.files, &file.options);
+        let (_, origins) = read?;
+        let has_more = !is_alone && scene.objects.len() > origins.len();
+        if has_more || scene.objects.len() < origins.len() {
+            return Ok(None);
+        }
+        let (mut kept, mut receivers, mut origin_of) = (Vec::new(), Vec::new(), Vec::new());
+        let mut moving = 0;
+        for (number, object) in scene.objects.iter().enumerate() {
+            let origin = origins.get(number);
+            if origin.is_some_and(|o| o.stillness != Stillness::Still) {
+                moving += 1;
+                continue;
+            }
+            if origin.is_some_and(|o| o.instance.is_none()) {
+                receivers.push(kept.len() as u32);
+                origin_of.push(number);
+            }
+            kept.push(object.clone());
+        }
+        let mut notes = Vec::new();
+        if moving > 0 {
+            notes.push(format!(
+                "{moving} objects that are animated, skinned or morphed neither receive nor shade"
+            ));
+        }
+        if origins.iter().any(|o| o.instance.is_some()) {
+            notes.push(
+                "instances by EXT_mesh_gpu_instancing shade, but have no lightmap: they share one mesh"
+                    .to_owned(),
+            );
+        }
+        let order = vec![None; receivers.len()];
+        Ok(Some(BakeSource {
+            scene: Scene {
+                objects: kept,
+                ..scene.clone()
+            },
+            receivers,
+            file,
+            origins,
+            origin_of,
+            order,
+            is_given: true,
+            notes,
+        }))
+    }
+
+    /// A scene as a new glTF file of meshes; if wished, cut along the lines on which one thing stands on
+    /// another ([`meshes_of`]).
+    ///
+    /// # Errors
+    /// [`SourceError`].
+    pub fn written(scene: &Scene, cuts_contacts: bool) -> Result<BakeSource, SourceError> {
+        let mut scene = meshes_of(scene, cuts_contacts);
+        let has_faces = |o: &Object| o.shape.mesh().is_some_and(|mesh| !mesh.faces.is_empty());
+        scene.objects.retain(has_faces);
+        let mut bytes = Vec::new();
+        gltf::write_with(&scene, MattSurfaces::Said, &mut bytes)?;
+        let file = SourceFile {
+            bytes,
+            name: "the written model".to_owned(),
+            files: Folder::of_model(Path::new(".")),
+            options: ReadOptions {
+                most_elements: u64::MAX,
+                ..ReadOptions::default()
+            },
+        };
+        let read = gltf::read_with_origins(&file.bytes, &file.name, &file.files, &file.options);
+        let (loaded, origins) = read?;
+        let is_same = loaded.scene.objects.len() == scene.objects.len();
+        let order: Vec<Vec<u32>> = scene.objects.iter().map(written_order).collect();
+        let mut counts = origins.iter().zip(&order);
+        if !is_same || !counts.all(|(origin, order)| order.len() == origin.faces.len()) {
+            return Err(SourceError::Precision);
+        }
+        Ok(BakeSource {
+            receivers: (0..scene.objects.len() as u32).collect(),
+            origin_of: (0..scene.objects.len()).collect(),
+            scene,
+            file,
+            origins,
+            order: order.into_iter().map(Some).collect(),
+            is_given: false,
+            notes: Vec::new(),
+        })
+    }
+
+    /// Where the faces of the file's objects lie in a lightmap of this source, for each of its origins.
+    pub fn layouts(&self, baked: &Baked) -> Vec<Option<ObjectLayout>> {
+        let mut layouts = vec![None; self.origins.len()];
+        for (receiver, layout) in baked.atlas.layout.receivers.iter().enumerate() {
+            let object = baked.objects[receiver];
+            let Some(place) = self.receivers.iter().position(|&r| r == object) else {
+                continue;
+            };
+            let in_order = |t: usize| match &self.order[place] {
+                Some(order) => order[t] as usize,
+                None => t,
+            };
+            let count = layout.uvs.len();
+            layouts[self.origin_of[place]] = Some(ObjectLayout {
+                uvs: (0..count).map(|t| layout.uvs[in_order(t)]).collect(),
+                pages: (0..count).map(|t| layout.pages[in_order(t)]).collect(),
+            });
+        }
+        layouts
+    }
+}
+
+/// The triangles of an object in the order in which they are written: by material, in the order in which
+/// faces first have it.
+fn written_order(object: &Object) -> Vec<u32> {
+    let Some(mesh) = (match &object.shape {
+        Shape::Mesh(mesh) => Some(mesh),
+        other => other.mesh(),
+    }) else {
+        return Vec::new();
+    };
+    let mut materials = Vec::new();
+    let mut triangles = Vec::new();
+    for (face, &material) in mesh.face_materials.iter().enumerate() {
+        let known = materials.iter().position(|&m| m == material);
+        let rank = known.unwrap_or_else(|| {
+            materials.push(material);
+            materials.len() - 1
+        });
+        let count = mesh.faces.get(face).len() - 2;
+        triangles.extend(std::iter::repeat_n(rank, count));
+    }
+    let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
+    order.sort_by_key(|&t| triangles[t as usize]);
+    order
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use azulejo_scene::synthetic::cube_room;
+    use glam::DVec3;
+
+    fn file(scene: &Scene) -> SourceFile {
+        let mut bytes = Vec::new();
+        gltf::write(scene, &mut bytes).unwrap();
+        SourceFile {
+            bytes,
+            name: "room.glb".to_owned(),
+            files: Folder::of_model(Path::new(".")),
+            options: ReadOptions::default(),
+        }
+    }
+
+    /// A file is taken as it is only for the objects that it has.
+    #[test]
+    fn files_with_other_surfaces_are_not_given() {
+        let room = cube_room();
+        let source = BakeSource::given(&room, file(&room), true)
+            .unwrap()
+            .unwrap();
+        assert!(source.is_given && source.notes.is_empty());
+        assert_eq!(source.receivers.len(), room.objects.len());
+        let mut more = room.clone();
+        more.objects.push(room.objects[0].clone());
+        assert!(
+            BakeSource::given(&more, file(&room), false)
+                .unwrap()
+                .is_none()
+        );
+        let lit = BakeSource::given(&more, file(&room), true).unwrap();
+        // It shades, but receives nothing.
+        assert_eq!(lit.unwrap().receivers.len(), room.objects.len());
+        assert!(
+            BakeSource::given(&room, file(&more), true)
+                .unwrap()
+                .is_none()
+        );
+    }
+
+    #[test]
+    fn objects_are_written_with_all_their_triangles() {
+        let source = BakeSource::written(&cube_room(), true).unwrap();
+        assert!(!source.is_given);
+        for (order, origin) in source.order.iter().zip(&source.origins) {
+            let mut order = order.clone().unwrap();
+            assert_eq!(order.len(), origin.faces.len());
+            order.sort_unstable();
+            assert!(order.into_iter().eq(0..origin.faces.len() as u32));
+        }
+        let mut tiny = cube_room();
+        if let Shape::Mesh(mesh) = &mut tiny.objects[0].shape {
+            for position in &mut mesh.positions {
+                *position += DVec3::splat(1e9);
+            }
+        }
+        // Where single precision has steps of 64, nothing of a room is left.
+        let refused = BakeSource::written(&tiny, false);
+        assert!(matches!(refused, Err(SourceError::Precision)));
+    }
+}
