@@ -196,6 +196,5 @@ fn compare(name: &str, places: &[[f64; 2]], seen: &[[f64; 3]], truth: &[(Rgb, Rg
         100.0 * worst.0,
         worst.1
     );
-    println!("{said}");
     assert!(rms < TOLERANCE && (sum / count).abs() < BIAS, "{said}");
 }

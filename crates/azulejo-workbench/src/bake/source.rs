@@ -49,9 +49,10 @@ fn own_file(document: &SceneDocument, scene: &mut Scene) -> Result<Option<BakeSo
         return Ok(None);
     };
     own.drop_lightmaps();
-    let is_same = match notes.is_empty() {
-        true => is_same(scene, &own),
-        false => read(&bytes).is_some_and(|baked| unbake(scene, baked, own)),
+    let is_same = if notes.is_empty() {
+        is_same(scene, &own)
+    } else {
+        read(&bytes).is_some_and(|baked| unbake(scene, baked, own))
     };
     if !is_same {
         return Ok(None);
