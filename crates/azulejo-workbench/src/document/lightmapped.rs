@@ -29,7 +29,7 @@ pub struct ShownLightmap {
 pub struct LightmappedMesh {
     /// The triangles.
     pub mesh: Mesh,
-    /// For each vertex its place on a page, (0, 0) in the upper left corner, and the page, or [`NO_SPOT`].
+    /// For each vertex its place on a page, (0, 0) in the upper left corner, and the page, or `NO_SPOT`.
     pub spots: Vec<[f32; 3]>,
 }
 
