@@ -8,7 +8,8 @@
 //! light reaches it is 0, and paths alone count.
 
 use crate::lattice::{Lattice, place};
-use crate::light::{NodeLight, NodePair};
+use crate::light::{NodeLight, NodePair, PairRays};
+use crate::rays::READ_RATE;
 use crate::samples::Samples;
 use azulejo_scene::Rgb;
 use azulejo_trace::{Gathered, REPLICATES};
@@ -29,9 +30,10 @@ pub(crate) fn corrected(
     samples: &Samples,
     lattice: &Lattice,
     pairs: &[NodePair],
+    rays: &[PairRays],
 ) -> Vec<NodeLight> {
     let around = lattice.nodes_around(samples, NEIGHBOURS[NEIGHBOURS.len() - 1]);
-    let smooth = |count| Smoothed::new(samples, lattice, pairs, &around, count);
+    let smooth = |count| Smoothed::new(samples, lattice, (pairs, rays), &around, count);
     let nearest = smooth(NEIGHBOURS[0]);
     let strata = nearest.strata();
     // Light hardly changes between the nearest nodes: what their corrections differ by is noise (Rice, *Bandwidth
@@ -65,7 +67,7 @@ impl Smoothed {
     fn new(
         samples: &Samples,
         lattice: &Lattice,
-        pairs: &[NodePair],
+        (pairs, rays): (&[NodePair], &[PairRays]),
         around: &[Vec<u32>],
         count: usize,
     ) -> Smoothed {
@@ -74,7 +76,10 @@ impl Smoothed {
             .map(|cell| {
                 let node = lattice.node(cell);
                 let near = &around[cell][..around[cell].len().min(count + 1)];
-                (node, node_light(samples, lattice, pairs, node, near))
+                (
+                    node,
+                    node_light(samples, lattice, (pairs, rays), node, near),
+                )
             })
             .collect();
         let mut smoothed = Smoothed {
@@ -150,7 +155,7 @@ impl Smoothed {
 fn node_light(
     samples: &Samples,
     lattice: &Lattice,
-    pairs: &[NodePair],
+    (pairs, rays): (&[NodePair], &[PairRays]),
     node: u32,
     around: &[u32],
 ) -> (NodeLight, [f64; 2]) {
@@ -166,7 +171,9 @@ fn node_light(
         rests += rest.mean() * w;
         variance += rest.variance() * (w * w);
         own_noise += w * rest.variance().mean();
-        noise += pairs[n as usize].read.variance() * w;
+        // What others would vary with as many rays as this one.
+        let fewer = f64::from(rays[n as usize].read) / f64::from(rays[node as usize].read.max(1));
+        noise += pairs[n as usize].read.variance() * (w * fewer.powf(READ_RATE));
     }
     correction += rests;
     let squares = around.iter().zip(&weights).map(|(&n, &w)| {

@@ -8,11 +8,13 @@
 use crate::correction::corrected;
 use crate::direct::SampleDirect;
 use crate::lattice::Lattice;
-use crate::light::{NodeLight, NodePair, TexelLight};
+use crate::light::{NodeLight, NodePair, PairRays, TexelLight};
 use crate::nodes::Nodes;
+use crate::rays::{NodeNoise, allocated};
 use crate::samples::Samples;
 use azulejo_scene::Rgb;
 use azulejo_trace::{GatherPoint, Gathered, Progress, sequence_gain};
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Texels along a side of the first cells, as a power of two.
@@ -27,45 +29,30 @@ const MOST_ROUNDS: u32 = 6;
 /// Error of interpolation in a first look, relative to that of the result.
 const LOOK_ERROR: f64 = 3.0;
 
-/// Rays of the first gather at a node.
+/// Rays of the first gather at a node, where there are few nodes.
 const FIRST_RAYS: PairRays = PairRays {
     read: 128,
     traced: 32,
 };
 
-/// Most rays of a node that read light.
-const MOST_RAYS: u32 = 1 << 14;
+/// Nodes from which on each gets half as many rays at first, and from twice as many on a quarter.
+const MANY_NODES: usize = 16_384;
 
 /// Noise that a node may have before cells are divided, relative to the permitted error: more would be taken for
 /// errors of interpolation.
 const NODE_ERROR: f64 = 2.0;
 
 /// Part of the permitted mean square error, or of all that is not noise, that is left to noise at least.
-const LEAST_NOISE: f64 = 0.25;
+const LEAST_NOISE: f64 = 0.4;
+
+/// Part of the permitted mean square noise that is aimed at when rays are added, so that one time suffices.
+const AIM: f64 = 0.85;
 
 /// What of a requested error is aimed at: estimated errors have errors.
 const MARGIN: f64 = 0.95;
 
-/// Cost of a path beside that of a ray that reads light.
-const PATH_COST: f64 = 5.0;
-
-/// The variance of read light falls with rays n about as n^−1.2, between random, 1, and 2-D strata, 3/2.
-const READ_RATE: f64 = 1.2;
-
-/// Largest growth of rays at once.
-const GROWTH: f64 = 8.0;
-
 /// Most times that rays are added.
 const MOST_RAISES: u32 = 6;
-
-/// Numbers of rays of a node.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct PairRays {
-    /// Those that read light.
-    pub read: u32,
-    /// Those of them that are also path traced.
-    pub traced: u32,
-}
 
 /// Nodes at which a first look is to be gathered, from rays that read patches.
 pub struct LookRequest<'a> {
@@ -87,6 +74,22 @@ pub struct PairRequest<'a> {
     pub traced: Range<u32>,
 }
 
+/// The error that indirect light may have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IndirectGoal {
+    /// Root mean square over the mean.
+    pub relative: f64,
+    /// What it may be at least, W/m²: a small part of other errors, which less would not help.
+    pub least: f64,
+}
+
+impl IndirectGoal {
+    /// The error where the mean is this, W/m².
+    fn permitted(&self, mean: f64) -> f64 {
+        (self.relative * mean).max(self.least)
+    }
+}
+
 /// How the light of a lightmap was computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TexelStatistics {
@@ -94,22 +97,19 @@ pub struct TexelStatistics {
     pub samples: usize,
     /// Samples at which indirect light was gathered.
     pub nodes: usize,
-    /// Rays of each.
-    pub rays: PairRays,
     /// Root mean square of the error that interpolation makes, W/m².
     pub interpolation: f64,
 }
 
 /// A first look at the light of all samples, for others to read: `direct`, and indirect light that
-/// `gather` finds at some of them, so many that interpolation is off by a few times `error`, a share of the
-/// mean; and the nodes at which it was found. Nodes are not added once the deadline of `progress` has passed.
+/// `gather` finds at some of them, so many that interpolation is off by a few times `goal`; and the nodes at which it was found. Nodes are not added once the deadline of `progress` has passed.
 ///
 /// # Errors
 /// Those of `gather`.
 pub fn first_look<E>(
     samples: &Samples,
     direct: &SampleDirect,
-    error: f64,
+    goal: IndirectGoal,
     progress: &Progress,
     gather: &mut dyn FnMut(&LookRequest) -> Result<Vec<Gathered>, E>,
 ) -> Result<(Vec<TexelLight>, NodeLattice), E> {
@@ -117,7 +117,7 @@ pub fn first_look<E>(
     let mut errors = Vec::new();
     for round in 0..=MOST_ROUNDS {
         if round > 0 {
-            let coarse = nodes.coarse_cells(&errors, LOOK_ERROR * error);
+            let coarse = nodes.coarse_cells(&errors, LOOK_ERROR * goal.permitted(nodes.mean));
             if !coarse.contains(&true) || progress.out_of_time() {
                 break;
             }
@@ -166,7 +166,7 @@ pub fn with_indirect<E>(
     samples: &Samples,
     direct: &SampleDirect,
     start: NodeLattice,
-    error: f64,
+    goal: IndirectGoal,
     is_final: bool,
     progress: &Progress,
     gather: &mut dyn FnMut(&PairRequest) -> Result<Vec<NodePair>, E>,
@@ -174,11 +174,12 @@ pub fn with_indirect<E>(
     let mut paired = PairedNodes::new(samples, direct, start.0);
     paired.gather_new(gather)?;
     if !is_final {
-        paired.quieten(error, progress, gather)?;
+        paired.quieten(goal, progress, gather)?;
     }
     let mut errors = paired.nodes.interpolation_errors();
     for _ in 1..=MOST_ROUNDS {
-        let coarse = paired.nodes.coarse_cells(&errors, error);
+        let permitted = goal.permitted(paired.nodes.mean);
+        let coarse = paired.nodes.coarse_cells(&errors, permitted);
         if !coarse.contains(&true) || progress.out_of_time() {
             break;
         }
@@ -188,13 +189,13 @@ pub fn with_indirect<E>(
     }
     if !is_final {
         for _ in 0..MOST_RAISES {
-            let Some(rays) = paired.wanted(&errors, error) else {
+            let Some(rays) = paired.wanted(&errors, goal) else {
                 break;
             };
             if progress.out_of_time() {
                 break;
             }
-            paired.raise(rays, gather)?;
+            paired.raise(&rays, gather)?;
             errors = paired.nodes.interpolation_errors();
         }
     }
@@ -204,7 +205,6 @@ pub fn with_indirect<E>(
     let statistics = TexelStatistics {
         samples: samples.samples.len(),
         nodes: nodes.light.len(),
-        rays: paired.rays,
         interpolation: (squares.max(0.0) / f64::max(area, f64::MIN_POSITIVE)).sqrt(),
     };
     Ok((nodes.interpolated(&errors), statistics))
@@ -221,12 +221,24 @@ fn first_lattice(samples: &Samples) -> Lattice {
     lattice
 }
 
+/// Rays of the first gather at each of so many nodes.
+fn first_rays(nodes: usize) -> PairRays {
+    let halvings = (nodes / MANY_NODES)
+        .min(3)
+        .checked_ilog2()
+        .map_or(0, |log| log + 1);
+    PairRays {
+        read: FIRST_RAYS.read >> halvings,
+        traced: FIRST_RAYS.traced >> halvings,
+    }
+}
+
 /// Nodes at which light is gathered in two ways.
 struct PairedNodes<'a> {
     nodes: Nodes<'a>,
     pairs: Vec<NodePair>,
-    /// Rays that every node has.
-    rays: PairRays,
+    /// Rays that each node has.
+    rays: Vec<PairRays>,
 }
 
 type PairGather<'g, E> = dyn FnMut(&PairRequest) -> Result<Vec<NodePair>, E> + 'g;
@@ -236,20 +248,22 @@ impl<'a> PairedNodes<'a> {
         PairedNodes {
             nodes: Nodes::new(samples, direct, lattice),
             pairs: Vec::new(),
-            rays: FIRST_RAYS,
+            rays: Vec::new(),
         }
     }
 
-    /// Gathers at the nodes that have no light yet, as many rays as the others have.
+    /// Gathers at the nodes that have no light yet.
     fn gather_new<E>(&mut self, gather: &mut PairGather<E>) -> Result<(), E> {
         self.nodes.light.truncate(self.pairs.len());
         let (points, areas) = self.nodes.targets();
         if !points.is_empty() {
+            let rays = first_rays(self.nodes.lattice.len());
+            self.rays.resize(self.rays.len() + points.len(), rays);
             self.pairs.extend(gather(&PairRequest {
                 points: &points,
                 areas: &areas,
-                read: 0..self.rays.read,
-                traced: 0..self.rays.traced,
+                read: 0..rays.read,
+                traced: 0..rays.traced,
             })?);
         }
         self.update();
@@ -258,7 +272,7 @@ impl<'a> PairedNodes<'a> {
 
     fn update(&mut self) {
         let nodes = &mut self.nodes;
-        nodes.light = corrected(nodes.samples, &nodes.lattice, &self.pairs);
+        nodes.light = corrected(nodes.samples, &nodes.lattice, &self.pairs, &self.rays);
         let gain = sequence_gain(self.pairs.iter().map(|p| &p.read), Rgb::mean);
         nodes
             .light
@@ -267,25 +281,37 @@ impl<'a> PairedNodes<'a> {
         nodes.measure_mean();
     }
 
-    /// Brings every node to more rays.
-    fn raise<E>(&mut self, rays: PairRays, gather: &mut PairGather<E>) -> Result<(), E> {
+    /// Brings nodes to more rays.
+    fn raise<E>(&mut self, rays: &[PairRays], gather: &mut PairGather<E>) -> Result<(), E> {
         self.nodes.light.clear();
         let (points, areas) = self.nodes.targets();
-        let more = gather(&PairRequest {
-            points: &points,
-            areas: &areas,
-            read: self.rays.read..rays.read,
-            traced: self.rays.traced..rays.traced,
-        })?;
-        let share = |from: u32, to: u32| f64::from(to - from) / f64::from(to);
-        let read = share(self.rays.read, rays.read);
-        let traced = share(self.rays.traced, rays.traced);
-        for (pair, more) in self.pairs.iter_mut().zip(more) {
-            pair.read = pair.read.blend(&more.read, read);
-            pair.few = pair.few.blend(&more.few, traced);
-            pair.traced = pair.traced.blend(&more.traced, traced);
+        // Nodes that get the same rays are gathered together.
+        let mut alike: BTreeMap<[u32; 4], Vec<usize>> = BTreeMap::new();
+        for (node, (old, new)) in self.rays.iter().zip(rays).enumerate() {
+            if old != new {
+                let ranges = [old.read, new.read, old.traced, new.traced];
+                alike.entry(ranges).or_default().push(node);
+            }
         }
-        self.rays = rays;
+        let share = |from: u32, to: u32| f64::from(to - from) / f64::from(to.max(1));
+        for ([read, to_read, traced, to_traced], members) in alike {
+            let points: Vec<GatherPoint> = members.iter().map(|&n| points[n]).collect();
+            let areas: Vec<f64> = members.iter().map(|&n| areas[n]).collect();
+            let more = gather(&PairRequest {
+                points: &points,
+                areas: &areas,
+                read: read..to_read,
+                traced: traced..to_traced,
+            })?;
+            let (read, traced) = (share(read, to_read), share(traced, to_traced));
+            for (&node, more) in members.iter().zip(more) {
+                let pair = &mut self.pairs[node];
+                pair.read = pair.read.blend(&more.read, read);
+                pair.few = pair.few.blend(&more.few, traced);
+                pair.traced = pair.traced.blend(&more.traced, traced);
+            }
+        }
+        self.rays.copy_from_slice(rays);
         self.update();
         Ok(())
     }
@@ -293,62 +319,52 @@ impl<'a> PairedNodes<'a> {
     /// Adds rays that read light until the noise of nodes is not taken for their differences.
     fn quieten<E>(
         &mut self,
-        error: f64,
+        goal: IndirectGoal,
         progress: &Progress,
         gather: &mut PairGather<E>,
     ) -> Result<(), E> {
         for _ in 0..MOST_RAISES {
             let (noise, _) = self.nodes.node_noise();
-            let permitted = (NODE_ERROR * error * self.nodes.mean).powi(2);
+            let permitted = (NODE_ERROR * goal.permitted(self.nodes.mean)).powi(2);
             if noise <= permitted || progress.out_of_time() {
                 break;
             }
-            let factor = (noise / permitted).powf(1.0 / READ_RATE);
-            let read = grown(self.rays.read, factor, MOST_RAYS);
-            if read == self.rays.read {
+            let rays = self.allocated([1.0, 0.0], permitted);
+            if rays == self.rays {
                 break;
             }
-            let traced = self.rays.traced;
-            self.raise(PairRays { read, traced }, gather)?;
+            self.raise(&rays, gather)?;
         }
         Ok(())
     }
 
-    /// Rays that bring the error to `error`, at least cost; `None` if there are enough, or no more.
-    fn wanted(&self, errors: &[f64], error: f64) -> Option<PairRays> {
+    /// Rays that bring the error to `goal`, at least cost; `None` if there are enough, or no more.
+    fn wanted(&self, errors: &[f64], goal: IndirectGoal) -> Option<Vec<PairRays>> {
         let (read, shared, rest) = self.nodes.texel_noise(errors);
-        let permitted = (MARGIN * error * self.nodes.mean).powi(2);
+        let permitted = (MARGIN * goal.permitted(self.nodes.mean)).powi(2);
         let budget = (permitted - rest).max(LEAST_NOISE * permitted.max(rest));
         if read + shared <= budget {
             return None;
         }
-        // By Lagrange, each is in proportion to the root of what it costs.
-        let cost = [
-            (read * f64::from(self.rays.read)).sqrt(),
-            (shared * f64::from(self.rays.traced) * PATH_COST).sqrt(),
-        ];
-        let scale = budget / (cost[0] + cost[1]);
-        let factor = |noise: f64, cost: f64| noise / (scale * cost).max(f64::MIN_POSITIVE);
-        let wanted = PairRays {
-            read: grown(
-                self.rays.read,
-                factor(read, cost[0]).powf(1.0 / READ_RATE),
-                MOST_RAYS,
-            ),
-            traced: grown(self.rays.traced, factor(shared, cost[1]), MOST_RAYS / 4),
-        };
-        let wanted = PairRays {
-            read: wanted.read.max(wanted.traced),
-            ..wanted
-        };
-        (wanted != self.rays).then_some(wanted)
+        // Interpolation averages the noise of nodes.
+        let averaged = read / self.nodes.node_noise().0.max(f64::MIN_POSITIVE);
+        let rays = self.allocated([averaged, 1.0], budget);
+        (rays != self.rays).then_some(rays)
     }
-}
 
-/// A number of rays times about `factor`, by powers of two.
-fn grown(rays: u32, factor: f64, most: u32) -> u32 {
-    let steps = factor.clamp(1.0, GROWTH).log2();
-    // A third of a step more than is needed would cost a quarter more on average.
-    let steps = (steps - 0.15).ceil().max(0.0) as u32;
-    (rays << steps).min(most.max(rays))
+    /// Rays with which the mean square noise is as permitted, if that of read light and of corrections counts by
+    /// these factors.
+    fn allocated(&self, factors: [f64; 2], permitted: f64) -> Vec<PairRays> {
+        let (mut noise, mut area) = (vec![NodeNoise::default(); self.rays.len()], 0.0);
+        for cell in 0..self.nodes.lattice.len() {
+            let node = self.nodes.lattice.node(cell) as usize;
+            let light = &self.nodes.light[node];
+            let of_cell = self.nodes.cell_area(cell);
+            let square = |noise: Rgb| of_cell * (noise * noise).mean();
+            noise[node].read += factors[0] * square(light.noise);
+            noise[node].traced += factors[1] * square(light.shared_noise);
+            area += of_cell;
+        }
+        allocated(&self.rays, &noise, AIM * permitted * area)
+    }
 }

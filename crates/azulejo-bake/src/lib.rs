@@ -33,6 +33,7 @@ mod lightmap;
 mod lightmap_page;
 mod nodes;
 mod pad;
+mod rays;
 mod receiver;
 mod reflectance;
 mod regions;
@@ -51,7 +52,7 @@ pub use direct::{SampleDirect, direct};
 pub use encode::{srgb_bytes, srgb_bytes_up_to};
 pub use field::TexelField;
 pub use indirect::{
-    LookRequest, NodeLattice, PairRays, PairRequest, TexelStatistics, first_look, look_again,
+    IndirectGoal, LookRequest, NodeLattice, PairRequest, TexelStatistics, first_look, look_again,
     with_indirect,
 };
 pub use kept::kept_layout;

@@ -45,3 +45,12 @@ pub struct NodePair {
     /// Path traced, from the same directions as `few`.
     pub traced: Gathered,
 }
+
+/// Numbers of rays of a node.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PairRays {
+    /// Those that read light.
+    pub read: u32,
+    /// Those of them that are also path traced.
+    pub traced: u32,
+}

@@ -25,6 +25,9 @@ const DIVIDED: f64 = 0.25;
 /// Nodes of one interpolation.
 const NEIGHBOURS: usize = 12;
 
+/// Cells that are worked on together.
+const BATCH: usize = 4096;
+
 /// The nodes of a lattice with their light.
 pub(crate) struct Nodes<'a> {
     pub samples: &'a Samples,
@@ -83,7 +86,8 @@ impl<'a> Nodes<'a> {
         sum / f64::max(area, f64::MIN_POSITIVE)
     }
 
-    fn cell_area(&self, cell: usize) -> f64 {
+    /// The area of a cell, square scene units.
+    pub fn cell_area(&self, cell: usize) -> f64 {
         let area = |&s: &u32| f64::from(self.samples.samples[s as usize].area);
         self.lattice.samples(cell).iter().map(area).sum()
     }
@@ -199,11 +203,11 @@ impl<'a> Nodes<'a> {
     }
 
     /// The cells to be divided, those with the largest errors, so that the whole is within its share of
-    /// `error`, relative to the mean.
-    pub fn coarse_cells(&self, errors: &[f64], error: f64) -> Vec<bool> {
+    /// an error, W/m².
+    pub fn coarse_cells(&self, errors: &[f64], permitted: f64) -> Vec<bool> {
         let areas: Vec<f64> = (0..self.lattice.len()).map(|c| self.cell_area(c)).collect();
         let all: f64 = areas.iter().sum();
-        let permitted = SHARE * (error * self.mean).powi(2) * all;
+        let permitted = SHARE * permitted.powi(2) * all;
         let of_cell = |c: usize| areas[c] * errors[c];
         let mut left: f64 = (0..areas.len()).map(of_cell).sum();
         let mut worst: Vec<usize> = (0..areas.len()).filter(|&c| of_cell(c) > 0.0).collect();
@@ -223,23 +227,23 @@ impl<'a> Nodes<'a> {
     pub fn interpolated(&self, errors: &[f64]) -> Vec<TexelLight> {
         let around = self.lattice.nodes_around(self.samples, NEIGHBOURS);
         let mut light = vec![TexelLight::default(); self.samples.samples.len()];
-        let found: Vec<Vec<(u32, TexelLight)>> = (0..self.lattice.len())
-            .into_par_iter()
-            .map(|cell| {
-                let places = self.places(&around[cell]);
-                let mut shares = Vec::new();
-                let of_sample = |&s: &u32| {
-                    weights(place(self.samples, s), &places, &mut shares);
-                    (
-                        s,
-                        self.sample_light(s, &around[cell], &shares, errors[cell]),
-                    )
-                };
-                self.lattice.samples(cell).iter().map(of_sample).collect()
-            })
-            .collect();
-        for (sample, of_sample) in found.into_iter().flatten() {
-            light[sample as usize] = of_sample;
+        let of_cell = |cell: usize| -> Vec<(u32, TexelLight)> {
+            let places = self.places(&around[cell]);
+            let mut shares = Vec::new();
+            let of_sample = |&s: &u32| {
+                weights(place(self.samples, s), &places, &mut shares);
+                let found = self.sample_light(s, &around[cell], &shares, errors[cell]);
+                (s, found)
+            };
+            self.lattice.samples(cell).iter().map(of_sample).collect()
+        };
+        // Not all at once: that would be as much again as the result.
+        for first in (0..self.lattice.len()).step_by(BATCH) {
+            let cells = first..(first + BATCH).min(self.lattice.len());
+            let found: Vec<Vec<(u32, TexelLight)>> = cells.into_par_iter().map(of_cell).collect();
+            for (sample, of_sample) in found.into_iter().flatten() {
+                light[sample as usize] = of_sample;
+            }
         }
         light
     }

@@ -24,6 +24,9 @@ const PLACES: u32 = 2;
 /// Of the texels where it is even, one of so many is looked at, in one place.
 const EVEN: u32 = 16;
 
+/// For a first estimate, one of so many texels where light is uneven is looked at.
+const FEW: u32 = 8;
+
 /// Difference to a neighbour, as a multiple of the permitted error, from which on light is uneven.
 const UNEVEN: f64 = 1.0;
 
@@ -72,23 +75,11 @@ impl BetweenTexels<'_> {
         for page in &mut rest.pages {
             pad_charts(page, padding);
         }
-        let permitted = UNEVEN * self.error * lightmap.mean().mean();
-        let looked_at: Vec<(&ShownSample, bool)> = (self.shown.seen())
-            .map(|shown| (shown, self.is_uneven(shown, lightmap, &rest, permitted)))
-            .filter(|(shown, is_uneven)| *is_uneven || self.is_chosen(shown))
+        let looked_at: Vec<(&ShownSample, bool)> = self
+            .by_evenness(lightmap, &rest)
+            .filter(|(shown, is_uneven)| *is_uneven || self.is_one_of(EVEN, shown))
             .collect();
-        progress.begin("between texels", looked_at.len() as u64);
-        let found: Result<Vec<Vec<Option<Squares>>>, Cancelled> = looked_at
-            .par_chunks(BATCH)
-            .map(|batch| {
-                progress.advance(batch.len() as u64)?;
-                let squares = |&(shown, is_uneven): &(&ShownSample, bool)| {
-                    self.squares(shown, is_uneven, lightmap, &rest)
-                };
-                Ok(batch.iter().map(squares).collect())
-            })
-            .collect();
-        let found = found?.concat();
+        let found = self.all_squares(&looked_at, lightmap, &rest, progress)?;
         let area = |shown: &ShownSample| f64::from(lightmap.pages[shown.page].areas[shown.at]);
         let (mut of_even, mut even_area) = ([0.0; 3], 0.0);
         for ((shown, is_uneven), squares) in looked_at.iter().zip(&found) {
@@ -140,9 +131,64 @@ impl BetweenTexels<'_> {
         Ok((sum / f64::max(whole, f64::MIN_POSITIVE)).sqrt())
     }
 
-    /// Whether a texel is one of those that are looked at although their light is even.
-    fn is_chosen(&self, shown: &ShownSample) -> bool {
-        hash(&[self.seed, shown.page as u32, shown.at as u32, 0xe7e]).is_multiple_of(EVEN)
+    /// The same root mean square from some of the texels, where there is no other light yet: where direct light
+    /// is even, nothing is missed.
+    ///
+    /// # Errors
+    /// The caller cancelled.
+    pub fn estimate(&self, lightmap: &Lightmap, progress: &Progress) -> Result<f64, Cancelled> {
+        let rest = self.shown.lightmap(self.samples, self.rest);
+        let looked_at: Vec<(&ShownSample, bool)> = self
+            .by_evenness(lightmap, &rest)
+            .filter(|(shown, is_uneven)| *is_uneven && self.is_one_of(FEW, shown))
+            .collect();
+        let found = self.all_squares(&looked_at, lightmap, &rest, progress)?;
+        let area = |shown: &ShownSample| f64::from(lightmap.pages[shown.page].areas[shown.at]);
+        let mean = |squares: Squares| squares.iter().sum::<f64>() / 3.0;
+        let of_each = looked_at.iter().zip(found);
+        let sum: f64 = of_each
+            .map(|((shown, _), squares)| area(shown) * squares.map_or(0.0, mean))
+            .sum();
+        let all: f64 = self.shown.seen().map(area).sum();
+        let square = f64::from(FEW) * sum / f64::max(all, f64::MIN_POSITIVE);
+        Ok(square.max(0.0).sqrt())
+    }
+
+    /// The texels that are seen, and whether direct light is uneven there.
+    fn by_evenness<'m>(
+        &'m self,
+        lightmap: &'m Lightmap,
+        rest: &'m Lightmap,
+    ) -> impl Iterator<Item = (&'m ShownSample, bool)> {
+        let permitted = UNEVEN * self.error * lightmap.mean().mean();
+        (self.shown.seen())
+            .map(move |shown| (shown, self.is_uneven(shown, lightmap, rest, permitted)))
+    }
+
+    fn all_squares(
+        &self,
+        looked_at: &[(&ShownSample, bool)],
+        lightmap: &Lightmap,
+        rest: &Lightmap,
+        progress: &Progress,
+    ) -> Result<Vec<Option<Squares>>, Cancelled> {
+        progress.begin("between texels", looked_at.len() as u64);
+        let found: Result<Vec<Vec<Option<Squares>>>, Cancelled> = looked_at
+            .par_chunks(BATCH)
+            .map(|batch| {
+                progress.advance(batch.len() as u64)?;
+                let squares = |&(shown, is_uneven): &(&ShownSample, bool)| {
+                    self.squares(shown, is_uneven, lightmap, rest)
+                };
+                Ok(batch.iter().map(squares).collect())
+            })
+            .collect();
+        Ok(found?.concat())
+    }
+
+    /// Whether a texel is one of those that are chosen, one of so many.
+    fn is_one_of(&self, many: u32, shown: &ShownSample) -> bool {
+        hash(&[self.seed, shown.page as u32, shown.at as u32, 0xe7e]).is_multiple_of(many)
     }
 
     /// Whether direct light differs between a texel and one around it.

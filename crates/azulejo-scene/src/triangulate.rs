@@ -2,7 +2,7 @@
 
 use crate::math::{Frame, area_vector};
 use crate::proxy::FlatFigure;
-use crate::{Contour, Curve, Figure, FillRule, Mesh};
+use crate::{Attribute, Contour, Curve, Faces, Figure, FillRule, Mesh};
 use earcut::Earcut;
 use glam::{DVec2, DVec3};
 
@@ -41,6 +41,39 @@ impl Mesh {
         triangles
     }
 
+    /// The mesh with the triangles of its faces as faces, in their order.
+    pub fn in_triangles(&self) -> Mesh {
+        let mut faces = Faces::default();
+        // Which corner of the old faces each new one is.
+        let mut old_corners = Vec::new();
+        let mut old_faces = Vec::new();
+        let mut triangles = Vec::new();
+        for face in 0..self.faces.len() {
+            triangles.clear();
+            self.triangulate_into(face, &mut triangles);
+            let start = self.faces.corner_range(face).start;
+            for triangle in &triangles {
+                let corners = triangle.map(|k| start + k as usize);
+                faces.push(&corners.map(|c| self.faces.corners[c]));
+                old_corners.extend(corners);
+                old_faces.push(face);
+            }
+        }
+        let of_faces = |values: &[u32]| -> Vec<u32> {
+            let known = old_faces.iter().filter_map(|&f| values.get(f));
+            known.copied().collect()
+        };
+        Mesh {
+            normals: reindexed(&self.normals, &old_corners),
+            uvs: reindexed(&self.uvs, &old_corners),
+            lightmap_uvs: reindexed(&self.lightmap_uvs, &old_corners),
+            faces,
+            face_materials: of_faces(&self.face_materials),
+            smoothing: of_faces(&self.smoothing),
+            ..self.clone()
+        }
+    }
+
     /// Appends what [`triangulate`](Mesh::triangulate) returns, for callers with many faces.
     ///
     /// # Panics
@@ -58,6 +91,19 @@ impl Mesh {
             }
         }
     }
+}
+
+/// Values for other corners: for each of them which one it was.
+fn reindexed<T: Copy>(
+    values: &Option<Attribute<T>>,
+    old_corners: &[usize],
+) -> Option<Attribute<T>> {
+    let values = values.as_ref()?;
+    let index = |corners: &Vec<u32>| old_corners.iter().map(|&c| corners[c]).collect();
+    Some(Attribute {
+        values: values.values.clone(),
+        corners: values.corners.as_ref().map(index),
+    })
 }
 
 fn quadrilateral(p: &[DVec3; 4]) -> [FaceTriangle; 2] {

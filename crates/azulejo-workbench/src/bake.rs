@@ -123,13 +123,13 @@ pub fn bake_document(
 ) -> Result<(), String> {
     let begin = Instant::now();
     progress.begin("reading", 0);
-    let source = source::of(document)?;
+    let mut source = source::of(document)?;
     for note in &source.notes {
         outbox.send(JobResult::Note(note.clone()));
     }
     let tracer = Tracer::new(&source.scene);
     let options = settings.options(light, &source);
-    let baked = match bake(
+    let mut baked = match bake(
         &source.scene,
         &tracer,
         &source.receivers,
@@ -140,6 +140,7 @@ pub fn bake_document(
         Err(other) => return Err(other.to_string()),
         Ok(baked) => baked,
     };
+    (source.turn_to_light(&mut baked)).map_err(|error| error.to_string())?;
     outbox.send(JobResult::Baked(Box::new(BakedDocument {
         document: document.clone(),
         densities: densities(&source, &baked),

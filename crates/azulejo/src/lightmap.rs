@@ -3,6 +3,7 @@
 //! [`bake`] is the third pass beside the picture: `azulejo-bake` knows texels, `azulejo-radiosity` knows
 //! light, and here the two meet. A [`BakeSource`] is the scene with the glTF file that gets its lightmap.
 
+mod facing;
 mod source;
 
 pub use source::{BakeSource, SourceError, SourceFile};
@@ -12,9 +13,9 @@ mod radiance;
 pub use radiance::TexelRadiance;
 
 use azulejo_bake::{
-    Atlas, BetweenTexels, Layout, Lightmap, LightmapPage, LookRequest, NodePair, PairRequest,
-    Receiver, ReceiverLayout, SampleDirect, Samples, SeamErrors, ShownSamples, TexelField,
-    TexelLight, TexelStatistics, UnwrapOptions,
+    Atlas, BetweenTexels, IndirectGoal, Layout, Lightmap, LightmapPage, LookRequest, NodePair,
+    PairRequest, Receiver, ReceiverLayout, SampleDirect, Samples, SeamErrors, ShownSamples,
+    TexelField, TexelLight, TexelStatistics, UnwrapOptions,
 };
 use azulejo_bake::{LayoutError, layout::NO_CHART};
 use azulejo_factors::{PatchSize, Patches, ProxyScene, RefinedShape};
@@ -23,7 +24,7 @@ use azulejo_radiosity::{
 };
 use azulejo_scene::{Rgb, Scene, Shape};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, DiffuseHit, GatherPoint, Progress, Tracer};
+use azulejo_trace::{Cancelled, DiffuseHit, GatherPoint, Gatherer, Progress, Tracer};
 use std::fmt;
 
 /// Share of the permitted error that is left to noise and patches beside interpolation.
@@ -45,6 +46,10 @@ const CUTS: f64 = 8.0;
 /// Memory of a texel, and what one that covers a surface takes beside that, bytes: measured.
 const BYTES_PER_TEXEL: f64 = 100.0;
 const BYTES_PER_COVERED: f64 = 400.0;
+
+/// Part of what texels are too coarse for that indirect light may be off by, whatever is asked: together
+/// both are hardly more.
+const BESIDE_RESOLUTION: f64 = 0.2;
 
 /// Error where none is requested.
 const DEFAULT_ERROR: f64 = 0.03;
@@ -246,7 +251,15 @@ pub fn bake(
                 ..TexelStatistics::default()
             },
         ),
-        _ => light.of_texels(&atlas, &objects, &samples, &direct)?,
+        _ => {
+            let coarse =
+                too_coarse_for(&atlas, &samples, &direct, (gatherer, error, seed), progress)?;
+            let goal = IndirectGoal {
+                relative: error,
+                least: BESIDE_RESOLUTION * coarse,
+            };
+            light.of_texels(&atlas, &objects, (&samples, &direct), goal)?
+        }
     };
     if options.light == BakedLight::Indirect {
         direct.take_from(&mut light);
@@ -285,6 +298,34 @@ pub fn bake(
         seams,
         between_texels: between,
     })
+}
+
+/// Root mean square of the direct light that texels are too coarse for, W/m², about.
+fn too_coarse_for(
+    atlas: &Atlas,
+    samples: &Samples,
+    direct: &SampleDirect,
+    (gatherer, error, seed): (&Gatherer, f64, u32),
+    progress: &Progress,
+) -> Result<f64, Cancelled> {
+    let light = direct.light();
+    let shown = ShownSamples::new(samples, &light, gatherer.surfaces());
+    let none = vec![TexelLight::default(); light.len()];
+    let between = BetweenTexels {
+        atlas,
+        samples,
+        shown: &shown,
+        direct,
+        rest: &none,
+        gatherer,
+        error,
+        seed,
+    };
+    let mut lightmap = shown.lightmap(samples, &light);
+    for page in &mut lightmap.pages {
+        azulejo_bake::pad_charts(page, 1);
+    }
+    between.estimate(&lightmap, progress)
 }
 
 /// Memory that the texels of a layout take while they are baked, bytes, about.
@@ -369,8 +410,8 @@ impl IndirectLight<'_> {
         &self,
         atlas: &Atlas,
         objects: &[u32],
-        samples: &Samples,
-        direct: &SampleDirect,
+        (samples, direct): (&Samples, &SampleDirect),
+        goal: IndirectGoal,
     ) -> Result<(Vec<TexelLight>, TexelStatistics), BakeError> {
         let surfaces = self.solved.gatherer().surfaces();
         let mut look = |request: &LookRequest| {
@@ -382,14 +423,14 @@ impl IndirectLight<'_> {
             Ok::<_, SolveError>(found.iter().map(|pair| pair.read).collect())
         };
         let (mut light, nodes) =
-            azulejo_bake::first_look(samples, direct, self.error, self.progress, &mut look)?;
+            azulejo_bake::first_look(samples, direct, goal, self.progress, &mut look)?;
         if self.options.pass.bounces.is_some() {
             let mut gather = |request: &PairRequest| self.limited(request);
             let found = azulejo_bake::with_indirect(
                 samples,
                 direct,
                 nodes,
-                self.error,
+                goal,
                 true,
                 self.progress,
                 &mut gather,
@@ -401,16 +442,18 @@ impl IndirectLight<'_> {
                 break;
             }
             let field = TexelField::new(atlas, samples, &light, objects, surfaces);
+            drop(std::mem::take(&mut light));
             let mut gather = |request: &PairRequest| self.paired(request, &field, number);
             light = azulejo_bake::look_again(samples, direct, &nodes, &mut gather)?;
         }
         let field = TexelField::new(atlas, samples, &light, objects, surfaces);
+        drop(light);
         let mut gather = |request: &PairRequest| self.paired(request, &field, LOOKS + 1);
         Ok(azulejo_bake::with_indirect(
             samples,
             direct,
             nodes,
-            self.error,
+            goal,
             false,
             self.progress,
             &mut gather,

@@ -42,7 +42,7 @@ pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
     let outputs = BakeOutputs::check(args)?;
     session.claim_stdout(outputs.is_stdout())?;
     let prepared = args.first_pass.engine.prepare()?;
-    let source = source::read(args, session)?;
+    let mut source = source::read(args, session)?;
     let tracer = prepared.tracer(&source.scene)?;
     let charts = charts(&args.texels, &source.scene);
     let chosen = coordinates::choose(args, &source, &charts, session)?;
@@ -64,11 +64,12 @@ pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
             progress,
         )
     });
-    let baked = baked.map_err(|error| match error {
+    let mut baked = baked.map_err(|error| match error {
         BakeError::Solve(error) => pass::failure(error),
         BakeError::Layout(error) => Failure::failed(error),
         other => Failure::failed(other),
     })?;
+    source.turn_to_light(&mut baked).map_err(Failure::failed)?;
     let mut summary = Report::default();
     report::describe(&baked, &args.first_pass, &source.scene, &mut summary)?;
     say_unreached(&baked, args, session);

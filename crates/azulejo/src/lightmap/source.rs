@@ -162,7 +162,14 @@ impl BakeSource {
     /// # Errors
     /// [`SourceError`].
     pub fn written(scene: &Scene, cuts_contacts: bool) -> Result<BakeSource, SourceError> {
-        let mut scene = meshes_of(scene, cuts_contacts);
+        BakeSource::of_meshes(meshes_of(scene, cuts_contacts))
+    }
+
+    /// A scene of meshes as a new glTF file.
+    ///
+    /// # Errors
+    /// [`SourceError`].
+    pub(super) fn of_meshes(mut scene: Scene) -> Result<BakeSource, SourceError> {
         let has_faces = |o: &Object| o.shape.mesh().is_some_and(|mesh| !mesh.faces.is_empty());
         scene.objects.retain(has_faces);
         let mut bytes = Vec::new();
