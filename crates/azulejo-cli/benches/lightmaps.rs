@@ -4,7 +4,9 @@
 //! `reference/real/NAME_{points,normals,E,E_se}.npy` for each `scenes/real/NAME`, path traced by others; for
 //! `scenes/s1.obj`, points of `azulejo probe` without patches or interpolation. The file that was written is
 //! read again, and the EXR beside it is interpolated at its texture coordinates. Fronts are baked, and points
-//! on backs are left out, which no lightmap of fronts can have.
+//! on backs are left out, which no lightmap of fronts can have. The references have the light of facets; where
+//! shading normals differ from theirs, lightmaps have that of the smooth surface, as pictures do, and such points
+//! are left out too.
 //!
 //! All errors are over the mean irradiance of the points, less the reference's own noise; what is said is the
 //! root mean square of the error map at the points.
@@ -47,6 +49,9 @@ const POINTS: usize = 2000;
 
 /// Part of the scene's size within which a point lies on a surface.
 const NEAR: f64 = 1e-5;
+
+/// Cosine of the angle up to which a shading normal is that of the facet.
+const SAME_NORMAL: f64 = 0.9999;
 
 /// Difference over the mean from which on a point is off.
 const OFF: f64 = 0.2;
@@ -228,6 +233,9 @@ impl Work {
                 }
                 Side::Front(at) => at,
             };
+            if is_bent(scene, &at, self.normals[place]) {
+                continue;
+            }
             let (Some(found), Some(stated)) = (read(&at, map), read(&at, error_map)) else {
                 missing += 1;
                 continue;
@@ -319,6 +327,21 @@ fn lightmap_uv(scene: &Scene, at: &Place) -> Option<glam::DVec2> {
     let weights = [1.0 - at.u - at.v, at.u, at.v];
     let corner = |k: usize| Some(weights[k] * mesh.lightmap_uv(first + k)?);
     Some(corner(0)? + corner(1)? + corner(2)?)
+}
+
+/// Whether the shading normal at a place is another than that of the facet.
+fn is_bent(scene: &Scene, at: &Place, facet: DVec3) -> bool {
+    let Shape::Mesh(mesh) = &scene.objects[at.object as usize].shape else {
+        return false;
+    };
+    let Some(normals) = &mesh.normals else {
+        return false;
+    };
+    let first = mesh.faces.corner_range(at.face as usize).start;
+    let weights = [1.0 - at.u - at.v, at.u, at.v];
+    let corner = |k: usize| normals.at(first + k, mesh.faces.corners[first + k]);
+    let normal: DVec3 = (0..3).map(|k| weights[k] * corner(k)).sum();
+    normal.normalize_or(facet).dot(facet) < SAME_NORMAL
 }
 
 /// Points evenly on the fronts of a scene, with normals.
