@@ -6,15 +6,12 @@ use crate::light::TexelLight;
 use crate::samples::Samples;
 use azulejo_trace::{DiffuseHit, Surfaces};
 
-/// The number of a receiver where an object is none.
-const NONE: u32 = u32::MAX;
-
 /// Irradiance by texel.
 pub struct TexelField<'a> {
     atlas: &'a Atlas,
     surfaces: &'a Surfaces<'a>,
-    /// By object: its receiver, and the first triangle of each face.
-    of_object: Vec<(u32, Vec<u32>)>,
+    /// By object: its receivers, one for each side that has texels, and the first triangle of each face.
+    of_object: Vec<(Vec<u32>, Vec<u32>)>,
     /// By page and texel.
     pages: Vec<Vec<[f32; 3]>>,
     /// By receiver and triangle, the width of its texels, scene units.
@@ -30,14 +27,18 @@ impl<'a> TexelField<'a> {
         objects: &[u32],
         surfaces: &'a Surfaces<'a>,
     ) -> TexelField<'a> {
-        let mut of_object = vec![(NONE, Vec::new()); surfaces.scene.objects.len()];
+        let mut of_object = vec![(Vec::new(), Vec::new()); surfaces.scene.objects.len()];
         for (receiver, &object) in objects.iter().enumerate() {
+            let (receivers, starts) = &mut of_object[object as usize];
+            receivers.push(receiver as u32);
+            if receivers.len() > 1 {
+                continue;
+            }
             let mesh = surfaces.scene.objects[object as usize].shape.mesh();
-            let starts = mesh.map_or(Vec::new(), |mesh| {
+            *starts = mesh.map_or(Vec::new(), |mesh| {
                 let first = |face| azulejo_trace::MeshTriangles::first_of(mesh, face) as u32;
                 (0..mesh.faces.len()).map(first).collect()
             });
-            of_object[object as usize] = (receiver as u32, starts);
         }
         let mut pages: Vec<Vec<[f32; 3]>> = samples
             .pages
@@ -74,13 +75,14 @@ impl<'a> TexelField<'a> {
     /// receives on that side.
     pub fn irradiance(&self, at: &DiffuseHit) -> Option<([f32; 3], f32)> {
         let item = self.surfaces.item(at.hit.item);
-        let (receiver, starts) = self.of_object.get(item.object as usize)?;
+        let (receivers, starts) = self.of_object.get(item.object as usize)?;
         let triangle = (*starts.get(item.face as usize)? + item.triangle) as usize;
+        let is_seen = |&&receiver: &&u32| {
+            let chart = self.atlas.layout.receivers[receiver as usize].charts[triangle];
+            chart != NO_CHART && self.atlas.is_turned(chart) != at.front
+        };
+        let receiver = receivers.iter().find(is_seen)?;
         let layout = &self.atlas.layout.receivers[*receiver as usize];
-        let chart = layout.charts[triangle];
-        if chart == NO_CHART || self.atlas.is_turned(chart) == at.front {
-            return None;
-        }
         let [u, v] = at.hit.uv();
         let page = layout.pages[triangle];
         let size = self.atlas.layout.pages[page as usize];

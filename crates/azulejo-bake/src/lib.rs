@@ -65,5 +65,6 @@ pub use receiver::Receiver;
 pub use reflectance::{SurfaceColor, texel_colors};
 pub use resolution::BetweenTexels;
 pub use samples::{Samples, TexelSample};
+pub use solids::backs_inside;
 pub use stitch::{SeamErrors, seam_errors, stitch};
 pub use unwrap::{LayoutError, Resolution, UnwrapOptions, repack, unwrap};

@@ -25,6 +25,8 @@ pub struct Receiver {
     pub parts: Vec<u32>,
     /// How much denser than others its texels are, per length.
     pub density: f64,
+    /// Triangles that get no texels; empty if all do.
+    pub omitted: Vec<bool>,
 }
 
 impl Receiver {
@@ -83,20 +85,25 @@ impl Receiver {
         if smooth.dot(flat) > 0.0 { smooth } else { flat }
     }
 
-    /// Sum of the triangles' areas, square scene units.
+    /// Sum of the areas of the triangles that get texels, square scene units.
     pub fn area(&self) -> f64 {
         (0..self.triangles.len())
+            .filter(|&t| !self.is_omitted(t))
             .map(|t| self.area_vector(t).length())
             .sum()
     }
 
-    /// For each triangle whether it has an area that single precision can tell from none.
+    fn is_omitted(&self, triangle: usize) -> bool {
+        self.omitted.get(triangle).copied().unwrap_or(false)
+    }
+
+    /// For each triangle whether it gets texels, and has an area that single precision can tell from none.
     pub fn visible_triangles(&self) -> Vec<bool> {
         let bounds = azulejo_scene::math::Aabb::around(self.positions.iter().copied());
         let least = NO_AREA * bounds.diagonal().powi(2);
         let is_visible = |t: usize| {
             let area = self.area_vector(t).length();
-            area > least && area.is_finite()
+            area > least && area.is_finite() && !self.is_omitted(t)
         };
         (0..self.triangles.len()).map(is_visible).collect()
     }

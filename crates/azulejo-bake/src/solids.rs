@@ -24,6 +24,13 @@ enum Inside {
     Front,
 }
 
+/// For each object and face whether its back lies inside of a solid: a part of a mesh that is closed, or open at
+/// one flat end alone.
+pub fn backs_inside(scene: &Scene) -> Vec<Vec<bool>> {
+    let inside = |faces: Vec<Inside>| faces.iter().map(|side| *side == Inside::Back).collect();
+    Solids::of(scene).inner.into_iter().map(inside).collect()
+}
+
 /// The solids of a scene: parts of meshes that are closed, or open at one flat end alone, as boxes
 /// without a bottom are.
 pub(crate) struct Solids {

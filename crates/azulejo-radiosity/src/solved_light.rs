@@ -10,6 +10,10 @@ use azulejo_factors::{PointNormal, ProxyScene};
 use azulejo_scene::{Rgb, Scene};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{GatherPoint, Gathered, Gatherer, Progress, Tracer};
+use rayon::prelude::*;
+
+/// Points that are worked on together.
+const BATCH: usize = 256;
 
 /// The light on the patches of a scene.
 pub struct SolvedLight<'a> {
@@ -54,6 +58,13 @@ impl<'a> SolvedLight<'a> {
     pub fn sides_at(&self, [object, face, triangle]: [u32; 3], [u, v]: [f32; 2]) -> [Rgb; 2] {
         let patch = self.solved.patches.locate(object, face, triangle, u, v);
         [true, false].map(|front| self.solved.solution.incident[side(patch, front) as usize])
+    }
+
+    /// Direct irradiance at points, from one shadow ray per source, W/m².
+    pub fn direct_at(&self, points: &[GatherPoint]) -> Vec<Rgb> {
+        let batches = points.par_chunks(BATCH);
+        let direct = batches.flat_map_iter(|batch| self.gatherer().direct(batch, 1, 0));
+        direct.map(|light| light.whole().mean()).collect()
     }
 
     /// Irradiance at points and normals, all alike.

@@ -41,18 +41,22 @@ impl Mesh {
         triangles
     }
 
-    /// The mesh with the triangles of its faces as faces, in their order.
-    pub fn in_triangles(&self) -> Mesh {
+    /// The mesh with the triangles of its faces as faces, in their order: those for whose number `is_kept` holds.
+    pub fn in_triangles(&self, is_kept: impl Fn(usize) -> bool) -> Mesh {
         let mut faces = Faces::default();
         // Which corner of the old faces each new one is.
         let mut old_corners = Vec::new();
         let mut old_faces = Vec::new();
-        let mut triangles = Vec::new();
+        let (mut triangles, mut number) = (Vec::new(), 0);
         for face in 0..self.faces.len() {
             triangles.clear();
             self.triangulate_into(face, &mut triangles);
             let start = self.faces.corner_range(face).start;
             for triangle in &triangles {
+                number += 1;
+                if !is_kept(number - 1) {
+                    continue;
+                }
                 let corners = triangle.map(|k| start + k as usize);
                 faces.push(&corners.map(|c| self.faces.corners[c]));
                 old_corners.extend(corners);

@@ -123,7 +123,7 @@ pub fn bake_document(
 ) -> Result<(), String> {
     let begin = Instant::now();
     progress.begin("reading", 0);
-    let mut source = source::of(document)?;
+    let mut source = source::of(document, settings.sides == Some(BakedSides::Both))?;
     for note in &source.notes {
         outbox.send(JobResult::Note(note.clone()));
     }

@@ -4,38 +4,26 @@
 //! light, and here the two meet. A [`BakeSource`] is the scene with the glTF file that gets its lightmap.
 
 mod facing;
+mod indirect;
+mod radiance;
+mod sides;
 mod source;
 
+pub use radiance::TexelRadiance;
 pub use source::{BakeSource, SourceError, SourceFile};
 
-mod radiance;
-
-pub use radiance::TexelRadiance;
-
 use azulejo_bake::{
-    Atlas, BetweenTexels, IndirectGoal, Layout, Lightmap, LightmapPage, LookRequest, NodePair,
-    PairRequest, Receiver, ReceiverLayout, SampleDirect, Samples, SeamErrors, ShownSamples,
-    TexelField, TexelLight, TexelStatistics, UnwrapOptions,
+    Atlas, BetweenTexels, Layout, LayoutError, Lightmap, LightmapPage, Receiver, ReceiverLayout,
+    Samples, SeamErrors, ShownSamples, TexelStatistics, UnwrapOptions, layout::NO_CHART,
 };
-use azulejo_bake::{LayoutError, layout::NO_CHART};
 use azulejo_factors::{PatchSize, Patches, ProxyScene, RefinedShape};
-use azulejo_radiosity::{
-    FirstPass, IrradianceField, PairRange, PathPair, Report, SolveError, SolvedLight,
-};
+use azulejo_radiosity::{FirstPass, Report, SolveError, SolvedLight};
 use azulejo_scene::{Rgb, Scene, Shape};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, DiffuseHit, GatherPoint, Gatherer, Progress, Tracer};
+use azulejo_trace::{Cancelled, Progress, Tracer};
+use indirect::IndirectLight;
+use sides::{lit_backs, turned};
 use std::fmt;
-
-/// Share of the permitted error that is left to noise and patches beside interpolation.
-const NOISE_SHARE: f64 = 0.85;
-
-/// Rays per point of the first look at the light.
-const FIRST_RAYS: u32 = 128;
-
-/// Looks after the first, each corrected by paths: what patches leak into the dark, and miss where it is
-/// bright, is hardly left in the light that the last gather reads.
-const LOOKS: u32 = 2;
 
 /// Chord error of tessellated primitives, relative to their size.
 const CHORD_ERROR: f64 = 1e-3;
@@ -46,10 +34,6 @@ const CUTS: f64 = 8.0;
 /// Memory of a texel, and what one that covers a surface takes beside that, bytes: measured.
 const BYTES_PER_TEXEL: f64 = 100.0;
 const BYTES_PER_COVERED: f64 = 400.0;
-
-/// Part of what texels are too coarse for that indirect light may be off by, whatever is asked: together
-/// both are hardly more.
-const BESIDE_RESOLUTION: f64 = 0.2;
 
 /// Error where none is requested.
 const DEFAULT_ERROR: f64 = 0.03;
@@ -74,6 +58,8 @@ pub enum BakedSides {
     Front,
     /// Of each chart the side that gets more light.
     Brighter,
+    /// Both, each with charts of its own; the backs of solids, which nobody sees, have none.
+    Both,
 }
 
 /// Where the texture coordinates of a lightmap come from.
@@ -175,7 +161,7 @@ impl From<Cancelled> for BakeError {
 pub struct Baked {
     /// Surfaces and their places.
     pub atlas: Atlas,
-    /// The object of each receiver.
+    /// The object of each receiver; where both sides receive, the backs come after all fronts.
     pub objects: Vec<u32>,
     /// The texels.
     pub lightmap: Lightmap,
@@ -208,8 +194,20 @@ pub fn bake(
         receiver.density = options.densities.get(place).copied().unwrap_or(1.0);
         Some((receiver, o))
     };
-    let (receivers, objects): (Vec<Receiver>, Vec<u32>) =
+    let (mut receivers, mut objects): (Vec<Receiver>, Vec<u32>) =
         objects.iter().enumerate().filter_map(receiver).unzip();
+    let fronts = receivers.len();
+    let mut solved = None;
+    if options.sides == BakedSides::Both {
+        // Which backs get light is known from the solution alone.
+        let found = SolvedLight::new(&proxy, &options.pass, progress)?;
+        let backs = lit_backs(&receivers, &objects, &proxy.scene, &found);
+        for (receiver, object) in backs {
+            receivers.push(receiver);
+            objects.push(object);
+        }
+        solved = Some(found);
+    }
     let layout = laid_out(&receivers, options, &proxy.tracer, progress)?;
     let mut atlas = Atlas {
         receivers,
@@ -223,7 +221,17 @@ pub fn bake(
             permitted: options.pass.memory,
         });
     }
-    let solved = SolvedLight::new(&proxy, &options.pass, progress)?;
+    let solved = match solved {
+        Some(solved) => solved,
+        None => SolvedLight::new(&proxy, &options.pass, progress)?,
+    };
+    if options.sides == BakedSides::Both {
+        atlas.turned = vec![false; atlas.layout.charts as usize];
+        let of_backs = atlas.layout.receivers[fronts..].iter();
+        for &chart in of_backs.flat_map(|r| &r.charts).filter(|c| **c != NO_CHART) {
+            atlas.turned[chart as usize] = true;
+        }
+    }
     if options.sides == BakedSides::Brighter {
         atlas.turned = turned(&atlas, &objects, &proxy.scene, &solved);
     }
@@ -239,7 +247,7 @@ pub fn bake(
     let direct = azulejo_bake::direct(&samples, &atlas, gatherer, error, seed, progress)?;
     let light = IndirectLight {
         solved: &solved,
-        options,
+        bounces: options.pass.bounces,
         error,
         progress,
     };
@@ -251,15 +259,7 @@ pub fn bake(
                 ..TexelStatistics::default()
             },
         ),
-        _ => {
-            let coarse =
-                too_coarse_for(&atlas, &samples, &direct, (gatherer, error, seed), progress)?;
-            let goal = IndirectGoal {
-                relative: error,
-                least: BESIDE_RESOLUTION * coarse,
-            };
-            light.of_texels(&atlas, &objects, (&samples, &direct), goal)?
-        }
+        _ => light.of_texels(&atlas, &objects, (&samples, &direct), seed)?,
     };
     if options.light == BakedLight::Indirect {
         direct.take_from(&mut light);
@@ -298,34 +298,6 @@ pub fn bake(
         seams,
         between_texels: between,
     })
-}
-
-/// Root mean square of the direct light that texels are too coarse for, W/m², about.
-fn too_coarse_for(
-    atlas: &Atlas,
-    samples: &Samples,
-    direct: &SampleDirect,
-    (gatherer, error, seed): (&Gatherer, f64, u32),
-    progress: &Progress,
-) -> Result<f64, Cancelled> {
-    let light = direct.light();
-    let shown = ShownSamples::new(samples, &light, gatherer.surfaces());
-    let none = vec![TexelLight::default(); light.len()];
-    let between = BetweenTexels {
-        atlas,
-        samples,
-        shown: &shown,
-        direct,
-        rest: &none,
-        gatherer,
-        error,
-        seed,
-    };
-    let mut lightmap = shown.lightmap(samples, &light);
-    for page in &mut lightmap.pages {
-        azulejo_bake::pad_charts(page, 1);
-    }
-    between.estimate(&lightmap, progress)
 }
 
 /// Memory that the texels of a layout take while they are baked, bytes, about.
@@ -393,158 +365,6 @@ pub fn meshes_of(scene: &Scene, cuts_contacts: bool) -> Scene {
         }
     }
     cut
-}
-
-/// Where the indirect light of texels comes from.
-struct IndirectLight<'a> {
-    solved: &'a SolvedLight<'a>,
-    options: &'a BakeOptions,
-    error: f64,
-    progress: &'a Progress,
-}
-
-impl IndirectLight<'_> {
-    /// The light of all samples: a first look at that of patches, others at the look before, and the last, to
-    /// the requested error.
-    fn of_texels(
-        &self,
-        atlas: &Atlas,
-        objects: &[u32],
-        (samples, direct): (&Samples, &SampleDirect),
-        goal: IndirectGoal,
-    ) -> Result<(Vec<TexelLight>, TexelStatistics), BakeError> {
-        let surfaces = self.solved.gatherer().surfaces();
-        let mut look = |request: &LookRequest| {
-            let range = PairRange {
-                read: 0..FIRST_RAYS,
-                traced: 0..0,
-            };
-            let found = self.pairs(request.points, None, &range, 0)?;
-            Ok::<_, SolveError>(found.iter().map(|pair| pair.read).collect())
-        };
-        let (mut light, nodes) =
-            azulejo_bake::first_look(samples, direct, goal, self.progress, &mut look)?;
-        if self.options.pass.bounces.is_some() {
-            let mut gather = |request: &PairRequest| self.limited(request);
-            let found = azulejo_bake::with_indirect(
-                samples,
-                direct,
-                nodes,
-                goal,
-                true,
-                self.progress,
-                &mut gather,
-            )?;
-            return Ok(found);
-        }
-        for number in 1..=LOOKS {
-            if self.progress.out_of_time() {
-                break;
-            }
-            let field = TexelField::new(atlas, samples, &light, objects, surfaces);
-            drop(std::mem::take(&mut light));
-            let mut gather = |request: &PairRequest| self.paired(request, &field, number);
-            light = azulejo_bake::look_again(samples, direct, &nodes, &mut gather)?;
-        }
-        let field = TexelField::new(atlas, samples, &light, objects, surfaces);
-        drop(light);
-        let mut gather = |request: &PairRequest| self.paired(request, &field, LOOKS + 1);
-        Ok(azulejo_bake::with_indirect(
-            samples,
-            direct,
-            nodes,
-            goal,
-            false,
-            self.progress,
-            &mut gather,
-        )?)
-    }
-
-    fn paired(
-        &self,
-        request: &PairRequest,
-        field: &TexelField,
-        look: u32,
-    ) -> Result<Vec<NodePair>, SolveError> {
-        let range = PairRange {
-            read: request.read.clone(),
-            traced: request.traced.clone(),
-        };
-        self.pairs(request.points, Some(&FieldOfTexels(field)), &range, look)
-    }
-
-    fn pairs(
-        &self,
-        points: &[GatherPoint],
-        field: Option<&dyn IrradianceField>,
-        range: &PairRange,
-        look: u32,
-    ) -> Result<Vec<NodePair>, SolveError> {
-        let found = self
-            .solved
-            .path_pairs(points, field, range, look, self.progress)?;
-        let pair = |pair: PathPair| NodePair {
-            read: pair.read,
-            few: pair.few,
-            traced: pair.traced,
-        };
-        Ok(found.into_iter().map(pair).collect())
-    }
-
-    /// Where bounces are limited, all is path traced.
-    fn limited(&self, request: &PairRequest) -> Result<Vec<NodePair>, SolveError> {
-        let error = NOISE_SHARE * self.error;
-        let found = self.solved.indirect(
-            request.points,
-            request.areas,
-            error,
-            LOOKS + 1,
-            self.progress,
-        )?;
-        let node = |read| NodePair {
-            read,
-            ..NodePair::default()
-        };
-        Ok(found.into_iter().map(node).collect())
-    }
-}
-
-/// Light of texels beside that of patches.
-struct FieldOfTexels<'a>(&'a TexelField<'a>);
-
-impl IrradianceField for FieldOfTexels<'_> {
-    fn irradiance(&self, at: &DiffuseHit) -> Option<([f32; 3], f32)> {
-        self.0.irradiance(at)
-    }
-}
-
-/// For each triangle of a receiver its face, and its number in the face.
-fn face_triangles(scene: &Scene, object: u32) -> Vec<[u32; 2]> {
-    let mesh = scene.objects[object as usize].shape.mesh();
-    let faces = mesh.map_or(0, |mesh| mesh.faces.len());
-    let of_face = |face: usize| {
-        let count = mesh.map_or(0, |mesh| mesh.faces.get(face).len() - 2);
-        (0..count as u32).map(move |triangle| [face as u32, triangle])
-    };
-    (0..faces).flat_map(of_face).collect()
-}
-
-/// Of each chart whether its back gets more light.
-fn turned(atlas: &Atlas, objects: &[u32], scene: &Scene, solved: &SolvedLight) -> Vec<bool> {
-    let mut excess = vec![0.0; atlas.layout.charts as usize];
-    for (r, receiver) in atlas.receivers.iter().enumerate() {
-        let faces = face_triangles(scene, objects[r]);
-        for (t, [face, triangle]) in faces.into_iter().enumerate() {
-            let chart = atlas.layout.receivers[r].charts[t];
-            if chart != NO_CHART {
-                let place = [objects[r], face, triangle];
-                let [front, back] = solved.sides_at(place, [1.0 / 3.0; 2]);
-                let area = receiver.area_vector(t).length();
-                excess[chart as usize] += area * (back - front).mean();
-            }
-        }
-    }
-    excess.into_iter().map(|e| e > 0.0).collect()
 }
 
 impl Baked {

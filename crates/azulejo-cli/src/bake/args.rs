@@ -243,6 +243,8 @@ pub enum DoubleSidedArg {
     Front,
     /// Of each chart the one that gets more light
     Brighter,
+    /// Both, each with texels of its own; the file is written anew
+    Split,
 }
 
 impl DoubleSidedArg {
@@ -251,6 +253,7 @@ impl DoubleSidedArg {
         match self {
             DoubleSidedArg::Front => BakedSides::Front,
             DoubleSidedArg::Brighter => BakedSides::Brighter,
+            DoubleSidedArg::Split => BakedSides::Both,
         }
     }
 }

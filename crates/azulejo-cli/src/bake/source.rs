@@ -1,6 +1,6 @@
 //! What is baked: a glTF file that stays as it is, or models that become one.
 
-use super::args::BakeArgs;
+use super::args::{BakeArgs, DoubleSidedArg};
 use crate::args::ReadingArgs;
 use crate::failure::Failure;
 use crate::input;
@@ -17,7 +17,11 @@ pub use azulejo::lightmap::BakeSource;
 /// Reads the models of a command.
 pub fn read(args: &BakeArgs, session: &mut Session) -> Result<BakeSource, Failure> {
     let scene = input::read_relit(&args.input, args.first_pass.instant(), session)?;
-    if session.formats().first() == Some(&Format::Gltf) {
+    let is_split = args.texels.double_sided == Some(DoubleSidedArg::Split);
+    let is_gltf = session.formats().first() == Some(&Format::Gltf);
+    if is_gltf && is_split {
+        session.note("--double-sided split: the file is written anew, because backs become faces of their own");
+    } else if is_gltf {
         let path = &args.input.scenes[0];
         if path == Path::new("-") {
             return Err(Failure::misuse(

@@ -12,15 +12,15 @@ use std::path::Path;
 /// applied in another order here.
 const SAME_PLACE: f64 = 1e-9;
 
-/// The scene of a document with the file that gets its lightmap.
+/// The scene of a document with the file that gets its lightmap: a new one if backs are to become faces.
 ///
 /// # Errors
 ///
 /// What cannot be read or written, as text.
-pub fn of(document: &SceneDocument) -> Result<BakeSource, String> {
+pub fn of(document: &SceneDocument, splits_sides: bool) -> Result<BakeSource, String> {
     let mut scene = document.scene();
     scene.drop_lightmaps();
-    if let Some(source) = own_file(document, &mut scene)? {
+    if !splits_sides && let Some(source) = own_file(document, &mut scene)? {
         return Ok(source);
     }
     BakeSource::written(&scene, true).map_err(|e| e.to_string())

@@ -87,6 +87,7 @@ fn option(text: &str) -> Result<BakeOption, String> {
                 ("usual", None),
                 ("front", Some(BakedSides::Front)),
                 ("brighter", Some(BakedSides::Brighter)),
+                ("both", Some(BakedSides::Both)),
             ],
         )?),
         "as" => BakeOption::Convention(one(

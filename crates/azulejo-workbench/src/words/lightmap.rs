@@ -67,6 +67,11 @@ pub const TABLE: &[Translation] = &[
     ["the front", "el anverso", "a frente"],
     ["the brighter one", "el más claro", "o mais claro"],
     [
+        "both, as faces of their own",
+        "los dos, como caras propias",
+        "os dois, como faces próprias",
+    ],
+    [
         "glTF says which side of a surface is the front; of other formats each chart gets the light of its brighter side.",
         "glTF dice cuál es el anverso de una superficie; en otros formatos cada carta recibe la luz de su lado más claro.",
         "O glTF diz qual é a frente de uma superfície; noutros formatos cada carta recebe a luz do seu lado mais claro.",

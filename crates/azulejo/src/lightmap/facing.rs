@@ -1,16 +1,19 @@
-//! Faces turned to their light: fronts that receive, in files that are written anew.
+//! Fronts that receive, in files that are written anew: faces turned to their light, and backs as faces of their
+//! own.
 //!
 //! Old formats do not say which side of a face is its front, so of each chart the side that gets more light is
-//! baked. Whoever reads the file takes the order of corners for the front, and so it is made to be.
+//! baked, or both are. Whoever reads the file takes the order of corners for the front, and so it is made to be.
 
 use super::Baked;
 use super::source::{BakeSource, SourceError};
 use azulejo_bake::layout::NO_CHART;
-use azulejo_scene::{Mesh, Shape};
+use azulejo_scene::{MaterialId, Mesh, Object, Scene, Shape, Sidedness};
+use std::collections::{HashMap, HashSet};
 
 impl BakeSource {
     /// Reverses faces of a file that was written of a scene, where the lightmap has the light of their backs, in
-    /// the scene, the file and the lightmap alike. The user's own file stays as it is. An instance with such
+    /// the scene, the file and the lightmap alike. Where it has that of both sides, backs become objects of their
+    /// own, and neither side is seen from the other. The user's own file stays as it is. An instance with such
     /// faces gets a mesh of its own.
     ///
     /// # Errors
@@ -26,17 +29,36 @@ impl BakeSource {
             return Ok(());
         }
         let mut scene = self.scene.clone();
+        let mut one_sided = HashMap::new();
+        let mut seen = HashSet::new();
         for (receiver, turned) in turned.iter().enumerate() {
+            let object = baked.objects[receiver];
+            let is_second_side = !seen.insert(object);
             if !turned.contains(&true) {
                 continue;
             }
-            turn_receiver(baked, receiver, turned);
-            let object = &mut scene.objects[baked.objects[receiver] as usize];
-            object.shape = match &object.shape {
-                Shape::Mesh(mesh) => Shape::Mesh(reversed(mesh, turned)),
-                Shape::Instance(instance) => Shape::Mesh(reversed(&instance.to_mesh(), turned)),
-                other => other.clone(),
+            let old = &scene.objects[object as usize];
+            let mesh = match &old.shape {
+                Shape::Mesh(mesh) => mesh.clone(),
+                Shape::Instance(instance) => instance.to_mesh(),
+                _ => continue,
             };
+            turn_receiver(baked, receiver, turned);
+            if is_second_side {
+                let name = format!("{} (back)", old.name);
+                let mut back = reversed(&mesh.in_triangles(|t| turned[t]), |_| true);
+                keep_triangles(baked, receiver, turned);
+                let mut front = mesh;
+                for side in [&mut front, &mut back] {
+                    make_one_sided(side, &mut scene, &mut one_sided);
+                }
+                scene.objects[object as usize].shape = Shape::Mesh(front);
+                baked.objects[receiver] = scene.objects.len() as u32;
+                scene.objects.push(Object::new(name, Shape::Mesh(back)));
+            } else {
+                let mesh = reversed(&mesh.in_triangles(|_| true), |t| turned[t]);
+                scene.objects[object as usize].shape = Shape::Mesh(mesh);
+            }
         }
         baked.atlas.turned = Vec::new();
         *self = BakeSource::of_meshes(scene)?;
@@ -65,19 +87,58 @@ fn turn_receiver(baked: &mut Baked, receiver: usize, turned: &[bool]) {
     }
 }
 
-/// A mesh of the triangles of another, some of them reversed with their normals.
-fn reversed(mesh: &Mesh, turned: &[bool]) -> Mesh {
-    let mut mesh = mesh.in_triangles();
+/// Leaves a receiver only some of its triangles.
+fn keep_triangles(baked: &mut Baked, receiver: usize, kept: &[bool]) {
+    let layout = &mut baked.atlas.layout.receivers[receiver];
+    retain(&mut layout.uvs, kept);
+    retain(&mut layout.pages, kept);
+    retain(&mut layout.charts, kept);
+    let surface = &mut baked.atlas.receivers[receiver];
+    retain(&mut surface.triangles, kept);
+    retain(&mut surface.parts, kept);
+    surface.omitted.clear();
+    if !surface.normals.is_empty() {
+        retain(&mut surface.normals, kept);
+    }
+}
+
+fn retain<T>(values: &mut Vec<T>, kept: &[bool]) {
+    let mut kept = kept.iter();
+    values.retain(|_| kept.next().copied().unwrap_or(false));
+}
+
+/// Gives faces materials that are seen from their fronts alone.
+fn make_one_sided(
+    mesh: &mut Mesh,
+    scene: &mut Scene,
+    copies: &mut HashMap<MaterialId, MaterialId>,
+) {
+    for material in &mut mesh.face_materials {
+        *material = *copies.entry(*material).or_insert_with(|| {
+            let mut copy = scene.materials[*material as usize].clone();
+            if copy.sidedness == Sidedness::One {
+                return *material;
+            }
+            copy.sidedness = Sidedness::One;
+            scene.add_material(copy)
+        });
+    }
+}
+
+/// A mesh of triangles, some of them reversed with their normals.
+fn reversed(triangles: &Mesh, is_turned: impl Fn(usize) -> bool) -> Mesh {
+    let mut mesh = triangles.clone();
     if let Some(normals) = &mut mesh.normals {
         let count = normals.values.len() as u32;
         let corners = normals.corners.as_ref().unwrap_or(&mesh.faces.corners);
-        let side = |(corner, &value): (usize, &u32)| value + count * u32::from(turned[corner / 3]);
+        let side =
+            |(corner, &value): (usize, &u32)| value + count * u32::from(is_turned(corner / 3));
         normals.corners = Some(corners.iter().enumerate().map(side).collect());
         normals.values.extend_from_within(..);
         let backs = &mut normals.values[count as usize..];
         backs.iter_mut().for_each(|n| *n = -*n);
     }
-    for face in (0..turned.len()).filter(|&f| turned[f]) {
+    for face in (0..mesh.faces.len()).filter(|&f| is_turned(f)) {
         mesh.reverse_face(face);
     }
     mesh
@@ -97,7 +158,7 @@ mod tests {
             ..Mesh::default()
         };
         mesh.push_face(&[0, 1, 2, 3], 7);
-        let reversed = reversed(&mesh, &[false, true]);
+        let reversed = reversed(&mesh.in_triangles(|_| true), |t| t == 1);
         assert_eq!(reversed.faces.len(), 2);
         assert_eq!(reversed.face_materials, [7, 7]);
         assert_eq!(reversed.faces.get(0), [0, 1, 2]);
@@ -108,5 +169,6 @@ mod tests {
             assert_eq!(normals.at(corner, vertex), side * DVec3::Z);
         }
         assert!(reversed.face_area_vector(1).z < 0.0);
+        assert_eq!(mesh.in_triangles(|t| t == 1).faces.get(0), [0, 2, 3]);
     }
 }

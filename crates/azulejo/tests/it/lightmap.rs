@@ -3,11 +3,11 @@
 use azulejo::bake::{Resolution, UnwrapOptions};
 use azulejo::factors::PointNormal;
 use azulejo::lightmap::{
-    BakeError, BakeOptions, Baked, BakedLight, BakedSides, Coordinates, bake, meshes_of,
+    BakeError, BakeOptions, BakeSource, Baked, BakedLight, BakedSides, Coordinates, bake, meshes_of,
 };
 use azulejo::radiosity::{FirstPass, SolveError, probe};
 use azulejo::scene::synthetic::{CornellVariant, cornell_box};
-use azulejo::scene::{Light, LightKind, Material, Mesh, Object, Rgb, Scene, Shape};
+use azulejo::scene::{Attribute, Light, LightKind, Material, Mesh, Object, Rgb, Scene, Shape};
 use azulejo::trace::sampling::uniform;
 use azulejo::trace::{Progress, Tracer};
 use glam::DVec3;
@@ -294,6 +294,127 @@ fn threads_make_no_difference_and_cancelling_stops() {
         stopped.unwrap_err(),
         BakeError::Solve(SolveError::Cancelled)
     );
+}
+
+/// A sheet of 2 m with little light above and much below, and a box far away. A second sheet is
+/// curved: its shading normals differ from those of its faces.
+fn sheets() -> Scene {
+    let mut scene = Scene::default();
+    let white = scene.add_material(Material::diffuse("white", Rgb::grey(0.5)));
+    let square = |low: f64| {
+        let mut mesh = Mesh {
+            positions: [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]
+                .map(|[x, y]| DVec3::new(x + low, y, 0.0))
+                .to_vec(),
+            ..Mesh::default()
+        };
+        mesh.push_face(&[0, 1, 2, 3], white);
+        mesh
+    };
+    let mut curved = square(3.0);
+    let tilted = [-1.0, 1.0, 1.0, -1.0].map(|x| DVec3::new(0.2 * x, 0.0, 1.0).normalize());
+    curved.normals = Some(Attribute::per_vertex(tilted.to_vec()));
+    scene
+        .objects
+        .push(Object::new("sheet", Shape::Mesh(square(0.0))));
+    scene
+        .objects
+        .push(Object::new("curved", Shape::Mesh(curved)));
+    let (low, high) = (DVec3::new(60.0, 0.0, 0.0), DVec3::new(61.0, 1.0, 1.0));
+    room(&mut scene, low, high, white, true);
+    let Shape::Mesh(solid) = &mut scene.objects[2].shape else {
+        unreachable!("a room is a mesh")
+    };
+    (0..solid.faces.len()).for_each(|face| solid.reverse_face(face));
+    let sun = |down: f64, irradiance: f64| Light {
+        name: "sun".into(),
+        kind: LightKind::Directional {
+            direction: DVec3::new(0.0, 0.0, down),
+            irradiance: Rgb::grey(irradiance),
+            half_angle: 0.0,
+        },
+    };
+    scene.lights = vec![sun(-1.0, 1.0), sun(1.0, 10.0)];
+    scene
+}
+
+/// What a written file says of the sheets: for each triangle of its objects, up or down, and its irradiance.
+fn written_sheets(sides: BakedSides) -> Vec<(String, f64, f64)> {
+    let mut source = BakeSource::written(&sheets(), true).unwrap();
+    let options = BakeOptions {
+        sides,
+        ..options(64, 0.05)
+    };
+    let mut baked = baked(&source.scene, &options);
+    source.turn_to_light(&mut baked).unwrap();
+    assert_eq!(source.scene.objects.len(), source.origins.len());
+    let layouts = source.layouts(&baked);
+    let mut found = Vec::new();
+    for (receiver, surface) in baked.atlas.receivers.iter().enumerate() {
+        let object = &source.scene.objects[baked.objects[receiver] as usize];
+        let mesh = object.shape.mesh().unwrap().in_triangles(|_| true);
+        assert_eq!(mesh.faces.len(), surface.triangles.len());
+        // The file has the same triangles in the same order.
+        let layout = layouts[baked.objects[receiver] as usize].as_ref().unwrap();
+        assert_eq!(layout.uvs, baked.atlas.layout.receivers[receiver].uvs);
+        for t in 0..surface.triangles.len() {
+            let up = surface.area_vector(t).normalize().z;
+            assert!(
+                (mesh
+                    .face_area_vector(t.min(mesh.faces.len() - 1))
+                    .normalize()
+                    .z
+                    - up)
+                    .abs()
+                    < 1e-9
+            );
+            let light = baked.irradiance(receiver, t, [1.0 / 3.0; 3]).unwrap();
+            found.push((object.name.clone(), up, light.mean()));
+        }
+    }
+    found
+}
+
+/// Fronts have the light in files that are written, whichever side of a face it came from.
+#[test]
+fn faces_are_turned_to_their_light() {
+    let found = written_sheets(BakedSides::Brighter);
+    let sheets = found.iter().filter(|(name, ..)| name != "room");
+    for (name, up, light) in sheets {
+        assert!(
+            *up < -0.9 && (light / 10.0 - 1.0).abs() < 0.05,
+            "{name} {up}: {light}"
+        );
+    }
+    // A solid keeps its fronts.
+    let lid = |(name, up, _): &&(String, f64, f64)| name == "room" && *up > 0.9;
+    assert!(
+        found
+            .iter()
+            .filter(lid)
+            .all(|(_, _, light)| (light - 1.0).abs() < 0.05)
+    );
+}
+
+/// Each side of a sheet has its own light, and a solid has no inner side.
+#[test]
+fn both_sides_are_baked() {
+    let found = written_sheets(BakedSides::Both);
+    for (name, up, light) in &found {
+        let expected = match *up {
+            up if up > 0.9 => 1.0,
+            up if up < -0.9 => 10.0,
+            _ => 0.0,
+        };
+        assert!(
+            (light - expected).abs() < 0.05 * expected + 0.01,
+            "{name} {up}: {light}"
+        );
+    }
+    let of = |name: &str| found.iter().filter(|f| f.0 == name).count();
+    assert_eq!([of("sheet"), of("sheet (back)")], [2, 2]);
+    assert_eq!([of("curved"), of("curved (back)")], [2, 2]);
+    assert_eq!([of("room"), of("room (back)")], [12, 0]);
 }
 
 #[test]

@@ -123,6 +123,7 @@ impl BakeDialog {
             (None, cx.tr("as the format says")),
             (Some(BakedSides::Front), cx.tr("the front")),
             (Some(BakedSides::Brighter), cx.tr("the brighter one")),
+            (Some(BakedSides::Both), cx.tr("both, as faces of their own")),
         ];
         let about = cx.tr(
             "glTF says which side of a surface is the front; of other formats each chart gets the light of its brighter side.",

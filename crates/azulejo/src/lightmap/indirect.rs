@@ -1,0 +1,180 @@
+//! The indirect light of texels, from the solved first pass.
+
+use azulejo_bake::{
+    Atlas, BetweenTexels, IndirectGoal, LookRequest, NodePair, PairRequest, SampleDirect, Samples,
+    ShownSamples, TexelField, TexelLight, TexelStatistics,
+};
+use azulejo_radiosity::{IrradianceField, PairRange, PathPair, SolveError, SolvedLight};
+use azulejo_trace::{Cancelled, DiffuseHit, GatherPoint, Progress};
+
+/// Share of the permitted error that is left to noise and patches beside interpolation.
+const NOISE_SHARE: f64 = 0.85;
+
+/// Rays per point of the first look at the light.
+const FIRST_RAYS: u32 = 128;
+
+/// Looks after the first, each corrected by paths: what patches leak into the dark, and miss where it is
+/// bright, is hardly left in the light that the last gather reads.
+const LOOKS: u32 = 2;
+
+/// Part of what texels are too coarse for that indirect light may be off by, whatever is asked: together
+/// both are hardly more.
+const BESIDE_RESOLUTION: f64 = 0.2;
+
+/// Where the indirect light of texels comes from.
+pub struct IndirectLight<'a> {
+    pub solved: &'a SolvedLight<'a>,
+    /// Most bounces, if they are limited.
+    pub bounces: Option<u32>,
+    pub error: f64,
+    pub progress: &'a Progress,
+}
+
+impl IndirectLight<'_> {
+    /// The light of all samples: a first look at that of patches, others at the look before, and the last, to
+    /// the requested error.
+    pub fn of_texels(
+        &self,
+        atlas: &Atlas,
+        objects: &[u32],
+        (samples, direct): (&Samples, &SampleDirect),
+        seed: u32,
+    ) -> Result<(Vec<TexelLight>, TexelStatistics), SolveError> {
+        let coarse = self.too_coarse_for(atlas, samples, direct, seed)?;
+        let goal = IndirectGoal {
+            relative: self.error,
+            least: BESIDE_RESOLUTION * coarse,
+        };
+        let surfaces = self.solved.gatherer().surfaces();
+        let mut look = |request: &LookRequest| {
+            let range = PairRange {
+                read: 0..FIRST_RAYS,
+                traced: 0..0,
+            };
+            let found = self.pairs(request.points, None, &range, 0)?;
+            Ok::<_, SolveError>(found.iter().map(|pair| pair.read).collect())
+        };
+        let (mut light, nodes) =
+            azulejo_bake::first_look(samples, direct, goal, self.progress, &mut look)?;
+        if self.bounces.is_some() {
+            let mut gather = |request: &PairRequest| self.limited(request);
+            let found = azulejo_bake::with_indirect(
+                samples,
+                direct,
+                nodes,
+                goal,
+                true,
+                self.progress,
+                &mut gather,
+            )?;
+            return Ok(found);
+        }
+        for number in 1..=LOOKS {
+            if self.progress.out_of_time() {
+                break;
+            }
+            let field = TexelField::new(atlas, samples, &light, objects, surfaces);
+            drop(std::mem::take(&mut light));
+            let mut gather = |request: &PairRequest| self.paired(request, &field, number);
+            light = azulejo_bake::look_again(samples, direct, &nodes, &mut gather)?;
+        }
+        let field = TexelField::new(atlas, samples, &light, objects, surfaces);
+        drop(light);
+        let mut gather = |request: &PairRequest| self.paired(request, &field, LOOKS + 1);
+        Ok(azulejo_bake::with_indirect(
+            samples,
+            direct,
+            nodes,
+            goal,
+            false,
+            self.progress,
+            &mut gather,
+        )?)
+    }
+
+    /// Root mean square of the direct light that texels are too coarse for, W/m², about.
+    fn too_coarse_for(
+        &self,
+        atlas: &Atlas,
+        samples: &Samples,
+        direct: &SampleDirect,
+        seed: u32,
+    ) -> Result<f64, Cancelled> {
+        let gatherer = self.solved.gatherer();
+        let light = direct.light();
+        let shown = ShownSamples::new(samples, &light, gatherer.surfaces());
+        let none = vec![TexelLight::default(); light.len()];
+        let between = BetweenTexels {
+            atlas,
+            samples,
+            shown: &shown,
+            direct,
+            rest: &none,
+            gatherer,
+            error: self.error,
+            seed,
+        };
+        let mut lightmap = shown.lightmap(samples, &light);
+        for page in &mut lightmap.pages {
+            azulejo_bake::pad_charts(page, 1);
+        }
+        between.estimate(&lightmap, self.progress)
+    }
+
+    fn paired(
+        &self,
+        request: &PairRequest,
+        field: &TexelField,
+        look: u32,
+    ) -> Result<Vec<NodePair>, SolveError> {
+        let range = PairRange {
+            read: request.read.clone(),
+            traced: request.traced.clone(),
+        };
+        self.pairs(request.points, Some(&FieldOfTexels(field)), &range, look)
+    }
+
+    fn pairs(
+        &self,
+        points: &[GatherPoint],
+        field: Option<&dyn IrradianceField>,
+        range: &PairRange,
+        look: u32,
+    ) -> Result<Vec<NodePair>, SolveError> {
+        let found = self
+            .solved
+            .path_pairs(points, field, range, look, self.progress)?;
+        let pair = |pair: PathPair| NodePair {
+            read: pair.read,
+            few: pair.few,
+            traced: pair.traced,
+        };
+        Ok(found.into_iter().map(pair).collect())
+    }
+
+    /// Where bounces are limited, all is path traced.
+    fn limited(&self, request: &PairRequest) -> Result<Vec<NodePair>, SolveError> {
+        let error = NOISE_SHARE * self.error;
+        let found = self.solved.indirect(
+            request.points,
+            request.areas,
+            error,
+            LOOKS + 1,
+            self.progress,
+        )?;
+        let node = |read| NodePair {
+            read,
+            ..NodePair::default()
+        };
+        Ok(found.into_iter().map(node).collect())
+    }
+}
+
+/// Light of texels beside that of patches.
+struct FieldOfTexels<'a>(&'a TexelField<'a>);
+
+impl IrradianceField for FieldOfTexels<'_> {
+    fn irradiance(&self, at: &DiffuseHit) -> Option<([f32; 3], f32)> {
+        self.0.irradiance(at)
+    }
+}

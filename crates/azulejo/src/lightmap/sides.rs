@@ -1,0 +1,93 @@
+//! Which sides of surfaces have a lightmap.
+
+use azulejo_bake::layout::NO_CHART;
+use azulejo_bake::{Atlas, Receiver};
+use azulejo_radiosity::SolvedLight;
+use azulejo_scene::{Scene, Sidedness};
+use azulejo_trace::GatherPoint;
+use azulejo_trace::sampling::hash;
+use glam::DVec3;
+
+/// Light of a solid's inner side relative to that of its outer side up to which it is what patches leak.
+const DARK: f64 = 0.01;
+
+/// The receivers whose backs somebody may see, with their objects: those outside of solids, and those that get
+/// light, in rooms whose fronts are outside.
+pub fn lit_backs(
+    receivers: &[Receiver],
+    objects: &[u32],
+    scene: &Scene,
+    solved: &SolvedLight,
+) -> Vec<(Receiver, u32)> {
+    let inside = azulejo_bake::backs_inside(scene);
+    let mut backs = Vec::new();
+    for (receiver, &object) in receivers.iter().zip(objects) {
+        let is_dark = |place: [u32; 3]| {
+            let [front, back] = solved.sides_at(place, [1.0 / 3.0; 2]);
+            back.mean() <= DARK * front.mean()
+        };
+        let materials = scene.objects[object as usize].shape.mesh();
+        let materials = materials.map_or(&[][..], |mesh| &mesh.face_materials);
+        let is_omitted = |[face, triangle]: [u32; 2]| {
+            let material = &scene.materials[materials[face as usize] as usize];
+            let is_inside = inside[object as usize][face as usize];
+            // Glass has no sides that could be told apart, and some files say that backs are not seen.
+            material.dielectric.is_some()
+                || material.sidedness == Sidedness::One
+                || (is_inside && is_dark([object, face, triangle]))
+        };
+        let faces = face_triangles(scene, object).into_iter();
+        let omitted: Vec<bool> = faces.map(is_omitted).collect();
+        let back = Receiver {
+            omitted,
+            ..receiver.clone()
+        };
+        if back.visible_triangles().contains(&true) {
+            backs.push((back, object));
+        }
+    }
+    backs
+}
+
+/// Of each chart whether its back gets more light.
+pub fn turned(atlas: &Atlas, objects: &[u32], scene: &Scene, solved: &SolvedLight) -> Vec<bool> {
+    let mut excess = vec![0.0; atlas.layout.charts as usize];
+    let (mut unseen, mut of_charts) = (Vec::new(), Vec::new());
+    for (r, receiver) in atlas.receivers.iter().enumerate() {
+        let faces = face_triangles(scene, objects[r]);
+        for (t, [face, triangle]) in faces.into_iter().enumerate() {
+            let chart = atlas.layout.receivers[r].charts[t];
+            if chart == NO_CHART {
+                continue;
+            }
+            let [front, back] = solved.sides_at([objects[r], face, triangle], [1.0 / 3.0; 2]);
+            let vector = receiver.area_vector(t);
+            let area = vector.length();
+            excess[chart as usize] += area * (back - front).mean();
+            // The solution has no backs that other surfaces do not see: lights may shine on them all the same.
+            if back.is_black() {
+                unseen.push(GatherPoint {
+                    position: receiver.corners(t).iter().sum::<DVec3>() / 3.0,
+                    normal: -vector.normalize_or(DVec3::Z),
+                    key: hash(&[r as u32, t as u32]),
+                });
+                of_charts.push((chart, area));
+            }
+        }
+    }
+    for ((chart, area), light) in of_charts.into_iter().zip(solved.direct_at(&unseen)) {
+        excess[chart as usize] += area * light.mean();
+    }
+    excess.into_iter().map(|e| e > 0.0).collect()
+}
+
+/// For each triangle of a receiver its face, and its number in the face.
+fn face_triangles(scene: &Scene, object: u32) -> Vec<[u32; 2]> {
+    let mesh = scene.objects[object as usize].shape.mesh();
+    let faces = mesh.map_or(0, |mesh| mesh.faces.len());
+    let of_face = |face: usize| {
+        let count = mesh.map_or(0, |mesh| mesh.faces.get(face).len() - 2);
+        (0..count as u32).map(move |triangle| [face as u32, triangle])
+    };
+    (0..faces).flat_map(of_face).collect()
+}
