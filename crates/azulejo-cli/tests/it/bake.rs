@@ -317,3 +317,36 @@ fn objects_are_denser_than_others() {
         assert_eq!(run.code, Some(2), "{wrong}\n{}", run.err);
     }
 }
+
+/// A lamp below a sheet whose corners are in the order that makes its upper side the front.
+#[test]
+fn sides_without_a_front_are_baked() {
+    let folder = Folder::new();
+    folder.write(
+        "sheet.mtl",
+        "newmtl white\nKd 0.7 0.7 0.7\nnewmtl lamp\nKd 0 0 0\nKe 9 9 9\n",
+    );
+    folder.write(
+        "sheet.obj",
+        "mtllib sheet.mtl\nv 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 -1\nv 1 0 -1\nv 1 1 -1\nv 0 1 -1\n\
+         o sheet\nusemtl white\nf 1 2 3 4\no lamp\nusemtl lamp\nf 5 6 7 8\n",
+    );
+    let bake = |more: &str| {
+        folder.ok(&format!(
+            "bake sheet.obj -o lit.glb --size 32 --error 10% {more}"
+        ));
+        json(&folder.read("lit.glb"))
+    };
+    let meshes = |file: &Value| file["meshes"].as_array().map_or(0, Vec::len);
+    let one = bake("");
+    let both = bake("--double-sided split");
+    assert!(meshes(&both) > meshes(&one), "{both}");
+    let materials = both["materials"].as_array().unwrap();
+    let mut baked = materials
+        .iter()
+        .filter(|m| !m["extensions"]["MOZ_lightmap"].is_null());
+    assert!(baked.all(|m| m["doubleSided"] != true), "{materials:?}");
+    folder.ok("convert sheet.obj -o sheet.glb");
+    let run = folder.ok("bake sheet.glb -o lit.glb --size 32 --error 10% --double-sided split");
+    assert!(run.err.contains("written anew"), "{}", run.err);
+}

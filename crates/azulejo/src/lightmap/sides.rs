@@ -31,8 +31,10 @@ pub fn lit_backs(
         let is_omitted = |[face, triangle]: [u32; 2]| {
             let material = &scene.materials[materials[face as usize] as usize];
             let is_inside = inside[object as usize][face as usize];
-            // Glass has no sides that could be told apart, and some files say that backs are not seen.
+            // Glass has no sides that could be told apart, a face of its own would shine as a lamp does, and some
+            // files say that backs are not seen.
             material.dielectric.is_some()
+                || material.is_emitter()
                 || material.sidedness == Sidedness::One
                 || (is_inside && is_dark([object, face, triangle]))
         };
