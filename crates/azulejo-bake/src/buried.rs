@@ -42,7 +42,7 @@ pub(crate) fn buried_regions(
     for (number, sample) in samples.samples.iter().enumerate() {
         let region = &mut regions[sample.region as usize];
         let area = f64::from(sample.area);
-        region.light += light[number].irradiance * area;
+        region.light += light[number].rgb() * area;
         region.area += area;
         region.chart = samples.pages[sample.page as usize].texels[sample.texel as usize].chart;
         region.looks.push(number as u32);

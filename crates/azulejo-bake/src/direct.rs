@@ -44,19 +44,21 @@ impl SampleDirect {
     pub fn light(&self) -> Vec<TexelLight> {
         let all = self.irradiance.iter().zip(&self.variance);
         all.map(|(e, variance)| TexelLight {
-            irradiance: Rgb::from(e.map(f64::from)),
-            standard_error: Rgb::from(variance.map(|v| f64::from(v).sqrt())),
+            irradiance: *e,
+            standard_error: variance.map(f32::sqrt),
         })
         .collect()
     }
 
     /// Takes this light, and its error, out of the light of all samples.
     pub fn take_from(&self, light: &mut [TexelLight]) {
-        for (all, direct) in light.iter_mut().zip(self.light()) {
-            all.irradiance = (all.irradiance - direct.irradiance).map(|e| e.max(0.0));
-            let square = |e: Rgb| e * e;
-            let rest = square(all.standard_error) - square(direct.standard_error);
-            all.standard_error = rest.map(|v| v.max(0.0).sqrt());
+        let direct = self.irradiance.iter().zip(&self.variance);
+        for (all, (direct, variance)) in light.iter_mut().zip(direct) {
+            for k in 0..3 {
+                all.irradiance[k] = (all.irradiance[k] - direct[k]).max(0.0);
+                let rest = all.standard_error[k].powi(2) - variance[k];
+                all.standard_error[k] = rest.max(0.0).sqrt();
+            }
         }
     }
 

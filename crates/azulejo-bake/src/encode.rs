@@ -26,14 +26,29 @@ pub fn srgb_bytes_up_to(light: &[[f32; 3]], most: f32) -> Vec<u8> {
     bytes
 }
 
+/// Values of 0..=1 as linear bytes of grey, rounded as in [`srgb_bytes`].
+pub fn linear_bytes(values: &[[f32; 3]]) -> Vec<u8> {
+    let byte = |(texel, value): (usize, &[f32; 3])| {
+        let value = 255.0 * (value.iter().sum::<f32>() / 3.0).clamp(0.0, 1.0);
+        let below = value.floor().min(254.0);
+        let is_up = value - below > threshold(texel as u32, 0);
+        [below as u8 + u8::from(is_up); 3]
+    };
+    values.iter().enumerate().flat_map(byte).collect()
+}
+
 /// One of the two bytes around a linear value 0..=1, so that the mean of what they decode to is the value.
 fn dithered(linear: f32, texel: u32, channel: u32) -> u8 {
     let linear = linear.clamp(0.0, 1.0);
     let below = (255.0 * encoded(linear)).floor().min(254.0);
     let (low, high) = (decoded(below / 255.0), decoded((below + 1.0) / 255.0));
     let share = ((linear - low) / (high - low)).clamp(0.0, 1.0);
-    let threshold = (hash(&[texel, channel, 0xd17]) >> 8) as f32 / (1 << 24) as f32;
-    below as u8 + u8::from(share > threshold)
+    below as u8 + u8::from(share > threshold(texel, channel))
+}
+
+/// What share of a step is rounded up, 0..1.
+fn threshold(texel: u32, channel: u32) -> f32 {
+    (hash(&[texel, channel, 0xd17]) >> 8) as f32 / (1 << 24) as f32
 }
 
 /// The transfer function of sRGB (IEC 61966-2-1).
@@ -75,5 +90,14 @@ mod tests {
         }
         assert_eq!(srgb_bytes(&[[0.0; 3]; 2]), (vec![0; 6], 0.0));
         assert_eq!(srgb_bytes_up_to(&[[0.0, 2.0, 9.0]], 2.0), [0, 255, 255]);
+        assert_eq!(
+            linear_bytes(&[[0.0; 3], [1.0; 3]]),
+            [0, 0, 0, 255, 255, 255]
+        );
+        let sum: u32 = linear_bytes(&[[0.3; 3]; 4096])
+            .into_iter()
+            .map(u32::from)
+            .sum();
+        assert!((f64::from(sum) / (3.0 * 255.0 * 4096.0) - 0.3).abs() < 2e-4);
     }
 }

@@ -49,7 +49,7 @@ impl<'a> TexelField<'a> {
             let page = s.page as usize;
             let index = samples.pages[page].texels[s.texel as usize].index as usize;
             if pages[page][index][0].is_nan() {
-                pages[page][index] = light.irradiance.to_f32();
+                pages[page][index] = light.irradiance;
             }
         }
         let width = |r: usize, t: usize| {

@@ -8,6 +8,7 @@
 //! | What each texel covers, exactly, and the points at which it needs light | [`Coverage`], [`Samples`] |
 //! | Direct light of each texel, more finely at the edges of shadows | [`direct()`] |
 //! | Indirect light at some of them, interpolated, more finely where leaving one out shows an error | [`first_look`], [`look_again`], [`with_indirect`] |
+//! | How much of the hemisphere over a point is free | [`Hemispheres`] |
 //! | What is wrong with texture coordinates, ours or anybody's | [`check()`](check::check) |
 //! | Texels without what lies inside of solids, continued around charts, alike on both sides of seams | [`Lightmap`], [`pad_charts`], [`stitch`], [`fill`] |
 //! | What they are too coarse for, added to their errors | [`BetweenTexels`] |
@@ -32,6 +33,7 @@ mod light;
 mod lightmap;
 mod lightmap_page;
 mod nodes;
+mod occlusion;
 mod pad;
 mod rays;
 mod receiver;
@@ -49,7 +51,7 @@ pub mod web_page;
 pub use atlas::Atlas;
 pub use coverage::{Coverage, CoveredPiece, CoveredTexel, TriangleId};
 pub use direct::{SampleDirect, direct};
-pub use encode::{srgb_bytes, srgb_bytes_up_to};
+pub use encode::{linear_bytes, srgb_bytes, srgb_bytes_up_to};
 pub use field::TexelField;
 pub use indirect::{
     IndirectGoal, LookRequest, NodeLattice, PairRequest, TexelStatistics, first_look, look_again,
@@ -60,6 +62,7 @@ pub use layout::{Layout, ReceiverLayout};
 pub use light::{NodePair, TexelLight};
 pub use lightmap::{Lightmap, QuarterLight, ShownSample, ShownSamples};
 pub use lightmap_page::LightmapPage;
+pub use occlusion::Hemispheres;
 pub use pad::{fill, pad_charts};
 pub use receiver::Receiver;
 pub use reflectance::{SurfaceColor, texel_colors};

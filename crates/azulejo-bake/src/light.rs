@@ -3,13 +3,21 @@
 use azulejo_scene::Rgb;
 use azulejo_trace::Gathered;
 
-/// Irradiance with its standard error, W/m² (lx in photometric scenes).
+/// Irradiance with its standard error, W/m² (lx in photometric scenes): in single precision, because there is one
+/// for each of millions of texels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TexelLight {
     /// The value.
-    pub irradiance: Rgb,
+    pub irradiance: [f32; 3],
     /// Its standard error.
-    pub standard_error: Rgb,
+    pub standard_error: [f32; 3],
+}
+
+impl TexelLight {
+    /// The value in double precision.
+    pub(crate) fn rgb(&self) -> Rgb {
+        Rgb::from(self.irradiance.map(f64::from))
+    }
 }
 
 /// Indirect light of a node, W/m².

@@ -6,7 +6,6 @@ use crate::lightmap_page::{LightmapPage, mean, neighbours};
 use crate::samples::{Samples, TexelSample};
 use azulejo_scene::Rgb;
 use azulejo_trace::Surfaces;
-use std::collections::HashMap;
 
 /// Light of a quarter of the area, W/m².
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,11 +30,11 @@ pub struct Lightmap {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShownSample {
     /// Page of the texel.
-    pub page: usize,
+    pub page: u32,
     /// Its place on the page, row by row.
-    pub at: usize,
+    pub at: u32,
     /// The sample.
-    pub sample: usize,
+    pub sample: u32,
     /// Whether it lies inside of a solid, in the dark.
     pub is_buried: bool,
 }
@@ -54,20 +53,24 @@ impl ShownSamples {
     pub fn new(samples: &Samples, light: &[TexelLight], surfaces: &Surfaces) -> ShownSamples {
         assert_eq!(samples.samples.len(), light.len(), "one light per sample");
         let is_buried = buried_regions(samples, light, surfaces);
-        let numbered: Vec<(usize, &TexelSample)> = samples.samples.iter().enumerate().collect();
-        let of_texels = numbered.chunk_by(|a, b| (a.1.page, a.1.texel) == (b.1.page, b.1.texel));
-        let shown = |of_texel: &[(usize, &TexelSample)]| {
+        let of_texels = samples
+            .samples
+            .chunk_by(|a, b| (a.page, a.texel) == (b.page, b.texel));
+        let mut first = 0;
+        let shown = |of_texel: &[TexelSample]| {
+            let numbers = first..;
+            first += of_texel.len();
             // What is seen counts, of that what is larger.
             let rank = |s: &TexelSample| (!is_buried[s.region as usize], s.area);
             let order = |a: &(bool, f32), b: &(bool, f32)| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1));
-            let best = of_texel
-                .iter()
+            let best = numbers
+                .zip(of_texel)
                 .max_by(|a, b| order(&rank(a.1), &rank(b.1)))?;
-            let page = best.1.page as usize;
+            let coverage = &samples.pages[best.1.page as usize];
             Some(ShownSample {
-                page,
-                at: samples.pages[page].texels[best.1.texel as usize].index as usize,
-                sample: best.0,
+                page: best.1.page,
+                at: coverage.texels[best.1.texel as usize].index,
+                sample: best.0 as u32,
                 is_buried: is_buried[best.1.region as usize],
             })
         };
@@ -88,21 +91,26 @@ impl ShownSamples {
             pages: dark.collect(),
             buried: 0,
         };
-        let mut seen: HashMap<(usize, usize), &TexelSample> = HashMap::new();
+        let nothing = samples.pages.iter().map(|p| p.size[0] * p.size[1]);
+        let nothing = nothing.map(|count| vec![NOT_SEEN; count as usize]);
+        let mut seen = SeenSamples {
+            samples: &samples.samples,
+            pages: nothing.collect(),
+        };
         let mut buried = Vec::new();
         for shown in &self.texels {
-            let (page, at) = (shown.page, shown.at);
-            let sample = &samples.samples[shown.sample];
+            let (page, at) = (shown.page as usize, shown.at as usize);
+            let sample = &samples.samples[shown.sample as usize];
             let covered = &samples.pages[page].texels[sample.texel as usize];
             let to = &mut lightmap.pages[page];
-            to.irradiance[at] = light[shown.sample].irradiance.to_f32();
-            to.standard_error[at] = light[shown.sample].standard_error.to_f32();
+            to.irradiance[at] = light[shown.sample as usize].irradiance;
+            to.standard_error[at] = light[shown.sample as usize].standard_error;
             to.charts[at] = covered.chart;
             if shown.is_buried {
                 buried.push((page, at));
             } else {
                 to.areas[at] = covered.area;
-                seen.insert((page, at), sample);
+                seen.pages[page][at] = shown.sample;
             }
         }
         lightmap.buried = buried.len();
@@ -111,21 +119,32 @@ impl ShownSamples {
     }
 }
 
+/// No sample is seen at a texel.
+const NOT_SEEN: u32 = u32::MAX;
+
+/// The samples that are seen, by page and texel.
+struct SeenSamples<'a> {
+    samples: &'a [TexelSample],
+    pages: Vec<Vec<u32>>,
+}
+
+impl SeenSamples<'_> {
+    fn at(&self, page: usize, texel: usize) -> Option<&TexelSample> {
+        self.samples.get(self.pages[page][texel] as usize)
+    }
+}
+
 impl Lightmap {
     /// Gives buried texels beside others of their chart the light of those, because viewers interpolate
     /// between both. Where a thin wall has its two sides around one texel, the side that is nearer counts:
     /// the one that shows most of the texels around.
-    fn light_rims(
-        &mut self,
-        buried: &[(usize, usize)],
-        shown: &HashMap<(usize, usize), &TexelSample>,
-    ) {
+    fn light_rims(&mut self, buried: &[(usize, usize)], shown: &SeenSamples) {
         let mut rims = Vec::new();
         for &(page, texel) in buried {
             let texels = &self.pages[page];
             let mut sides: Vec<(u32, f32, Vec<usize>)> = Vec::new();
             for (_, beside) in neighbours(texels.size, texel as u32) {
-                let Some(sample) = shown.get(&(page, beside)) else {
+                let Some(sample) = shown.at(page, beside) else {
                     continue;
                 };
                 if texels.charts[beside] != texels.charts[texel] {
@@ -167,27 +186,6 @@ impl Lightmap {
         let areas = || self.pages.iter().flat_map(|p| &p.areas);
         let covered = areas().filter(|&&a| a > 0.0).count() + self.buried;
         covered as f64 / f64::max(areas().count() as f64, 1.0)
-    }
-
-    /// Share of the area where irradiance is below a share of the largest of its page.
-    pub fn share_below(&self, share: f64) -> f64 {
-        let (mut below, mut all) = (0.0, 0.0);
-        for page in &self.pages {
-            let most = page
-                .irradiance
-                .iter()
-                .flatten()
-                .copied()
-                .fold(0.0, f32::max);
-            for (e, &area) in page.irradiance.iter().zip(&page.areas) {
-                let bright = e.iter().copied().fold(0.0, f32::max);
-                all += f64::from(area);
-                if f64::from(bright) < share * f64::from(most) {
-                    below += f64::from(area);
-                }
-            }
-        }
-        below / f64::max(all, f64::MIN_POSITIVE)
     }
 
     /// Mean irradiance and root mean square of the standard error of each quarter of the area, from dark to

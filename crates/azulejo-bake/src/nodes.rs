@@ -268,8 +268,10 @@ impl<'a> Nodes<'a> {
         let direct = Rgb::from(self.direct.variance[sample as usize].map(f64::from));
         let variance = own + shared * shared + Rgb::grey(interpolation + bias * bias) + direct;
         TexelLight {
-            irradiance: (self.direct_of(sample) + indirect).map(|e| e.max(0.0)),
-            standard_error: variance.map(f64::sqrt),
+            irradiance: (self.direct_of(sample) + indirect)
+                .map(|e| e.max(0.0))
+                .to_f32(),
+            standard_error: variance.map(f64::sqrt).to_f32(),
         }
     }
 }

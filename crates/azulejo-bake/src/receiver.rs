@@ -18,7 +18,7 @@ pub struct Receiver {
     pub positions: Vec<DVec3>,
     /// Three vertices of each triangle, counter-clockwise from the front.
     pub triangles: Vec<[u32; 3]>,
-    /// Unit shading normals at the three corners of each triangle; empty for flat faces.
+    /// Unit shading normals at the three corners of each triangle, on its front's side; empty for flat faces.
     pub normals: Vec<[DVec3; 3]>,
     /// Which part each triangle belongs to, such as a primitive of a glTF mesh. All of a part lies on
     /// one page, and no chart has triangles of two.
@@ -109,14 +109,16 @@ impl Receiver {
     }
 }
 
-/// Shading normals of three corners, if the mesh has any.
+/// Shading normals of three corners, if the mesh has any; on the side of the front, because some files have normals
+/// to one side and corners in the order of the other.
 fn shading(placed: &PlacedMesh, corners: [u32; 3]) -> Option<[DVec3; 3]> {
     placed.mesh.normals.as_ref()?;
-    let normal = |c: u32| {
-        let vertex = placed.mesh.faces.corners[c as usize];
-        placed.normal(c as usize, vertex).unwrap_or(DVec3::Z)
-    };
-    Some(corners.map(normal))
+    let vertices = corners.map(|c| placed.mesh.faces.corners[c as usize]);
+    let normal = |k: usize| (placed.normal(corners[k] as usize, vertices[k])).unwrap_or(DVec3::Z);
+    let normals = [0, 1, 2].map(normal);
+    let [a, b, c] = vertices.map(|v| placed.position(v));
+    let is_opposite = normals.iter().sum::<DVec3>().dot((b - a).cross(c - a)) < 0.0;
+    Some(normals.map(|n| if is_opposite { -n } else { n }))
 }
 
 /// Numbers of materials in the order in which they first occur.

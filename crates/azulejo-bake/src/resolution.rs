@@ -2,8 +2,9 @@
 //!
 //! A texel has the mean light of what it covers, and its standard error is that of the mean. What viewers
 //! show between texels differs from the light there, at the edges of shadows by far more than that. Here
-//! direct light is gathered at places between, and compared with what is interpolated; indirect light is
-//! smoother, and the error of interpolating it between nodes is known.
+//! direct light is gathered at places between, and compared with what is interpolated, wherever it is uneven.
+//! Indirect light is smoother, and costs more: it is gathered at a few places of texels that are alike, by how
+//! uneven it is there and whether they lie at the rim of a chart.
 
 use crate::atlas::Atlas;
 use crate::direct::SampleDirect;
@@ -14,7 +15,7 @@ use crate::pad::pad_charts;
 use crate::samples::{PageSampler, Samples};
 use azulejo_scene::Rgb;
 use azulejo_trace::sampling::{hash, uniform};
-use azulejo_trace::{Cancelled, GatherPoint, Gatherer, Progress};
+use azulejo_trace::{Cancelled, GatherPoint, Gathered, Gatherer, Progress};
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -35,6 +36,12 @@ const LEFT: f64 = 4.0 / 9.0;
 
 /// Texels that are worked on together.
 const BATCH: usize = 256;
+
+/// Classes of texels by how uneven indirect light is there, of those at the rims of charts and of the others.
+const CLASSES: usize = 12;
+
+/// Texels of each class at which indirect light is gathered.
+const OF_CLASS: usize = 128;
 
 /// Compares a lightmap with direct light between its texels.
 pub struct BetweenTexels<'a> {
@@ -60,27 +67,25 @@ pub struct BetweenTexels<'a> {
 type Squares = [f64; 3];
 
 impl BetweenTexels<'_> {
-    /// Adds what interpolation misses to the standard errors of a lightmap whose charts have padding of
-    /// `padding` texels. Returns its root mean square over the area and the channels, W/m².
+    /// Adds what interpolation misses of direct light to the standard errors of a lightmap. `rest` is
+    /// [`BetweenTexels::rest_of`] it. Returns its root mean square over the area and the channels, W/m².
     ///
     /// # Errors
     /// The caller cancelled.
-    pub fn add_to(
+    pub fn add_direct(
         &self,
         lightmap: &mut Lightmap,
-        padding: u32,
+        rest: &Lightmap,
         progress: &Progress,
     ) -> Result<f64, Cancelled> {
-        let mut rest = self.shown.lightmap(self.samples, self.rest);
-        for page in &mut rest.pages {
-            pad_charts(page, padding);
-        }
         let looked_at: Vec<(&ShownSample, bool)> = self
-            .by_evenness(lightmap, &rest)
+            .by_evenness(lightmap, rest)
             .filter(|(shown, is_uneven)| *is_uneven || self.is_one_of(EVEN, shown))
             .collect();
-        let found = self.all_squares(&looked_at, lightmap, &rest, progress)?;
-        let area = |shown: &ShownSample| f64::from(lightmap.pages[shown.page].areas[shown.at]);
+        let found = self.all_squares(&looked_at, lightmap, rest, progress)?;
+        let area = |shown: &ShownSample| {
+            f64::from(lightmap.pages[shown.page as usize].areas[shown.at as usize])
+        };
         let (mut of_even, mut even_area) = ([0.0; 3], 0.0);
         for ((shown, is_uneven), squares) in looked_at.iter().zip(&found) {
             if let (false, Some(squares)) = (is_uneven, squares) {
@@ -90,8 +95,8 @@ impl BetweenTexels<'_> {
         }
         let of_even =
             of_even.map(|sum| f64::max(sum / f64::max(even_area, f64::MIN_POSITIVE), 0.0));
-        let mut of_texel: Vec<Vec<Squares>> = (lightmap.pages.iter())
-            .map(|page| vec![of_even; page.areas.len()])
+        let mut of_texel: Vec<Vec<[f32; 3]>> = (lightmap.pages.iter())
+            .map(|page| vec![of_even.map(|square| square as f32); page.areas.len()])
             .collect();
         let of_uneven: Vec<(&ShownSample, Squares)> = looked_at
             .iter()
@@ -111,7 +116,8 @@ impl BetweenTexels<'_> {
             f64::max(sum, 0.0) / f64::max(positive, f64::MIN_POSITIVE)
         });
         for (shown, squares) in &of_uneven {
-            of_texel[shown.page][shown.at] = [0, 1, 2].map(|k| share[k] * squares[k].max(0.0));
+            let square = |k: usize| (share[k] * squares[k].max(0.0)) as f32;
+            of_texel[shown.page as usize][shown.at as usize] = [0, 1, 2].map(square);
         }
         let (mut sum, mut whole) = (0.0, 0.0);
         for (page, squares) in lightmap.pages.iter_mut().zip(&of_texel) {
@@ -121,10 +127,10 @@ impl BetweenTexels<'_> {
                 .filter(|(t, _)| page.areas[*t] > 0.0)
             {
                 let area = f64::from(page.areas[t]);
-                sum += area * squares.iter().sum::<f64>() / 3.0;
+                sum += area * squares.iter().copied().map(f64::from).sum::<f64>() / 3.0;
                 whole += area;
                 for (error, square) in page.standard_error[t].iter_mut().zip(squares) {
-                    *error = f64::from(*error).hypot(square.sqrt()) as f32;
+                    *error = error.hypot(square.sqrt());
                 }
             }
         }
@@ -143,7 +149,9 @@ impl BetweenTexels<'_> {
             .filter(|(shown, is_uneven)| *is_uneven && self.is_one_of(FEW, shown))
             .collect();
         let found = self.all_squares(&looked_at, lightmap, &rest, progress)?;
-        let area = |shown: &ShownSample| f64::from(lightmap.pages[shown.page].areas[shown.at]);
+        let area = |shown: &ShownSample| {
+            f64::from(lightmap.pages[shown.page as usize].areas[shown.at as usize])
+        };
         let mean = |squares: Squares| squares.iter().sum::<f64>() / 3.0;
         let of_each = looked_at.iter().zip(found);
         let sum: f64 = of_each
@@ -188,7 +196,7 @@ impl BetweenTexels<'_> {
 
     /// Whether a texel is one of those that are chosen, one of so many.
     fn is_one_of(&self, many: u32, shown: &ShownSample) -> bool {
-        hash(&[self.seed, shown.page as u32, shown.at as u32, 0xe7e]).is_multiple_of(many)
+        hash(&[self.seed, shown.page, shown.at, 0xe7e]).is_multiple_of(many)
     }
 
     /// Whether direct light differs between a texel and one around it.
@@ -199,11 +207,14 @@ impl BetweenTexels<'_> {
         rest: &Lightmap,
         permitted: f64,
     ) -> bool {
-        let (page, rest) = (&lightmap.pages[shown.page], &rest.pages[shown.page]);
+        let (page, rest) = (
+            &lightmap.pages[shown.page as usize],
+            &rest.pages[shown.page as usize],
+        );
         let direct = |t: usize| light(&page.irradiance[t]) - light(&rest.irradiance[t]);
-        let own = direct(shown.at);
-        neighbours(page.size, shown.at as u32)
-            .filter(|&(_, n)| page.charts[n] == page.charts[shown.at])
+        let own = direct(shown.at as usize);
+        neighbours(page.size, shown.at)
+            .filter(|&(_, n)| page.charts[n] == page.charts[shown.at as usize])
             .any(|(_, n)| (direct(n) - own).map(f64::abs).max_channel() > permitted)
     }
 
@@ -216,19 +227,37 @@ impl BetweenTexels<'_> {
         lightmap: &Lightmap,
         rest: &Lightmap,
     ) -> Option<Squares> {
-        let places = if is_uneven { PLACES } else { 1 };
-        let sample = &self.samples.samples[shown.sample];
-        let coverage = &self.samples.pages[shown.page];
+        let (points, uvs) = self.places(shown, if is_uneven { PLACES } else { 1 });
+        if points.is_empty() {
+            return None;
+        }
+        let noise = self.direct.variance[shown.sample as usize].map(|v| LEFT * f64::from(v));
+        let mut squares = [0.0; 3];
+        for (found, uv) in self.gatherer.direct(&points, 1, self.seed).iter().zip(&uvs) {
+            let found = found.whole();
+            let interpolated = |map: &Lightmap| -> Rgb {
+                LightmapPage::bilinear(&map.pages[shown.page as usize], *uv)
+            };
+            let difference = interpolated(lightmap) - interpolated(rest) - found.mean();
+            let [d, variance] = [difference, found.variance()].map(Rgb::to_array);
+            for k in 0..3 {
+                squares[k] += d[k] * d[k] - variance[k] - noise[k];
+            }
+        }
+        Some(squares.map(|s| s / points.len() as f64))
+    }
+
+    /// Places of a texel that are seen, one in each of `places`² parts of it, with their texture coordinates.
+    fn places(&self, shown: &ShownSample, places: u32) -> (Vec<GatherPoint>, Vec<[f64; 2]>) {
+        let sample = &self.samples.samples[shown.sample as usize];
+        let coverage = &self.samples.pages[shown.page as usize];
         let tracer = self.gatherer.surfaces().tracer;
-        let sampler = PageSampler::new(self.atlas, tracer, coverage, shown.page as u32);
+        let sampler = PageSampler::new(self.atlas, tracer, coverage, shown.page);
         let [width, height] = coverage.size;
-        let corner = DVec2::new(
-            (shown.at as u32 % width).into(),
-            (shown.at as u32 / width).into(),
-        );
+        let corner = DVec2::new((shown.at % width).into(), (shown.at / width).into());
         let (mut points, mut uvs) = (Vec::new(), Vec::new());
         for k in 0..places * places {
-            let keys = |d: u32| [self.seed, shown.page as u32, shown.at as u32, k, d, 0xbe7];
+            let keys = |d: u32| [self.seed, shown.page, shown.at, k, d, 0xbe7];
             let jitter = DVec2::new(uniform(&keys(0)).into(), uniform(&keys(1)).into());
             let cell = DVec2::new((k % places).into(), (k / places).into());
             let place = corner + (cell + jitter) / f64::from(places);
@@ -241,22 +270,102 @@ impl BetweenTexels<'_> {
                 uvs.push([place.x / f64::from(width), place.y / f64::from(height)]);
             }
         }
-        if points.is_empty() {
-            return None;
+        (points, uvs)
+    }
+
+    /// All light but direct light, as viewers read it, of charts with padding of `padding` texels.
+    pub fn rest_of(&self, padding: u32) -> Lightmap {
+        let mut rest = self.shown.lightmap(self.samples, self.rest);
+        for page in &mut rest.pages {
+            pad_charts(page, padding);
         }
-        let noise = self.direct.variance[shown.sample].map(|v| LEFT * f64::from(v));
-        let mut squares = [0.0; 3];
-        for (found, uv) in self.gatherer.direct(&points, 1, self.seed).iter().zip(&uvs) {
-            let found = found.whole();
-            let interpolated =
-                |map: &Lightmap| -> Rgb { LightmapPage::bilinear(&map.pages[shown.page], *uv) };
-            let difference = interpolated(lightmap) - interpolated(rest) - found.mean();
-            let [d, variance] = [difference, found.variance()].map(Rgb::to_array);
-            for k in 0..3 {
-                squares[k] += d[k] * d[k] - variance[k] - noise[k];
+        rest
+    }
+
+    /// Adds what interpolation misses of all other light to the standard errors of a lightmap, where that is more
+    /// than they say: `gather` finds such light at a few places. `rest` is [`BetweenTexels::rest_of`] it. Returns
+    /// the root mean square of what is added, over the area and the channels, W/m².
+    ///
+    /// # Errors
+    /// Those of `gather`.
+    pub fn add_indirect<E>(
+        &self,
+        lightmap: &mut Lightmap,
+        rest: &Lightmap,
+        gather: &mut dyn FnMut(&[GatherPoint]) -> Result<Vec<Gathered>, E>,
+    ) -> Result<f64, E> {
+        let classes = self.classes(rest);
+        let (mut points, mut uvs, mut owners) = (Vec::new(), Vec::new(), Vec::new());
+        for (class, members) in classes.iter().enumerate() {
+            let mut order: Vec<&ShownSample> = members.clone();
+            order.sort_by_cached_key(|shown| hash(&[self.seed, shown.page, shown.at, 0x1d7]));
+            let seen = order.into_iter().filter_map(|shown| {
+                let (points, uvs) = self.places(shown, PLACES);
+                Some((*points.first()?, *uvs.first()?, shown))
+            });
+            for (point, uv, shown) in seen.take(OF_CLASS) {
+                points.push(point);
+                uvs.push(uv);
+                owners.push((class, shown));
             }
         }
-        Some(squares.map(|s| s / points.len() as f64))
+        let found = gather(&points)?;
+        let mut squares = vec![([0.0; 3], 0.0); classes.len()];
+        for ((found, uv), (class, shown)) in found.iter().zip(uvs).zip(owners) {
+            let page = &rest.pages[shown.page as usize];
+            let area = f64::from(page.areas[shown.at as usize]);
+            let said = light(&page.standard_error[shown.at as usize]).to_array();
+            let difference = (page.bilinear(uv) - found.mean()).to_array();
+            let variance = found.variance().to_array();
+            let (sums, areas) = &mut squares[class];
+            *areas += area;
+            for k in 0..3 {
+                sums[k] += area * (difference[k].powi(2) - variance[k] - said[k].powi(2));
+            }
+        }
+        let (mut sum, mut whole) = (0.0, 0.0);
+        for (members, (sums, areas)) in classes.iter().zip(squares) {
+            let missed = sums.map(|s| f64::max(s, 0.0) / f64::max(areas, f64::MIN_POSITIVE));
+            for shown in members {
+                let page = &mut lightmap.pages[shown.page as usize];
+                let area = f64::from(page.areas[shown.at as usize]);
+                sum += area * missed.iter().sum::<f64>() / 3.0;
+                whole += area;
+                let errors = &mut page.standard_error[shown.at as usize];
+                for (error, square) in errors.iter_mut().zip(missed) {
+                    *error = f64::from(*error).hypot(square.sqrt()) as f32;
+                }
+            }
+        }
+        Ok((sum / f64::max(whole, f64::MIN_POSITIVE)).sqrt())
+    }
+
+    /// Texels by whether they lie at the rim of a chart, and by how much the light of those around differs.
+    fn classes(&self, rest: &Lightmap) -> Vec<Vec<&ShownSample>> {
+        let mut of_kinds: [Vec<(f32, &ShownSample)>; 2] = Default::default();
+        for shown in self.shown.seen() {
+            let page = &rest.pages[shown.page as usize];
+            let at = shown.at as usize;
+            let own = light(&page.irradiance[at]);
+            let (mut unevenness, mut is_rim) = (0.0, false);
+            for (_, n) in neighbours(page.size, shown.at) {
+                let is_one = page.charts[n] == page.charts[at];
+                is_rim |= !is_one || page.areas[n] == 0.0;
+                if is_one {
+                    let difference = light(&page.irradiance[n]) - own;
+                    unevenness = f64::max(unevenness, difference.map(f64::abs).max_channel());
+                }
+            }
+            of_kinds[usize::from(is_rim)].push((unevenness as f32, shown));
+        }
+        let mut classes = Vec::new();
+        for kind in &mut of_kinds {
+            kind.par_sort_by(|a, b| a.0.total_cmp(&b.0));
+            let size = kind.len().div_ceil(CLASSES).max(1);
+            let of_class = |class: &[(f32, _)]| class.iter().map(|member| member.1).collect();
+            classes.extend(kind.chunks(size).map(of_class));
+        }
+        classes
     }
 }
 

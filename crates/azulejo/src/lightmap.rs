@@ -3,24 +3,29 @@
 //! [`bake`] is the third pass beside the picture: `azulejo-bake` knows texels, `azulejo-radiosity` knows
 //! light, and here the two meet. A [`BakeSource`] is the scene with the glTF file that gets its lightmap.
 
+mod brightness;
 mod facing;
 mod indirect;
+mod occlusion;
 mod radiance;
 mod sides;
 mod source;
 
+pub use brightness::{BytePicture, BytePictures};
+pub use occlusion::bake_occlusion;
 pub use radiance::TexelRadiance;
 pub use source::{BakeSource, SourceError, SourceFile};
 
 use azulejo_bake::{
     Atlas, BetweenTexels, Layout, LayoutError, Lightmap, LightmapPage, Receiver, ReceiverLayout,
-    Samples, SeamErrors, ShownSamples, TexelStatistics, UnwrapOptions, layout::NO_CHART,
+    Samples, SeamErrors, ShownSamples, TexelField, TexelStatistics, UnwrapOptions,
+    layout::NO_CHART,
 };
 use azulejo_factors::{PatchSize, Patches, ProxyScene, RefinedShape};
 use azulejo_radiosity::{FirstPass, Report, SolveError, SolvedLight};
 use azulejo_scene::{Rgb, Scene, Shape};
 use azulejo_trace::sampling::hash;
-use azulejo_trace::{Cancelled, Progress, Tracer};
+use azulejo_trace::{Cancelled, GatherPoint, Progress, Tracer};
 use indirect::IndirectLight;
 use sides::{lit_backs, turned};
 use std::fmt;
@@ -167,12 +172,11 @@ pub struct Baked {
     pub lightmap: Lightmap,
     /// How they were computed.
     pub texels: TexelStatistics,
-    /// The light between patches.
-    pub report: Report,
+    /// The light between patches, if any was solved.
+    pub report: Option<Report>,
     /// Differences along seams.
     pub seams: SeamErrors,
-    /// Root mean square of what interpolation between texels misses of direct light, W/m²: part of the standard
-    /// errors. 0 where only indirect light is baked.
+    /// Root mean square of what interpolation between texels misses, W/m²: part of the standard errors.
     pub between_texels: f64,
 }
 
@@ -189,13 +193,7 @@ pub fn bake(
     progress: &Progress,
 ) -> Result<Baked, BakeError> {
     let proxy = ProxyScene::new(scene, tracer, options.pass.size);
-    let receiver = |(place, &o): (usize, &u32)| {
-        let mut receiver = Receiver::of_object(&proxy.scene.objects[o as usize])?;
-        receiver.density = options.densities.get(place).copied().unwrap_or(1.0);
-        Some((receiver, o))
-    };
-    let (mut receivers, mut objects): (Vec<Receiver>, Vec<u32>) =
-        objects.iter().enumerate().filter_map(receiver).unzip();
+    let (mut receivers, mut objects) = receivers_of(&proxy.scene, objects, &options.densities);
     let fronts = receivers.len();
     let mut solved = None;
     if options.sides == BakedSides::Both {
@@ -208,19 +206,7 @@ pub fn bake(
         }
         solved = Some(found);
     }
-    let layout = laid_out(&receivers, options, &proxy.tracer, progress)?;
-    let mut atlas = Atlas {
-        receivers,
-        layout,
-        turned: Vec::new(),
-    };
-    let needed = memory_of(&atlas.layout);
-    if needed > options.pass.memory {
-        return Err(BakeError::Memory {
-            needed,
-            permitted: options.pass.memory,
-        });
-    }
+    let mut atlas = arranged(receivers, options, &proxy.tracer, progress)?;
     let solved = match solved {
         Some(solved) => solved,
         None => SolvedLight::new(&proxy, &options.pass, progress)?,
@@ -245,7 +231,7 @@ pub fn bake(
         3,
     ]);
     let direct = azulejo_bake::direct(&samples, &atlas, gatherer, error, seed, progress)?;
-    let light = IndirectLight {
+    let indirect = IndirectLight {
         solved: &solved,
         bounces: options.pass.bounces,
         error,
@@ -259,8 +245,10 @@ pub fn bake(
                 ..TexelStatistics::default()
             },
         ),
-        _ => light.of_texels(&atlas, &objects, (&samples, &direct), seed)?,
+        _ => indirect.of_texels(&atlas, &objects, (&samples, &direct), seed)?,
     };
+    let field = (options.light != BakedLight::Direct)
+        .then(|| TexelField::new(&atlas, &samples, &light, &objects, surfaces));
     if options.light == BakedLight::Indirect {
         direct.take_from(&mut light);
     }
@@ -270,22 +258,29 @@ pub fn bake(
         azulejo_bake::pad_charts(page, options.charts.padding);
     }
     let seams = azulejo_bake::stitch(&mut lightmap, &atlas);
-    let between = if options.light == BakedLight::Indirect {
-        0.0
-    } else {
+    if options.light != BakedLight::Indirect {
         direct.take_from(&mut light);
-        let between = BetweenTexels {
-            atlas: &atlas,
-            samples: &samples,
-            shown: &shown,
-            direct: &direct,
-            rest: &light,
-            gatherer,
-            error,
-            seed,
-        };
-        between.add_to(&mut lightmap, options.charts.padding, progress)?
+    }
+    let between = BetweenTexels {
+        atlas: &atlas,
+        samples: &samples,
+        shown: &shown,
+        direct: &direct,
+        rest: &light,
+        gatherer,
+        error,
+        seed,
     };
+    let rest = between.rest_of(options.charts.padding);
+    let mut between_texels = 0.0_f64;
+    if options.light != BakedLight::Indirect {
+        between_texels = between.add_direct(&mut lightmap, &rest, progress)?;
+    }
+    if let Some(field) = &field {
+        let mut gather = |points: &[GatherPoint]| indirect.at(points, field);
+        let missed = between.add_indirect(&mut lightmap, &rest, &mut gather)?;
+        between_texels = between_texels.hypot(missed);
+    }
     for page in &mut lightmap.pages {
         azulejo_bake::fill(page);
     }
@@ -294,9 +289,41 @@ pub fn bake(
         objects,
         lightmap,
         texels,
-        report: solved.report(),
+        report: Some(solved.report()),
         seams,
-        between_texels: between,
+        between_texels,
+    })
+}
+
+/// The objects that receive, and their numbers.
+fn receivers_of(scene: &Scene, objects: &[u32], densities: &[f64]) -> (Vec<Receiver>, Vec<u32>) {
+    let receiver = |(place, &o): (usize, &u32)| {
+        let mut receiver = Receiver::of_object(&scene.objects[o as usize])?;
+        receiver.density = densities.get(place).copied().unwrap_or(1.0);
+        Some((receiver, o))
+    };
+    objects.iter().enumerate().filter_map(receiver).unzip()
+}
+
+/// The receivers with their charts, if there is room for the texels.
+fn arranged(
+    receivers: Vec<Receiver>,
+    options: &BakeOptions,
+    tracer: &Tracer,
+    progress: &Progress,
+) -> Result<Atlas, BakeError> {
+    let layout = laid_out(&receivers, options, tracer, progress)?;
+    let needed = memory_of(&layout);
+    if needed > options.pass.memory {
+        return Err(BakeError::Memory {
+            needed,
+            permitted: options.pass.memory,
+        });
+    }
+    Ok(Atlas {
+        receivers,
+        layout,
+        turned: Vec::new(),
     })
 }
 

@@ -51,6 +51,29 @@ pub struct BakeArgs {
     pub first_pass: FirstPassArgs,
 }
 
+impl BakeArgs {
+    /// What tells viewers of the lightmap.
+    pub fn convention(&self) -> ConventionArg {
+        let usual = match self.texels.light {
+            LightArg::Ao => ConventionArg::Occlusion,
+            _ => ConventionArg::Moz,
+        };
+        self.files.conventions.first().copied().unwrap_or(usual)
+    }
+
+    /// Whether the output is a page.
+    pub fn is_page(&self) -> bool {
+        let extension = self.output.as_deref().and_then(|path| path.extension());
+        let extension = extension.map(|e| e.to_string_lossy().to_lowercase());
+        self.html || matches!(extension.as_deref(), Some("html" | "htm"))
+    }
+
+    /// Whether bright surfaces may have pictures of their own: those of 8 bits, of materials.
+    pub fn separates_bright(&self) -> bool {
+        self.files.image == ImageArg::Png && self.convention() == ConventionArg::Moz
+    }
+}
+
 /// The texels of a lightmap.
 #[derive(Clone, Debug, Args)]
 #[command(next_help_heading = "Texels")]
@@ -101,6 +124,9 @@ pub struct TexelArgs {
     /// Which light to bake
     #[arg(long, value_name = "LIGHT", default_value = "total")]
     pub light: LightArg,
+    /// With --light ao, how near things have to be to count, metres [default: a tenth of the size of the model]
+    #[arg(long, value_name = "METRES", value_parser = values::positive)]
+    pub ao_distance: Option<f64>,
 }
 
 /// Files of a lightmap, and how they say what they are.
@@ -118,12 +144,11 @@ pub struct LightmapFileArgs {
     /// Floats of 32 bits in --lightmap and --error-map
     #[arg(long)]
     pub float: bool,
-    /// What tells viewers of the lightmap
+    /// What tells viewers of the lightmap [default: moz; occlusion with --light ao]
     #[arg(
         long = "as",
         id = "conventions",
         value_name = "CONVENTION",
-        default_value = "moz",
         value_delimiter = ','
     )]
     pub conventions: Vec<ConventionArg>,
@@ -145,16 +170,6 @@ pub struct LightmapFileArgs {
     /// What becomes of lamps without area that were baked [default: dim; keep with --light indirect]
     #[arg(long, value_name = "WHAT")]
     pub baked_lights: Option<LightsArg>,
-}
-
-impl LightmapFileArgs {
-    /// What tells viewers of the lightmap.
-    pub fn convention(&self) -> ConventionArg {
-        self.conventions
-            .first()
-            .copied()
-            .unwrap_or(ConventionArg::Moz)
-    }
 }
 
 /// `--exposure`
@@ -223,15 +238,18 @@ pub enum LightArg {
     Indirect,
     /// That alone
     Direct,
+    /// None: ambient occlusion, the share of the hemisphere that is free of near things
+    Ao,
 }
 
 impl LightArg {
-    /// For the library.
-    pub fn baked(self) -> BakedLight {
+    /// For the library; `None` without light.
+    pub fn baked(self) -> Option<BakedLight> {
         match self {
-            LightArg::Total => BakedLight::Total,
-            LightArg::Indirect => BakedLight::Indirect,
-            LightArg::Direct => BakedLight::Direct,
+            LightArg::Total => Some(BakedLight::Total),
+            LightArg::Indirect => Some(BakedLight::Indirect),
+            LightArg::Direct => Some(BakedLight::Direct),
+            LightArg::Ao => None,
         }
     }
 }
@@ -269,6 +287,8 @@ pub enum ConventionArg {
     Emissive,
     /// As colours that need no light: for viewers that know no lightmaps
     Unlit,
+    /// The occlusionTexture of materials, with --light ao
+    Occlusion,
     /// Nothing: texture coordinates alone, for a --lightmap beside the file
     Plain,
 }
@@ -281,6 +301,7 @@ impl ConventionArg {
             ConventionArg::Mx => Convention::Mx,
             ConventionArg::Emissive => Convention::Emissive,
             ConventionArg::Unlit => Convention::Unlit,
+            ConventionArg::Occlusion => Convention::Occlusion,
             ConventionArg::Plain => Convention::Plain,
         }
     }

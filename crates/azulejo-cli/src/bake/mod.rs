@@ -14,9 +14,9 @@ use crate::failure::Failure;
 use crate::report::Report;
 use crate::session::Session;
 use crate::{pass, report as words};
-use args::{BakeArgs, ConventionArg, DoubleSidedArg, ImageArg, LightmapFileArgs, TexelArgs};
+use args::{BakeArgs, ConventionArg, DoubleSidedArg, ImageArg, LightArg, TexelArgs};
 use azulejo::bake::{Resolution, UnwrapOptions};
-use azulejo::lightmap::{BakeError, BakeOptions, Baked, BakedSides, bake};
+use azulejo::lightmap::{BakeError, BakeOptions, Baked, BakedSides, bake, bake_occlusion};
 use azulejo::output::Output;
 use azulejo_scene::Scene;
 use source::BakeSource;
@@ -26,6 +26,9 @@ use written::BakeOutputs;
 /// Size of pages where none is given, and where the density is.
 const SIZE: u32 = 1024;
 const MOST_SIZE: u32 = 8192;
+
+/// Distance up to which things occlude, as a share of the size of the model.
+const OCCLUSION_DISTANCE: f64 = 0.1;
 
 /// Error beside the requested one up to which that counts as reached.
 const TOLERATED: f64 = 1.2;
@@ -51,18 +54,21 @@ pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
         coordinates: chosen.coordinates,
         densities: densities(&args.texels, &source, session),
         pass: pass::options(&args.first_pass, &prepared),
-        light: args.texels.light.baked(),
+        light: args.texels.light.baked().unwrap_or_default(),
         sides: sides(args, &source),
     };
     session.limit_time(args.first_pass.limit());
     let baked = pass::with_forecast(&args.first_pass, session, |progress| {
-        bake(
-            &source.scene,
-            &tracer,
-            &source.receivers,
-            &options,
-            progress,
-        )
+        let BakeSource {
+            scene, receivers, ..
+        } = &source;
+        match args.texels.light.baked() {
+            Some(_) => bake(scene, &tracer, receivers, &options, progress),
+            None => {
+                let distance = occlusion_distance(&args.texels, scene);
+                bake_occlusion(scene, &tracer, receivers, &options, distance, progress)
+            }
+        }
     });
     let mut baked = baked.map_err(|error| match error {
         BakeError::Solve(error) => pass::failure(error),
@@ -118,12 +124,31 @@ fn refuse_misplaced(args: &BakeArgs) -> Result<(), Failure> {
             "{option} is about light on vertices; a lightmap has texels"
         )));
     }
-    refuse_conventions(&args.files)
+    refuse_conventions(args)
 }
 
 /// Options of files that do not fit each other.
-fn refuse_conventions(files: &LightmapFileArgs) -> Result<(), Failure> {
-    let convention = files.convention();
+fn refuse_conventions(args: &BakeArgs) -> Result<(), Failure> {
+    let files = &args.files;
+    let convention = args.convention();
+    let is_occlusion = args.texels.light == LightArg::Ao;
+    let is_for_occlusion = matches!(convention, ConventionArg::Occlusion | ConventionArg::Plain);
+    if is_occlusion && !is_for_occlusion {
+        return Err(Failure::misuse(
+            "--light ao is no light: --as occlusion or --as plain",
+        ));
+    }
+    if !is_occlusion && convention == ConventionArg::Occlusion {
+        return Err(Failure::misuse("--as occlusion is for --light ao"));
+    }
+    if !is_occlusion && args.texels.ao_distance.is_some() {
+        return Err(Failure::misuse("--ao-distance is for --light ao"));
+    }
+    if is_occlusion && args.is_page() {
+        return Err(Failure::misuse(
+            "--light ao: a page shows light, of which this is none",
+        ));
+    }
     let shows_radiance = matches!(convention, ConventionArg::Emissive | ConventionArg::Unlit);
     if files.conventions.iter().any(|c| *c != convention) {
         return Err(Failure::misuse(
@@ -135,12 +160,19 @@ fn refuse_conventions(files: &LightmapFileArgs) -> Result<(), Failure> {
             "--exposure is for --as unlit and --as emissive: other lightmaps have a scale of their own",
         ));
     }
-    if shows_radiance && files.image != ImageArg::Png {
+    if (shows_radiance || is_occlusion) && files.image != ImageArg::Png {
         return Err(Failure::misuse(
-            "--as unlit and --as emissive are for viewers that know only PNG: --image png",
+            "--as unlit, emissive and occlusion are for viewers that know only PNG: --image png",
         ));
     }
     Ok(())
+}
+
+/// How near things count as occluding, scene units.
+fn occlusion_distance(args: &TexelArgs, scene: &Scene) -> f64 {
+    let usual = || OCCLUSION_DISTANCE * scene.bounds().diagonal();
+    args.ao_distance
+        .map_or_else(usual, |metres| metres / scene.units.metres())
 }
 
 fn charts(args: &TexelArgs, scene: &Scene) -> UnwrapOptions {

@@ -5,8 +5,8 @@ use super::source::BakeSource;
 use crate::failure::Failure;
 use crate::report::{Report, number, percent, short};
 use crate::session::Session;
-use azulejo::bake::{srgb_bytes, srgb_bytes_up_to};
-use azulejo::lightmap::{Baked, TexelRadiance};
+use azulejo::bake::{linear_bytes, srgb_bytes, srgb_bytes_up_to};
+use azulejo::lightmap::{Baked, BytePicture, BytePictures, TexelRadiance};
 use azulejo_formats::gltf::patch::{LightmapPage, MediaType};
 use azulejo_formats::picture::ktx2::{self, Ktx2Texels};
 use azulejo_formats::picture::{hdr, png};
@@ -18,6 +18,25 @@ const DIM: f64 = 0.1;
 /// Share of the area below it from which on that is said.
 const MUCH_DIM: f64 = 0.2;
 
+/// The pictures of a lightmap in a file.
+pub struct Pictures {
+    /// All of them.
+    pub pages: Vec<LightmapPage>,
+    /// Which of them each triangle of each receiver has.
+    pub of_triangles: Vec<Vec<u32>>,
+}
+
+impl Pictures {
+    /// One for each page.
+    fn by_pages(baked: &Baked, pages: Vec<LightmapPage>) -> Pictures {
+        let receivers = baked.atlas.layout.receivers.iter();
+        Pictures {
+            pages,
+            of_triangles: receivers.map(|r| r.pages.clone()).collect(),
+        }
+    }
+}
+
 /// The pictures of all pages, as the convention wants them.
 pub fn pictures(
     args: &BakeArgs,
@@ -26,18 +45,37 @@ pub fn pictures(
     padding: u32,
     session: &mut Session,
     report: &mut Report,
-) -> Result<Vec<LightmapPage>, Failure> {
-    match args.files.convention() {
-        ConventionArg::Plain => return Ok(Vec::new()),
+) -> Result<Pictures, Failure> {
+    match args.convention() {
+        ConventionArg::Plain => return Ok(Pictures::by_pages(baked, Vec::new())),
         ConventionArg::Moz | ConventionArg::Mx => {
-            say_dim(args, baked, session, report);
+            let bytes = BytePictures::new(baked, args.separates_bright());
+            if bytes.bright_share > 0.0 {
+                session.note(&format!(
+                    "{} of the area is so much brighter than the rest that it has a picture of its own",
+                    percent(bytes.bright_share)
+                ));
+            }
+            say_dim(args, baked, &bytes, session, report);
             if matches!(args.files.image, ImageArg::Ktx2 | ImageArg::Ktx2Half) {
                 session.note(
                     "KHR_texture_basisu names a KTX2 with bright texels, which three.js shows, but which its \
                      specification does not have: validators will say so",
                 );
             }
-            return irradiance(args, baked);
+            return Ok(Pictures {
+                pages: irradiance(args, baked, &bytes)?,
+                of_triangles: bytes.of_triangles,
+            });
+        }
+        ConventionArg::Occlusion => {
+            let pages = baked.lightmap.pages.iter().enumerate();
+            let picture = |(place, page): (usize, &azulejo::bake::LightmapPage)| {
+                let bytes = linear_bytes(&page.irradiance);
+                png_page(name("occlusion", baked, place), page.size, &bytes, 1.0)
+            };
+            let pages: Result<Vec<LightmapPage>, Failure> = pages.map(picture).collect();
+            return Ok(Pictures::by_pages(baked, pages?));
         }
         ConventionArg::Emissive | ConventionArg::Unlit => {}
     }
@@ -48,15 +86,20 @@ pub fn pictures(
     } else {
         "W/(sr·m²)"
     };
-    shown(args, baked, (radiance, unit), session, report)
+    let pages = shown(args, baked, (radiance, unit), session, report)?;
+    Ok(Pictures::by_pages(baked, pages))
 }
 
 /// Pictures of irradiance, all with a PNG.
-fn irradiance(args: &BakeArgs, baked: &Baked) -> Result<Vec<LightmapPage>, Failure> {
-    let pages = baked.lightmap.pages.iter();
-    let picture = |(place, page): (usize, &azulejo::bake::LightmapPage)| {
-        let (rgb, intensity) = srgb_bytes(&page.irradiance);
-        let png = png_page(baked, place, &rgb, intensity)?;
+fn irradiance(
+    args: &BakeArgs,
+    baked: &Baked,
+    bytes: &BytePictures,
+) -> Result<Vec<LightmapPage>, Failure> {
+    let picture = |picture: &BytePicture| {
+        let page = &baked.lightmap.pages[picture.page];
+        let intensity = picture.intensity;
+        let png = png_page(picture.name.clone(), page.size, &picture.rgb, intensity)?;
         let bright = |media_type, picture| LightmapPage {
             picture,
             media_type,
@@ -82,7 +125,7 @@ fn irradiance(args: &BakeArgs, baked: &Baked) -> Result<Vec<LightmapPage>, Failu
             ImageArg::Ktx2Half => ktx2(Ktx2Texels::Half),
         }
     };
-    pages.enumerate().map(picture).collect()
+    bytes.pictures.iter().map(picture).collect()
 }
 
 /// Irradiance over that of a texel of 1: the PNG for others has the same scale.
@@ -106,7 +149,7 @@ fn shown(
     session: &mut Session,
     report: &mut Report,
 ) -> Result<Vec<LightmapPage>, Failure> {
-    let exposure = match (args.files.exposure, args.files.convention()) {
+    let exposure = match (args.files.exposure, args.convention()) {
         (Some(ExposureArg::Factor(factor)), _) => Some(factor),
         (Some(ExposureArg::Auto), _) | (None, ConventionArg::Unlit) => Some(radiance.exposure()),
         (None, _) => None,
@@ -133,22 +176,22 @@ fn shown(
             Some(_) => (srgb_bytes_up_to(texels, 1.0), 1.0),
             None => srgb_bytes(texels),
         };
-        png_page(baked, place, &rgb, intensity)
+        let size = baked.lightmap.pages[place].size;
+        png_page(name("lightmap", baked, place), size, &rgb, intensity)
     };
     texels.map(picture).collect()
 }
 
 fn png_page(
-    baked: &Baked,
-    place: usize,
+    name: String,
+    [width, height]: [u32; 2],
     rgb: &[u8],
     intensity: f64,
 ) -> Result<LightmapPage, Failure> {
-    let [width, height] = baked.lightmap.pages[place].size;
     let mut file = Vec::new();
     png::write(width, height, rgb, &mut file).map_err(Failure::failed)?;
     Ok(LightmapPage {
-        name: name(baked, place),
+        name,
         picture: file,
         media_type: MediaType::Png,
         intensity,
@@ -157,19 +200,25 @@ fn png_page(
 }
 
 /// The name of a page's picture.
-fn name(baked: &Baked, place: usize) -> String {
+fn name(what: &str, baked: &Baked, place: usize) -> String {
     match baked.lightmap.pages.len() {
-        1 => "lightmap".to_owned(),
-        _ => format!("lightmap {}", place + 1),
+        1 => what.to_owned(),
+        _ => format!("{what} {}", place + 1),
     }
 }
 
 /// Says how much of a lightmap is so dark that 8 bits show it worse than was asked for.
-fn say_dim(args: &BakeArgs, baked: &Baked, session: &mut Session, report: &mut Report) {
+fn say_dim(
+    args: &BakeArgs,
+    baked: &Baked,
+    bytes: &BytePictures,
+    session: &mut Session,
+    report: &mut Report,
+) {
     if args.files.image != ImageArg::Png {
         return;
     }
-    let dim = baked.lightmap.share_below(DIM);
+    let dim = bytes.share_below(baked, DIM);
     report.value("dim_share", dim);
     if dim > MUCH_DIM {
         session.note(&format!(

@@ -20,8 +20,12 @@ pub fn describe(
     scene: &Scene,
     report: &mut Report,
 ) -> Result<(), Failure> {
-    let balance = &baked.report.balance;
-    if balance.is_broken() && !args.allow_imbalance && args.bounces.is_none() {
+    let balance = baked.report.as_ref().map(|report| &report.balance);
+    if let Some(balance) = balance
+        && balance.is_broken()
+        && !args.allow_imbalance
+        && args.bounces.is_none()
+    {
         return Err(Failure::failed(format_args!(
             "{} of the emitted power is not accounted for, so nothing was written: request a smaller \
              error, more rays or more time, or accept it with --allow-imbalance",
@@ -56,21 +60,22 @@ pub fn describe(
     report.fact("texels", baked.texels.samples, "texels", words);
     report.value("covered", number(covered));
     report.value("texels_per_metre", number(density));
+    let is_light = baked.report.is_some();
     let nodes = format!(
         "gathered at {}, interpolated between",
         count(baked.texels.nodes)
     );
-    report.fact("nodes", baked.texels.nodes, "indirect light", nodes);
-    let unit = if scene.units.photometric {
-        "lx"
-    } else {
-        "W/m²"
+    let (what, mean_name, unit) = match (is_light, scene.units.photometric) {
+        (true, true) => ("indirect light", "mean irradiance", "lx"),
+        (true, false) => ("indirect light", "mean irradiance", "W/m²"),
+        (false, _) => ("occlusion", "mean", "of the hemisphere is free"),
     };
+    report.fact("nodes", baked.texels.nodes, what, nodes);
     let mean = baked.lightmap.mean();
     report.fact(
         "mean",
         number(mean.mean()),
-        "mean irradiance",
+        mean_name,
         format!("{} {unit}", short(mean.mean())),
     );
     let error = baked.lightmap.relative_error();
@@ -81,18 +86,20 @@ pub fn describe(
         "error",
         number(error),
         "estimated error",
-        format!("{} of the mean irradiance{asked}", percent(error)),
+        format!("{} of the {}{asked}", percent(error), mean_name),
     );
-    let between = baked.between_texels / mean.mean();
-    report.fact(
-        "between_texels",
-        number(between),
-        "between texels",
-        format!(
-            "{} of that: light that texels are too coarse for",
-            percent(between)
-        ),
-    );
+    if is_light {
+        let between = baked.between_texels / mean.mean();
+        report.fact(
+            "between_texels",
+            number(between),
+            "between texels",
+            format!(
+                "{} of that: light that texels are too coarse for",
+                percent(between)
+            ),
+        );
+    }
     let quarters = baked.lightmap.quarters();
     let of_quarter = |q: &QuarterLight| {
         if q.mean > DARK * mean.mean() {

@@ -1,8 +1,9 @@
 //! The files of a lightmap.
 
 use super::args::{BakeArgs, LightArg, LightsArg};
+use super::page;
+use super::pictures::{self, Pictures};
 use super::source::BakeSource;
-use super::{page, pictures};
 use crate::draft_list::DraftList;
 use crate::failure::Failure;
 use crate::report::Report;
@@ -106,8 +107,8 @@ impl BakeOutputs {
                 drafts.add_to(output, &file)?;
             }
             Some((output, kind)) => {
-                let pages = pictures::pictures(args, source, baked, padding, session, report)?;
-                let patched = patched((output, *kind), args, source, baked, &pages, uvs)?;
+                let pictures = pictures::pictures(args, source, baked, padding, session, report)?;
+                let patched = patched((output, *kind), args, source, baked, &pictures, uvs)?;
                 patched.notes.iter().for_each(|note| session.note(note));
                 for (name, file) in &patched.files {
                     drafts.add(&output.path().with_file_name(name), file)?;
@@ -129,16 +130,17 @@ fn patched(
     args: &BakeArgs,
     source: &BakeSource,
     baked: &Baked,
-    pages: &[patch::LightmapPage],
+    pictures: &Pictures,
     uvs: LightmapUvs,
 ) -> Result<PatchedFile, Failure> {
     let stem = output.path().file_stem().unwrap_or_default();
+    let picture = |receiver: usize, t: usize| pictures.of_triangles[receiver][t];
     let edit = LightmapEdit {
-        objects: &source.layouts(baked),
-        pages,
+        objects: &source.layouts_in(baked, picture),
+        pages: &pictures.pages,
         uvs,
         instances: args.files.instances.written(),
-        convention: args.files.convention().written(),
+        convention: args.convention().written(),
         lights: lights(args),
         mipmaps: args.texels.mips > 0,
         output: patch::Output {

@@ -1,12 +1,12 @@
 //! The files of a lightmap.
 
 use super::BakedDocument;
-use azulejo::bake::{LightmapPage, srgb_bytes};
+use azulejo::bake::LightmapPage;
 use azulejo::formats::gltf::patch::{
-    self, Container, InstanceMode, LightmapEdit, LightmapUvs, LightsMode, MediaType,
+    self, Container, Convention, InstanceMode, LightmapEdit, LightmapUvs, LightsMode, MediaType,
 };
 use azulejo::formats::picture::{exr, png};
-use azulejo::lightmap::BakedLight;
+use azulejo::lightmap::{BakedLight, BytePicture, BytePictures};
 use azulejo::output::{Draft, Output, commit};
 use azulejo::scene::Image;
 use azulejo::trace::Progress;
@@ -83,9 +83,12 @@ fn model(
     container: Container,
 ) -> Result<(FileList, Vec<String>), String> {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let is_moz = baked.settings.convention == Convention::Moz;
+    let pictures = BytePictures::new(&baked.baked, is_moz);
+    let picture = |receiver: usize, t: usize| pictures.of_triangles[receiver][t];
     let edit = LightmapEdit {
-        objects: &baked.source.layouts(&baked.baked),
-        pages: &pictures(baked).map_err(|e| e.to_string())?,
+        objects: &baked.source.layouts_in(&baked.baked, picture),
+        pages: &encoded(baked, &pictures).map_err(|e| e.to_string())?,
         uvs: LightmapUvs::default(),
         instances: InstanceMode::Copy,
         convention: baked.settings.convention,
@@ -111,24 +114,20 @@ fn model(
 }
 
 /// The pages as pictures for viewers.
-fn pictures(baked: &BakedDocument) -> io::Result<Vec<patch::LightmapPage>> {
-    let pages = &baked.baked.lightmap.pages;
-    let picture = |(number, page): (usize, &LightmapPage)| {
-        let (rgb, intensity) = srgb_bytes(&page.irradiance);
+fn encoded(baked: &BakedDocument, pictures: &BytePictures) -> io::Result<Vec<patch::LightmapPage>> {
+    let picture = |picture: &BytePicture| {
+        let [width, height] = baked.baked.lightmap.pages[picture.page].size;
         let mut file = Vec::new();
-        png::write(page.size[0], page.size[1], &rgb, &mut file)?;
+        png::write(width, height, &picture.rgb, &mut file)?;
         Ok(patch::LightmapPage {
-            name: match pages.len() {
-                1 => "lightmap".to_owned(),
-                _ => format!("lightmap {}", number + 1),
-            },
+            name: picture.name.clone(),
             picture: file,
             media_type: MediaType::Png,
-            intensity,
+            intensity: picture.intensity,
             fallback: None,
         })
     };
-    pages.iter().enumerate().map(picture).collect()
+    pictures.pictures.iter().map(picture).collect()
 }
 
 /// The numbers of all pages.

@@ -8,6 +8,7 @@ use super::Baked;
 use super::source::{BakeSource, SourceError};
 use azulejo_bake::layout::NO_CHART;
 use azulejo_scene::{MaterialId, Mesh, Object, Scene, Shape, Sidedness};
+use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 
 impl BakeSource {
@@ -125,22 +126,31 @@ fn make_one_sided(
     }
 }
 
-/// A mesh of triangles, some of them reversed with their normals.
+/// A mesh of triangles, some of them reversed. Shading normals point to the side of the fronts, which they did not
+/// all do before where a file has normals to one side and corners in the order of the other.
 fn reversed(triangles: &Mesh, is_turned: impl Fn(usize) -> bool) -> Mesh {
     let mut mesh = triangles.clone();
-    if let Some(normals) = &mut mesh.normals {
-        let count = normals.values.len() as u32;
-        let corners = normals.corners.as_ref().unwrap_or(&mesh.faces.corners);
-        let side =
-            |(corner, &value): (usize, &u32)| value + count * u32::from(is_turned(corner / 3));
-        normals.corners = Some(corners.iter().enumerate().map(side).collect());
-        normals.values.extend_from_within(..);
-        let backs = &mut normals.values[count as usize..];
-        backs.iter_mut().for_each(|n| *n = -*n);
-    }
     for face in (0..mesh.faces.len()).filter(|&f| is_turned(f)) {
         mesh.reverse_face(face);
     }
+    let Some(mut normals) = mesh.normals.take() else {
+        return mesh;
+    };
+    let count = normals.values.len() as u32;
+    let corners = normals.corners.as_ref().unwrap_or(&mesh.faces.corners);
+    let mut corners = corners.clone();
+    for face in 0..mesh.faces.len() {
+        let of_face = &mut corners[mesh.faces.corner_range(face)];
+        let sum: DVec3 = of_face.iter().map(|&c| normals.values[c as usize]).sum();
+        if sum.dot(mesh.face_area_vector(face)) < 0.0 {
+            of_face.iter_mut().for_each(|c| *c += count);
+        }
+    }
+    normals.corners = Some(corners);
+    normals.values.extend_from_within(..);
+    let backs = &mut normals.values[count as usize..];
+    backs.iter_mut().for_each(|n| *n = -*n);
+    mesh.normals = Some(normals);
     mesh
 }
 
@@ -148,16 +158,32 @@ fn reversed(triangles: &Mesh, is_turned: impl Fn(usize) -> bool) -> Mesh {
 mod tests {
     use super::*;
     use azulejo_scene::Attribute;
-    use glam::DVec3;
 
-    #[test]
-    fn triangles_are_reversed_with_their_normals() {
+    /// A square whose front looks up, with such normals.
+    fn square(normal: DVec3) -> Mesh {
         let mut mesh = Mesh {
             positions: vec![DVec3::ZERO, DVec3::X, DVec3::X + DVec3::Y, DVec3::Y],
-            normals: Some(Attribute::per_vertex(vec![DVec3::Z; 4])),
+            normals: Some(Attribute::per_vertex(vec![normal; 4])),
             ..Mesh::default()
         };
         mesh.push_face(&[0, 1, 2, 3], 7);
+        mesh
+    }
+
+    #[test]
+    fn normals_look_to_the_side_that_is_turned_to_light() {
+        let mesh = square(-DVec3::Z);
+        let reversed = reversed(&mesh.in_triangles(|_| true), |_| true);
+        let normals = reversed.normals.as_ref().unwrap();
+        for (corner, &vertex) in reversed.faces.corners.iter().enumerate() {
+            assert_eq!(normals.at(corner, vertex), -DVec3::Z);
+        }
+        assert!(reversed.face_area_vector(0).z < 0.0);
+    }
+
+    #[test]
+    fn triangles_are_reversed_with_their_normals() {
+        let mesh = square(DVec3::Z);
         let reversed = reversed(&mesh.in_triangles(|_| true), |t| t == 1);
         assert_eq!(reversed.faces.len(), 2);
         assert_eq!(reversed.face_materials, [7, 7]);

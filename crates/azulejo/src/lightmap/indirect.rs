@@ -5,7 +5,7 @@ use azulejo_bake::{
     ShownSamples, TexelField, TexelLight, TexelStatistics,
 };
 use azulejo_radiosity::{IrradianceField, PairRange, PathPair, SolveError, SolvedLight};
-use azulejo_trace::{Cancelled, DiffuseHit, GatherPoint, Progress};
+use azulejo_trace::{Cancelled, DiffuseHit, GatherPoint, Gathered, Progress};
 
 /// Share of the permitted error that is left to noise and patches beside interpolation.
 const NOISE_SHARE: f64 = 0.85;
@@ -81,7 +81,7 @@ impl IndirectLight<'_> {
         let field = TexelField::new(atlas, samples, &light, objects, surfaces);
         drop(light);
         let mut gather = |request: &PairRequest| self.paired(request, &field, LOOKS + 1);
-        Ok(azulejo_bake::with_indirect(
+        azulejo_bake::with_indirect(
             samples,
             direct,
             nodes,
@@ -89,7 +89,28 @@ impl IndirectLight<'_> {
             false,
             self.progress,
             &mut gather,
-        )?)
+        )
+    }
+
+    /// The light at points between texels, from rays that read `field`.
+    pub fn at(
+        &self,
+        points: &[GatherPoint],
+        field: &TexelField,
+    ) -> Result<Vec<Gathered>, SolveError> {
+        if self.bounces.is_some() {
+            let areas = vec![1.0; points.len()];
+            let error = NOISE_SHARE * self.error;
+            return self
+                .solved
+                .indirect(points, &areas, error, LOOKS + 2, self.progress);
+        }
+        let range = PairRange {
+            read: 0..FIRST_RAYS,
+            traced: 0..0,
+        };
+        let found = self.pairs(points, Some(&FieldOfTexels(field)), &range, LOOKS + 2)?;
+        Ok(found.into_iter().map(|pair| pair.read).collect())
     }
 
     /// Root mean square of the direct light that texels are too coarse for, W/m², about.

@@ -205,6 +205,17 @@ impl BakeSource {
 
     /// Where the faces of the file's objects lie in a lightmap of this source, for each of its origins.
     pub fn layouts(&self, baked: &Baked) -> Vec<Option<ObjectLayout>> {
+        self.layouts_in(baked, |receiver, t| {
+            baked.atlas.layout.receivers[receiver].pages[t]
+        })
+    }
+
+    /// The same, where `picture` says which picture shows a triangle of a receiver.
+    pub fn layouts_in(
+        &self,
+        baked: &Baked,
+        picture: impl Fn(usize, usize) -> u32,
+    ) -> Vec<Option<ObjectLayout>> {
         let mut layouts = vec![None; self.origins.len()];
         for (receiver, layout) in baked.atlas.layout.receivers.iter().enumerate() {
             let object = baked.objects[receiver];
@@ -218,7 +229,7 @@ impl BakeSource {
             let count = layout.uvs.len();
             layouts[self.origin_of[place]] = Some(ObjectLayout {
                 uvs: (0..count).map(|t| layout.uvs[in_order(t)]).collect(),
-                pages: (0..count).map(|t| layout.pages[in_order(t)]).collect(),
+                pages: (0..count).map(|t| picture(receiver, in_order(t))).collect(),
             });
         }
         layouts

@@ -58,7 +58,7 @@ pub fn edited(
     }
     drop_others(&work, &uses, &mut additions, &mut notes);
     let mode = match edit.convention {
-        Convention::Plain => LightsMode::Keep,
+        Convention::Plain | Convention::Occlusion => LightsMode::Keep,
         _ => edit.lights,
     };
     let mut facts = Map::new();
@@ -86,7 +86,7 @@ fn drop_others(work: &Work, uses: &MaterialUses, additions: &mut Additions, note
         found
     };
     match work.edit.convention {
-        Convention::Plain => {}
+        Convention::Plain | Convention::Occlusion => {}
         Convention::Mx => {
             for (material, is_shared) in uses.receiving() {
                 if is_shared {
@@ -113,6 +113,7 @@ fn name_of(convention: Convention) -> &'static str {
         Convention::Mx => "mx",
         Convention::Emissive => "emissive",
         Convention::Unlit => "unlit",
+        Convention::Occlusion => "occlusion",
         Convention::Plain => "plain",
     }
 }

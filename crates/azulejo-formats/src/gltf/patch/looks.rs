@@ -48,6 +48,7 @@ impl MaterialLightmap<'_> {
             Convention::Moz => self.moz(&json, &mut change),
             Convention::Emissive => self.emissive(&json, &mut change)?,
             Convention::Unlit => self.unlit(&json, &mut change)?,
+            Convention::Occlusion => self.occlusion(&json, &mut change)?,
             Convention::Mx | Convention::Plain => Vec::new(),
         });
         Ok((change, used))
@@ -87,6 +88,20 @@ impl MaterialLightmap<'_> {
         // Another lightmap in its place goes as a whole.
         extension.set(info.rendered());
         self.used(["MOZ_lightmap"])
+    }
+
+    fn occlusion(
+        &self,
+        material: &Material,
+        change: &mut Edit,
+    ) -> Result<Vec<&'static str>, String> {
+        if material.find(&["occlusionTexture"]).is_some() {
+            return Err("material with a picture of occlusion: keeps it".to_owned());
+        }
+        change
+            .key("occlusionTexture")
+            .set(self.texture().rendered());
+        Ok(self.used([]))
     }
 
     fn emissive(

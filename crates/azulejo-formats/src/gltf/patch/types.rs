@@ -50,7 +50,8 @@ pub struct LightmapEdit<'a> {
     pub instances: InstanceMode,
     /// How the file says what the pictures are.
     pub convention: Convention,
-    /// What becomes of the lights. They stay with [`Convention::Plain`], whose files show no lightmap.
+    /// What becomes of the lights. They stay with [`Convention::Plain`] and [`Convention::Occlusion`],
+    /// whose files show no light.
     pub lights: LightsMode,
     /// Whether viewers may use smaller versions of the pictures (mipmaps), which needs wide padding.
     pub mipmaps: bool,
@@ -172,6 +173,8 @@ pub enum Convention {
     Emissive,
     /// As colours that need no light, for viewers that know no lightmaps (`KHR_materials_unlit`).
     Unlit,
+    /// The share of the hemisphere that is free, 0 to 1, as the `occlusionTexture` of materials that have none.
+    Occlusion,
     /// Texture coordinates only.
     Plain,
 }

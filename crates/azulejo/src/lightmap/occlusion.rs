@@ -1,0 +1,122 @@
+//! Ambient occlusion: which share of the hemisphere over each texel is free of things that are near.
+//!
+//! Weighted by the cosine, as irradiance of an even sky that ends at a distance. No light is solved, so that models
+//! without lamps have it, too.
+
+use super::{BakeError, BakeOptions, Baked, BakedSides, DEFAULT_ERROR, arranged, receivers_of};
+use azulejo_bake::{
+    Hemispheres, IndirectGoal, NodePair, SampleDirect, Samples, ShownSamples, TexelLight,
+};
+use azulejo_scene::Scene;
+use azulejo_trace::sampling::hash;
+use azulejo_trace::{Cancelled, Progress, REPLICATES, Surfaces, Tracer};
+
+/// Fewest and most strata along each axis of a replicate's rays.
+const STRATA: [u32; 2] = [4, 32];
+
+/// Strata that are enough to see which side of a surface is free.
+const FEW_STRATA: u32 = 4;
+
+/// Part of the permitted error that is noise.
+const NOISE_SHARE: f64 = 0.5;
+
+/// Bakes the free share, 0 to 1, of the hemispheres over the objects that are listed, within `distance`, scene units,
+/// in place of irradiance. Of `options` the charts, the sides ([`BakedSides::Brighter`] is the side that is freer,
+/// and [`BakedSides::Both`] the fronts), and the error, seed and memory of the first pass count.
+///
+/// # Errors
+/// [`BakeError`].
+pub fn bake_occlusion(
+    scene: &Scene,
+    tracer: &Tracer,
+    objects: &[u32],
+    options: &BakeOptions,
+    distance: f64,
+    progress: &Progress,
+) -> Result<Baked, BakeError> {
+    let (receivers, objects) = receivers_of(scene, objects, &options.densities);
+    let mut atlas = arranged(receivers, options, tracer, progress)?;
+    let seed = hash(&[
+        options.pass.seed as u32,
+        (options.pass.seed >> 32) as u32,
+        5,
+    ]);
+    let hemispheres = Hemispheres {
+        tracer,
+        distance,
+        seed,
+        progress,
+    };
+    if options.sides == BakedSides::Brighter {
+        atlas.turned = hemispheres.freer_sides(&atlas)?;
+    }
+    let samples = Samples::new(&atlas, tracer, progress)?;
+    let count = samples.samples.len();
+    let none = SampleDirect {
+        irradiance: vec![[0.0; 3]; count],
+        variance: vec![[0.0; 3]; count],
+    };
+    let error = options.pass.error.unwrap_or(DEFAULT_ERROR);
+    let goal = IndirectGoal {
+        relative: error,
+        least: 0.0,
+    };
+    let strata = strata(NOISE_SHARE * error);
+    let (light, nodes) =
+        azulejo_bake::first_look(&samples, &none, goal, progress, &mut |request| {
+            hemispheres.free(request.points, FEW_STRATA)
+        })?;
+    drop(light);
+    let (light, texels) = azulejo_bake::with_indirect(
+        &samples,
+        &none,
+        nodes,
+        goal,
+        true,
+        progress,
+        &mut |request| {
+            let found = hemispheres.free(request.points, strata)?;
+            let node = |read| NodePair {
+                read,
+                ..NodePair::default()
+            };
+            Ok::<_, Cancelled>(found.into_iter().map(node).collect())
+        },
+    )?;
+    let surfaces = Surfaces::new(scene, tracer);
+    let shown = ShownSamples::new(&samples, &light, &surfaces);
+    let light: Vec<TexelLight> = light.into_iter().map(limited).collect();
+    let mut lightmap = shown.lightmap(&samples, &light);
+    for page in &mut lightmap.pages {
+        azulejo_bake::pad_charts(page, options.charts.padding);
+    }
+    let seams = azulejo_bake::stitch(&mut lightmap, &atlas);
+    for page in &mut lightmap.pages {
+        azulejo_bake::fill(page);
+    }
+    Ok(Baked {
+        atlas,
+        objects,
+        lightmap,
+        texels,
+        report: None,
+        seams,
+        between_texels: 0.0,
+    })
+}
+
+/// Interpolation may go beyond what is free at all.
+fn limited(light: TexelLight) -> TexelLight {
+    TexelLight {
+        irradiance: light.irradiance.map(|free| free.min(1.0)),
+        ..light
+    }
+}
+
+/// Strata along an axis of each replicate with which the free share has this error at most: that of shares in
+/// strata falls with their number as n^−3/4.
+fn strata(error: f64) -> u32 {
+    let rays = (0.5 / error).powf(4.0 / 3.0);
+    let of_replicate = (rays / REPLICATES as f64).sqrt().ceil();
+    (of_replicate as u32).clamp(STRATA[0], STRATA[1])
+}
