@@ -4,6 +4,7 @@
 //! |---|---|
 //! | Surfaces that receive light | [`Receiver`] |
 //! | Charts, which end where light jumps, packed on pages | [`unwrap()`], [`layout`]: an [`Atlas`] |
+//! | Which charts need more texels, by the light that they get | [`chart_densities`], [`repack_charts`] |
 //! | Charts of coordinates that surfaces have already | [`kept_layout`] |
 //! | What each texel covers, exactly, and the points at which it needs light | [`Coverage`], [`Samples`] |
 //! | Direct light of each texel, more finely at the edges of shadows | [`direct()`] |
@@ -25,6 +26,7 @@ mod coverage;
 mod direct;
 mod encode;
 mod field;
+mod importance;
 mod indirect;
 mod kept;
 mod lattice;
@@ -53,6 +55,7 @@ pub use coverage::{Coverage, CoveredPiece, CoveredTexel, TriangleId};
 pub use direct::{SampleDirect, direct};
 pub use encode::{linear_bytes, srgb_bytes, srgb_bytes_up_to};
 pub use field::TexelField;
+pub use importance::chart_densities;
 pub use indirect::{
     IndirectGoal, LookRequest, NodeLattice, PairRequest, TexelStatistics, first_look, look_again,
     with_indirect,
@@ -70,4 +73,4 @@ pub use resolution::BetweenTexels;
 pub use samples::{Samples, TexelSample};
 pub use solids::backs_inside;
 pub use stitch::{SeamErrors, seam_errors, stitch};
-pub use unwrap::{LayoutError, Resolution, UnwrapOptions, repack, unwrap};
+pub use unwrap::{LayoutError, Resolution, UnwrapOptions, repack, repack_charts, unwrap};

@@ -14,16 +14,16 @@ use std::collections::HashMap;
 const HARD: f64 = 5.0;
 
 /// An edge of a triangle by the positions of its ends, in the order of the smaller bits.
-type EdgeKey = [[u64; 3]; 2];
+pub(crate) type EdgeKey = [[u64; 3]; 2];
 
 /// One side of an edge.
 #[derive(Clone, Copy)]
-struct EdgeSide {
-    triangle: u32,
+pub(crate) struct EdgeSide {
+    pub triangle: u32,
     /// The edge from this corner to the next.
-    corner: u8,
+    pub corner: u8,
     /// Whether the triangle has the ends in the order of the key.
-    is_along: bool,
+    pub is_along: bool,
 }
 
 /// The edges of a receiver's triangles: where its surface goes on beyond each.
@@ -65,6 +65,15 @@ impl Edges {
             }
         }
         Edges { sides }
+    }
+
+    /// Edges at which no two triangles meet.
+    pub fn borders(&self) -> Vec<(EdgeKey, EdgeSide)> {
+        let of_edge = |(key, sides): (&EdgeKey, &Vec<EdgeSide>)| match sides[..] {
+            [side] => Some((*key, side)),
+            _ => None,
+        };
+        self.sides.iter().filter_map(of_edge).collect()
     }
 
     /// Pairs of triangles that meet at an edge, in the order of the triangles. Of more than two at one edge, each

@@ -7,12 +7,11 @@
 //!
 //! Iwanicki, *Lighting technology of The Last of Us*, SIGGRAPH 2013.
 
-use crate::Receiver;
 use crate::atlas::Atlas;
-use crate::layout::{Layout, NO_CHART};
+use crate::layout::NO_CHART;
 use crate::lightmap::Lightmap;
 use crate::lightmap_page::bilinear_cells;
-use crate::seams::Edges;
+use crate::seams::{EdgeSide, Edges};
 use std::collections::HashMap;
 
 /// Points along a seam, per texel.
@@ -25,6 +24,9 @@ const OWN: f64 = 0.01;
 /// which on light changes there more abruptly than texels can show.
 const STEP: f64 = 0.1;
 const STEP_ERRORS: f64 = 2.0;
+
+/// Angle between the faces of two objects that meet, up to which they are one surface, degrees.
+const SMOOTH: f64 = 30.0;
 
 /// Most steps of conjugate gradients.
 const MOST_STEPS: usize = 200;
@@ -39,7 +41,7 @@ type Row = Vec<(u32, f64)>;
 /// abruptly. Returns the root mean square of the difference along them before and after, of all channels.
 pub fn stitch(lightmap: &mut Lightmap, atlas: &Atlas) -> SeamErrors {
     let starts = page_starts(lightmap);
-    let mut rows = rows(lightmap, &atlas.receivers, &atlas.layout, &starts);
+    let mut rows = rows(lightmap, atlas, &starts);
     let all = rows.len();
     rows.retain(|row| is_even(row, lightmap, &starts));
     let mut numbers: HashMap<u32, u32> = HashMap::new();
@@ -85,7 +87,7 @@ pub fn stitch(lightmap: &mut Lightmap, atlas: &Atlas) -> SeamErrors {
 /// the same before and after.
 pub fn seam_errors(lightmap: &Lightmap, atlas: &Atlas) -> SeamErrors {
     let starts = page_starts(lightmap);
-    let rows = rows(lightmap, &atlas.receivers, &atlas.layout, &starts);
+    let rows = rows(lightmap, atlas, &starts);
     let pages = lightmap.pages.iter();
     let texels: Vec<[f32; 3]> = pages.flat_map(|p| p.irradiance.iter().copied()).collect();
     let of_row = |row: &Row| -> f64 {
@@ -162,57 +164,99 @@ fn is_even(row: &Row, lightmap: &Lightmap, starts: &[u32]) -> bool {
     (0..3).all(|channel| step(channel) <= 0.0)
 }
 
-/// The points of all seams.
-fn rows(lightmap: &Lightmap, receivers: &[Receiver], layout: &Layout, starts: &[u32]) -> Vec<Row> {
-    let mut rows = Vec::new();
+/// A side of a seam: receiver, triangle, and the corner at which the edge begins.
+type Side = (usize, u32, u8);
+
+/// Pairs of sides that are one smooth surface, of one receiver, or of two that meet.
+fn smooth_pairs(atlas: &Atlas) -> Vec<[Side; 2]> {
+    let Atlas {
+        receivers, layout, ..
+    } = atlas;
+    let mut pairs = Vec::new();
+    let mut borders = Vec::new();
     for (r, receiver) in receivers.iter().enumerate() {
-        let of_receiver = &layout.receivers[r];
         let edges = Edges::of(receiver, &receiver.visible_triangles());
-        let is_cut = |(t, corner): (u32, u8)| of_receiver.cuts[t as usize][usize::from(corner)];
-        let pairs = edges.pairs().into_iter();
-        for pair in pairs.filter(|p| !p.sides.into_iter().any(is_cut)) {
-            let ends = pair.sides.map(|(triangle, corner)| {
-                let uvs = of_receiver.uvs[triangle as usize];
-                let corner = usize::from(corner);
-                [uvs[corner], uvs[(corner + 1) % 3]]
-            });
-            let is_charted = |(t, _): (u32, u8)| of_receiver.charts[t as usize] != NO_CHART;
-            // The second side has the edge the other way round.
-            let is_joined = ends[0][0] == ends[1][1] && ends[0][1] == ends[1][0];
-            if is_joined || !pair.sides.into_iter().all(is_charted) {
-                continue;
-            }
-            let pages = pair.sides.map(|(t, _)| of_receiver.pages[t as usize]);
-            let sizes = pages.map(|p| layout.pages[p as usize]);
-            let length = |side: usize| {
-                let [a, b] = ends[side];
-                let along = |k: usize| f64::from(b[k] - a[k]) * f64::from(sizes[side][k]);
-                along(0).hypot(along(1))
-            };
-            let count = (POINTS_PER_TEXEL * length(0).max(length(1)))
-                .ceil()
-                .max(1.0) as u32;
-            for k in 0..count {
-                let t = (f64::from(k) + 0.5) / f64::from(count);
-                let mut row = Row::new();
-                for (side, sign) in [(0, 1.0), (1, -1.0)] {
-                    let t = if side == 0 { t } else { 1.0 - t };
-                    let [a, b] = ends[side];
-                    let uv = [0, 1].map(|k| f64::from(a[k]) * (1.0 - t) + f64::from(b[k]) * t);
-                    let page = pages[side] as usize;
-                    let (cells, weights) = bilinear_cells(sizes[side], uv);
-                    for (cell, weight) in cells.into_iter().zip(weights) {
-                        let is_known = lightmap.pages[page].charts[cell] != NO_CHART;
-                        if weight > 0.0 && is_known {
-                            row.push((starts[page] + cell as u32, sign * weight));
-                        }
-                    }
-                }
-                rows.push(row);
-            }
+        let cuts = &layout.receivers[r].cuts;
+        let is_cut = |(t, corner): (u32, u8)| cuts[t as usize][usize::from(corner)];
+        let whole = edges.pairs().into_iter();
+        let whole = whole.filter(|p| !p.sides.into_iter().any(is_cut));
+        pairs.extend(whole.map(|p| p.sides.map(|(t, corner)| (r, t, corner))));
+        borders.extend(
+            edges
+                .borders()
+                .into_iter()
+                .map(|(key, side)| (key, r, side)),
+        );
+    }
+    borders.sort_unstable_by_key(|(key, r, side)| (*key, *r, side.triangle));
+    for meeting in borders.chunk_by(|a, b| a.0 == b.0) {
+        let [(_, r, a), (_, s, b)] = meeting else {
+            continue;
+        };
+        let normal = |r: usize, side: &EdgeSide| {
+            let vector = receivers[r].area_vector(side.triangle as usize);
+            vector.normalize_or_zero()
+        };
+        let is_flat = normal(*r, a).dot(normal(*s, b)) >= SMOOTH.to_radians().cos();
+        if a.is_along != b.is_along && is_flat {
+            pairs.push([(*r, a.triangle, a.corner), (*s, b.triangle, b.corner)]);
         }
     }
-    rows
+    pairs
+}
+
+/// The points of all seams.
+fn rows(lightmap: &Lightmap, atlas: &Atlas, starts: &[u32]) -> Vec<Row> {
+    let pairs = smooth_pairs(atlas).into_iter();
+    pairs
+        .flat_map(|pair| seam_rows(pair, lightmap, atlas, starts))
+        .collect()
+}
+
+/// The points of one seam; none where both sides are one chart.
+fn seam_rows(pair: [Side; 2], lightmap: &Lightmap, atlas: &Atlas, starts: &[u32]) -> Vec<Row> {
+    let layout = &atlas.layout;
+    let ends = pair.map(|(r, triangle, corner)| {
+        let uvs = layout.receivers[r].uvs[triangle as usize];
+        let corner = usize::from(corner);
+        [uvs[corner], uvs[(corner + 1) % 3]]
+    });
+    let is_charted = |(r, t, _): Side| layout.receivers[r].charts[t as usize] != NO_CHART;
+    let pages = pair.map(|(r, t, _)| layout.receivers[r].pages[t as usize]);
+    // The second side has the edge the other way round.
+    let is_joined =
+        pages[0] == pages[1] && ends[0][0] == ends[1][1] && ends[0][1] == ends[1][0];
+    if is_joined || !pair.into_iter().all(is_charted) {
+        return Vec::new();
+    }
+    let sizes = pages.map(|p| layout.pages[p as usize]);
+    let length = |side: usize| {
+        let [a, b] = ends[side];
+        let along = |k: usize| f64::from(b[k] - a[k]) * f64::from(sizes[side][k]);
+        along(0).hypot(along(1))
+    };
+    let count = (POINTS_PER_TEXEL * length(0).max(length(1)))
+        .ceil()
+        .max(1.0) as u32;
+    let row = |k: u32| {
+        let t = (f64::from(k) + 0.5) / f64::from(count);
+        let mut row = Row::new();
+        for (side, sign) in [(0, 1.0), (1, -1.0)] {
+            let t = if side == 0 { t } else { 1.0 - t };
+            let [a, b] = ends[side];
+            let uv = [0, 1].map(|k| f64::from(a[k]) * (1.0 - t) + f64::from(b[k]) * t);
+            let page = pages[side] as usize;
+            let (cells, weights) = bilinear_cells(sizes[side], uv);
+            for (cell, weight) in cells.into_iter().zip(weights) {
+                let is_known = lightmap.pages[page].charts[cell] != NO_CHART;
+                if weight > 0.0 && is_known {
+                    row.push((starts[page] + cell as u32, sign * weight));
+                }
+            }
+        }
+        row
+    };
+    (0..count).map(row).collect()
 }
 
 fn difference(row: &Row, values: &[f64]) -> f64 {

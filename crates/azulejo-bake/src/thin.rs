@@ -5,6 +5,7 @@
 
 use crate::layout::Layout;
 use glam::DVec2;
+use std::collections::BTreeSet;
 
 /// Width of charts that are widened, texels.
 const THIN: f64 = 0.5;
@@ -19,7 +20,7 @@ struct ChartBox {
 
 /// Widens charts on a page that are thinner than half a texel along an axis to the texel in their middle. It is one of
 /// those around which the padding is, so that charts come no nearer to one another.
-pub(crate) fn widen(layout: &mut Layout, members: &[usize], page: u32, first_chart: u32) {
+pub(crate) fn widen(layout: &mut Layout, members: &BTreeSet<usize>, page: u32, first_chart: u32) {
     let size = layout.pages[page as usize].map(f64::from);
     let size = DVec2::from_array(size);
     let empty = ChartBox {

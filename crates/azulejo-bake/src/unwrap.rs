@@ -5,6 +5,7 @@ use crate::layout::{Layout, NO_CHART, ReceiverLayout};
 use crate::thin;
 use crate::unwrap_mesh::UnwrapMesh;
 use azulejo_trace::{Cancelled, Progress, Tracer};
+use std::collections::BTreeSet;
 use std::fmt;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use uvunwrap::{Atlas, Density, MeshInput, Options, OutputMesh, Packing, Stage};
@@ -95,6 +96,13 @@ pub enum LayoutError {
         /// A size that would do; there may be no pages so large.
         enough: u32,
     },
+    /// At the requested texels per unit the charts of one object need a larger page.
+    PageTooLarge {
+        /// Largest size of a page, texels.
+        size: u32,
+        /// What the object needs.
+        needed: u32,
+    },
     /// At the requested texels per unit a lightmap is larger than all memory.
     TooDense {
         /// The texels that it would have.
@@ -126,6 +134,11 @@ impl fmt::Display for LayoutError {
                 }
                 f.write_str("more pages, or less padding")
             }
+            LayoutError::PageTooLarge { size, needed } => write!(
+                f,
+                "at this resolution the charts of one object need a page of {needed} texels, and the largest \
+                 has {size}: ask for fewer texels, a larger --size, or divide the object"
+            ),
             LayoutError::TooDense { texels } => write!(
                 f,
                 "a lightmap of {texels:.3e} texels is too large: ask for fewer texels per metre"
@@ -186,6 +199,98 @@ pub fn repack(
     laid_out_on_pages(receivers, meshes, options, progress)
 }
 
+/// Packs the charts of a layout anew, each with its own texels per length relative to others, `densities`.
+///
+/// # Errors
+/// [`LayoutError`].
+pub fn repack_charts(
+    receivers: &[Receiver],
+    layout: &Layout,
+    densities: &[f64],
+    tracer: &Tracer,
+    options: &UnwrapOptions,
+    progress: &Progress,
+) -> Result<Layout, LayoutError> {
+    let count: usize = receivers.iter().map(|r| r.triangles.len()).sum();
+    progress.begin("charts", count as u64);
+    let class_of = |chart: u32| (DENSITY_CLASSES * densities[chart as usize].log2()).round() as i32;
+    let meshes: Vec<UnwrapMesh> = receivers
+        .iter()
+        .enumerate()
+        .map(|(r, receiver)| {
+            let corners = |t: usize| layout.texels(r, t).map(|c| c.as_vec2().to_array());
+            let uvs: Vec<_> = (0..receiver.triangles.len()).map(corners).collect();
+            UnwrapMesh::new(receiver, options.crease, tracer).with_uvs(&uvs)
+        })
+        .collect();
+    let none = |mesh: &UnwrapMesh| ReceiverLayout {
+        uvs: vec![[[0.0; 2]; 3]; mesh.parts.len()],
+        charts: vec![NO_CHART; mesh.parts.len()],
+        pages: vec![0; mesh.parts.len()],
+        cuts: mesh.seams.clone(),
+    };
+    let mut packed_layout = Layout {
+        receivers: meshes.iter().map(none).collect(),
+        ..Layout::default()
+    };
+    for page in 0..layout.pages.len() as u32 {
+        let is_on_page = |r: &usize| {
+            let of_receiver = &layout.receivers[*r];
+            let mut charts = of_receiver.pages.iter().zip(&of_receiver.charts);
+            charts.any(|(p, chart)| *p == page && *chart != NO_CHART)
+        };
+        let mut members = Vec::new();
+        for receiver in (0..receivers.len()).filter(is_on_page) {
+            let charts = &layout.receivers[receiver].charts;
+            let charted = charts.iter().filter(|chart| **chart != NO_CHART);
+            for class in charted
+                .map(|&chart| class_of(chart))
+                .collect::<BTreeSet<i32>>()
+            {
+                let is_other = |&chart: &u32| chart == NO_CHART || class_of(chart) != class;
+                members.push(Member {
+                    receiver,
+                    omitted: Some(charts.iter().map(is_other).collect()),
+                    density: receivers[receiver].density
+                        * (f64::from(class) / DENSITY_CLASSES).exp2(),
+                });
+            }
+        }
+        if members.is_empty() {
+            continue;
+        }
+        let inputs: Vec<MeshInput> = members.iter().map(|member| member.input(&meshes)).collect();
+        let density = options.resolution.density(receivers);
+        let atlas = packed(&inputs, density, options, progress)?;
+        packed_layout.add_page(&members, &meshes, &atlas, options);
+    }
+    Ok(packed_layout)
+}
+
+/// Classes of density per doubling: charts of a class are packed as one mesh.
+const DENSITY_CLASSES: f64 = 2.0;
+
+/// A mesh, or some of its charts, on a page.
+struct Member {
+    receiver: usize,
+    /// The triangles that belong to other members; `None` if none do.
+    omitted: Option<Vec<bool>>,
+    density: f64,
+}
+
+impl Member {
+    fn input<'m>(&'m self, meshes: &'m [UnwrapMesh]) -> MeshInput<'m> {
+        let whole = meshes[self.receiver].input(self.density);
+        match &self.omitted {
+            Some(omitted) => MeshInput {
+                ignored_faces: Some(omitted),
+                ..whole
+            },
+            None => whole,
+        }
+    }
+}
+
 /// Cuts meshes into charts and packs these.
 fn laid_out_on_pages(
     receivers: &[Receiver],
@@ -207,18 +312,39 @@ fn laid_out_on_pages(
         divide_folds(mesh, receiver, progress)?;
     }
     let density = options.resolution.density(receivers);
-    let pages = page_count(receivers, density, options)?;
+    let mut pages = page_count(receivers, density, options)?;
+    loop {
+        match on_pages(receivers, &meshes, pages, options, progress) {
+            // Charts fill less of a page than usual.
+            Err(LayoutError::PageTooLarge { .. }) if pages < receivers.len() => pages *= 2,
+            found => return found,
+        }
+    }
+}
+
+/// Packs the charts of meshes on so many pages.
+fn on_pages(
+    receivers: &[Receiver],
+    meshes: &[UnwrapMesh],
+    pages: usize,
+    options: &UnwrapOptions,
+    progress: &Progress,
+) -> Result<Layout, LayoutError> {
+    let density = options.resolution.density(receivers);
     let mut layout = Layout {
         receivers: vec![ReceiverLayout::default(); receivers.len()],
         ..Layout::default()
     };
     for members in page_members(receivers, pages) {
-        let inputs: Vec<MeshInput> = members
-            .iter()
-            .map(|&r| meshes[r].input(receivers[r].density))
-            .collect();
+        let member = |receiver: usize| Member {
+            receiver,
+            omitted: None,
+            density: receivers[receiver].density,
+        };
+        let members: Vec<Member> = members.into_iter().map(member).collect();
+        let inputs: Vec<MeshInput> = members.iter().map(|member| member.input(meshes)).collect();
         let atlas = packed(&inputs, density, options, progress)?;
-        layout.add_page(&members, &meshes, &atlas, options);
+        layout.add_page(&members, meshes, &atlas, options);
     }
     Ok(layout)
 }
@@ -346,6 +472,11 @@ fn packed(
         },
         other => LayoutError::Unwrapper(other.to_string()),
     })?;
+    let needed = atlas.width.max(atlas.height);
+    if needed > options.size {
+        let size = options.size;
+        return Err(LayoutError::PageTooLarge { size, needed });
+    }
     if atlas.page_count > 1 {
         // Padding alone fills a page: the unwrapper goes on with pages of a low density.
         return Err(LayoutError::TooManyCharts {
@@ -370,10 +501,10 @@ fn enough(charts: u32, options: &UnwrapOptions) -> u32 {
 }
 
 impl Layout {
-    /// Adds a page with the charts of some receivers.
+    /// Adds a page with the charts of some receivers, or some of their charts.
     fn add_page(
         &mut self,
-        members: &[usize],
+        members: &[Member],
         meshes: &[UnwrapMesh],
         atlas: &Atlas,
         options: &UnwrapOptions,
@@ -390,13 +521,25 @@ impl Layout {
         ];
         self.pages.push(size);
         let first_chart = self.charts;
-        for (&r, mesh) in members.iter().zip(&atlas.meshes) {
+        for (member, mesh) in members.iter().zip(&atlas.meshes) {
+            let r = member.receiver;
             let count = meshes[r].parts.len();
-            self.receivers[r] = laid_out(mesh, count, page, self.charts, scale);
-            self.receivers[r].cuts.clone_from(&meshes[r].seams);
+            let found = laid_out(mesh, count, page, self.charts, scale);
+            let of_receiver = &mut self.receivers[r];
+            if of_receiver.charts.is_empty() {
+                *of_receiver = found;
+                of_receiver.cuts.clone_from(&meshes[r].seams);
+                continue;
+            }
+            for t in (0..count).filter(|&t| found.charts[t] != NO_CHART) {
+                of_receiver.uvs[t] = found.uvs[t];
+                of_receiver.charts[t] = found.charts[t];
+                of_receiver.pages[t] = page;
+            }
         }
         self.charts += atlas.chart_count;
-        thin::widen(self, members, page, first_chart);
+        let members: BTreeSet<usize> = members.iter().map(|member| member.receiver).collect();
+        thin::widen(self, &members, page, first_chart);
     }
 }
 

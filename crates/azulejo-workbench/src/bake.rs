@@ -80,6 +80,7 @@ impl BakeSettings {
             charts: self.charts(&source.scene),
             coordinates: Coordinates::New,
             densities: Vec::new(),
+            follows_light: false,
             pass: FirstPass {
                 engine: light.engine.engine(),
                 error: Some(self.error),

@@ -23,11 +23,11 @@ use azulejo_bake::{
 };
 use azulejo_factors::{PatchSize, Patches, ProxyScene, RefinedShape};
 use azulejo_radiosity::{FirstPass, Report, SolveError, SolvedLight};
-use azulejo_scene::{Rgb, Scene, Shape};
+use azulejo_scene::{Exact, Rgb, Scene, Shape};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, GatherPoint, Progress, Tracer};
 use indirect::IndirectLight;
-use sides::{lit_backs, turned};
+use sides::{differing_share, lit_backs, turned};
 use std::fmt;
 
 /// Chord error of tessellated primitives, relative to their size.
@@ -94,6 +94,8 @@ pub struct BakeOptions {
     /// For each object that receives, how much denser than others its texels are, per length; empty if all are
     /// alike.
     pub densities: Vec<f64>,
+    /// Whether charts with edges of shadows get more texels than others, where coordinates are made.
+    pub follows_light: bool,
     /// The first pass, with the error to reach.
     pub pass: FirstPass,
     /// Which light.
@@ -176,6 +178,9 @@ pub struct Baked {
     pub report: Option<Report>,
     /// Differences along seams.
     pub seams: SeamErrors,
+    /// Share of the area that is seen from both sides, of which one has the lightmap and the other has light that
+    /// differs by more than a tenth.
+    pub differing_sides: f64,
     /// Root mean square of what interpolation between texels misses, W/m²: part of the standard errors.
     pub between_texels: f64,
 }
@@ -211,25 +216,43 @@ pub fn bake(
         Some(solved) => solved,
         None => SolvedLight::new(&proxy, &options.pass, progress)?,
     };
-    if options.sides == BakedSides::Both {
-        atlas.turned = vec![false; atlas.layout.charts as usize];
-        let of_backs = atlas.layout.receivers[fronts..].iter();
-        for &chart in of_backs.flat_map(|r| &r.charts).filter(|c| **c != NO_CHART) {
-            atlas.turned[chart as usize] = true;
+    let turn = |atlas: &mut Atlas| match options.sides {
+        BakedSides::Front => {}
+        BakedSides::Brighter => atlas.turned = turned(atlas, &objects, &proxy.scene, &solved),
+        BakedSides::Both => {
+            atlas.turned = vec![false; atlas.layout.charts as usize];
+            let of_backs = atlas.layout.receivers[fronts..].iter();
+            for &chart in of_backs.flat_map(|r| &r.charts).filter(|c| **c != NO_CHART) {
+                atlas.turned[chart as usize] = true;
+            }
         }
-    }
-    if options.sides == BakedSides::Brighter {
-        atlas.turned = turned(&atlas, &objects, &proxy.scene, &solved);
-    }
+    };
+    turn(&mut atlas);
+    let differing_sides = match options.sides {
+        BakedSides::Both => 0.0,
+        _ => differing_share(&atlas.receivers, &objects, &proxy.scene, &solved),
+    };
     let gatherer = solved.gatherer();
     let surfaces = gatherer.surfaces();
-    let samples = Samples::new(&atlas, surfaces.tracer, progress)?;
     let error = options.pass.error.unwrap_or(DEFAULT_ERROR);
     let seed = hash(&[
         options.pass.seed as u32,
         (options.pass.seed >> 32) as u32,
         3,
     ]);
+    if options.follows_light && options.coordinates == Coordinates::New {
+        let densities = azulejo_bake::chart_densities(&atlas, gatherer, error, seed, progress)?;
+        atlas.layout = azulejo_bake::repack_charts(
+            &atlas.receivers,
+            &atlas.layout,
+            &densities,
+            &proxy.tracer,
+            &options.charts,
+            progress,
+        )?;
+        turn(&mut atlas);
+    }
+    let samples = Samples::new(&atlas, surfaces.tracer, progress)?;
     let direct = azulejo_bake::direct(&samples, &atlas, gatherer, error, seed, progress)?;
     let indirect = IndirectLight {
         solved: &solved,
@@ -291,6 +314,7 @@ pub fn bake(
         texels,
         report: Some(solved.report()),
         seams,
+        differing_sides,
         between_texels,
     })
 }
@@ -370,7 +394,13 @@ fn laid_out(
 /// A scene of meshes alone, for models that are written anew; if wished, cut along the lines on which one
 /// thing stands on another, so that charts can end there. Instances share their mesh, which stays whole.
 pub fn meshes_of(scene: &Scene, cuts_contacts: bool) -> Scene {
-    let mut meshes = azulejo_factors::faceted(scene, PatchSize::Edge(0.0)).into_owned();
+    // The size of a letter counts, not of its whole line.
+    let size = |exact: &Exact| {
+        let sizes = exact.solids.iter().map(|s| s.bounds().diagonal());
+        sizes.fold(0.0, f64::max)
+    };
+    let faceted = scene.faceted_by(|exact| CHORD_ERROR * size(exact));
+    let mut meshes = faceted.into_owned();
     for object in &mut meshes.objects {
         if let Shape::Primitive(primitive) = &object.shape {
             let chord_error = CHORD_ERROR * primitive.bounds().diagonal();

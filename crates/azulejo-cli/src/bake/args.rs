@@ -51,6 +51,21 @@ pub struct BakeArgs {
     pub first_pass: FirstPassArgs,
 }
 
+impl TexelArgs {
+    /// How dense the texels of some objects are.
+    pub fn object_densities(&self) -> impl DoubleEndedIterator<Item = &ObjectDensity> {
+        self.density.iter().filter_map(|given| match given {
+            DensityArg::Auto => None,
+            DensityArg::Objects(density) => Some(density),
+        })
+    }
+
+    /// Whether the light says which charts are denser.
+    pub fn follows_light(&self) -> bool {
+        (self.density.iter()).any(|given| matches!(given, DensityArg::Auto))
+    }
+}
+
 impl BakeArgs {
     /// What tells viewers of the lightmap.
     pub fn convention(&self) -> ConventionArg {
@@ -108,16 +123,19 @@ pub struct TexelArgs {
     #[arg(long, value_name = "WHAT")]
     pub uv: Option<UvArg>,
     /// Texels of the objects with such names relative to others, per length: 'table*=2'. Of several that fit a
-    /// name, the last counts
-    #[arg(long, value_name = "GLOB=N", value_parser = density, conflicts_with = "uv")]
+    /// name, the last counts. 'auto': more texels for surfaces with the edges of shadows, fewer for even ones
+    #[arg(long, value_name = "GLOB=N|auto", value_parser = density, conflicts_with = "uv")]
     pub density: Vec<DensityArg>,
     /// Cut charts at edges with a larger angle between the faces, degrees
     #[arg(long, value_name = "DEGREES", default_value_t = 30.0, value_parser = values::degrees)]
     pub crease: f64,
     /// Do not cut faces where one thing stands on another. By default, faces of models that are written anew
-    /// are cut there, so that the light on either side stays apart; those of glTF files never are
+    /// are cut there, so that the light on either side stays apart
     #[arg(long)]
     pub no_split_contacts: bool,
+    /// Cut the faces of a glTF file there, too: it is written anew, and loses what azulejo does not know
+    #[arg(long, conflicts_with = "no_split_contacts")]
+    pub split_contacts: bool,
     /// Which side of surfaces has light [default: the front in glTF files, the brighter one in others]
     #[arg(long, value_name = "SIDE")]
     pub double_sided: Option<DoubleSidedArg>,
@@ -162,7 +180,7 @@ pub struct LightmapFileArgs {
     pub image: ImageArg,
     /// The set of texture coordinates, TEXCOORD_N, that is added, kept or checked; one that is added becomes the next
     /// free one if a picture uses it [default: 1, or what the lightmap of the file says]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=7))]
     pub uv_set: Option<u32>,
     /// How nodes that share a mesh get a place each
     #[arg(long, value_name = "HOW", default_value = "copy")]
@@ -200,7 +218,16 @@ pub enum UvArg {
 
 /// `--density`
 #[derive(Clone, Debug)]
-pub struct DensityArg {
+pub enum DensityArg {
+    /// By the light that charts get.
+    Auto,
+    /// Of some objects.
+    Objects(ObjectDensity),
+}
+
+/// How dense the texels of some objects are.
+#[derive(Clone, Debug)]
+pub struct ObjectDensity {
     /// As it was given.
     pub text: String,
     /// Names of objects.
@@ -209,8 +236,11 @@ pub struct DensityArg {
     pub factor: f64,
 }
 
-/// `GLOB=N`
+/// `GLOB=N`, or `auto`
 fn density(text: &str) -> Result<DensityArg, String> {
+    if text == "auto" {
+        return Ok(DensityArg::Auto);
+    }
     let (names, factor) = text
         .rsplit_once('=')
         .ok_or("expected a name with * and ?, = and a number")?;
@@ -219,11 +249,11 @@ fn density(text: &str) -> Result<DensityArg, String> {
         return Err(format!("{factor}: expected 0.001 to 1000"));
     }
     let names = Glob::new(names).map_err(|e| e.to_string())?;
-    Ok(DensityArg {
+    Ok(DensityArg::Objects(ObjectDensity {
         text: text.to_owned(),
         names: names.compile_matcher(),
         factor,
-    })
+    }))
 }
 
 /// Least density of an object relative to others.

@@ -64,8 +64,13 @@ pub fn choose(
     }
     let given = match given(args, source)? {
         Ok(given) => given,
-        Err(why) if must_keep => return Err(refused(&why)),
-        Err(_) => return Ok(new),
+        Err(why) if must_keep => return Err(refused(&why.text)),
+        Err(why) => {
+            if why.is_partial {
+                session.note(&format!("{}: charts are made anew", why.text));
+            }
+            return Ok(new);
+        }
     };
     let size = page_size(&given, charts);
     let Some(why) = given.fault(size, charts) else {
@@ -99,18 +104,26 @@ pub fn choose(
     Ok(new)
 }
 
+/// Why there are no coordinates to keep.
+struct NoCoordinates {
+    text: String,
+    /// Whether some objects have some.
+    is_partial: bool,
+}
+
 /// The coordinates of the file; why there are none to keep.
 fn given(
     args: &BakeArgs,
     source: &BakeSource,
-) -> Result<Result<GivenCoordinates, String>, Failure> {
+) -> Result<Result<GivenCoordinates, NoCoordinates>, Failure> {
     let file = source.file.patched();
     let named = patch::found_lightmap(&file, &source.origins, args.files.uv_set);
     let named = named.map_err(Failure::failed)?;
     if named.is_own {
-        return Ok(Err(
-            "those of a lightmap of azulejo's are removed with it".to_owned()
-        ));
+        return Ok(Err(NoCoordinates {
+            text: "those of a lightmap of azulejo's are removed with it".to_owned(),
+            is_partial: false,
+        }));
     }
     let set = match args.files.uv_set {
         Some(set) => set,
@@ -121,7 +134,10 @@ fn given(
     let (mut receivers, mut of_objects) = (Vec::new(), Vec::new());
     for (&object, &origin) in source.receivers.iter().zip(&source.origin_of) {
         let object = &source.scene.objects[object as usize];
-        let lacks = || format!("object \"{}\" has no TEXCOORD_{set}", object.name);
+        let lacks = || NoCoordinates {
+            text: format!("object \"{}\" has no TEXCOORD_{set}", object.name),
+            is_partial: found.objects.iter().any(Option::is_some),
+        };
         let layout = found.objects[origin].as_ref();
         let whole = layout.filter(|l| l.pages.iter().all(|p| *p != NO_PAGE));
         let receiver = Receiver::of_object(object);

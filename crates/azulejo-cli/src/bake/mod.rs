@@ -14,7 +14,7 @@ use crate::failure::Failure;
 use crate::report::Report;
 use crate::session::Session;
 use crate::{pass, report as words};
-use args::{BakeArgs, ConventionArg, DoubleSidedArg, ImageArg, LightArg, TexelArgs};
+use args::{BakeArgs, ConventionArg, DoubleSidedArg, ImageArg, InstancesArg, LightArg, TexelArgs};
 use azulejo::bake::{Resolution, UnwrapOptions};
 use azulejo::lightmap::{BakeError, BakeOptions, Baked, BakedSides, bake, bake_occlusion};
 use azulejo::output::Output;
@@ -46,6 +46,12 @@ pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
     session.claim_stdout(outputs.is_stdout())?;
     let prepared = args.first_pass.engine.prepare()?;
     let mut source = source::read(args, session)?;
+    if source.receivers.is_empty() {
+        return Err(Failure::failed(
+            "there is no surface that could receive a lightmap: what is animated, skinned, morphed or instanced by \
+             EXT_mesh_gpu_instancing does not, nor do points and lines",
+        ));
+    }
     let tracer = prepared.tracer(&source.scene)?;
     let charts = charts(&args.texels, &source.scene);
     let chosen = coordinates::choose(args, &source, &charts, session)?;
@@ -53,6 +59,7 @@ pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
         charts,
         coordinates: chosen.coordinates,
         densities: densities(&args.texels, &source, session),
+        follows_light: args.texels.follows_light(),
         pass: pass::options(&args.first_pass, &prepared),
         light: args.texels.light.baked().unwrap_or_default(),
         sides: sides(args, &source),
@@ -144,9 +151,20 @@ fn refuse_conventions(args: &BakeArgs) -> Result<(), Failure> {
     if !is_occlusion && args.texels.ao_distance.is_some() {
         return Err(Failure::misuse("--ao-distance is for --light ao"));
     }
+    if is_occlusion && args.texels.follows_light() {
+        return Err(Failure::misuse(
+            "--density auto follows the edges of shadows, which --light ao has none of",
+        ));
+    }
     if is_occlusion && args.is_page() {
         return Err(Failure::misuse(
             "--light ao: a page shows light, of which this is none",
+        ));
+    }
+    let is_node = matches!(files.instances, InstancesArg::Node);
+    if is_node && convention != ConventionArg::Mx {
+        return Err(Failure::misuse(
+            "--instances node: only MX_lightmap has offsets at nodes: --as mx",
         ));
     }
     let shows_radiance = matches!(convention, ConventionArg::Emissive | ConventionArg::Unlit);
@@ -197,11 +215,11 @@ fn charts(args: &TexelArgs, scene: &Scene) -> UnwrapOptions {
 
 /// How dense the texels of each receiver are, relative to others; empty if all are alike.
 fn densities(args: &TexelArgs, source: &BakeSource, session: &mut Session) -> Vec<f64> {
-    if args.density.is_empty() {
+    if args.object_densities().next().is_none() {
         return Vec::new();
     }
     let name = |&r: &u32| source.scene.objects[r as usize].name.as_str();
-    for given in &args.density {
+    for given in args.object_densities() {
         if !source
             .receivers
             .iter()
@@ -214,7 +232,7 @@ fn densities(args: &TexelArgs, source: &BakeSource, session: &mut Session) -> Ve
         }
     }
     let factor = |r: &u32| {
-        let mut fits = args.density.iter().rev();
+        let mut fits = args.object_densities().rev();
         fits.find(|given| given.names.is_match(name(r)))
             .map_or(1.0, |given| given.factor)
     };
@@ -241,6 +259,17 @@ fn strip(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
     let output = Output::check(path)?;
     session.claim_stdout(output.is_stdout())?;
     let stripped = source::stripped(input, session.progress())?;
+    let is_glb = stripped.bytes.starts_with(b"glTF");
+    let is_named_glb = path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("glb"));
+    if !output.is_stdout() && is_glb != is_named_glb {
+        let kind = if is_glb { ".glb" } else { ".gltf" };
+        return Err(Failure::misuse(format_args!(
+            "{}: without its lightmap the file is a {kind}",
+            path.display()
+        )));
+    }
     stripped.notes.iter().for_each(|note| session.note(note));
     if !stripped.is_exact {
         session.note("another program has written the file since: it is not what it was before");

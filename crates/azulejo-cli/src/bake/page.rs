@@ -10,7 +10,7 @@ use azulejo::bake::web_page::{
 };
 use azulejo::lightmap::Baked;
 use azulejo_formats::picture::png;
-use azulejo_scene::{Camera, Material, Scene, Sidedness};
+use azulejo_scene::{Camera, Material, OpacityChannel, OpacityMode, Scene, Sidedness};
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 use std::io::{self, Write};
@@ -18,6 +18,9 @@ use std::path::Path;
 
 /// Width over height of the window that the page is expected in.
 const ASPECT: f64 = 1.6;
+
+/// Opacity with which glass is shown.
+const GLASS: f32 = 0.25;
 
 /// Writes the page.
 pub fn write(
@@ -99,10 +102,33 @@ fn material_of(scene: &Scene, material: &Material) -> io::Result<PageMaterial> {
         base_color: material.diffuse.to_f32(),
         picture,
         emission: material.emission.to_f32(),
-        opacity: PageOpacity::Opaque,
+        opacity: opacity_of(material),
         double_sided: material.sidedness != Sidedness::One,
         unlit: false,
     })
+}
+
+/// How light passes a material: what the picture of its colour does not have is opaque.
+fn opacity_of(material: &Material) -> PageOpacity {
+    if material.dielectric.is_some() {
+        return PageOpacity::Blend { opacity: GLASS };
+    }
+    let Some(opacity) = &material.opacity else {
+        return PageOpacity::Opaque;
+    };
+    let has_alpha = opacity.picture.is_none_or(|picture| {
+        picture.channel == OpacityChannel::Alpha
+            && material.textures.first() == Some(&picture.texture)
+    });
+    match opacity.mode {
+        _ if !has_alpha => PageOpacity::Opaque,
+        OpacityMode::Mask { cutoff } => PageOpacity::Mask {
+            cutoff: cutoff as f32,
+        },
+        OpacityMode::Blend => PageOpacity::Blend {
+            opacity: opacity.constant as f32,
+        },
+    }
 }
 
 /// A vertex of the page: that of the mesh, its normal, its texture coordinates and its place in the lightmap.

@@ -8,7 +8,10 @@ use azulejo::lightmap::Baked;
 use azulejo_scene::Scene;
 
 /// Light of a quarter of the area, relative to the mean, of which no relative error is given.
-const DARK: f64 = 1e-3;
+const DARK: f64 = 1e-2;
+
+/// Share of the area with sides that differ from which on that is said.
+const FEW_SIDES: f64 = 0.005;
 
 /// Adds what was baked, and its error.
 ///
@@ -123,6 +126,15 @@ pub fn describe(
         }
         report.fact("seams", number(apart), "seams", words);
         report.value("abrupt_seams", number(abrupt));
+    }
+    report.value("differing_sides", number(baked.differing_sides));
+    if baked.differing_sides > FEW_SIDES {
+        let words = format!(
+            "of {} of the area have light that differs by more than a tenth: one is baked, --double-sided split \
+             bakes both",
+            percent(baked.differing_sides)
+        );
+        report.line("both sides", words);
     }
     if baked.lightmap.buried > 0 {
         let words = format!("{} inside of solids", count(baked.lightmap.buried));

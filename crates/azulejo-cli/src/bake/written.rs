@@ -11,12 +11,13 @@ use crate::session::Session;
 use azulejo::bake::LightmapPage;
 use azulejo::lightmap::Baked;
 use azulejo::output::Output;
+use azulejo_formats::Files;
 use azulejo_formats::gltf::patch::{
     self, Container, LightmapEdit, LightmapUvs, LightsMode, PatchedFile,
 };
 use azulejo_formats::picture::exr;
 use azulejo_scene::Image;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// What the main output is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -110,6 +111,15 @@ impl BakeOutputs {
                 let pictures = pictures::pictures(args, source, baked, padding, session, report)?;
                 let patched = patched((output, *kind), args, source, baked, &pictures, uvs)?;
                 patched.notes.iter().for_each(|note| session.note(note));
+                if patched.leaves_dark {
+                    session.note(
+                        "the lamps of the file are dark now, and some things have no lightmap in their place: \
+                         --baked-lights keep leaves lamps as they are, as does --light indirect",
+                    );
+                }
+                for (name, file) in copied(output.path(), source, &patched)? {
+                    drafts.add(&output.path().with_file_name(name), &file)?;
+                }
                 for (name, file) in &patched.files {
                     drafts.add(&output.path().with_file_name(name), file)?;
                 }
@@ -122,6 +132,35 @@ impl BakeOutputs {
         report.fact("output", written, "wrote", names);
         Ok(())
     }
+}
+
+/// Files that a file in another folder than the one it was read from names: it would not find them.
+fn copied(
+    path: &Path,
+    source: &BakeSource,
+    patched: &PatchedFile,
+) -> Result<Vec<(String, Vec<u8>)>, Failure> {
+    let folder = |path: &Path| {
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
+        std::fs::canonicalize(folder.unwrap_or(Path::new("."))).ok()
+    };
+    let is_same = folder(Path::new(&source.file.name)) == folder(path);
+    if !source.is_given || is_same || path == Path::new("-") {
+        return Ok(Vec::new());
+    }
+    let names = patch::named_files(&patched.bytes, &source.file.name).map_err(Failure::failed)?;
+    let mut files: Vec<(String, Vec<u8>)> = Vec::new();
+    for name in names {
+        let is_inside = Path::new(&name)
+            .components()
+            .all(|part| matches!(part, Component::Normal(_)));
+        let is_known = patched.files.iter().chain(&files).any(|f| f.0 == name);
+        // What cannot be read is missing as it was before.
+        if let (true, false, Ok(bytes)) = (is_inside, is_known, source.file.files.read(&name)) {
+            files.push((name, bytes));
+        }
+    }
+    Ok(files)
 }
 
 /// The file with its lightmap.

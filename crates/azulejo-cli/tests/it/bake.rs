@@ -41,6 +41,23 @@ fn a_legacy_model_gets_a_lightmap() {
     );
 }
 
+/// Models without lamps have it, too.
+#[test]
+fn ambient_occlusion_needs_no_light() {
+    let folder = Folder::new();
+    let corner =
+        "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 0 2\nv 2 0 2\no corner\nf 1 2 3 4\nf 1 5 6 2\n";
+    folder.write("corner.obj", corner);
+    let run =
+        folder.ok("bake corner.obj -o ao.glb --size 64 --light ao --error 5% --lightmap ao.exr");
+    assert!(run.err.contains("of the hemisphere is free"), "{}", run.err);
+    let file = json(&folder.read("ao.glb"));
+    let material = &file["materials"][0];
+    assert_eq!(material["occlusionTexture"]["texCoord"], 1);
+    assert!(!material.to_string().contains("MOZ_lightmap"));
+    assert!(folder.read("ao.exr").starts_with(&[0x76, 0x2f, 0x31, 0x01]));
+}
+
 /// A file with a lightmap is what it was, byte for byte, once that is removed.
 #[test]
 fn what_was_baked_can_be_stripped() {
@@ -121,6 +138,14 @@ fn what_cannot_be_baked_is_said() {
         ),
         ("bake room.obj -o missing/room.glb", 1, "missing"),
         ("bake room.obj --lightmap e.png", 2, ".exr"),
+        (
+            "bake room.obj -o room.glb --light ao --as moz",
+            2,
+            "no light",
+        ),
+        ("bake room.obj -o room.glb --as occlusion", 2, "--light ao"),
+        ("bake room.obj -o room.glb --ao-distance 2", 2, "--light ao"),
+        ("bake room.obj -o page.html --light ao", 2, "shows light"),
         ("bake empty.obj -o room.glb --sky 1", 1, ""),
         (
             "bake room.obj -o room.glb --texels-per-metre 1e9",

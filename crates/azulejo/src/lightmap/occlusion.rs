@@ -101,6 +101,7 @@ pub fn bake_occlusion(
         texels,
         report: None,
         seams,
+        differing_sides: 0.0,
         between_texels: 0.0,
     })
 }

@@ -3,13 +3,16 @@
 use azulejo_bake::layout::NO_CHART;
 use azulejo_bake::{Atlas, Receiver};
 use azulejo_radiosity::SolvedLight;
-use azulejo_scene::{Scene, Sidedness};
+use azulejo_scene::{Rgb, Scene, Sidedness};
 use azulejo_trace::GatherPoint;
 use azulejo_trace::sampling::hash;
 use glam::DVec3;
 
 /// Light of a solid's inner side relative to that of its outer side up to which it is what patches leak.
 const DARK: f64 = 0.01;
+
+/// Difference of the light of two sides, relative to the brighter, from which on it is said.
+const DIFFERING: f64 = 0.1;
 
 /// The receivers whose backs somebody may see, with their objects: those outside of solids, and those that get
 /// light, in rooms whose fronts are outside.
@@ -49,6 +52,38 @@ pub fn lit_backs(
         }
     }
     backs
+}
+
+/// Share of the area of receivers that is seen from both sides, whose light differs by more than
+/// [`DIFFERING`]: a lightmap of one side is wrong on the other.
+pub fn differing_share(
+    receivers: &[Receiver],
+    objects: &[u32],
+    scene: &Scene,
+    solved: &SolvedLight,
+) -> f64 {
+    let inside = azulejo_bake::backs_inside(scene);
+    let (mut differing, mut all) = (0.0, 0.0);
+    for (receiver, &object) in receivers.iter().zip(objects) {
+        let materials = scene.objects[object as usize].shape.mesh();
+        let materials = materials.map_or(&[][..], |mesh| &mesh.face_materials);
+        let faces = face_triangles(scene, object);
+        for (t, [face, triangle]) in faces.into_iter().enumerate() {
+            let area = receiver.area_vector(t).length();
+            all += area;
+            let material = &scene.materials[materials[face as usize] as usize];
+            let is_inside = inside[object as usize][face as usize];
+            if is_inside || material.dielectric.is_some() || material.sidedness == Sidedness::One {
+                continue;
+            }
+            let sides = solved.sides_at([object, face, triangle], [1.0 / 3.0; 2]);
+            let [front, back] = sides.map(Rgb::mean);
+            if (front - back).abs() > DIFFERING * front.max(back) {
+                differing += area;
+            }
+        }
+    }
+    differing / f64::max(all, f64::MIN_POSITIVE)
 }
 
 /// Of each chart whether its back gets more light.

@@ -3,7 +3,8 @@
 use azulejo::bake::{Resolution, UnwrapOptions};
 use azulejo::factors::PointNormal;
 use azulejo::lightmap::{
-    BakeError, BakeOptions, BakeSource, Baked, BakedLight, BakedSides, Coordinates, bake, meshes_of,
+    BakeError, BakeOptions, BakeSource, Baked, BakedLight, BakedSides, BytePictures, Coordinates,
+    bake, bake_occlusion, meshes_of,
 };
 use azulejo::radiosity::{FirstPass, SolveError, probe};
 use azulejo::scene::synthetic::{CornellVariant, cornell_box};
@@ -25,6 +26,7 @@ fn options(size: u32, error: f64) -> BakeOptions {
         },
         coordinates: Coordinates::New,
         densities: Vec::new(),
+        follows_light: false,
         light: BakedLight::Total,
         sides: BakedSides::Brighter,
     }
@@ -65,15 +67,10 @@ fn places(baked: &Baked, count: u32) -> Vec<(usize, usize, [f64; 3])> {
     (0..count).map(place).collect()
 }
 
-/// What viewers read at points is within one and a half times the requested error of what is there.
-#[test]
-fn texels_have_the_requested_error() {
-    let scene = meshes_of(&cornell_box(CornellVariant::Diffuse), true);
-    let error = 0.03;
-    let baked = baked(&scene, &options(192, error));
-    let stated = baked.lightmap.relative_error();
-    assert!(stated < 1.2 * error, "stated {stated}");
-    let places = places(&baked, 400);
+/// What viewers read at points beside what is there: root mean square and mean of the differences, relative to the
+/// mean.
+fn found_errors(scene: &Scene, baked: &Baked) -> [f64; 2] {
+    let places = places(baked, 400);
     let point = |&(r, t, weights): &(usize, usize, [f64; 3])| {
         let receiver = &baked.atlas.receivers[r];
         let corners = receiver.corners(t);
@@ -93,14 +90,7 @@ fn texels_have_the_requested_error() {
         error: Some(0.007),
         ..FirstPass::default()
     };
-    let truth = probe(
-        &scene,
-        &Tracer::new(&scene),
-        &points,
-        &pass,
-        &Progress::new(),
-    )
-    .unwrap();
+    let truth = probe(scene, &Tracer::new(scene), &points, &pass, &Progress::new()).unwrap();
     let (mut squares, mut bias, mut sum) = (0.0, 0.0, 0.0);
     for (&(r, t, weights), truth) in places.iter().zip(&truth.estimates) {
         let found = baked.irradiance(r, t, weights).unwrap();
@@ -110,9 +100,124 @@ fn texels_have_the_requested_error() {
         sum += truth.value.mean();
     }
     let (count, mean) = (places.len() as f64, sum / places.len() as f64);
-    let (rms, bias) = ((squares / count).sqrt() / mean, bias / sum);
+    [(squares / count).sqrt() / mean, bias / sum]
+}
+
+/// What viewers read at points is within one and a half times the requested error of what is there.
+#[test]
+fn texels_have_the_requested_error() {
+    let scene = meshes_of(&cornell_box(CornellVariant::Diffuse), true);
+    let error = 0.03;
+    let baked = baked(&scene, &options(192, error));
+    let stated = baked.lightmap.relative_error();
+    assert!(stated < 1.2 * error, "stated {stated}");
+    let [rms, bias] = found_errors(&scene, &baked);
     assert!(rms < 1.5 * error, "{rms}");
     assert!(bias.abs() < 0.01, "{bias}");
+}
+
+/// Where texels are far too coarse, the error says so, for indirect light, too.
+#[test]
+fn coarse_texels_say_what_they_miss() {
+    let scene = meshes_of(&cornell_box(CornellVariant::Diffuse), true);
+    let baked = baked(&scene, &options(40, 0.02));
+    let stated = baked.lightmap.relative_error();
+    let [rms, _] = found_errors(&scene, &baked);
+    assert!(rms > 0.05, "{rms}: not coarse");
+    assert!((0.6..1.7).contains(&(stated / rms)), "{stated} for {rms}");
+}
+
+/// A plate just below a lamp would leave a room to the last steps of 8 bits: it has a picture of its own.
+#[test]
+fn bright_parts_have_pictures_of_their_own() {
+    let mut scene = Scene::default();
+    let [walls, plate] =
+        ["walls", "plate"].map(|name| scene.add_material(Material::diffuse(name, Rgb::grey(0.5))));
+    room(&mut scene, DVec3::ZERO, DVec3::splat(3.0), walls, true);
+    let corners = [[1.4, 1.4], [1.6, 1.4], [1.6, 1.6], [1.4, 1.6]];
+    let mut mesh = Mesh {
+        positions: corners.map(|[x, y]| DVec3::new(x, y, 1.5)).to_vec(),
+        ..Mesh::default()
+    };
+    mesh.push_face(&[0, 1, 2, 3], plate);
+    scene.objects.push(Object::new("plate", Shape::Mesh(mesh)));
+    scene.lights.push(Light {
+        name: "lamp".into(),
+        kind: LightKind::Point {
+            position: DVec3::new(1.5, 1.5, 1.6),
+            intensity: Rgb::grey(10.0),
+        },
+    });
+    let baked = baked(&scene, &options(64, 0.1));
+    let all = BytePictures::new(&baked, false);
+    let apart = BytePictures::new(&baked, true);
+    assert_eq!([all.pictures.len(), apart.pictures.len()], [1, 2]);
+    let intensities = [0, 1].map(|k| apart.pictures[k].intensity);
+    assert_eq!(intensities[1], all.pictures[0].intensity);
+    assert!(intensities[0] < 0.1 * intensities[1], "{intensities:?}");
+    let of = |receiver: usize| apart.of_triangles[receiver].iter().copied().max();
+    assert_eq!([of(0), of(1)], [Some(0), Some(1)]);
+    assert!(apart.share_below(&baked, 0.1) < 0.2);
+    assert!(all.share_below(&baked, 0.1) > 0.9);
+}
+
+/// The free share over a floor beside a long wall of height h at the distance x is (1 + x / √(x² + h²)) / 2.
+#[test]
+fn occlusion_beside_a_wall_is_known() {
+    let mut scene = Scene::default();
+    let white = scene.add_material(Material::diffuse("white", Rgb::grey(0.5)));
+    let quad = |corners: [[f64; 3]; 4]| {
+        let mut mesh = Mesh {
+            positions: corners.map(DVec3::from).to_vec(),
+            ..Mesh::default()
+        };
+        mesh.push_face(&[0, 1, 2, 3], white);
+        Shape::Mesh(mesh)
+    };
+    let floor = [
+        [0.0, -2.0, 0.0],
+        [4.0, -2.0, 0.0],
+        [4.0, 2.0, 0.0],
+        [0.0, 2.0, 0.0],
+    ];
+    let wall = [
+        [0.0, -500.0, 0.0],
+        [0.0, 500.0, 0.0],
+        [0.0, 500.0, 1.0],
+        [0.0, -500.0, 1.0],
+    ];
+    scene.objects = vec![
+        Object::new("floor", quad(floor)),
+        Object::new("wall", quad(wall)),
+    ];
+    let options = BakeOptions {
+        sides: BakedSides::Front,
+        ..options(128, 0.01)
+    };
+    let bake = |distance: f64| {
+        let tracer = Tracer::new(&scene);
+        bake_occlusion(&scene, &tracer, &[0], &options, distance, &Progress::new()).unwrap()
+    };
+    let baked = bake(1e4);
+    assert!(baked.report.is_none());
+    let (mut squares, mut count) = (0.0, 0.0);
+    for (r, t, weights) in places(&baked, 300) {
+        let corners = baked.atlas.receivers[r].corners(t);
+        let x: f64 = (0..3).map(|k| weights[k] * corners[k].x).sum();
+        let expected = 0.5 * (1.0 + x / x.hypot(1.0));
+        let found = baked.irradiance(r, t, weights).unwrap().mean();
+        squares += (found - expected).powi(2);
+        count += 1.0;
+        assert!(
+            (found - expected).abs() < 0.04,
+            "{found} for {expected} at {x}"
+        );
+    }
+    let rms = f64::sqrt(squares / count);
+    assert!(rms < 0.01, "{rms}");
+    // What is farther than that does not count.
+    let near = bake(0.5).lightmap.mean().mean();
+    assert!(near > baked.lightmap.mean().mean() && near < 1.0, "{near}");
 }
 
 /// A box of six walls, its normals inside.
@@ -429,4 +534,72 @@ fn scenes_without_light_or_surface_are_refused() {
     };
     assert_eq!(refused(&scene, &[0]), BakeError::Solve(SolveError::NoLight));
     assert!(refused(&scene, &[]).to_string().contains("no triangle"));
+}
+
+/// A plate in the sun whose shadow falls on one of two floors: with the same texels, the error of viewers is less
+/// where texels follow the light.
+#[test]
+fn density_follows_the_edges_of_shadows() {
+    let mut scene = Scene::default();
+    let white = scene.add_material(Material::diffuse("white", Rgb::grey(0.5)));
+    let mut square = |low: DVec3, width: f64| {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let mut mesh = Mesh {
+            positions: corners
+                .map(|[x, y]| low + width * DVec3::new(x, y, 0.0))
+                .to_vec(),
+            ..Mesh::default()
+        };
+        mesh.push_face(&[0, 1, 2, 3], white);
+        scene.objects.push(Object::new("floor", Shape::Mesh(mesh)));
+    };
+    square(DVec3::ZERO, 2.0);
+    square(DVec3::new(5.0, 0.0, 0.0), 6.0);
+    square(DVec3::new(0.6, 0.7, 0.5), 0.8);
+    scene.lights.push(Light {
+        name: "sun".into(),
+        kind: LightKind::Directional {
+            direction: DVec3::new(0.2, 0.1, -1.0).normalize(),
+            irradiance: Rgb::grey(1.0),
+            half_angle: 0.0,
+        },
+    });
+    let bake = |follows_light: bool| {
+        let options = BakeOptions {
+            follows_light,
+            sides: BakedSides::Front,
+            ..options(96, 0.02)
+        };
+        baked(&scene, &options)
+    };
+    let [alike, followed] = [false, true].map(bake);
+    let texels = |baked: &Baked, receiver: usize| -> f64 {
+        let layout = &baked.atlas.layout;
+        let area = |t: usize| {
+            let [a, b, c] = layout.texels(receiver, t);
+            (b - a).perp_dot(c - a).abs()
+        };
+        (0..2).map(area).sum()
+    };
+    assert!(texels(&followed, 0) > 2.0 * texels(&alike, 0));
+    let [before, after] =
+        [&alike, &followed].map(|baked| baked.between_texels / baked.lightmap.mean().mean());
+    assert!(after < 0.8 * before, "{after}, {before} before");
+}
+
+/// Power that texels have is what the patches get.
+#[test]
+fn energy_is_kept() {
+    let scene = meshes_of(&cornell_box(CornellVariant::Diffuse), true);
+    let baked = baked(&scene, &options(128, 0.02));
+    let mean = baked.lightmap.mean().mean();
+    // What surfaces absorb, by the balance of the first pass, is their area times the mean of (1 − ρ) E: in the mean
+    // over points, which are uniform by area, E is the same.
+    let places = places(&baked, 4000);
+    let sum: f64 = places
+        .iter()
+        .map(|&(r, t, w)| baked.irradiance(r, t, w).unwrap().mean())
+        .sum();
+    let read = sum / places.len() as f64;
+    assert!((read / mean - 1.0).abs() < 0.02, "{read}, {mean}");
 }

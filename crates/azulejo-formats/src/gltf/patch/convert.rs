@@ -100,6 +100,7 @@ impl Conversion<'_, '_> {
             bytes: self.text().into_bytes(),
             files,
             notes: Vec::new(),
+            leaves_dark: false,
         }
     }
 

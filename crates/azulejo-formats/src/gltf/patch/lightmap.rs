@@ -41,6 +41,7 @@ pub fn edited(
     let split = work.split(set, &mut additions, &mut notes)?;
     let mut textures = Textures::new(edit);
     let uses = work.uses(&split);
+    let shows_radiance = matches!(edit.convention, Convention::Emissive | Convention::Unlit);
     let replaced = match edit.convention {
         Convention::Mx | Convention::Plain => Replaced::default(),
         _ => uses.light(
@@ -52,6 +53,11 @@ pub fn edited(
             &mut notes,
         )?,
     };
+    if shows_radiance && replaced.is_empty() {
+        let fault =
+            "surfaces of metal, glass and light alone: none could show its lightmap in this way";
+        return Err(source.refused(fault));
+    }
     work.meshes(&split, &replaced, set, &mut additions, &mut notes);
     if edit.convention == Convention::Mx {
         work.nodes(set, &mut textures, &mut additions)?;
@@ -64,11 +70,19 @@ pub fn edited(
     let mut facts = Map::new();
     facts.insert("convention".into(), json!(name_of(edit.convention)));
     facts.insert("texCoord".into(), json!(set));
-    let baked = lights::change(&source, mode, &mut additions);
-    if !baked.is_empty() {
-        facts.insert("baked".into(), json!(baked));
+    let mut are_dark = mode == LightsMode::Remove;
+    for (member, baked) in lights::change(&source, mode, &mut additions) {
+        if !baked.is_empty() {
+            are_dark = true;
+            facts.insert(member.into(), json!(baked));
+        }
     }
-    undo::sealed(&source, additions, facts, notes)
+    let has_others = replaced.has_others() || edit.objects.iter().any(Option::is_none);
+    let patched = undo::sealed(&source, additions, facts, notes)?;
+    Ok(PatchedFile {
+        leaves_dark: are_dark && has_others,
+        ..patched
+    })
 }
 
 /// Removes lightmaps of other programs that programs would show beside the new one; those that are in its place are

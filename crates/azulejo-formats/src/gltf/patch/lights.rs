@@ -10,33 +10,47 @@ use serde_json::{Value, json};
 pub const LIGHTS: &str = "KHR_lights_punctual";
 
 /// The steps to the list of lights.
-pub const LIGHT_LIST: [&str; 3] = ["extensions", LIGHTS, "lights"];
+const LIGHT_LIST: [&str; 3] = ["extensions", LIGHTS, "lights"];
 
-/// Dims or removes the lights, and returns what undoes it: for each light that was dimmed its number and
-/// the text of its intensity, `null` if it had none.
-pub fn change(source: &Source, mode: LightsMode, additions: &mut Additions) -> Vec<Value> {
+/// The steps to the list of pictures of the surroundings as lights.
+const SURROUNDINGS_LIST: [&str; 3] = ["extensions", "EXT_lights_image_based", "lights"];
+
+/// Lights, and the member of the note with what undoes their change.
+pub const DIMMED: [(&str, [&str; 3]); 2] = [
+    ("baked", LIGHT_LIST),
+    ("baked_surroundings", SURROUNDINGS_LIST),
+];
+
+/// Dims or removes the lights, and returns what undoes it, by the members of the note: for each light that was
+/// dimmed its number and the text of its intensity, `null` if it had none. Surroundings are dimmed in either case.
+pub fn change(
+    source: &Source,
+    mode: LightsMode,
+    additions: &mut Additions,
+) -> Vec<(&'static str, Vec<Value>)> {
+    let mut dimmed = |(member, steps)| (member, dim(source, &steps, additions));
     match mode {
         LightsMode::Keep => Vec::new(),
-        LightsMode::Dim => dim(source, additions),
+        LightsMode::Dim => DIMMED.map(dimmed).into(),
         LightsMode::Remove => {
+            let surroundings = dimmed(DIMMED[1]);
             remove(source, additions);
-            Vec::new()
+            vec![surroundings]
         }
     }
 }
 
-fn dim(source: &Source, additions: &mut Additions) -> Vec<Value> {
+fn dim(source: &Source, steps: &[&'static str; 3], additions: &mut Additions) -> Vec<Value> {
     let text = source.text();
-    let list = source
-        .find(&LIGHT_LIST)
-        .and_then(|list| elements(text, &list));
+    let list = source.find(steps).and_then(|list| elements(text, &list));
     let mut baked = Vec::new();
     for (i, light) in list.into_iter().flatten().enumerate() {
         let old = member(text, &light, "intensity").map(|span| &text[span]);
         if old.and_then(|old| old.parse().ok()) == Some(0.0) {
             continue;
         }
-        let lights = additions.edit.key("extensions").key(LIGHTS).key("lights");
+        let [extensions, name, list] = *steps;
+        let lights = additions.edit.key(extensions).key(name).key(list);
         lights.index(i).key("intensity").set("0");
         baked.push(json!([i, old]));
     }

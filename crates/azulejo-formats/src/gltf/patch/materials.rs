@@ -8,9 +8,9 @@ use super::error::PatchError;
 use super::looks;
 use super::notes::Notes;
 use super::primitives::PrimitiveJson;
-use super::scan::Span;
+use super::scan::{Span, find};
 use super::source::Source;
-use super::types::{LightmapEdit, LightmapPage, MediaType};
+use super::types::{Convention, LightmapEdit, LightmapPage, MediaType};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// The light of a primitive: its page, and how its coordinates are moved, as bits.
@@ -121,17 +121,31 @@ fn texture(page: &LightmapPage, sampler: usize, additions: &mut Additions) -> St
 
 /// Which materials take the place of others.
 #[derive(Debug, Default)]
-pub struct Replaced(HashMap<(Option<usize>, Lit), usize>);
+pub struct Replaced {
+    of: HashMap<(Option<usize>, Lit), usize>,
+    /// Materials that stay as they are.
+    others: usize,
+}
 
 impl Replaced {
+    /// Whether no material shows light.
+    pub fn is_empty(&self) -> bool {
+        self.of.is_empty()
+    }
+
+    /// Whether some materials stay as they are.
+    pub fn has_others(&self) -> bool {
+        self.others > 0
+    }
+
     /// Whether a material shows this light: some stay as they are.
     pub fn shows(&self, material: Option<usize>, lit: Lit) -> bool {
-        self.0.contains_key(&(material, lit))
+        self.of.contains_key(&(material, lit))
     }
 
     /// The material that a primitive with this light gets in the place of its own.
     pub fn of(&self, material: Option<usize>, lit: Lit) -> Option<usize> {
-        let new = self.0.get(&(material, lit)).copied();
+        let new = self.of.get(&(material, lit)).copied();
         new.filter(|new| Some(*new) != material)
     }
 }
@@ -197,9 +211,17 @@ impl MaterialUses {
                     Ok(changed) => changed,
                     Err(fault) => {
                         notes.add(&fault);
+                        replaced.others += 1;
                         continue;
                     }
                 };
+                let occlusion = span.and_then(|s| find(source.text(), s, &["occlusionTexture"]));
+                if edit.convention == Convention::Moz && occlusion.is_some() {
+                    notes.add(
+                        "material with a picture of occlusion: viewers darken the lightmap by it, which has that \
+                         shade already",
+                    );
+                }
                 let used = extensions.iter();
                 used.for_each(|e| additions.use_extension("extensionsUsed", e));
                 if lit.placement.is_some() {
@@ -208,7 +230,7 @@ impl MaterialUses {
                 }
                 let new = entry(source, material, span, change, in_place, additions, notes);
                 in_place = false;
-                replaced.0.insert((material, *lit), new);
+                replaced.of.insert((material, *lit), new);
             }
         }
         Ok(replaced)

@@ -55,9 +55,11 @@ pub use types::{
 };
 
 use super::origin::ObjectOrigin;
+use super::uri::{self, Uri};
 use azulejo_scene::Scene;
 use glb::Parts;
 use notes::Notes;
+use serde_json::Value;
 
 /// Puts a lightmap into a file. `origins` are those of its objects; if it has a lightmap of azulejo's, that is
 /// removed first. (Its lights are dimmed, so [`strip`] a file before it is read to be lit again.)
@@ -111,6 +113,25 @@ pub fn coordinates(
     set: u32,
 ) -> Result<FoundLightmap, PatchError> {
     existing::coordinates(file, origins, set)
+}
+
+/// The names of the files that a file names, relative to its own: buffers and images.
+///
+/// # Errors
+/// Files that cannot be read or are not UTF-8 JSON.
+pub fn named_files(bytes: &[u8], name: &str) -> Result<Vec<String>, PatchError> {
+    let parts = Parts::of(bytes, name)?;
+    let root: Value = serde_json::from_str(parts.text)
+        .map_err(|e| PatchError::of(name, &format!("what is no JSON: {e}")))?;
+    let mut names = Vec::new();
+    for list in ["buffers", "images"] {
+        for entry in root[list].as_array().into_iter().flatten() {
+            if let Some(Ok(Uri::File(file))) = entry["uri"].as_str().map(uri::read) {
+                names.push(file.into_owned());
+            }
+        }
+    }
+    Ok(names)
 }
 
 /// Puts the irradiance of the vertices of `scene` into its file: as colours of the same vertices, with the

@@ -3,7 +3,7 @@
 use super::edits::{Edit, spliced};
 use super::error::PatchError;
 use super::glb::Parts;
-use super::lights::LIGHT_LIST;
+use super::lights::DIMMED;
 use super::scan::{self, Span};
 use super::types::StrippedFile;
 use super::undo::{self, LightmapNote};
@@ -113,8 +113,11 @@ fn remove(text: &str, object: &Span, keys: &[&str], edit: &mut Edit) {
 
 /// Gives lights that are still dark their old intensity.
 fn brighten(text: &str, root: &Span, found: &LightmapNote, edit: &mut Edit) {
-    let lights = entries(text, root, &LIGHT_LIST);
-    for baked in found.list("baked") {
+    let dimmed = DIMMED
+        .iter()
+        .flat_map(|(member, steps)| found.list(member).into_iter().map(move |b| (steps, b)));
+    for (steps, baked) in dimmed {
+        let lights = entries(text, root, steps);
         let number = baked.get(0).and_then(Value::as_u64);
         let number = number.and_then(|n| usize::try_from(n).ok());
         let Some((i, light)) = number.and_then(|n| Some((n, lights.get(n)?))) else {
@@ -124,7 +127,7 @@ fn brighten(text: &str, root: &Span, found: &LightmapNote, edit: &mut Edit) {
         if now.and_then(|now| now.parse().ok()) != Some(0.0) {
             continue;
         }
-        let [extensions, name, list] = LIGHT_LIST;
+        let [extensions, name, list] = *steps;
         let change = edit.key(extensions).key(name).key(list).index(i);
         let change = change.key("intensity");
         match baked.get(1).and_then(Value::as_str) {

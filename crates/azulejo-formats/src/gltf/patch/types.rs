@@ -200,6 +200,8 @@ pub struct PatchedFile {
     pub files: Vec<(String, Vec<u8>)>,
     /// What was skipped or changed beside what was asked for.
     pub notes: Vec<String>,
+    /// Whether lights went dark, and something has no lightmap to replace them.
+    pub leaves_dark: bool,
 }
 
 /// A file without its lightmap.

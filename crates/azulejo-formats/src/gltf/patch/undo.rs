@@ -51,6 +51,7 @@ pub fn sealed(
         bytes: file.ok_or_else(|| source.refused("a GLB of more than 4 GiB"))?,
         files: additions.files,
         notes: notes.finish(),
+        leaves_dark: false,
     })
 }
 
@@ -71,6 +72,7 @@ pub fn unsealed(
         bytes: file.ok_or_else(|| source.refused("a GLB of more than 4 GiB"))?,
         files: additions.files,
         notes: notes.finish(),
+        leaves_dark: false,
     })
 }
 

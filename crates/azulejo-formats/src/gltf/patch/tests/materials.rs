@@ -147,6 +147,22 @@ fn materials_stay_shared_where_their_users_agree() {
 }
 
 #[test]
+fn occlusion_goes_to_materials_that_have_none() {
+    let two = "{\"name\":\"a\"},{\"occlusionTexture\":{\"index\":0}}";
+    let bytes = file(&[Some(0), Some(1)], &[0, 1], two, "");
+    let patched = edit(&bytes, &[Some(0); 2], |e| {
+        e.convention = Convention::Occlusion;
+    })
+    .unwrap();
+    let json = json_of(&patched);
+    let found = [0, 1].map(|m| &json["materials"][m]["occlusionTexture"]);
+    assert_eq!(found[0], &json!({ "index": 0, "texCoord": 1 }));
+    assert_eq!(found[1], &json!({ "index": 0 }));
+    assert!(patched.notes.iter().any(|n| n.contains("keeps it")));
+    assert_eq!(lightmap(&json, 0), &Value::Null);
+}
+
+#[test]
 fn meshes_of_nodes_without_light_stay() {
     let bytes = file(&[Some(0)], &[0, 0, 0], "{}", "");
     let json = json_of(&edit(&bytes, &[None, Some(0), Some(0)], |_| {}).unwrap());

@@ -1,0 +1,168 @@
+//! Which charts need more texels than others: those with the edges of shadows.
+//!
+//! What bilinear interpolation misses of an abrupt change is, as a mean square over a chart, proportional to the
+//! width h of its texels and to e, the length of such edges times their squared heights over its area. With a
+//! given number of texels, Σ A e h is least where texels per area are proportional to e^(2/3).
+
+use crate::atlas::Atlas;
+use crate::direct::direct;
+use crate::samples::{Rows, Samples};
+use azulejo_scene::Rgb;
+use azulejo_trace::{Cancelled, Gatherer, Progress};
+
+/// Width of the texels with which edges are looked for, relative to that of the lightmap's.
+const COARSER: u32 = 4;
+
+/// Least width of the pages for that, texels.
+const LEAST_PAGE: u32 = 16;
+
+/// Direct light's error there, relative to that of the lightmap.
+const COARSER_ERROR: f64 = 2.0;
+
+/// What a chart without any edge counts as, relative to the mean of all.
+const SMOOTH: f64 = 0.02;
+
+/// Fewest and most texels per area, relative to the mean.
+const LIMITS: [f64; 2] = [1.0 / 8.0, 4.0];
+
+/// Times that charts beyond these limits are set to them, and the others to what is left.
+const ROUNDS: u32 = 16;
+
+/// How much denser than others the texels of each chart should be, per length. `error` is that of the lightmap
+/// relative to the mean.
+///
+/// # Errors
+/// The caller cancelled.
+pub fn chart_densities(
+    atlas: &Atlas,
+    gatherer: &Gatherer,
+    error: f64,
+    seed: u32,
+    progress: &Progress,
+) -> Result<Vec<f64>, Cancelled> {
+    let mut coarse = atlas.clone();
+    for size in coarse.layout.pages.iter_mut().flatten() {
+        *size = (*size / COARSER).max(LEAST_PAGE);
+    }
+    let samples = Samples::new(&coarse, gatherer.surfaces().tracer, progress)?;
+    let error = COARSER_ERROR * error;
+    let light = direct(&samples, &coarse, gatherer, error, seed, progress)?;
+    let mut charts = vec![ChartEdges::default(); atlas.layout.charts as usize];
+    let mut first = 0;
+    for (page, coverage) in samples.pages.iter().enumerate() {
+        let of_page = samples.samples[first..]
+            .iter()
+            .take_while(|s| s.page as usize == page)
+            .count();
+        let mut of_texels = vec![Rgb::BLACK; coverage.texels.len()];
+        for sample in first..first + of_page {
+            let texel = samples.samples[sample].texel as usize;
+            of_texels[texel] = Rgb::from(light.irradiance[sample].map(f64::from));
+        }
+        first += of_page;
+        let rows = Rows::new(coverage);
+        for (t, texel) in coverage.texels.iter().enumerate() {
+            let chart = &mut charts[texel.chart as usize];
+            chart.area += f64::from(texel.area);
+            chart.texels += 1.0;
+            let [column, row] = rows.place(texel.index);
+            for next in [rows.at(column + 1, row), rows.at(column, row + 1)] {
+                let Some(n) = next.filter(|&n| coverage.texels[n as usize].chart == texel.chart)
+                else {
+                    continue;
+                };
+                let step = of_texels[n as usize] - of_texels[t];
+                chart.steps += (step * step).mean();
+                chart.pairs += 1.0;
+            }
+        }
+    }
+    Ok(densities(&charts))
+}
+
+/// What is found on a chart.
+#[derive(Clone, Copy, Debug, Default)]
+struct ChartEdges {
+    area: f64,
+    texels: f64,
+    /// Pairs of texels side by side, and the sum of their squared differences.
+    pairs: f64,
+    steps: f64,
+}
+
+impl ChartEdges {
+    /// Squared heights times length of edges, over the area; `None` where too little is seen.
+    fn edges(&self) -> Option<f64> {
+        let width = (self.area / self.texels).sqrt();
+        let found = self.steps * width / self.area;
+        (self.pairs > 0.0 && found.is_finite()).then_some(found)
+    }
+}
+
+/// Texels per length of each chart relative to the mean.
+fn densities(charts: &[ChartEdges]) -> Vec<f64> {
+    let (mut sum, mut area) = (0.0, 0.0);
+    for (chart, edges) in charts.iter().filter_map(|c| Some((c, c.edges()?))) {
+        sum += chart.area * edges;
+        area += chart.area;
+    }
+    let mean = sum / area;
+    if mean.is_nan() || mean <= 0.0 {
+        return vec![1.0; charts.len()];
+    }
+    let wanted = |chart: &ChartEdges| {
+        let edges = chart.edges().unwrap_or(mean);
+        (edges / mean + SMOOTH).powf(2.0 / 3.0)
+    };
+    let wanted: Vec<f64> = charts.iter().map(wanted).collect();
+    let all: f64 = charts.iter().map(|c| c.area).sum();
+    let mut scale = 1.0;
+    let limited = |wanted: f64, scale: f64| (scale * wanted).clamp(LIMITS[0], LIMITS[1]);
+    for _ in 0..ROUNDS {
+        let of_charts = charts.iter().zip(&wanted);
+        let found: f64 = of_charts.map(|(c, &w)| c.area * limited(w, scale)).sum();
+        scale *= all / found;
+    }
+    let density = |&wanted: &f64| limited(wanted, scale).sqrt();
+    wanted.iter().map(density).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn chart(area: f64, steps: f64) -> ChartEdges {
+        ChartEdges {
+            area,
+            texels: 100.0 * area,
+            pairs: 190.0 * area,
+            steps,
+        }
+    }
+
+    /// Texels go to charts with edges, their number stays, and no chart is starved.
+    #[test]
+    fn edges_get_texels() {
+        let charts = [
+            chart(1.0, 8.0),
+            chart(8.0, 0.0),
+            chart(1.0, 1.0),
+            chart(0.01, 0.0),
+        ];
+        let found = densities(&charts);
+        assert!(found[0] > found[2] && found[2] > found[1], "{found:?}");
+        // Edges of an eighth of the squared height: a quarter of the texels.
+        let share = (found[0] / found[2]).powi(2);
+        assert!((3.0..4.2).contains(&share), "{share}");
+        let texels: f64 = charts.iter().zip(&found).map(|(c, d)| c.area * d * d).sum();
+        assert!((texels / 10.01 - 1.0).abs() < 0.02, "{texels}");
+        let limits = LIMITS.map(f64::sqrt);
+        assert!(
+            found
+                .iter()
+                .all(|d| (limits[0] - 1e-9..=limits[1] + 1e-9).contains(d))
+        );
+        assert_eq!(densities(&[chart(1.0, 0.0); 2]), [1.0; 2]);
+        assert!(densities(&[]).is_empty());
+    }
+}
