@@ -224,8 +224,7 @@ fn seam_rows(pair: [Side; 2], lightmap: &Lightmap, atlas: &Atlas, starts: &[u32]
     let is_charted = |(r, t, _): Side| layout.receivers[r].charts[t as usize] != NO_CHART;
     let pages = pair.map(|(r, t, _)| layout.receivers[r].pages[t as usize]);
     // The second side has the edge the other way round.
-    let is_joined =
-        pages[0] == pages[1] && ends[0][0] == ends[1][1] && ends[0][1] == ends[1][0];
+    let is_joined = pages[0] == pages[1] && ends[0][0] == ends[1][1] && ends[0][1] == ends[1][0];
     if is_joined || !pair.into_iter().all(is_charted) {
         return Vec::new();
     }

@@ -531,7 +531,9 @@ impl Layout {
                 of_receiver.cuts.clone_from(&meshes[r].seams);
                 continue;
             }
-            for t in (0..count).filter(|&t| found.charts[t] != NO_CHART) {
+            // The unwrapper gives those that it ignores some place of another.
+            let is_omitted = |t: usize| member.omitted.as_ref().is_some_and(|o| o[t]);
+            for t in (0..count).filter(|&t| !is_omitted(t)) {
                 of_receiver.uvs[t] = found.uvs[t];
                 of_receiver.charts[t] = found.charts[t];
                 of_receiver.pages[t] = page;
