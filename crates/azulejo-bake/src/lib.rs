@@ -69,7 +69,7 @@ pub use occlusion::Hemispheres;
 pub use pad::{fill, pad_charts};
 pub use receiver::Receiver;
 pub use reflectance::{SurfaceColor, texel_colors};
-pub use resolution::BetweenTexels;
+pub use resolution::{BetweenTexels, PointGather};
 pub use samples::{Samples, TexelSample};
 pub use solids::backs_inside;
 pub use stitch::{SeamErrors, seam_errors, stitch};

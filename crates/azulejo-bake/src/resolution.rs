@@ -63,6 +63,9 @@ pub struct BetweenTexels<'a> {
     pub seed: u32,
 }
 
+/// Finds the light of points.
+pub type PointGather<'g, E> = dyn FnMut(&[GatherPoint]) -> Result<Vec<Gathered>, E> + 'g;
+
 /// Mean square of the differences at places of a texel, of each channel, W²/m⁴.
 type Squares = [f64; 3];
 
@@ -292,7 +295,7 @@ impl BetweenTexels<'_> {
         &self,
         lightmap: &mut Lightmap,
         rest: &Lightmap,
-        gather: &mut dyn FnMut(&[GatherPoint]) -> Result<Vec<Gathered>, E>,
+        gather: &mut PointGather<E>,
     ) -> Result<f64, E> {
         let classes = self.classes(rest);
         let (mut points, mut uvs, mut owners) = (Vec::new(), Vec::new(), Vec::new());

@@ -27,7 +27,7 @@ use azulejo_scene::{Exact, Rgb, Scene, Shape};
 use azulejo_trace::sampling::hash;
 use azulejo_trace::{Cancelled, GatherPoint, Progress, Tracer};
 use indirect::IndirectLight;
-use sides::{differing_share, lit_backs, turned};
+use sides::{differing_share, lit_backs, power_beside_patches, turned};
 use std::fmt;
 
 /// Chord error of tessellated primitives, relative to their size.
@@ -181,6 +181,9 @@ pub struct Baked {
     /// Share of the area that is seen from both sides, of which one has the lightmap and the other has light that
     /// differs by more than a tenth.
     pub differing_sides: f64,
+    /// How much more light texels have than the patches of the first pass at the same places, relative to that: 0 if
+    /// both are right. 0 where part of the light is baked.
+    pub beside_patches: f64,
     /// Root mean square of what interpolation between texels misses, W/m²: part of the standard errors.
     pub between_texels: f64,
 }
@@ -270,6 +273,11 @@ pub fn bake(
         ),
         _ => indirect.of_texels(&atlas, &objects, (&samples, &direct), seed)?,
     };
+    let power = power_beside_patches(&atlas, &objects, &proxy.scene, &solved, (&samples, &light));
+    let beside_patches = match options.light {
+        BakedLight::Total if power[0] > 0.0 => power[1] / power[0] - 1.0,
+        _ => 0.0,
+    };
     let field = (options.light != BakedLight::Direct)
         .then(|| TexelField::new(&atlas, &samples, &light, &objects, surfaces));
     if options.light == BakedLight::Indirect {
@@ -315,6 +323,7 @@ pub fn bake(
         report: Some(solved.report()),
         seams,
         differing_sides,
+        beside_patches,
         between_texels,
     })
 }

@@ -30,6 +30,10 @@ const MOST_SIZE: u32 = 8192;
 /// Distance up to which things occlude, as a share of the size of the model.
 const OCCLUSION_DISTANCE: f64 = 0.1;
 
+/// The floor of a studio, and its texels per length: it is far larger than the model.
+const STUDIO_FLOOR: &str = "studio floor";
+const STUDIO_DENSITY: f64 = 0.25;
+
 /// Error beside the requested one up to which that counts as reached.
 const TOLERATED: f64 = 1.2;
 
@@ -215,8 +219,17 @@ fn charts(args: &TexelArgs, scene: &Scene) -> UnwrapOptions {
 
 /// How dense the texels of each receiver are, relative to others; empty if all are alike.
 fn densities(args: &TexelArgs, source: &BakeSource, session: &mut Session) -> Vec<f64> {
+    let studio = |r: &u32| match source.scene.objects[*r as usize].name.as_str() {
+        STUDIO_FLOOR => STUDIO_DENSITY,
+        _ => 1.0,
+    };
     if args.object_densities().next().is_none() {
-        return Vec::new();
+        let factors: Vec<f64> = source.receivers.iter().map(studio).collect();
+        return if factors.iter().all(|f| *f == 1.0) {
+            Vec::new()
+        } else {
+            factors
+        };
     }
     let name = |&r: &u32| source.scene.objects[r as usize].name.as_str();
     for given in args.object_densities() {
@@ -234,7 +247,7 @@ fn densities(args: &TexelArgs, source: &BakeSource, session: &mut Session) -> Ve
     let factor = |r: &u32| {
         let mut fits = args.object_densities().rev();
         fits.find(|given| given.names.is_match(name(r)))
-            .map_or(1.0, |given| given.factor)
+            .map_or_else(|| studio(r), |given| given.factor)
     };
     source.receivers.iter().map(factor).collect()
 }

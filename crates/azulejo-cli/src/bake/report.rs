@@ -10,6 +10,9 @@ use azulejo_scene::Scene;
 /// Light of a quarter of the area, relative to the mean, of which no relative error is given.
 const DARK: f64 = 1e-2;
 
+/// Difference between texels and patches up to which either may be inexact.
+const LEAST_DIFFERENCE: f64 = 0.05;
+
 /// Share of the area with sides that differ from which on that is said.
 const FEW_SIDES: f64 = 0.005;
 
@@ -116,6 +119,20 @@ pub fn describe(
         "by quarters",
         format!("{} (dark to bright)", by_quarter.join(", ")),
     );
+    report.value("beside_patches", number(baked.beside_patches));
+    if baked.beside_patches.abs() > f64::max(error, LEAST_DIFFERENCE) {
+        let more = if baked.beside_patches > 0.0 {
+            "more"
+        } else {
+            "less"
+        };
+        let words = format!(
+            "{} {more} light than the patches of the first pass: one of both is off by that; a smaller --error \
+             finds out",
+            percent(baked.beside_patches.abs())
+        );
+        report.line("caution", words);
+    }
     let seams = &baked.seams;
     if seams.points + seams.abrupt > 0 {
         let apart = seams.after / mean.mean();

@@ -53,7 +53,7 @@ pub(super) fn is_around(kind: &LightKind) -> bool {
     matches!(kind, LightKind::Ambient { .. } | LightKind::Environment(_))
 }
 
-/// Writes ambient light, whose cube map is one pixel; `false` if it is black.
+/// Writes ambient light, whose cube map has faces of 2 × 2 pixels, since some viewers refuse a single one; `false` if it is black.
 fn uniform(
     around: &[&Light],
     light: &mut Map<String, Value>,
@@ -67,12 +67,12 @@ fn uniform(
     }
     let colour = radiance / strength;
     let mut file = Vec::new();
-    let pixel = Image::opaque(1, 1, vec![colour.to_f32()]);
-    png::write(1, 1, &srgb_bytes(&pixel), &mut file)?;
+    let pixels = Image::opaque(2, 2, vec![colour.to_f32(); 4]);
+    png::write(2, 2, &srgb_bytes(&pixels), &mut file)?;
     let mut coefficients = [Rgb::BLACK; 9];
     coefficients[0] = colour * (PI / CONSTANT);
     let faces = [image("ambient", &file, pack, images); 6];
-    describe(light, strength, &coefficients, 1, &[faces]);
+    describe(light, strength, &coefficients, 2, &[faces]);
     Ok(true)
 }
 

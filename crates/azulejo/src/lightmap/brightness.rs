@@ -186,9 +186,12 @@ fn bright_charts(baked: &Baked, number: usize) -> Option<Vec<bool>> {
 
 /// The bytes of some charts of a page, dark elsewhere, and the light of their brightest texel.
 fn alone(page: &LightmapPage, is_shown: &[bool]) -> (Vec<u8>, f64) {
-    let texel = |(light, &chart): (&[f32; 3], &u32)| match is(is_shown, chart) {
-        true => *light,
-        false => [0.0; 3],
+    let texel = |(light, &chart): (&[f32; 3], &u32)| {
+        if is(is_shown, chart) {
+            *light
+        } else {
+            [0.0; 3]
+        }
     };
     let light: Vec<[f32; 3]> = page
         .irradiance

@@ -102,6 +102,7 @@ pub fn bake_occlusion(
         report: None,
         seams,
         differing_sides: 0.0,
+        beside_patches: 0.0,
         between_texels: 0.0,
     })
 }

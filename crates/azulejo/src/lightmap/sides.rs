@@ -1,7 +1,7 @@
 //! Which sides of surfaces have a lightmap.
 
 use azulejo_bake::layout::NO_CHART;
-use azulejo_bake::{Atlas, Receiver};
+use azulejo_bake::{Atlas, Receiver, Samples, TexelLight};
 use azulejo_radiosity::SolvedLight;
 use azulejo_scene::{Rgb, Scene, Sidedness};
 use azulejo_trace::GatherPoint;
@@ -10,6 +10,10 @@ use glam::DVec3;
 
 /// Light of a solid's inner side relative to that of its outer side up to which it is what patches leak.
 const DARK: f64 = 0.01;
+
+/// How much brighter a back must be to be taken: what the order of corners says counts where both sides are lit,
+/// as the floor of a building whose underside sees the ground.
+const CLEARLY: f64 = 2.0;
 
 /// Difference of the light of two sides, relative to the brighter, from which on it is said.
 const DIFFERING: f64 = 0.1;
@@ -86,6 +90,32 @@ pub fn differing_share(
     differing / f64::max(all, f64::MIN_POSITIVE)
 }
 
+/// Light of the patches under some of the samples, and of these samples themselves, W: what both say of the same
+/// places should be the same.
+pub fn power_beside_patches(
+    atlas: &Atlas,
+    objects: &[u32],
+    scene: &Scene,
+    solved: &SolvedLight,
+    (samples, light): (&Samples, &[TexelLight]),
+) -> [f64; 2] {
+    let faces: Vec<Vec<[u32; 2]>> = objects.iter().map(|&o| face_triangles(scene, o)).collect();
+    let (mut patches, mut texels) = (0.0, 0.0);
+    for (sample, light) in samples.samples.iter().zip(light).step_by(EVERY) {
+        let receiver = sample.of.receiver as usize;
+        let [face, triangle] = faces[receiver][sample.of.triangle as usize];
+        let sides = solved.sides_at([objects[receiver], face, triangle], sample.uv);
+        let chart = atlas.layout.receivers[receiver].charts[sample.of.triangle as usize];
+        let area = f64::from(sample.area * sample.free);
+        patches += area * sides[usize::from(atlas.is_turned(chart))].mean();
+        texels += area * f64::from(light.irradiance.iter().sum::<f32>()) / 3.0;
+    }
+    [patches, texels]
+}
+
+/// Of so many samples one is compared with patches.
+const EVERY: usize = 8;
+
 /// Of each chart whether its back gets more light.
 pub fn turned(atlas: &Atlas, objects: &[u32], scene: &Scene, solved: &SolvedLight) -> Vec<bool> {
     let mut excess = vec![0.0; atlas.layout.charts as usize];
@@ -100,20 +130,23 @@ pub fn turned(atlas: &Atlas, objects: &[u32], scene: &Scene, solved: &SolvedLigh
             let [front, back] = solved.sides_at([objects[r], face, triangle], [1.0 / 3.0; 2]);
             let vector = receiver.area_vector(t);
             let area = vector.length();
-            excess[chart as usize] += area * (back - front).mean();
-            // The solution has no backs that other surfaces do not see: lights may shine on them all the same.
-            if back.is_black() {
-                unseen.push(GatherPoint {
-                    position: receiver.corners(t).iter().sum::<DVec3>() / 3.0,
-                    normal: -vector.normalize_or(DVec3::Z),
-                    key: hash(&[r as u32, t as u32]),
-                });
-                of_charts.push((chart, area));
+            excess[chart as usize] += area * (back - front * CLEARLY).mean();
+            // The solution has no sides that other surfaces do not see, nor any that there was no time for: lights may
+            // shine on them all the same.
+            for (side, weight, light) in [(1.0, -CLEARLY, front), (-1.0, 1.0, back)] {
+                if light.is_black() {
+                    unseen.push(GatherPoint {
+                        position: receiver.corners(t).iter().sum::<DVec3>() / 3.0,
+                        normal: side * vector.normalize_or(DVec3::Z),
+                        key: hash(&[r as u32, t as u32]),
+                    });
+                    of_charts.push((chart, weight * area));
+                }
             }
         }
     }
-    for ((chart, area), light) in of_charts.into_iter().zip(solved.direct_at(&unseen)) {
-        excess[chart as usize] += area * light.mean();
+    for ((chart, weight), light) in of_charts.into_iter().zip(solved.direct_at(&unseen)) {
+        excess[chart as usize] += weight * light.mean();
     }
     excess.into_iter().map(|e| e > 0.0).collect()
 }

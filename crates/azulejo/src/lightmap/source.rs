@@ -172,6 +172,11 @@ impl BakeSource {
     pub(super) fn of_meshes(mut scene: Scene) -> Result<BakeSource, SourceError> {
         let has_faces = |o: &Object| o.shape.mesh().is_some_and(|mesh| !mesh.faces.is_empty());
         scene.objects.retain(has_faces);
+        // What was not found is light as it was computed; viewers refuse files that name it.
+        let is_found: Vec<bool> = scene.textures.iter().map(|t| t.image.is_some()).collect();
+        for material in &mut scene.materials {
+            material.textures.retain(|&t| is_found[t as usize]);
+        }
         let mut bytes = Vec::new();
         gltf::write_with(&scene, MattSurfaces::Said, &mut bytes)?;
         let file = SourceFile {

@@ -122,7 +122,7 @@ pub fn coordinates(
 pub fn named_files(bytes: &[u8], name: &str) -> Result<Vec<String>, PatchError> {
     let parts = Parts::of(bytes, name)?;
     let root: Value = serde_json::from_str(parts.text)
-        .map_err(|e| PatchError::of(name, &format!("what is no JSON: {e}")))?;
+        .map_err(|e| PatchError::of(name, format!("what is no JSON: {e}")))?;
     let mut names = Vec::new();
     for list in ["buffers", "images"] {
         for entry in root[list].as_array().into_iter().flatten() {

@@ -115,7 +115,7 @@ fn remove(text: &str, object: &Span, keys: &[&str], edit: &mut Edit) {
 fn brighten(text: &str, root: &Span, found: &LightmapNote, edit: &mut Edit) {
     let dimmed = DIMMED
         .iter()
-        .flat_map(|(member, steps)| found.list(member).into_iter().map(move |b| (steps, b)));
+        .flat_map(|(member, steps)| found.list(member).iter().map(move |b| (steps, b)));
     for (steps, baked) in dimmed {
         let lights = entries(text, root, steps);
         let number = baked.get(0).and_then(Value::as_u64);
