@@ -22,6 +22,12 @@ const NEIGHBOURS: [usize; 4] = [6, 12, 24, 48];
 /// Standard errors by which the coefficient must differ from 1.
 const SURE: f64 = 2.0;
 
+/// Nodes side by side that share the light that was left out of their corrections.
+const GROUP: usize = 256;
+
+/// Least part of its light that a group keeps.
+const LEAST_SHARE: f64 = 0.1;
+
 /// Strata of brightness in which noise and variation are measured: of one node they are hardly known.
 const STRATA: usize = 16;
 
@@ -61,6 +67,8 @@ struct Smoothed {
     /// For each node the mean square by which corrections around differ from their mean, (W/m²)², and what it would
     /// be from the noise of replicates alone.
     differences: Vec<[f64; 2]>,
+    /// The part of each node's correction that may be noise, and was left out.
+    left_out: Vec<Gathered>,
 }
 
 impl Smoothed {
@@ -71,7 +79,7 @@ impl Smoothed {
         around: &[Vec<u32>],
         count: usize,
     ) -> Smoothed {
-        let found: Vec<(u32, (NodeLight, [f64; 2]))> = (0..lattice.len())
+        let found: Vec<(u32, FoundLight)> = (0..lattice.len())
             .into_par_iter()
             .map(|cell| {
                 let node = lattice.node(cell);
@@ -85,10 +93,12 @@ impl Smoothed {
         let mut smoothed = Smoothed {
             light: vec![NodeLight::default(); pairs.len()],
             differences: vec![[0.0; 2]; pairs.len()],
+            left_out: vec![Gathered::default(); pairs.len()],
         };
-        for (node, (light, differences)) in found {
+        for (node, (light, differences, left_out)) in found {
             smoothed.light[node as usize] = light;
             smoothed.differences[node as usize] = differences;
+            smoothed.left_out[node as usize] = left_out;
         }
         smoothed
     }
@@ -120,6 +130,35 @@ impl Smoothed {
         }
     }
 
+    /// Makes the light of each group of nodes more or less by what was left out of their corrections: light that few
+    /// paths find is noise at any one of them, and would be missing in all. What is dark stays dark.
+    fn restore(&mut self, lattice: &Lattice, areas: &[f64]) {
+        let cells: Vec<usize> = (0..lattice.len()).collect();
+        for group in cells.chunks(GROUP) {
+            let (mut left, mut all) = (Gathered::default(), Rgb::BLACK);
+            for &cell in group {
+                let node = lattice.node(cell) as usize;
+                let of_node = self.left_out[node].replicates.map(|r| r * areas[cell]);
+                left = left.plus(&Gathered {
+                    replicates: of_node,
+                });
+                all += self.light[node].irradiance.mean() * areas[cell];
+            }
+            // Relative to the light of the group, channel by channel.
+            let per_light = all.map(|light| if light > 0.0 { 1.0 / light } else { 0.0 });
+            let share = left.mean() * per_light;
+            let factor = share.map(|s| (1.0 + s).max(LEAST_SHARE));
+            let doubt = left.variance().map(f64::sqrt) * per_light;
+            for &cell in group {
+                let light = &mut self.light[lattice.node(cell) as usize];
+                let noise = light.irradiance.mean() * doubt;
+                let square = light.shared_noise * light.shared_noise + noise * noise;
+                light.shared_noise = square.map(f64::sqrt);
+                light.irradiance.replicates = light.irradiance.replicates.map(|r| r * factor);
+            }
+        }
+    }
+
     /// The light with its errors, and the mean square of those by area, (W/m²)².
     fn stated(
         mut self,
@@ -137,10 +176,14 @@ impl Smoothed {
                 light.bias = variation.max(0.0).sqrt();
             }
         }
-        let (mut squares, mut area) = (0.0, 0.0);
-        for cell in 0..lattice.len() {
+        let of_cell = |cell: usize| -> f64 {
             let of_sample = |s: &u32| f64::from(samples.samples[*s as usize].area);
-            let of_cell: f64 = lattice.samples(cell).iter().map(of_sample).sum();
+            lattice.samples(cell).iter().map(of_sample).sum()
+        };
+        let areas: Vec<f64> = (0..lattice.len()).map(of_cell).collect();
+        self.restore(lattice, &areas);
+        let (mut squares, mut area) = (0.0, 0.0);
+        for (cell, &of_cell) in areas.iter().enumerate() {
             let light = &self.light[lattice.node(cell) as usize];
             let noise = light.shared_noise * light.shared_noise;
             squares += of_cell * (noise.mean() + light.bias.powi(2));
@@ -151,14 +194,17 @@ impl Smoothed {
 }
 
 /// The light of a node; the mean square by which the corrections of single nodes around differ from their mean,
-/// and what that would be by the noise of their replicates.
+/// and what that would be by the noise of their replicates; and what was left out of the correction.
+type FoundLight = (NodeLight, [f64; 2], Gathered);
+
+/// Finds them.
 fn node_light(
     samples: &Samples,
     lattice: &Lattice,
     (pairs, rays): (&[NodePair], &[PairRays]),
     node: u32,
     around: &[u32],
-) -> (NodeLight, [f64; 2]) {
+) -> FoundLight {
     let read = pairs[node as usize].read;
     let weights = weights(samples, lattice, node, around);
     let coefficient = coefficient(pairs, around, &weights);
@@ -166,9 +212,15 @@ fn node_light(
     let mut correction = read.mean() * (coefficient - 1.0);
     let mut variance = read.variance() * (1.0 - coefficient).powi(2);
     let (mut rests, mut own_noise, mut noise) = (Rgb::BLACK, 0.0, Rgb::BLACK);
+    let mut whole = Gathered {
+        replicates: read.replicates.map(|r| r * (coefficient - 1.0)),
+    };
     for (&n, &w) in around.iter().zip(&weights) {
         let rest = difference(&pairs[n as usize], coefficient);
         rests += rest.mean() * w;
+        whole = whole.plus(&Gathered {
+            replicates: rest.replicates.map(|r| r * w),
+        });
         variance += rest.variance() * (w * w);
         own_noise += w * rest.variance().mean();
         // What others would vary with as many rays as this one.
@@ -197,7 +249,10 @@ fn node_light(
         shared_noise: variance.map(|v| share.sqrt() * v.sqrt()),
         bias: 0.0,
     };
-    (light, differences)
+    let left_out = Gathered {
+        replicates: whole.replicates.map(|r| r * (1.0 - share)),
+    };
+    (light, differences, left_out)
 }
 
 /// What paths have beyond `coefficient` times what is read along the same rays.

@@ -593,10 +593,40 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
         rays: Range<u32>,
         termination: Termination,
     ) -> Result<Vec<Option<SplitIrradiance>>, Cancelled> {
+        let first = rays.start;
+        self.gather_until(|| self.is_over(first), chosen, rays, termination)
+    }
+
+    /// Whether there is no time for rays from this one on: the first of a point have some grace.
+    fn is_over(&self, first_ray: u32) -> bool {
+        match first_ray {
+            0 => self.progress.is_overdue(),
+            _ => self.progress.phase_is_over(),
+        }
+    }
+
+    /// Gathers once at all points with a range of their rays, whatever time it is.
+    pub fn gather_all(
+        &self,
+        rays: Range<u32>,
+        termination: Termination,
+    ) -> Result<Vec<SplitIrradiance>, Cancelled> {
+        let all: Vec<u32> = (0..self.points.len() as u32).collect();
+        let found = self.gather_until(|| false, &all, rays, termination)?;
+        Ok(found.into_iter().flatten().collect())
+    }
+
+    fn gather_until(
+        &self,
+        is_over: impl Fn() -> bool + Sync,
+        chosen: &[u32],
+        rays: Range<u32>,
+        termination: Termination,
+    ) -> Result<Vec<Option<SplitIrradiance>>, Cancelled> {
         let (light, ending) = self.light.ending(termination);
         let options = self.options(&rays, ending);
         let directions = DirectionTables::new(&options);
-        self.in_chunks(chosen, options.spent == 0, |points| {
+        self.in_chunks(chosen, is_over, |points| {
             let start = Instant::now();
             let found = self
                 .gatherer
@@ -618,10 +648,15 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
             direct,
             indirect: Gathered::default(),
         };
-        self.in_chunks(chosen, options.spent == 0, |points| {
-            let direct = self.gatherer.gather_direct(points, &options);
-            direct.into_iter().map(split).collect()
-        })
+        let first = rays.start;
+        self.in_chunks(
+            chosen,
+            || self.is_over(first),
+            |points| {
+                let direct = self.gatherer.gather_direct(points, &options);
+                direct.into_iter().map(split).collect()
+            },
+        )
     }
 
     fn options(&self, rays: &Range<u32>, termination: Termination) -> GatherOptions {
@@ -636,19 +671,14 @@ impl<L: DiffuseLight> GatherPass<'_, L> {
     fn in_chunks(
         &self,
         chosen: &[u32],
-        is_first: bool,
+        is_over: impl Fn() -> bool + Sync,
         gather: impl Fn(&[GatherPoint]) -> Vec<SplitIrradiance> + Sync,
     ) -> Result<Vec<Option<SplitIrradiance>>, Cancelled> {
         let chunks: Result<Vec<Vec<Option<SplitIrradiance>>>, Cancelled> = chosen
             .par_chunks(CHUNK)
             .map(|chunk| {
                 self.progress.advance(chunk.len() as u64)?;
-                let is_over = if is_first {
-                    self.progress.is_overdue()
-                } else {
-                    self.progress.phase_is_over()
-                };
-                if is_over {
+                if is_over() {
                     return Ok(vec![None; chunk.len()]);
                 }
                 let points: Vec<GatherPoint> =

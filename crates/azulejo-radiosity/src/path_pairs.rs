@@ -27,7 +27,8 @@ pub struct PairRange {
     pub traced: Range<u32>,
 }
 
-/// Gathers at all points in both ways; direct light is left out.
+/// Gathers at all points in both ways, whatever time it is: a point without light would be dark. Direct light is
+/// left out.
 ///
 /// # Errors
 /// The caller cancelled.
@@ -47,17 +48,13 @@ pub(crate) fn gather_pairs(
         seed,
         progress,
     };
-    let all: Vec<u32> = (0..points.len() as u32).collect();
     progress.begin("irradiance", 3 * points.len() as u64);
     let indirect = |rays: &Range<u32>, termination| -> Result<Vec<Gathered>, Cancelled> {
         if rays.is_empty() {
             return Ok(vec![Gathered::default(); points.len()]);
         }
-        let found = pass.gather_at(&all, rays.clone(), termination)?;
-        Ok(found
-            .into_iter()
-            .map(|f| f.unwrap_or_default().indirect)
-            .collect())
+        let found = pass.gather_all(rays.clone(), termination)?;
+        Ok(found.into_iter().map(|f| f.indirect).collect())
     };
     let read = indirect(&rays.read, Termination::Radiosity)?;
     let few = if rays.read == rays.traced {
