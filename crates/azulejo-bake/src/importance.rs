@@ -155,7 +155,7 @@ mod tests {
         let share = (found[0] / found[2]).powi(2);
         assert!((3.0..4.2).contains(&share), "{share}");
         let texels: f64 = charts.iter().zip(&found).map(|(c, d)| c.area * d * d).sum();
-        assert!((texels / 10.01 - 1.0).abs() < 0.02, "{texels}");
+        assert!((texels / 10.01 - 1.0).abs() < 0.05, "{texels}");
         let limits = LIMITS.map(f64::sqrt);
         assert!(
             found

@@ -5,6 +5,7 @@
 
 use super::{Baked, meshes_of};
 use crate::models::unbaked;
+use azulejo_bake::Receiver;
 use azulejo_formats::gltf::patch::{GltfFile, ObjectLayout};
 use azulejo_formats::gltf::{self, MattSurfaces, ObjectOrigin, Stillness};
 use azulejo_formats::{Folder, ReadError, ReadOptions};
@@ -193,6 +194,14 @@ impl BakeSource {
         let is_same = loaded.scene.objects.len() == scene.objects.len();
         let order: Vec<Vec<u32>> = scene.objects.iter().map(written_order).collect();
         let mut counts = origins.iter().zip(&order);
+        let has_area = |scene: &Scene| {
+            let receivers = scene.objects.iter().filter_map(Receiver::of_object);
+            let mut visible = receivers.map(|r| r.visible_triangles());
+            visible.any(|of_receiver| of_receiver.contains(&true))
+        };
+        if has_area(&scene) && !has_area(&loaded.scene) {
+            return Err(SourceError::Precision);
+        }
         if !is_same || !counts.all(|(origin, order)| order.len() == origin.faces.len()) {
             return Err(SourceError::Precision);
         }
@@ -327,6 +336,7 @@ mod tests {
         }
         // Where single precision has steps of 64, nothing of a room is left.
         let refused = BakeSource::written(&tiny, false);
-        assert!(matches!(refused, Err(SourceError::Precision)));
+        let said = refused.map(|s| (s.scene.objects.len(), s.receivers.len()));
+        assert!(matches!(said, Err(SourceError::Precision)), "{said:?}");
     }
 }

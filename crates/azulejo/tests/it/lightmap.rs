@@ -609,6 +609,8 @@ fn energy_is_kept() {
         }
     }
     let balance = baked.report.as_ref().unwrap().balance;
+    // Areas are in units of the scene, powers in W.
+    let absorbed = absorbed * scene.units.metres().powi(2);
     let share = absorbed.mean() / balance.absorbed.mean();
     assert!(
         (share - 1.0).abs() < 0.01,
