@@ -273,13 +273,17 @@ fn strip(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
     session.claim_stdout(output.is_stdout())?;
     let stripped = source::stripped(input, session.progress())?;
     let is_glb = stripped.bytes.starts_with(b"glTF");
-    let is_named_glb = path
+    let (kind, other) = if is_glb {
+        ("glb", "gltf")
+    } else {
+        ("gltf", "glb")
+    };
+    if path
         .extension()
-        .is_some_and(|e| e.eq_ignore_ascii_case("glb"));
-    if !output.is_stdout() && is_glb != is_named_glb {
-        let kind = if is_glb { ".glb" } else { ".gltf" };
+        .is_some_and(|e| e.eq_ignore_ascii_case(other))
+    {
         return Err(Failure::misuse(format_args!(
-            "{}: without its lightmap the file is a {kind}",
+            "{}: without its lightmap the file is a .{kind}",
             path.display()
         )));
     }

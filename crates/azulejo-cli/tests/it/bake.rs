@@ -69,6 +69,8 @@ fn what_was_baked_can_be_stripped() {
     let report = folder.json("bake baked.glb --strip -o again.glb");
     assert_eq!(report["exact"], true);
     assert!(folder.read("again.glb") == before);
+    let misnamed = folder.run("bake baked.glb --strip -o again.gltf");
+    assert!(misnamed.err.contains("is a .glb"), "{}", misnamed.err);
     let refused = folder.run("bake room.glb --strip -o again.glb");
     assert_eq!(refused.code, Some(1));
     assert!(folder.read("again.glb") == before);
