@@ -149,14 +149,15 @@ fn materials_stay_shared_where_their_users_agree() {
 #[test]
 fn occlusion_goes_to_materials_that_have_none() {
     let two = "{\"name\":\"a\"},{\"occlusionTexture\":{\"index\":0}}";
-    let bytes = file(&[Some(0), Some(1)], &[0, 1], two, "");
+    let picture = ",\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"a.png\"}]";
+    let bytes = file(&[Some(0), Some(1)], &[0, 1], two, picture);
     let patched = edit(&bytes, &[Some(0); 2], |e| {
         e.convention = Convention::Occlusion;
     })
     .unwrap();
     let json = json_of(&patched);
     let found = [0, 1].map(|m| &json["materials"][m]["occlusionTexture"]);
-    assert_eq!(found[0], &json!({ "index": 0, "texCoord": 1 }));
+    assert_eq!(found[0], &json!({ "index": 1, "texCoord": 1 }));
     assert_eq!(found[1], &json!({ "index": 0 }));
     assert!(patched.notes.iter().any(|n| n.contains("keeps it")));
     assert_eq!(lightmap(&json, 0), &Value::Null);
