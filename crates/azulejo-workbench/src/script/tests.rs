@@ -15,7 +15,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Commands without a step, and why they need none.
-const WITHOUT_STEP: [(&str, &str); 11] = [
+const WITHOUT_STEP: [(&str, &str); 12] = [
     ("SaveAnyway", "answers a question, which fails the script"),
     ("Discard", "answers a question, which fails the script"),
     (
@@ -30,6 +30,10 @@ const WITHOUT_STEP: [(&str, &str); 11] = [
     ("Resume", "a step waits for the solver that it starts"),
     ("StopSolving", "a step waits for the solver that it starts"),
     ("Cancel", "a step waits for the jobs that it starts"),
+    (
+        "ShowLightmap",
+        "a tick in the window whose view the step `lightmap` chooses",
+    ),
 ];
 
 const MODEL: &str =
