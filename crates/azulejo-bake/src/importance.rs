@@ -22,8 +22,8 @@ const COARSER_ERROR: f64 = 2.0;
 /// What a chart without any edge counts as, relative to the mean of all.
 const SMOOTH: f64 = 0.02;
 
-/// Fewest and most texels per area, relative to the mean.
-const LIMITS: [f64; 2] = [1.0 / 8.0, 4.0];
+/// Fewest and most texels per area, relative to the mean: with fewer, indirect light suffers more than shadows gain.
+const LIMITS: [f64; 2] = [1.0 / 2.0, 4.0];
 
 /// Times that charts beyond these limits are set to them, and the others to what is left.
 const ROUNDS: u32 = 16;

@@ -106,8 +106,13 @@ pub fn power_beside_patches(
         let [face, triangle] = faces[receiver][sample.of.triangle as usize];
         let sides = solved.sides_at([objects[receiver], face, triangle], sample.uv);
         let chart = atlas.layout.receivers[receiver].charts[sample.of.triangle as usize];
+        let of_patch = sides[usize::from(atlas.is_turned(chart))].mean();
+        // The solution has no sides that other surfaces do not see.
+        if of_patch <= 0.0 {
+            continue;
+        }
         let area = f64::from(sample.area * sample.free);
-        patches += area * sides[usize::from(atlas.is_turned(chart))].mean();
+        patches += area * of_patch;
         texels += area * f64::from(light.irradiance.iter().sum::<f32>()) / 3.0;
     }
     [patches, texels]
