@@ -61,7 +61,7 @@ pub enum BakedSides {
     /// Fronts.
     #[default]
     Front,
-    /// Of each chart the side that gets more light.
+    /// Of each chart the back if it gets more than twice the light of the front.
     Brighter,
     /// Both, each with charts of its own; the backs of solids, which nobody sees, have none.
     Both,

@@ -289,7 +289,7 @@ impl LightArg {
 pub enum DoubleSidedArg {
     /// The front
     Front,
-    /// Of each chart the one that gets more light
+    /// Of each chart the back if it gets more than twice the light of the front
     Brighter,
     /// Both, each with texels of its own; the file is written anew
     Split,

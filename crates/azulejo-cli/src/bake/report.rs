@@ -101,7 +101,7 @@ pub fn describe(
             number(between),
             "between texels",
             format!(
-                "{} of that: light that texels are too coarse for",
+                "{} of the mean: light that texels are too coarse for",
                 percent(between)
             ),
         );
