@@ -165,10 +165,10 @@ fn is_even(row: &Row, lightmap: &Lightmap, starts: &[u32]) -> bool {
 }
 
 /// A side of a seam: receiver, triangle, and the corner at which the edge begins.
-type Side = (usize, u32, u8);
+type FacetEdge = (usize, u32, u8);
 
 /// Pairs of sides that are one smooth surface, of one receiver, or of two that meet.
-fn smooth_pairs(atlas: &Atlas) -> Vec<[Side; 2]> {
+fn smooth_pairs(atlas: &Atlas) -> Vec<[FacetEdge; 2]> {
     let Atlas {
         receivers, layout, ..
     } = atlas;
@@ -214,14 +214,14 @@ fn rows(lightmap: &Lightmap, atlas: &Atlas, starts: &[u32]) -> Vec<Row> {
 }
 
 /// The points of one seam; none where both sides are one chart.
-fn seam_rows(pair: [Side; 2], lightmap: &Lightmap, atlas: &Atlas, starts: &[u32]) -> Vec<Row> {
+fn seam_rows(pair: [FacetEdge; 2], lightmap: &Lightmap, atlas: &Atlas, starts: &[u32]) -> Vec<Row> {
     let layout = &atlas.layout;
     let ends = pair.map(|(r, triangle, corner)| {
         let uvs = layout.receivers[r].uvs[triangle as usize];
         let corner = usize::from(corner);
         [uvs[corner], uvs[(corner + 1) % 3]]
     });
-    let is_charted = |(r, t, _): Side| layout.receivers[r].charts[t as usize] != NO_CHART;
+    let is_charted = |(r, t, _): FacetEdge| layout.receivers[r].charts[t as usize] != NO_CHART;
     let pages = pair.map(|(r, t, _)| layout.receivers[r].pages[t as usize]);
     // The second side has the edge the other way round.
     let is_joined = pages[0] == pages[1] && ends[0][0] == ends[1][1] && ends[0][1] == ends[1][0];
