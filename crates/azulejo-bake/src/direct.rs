@@ -2,7 +2,9 @@
 //! shadows, where a texel is a mean over what it covers.
 
 use crate::atlas::Atlas;
-use crate::light::TexelLight;
+use crate::lattice::Lattice;
+use crate::light::{NodeLight, TexelLight};
+use crate::nodes::Nodes;
 use crate::samples::{PageSampler, Rows, Samples};
 use azulejo_scene::Rgb;
 use azulejo_trace::sampling::{hash, uniform};
@@ -12,6 +14,10 @@ use rayon::prelude::*;
 
 /// Samples that are gathered together.
 const BATCH: usize = 64;
+
+/// Where there is a deadline, light is gathered first at one sample of a square of so many texels along a side, as
+/// a power of two.
+const SPARSE: u32 = 2;
 
 /// Root mean square of the standard errors of direct light, as a share of what is permitted in all, that is
 /// left: texels with the largest are looked at in more places until it is reached.
@@ -62,13 +68,40 @@ impl SampleDirect {
         }
     }
 
+    /// Sets the light of some samples from that of the nodes of a lattice.
+    fn interpolate(
+        &mut self,
+        samples: &Samples,
+        lattice: Lattice,
+        of_nodes: Vec<Gathered>,
+        missing: &[u32],
+    ) {
+        let count = samples.samples.len();
+        let none = SampleDirect {
+            irradiance: vec![[0.0; 3]; count],
+            variance: vec![[0.0; 3]; count],
+        };
+        let mut nodes = Nodes::new(samples, &none, lattice);
+        nodes.light = of_nodes.into_iter().map(NodeLight::from).collect();
+        let light = nodes.interpolated(&nodes.interpolation_errors());
+        for &sample in missing {
+            let TexelLight {
+                irradiance,
+                standard_error,
+            } = light[sample as usize];
+            self.irradiance[sample as usize] = irradiance;
+            self.variance[sample as usize] = standard_error.map(|e| e * e);
+        }
+    }
+
     fn mean(&self, sample: usize) -> Rgb {
         Rgb::from(self.irradiance[sample].map(f64::from))
     }
 }
 
 /// Gathers the direct light of all samples, so that its error is a small part of `error`, a share of
-/// the mean of the whole, as far as the deadline of `progress` permits.
+/// the mean of the whole. Once the deadline of `progress` has passed, it is interpolated between one sample of
+/// each few, with what that misses in its variance.
 ///
 /// # Errors
 /// The caller cancelled.
@@ -86,16 +119,47 @@ pub fn direct(
         irradiance: vec![[0.0; 3]; count],
         variance: vec![[0.0; 3]; count],
     };
-    let all: Vec<u32> = (0..count as u32).collect();
-    let coarse = in_batches(&all, |batch| {
-        progress.advance(batch.len() as u64)?;
+    let gather = |batch: &[u32]| {
         let point = |&s: &u32| gather_point(samples, s as usize);
         let points: Vec<GatherPoint> = batch.iter().map(point).collect();
         let light = gatherer.direct(&points, 1, seed);
-        Ok(light.iter().map(|l| l.whole()).collect())
+        light.iter().map(|l| l.whole()).collect::<Vec<Gathered>>()
+    };
+    let mut left: Vec<u32> = (0..count as u32).collect();
+    let mut sparse = None;
+    if progress.has_deadline() {
+        let lattice = Lattice::new(samples, SPARSE);
+        let light = in_batches(&lattice.nodes, |batch| {
+            progress.advance(batch.len() as u64)?;
+            Ok(gather(batch))
+        })?;
+        for (&sample, light) in lattice.nodes.iter().zip(&light) {
+            found.set(sample as usize, light);
+        }
+        let mut is_left = vec![true; count];
+        lattice
+            .nodes
+            .iter()
+            .for_each(|&s| is_left[s as usize] = false);
+        left.retain(|&s| is_left[s as usize]);
+        sparse = Some((lattice, light));
+    }
+    let light = in_batches(&left, |batch| {
+        progress.advance(batch.len() as u64)?;
+        Ok(match progress.out_of_time() {
+            true => vec![None; batch.len()],
+            false => gather(batch).into_iter().map(Some).collect(),
+        })
     })?;
-    for (sample, light) in coarse.iter().enumerate() {
-        found.set(sample, light);
+    let mut missing = Vec::new();
+    for (&sample, light) in left.iter().zip(&light) {
+        match light {
+            Some(light) => found.set(sample as usize, light),
+            None => missing.push(sample),
+        }
+    }
+    if let Some((lattice, light)) = sparse.filter(|_| !missing.is_empty()) {
+        found.interpolate(samples, lattice, light, &missing);
     }
     let mean = mean(samples, &found);
     for (round, places) in PLACES.into_iter().enumerate() {
@@ -116,12 +180,11 @@ pub fn direct(
     Ok(found)
 }
 
-fn in_batches(
+fn in_batches<T: Clone + Send>(
     samples: &[u32],
-    gather: impl Fn(&[u32]) -> Result<Vec<Gathered>, Cancelled> + Sync + Send,
-) -> Result<Vec<Gathered>, Cancelled> {
-    let found: Result<Vec<Vec<Gathered>>, Cancelled> =
-        samples.par_chunks(BATCH).map(gather).collect();
+    gather: impl Fn(&[u32]) -> Result<Vec<T>, Cancelled> + Sync + Send,
+) -> Result<Vec<T>, Cancelled> {
+    let found: Result<Vec<Vec<T>>, Cancelled> = samples.par_chunks(BATCH).map(gather).collect();
     Ok(found?.concat())
 }
 

@@ -71,7 +71,8 @@ type Squares = [f64; 3];
 
 impl BetweenTexels<'_> {
     /// Adds what interpolation misses of direct light to the standard errors of a lightmap. `rest` is
-    /// [`BetweenTexels::rest_of`] it. Returns its root mean square over the area and the channels, W/m².
+    /// [`BetweenTexels::rest_of`] it. Returns its root mean square over the area and the channels, W/m². Once the
+    /// deadline of `progress` has passed, some of the uneven texels stand for all.
     ///
     /// # Errors
     /// The caller cancelled.
@@ -81,9 +82,13 @@ impl BetweenTexels<'_> {
         rest: &Lightmap,
         progress: &Progress,
     ) -> Result<f64, Cancelled> {
+        let is_short = progress.out_of_time();
+        let one_of = if is_short { FEW } else { 1 };
         let looked_at: Vec<(&ShownSample, bool)> = self
             .by_evenness(lightmap, rest)
-            .filter(|(shown, is_uneven)| *is_uneven || self.is_one_of(EVEN, shown))
+            .filter(|(shown, is_uneven)| {
+                self.is_one_of(if *is_uneven { one_of } else { EVEN }, shown)
+            })
             .collect();
         let found = self.all_squares(&looked_at, lightmap, rest, progress)?;
         let area = |shown: &ShownSample| {
@@ -118,9 +123,24 @@ impl BetweenTexels<'_> {
             let (sum, positive) = (of(|s| s), of(|s| s.max(0.0)));
             f64::max(sum, 0.0) / f64::max(positive, f64::MIN_POSITIVE)
         });
+        let square = |squares: &Squares| [0, 1, 2].map(|k| share[k] * squares[k].max(0.0));
+        if is_short {
+            let (mut sums, mut areas) = ([0.0; 3], 0.0);
+            for (shown, squares) in &of_uneven {
+                areas += area(shown);
+                let squares = square(squares);
+                (0..3).for_each(|k| sums[k] += area(shown) * squares[k]);
+            }
+            let mean = sums.map(|sum| (sum / f64::max(areas, f64::MIN_POSITIVE)) as f32);
+            for (shown, _) in self
+                .by_evenness(lightmap, rest)
+                .filter(|(_, uneven)| *uneven)
+            {
+                of_texel[shown.page as usize][shown.at as usize] = mean;
+            }
+        }
         for (shown, squares) in &of_uneven {
-            let square = |k: usize| (share[k] * squares[k].max(0.0)) as f32;
-            of_texel[shown.page as usize][shown.at as usize] = [0, 1, 2].map(square);
+            of_texel[shown.page as usize][shown.at as usize] = square(squares).map(|s| s as f32);
         }
         let (mut sum, mut whole) = (0.0, 0.0);
         for (page, squares) in lightmap.pages.iter_mut().zip(&of_texel) {

@@ -16,7 +16,7 @@ use azulejo_formats::gltf;
 use azulejo_formats::gltf::patch::{self, FoundLightmap};
 use azulejo_formats::picture::{self, exr};
 use azulejo_scene::{Image, Scene};
-use azulejo_trace::Progress;
+use azulejo_trace::{Progress, Tracer};
 use std::path::Path;
 
 /// Size of pages where neither a picture nor an option says it.
@@ -95,7 +95,10 @@ fn read(args: &BakeArgs, path: &Path, session: &mut Session) -> Result<CheckedFi
         _ => [args.texels.size.unwrap_or(SIZE); 2],
     };
     let sizes = (0..found.pages.len()).map(size).collect();
-    let layout = kept_layout(&receivers, coordinates, sizes, args.texels.crease, None);
+    // Light changes where something stands on a surface: charts that end there have no seam.
+    let tracer = Tracer::new(&loaded.scene);
+    let crease = args.texels.crease;
+    let layout = kept_layout(&receivers, coordinates, sizes, crease, Some(&tracer));
     Ok(CheckedFile {
         receivers,
         layout,

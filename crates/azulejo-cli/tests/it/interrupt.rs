@@ -56,6 +56,12 @@ fn form_factors_stop() {
     check(line, "out.npz", Signal::SIGINT);
 }
 
+#[test]
+fn bake_stops() {
+    let line = "bake room.obj -o out.glb --size 2048 --error 0.01%";
+    check(line, "out.glb", Signal::SIGINT);
+}
+
 /// The child that does the work stops with the command that started it.
 #[test]
 fn experiments_stop() {

@@ -4,6 +4,7 @@ mod atlases;
 mod glossy;
 mod instances;
 mod lightmap;
+mod lightmap_contacts;
 mod outside;
 mod pictured_lamps;
 mod rtrace;

@@ -1,0 +1,324 @@
+//! Where something stands on a surface, texels have the light of one side of it.
+
+use crate::lightmap::{baked, options, places, room};
+use azulejo::bake::Resolution;
+use azulejo::lightmap::{BakeOptions, Baked, BakedSides, meshes_of};
+use azulejo::scene::{Light, LightKind, Material, Mesh, Object, Rgb, Scene, Shape};
+use glam::DVec3;
+
+/// Texels per unit.
+const DENSITY: f64 = 10.0;
+
+fn dense(error: f64) -> BakeOptions {
+    let mut options = options(512, error);
+    options.charts.resolution = Resolution::PerUnit(DENSITY);
+    options
+}
+
+/// Irradiance as a viewer reads it at places of an object, with their position and the normal of the side.
+fn read_light(baked: &Baked, object: u32, count: u32) -> Vec<(DVec3, DVec3, f64)> {
+    let mut read = Vec::new();
+    for (r, t, weights) in places(baked, count) {
+        if baked.objects[r] == object {
+            let receiver = &baked.atlas.receivers[r];
+            let corners = receiver.corners(t);
+            let chart = baked.atlas.layout.receivers[r].charts[t];
+            let side = if baked.atlas.is_turned(chart) {
+                -1.0
+            } else {
+                1.0
+            };
+            let normal = side * receiver.area_vector(t).normalize();
+            let light = baked.irradiance(r, t, weights).unwrap().mean();
+            read.push(((0..3).map(|k| weights[k] * corners[k]).sum(), normal, light));
+        }
+    }
+    assert!(read.len() > 100, "{} places", read.len());
+    read
+}
+
+fn point_light(position: DVec3) -> Light {
+    Light {
+        name: "lamp".into(),
+        kind: LightKind::Point {
+            position,
+            intensity: Rgb::grey(10.0),
+        },
+    }
+}
+
+/// A rectangle from corners in order, its front where they run against the clock.
+fn rectangle(scene: &mut Scene, name: &str, corners: [[f64; 3]; 4], material: u32) {
+    let mut mesh = Mesh {
+        positions: corners.map(DVec3::from).to_vec(),
+        ..Mesh::default()
+    };
+    mesh.push_face(&[0, 1, 2, 3], material);
+    scene.objects.push(Object::new(name, Shape::Mesh(mesh)));
+}
+
+fn turn(object: &mut Object) {
+    if let Shape::Mesh(mesh) = &mut object.shape {
+        (0..mesh.faces.len()).for_each(|face| mesh.reverse_face(face));
+    }
+}
+
+/// Walls of half a texel, of one, and of two, on a floor that runs under them: no light in the room, none of its dark
+/// outside.
+#[test]
+fn closed_rooms_stay_dark() {
+    for thickness in [0.05, 0.1, 0.2] {
+        let mut scene = Scene::default();
+        let grey = scene.add_material(Material::diffuse("grey", Rgb::grey(0.5)));
+        let mut floor = Mesh {
+            positions: [[-4.0, -4.0], [8.0, -4.0], [8.0, 8.0], [-4.0, 8.0]]
+                .map(|[x, y]| DVec3::new(x, y, 0.0))
+                .to_vec(),
+            ..Mesh::default()
+        };
+        floor.push_face(&[0, 1, 2, 3], grey);
+        scene.objects.push(Object::new("floor", Shape::Mesh(floor)));
+        let (low, high) = (DVec3::ZERO, DVec3::new(4.0, 4.0, 2.5));
+        // The inner walls, and the outer ones with their fronts outside.
+        room(&mut scene, low, high, grey, false);
+        let out = DVec3::new(thickness, thickness, 0.0);
+        room(
+            &mut scene,
+            low - out,
+            high + out + DVec3::Z * thickness,
+            grey,
+            false,
+        );
+        if let Shape::Mesh(mesh) = &mut scene.objects[2].shape {
+            (0..mesh.faces.len()).for_each(|face| mesh.reverse_face(face));
+        }
+        scene.lights.push(Light {
+            name: "sky".into(),
+            kind: LightKind::Ambient {
+                radiance: Rgb::grey(1.0),
+            },
+        });
+        let scene = meshes_of(&scene, true);
+        let mut options = options(512, 0.05);
+        options.charts.resolution = Resolution::PerUnit(10.0);
+        let baked = baked(&scene, &options);
+        let floor = &baked.atlas.receivers[0];
+        let (mut inside, mut outside, mut dimmest) = (0.0f64, 0.0f64, f64::INFINITY);
+        for (r, t, weights) in places(&baked, 4000) {
+            if r != 0 {
+                continue;
+            }
+            let corners = floor.corners(t);
+            let p: DVec3 = (0..3).map(|k| weights[k] * corners[k]).sum();
+            let e = baked.irradiance(r, t, weights).unwrap().mean();
+            let is_inside = p.x > 0.0 && p.x < 4.0 && p.y > 0.0 && p.y < 4.0;
+            let away = (p.x - 2.0).abs().max((p.y - 2.0).abs()) - 2.0 - thickness;
+            if is_inside {
+                inside = inside.max(e);
+            } else if away > 0.0 {
+                outside = outside.max(e);
+                dimmest = dimmest.min(e);
+            }
+        }
+        assert!(
+            inside <= 1e-3 * outside,
+            "{thickness}: {inside} of {outside}"
+        );
+        assert!(
+            dimmest > 0.4 * outside,
+            "{thickness}: {dimmest} of {outside}"
+        );
+    }
+}
+
+/// Two lamps in black surroundings, one at each side of a sheet that stands across a floor of one chart, where
+/// no edge of a texel is: each side has the light of its own lamp, by I cos θ / d², from one texel off the sheet
+/// to its foot not darker by more than 2%; without one of them its side is black.
+#[test]
+fn a_partition_parts_the_light() {
+    for (cuts, both) in [(false, true), (true, true), (false, false), (true, false)] {
+        let mut scene = Scene::default();
+        let black = scene.add_material(Material::diffuse("black", Rgb::BLACK));
+        let floor = [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]].map(|[x, y]| [x, y, 0.0]);
+        rectangle(&mut scene, "floor", floor, black);
+        let at = 1.73;
+        let sheet = [[-50.0, 0.0], [50.0, 0.0], [50.0, 100.0], [-50.0, 100.0]];
+        rectangle(&mut scene, "sheet", sheet.map(|[y, z]| [at, y, z]), black);
+        let lamps = [DVec3::new(0.5, 1.5, 2.0), DVec3::new(3.5, 1.5, 2.0)];
+        scene.lights = lamps.map(point_light).to_vec();
+        if !both {
+            scene.lights.remove(0);
+        }
+        let scene = meshes_of(&scene, cuts);
+        let objects = [0];
+        let options = BakeOptions {
+            sides: BakedSides::Front,
+            ..dense(0.01)
+        };
+        let tracer = azulejo::trace::Tracer::new(&scene);
+        let progress = azulejo::trace::Progress::new();
+        let baked =
+            azulejo::lightmap::bake(&scene, &tracer, &objects, &options, &progress).unwrap();
+        for (p, _, light) in read_light(&baked, 0, 2000) {
+            let lamp = usize::from(p.x > at);
+            let way = lamps[lamp] - p;
+            let expected = if lamp == 0 && !both {
+                0.0
+            } else {
+                10.0 * way.z / way.length().powi(3)
+            };
+            let off = light - expected;
+            assert!(
+                off > -0.02 * expected,
+                "cuts {cuts}, {p}: {light} for {expected}"
+            );
+            if (p.x - at).abs() > 1.0 / DENSITY {
+                assert!(
+                    off < 0.02 * expected + 2e-3,
+                    "cuts {cuts}, {p}: {light} for {expected}"
+                );
+            }
+        }
+    }
+}
+
+/// A column runs through three storeys, whose floors are a texel thick; a lamp is in the middle one. No light on it
+/// below and above, and all of it beside the lamp.
+#[test]
+fn a_column_has_the_light_of_each_storey() {
+    for cuts in [false, true] {
+        let mut scene = Scene::default();
+        let black = scene.add_material(Material::diffuse("black", Rgb::BLACK));
+        let storeys = [[0.0, 1.87], [1.97, 3.91], [4.01, 6.0]];
+        for [floor, ceiling] in storeys {
+            let low = DVec3::new(0.0, 0.0, floor);
+            room(&mut scene, low, DVec3::new(4.0, 4.0, ceiling), black, true);
+        }
+        let (low, high) = (DVec3::new(1.8, 1.8, -1.0), DVec3::new(2.2, 2.2, 7.0));
+        room(&mut scene, low, high, black, true);
+        turn(&mut scene.objects[3]);
+        let lamp = DVec3::new(0.5, 2.0, 3.0);
+        scene.lights.push(point_light(lamp));
+        let scene = meshes_of(&scene, cuts);
+        let options = BakeOptions {
+            sides: BakedSides::Front,
+            ..dense(0.01)
+        };
+        let baked = baked(&scene, &options);
+        for (p, normal, light) in read_light(&baked, 3, 6000) {
+            let of = storeys.iter().position(|s| p.z > s[0] && p.z < s[1]);
+            let way = lamp - p;
+            let expected = match of {
+                Some(1) => 10.0 * way.dot(normal).max(0.0) / way.length().powi(3),
+                _ => 0.0,
+            };
+            // What is inside of a floor nobody sees.
+            if of.is_some() {
+                assert!(
+                    (light - expected).abs() < 0.02 * expected + 2e-3,
+                    "cuts {cuts}, {p} {normal}: {light} for {expected}"
+                );
+            }
+        }
+    }
+}
+
+/// A box on a floor in the sun: the floor is lit up to its foot on one side, and black in its shadow on the other.
+#[test]
+fn a_box_has_its_shadow_at_its_foot() {
+    for cuts in [false, true] {
+        let mut scene = Scene::default();
+        let black = scene.add_material(Material::diffuse("black", Rgb::BLACK));
+        let floor = [[0.0, 0.0], [5.0, 0.0], [5.0, 4.0], [0.0, 4.0]].map(|[x, y]| [x, y, 0.0]);
+        rectangle(&mut scene, "floor", floor, black);
+        let (low, high) = (DVec3::new(1.63, 1.37, 0.0), DVec3::new(2.67, 2.71, 1.0));
+        room(&mut scene, low, high, black, true);
+        turn(&mut scene.objects[1]);
+        let direction = DVec3::new(1.0, 0.0, -1.0).normalize();
+        scene.lights.push(Light {
+            name: "sun".into(),
+            kind: LightKind::Directional {
+                direction,
+                irradiance: Rgb::grey(10.0),
+                half_angle: 0.0,
+            },
+        });
+        let scene = meshes_of(&scene, cuts);
+        let options = BakeOptions {
+            sides: BakedSides::Front,
+            ..dense(0.01)
+        };
+        let baked = baked(&scene, &options);
+        let lit = -10.0 * direction.z;
+        let texel = 1.0 / DENSITY;
+        for (p, _, light) in read_light(&baked, 0, 4000) {
+            let is_beside = |margin: f64| p.y > low.y + margin && p.y < high.y - margin;
+            // Under the box nobody looks.
+            if is_beside(0.0) && p.x < low.x {
+                assert!(light > 0.98 * lit, "cuts {cuts}, {p}: {light} for {lit}");
+            }
+            let is_dark = p.x > high.x && p.x < high.x + 1.0 - 2.0 * texel;
+            if is_beside(2.0 * texel) && is_dark {
+                assert!(
+                    light < 1e-3 * lit,
+                    "cuts {cuts}, {p}: {light} in the shadow"
+                );
+            }
+        }
+    }
+}
+
+/// A smooth sphere in the light of a sky that is brighter above: charts end somewhere, and both sides of each end
+/// have the same light.
+#[test]
+fn a_sphere_has_no_seams() {
+    let mut scene = Scene::default();
+    let white = scene.add_material(Material::diffuse("white", Rgb::grey(0.5)));
+    let steps = 12;
+    let mut mesh = Mesh::default();
+    let mut normals = Vec::new();
+    // Six squares of a cube, blown up.
+    for face in 0..6 {
+        let axis = face % 3;
+        let sign = if face < 3 { 1.0 } else { -1.0 };
+        let first = mesh.positions.len() as u32;
+        for k in 0..(steps + 1) * (steps + 1) {
+            let [u, v] = [k % (steps + 1), k / (steps + 1)]
+                .map(|i| 2.0 * f64::from(i) / f64::from(steps) - 1.0);
+            let mut p = [0.0; 3];
+            (p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]) = (sign, sign * u, v);
+            let normal = DVec3::from(p).normalize();
+            mesh.positions.push(normal);
+            normals.push(normal);
+        }
+        for k in 0..steps * steps {
+            let a = first + k / steps * (steps + 1) + k % steps;
+            let corners = [a, a + 1, a + steps + 2, a + steps + 1];
+            mesh.push_face(&corners, white);
+        }
+    }
+    mesh.normals = Some(azulejo::scene::Attribute::per_vertex(normals));
+    scene.objects.push(Object::new("sphere", Shape::Mesh(mesh)));
+    let floor = [[-4.0, -4.0], [4.0, -4.0], [4.0, 4.0], [-4.0, 4.0]].map(|[x, y]| [x, y, -1.5]);
+    rectangle(&mut scene, "floor", floor, white);
+    scene.lights.push(point_light(DVec3::new(3.0, 2.0, 4.0)));
+    scene.lights.push(Light {
+        name: "sky".into(),
+        kind: LightKind::Ambient {
+            radiance: Rgb::grey(0.3),
+        },
+    });
+    let options = BakeOptions {
+        sides: BakedSides::Front,
+        ..options(256, 0.02)
+    };
+    let baked = baked(&scene, &options);
+    let charts = &baked.atlas.layout.receivers[0].charts;
+    let ends = charts.iter().collect::<std::collections::BTreeSet<_>>();
+    assert!(ends.len() >= 2, "{} charts", ends.len());
+    let mean = baked.lightmap.mean().mean();
+    let seams = baked.seams;
+    assert!(seams.points > 200, "{} points", seams.points);
+    assert!(seams.abrupt * 10 < seams.points, "{seams:?}");
+    assert!(seams.after <= 0.005 * mean, "{} of {mean}", seams.after);
+}
