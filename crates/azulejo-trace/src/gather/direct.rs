@@ -6,11 +6,11 @@
 //! share is weighted by the transport kernel cos θ cos θ′/r², whose mean the formula knows: a
 //! control variate, so that a point that sees all or nothing of a lamp has no error at all.
 
-use super::many_lights::choose;
+use super::many_lights::{choose, ends};
 use super::polygon::{is_through, kernel, sample_lamp};
 use super::shadow::ShadowTests;
 use super::sources::DirectSources;
-use super::terms::{Target, Term};
+use super::terms::{Formulas, Target, Term, TermTests};
 use super::{DirectLight, GatherPoint, REPLICATES};
 use crate::Surfaces;
 use crate::lights::{Lights, beyond};
@@ -79,7 +79,7 @@ impl<'a> Direct<'a> {
         let mut terms = Vec::new();
         for (index, point) in points.iter().enumerate() {
             let start = terms.len();
-            self.terms_of(index as u32, point, &mut terms);
+            self.terms_of(index as u32, point, Formulas::Exact, &mut terms);
             if terms.len() - start > MOST_TERMS {
                 let many: Vec<Term> = terms.drain(start..).collect();
                 let seed = hash(&[seed, point.key, rays.start]);
@@ -88,11 +88,11 @@ impl<'a> Direct<'a> {
             }
             self.sun_terms_of(index as u32, point, &mut terms);
         }
-        self.test_terms(points, &mut terms, &shadow_rays, seed);
-        for term in &terms {
+        let tests = self.test_terms(points, &terms, &shadow_rays, seed);
+        for (term, tests) in terms.iter().zip(&tests) {
             let sum = &mut sums[term.point as usize];
             if term.is_delta() {
-                sum.lights += term.full * term.visible_share(0);
+                sum.lights += term.full * term.visible_share(tests, 0);
                 continue;
             }
             let sum = if term.is_sun() {
@@ -100,12 +100,12 @@ impl<'a> Direct<'a> {
             } else {
                 &mut sum.lamps
             };
-            let share = 1.0 / f64::from(term.samples.max(1));
+            let share = 1.0 / f64::from(tests.samples.max(1));
             for (r, sum) in sum.replicates.iter_mut().enumerate() {
                 *sum += if term.is_rough() {
-                    term.radiance * term.visible[r] * share
+                    term.radiance * tests.visible[r] * share
                 } else {
-                    term.full * term.visible_share(r)
+                    term.full * term.visible_share(tests, r)
                 };
             }
         }
@@ -123,13 +123,18 @@ impl<'a> Direct<'a> {
     pub(super) fn single_sample(&mut self, points: &[GatherPoint], seed: u32) -> Vec<Rgb> {
         let mut values = vec![Rgb::BLACK; points.len()];
         let mut terms = Vec::new();
+        let formulas = if self.sources.flat(self.lights).len() > MOST_TERMS {
+            Formulas::Guide
+        } else {
+            Formulas::Exact
+        };
         self.tests.clear();
         for (index, point) in points.iter().enumerate() {
             terms.clear();
-            self.terms_of(index as u32, point, &mut terms);
+            self.terms_of(index as u32, point, formulas, &mut terms);
             self.sun_terms_of(index as u32, point, &mut terms);
             let chance = uniform(&[seed, point.key, 0]);
-            if let Some((term, probability)) = choose(&terms, f64::from(chance)) {
+            if let Some((term, probability)) = choose(&terms, &ends(&terms), f64::from(chance)) {
                 let [u1, u2] = [1, 2].map(|d| f64::from(uniform(&[seed, point.key, d])));
                 let planned = self.plan(point, index as u32, 0, &term.target, (u1, u2));
                 if let Some(weight) = planned {
@@ -231,16 +236,17 @@ impl<'a> Direct<'a> {
     fn test_terms(
         &mut self,
         points: &[GatherPoint],
-        terms: &mut [Term],
+        terms: &[Term],
         rays: &ShadowRays,
         seed: u32,
-    ) {
+    ) -> Vec<TermTests> {
         let (of_point, is_shared) = (rays.of_point(), matches!(rays, ShadowRays::Shared));
         let (first, rays) = (of_point.start, of_point.end - of_point.start);
         // The number of a term among those of its point.
         let (mut point_before, mut number) = (u32::MAX, 0);
+        let mut found = vec![TermTests::default(); terms.len()];
         self.tests.clear();
-        for (t, term) in terms.iter_mut().enumerate() {
+        for (t, term) in terms.iter().enumerate() {
             let point = &points[term.point as usize];
             number = if term.point == point_before {
                 number + 1
@@ -254,7 +260,7 @@ impl<'a> Direct<'a> {
             } else {
                 (REPLICATES as u32, rays)
             };
-            term.samples = count;
+            found[t].samples = count;
             for r in 0..replicates {
                 let s = if is_shared {
                     seeds(&[seed, points[0].key, number, r / 2])
@@ -273,9 +279,10 @@ impl<'a> Direct<'a> {
             }
         }
         self.tests.trace(|test, share| {
-            let term = &mut terms[test.tag as usize];
-            term.weights[test.replicate as usize] += test.weight;
-            term.visible[test.replicate as usize] += share * test.weight;
+            let of_term = &mut found[test.tag as usize];
+            of_term.weights[test.replicate as usize] += test.weight;
+            of_term.visible[test.replicate as usize] += share * test.weight;
         });
+        found
     }
 }

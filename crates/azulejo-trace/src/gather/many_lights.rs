@@ -37,12 +37,13 @@ impl Direct<'_> {
     ) -> [Rgb; REPLICATES] {
         let count = (4 * rays).max(MOST_TERMS as u32 / 2);
         self.tests.clear();
+        let ends = ends(terms);
         let mut values = Vec::new();
         for r in 0..REPLICATES as u32 {
             let s = seeds(&[seed, r]);
             for k in 0..count {
                 let [c, u1, u2] = [0, 1, 2].map(|d| f64::from(sobol(k, d, s[d])));
-                let Some((term, probability)) = choose(terms, c) else {
+                let Some((term, probability)) = choose(terms, &ends, c) else {
                     continue;
                 };
                 let tag = values.len() as u32;
@@ -165,17 +166,21 @@ impl SampleSums {
     }
 }
 
-/// A term chosen by `u` in 0..1 in proportion to its full irradiance, and its probability.
-pub(super) fn choose(terms: &[Term], u: f64) -> Option<(&Term, f64)> {
-    let total: f64 = terms.iter().map(|t| t.full.max_channel()).sum();
-    let mut rest = u * total;
-    let last = terms.len().checked_sub(1)?;
-    for (k, term) in terms.iter().enumerate() {
-        let share = term.full.max_channel();
-        if rest < share || k == last {
-            return Some((term, share / total));
-        }
-        rest -= share;
-    }
-    None
+/// The sums of the full irradiance of the terms up to each.
+pub(super) fn ends(terms: &[Term]) -> Vec<f64> {
+    let mut sum = 0.0;
+    let end = |term: &Term| {
+        sum += term.full.max_channel();
+        sum
+    };
+    terms.iter().map(end).collect()
+}
+
+/// A term chosen by `u` in 0..1 in proportion to its full irradiance, and its probability; `ends` are those of the
+/// terms.
+pub(super) fn choose<'t>(terms: &'t [Term], ends: &[f64], u: f64) -> Option<(&'t Term, f64)> {
+    let total = *ends.last()?;
+    let chosen = ends.partition_point(|&end| end <= u * total);
+    let term = &terms[chosen.min(terms.len() - 1)];
+    Some((term, term.full.max_channel() / total))
 }

@@ -11,21 +11,36 @@ use azulejo_scene::math::reflect;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// A source of direct light at one point, and what samples found of it.
+/// A source of direct light at one point.
 pub(super) struct Term {
     /// Index of the point.
     pub point: u32,
-    /// Irradiance if nothing stood between; an estimate for curved emitters.
+    /// Irradiance if nothing stood between; an estimate for curved emitters, and a guide where one term of
+    /// many is chosen.
     pub full: Rgb,
     /// Radiance of the lamp as it arrives; black for lights without area.
     pub radiance: Rgb,
     pub target: Target,
     is_rough: bool,
+}
+
+/// What samples found of a term.
+#[derive(Clone, Default)]
+pub(super) struct TermTests {
     /// Sums of weights, and of the parts of them that arrive, per replicate.
     pub weights: [f64; REPLICATES],
     pub visible: [Rgb; REPLICATES],
     /// Samples per replicate, those without weight included.
     pub samples: u32,
+}
+
+/// How the light of flat emitters straight to a point is found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Formulas {
+    /// By formulas that are exact, or off by no more than they are where an emitter is far away.
+    Exact,
+    /// As a guide by which one is chosen: of many, formulas would cost more than the ray.
+    Guide,
 }
 
 /// What of a source a point sees if nothing stands between.
@@ -64,9 +79,6 @@ impl Term {
             radiance,
             is_rough: matches!(target, Target::Curved(_)),
             target,
-            weights: [0.0; REPLICATES],
-            visible: [Rgb::BLACK; REPLICATES],
-            samples: 0,
         }
     }
 
@@ -94,22 +106,27 @@ impl Term {
         }
     }
 
-    /// The visible share as replicate `r` sees it.
+    /// The visible share as replicate `r` of its tests sees it.
     ///
     /// Formulas know the sum of all weights, so what the other half of the replicates found to
     /// be the visible share serves as a control variate: unbiased, because it is independent of
     /// this half, and exact where all or nothing is visible.
-    pub fn visible_share(&self, r: usize) -> Rgb {
+    pub fn visible_share(&self, tests: &TermTests, r: usize) -> Rgb {
+        let TermTests {
+            weights,
+            visible,
+            samples,
+        } = tests;
         if self.is_delta() {
-            return if self.weights[0] > 0.0 {
-                self.visible[0] / self.weights[0]
+            return if weights[0] > 0.0 {
+                visible[0] / weights[0]
             } else {
                 Rgb::BLACK
             };
         }
-        let share = ratio_of_others(&self.visible, &self.weights, r);
-        let sum = f64::from(self.samples) * self.full.max_channel() / self.radiance.max_channel();
-        share + (self.visible[r] - share * self.weights[r]) / sum
+        let share = ratio_of_others(visible, weights, r);
+        let sum = f64::from(*samples) * self.full.max_channel() / self.radiance.max_channel();
+        share + (visible[r] - share * weights[r]) / sum
     }
 }
 
@@ -153,7 +170,13 @@ fn sun_term(
 
 impl Direct<'_> {
     /// Appends the terms of all sources that could light `point`.
-    pub(super) fn terms_of(&self, index: u32, point: &GatherPoint, terms: &mut Vec<Term>) {
+    pub(super) fn terms_of(
+        &self,
+        index: u32,
+        point: &GatherPoint,
+        formulas: Formulas,
+        terms: &mut Vec<Term>,
+    ) {
         let mut push = |full: Rgb, radiance: Rgb, target: Target| {
             if full.max_channel() > 0.0 {
                 terms.push(Term::new(index, full, radiance, target));
@@ -161,7 +184,10 @@ impl Direct<'_> {
         };
         let (p, n) = (point.position, point.normal);
         for (lamp, light) in self.sources.flat(self.lights).iter().enumerate() {
-            let f = point_to_polygon(p, n, &light.toward(p));
+            let f = match formulas {
+                Formulas::Exact => light.form_factor(p, n),
+                Formulas::Guide => light.form_factor_guide(p, n),
+            };
             let radiance = light.emission.radiance;
             push(radiance * (PI * f), radiance, Target::Flat(lamp as u32));
         }
@@ -269,7 +295,7 @@ impl Direct<'_> {
         let (p, n) = (point.position, point.normal);
         let FlatSource { lamp, window } = source;
         match window {
-            None => point_to_polygon(p, n, &self.lights.flat()[lamp].toward(p)),
+            None => self.lights.flat()[lamp].form_factor(p, n),
             Some(w) => {
                 let seen = self.visible_image(lamp, w, point);
                 seen.map_or(0.0, |seen| point_to_polygon(p, n, &seen))

@@ -3,11 +3,15 @@
 use super::flat_faces::{FaceKey, flat_faces, is_flat};
 use super::tiles::{MergedTile, Tile, merged};
 use crate::Surfaces;
-use crate::lambert::is_in_front;
+use crate::lambert::{is_in_front, point_to_polygon};
 use azulejo_scene::math::area_vector;
 use azulejo_scene::{Material, Primitive, Rgb, Shape};
 use glam::DVec3;
 use std::borrow::Cow;
+use std::f64::consts::PI;
+
+/// Distance of a small emitter, as a multiple of its radius, from which on its integral is off by less than 1e-5.
+const FAR: f64 = 25.0;
 
 /// What a surface emits, and how often it is chosen as a light.
 #[derive(Clone, Copy, Debug)]
@@ -62,6 +66,9 @@ pub(crate) struct FlatEmitter {
     normal: DVec3,
     pub area: f64,
     pub emission: Emission,
+    /// The mean of the corners, and the farthest of them from there.
+    centre: DVec3,
+    radius: f64,
 }
 
 impl FlatEmitter {
@@ -69,7 +76,12 @@ impl FlatEmitter {
         let across = area_vector(&tile.polygon);
         let area = across.length();
         let (radiance, emits_back) = tile.property;
+        let corners = tile.polygon.len() as f64;
+        let centre = tile.polygon.iter().sum::<DVec3>() / corners;
+        let distances = tile.polygon.iter().map(|corner| corner.distance(centre));
         FlatEmitter {
+            centre,
+            radius: distances.fold(0.0, f64::max),
             polygon: tile.polygon.iter().copied().collect(),
             normal: across.normalize_or_zero(),
             area,
@@ -85,6 +97,54 @@ impl FlatEmitter {
     /// The polygon as `p` sees it: counter-clockwise if it can light that point.
     pub fn toward(&self, p: DVec3) -> Cow<'_, [DVec3]> {
         side_toward(&self.polygon, self.emission.emits_back, p)
+    }
+
+    /// Form factor from a point with unit normal `n`, if nothing stood between: exact, but where the emitter is so
+    /// small and far away that the integral over it is as good by the midpoints of the edges of its triangles, which
+    /// are exact to the second degree (Hammer and Stroud, *Numerical integration over simplexes*, 1956).
+    pub fn form_factor(&self, p: DVec3, n: DVec3) -> f64 {
+        let way = self.centre - p;
+        let facing = self.facing(way);
+        if facing <= 0.0 {
+            return 0.0;
+        }
+        let is_far = way.length_squared() > (FAR * self.radius).powi(2);
+        if !is_far || self.polygon.len() > 4 || way.dot(n) <= self.radius {
+            return point_to_polygon(p, n, &self.toward(p));
+        }
+        // The distance to the plane is the same from everywhere.
+        let kernel = |y: DVec3| {
+            let way = y - p;
+            way.dot(n) / way.length_squared().powi(2)
+        };
+        let o = self.polygon[0];
+        let mut sum = 0.0;
+        for two in self.polygon[1..].windows(2) {
+            let [a, b] = [two[0], two[1]];
+            let twice_area = (a - o).cross(b - o).length();
+            let middles = [o + a, o + b, a + b].map(|sum| kernel(0.5 * sum));
+            sum += twice_area * middles.iter().sum::<f64>();
+        }
+        facing * sum / (6.0 * PI)
+    }
+
+    /// About the same, and not 0 where that is not.
+    pub fn form_factor_guide(&self, p: DVec3, n: DVec3) -> f64 {
+        let way = self.centre - p;
+        let height = way.dot(n) + self.radius;
+        let square = way.length_squared() + self.radius * self.radius;
+        let facing = self.facing(way).max(0.0);
+        self.area * facing * height.max(0.0) / (PI * square * square)
+    }
+
+    /// How far a point is in front of a side that emits, if `way` leads from there to the middle.
+    fn facing(&self, way: DVec3) -> f64 {
+        let facing = -way.dot(self.normal);
+        if self.emission.emits_back {
+            facing.abs()
+        } else {
+            facing
+        }
     }
 
     /// The point of two numbers in 0..1.
@@ -248,4 +308,46 @@ pub(crate) fn sample_polygon(polygon: &[DVec3], u: (f64, f64)) -> DVec3 {
         .clamp(0.0, 1.0)
         .sqrt();
     o + a * (1.0 - u.1) * (polygon[k] - o) + a * u.1 * (polygon[k + 1] - o)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lambert::ArrayPolygon;
+
+    fn emitter(corners: &[DVec3], emits_back: bool) -> FlatEmitter {
+        let mut polygon = ArrayPolygon::default();
+        corners.iter().for_each(|&corner| polygon.push(corner));
+        FlatEmitter::new(&Tile {
+            normal: area_vector(&polygon).normalize(),
+            polygon,
+            property: (Rgb::WHITE, emits_back),
+        })
+    }
+
+    #[test]
+    fn far_emitters_are_integrated_as_well_as_near_ones() {
+        let corners = [[0.0, 0.0], [2.0, 0.1], [2.2, 1.0], [-0.3, 1.5]];
+        let corners = corners.map(|[x, y]| DVec3::new(x, y, 0.2 * x));
+        for count in [3, 4] {
+            for emits_back in [false, true] {
+                let lamp = emitter(&corners[..count], emits_back);
+                for k in 0..2000 {
+                    let [a, b, c, d, e] =
+                        [0, 1, 2, 3, 4].map(|d| f64::from(crate::sampling::uniform(&[k, d])));
+                    let direction = DVec3::new(a - 0.5, b - 0.5, c - 0.5).normalize();
+                    let p = (5.0 + 200.0 * d * d) * direction;
+                    let n = DVec3::new(e - 0.5, a - 0.5, d - 0.5).normalize();
+                    let exact = point_to_polygon(p, n, &lamp.toward(p));
+                    let found = lamp.form_factor(p, n);
+                    assert!(
+                        (found - exact).abs() <= 2e-5 * exact,
+                        "{found} for {exact} at {p}"
+                    );
+                    let guide = lamp.form_factor_guide(p, n);
+                    assert!(guide > 0.0 || exact == 0.0, "{guide} for {exact} at {p}");
+                }
+            }
+        }
+    }
 }

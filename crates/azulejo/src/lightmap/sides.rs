@@ -8,7 +8,7 @@ use azulejo_trace::GatherPoint;
 use azulejo_trace::sampling::hash;
 use glam::DVec3;
 
-/// Light of a solid's inner side relative to that of its outer side up to which it is what patches leak.
+/// Light of a side relative to that of the other up to which it is what patches leak.
 const DARK: f64 = 0.01;
 
 /// How much brighter a back must be to be taken: what the order of corners says counts where both sides are lit,
@@ -59,7 +59,8 @@ pub fn lit_backs(
 }
 
 /// Share of the area of receivers that is seen from both sides, whose light differs by more than
-/// [`DIFFERING`]: a lightmap of one side is wrong on the other.
+/// [`DIFFERING`]: a lightmap of one side is wrong on the other. A side without light does not count: nobody is there,
+/// as outside of a room of single sheets.
 pub fn differing_share(
     receivers: &[Receiver],
     objects: &[u32],
@@ -82,7 +83,9 @@ pub fn differing_share(
             }
             let sides = solved.sides_at([object, face, triangle], [1.0 / 3.0; 2]);
             let [front, back] = sides.map(Rgb::mean);
-            if (front - back).abs() > DIFFERING * front.max(back) {
+            let brighter = front.max(back);
+            let has_both = front.min(back) > DARK * brighter;
+            if has_both && (front - back).abs() > DIFFERING * brighter {
                 differing += area;
             }
         }

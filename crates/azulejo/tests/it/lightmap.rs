@@ -127,6 +127,21 @@ fn coarse_texels_say_what_they_miss() {
     assert!((0.6..1.7).contains(&(stated / rms)), "{stated} for {rms}");
 }
 
+/// Where there is no time at all, texels have light whose error is stated, and none of them is dark for want of time.
+#[test]
+fn a_deadline_that_has_passed_leaves_light_and_its_error() {
+    let scene = meshes_of(&cornell_box(CornellVariant::Diffuse), true);
+    let objects: Vec<u32> = (0..scene.objects.len() as u32).collect();
+    let progress = Progress::new();
+    progress.set_deadline(std::time::Instant::now());
+    let options = options(128, 0.01);
+    let baked = bake(&scene, &Tracer::new(&scene), &objects, &options, &progress).unwrap();
+    let stated = baked.lightmap.relative_error();
+    let [rms, bias] = found_errors(&scene, &baked);
+    assert!(rms < 0.3 && bias.abs() < 0.05, "{rms}, {bias}");
+    assert!((0.5..3.0).contains(&(stated / rms)), "{stated} for {rms}");
+}
+
 /// A plate just below a lamp would leave a room to the last steps of 8 bits: it has a picture of its own.
 #[test]
 fn bright_parts_have_pictures_of_their_own() {
