@@ -10,7 +10,7 @@ use glam::DVec3;
 use std::borrow::Cow;
 use std::f64::consts::PI;
 
-/// Distance of a small emitter, as a multiple of its radius, from which on its integral is off by less than 1e-5.
+/// Distance of a small emitter, as a multiple of its radius, from which on its integral is off by less than 1e-4.
 const FAR: f64 = 25.0;
 
 /// What a surface emits, and how often it is chosen as a light.
@@ -341,7 +341,7 @@ mod tests {
                     let exact = point_to_polygon(p, n, &lamp.toward(p));
                     let found = lamp.form_factor(p, n);
                     assert!(
-                        (found - exact).abs() <= 2e-5 * exact,
+                        (found - exact).abs() <= 1e-4 * exact,
                         "{found} for {exact} at {p}"
                     );
                     let guide = lamp.form_factor_guide(p, n);
