@@ -172,7 +172,9 @@ fn a_partition_parts_the_light() {
                 off > -0.02 * expected,
                 "cuts {cuts}, {p}: {light} for {expected}"
             );
-            if (p.x - at).abs() > 1.0 / DENSITY {
+            // Half a texel along the rim has the light of the texel.
+            let rim = p.x.min(p.y).min(4.0 - p.x).min(3.0 - p.y);
+            if (p.x - at).abs() > 1.0 / DENSITY && rim > 0.5 / DENSITY {
                 assert!(
                     off < 0.02 * expected + 2e-3,
                     "cuts {cuts}, {p}: {light} for {expected}"
