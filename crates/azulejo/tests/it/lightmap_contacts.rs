@@ -63,8 +63,11 @@ fn rectangle(scene: &mut Scene, name: &str, corners: [[f64; 3]; 4], material: u3
     scene.objects.push(Object::new(name, Shape::Mesh(mesh)));
 }
 
-fn turn(object: &mut Object) {
-    if let Shape::Mesh(mesh) = &mut object.shape {
+/// A box between these coordinates, its normals outside.
+fn solid(scene: &mut Scene, extent: [[f64; 2]; 3], material: u32) {
+    let [low, high] = [0, 1].map(|end| DVec3::from(extent.map(|axis| axis[end])));
+    room(scene, low, high, material, true);
+    if let Some(Shape::Mesh(mesh)) = scene.objects.last_mut().map(|object| &mut object.shape) {
         (0..mesh.faces.len()).for_each(|face| mesh.reverse_face(face));
     }
 }
@@ -173,6 +176,9 @@ fn a_partition_parts_the_light() {
                 10.0 * way.z / way.length().powi(3)
             };
             let off = light - expected;
+            if (p.x - at).abs() < blurred(cuts) {
+                continue;
+            }
             assert!(
                 off > -0.02 * expected,
                 "cuts {cuts}, {p}: {light} for {expected}"
@@ -197,13 +203,15 @@ fn a_column_has_the_light_of_each_storey() {
         let mut scene = Scene::default();
         let black = scene.add_material(Material::diffuse("black", Rgb::BLACK));
         let storeys = [[0.0, 1.87], [1.97, 3.91], [4.01, 6.0]];
-        for [floor, ceiling] in storeys {
-            let low = DVec3::new(0.0, 0.0, floor);
-            room(&mut scene, low, DVec3::new(4.0, 4.0, ceiling), black, true);
+        let column = [[1.8, 2.2], [1.8, 2.2], [-1.0, 7.0]];
+        solid(&mut scene, column, black);
+        for slab in [[-0.1, 0.0], [1.87, 1.97], [3.91, 4.01], [6.0, 6.1]] {
+            solid(&mut scene, [[0.0, 4.0], [0.0, 4.0], slab], black);
         }
-        let (low, high) = (DVec3::new(1.8, 1.8, -1.0), DVec3::new(2.2, 2.2, 7.0));
-        room(&mut scene, low, high, black, true);
-        turn(&mut scene.objects[3]);
+        for wall in [[-0.1, 0.0], [4.0, 4.1]] {
+            solid(&mut scene, [wall, [-0.1, 4.1], [-0.1, 6.1]], black);
+            solid(&mut scene, [[0.0, 4.0], wall, [-0.1, 6.1]], black);
+        }
         let lamp = DVec3::new(0.5, 2.0, 3.0);
         scene.lights.push(point_light(lamp));
         let scene = meshes_of(&scene, cuts);
@@ -212,7 +220,7 @@ fn a_column_has_the_light_of_each_storey() {
             ..dense(0.01)
         };
         let baked = baked(&scene, &options);
-        for (p, normal, light) in read_light(&baked, 3, 6000) {
+        for (p, normal, light) in read_light(&baked, 0, 40_000) {
             let margin = blurred(cuts);
             let is_in = |s: &[f64; 2]| p.z > s[0] + margin && p.z < s[1] - margin;
             let of = storeys.iter().position(is_in);
@@ -241,8 +249,7 @@ fn a_box_has_its_shadow_at_its_foot() {
         let floor = [[0.0, 0.0], [5.0, 0.0], [5.0, 4.0], [0.0, 4.0]].map(|[x, y]| [x, y, 0.0]);
         rectangle(&mut scene, "floor", floor, black);
         let (low, high) = (DVec3::new(1.63, 1.37, 0.0), DVec3::new(2.67, 2.71, 1.0));
-        room(&mut scene, low, high, black, true);
-        turn(&mut scene.objects[1]);
+        solid(&mut scene, [0, 1, 2].map(|k| [low[k], high[k]]), black);
         let direction = DVec3::new(1.0, 0.0, -1.0).normalize();
         scene.lights.push(Light {
             name: "sun".into(),
