@@ -295,7 +295,7 @@ fn over_texel(
         let cell = DVec2::new((k % places).into(), (k / places).into());
         let jitter = [0, 1].map(|d| f64::from(uniform(&[seed, s.page, texel.index, k, d, 0xd17])));
         let place = corner + (cell + DVec2::from(jitter)) / f64::from(places);
-        let (position, normal) = sampler.place_of(s.texel as usize, place)?;
+        let (position, normal) = sampler.seen_place(s, place)?;
         Some(GatherPoint {
             position,
             normal,

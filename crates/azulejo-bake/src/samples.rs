@@ -116,14 +116,8 @@ impl<'a> PageSampler<'a> {
         }
     }
 
-    /// World position and normal at a place of the page, if the texel covers something there.
-    pub fn place_of(&self, texel: usize, place: DVec2) -> Option<(DVec3, DVec3)> {
-        let at = self.coverage.point_at(&self.atlas.layout, texel, place)?;
-        let point = self.on_surface(at, 0.0);
-        Some((point.position, point.normal))
-    }
-
-    /// The same, if nothing stands between the place and the sample.
+    /// World position and normal at a place of the page, if the texel covers something there and nothing stands
+    /// between it and the sample.
     pub fn seen_place(&self, sample: &TexelSample, place: DVec2) -> Option<(DVec3, DVec3)> {
         let texel = sample.texel as usize;
         let at = self.coverage.point_at(&self.atlas.layout, texel, place)?;
