@@ -10,7 +10,7 @@ use super::many_lights::{choose, ends};
 use super::polygon::{is_through, kernel, sample_lamp};
 use super::shadow::ShadowTests;
 use super::sources::DirectSources;
-use super::terms::{Formulas, Target, Term, TermTests};
+use super::terms::{Target, Term, TermTests};
 use super::{DirectLight, GatherPoint, REPLICATES};
 use crate::Surfaces;
 use crate::lights::{Lights, beyond};
@@ -77,9 +77,10 @@ impl<'a> Direct<'a> {
         let rays = shadow_rays.of_point();
         let mut sums = vec![DirectLight::default(); points.len()];
         let mut terms = Vec::new();
+        let flat = self.sources.flat(self.lights);
         for (index, point) in points.iter().enumerate() {
             let start = terms.len();
-            self.terms_of(index as u32, point, Formulas::Exact, &mut terms);
+            self.terms_of(index as u32, point, flat, &mut terms);
             if terms.len() - start > MOST_TERMS {
                 let many: Vec<Term> = terms.drain(start..).collect();
                 let seed = hash(&[seed, point.key, rays.start]);
@@ -123,23 +124,37 @@ impl<'a> Direct<'a> {
     pub(super) fn single_sample(&mut self, points: &[GatherPoint], seed: u32) -> Vec<Rgb> {
         let mut values = vec![Rgb::BLACK; points.len()];
         let mut terms = Vec::new();
-        let formulas = if self.sources.flat(self.lights).len() > MOST_TERMS {
-            Formulas::Guide
-        } else {
-            Formulas::Exact
-        };
+        let clusters = self.sources.clusters.as_ref();
+        let flat = self.sources.flat(self.lights);
+        let one_by_one = if clusters.is_some() { &[] } else { flat };
         self.tests.clear();
         for (index, point) in points.iter().enumerate() {
             terms.clear();
-            self.terms_of(index as u32, point, formulas, &mut terms);
+            self.terms_of(index as u32, point, one_by_one, &mut terms);
             self.sun_terms_of(index as u32, point, &mut terms);
-            let chance = uniform(&[seed, point.key, 0]);
-            if let Some((term, probability)) = choose(&terms, &ends(&terms), f64::from(chance)) {
-                let [u1, u2] = [1, 2].map(|d| f64::from(uniform(&[seed, point.key, d])));
-                let planned = self.plan(point, index as u32, 0, &term.target, (u1, u2));
-                if let Some(weight) = planned {
-                    values[index] = term.unbiased(weight) / probability;
+            let chance = |d: u32| f64::from(uniform(&[seed, point.key, d]));
+            let ends = ends(&terms);
+            let of_clusters = clusters.map_or(Vec::new(), |clusters| clusters.ends(point));
+            let [terms_sum, clusters_sum] =
+                [&ends, &of_clusters].map(|ends| ends.last().copied().unwrap_or(0.0));
+            let share = clusters_sum / (clusters_sum + terms_sum).max(f64::MIN_POSITIVE);
+            let u = (chance(1), chance(2));
+            if let Some(clusters) = clusters.filter(|_| chance(0) < share) {
+                let u_of_lamp = [chance(0) / share, chance(3)];
+                if let Some((lamp, probability)) =
+                    clusters.lamp(&of_clusters, flat, point, u_of_lamp)
+                    && let Some(weight) = self.plan(point, index as u32, 0, &Target::Flat(lamp), u)
+                {
+                    let radiance = flat[lamp as usize].emission.radiance;
+                    values[index] = radiance * (weight / (probability * share));
                 }
+                continue;
+            }
+            let of_term = (chance(0) - share) / (1.0 - share);
+            if let Some((term, probability)) = choose(&terms, &ends, of_term)
+                && let Some(weight) = self.plan(point, index as u32, 0, &term.target, u)
+            {
+                values[index] = term.unbiased(weight) / (probability * (1.0 - share));
             }
         }
         let mut seen = vec![Rgb::BLACK; points.len()];

@@ -9,6 +9,7 @@
 //! of the few points.
 
 use super::direct::{Direct, MOST_TERMS};
+use super::lamp_clusters::chosen;
 use super::terms::{FlatSource, Term, ratio_of_others};
 use super::{DirectLight, GatherPoint, REPLICATES};
 use crate::sampling::{hash, seeds, sobol};
@@ -179,8 +180,7 @@ pub(super) fn ends(terms: &[Term]) -> Vec<f64> {
 /// A term chosen by `u` in 0..1 in proportion to its full irradiance, and its probability; `ends` are those of the
 /// terms.
 pub(super) fn choose<'t>(terms: &'t [Term], ends: &[f64], u: f64) -> Option<(&'t Term, f64)> {
-    let total = *ends.last()?;
-    let chosen = ends.partition_point(|&end| end <= u * total);
-    let term = &terms[chosen.min(terms.len() - 1)];
-    Some((term, term.full.max_channel() / total))
+    let (chosen, _) = chosen(ends, u)?;
+    let term = &terms[chosen];
+    Some((term, term.full.max_channel() / ends.last()?))
 }

@@ -1,5 +1,7 @@
 //! Which lights, and which mirror images of them, the direct light is computed from.
 
+use super::direct::MOST_TERMS;
+use super::lamp_clusters::LampClusters;
 use crate::Surfaces;
 use crate::follow::Via;
 use crate::lambert::{ArrayPolygon, mirror_polygon};
@@ -49,6 +51,8 @@ pub struct DirectSources {
     /// Per item: whether it belongs to a window.
     is_window: Vec<bool>,
     count: usize,
+    /// The flat emitters in groups, if there are many.
+    pub(super) clusters: Option<LampClusters>,
 }
 
 impl DirectSources {
@@ -63,10 +67,13 @@ impl DirectSources {
             windows: Vec::new(),
             is_window: vec![false; surfaces.tracer.item_count() as usize],
             count: 0,
+            clusters: None,
         };
         let points = lights.delta.len() + lights.outside.suns.len();
         let flat = if has_flat { sides } else { 0 } + points;
         sources.collect_windows(surfaces, lights, flat);
+        let lamps = sources.flat(lights);
+        sources.clusters = (lamps.len() > MOST_TERMS).then(|| LampClusters::new(lamps));
         let curved = sources.curved(lights).len();
         sources.count = flat * (1 + sources.windows.len()) + curved;
         sources

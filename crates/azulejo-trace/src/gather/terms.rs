@@ -5,7 +5,7 @@ use super::direct::Direct;
 use super::polygon::{is_hidden, is_through};
 use super::{GatherPoint, REPLICATES};
 use crate::lambert::{ArrayPolygon, clip, clip_to_window, point_to_polygon};
-use crate::lights::{SunDisc, side_toward, unoccluded, unoccluded_image};
+use crate::lights::{FlatEmitter, SunDisc, side_toward, unoccluded, unoccluded_image};
 use azulejo_scene::Rgb;
 use azulejo_scene::math::reflect;
 use glam::DVec3;
@@ -15,8 +15,7 @@ use std::f64::consts::PI;
 pub(super) struct Term {
     /// Index of the point.
     pub point: u32,
-    /// Irradiance if nothing stood between; an estimate for curved emitters, and a guide where one term of
-    /// many is chosen.
+    /// Irradiance if nothing stood between; an estimate for curved emitters.
     pub full: Rgb,
     /// Radiance of the lamp as it arrives; black for lights without area.
     pub radiance: Rgb,
@@ -32,15 +31,6 @@ pub(super) struct TermTests {
     pub visible: [Rgb; REPLICATES],
     /// Samples per replicate, those without weight included.
     pub samples: u32,
-}
-
-/// How the light of flat emitters straight to a point is found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Formulas {
-    /// By formulas that are exact, or off by no more than they are where an emitter is far away.
-    Exact,
-    /// As a guide by which one is chosen: of many, formulas would cost more than the ray.
-    Guide,
 }
 
 /// What of a source a point sees if nothing stands between.
@@ -169,12 +159,13 @@ fn sun_term(
 }
 
 impl Direct<'_> {
-    /// Appends the terms of all sources that could light `point`.
+    /// Appends the terms of all sources that could light `point`; of flat emitters those of `flat`, which are all or
+    /// none.
     pub(super) fn terms_of(
         &self,
         index: u32,
         point: &GatherPoint,
-        formulas: Formulas,
+        flat: &[FlatEmitter],
         terms: &mut Vec<Term>,
     ) {
         let mut push = |full: Rgb, radiance: Rgb, target: Target| {
@@ -183,11 +174,8 @@ impl Direct<'_> {
             }
         };
         let (p, n) = (point.position, point.normal);
-        for (lamp, light) in self.sources.flat(self.lights).iter().enumerate() {
-            let f = match formulas {
-                Formulas::Exact => light.form_factor(p, n),
-                Formulas::Guide => light.form_factor_guide(p, n),
-            };
+        for (lamp, light) in flat.iter().enumerate() {
+            let f = light.form_factor(p, n);
             let radiance = light.emission.radiance;
             push(radiance * (PI * f), radiance, Target::Flat(lamp as u32));
         }

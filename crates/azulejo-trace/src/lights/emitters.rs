@@ -67,8 +67,8 @@ pub(crate) struct FlatEmitter {
     pub area: f64,
     pub emission: Emission,
     /// The mean of the corners, and the farthest of them from there.
-    centre: DVec3,
-    radius: f64,
+    pub centre: DVec3,
+    pub radius: f64,
 }
 
 impl FlatEmitter {
