@@ -63,7 +63,7 @@ pub(crate) struct FlatEmitter {
     /// Corners, counter-clockwise from the front. On the heap, as there may be very many.
     pub polygon: Box<[DVec3]>,
     /// Unit normal of the front.
-    normal: DVec3,
+    pub normal: DVec3,
     pub area: f64,
     pub emission: Emission,
     /// The mean of the corners, and the farthest of them from there.
