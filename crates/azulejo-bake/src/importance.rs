@@ -4,8 +4,10 @@
 //! width h of its texels and to e, the length of such edges times their squared heights over its area. With a
 //! given number of texels, Σ A e h is least where texels per area are proportional to e^(2/3).
 
+use crate::Receiver;
 use crate::atlas::Atlas;
 use crate::direct::direct;
+use crate::layout::{Layout, NO_CHART, signed_area};
 use crate::samples::{Rows, Samples};
 use azulejo_scene::Rgb;
 use azulejo_trace::{Cancelled, Gatherer, Progress};
@@ -28,18 +30,47 @@ const LIMITS: [f64; 2] = [1.0 / 2.0, 4.0];
 /// Times that charts beyond these limits are set to them, and the others to what is left.
 const ROUNDS: u32 = 16;
 
-/// How much denser than others the texels of each chart should be, per length. `error` is that of the lightmap
-/// relative to the mean.
+/// Which charts of a layout need more texels than others.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ChartImportance {
+    /// How much denser than others the texels of each chart should be, per length.
+    pub densities: Vec<f64>,
+    /// Area times edges of each chart: to what its mean square error is proportional, with the width of a texel.
+    edges: Vec<f64>,
+}
+
+impl ChartImportance {
+    /// The mean square error of viewers at edges of shadows in some layout of the same receivers, up to a factor:
+    /// `layout` is the one whose charts were looked at.
+    pub fn error_in(&self, other: &Layout, layout: &Layout, receivers: &[Receiver]) -> f64 {
+        let mut areas = vec![[0.0; 2]; self.edges.len()];
+        for (r, receiver) in receivers.iter().enumerate() {
+            for (t, &chart) in layout.receivers[r].charts.iter().enumerate() {
+                if chart != NO_CHART {
+                    let of_chart = &mut areas[chart as usize];
+                    of_chart[0] += 0.5 * receiver.area_vector(t).length();
+                    of_chart[1] += signed_area(other.texels(r, t)).abs();
+                }
+            }
+        }
+        let of_chart = |(edges, [area, texels]): (&f64, &[f64; 2])| {
+            edges * (area / f64::max(*texels, f64::MIN_POSITIVE)).sqrt()
+        };
+        self.edges.iter().zip(&areas).map(of_chart).sum()
+    }
+}
+
+/// Looks for the edges of shadows. `error` is that of the lightmap relative to the mean.
 ///
 /// # Errors
 /// The caller cancelled.
-pub fn chart_densities(
+pub fn chart_importance(
     atlas: &Atlas,
     gatherer: &Gatherer,
     error: f64,
     seed: u32,
     progress: &Progress,
-) -> Result<Vec<f64>, Cancelled> {
+) -> Result<ChartImportance, Cancelled> {
     let mut coarse = atlas.clone();
     for size in coarse.layout.pages.iter_mut().flatten() {
         *size = (*size / COARSER).max(LEAST_PAGE);
@@ -77,7 +108,11 @@ pub fn chart_densities(
             }
         }
     }
-    Ok(densities(&charts))
+    let edges = |chart: &ChartEdges| chart.edges().map_or(0.0, |edges| chart.area * edges);
+    Ok(ChartImportance {
+        densities: densities(&charts),
+        edges: charts.iter().map(edges).collect(),
+    })
 }
 
 /// What is found on a chart.

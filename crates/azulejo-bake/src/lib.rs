@@ -4,7 +4,7 @@
 //! |---|---|
 //! | Surfaces that receive light | [`Receiver`] |
 //! | Charts, which end where light jumps, packed on pages | [`unwrap()`], [`layout`]: an [`Atlas`] |
-//! | Which charts need more texels, by the light that they get | [`chart_densities`], [`repack_charts`] |
+//! | Which charts need more texels, by the light that they get | [`chart_importance`], [`repack_charts`] |
 //! | Charts of coordinates that surfaces have already | [`kept_layout`] |
 //! | What each texel covers, exactly, and the points at which it needs light | [`Coverage`], [`Samples`] |
 //! | Direct light of each texel, more finely at the edges of shadows | [`direct()`] |
@@ -55,7 +55,7 @@ pub use coverage::{Coverage, CoveredPiece, CoveredTexel, TriangleId};
 pub use direct::{SampleDirect, direct};
 pub use encode::{linear_bytes, srgb_bytes, srgb_bytes_up_to};
 pub use field::TexelField;
-pub use importance::chart_densities;
+pub use importance::{ChartImportance, chart_importance};
 pub use indirect::{
     IndirectGoal, LookRequest, NodeLattice, PairRequest, TexelStatistics, first_look, look_again,
     with_indirect,

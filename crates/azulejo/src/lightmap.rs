@@ -40,6 +40,10 @@ const CUTS: f64 = 8.0;
 const BYTES_PER_TEXEL: f64 = 100.0;
 const BYTES_PER_COVERED: f64 = 400.0;
 
+/// Mean square error at edges of shadows, relative to that of even texels, with which it is worth that charts of even
+/// light have fewer.
+const WORTH_REPACKING: f64 = 0.9;
+
 /// Error where none is requested.
 const DEFAULT_ERROR: f64 = 0.03;
 
@@ -94,7 +98,8 @@ pub struct BakeOptions {
     /// For each object that receives, how much denser than others its texels are, per length; empty if all are
     /// alike.
     pub densities: Vec<f64>,
-    /// Whether charts with edges of shadows get more texels than others, where coordinates are made.
+    /// Whether charts with edges of shadows get more texels than others, where coordinates are made and that makes the
+    /// error less.
     pub follows_light: bool,
     /// The first pass, with the error to reach.
     pub pass: FirstPass,
@@ -186,6 +191,8 @@ pub struct Baked {
     pub beside_patches: f64,
     /// Root mean square of what interpolation between texels misses, W/m²: part of the standard errors.
     pub between_texels: f64,
+    /// Whether charts with edges of shadows have more texels than others.
+    pub follows_light: bool,
 }
 
 /// Bakes the lightmap of a scene of meshes: the objects that are listed receive. Where options have something for
@@ -243,17 +250,25 @@ pub fn bake(
         (options.pass.seed >> 32) as u32,
         3,
     ]);
+    let mut follows_light = false;
     if options.follows_light && options.coordinates == Coordinates::New {
-        let densities = azulejo_bake::chart_densities(&atlas, gatherer, error, seed, progress)?;
-        atlas.layout = azulejo_bake::repack_charts(
-            &atlas.receivers,
-            &atlas.layout,
-            &densities,
+        let importance = azulejo_bake::chart_importance(&atlas, gatherer, error, seed, progress)?;
+        let (receivers, even) = (&atlas.receivers, &atlas.layout);
+        let followed = azulejo_bake::repack_charts(
+            receivers,
+            even,
+            &importance.densities,
             &proxy.tracer,
             &options.charts,
             progress,
         )?;
-        turn(&mut atlas);
+        // Charts of many sizes fill less of a page.
+        let error_in = |layout: &Layout| importance.error_in(layout, even, receivers);
+        if error_in(&followed) < WORTH_REPACKING * error_in(even) {
+            atlas.layout = followed;
+            turn(&mut atlas);
+            follows_light = true;
+        }
     }
     let samples = Samples::new(&atlas, surfaces.tracer, progress)?;
     let direct = azulejo_bake::direct(&samples, &atlas, gatherer, error, seed, progress)?;
@@ -325,6 +340,7 @@ pub fn bake(
         differing_sides,
         beside_patches,
         between_texels,
+        follows_light,
     })
 }
 

@@ -90,6 +90,11 @@ pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
     let mut summary = Report::default();
     report::describe(&baked, &args.first_pass, &source.scene, &mut summary)?;
     say_unreached(&baked, args, session);
+    if options.follows_light && !baked.follows_light {
+        session.note(
+            "--density auto: texels stay even, for charts of more sizes would fill less of the pages than it gains",
+        );
+    }
     let places = (chosen.uvs, options.charts.padding);
     outputs.write(args, &source, &baked, places, session, &mut summary)?;
     Ok(summary)

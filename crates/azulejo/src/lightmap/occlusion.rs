@@ -104,6 +104,7 @@ pub fn bake_occlusion(
         differing_sides: 0.0,
         beside_patches: 0.0,
         between_texels: 0.0,
+        follows_light: false,
     })
 }
 
