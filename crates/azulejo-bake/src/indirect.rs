@@ -51,6 +51,9 @@ const AIM: f64 = 0.85;
 /// What of a requested error is aimed at: estimated errors have errors.
 const MARGIN: f64 = 0.95;
 
+/// Nodes that get more rays between two looks at a clock that matters.
+const BETWEEN_LOOKS: usize = 2048;
+
 /// Most times that rays are added.
 const MOST_RAISES: u32 = 6;
 
@@ -195,7 +198,7 @@ pub fn with_indirect<E>(
             if progress.out_of_time() {
                 break;
             }
-            paired.raise(&rays, gather)?;
+            paired.raise(&rays, progress, gather)?;
             errors = paired.nodes.interpolation_errors();
         }
     }
@@ -281,8 +284,13 @@ impl<'a> PairedNodes<'a> {
         nodes.measure_mean();
     }
 
-    /// Brings nodes to more rays.
-    fn raise<E>(&mut self, rays: &[PairRays], gather: &mut PairGather<E>) -> Result<(), E> {
+    /// Brings nodes to more rays, as many of them as there is time for.
+    fn raise<E>(
+        &mut self,
+        rays: &[PairRays],
+        progress: &Progress,
+        gather: &mut PairGather<E>,
+    ) -> Result<(), E> {
         self.nodes.light.clear();
         let (points, areas) = self.nodes.targets();
         // Nodes that get the same rays are gathered together.
@@ -294,7 +302,19 @@ impl<'a> PairedNodes<'a> {
             }
         }
         let share = |from: u32, to: u32| f64::from(to - from) / f64::from(to.max(1));
-        for ([read, to_read, traced, to_traced], members) in alike {
+        let together = if progress.has_deadline() {
+            BETWEEN_LOOKS
+        } else {
+            usize::MAX
+        };
+        let parts = alike.iter().flat_map(|(range, members)| {
+            let parts = members.chunks(together.min(members.len()));
+            parts.map(move |members| (*range, members))
+        });
+        for ([read, to_read, traced, to_traced], members) in parts {
+            if progress.out_of_time() {
+                break;
+            }
             let points: Vec<GatherPoint> = members.iter().map(|&n| points[n]).collect();
             let areas: Vec<f64> = members.iter().map(|&n| areas[n]).collect();
             let more = gather(&PairRequest {
@@ -305,13 +325,13 @@ impl<'a> PairedNodes<'a> {
             })?;
             let (read, traced) = (share(read, to_read), share(traced, to_traced));
             for (&node, more) in members.iter().zip(more) {
+                self.rays[node] = rays[node];
                 let pair = &mut self.pairs[node];
                 pair.read = pair.read.blend(&more.read, read);
                 pair.few = pair.few.blend(&more.few, traced);
                 pair.traced = pair.traced.blend(&more.traced, traced);
             }
         }
-        self.rays.copy_from_slice(rays);
         self.update();
         Ok(())
     }
@@ -333,7 +353,7 @@ impl<'a> PairedNodes<'a> {
             if rays == self.rays {
                 break;
             }
-            self.raise(&rays, gather)?;
+            self.raise(&rays, progress, gather)?;
         }
         Ok(())
     }
