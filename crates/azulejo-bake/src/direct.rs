@@ -170,11 +170,16 @@ pub fn direct(
         progress.begin("shadow edges", uneven.len() as u64);
         let fine = in_batches(&uneven, |batch| {
             progress.advance(batch.len() as u64)?;
-            let light = |&s: &u32| over_texel(samples, s as usize, atlas, gatherer, places, seed);
+            let light = |&s: &u32| {
+                (!progress.out_of_time())
+                    .then(|| over_texel(samples, s as usize, atlas, gatherer, places, seed))
+            };
             Ok(batch.iter().map(light).collect())
         })?;
         for (&sample, light) in uneven.iter().zip(&fine) {
-            found.set(sample as usize, light);
+            if let Some(light) = light {
+                found.set(sample as usize, light);
+            }
         }
     }
     Ok(found)
