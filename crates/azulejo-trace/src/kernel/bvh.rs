@@ -78,6 +78,8 @@ pub(crate) struct Bvh {
     pub packets: Vec<Packet>,
     /// The shapes that are not triangles, in the order to which leaves refer.
     pub others: Vec<u32>,
+    /// Nodes on the longest path from the root to a leaf.
+    pub depth: usize,
 }
 
 /// A triangle in kernel coordinates.
@@ -104,12 +106,13 @@ impl Bvh {
             };
             bvh.nodes.reserve(references.len() / 12 + 1);
             bvh.packets.reserve(references.len() / 3 + 1);
-            bvh.add_node(&source, 0);
+            bvh.add_node(&source, 0, 1);
         }
         bvh
     }
 
-    fn add_node(&mut self, source: &Source, binary: usize) -> u32 {
+    fn add_node(&mut self, source: &Source, binary: usize, depth: usize) -> u32 {
+        self.depth = self.depth.max(depth);
         let index = self.nodes.len();
         self.nodes.push(BvhNode::EMPTY);
         let mut opened = [0; WIDTH];
@@ -119,7 +122,7 @@ impl Bvh {
             let child = if node.is_leaf() {
                 self.add_leaf(source, node)
             } else {
-                self.add_node(source, b)
+                self.add_node(source, b, depth + 1)
             };
             self.nodes[index].set(slot, &node.bounds, child);
         }

@@ -20,6 +20,11 @@ use glam::Vec3;
 /// Room for all siblings along the longest path, and for one more node.
 const STACK: usize = (WIDTH - 1) * DEEPEST + 2 * WIDTH;
 
+/// Nodes on a path of a shallow tree, as the meshes of most instances have, and the room that it takes: to set up the
+/// whole of [`STACK`] for the one ray that meets an instance costs more than to trace it.
+const SHALLOW: usize = 8;
+const SHALLOW_STACK: usize = (WIDTH - 1) * SHALLOW + 2 * WIDTH;
+
 /// Rays that one thread has in flight. While one waits for its next node from memory the others
 /// continue: in trees larger than the caches this nearly doubles the rate.
 const LANES: usize = 8;
@@ -115,9 +120,13 @@ pub(crate) fn trace<I: Instructions, O: OtherShapes + ?Sized, const ANY: bool>(
     done: impl FnMut(usize, &KernelHit),
 ) {
     if rays.len() < FEW_RAYS || are_coherent(rays) {
-        trace_lanes::<I, O, ANY, 1>(isa, scene, rays, done);
+        if scene.bvh.depth <= SHALLOW {
+            trace_lanes::<I, O, ANY, 1, SHALLOW_STACK>(isa, scene, rays, done);
+        } else {
+            trace_lanes::<I, O, ANY, 1, STACK>(isa, scene, rays, done);
+        }
     } else {
-        trace_lanes::<I, O, ANY, LANES>(isa, scene, rays, done);
+        trace_lanes::<I, O, ANY, LANES, STACK>(isa, scene, rays, done);
     }
 }
 
@@ -135,13 +144,19 @@ fn are_coherent(rays: &[KernelRay]) -> bool {
 }
 
 #[inline(always)]
-fn trace_lanes<I: Instructions, O: OtherShapes + ?Sized, const ANY: bool, const N: usize>(
+fn trace_lanes<
+    I: Instructions,
+    O: OtherShapes + ?Sized,
+    const ANY: bool,
+    const N: usize,
+    const ROOM: usize,
+>(
     isa: I,
     scene: &KernelScene<O>,
     rays: &[KernelRay],
     mut done: impl FnMut(usize, &KernelHit),
 ) {
-    let mut states = [const { TraversalState::NONE }; N];
+    let mut states = [const { TraversalState::<ROOM>::NONE }; N];
     let mut lanes: [usize; N] = std::array::from_fn(|lane| lane);
     let mut next = 0;
     let mut active = 0;
@@ -173,7 +188,7 @@ fn trace_lanes<I: Instructions, O: OtherShapes + ?Sized, const ANY: bool, const 
 }
 
 /// The state of the traversal of one ray.
-struct TraversalState {
+struct TraversalState<const ROOM: usize> {
     ray: PreparedRay,
     /// The nearest hit so far; its `t` bounds further hits.
     hit: KernelHit,
@@ -183,17 +198,17 @@ struct TraversalState {
     index: usize,
     waiting: usize,
     /// Children still to visit, as [`entry`] packs them.
-    stack: [u64; STACK],
+    stack: [u64; ROOM],
 }
 
-impl TraversalState {
-    const NONE: TraversalState = TraversalState {
+impl<const ROOM: usize> TraversalState<ROOM> {
+    const NONE: Self = TraversalState {
         ray: PreparedRay::NONE,
         hit: KernelHit::NOTHING,
         current: 0,
         index: 0,
         waiting: 0,
-        stack: [0; STACK],
+        stack: [0; ROOM],
     };
 
     /// Starts the next ray that can hit something, and reports those before it as misses.
