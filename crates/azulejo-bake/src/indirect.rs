@@ -13,7 +13,7 @@ use crate::nodes::Nodes;
 use crate::rays::{NodeNoise, allocated};
 use crate::samples::Samples;
 use azulejo_scene::Rgb;
-use azulejo_trace::{GatherPoint, Gathered, Progress, sequence_gain};
+use azulejo_trace::{GatherPoint, Gathered, Progress, REPLICATES, sequence_gain};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -37,6 +37,9 @@ const FIRST_RAYS: PairRays = PairRays {
 
 /// Nodes from which on each gets half as many rays at first, and from twice as many on a quarter.
 const MANY_NODES: usize = 16_384;
+
+/// Times that these are halved once the deadline has passed.
+const LATE: u32 = 2;
 
 /// Noise that a node may have before cells are divided, relative to the permitted error: more would be taken for
 /// errors of interpolation.
@@ -150,10 +153,11 @@ pub fn look_again<E>(
     samples: &Samples,
     direct: &SampleDirect,
     nodes: &NodeLattice,
+    progress: &Progress,
     gather: &mut dyn FnMut(&PairRequest) -> Result<Vec<NodePair>, E>,
 ) -> Result<Vec<TexelLight>, E> {
     let mut paired = PairedNodes::new(samples, direct, nodes.0.clone());
-    paired.gather_new(gather)?;
+    paired.gather_new(progress, gather)?;
     let errors = vec![0.0; paired.nodes.lattice.len()];
     Ok(paired.nodes.interpolated(&errors))
 }
@@ -175,7 +179,7 @@ pub fn with_indirect<E>(
     gather: &mut dyn FnMut(&PairRequest) -> Result<Vec<NodePair>, E>,
 ) -> Result<(Vec<TexelLight>, TexelStatistics), E> {
     let mut paired = PairedNodes::new(samples, direct, start.0);
-    paired.gather_new(gather)?;
+    paired.gather_new(progress, gather)?;
     if !is_final {
         paired.quieten(goal, progress, gather)?;
     }
@@ -187,7 +191,7 @@ pub fn with_indirect<E>(
             break;
         }
         paired.nodes.lattice.divide(samples, &coarse);
-        paired.gather_new(gather)?;
+        paired.gather_new(progress, gather)?;
         errors = paired.nodes.interpolation_errors();
     }
     if !is_final {
@@ -224,12 +228,15 @@ fn first_lattice(samples: &Samples) -> Lattice {
     lattice
 }
 
-/// Rays of the first gather at each of so many nodes.
-fn first_rays(nodes: usize) -> PairRays {
+/// Rays of the first gather at each of so many nodes, fewer once there is no time.
+fn first_rays(nodes: usize, progress: &Progress) -> PairRays {
+    let late = if progress.out_of_time() { LATE } else { 0 };
     let halvings = (nodes / MANY_NODES)
         .min(3)
         .checked_ilog2()
         .map_or(0, |log| log + 1);
+    // A path for each of the replicates is left.
+    let halvings = (halvings + late).min(FIRST_RAYS.traced.ilog2() - REPLICATES.ilog2());
     PairRays {
         read: FIRST_RAYS.read >> halvings,
         traced: FIRST_RAYS.traced >> halvings,
@@ -256,11 +263,11 @@ impl<'a> PairedNodes<'a> {
     }
 
     /// Gathers at the nodes that have no light yet.
-    fn gather_new<E>(&mut self, gather: &mut PairGather<E>) -> Result<(), E> {
+    fn gather_new<E>(&mut self, progress: &Progress, gather: &mut PairGather<E>) -> Result<(), E> {
         self.nodes.light.truncate(self.pairs.len());
         let (points, areas) = self.nodes.targets();
         if !points.is_empty() {
-            let rays = first_rays(self.nodes.lattice.len());
+            let rays = first_rays(self.nodes.lattice.len(), progress);
             self.rays.resize(self.rays.len() + points.len(), rays);
             self.pairs.extend(gather(&PairRequest {
                 points: &points,

@@ -13,6 +13,9 @@ const NOISE_SHARE: f64 = 0.85;
 /// Rays per point of the first look at the light.
 const FIRST_RAYS: u32 = 128;
 
+/// The same once the deadline has passed.
+const LATE_RAYS: u32 = 32;
+
 /// Looks after the first, each corrected by paths: what patches leak into the dark, and miss where it is
 /// bright, is hardly left in the light that the last gather reads.
 const LOOKS: u32 = 2;
@@ -47,8 +50,10 @@ impl IndirectLight<'_> {
         };
         let surfaces = self.solved.gatherer().surfaces();
         let mut look = |request: &LookRequest| {
+            let is_late = self.progress.out_of_time();
+            let rays = if is_late { LATE_RAYS } else { FIRST_RAYS };
             let range = PairRange {
-                read: 0..FIRST_RAYS,
+                read: 0..rays,
                 traced: 0..0,
             };
             let found = self.pairs(request.points, None, &range, 0)?;
@@ -76,7 +81,7 @@ impl IndirectLight<'_> {
             let field = TexelField::new(atlas, samples, &light, objects, surfaces);
             drop(std::mem::take(&mut light));
             let mut gather = |request: &PairRequest| self.paired(request, &field, number);
-            light = azulejo_bake::look_again(samples, direct, &nodes, &mut gather)?;
+            light = azulejo_bake::look_again(samples, direct, &nodes, self.progress, &mut gather)?;
         }
         let field = TexelField::new(atlas, samples, &light, objects, surfaces);
         drop(light);
