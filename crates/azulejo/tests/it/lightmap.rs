@@ -67,25 +67,30 @@ pub fn places(baked: &Baked, count: u32) -> Vec<(usize, usize, [f64; 3])> {
     (0..count).map(place).collect()
 }
 
+/// The point of a place, and the normal of the side that is baked.
+pub fn on_surface(baked: &Baked, &(r, t, weights): &(usize, usize, [f64; 3])) -> PointNormal {
+    let receiver = &baked.atlas.receivers[r];
+    let corners = receiver.corners(t);
+    let chart = baked.atlas.layout.receivers[r].charts[t];
+    let side = if baked.atlas.is_turned(chart) {
+        -1.0
+    } else {
+        1.0
+    };
+    PointNormal {
+        position: (0..3).map(|k| weights[k] * corners[k]).sum(),
+        normal: side * receiver.area_vector(t).normalize(),
+    }
+}
+
 /// What viewers read at points beside what is there: root mean square and mean of the differences, relative to the
 /// mean.
 fn found_errors(scene: &Scene, baked: &Baked) -> [f64; 2] {
     let places = places(baked, 400);
-    let point = |&(r, t, weights): &(usize, usize, [f64; 3])| {
-        let receiver = &baked.atlas.receivers[r];
-        let corners = receiver.corners(t);
-        let chart = baked.atlas.layout.receivers[r].charts[t];
-        let side = if baked.atlas.is_turned(chart) {
-            -1.0
-        } else {
-            1.0
-        };
-        PointNormal {
-            position: (0..3).map(|k| weights[k] * corners[k]).sum(),
-            normal: side * receiver.area_vector(t).normalize(),
-        }
-    };
-    let points: Vec<PointNormal> = places.iter().map(point).collect();
+    let points: Vec<PointNormal> = places
+        .iter()
+        .map(|place| on_surface(baked, place))
+        .collect();
     let pass = FirstPass {
         error: Some(0.007),
         ..FirstPass::default()

@@ -1,6 +1,6 @@
 //! Where something stands on a surface, texels have the light of one side of it.
 
-use crate::lightmap::{baked, options, places, room};
+use crate::lightmap::{baked, on_surface, options, places, room};
 use azulejo::bake::Resolution;
 use azulejo::lightmap::{BakeOptions, Baked, BakedSides, meshes_of};
 use azulejo::scene::{Light, LightKind, Material, Mesh, Object, Rgb, Scene, Shape};
@@ -21,19 +21,12 @@ fn dense(error: f64) -> BakeOptions {
 /// Irradiance as a viewer reads it at places of an object, with their position and the normal of the side.
 fn read_light(baked: &Baked, object: u32, count: u32) -> Vec<(DVec3, DVec3, f64)> {
     let mut read = Vec::new();
-    for (r, t, weights) in places(baked, count) {
+    for place in places(baked, count) {
+        let (r, t, weights) = place;
         if baked.objects[r] == object {
-            let receiver = &baked.atlas.receivers[r];
-            let corners = receiver.corners(t);
-            let chart = baked.atlas.layout.receivers[r].charts[t];
-            let side = if baked.atlas.is_turned(chart) {
-                -1.0
-            } else {
-                1.0
-            };
-            let normal = side * receiver.area_vector(t).normalize();
+            let at = on_surface(baked, &place);
             let light = baked.irradiance(r, t, weights).unwrap().mean();
-            read.push(((0..3).map(|k| weights[k] * corners[k]).sum(), normal, light));
+            read.push((at.position, at.normal, light));
         }
     }
     assert!(read.len() > 100, "{} places", read.len());
