@@ -146,9 +146,10 @@ pub fn direct(
     }
     let light = in_batches(&left, |batch| {
         progress.advance(batch.len() as u64)?;
-        Ok(match progress.out_of_time() {
-            true => vec![None; batch.len()],
-            false => gather(batch).into_iter().map(Some).collect(),
+        Ok(if progress.out_of_time() {
+            vec![None; batch.len()]
+        } else {
+            gather(batch).into_iter().map(Some).collect()
         })
     })?;
     let mut missing = Vec::new();
