@@ -26,6 +26,9 @@ struct LampCluster {
 /// Part of a group's intensity that it is taken to have in every direction.
 const EVERYWHERE: f64 = 0.02;
 
+/// The same from within a group, where its lamps fill the view.
+const NEAR: f64 = 0.5;
+
 /// All lamps, each in one group.
 pub(super) struct LampClusters(Vec<LampCluster>);
 
@@ -78,7 +81,7 @@ impl LampClusters {
         let mut sum = 0.0;
         for (end, &lamp) in ends.iter_mut().zip(members) {
             let lamp = &lamps[lamp as usize];
-            let factor = lamp.form_factor_guide(point.position, point.normal);
+            let factor = lamp.form_factor(point.position, point.normal);
             sum += factor * lamp.emission.radiance.max_channel();
             *end = sum;
         }
@@ -128,7 +131,9 @@ impl LampCluster {
         // What is emitted along no one direction counts half.
         let facing = -way.dot(self.along) / square.sqrt();
         let scattered = 0.5 * (self.intensity - self.along.length());
-        let toward = facing.max(0.0) + scattered + EVERYWHERE * self.intensity;
+        // From near by some of it is seen from its front, however far aside the middle is.
+        let near = NEAR * self.radius * self.radius / square;
+        let toward = facing.max(0.0) + scattered + (EVERYWHERE + near) * self.intensity;
         toward * height.max(0.0) / (square * square.sqrt())
     }
 }
@@ -141,7 +146,7 @@ mod tests {
     use azulejo_scene::{Light, LightKind, Material, Mesh, Object, Rgb, Scene, Shape};
     use std::f64::consts::{PI, TAU};
 
-    /// A globe of a hundred lamps, half of it behind a plate, and a light without area.
+    /// A globe of a hundred lamps, half of it behind a plate, a wall that shines, and a light without area.
     fn globe() -> Scene {
         let mut scene = Scene::default();
         let glowing = scene.add_material(Material::emitter("glowing", Rgb::new(3.0, 2.0, 1.0)));
@@ -174,7 +179,13 @@ mod tests {
             ..Mesh::default()
         };
         shade.push_face(&[0, 1, 2, 3], grey);
-        for mesh in [mesh, shade] {
+        let wall = [[-1.0, 0.0], [1.0, 0.0], [1.0, 2.0], [-1.0, 2.0]];
+        let mut shining = Mesh {
+            positions: wall.map(|[y, z]| DVec3::new(-1.2, y, z)).to_vec(),
+            ..Mesh::default()
+        };
+        shining.push_face(&[0, 1, 2, 3], glowing);
+        for mesh in [mesh, shade, shining] {
             scene.objects.push(Object::new("part", Shape::Mesh(mesh)));
         }
         scene.lights.push(Light {
@@ -199,7 +210,8 @@ mod tests {
         assert_eq!(members, (0..lamps.len() as u32).collect::<Vec<_>>());
         assert!(lamps.len() > 90);
         let place = |k: u32| GatherPoint {
-            position: DVec3::new(0.3 * f64::from(k) - 1.0, 0.1, 0.0),
+            // The first at the foot of the wall.
+            position: DVec3::new(0.3 * f64::from(k) - 1.1999, 0.1, 0.0),
             normal: DVec3::new(0.0, 0.3, 1.0).normalize(),
             key: k,
         };
