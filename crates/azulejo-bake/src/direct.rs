@@ -41,6 +41,14 @@ pub struct SampleDirect {
 }
 
 impl SampleDirect {
+    /// No light at so many samples.
+    fn none(count: usize) -> SampleDirect {
+        SampleDirect {
+            irradiance: vec![[0.0; 3]; count],
+            variance: vec![[0.0; 3]; count],
+        }
+    }
+
     fn set(&mut self, sample: usize, found: &Gathered) {
         self.irradiance[sample] = found.mean().map(|e| e.max(0.0)).to_f32();
         self.variance[sample] = found.variance().to_f32();
@@ -76,11 +84,7 @@ impl SampleDirect {
         of_nodes: Vec<Gathered>,
         missing: &[u32],
     ) {
-        let count = samples.samples.len();
-        let none = SampleDirect {
-            irradiance: vec![[0.0; 3]; count],
-            variance: vec![[0.0; 3]; count],
-        };
+        let none = SampleDirect::none(samples.samples.len());
         let mut nodes = Nodes::new(samples, &none, lattice);
         nodes.light = of_nodes.into_iter().map(NodeLight::from).collect();
         let light = nodes.interpolated(&nodes.interpolation_errors());
@@ -113,12 +117,42 @@ pub fn direct(
     seed: u32,
     progress: &Progress,
 ) -> Result<SampleDirect, Cancelled> {
+    let mut found = at_centres(samples, gatherer, seed, progress)?;
+    let mean = mean(samples, &found);
+    for (round, places) in PLACES.into_iter().enumerate() {
+        if progress.out_of_time() {
+            break;
+        }
+        let uneven = uneven(samples, &found, error * mean, round);
+        progress.begin("shadow edges", uneven.len() as u64);
+        let fine = in_batches(&uneven, |batch| {
+            progress.advance(batch.len() as u64)?;
+            let light = |&s: &u32| {
+                (!progress.out_of_time())
+                    .then(|| over_texel(samples, s as usize, atlas, gatherer, places, seed))
+            };
+            Ok(batch.iter().map(light).collect())
+        })?;
+        for (&sample, light) in uneven.iter().zip(&fine) {
+            if let Some(light) = light {
+                found.set(sample as usize, light);
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// Gathers the direct light at the point of each sample. Where there is a deadline, light at one sample of each few
+/// comes first, and what there is no time for is interpolated.
+fn at_centres(
+    samples: &Samples,
+    gatherer: &Gatherer,
+    seed: u32,
+    progress: &Progress,
+) -> Result<SampleDirect, Cancelled> {
     let count = samples.samples.len();
     progress.begin("direct light", count as u64);
-    let mut found = SampleDirect {
-        irradiance: vec![[0.0; 3]; count],
-        variance: vec![[0.0; 3]; count],
-    };
+    let mut found = SampleDirect::none(count);
     let gather = |batch: &[u32]| {
         let point = |&s: &u32| gather_point(samples, s as usize);
         let points: Vec<GatherPoint> = batch.iter().map(point).collect();
@@ -161,27 +195,6 @@ pub fn direct(
     }
     if let Some((lattice, light)) = sparse.filter(|_| !missing.is_empty()) {
         found.interpolate(samples, lattice, light, &missing);
-    }
-    let mean = mean(samples, &found);
-    for (round, places) in PLACES.into_iter().enumerate() {
-        if progress.out_of_time() {
-            break;
-        }
-        let uneven = uneven(samples, &found, error * mean, round);
-        progress.begin("shadow edges", uneven.len() as u64);
-        let fine = in_batches(&uneven, |batch| {
-            progress.advance(batch.len() as u64)?;
-            let light = |&s: &u32| {
-                (!progress.out_of_time())
-                    .then(|| over_texel(samples, s as usize, atlas, gatherer, places, seed))
-            };
-            Ok(batch.iter().map(light).collect())
-        })?;
-        for (&sample, light) in uneven.iter().zip(&fine) {
-            if let Some(light) = light {
-                found.set(sample as usize, light);
-            }
-        }
     }
     Ok(found)
 }

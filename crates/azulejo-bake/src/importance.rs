@@ -40,16 +40,16 @@ pub struct ChartImportance {
 }
 
 impl ChartImportance {
-    /// The mean square error of viewers at edges of shadows in some layout of the same receivers, up to a factor:
-    /// `layout` is the one whose charts were looked at.
-    pub fn error_in(&self, other: &Layout, layout: &Layout, receivers: &[Receiver]) -> f64 {
+    /// The mean square error that interpolation makes at the edges of shadows with the texels of `layout`, up to a
+    /// factor; `measured` is the layout of the same receivers whose charts were looked at.
+    pub fn shadow_error(&self, layout: &Layout, measured: &Layout, receivers: &[Receiver]) -> f64 {
         let mut areas = vec![[0.0; 2]; self.edges.len()];
         for (r, receiver) in receivers.iter().enumerate() {
-            for (t, &chart) in layout.receivers[r].charts.iter().enumerate() {
+            for (t, &chart) in measured.receivers[r].charts.iter().enumerate() {
                 if chart != NO_CHART {
                     let of_chart = &mut areas[chart as usize];
                     of_chart[0] += 0.5 * receiver.area_vector(t).length();
-                    of_chart[1] += signed_area(other.texels(r, t)).abs();
+                    of_chart[1] += signed_area(layout.texels(r, t)).abs();
                 }
             }
         }

@@ -156,8 +156,8 @@ pub fn look_again<E>(
     progress: &Progress,
     gather: &mut dyn FnMut(&PairRequest) -> Result<Vec<NodePair>, E>,
 ) -> Result<Vec<TexelLight>, E> {
-    let mut paired = PairedNodes::new(samples, direct, nodes.0.clone());
-    paired.gather_new(progress, gather)?;
+    let mut paired = PairedNodes::new(samples, direct, nodes.0.clone(), progress);
+    paired.gather_new(gather)?;
     let errors = vec![0.0; paired.nodes.lattice.len()];
     Ok(paired.nodes.interpolated(&errors))
 }
@@ -178,10 +178,10 @@ pub fn with_indirect<E>(
     progress: &Progress,
     gather: &mut dyn FnMut(&PairRequest) -> Result<Vec<NodePair>, E>,
 ) -> Result<(Vec<TexelLight>, TexelStatistics), E> {
-    let mut paired = PairedNodes::new(samples, direct, start.0);
-    paired.gather_new(progress, gather)?;
+    let mut paired = PairedNodes::new(samples, direct, start.0, progress);
+    paired.gather_new(gather)?;
     if !is_final {
-        paired.quieten(goal, progress, gather)?;
+        paired.quieten(goal, gather)?;
     }
     let mut errors = paired.nodes.interpolation_errors();
     for _ in 1..=MOST_ROUNDS {
@@ -191,7 +191,7 @@ pub fn with_indirect<E>(
             break;
         }
         paired.nodes.lattice.divide(samples, &coarse);
-        paired.gather_new(progress, gather)?;
+        paired.gather_new(gather)?;
         errors = paired.nodes.interpolation_errors();
     }
     if !is_final {
@@ -202,7 +202,7 @@ pub fn with_indirect<E>(
             if progress.out_of_time() {
                 break;
             }
-            paired.raise(&rays, progress, gather)?;
+            paired.raise(&rays, gather)?;
             errors = paired.nodes.interpolation_errors();
         }
     }
@@ -249,13 +249,20 @@ struct PairedNodes<'a> {
     pairs: Vec<NodePair>,
     /// Rays that each node has.
     rays: Vec<PairRays>,
+    progress: &'a Progress,
 }
 
 type PairGather<'g, E> = dyn FnMut(&PairRequest) -> Result<Vec<NodePair>, E> + 'g;
 
 impl<'a> PairedNodes<'a> {
-    fn new(samples: &'a Samples, direct: &'a SampleDirect, lattice: Lattice) -> PairedNodes<'a> {
+    fn new(
+        samples: &'a Samples,
+        direct: &'a SampleDirect,
+        lattice: Lattice,
+        progress: &'a Progress,
+    ) -> PairedNodes<'a> {
         PairedNodes {
+            progress,
             nodes: Nodes::new(samples, direct, lattice),
             pairs: Vec::new(),
             rays: Vec::new(),
@@ -263,11 +270,11 @@ impl<'a> PairedNodes<'a> {
     }
 
     /// Gathers at the nodes that have no light yet.
-    fn gather_new<E>(&mut self, progress: &Progress, gather: &mut PairGather<E>) -> Result<(), E> {
+    fn gather_new<E>(&mut self, gather: &mut PairGather<E>) -> Result<(), E> {
         self.nodes.light.truncate(self.pairs.len());
         let (points, areas) = self.nodes.targets();
         if !points.is_empty() {
-            let rays = first_rays(self.nodes.lattice.len(), progress);
+            let rays = first_rays(self.nodes.lattice.len(), self.progress);
             self.rays.resize(self.rays.len() + points.len(), rays);
             self.pairs.extend(gather(&PairRequest {
                 points: &points,
@@ -292,12 +299,7 @@ impl<'a> PairedNodes<'a> {
     }
 
     /// Brings nodes to more rays, as many of them as there is time for.
-    fn raise<E>(
-        &mut self,
-        rays: &[PairRays],
-        progress: &Progress,
-        gather: &mut PairGather<E>,
-    ) -> Result<(), E> {
+    fn raise<E>(&mut self, rays: &[PairRays], gather: &mut PairGather<E>) -> Result<(), E> {
         self.nodes.light.clear();
         let (points, areas) = self.nodes.targets();
         // Nodes that get the same rays are gathered together.
@@ -309,7 +311,7 @@ impl<'a> PairedNodes<'a> {
             }
         }
         let share = |from: u32, to: u32| f64::from(to - from) / f64::from(to.max(1));
-        let together = if progress.has_deadline() {
+        let together = if self.progress.has_deadline() {
             BETWEEN_LOOKS
         } else {
             usize::MAX
@@ -319,7 +321,7 @@ impl<'a> PairedNodes<'a> {
             parts.map(move |members| (*range, members))
         });
         for ([read, to_read, traced, to_traced], members) in parts {
-            if progress.out_of_time() {
+            if self.progress.out_of_time() {
                 break;
             }
             let points: Vec<GatherPoint> = members.iter().map(|&n| points[n]).collect();
@@ -344,23 +346,18 @@ impl<'a> PairedNodes<'a> {
     }
 
     /// Adds rays that read light until the noise of nodes is not taken for their differences.
-    fn quieten<E>(
-        &mut self,
-        goal: IndirectGoal,
-        progress: &Progress,
-        gather: &mut PairGather<E>,
-    ) -> Result<(), E> {
+    fn quieten<E>(&mut self, goal: IndirectGoal, gather: &mut PairGather<E>) -> Result<(), E> {
         for _ in 0..MOST_RAISES {
             let (noise, _) = self.nodes.node_noise();
             let permitted = (NODE_ERROR * goal.permitted(self.nodes.mean)).powi(2);
-            if noise <= permitted || progress.out_of_time() {
+            if noise <= permitted || self.progress.out_of_time() {
                 break;
             }
             let rays = self.allocated([1.0, 0.0], permitted);
             if rays == self.rays {
                 break;
             }
-            self.raise(&rays, progress, gather)?;
+            self.raise(&rays, gather)?;
         }
         Ok(())
     }

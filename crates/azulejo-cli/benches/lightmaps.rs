@@ -3,8 +3,8 @@
 //! `cargo bench -p azulejo-cli --bench lightmaps -- [NAME...]`, with the environment variable `AZULEJO_DATA`:
 //! `reference/real/NAME_{points,normals,E,E_se}.npy` for each `scenes/real/NAME`, path traced by others; for
 //! `scenes/s1.obj`, points of `azulejo probe` without patches or interpolation. The file that was written is
-//! read again, and the EXR beside it is interpolated at its texture coordinates. Fronts are baked, and points
-//! on backs are left out, which no lightmap of fronts can have. The references have the light of facets; where
+//! read again, and the EXR beside it is interpolated at its texture coordinates. Of each chart the side is baked
+//! that is the default of OBJ files, and points on the other are left out, which such a lightmap cannot have. The references have the light of facets; where
 //! shading normals differ from theirs, lightmaps have that of the smooth surface, as pictures do, and such points
 //! are left out too.
 //!
@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// What is baked: the model, the options, and what others took for the like where that was measured.
-const WORKS: [(&str, &str, &str); 6] = [
+const WORKS: [(&str, &str, &str); 8] = [
     (
         "s1",
         "--texels 1e5 --error 1%",
@@ -40,8 +40,10 @@ const WORKS: [(&str, &str, &str); 6] = [
     ),
     ("hut", "--size 512 --error 4%", ""),
     ("dining", "--size 512 --error 4%", ""),
+    ("dining", "--size 1024 --error 2%", ""),
+    ("dining", "--size 1024 --error 2% --density auto", ""),
     ("sponza", "--size 512 --error 5%", ""),
-    ("sponza", "--size 2048 --error 2% --time 300s", ""),
+    ("sponza", "--size 2048 --error 2%", ""),
 ];
 
 /// Points of scenes that have no reference of others.
@@ -68,7 +70,7 @@ fn main() {
     let folder = std::env::temp_dir().join(format!("azulejo-lightmaps-{}", std::process::id()));
     fs::create_dir_all(&folder).expect("a folder for the results");
     println!(
-        "{:<32} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>6} {:>6} {:>7} {:>6}",
+        "{:<45} {:>9} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>6} {:>6} {:>7} {:>6}",
         "work",
         "texels",
         "said",
@@ -181,7 +183,7 @@ impl Work {
             .arg("bake")
             .args(&self.models)
             .args(options.split(' '))
-            .args(["--pages", "1", "--double-sided", "front", "--json", "-o"])
+            .args(["--pages", "1", "--json", "-o"])
             .arg(&model)
             .arg("--lightmap")
             .arg(&map)
@@ -191,13 +193,13 @@ impl Work {
             .expect("the program runs");
         let work = format!("{} {options}", self.name);
         if !run.status.success() {
-            return format!("{work:<32} {}", String::from_utf8_lossy(&run.stderr));
+            return format!("{work:<45} {}", String::from_utf8_lossy(&run.stderr));
         }
         let report: Value = serde_json::from_slice(&run.stdout).expect("a report");
         let number = |key: &str| report[key].as_f64().unwrap_or(f64::NAN);
         let found = self.compared(&read(&model), &image(&map), &image(&error_map));
         format!(
-            "{work:<32} {:>9} {:>6.2}% {:>6.2}% {:>+6.2}% {:>6.2}% {:>6.2}% {:>6.2}% {:>6.1} {:>6.1} {:>7.0} {:>5.0}%",
+            "{work:<45} {:>9} {:>6.2}% {:>6.2}% {:>+6.2}% {:>6.2}% {:>6.2}% {:>6.2}% {:>6.1} {:>6.1} {:>7.0} {:>5.0}%",
             number("texels"),
             100.0 * found.stated,
             100.0 * found.error,

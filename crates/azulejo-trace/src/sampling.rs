@@ -205,6 +205,26 @@ pub fn cosine_about(frame: &Frame, u1: f64, u2: f64) -> DVec3 {
     frame.to_world(cosine_hemisphere(u1, u2))
 }
 
+/// The sums of values up to each.
+pub(crate) fn cumulative_sums(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut sum = 0.0;
+    let up_to = |value| {
+        sum += value;
+        sum
+    };
+    values.map(up_to).collect()
+}
+
+/// The index that `u` in 0..1 chooses in proportion to values with these cumulative sums, and its probability; `None`
+/// if all of them are 0.
+pub(crate) fn sample_discrete(cumulative: &[f64], u: f64) -> Option<(usize, f64)> {
+    let sum = *cumulative.last().filter(|&&sum| sum > 0.0)?;
+    let chosen = cumulative.partition_point(|&end| end <= u * sum);
+    let chosen = chosen.min(cumulative.len() - 1);
+    let before = chosen.checked_sub(1).map_or(0.0, |k| cumulative[k]);
+    Some((chosen, (cumulative[chosen] - before) / sum))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

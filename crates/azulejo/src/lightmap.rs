@@ -263,7 +263,7 @@ pub fn bake(
             progress,
         )?;
         // Charts of many sizes fill less of a page.
-        let error_in = |layout: &Layout| importance.error_in(layout, even, receivers);
+        let error_in = |layout: &Layout| importance.shadow_error(layout, even, receivers);
         if error_in(&followed) < WORTH_REPACKING * error_in(even) {
             atlas.layout = followed;
             turn(&mut atlas);

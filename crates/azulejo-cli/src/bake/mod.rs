@@ -92,7 +92,8 @@ pub fn run(args: &BakeArgs, session: &mut Session) -> Result<Report, Failure> {
     say_unreached(&baked, args, session);
     if options.follows_light && !baked.follows_light {
         session.note(
-            "--density auto: texels stay even, for charts of more sizes would fill less of the pages than it gains",
+            "--density auto: texel density stays uniform, because packing charts of different densities would cost more \
+             texels than sharper shadows gain",
         );
     }
     let places = (chosen.uvs, options.charts.padding);

@@ -6,7 +6,7 @@
 //! share is weighted by the transport kernel cos θ cos θ′/r², whose mean the formula knows: a
 //! control variate, so that a point that sees all or nothing of a lamp has no error at all.
 
-use super::many_lights::{choose, ends};
+use super::many_lights::{choose, cumulative};
 use super::polygon::{is_through, kernel, sample_lamp};
 use super::shadow::ShadowTests;
 use super::sources::DirectSources;
@@ -133,10 +133,10 @@ impl<'a> Direct<'a> {
             self.terms_of(index as u32, point, one_by_one, &mut terms);
             self.sun_terms_of(index as u32, point, &mut terms);
             let chance = |d: u32| f64::from(uniform(&[seed, point.key, d]));
-            let ends = ends(&terms);
-            let of_clusters = clusters.map_or(Vec::new(), |clusters| clusters.ends(point));
+            let of_terms = cumulative(&terms);
+            let of_clusters = clusters.map_or(Vec::new(), |clusters| clusters.cumulative(point));
             let [terms_sum, clusters_sum] =
-                [&ends, &of_clusters].map(|ends| ends.last().copied().unwrap_or(0.0));
+                [&of_terms, &of_clusters].map(|sums| sums.last().copied().unwrap_or(0.0));
             let share = clusters_sum / (clusters_sum + terms_sum).max(f64::MIN_POSITIVE);
             let u = (chance(1), chance(2));
             if let Some(clusters) = clusters.filter(|_| chance(0) < share) {
@@ -151,7 +151,7 @@ impl<'a> Direct<'a> {
                 continue;
             }
             let of_term = (chance(0) - share) / (1.0 - share);
-            if let Some((term, probability)) = choose(&terms, &ends, of_term)
+            if let Some((term, probability)) = choose(&terms, &of_terms, of_term)
                 && let Some(weight) = self.plan(point, index as u32, 0, &term.target, u)
             {
                 values[index] = term.unbiased(weight) / (probability * (1.0 - share));

@@ -9,10 +9,9 @@
 //! of the few points.
 
 use super::direct::{Direct, MOST_TERMS};
-use super::lamp_clusters::chosen;
 use super::terms::{FlatSource, Term, ratio_of_others};
 use super::{DirectLight, GatherPoint, REPLICATES};
-use crate::sampling::{hash, seeds, sobol};
+use crate::sampling::{cumulative_sums, hash, sample_discrete, seeds, sobol};
 use azulejo_scene::Rgb;
 use std::f64::consts::PI;
 
@@ -38,13 +37,13 @@ impl Direct<'_> {
     ) -> [Rgb; REPLICATES] {
         let count = (4 * rays).max(MOST_TERMS as u32 / 2);
         self.tests.clear();
-        let ends = ends(terms);
+        let cumulative = cumulative(terms);
         let mut values = Vec::new();
         for r in 0..REPLICATES as u32 {
             let s = seeds(&[seed, r]);
             for k in 0..count {
                 let [c, u1, u2] = [0, 1, 2].map(|d| f64::from(sobol(k, d, s[d])));
-                let Some((term, probability)) = choose(terms, &ends, c) else {
+                let Some((term, probability)) = choose(terms, &cumulative, c) else {
                     continue;
                 };
                 let tag = values.len() as u32;
@@ -61,11 +60,8 @@ impl Direct<'_> {
     /// Mean direct light of flat emitters over a surface, one estimate per replicate.
     pub(super) fn over(&mut self, samples: &SurfaceSamples, seed: u32) -> DirectLight {
         let sources = self.flat_sources();
-        let (known, ends) = self.known(&sources, samples.formulas);
+        let (known, cumulative) = self.known(&sources, samples.formulas);
         let mut light = DirectLight::default();
-        let Some(&whole) = ends.last().filter(|&&whole| whole > 0.0) else {
-            return light;
-        };
         self.tests.clear();
         let mut values = Vec::with_capacity(samples.rays.len());
         let each = samples.rays.len() / REPLICATES;
@@ -73,10 +69,9 @@ impl Direct<'_> {
             let (r, k) = (index / each, samples.before + (index % each) as u32);
             let [s1, s2, s3, ..] = seeds(&[hash(&[seed, r as u32]), 0xc0]);
             let [c, u1, u2] = [(2, s1), (3, s2), (4, s3)].map(|(d, s)| f64::from(sobol(k, d, s)));
-            let chosen = ends.partition_point(|&sum| sum <= c * whole);
-            let chosen = chosen.min(sources.len() - 1);
-            let before = chosen.checked_sub(1).map_or(0.0, |k| ends[k]);
-            let probability = (ends[chosen] - before) / whole;
+            let Some((chosen, probability)) = sample_discrete(&cumulative, c) else {
+                return light;
+            };
             let source = sources[chosen];
             let Some(target) = self.target(source, point) else {
                 continue;
@@ -101,15 +96,16 @@ impl Direct<'_> {
             .collect()
     }
 
-    /// Irradiance per replicate if nothing stood between, and the sums of what the sources up to
-    /// each give, by which they are chosen.
+    /// Irradiance per replicate if nothing stood between, and the cumulative sums of what each source
+    /// gives, by which they are chosen.
     fn known(
         &self,
         sources: &[FlatSource],
         points: &[GatherPoint],
     ) -> ([Rgb; REPLICATES], Vec<f64>) {
         let each = points.len() / REPLICATES;
-        let (mut known, mut ends) = ([Rgb::BLACK; REPLICATES], Vec::with_capacity(sources.len()));
+        let (mut known, mut cumulative) =
+            ([Rgb::BLACK; REPLICATES], Vec::with_capacity(sources.len()));
         let mut sum = 0.0;
         for &source in sources {
             let radiance = self.radiance(source);
@@ -118,9 +114,9 @@ impl Direct<'_> {
                 known[index / each] += full;
                 sum += full.max_channel();
             }
-            ends.push(sum);
+            cumulative.push(sum);
         }
-        (known, ends)
+        (known, cumulative)
     }
 
     /// Traces the planned tests, whose tags are indices of `values`: what each gives, and whether
@@ -167,20 +163,16 @@ impl SampleSums {
     }
 }
 
-/// The sums of the full irradiance of the terms up to each.
-pub(super) fn ends(terms: &[Term]) -> Vec<f64> {
-    let mut sum = 0.0;
-    let end = |term: &Term| {
-        sum += term.full.max_channel();
-        sum
-    };
-    terms.iter().map(end).collect()
+/// The cumulative sums of the full irradiance of terms.
+pub(super) fn cumulative(terms: &[Term]) -> Vec<f64> {
+    cumulative_sums(terms.iter().map(|term| term.full.max_channel()))
 }
 
-/// A term chosen by `u` in 0..1 in proportion to its full irradiance, and its probability; `ends` are those of the
-/// terms.
-pub(super) fn choose<'t>(terms: &'t [Term], ends: &[f64], u: f64) -> Option<(&'t Term, f64)> {
-    let (chosen, _) = chosen(ends, u)?;
+/// A term chosen by `u` in 0..1 in proportion to its full irradiance, and its probability, from the cumulative sums of
+/// the terms.
+pub(super) fn choose<'t>(terms: &'t [Term], cumulative: &[f64], u: f64) -> Option<(&'t Term, f64)> {
+    let (chosen, _) = sample_discrete(cumulative, u)?;
     let term = &terms[chosen];
-    Some((term, term.full.max_channel() / ends.last()?))
+    // Its own share has not lost what a difference of sums loses.
+    Some((term, term.full.max_channel() / cumulative.last()?))
 }

@@ -9,7 +9,7 @@ mod collector;
 mod direct;
 mod directions;
 mod estimate;
-mod lamp_clusters;
+mod light_clusters;
 mod many_lights;
 mod next_event;
 mod outside;

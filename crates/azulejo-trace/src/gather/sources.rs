@@ -1,7 +1,7 @@
 //! Which lights, and which mirror images of them, the direct light is computed from.
 
 use super::direct::MOST_TERMS;
-use super::lamp_clusters::LampClusters;
+use super::light_clusters::LightClusters;
 use crate::Surfaces;
 use crate::follow::Via;
 use crate::lambert::{ArrayPolygon, mirror_polygon};
@@ -52,7 +52,7 @@ pub struct DirectSources {
     is_window: Vec<bool>,
     count: usize,
     /// The flat emitters in groups, if there are many.
-    pub(super) clusters: Option<LampClusters>,
+    pub(super) clusters: Option<LightClusters>,
 }
 
 impl DirectSources {
@@ -73,7 +73,7 @@ impl DirectSources {
         let flat = if has_flat { sides } else { 0 } + points;
         sources.collect_windows(surfaces, lights, flat);
         let lamps = sources.flat(lights);
-        sources.clusters = (lamps.len() > MOST_TERMS).then(|| LampClusters::new(lamps));
+        sources.clusters = (lamps.len() > MOST_TERMS).then(|| LightClusters::new(lamps));
         let curved = sources.curved(lights).len();
         sources.count = flat * (1 + sources.windows.len()) + curved;
         sources

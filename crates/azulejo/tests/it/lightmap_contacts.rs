@@ -2,8 +2,9 @@
 
 use crate::lightmap::{baked, on_surface, options, places, room};
 use azulejo::bake::Resolution;
-use azulejo::lightmap::{BakeOptions, Baked, BakedSides, meshes_of};
-use azulejo::scene::{Light, LightKind, Material, Mesh, Object, Rgb, Scene, Shape};
+use azulejo::lightmap::{BakeOptions, Baked, BakedSides, bake, meshes_of};
+use azulejo::scene::{Attribute, Light, LightKind, Material, Mesh, Object, Rgb, Scene, Shape};
+use azulejo::trace::{Progress, Tracer};
 use glam::DVec3;
 
 /// Texels per unit.
@@ -63,6 +64,11 @@ fn rectangle(scene: &mut Scene, name: &str, corners: [[f64; 3]; 4], material: u3
 fn solid(scene: &mut Scene, extent: [[f64; 2]; 3], material: u32) {
     let [low, high] = [0, 1].map(|end| DVec3::from(extent.map(|axis| axis[end])));
     room(scene, low, high, material, true);
+    turn_last(scene);
+}
+
+/// Turns the faces of the last object round.
+fn turn_last(scene: &mut Scene) {
     if let Some(Shape::Mesh(mesh)) = scene.objects.last_mut().map(|object| &mut object.shape) {
         (0..mesh.faces.len()).for_each(|face| mesh.reverse_face(face));
     }
@@ -75,14 +81,8 @@ fn closed_rooms_stay_dark() {
     for thickness in [0.05, 0.1, 0.2] {
         let mut scene = Scene::default();
         let grey = scene.add_material(Material::diffuse("grey", Rgb::grey(0.5)));
-        let mut floor = Mesh {
-            positions: [[-4.0, -4.0], [8.0, -4.0], [8.0, 8.0], [-4.0, 8.0]]
-                .map(|[x, y]| DVec3::new(x, y, 0.0))
-                .to_vec(),
-            ..Mesh::default()
-        };
-        floor.push_face(&[0, 1, 2, 3], grey);
-        scene.objects.push(Object::new("floor", Shape::Mesh(floor)));
+        let floor = [[-4.0, -4.0], [8.0, -4.0], [8.0, 8.0], [-4.0, 8.0]].map(|[x, y]| [x, y, 0.0]);
+        rectangle(&mut scene, "floor", floor, grey);
         let (low, high) = (DVec3::ZERO, DVec3::new(4.0, 4.0, 2.5));
         // The inner walls, and the outer ones with their fronts outside.
         room(&mut scene, low, high, grey, false);
@@ -94,9 +94,7 @@ fn closed_rooms_stay_dark() {
             grey,
             false,
         );
-        if let Shape::Mesh(mesh) = &mut scene.objects[2].shape {
-            (0..mesh.faces.len()).for_each(|face| mesh.reverse_face(face));
-        }
+        turn_last(&mut scene);
         scene.lights.push(Light {
             name: "sky".into(),
             kind: LightKind::Ambient {
@@ -104,18 +102,9 @@ fn closed_rooms_stay_dark() {
             },
         });
         let scene = meshes_of(&scene, true);
-        let mut options = options(512, 0.05);
-        options.charts.resolution = Resolution::PerUnit(10.0);
-        let baked = baked(&scene, &options);
-        let floor = &baked.atlas.receivers[0];
+        let baked = baked(&scene, &dense(0.05));
         let (mut inside, mut outside, mut dimmest) = (0.0f64, 0.0f64, f64::INFINITY);
-        for (r, t, weights) in places(&baked, 4000) {
-            if r != 0 {
-                continue;
-            }
-            let corners = floor.corners(t);
-            let p: DVec3 = (0..3).map(|k| weights[k] * corners[k]).sum();
-            let e = baked.irradiance(r, t, weights).unwrap().mean();
+        for (p, _, e) in read_light(&baked, 0, 4000) {
             let is_inside = p.x > 0.0 && p.x < 4.0 && p.y > 0.0 && p.y < 4.0;
             let away = (p.x - 2.0).abs().max((p.y - 2.0).abs()) - 2.0 - thickness;
             if is_inside {
@@ -154,15 +143,13 @@ fn a_partition_parts_the_light() {
             scene.lights.remove(0);
         }
         let scene = meshes_of(&scene, cuts);
-        let objects = [0];
         let options = BakeOptions {
             sides: BakedSides::Front,
             ..dense(0.01)
         };
-        let tracer = azulejo::trace::Tracer::new(&scene);
-        let progress = azulejo::trace::Progress::new();
-        let baked =
-            azulejo::lightmap::bake(&scene, &tracer, &objects, &options, &progress).unwrap();
+        // The sheet receives nothing: it would take most of the page.
+        let (tracer, progress) = (Tracer::new(&scene), Progress::new());
+        let baked = bake(&scene, &tracer, &[0], &options, &progress).unwrap();
         for (p, _, light) in read_light(&baked, 0, 2000) {
             let lamp = usize::from(p.x > at);
             let way = lamps[lamp] - p;
@@ -280,7 +267,7 @@ fn a_box_has_its_shadow_at_its_foot() {
     }
 }
 
-/// A smooth sphere in the light of a sky that is brighter above: charts end somewhere, and both sides of each end
+/// A smooth sphere over a floor, under a lamp and a sky: charts end somewhere, and both sides of each end
 /// have the same light.
 #[test]
 fn a_sphere_has_no_seams() {
@@ -309,7 +296,7 @@ fn a_sphere_has_no_seams() {
             mesh.push_face(&corners, white);
         }
     }
-    mesh.normals = Some(azulejo::scene::Attribute::per_vertex(normals));
+    mesh.normals = Some(Attribute::per_vertex(normals));
     scene.objects.push(Object::new("sphere", Shape::Mesh(mesh)));
     let floor = [[-4.0, -4.0], [4.0, -4.0], [4.0, 4.0], [-4.0, 4.0]].map(|[x, y]| [x, y, -1.5]);
     rectangle(&mut scene, "floor", floor, white);
@@ -326,8 +313,7 @@ fn a_sphere_has_no_seams() {
     };
     let baked = baked(&scene, &options);
     let charts = &baked.atlas.layout.receivers[0].charts;
-    let ends = charts.iter().collect::<std::collections::BTreeSet<_>>();
-    assert!(ends.len() >= 2, "{} charts", ends.len());
+    assert!(charts.iter().any(|chart| *chart != charts[0]), "one chart");
     let mean = baked.lightmap.mean().mean();
     let seams = baked.seams;
     assert!(seams.points > 200, "{} points", seams.points);

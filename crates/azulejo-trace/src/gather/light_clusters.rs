@@ -6,13 +6,14 @@
 
 use super::GatherPoint;
 use crate::lights::FlatEmitter;
+use crate::sampling::{cumulative_sums, sample_discrete};
 use glam::DVec3;
 
 /// Most lamps of a group.
 const MOST: usize = 16;
 
 /// Lamps that are near one another.
-struct LampCluster {
+struct LightCluster {
     lamps: Vec<u32>,
     centre: DVec3,
     /// Of a sphere around the middles of the lamps that has their corners, too.
@@ -30,15 +31,15 @@ const EVERYWHERE: f64 = 0.02;
 const NEAR: f64 = 0.5;
 
 /// All lamps, each in one group.
-pub(super) struct LampClusters(Vec<LampCluster>);
+pub(super) struct LightClusters(Vec<LightCluster>);
 
-impl LampClusters {
-    pub fn new(lamps: &[FlatEmitter]) -> LampClusters {
+impl LightClusters {
+    pub fn new(lamps: &[FlatEmitter]) -> LightClusters {
         let mut clusters = Vec::new();
         let mut parts: Vec<Vec<u32>> = vec![(0..lamps.len() as u32).collect()];
         while let Some(mut part) = parts.pop() {
             if part.len() <= MOST {
-                clusters.push(LampCluster::of(part, lamps));
+                clusters.push(LightCluster::of(part, lamps));
                 continue;
             }
             let centre = |lamp: u32| lamps[lamp as usize].centre;
@@ -53,54 +54,37 @@ impl LampClusters {
             let half = part.split_off(part.len() / 2);
             parts.extend([half, part]);
         }
-        LampClusters(clusters)
+        LightClusters(clusters)
     }
 
-    /// The sums of about what the groups up to each would give a point, W/m².
-    pub fn ends(&self, point: &GatherPoint) -> Vec<f64> {
-        let mut sum = 0.0;
-        let end = |cluster: &LampCluster| {
-            sum += cluster.irradiance(point);
-            sum
-        };
-        self.0.iter().map(end).collect()
+    /// The cumulative sums of about what each group would give a point, W/m².
+    pub fn cumulative(&self, point: &GatherPoint) -> Vec<f64> {
+        cumulative_sums(self.0.iter().map(|cluster| cluster.irradiance(point)))
     }
 
     /// A lamp chosen by two numbers in 0..1, and its probability; `None` if none of its group can light the point.
-    /// `ends` are those of the groups.
+    /// `cumulative` are the sums of the groups.
     pub fn lamp(
         &self,
-        ends: &[f64],
+        cumulative: &[f64],
         lamps: &[FlatEmitter],
         point: &GatherPoint,
         u: [f64; 2],
     ) -> Option<(u32, f64)> {
-        let (cluster, of_cluster) = chosen(ends, u[0])?;
+        let (cluster, of_cluster) = sample_discrete(cumulative, u[0])?;
         let members = &self.0[cluster].lamps;
-        let mut ends = [0.0; MOST];
-        let mut sum = 0.0;
-        for (end, &lamp) in ends.iter_mut().zip(members) {
+        let irradiance = |&lamp: &u32| {
             let lamp = &lamps[lamp as usize];
-            let factor = lamp.form_factor(point.position, point.normal);
-            sum += factor * lamp.emission.radiance.max_channel();
-            *end = sum;
-        }
-        let (member, of_lamp) = chosen(&ends[..members.len()], u[1])?;
+            lamp.form_factor(point.position, point.normal) * lamp.emission.radiance.max_channel()
+        };
+        let (member, of_lamp) =
+            sample_discrete(&cumulative_sums(members.iter().map(irradiance)), u[1])?;
         Some((members[member], of_cluster * of_lamp))
     }
 }
 
-/// The place in sums of shares that `u` in 0..1 leads to, and its probability; `None` if all of it is nothing.
-pub(super) fn chosen(ends: &[f64], u: f64) -> Option<(usize, f64)> {
-    let sum = *ends.last().filter(|&&sum| sum > 0.0)?;
-    let chosen = ends.partition_point(|&end| end <= u * sum);
-    let chosen = chosen.min(ends.len() - 1);
-    let before = chosen.checked_sub(1).map_or(0.0, |k| ends[k]);
-    Some((chosen, (ends[chosen] - before) / sum))
-}
-
-impl LampCluster {
-    fn of(lamps: Vec<u32>, all: &[FlatEmitter]) -> LampCluster {
+impl LightCluster {
+    fn of(lamps: Vec<u32>, all: &[FlatEmitter]) -> LightCluster {
         let (mut sum, mut intensity, mut along) = (DVec3::ZERO, 0.0, DVec3::ZERO);
         for &lamp in &lamps {
             let lamp = &all[lamp as usize];
@@ -114,7 +98,7 @@ impl LampCluster {
         let centre = sum / lamps.len().max(1) as f64;
         let reach = |lamp: &FlatEmitter| lamp.centre.distance(centre) + lamp.radius;
         let reaches = lamps.iter().map(|&lamp| reach(&all[lamp as usize]));
-        LampCluster {
+        LightCluster {
             centre,
             radius: reaches.fold(0.0, f64::max),
             intensity,
