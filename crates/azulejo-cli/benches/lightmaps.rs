@@ -4,9 +4,9 @@
 //! `reference/real/NAME_{points,normals,E,E_se}.npy` for each `scenes/real/NAME`, path traced by others; for
 //! `scenes/s1.obj`, points of `azulejo probe` without patches or interpolation. The file that was written is
 //! read again, and the EXR beside it is interpolated at its texture coordinates. Of each chart the side is baked
-//! that is the default of OBJ files, and points on the other are left out, which such a lightmap cannot have. The references have the light of facets; where
-//! shading normals differ from theirs, lightmaps have that of the smooth surface, as pictures do, and such points
-//! are left out too.
+//! that is the default of OBJ files, and points on the other are left out, which such a lightmap cannot have. The
+//! references have the light of facets; where shading normals differ from theirs, lightmaps have that of the smooth
+//! surface, as pictures do, and such points are left out too.
 //!
 //! All errors are over the mean irradiance of the points, less the reference's own noise; what is said is the
 //! root mean square of the error map at the points.
