@@ -28,8 +28,7 @@ mod kept_gltf;
 mod layers;
 mod lettering;
 mod model_table;
-mod npy;
-mod npz;
+
 mod pass;
 mod placement;
 mod points;
@@ -55,8 +54,8 @@ use std::process::ExitCode;
 /// Parsers of input other than models, public for tests and fuzzing.
 pub mod parsers {
     pub use crate::experiment::parse_suite;
-    pub use crate::npy::{Array, read as parse_npy};
     pub use crate::points::{parse_points, parse_rays};
+    pub use azulejo_formats::numpy::npy::{Array, read as parse_npy};
 }
 
 /// Parses the command line, runs the command, and prints why it failed, if it did.

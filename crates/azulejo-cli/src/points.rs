@@ -1,10 +1,10 @@
 //! Points and rays from files, and rows of numbers to files.
 
 use super::failure::Failure;
-use super::npy::{self, Array};
 use azulejo::models;
 use azulejo::output::Output;
 use azulejo_factors::PointNormal;
+use azulejo_formats::numpy::npy::{self, Array};
 use azulejo_scene::math::Ray;
 use azulejo_trace::Progress;
 use glam::DVec3;

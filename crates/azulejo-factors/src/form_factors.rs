@@ -49,6 +49,7 @@ pub use enclosure::{InterchangeError, Scaled};
 pub use exchange::{Exchange, ExchangeAreas};
 use forecast::Costs;
 pub use forecast::Forecast;
+use glam::DVec3;
 pub use journal::{Journal, JournalStage, NoJournal};
 pub use matrix::{Adjustment, FormFactors, RowRemainder, Truncation};
 pub use one_row::{Factor, FactorsFrom, form_factors_from};
@@ -233,6 +234,25 @@ impl<'a> PreparedPlan<'a> {
         }
         factors.update_row_errors();
         Ok(factors)
+    }
+
+    /// Number of rows of the matrix.
+    pub fn rows(&self) -> usize {
+        self.sides.len()
+    }
+
+    /// The corners of a row's patch, counter-clockwise as seen from the side that the row is; of a
+    /// curved patch those on its surface.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    pub fn outline(&self, row: usize) -> Vec<DVec3> {
+        let (patches, patch) = (&self.plan.patches, self.sides.patch(row));
+        let mut corners = patches.corner_positions(patch);
+        if self.sides.is_back(row) {
+            corners.reverse();
+        }
+        corners
     }
 
     fn materials(&self) -> &[Material] {

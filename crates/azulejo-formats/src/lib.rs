@@ -8,6 +8,7 @@
 //! | `surface` | materials, reflection models, textures, normals, polygons of exact shapes | `reading`, `picture` |
 //! | [`outline`] | fonts, encodings, typefaces, drawings | `reading` |
 //! | [`brdf`], [`camera_json`] | reflection models; cameras and lights | `reading` |
+//! | [`numpy`] | arrays and archives of them | – |
 //! | [`grf`], [`obj`], [`gltf`], ... | one folder per model format | all above |
 //! | `read` | recognizes a format and calls its reader | all above |
 //!
@@ -26,6 +27,7 @@ pub mod dxf;
 pub mod gltf;
 pub mod grf;
 pub mod mgf;
+pub mod numpy;
 pub mod obj;
 pub mod openflight;
 pub mod outline;

@@ -3,8 +3,8 @@
 
 use super::metrics::SparseRow;
 use crate::failure::Failure;
-use crate::npy;
 use azulejo::output::Output;
+use azulejo_formats::numpy::npy;
 use azulejo_scene::Rgb;
 use azulejo_trace::Progress;
 use std::path::{Path, PathBuf};

@@ -3,6 +3,7 @@
 use crate::args::{DivisionArgs, InputArgs};
 use crate::engine::EngineArgs;
 use crate::values;
+use azulejo_exchange::archive::ArchivePrecision;
 use azulejo_factors::Closure;
 use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;
@@ -76,6 +77,10 @@ pub struct MatrixArgs {
     /// the others; row sums and reciprocity are preserved
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
     pub truncate: Option<f64>,
+    /// How exactly an .npz stores factors: 64 bits for up to 4 million entries, else 32, or always
+    /// single (32) or double (64)
+    #[arg(long, value_name = "BITS", value_enum, default_value_t = PrecisionName::Auto)]
+    pub precision: PrecisionName,
     /// Also write the parts of each form factor: direct, by one mirror, and by more mirrors or glass
     #[arg(long)]
     pub separate: bool,
@@ -90,6 +95,37 @@ pub enum GroupBy {
     Object,
     /// Materials
     Material,
+}
+
+impl From<GroupBy> for azulejo_exchange::GroupBy {
+    fn from(by: GroupBy) -> azulejo_exchange::GroupBy {
+        match by {
+            GroupBy::Face => azulejo_exchange::GroupBy::Face,
+            GroupBy::Object => azulejo_exchange::GroupBy::Object,
+            GroupBy::Material => azulejo_exchange::GroupBy::Material,
+        }
+    }
+}
+
+/// Exactness of an archive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum PrecisionName {
+    /// 64 bits for up to 4 million entries, 32 beyond
+    Auto,
+    /// 32 bits
+    Single,
+    /// 64 bits
+    Double,
+}
+
+impl From<PrecisionName> for ArchivePrecision {
+    fn from(name: PrecisionName) -> ArchivePrecision {
+        match name {
+            PrecisionName::Auto => ArchivePrecision::Auto,
+            PrecisionName::Single => ArchivePrecision::Single,
+            PrecisionName::Double => ArchivePrecision::Double,
+        }
+    }
 }
 
 impl MatrixArgs {

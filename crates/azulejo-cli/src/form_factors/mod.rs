@@ -1,12 +1,10 @@
 //! `form-factors`: the matrix between patches, or between groups of them.
 
-mod archive;
 pub mod args;
-mod groups;
 mod journal;
 mod outside;
+mod stored;
 mod summary;
-mod table;
 mod view3d;
 
 use super::content_key::{ContentHasher, ContentKey};
@@ -17,6 +15,8 @@ use super::session::Session;
 use super::{input, pass};
 use args::{FormFactorArgs, FormatName, FormulasName};
 use azulejo::output::Output;
+use azulejo_exchange::files::csv;
+use azulejo_exchange::{Enclosure, archive};
 use azulejo_factors::form_factors::{Forecast, Journal, NoJournal, Plan, PreparedPlan};
 use azulejo_factors::{
     Engine, FactorsError, FormFactorOptions, FormFactors, Hemicube, HemicubeBackend, PatchSize,
@@ -24,19 +24,11 @@ use azulejo_factors::{
 use azulejo_formats::Format;
 use azulejo_formats::view3d::MatrixLayout;
 use azulejo_scene::Scene;
-use azulejo_trace::{Gathered, Tracer};
+use azulejo_trace::Tracer;
 use journal::FileJournal;
 use std::borrow::Cow;
 use std::path::PathBuf;
-
-/// A matrix to be written.
-struct NamedMatrix<'a> {
-    factors: &'a FormFactors,
-    /// Names of the rows, if they are groups.
-    names: Option<&'a [String]>,
-    /// Irradiance of the rows by light from outside, if there is any.
-    outside: Option<&'a [Gathered]>,
-}
+use view3d::View3dInput;
 
 /// Output formats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,17 +39,57 @@ enum MatrixFormat {
     View3d(Option<MatrixLayout>),
 }
 
+/// What is to be written, and the journal that is done with then.
+struct Computed {
+    enclosure: Enclosure,
+    /// The View3D file whose rows these are.
+    room: Option<View3dInput>,
+    journal: Option<FileJournal>,
+}
+
 /// Runs `form-factors`.
 pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failure> {
     let output = Output::check(&args.output)?;
     let format = matrix_format(args, &output)?;
     session.claim_stdout(output.is_stdout())?;
     refuse_contradiction(args)?;
-    if args.engine.engine == EngineName::Particles {
-        let message =
-            "particles have no form factors: --engine particles is for solve, render and probe";
-        return Err(Failure::misuse(message));
+    let mut report = Report::default();
+    let computed = match stored::read(args, session)? {
+        Some(enclosure) => Computed {
+            enclosure: stored::rework(enclosure, args, session)?,
+            room: None,
+            journal: None,
+        },
+        None => computed(args, &output, session, &mut report)?,
+    };
+    let mut enclosure = computed.enclosure;
+    if let Some(share) = args.matrix.truncate {
+        session.with_progress(|p| enclosure.factors.truncate(share, p))?;
     }
+    output.write(session.progress(), |out| match format {
+        MatrixFormat::Archive => archive::write(&enclosure, args.matrix.precision.into(), out),
+        MatrixFormat::Table => csv::write(&enclosure, out),
+        MatrixFormat::View3d(layout) => {
+            view3d::write(computed.room.as_ref(), layout, &enclosure, out)
+        }
+    })?;
+    if let Some(journal) = computed.journal {
+        journal.remove();
+    }
+    summary::describe(&enclosure, &mut report);
+    outside::describe(&enclosure, &mut report);
+    let path = args.output.display().to_string();
+    report.fact("output", path.clone(), "wrote", path);
+    Ok(report)
+}
+
+/// Computes the matrix of models.
+fn computed(
+    args: &FormFactorArgs,
+    output: &Output,
+    session: &mut Session,
+    report: &mut Report,
+) -> Result<Computed, Failure> {
     let engine = args.engine.prepare()?;
     let room = view3d::read(args, session)?;
     let scene = match &room {
@@ -69,59 +101,43 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
     if let Some(room) = &room {
         options = room.options(options, args.rays);
     }
-    let mut report = Report::default();
     let plan = Plan::new(&scene, &tracer, &options).map_err(pass::failure)?;
     let prepared = plan.prepare();
-    forecast(&prepared, session, &mut report)?;
-    let journal = open_journal(args, &output, &scene, &tracer, &options)?;
-    let computed = compute(&prepared, journal.as_ref(), session);
+    forecast(&prepared, session, report)?;
+    let journal = open_journal(args, output, &scene, &tracer, &options)?;
+    let factors = compute(&prepared, journal.as_ref(), session);
     journal
         .iter()
         .flat_map(FileJournal::take_messages)
         .for_each(|message| session.note(&message));
-    let (mut factors, names, outside) = match &room {
-        Some(room) => (
-            room.finish(&computed?, session, &mut report)?,
-            Some(room.names()),
-            None,
-        ),
+    let mut enclosure = Enclosure::new(&prepared, &scene, factors?);
+    engine.describe(&enclosure.factors.engine_used, report);
+    let enclosure = match &room {
+        Some(room) => room.finish(&enclosure, session, report)?,
         None => {
-            let computed = computed?;
-            let outside = outside::irradiance(&prepared, &scene, &computed, session)?;
-            grouped(&scene, computed, outside, args)
+            enclosure.outside =
+                outside::irradiance(&prepared, &scene, &enclosure.factors, session)?;
+            match args.matrix.by {
+                Some(by) => enclosure.grouped(&enclosure.groups(by.into())),
+                None => enclosure,
+            }
         }
     };
-    if let Some(share) = args.matrix.truncate {
-        session.with_progress(|p| factors.truncate(share, p))?;
-    }
-    let matrix = NamedMatrix {
-        factors: &factors,
-        names: names.as_deref(),
-        outside: outside.as_deref(),
-    };
-    output.write(session.progress(), |out| match format {
-        MatrixFormat::Archive => archive::write(&matrix, out),
-        MatrixFormat::Table => table::write(&matrix, out),
-        MatrixFormat::View3d(layout) => {
-            view3d::write(room.as_ref(), layout, &factors, &scene.materials, out)
-        }
-    })?;
-    if let Some(journal) = journal {
-        journal.remove();
-    }
-    engine.describe(&factors.engine_used, &mut report);
-    summary::describe(&matrix, &mut report);
-    if let Some(rows) = matrix.outside {
-        outside::describe(rows, &factors.areas, &mut report);
-    }
-    let path = args.output.display().to_string();
-    report.fact("output", path.clone(), "wrote", path);
-    Ok(report)
+    Ok(Computed {
+        room,
+        enclosure,
+        journal,
+    })
 }
 
-/// The analytic engine without formulas would be nothing.
+/// The analytic engine without formulas would be nothing, and particles have no form factors.
 fn refuse_contradiction(args: &FormFactorArgs) -> Result<(), Failure> {
     let is_analytic = args.engine.engine == EngineName::Analytic;
+    if args.engine.engine == EngineName::Particles {
+        let message =
+            "particles have no form factors: --engine particles is for solve, render and probe";
+        return Err(Failure::misuse(message));
+    }
     if is_analytic && args.matrix.formulas == FormulasName::Never {
         return Err(Failure::misuse(format_args!(
             "--formulas=never does not apply to --engine analytic, which is formulas alone"
@@ -163,28 +179,6 @@ fn matrix_format(args: &FormFactorArgs, output: &Output) -> Result<MatrixFormat,
             "{}: unknown matrix format, expected .npz, .csv, .txt or .vf (View3D), or --format",
             args.output.display()
         ))),
-    }
-}
-
-/// The rows of groups with their names, if groups are requested, and the light of each from outside.
-fn grouped(
-    scene: &Scene,
-    factors: FormFactors,
-    outside: Option<Vec<Gathered>>,
-    args: &FormFactorArgs,
-) -> (FormFactors, Option<Vec<String>>, Option<Vec<Gathered>>) {
-    match args.matrix.by {
-        None => (factors, None, outside),
-        Some(by) => {
-            let groups = groups::groups(scene, &factors, by);
-            let count = groups.names.len();
-            let light = |rows: Vec<Gathered>| {
-                outside::grouped(&rows, &factors.areas, &groups.of_rows, count)
-            };
-            let outside = outside.map(light);
-            let factors = factors.grouped(&groups.of_rows, count);
-            (factors, Some(groups.names), outside)
-        }
     }
 }
 
@@ -341,51 +335,6 @@ fn compute(
             Err(Failure::Cancelled)
         }
         Err(e) => Err(pass::failure(e)),
-    }
-}
-
-/// The entry of a column in a row, or zeros.
-fn entry_of(row: &[(u32, f64, f32)], column: u32) -> (u32, f64, f32) {
-    let found = row.binary_search_by_key(&column, |&(j, ..)| j);
-    found.map_or((column, 0.0, 0.0), |k| row[k])
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use azulejo_factors::FaceId;
-    use azulejo_factors::form_factors::{Exchange, ExchangeAreas, RowRemainder};
-
-    /// A matrix of two rows, half of whose light came by a mirror.
-    pub fn two_squares() -> FormFactors {
-        let face = |object, face| FaceId { object, face };
-        let pair = |share: f64| Exchange {
-            column: 1,
-            value: 0.5 * share,
-            error: 0.25 * share as f32,
-        };
-        let areas = |share| ExchangeAreas::from_iter([vec![pair(share)], vec![]]);
-        let rest = |sky| RowRemainder {
-            sky,
-            sky_error: 0.0625,
-            ..RowRemainder::default()
-        };
-        FormFactors {
-            exchange: areas(1.0),
-            orders: vec![
-                areas(0.5),
-                areas(0.5),
-                ExchangeAreas::from_iter([vec![], vec![]]),
-            ],
-            areas: vec![2.0, 1.0],
-            faces: vec![face(0, 3), face(7, 0)],
-            materials: vec![0, 0],
-            is_back: vec![false, true],
-            rest: vec![rest(0.75), rest(0.5)],
-            ends: vec![1.0; 2],
-            row_errors: vec![0.1, 0.2],
-            ..FormFactors::default()
-        }
     }
 }
 

@@ -4,6 +4,7 @@ use crate::failure::Failure;
 use crate::pass;
 use crate::report::{Report, number};
 use crate::session::Session;
+use azulejo_exchange::{Enclosure, Groups, OutsideLight};
 use azulejo_factors::FormFactors;
 use azulejo_factors::form_factors::PreparedPlan;
 use azulejo_scene::{LightKind, Scene};
@@ -16,7 +17,7 @@ pub fn irradiance(
     scene: &Scene,
     factors: &FormFactors,
     session: &mut Session,
-) -> Result<Option<Vec<Gathered>>, Failure> {
+) -> Result<Option<Vec<OutsideLight>>, Failure> {
     let ambient = scene.lights.iter().filter_map(|light| match light.kind {
         LightKind::Ambient { radiance } => Some(radiance * PI),
         _ => None,
@@ -35,37 +36,23 @@ pub fn irradiance(
             .iter_mut()
             .for_each(|e| *e += ambient * rest.escaped());
     }
-    Ok(Some(rows))
-}
-
-/// Means over groups of rows, by area.
-pub fn grouped(
-    rows: &[Gathered],
-    areas: &[f64],
-    groups: &[Option<u32>],
-    count: usize,
-) -> Vec<Gathered> {
-    let mut sums = vec![(0.0, Gathered::default()); count];
-    for ((row, area), group) in rows.iter().zip(areas).zip(groups) {
-        if let Some(group) = group {
-            let (whole, sum) = &mut sums[*group as usize];
-            *whole += area;
-            for (sum, value) in sum.replicates.iter_mut().zip(row.replicates) {
-                *sum += value * *area;
-            }
-        }
-    }
-    let mean = |(whole, sum): (f64, Gathered)| Gathered {
-        replicates: sum.replicates.map(|e| e / whole.max(f64::MIN_POSITIVE)),
+    let light = |row: &Gathered| OutsideLight {
+        irradiance: row.mean(),
+        error: row.standard_error(),
     };
-    sums.into_iter().map(mean).collect()
+    Ok(Some(rows.iter().map(light).collect()))
 }
 
 /// Adds the mean over all rows to the report.
-pub fn describe(rows: &[Gathered], areas: &[f64], report: &mut Report) {
-    let all = vec![Some(0); rows.len()];
-    let mean = grouped(rows, areas, &all, 1)[0];
-    let (value, error) = (mean.mean().mean(), mean.standard_error().mean());
+pub fn describe(enclosure: &Enclosure, report: &mut Report) {
+    let all = Groups {
+        of_rows: vec![Some(0); enclosure.len()],
+        names: vec![String::new()],
+    };
+    let Some(mean) = enclosure.mean_outside(&all) else {
+        return;
+    };
+    let (value, error) = (mean[0].irradiance.mean(), mean[0].error.mean());
     report.fact(
         "irradiance_outside",
         number(value),

@@ -1,19 +1,21 @@
 //! The summary of a form factor matrix.
 
-use super::NamedMatrix;
 use crate::report::{Report, count, number, percent};
+use azulejo_exchange::Enclosure;
 use azulejo_factors::FormFactors;
 use azulejo_factors::form_factors::{Adjustment, RowRemainder, Truncation};
 use serde_json::{Value, json};
 
 /// Adds the size and the errors of a matrix.
-pub fn describe(matrix: &NamedMatrix, report: &mut Report) {
-    let factors = matrix.factors;
+pub fn describe(enclosure: &Enclosure, report: &mut Report) {
+    let factors = &enclosure.factors;
     let (n, entries) = (factors.len(), factors.exchange.entries());
-    match matrix.names {
-        None => report.fact("patches", n, "patches", count(n)),
-        Some(_) => report.fact("groups", n, "groups", count(n)),
-    }
+    let what = if enclosure.rows.are_groups {
+        "groups"
+    } else {
+        "patches"
+    };
+    report.fact(what, n, what, count(n));
     let share = entries as f64 / (n as f64 * n as f64);
     let words = format!("{}, {} of the matrix", count(entries), percent(share));
     report.fact("entries", entries, "entries", words);

@@ -1,19 +1,20 @@
 //! `form-factors` for View3D files: rows, enclosures, and layout.
 
 use super::args::FormFactorArgs;
-use super::groups;
 use crate::failure::Failure;
 use crate::pass;
 use crate::report::{Report, number, percent};
 use crate::session::Session;
 use azulejo::models;
+use azulejo_exchange::enclosure::unique;
+use azulejo_exchange::{Enclosure, Groups};
 use azulejo_factors::form_factors::{InterchangeError, Scaled};
 use azulejo_factors::{Closure, Engine, FaceId, FormFactorOptions, FormFactors, PatchSize};
 use azulejo_formats::view3d::{
     FactorHeader, MatrixLayout, View3dControls, View3dDocument, View3dModel, write_factors,
 };
 use azulejo_formats::{Format, ReadOptions, recognize};
-use azulejo_scene::{Material, Scene};
+use azulejo_scene::Scene;
 use std::fs::File;
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -99,7 +100,7 @@ impl View3dInput {
             "" => format!("row {}", k + 1),
             name => name.to_owned(),
         };
-        groups::unique(self.model.names.iter().enumerate().map(named).collect())
+        unique(self.model.names.iter().enumerate().map(named).collect())
     }
 
     fn rows(&self) -> usize {
@@ -164,13 +165,26 @@ impl View3dInput {
     /// parts, applies masks, scales the enclosure, and includes reflections.
     pub fn finish(
         &self,
-        pieces: &FormFactors,
+        pieces: &Enclosure,
+        session: &Session,
+        report: &mut Report,
+    ) -> Result<Enclosure, Failure> {
+        let row = |face: &FaceId| self.model.rows[face.object as usize][face.face as usize];
+        let mut rows = pieces.grouped(&Groups {
+            of_rows: pieces.factors.faces.iter().map(row).collect(),
+            names: self.names(),
+        });
+        rows.factors = self.combined(rows.factors, session, report)?;
+        Ok(rows)
+    }
+
+    /// Applies the control lines to the rows of groups.
+    fn combined(
+        &self,
+        mut factors: FormFactors,
         session: &Session,
         report: &mut Report,
     ) -> Result<FormFactors, Failure> {
-        let row = |face: &FaceId| self.model.rows[face.object as usize][face.face as usize];
-        let groups: Vec<Option<u32>> = pieces.faces.iter().map(row).collect();
-        let mut factors = pieces.grouped(&groups, self.rows());
         for mask in &self.model.masks {
             factors.cover(mask.row as usize, mask.covers as usize, mask.area);
         }
@@ -249,15 +263,15 @@ fn describe(scaled: &Scaled, key: &str, report: &mut Report) {
     report.value(&format!("{key}_most"), number(moved.most));
 }
 
-/// Writes a matrix in View3D's format. The emissivities of other scenes than View3D's are the
-/// absorptances of their materials.
+/// Writes a matrix in View3D's format. The emissivities of other scenes than View3D's are what
+/// their materials absorb.
 pub fn write(
     room: Option<&View3dInput>,
     layout: Option<MatrixLayout>,
-    factors: &FormFactors,
-    materials: &[Material],
+    enclosure: &Enclosure,
     out: &mut dyn Write,
 ) -> io::Result<()> {
+    let factors = &enclosure.factors;
     let header = room.map_or_else(
         || FactorHeader {
             layout: layout.unwrap_or_default(),
@@ -267,7 +281,7 @@ pub fn write(
     );
     let emissivities = match room {
         Some(room) => room.model.emissivities.clone(),
-        None => emissivities(factors, materials),
+        None => enclosure.absorptances(),
     };
     let rows = factors
         .blocks()
@@ -279,13 +293,4 @@ pub fn write(
         Ok(whole)
     };
     write_factors(header, &factors.areas, rows.map(whole), &emissivities, out)
-}
-
-/// The absorptance of each row, averaged over the channels.
-fn emissivities(factors: &FormFactors, materials: &[Material]) -> Vec<f64> {
-    let absorbed = |&m: &u32| {
-        let material = &materials[m as usize];
-        1.0 - (material.diffuse + material.mirror + material.mean_glossy()).mean()
-    };
-    factors.materials.iter().map(absorbed).collect()
 }

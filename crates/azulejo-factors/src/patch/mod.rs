@@ -312,6 +312,20 @@ impl Patches {
         Some(polygon)
     }
 
+    /// The corners of a patch: those of its [`polygon`](Patches::polygon), or of a curved one those
+    /// on its surface, counter-clockwise from the front.
+    pub fn corner_positions(&self, i: usize) -> Vec<DVec3> {
+        let polygon = self.polygon(i).unwrap_or_else(|| {
+            let mut corners = self.corner_points(i);
+            if area_vector(&corners).dot(self.normal(i)) < 0.0 {
+                let count = corners.count;
+                corners.points[1..count].reverse();
+            }
+            corners
+        });
+        polygon.to_vec()
+    }
+
     /// Indices of the display vertices at the 3 or 4 corners of a patch, in the order of
     /// [`polygon`](Patches::polygon); on an exact primitive, in the direction of its `u`, `v`.
     pub fn corner_vertices(&self, i: usize) -> &[u32] {

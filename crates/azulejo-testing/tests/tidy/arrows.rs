@@ -6,13 +6,22 @@ use std::path::Path;
 
 /// Each crate and the crates of ours that it may use. What is not here is forbidden; above all,
 /// radiosity and render do not know each other: they meet in data, irradiance on vertices.
-const ARROWS: [(&str, &[&str]); 12] = [
+const ARROWS: [(&str, &[&str]); 13] = [
     ("azulejo-testing", &[]),
     ("azulejo-scene", &[]),
     ("azulejo-formats", &["azulejo-scene"]),
     ("azulejo-trace", &["azulejo-scene"]),
     ("azulejo-gpu", &["azulejo-scene", "azulejo-trace"]),
     ("azulejo-factors", &["azulejo-scene", "azulejo-trace"]),
+    (
+        "azulejo-exchange",
+        &[
+            "azulejo-scene",
+            "azulejo-trace",
+            "azulejo-factors",
+            "azulejo-formats",
+        ],
+    ),
     (
         "azulejo-radiosity",
         &["azulejo-scene", "azulejo-trace", "azulejo-factors"],
@@ -27,6 +36,7 @@ const ARROWS: [(&str, &[&str]); 12] = [
             "azulejo-trace",
             "azulejo-gpu",
             "azulejo-factors",
+            "azulejo-exchange",
             "azulejo-radiosity",
             "azulejo-render",
             "azulejo-bake",
@@ -41,6 +51,7 @@ const ARROWS: [(&str, &[&str]); 12] = [
             "azulejo-trace",
             "azulejo-gpu",
             "azulejo-factors",
+            "azulejo-exchange",
             "azulejo-radiosity",
             "azulejo-render",
             "azulejo-bake",
@@ -55,6 +66,7 @@ const ARROWS: [(&str, &[&str]); 12] = [
             "azulejo-trace",
             "azulejo-gpu",
             "azulejo-factors",
+            "azulejo-exchange",
             "azulejo-radiosity",
             "azulejo-render",
             "azulejo-bake",

@@ -1,6 +1,6 @@
 //! The matrix as CSV.
 
-use super::NamedMatrix;
+use crate::enclosure::Enclosure;
 use azulejo_factors::FaceId;
 use std::borrow::Cow;
 use std::io::{self, Write};
@@ -13,13 +13,18 @@ const ORDERS: &str =
 /// object, face and side; between groups their names, F, its standard error and the area of the
 /// first. Light that leaves the scene is on lines with `sky` and `ground` in place of j; light from
 /// outside, which is no share but W/m², on lines with `irradiance`.
-pub fn write(matrix: &NamedMatrix, out: &mut dyn Write) -> io::Result<()> {
-    let factors = matrix.factors;
+///
+/// # Errors
+/// Those of writing.
+pub fn write(enclosure: &Enclosure, out: &mut dyn Write) -> io::Result<()> {
+    let factors = &enclosure.factors;
     let orders = 0..factors.orders.len();
-    out.write_all(match matrix.names {
-        None => b"i,j,f_ij,std_error,area_i,object_i,face_i,side_i",
-        Some(_) => b"from,to,f,std_error,area_from",
-    })?;
+    let columns = if enclosure.rows.are_groups {
+        "from,to,f,std_error,area_from"
+    } else {
+        "i,j,f_ij,std_error,area_i,object_i,face_i,side_i"
+    };
+    out.write_all(columns.as_bytes())?;
     writeln!(out, "{}", if orders.is_empty() { "" } else { ORDERS })?;
     for block in factors.blocks() {
         let parts: Vec<_> = orders
@@ -29,9 +34,9 @@ pub fn write(matrix: &NamedMatrix, out: &mut dyn Write) -> io::Result<()> {
         for (k, row) in factors.rows(block.clone()).iter().enumerate() {
             let i = block.start + k;
             for &(j, f, e) in row {
-                start(matrix, i, &matrix.name(j as usize), f, e.into(), out)?;
+                start(enclosure, i, &name(enclosure, j as usize), f, e.into(), out)?;
                 for part in &parts {
-                    let (_, f, e) = super::entry_of(&part[k], j);
+                    let (_, f, e) = entry_of(&part[k], j);
                     write!(out, ",{f},{e}")?;
                 }
                 writeln!(out)?;
@@ -42,12 +47,12 @@ pub fn write(matrix: &NamedMatrix, out: &mut dyn Write) -> io::Result<()> {
                 ("ground", rest.ground, rest.ground_error),
             ];
             for (name, share, error) in away.into_iter().filter(|(_, share, _)| *share > 0.0) {
-                start(matrix, i, name, share, error, out)?;
+                start(enclosure, i, name, share, error, out)?;
                 writeln!(out, "{}", ",,".repeat(orders.len()))?;
             }
-            if let Some(rows) = matrix.outside {
-                let (value, error) = (rows[i].mean().mean(), rows[i].standard_error().mean());
-                start(matrix, i, "irradiance", value, error, out)?;
+            if let Some(rows) = &enclosure.outside {
+                let (value, error) = (rows[i].irradiance.mean(), rows[i].error.mean());
+                start(enclosure, i, "irradiance", value, error, out)?;
                 writeln!(out, "{}", ",,".repeat(orders.len()))?;
             }
         }
@@ -57,19 +62,19 @@ pub fn write(matrix: &NamedMatrix, out: &mut dyn Write) -> io::Result<()> {
 
 /// The columns of every table.
 fn start(
-    matrix: &NamedMatrix,
+    enclosure: &Enclosure,
     i: usize,
     to: &str,
     share: f64,
     error: f64,
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    let factors = matrix.factors;
-    let (from, area) = (matrix.name(i), factors.areas[i]);
+    let factors = &enclosure.factors;
+    let (from, area) = (name(enclosure, i), factors.areas[i]);
     // Errors are stored in single precision, and printed with no more digits.
     let error = error as f32;
     write!(out, "{from},{to},{share},{error},{area}")?;
-    if matrix.names.is_none() {
+    if !enclosure.rows.are_groups {
         let FaceId { object, face } = factors.faces[i];
         let side = if factors.is_back[i] { "back" } else { "front" };
         write!(out, ",{object},{face},{side}")?;
@@ -77,14 +82,19 @@ fn start(
     Ok(())
 }
 
-impl NamedMatrix<'_> {
-    /// The name of a row in a table.
-    fn name(&self, i: usize) -> Cow<'_, str> {
-        match self.names {
-            None => i.to_string().into(),
-            Some(names) => quoted(&names[i]),
-        }
+/// The name of a row in a table.
+fn name(enclosure: &Enclosure, i: usize) -> Cow<'_, str> {
+    if enclosure.rows.are_groups {
+        quoted(&enclosure.rows.names[i])
+    } else {
+        i.to_string().into()
     }
+}
+
+/// The entry of a column in a row, or zeros.
+fn entry_of(row: &[(u32, f64, f32)], column: u32) -> (u32, f64, f32) {
+    let found = row.binary_search_by_key(&column, |&(j, ..)| j);
+    found.map_or((column, 0.0, 0.0), |k| row[k])
 }
 
 /// A name quoted according to RFC 4180.
@@ -99,20 +109,19 @@ fn quoted(name: &str) -> Cow<'_, str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::form_factors::tests::two_squares;
+    use crate::enclosure::tests::two_squares;
 
     fn check(names: Option<&[String]>, separate: bool, expected: &str) {
-        let mut factors = two_squares();
+        let mut enclosure = two_squares();
         if !separate {
-            factors.orders.clear();
+            enclosure.factors.orders.clear();
+        }
+        if let Some(names) = names {
+            enclosure.rows.names = names.to_vec();
+            enclosure.rows.are_groups = true;
         }
         let mut text = Vec::new();
-        let matrix = NamedMatrix {
-            factors: &factors,
-            names,
-            outside: None,
-        };
-        write(&matrix, &mut text).unwrap();
+        write(&enclosure, &mut text).unwrap();
         assert_eq!(String::from_utf8(text).unwrap(), expected);
     }
 
@@ -123,7 +132,7 @@ mod tests {
             false,
             "i,j,f_ij,std_error,area_i,object_i,face_i,side_i\n\
              0,1,0.25,0.125,2,0,3,front\n0,sky,0.75,0.0625,2,0,3,front\n\
-             1,0,0.5,0.25,1,7,0,back\n1,sky,0.5,0.0625,1,7,0,back\n",
+             1,0,0.5,0.25,1,1,0,back\n1,sky,0.5,0.0625,1,1,0,back\n",
         );
     }
 

@@ -1,7 +1,8 @@
 //! NumPy's `.npy`: arrays of numbers with a short header.
 //!
-//! Format: *NEP 1, A Simple File Format for NumPy Arrays*. Read: versions 1 to 3, f32 and f64,
-//! either byte order, C and Fortran order. Written: version 1, little-endian, C order.
+//! Format: *NEP 1, A Simple File Format for NumPy Arrays*. [`read`]: versions 1 to 3, f32 and f64,
+//! either byte order, C and Fortran order; [`StoredArray`]: integers and strings too. Written:
+//! version 1, little-endian, C order.
 
 use std::io::{self, Write};
 
@@ -158,6 +159,216 @@ fn from_fortran(shape: Vec<usize>, values: Vec<f64>) -> Array {
     Array { shape, values: out }
 }
 
+/// An array of any type that NumPy stores, decoded element by element when it is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StoredArray {
+    shape: Vec<usize>,
+    kind: ElementKind,
+    big_endian: bool,
+    /// The file; elements begin at `start`.
+    bytes: Vec<u8>,
+    start: usize,
+}
+
+/// What elements are, with their bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum ElementKind {
+    Float(usize),
+    Signed(usize),
+    Unsigned(usize),
+    /// Characters in UTF-32.
+    Unicode(usize),
+    /// Bytes, taken as UTF-8.
+    Bytes(usize),
+}
+
+impl ElementKind {
+    fn new(descr: &str) -> Option<ElementKind> {
+        let kind = descr.strip_prefix(['<', '>', '=', '|'])?;
+        let width: usize = kind.get(1..)?.parse().ok()?;
+        match (kind.as_bytes()[0], width) {
+            (b'f', 2 | 4 | 8) => Some(ElementKind::Float(width)),
+            (b'i', 1 | 2 | 4 | 8) => Some(ElementKind::Signed(width)),
+            (b'u' | b'b', 1 | 2 | 4 | 8) => Some(ElementKind::Unsigned(width)),
+            (b'U', _) => Some(ElementKind::Unicode(width)),
+            (b'S' | b'a', _) => Some(ElementKind::Bytes(width)),
+            _ => None,
+        }
+    }
+
+    fn width(self) -> Option<usize> {
+        match self {
+            ElementKind::Unicode(letters) => letters.checked_mul(4),
+            ElementKind::Float(n)
+            | ElementKind::Signed(n)
+            | ElementKind::Unsigned(n)
+            | ElementKind::Bytes(n) => Some(n),
+        }
+    }
+}
+
+impl StoredArray {
+    /// Reads the header, and compares the length of the data with it. Arrays of more than one axis
+    /// must be in C order.
+    ///
+    /// # Errors
+    /// What was found and what was expected.
+    pub fn new(bytes: Vec<u8>) -> Result<StoredArray, String> {
+        let (header, data) = split_header(&bytes)?;
+        let descr = quoted(entry(header, "descr")?)?;
+        let kind = ElementKind::new(descr)
+            .ok_or_else(|| format!("elements are \"{descr}\", expected numbers or strings"))?;
+        let shape = shape_of(entry(header, "shape")?)?;
+        if shape.len() > 1 && entry(header, "fortran_order")?.starts_with("True") {
+            let message = "the array is in Fortran order, expected C order (np.ascontiguousarray)";
+            return Err(message.to_owned());
+        }
+        let count = shape.iter().try_fold(1usize, |n, &s| n.checked_mul(s));
+        let expected = count.zip(kind.width()).and_then(|(n, w)| n.checked_mul(w));
+        if expected != Some(data.len()) {
+            return Err(format!(
+                "{} bytes of data for shape {shape:?} of {descr}: the file is cut short or too long",
+                data.len()
+            ));
+        }
+        Ok(StoredArray {
+            big_endian: descr.starts_with('>'),
+            start: bytes.len() - data.len(),
+            shape,
+            kind,
+            bytes,
+        })
+    }
+
+    /// Length along each axis.
+    pub fn shape(&self) -> &[usize] {
+        &self.shape
+    }
+
+    /// Number of elements.
+    pub fn len(&self) -> usize {
+        self.shape.iter().product()
+    }
+
+    /// Whether there are no elements.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Bytes in use.
+    pub fn bytes(&self) -> usize {
+        self.bytes.len()
+    }
+
+    /// Whether elements are real numbers of 32 bits or less.
+    pub fn is_single(&self) -> bool {
+        matches!(self.kind, ElementKind::Float(2 | 4))
+    }
+
+    /// Element `i` in C order as a real number; NaN for strings.
+    ///
+    /// # Panics
+    /// If there is no such element.
+    pub fn number(&self, i: usize) -> f64 {
+        let bytes = self.element(i);
+        match self.kind {
+            ElementKind::Float(2) => half(u16::from_le_bytes(first(&bytes))),
+            ElementKind::Float(4) => f64::from(f32::from_le_bytes(first(&bytes))),
+            ElementKind::Float(_) => f64::from_le_bytes(bytes),
+            ElementKind::Signed(_) | ElementKind::Unsigned(_) => self.integer(i) as f64,
+            ElementKind::Unicode(_) | ElementKind::Bytes(_) => f64::NAN,
+        }
+    }
+
+    /// Element `i` in C order as an integer: real numbers are cut, strings are 0, and numbers beyond
+    /// 2^63 − 1 are that.
+    ///
+    /// # Panics
+    /// If there is no such element.
+    pub fn integer(&self, i: usize) -> i64 {
+        let bytes = self.element(i);
+        match self.kind {
+            ElementKind::Signed(width) => {
+                let unused = 64 - 8 * width as u32;
+                i64::from_le_bytes(bytes) << unused >> unused
+            }
+            ElementKind::Unsigned(_) => {
+                i64::try_from(u64::from_le_bytes(bytes)).unwrap_or(i64::MAX)
+            }
+            ElementKind::Float(_) => self.number(i) as i64,
+            _ => 0,
+        }
+    }
+
+    /// The bytes of a number, the lowest first, padded with zeros.
+    fn element(&self, i: usize) -> [u8; 8] {
+        let width = self.kind.width().unwrap_or(0).min(8);
+        let at = self.start + i * self.kind.width().unwrap_or(0);
+        let mut bytes = [0; 8];
+        bytes[..width].copy_from_slice(&self.bytes[at..at + width]);
+        if self.big_endian {
+            bytes[..width].reverse();
+        }
+        bytes
+    }
+
+    /// All elements as real numbers; `None` for strings.
+    pub fn numbers(&self) -> Option<Vec<f64>> {
+        let is_number = !matches!(self.kind, ElementKind::Unicode(_) | ElementKind::Bytes(_));
+        is_number.then(|| (0..self.len()).map(|i| self.number(i)).collect())
+    }
+
+    /// All elements as integers; `None` if they are none.
+    pub fn integers(&self) -> Option<Vec<i64>> {
+        let is_integer = matches!(self.kind, ElementKind::Signed(_) | ElementKind::Unsigned(_));
+        is_integer.then(|| (0..self.len()).map(|i| self.integer(i)).collect())
+    }
+
+    /// All elements as strings, without the zeros at their ends; `None` for numbers.
+    pub fn texts(&self) -> Option<Vec<String>> {
+        let width = self.kind.width()?;
+        let data = &self.bytes[self.start..];
+        let element = |i: usize| &data[i * width..(i + 1) * width];
+        let code = |b: &[u8]| {
+            let bytes: [u8; 4] = first(b);
+            let code = if self.big_endian {
+                u32::from_be_bytes(bytes)
+            } else {
+                u32::from_le_bytes(bytes)
+            };
+            char::from_u32(code).unwrap_or(char::REPLACEMENT_CHARACTER)
+        };
+        let text = |i: usize| -> String {
+            match self.kind {
+                ElementKind::Unicode(_) => element(i).chunks_exact(4).map(code).collect(),
+                _ => String::from_utf8_lossy(element(i)).into_owned(),
+            }
+        };
+        let is_text = matches!(self.kind, ElementKind::Unicode(_) | ElementKind::Bytes(_));
+        let trimmed = |i: usize| text(i).trim_end_matches('\0').to_owned();
+        is_text.then(|| (0..self.len()).map(trimmed).collect())
+    }
+}
+
+/// The first bytes of a longer list.
+fn first<const N: usize>(bytes: &[u8]) -> [u8; N] {
+    let mut out = [0; N];
+    out.copy_from_slice(&bytes[..N]);
+    out
+}
+
+/// A real number of 16 bits (IEEE 754 binary16).
+fn half(bits: u16) -> f64 {
+    let sign = if bits >> 15 == 1 { -1.0 } else { 1.0 };
+    let (exponent, fraction) = (i32::from(bits >> 10 & 31), f64::from(bits & 1023) / 1024.0);
+    match exponent {
+        0 => sign * fraction * f64::powi(2.0, -14),
+        31 if fraction == 0.0 => sign * f64::INFINITY,
+        31 => f64::NAN,
+        _ => sign * (1.0 + fraction) * f64::powi(2.0, exponent - 15),
+    }
+}
+
 /// A type of number that `.npy` can hold.
 pub trait Element: Copy {
     /// NumPy's name for it.
@@ -181,6 +392,7 @@ element!(f32, "<f4");
 element!(f64, "<f8");
 element!(i32, "<i4");
 element!(i64, "<i8");
+element!(u32, "<u4");
 
 /// Writes an array in C order; the length of `values` is the product of `shape`.
 pub fn write<T: Element>(shape: &[usize], values: &[T], out: &mut dyn Write) -> io::Result<()> {
@@ -261,6 +473,33 @@ mod tests {
         let mut bytes = Vec::new();
         write(&[2], &[1.5f32, 2.5], &mut bytes).unwrap();
         assert_eq!(read(&bytes).unwrap().values, [1.5, 2.5]);
+    }
+
+    fn stored(descr: &str, shape: &str, data: &[u8]) -> StoredArray {
+        let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}");
+        StoredArray::new(file(&header, data)).unwrap()
+    }
+
+    #[test]
+    fn stored_arrays_have_all_types() {
+        let halves = stored("<f2", "(3,)", &[0x00, 0x3c, 0x00, 0xc0, 0x01, 0x00]);
+        assert_eq!(halves.numbers().unwrap(), [1.0, -2.0, f64::powi(2.0, -24)]);
+        let bytes = stored("|i1", "(2,)", &[0xff, 5]);
+        assert_eq!(bytes.integers().unwrap(), [-1, 5]);
+        assert_eq!(stored("|b1", "(2,)", &[1, 0]).integers().unwrap(), [1, 0]);
+        let large = stored(">i4", "(1,)", &[0xff, 0xff, 0xff, 0xfe]);
+        assert_eq!((large.integer(0), large.number(0)), (-2, -2.0));
+        let texts = stored("|S3", "(2,)", b"ab\0cde");
+        assert_eq!(texts.texts().unwrap(), ["ab", "cde"]);
+        assert!(texts.numbers().is_none() && bytes.texts().is_none());
+        let wide = stored(">U2", "(1,)", &[0, 0, 0, 0xe4, 0, 0, 0, 0]);
+        assert_eq!(wide.texts().unwrap(), ["ä"]);
+        let structured = "{'descr': '<c16', 'fortran_order': False, 'shape': (0,), }";
+        let refused = StoredArray::new(file(structured, &[])).unwrap_err();
+        assert!(refused.contains("numbers or strings"), "{refused}");
+        let endless =
+            "{'descr': '<U99999999999999999999', 'fortran_order': False, 'shape': (9,), }";
+        assert!(StoredArray::new(file(endless, &[])).is_err());
     }
 
     #[test]

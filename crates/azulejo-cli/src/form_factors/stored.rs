@@ -1,0 +1,114 @@
+//! Matrices that were computed before: read from an `.npz` and reworked.
+
+use super::args::{ClosureName, FormFactorArgs};
+use crate::engine::EngineName;
+use crate::failure::Failure;
+use crate::pass;
+use crate::report::percent;
+use crate::session::Session;
+use azulejo_exchange::{Enclosure, archive};
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+/// Difference of both directions of a pair from which it is no rounding, as a share of the smaller area.
+const NOT_RECIPROCAL: f64 = 1e-5;
+
+/// Reads the input if it is a single `.npz`; otherwise `None`.
+pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<Enclosure>, Failure> {
+    let [path] = &args.input.scenes[..] else {
+        let archive = args.input.scenes.iter().find(|path| is_archive(path));
+        return match archive {
+            Some(path) => Err(Failure::misuse(format_args!(
+                "{}: a matrix stands alone, other files beside it have no place in it",
+                path.display()
+            ))),
+            None => Ok(None),
+        };
+    };
+    if !is_archive(path) {
+        return Ok(None);
+    }
+    refuse_computation(args)?;
+    read_archive(path, args.memory, session).map(Some)
+}
+
+/// Reads an archive, and says what is odd about it.
+pub fn read_archive(
+    path: &Path,
+    memory: Option<u64>,
+    session: &mut Session,
+) -> Result<Enclosure, Failure> {
+    let failed =
+        |e: &dyn std::fmt::Display| Failure::failed(format_args!("{}: {e}", path.display()));
+    session.progress().begin("reading", 0);
+    let file = File::open(path).map_err(|e| failed(&e))?;
+    let budget = memory.or_else(azulejo::machine::memory);
+    let read = archive::read(BufReader::new(file), budget.unwrap_or(u64::MAX));
+    let read = read.map_err(|e| failed(&e))?;
+    if read.asymmetry > NOT_RECIPROCAL {
+        session.note(&format!(
+            "{}: A_i X_ij and A_j X_ji differ by up to {} of the smaller area; their mean is taken",
+            path.display(),
+            percent(read.asymmetry)
+        ));
+    }
+    Ok(read.enclosure)
+}
+
+/// Whether a file is an archive of arrays, by its name.
+pub fn is_archive(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("npz"))
+}
+
+/// Options that say how factors are computed have nothing to do where they are there already.
+fn refuse_computation(args: &FormFactorArgs) -> Result<(), Failure> {
+    let reading = &args.input.reading;
+    let given = [
+        ("--rays", args.rays.is_some()),
+        (
+            "--patches or --patch-size",
+            pass::patch_size(&args.division).is_some(),
+        ),
+        ("--two-sided", args.two_sided),
+        ("--engine", args.engine.engine != EngineName::Auto),
+        ("--separate", args.matrix.separate),
+        ("--unit, --up or --place", {
+            reading.unit.is_some() || reading.up.is_some() || reading.placements().next().is_some()
+        }),
+    ];
+    match given.into_iter().find(|(_, is_given)| *is_given) {
+        Some((option, _)) => Err(Failure::misuse(format_args!(
+            "{option}: the factors of an .npz are computed; --by, --closure, --truncate, --precision \
+             and --format apply to it"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// Enforces closure, and groups rows, as requested.
+pub fn rework(
+    mut enclosure: Enclosure,
+    args: &FormFactorArgs,
+    session: &mut Session,
+) -> Result<Enclosure, Failure> {
+    let has_mirrors = enclosure.factors.ends.iter().any(|&ends| ends < 1.0);
+    let is_to_close = match args.matrix.closure {
+        None | Some(ClosureName::Never) => false,
+        Some(ClosureName::Closed) => enclosure.factors.is_closed && !has_mirrors,
+        Some(ClosureName::Always) => true,
+    };
+    if is_to_close {
+        session.with_progress(|p| enclosure.factors.close(p))?;
+    }
+    let Some(by) = args.matrix.by else {
+        return Ok(enclosure);
+    };
+    if enclosure.rows.are_groups {
+        return Err(Failure::misuse(
+            "--by: the rows of this .npz are groups already; start from that of the patches",
+        ));
+    }
+    Ok(enclosure.grouped(&enclosure.groups(by.into())))
+}

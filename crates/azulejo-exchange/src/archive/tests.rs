@@ -1,0 +1,203 @@
+//! What is written comes back.
+
+use super::*;
+use crate::enclosure::Enclosure;
+use crate::enclosure::OutsideLight;
+use crate::enclosure::tests::two_squares;
+use azulejo_factors::form_factors::ExchangeAreas;
+use azulejo_formats::numpy::npy;
+use azulejo_formats::numpy::npz::{NpzReader, NpzWriter};
+use azulejo_scene::Rgb;
+use std::io::Cursor;
+
+const BUDGET: u64 = 1 << 24;
+
+fn bytes(enclosure: &Enclosure, precision: ArchivePrecision) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    write(enclosure, precision, &mut bytes).unwrap();
+    bytes
+}
+
+fn back(bytes: &[u8]) -> ReadEnclosure {
+    read(Cursor::new(bytes), BUDGET).unwrap()
+}
+
+/// Two squares with light from outside.
+fn lit() -> Enclosure {
+    let mut enclosure = two_squares();
+    enclosure.factors.exchange = ExchangeAreas::sum_of(&enclosure.factors.orders);
+    let row = OutsideLight {
+        irradiance: Rgb::new(3.0, 2.0, 1.0),
+        error: Rgb::new(0.3, 0.2, 0.1),
+    };
+    enclosure.outside = Some(vec![row, OutsideLight::default()]);
+    enclosure.factors.unseen = vec![0.125, 0.0];
+    enclosure.factors.rays = 8192;
+    enclosure.factors.engine_used.name = "rays".to_owned();
+    enclosure.factors.ends[1] = 0.75;
+    enclosure
+}
+
+#[test]
+fn everything_comes_back() {
+    let enclosure = lit();
+    let read = back(&bytes(&enclosure, ArchivePrecision::Auto));
+    assert_eq!(read.enclosure.factors, enclosure.factors);
+    assert_eq!(read.enclosure.rows, enclosure.rows);
+    assert_eq!(read.enclosure.outside, enclosure.outside);
+    assert_eq!((read.is_single, read.asymmetry), (false, 0.0));
+    // A second time the bytes are the same.
+    let again = bytes(&read.enclosure, ArchivePrecision::Auto);
+    assert_eq!(again, bytes(&enclosure, ArchivePrecision::Auto));
+}
+
+#[test]
+fn single_precision_rounds_and_errors_never_shrink() {
+    let mut enclosure = two_squares();
+    enclosure.factors.orders.clear();
+    let mut pair = enclosure.factors.exchange.get(0, 1);
+    pair.value = 0.6;
+    enclosure.factors.exchange = ExchangeAreas::from_iter([vec![pair], vec![]]);
+    let error = enclosure.factors.exchange.get(0, 1).error;
+    let read = back(&bytes(&enclosure, ArchivePrecision::Single));
+    assert!(read.is_single && read.asymmetry < 1e-7);
+    let (x, _) = read.enclosure.factors.get(0, 1);
+    assert!((x - 0.3).abs() < 1e-7 && x != 0.3, "{x}");
+    let stored = read.enclosure.factors.exchange.get(0, 1).error;
+    assert!((error..1.01 * error).contains(&stored), "{stored} {error}");
+}
+
+#[test]
+fn arrays_are_those_of_the_page() {
+    let bytes = bytes(&lit(), ArchivePrecision::Auto);
+    let mut npz = NpzReader::new(Cursor::new(&bytes), BUDGET).unwrap();
+    let mut numbers = |name: &str| npz.array(name).unwrap().unwrap().numbers().unwrap();
+    assert_eq!(numbers("data"), [0.25, 0.5]);
+    assert_eq!(numbers("indices"), [1.0, 0.0]);
+    assert_eq!(numbers("indptr"), [0.0, 1.0, 2.0]);
+    assert_eq!(numbers("direct"), [0.125, 0.25]);
+    assert_eq!(numbers("one_mirror"), [0.125, 0.25]);
+    assert_eq!(numbers("more_mirrors"), [0.0, 0.0]);
+    assert_eq!(numbers("sky"), [0.75, 0.5]);
+    assert_eq!(numbers("rho_s"), [0.0, 0.25]);
+    assert_eq!(numbers("patch_face"), [0.0, 3.0, 1.0, 0.0]);
+    assert_eq!(numbers("cell_starts"), [0.0, 4.0, 7.0]);
+    assert_eq!(numbers("normals"), [0.0, 0.0, 1.0, 0.0, 0.0, -1.0]);
+    let documented = include_str!("mod.rs");
+    for name in npz.names() {
+        let is_error = name.ends_with("_error") && documented.contains("`…_error`");
+        assert!(
+            documented.contains(&format!("`{name}`")) || is_error,
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn no_prefix_and_no_damage_panics() {
+    let whole = bytes(&lit(), ArchivePrecision::Auto);
+    for length in (0..whole.len()).step_by(11) {
+        assert!(read(Cursor::new(&whole[..length]), BUDGET).is_err());
+    }
+    for i in (0..whole.len()).step_by(5) {
+        let mut damaged = whole.clone();
+        damaged[i] ^= 0x55;
+        let _ = read(Cursor::new(&damaged), BUDGET);
+    }
+}
+
+/// An archive of a 2 × 2 matrix with one array replaced, or without it.
+fn with(name: &str, shape: &[usize], values: Option<&[f64]>) -> Vec<u8> {
+    let mut npz = NpzWriter::new(Vec::new());
+    npz.add("format", |w| npy::write_bytes(b"csr", w)).unwrap();
+    let arrays: [(&str, &[usize], &[f64]); 5] = [
+        ("shape", &[2], &[2.0, 2.0]),
+        ("indptr", &[3], &[0.0, 1.0, 2.0]),
+        ("indices", &[2], &[1.0, 0.0]),
+        ("data", &[2], &[0.25, 0.5]),
+        ("areas", &[2], &[2.0, 1.0]),
+    ];
+    for (known, usual, numbers) in arrays {
+        let is_index = ["shape", "indptr", "indices"].contains(&known);
+        let (shape, numbers) = match values {
+            _ if known != name => (usual, numbers),
+            Some(values) => (shape, values),
+            None => continue,
+        };
+        let integers: Vec<i64> = numbers.iter().map(|&x| x as i64).collect();
+        let write = |w: &mut dyn std::io::Write| {
+            if is_index {
+                npy::write(shape, &integers, w)
+            } else {
+                npy::write(shape, numbers, w)
+            }
+        };
+        npz.add(known, write).unwrap();
+    }
+    npz.finish().unwrap()
+}
+
+#[test]
+fn a_matrix_of_others_is_made_reciprocal() {
+    let read = back(&with("", &[], None));
+    assert_eq!(
+        (read.asymmetry, read.enclosure.factors.get(0, 1).0),
+        (0.0, 0.25)
+    );
+    assert_eq!(read.enclosure.rows.names, ["0", "1"]);
+    assert!(read.enclosure.rows.cells.is_empty());
+    let read = back(&with("data", &[2], Some(&[0.3, 0.5])));
+    assert!((read.asymmetry - 0.1).abs() < 1e-12, "{}", read.asymmetry);
+    assert!((read.enclosure.factors.get(1, 0).0 - 0.55).abs() < 1e-12);
+}
+
+#[test]
+fn bad_arrays_are_named() {
+    let refuse = |bytes: Vec<u8>, expected: &str| {
+        let said = read(Cursor::new(bytes), BUDGET).unwrap_err().to_string();
+        assert!(said.contains(expected), "{said}");
+    };
+    refuse(with("areas", &[], None), "no array \"areas\"");
+    refuse(with("data", &[], None), "no array \"data\"");
+    refuse(with("data", &[2], Some(&[f64::NAN, 0.5])), "data[0] is NaN");
+    refuse(
+        with("data", &[1], Some(&[0.5])),
+        "data, std_error: not one number",
+    );
+    refuse(with("areas", &[2], Some(&[-1.0, 1.0])), "areas: -1");
+    refuse(
+        with("areas", &[3], Some(&[1.0; 3])),
+        "areas: its shape is [3]",
+    );
+    refuse(with("shape", &[2], Some(&[2.0, 3.0])), "2 × 3");
+    refuse(with("indptr", &[3], Some(&[0.0, 2.0, 1.0])), "indptr");
+    refuse(with("indices", &[2], Some(&[1.0, 2.0])), "indices");
+    refuse(vec![0; 40], "archive");
+}
+
+/// Reads with SciPy, where Python has it.
+#[test]
+fn scipy_reads_the_archive() {
+    let Some(python) = azulejo_testing::python() else {
+        return;
+    };
+    let path = std::env::temp_dir().join(format!("azulejo-{}.npz", std::process::id()));
+    let mut file = std::fs::File::create(&path).unwrap();
+    let mut enclosure = two_squares();
+    enclosure.rows.names = vec!["floor".to_owned(), "wänd".to_owned()];
+    write(&enclosure, ArchivePrecision::Auto, &mut file).unwrap();
+    let script = "import sys, numpy, scipy.sparse as s\n\
+        f = s.load_npz(sys.argv[1]); assert f.format == 'csr'\n\
+        assert (f.toarray() == [[0, 0.25], [0.5, 0]]).all()\n\
+        z = numpy.load(sys.argv[1])\n\
+        assert z['names'].tolist() == ['floor', 'wänd']\n\
+        d = s.csr_matrix((z['direct'], z['indices'], z['indptr']), z['shape'])\n\
+        assert (d.toarray() == [[0, 0.125], [0.25, 0]]).all()\n\
+        assert z['areas'].tolist() == [2, 1] and z['std_error'].tolist() == [0.125, 0.25]\n";
+    let status = std::process::Command::new(python)
+        .args(["-c", script])
+        .arg(&path)
+        .status();
+    std::fs::remove_file(&path).unwrap();
+    assert!(status.unwrap().success());
+}

@@ -1,0 +1,148 @@
+//! Form factors with a description of their rows.
+
+mod cells;
+mod groups;
+#[cfg(test)]
+pub(crate) mod tests;
+
+pub use cells::CellMesh;
+pub use groups::{GroupBy, Groups, unique};
+
+use azulejo_factors::form_factors::PreparedPlan;
+use azulejo_factors::{FaceId, FormFactors};
+use azulejo_scene::{MaterialId, Rgb, Scene, Up};
+
+/// Form factors and what is known of their rows, without the scene that they come from.
+#[derive(Clone, Debug, Default)]
+pub struct Enclosure {
+    /// The matrix.
+    pub factors: FormFactors,
+    /// Its rows.
+    pub rows: RowTable,
+    /// Light from outside (sun, sky, pictures of the surroundings) on each row; `None` if there is
+    /// none.
+    pub outside: Option<Vec<OutsideLight>>,
+}
+
+/// Light on a row from outside, straight and by way of one flat mirror.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct OutsideLight {
+    /// Mean irradiance, W/m² per channel.
+    pub irradiance: Rgb,
+    /// Its standard error.
+    pub error: Rgb,
+}
+
+/// What is known of the rows of a matrix.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RowTable {
+    /// A name for each row, all different: of its group, or `object/face`, with the patch's number
+    /// within its face if there are several, and `(back)` for backs.
+    pub names: Vec<String>,
+    /// Whether rows are groups of patches.
+    pub are_groups: bool,
+    /// Names of the objects that [`FormFactors::faces`] counts; not empty, need not differ.
+    pub objects: Vec<String>,
+    /// Names of the materials that [`FormFactors::materials`] counts; not empty, need not differ.
+    pub materials: Vec<String>,
+    /// Diffuse reflectance of each row, 0..1 per channel; means by area for groups.
+    pub diffuse: Vec<Rgb>,
+    /// The polygons that rows consist of.
+    pub cells: CellMesh,
+    /// Length of a unit in metres; `None` if unknown.
+    pub metres_per_unit: Option<f64>,
+    /// The axis that points away from the ground.
+    pub up: Up,
+}
+
+impl Enclosure {
+    /// Describes the rows of a matrix that was computed from `plan` for `scene`. Its rows must be
+    /// those of the plan: neither grouped nor reordered.
+    ///
+    /// # Panics
+    /// If the matrix has another number of rows than the plan.
+    pub fn new(plan: &PreparedPlan, scene: &Scene, factors: FormFactors) -> Enclosure {
+        assert_eq!(plan.rows(), factors.len(), "the rows of the plan");
+        let named = |kind: &str, i: usize, name: &str| match name {
+            "" => format!("{kind} {i}"),
+            name => name.to_owned(),
+        };
+        let objects = scene.objects.iter().enumerate();
+        let materials = scene.materials.iter().enumerate();
+        let diffuse = |&m: &MaterialId| scene.materials[m as usize].diffuse;
+        let mut rows = RowTable {
+            names: Vec::new(),
+            are_groups: false,
+            objects: objects.map(|(i, o)| named("object", i, &o.name)).collect(),
+            materials: materials
+                .map(|(i, m)| named("material", i, &m.name))
+                .collect(),
+            diffuse: factors.materials.iter().map(diffuse).collect(),
+            cells: CellMesh::new((0..plan.rows()).map(|i| plan.outline(i))),
+            metres_per_unit: scene.units.metres_per_unit,
+            up: scene.units.up,
+        };
+        rows.names = rows.patch_names(&factors);
+        Enclosure {
+            factors,
+            rows,
+            outside: None,
+        }
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.factors.len()
+    }
+
+    /// Whether there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.factors.is_empty()
+    }
+
+    /// Mirror reflectance ρ_s of each row with which its factors were computed, 0..1.
+    pub fn mirror_reflectances(&self) -> Vec<f64> {
+        self.factors.ends.iter().map(|end| 1.0 - end).collect()
+    }
+
+    /// Share of the light on each row that its material absorbs, the mean of the channels, 0..1.
+    pub fn absorptances(&self) -> Vec<f64> {
+        let rows = self.rows.diffuse.iter().zip(&self.factors.ends);
+        rows.map(|(diffuse, ends)| (ends - diffuse.mean()).max(0.0))
+            .collect()
+    }
+
+    /// Length of a unit in metres; 1 if unknown.
+    pub fn metres_per_unit(&self) -> f64 {
+        self.rows.metres_per_unit.unwrap_or(1.0)
+    }
+}
+
+impl RowTable {
+    /// The name of the object of a face.
+    pub fn object(&self, face: FaceId) -> &str {
+        &self.objects[face.object as usize]
+    }
+
+    /// Names of patches: `object/face`, with the number of the patch where a face has several.
+    fn patch_names(&self, factors: &FormFactors) -> Vec<String> {
+        let key = |i: usize| (factors.faces[i], factors.is_back[i]);
+        let mut counts = std::collections::HashMap::new();
+        (0..factors.len()).for_each(|i| *counts.entry(key(i)).or_insert(0usize) += 1);
+        let mut seen = std::collections::HashMap::new();
+        let name = |i: usize| {
+            let (face, is_back) = key(i);
+            let place = seen.entry(key(i)).or_insert(0usize);
+            *place += 1;
+            let mut name = format!("{}/{}", self.object(face), face.face);
+            if counts[&key(i)] > 1 {
+                name += &format!(".{}", *place - 1);
+            }
+            if is_back {
+                name += " (back)";
+            }
+            name
+        };
+        unique((0..factors.len()).map(name).collect())
+    }
+}

@@ -1,0 +1,3 @@
+//! Files of matrices.
+
+pub mod csv;
