@@ -1,5 +1,6 @@
 //! The matrix as CSV.
 
+use super::text::csv_field;
 use crate::enclosure::Enclosure;
 use azulejo_factors::FaceId;
 use std::borrow::Cow;
@@ -85,7 +86,7 @@ fn start(
 /// The name of a row in a table.
 fn name(enclosure: &Enclosure, i: usize) -> Cow<'_, str> {
     if enclosure.rows.are_groups {
-        quoted(&enclosure.rows.names[i])
+        csv_field(&enclosure.rows.names[i])
     } else {
         i.to_string().into()
     }
@@ -95,15 +96,6 @@ fn name(enclosure: &Enclosure, i: usize) -> Cow<'_, str> {
 fn entry_of(row: &[(u32, f64, f32)], column: u32) -> (u32, f64, f32) {
     let found = row.binary_search_by_key(&column, |&(j, ..)| j);
     found.map_or((column, 0.0, 0.0), |k| row[k])
-}
-
-/// A name quoted according to RFC 4180.
-fn quoted(name: &str) -> Cow<'_, str> {
-    if name.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", name.replace('"', "\"\"")).into()
-    } else {
-        name.into()
-    }
 }
 
 #[cfg(test)]

@@ -1,0 +1,176 @@
+//! Rows as the faces of a case.
+
+use super::{BoundaryPatch, OpenFoamCase, OpenFoamVersion};
+use crate::enclosure::Enclosure;
+use crate::files::FactorFileError;
+use std::collections::{HashMap, HashSet};
+
+/// The group of the patches that take part, at openfoam.com.
+const GROUP: &str = "viewFactorWall";
+
+/// The rows of a matrix in the order of a case.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct CaseRows {
+    /// The rows, by patch and first face.
+    pub(super) rows: Vec<u32>,
+    /// For each patch of the case, the number of the cluster of each of its faces.
+    pub(super) agglomeration: Vec<Vec<u32>>,
+    /// Names of the patches that take part.
+    pub(super) taking_part: Vec<String>,
+}
+
+fn refused(message: String) -> FactorFileError {
+    FactorFileError::Rows {
+        program: "OpenFOAM",
+        message,
+    }
+}
+
+impl CaseRows {
+    /// Finds the row of each face: rows are faces, or whole patches.
+    pub(super) fn new(
+        enclosure: &Enclosure,
+        case: &OpenFoamCase,
+    ) -> Result<CaseRows, FactorFileError> {
+        let taking_part = taking_part(enclosure, case)?;
+        let numbers = row_numbers(enclosure)?;
+        let faces: usize = taking_part.iter().map(|p| p.faces).sum();
+        let by_patch = enclosure.rows.are_groups
+            && is_each_once(taking_part.iter().map(|p| {
+                let row = numbers.get(&(p.name.as_str(), None));
+                row.copied()
+            }));
+        if by_patch && enclosure.len() == taking_part.len() {
+            let row_of = |patch: &str, _| numbers.get(&(patch, None)).copied();
+            return Ok(CaseRows::by(case, &taking_part, row_of));
+        }
+        let row_of = |patch: &str, face| numbers.get(&(patch, Some(face))).copied();
+        let is_known = |p: &&BoundaryPatch| {
+            (0..p.faces)
+                .filter(|&f| row_of(&p.name, f).is_some())
+                .count()
+        };
+        let known: usize = taking_part.iter().map(is_known).sum();
+        if known != faces || enclosure.len() != faces {
+            let names: Vec<_> = taking_part
+                .iter()
+                .map(|p| p.name.as_str())
+                .take(8)
+                .collect();
+            return Err(refused(format!(
+                "found {} rows, {known} of them faces of the patches that take part ({}), expected \
+                 all {faces} faces of these: compute the factors of these patches alone, with \
+                 --by face, or of whole patches with --by object",
+                enclosure.len(),
+                names.join(", ")
+            )));
+        }
+        Ok(CaseRows::by(case, &taking_part, row_of))
+    }
+
+    /// Numbers clusters by first appearance, patch by patch.
+    fn by(
+        case: &OpenFoamCase,
+        taking_part: &[&BoundaryPatch],
+        row_of: impl Fn(&str, usize) -> Option<u32>,
+    ) -> CaseRows {
+        let part: HashSet<&str> = taking_part.iter().map(|p| p.name.as_str()).collect();
+        let (mut rows, mut agglomeration) = (Vec::new(), Vec::new());
+        for patch in &case.patches {
+            let is_part = part.contains(patch.name.as_str());
+            let of_face = |f| row_of(&patch.name, f).filter(|_| is_part);
+            let mut numbers = HashMap::new();
+            let mut clusters = Vec::new();
+            for face in 0..patch.faces {
+                let Some(row) = of_face(face) else {
+                    clusters.push(face as u32);
+                    continue;
+                };
+                let next = numbers.len() as u32;
+                clusters.push(*numbers.entry(row).or_insert_with(|| {
+                    rows.push(row);
+                    next
+                }));
+            }
+            agglomeration.push(clusters);
+        }
+        CaseRows {
+            rows,
+            agglomeration,
+            taking_part: taking_part.iter().map(|p| p.name.clone()).collect(),
+        }
+    }
+}
+
+/// Whether all are there, and none twice.
+fn is_each_once(rows: impl Iterator<Item = Option<u32>>) -> bool {
+    let mut seen = HashSet::new();
+    rows.into_iter()
+        .all(|row| row.is_some_and(|r| seen.insert(r)))
+}
+
+/// The patches that take part: of the group `viewFactorWall` at openfoam.com. At openfoam.org a
+/// condition of `qr` says so, and those that have rows are taken.
+fn taking_part<'a>(
+    enclosure: &Enclosure,
+    case: &'a OpenFoamCase,
+) -> Result<Vec<&'a BoundaryPatch>, FactorFileError> {
+    let objects: HashSet<&str> = (enclosure.factors.faces.iter())
+        .map(|&f| enclosure.rows.object(f))
+        .collect();
+    let is_part = |p: &&BoundaryPatch| match case.version {
+        OpenFoamVersion::Org => p.faces > 0 && objects.contains(p.name.as_str()),
+        _ => p.groups.iter().any(|g| g == GROUP),
+    };
+    let patches: Vec<_> = case.patches.iter().filter(is_part).collect();
+    if !patches.is_empty() {
+        return Ok(patches);
+    }
+    let names: Vec<_> = case
+        .patches
+        .iter()
+        .map(|p| p.name.as_str())
+        .take(8)
+        .collect();
+    Err(refused(match case.version {
+        OpenFoamVersion::Org => format!(
+            "found no patch that a row's object is named after, expected some of {}",
+            names.join(", ")
+        ),
+        _ => format!(
+            "found no patch with inGroups ({GROUP}) in polyMesh/boundary, expected it with those of \
+             {} that exchange heat",
+            names.join(", ")
+        ),
+    }))
+}
+
+/// Rows by patch and face, and by patch alone if rows are groups.
+fn row_numbers(
+    enclosure: &Enclosure,
+) -> Result<HashMap<(&str, Option<usize>), u32>, FactorFileError> {
+    let (factors, rows) = (&enclosure.factors, &enclosure.rows);
+    if factors.is_back.contains(&true) {
+        let message = "found back sides among the rows, expected the faces of patches alone";
+        return Err(refused(message.to_owned()));
+    }
+    let mut numbers = HashMap::new();
+    for (row, &face) in (0..).zip(&factors.faces) {
+        let object = rows.object(face);
+        if numbers
+            .insert((object, Some(face.face as usize)), row)
+            .is_some()
+        {
+            return Err(refused(format!(
+                "found several rows of face {} of {object}, expected one: --by face makes one row of \
+                 the pieces of a face",
+                face.face
+            )));
+        }
+        // The name of a group of faces is another.
+        if rows.are_groups && rows.names[row as usize] == object {
+            numbers.insert((object, None), row);
+        }
+    }
+    Ok(numbers)
+}
