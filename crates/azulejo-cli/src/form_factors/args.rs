@@ -4,17 +4,22 @@ use crate::args::{DivisionArgs, InputArgs};
 use crate::engine::EngineArgs;
 use crate::values;
 use azulejo_exchange::archive::ArchivePrecision;
+use azulejo_exchange::files::FactorFormat;
+use azulejo_exchange::files::openfoam::OpenFoamVersion;
 use azulejo_factors::Closure;
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;
+use std::sync::LazyLock;
 
 /// `form-factors`
 #[derive(Debug, Args)]
 pub struct FormFactorArgs {
     #[command(flatten)]
     pub input: InputArgs,
-    /// Output file: .npz (for scipy.sparse.load_npz), .csv, or View3D's .txt and .vf (text or
-    /// binary as its input specifies); `-` writes CSV to standard output
+    /// Output file: .npz (for scipy.sparse.load_npz), .csv, View3D's .txt and .vf (text or binary as
+    /// its input specifies), .vtu, .idf, .epjson, .vwf, .bdf, .mtx, ...: see --format; the folder of
+    /// a case for OpenFOAM; `-` writes CSV to standard output
     #[arg(long, short, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub output: PathBuf,
     /// Output format, regardless of the extension
@@ -41,20 +46,53 @@ pub struct FormFactorArgs {
     #[command(flatten)]
     pub matrix: MatrixArgs,
     #[command(flatten)]
+    pub programs: ProgramArgs,
+    #[command(flatten)]
     pub engine: EngineArgs,
 }
 
-/// Output formats.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum FormatName {
-    /// Sparse, for NumPy and SciPy
-    Npz,
-    /// One line per entry
-    Csv,
-    /// View3D's output as text
-    View3d,
-    /// View3D's output in binary
-    View3dBinary,
+/// Output formats, by the names of their table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FormatName(pub FactorFormat);
+
+impl ValueEnum for FormatName {
+    fn value_variants<'a>() -> &'a [FormatName] {
+        static NAMES: LazyLock<Vec<FormatName>> = LazyLock::new(|| {
+            let table = FactorFormat::table().iter();
+            table.map(|entry| FormatName(entry.format)).collect()
+        });
+        &NAMES
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let mut table = FactorFormat::table().iter();
+        let entry = table.find(|entry| entry.format == self.0)?;
+        Some(PossibleValue::new(entry.name).help(entry.about))
+    }
+}
+
+/// What files of other programs need to know.
+#[derive(Clone, Debug, Args)]
+#[command(next_help_heading = "Files of other programs")]
+pub struct ProgramArgs {
+    /// Rows whose factors a .vtu also shows, as arrays F_from_NAME
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    pub vtu_rows: Vec<String>,
+    /// The zone, space or enclosure of EnergyPlus [default: Zone]
+    #[arg(long, value_name = "NAME")]
+    pub zone: Option<String>,
+    /// The version of OpenFOAM that reads the files: v1912 (or earlier), v2312 (or later), or org
+    /// [default: that of the environment, or of polyMesh/boundary]
+    #[arg(long, value_name = "VERSION", value_parser = openfoam_version)]
+    pub openfoam: Option<OpenFoamVersion>,
+    /// The version of CalculiX that reads the file, which it demands to be its own [default: 2.20]
+    #[arg(long, value_name = "VERSION")]
+    pub calculix: Option<String>,
+}
+
+fn openfoam_version(word: &str) -> Result<OpenFoamVersion, String> {
+    let version = OpenFoamVersion::from_word(word);
+    version.ok_or_else(|| "expected v1912 (or earlier), v2312 (or later) or org".to_owned())
 }
 
 /// Operations on the matrix between patches.
@@ -176,6 +214,8 @@ Examples:
   azulejo form-factors room.obj -o f.csv --patch-size 0 --by object --closure
   azulejo form-factors room.vs3 -o f.txt
   azulejo form-factors street.obj -o f.npz --by face --truncate 0.01% --memory 8G
+  azulejo form-factors room.obj -o room.vtu --vtu-rows floor/0
+  azulejo form-factors zone.obj -o zone.idf --by object --zone Room --closure
   python3 -c 'import scipy.sparse as s; print(s.load_npz(\"f.npz\").sum(axis=1))'
 
 The entry in row i, column j is the share of the light leaving patch i diffusely that arrives at

@@ -1,6 +1,7 @@
 //! `form-factors`: the matrix between patches, or between groups of them.
 
 pub mod args;
+mod destination;
 mod journal;
 mod outside;
 mod stored;
@@ -13,31 +14,21 @@ use super::failure::Failure;
 use super::report::{Report, bytes, count};
 use super::session::Session;
 use super::{input, pass};
-use args::{FormFactorArgs, FormatName, FormulasName};
+use args::{FormFactorArgs, FormulasName};
 use azulejo::output::Output;
-use azulejo_exchange::files::csv;
-use azulejo_exchange::{Enclosure, archive};
+use azulejo_exchange::Enclosure;
 use azulejo_factors::form_factors::{Forecast, Journal, NoJournal, Plan, PreparedPlan};
 use azulejo_factors::{
     Engine, FactorsError, FormFactorOptions, FormFactors, Hemicube, HemicubeBackend, PatchSize,
 };
 use azulejo_formats::Format;
-use azulejo_formats::view3d::MatrixLayout;
 use azulejo_scene::Scene;
 use azulejo_trace::Tracer;
+use destination::Destination;
 use journal::FileJournal;
 use std::borrow::Cow;
 use std::path::PathBuf;
 use view3d::View3dInput;
-
-/// Output formats.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum MatrixFormat {
-    Archive,
-    Table,
-    /// View3D's; without a layout, in the one its input specifies.
-    View3d(Option<MatrixLayout>),
-}
 
 /// What is to be written, and the journal that is done with then.
 struct Computed {
@@ -49,9 +40,8 @@ struct Computed {
 
 /// Runs `form-factors`.
 pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failure> {
-    let output = Output::check(&args.output)?;
-    let format = matrix_format(args, &output)?;
-    session.claim_stdout(output.is_stdout())?;
+    let destination = Destination::new(args)?;
+    session.claim_stdout(destination.output.is_stdout())?;
     refuse_contradiction(args)?;
     let mut report = Report::default();
     let computed = match stored::read(args, session)? {
@@ -60,26 +50,20 @@ pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failu
             room: None,
             journal: None,
         },
-        None => computed(args, &output, session, &mut report)?,
+        None => computed(args, &destination.output, session, &mut report)?,
     };
     let mut enclosure = computed.enclosure;
     if let Some(share) = args.matrix.truncate {
         session.with_progress(|p| enclosure.factors.truncate(share, p))?;
     }
-    output.write(session.progress(), |out| match format {
-        MatrixFormat::Archive => archive::write(&enclosure, args.matrix.precision.into(), out),
-        MatrixFormat::Table => csv::write(&enclosure, out),
-        MatrixFormat::View3d(layout) => {
-            view3d::write(computed.room.as_ref(), layout, &enclosure, out)
-        }
-    })?;
+    let written = destination.write(&enclosure, computed.room.as_ref(), session)?;
     if let Some(journal) = computed.journal {
         journal.remove();
     }
     summary::describe(&enclosure, &mut report);
     outside::describe(&enclosure, &mut report);
     let path = args.output.display().to_string();
-    report.fact("output", path.clone(), "wrote", path);
+    report.fact("output", path, "wrote", written);
     Ok(report)
 }
 
@@ -156,30 +140,6 @@ fn read_models(args: &FormFactorArgs, session: &mut Session) -> Result<Scene, Fa
         );
     }
     Ok(scene)
-}
-
-fn matrix_format(args: &FormFactorArgs, output: &Output) -> Result<MatrixFormat, Failure> {
-    match args.format {
-        Some(FormatName::Npz) => return Ok(MatrixFormat::Archive),
-        Some(FormatName::Csv) => return Ok(MatrixFormat::Table),
-        Some(FormatName::View3d) => return Ok(MatrixFormat::View3d(Some(MatrixLayout::Text))),
-        Some(FormatName::View3dBinary) => {
-            return Ok(MatrixFormat::View3d(Some(MatrixLayout::Binary)));
-        }
-        None => {}
-    }
-    let extension = args.output.extension().and_then(|e| e.to_str());
-    match extension.unwrap_or("").to_ascii_lowercase().as_str() {
-        "npz" => Ok(MatrixFormat::Archive),
-        "csv" => Ok(MatrixFormat::Table),
-        "txt" => Ok(MatrixFormat::View3d(Some(MatrixLayout::Text))),
-        "vf" => Ok(MatrixFormat::View3d(None)),
-        _ if output.is_stdout() => Ok(MatrixFormat::Table),
-        _ => Err(Failure::misuse(format_args!(
-            "{}: unknown matrix format, expected .npz, .csv, .txt or .vf (View3D), or --format",
-            args.output.display()
-        ))),
-    }
 }
 
 fn options(args: &FormFactorArgs, prepared: &PreparedEngine) -> FormFactorOptions {

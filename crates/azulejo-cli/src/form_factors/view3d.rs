@@ -7,16 +7,17 @@ use crate::report::{Report, number, percent};
 use crate::session::Session;
 use azulejo::models;
 use azulejo_exchange::enclosure::unique;
+use azulejo_exchange::files::view3d::View3dTable;
 use azulejo_exchange::{Enclosure, Groups};
 use azulejo_factors::form_factors::{InterchangeError, Scaled};
 use azulejo_factors::{Closure, Engine, FaceId, FormFactorOptions, FormFactors, PatchSize};
 use azulejo_formats::view3d::{
-    FactorHeader, MatrixLayout, View3dControls, View3dDocument, View3dModel, write_factors,
+    FactorHeader, MatrixLayout, View3dControls, View3dDocument, View3dModel,
 };
 use azulejo_formats::{Format, ReadOptions, recognize};
 use azulejo_scene::Scene;
 use std::fs::File;
-use std::io::{self, Read, Write};
+use std::io::Read;
 use std::path::Path;
 
 /// The surfaces of a View3D file.
@@ -234,12 +235,15 @@ impl View3dInput {
         report.value("row", numbers);
     }
 
-    /// The header of its matrix, in a layout or in that of the file.
-    fn header(&self, layout: Option<MatrixLayout>) -> FactorHeader {
-        FactorHeader {
-            layout: layout.unwrap_or(self.controls.out),
-            encl: self.controls.encl,
-            emit: self.controls.emit,
+    /// What its output says besides the matrix, in a layout or in that of the file.
+    pub fn table(&self, layout: Option<MatrixLayout>) -> View3dTable {
+        View3dTable {
+            header: FactorHeader {
+                layout: layout.unwrap_or(self.controls.out),
+                encl: self.controls.encl,
+                emit: self.controls.emit,
+            },
+            emissivities: self.model.emissivities.clone(),
         }
     }
 }
@@ -261,36 +265,4 @@ fn describe(scaled: &Scaled, key: &str, report: &mut Report) {
     report.value(&format!("{key}_error"), number(*error));
     report.value(&format!("{key}_moved"), number(moved.total));
     report.value(&format!("{key}_most"), number(moved.most));
-}
-
-/// Writes a matrix in View3D's format. The emissivities of other scenes than View3D's are what
-/// their materials absorb.
-pub fn write(
-    room: Option<&View3dInput>,
-    layout: Option<MatrixLayout>,
-    enclosure: &Enclosure,
-    out: &mut dyn Write,
-) -> io::Result<()> {
-    let factors = &enclosure.factors;
-    let header = room.map_or_else(
-        || FactorHeader {
-            layout: layout.unwrap_or_default(),
-            ..FactorHeader::default()
-        },
-        |room| room.header(layout),
-    );
-    let emissivities = match room {
-        Some(room) => room.model.emissivities.clone(),
-        None => enclosure.absorptances(),
-    };
-    let rows = factors
-        .blocks()
-        .into_iter()
-        .flat_map(|block| factors.rows(block));
-    let whole = |row: Vec<(u32, f64, f32)>| {
-        let mut whole = vec![0.0; factors.len()];
-        row.iter().for_each(|&(j, f, _)| whole[j as usize] = f);
-        Ok(whole)
-    };
-    write_factors(header, &factors.areas, rows.map(whole), &emissivities, out)
 }

@@ -71,11 +71,6 @@ impl<'a> DirectFactors<'a> {
         }
     }
 
-    /// Number of entries of each row.
-    pub(super) fn row_lengths(&self) -> Vec<usize> {
-        self.exchange().row_lengths()
-    }
-
     /// F_ii of every row.
     pub(super) fn diagonal(&self) -> Vec<f64> {
         let own = |i: usize| {

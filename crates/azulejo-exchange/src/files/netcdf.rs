@@ -64,10 +64,10 @@ mod tests {
             \0\0\0\x0a\0\0\0\x02\0\0\0\x04rows\0\0\0\x03\0\0\0\x07columns\0\0\0\0\x03\
             \0\0\0\0\0\0\0\0\
             \0\0\0\x0b\0\0\0\x01\0\0\0\x0bview factor\0\0\0\0\x02\0\0\0\0\0\0\0\x01\
-            \0\0\0\0\0\0\0\0\0\0\0\x05\0\0\0\x24\0\0\0\0\0\0\0\x78";
+            \0\0\0\0\0\0\0\0\0\0\0\x05\0\0\0\x24\0\0\0\0\0\0\0\x70";
         let found = header("view factor", 3);
         assert_eq!(found, expected);
-        assert_eq!(found.len(), 0x78);
+        assert_eq!(found.len(), 0x70);
     }
 
     #[test]

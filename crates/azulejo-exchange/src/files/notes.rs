@@ -63,5 +63,5 @@ pub(super) fn losing(
 }
 
 fn percent(share: f64) -> String {
-    format!("{}%", super::text::general(100.0 * share, 2))
+    format!("{}%", super::text::general(100.0 * share, 3))
 }

@@ -547,7 +547,7 @@ fn a_failing_disk_is_reported() {
     }
     for entry in FactorFormat::table() {
         let options = FileOptions {
-            case: Some(openfoam::OpenFoamCase {
+            case: Some(OpenFoamCase {
                 folder: "constant".into(),
                 patches: Vec::new(),
                 version: openfoam::OpenFoamVersion::V1912,

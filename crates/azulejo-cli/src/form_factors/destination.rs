@@ -1,0 +1,126 @@
+//! Where a matrix is written, and in which format.
+
+use super::args::FormFactorArgs;
+use super::view3d::View3dInput;
+use crate::failure::Failure;
+use crate::session::Session;
+use azulejo::output::{Output, commit};
+use azulejo_exchange::Enclosure;
+use azulejo_exchange::files::openfoam::{OpenFoamCase, OpenFoamVersion};
+use azulejo_exchange::files::{FactorFiles, FactorFormat, FileOptions};
+use azulejo_formats::view3d::MatrixLayout;
+use std::path::{Path, PathBuf};
+
+/// Files to be written, checked before the work begins.
+pub struct Destination {
+    /// The only file, or the first.
+    pub output: Output,
+    /// The folder of files whose names the format gives.
+    folder: PathBuf,
+    format: FactorFormat,
+    /// Whether View3D's layout was chosen, rather than left to its input.
+    has_layout: bool,
+    options: FileOptions,
+}
+
+impl Destination {
+    /// Finds the format, and checks that it can be written there.
+    pub fn new(args: &FormFactorArgs) -> Result<Destination, Failure> {
+        let is_stdout = args.output == Path::new("-");
+        let format = match args.format {
+            Some(name) => name.0,
+            None if is_stdout => FactorFormat::Csv,
+            None => FactorFormat::from_path(&args.output).ok_or_else(|| unknown(&args.output))?,
+        };
+        let mut options = FileOptions {
+            precision: args.matrix.precision.into(),
+            shown_rows: args.programs.vtu_rows.clone(),
+            zone: args.programs.zone.clone(),
+            calculix: args.programs.calculix.clone(),
+            ..FileOptions::default()
+        };
+        let mut folder = PathBuf::new();
+        let file = match format {
+            FactorFormat::OpenFoam | FactorFormat::OpenFoamBinary => {
+                let case = open_case(args)?;
+                folder.clone_from(&case.folder);
+                options.case = Some(case);
+                folder.join("F")
+            }
+            FactorFormat::Udales => {
+                options.experiment = experiment(&args.output);
+                folder = args.output.with_file_name("");
+                args.output.clone()
+            }
+            _ => args.output.clone(),
+        };
+        let is_vf = |path: &Path| {
+            path.extension()
+                .is_some_and(|e| e.eq_ignore_ascii_case("vf"))
+        };
+        Ok(Destination {
+            output: Output::check(&file)?,
+            folder,
+            format,
+            has_layout: args.format.is_some() || !is_vf(&args.output),
+            options,
+        })
+    }
+
+    /// Writes the files of a matrix: all of them or none. Returns what was written.
+    pub fn write(
+        mut self,
+        enclosure: &Enclosure,
+        room: Option<&View3dInput>,
+        session: &mut Session,
+    ) -> Result<String, Failure> {
+        let layout = match self.format {
+            FactorFormat::View3dBinary => MatrixLayout::Binary,
+            _ => MatrixLayout::Text,
+        };
+        self.options.view3d = room.map(|room| room.table(self.has_layout.then_some(layout)));
+        let prepared = self.format.prepare(enclosure, &self.options);
+        let FactorFiles { files, notes } = prepared.map_err(Failure::failed)?;
+        notes.iter().for_each(|note| session.note(note));
+        let (mut drafts, mut names) = (Vec::new(), Vec::new());
+        for file in &files {
+            let output = match file.name.as_str() {
+                "" => None,
+                name => Some(Output::check(&self.folder.join(name))?),
+            };
+            let output = output.as_ref().unwrap_or(&self.output);
+            let mut draft = output.draft()?;
+            file.write(&mut draft).map_err(|e| output.error(e))?;
+            drafts.push(draft);
+            names.push(output.path().display().to_string());
+        }
+        commit(drafts, session.progress())?;
+        Ok(names.join(", "))
+    }
+}
+
+fn unknown(path: &Path) -> Failure {
+    let message = if path.is_dir() {
+        "a folder: --format openfoam writes to the folder of a case"
+    } else {
+        "unknown matrix format, expected .npz, .csv, .txt or .vf (View3D), .vtu, .idf, .epjson, .vwf, \
+         .dat, .i, .bdf, .mtx or --format"
+    };
+    Failure::misuse(format_args!("{}: {message}", path.display()))
+}
+
+/// Reads the case that files are for, in the version of the options, the environment or its mesh.
+fn open_case(args: &FormFactorArgs) -> Result<OpenFoamCase, Failure> {
+    let of_environment = || {
+        let word = std::env::var("WM_PROJECT_VERSION").ok()?;
+        OpenFoamVersion::from_word(&word)
+    };
+    let version = args.programs.openfoam.or_else(of_environment);
+    OpenFoamCase::open(&args.output, version).map_err(Failure::failed)
+}
+
+/// The number of an experiment, which is the suffix of its files.
+fn experiment(path: &Path) -> Option<String> {
+    let (_, suffix) = path.file_name()?.to_str()?.rsplit_once(".inp.")?;
+    Some(suffix.to_owned())
+}
