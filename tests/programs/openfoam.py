@@ -50,8 +50,9 @@ def make_case(place):
         "linear; } divSchemes { default bounded Gauss upwind; div(((rho*nuEff)*dev2(T(grad(U))))) "
         "Gauss linear; } laplacianSchemes { default Gauss linear corrected; } interpolationSchemes "
         "{ default linear; } snGradSchemes { default corrected; }\n")  # fmt: skip
-    put(place, "system/fvSolution", 'solvers { ".*" { solver PBiCGStab; preconditioner DILU; tolerance '
-        "1e-9; relTol 0.1; } } SIMPLE { nNonOrthogonalCorrectors 0; pRefCell 0; pRefValue 0; }\n")  # fmt: skip
+    put(place, "system/fvSolution", "solvers { p_rgh { solver PCG; preconditioner DIC; tolerance 1e-9; "
+        'relTol 0.1; } ".*" { solver PBiCGStab; preconditioner DILU; tolerance 1e-9; relTol 0.1; } } '
+        "SIMPLE { nNonOrthogonalCorrectors 0; pRefCell 0; pRefValue 0; }\n")  # fmt: skip
     put(place, "constant/g", "dimensions [0 1 -2 0 0 0 0]; value (0 0 0);\n", "uniformDimensionedVectorField")
     put(place, "constant/turbulenceProperties", "simulationType laminar;\n")
     put(place, "constant/thermophysicalProperties", "thermoType { type heRhoThermo; mixture pureMixture; "
@@ -73,6 +74,11 @@ def make_case(place):
     }  # fmt: skip
     for name, (text, kind) in fields.items():
         put(place, f"0/{name}", text, kind)
+
+
+# Debian's package needs to be told where it is.
+if os.path.isdir("/usr/share/openfoam"):
+    os.environ.setdefault("WM_PROJECT_DIR", "/usr/share/openfoam")
 
 
 def run(place, program):

@@ -32,3 +32,4 @@ mod form_factors;
 mod interrupt;
 mod layers;
 mod lightmap;
+mod matrix_files;
