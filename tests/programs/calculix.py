@@ -21,6 +21,8 @@ def brick(name):
 
 
 def deck(names, temperatures):
+    """Bricks whose back is held at a temperature, and which conduct so well that the face is as warm.
+    What is conducted is what is radiated."""
     lines = ["*NODE, NSET=ALL"]
     for e, name in enumerate(names):
         for k, p in enumerate(brick(name)):
@@ -29,9 +31,9 @@ def deck(names, temperatures):
     for e in range(len(names)):
         lines.append(", ".join(str(n) for n in [e + 1, *range(8 * e + 1, 8 * e + 9)]))
     for e in range(len(names)):
-        lines += [f"*NSET, NSET=N{e}, GENERATE", f"{8 * e + 1}, {8 * e + 8}"]
+        lines += [f"*NSET, NSET=N{e}, GENERATE", f"{8 * e + 5}, {8 * e + 8}"]
     lines += [
-        "*MATERIAL, NAME=M", "*CONDUCTIVITY", "1.",
+        "*MATERIAL, NAME=M", "*CONDUCTIVITY", "1.E6",
         "*SOLID SECTION, ELSET=BRICKS, MATERIAL=M",
         "*PHYSICAL CONSTANTS, ABSOLUTE ZERO=0., STEFAN BOLTZMANN=5.670374419E-8",
         "*INITIAL CONDITIONS, TYPE=TEMPERATURE", "ALL, 300.",
