@@ -34,7 +34,9 @@ def azulejo(*arguments):
     command = os.environ.get("AZULEJO", "azulejo")
     if shutil.which(command) is None:
         skip(f"{command} is missing: set AZULEJO to the program")
-    subprocess.run([command, *map(str, arguments)], check=True, stdout=subprocess.DEVNULL)
+    done = subprocess.run([command, *map(str, arguments)], capture_output=True, text=True)
+    if done.returncode != 0:
+        raise SystemExit(f"{command} failed:\n{done.stderr}")
 
 
 def folder():

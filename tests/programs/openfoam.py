@@ -142,12 +142,13 @@ def main():
     factors = read_mtx(mtx)
     rows = [(p, [k]) for p in mesh for k in range(4)]
     for model, form in [(straight, "openfoam"), (straight, "openfoam-binary"), (turned, "openfoam")]:
-        azulejo("form-factors", model, "-o", place, "--format", form, *common)
+        azulejo("form-factors", model, "-o", place, "--format", form, "--openfoam", "v1912", *common)
         examine(f"{form}, {os.path.basename(model)}", place, rows, factors)
     # Whole patches.
     grouped = [*common, "--by", "object"]
     azulejo("form-factors", straight, "-o", mtx, *grouped)
-    azulejo("form-factors", straight, "-o", place, "--format", "openfoam", *grouped)
+    azulejo("form-factors", straight, "-o", place, "--format", "openfoam", "--openfoam", "v1912",
+            *grouped)  # fmt: skip
     examine("whole patches", place, [(p, range(4)) for p in mesh], read_mtx(mtx))
 
 

@@ -30,9 +30,14 @@ fn every_format_by_name() {
             _ => "file",
         };
         let name = entry.name;
-        folder.ok(&format!("{COMMAND} -o {output} --format {name} --openfoam v1912"));
+        folder.ok(&format!(
+            "{COMMAND} -o {output} --format {name} --openfoam v1912"
+        ));
     }
-    for entry in FactorFormat::table().iter().filter(|e| !e.extensions.is_empty()) {
+    for entry in FactorFormat::table()
+        .iter()
+        .filter(|e| !e.extensions.is_empty())
+    {
         let extension = entry.extensions[0];
         folder.ok(&format!("{COMMAND} -o named.{extension}"));
     }
@@ -52,16 +57,39 @@ fn cases_and_programs_are_known_before_the_work() {
     let folder = folder();
     let case = "-o case --format openfoam";
     folder.fails(&format!("{COMMAND} {case}"), 1, "v1912 (or earlier), v2312");
-    folder.fails(&format!("{COMMAND} {case} --openfoam v2112"), 2, "expected v1912");
+    folder.fails(
+        &format!("{COMMAND} {case} --openfoam v2112"),
+        2,
+        "expected v1912",
+    );
     folder.fails(&format!("{COMMAND} -o case"), 2, "--format openfoam");
-    folder.fails(&format!("{COMMAND} -o . --format openfoam"), 1, "no constant/polyMesh/boundary");
+    folder.fails(
+        &format!("{COMMAND} -o . --format openfoam"),
+        1,
+        "no constant/polyMesh/boundary",
+    );
     folder.fails(&format!("{COMMAND} -o f.xyz"), 2, "unknown matrix format");
-    folder.fails(&format!("{COMMAND} -o f.vtu --vtu-rows x"), 1, "found no row \"x\"");
+    folder.fails(
+        &format!("{COMMAND} -o f.vtu --vtu-rows x"),
+        1,
+        "found no row \"x\"",
+    );
     let divided = "form-factors plates.obj --patches 20 --rays 16";
-    folder.fails(&format!("{divided} {case} --openfoam org"), 1, "several rows of face 0");
+    folder.fails(
+        &format!("{divided} {case} --openfoam org"),
+        1,
+        "several rows of face 0",
+    );
     assert!(!folder.path("case/constant/F").exists());
     let run = folder.ok(&format!("{COMMAND} {case} --openfoam v1912 --threads 1"));
-    assert!(run.err.contains("2 of 2 rows lose light to sky or ground"), "{}", run.err);
+    assert!(
+        run.err.contains("2 of 2 rows lose light to sky or ground"),
+        "{}",
+        run.err
+    );
     let text = String::from_utf8(folder.read("case/constant/mapDist")).unwrap();
-    assert!(text.ends_with("2\n1\n(\n2(0 1)\n)\n1\n(\n2(0 1)\n)\n0 0\n0()\n0()\n"), "{text}");
+    assert!(
+        text.ends_with("2\n1\n(\n2(0 1)\n)\n1\n(\n2(0 1)\n)\n0 0\n0()\n0()\n"),
+        "{text}"
+    );
 }

@@ -510,6 +510,17 @@ fn vtu_is_read_back() {
 }
 
 #[test]
+fn vtu_has_cell_types_by_their_corners() {
+    let mut enclosure = rows(&[1.0; 3], &["a", "b", "c"], &[]);
+    let corner = |k: usize| DVec3::new(k as f64, (k * k) as f64, 0.0);
+    let outline = |corners: usize| (0..corners).map(corner).collect();
+    enclosure.rows.cells = CellMesh::new([3, 4, 5].map(outline));
+    let file = bytes(&enclosure, FactorFormat::Vtu, &FileOptions::default());
+    assert_eq!(vtu_array(&file, "types").2, [5, 9, 7]);
+    assert_eq!(longs(&file, "offsets"), [3, 7, 12]);
+}
+
+#[test]
 fn vtu_refuses_what_it_cannot_show() {
     let options = FileOptions::default();
     let found = refusal(&plates(), FactorFormat::Vtu, &options);
