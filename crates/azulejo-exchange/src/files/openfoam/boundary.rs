@@ -91,8 +91,8 @@ impl<'a> Lexer<'a> {
             let rest = self.text[self.position..].trim_start();
             let end = if rest.starts_with("//") {
                 rest.find('\n').unwrap_or(rest.len())
-            } else if rest.starts_with("/*") {
-                rest[2..].find("*/").map_or(rest.len(), |at| at + 4)
+            } else if let Some(comment) = rest.strip_prefix("/*") {
+                comment.find("*/").map_or(rest.len(), |at| at + 4)
             } else {
                 self.position = self.text.len() - rest.len();
                 return;
