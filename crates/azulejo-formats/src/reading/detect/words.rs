@@ -167,8 +167,10 @@ fn by_line<'a>(line: &[u8], next: impl Fn() -> &'a [u8], head: &[u8]) -> Option<
             Some(Err("a Nastran model"))
         }
         lower if is_grf(lower, behind, next) => Some(Ok(Format::Grf)),
+        _ if is_off(word, behind) => Some(Ok(Format::Off)),
         b"newmtl" => Some(Err("a material library (MTL); give the OBJ that names it")),
         b"solid" => Some(Ok(Format::Stl)),
+        b"$meshformat" | b"$nod" => Some(Ok(Format::Gmsh)),
         _ if is_mgf(word, behind) => Some(Ok(Format::Mgf)),
         _ if line.starts_with(b"{") => Some(json_model(head)),
         _ if line.starts_with(b"<") => Some(if holds(head, b"<X3D") {
@@ -210,6 +212,16 @@ fn is_grf<'a>(word: &[u8], behind: &[u8], next: impl Fn() -> &'a [u8]) -> bool {
         b"ext" => true,
         _ => false,
     }
+}
+
+/// Whether a line begins OFF: its first word, and numbers, a comment or nothing behind it.
+fn is_off(word: &[u8], behind: &[u8]) -> bool {
+    let starts = word.strip_suffix(b"OFF").is_some_and(|kinds| {
+        let kinds = kinds.strip_prefix(b"ST").unwrap_or(kinds);
+        kinds.iter().all(|k| b"CN4n".contains(k)) && kinds.len() <= 4
+    });
+    let follows = matches!(behind.first(), None | Some(b'#' | b'0'..=b'9'));
+    starts && (follows || behind.starts_with(b"BINARY"))
 }
 
 /// Whether a line is a statement of MGF, whose keywords are in lower case and often single letters: as
