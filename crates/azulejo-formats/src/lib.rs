@@ -43,6 +43,7 @@ mod surface;
 pub mod three_mf;
 pub mod view3d;
 pub mod vrml;
+pub mod vtk;
 
 pub use picture::{PictureError, decode as read_picture};
 pub use read::{RecognizedModel, read, read_drawing, read_with};

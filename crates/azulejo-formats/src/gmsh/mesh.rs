@@ -48,11 +48,25 @@ impl MshMesh {
     }
 
     /// The index of a group, which is added if it is new.
-    pub fn group(&mut self, group: MshGroup) -> u32 {
+    fn group(&mut self, group: MshGroup) -> u32 {
         let groups = &mut self.groups;
         *self.known.entry(group).or_insert_with(|| {
             groups.push(group);
             groups.len() as u32 - 1
+        })
+    }
+
+    /// The group of an element: a physical one, or its entity if there is none.
+    pub fn group_of(&mut self, shape: MshShape, physical: Option<i64>, entity: i64) -> u32 {
+        let dimension = if matches!(shape, MshShape::Cell(_)) {
+            3
+        } else {
+            2
+        };
+        self.group(match physical.filter(|&p| p != 0) {
+            // The sign says which side is the front.
+            Some(physical) => MshGroup::Physical(dimension, physical.saturating_abs()),
+            None => MshGroup::Entity(dimension, entity),
         })
     }
 

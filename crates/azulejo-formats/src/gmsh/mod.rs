@@ -108,7 +108,8 @@ impl MshReader<'_> {
             ("PhysicalNames", _) => self.names()?,
             ("Entities", Some(FourOne)) => self.entities.read(source)?,
             ("PartitionedEntities", Some(FourOne)) => self.entities.read_partitioned(source)?,
-            ("Nodes", Some(Two)) => version2::nodes(source, mesh)?,
+            ("Nodes", Some(Two)) => version2::nodes(source, mesh, false)?,
+            ("ParametricNodes", Some(Two)) => version2::nodes(source, mesh, true)?,
             ("Nodes", Some(FourOne)) => version4::nodes(source, mesh)?,
             ("Elements", Some(Two)) => self.repeated += version2::elements(source, mesh)?,
             ("Elements", Some(FourOne)) => {
@@ -155,7 +156,7 @@ impl MshReader<'_> {
             }
         });
         let is_binary = source.int("0 for text or 1 for binary")? != 0;
-        let at = source.offset();
+        let at = source.next_offset();
         source.size_bytes = match source.int("4 or 8 bytes for each size")? {
             4 => 4,
             8 => 8,
@@ -166,7 +167,7 @@ impl MshReader<'_> {
         }
         source.rest_of_line();
         source.encoding = MshEncoding::Binary { is_big: false };
-        let at = source.offset();
+        let at = source.next_offset();
         match source.int("the integer 1")? {
             1 => {}
             0x0100_0000 => source.encoding = MshEncoding::Binary { is_big: true },

@@ -52,6 +52,14 @@ impl<'a> MshSource<'a> {
         self.words.offset()
     }
 
+    /// Offset of the next number.
+    pub fn next_offset(&mut self) -> usize {
+        if self.encoding == MshEncoding::Text {
+            self.words.skip_blanks();
+        }
+        self.words.offset()
+    }
+
     /// A number that is text in binary files, too, with nothing but the line end behind it.
     pub fn count_line(&mut self, expected: &str) -> Result<u64, ReadError> {
         let count = self.parsed(expected)?;

@@ -1,17 +1,30 @@
 //! Nodes and elements of versions 2.0 to 2.2: one list of each, with the groups beside each element.
 
 use super::element_types::{MshShape, element_type};
-use super::mesh::{MshGroup, MshMesh};
+use super::mesh::MshMesh;
 use super::source::{MshEncoding, MshSource};
 use crate::ReadError;
 use glam::DVec3;
 
-/// Reads the content of `$Nodes`.
-pub(super) fn nodes(source: &mut MshSource, mesh: &mut MshMesh) -> Result<(), ReadError> {
+/// Reads the content of `$Nodes` or, with coordinates on the geometry, of `$ParametricNodes`.
+pub(super) fn nodes(
+    source: &mut MshSource,
+    mesh: &mut MshMesh,
+    are_parametric: bool,
+) -> Result<(), ReadError> {
     for _ in 0..source.count_line("a number of nodes")? {
         let number = source.int("the number of a node")?;
         let mut axis = || source.number("a coordinate of a node");
         let position = DVec3::new(axis()?, axis()?, axis()?);
+        if are_parametric {
+            let dimension = source.int("the dimension of an entity")?;
+            source.int("the number of an entity")?;
+            source.skip_numbers(match dimension {
+                1 => 1,
+                2 => 2,
+                _ => 0,
+            })?;
+        }
         mesh.node(number as u64, position);
     }
     Ok(())
@@ -39,7 +52,7 @@ pub(super) fn elements(source: &mut MshSource, mesh: &mut MshMesh) -> Result<usi
 
 /// The type of the next element.
 pub(super) fn next_type(source: &mut MshSource) -> Result<(MshShape, usize), ReadError> {
-    let at = source.offset();
+    let at = source.next_offset();
     let number = source.int("the type of an element")?;
     element_type(number).ok_or_else(|| {
         let found = format!("element type {number}");
@@ -64,7 +77,7 @@ struct ElementReader<'a> {
 impl ElementReader<'_> {
     /// One element of a text.
     fn line(&mut self, source: &mut MshSource) -> Result<u64, ReadError> {
-        let at = source.offset();
+        let at = source.next_offset();
         source.int("the number of an element")?;
         let kind = next_type(source)?;
         let tags = source.int("a number of tags")?;
@@ -75,7 +88,7 @@ impl ElementReader<'_> {
     /// Elements of one type of a binary file; returns how many.
     fn block(&mut self, source: &mut MshSource) -> Result<u64, ReadError> {
         let kind = next_type(source)?;
-        let at = source.offset();
+        let at = source.next_offset();
         let count = source.int("a number of elements")?;
         let tags = source.int("a number of tags")?;
         let Some(count) = u64::try_from(count).ok().filter(|&c| c > 0) else {
@@ -83,7 +96,7 @@ impl ElementReader<'_> {
             return Err(source.error(at, found, "one or more"));
         };
         for _ in 0..count {
-            let at = source.offset();
+            let at = source.next_offset();
             source.int("the number of an element")?;
             self.element(source, at, kind, tags)?;
         }
@@ -120,17 +133,12 @@ impl ElementReader<'_> {
             self.repeated += 1;
             return Ok(());
         }
-        let dimension = if matches!(shape, MshShape::Cell(_)) {
-            3
-        } else {
-            2
+        let group = match shape {
+            MshShape::Line => 0,
+            _ => self.mesh.group_of(shape, Some(physical), entity),
         };
-        let group = match (shape, physical) {
-            (MshShape::Line, _) => 0,
-            (_, 0) => self.mesh.group(MshGroup::Entity(dimension, entity)),
-            _ => self.mesh.group(MshGroup::Physical(dimension, physical)),
-        };
+        let is_reversed = physical < 0;
         self.mesh
-            .element(shape, &self.nodes, (group, false), (source, at))
+            .element(shape, &self.nodes, (group, is_reversed), (source, at))
     }
 }

@@ -1,7 +1,7 @@
 //! Entities, nodes and elements of version 4.1: blocks, each of one entity.
 
 use super::element_types::MshShape;
-use super::mesh::{MshGroup, MshMesh};
+use super::mesh::MshMesh;
 use super::source::MshSource;
 use super::version2::next_type;
 use crate::ReadError;
@@ -155,16 +155,13 @@ pub(super) fn elements(
         let physical = entity.and_then(|e| e.physical);
         let is_between = entity.is_some_and(|e| e.is_between);
         let reversed = physical.is_some_and(|p| p < 0);
-        let group = match physical {
-            _ if shape == MshShape::Line || is_between || elements == 0 => 0,
-            Some(physical) => mesh.group(MshGroup::Physical(
-                dimension,
-                physical.checked_abs().unwrap_or(physical),
-            )),
-            None => mesh.group(MshGroup::Entity(dimension, number)),
+        let group = if shape == MshShape::Line || is_between || elements == 0 {
+            0
+        } else {
+            mesh.group_of(shape, physical, number)
         };
         for _ in 0..elements {
-            let at = source.offset();
+            let at = source.next_offset();
             source.size("the number of an element")?;
             nodes.clear();
             for _ in 0..count {

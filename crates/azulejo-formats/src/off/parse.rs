@@ -97,7 +97,7 @@ impl<'a> OffParser<'a> {
         self.skip_comments();
         let start = self.words.offset();
         let word = self.words.word().unwrap_or_default();
-        if word.first().is_some_and(u8::is_ascii_digit) && word != b"4OFF" {
+        if word.first().is_some_and(u8::is_ascii_digit) && !word.ends_with(b"OFF") {
             self.words = self.words.from(start);
             return Ok(OffHeader::default());
         }

@@ -80,11 +80,13 @@ impl NamedSurfaces {
             let surface = *numbers.entry(face.tag).or_insert_with(new);
             self.push(surface, &face.corners, positions);
         }
-        let message = format!(
-            "volumes without surfaces: the {} faces of their boundary are read, whose fronts look out of \
-             the volumes (rows of the backs, too: form-factors --two-sided)",
-            faces.len()
-        );
+        let message = match faces.len() {
+            0 => "volumes without a boundary: each face belongs to two of them or more".to_owned(),
+            count => format!(
+                "volumes without surfaces: the {count} faces of their boundary are read, whose fronts look \
+                 out of the volumes (form-factors --two-sided has rows of the backs, too)"
+            ),
+        };
         warnings.add_whole(file, message);
         let message = "face of a volume whose corners are in another order: turned outwards";
         warnings.add_many(file, message.to_owned(), turned, || Position::Whole);

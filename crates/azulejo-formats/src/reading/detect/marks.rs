@@ -9,7 +9,7 @@ pub(super) const LOOKED_AT: usize = 1 << 16;
 /// Formats that begin with magic bytes.
 pub(super) fn known_mark(bytes: &[u8]) -> Option<Detection> {
     use Format::*;
-    const MARKS: [(&[u8], Detection); 27] = [
+    const MARKS: [(&[u8], Detection); 28] = [
         (b"\x89PNG", Err("a PNG picture")),
         (b"\xff\xd8\xff", Err("a JPEG picture")),
         (b"GIF8", Err("a GIF picture")),
@@ -36,6 +36,7 @@ pub(super) fn known_mark(bytes: &[u8]) -> Option<Detection> {
         (b"AutoCAD Binary DXF", Ok(Dxf)),
         (b"glTF", Ok(Gltf)),
         (b"$MeshFormat", Ok(Gmsh)),
+        (b"# vtk DataFile", Ok(Vtk)),
         (b"ply\n", Ok(Ply)),
         (b"ply\r", Ok(Ply)),
         (b"ply ", Ok(Ply)),

@@ -49,6 +49,8 @@ pub enum Format {
     Gmsh,
     /// Object File Format of Geomview.
     Off,
+    /// Meshes of VTK: legacy files, text or binary, and files in XML.
+    Vtk,
 }
 
 impl Format {
@@ -70,6 +72,7 @@ impl Format {
             Format::View3d => "View3D",
             Format::Gmsh => "gmsh",
             Format::Off => "OFF",
+            Format::Vtk => "VTK",
         }
     }
 }
@@ -90,7 +93,7 @@ impl fmt::Display for Unrecognized {
 impl std::error::Error for Unrecognized {}
 
 /// What errors list as expected.
-pub(crate) const EXPECTED: &str = "a model in 3DS, DXF, glTF, gmsh, GRF, MGF, OBJ, OFF, OpenFlight, PLY, SCN, SFF, STL, View3D, VRML or X3D";
+pub(crate) const EXPECTED: &str = "a model in 3DS, DXF, glTF, gmsh, GRF, MGF, OBJ, OFF, OpenFlight, PLY, SCN, SFF, STL, View3D, VRML, VTK or X3D";
 
 /// Recognizes the format of a model by its content or, if that is ambiguous, by its file name.
 ///

@@ -1,6 +1,7 @@
 //! Formats of text, recognized by the words at the start of lines.
 
 use super::json::json_model;
+use super::marks::LOOKED_AT;
 use super::{Detection, Format, PLAIN_TEXT, WHITE_SPACE};
 
 /// The first word at the start of a line that belongs to one format decides.
@@ -173,14 +174,25 @@ fn by_line<'a>(line: &[u8], next: impl Fn() -> &'a [u8], head: &[u8]) -> Option<
         b"$meshformat" | b"$nod" => Some(Ok(Format::Gmsh)),
         _ if is_mgf(word, behind) => Some(Ok(Format::Mgf)),
         _ if line.starts_with(b"{") => Some(json_model(head)),
-        _ if line.starts_with(b"<") => Some(if holds(head, b"<X3D") {
-            Ok(Format::Vrml)
-        } else {
-            Err("XML that is not X3D")
-        }),
+        _ if line.starts_with(b"<") => Some(xml_model(head)),
         _ if word.starts_with(b"//") || word.starts_with(b";") => Some(Ok(Format::Grf)),
         _ => None,
     }
+}
+
+/// The format of XML, by an element near its start or, behind a long comment, anywhere.
+fn xml_model(head: &[u8]) -> Detection {
+    let near = &head[..head.len().min(LOOKED_AT)];
+    if holds(near, b"<VTKFile") {
+        return Ok(Format::Vtk);
+    }
+    if holds(near, b"<X3D") || holds(head, b"<X3D") {
+        return Ok(Format::Vrml);
+    }
+    if holds(head, b"<VTKFile") {
+        return Ok(Format::Vtk);
+    }
+    Err("XML that is neither X3D nor VTK")
 }
 
 /// Whether a word begins as a number does, or is one that is not finite.
