@@ -26,7 +26,7 @@ pub(super) struct XmlArrays<'a> {
     /// Bytes of the numbers before each array: 4 or 8.
     header_bytes: usize,
     is_compressed: bool,
-    /// Most bytes that all arrays together may still decompress to.
+    /// Most bytes of memory that compressed arrays together may still take.
     unpacked_left: u64,
     /// Most bytes behind the XML that arrays may still take: several arrays may begin at one byte.
     shared_left: u64,
@@ -97,7 +97,12 @@ impl<'a> XmlArrays<'a> {
                 return Err(self.error(array, found, "ascii, binary or appended"));
             }
         };
-        let bytes = self.block(array, &mut stream)?;
+        // Memory is for numbers of eight bytes, whatever they have in the file.
+        let weight = match kind {
+            VtkType::Bit => 64,
+            _ => 8 / kind.bytes(1).unwrap_or(1).max(1) as u64,
+        };
+        let bytes = self.block(array, &mut stream, weight)?;
         if array.attribute("format") == Some("appended") {
             let left = self.shared_left.checked_sub(self.taken);
             self.shared_left = left.ok_or_else(|| {
@@ -149,7 +154,12 @@ impl<'a> XmlArrays<'a> {
     }
 
     /// The bytes of an array, behind their number.
-    fn block(&mut self, array: Node, stream: &mut ByteStream) -> Result<Vec<u8>, ReadError> {
+    fn block(
+        &mut self,
+        array: Node,
+        stream: &mut ByteStream,
+        weight: u64,
+    ) -> Result<Vec<u8>, ReadError> {
         let short = |arrays: &XmlArrays| {
             let found = "fewer bytes than an array states, or characters that are not base64";
             arrays.error(array, found, "a complete file")
@@ -168,7 +178,7 @@ impl<'a> XmlArrays<'a> {
         let mut bytes = Vec::new();
         for size in sizes {
             let packed = stream.take(size).ok_or_else(|| short(self))?;
-            self.unpack(array, &packed, &mut bytes)?;
+            self.unpack(array, &packed, weight, &mut bytes)?;
         }
         Ok(bytes)
     }
@@ -197,16 +207,24 @@ impl<'a> XmlArrays<'a> {
         usize::try_from(number).ok()
     }
 
-    fn unpack(&mut self, array: Node, packed: &[u8], to: &mut Vec<u8>) -> Result<(), ReadError> {
+    /// Decompresses a block, each of whose bytes takes `weight` bytes of memory.
+    fn unpack(
+        &mut self,
+        array: Node,
+        packed: &[u8],
+        weight: u64,
+        to: &mut Vec<u8>,
+    ) -> Result<(), ReadError> {
         let before = to.len();
         ZlibDecoder::new(packed)
-            .take(self.unpacked_left.saturating_add(1))
+            .take((self.unpacked_left / weight).saturating_add(1))
             .read_to_end(to)
             .map_err(|e| {
                 let found = format!("damaged compression ({e})");
                 self.error(array, found, "a complete file")
             })?;
-        let left = self.unpacked_left.checked_sub((to.len() - before) as u64);
+        let taken = weight * (to.len() - before) as u64;
+        let left = self.unpacked_left.checked_sub(taken);
         self.unpacked_left = left.ok_or_else(|| {
             let expected = "a smaller file, or a higher limit (ReadOptions::most_unpacked)";
             self.error(

@@ -139,10 +139,17 @@ fn add_polyhedron(boundary: &mut VolumeBoundary, stream: &[u32], tag: u32) -> Op
         faces.push(face);
         rest = behind;
     }
-    for (k, face) in faces.iter().enumerate() {
-        // Any point of its neighbours that is not its own lies behind a face of a convex cell.
-        let others = faces.iter().cycle().skip(k + 1).take(faces.len());
-        let inner = others.flat_map(|f| f.iter()).find(|p| !face.contains(p));
+    let mut points: Vec<u32> = faces.iter().flat_map(|f| f.iter().copied()).collect();
+    points.sort_unstable();
+    points.dedup();
+    let mut own = Vec::new();
+    for face in faces {
+        own.clear();
+        own.extend_from_slice(face);
+        own.sort_unstable();
+        // Any other point of the cell lies behind the face, if the cell is convex. One of the first is none
+        // of the face's own, so that the search is short.
+        let inner = points.iter().find(|p| own.binary_search(p).is_err());
         boundary.add_face(face, inner.copied(), tag);
     }
     Some(())

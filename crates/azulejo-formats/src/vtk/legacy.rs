@@ -125,8 +125,8 @@ impl LegacyReader<'_, '_> {
             let list = self.source.values(VtkType::Signed(4), size, 1)?;
             return self.cells_of_list(&list.into_integers(), count, kind, start);
         }
-        let offsets = self.offsets("OFFSETS", count)?;
         let start = self.source.offset();
+        let offsets = self.offsets("OFFSETS", count)?;
         let points = self.offsets("CONNECTIVITY", size)?;
         for pair in offsets.windows(2) {
             let range = usize::try_from(pair[0])

@@ -330,7 +330,7 @@ fn errors_of_legacy_files_say_where() {
     );
     check_error(
         "# vtk DataFile Version 5.1\n\nASCII\nDATASET POLYDATA\nPOLYGONS 2 3\nOFFSETS int\n0 4\nCONNECTIVITY int\n0 1 2\n",
-        "a.vtk:9:1: found a cell of the points 0 to 4, expected offsets up to 3 in ascending order",
+        "a.vtk:6:1: found a cell of the points 0 to 4, expected offsets up to 3 in ascending order",
     );
 }
 
@@ -472,6 +472,55 @@ fn shared_bytes_are_limited() {
         error.contains("arrays that share their bytes more than 4 times"),
         "{error}"
     );
+}
+
+/// A few bytes may decompress to many.
+#[test]
+fn compressed_arrays_are_limited() {
+    use flate2::{Compression, write::ZlibEncoder};
+    use std::io::Write;
+    let file = |count: usize| {
+        let mut packer = ZlibEncoder::new(Vec::new(), Compression::best());
+        packer.write_all(&vec![0; count]).unwrap();
+        let packed = packer.finish().unwrap();
+        let mut bytes = b"<VTKFile type='UnstructuredGrid' compressor='vtkZLibDataCompressor'>\
+            <UnstructuredGrid><Piece><Cells><DataArray type='UInt8' Name='types' format='appended' \
+            offset='0'/></Cells></Piece></UnstructuredGrid><AppendedData encoding='raw'>_"
+            .to_vec();
+        let sizes = [1, count as u32, 0, packed.len() as u32];
+        bytes.extend(sizes.iter().flat_map(|n| n.to_le_bytes()));
+        bytes.extend(packed);
+        bytes
+    };
+    let error = |count| try_load(&file(count)).unwrap_err().to_string();
+    let few = error(1000);
+    assert!(few.contains("1000 types of cells, expected 0"), "{few}");
+    let many = error(100_000);
+    assert!(
+        many.contains("arrays that decompress to more bytes than allowed"),
+        "{many}"
+    );
+}
+
+/// Faces of a polyhedron that repeat the same points, of which there are many.
+#[test]
+fn large_polyhedra_take_no_quadratic_time() {
+    let points: String = (0..200_000).map(|k| format!("{} ", k % 8)).collect();
+    let cell = format!("3 200000 {points} 200000 {points} 3 0 1 4\n");
+    let count = cell.split_whitespace().count();
+    let text = legacy(&[(42, &[])], "");
+    let text = text.replace(
+        "CELLS 1 1\n0\n",
+        &format!("CELLS 1 {}\n{count} {cell}", count + 1),
+    );
+    assert!(try_load(text.as_bytes()).is_ok());
+    let thin = "3 0 1 2 ".repeat(200_000);
+    let text = legacy(&[(42, &[])], "");
+    let text = text.replace(
+        "CELLS 1 1\n0\n",
+        &format!("CELLS 1 800002\n800001 200000 {thin}\n"),
+    );
+    assert!(try_load(text.as_bytes()).is_ok());
 }
 
 #[test]
