@@ -1,6 +1,6 @@
 use super::read;
 use crate::{Loaded, Memory, ReadError, ReadOptions};
-use azulejo_scene::{Mesh, Shape, Up};
+use azulejo_scene::{Mesh, Object, Shape, Up};
 use glam::DVec3;
 use proptest::prelude::*;
 
@@ -31,12 +31,13 @@ fn check_warnings(loaded: &Loaded, expected: &[&str]) {
 }
 
 fn meshes(loaded: &Loaded) -> Vec<&Mesh> {
-    let objects = loaded.scene.objects.iter();
-    let mesh = |shape| match shape {
-        &Shape::Mesh(ref mesh) => mesh,
-        _ => unreachable!("VTK has meshes only"),
-    };
-    objects.map(|o| mesh(&o.shape)).collect()
+    fn mesh(object: &Object) -> &Mesh {
+        match &object.shape {
+            Shape::Mesh(mesh) => mesh,
+            _ => unreachable!("VTK has meshes only"),
+        }
+    }
+    loaded.scene.objects.iter().map(mesh).collect()
 }
 
 /// Names of objects with their numbers of faces.
