@@ -8,7 +8,10 @@ use crate::reading::options::counted_first;
 use crate::reading::text::decoded;
 use crate::surface::unpainted::darken_unpainted;
 use crate::{Files, Position, ReadError, ReadOptions, Warning};
-use crate::{dxf, gltf, grf, mgf, obj, openflight, ply, scn, sff, stl, studio3ds, view3d, vrml};
+use crate::{
+    dxf, gltf, gmsh, grf, mgf, obj, off, openflight, ply, scn, sff, stl, studio3ds, view3d, vrml,
+    vtk,
+};
 use azulejo_scene::{Mesh, Scene, Shape};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -60,6 +63,9 @@ pub fn read_with(
         Format::Sff => sff::read,
         Format::Scn => scn::read,
         Format::View3d => view3d::read,
+        Format::Gmsh => gmsh::read,
+        Format::Off => off::read,
+        Format::Vtk => vtk::read,
     };
     let loaded = counted_first(bytes.len(), options, |options| {
         read(bytes, name, files, options)
@@ -188,7 +194,7 @@ mod tests {
     }
 
     /// A small model in every format that has a text form, with its file name.
-    const MODELS: [(Format, &str, &str); 16] = [
+    const MODELS: [(Format, &str, &str); 20] = [
         (
             Format::Grf,
             "a.grf",
@@ -244,6 +250,26 @@ mod tests {
             Format::Sff,
             "a.sff",
             "view\n0 0 10\n0 0 0\n0 1 0\n30 20\ncolors\n.1 .2 .3\n.1 .1 .1\n",
+        ),
+        (
+            Format::Gmsh,
+            "a.msh",
+            "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 1 \"caf\u{e9}\"\n$EndPhysicalNames\n$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n$Elements\n1\n1 2 2 1 1 1 2 3\n$EndElements\n",
+        ),
+        (
+            Format::Off,
+            "a.off",
+            "OFF # caf\u{e9}\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+        ),
+        (
+            Format::Vtk,
+            "a.vtk",
+            "# vtk DataFile Version 3.0\ncaf\u{e9}\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n3 0 1 2\n",
+        ),
+        (
+            Format::Vtk,
+            "a.vtp",
+            "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"0\"/></PolyData></VTKFile>",
         ),
     ];
 

@@ -1,6 +1,7 @@
 //! The basis of every reader: bytes, text and numbers, the files around a model, options,
 //! errors and warnings, and format recognition. Nothing here depends on the content of a format.
 
+pub(crate) mod base64;
 pub(crate) mod bytes;
 pub(crate) mod cursor;
 pub(crate) mod detect;

@@ -1,6 +1,7 @@
 //! Readers and writers on whole files.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
+mod meshes;
 mod mgf;
 mod mgf_instances;
 mod obj;

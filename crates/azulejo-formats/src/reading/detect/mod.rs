@@ -45,6 +45,12 @@ pub enum Format {
     Scn,
     /// Input of View3D.
     View3d,
+    /// Meshes of gmsh, as text or binary.
+    Gmsh,
+    /// Object File Format of Geomview.
+    Off,
+    /// Meshes of VTK: legacy files, text or binary, and files in XML.
+    Vtk,
 }
 
 impl Format {
@@ -64,6 +70,9 @@ impl Format {
             Format::Sff => "SFF",
             Format::Scn => "SCN",
             Format::View3d => "View3D",
+            Format::Gmsh => "gmsh",
+            Format::Off => "OFF",
+            Format::Vtk => "VTK",
         }
     }
 }
@@ -84,8 +93,7 @@ impl fmt::Display for Unrecognized {
 impl std::error::Error for Unrecognized {}
 
 /// What errors list as expected.
-pub(crate) const EXPECTED: &str =
-    "a model in 3DS, DXF, glTF, GRF, MGF, OBJ, OpenFlight, PLY, SCN, SFF, STL, View3D, VRML or X3D";
+pub(crate) const EXPECTED: &str = "a model in 3DS, DXF, glTF, gmsh, GRF, MGF, OBJ, OFF, OpenFlight, PLY, SCN, SFF, STL, View3D, VRML, VTK or X3D";
 
 /// Recognizes the format of a model by its content or, if that is ambiguous, by its file name.
 ///
@@ -113,6 +121,8 @@ fn by_extension(
         Ok(Format::Grf | Format::Mgf | Format::Obj | Format::Scn) if name.ends_with(".vs3") => {
             Ok(Format::View3d)
         }
+        // The word at the start is optional.
+        Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".off") => Ok(Format::Off),
         // Words that several languages share, and comments after a semicolon.
         Ok(Format::Grf | Format::Mgf | Format::Obj) if name.ends_with(".scn") => Ok(Format::Scn),
         _ => detected,

@@ -54,6 +54,46 @@ fn models() {
 }
 
 #[test]
+fn meshes_for_computations() {
+    check(b"$MeshFormat\n4.1 1 8\n\x01\0\0\0", Ok(Format::Gmsh));
+    check(
+        b"$Comments\nby me\n$EndComments\n$MeshFormat\n2.2 0 8\n",
+        Ok(Format::Gmsh),
+    );
+    check(b"$NOD\n4\n", Ok(Format::Gmsh));
+    check(
+        b"$ a comment of Nastran\nGRID,1\n",
+        Err("text in no known format"),
+    );
+    check(b"OFF\n8 6 0\n", Ok(Format::Off));
+    check(b"# by hand\nOFF 8 6 0\n", Ok(Format::Off));
+    for word in [
+        "COFF",
+        "NOFF",
+        "STOFF",
+        "STCNOFF",
+        "4OFF",
+        "nOFF",
+        "OFF BINARY",
+        "OFF # a cube",
+    ] {
+        check(format!("{word}\n8 6 0\n").as_bytes(), Ok(Format::Off));
+    }
+    check(b"OFF we go\n", Err("text in no known format"));
+    check(b"SCOFF\n", Err("text in no known format"));
+    assert_eq!(recognize(b"8 6 0\n0 0 0\n", "a.off"), Ok(Format::Off));
+    check(
+        b"# vtk DataFile Version 3.0\nv 1 2 3\nBINARY\n",
+        Ok(Format::Vtk),
+    );
+    check(
+        b"<?xml version='1.0'?>\n<VTKFile type='PolyData'>",
+        Ok(Format::Vtk),
+    );
+    check(b"<VTKFile><X3D>", Ok(Format::Vtk));
+}
+
+#[test]
 fn words_decide_only_where_they_are_statements() {
     // Numbers that are not finite are for the reader to refuse.
     for number in ["nan", "-NaN", "inf", "+Infinity", ".5", "-1"] {
@@ -117,6 +157,8 @@ fn comments_may_be_of_any_length() {
         (long("!", ""), "F 3\nV 1 0 0 0\n", Format::View3d),
         (long("%", ""), "sphere 0 0 0 1\n", Format::Scn),
         (long("<!--", "-->"), "<X3D>", Format::Vrml),
+        (long("<!--", "-->"), "<VTKFile>", Format::Vtk),
+        (long("#", ""), "OFF\n", Format::Off),
         ("\n".repeat(2 * LOOKED_AT), "v 1 2 3\n", Format::Obj),
     ] {
         let text = comment + model;
@@ -151,7 +193,7 @@ fn other_formats_are_named() {
     );
     check(
         b"<?xml version='1.0'?>\n<COLLADA/>",
-        Err("XML that is not X3D"),
+        Err("XML that is neither X3D nor VTK"),
     );
     check(
         b"newmtl a\nKd 1 1 1",

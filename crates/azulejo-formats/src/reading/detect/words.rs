@@ -1,6 +1,7 @@
 //! Formats of text, recognized by the words at the start of lines.
 
 use super::json::json_model;
+use super::marks::LOOKED_AT;
 use super::{Detection, Format, PLAIN_TEXT, WHITE_SPACE};
 
 /// The first word at the start of a line that belongs to one format decides.
@@ -167,18 +168,31 @@ fn by_line<'a>(line: &[u8], next: impl Fn() -> &'a [u8], head: &[u8]) -> Option<
             Some(Err("a Nastran model"))
         }
         lower if is_grf(lower, behind, next) => Some(Ok(Format::Grf)),
+        _ if is_off(word, behind) => Some(Ok(Format::Off)),
         b"newmtl" => Some(Err("a material library (MTL); give the OBJ that names it")),
         b"solid" => Some(Ok(Format::Stl)),
+        b"$meshformat" | b"$nod" => Some(Ok(Format::Gmsh)),
         _ if is_mgf(word, behind) => Some(Ok(Format::Mgf)),
         _ if line.starts_with(b"{") => Some(json_model(head)),
-        _ if line.starts_with(b"<") => Some(if holds(head, b"<X3D") {
-            Ok(Format::Vrml)
-        } else {
-            Err("XML that is not X3D")
-        }),
+        _ if line.starts_with(b"<") => Some(xml_model(head)),
         _ if word.starts_with(b"//") || word.starts_with(b";") => Some(Ok(Format::Grf)),
         _ => None,
     }
+}
+
+/// The format of XML, by an element near its start or, behind a long comment, anywhere.
+fn xml_model(head: &[u8]) -> Detection {
+    let near = &head[..head.len().min(LOOKED_AT)];
+    if holds(near, b"<VTKFile") {
+        return Ok(Format::Vtk);
+    }
+    if holds(near, b"<X3D") || holds(head, b"<X3D") {
+        return Ok(Format::Vrml);
+    }
+    if holds(head, b"<VTKFile") {
+        return Ok(Format::Vtk);
+    }
+    Err("XML that is neither X3D nor VTK")
 }
 
 /// Whether a word begins as a number does, or is one that is not finite.
@@ -210,6 +224,16 @@ fn is_grf<'a>(word: &[u8], behind: &[u8], next: impl Fn() -> &'a [u8]) -> bool {
         b"ext" => true,
         _ => false,
     }
+}
+
+/// Whether a line begins OFF: its first word, and numbers, a comment or nothing behind it.
+fn is_off(word: &[u8], behind: &[u8]) -> bool {
+    let starts = word.strip_suffix(b"OFF").is_some_and(|kinds| {
+        let kinds = kinds.strip_prefix(b"ST").unwrap_or(kinds);
+        kinds.iter().all(|k| b"CN4n".contains(k)) && kinds.len() <= 4
+    });
+    let follows = matches!(behind.first(), None | Some(b'#' | b'0'..=b'9'));
+    starts && (follows || behind.starts_with(b"BINARY"))
 }
 
 /// Whether a line is a statement of MGF, whose keywords are in lower case and often single letters: as
