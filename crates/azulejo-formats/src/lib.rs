@@ -20,14 +20,17 @@
 //! read through a small trait, [`Files`], so that a folder, files in memory and a sandbox
 //! work alike.
 
+pub mod abaqus;
 pub mod brdf;
 pub mod camera_json;
 pub mod dxf;
 pub mod gltf;
 pub mod grf;
 pub mod mgf;
+pub mod nastran;
 pub mod obj;
 pub mod openflight;
+pub mod openfoam;
 pub mod outline;
 pub mod picture;
 pub mod ply;
