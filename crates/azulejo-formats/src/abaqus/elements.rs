@@ -12,7 +12,7 @@ pub(super) struct ElementType {
 }
 
 impl ElementType {
-    /// By the name of the type in capitals: shells, membranes and rigid faces, and solids.
+    /// By the name of the type in capitals: shells, membranes, rigid faces and plane elements, and solids.
     pub fn named(name: &str) -> Option<ElementType> {
         // Solids with other properties have other letters before and behind: DC3D8, C3D20R, C3D10MH.
         let solid = name.find("C3D").map(|at| &name[at + 3..]);
@@ -37,7 +37,10 @@ impl ElementType {
         if name.starts_with("STRI65") {
             return ElementType::shell(6);
         }
-        const SHELLS: [&str; 6] = ["STRI", "SFM3D", "M3D", "R3D", "DS", "S"];
+        // Plane elements are sheets in their plane; gmsh and meshio write those in space, too.
+        const SHELLS: [&str; 12] = [
+            "STRI", "SFM3D", "M3D", "R3D", "DS", "S", "CPS", "CPEG", "CPE", "CAX", "DC2D", "DCAX",
+        ];
         let shell = SHELLS.iter().find_map(|s| name.strip_prefix(s))?;
         ElementType::shell(leading_number(shell)?)
     }
@@ -149,6 +152,9 @@ mod tests {
         ] {
             check(name, FiniteShape::Quadrilateral, 4);
         }
+        for name in ["CPS4", "CPE4R", "CPEG4", "CAX4P", "DC2D4", "DCAX4"] {
+            check(name, FiniteShape::Quadrilateral, 4);
+        }
         check("STRI65", FiniteShape::Triangle, 6);
         check("S6", FiniteShape::Triangle, 6);
         check("S8R5", FiniteShape::Quadrilateral, 8);
@@ -161,7 +167,7 @@ mod tests {
         check("SC8R", FiniteShape::Cell(Hexahedron), 8);
         check("C3D5", FiniteShape::Cell(Pyramid), 5);
         for name in [
-            "B31", "T3D2", "CPS4", "SAX1", "SPRINGA", "MASS", "C3D27", "C3D15V", "S", "RB3D2",
+            "B31", "T3D2", "SAX1", "SPRINGA", "CPE5", "MASS", "C3D27", "C3D15V", "S", "RB3D2",
         ] {
             assert_eq!(ElementType::named(name), None, "{name}");
         }

@@ -67,6 +67,7 @@ pub(super) fn is_other_element(name: &[u8]) -> bool {
 pub(super) struct BulkElement {
     pub id: u32,
     pub shape: FiniteShape,
+    /// 0 if the card does not say.
     pub property: u32,
     /// Numbers of its grid points.
     pub corners: [u32; 8],

@@ -59,7 +59,7 @@ impl CardFields<'_> {
         Ok(BulkElement {
             id,
             shape,
-            property: self.optional(2)?.unwrap_or(id),
+            property: self.optional(2)?.unwrap_or(0),
             corners,
             place,
         })

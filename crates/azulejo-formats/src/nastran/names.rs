@@ -19,8 +19,12 @@ pub(super) struct PropertyNames {
 }
 
 impl PropertyNames {
-    /// The name of a property: its own, that of a component, or its number.
+    /// The name of a property: its own, that of a component, or its number. Where elements state none, it
+    /// would be their own number by the manual; but a surface for each element would help nobody.
     pub fn name(&self, property: u32) -> String {
+        if property == 0 {
+            return "elements".to_owned();
+        }
         let known = self.properties.get(&property);
         let known = known.or_else(|| self.components.get(&property));
         known.cloned().unwrap_or_else(|| format!("PID {property}"))
