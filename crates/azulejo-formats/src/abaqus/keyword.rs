@@ -144,7 +144,7 @@ mod tests {
         assert_eq!(keyword.parameter("GENERATE"), None);
         let data = lines.next().unwrap();
         let fields: Vec<_> = data.fields().map(|f| (f.text, f.at)).collect();
-        assert_eq!(fields, [(&b"1"[..], 84), (&b"2"[..], 87)]);
+        assert_eq!(fields, [(&b"1"[..], 74), (&b"2"[..], 77)]);
         assert!(lines.next().unwrap().is_keyword() && lines.next().is_none());
     }
 }

@@ -222,7 +222,7 @@ impl<'a> AbaqusAssembly<'a> {
                         .get(set as usize)
                         .map_or(&*part.name, |s| &*s.name);
                     let name = self.full_name(instance, name);
-                    surfaces.number(if name.is_empty() { "elements" } else { &name })
+                    mesh.surface(if name.is_empty() { "elements" } else { &name })
                 });
                 let shape = part.elements[index].kind.shape;
                 let all = [0, 1, 2, 3, 4, 5, 6, 7];

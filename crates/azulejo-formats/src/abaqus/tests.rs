@@ -146,12 +146,12 @@ top, rest
     check_warnings(
         &loaded,
         &[
-            "a.inp:24:1: surface of \"S7\", which is no face: skipped",
-            "a.inp:25:1: surface of \"E1\", which is no face: skipped",
-            "a.inp:31:1: *SURFACE of type NODE: skipped",
-            "a.inp:33:1: *SURFACE of type COMBINE: skipped",
-            "a.inp:22:1: face that an earlier surface has: it stays there (3 times)",
-            "a.inp:22:1: face that its element does not have: skipped (2 times)",
+            "a.inp:23:1: surface of \"S7\", which is no face: skipped",
+            "a.inp:24:1: surface of \"E1\", which is no face: skipped",
+            "a.inp:30:1: *SURFACE of type NODE: skipped",
+            "a.inp:32:1: *SURFACE of type COMBINE: skipped",
+            "a.inp:21:1: face that an earlier surface has: it stays there (2 times)",
+            "a.inp:21:1: face that its element does not have: skipped (2 times)",
             "a.inp: set or instance \"nothing\" does not exist: skipped",
         ],
     );
@@ -195,7 +195,8 @@ fn solids_have_a_boundary() {
         let loaded = load(&text);
         assert_eq!(mesh(&loaded, 0).faces.len(), faces, "{kind}");
         assert_eq!(loaded.warnings.len(), 1);
-        assert_eq!(loaded.warnings[0].count, faces);
+        let said = format!("the {faces} faces of their boundary");
+        assert!(loaded.warnings[0].message.contains(&said));
     }
 }
 
@@ -328,11 +329,11 @@ fn expansion_is_limited() {
         &[CUBE, "*ELEMENT, TYPE=S3\n", &elements, &sets].concat(),
         &Memory::new(),
     );
-    let files = (0..19).fold(Memory::new(), |files, k| {
+    let files = (0..18).fold(Memory::new(), |files, k| {
         let twice = format!("*INCLUDE, INPUT=f{}\n", k + 1).repeat(2);
         files.with(format!("f{k}"), twice)
     });
-    check("*INCLUDE, INPUT=f0\n", &files.with("f19", "** nothing\n"));
+    check("*INCLUDE, INPUT=f0\n", &files.with("f18", "** nothing\n"));
 }
 
 #[test]

@@ -54,7 +54,7 @@ impl BulkLine<'_> {
 
     /// The name of the card in capitals, without the asterisk; blank in a continuation.
     pub fn name(&self) -> Vec<u8> {
-        let end = |b: &u8| matches!(b, b',' | b'*' | b' ' | b'\t' | b'=');
+        let end = |b: &u8| matches!(b, b',' | b'*' | b' ' | b'\t');
         let text = self.text.trim_ascii_start();
         let name = text.split(end).next().unwrap_or_default();
         name[..name.len().min(8)].to_ascii_uppercase()

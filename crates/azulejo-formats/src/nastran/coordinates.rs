@@ -139,8 +139,8 @@ impl<'a> SystemResolver<'a> {
                 continue;
             }
             let Some(defined) = self.defined.get(&current).copied() else {
-                let from = chain.iter().rev().nth(1).copied().unwrap_or(current);
-                return Err(SystemFault::Missing(from, current));
+                let from = chain.iter().rev().find(|&&s| self.needs(s, current));
+                return Err(SystemFault::Missing(*from.unwrap_or(&current), current));
             };
             let needed = self.needed(current, &defined)?;
             let mut missing = needed.iter().filter(|s| !self.placed.contains_key(s));
@@ -156,6 +156,13 @@ impl<'a> SystemResolver<'a> {
             }
         }
         Ok(self.placed[&system])
+    }
+
+    /// Whether a system is defined in another one.
+    fn needs(&self, system: u32, other: u32) -> bool {
+        let defined = self.defined.get(&system);
+        let needed = defined.and_then(|d| self.needed(system, d).ok());
+        needed.is_some_and(|needed| needed.contains(&other))
     }
 
     /// The systems in which the points are given that define one.

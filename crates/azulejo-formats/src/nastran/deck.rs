@@ -145,7 +145,7 @@ impl BulkDeck {
                 warnings.add(self.file(element.place), message.to_owned(), place);
                 continue;
             };
-            let surface = surfaces.number(&self.names.name(element.property));
+            let surface = mesh.surface(&self.names.name(element.property));
             mesh.add(element.shape, &corners, surface);
         }
         mesh.finish(&grids.positions, surfaces, self.file((0, 0)), warnings);

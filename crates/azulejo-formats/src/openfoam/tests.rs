@@ -275,12 +275,12 @@ fn errors_have_positions() {
     check_error(
         "boundary",
         boundary("nFaces 1;", "nFaces one;"),
-        "boundary:19:16: found \"one\", expected a whole number",
+        "boundary:18:16: found \"one\", expected a whole number",
     );
     check_error(
         "boundary",
         boundary("startFace 2;", "startFace 1;"),
-        "boundary:22:5: found patch \"outlet\" from face 1 on, expected one from face 2 on, behind the patch before it",
+        "boundary:21:5: found patch \"outlet\" from face 1 on, expected one from face 2 on, behind the patch before it",
     );
     check_error(
         "boundary",

@@ -42,12 +42,24 @@ struct ShellElement {
 /// not two.
 #[derive(Debug, Default)]
 pub(crate) struct FiniteMesh {
+    names: Vec<String>,
+    numbers: HashMap<String, usize>,
     shells: Vec<ShellElement>,
     solids: VolumeBoundary,
 }
 
 impl FiniteMesh {
-    /// Adds an element, of whose corners there are as many as its shape has.
+    /// The number of the surface with a name, for [`FiniteMesh::add`].
+    pub fn surface(&mut self, name: &str) -> usize {
+        if let Some(&known) = self.numbers.get(name) {
+            return known;
+        }
+        self.numbers.insert(name.to_owned(), self.names.len());
+        self.names.push(name.to_owned());
+        self.names.len() - 1
+    }
+
+    /// Adds an element to a surface; of its corners there are as many as its shape has.
     pub fn add(&mut self, shape: FiniteShape, corners: &[u32], surface: usize) {
         let corners = match (shape, corners) {
             (FiniteShape::Cell(kind), _) => {
@@ -60,7 +72,7 @@ impl FiniteMesh {
         self.shells.push(ShellElement { corners, surface });
     }
 
-    /// Adds the shells and then the rest of the boundary to their surfaces.
+    /// Adds the shells and the boundary to surfaces, in the order in which these were named.
     pub fn finish(
         self,
         positions: &[DVec3],
@@ -68,6 +80,14 @@ impl FiniteMesh {
         file: &str,
         warnings: &mut Warnings,
     ) {
+        let numbers: Vec<usize> = self.names.iter().map(|n| surfaces.number(n)).collect();
+        if self.shells.is_empty() {
+            if !numbers.is_empty() {
+                let name = |tag: u32| self.names[tag as usize].clone();
+                surfaces.push_boundary(&self.solids, positions, name, file, warnings);
+            }
+            return;
+        }
         let mut boundary = self.solids.faces();
         let turned = boundary.iter_mut().filter_map(|face| {
             let turned = face.turn_outwards(|c| positions[c as usize]);
@@ -75,23 +95,20 @@ impl FiniteMesh {
         });
         let message = "face of a solid whose nodes are in inverse order: turned outwards";
         warnings.add_many(file, message.to_owned(), turned.count(), || Position::Whole);
-        let mut on_boundary: HashMap<[u32; 4], usize> = HashMap::new();
-        if !self.shells.is_empty() {
-            let faces = boundary.iter().enumerate();
-            on_boundary = faces
-                .map(|(k, face)| (face_key(&face.corners), k))
-                .collect();
-        }
-        let mut is_named = vec![false; boundary.len()];
-        let mut again = 0;
+        let faces = boundary.iter().enumerate();
+        let on_boundary: HashMap<[u32; 4], usize> = faces
+            .map(|(k, face)| (face_key(&face.corners), k))
+            .collect();
+        let (mut is_named, mut again) = (vec![false; boundary.len()], 0);
         for shell in &self.shells {
+            let number = numbers[shell.surface];
             match on_boundary.get(&face_key(&shell.corners)) {
                 Some(&face) if is_named[face] => again += 1,
                 Some(&face) => {
                     is_named[face] = true;
-                    surfaces.push(shell.surface, &boundary[face].corners, positions);
+                    surfaces.push(number, &boundary[face].corners, positions);
                 }
-                None => surfaces.push(shell.surface, &shell.corners, positions),
+                None => surfaces.push(number, &shell.corners, positions),
             }
         }
         let message = "further shell on the same face of a solid: skipped";
@@ -99,7 +116,7 @@ impl FiniteMesh {
         let rest = boundary.iter().zip(is_named).filter(|(_, named)| !named);
         let mut count = 0;
         for (face, _) in rest {
-            surfaces.push(face.tag as usize, &face.corners, positions);
+            surfaces.push(numbers[face.tag as usize], &face.corners, positions);
             count += 1;
         }
         let message = "face of the boundary of solids: read, with its front out of them (form-factors \
@@ -141,8 +158,8 @@ mod tests {
         ];
         let positions = positions.map(DVec3::from);
         let (mut surfaces, mut warnings) = (NamedSurfaces::default(), Warnings::default());
-        let (solid, floor) = (surfaces.number("solid"), surfaces.number("floor"));
         let mut mesh = FiniteMesh::default();
+        let (solid, floor) = (mesh.surface("solid"), mesh.surface("floor"));
         mesh.add(
             FiniteShape::Cell(CellKind::Tetrahedron),
             &[0, 1, 2, 3],
