@@ -131,6 +131,9 @@ impl<'a> SystemResolver<'a> {
     /// Places a system and all that it is defined by. The chain of these may be as long as the file, which
     /// is why it is kept in a list.
     pub fn place(&mut self, system: u32) -> Result<PlacedSystem, SystemFault> {
+        if let Some(known) = self.placed.get(&system) {
+            return Ok(*known);
+        }
         let mut chain = vec![system];
         let mut begun = HashSet::new();
         while let Some(&current) = chain.last() {

@@ -163,25 +163,33 @@ impl<'a> FoamCursor<'a> {
             return Err(start.odd("the header FoamFile of OpenFOAM"));
         }
         while !self.pass(b'}') {
-            let key = self.word();
-            let value = self.word();
-            let (Some(key), Some(value)) = (key, value) else {
-                return Err(self.odd("an entry of the header"));
-            };
-            match key {
-                b"class" => header.class = String::from_utf8_lossy(value).into_owned(),
-                b"format" => header.is_binary = value == b"binary",
-                b"arch" => header.read_arch(value),
+            let mut value = || self.word().unwrap_or_default();
+            match value() {
+                b"" => return Err(self.odd("an entry of the header")),
+                b"class" => header.class = String::from_utf8_lossy(value()).into_owned(),
+                b"format" => header.is_binary = value() == b"binary",
+                b"arch" => header.read_arch(value()),
                 _ => {}
             }
-            while !self.pass(b';') {
-                if self.word().is_none() {
-                    return Err(self.odd("\";\""));
-                }
-            }
+            self.skip_entry()?;
         }
         self.by_byte = header.is_binary;
         Ok(header)
+    }
+
+    /// Passes the rest of an entry: up to a semicolon, or a dictionary.
+    pub fn skip_entry(&mut self) -> Result<(), ReadError> {
+        let mut depth = 0u64;
+        loop {
+            match self.word() {
+                Some(b"{" | b"(") => depth += 1,
+                Some(b"}") if depth <= 1 => return Ok(()),
+                Some(b"}" | b")") => depth = depth.saturating_sub(1),
+                Some(b";") if depth == 0 => return Ok(()),
+                Some(_) => {}
+                None => return Err(self.odd("\";\"")),
+            }
+        }
     }
 
     /// An error about the word that comes next.

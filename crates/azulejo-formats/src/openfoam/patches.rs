@@ -77,26 +77,11 @@ fn patch(cursor: &mut FoamCursor) -> Result<FoamPatch, ReadError> {
             Some(_) => {}
             None => return Err(cursor.odd("\"}\"")),
         }
-        skip_value(cursor)?;
+        cursor.skip_entry()?;
     }
     if !has_first || !has_count {
         let found = format!("patch \"{}\" without its faces", patch.name);
         return Err(cursor.error(at, found, "nFaces and startFace"));
     }
     Ok(patch)
-}
-
-/// Passes the rest of an entry: up to a semicolon, or a dictionary.
-fn skip_value(cursor: &mut FoamCursor) -> Result<(), ReadError> {
-    let mut depth = 0u64;
-    loop {
-        match cursor.word() {
-            Some(b"{" | b"(") => depth += 1,
-            Some(b"}") if depth <= 1 => return Ok(()),
-            Some(b"}" | b")") => depth = depth.saturating_sub(1),
-            Some(b";") if depth == 0 => return Ok(()),
-            Some(_) => {}
-            None => return Err(cursor.odd("\";\"")),
-        }
-    }
 }

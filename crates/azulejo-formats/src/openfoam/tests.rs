@@ -32,7 +32,7 @@ const BANNER: &str = "/*--------*- C++ -*--------*\\\n| v 1 2 3 |\n\\*--------*/
 
 fn header(class: &str, format: &str) -> String {
     format!(
-        "{BANNER}FoamFile\n{{\n    version 2.0;\n    format {format};\n    class {class};\n    object x;\n}}\n// * * //\n\n"
+        "{BANNER}FoamFile\n{{\n    version 2.0;\n    format {format};\n    class {class};\n    meta {{ names 1(a); }}\n}}\n// * * //\n\n"
     )
 }
 
