@@ -162,17 +162,14 @@ impl<'a> AbaqusAssembly<'a> {
                     Some(instance) => self.numbered(instance, *numbers, &mut found)?,
                     None => self.missing(of),
                 },
-                ElementItem::Set(name, of) => {
-                    let set = self.instance(instance, of).and_then(|i| self.set(i, name));
-                    match set {
-                        None => self.missing(&Some(name.clone())),
-                        Some((instance, items)) => {
-                            if known.insert((instance, items.as_ptr())) {
-                                work.extend(items.iter().rev().map(|item| (instance, item)));
-                            }
+                ElementItem::Set(name, of) => match self.set_of(instance, name, of) {
+                    None => self.missing(&Some(name.clone())),
+                    Some((instance, items)) => {
+                        if known.insert((instance, items.as_ptr())) {
+                            work.extend(items.iter().rev().map(|item| (instance, item)));
                         }
                     }
-                }
+                },
             }
         }
         Ok(found)
@@ -185,6 +182,21 @@ impl<'a> AbaqusAssembly<'a> {
                 .instance_numbers
                 .get(&name.to_ascii_uppercase())
                 .copied(),
+        }
+    }
+
+    /// The set of a name that another instance has, or this one if there is no such instance: then the dot
+    /// belongs to the name.
+    fn set_of(
+        &self,
+        current: u32,
+        name: &str,
+        of: &Option<String>,
+    ) -> Option<(u32, &'a [ElementItem])> {
+        match (self.instance(current, of), of) {
+            (Some(instance), _) => self.set(instance, name),
+            (None, Some(of)) => self.set(current, &format!("{of}.{name}")),
+            (None, None) => None,
         }
     }
 

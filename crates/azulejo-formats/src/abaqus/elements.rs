@@ -9,6 +9,8 @@ pub(super) struct ElementType {
     pub shape: FiniteShape,
     /// Nodes of an element, those between the corners included.
     pub nodes: usize,
+    /// Whether it is an element of a plane, whose numbered faces are its edges.
+    pub is_plane: bool,
 }
 
 impl ElementType {
@@ -32,26 +34,34 @@ impl ElementType {
             return is_plain.then_some(ElementType {
                 shape: FiniteShape::Cell(kind),
                 nodes,
+                is_plane: false,
             });
         }
         if name.starts_with("STRI65") {
-            return ElementType::shell(6);
+            return ElementType::sheet(6, false);
         }
         // Plane elements are sheets in their plane; gmsh and meshio write those in space, too.
-        const SHELLS: [&str; 12] = [
-            "STRI", "SFM3D", "M3D", "R3D", "DS", "S", "CPS", "CPEG", "CPE", "CAX", "DC2D", "DCAX",
-        ];
-        let shell = SHELLS.iter().find_map(|s| name.strip_prefix(s))?;
-        ElementType::shell(leading_number(shell)?)
+        const PLANES: [&str; 6] = ["CPS", "CPEG", "CPE", "CAX", "DC2D", "DCAX"];
+        const SHELLS: [&str; 6] = ["STRI", "SFM3D", "M3D", "R3D", "DS", "S"];
+        let behind = |prefixes: &[&str]| prefixes.iter().find_map(|p| name.strip_prefix(p));
+        let (rest, is_plane) = match behind(&PLANES) {
+            Some(rest) => (rest, true),
+            None => (behind(&SHELLS)?, false),
+        };
+        ElementType::sheet(leading_number(rest)?, is_plane)
     }
 
-    fn shell(nodes: usize) -> Option<ElementType> {
+    fn sheet(nodes: usize, is_plane: bool) -> Option<ElementType> {
         let shape = match nodes {
             3 | 6 => FiniteShape::Triangle,
             4 | 8 | 9 => FiniteShape::Quadrilateral,
             _ => return None,
         };
-        Some(ElementType { shape, nodes })
+        Some(ElementType {
+            shape,
+            nodes,
+            is_plane,
+        })
     }
 }
 
@@ -86,9 +96,10 @@ impl ElementFace {
         }
     }
 
-    /// The face of an element of this shape; CalculiX numbers the sides of shells, too, the back first.
-    pub fn of(self, shape: FiniteShape) -> Option<ElementFace> {
-        match (shape, self) {
+    /// The face of an element of this type; CalculiX numbers the sides of shells, too, the back first.
+    pub fn of(self, kind: ElementType) -> Option<ElementFace> {
+        match (kind.shape, self) {
+            (_, ElementFace::Number(_)) if kind.is_plane => None,
             (FiniteShape::Cell(_), ElementFace::Number(_) | ElementFace::Free) => Some(self),
             (FiniteShape::Cell(_), _) => None,
             (_, ElementFace::Number(1) | ElementFace::Back) => Some(ElementFace::Back),
@@ -139,8 +150,12 @@ mod tests {
     fn types_by_their_names() {
         use CellKind::*;
         let check = |name: &str, shape: FiniteShape, nodes: usize| {
-            let expected = ElementType { shape, nodes };
-            assert_eq!(ElementType::named(name), Some(expected), "{name}");
+            let found = ElementType::named(name).unwrap();
+            assert_eq!((found.shape, found.nodes), (shape, nodes), "{name}");
+            let is_plane = ["CP", "CA", "DC2", "DCA"]
+                .iter()
+                .any(|p| name.starts_with(p));
+            assert_eq!(found.is_plane, is_plane, "{name}");
         };
         for name in [
             "S3", "S3R", "S3RS", "STRI3", "DS3", "R3D3", "M3D3", "SFM3D3",

@@ -104,7 +104,7 @@ impl<'a> AbaqusAssembly<'a> {
         for (item, face) in &surface.items {
             for placed in self.members(instance, item)? {
                 self.spend(1)?;
-                let problem = match face.of(self.element(placed).kind.shape) {
+                let problem = match face.of(self.element(placed).kind) {
                     Some(face) => self.add_face(placed, face, number, faces),
                     None => Err("face that its element does not have: skipped"),
                 };

@@ -94,8 +94,8 @@ fn elements_without_a_set_get_one() {
 *ELSET, ELSET=first
 1, 2
 *ELSET, ELSET=nested
-first, wall
-*ELSET, ELSET=wall
+first, wall.1
+*ELSET, ELSET=wall.1
 5
 *SHELL SECTION, ELSET=nested, MATERIAL=m
 .1
@@ -154,6 +154,18 @@ top, rest
             "a.inp:21:1: face that its element does not have: skipped (2 times)",
             "a.inp: set or instance \"nothing\" does not exist: skipped",
         ],
+    );
+}
+
+/// Numbered faces of plane elements are edges, which are no surfaces.
+#[test]
+fn plane_elements_are_sheets() {
+    let text = "*ELEMENT, TYPE=CPS3, ELSET=wall\n1, 1, 2, 3\n*SURFACE, NAME=edge\nwall, S2\n";
+    let loaded = load(&[CUBE, text].concat());
+    assert_eq!(names(&loaded), ["wall"]);
+    check_warnings(
+        &loaded,
+        &["a.inp:12:1: face that its element does not have: skipped"],
     );
 }
 

@@ -56,6 +56,14 @@ impl BulkReader<'_> {
                 "CHBDYP, which is a point, a line or a tube: skipped",
             ),
             b"VIEW" => self.view(&fields)?,
+            b"BDYOR" => {
+                for (side, view) in [fields.optional(2)?, fields.optional(3)?]
+                    .into_iter()
+                    .enumerate()
+                {
+                    self.deck.radiation.default_views[side] = view.unwrap_or(0);
+                }
+            }
             b"RADSET" => {
                 for k in 1..=card.len() {
                     let cavity = fields.optional(k)?;

@@ -17,11 +17,11 @@ pub(super) fn shape_of(card: &BulkCard) -> Option<FiniteShape> {
     }
 }
 
-/// The corners of a side by its number on `CHBDYE`, counter-clockwise from outside; sides of shells
-/// above 1 are lines.
+/// The corners of a side by its number on `CHBDYE`, counter-clockwise from outside; `None` for edges.
 pub(super) fn side(shape: FiniteShape, side: u32) -> Option<&'static [usize]> {
-    const TRIANGLE: [&[usize]; 1] = [&[0, 1, 2]];
-    const QUADRILATERAL: [&[usize]; 1] = [&[0, 1, 2, 3]];
+    // Sides 2 to 5 of shells are edges, side 6 is the back.
+    const TRIANGLE: [&[usize]; 6] = [&[0, 1, 2], &[], &[], &[], &[], &[2, 1, 0]];
+    const QUADRILATERAL: [&[usize]; 6] = [&[0, 1, 2, 3], &[], &[], &[], &[], &[3, 2, 1, 0]];
     const TETRAHEDRON: [&[usize]; 4] = [&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[2, 0, 3]];
     const PRISM: [&[usize]; 5] = [
         &[2, 1, 0],
@@ -47,7 +47,8 @@ pub(super) fn side(shape: FiniteShape, side: u32) -> Option<&'static [usize]> {
         // The manuals number no sides of pyramids.
         FiniteShape::Cell(CellKind::Pyramid) => &[],
     };
-    sides.get((side as usize).checked_sub(1)?).copied()
+    let side = sides.get((side as usize).checked_sub(1)?).copied();
+    side.filter(|corners| !corners.is_empty())
 }
 
 /// Whether a card of this name is an element that has no surface, or one that is not read.

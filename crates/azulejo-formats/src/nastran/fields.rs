@@ -101,10 +101,7 @@ impl CardFields<'_> {
 
     /// A surface element; `None` if it is no polygon.
     pub fn radiating(&self, place: (u32, u32)) -> Result<Option<RadiatingElement>, ReadError> {
-        let views = [
-            self.optional(4)?.unwrap_or(0),
-            self.optional(5)?.unwrap_or(0),
-        ];
+        let views = [self.optional(4)?, self.optional(5)?];
         let surface = if &*self.card.name == b"CHBDYE" {
             RadiatingSurface::Side {
                 element: self.required(2, "the number of an element")?,

@@ -285,6 +285,16 @@ RADSET,1,3
     );
 }
 
+/// Views of a card for all, and the backs of shells.
+#[test]
+fn views_may_be_defaults() {
+    let text = "BDYOR,,4\nCQUAD4,1,1,1,2,3,4\nCHBDYE,11,1,1\nCHBDYE,12,1,6,5\nCHBDYE,13,1,2\n";
+    let loaded = load(&[text, &cube()].concat());
+    assert_eq!(names(&loaded), ["view 4", "view 5"]);
+    assert_eq!(mesh(&loaded, 0).face_area_vector(0), DVec3::Z);
+    assert_eq!(mesh(&loaded, 1).face_area_vector(0), -DVec3::Z);
+}
+
 /// Every side of every solid looks outwards.
 #[test]
 fn sides_of_solids() {

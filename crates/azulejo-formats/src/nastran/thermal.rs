@@ -11,8 +11,8 @@ use std::collections::{HashMap, HashSet};
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RadiatingElement {
     pub surface: RadiatingSurface,
-    /// The views of its front and of its back, 0 for none.
-    pub views: [u32; 2],
+    /// The views of its front and of its back, 0 for none, if the card states them.
+    pub views: [Option<u32>; 2],
     /// File and line.
     pub place: (u32, u32),
 }
@@ -32,6 +32,8 @@ pub(super) struct RadiationDeck {
     pub elements: Vec<RadiatingElement>,
     /// The cavity of each view.
     pub cavities: HashMap<u32, u32>,
+    /// The views of elements that state none, those of `BDYOR`.
+    pub default_views: [u32; 2],
     /// The cavities that are analysed, if the file lists them.
     pub analysed: HashSet<u32>,
 }
@@ -75,7 +77,8 @@ impl RadiationDeck {
                 warnings.add(file, message.to_owned(), place);
                 continue;
             };
-            let [front, back] = element.views;
+            let view = |side: usize| element.views[side].unwrap_or(self.default_views[side]);
+            let (front, back) = (view(0), view(1));
             let sides = [(front, back == 0 || front > 0), (back, back > 0)];
             for (view, is_there) in sides {
                 let number = numbers
