@@ -192,7 +192,7 @@ mod tests {
     }
 
     /// A small model in every format that has a text form, with its file name.
-    const MODELS: [(Format, &str, &str); 16] = [
+    const MODELS: [(Format, &str, &str); 18] = [
         (
             Format::Grf,
             "a.grf",
@@ -216,6 +216,16 @@ mod tests {
             Format::View3d,
             "a.vs3",
             "T one \u{e9}\nF 3\nV 1 0 0 0\nV 2 1 0 0\nV 3 0 1 0\nS 1 1 2 3 0 0 0 .5 low\nEnd\n",
+        ),
+        (
+            Format::Nastran,
+            "a.bdf",
+            "$ Femap Property 1 : caf\u{e9}\nGRID,1,,0.\nGRID,2,,1.\nGRID,3,,0.,1.\nCTRIA3,1,1,1,2,3\n",
+        ),
+        (
+            Format::Abaqus,
+            "a.inp",
+            "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n*ELEMENT,TYPE=S3,ELSET=caf\u{e9}\n1,1,2,3\n",
         ),
         (
             Format::Ply,

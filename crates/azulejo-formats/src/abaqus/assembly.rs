@@ -1,7 +1,9 @@
 //! Parts in their places, and the elements that sets consist of.
 
 use super::part::{AbaqusModel, AbaqusPart, ElementItem};
+use crate::reading::fortran::identifier;
 use crate::reading::options::Budget;
+use crate::reading::text::shortened;
 use crate::reading::warnings::Warnings;
 use crate::{Position, ReadError};
 use glam::DVec3;
@@ -162,14 +164,25 @@ impl<'a> AbaqusAssembly<'a> {
                     Some(instance) => self.numbered(instance, *numbers, &mut found)?,
                     None => self.missing(of),
                 },
-                ElementItem::Set(name, of) => match self.set_of(instance, name, of) {
-                    None => self.missing(&Some(name.clone())),
-                    Some((instance, items)) => {
-                        if known.insert((instance, items.as_ptr())) {
-                            work.extend(items.iter().rev().map(|item| (instance, item)));
+                ElementItem::Set(name, of) => {
+                    let number = identifier(name.as_bytes());
+                    match (
+                        self.set_of(instance, name, of),
+                        self.instance(instance, of),
+                        number,
+                    ) {
+                        (Some((instance, items)), ..) => {
+                            if known.insert((instance, items.as_ptr())) {
+                                work.extend(items.iter().rev().map(|item| (instance, item)));
+                            }
                         }
+                        // `left.12`: an element of another instance.
+                        (None, Some(instance), Some(number)) => {
+                            self.numbered(instance, [number, number, 1], &mut found)?;
+                        }
+                        (None, ..) => self.missing(&Some(name.clone())),
                     }
-                },
+                }
             }
         }
         Ok(found)
@@ -240,7 +253,7 @@ impl<'a> AbaqusAssembly<'a> {
     }
 
     fn missing(&mut self, name: &Option<String>) {
-        let name = crate::reading::text::shortened(name.as_deref().unwrap_or_default());
+        let name = shortened(name.as_deref().unwrap_or_default());
         let message = format!("set or instance \"{name}\" does not exist: skipped");
         self.warnings.add_whole(&self.model.files[0], message);
     }

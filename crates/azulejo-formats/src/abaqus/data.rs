@@ -266,10 +266,7 @@ fn item(field: InputField, instance: &Option<String>) -> ElementItem {
         Some((of, name)) => (Some(unquoted(of).to_owned()), unquoted(name)),
         None => (instance.clone(), whole),
     };
-    match identifier(name.as_bytes()) {
-        Some(number) => ElementItem::Numbers([number, number, 1], of),
-        None => ElementItem::Set(name.to_owned(), of),
-    }
+    ElementItem::Set(name.to_owned(), of)
 }
 
 fn whole(
