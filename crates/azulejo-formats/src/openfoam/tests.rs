@@ -410,9 +410,10 @@ proptest! {
     #[test]
     fn changed_bytes_are_read_or_refused(at in any::<prop::sample::Index>(), byte in any::<u8>(), of_points in any::<bool>()) {
         let layout = Layout { label: 4, scalar: 4, is_big: false };
-        let (name, mut bytes) = match of_points {
-            true => ("points", layout.points()),
-            false => ("faces", layout.compact_faces()),
+        let (name, mut bytes) = if of_points {
+            ("points", layout.points())
+        } else {
+            ("faces", layout.compact_faces())
         };
         let at = at.index(bytes.len());
         bytes[at] = byte;
