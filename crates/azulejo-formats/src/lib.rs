@@ -21,6 +21,7 @@
 //! read through a small trait, [`Files`], so that a folder, files in memory and a sandbox
 //! work alike.
 
+pub mod abaqus;
 pub mod brdf;
 pub mod camera_json;
 pub mod dxf;
@@ -28,10 +29,12 @@ pub mod gltf;
 pub mod gmsh;
 pub mod grf;
 pub mod mgf;
+pub mod nastran;
 pub mod numpy;
 pub mod obj;
 pub mod off;
 pub mod openflight;
+pub mod openfoam;
 pub mod outline;
 pub mod picture;
 pub mod ply;

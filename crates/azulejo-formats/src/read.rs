@@ -8,6 +8,7 @@ use crate::reading::options::counted_first;
 use crate::reading::text::decoded;
 use crate::surface::unpainted::darken_unpainted;
 use crate::{Files, Position, ReadError, ReadOptions, Warning};
+use crate::{abaqus, nastran, openfoam};
 use crate::{
     dxf, gltf, gmsh, grf, mgf, obj, off, openflight, ply, scn, sff, stl, studio3ds, view3d, vrml,
     vtk,
@@ -66,6 +67,9 @@ pub fn read_with(
         Format::Gmsh => gmsh::read,
         Format::Off => off::read,
         Format::Vtk => vtk::read,
+        Format::Nastran => nastran::read,
+        Format::Abaqus => abaqus::read,
+        Format::OpenFoam => openfoam::read,
     };
     let loaded = counted_first(bytes.len(), options, |options| {
         read(bytes, name, files, options)
@@ -194,7 +198,7 @@ mod tests {
     }
 
     /// A small model in every format that has a text form, with its file name.
-    const MODELS: [(Format, &str, &str); 20] = [
+    const MODELS: [(Format, &str, &str); 22] = [
         (
             Format::Grf,
             "a.grf",
@@ -218,6 +222,16 @@ mod tests {
             Format::View3d,
             "a.vs3",
             "T one \u{e9}\nF 3\nV 1 0 0 0\nV 2 1 0 0\nV 3 0 1 0\nS 1 1 2 3 0 0 0 .5 low\nEnd\n",
+        ),
+        (
+            Format::Nastran,
+            "a.bdf",
+            "$ Femap Property 1 : caf\u{e9}\nGRID,1,,0.\nGRID,2,,1.\nGRID,3,,0.,1.\nCTRIA3,1,1,1,2,3\n",
+        ),
+        (
+            Format::Abaqus,
+            "a.inp",
+            "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n*ELEMENT,TYPE=S3,ELSET=caf\u{e9}\n1,1,2,3\n",
         ),
         (
             Format::Ply,

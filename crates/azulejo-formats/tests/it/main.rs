@@ -7,6 +7,7 @@ mod mgf_instances;
 mod obj;
 mod openflight;
 mod sff;
+mod solvers;
 mod table_1;
 #[cfg(feature = "fonts")]
 mod tiny_font;

@@ -1,6 +1,6 @@
 //! Formats that are recognized by their first bytes.
 
-use super::{Detection, Format};
+use super::{Detection, EMPTY, Format};
 use crate::reading::text::decoded;
 
 /// Bytes of a file that are examined for magic bytes.
@@ -46,7 +46,7 @@ pub(super) fn known_mark(bytes: &[u8]) -> Option<Detection> {
         (b"#Inventor V2", Ok(Vrml)),
     ];
     if bytes.is_empty() {
-        return Some(Err("an empty file"));
+        return Some(Err(EMPTY));
     }
     let text = decoded(&bytes[..bytes.len().min(LOOKED_AT)]);
     let mark = MARKS.iter().find(|(mark, _)| text.starts_with(mark));

@@ -110,7 +110,7 @@ fn words_decide_only_where_they_are_statements() {
     check(b"c'est la vie\n", Err("text in no known format"));
     // Nastran, in which a deck of cards begins like a mesh.
     let deck = b"$ a deck\nSOL 101\nCEND\nBEGIN BULK\nGRID,1,,0.,0.,0.\nENDDATA\n";
-    check(deck, Err("a Nastran model"));
+    check(deck, Ok(Format::Nastran));
     check(b"INCLUDE 'a.bdf'\nGRID,1\n", Err("text in no known format"));
     check(b"begin\n// a comment\nmesh\n", Ok(Format::Grf));
     check(b"begin // one\n", Ok(Format::Grf));
@@ -201,4 +201,52 @@ fn other_formats_are_named() {
     );
     check(b"Dear diary", Err("text in no known format"));
     check(b"\x02\x00\x03", Err("binary data in no known format"));
+}
+
+#[test]
+fn input_of_solvers() {
+    for line in [
+        "GRID,1,,0.,0.,0.",
+        "grid,1,,",
+        "GRID           1       0-1.23456-1.23456-1.23456",
+        "GRID*                  1                             0.0             0.0",
+        "CQUAD4\t1\t1\t1\t2\t3\t4",
+        "PSHELL         1       1      .1",
+        "begin bulk",
+        "$ grid of a room\nSOL 101\nCEND\nTITLE = o db\n  SPC = 1\nCTRIA3,1,1,1,2,3",
+    ] {
+        check(line.as_bytes(), Ok(Format::Nastran));
+    }
+    for line in [
+        "Grid 5 is wide",
+        "GRID",
+        "grid 1 2 3",
+        "GRID,1",
+        "GRIDS,1,2,3",
+        "begin the bulk",
+    ] {
+        check(line.as_bytes(), Err("text in no known format"));
+    }
+    for text in ["INCLUDE mesh.bdf\n", "SOL 101\nINCLUDE 'a.bdf'\n"] {
+        assert_eq!(recognize(text.as_bytes(), "a.BDF.gz"), Ok(Format::Nastran));
+    }
+    for text in [
+        "*HEADING\nv 1 2 3\n",
+        "** made by hand\n\n*Node, nset=a\n1,0,0,0\n",
+        "  *physical constants, absolute zero=0\n",
+    ] {
+        check(text.as_bytes(), Ok(Format::Abaqus));
+    }
+    check(b"*KEYWORD\n*NODE\n", Err("text in no known format"));
+    check(b"* a list\n*NODE\n", Err("text in no known format"));
+    let banner = "/*---- C++ ----*\\\n| v 1 2 3 //\n\\*----*/\n";
+    for text in [
+        "FoamFile\n{\n version 2.0;\n}\n// * * //\n",
+        &[banner, "// more\nFoamFile {"].concat(),
+    ] {
+        check(text.as_bytes(), Ok(Format::OpenFoam));
+    }
+    check(banner.as_bytes(), Err("text in no known format"));
+    assert_eq!(recognize(b"", "case/case.foam"), Ok(Format::OpenFoam));
+    assert!(recognize(b"", "case.bdf").is_err());
 }

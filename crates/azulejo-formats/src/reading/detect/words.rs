@@ -2,6 +2,7 @@
 
 use super::json::json_model;
 use super::marks::LOOKED_AT;
+use super::solvers::{is_abaqus, is_card, is_foam};
 use super::{Detection, Format, PLAIN_TEXT, WHITE_SPACE};
 
 /// The first word at the start of a line that belongs to one format decides.
@@ -18,6 +19,12 @@ pub(super) fn by_words(head: &[u8]) -> Detection {
     }
     if is_view3d(lines.clone()) {
         return Ok(Format::View3d);
+    }
+    if is_foam(head) {
+        return Ok(Format::OpenFoam);
+    }
+    if is_abaqus(lines.clone()) {
+        return Ok(Format::Abaqus);
     }
     let mut rest = lines.clone();
     while let Some(line) = rest.next() {
@@ -164,9 +171,8 @@ fn by_line<'a>(line: &[u8], next: impl Fn() -> &'a [u8], head: &[u8]) -> Option<
         b"vt" | b"vn" | b"vp" | b"fo" | b"g" | b"s" | b"usemtl" | b"mtllib" | b"l" | b"cstype" => {
             Some(Ok(Format::Obj))
         }
-        b"begin" if first_word(behind).eq_ignore_ascii_case(b"bulk") => {
-            Some(Err("a Nastran model"))
-        }
+        b"begin" if first_word(behind).eq_ignore_ascii_case(b"bulk") => Some(Ok(Format::Nastran)),
+        _ if is_card(line) => Some(Ok(Format::Nastran)),
         lower if is_grf(lower, behind, next) => Some(Ok(Format::Grf)),
         _ if is_off(word, behind) => Some(Ok(Format::Off)),
         b"newmtl" => Some(Err("a material library (MTL); give the OBJ that names it")),
