@@ -22,7 +22,9 @@
 
 pub mod brdf;
 pub mod camera_json;
+pub mod cityjson;
 pub mod dxf;
+pub mod energyplus;
 pub mod gltf;
 pub mod grf;
 pub mod mgf;

@@ -8,7 +8,7 @@ use crate::reading::options::counted_first;
 use crate::reading::text::decoded;
 use crate::surface::unpainted::darken_unpainted;
 use crate::{Files, Position, ReadError, ReadOptions, Warning};
-use crate::{dxf, gltf, grf, mgf, obj, openflight, ply, scn, sff, stl, studio3ds, view3d, vrml};
+use crate::{cityjson, dxf, energyplus, gltf, grf, mgf, obj, openflight, ply, scn, sff, stl, studio3ds, view3d, vrml};
 use azulejo_scene::{Mesh, Scene, Shape};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -60,6 +60,8 @@ pub fn read_with(
         Format::Sff => sff::read,
         Format::Scn => scn::read,
         Format::View3d => view3d::read,
+        Format::CityJson => cityjson::read,
+        Format::EnergyPlus => energyplus::read,
     };
     let loaded = counted_first(bytes.len(), options, |options| {
         read(bytes, name, files, options)

@@ -7,6 +7,7 @@ pub(crate) mod detect;
 pub(crate) mod error;
 pub(crate) mod files;
 pub(crate) mod gzip;
+pub(crate) mod json;
 pub(crate) mod lexer;
 pub(crate) mod number;
 pub(crate) mod options;

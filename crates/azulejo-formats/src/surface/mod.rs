@@ -1,9 +1,12 @@
 //! What all formats share for surfaces: materials and their reflection models, textures, and
 //! the vertices, normals and polygons of meshes.
 
+pub(crate) mod cut;
 pub(crate) mod gloss;
+pub(crate) mod holes;
 pub(crate) mod losses;
 pub(crate) mod materials;
+pub(crate) mod mean_plane;
 pub(crate) mod model;
 pub(crate) mod phong;
 pub(crate) mod repeated;

@@ -45,6 +45,10 @@ pub enum Format {
     Scn,
     /// Input of View3D.
     View3d,
+    /// CityJSON, and sequences of its features (CityJSONSeq).
+    CityJson,
+    /// Input of EnergyPlus: IDF, or the same as JSON (epJSON).
+    EnergyPlus,
 }
 
 impl Format {
@@ -64,6 +68,8 @@ impl Format {
             Format::Sff => "SFF",
             Format::Scn => "SCN",
             Format::View3d => "View3D",
+            Format::CityJson => "CityJSON",
+            Format::EnergyPlus => "EnergyPlus",
         }
     }
 }
@@ -85,7 +91,7 @@ impl std::error::Error for Unrecognized {}
 
 /// What errors list as expected.
 pub(crate) const EXPECTED: &str =
-    "a model in 3DS, DXF, glTF, GRF, MGF, OBJ, OpenFlight, PLY, SCN, SFF, STL, View3D, VRML or X3D";
+    "a model in 3DS, CityJSON, DXF, EnergyPlus, glTF, GRF, MGF, OBJ, OpenFlight, PLY, SCN, SFF, STL, View3D, VRML or X3D";
 
 /// Recognizes the format of a model by its content or, if that is ambiguous, by its file name.
 ///
@@ -110,6 +116,7 @@ fn by_extension(
         Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".scn") => Ok(Format::Scn),
         // A single letter begins a line in several formats.
         Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".vs3") => Ok(Format::View3d),
+        Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".idf") => Ok(Format::EnergyPlus),
         Ok(Format::Grf | Format::Mgf | Format::Obj | Format::Scn) if name.ends_with(".vs3") => {
             Ok(Format::View3d)
         }
