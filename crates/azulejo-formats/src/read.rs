@@ -8,7 +8,10 @@ use crate::reading::options::counted_first;
 use crate::reading::text::decoded;
 use crate::surface::unpainted::darken_unpainted;
 use crate::{Files, Position, ReadError, ReadOptions, Warning};
-use crate::{cityjson, dxf, energyplus, gltf, grf, mgf, obj, openflight, ply, scn, sff, stl, studio3ds, view3d, vrml};
+use crate::{
+    cityjson, dxf, energyplus, gltf, grf, mgf, obj, openflight, ply, scn, sff, stl, studio3ds,
+    view3d, vrml,
+};
 use azulejo_scene::{Mesh, Scene, Shape};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -190,7 +193,7 @@ mod tests {
     }
 
     /// A small model in every format that has a text form, with its file name.
-    const MODELS: [(Format, &str, &str); 16] = [
+    const MODELS: [(Format, &str, &str); 19] = [
         (
             Format::Grf,
             "a.grf",
@@ -240,6 +243,21 @@ mod tests {
             Format::Vrml,
             "a.x3d",
             "<X3D><Scene><Shape><Box/></Shape></Scene></X3D>",
+        ),
+        (
+            Format::CityJson,
+            "a.city.json",
+            "{\"type\":\"CityJSON\",\"version\":\"2.0\",\"CityObjects\":{\"caf\u{e9}\":{\"type\":\"Building\",\"geometry\":[{\"type\":\"MultiSurface\",\"lod\":\"2\",\"boundaries\":[[[0,1,2]]]}]}},\"vertices\":[[0,0,0],[1,0,0],[0,1,0]]}",
+        ),
+        (
+            Format::EnergyPlus,
+            "a.idf",
+            "! caf\u{e9}\nVersion,25.1;\nBuilding, caf\u{e9};\nZone, Z;\nWall:Exterior, W, C, Z, , 180, 90, 0, 0, 0, 4, 3;\n",
+        ),
+        (
+            Format::EnergyPlus,
+            "a.epJSON",
+            "{\"Wall:Exterior\":{\"caf\u{e9}\":{\"zone_name\":\"Z\",\"length\":4,\"height\":3}}}",
         ),
         (Format::Gltf, "a.gltf", "{\"asset\":{\"version\":\"2.0\"}}"),
         (

@@ -213,7 +213,10 @@ impl<'a> CityReader<'a> {
                     .warn(&mut self.warnings, surface.boundary, message);
             }
         };
-        warn("hole with fewer than three corners: filled", rings.empty_holes);
+        warn(
+            "hole with fewer than three corners: filled",
+            rings.empty_holes,
+        );
         if !rings.is_polygon() {
             warn("surface with fewer than three corners: skipped", 1);
             return Ok(());

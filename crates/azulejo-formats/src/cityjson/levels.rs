@@ -125,7 +125,9 @@ fn best_parts(
     let parents = parents_of_parts(document);
     let mut best: HashMap<usize, LevelRank> = HashMap::new();
     for (k, geometries) in chosen.iter().enumerate() {
-        let Some(rank) = geometries.rank else { continue };
+        let Some(rank) = geometries.rank else {
+            continue;
+        };
         let mut part = k;
         for _ in 0..MOST_GENERATIONS {
             let Some(parent) = parents[part].filter(|&p| p != k) else {

@@ -157,10 +157,7 @@ fn object<'a>(
     let names = names(&record, version);
     let mut fields = record.fields.into_iter();
     // Only these two classes have objects without a name.
-    let is_nameless = matches!(
-        record.layout.class,
-        InputClass::Version | InputClass::Rules
-    );
+    let is_nameless = matches!(record.layout.class, InputClass::Version | InputClass::Rules);
     let name = if is_nameless {
         Cow::Borrowed("")
     } else {

@@ -1,6 +1,6 @@
 //! From the objects of a file to those of the scene.
 
-use super::emissivity::InputConstructions;
+use super::emissivity::{ConstructionSide, InputConstructions};
 use super::input::{InputObject, InputText, key};
 use super::openings::{CutFailure, CutSurface, cut};
 use super::place::InputPlaces;
@@ -39,6 +39,7 @@ pub(super) fn build(
         file,
         warnings,
         budget: Budget::new(options),
+        places: &places,
         constructions,
         scene: Scene::default(),
         cut: HashMap::new(),
@@ -47,7 +48,7 @@ pub(super) fn build(
         builder.surface(number, surface, &surfaces)?;
     }
     for orphan in &surfaces.orphans {
-        builder.opening(orphan, None);
+        builder.opening(orphan, None, false);
     }
     let mut scene = builder.scene;
     scene.units = Units {
@@ -62,6 +63,7 @@ struct EnergyPlusBuilder<'a, 'w> {
     file: InputText<'a>,
     warnings: &'w mut Warnings,
     budget: Budget,
+    places: &'a InputPlaces,
     constructions: InputConstructions,
     scene: Scene,
     /// Surfaces between zones that are done, by number: their other sides get the same polygons.
@@ -86,11 +88,6 @@ impl EnergyPlusBuilder<'_, '_> {
             self.warn(object, "air boundary between zones: left open");
             return Ok(());
         }
-        let condition = object.key("outside_boundary_condition");
-        if matches!(condition.as_str(), "zone" | "space") {
-            let message = "surface whose other side has no surface of its own: one side is read";
-            self.warn(object, message);
-        }
         let other = other_side(number, surface, all);
         let known = other.and_then(|other| self.cut.get(&other));
         let faces = match known {
@@ -105,19 +102,65 @@ impl EnergyPlusBuilder<'_, '_> {
             "" => "no construction",
             name => name,
         };
-        let material = self.constructions.material(&mut self.scene, name, false);
         if surface.is_shading() {
+            let material = self.material(name, ConstructionSide::Inner, false);
             self.scene.materials[material as usize].sidedness = Sidedness::Two;
             self.object(&object.name, faces, material);
         } else {
-            // From inside of the zone.
-            self.object(&object.name, reversed(&faces), material);
-        }
-        for opening in &surface.openings {
-            let behind = other.map(|other| &all.list[other]);
-            self.opening(opening, behind);
+            let has_back = self.has_implied_back(object, all);
+            self.wall(&object.name, name, faces, has_back, false);
+            for opening in &surface.openings {
+                let behind = other.map(|other| &all.list[other]);
+                self.opening(opening, behind, has_back);
+            }
         }
         Ok(())
+    }
+
+    /// Whether the surface names the zone behind it instead of a surface there, so that its other side is
+    /// one more surface.
+    fn has_implied_back(&mut self, object: &InputObject<'_>, all: &InputSurfaces<'_>) -> bool {
+        let condition = object.key("outside_boundary_condition");
+        let outside = object.key("outside_boundary_condition_object");
+        let is_surface = all.numbers.contains_key(&outside);
+        if self.places.has_zone(&outside) && !is_surface {
+            return outside != object.key("zone_name");
+        }
+        if matches!(condition.as_str(), "zone" | "space") {
+            let message = "surface whose other side is in a zone that is not in the file: one side is \
+                           read";
+            self.warn(object, message);
+        }
+        false
+    }
+
+    fn material(
+        &mut self,
+        construction: &str,
+        side: ConstructionSide,
+        is_glass: bool,
+    ) -> MaterialId {
+        let scene = &mut self.scene;
+        self.constructions
+            .material(scene, construction, side, is_glass)
+    }
+
+    /// Adds polygons as they are seen from inside of their zone and, if so, from the zone behind.
+    fn wall(
+        &mut self,
+        name: &str,
+        construction: &str,
+        faces: Vec<Vec<DVec3>>,
+        has_back: bool,
+        is_glass: bool,
+    ) {
+        let inner = self.material(construction, ConstructionSide::Inner, is_glass);
+        self.object(name, reversed(&faces), inner);
+        if has_back {
+            let outer = self.material(construction, ConstructionSide::Outer, is_glass);
+            // The name that EnergyPlus gives it.
+            self.object(&format!("iz-{name}"), faces, outer);
+        }
     }
 
     /// The polygons of a surface without its openings, counter-clockwise from outside.
@@ -156,7 +199,12 @@ impl EnergyPlusBuilder<'_, '_> {
     }
 
     /// Adds an opening, with the corners of the one that it shares with the surface behind.
-    fn opening(&mut self, opening: &SurfaceOpening<'_>, behind: Option<&ZoneSurface<'_>>) {
+    fn opening(
+        &mut self,
+        opening: &SurfaceOpening<'_>,
+        behind: Option<&ZoneSurface<'_>>,
+        has_back: bool,
+    ) {
         let object = opening.object;
         let is_glass = match object.layout.surface_type {
             "" => object.key("surface_type") != "door",
@@ -166,8 +214,6 @@ impl EnergyPlusBuilder<'_, '_> {
             "" => "no construction",
             name => name,
         };
-        let scene = &mut self.scene;
-        let material = self.constructions.material(scene, construction, is_glass);
         let outside = object.key("outside_boundary_condition_object");
         let behind = behind.into_iter().flat_map(|behind| &behind.openings);
         let mut behind = behind.filter(|other| key(&other.object.name) == outside);
@@ -176,11 +222,21 @@ impl EnergyPlusBuilder<'_, '_> {
             Some(other) if other.object.at < object.at => {
                 let turned = reversed(std::slice::from_ref(&other.corners));
                 let is_same = is_same_place(&turned[0], &opening.corners);
-                if is_same { turned[0].clone() } else { opening.corners.clone() }
+                if is_same {
+                    turned[0].clone()
+                } else {
+                    opening.corners.clone()
+                }
             }
             _ => opening.corners.clone(),
         };
-        self.object(&object.name, reversed(&[corners]), material);
+        self.wall(
+            &object.name,
+            construction,
+            vec![corners],
+            has_back,
+            is_glass,
+        );
     }
 
     fn object(&mut self, name: &str, faces: Vec<Vec<DVec3>>, material: MaterialId) {
@@ -194,16 +250,14 @@ impl EnergyPlusBuilder<'_, '_> {
             mesh.push_face(&corners, material);
         }
         mesh.positions = welder.positions;
-        self.scene.objects.push(Object::new(name, Shape::Mesh(mesh)));
+        self.scene
+            .objects
+            .push(Object::new(name, Shape::Mesh(mesh)));
     }
 }
 
 /// The surface of the other zone that is the other side of this one, in the same place.
-fn other_side(
-    number: usize,
-    surface: &ZoneSurface<'_>,
-    all: &InputSurfaces<'_>,
-) -> Option<usize> {
+fn other_side(number: usize, surface: &ZoneSurface<'_>, all: &InputSurfaces<'_>) -> Option<usize> {
     let named = surface.object.key("outside_boundary_condition_object");
     let other = *all.numbers.get(&named).filter(|&&other| other != number)?;
     let turned = reversed(std::slice::from_ref(&all.list[other].corners));

@@ -1,7 +1,7 @@
 //! What is left of surfaces without their openings.
 
 use crate::reading::options::{Budget, Exhausted};
-use crate::surface::cut::without;
+use crate::surface::cut::{MOST_HOLES, without};
 use crate::surface::holes::join;
 use crate::surface::mean_plane::{MeanPlane, edges};
 use azulejo_scene::Mesh;
@@ -112,9 +112,8 @@ fn are_apart(outline: &[DVec3], holes: &[Vec<DVec3>], normal: DVec3, distance: f
     let others = |k: usize| holes[..k].iter().chain([&border]);
     holes.iter().enumerate().all(|(k, hole)| {
         let is_inside = surrounds(&border, hole[0]);
-        let inside_another = |other: &Vec<DVec2>| {
-            surrounds(other, hole[0]) || surrounds(hole, other[0])
-        };
+        let inside_another =
+            |other: &Vec<DVec2>| surrounds(other, hole[0]) || surrounds(hole, other[0]);
         let is_free = !holes[..k].iter().any(inside_another);
         is_inside && is_free && others(k).all(|other| keep_apart(hole, other, distance))
     })
@@ -167,6 +166,9 @@ fn pieces(
     budget: &mut Budget,
 ) -> Result<Vec<Vec<DVec3>>, CutFailure> {
     let holes: Vec<Vec<DVec3>> = holes.iter().flat_map(|hole| convex(hole)).collect();
+    if holes.len() > MOST_HOLES {
+        return Err(CutFailure::TooComplex);
+    }
     let mut left = Vec::new();
     for part in convex(outline) {
         let count = holes.len() as u64;

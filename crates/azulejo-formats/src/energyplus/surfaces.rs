@@ -239,12 +239,18 @@ impl SurfaceReader<'_, '_> {
             return Ok(());
         }
         let base = found.named(object.text("building_surface_name"));
+        if !object.text("frame_and_divider_name").is_empty() {
+            self.warn(object, "frame of an opening: part of its surface");
+        }
         if object.number_or("multiplier", 1.0, self.file)? != 1.0 {
             self.warn(object, "opening with a multiplier: one is read");
         }
         let corners = match base.map(|base| &found.list[base]) {
             None if is_rectangle => {
-                self.warn(object, "opening on a surface that is not in the file: skipped");
+                self.warn(
+                    object,
+                    "opening on a surface that is not in the file: skipped",
+                );
                 return Ok(());
             }
             Some(base) if is_rectangle => self.on_surface(object, base)?,

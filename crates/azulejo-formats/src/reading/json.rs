@@ -47,8 +47,15 @@ fn malformed(error: &serde_json::Error, text: &str, behind: usize, file: &str) -
     let found = format!("malformed JSON ({why})");
     let (line, column) = (error.line(), error.column());
     let mut lines = text.split_inclusive('\n');
-    let before: usize = lines.by_ref().take(line.saturating_sub(1)).map(str::len).sum();
-    let mut offset = before + column.saturating_sub(1).min(lines.next().map_or(0, str::len));
+    let before: usize = lines
+        .by_ref()
+        .take(line.saturating_sub(1))
+        .map(str::len)
+        .sum();
+    let mut offset = before
+        + column
+            .saturating_sub(1)
+            .min(lines.next().map_or(0, str::len));
     while !text.is_char_boundary(offset) {
         offset -= 1;
     }
@@ -117,7 +124,9 @@ impl<'a> Json<'a> {
             return Some(Cow::Borrowed(inner));
         }
         let resolved = serde_json::from_str(self.get());
-        Some(Cow::Owned(resolved.unwrap_or_else(|_| inner.replace("\\u", "\u{fffd}"))))
+        Some(Cow::Owned(
+            resolved.unwrap_or_else(|_| inner.replace("\\u", "\u{fffd}")),
+        ))
     }
 
     /// Three numbers.
@@ -217,10 +226,24 @@ mod tests {
     fn members_and_elements_in_order() {
         let text = r#" { "b" : [1, "x,]", {"c": [ ]}, null ] , "a":-2.5e1,"\u0061":true} "#;
         let object = only(text);
-        let members: Vec<_> = object.members().map(|(n, v)| (n.into_owned(), v.get())).collect();
-        assert_eq!(members[0], ("b".to_owned(), r#"[1, "x,]", {"c": [ ]}, null ]"#));
-        assert_eq!(members[1..], [("a".to_owned(), "-2.5e1"), ("a".to_owned(), "true")]);
-        let elements: Vec<_> = object.member("b").unwrap().elements().map(Json::get).collect();
+        let members: Vec<_> = object
+            .members()
+            .map(|(n, v)| (n.into_owned(), v.get()))
+            .collect();
+        assert_eq!(
+            members[0],
+            ("b".to_owned(), r#"[1, "x,]", {"c": [ ]}, null ]"#)
+        );
+        assert_eq!(
+            members[1..],
+            [("a".to_owned(), "-2.5e1"), ("a".to_owned(), "true")]
+        );
+        let elements: Vec<_> = object
+            .member("b")
+            .unwrap()
+            .elements()
+            .map(Json::get)
+            .collect();
         assert_eq!(elements, ["1", r#""x,]""#, r#"{"c": [ ]}"#, "null"]);
         assert_eq!(object.member("a").unwrap().get(), "true");
         assert_eq!(object.member("b").unwrap().at(), text.find('[').unwrap());
@@ -231,18 +254,27 @@ mod tests {
     fn scalars() {
         assert_eq!(only("-2.5e1").number(), Some(-25.0));
         assert_eq!(only("1e999").number(), None);
-        assert_eq!((only("17").index(), only("-1").index(), only("1.0").index()), (Some(17), None, None));
+        assert_eq!(
+            (only("17").index(), only("-1").index(), only("1.0").index()),
+            (Some(17), None, None)
+        );
         assert_eq!(only(r#""a\n\"b""#).string().unwrap(), "a\n\"b");
         assert_eq!(only(r#""\ud800!""#).string().unwrap(), "\u{fffd}d800!");
         assert_eq!(only("7").string(), None);
         assert_eq!(only("[1, 2,3]").triple(), Some([1.0, 2.0, 3.0]));
-        assert_eq!((only("[1,2]").triple(), only("[1,2,3,4]").triple()), (None, None));
+        assert_eq!(
+            (only("[1,2]").triple(), only("[1,2,3,4]").triple()),
+            (None, None)
+        );
     }
 
     #[test]
     fn sequences_and_deep_nesting() {
         let found = values("{\"a\":1}\n{\"a\":2}\r\n\n", "a").unwrap();
-        let numbers: Vec<_> = found.iter().map(|v| v.member("a").unwrap().number()).collect();
+        let numbers: Vec<_> = found
+            .iter()
+            .map(|v| v.member("a").unwrap().number())
+            .collect();
         assert_eq!(numbers, [Some(1.0), Some(2.0)]);
         let deep = format!("[{}{}, 5]", "[".repeat(200_000), "]".repeat(200_000));
         assert_eq!(only(&deep).elements().last().unwrap().index(), Some(5));

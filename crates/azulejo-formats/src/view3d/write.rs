@@ -1,7 +1,7 @@
 //! Writes scenes as View3D files.
 
-use crate::surface::tessellate::{self, mesh_of};
 use crate::surface::mean_plane::MeanPlane;
+use crate::surface::tessellate::{self, mesh_of};
 use azulejo_scene::{Material, Mesh, Scene};
 use glam::DVec3;
 use std::io::{self, BufWriter, Write};

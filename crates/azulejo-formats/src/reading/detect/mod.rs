@@ -90,8 +90,7 @@ impl fmt::Display for Unrecognized {
 impl std::error::Error for Unrecognized {}
 
 /// What errors list as expected.
-pub(crate) const EXPECTED: &str =
-    "a model in 3DS, CityJSON, DXF, EnergyPlus, glTF, GRF, MGF, OBJ, OpenFlight, PLY, SCN, SFF, STL, View3D, VRML or X3D";
+pub(crate) const EXPECTED: &str = "a model in 3DS, CityJSON, DXF, EnergyPlus, glTF, GRF, MGF, OBJ, OpenFlight, PLY, SCN, SFF, STL, View3D, VRML or X3D";
 
 /// Recognizes the format of a model by its content or, if that is ambiguous, by its file name.
 ///
