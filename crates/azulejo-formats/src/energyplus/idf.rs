@@ -212,9 +212,12 @@ fn names(record: &IdfRecord<'_>, version: Option<InputVersion>) -> Vec<&'static 
     let layout = record.layout;
     let by_version = layout.fields(version.unwrap_or(LATEST));
     let others = [LATEST, (9, 0), (8, 9)].map(|v| layout.fields(v));
-    let suits = |names: &Vec<&'static str>| match layout.has_vertices() {
-        true => vertices_suit(record, names.len()),
-        false => version.is_some() || record.fields.len() == names.len() + 1,
+    let suits = |names: &Vec<&'static str>| {
+        if layout.has_vertices() {
+            vertices_suit(record, names.len())
+        } else {
+            version.is_some() || record.fields.len() == names.len() + 1
+        }
     };
     if suits(&by_version) {
         return by_version;

@@ -60,9 +60,10 @@ pub(super) fn cut(
         let height = plane.height(*p);
         cut.has_distant_openings |= height.abs() > within;
         // What lies in the plane keeps its coordinates, so that edges coincide with those of windows.
-        match height.abs() > 1e-3 * within {
-            true => *p - height * plane.normal,
-            false => *p,
+        if height.abs() > 1e-3 * within {
+            *p - height * plane.normal
+        } else {
+            *p
         }
     };
     let holes = openings.iter();
@@ -147,9 +148,10 @@ fn keep_apart(polygon: &[DVec2], other: &[DVec2], distance: f64) -> bool {
 fn to_segment(p: DVec2, a: DVec2, b: DVec2) -> f64 {
     let ab = b - a;
     let length = ab.length_squared();
-    let t = match length > 0.0 {
-        true => ((p - a).dot(ab) / length).clamp(0.0, 1.0),
-        false => 0.0,
+    let t = if length > 0.0 {
+        ((p - a).dot(ab) / length).clamp(0.0, 1.0)
+    } else {
+        0.0
     };
     p.distance(a + t * ab)
 }

@@ -103,9 +103,10 @@ impl InputPlaces {
 
     /// Vertices as the file lists them, counter-clockwise from outside and in the world.
     pub fn outline(&self, vertices: &[DVec3], frame: InputFrame<'_>) -> Vec<DVec3> {
-        let map = match self.is_world {
-            true => DAffine3::IDENTITY,
-            false => self.world_from(frame),
+        let map = if self.is_world {
+            DAffine3::IDENTITY
+        } else {
+            self.world_from(frame)
         };
         let mut corners: Vec<DVec3> = vertices.iter().map(|&p| map.transform_point3(p)).collect();
         if self.is_clockwise && corners.len() > 1 {
@@ -130,9 +131,10 @@ impl InputPlaces {
     /// The corner where it starts is the lower left one; its azimuth is that of its outward normal,
     /// clockwise from north.
     pub fn rectangle(&self, rectangle: &InputRectangle, frame: InputFrame<'_>) -> [DVec3; 4] {
-        let (map, turned) = match self.has_world_rectangles {
-            true => (DAffine3::IDENTITY, 0.0),
-            false => (self.world_from(frame), self.clockwise(frame)),
+        let (map, turned) = if self.has_world_rectangles {
+            (DAffine3::IDENTITY, 0.0)
+        } else {
+            (self.world_from(frame), self.clockwise(frame))
         };
         let [sin, cos] = sin_cos(rectangle.azimuth + turned);
         let [sin_tilt, cos_tilt] = sin_cos(rectangle.tilt);

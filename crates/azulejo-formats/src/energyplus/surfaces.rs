@@ -58,9 +58,10 @@ impl ZoneSurface<'_> {
         let start = self.corners[self.lower_left % count];
         let normal = area_vector(&self.corners).normalize_or_zero();
         let level = DVec3::Z.cross(normal);
-        let right = match level.length() > 1e-6 {
-            true => level.normalize(),
-            false => (self.corners[(self.lower_left + 1) % count] - start).normalize_or_zero(),
+        let right = if level.length() > 1e-6 {
+            level.normalize()
+        } else {
+            (self.corners[(self.lower_left + 1) % count] - start).normalize_or_zero()
         };
         (start, right, normal.cross(right))
     }

@@ -95,7 +95,7 @@ const ENERGYPLUS: [&str; 8] = [
 /// not decide.
 pub(super) fn is_energyplus(name: &[u8]) -> bool {
     let is = |class: &&str| class.len() > 8 && name.eq_ignore_ascii_case(class.as_bytes());
-    ENERGYPLUS.iter().any(|class| is(&class))
+    ENERGYPLUS.iter().any(is)
 }
 
 /// Objects of EnergyPlus: a class, fields behind commas, and a semicolon; comments begin with `!`.
@@ -113,7 +113,7 @@ fn is_idf<'a>(lines: impl Iterator<Item = &'a [u8]>) -> bool {
             let class = parts.next().unwrap_or_default().trim_ascii();
             let is_class = |c: &&str| class.eq_ignore_ascii_case(c.as_bytes());
             let has_fields = parts.next().is_some();
-            if has_fields && ENERGYPLUS.iter().any(|c| is_class(&c)) {
+            if has_fields && ENERGYPLUS.iter().any(is_class) {
                 return true;
             }
             let is_name = |b: &u8| b.is_ascii_alphanumeric() || matches!(b, b':' | b'-' | b'_');
