@@ -517,8 +517,8 @@ fn positions_of_errors() {
     );
     refuse(&json, 12, 5, "a vertex without x, y or z");
     let json = ROOM_JSON.replace("\"x_origin\": 10", "\"x_origin\": null");
-    refuse(&json, 5, 31, "found \"null\"");
-    refuse(&ROOM_JSON[..100], 3, 20, "malformed JSON");
+    refuse(&json, 5, 32, "found \"null\"");
+    refuse(&ROOM_JSON[..100], 3, 39, "malformed JSON");
 }
 
 #[test]
