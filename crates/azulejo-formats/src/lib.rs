@@ -24,7 +24,9 @@
 pub mod abaqus;
 pub mod brdf;
 pub mod camera_json;
+pub mod cityjson;
 pub mod dxf;
+pub mod energyplus;
 pub mod gltf;
 pub mod gmsh;
 pub mod grf;

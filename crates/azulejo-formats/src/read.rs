@@ -8,7 +8,7 @@ use crate::reading::options::counted_first;
 use crate::reading::text::decoded;
 use crate::surface::unpainted::darken_unpainted;
 use crate::{Files, Position, ReadError, ReadOptions, Warning};
-use crate::{abaqus, nastran, openfoam};
+use crate::{abaqus, cityjson, energyplus, nastran, openfoam};
 use crate::{
     dxf, gltf, gmsh, grf, mgf, obj, off, openflight, ply, scn, sff, stl, studio3ds, view3d, vrml,
     vtk,
@@ -70,6 +70,8 @@ pub fn read_with(
         Format::Nastran => nastran::read,
         Format::Abaqus => abaqus::read,
         Format::OpenFoam => openfoam::read,
+        Format::CityJson => cityjson::read,
+        Format::EnergyPlus => energyplus::read,
     };
     let loaded = counted_first(bytes.len(), options, |options| {
         read(bytes, name, files, options)
@@ -198,7 +200,7 @@ mod tests {
     }
 
     /// A small model in every format that has a text form, with its file name.
-    const MODELS: [(Format, &str, &str); 22] = [
+    const MODELS: [(Format, &str, &str); 25] = [
         (
             Format::Grf,
             "a.grf",
@@ -258,6 +260,21 @@ mod tests {
             Format::Vrml,
             "a.x3d",
             "<X3D><Scene><Shape><Box/></Shape></Scene></X3D>",
+        ),
+        (
+            Format::CityJson,
+            "a.city.json",
+            "{\"type\":\"CityJSON\",\"version\":\"2.0\",\"CityObjects\":{\"caf\u{e9}\":{\"type\":\"Building\",\"geometry\":[{\"type\":\"MultiSurface\",\"lod\":\"2\",\"boundaries\":[[[0,1,2]]]}]}},\"vertices\":[[0,0,0],[1,0,0],[0,1,0]]}",
+        ),
+        (
+            Format::EnergyPlus,
+            "a.idf",
+            "! caf\u{e9}\nVersion,25.1;\nBuilding, caf\u{e9};\nZone, Z;\nWall:Exterior, W, C, Z, , 180, 90, 0, 0, 0, 4, 3;\n",
+        ),
+        (
+            Format::EnergyPlus,
+            "a.epJSON",
+            "{\"Wall:Exterior\":{\"caf\u{e9}\":{\"zone_name\":\"Z\",\"length\":4,\"height\":3}}}",
         ),
         (Format::Gltf, "a.gltf", "{\"asset\":{\"version\":\"2.0\"}}"),
         (

@@ -2,10 +2,13 @@
 //! the vertices, normals and polygons of meshes, also of volumes.
 
 pub(crate) mod boundary;
+pub(crate) mod cut;
 pub(crate) mod finite;
 pub(crate) mod gloss;
+pub(crate) mod holes;
 pub(crate) mod losses;
 pub(crate) mod materials;
+pub(crate) mod mean_plane;
 pub(crate) mod model;
 pub(crate) mod named;
 pub(crate) mod phong;

@@ -58,6 +58,10 @@ pub enum Format {
     Abaqus,
     /// A mesh of OpenFOAM.
     OpenFoam,
+    /// CityJSON, and sequences of its features (CityJSONSeq).
+    CityJson,
+    /// Input of EnergyPlus: IDF, or the same as JSON (epJSON).
+    EnergyPlus,
 }
 
 impl Format {
@@ -83,6 +87,8 @@ impl Format {
             Format::Nastran => "NASTRAN bulk data",
             Format::Abaqus => "Abaqus or CalculiX input",
             Format::OpenFoam => "OpenFOAM",
+            Format::CityJson => "CityJSON",
+            Format::EnergyPlus => "EnergyPlus",
         }
     }
 }
@@ -103,7 +109,7 @@ impl fmt::Display for Unrecognized {
 impl std::error::Error for Unrecognized {}
 
 /// What errors list as expected.
-pub(crate) const EXPECTED: &str = "a model in 3DS, Abaqus, DXF, glTF, gmsh, GRF, MGF, NASTRAN, OBJ, OFF, OpenFlight, OpenFOAM, PLY, SCN, SFF, STL, View3D, VRML, VTK or X3D";
+pub(crate) const EXPECTED: &str = "a model in 3DS, Abaqus, CityJSON, DXF, EnergyPlus, glTF, gmsh, GRF, MGF, NASTRAN, OBJ, OFF, OpenFlight, OpenFOAM, PLY, SCN, SFF, STL, View3D, VRML, VTK or X3D";
 
 /// Recognizes the format of a model by its content or, if that is ambiguous, by its file name.
 ///
@@ -128,6 +134,7 @@ fn by_extension(
         Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".scn") => Ok(Format::Scn),
         // A single letter begins a line in several formats.
         Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".vs3") => Ok(Format::View3d),
+        Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".idf") => Ok(Format::EnergyPlus),
         Ok(Format::Grf | Format::Mgf | Format::Obj | Format::Scn) if name.ends_with(".vs3") => {
             Ok(Format::View3d)
         }

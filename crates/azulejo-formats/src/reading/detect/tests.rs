@@ -124,22 +124,25 @@ fn words_decide_only_where_they_are_statements() {
 fn json_is_told_by_its_names() {
     check(
         b"{\"type\": \"CityJSON\", \"CityObjects\": {\"asset\": 1}}",
-        Err("a CityJSON model"),
+        Ok(Format::CityJson),
     );
     check(
         b"{\"type\": \"FeatureCollection\", \"features\": []}",
-        Err("JSON that is not glTF"),
+        Err("JSON that is not glTF, CityJSON or epJSON"),
     );
     check(
         b"{\"a\": [{\"asset\": 1}], \"\\\"asset\": 2}",
-        Err("JSON that is not glTF"),
+        Err("JSON that is not glTF, CityJSON or epJSON"),
     );
     check(
         b"{\"extras\": {\"CityObjects\": []},\n\"asset\"\n: {}}",
         Ok(Format::Gltf),
     );
     check(b"{\"scenes\": [", Ok(Format::Gltf));
-    check(b"{\"asset", Err("JSON that is not glTF"));
+    check(
+        b"{\"asset",
+        Err("JSON that is not glTF, CityJSON or epJSON"),
+    );
 }
 
 /// Comments at the start, of every format that has them.
@@ -249,4 +252,30 @@ fn input_of_solvers() {
     check(banner.as_bytes(), Err("text in no known format"));
     assert_eq!(recognize(b"", "case/case.foam"), Ok(Format::OpenFoam));
     assert!(recognize(b"", "case.bdf").is_err());
+}
+
+#[test]
+fn input_of_energyplus() {
+    check(b"Version,25.1;\nZone, Z;", Ok(Format::EnergyPlus));
+    check(
+        b"! a comment, and more;\n\n  VERSION,\n  9.2; ! Version\n  Timestep, 4;\nOutput:Variable, *,\n x, y;\nbuildingsurface:detailed,",
+        Ok(Format::EnergyPlus),
+    );
+    check(b"{\"Wall:Exterior\": {}}", Ok(Format::EnergyPlus));
+    check(b"{\"globalgeometryrules\": {}}", Ok(Format::EnergyPlus));
+    // Everyday words in other JSON.
+    let other = "JSON that is not glTF, CityJSON or epJSON";
+    check(b"{\"Zone\": 1, \"Building\": 2}", Err(other));
+    // Lists and sentences.
+    check(b"name, area\nZone, 3\n", Err("text in no known format"));
+    check(
+        b"Dear reader, this\nZone, is;",
+        Err("text in no known format"),
+    );
+    check(
+        b"Version,25.1;\nSchedule, x;",
+        Err("text in no known format"),
+    );
+    let by_name = recognize(b"Version,25.1;\nSchedule, x;", "a.IDF");
+    assert_eq!(by_name, Ok(Format::EnergyPlus));
 }

@@ -26,6 +26,9 @@ pub(super) fn by_words(head: &[u8]) -> Detection {
     if is_abaqus(lines.clone()) {
         return Ok(Format::Abaqus);
     }
+    if is_idf(lines.clone()) {
+        return Ok(Format::EnergyPlus);
+    }
     let mut rest = lines.clone();
     while let Some(line) = rest.next() {
         let next = || first_word(rest.clone().next().unwrap_or_default());
@@ -80,6 +83,53 @@ fn is_view3d<'a>(lines: impl Iterator<Item = &'a [u8]>) -> bool {
             b"V" | b"S" | b"M" | b"N" | b"O" => return says_so && is_number(second),
             _ => return false,
         }
+    }
+    false
+}
+
+/// Classes of EnergyPlus that nothing else has; nearly all files have several of them.
+const ENERGYPLUS: [&str; 8] = [
+    "GlobalGeometryRules",
+    "BuildingSurface:Detailed",
+    "FenestrationSurface:Detailed",
+    "Wall:Detailed",
+    "Wall:Exterior",
+    "Zone",
+    "Building",
+    "SimulationControl",
+];
+
+/// Whether a name at the top of JSON is that of a class of EnergyPlus. One that is an everyday word does
+/// not decide.
+pub(super) fn is_energyplus(name: &[u8]) -> bool {
+    let is = |class: &&str| class.len() > 8 && name.eq_ignore_ascii_case(class.as_bytes());
+    ENERGYPLUS.iter().any(is)
+}
+
+/// Objects of EnergyPlus: a class, fields behind commas, and a semicolon; comments begin with `!`.
+/// Statements of other languages have blanks, brackets or quotation marks before the first comma.
+fn is_idf<'a>(lines: impl Iterator<Item = &'a [u8]>) -> bool {
+    let mut begins = true;
+    for line in lines {
+        let bare = line.split(|&b| b == b'!').next().unwrap_or_default();
+        let bare = bare.trim_ascii();
+        if bare.is_empty() {
+            continue;
+        }
+        if begins {
+            let mut parts = bare.split(|b| matches!(b, b',' | b';'));
+            let class = parts.next().unwrap_or_default().trim_ascii();
+            let is_class = |c: &&str| class.eq_ignore_ascii_case(c.as_bytes());
+            let has_fields = parts.next().is_some();
+            if has_fields && ENERGYPLUS.iter().any(is_class) {
+                return true;
+            }
+            let is_name = |b: &u8| b.is_ascii_alphanumeric() || matches!(b, b':' | b'-' | b'_');
+            if !has_fields || !class.iter().all(is_name) || class.len() < 4 {
+                return false;
+            }
+        }
+        begins = bare.ends_with(b";");
     }
     false
 }
