@@ -3,7 +3,7 @@
 use crate::args::{DivisionArgs, InputArgs};
 use crate::engine::EngineArgs;
 use crate::values;
-use azulejo_factors::Closure;
+use azulejo_factors::{Closure, form_factors};
 use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;
 
@@ -90,6 +90,16 @@ pub enum GroupBy {
     Object,
     /// Materials
     Material,
+}
+
+impl From<GroupBy> for form_factors::GroupBy {
+    fn from(by: GroupBy) -> form_factors::GroupBy {
+        match by {
+            GroupBy::Face => form_factors::GroupBy::Face,
+            GroupBy::Object => form_factors::GroupBy::Object,
+            GroupBy::Material => form_factors::GroupBy::Material,
+        }
+    }
 }
 
 impl MatrixArgs {

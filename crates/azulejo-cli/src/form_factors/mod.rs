@@ -2,7 +2,6 @@
 
 mod archive;
 pub mod args;
-mod groups;
 mod journal;
 mod outside;
 mod summary;
@@ -17,7 +16,9 @@ use super::session::Session;
 use super::{input, pass};
 use args::{FormFactorArgs, FormatName, FormulasName};
 use azulejo::output::Output;
-use azulejo_factors::form_factors::{Forecast, Journal, NoJournal, Plan, PreparedPlan};
+use azulejo_factors::form_factors::{
+    Forecast, Journal, NamedGroups, NoJournal, Plan, PreparedPlan,
+};
 use azulejo_factors::{
     Engine, FactorsError, FormFactorOptions, FormFactors, Hemicube, HemicubeBackend, PatchSize,
 };
@@ -176,7 +177,7 @@ fn grouped(
     match args.matrix.by {
         None => (factors, None, outside),
         Some(by) => {
-            let groups = groups::groups(scene, &factors, by);
+            let groups = NamedGroups::new(scene, &factors, by.into());
             let count = groups.names.len();
             let light = |rows: Vec<Gathered>| {
                 outside::grouped(&rows, &factors.areas, &groups.of_rows, count)

@@ -1,13 +1,12 @@
 //! `form-factors` for View3D files: rows, enclosures, and layout.
 
 use super::args::FormFactorArgs;
-use super::groups;
 use crate::failure::Failure;
 use crate::pass;
 use crate::report::{Report, number, percent};
 use crate::session::Session;
 use azulejo::models;
-use azulejo_factors::form_factors::{InterchangeError, Scaled};
+use azulejo_factors::form_factors::{InterchangeError, Scaled, unique_names};
 use azulejo_factors::{Closure, Engine, FaceId, FormFactorOptions, FormFactors, PatchSize};
 use azulejo_formats::view3d::{
     FactorHeader, MatrixLayout, View3dControls, View3dDocument, View3dModel, write_factors,
@@ -99,7 +98,7 @@ impl View3dInput {
             "" => format!("row {}", k + 1),
             name => name.to_owned(),
         };
-        groups::unique(self.model.names.iter().enumerate().map(named).collect())
+        unique_names(self.model.names.iter().enumerate().map(named).collect())
     }
 
     fn rows(&self) -> usize {

@@ -1,49 +1,65 @@
-//! Groups of rows, and their names.
+//! Groups of rows by what they are pieces of, and the names of these groups.
 
-use super::args::GroupBy;
-use azulejo_factors::{FaceId, FormFactors};
+use super::matrix::FormFactors;
+use crate::patch::FaceId;
 use azulejo_scene::{MaterialId, Scene};
 use std::collections::HashMap;
 
-/// A group for each row, and a name for each group.
-pub struct Groups {
+/// What rows of one group have in common.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GroupBy {
+    /// The face of an object.
+    Face,
+    /// The object.
+    Object,
+    /// The material.
+    Material,
+}
+
+/// A group for each row, as [`FormFactors::grouped`] takes them, and a name for each group.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamedGroups {
+    /// The group of each row.
     pub of_rows: Vec<Option<u32>>,
+    /// The name of each group, no two alike.
     pub names: Vec<String>,
 }
 
-/// The groups of all rows, numbered by first appearance. Back sides are separate groups.
-pub fn groups(scene: &Scene, factors: &FormFactors, by: GroupBy) -> Groups {
-    let rows = 0..factors.len();
-    let object = |i: usize| factors.faces[i].object;
-    let name = |i: usize| match by {
-        GroupBy::Face => face_name(scene, factors.faces[i]),
-        GroupBy::Object => object_name(scene, object(i)),
-        GroupBy::Material => material_name(scene, factors.materials[i]),
-    };
-    let key = |i: usize| match by {
-        GroupBy::Face => (object(i), factors.faces[i].face),
-        GroupBy::Object => (object(i), 0),
-        GroupBy::Material => (factors.materials[i], 0),
-    };
-    let (mut numbers, mut names) = (HashMap::new(), Vec::new());
-    let of_rows = rows
-        .map(|i| {
-            let is_back = factors.is_back[i];
-            let number = numbers.entry((key(i), is_back)).or_insert_with(|| {
-                names.push(name(i) + if is_back { " (back)" } else { "" });
-                names.len() as u32 - 1
-            });
-            Some(*number)
-        })
-        .collect();
-    Groups {
-        of_rows,
-        names: unique(names),
+impl NamedGroups {
+    /// The groups of all rows of a matrix of `scene`, numbered by first appearance. Back sides are
+    /// separate groups.
+    pub fn new(scene: &Scene, factors: &FormFactors, by: GroupBy) -> NamedGroups {
+        let object = |i: usize| factors.faces[i].object;
+        let name = |i: usize| match by {
+            GroupBy::Face => face_name(scene, factors.faces[i]),
+            GroupBy::Object => object_name(scene, object(i)),
+            GroupBy::Material => material_name(scene, factors.materials[i]),
+        };
+        let key = |i: usize| match by {
+            GroupBy::Face => (object(i), factors.faces[i].face),
+            GroupBy::Object => (object(i), 0),
+            GroupBy::Material => (factors.materials[i], 0),
+        };
+        let (mut numbers, mut names) = (HashMap::new(), Vec::new());
+        let of_rows = (0..factors.len())
+            .map(|i| {
+                let is_back = factors.is_back[i];
+                let number = numbers.entry((key(i), is_back)).or_insert_with(|| {
+                    names.push(name(i) + if is_back { " (back)" } else { "" });
+                    names.len() as u32 - 1
+                });
+                Some(*number)
+            })
+            .collect();
+        NamedGroups {
+            of_rows,
+            names: unique_names(names),
+        }
     }
 }
 
-/// Makes names unique by appending numbers to duplicates.
-pub fn unique(names: Vec<String>) -> Vec<String> {
+/// Makes names unique by appending their numbers to those that occur several times.
+pub fn unique_names(names: Vec<String>) -> Vec<String> {
     let mut uses: HashMap<&str, usize> = HashMap::new();
     for name in &names {
         *uses.entry(name).or_default() += 1;
@@ -81,7 +97,7 @@ fn material_name(scene: &Scene, material: MaterialId) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use azulejo_factors::{FormFactorOptions, form_factors};
+    use crate::{FormFactorOptions, form_factors};
     use azulejo_scene::synthetic::cube_room;
     use azulejo_trace::{Progress, Tracer};
 
@@ -97,7 +113,7 @@ mod tests {
             ..FormFactorOptions::default()
         };
         let factors = form_factors(&scene, &Tracer::new(&scene), &options, &Progress::new());
-        let groups = groups(&scene, &factors.unwrap(), by);
+        let groups = NamedGroups::new(&scene, &factors.unwrap(), by);
         assert_eq!(groups.names, expected);
         let last = groups.of_rows.iter().flatten().max();
         assert_eq!(last, Some(&(expected.len() as u32 - 1)));
