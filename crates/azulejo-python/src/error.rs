@@ -54,7 +54,10 @@ pub fn of_reading(failure: ReadFailure) -> PyErr {
 /// Python chooses the class by the number: `FileNotFoundError`, `PermissionError`.
 fn of_file(refused: &Refused) -> PyErr {
     match refused.error.raw_os_error() {
-        Some(number) => PyOSError::new_err((number, reason(&refused.error), refused.path.clone())),
+        Some(number) => {
+            let path = refused.path.to_string_lossy().into_owned();
+            PyOSError::new_err((number, reason(&refused.error), path))
+        },
         None => PyOSError::new_err(refused.to_string()),
     }
 }

@@ -22,15 +22,15 @@ def test_reciprocity_of_many_directions() -> None:
     random = np.random.default_rng(1)
     wi, wo = random.normal(size=(2, 10_000, 3))
     wi[:, 2], wo[:, 2] = abs(wi[:, 2]), abs(wo[:, 2])
-    there = az.brdf("ward kd=0.2 ks=0.3", wi, wo, threads=2)
-    assert np.allclose(there, az.brdf("ward kd=0.2 ks=0.3", wo, wi), rtol=1e-9)
+    there = az.brdf("ward kd=0.2 ks=0.3 ax=0.2 ay=0.3", wi, wo, threads=2)
+    assert np.allclose(there, az.brdf("ward kd=0.2 ks=0.3 ax=0.2 ay=0.3", wo, wi), rtol=1e-9)
     assert there.shape == (10_000, 3) and (there > 0).all()
 
 
 def test_as_the_command(command: str) -> None:
-    run = [command, "brdf", "eval", "ward", "kd=0.2", "ks=0.3", "--i", "30,0", "--o", "40,180", "-q"]
+    run = [command, "brdf", "eval", "ward", "kd=0.2", "ks=0.3", "ax=0.2", "ay=0.3", "--i", "30,0", "--o", "40,180", "-q"]
     said = float(subprocess.run(run, check=True, capture_output=True, text=True).stdout.split()[0])
-    mine = az.brdf("ward kd=0.2 ks=0.3", az.directions(30), az.directions(40, 180))
+    mine = az.brdf("ward kd=0.2 ks=0.3 ax=0.2 ay=0.3", az.directions(30), az.directions(40, 180))
     assert np.allclose(mine, said, rtol=1e-11)
 
 

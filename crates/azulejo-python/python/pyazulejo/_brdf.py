@@ -43,7 +43,7 @@ def brdf(
     Parameters
     ----------
     model : str
-        As for ``azulejo brdf eval``: a name with parameters, ``"ward kd=0.2 ks=0.3"``, or a file.
+        As for ``azulejo brdf eval``: a name with parameters, ``"ward kd=0.2 ks=0.3 ax=0.2 ay=0.3"``, or a file.
     wi, wo : array_like (..., 3)
         Directions of light and of view away from the surface, whose normal is z; they are normalized,
         and broadcast with each other. :func:`directions` makes them of angles. `wo` may be left out

@@ -188,7 +188,9 @@ def _of_pyvista(name: str, mesh: Any) -> FaceArrays:
         hull = mesh.extract_surface(algorithm=None) if _names_algorithm(mesh) else mesh.extract_surface()
         return _of_pyvista(name, hull)
     faces = []
-    offsets, connectivity = mesh.offset, mesh.cell_connectivity
+    # Older versions of pyvista have the second name.
+    offsets = mesh.cell_offsets if hasattr(mesh, "cell_offsets") else mesh.offset
+    connectivity = mesh.cell_connectivity
     for k, kind in enumerate(mesh.celltypes.tolist()):
         if kind in _VTK_NO_AREA:
             continue

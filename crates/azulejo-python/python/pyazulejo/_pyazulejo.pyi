@@ -6,6 +6,19 @@ from typing import Any, final
 import numpy as np
 from numpy.typing import NDArray
 
+__all__ = [
+    "AzulejoError",
+    "NativeFormFactors",
+    "NativeScene",
+    "__version__",
+    "compute_form_factors",
+    "evaluate_brdf",
+    "load_scene",
+    "probe_irradiance",
+    "render_image",
+    "solve_light",
+    "tone_map",
+]
 __version__: str
 
 _Floats = NDArray[np.float64]
@@ -99,29 +112,29 @@ def compute_form_factors(
     scene: NativeScene,
     by: str,
     options: dict[str, Any],
-    threads: int | None = None,
-    progress: Any = None,
+    threads: int | None,
+    progress: Any,
 ) -> NativeFormFactors: ...
 def solve_light(
     scene: NativeScene,
     options: dict[str, Any],
-    threads: int | None = None,
-    progress: Any = None,
+    threads: int | None,
+    progress: Any,
 ) -> tuple[NativeScene, dict[str, Any]]: ...
 def probe_irradiance(
     scene: NativeScene,
     points: _Floats,
     normals: _Floats,
     options: dict[str, Any],
-    threads: int | None = None,
-    progress: Any = None,
+    threads: int | None,
+    progress: Any,
 ) -> tuple[_Floats, _Floats, dict[str, Any]]: ...
 def render_image(
     scene: NativeScene,
     camera: dict[str, Any],
     how: dict[str, Any],
-    threads: int | None = None,
-    progress: Any = None,
+    threads: int | None,
+    progress: Any,
 ) -> NDArray[np.float32]: ...
 def tone_map(
     radiance: NDArray[np.float32], exposure: float | None, tone: str
@@ -131,5 +144,5 @@ def evaluate_brdf(
     wi: _Floats,
     wo: _Floats,
     quantity: str,
-    threads: int | None = None,
+    threads: int | None,
 ) -> _Floats: ...

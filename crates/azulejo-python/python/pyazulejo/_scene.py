@@ -180,9 +180,9 @@ class Scene:
         """The materials of the scene; pictures and glass are left out."""
         return tuple(
             Material(
-                None if model else diffuse,
-                0.0 if model else mirror,
-                emission,
+                None if model else tuple(diffuse),
+                0.0 if model else tuple(mirror),
+                tuple(emission),
                 emits_back,
                 model,
                 name,
