@@ -22,13 +22,13 @@ def main(folder: Path) -> None:
     assert report is not None
     print(f"{lit}: {report['patches']} patches, error {report['error']:.1%}")
     front = az.render(lit, size=(400, 400))
-    corner = az.render(lit, eye=(60, 480, 60), target=(330, 120, 400), up=(0, 1, 0), fov=65, size=(400, 400))
-    figure, axes = plt.subplots(1, 2, figsize=(9, 4.6))
+    eye, target = (60, 480, 60), (330, 120, 400)
+    corner = az.render(lit, eye=eye, target=target, fov=65, size=(400, 400))
+    figure, axes = plt.subplots(1, 2, figsize=(9, 4.8), layout="constrained")
     for axis, image, title in zip(axes, (front, corner), ("front", "from a corner"), strict=True):
         axis.imshow(az.tone_map(image))
         axis.set_title(title)
         axis.set_axis_off()
-    figure.tight_layout()
     figure.savefig(folder / "cornell.png", dpi=110)
 
 

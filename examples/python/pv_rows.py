@@ -26,7 +26,9 @@ DOWN = np.array([0.0, -np.cos(TILT), -np.sin(TILT)])
 NORMAL = np.array([0.0, -np.sin(TILT), np.cos(TILT)])
 
 
-def rectangle(origin: np.ndarray, u: np.ndarray, v: np.ndarray, n: int = 1) -> tuple[np.ndarray, np.ndarray]:
+def rectangle(
+    origin: np.ndarray, u: np.ndarray, v: np.ndarray, n: int = 1
+) -> tuple[np.ndarray, np.ndarray]:
     """A rectangle in n strips along v, whose fronts face u × v."""
     edges = origin + np.linspace(0, 1, n + 1)[:, None] * v
     vertices = np.concatenate([edges, edges + u])
@@ -43,7 +45,9 @@ def plant(facade: az.Material) -> az.Scene:
         meshes[f"row {row}"] = rectangle(foot, x, -SLOPE * DOWN, CELLS)
     last = (ROWS - 1) * PITCH + 5.5
     ground = np.array([-20.0, -20.0, 0.0])
-    meshes["ground"] = rectangle(ground, np.array([WIDTH + 40, 0, 0]), np.array([0, last + 20, 0]), 20)
+    meshes["ground"] = rectangle(
+        ground, np.array([WIDTH + 40, 0, 0]), np.array([0, last + 20, 0]), 20
+    )
     wall = np.array([0, last, 0.0])
     meshes["facade"] = rectangle(wall, x, np.array([0, 0, FACADE]))
     materials = {
@@ -63,7 +67,7 @@ def main(folder: Path) -> None:
     foot = np.array([WIDTH / 2, (ROWS - 1) * PITCH, 0.6])
     # Backs of modules see the facade, fronts see the row before them.
     points = foot - height[:, None] * DOWN
-    figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), sharex=True)
+    figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), sharex=True, layout="constrained")
     for name, facade in facades.items():
         scene = plant(facade)
         f = az.form_factors(scene, by="face", patch_size=2.5, rays=2048, two_sided=True)
@@ -85,7 +89,6 @@ def main(folder: Path) -> None:
         axis.set(title=f"{title} of the last row", xlabel="along the slope, m", ylim=(0, None))
     axes[0].set_ylabel("of the light on open, level ground")
     axes[1].legend(frameon=False, fontsize=8)
-    figure.tight_layout()
     figure.savefig(folder / "pv_rows.png", dpi=110)
 
 

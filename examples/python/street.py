@@ -76,16 +76,19 @@ def main(folder: Path) -> None:
         f"endless canyon {np.hypot(1, ratio) - ratio:.3f}"
     )
 
-    figure = plt.figure(figsize=(9, 6))
+    figure = plt.figure(figsize=(9, 6), layout="constrained")
     axis = figure.add_subplot(projection="3d", computed_zorder=True)
     polygons = np.split(f.corners, f.corner_offsets[1:-1])
     colours = plt.colormaps["viridis"](f.sky)
-    axis.add_collection3d(Poly3DCollection(polygons, facecolors=colours, edgecolors="k", linewidths=0.1))
+    axis.add_collection3d(
+        Poly3DCollection(polygons, facecolors=colours, edgecolors="k", linewidths=0.1)
+    )
     low, high = scene.bounds
     axis.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    axis.set_box_aspect(high - low)
+    axis.set_box_aspect(high - low, zoom=1.25)
     axis.view_init(elev=42, azim=-60)
-    axis.set(xlabel="x, m", ylabel="y, m")
+    axis.set_xlabel("x, m")
+    axis.set_ylabel("y, m", labelpad=12)
     axis.set_zticks([0, HEIGHT])
     bar = plt.cm.ScalarMappable(cmap="viridis", norm=Normalize(0, 1))
     figure.colorbar(bar, ax=axis, label="sky view factor", shrink=0.6)

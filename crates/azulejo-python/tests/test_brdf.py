@@ -28,7 +28,21 @@ def test_reciprocity_of_many_directions() -> None:
 
 
 def test_as_the_command(command: str) -> None:
-    run = [command, "brdf", "eval", "ward", "kd=0.2", "ks=0.3", "ax=0.2", "ay=0.3", "--i", "30,0", "--o", "40,180", "-q"]
+    run = [
+        command,
+        "brdf",
+        "eval",
+        "ward",
+        "kd=0.2",
+        "ks=0.3",
+        "ax=0.2",
+        "ay=0.3",
+        "--i",
+        "30,0",
+        "--o",
+        "40,180",
+        "-q",
+    ]
     said = float(subprocess.run(run, check=True, capture_output=True, text=True).stdout.split()[0])
     mine = az.brdf("ward kd=0.2 ks=0.3 ax=0.2 ay=0.3", az.directions(30), az.directions(40, 180))
     assert np.allclose(mine, said, rtol=1e-11)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import FACES, OPPOSITE, ROOT, faces_of_cube
+from conftest import FACES, OPPOSITE, ROOT
 
 import pyazulejo as az
 
@@ -102,7 +102,9 @@ def test_what_is_refused(refuses) -> None:
     check("face 1 has the index -1, but indices start at 0", SQUARE, [[0, 1, 2], [0, 2, -1]])
     check("face 1 has the index 9, but", SQUARE, [[0, 1, 2, 3], [0, 1, 9]])
     check(f"face 0 has the index {2**32}, but", SQUARE, [[0, 1, 2**32]])
-    check(f"face 0 has the index {2**64 - 1}, but", SQUARE, np.array([[0, 1, 2**64 - 1]], np.uint64))
+    check(
+        f"face 0 has the index {2**64 - 1}, but", SQUARE, np.array([[0, 1, 2**64 - 1]], np.uint64)
+    )
     check("faces are of type float64, expected whole numbers", SQUARE, QUAD.astype(float))
     check("faces are of type bool", SQUARE, QUAD.astype(bool))
     check("faces have the shape (1, 2)", SQUARE, [[0, 1]])

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from ._checks import division, hemicubes, listed, memory as _memory
-from ._checks import optional_whole, positive, share as _share, whole
+from ._checks import division, hemicubes, listed, optional_whole, positive, whole
+from ._checks import memory as _memory
+from ._checks import share as _share
 from ._checks import threads as _threads
 from ._progress import Progress, watching
 from ._pyazulejo import AzulejoError, NativeFormFactors, compute_form_factors
@@ -187,9 +188,7 @@ class FormFactors:
     def orders(self) -> tuple[csr_array, csr_array, csr_array]:
         """Three csr_arrays (n, n) that add up to `matrix`: direct light, light by one mirror, and by
         more mirrors or glass. Needs ``separate=True``; they store zeros where they have no entry."""
-        first, second, third = (
-            self._csr(_read_only(self._native.order(k)[0])) for k in range(3)
-        )
+        first, second, third = (self._csr(_read_only(self._native.order(k)[0])) for k in range(3))
         return first, second, third
 
     @cached_property

@@ -11,16 +11,20 @@ import numpy.typing as npt
 from ._checks import (
     division,
     hemicubes,
-    memory as _memory,
     not_negative,
     optional_whole,
     positive,
     real,
     rows,
     share,
-    threads as _threads,
     vector,
     whole,
+)
+from ._checks import (
+    memory as _memory,
+)
+from ._checks import (
+    threads as _threads,
 )
 from ._progress import Progress, watching
 from ._pyazulejo import AzulejoError, probe_irradiance, render_image

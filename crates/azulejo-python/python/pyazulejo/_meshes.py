@@ -110,7 +110,9 @@ def _ragged(name: str, faces: Sequence[Any]) -> tuple[npt.NDArray[Any], npt.NDAr
     arrays = [np.asarray(face) for face in faces]
     for k, face in enumerate(arrays):
         if face.ndim != 1 or face.size < 3:
-            raise AzulejoError(f'mesh "{name}": face {k} is {faces[k]!r}, expected 3 indices or more')
+            raise AzulejoError(
+                f'mesh "{name}": face {k} is {faces[k]!r}, expected 3 indices or more'
+            )
     lengths = [0, *(face.size for face in arrays)]
     return np.cumsum(lengths, dtype=np.int64), np.concatenate(arrays)
 
@@ -121,10 +123,14 @@ def _checked(
     """What the compiled half may rely on."""
     points = numbers(f'mesh "{name}": vertices', vertices)
     if points.ndim != 2 or points.shape[1] != 3:
-        raise AzulejoError(f'mesh "{name}": vertices have the shape {points.shape}, expected (n, 3)')
+        raise AzulejoError(
+            f'mesh "{name}": vertices have the shape {points.shape}, expected (n, 3)'
+        )
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if bad.size:
-        raise AzulejoError(f'mesh "{name}": vertex {bad[0]} is not finite: {points[bad[0]].tolist()}')
+        raise AzulejoError(
+            f'mesh "{name}": vertex {bad[0]} is not finite: {points[bad[0]].tolist()}'
+        )
     if len(starts) < 2:
         raise AzulejoError(f'mesh "{name}" has no faces')
     if corners.dtype.kind not in "iu":
@@ -185,7 +191,11 @@ def _of_pyvista(name: str, mesh: Any) -> FaceArrays:
     flat = set(_VTK_CORNERS) | {_VTK_POLYGON, _VTK_PIXEL} | _VTK_NO_AREA
     if not kinds <= flat:
         # The hull of solid cells, whose faces are oriented outwards.
-        hull = mesh.extract_surface(algorithm=None) if _names_algorithm(mesh) else mesh.extract_surface()
+        hull = (
+            mesh.extract_surface(algorithm=None)
+            if _names_algorithm(mesh)
+            else mesh.extract_surface()
+        )
         return _of_pyvista(name, hull)
     faces = []
     # Older versions of pyvista have the second name.

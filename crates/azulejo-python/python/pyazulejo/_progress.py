@@ -33,7 +33,9 @@ def _bar() -> Iterator[ProgressCallback]:
         from tqdm.auto import tqdm
     except ImportError:
         raise ImportError("progress=True needs tqdm: pip install tqdm") from None
-    with tqdm(total=100, unit="%", leave=False, bar_format="{desc} {percentage:3.0f}% {bar}") as bar:
+    with tqdm(
+        total=100, unit="%", leave=False, bar_format="{desc} {percentage:3.0f}% {bar}"
+    ) as bar:
 
         def callback(done: float, what: str) -> None:
             bar.set_description_str(what, refresh=False)
