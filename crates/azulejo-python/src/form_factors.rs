@@ -23,10 +23,12 @@ use std::sync::Arc;
 /// A matrix with what is known of its rows. It never changes.
 #[pyclass(frozen, module = "pyazulejo._pyazulejo")]
 pub struct NativeFormFactors {
-    scene: Arc<Scene>,
-    factors: Arc<FormFactors>,
+    /// The scene whose matrix it is.
+    pub scene: Arc<Scene>,
+    /// The matrix.
+    pub factors: Arc<FormFactors>,
     /// Names of the rows, if they are groups.
-    names: Option<Vec<String>>,
+    pub names: Option<Vec<String>>,
     /// Where the rows lie, if they are patches.
     geometry: Option<Arc<RowGeometry>>,
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 import subprocess
 import tracemalloc
 from pathlib import Path
@@ -22,6 +23,8 @@ def test_the_faces_of_a_cube(cube: az.Scene) -> None:
     assert abs(f["x0", "lid"] - (1 - OPPOSITE) / 4) < 1e-9
     assert f[4, 5] == f[-2, -1] == f["floor", "lid"]
     assert 0 <= f["floor", "lid"].std_error < 1e-6
+    copied = pickle.loads(pickle.dumps(f["floor", "lid"]))
+    assert copied == f["floor", "lid"] and copied.std_error == f["floor", "lid"].std_error
     assert f.is_closed and f.engine == "analytic" and len(f.notes) > 0
     assert np.allclose(f @ np.ones(6), 1, atol=1e-9)
     assert f.areas.tolist() == [1] * 6
@@ -145,6 +148,7 @@ def test_the_matrix_is_not_a_copy(cube: az.Scene) -> None:
         f.areas[0] = 1
     x = np.arange(len(f), dtype=float)
     assert np.allclose(f @ x, matrix.toarray() @ x)
+    assert np.allclose(x @ f, x @ matrix.toarray())
 
 
 def test_one_thread_and_two_give_the_same_bits(cube: az.Scene) -> None:

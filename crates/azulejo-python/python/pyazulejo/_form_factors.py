@@ -33,6 +33,10 @@ class Factor(float):
         factor.std_error = std_error
         return factor
 
+    def __getnewargs__(self) -> tuple[float, float]:  # type: ignore[override]
+        """What copies and pickles are made of."""
+        return float(self), self.std_error
+
 
 def form_factors(
     scene: Scene,
@@ -138,7 +142,7 @@ class FormFactors:
 
     It never changes: :meth:`close`, :meth:`truncate` and :meth:`group` return others, and all arrays
     are read-only. ``f["floor", "lid"]`` or ``f[0, 5]`` is one entry as a :class:`Factor`, ``f @ x``
-    the product with a vector or matrix.
+    the product with a vector or matrix, also from the left.
 
     Made by :func:`form_factors`.
     """
@@ -416,8 +420,14 @@ class FormFactors:
         except KeyError:
             raise AzulejoError(f'no row is named "{key}"; there are {listed(self.names)}') from None
 
+    # Arrays on the left leave the product to this class.
+    __array_ufunc__ = None
+
     def __matmul__(self, other: Any) -> Any:
         return self.matrix @ other
+
+    def __rmatmul__(self, other: Any) -> Any:
+        return other @ self.matrix
 
     def __repr__(self) -> str:
         rows = "patches" if self.names is None else "groups"
