@@ -57,7 +57,7 @@ fn of_file(refused: &Refused) -> PyErr {
         Some(number) => {
             let path = refused.path.to_string_lossy().into_owned();
             PyOSError::new_err((number, reason(&refused.error), path))
-        },
+        }
         None => PyOSError::new_err(refused.to_string()),
     }
 }
