@@ -8,7 +8,7 @@ use libfuzzer_sys::fuzz_target;
 fuzz_target!(|bytes: &[u8]| {
     let detected = detect(bytes);
     let options = ReadOptions::in_proportion(bytes.len());
-    for name in ["fuzz", "fuzz.vs3", "fuzz.scn", "fuzz.sff.gz"] {
+    for name in ["fuzz", "fuzz.vs3", "fuzz.scn", "fuzz.off", "fuzz.sff.gz"] {
         let recognized = recognize(bytes, name);
         if name == "fuzz" {
             assert_eq!(recognized, detected, "a name without an extension decides nothing");

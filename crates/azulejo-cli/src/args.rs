@@ -176,8 +176,8 @@ pub struct ReadingArgs {
     /// of metres [default: that of the first model]
     #[arg(long, value_name = "UNIT", value_parser = values::unit)]
     pub unit: Option<f64>,
-    /// Level of detail of models that have several: finest, coarsest, all, or the one for a
-    /// viewing distance
+    /// Level of detail of models that have several: finest, coarsest, all, the one for a viewing
+    /// distance, or by its number as in lod1.3 (CityJSON)
     #[arg(long, value_name = "LEVEL", default_value = "finest", value_parser = values::lod)]
     pub lod: Lod,
     /// Apply a recipe (TOML) to the scene: rules by names of materials and objects, lights, cameras,

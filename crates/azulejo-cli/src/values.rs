@@ -240,15 +240,19 @@ pub fn unit(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A level of detail: `finest`, `coarsest`, `all`, or a distance.
+/// A level of detail: `finest`, `coarsest`, `all`, a distance, or a number behind `lod`.
 pub fn lod(text: &str) -> Result<Lod, String> {
+    if let Some(number) = text.strip_prefix("lod") {
+        let number = not_negative(number).map(Lod::Numbered);
+        return number.map_err(|e| format!("{e} behind \"lod\", as in lod1.3"));
+    }
     match text {
         "finest" => Ok(Lod::Finest),
         "coarsest" => Ok(Lod::Coarsest),
         "all" => Ok(Lod::All),
-        other => not_negative(other)
-            .map(Lod::Distance)
-            .map_err(|e| format!("{e}; expected finest, coarsest, all or a distance")),
+        other => not_negative(other).map(Lod::Distance).map_err(|e| {
+            format!("{e}; expected finest, coarsest, all, a distance or a number as in lod1.3")
+        }),
     }
 }
 
@@ -312,7 +316,8 @@ pub(crate) mod tests {
         refuse(unit, &["", "parsec", "0", "-1", "nan"]);
         check(lod, "coarsest", Lod::Coarsest);
         check(lod, "120.5", Lod::Distance(120.5));
-        refuse(lod, &["", "-1", "best"]);
+        check(lod, "lod1.3", Lod::Numbered(1.3));
+        refuse(lod, &["", "-1", "best", "lod", "lod-1", "lodx"]);
     }
 
     #[test]

@@ -7,10 +7,19 @@
 //! |---|---|
 //! | [`enclosure`] | form factors with a description of their rows, grouped by face, object or material |
 //! | [`archive`] | the same as an `.npz` |
+//! | [`bands`] | bands of wavelengths, and black emission in them |
+//! | [`network`] | Gebhart factors, conductances, temperatures and fluxes |
 //! | [`files`] | files of other programs |
 
 pub mod archive;
+pub mod bands;
 pub mod enclosure;
 pub mod files;
+pub mod network;
 
+pub use bands::{SpectralRange, band_fraction};
 pub use enclosure::{CellMesh, Enclosure, GroupBy, Groups, OutsideLight, RowTable};
+pub use network::{
+    ExchangeError, ExchangeFactors, HeatBalance, HeatProblem, RowCondition, SurfaceBand,
+    exchange_factors, heat_balance,
+};

@@ -30,12 +30,13 @@
 //! | [`hemicube`] | rows by item buffers, on the processor or a graphics card |
 //! | [`analytic`] | closed forms of pairs of polygons, with exact shadows and mirror images |
 //! | [`form_factors`](mod@form_factors) | the matrix: merging, closure, grouping, truncation |
-//! | [`sparse`] | compressed rows for solvers |
+//! | [`sparse`], [`cholesky`] | compressed rows for solvers, and a solver of small systems |
 //! | [`truth`] | scenes with known answers, to judge every engine by |
 
 pub mod analytic;
 mod analytic_engine;
 mod choice;
+pub mod cholesky;
 pub mod engine;
 mod error;
 pub mod form_factors;

@@ -21,15 +21,22 @@
 //! read through a small trait, [`Files`], so that a folder, files in memory and a sandbox
 //! work alike.
 
+pub mod abaqus;
 pub mod brdf;
 pub mod camera_json;
+pub mod cityjson;
 pub mod dxf;
+pub mod energyplus;
 pub mod gltf;
+pub mod gmsh;
 pub mod grf;
 pub mod mgf;
+pub mod nastran;
 pub mod numpy;
 pub mod obj;
+pub mod off;
 pub mod openflight;
+pub mod openfoam;
 pub mod outline;
 pub mod picture;
 pub mod ply;
@@ -43,6 +50,7 @@ mod surface;
 pub mod three_mf;
 pub mod view3d;
 pub mod vrml;
+pub mod vtk;
 
 pub use picture::{PictureError, decode as read_picture};
 pub use read::{RecognizedModel, read, read_drawing, read_with};

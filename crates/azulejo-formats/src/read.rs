@@ -8,7 +8,11 @@ use crate::reading::options::counted_first;
 use crate::reading::text::decoded;
 use crate::surface::unpainted::darken_unpainted;
 use crate::{Files, Position, ReadError, ReadOptions, Warning};
-use crate::{dxf, gltf, grf, mgf, obj, openflight, ply, scn, sff, stl, studio3ds, view3d, vrml};
+use crate::{abaqus, cityjson, energyplus, nastran, openfoam};
+use crate::{
+    dxf, gltf, gmsh, grf, mgf, obj, off, openflight, ply, scn, sff, stl, studio3ds, view3d, vrml,
+    vtk,
+};
 use azulejo_scene::{Mesh, Scene, Shape};
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -60,6 +64,14 @@ pub fn read_with(
         Format::Sff => sff::read,
         Format::Scn => scn::read,
         Format::View3d => view3d::read,
+        Format::Gmsh => gmsh::read,
+        Format::Off => off::read,
+        Format::Vtk => vtk::read,
+        Format::Nastran => nastran::read,
+        Format::Abaqus => abaqus::read,
+        Format::OpenFoam => openfoam::read,
+        Format::CityJson => cityjson::read,
+        Format::EnergyPlus => energyplus::read,
     };
     let loaded = counted_first(bytes.len(), options, |options| {
         read(bytes, name, files, options)
@@ -188,7 +200,7 @@ mod tests {
     }
 
     /// A small model in every format that has a text form, with its file name.
-    const MODELS: [(Format, &str, &str); 16] = [
+    const MODELS: [(Format, &str, &str); 25] = [
         (
             Format::Grf,
             "a.grf",
@@ -212,6 +224,16 @@ mod tests {
             Format::View3d,
             "a.vs3",
             "T one \u{e9}\nF 3\nV 1 0 0 0\nV 2 1 0 0\nV 3 0 1 0\nS 1 1 2 3 0 0 0 .5 low\nEnd\n",
+        ),
+        (
+            Format::Nastran,
+            "a.bdf",
+            "$ Femap Property 1 : caf\u{e9}\nGRID,1,,0.\nGRID,2,,1.\nGRID,3,,0.,1.\nCTRIA3,1,1,1,2,3\n",
+        ),
+        (
+            Format::Abaqus,
+            "a.inp",
+            "*NODE\n1,0,0,0\n2,1,0,0\n3,0,1,0\n*ELEMENT,TYPE=S3,ELSET=caf\u{e9}\n1,1,2,3\n",
         ),
         (
             Format::Ply,
@@ -239,11 +261,46 @@ mod tests {
             "a.x3d",
             "<X3D><Scene><Shape><Box/></Shape></Scene></X3D>",
         ),
+        (
+            Format::CityJson,
+            "a.city.json",
+            "{\"type\":\"CityJSON\",\"version\":\"2.0\",\"CityObjects\":{\"caf\u{e9}\":{\"type\":\"Building\",\"geometry\":[{\"type\":\"MultiSurface\",\"lod\":\"2\",\"boundaries\":[[[0,1,2]]]}]}},\"vertices\":[[0,0,0],[1,0,0],[0,1,0]]}",
+        ),
+        (
+            Format::EnergyPlus,
+            "a.idf",
+            "! caf\u{e9}\nVersion,25.1;\nBuilding, caf\u{e9};\nZone, Z;\nWall:Exterior, W, C, Z, , 180, 90, 0, 0, 0, 4, 3;\n",
+        ),
+        (
+            Format::EnergyPlus,
+            "a.epJSON",
+            "{\"Wall:Exterior\":{\"caf\u{e9}\":{\"zone_name\":\"Z\",\"length\":4,\"height\":3}}}",
+        ),
         (Format::Gltf, "a.gltf", "{\"asset\":{\"version\":\"2.0\"}}"),
         (
             Format::Sff,
             "a.sff",
             "view\n0 0 10\n0 0 0\n0 1 0\n30 20\ncolors\n.1 .2 .3\n.1 .1 .1\n",
+        ),
+        (
+            Format::Gmsh,
+            "a.msh",
+            "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 1 \"caf\u{e9}\"\n$EndPhysicalNames\n$Nodes\n3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n$EndNodes\n$Elements\n1\n1 2 2 1 1 1 2 3\n$EndElements\n",
+        ),
+        (
+            Format::Off,
+            "a.off",
+            "OFF # caf\u{e9}\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+        ),
+        (
+            Format::Vtk,
+            "a.vtk",
+            "# vtk DataFile Version 3.0\ncaf\u{e9}\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n3 0 1 2\n",
+        ),
+        (
+            Format::Vtk,
+            "a.vtp",
+            "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"0\"/></PolyData></VTKFile>",
         ),
     ];
 

@@ -1,11 +1,9 @@
 //! Operations of thermal engineering: masks, rows scaled to given sums, grey interchange.
 
-mod cholesky;
-
 use super::exchange::{Exchange, ExchangeAreas};
 use super::matrix::{Adjustment, FormFactors, RowRemainder};
+use crate::cholesky::{Cholesky, dot};
 use azulejo_trace::{Cancelled, Progress};
-use cholesky::{Cholesky, dot};
 use rayon::prelude::*;
 use std::fmt;
 
@@ -145,6 +143,7 @@ impl FormFactors {
             "one emissivity for each row"
         );
         let n = self.len();
+        progress.begin("grey interchange", 2 * n as u64);
         let system = Cholesky::new(self.grey_system(emissivities), n, progress)?;
         let system = system.map_err(|row| InterchangeError::Grows { row })?;
         let own = |i: usize| self.areas[i] * emissivities[i] / (1.0 - emissivities[i]);

@@ -1,5 +1,6 @@
 //! URIs: embedded data and file names.
 
+use crate::reading::base64;
 use std::borrow::Cow;
 
 /// The target of a URI.
@@ -33,7 +34,7 @@ pub(super) fn read(uri: &str) -> Result<Uri<'_>, String> {
 fn data(rest: &str) -> Result<Vec<u8>, String> {
     let (kind, content) = rest.split_once(',').ok_or("a data URI without a comma")?;
     if kind.ends_with(";base64") {
-        base64(content.as_bytes()).ok_or_else(|| "a data URI that is not base64".to_owned())
+        base64::decode(content.as_bytes()).ok_or_else(|| "a data URI that is not base64".to_owned())
     } else {
         Ok(percent_decoded(content).into_owned())
     }
@@ -97,45 +98,6 @@ pub(super) fn data_uri(media_type: &str, bytes: &[u8]) -> String {
         }
     }
     uri
-}
-
-/// Value of each base64 character; 64 for all others.
-const SEXTETS: [u8; 256] = {
-    let mut table = [64; 256];
-    let alphabet = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut value = 0;
-    while value < 64 {
-        table[alphabet[value] as usize] = value as u8;
-        value += 1;
-    }
-    // The URL-safe alphabet does not clash with the common one.
-    table[b'-' as usize] = 62;
-    table[b'_' as usize] = 63;
-    table
-};
-
-/// Decodes base64, RFC 4648, with or without padding.
-fn base64(text: &[u8]) -> Option<Vec<u8>> {
-    let end = text.iter().rposition(|b| *b != b'=').map_or(0, |e| e + 1);
-    let text = &text[..end];
-    let mut bytes = Vec::with_capacity(text.len() / 4 * 3 + 2);
-    let (fours, rest) = text.as_chunks::<4>();
-    for four in fours {
-        bytes.extend(group(*four)?);
-    }
-    if !rest.is_empty() {
-        let mut four = [b'A'; 4];
-        four[..rest.len()].copy_from_slice(rest);
-        bytes.extend_from_slice(&group(four)?[..rest.len() - 1]);
-    }
-    Some(bytes)
-}
-
-/// Three bytes of four characters.
-fn group(four: [u8; 4]) -> Option<[u8; 3]> {
-    let [a, b, c, d] = four.map(|character| SEXTETS[usize::from(character)]);
-    let known = (a | b | c | d) < 64;
-    known.then_some([a << 2 | b >> 4, b << 4 | c >> 2, c << 6 | d])
 }
 
 #[cfg(test)]

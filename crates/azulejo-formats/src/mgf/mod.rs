@@ -6,7 +6,7 @@
 mod build;
 mod color;
 mod context;
-mod holes;
+
 mod ies;
 mod lines;
 mod luminaire;

@@ -3,8 +3,9 @@
 use super::build::MgfCorner;
 use super::reader::{EntityError, MgfReader, MgfSource, MgfVertex, skip};
 use super::sharing::WORLD;
-use super::{holes, solids};
+use super::solids;
 use crate::reading::text::quoted;
+use crate::surface::holes::join;
 use azulejo_scene::math::normal_matrix;
 use azulejo_scene::{MaterialId, Mesh, Primitive, PrimitiveKind};
 use glam::{DAffine3, DMat3, DVec3};
@@ -168,7 +169,7 @@ impl MgfReader<'_> {
         self.budget
             .spend((holes.len() * corners.len()) as u64 / 8)?;
         let points: Vec<DVec3> = corners.iter().map(|c| c.position).collect();
-        let (joined, left_out) = holes::join(&points, outline, &holes);
+        let (joined, left_out) = join(&points, outline, &holes);
         let joined = joined.into_iter().map(|k| corners[k]).collect();
         self.polygon(source, &frame, joined)?;
         match left_out {

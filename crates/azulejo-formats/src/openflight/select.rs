@@ -138,7 +138,7 @@ fn lod_rule(document: &FltDocument, children: Siblings, lod: Lod, scale: f64) ->
     match lod {
         Lod::All => LodRule::All,
         Lod::Distance(d) => LodRule::Distance(d / scale),
-        Lod::Finest => {
+        Lod::Finest | Lod::Numbered(_) => {
             let all = children.filter_map(switch_out);
             LodRule::SwitchOut(all.fold(f64::INFINITY, f64::min))
         }

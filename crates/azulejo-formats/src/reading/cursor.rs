@@ -209,6 +209,28 @@ pub(crate) fn line_around(bytes: &[u8], offset: usize, most_before: usize) -> Op
     Some(valid.map_or_else(|| text(line), Cow::Borrowed).into_owned())
 }
 
+/// Line numbers of increasing offsets in one text, so that no line is counted twice.
+#[derive(Debug, Default)]
+pub(crate) struct LineCounter {
+    offset: usize,
+    ends: u32,
+}
+
+impl LineCounter {
+    /// The line of an offset, from 1; no less than that of the offset before.
+    pub fn at(&mut self, bytes: &[u8], offset: usize) -> u32 {
+        for at in self.offset..offset.min(bytes.len()) {
+            let ends = match bytes[at] {
+                b'\r' => bytes.get(at + 1) != Some(&b'\n'),
+                byte => byte == b'\n',
+            };
+            self.ends += u32::from(ends);
+        }
+        self.offset = self.offset.max(offset.min(bytes.len()));
+        self.ends + 1
+    }
+}
+
 /// Lines and columns of offsets in one text; fastest for increasing offsets.
 #[derive(Default)]
 pub(crate) struct Locator {

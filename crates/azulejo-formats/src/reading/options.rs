@@ -5,7 +5,8 @@ use crate::ReadError;
 /// Options of readers. The default suits scenes that are to be lit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ReadOptions {
-    /// Which level of detail is read, in formats that have them (OpenFlight, VRML, X3D).
+    /// Which level of detail is read, in formats that have them (OpenFlight, VRML, X3D,
+    /// CityJSON).
     pub lod: Lod,
     /// Most vertices, corners of faces and nodes that a model may expand to. Instances, arrays
     /// and curves expand a small file, and every instance of a mesh has its own vertices here.
@@ -32,6 +33,9 @@ pub enum Lod {
     Distance(f64),
     /// All levels together.
     All,
+    /// The level with this number, >= 0, or else the highest one below it: levels have numbers in
+    /// CityJSON. Other formats read the finest one.
+    Numbered(f64),
 }
 
 impl Default for ReadOptions {

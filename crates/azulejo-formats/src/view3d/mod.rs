@@ -6,7 +6,7 @@
 //! matrix in the formats of View3D 4.0.0. `docs/formats/view3d.md` has the details.
 
 mod check;
-mod cut;
+
 mod document;
 mod factors;
 mod lines;

@@ -1,8 +1,8 @@
 //! The polygons that remain after subtracting subsurfaces from their bases.
 
-use super::check::MeanPlane;
-use super::cut::{MOST_HOLES, without};
 use super::document::{SurfaceKind, View3dDocument, View3dSurface};
+use crate::surface::cut::{MOST_HOLES, without};
+use crate::surface::mean_plane::MeanPlane;
 use crate::{Position, ReadError, Warning};
 use azulejo_scene::{Material, MaterialId, Mesh, Object, Rgb, Scene, Shape, Units, Up};
 use glam::DVec3;

@@ -1,6 +1,6 @@
 //! Writes scenes as View3D files.
 
-use super::check::MeanPlane;
+use crate::surface::mean_plane::MeanPlane;
 use crate::surface::tessellate::{self, mesh_of};
 use azulejo_scene::{Material, Mesh, Scene};
 use glam::DVec3;

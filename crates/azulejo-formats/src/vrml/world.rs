@@ -317,7 +317,7 @@ fn levels(
     let children = choices(builder, node, "level");
     let place = place.inside(place.frame.named(node.name.as_deref()));
     let level = match builder.options.lod {
-        Lod::Finest => 0,
+        Lod::Finest | Lod::Numbered(_) => 0,
         Lod::Coarsest => {
             let mut left = MOST_LOOKED_AT;
             let shows = |n: &Rc<VrmlNode>| shows_something(n, &mut left);

@@ -1,11 +1,13 @@
 //! Readers and writers on whole files.
 #![allow(clippy::print_stdout, clippy::print_stderr)]
 
+mod meshes;
 mod mgf;
 mod mgf_instances;
 mod obj;
 mod openflight;
 mod sff;
+mod solvers;
 mod table_1;
 #[cfg(feature = "fonts")]
 mod tiny_font;

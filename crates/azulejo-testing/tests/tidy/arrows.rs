@@ -6,7 +6,7 @@ use std::path::Path;
 
 /// Each crate and the crates of ours that it may use. What is not here is forbidden; above all,
 /// radiosity and render do not know each other: they meet in data, irradiance on vertices.
-const ARROWS: [(&str, &[&str]); 13] = [
+const ARROWS: [(&str, &[&str]); 14] = [
     ("azulejo-testing", &[]),
     ("azulejo-scene", &[]),
     ("azulejo-formats", &["azulejo-scene"]),
@@ -55,6 +55,19 @@ const ARROWS: [(&str, &[&str]); 13] = [
             "azulejo-radiosity",
             "azulejo-render",
             "azulejo-bake",
+        ],
+    ),
+    (
+        "azulejo-python",
+        &[
+            "azulejo",
+            "azulejo-scene",
+            "azulejo-formats",
+            "azulejo-trace",
+            "azulejo-factors",
+            "azulejo-exchange",
+            "azulejo-radiosity",
+            "azulejo-render",
         ],
     ),
     (

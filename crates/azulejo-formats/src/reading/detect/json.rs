@@ -1,5 +1,6 @@
-//! JSON: glTF, or something else.
+//! JSON: glTF, CityJSON, epJSON, or something else.
 
+use super::words::is_energyplus;
 use super::{Detection, Format};
 
 /// The format of JSON, by the names at its top level.
@@ -13,10 +14,11 @@ pub(super) fn json_model(bytes: &[u8]) -> Detection {
         b"accessors",
         b"buffers",
     ];
-    let mut found = Err("JSON that is not glTF");
+    let mut found = Err("JSON that is not glTF, CityJSON or epJSON");
     for name in TopLevelNames::new(bytes) {
         match name {
-            b"CityObjects" => return Err("a CityJSON model"),
+            b"CityObjects" => return Ok(Format::CityJson),
+            _ if is_energyplus(name) => return Ok(Format::EnergyPlus),
             b"asset" => return Ok(Format::Gltf),
             _ if GLTF.contains(&name) => found = Ok(Format::Gltf),
             _ => {}

@@ -1,6 +1,6 @@
 //! Formats that are recognized by their first bytes.
 
-use super::{Detection, Format};
+use super::{Detection, EMPTY, Format};
 use crate::reading::text::decoded;
 
 /// Bytes of a file that are examined for magic bytes.
@@ -9,7 +9,7 @@ pub(super) const LOOKED_AT: usize = 1 << 16;
 /// Formats that begin with magic bytes.
 pub(super) fn known_mark(bytes: &[u8]) -> Option<Detection> {
     use Format::*;
-    const MARKS: [(&[u8], Detection); 27] = [
+    const MARKS: [(&[u8], Detection); 28] = [
         (b"\x89PNG", Err("a PNG picture")),
         (b"\xff\xd8\xff", Err("a JPEG picture")),
         (b"GIF8", Err("a GIF picture")),
@@ -28,7 +28,6 @@ pub(super) fn known_mark(bytes: &[u8]) -> Option<Detection> {
         (b"BLENDER", Err("a Blender file; export it as glTF")),
         (b"Kaydara FBX", Err("an FBX model; export it as glTF")),
         (b"AC10", Err("a DWG drawing; export it as DXF")),
-        (b"OFF\n", Err("an OFF model")),
         (b"; FBX", Err("an FBX model; export it as glTF")),
         (b"//Maya ASCII", Err("a Maya scene; export it as glTF")),
         (b"ISO-10303-21;", Err("a STEP or IFC model")),
@@ -36,6 +35,8 @@ pub(super) fn known_mark(bytes: &[u8]) -> Option<Detection> {
         (b"\x7fELF", Err("a program")),
         (b"AutoCAD Binary DXF", Ok(Dxf)),
         (b"glTF", Ok(Gltf)),
+        (b"$MeshFormat", Ok(Gmsh)),
+        (b"# vtk DataFile", Ok(Vtk)),
         (b"ply\n", Ok(Ply)),
         (b"ply\r", Ok(Ply)),
         (b"ply ", Ok(Ply)),
@@ -45,7 +46,7 @@ pub(super) fn known_mark(bytes: &[u8]) -> Option<Detection> {
         (b"#Inventor V2", Ok(Vrml)),
     ];
     if bytes.is_empty() {
-        return Some(Err("an empty file"));
+        return Some(Err(EMPTY));
     }
     let text = decoded(&bytes[..bytes.len().min(LOOKED_AT)]);
     let mark = MARKS.iter().find(|(mark, _)| text.starts_with(mark));

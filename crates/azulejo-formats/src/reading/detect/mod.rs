@@ -2,6 +2,7 @@
 
 mod json;
 mod marks;
+mod solvers;
 #[cfg(test)]
 mod tests;
 mod words;
@@ -45,6 +46,22 @@ pub enum Format {
     Scn,
     /// Input of View3D.
     View3d,
+    /// Meshes of gmsh, as text or binary.
+    Gmsh,
+    /// Object File Format of Geomview.
+    Off,
+    /// Meshes of VTK: legacy files, text or binary, and files in XML.
+    Vtk,
+    /// Bulk data of NASTRAN.
+    Nastran,
+    /// Input of Abaqus and CalculiX.
+    Abaqus,
+    /// A mesh of OpenFOAM.
+    OpenFoam,
+    /// CityJSON, and sequences of its features (CityJSONSeq).
+    CityJson,
+    /// Input of EnergyPlus: IDF, or the same as JSON (epJSON).
+    EnergyPlus,
 }
 
 impl Format {
@@ -64,6 +81,14 @@ impl Format {
             Format::Sff => "SFF",
             Format::Scn => "SCN",
             Format::View3d => "View3D",
+            Format::Gmsh => "gmsh",
+            Format::Off => "OFF",
+            Format::Vtk => "VTK",
+            Format::Nastran => "NASTRAN bulk data",
+            Format::Abaqus => "Abaqus or CalculiX input",
+            Format::OpenFoam => "OpenFOAM",
+            Format::CityJson => "CityJSON",
+            Format::EnergyPlus => "EnergyPlus",
         }
     }
 }
@@ -84,8 +109,7 @@ impl fmt::Display for Unrecognized {
 impl std::error::Error for Unrecognized {}
 
 /// What errors list as expected.
-pub(crate) const EXPECTED: &str =
-    "a model in 3DS, DXF, glTF, GRF, MGF, OBJ, OpenFlight, PLY, SCN, SFF, STL, View3D, VRML or X3D";
+pub(crate) const EXPECTED: &str = "a model in 3DS, Abaqus, CityJSON, DXF, EnergyPlus, glTF, gmsh, GRF, MGF, NASTRAN, OBJ, OFF, OpenFlight, OpenFOAM, PLY, SCN, SFF, STL, View3D, VRML, VTK or X3D";
 
 /// Recognizes the format of a model by its content or, if that is ambiguous, by its file name.
 ///
@@ -110,14 +134,41 @@ fn by_extension(
         Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".scn") => Ok(Format::Scn),
         // A single letter begins a line in several formats.
         Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".vs3") => Ok(Format::View3d),
+        Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".idf") => Ok(Format::EnergyPlus),
         Ok(Format::Grf | Format::Mgf | Format::Obj | Format::Scn) if name.ends_with(".vs3") => {
             Ok(Format::View3d)
+        }
+        // The word at the start is optional.
+        Err(e) if e.looks_like == PLAIN_TEXT && name.ends_with(".off") => Ok(Format::Off),
+        // Bulk data that only include others, and words of the executive control before bulk data. An
+        // empty file beside a case is what programs open for it.
+        Err(e) if e.looks_like == PLAIN_TEXT && is_bulk_data(name) => Ok(Format::Nastran),
+        Ok(Format::Grf | Format::Mgf | Format::Obj | Format::Scn) if is_bulk_data(name) => {
+            Ok(Format::Nastran)
+        }
+        Err(e) if matches!(e.looks_like, EMPTY | WHITE_SPACE) && is_case(name) => {
+            Ok(Format::OpenFoam)
         }
         // Words that several languages share, and comments after a semicolon.
         Ok(Format::Grf | Format::Mgf | Format::Obj) if name.ends_with(".scn") => Ok(Format::Scn),
         _ => detected,
     }
 }
+
+/// Whether a name ends as those of bulk data do, and of nothing else.
+fn is_bulk_data(name: &str) -> bool {
+    [".bdf", ".nas", ".fem", ".blk"]
+        .iter()
+        .any(|end| name.ends_with(end))
+}
+
+/// Whether a name is that of the file which stands for a case of OpenFOAM.
+fn is_case(name: &str) -> bool {
+    name.ends_with(".foam") || name.ends_with(".openfoam")
+}
+
+/// Description of no bytes.
+const EMPTY: &str = "an empty file";
 
 /// Description of text without a keyword of any format.
 const PLAIN_TEXT: &str = "text in no known format";

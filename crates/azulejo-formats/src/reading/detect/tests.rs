@@ -54,6 +54,46 @@ fn models() {
 }
 
 #[test]
+fn meshes_for_computations() {
+    check(b"$MeshFormat\n4.1 1 8\n\x01\0\0\0", Ok(Format::Gmsh));
+    check(
+        b"$Comments\nby me\n$EndComments\n$MeshFormat\n2.2 0 8\n",
+        Ok(Format::Gmsh),
+    );
+    check(b"$NOD\n4\n", Ok(Format::Gmsh));
+    check(
+        b"$ a comment of Nastran\nGRID,1\n",
+        Err("text in no known format"),
+    );
+    check(b"OFF\n8 6 0\n", Ok(Format::Off));
+    check(b"# by hand\nOFF 8 6 0\n", Ok(Format::Off));
+    for word in [
+        "COFF",
+        "NOFF",
+        "STOFF",
+        "STCNOFF",
+        "4OFF",
+        "nOFF",
+        "OFF BINARY",
+        "OFF # a cube",
+    ] {
+        check(format!("{word}\n8 6 0\n").as_bytes(), Ok(Format::Off));
+    }
+    check(b"OFF we go\n", Err("text in no known format"));
+    check(b"SCOFF\n", Err("text in no known format"));
+    assert_eq!(recognize(b"8 6 0\n0 0 0\n", "a.off"), Ok(Format::Off));
+    check(
+        b"# vtk DataFile Version 3.0\nv 1 2 3\nBINARY\n",
+        Ok(Format::Vtk),
+    );
+    check(
+        b"<?xml version='1.0'?>\n<VTKFile type='PolyData'>",
+        Ok(Format::Vtk),
+    );
+    check(b"<VTKFile><X3D>", Ok(Format::Vtk));
+}
+
+#[test]
 fn words_decide_only_where_they_are_statements() {
     // Numbers that are not finite are for the reader to refuse.
     for number in ["nan", "-NaN", "inf", "+Infinity", ".5", "-1"] {
@@ -70,7 +110,7 @@ fn words_decide_only_where_they_are_statements() {
     check(b"c'est la vie\n", Err("text in no known format"));
     // Nastran, in which a deck of cards begins like a mesh.
     let deck = b"$ a deck\nSOL 101\nCEND\nBEGIN BULK\nGRID,1,,0.,0.,0.\nENDDATA\n";
-    check(deck, Err("a Nastran model"));
+    check(deck, Ok(Format::Nastran));
     check(b"INCLUDE 'a.bdf'\nGRID,1\n", Err("text in no known format"));
     check(b"begin\n// a comment\nmesh\n", Ok(Format::Grf));
     check(b"begin // one\n", Ok(Format::Grf));
@@ -84,22 +124,25 @@ fn words_decide_only_where_they_are_statements() {
 fn json_is_told_by_its_names() {
     check(
         b"{\"type\": \"CityJSON\", \"CityObjects\": {\"asset\": 1}}",
-        Err("a CityJSON model"),
+        Ok(Format::CityJson),
     );
     check(
         b"{\"type\": \"FeatureCollection\", \"features\": []}",
-        Err("JSON that is not glTF"),
+        Err("JSON that is not glTF, CityJSON or epJSON"),
     );
     check(
         b"{\"a\": [{\"asset\": 1}], \"\\\"asset\": 2}",
-        Err("JSON that is not glTF"),
+        Err("JSON that is not glTF, CityJSON or epJSON"),
     );
     check(
         b"{\"extras\": {\"CityObjects\": []},\n\"asset\"\n: {}}",
         Ok(Format::Gltf),
     );
     check(b"{\"scenes\": [", Ok(Format::Gltf));
-    check(b"{\"asset", Err("JSON that is not glTF"));
+    check(
+        b"{\"asset",
+        Err("JSON that is not glTF, CityJSON or epJSON"),
+    );
 }
 
 /// Comments at the start, of every format that has them.
@@ -117,6 +160,8 @@ fn comments_may_be_of_any_length() {
         (long("!", ""), "F 3\nV 1 0 0 0\n", Format::View3d),
         (long("%", ""), "sphere 0 0 0 1\n", Format::Scn),
         (long("<!--", "-->"), "<X3D>", Format::Vrml),
+        (long("<!--", "-->"), "<VTKFile>", Format::Vtk),
+        (long("#", ""), "OFF\n", Format::Off),
         ("\n".repeat(2 * LOOKED_AT), "v 1 2 3\n", Format::Obj),
     ] {
         let text = comment + model;
@@ -151,7 +196,7 @@ fn other_formats_are_named() {
     );
     check(
         b"<?xml version='1.0'?>\n<COLLADA/>",
-        Err("XML that is not X3D"),
+        Err("XML that is neither X3D nor VTK"),
     );
     check(
         b"newmtl a\nKd 1 1 1",
@@ -159,4 +204,78 @@ fn other_formats_are_named() {
     );
     check(b"Dear diary", Err("text in no known format"));
     check(b"\x02\x00\x03", Err("binary data in no known format"));
+}
+
+#[test]
+fn input_of_solvers() {
+    for line in [
+        "GRID,1,,0.,0.,0.",
+        "grid,1,,",
+        "GRID           1       0-1.23456-1.23456-1.23456",
+        "GRID*                  1                             0.0             0.0",
+        "CQUAD4\t1\t1\t1\t2\t3\t4",
+        "PSHELL         1       1      .1",
+        "begin bulk",
+        "$ grid of a room\nSOL 101\nCEND\nTITLE = o db\n  SPC = 1\nCTRIA3,1,1,1,2,3",
+    ] {
+        check(line.as_bytes(), Ok(Format::Nastran));
+    }
+    for line in [
+        "Grid 5 is wide",
+        "GRID",
+        "grid 1 2 3",
+        "GRID,1",
+        "GRIDS,1,2,3",
+        "begin the bulk",
+    ] {
+        check(line.as_bytes(), Err("text in no known format"));
+    }
+    for text in ["INCLUDE mesh.bdf\n", "SOL 101\nINCLUDE 'a.bdf'\n"] {
+        assert_eq!(recognize(text.as_bytes(), "a.BDF.gz"), Ok(Format::Nastran));
+    }
+    for text in [
+        "*HEADING\nv 1 2 3\n",
+        "** made by hand\n\n*Node, nset=a\n1,0,0,0\n",
+        "  *physical constants, absolute zero=0\n",
+    ] {
+        check(text.as_bytes(), Ok(Format::Abaqus));
+    }
+    check(b"*KEYWORD\n*NODE\n", Err("text in no known format"));
+    check(b"* a list\n*NODE\n", Err("text in no known format"));
+    let banner = "/*---- C++ ----*\\\n| v 1 2 3 //\n\\*----*/\n";
+    for text in [
+        "FoamFile\n{\n version 2.0;\n}\n// * * //\n",
+        &[banner, "// more\nFoamFile {"].concat(),
+    ] {
+        check(text.as_bytes(), Ok(Format::OpenFoam));
+    }
+    check(banner.as_bytes(), Err("text in no known format"));
+    assert_eq!(recognize(b"", "case/case.foam"), Ok(Format::OpenFoam));
+    assert!(recognize(b"", "case.bdf").is_err());
+}
+
+#[test]
+fn input_of_energyplus() {
+    check(b"Version,25.1;\nZone, Z;", Ok(Format::EnergyPlus));
+    check(
+        b"! a comment, and more;\n\n  VERSION,\n  9.2; ! Version\n  Timestep, 4;\nOutput:Variable, *,\n x, y;\nbuildingsurface:detailed,",
+        Ok(Format::EnergyPlus),
+    );
+    check(b"{\"Wall:Exterior\": {}}", Ok(Format::EnergyPlus));
+    check(b"{\"globalgeometryrules\": {}}", Ok(Format::EnergyPlus));
+    // Everyday words in other JSON.
+    let other = "JSON that is not glTF, CityJSON or epJSON";
+    check(b"{\"Zone\": 1, \"Building\": 2}", Err(other));
+    // Lists and sentences.
+    check(b"name, area\nZone, 3\n", Err("text in no known format"));
+    check(
+        b"Dear reader, this\nZone, is;",
+        Err("text in no known format"),
+    );
+    check(
+        b"Version,25.1;\nSchedule, x;",
+        Err("text in no known format"),
+    );
+    let by_name = recognize(b"Version,25.1;\nSchedule, x;", "a.IDF");
+    assert_eq!(by_name, Ok(Format::EnergyPlus));
 }

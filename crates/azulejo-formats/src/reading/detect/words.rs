@@ -1,6 +1,8 @@
 //! Formats of text, recognized by the words at the start of lines.
 
 use super::json::json_model;
+use super::marks::LOOKED_AT;
+use super::solvers::{is_abaqus, is_card, is_foam};
 use super::{Detection, Format, PLAIN_TEXT, WHITE_SPACE};
 
 /// The first word at the start of a line that belongs to one format decides.
@@ -17,6 +19,15 @@ pub(super) fn by_words(head: &[u8]) -> Detection {
     }
     if is_view3d(lines.clone()) {
         return Ok(Format::View3d);
+    }
+    if is_foam(head) {
+        return Ok(Format::OpenFoam);
+    }
+    if is_abaqus(lines.clone()) {
+        return Ok(Format::Abaqus);
+    }
+    if is_idf(lines.clone()) {
+        return Ok(Format::EnergyPlus);
     }
     let mut rest = lines.clone();
     while let Some(line) = rest.next() {
@@ -72,6 +83,53 @@ fn is_view3d<'a>(lines: impl Iterator<Item = &'a [u8]>) -> bool {
             b"V" | b"S" | b"M" | b"N" | b"O" => return says_so && is_number(second),
             _ => return false,
         }
+    }
+    false
+}
+
+/// Classes of EnergyPlus that nothing else has; nearly all files have several of them.
+const ENERGYPLUS: [&str; 8] = [
+    "GlobalGeometryRules",
+    "BuildingSurface:Detailed",
+    "FenestrationSurface:Detailed",
+    "Wall:Detailed",
+    "Wall:Exterior",
+    "Zone",
+    "Building",
+    "SimulationControl",
+];
+
+/// Whether a name at the top of JSON is that of a class of EnergyPlus. One that is an everyday word does
+/// not decide.
+pub(super) fn is_energyplus(name: &[u8]) -> bool {
+    let is = |class: &&str| class.len() > 8 && name.eq_ignore_ascii_case(class.as_bytes());
+    ENERGYPLUS.iter().any(is)
+}
+
+/// Objects of EnergyPlus: a class, fields behind commas, and a semicolon; comments begin with `!`.
+/// Statements of other languages have blanks, brackets or quotation marks before the first comma.
+fn is_idf<'a>(lines: impl Iterator<Item = &'a [u8]>) -> bool {
+    let mut begins = true;
+    for line in lines {
+        let bare = line.split(|&b| b == b'!').next().unwrap_or_default();
+        let bare = bare.trim_ascii();
+        if bare.is_empty() {
+            continue;
+        }
+        if begins {
+            let mut parts = bare.split(|b| matches!(b, b',' | b';'));
+            let class = parts.next().unwrap_or_default().trim_ascii();
+            let is_class = |c: &&str| class.eq_ignore_ascii_case(c.as_bytes());
+            let has_fields = parts.next().is_some();
+            if has_fields && ENERGYPLUS.iter().any(is_class) {
+                return true;
+            }
+            let is_name = |b: &u8| b.is_ascii_alphanumeric() || matches!(b, b':' | b'-' | b'_');
+            if !has_fields || !class.iter().all(is_name) || class.len() < 4 {
+                return false;
+            }
+        }
+        begins = bare.ends_with(b";");
     }
     false
 }
@@ -163,22 +221,34 @@ fn by_line<'a>(line: &[u8], next: impl Fn() -> &'a [u8], head: &[u8]) -> Option<
         b"vt" | b"vn" | b"vp" | b"fo" | b"g" | b"s" | b"usemtl" | b"mtllib" | b"l" | b"cstype" => {
             Some(Ok(Format::Obj))
         }
-        b"begin" if first_word(behind).eq_ignore_ascii_case(b"bulk") => {
-            Some(Err("a Nastran model"))
-        }
+        b"begin" if first_word(behind).eq_ignore_ascii_case(b"bulk") => Some(Ok(Format::Nastran)),
+        _ if is_card(line) => Some(Ok(Format::Nastran)),
         lower if is_grf(lower, behind, next) => Some(Ok(Format::Grf)),
+        _ if is_off(word, behind) => Some(Ok(Format::Off)),
         b"newmtl" => Some(Err("a material library (MTL); give the OBJ that names it")),
         b"solid" => Some(Ok(Format::Stl)),
+        b"$meshformat" | b"$nod" => Some(Ok(Format::Gmsh)),
         _ if is_mgf(word, behind) => Some(Ok(Format::Mgf)),
         _ if line.starts_with(b"{") => Some(json_model(head)),
-        _ if line.starts_with(b"<") => Some(if holds(head, b"<X3D") {
-            Ok(Format::Vrml)
-        } else {
-            Err("XML that is not X3D")
-        }),
+        _ if line.starts_with(b"<") => Some(xml_model(head)),
         _ if word.starts_with(b"//") || word.starts_with(b";") => Some(Ok(Format::Grf)),
         _ => None,
     }
+}
+
+/// The format of XML, by an element near its start or, behind a long comment, anywhere.
+fn xml_model(head: &[u8]) -> Detection {
+    let near = &head[..head.len().min(LOOKED_AT)];
+    if holds(near, b"<VTKFile") {
+        return Ok(Format::Vtk);
+    }
+    if holds(near, b"<X3D") || holds(head, b"<X3D") {
+        return Ok(Format::Vrml);
+    }
+    if holds(head, b"<VTKFile") {
+        return Ok(Format::Vtk);
+    }
+    Err("XML that is neither X3D nor VTK")
 }
 
 /// Whether a word begins as a number does, or is one that is not finite.
@@ -210,6 +280,16 @@ fn is_grf<'a>(word: &[u8], behind: &[u8], next: impl Fn() -> &'a [u8]) -> bool {
         b"ext" => true,
         _ => false,
     }
+}
+
+/// Whether a line begins OFF: its first word, and numbers, a comment or nothing behind it.
+fn is_off(word: &[u8], behind: &[u8]) -> bool {
+    let starts = word.strip_suffix(b"OFF").is_some_and(|kinds| {
+        let kinds = kinds.strip_prefix(b"ST").unwrap_or(kinds);
+        kinds.iter().all(|k| b"CN4n".contains(k)) && kinds.len() <= 4
+    });
+    let follows = matches!(behind.first(), None | Some(b'#' | b'0'..=b'9'));
+    starts && (follows || behind.starts_with(b"BINARY"))
 }
 
 /// Whether a line is a statement of MGF, whose keywords are in lower case and often single letters: as

@@ -213,7 +213,7 @@ impl<'d> V1Traversal<'d, '_, '_> {
         let shows = |id: &&NodeId| self.document.nodes[**id as usize].has_shapes;
         let chosen = match self.builder.options.lod {
             Lod::All => return self.enter(node, levels, SavedState::NoFaces),
-            Lod::Finest => levels.first(),
+            Lod::Finest | Lod::Numbered(_) => levels.first(),
             Lod::Coarsest => levels.iter().rev().find(shows),
             Lod::Distance(distance) => {
                 let ranges = node.numbers("range").unwrap_or(&[]);

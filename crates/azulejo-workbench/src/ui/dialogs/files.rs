@@ -27,9 +27,10 @@ pub(super) struct ChosenFiles {
 }
 
 /// Extensions of readable models, for the file dialog; the format is detected from the content.
-const MODELS: [&str; 18] = [
+const MODELS: [&str; 34] = [
     "3ds", "dxf", "obj", "flt", "wrl", "vrml", "x3d", "x3dv", "mgf", "gltf", "glb", "ply", "stl",
-    "sff", "scn", "grf", "vs3", "gz",
+    "sff", "scn", "grf", "vs3", "msh", "off", "vtk", "vtu", "vtp", "bdf", "nas", "dat", "fem",
+    "blk", "inp", "foam", "json", "jsonl", "idf", "epjson", "gz",
 ];
 
 impl FileChooser {

@@ -1,17 +1,18 @@
-//! Symmetric positive definite systems.
+//! Dense symmetric positive definite systems.
 
 use azulejo_trace::{Cancelled, Progress};
 use rayon::prelude::*;
 
 /// K = L Lᵀ, L by rows of a full matrix.
-pub(super) struct Cholesky {
+pub struct Cholesky {
     n: usize,
     lower: Vec<f64>,
 }
 
 impl Cholesky {
-    /// Factors a matrix given row by row. Fails with the number of the row at which the matrix
-    /// proves not to be positive definite.
+    /// Factors a matrix of `n` rows given row by row, of which the lower triangle counts. Fails with
+    /// the number of the row at which the matrix proves not to be positive definite. Takes 8 n² bytes
+    /// and n³/3 operations.
     ///
     /// Each column is computed for all rows below at once; these are independent, so the result
     /// does not depend on the number of threads.
@@ -20,9 +21,8 @@ impl Cholesky {
         n: usize,
         progress: &Progress,
     ) -> Result<Result<Cholesky, usize>, Cancelled> {
-        progress.begin("grey interchange", 3 * n as u64);
         for j in 0..n {
-            progress.advance(1)?;
+            progress.advance(0)?;
             let (above, below) = lower.split_at_mut((j + 1) * n);
             let row = &mut above[j * n..];
             let pivot = row[j] - dot(&row[..j], &row[..j]);
@@ -40,6 +40,20 @@ impl Cholesky {
         Ok(Ok(Cholesky { n, lower }))
     }
 
+    /// The solution x of K x = `right`, by two substitutions.
+    ///
+    /// # Panics
+    /// If `right` has not one number for each row.
+    pub fn solve(&self, right: &[f64]) -> Vec<f64> {
+        assert_eq!(right.len(), self.n, "one number for each row");
+        let mut x = right.to_vec();
+        for k in 0..self.n {
+            let row = &self.lower[k * self.n..];
+            x[k] = (x[k] - dot(&row[..k], &x[..k])) / row[k];
+        }
+        self.substitute_back(x)
+    }
+
     /// Row i of the inverse, which is also its column.
     pub fn inverse_row(&self, i: usize) -> Vec<f64> {
         let mut x = vec![0.0; self.n];
@@ -48,6 +62,11 @@ impl Cholesky {
             let row = &self.lower[k * self.n..];
             x[k] = -dot(&row[i..k], &x[i..k]) / row[k];
         }
+        self.substitute_back(x)
+    }
+
+    /// Solves Lᵀ x = `x`.
+    fn substitute_back(&self, mut x: Vec<f64>) -> Vec<f64> {
         for k in (0..self.n).rev() {
             let row = &self.lower[k * self.n..];
             let value = x[k] / row[k];
@@ -62,7 +81,7 @@ impl Cholesky {
 }
 
 /// Sum of products, in eight partial sums that vectorize.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a, a_rest) = a.as_chunks::<8>();
     let (b, b_rest) = b.as_chunks::<8>();
     let mut sums = [0.0; 8];
@@ -101,6 +120,17 @@ mod tests {
                 let expected = if i == j { 1.0 } else { 0.0 };
                 assert!((product - expected).abs() < 1e-13, "{i} {j} {product}");
             }
+        }
+    }
+
+    #[test]
+    fn a_solution_is_one() {
+        let matrix = vec![4.0, 9e9, 9e9, 1.0, 3.0, 9e9, 0.5, -1.0, 5.0];
+        let system = Cholesky::new(matrix, 3, &Progress::new()).unwrap();
+        let x = system.ok().unwrap().solve(&[1.0, 2.0, 3.0]);
+        let rows = [[4.0, 1.0, 0.5], [1.0, 3.0, -1.0], [0.5, -1.0, 5.0]];
+        for (row, right) in rows.iter().zip([1.0, 2.0, 3.0]) {
+            assert!((dot(row, &x) - right).abs() < 1e-14);
         }
     }
 

@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 
 /// The corners of `outline` and `holes`, numbered consecutively in this order, as one loop, and the
 /// number of holes left out because they are not inside or have no corners.
-pub(super) fn join(points: &[DVec3], outline: usize, holes: &[usize]) -> (Vec<usize>, usize) {
+pub(crate) fn join(points: &[DVec3], outline: usize, holes: &[usize]) -> (Vec<usize>, usize) {
     let mut joined: Vec<usize> = (0..outline).collect();
     let Some(normal) = area_vector(&points[..outline]).try_normalize() else {
         return (joined, holes.len());

@@ -1,6 +1,6 @@
 //! Subtracts polygons from polygons.
 
-use super::check::{MeanPlane, edges};
+use super::mean_plane::{MeanPlane, edges};
 use azulejo_scene::math::Aabb;
 use glam::DVec3;
 
@@ -8,7 +8,7 @@ use glam::DVec3;
 const SPECK: f64 = 1e-12;
 
 /// Maximum number of polygons subtracted from one: each is compared with everything that is left.
-pub(super) const MOST_HOLES: usize = 4_096;
+pub(crate) const MOST_HOLES: usize = 4_096;
 
 /// Maximum number of pieces per hole. Holes that do not overlap leave about four.
 const MOST_PIECES: usize = 16;
@@ -17,7 +17,7 @@ const MOST_PIECES: usize = 16;
 /// orientation. Where possible, the pieces reuse the given corners.
 ///
 /// `None` if it becomes too complex: more than [`MOST_HOLES`], or holes that overlap too much.
-pub(super) fn without(whole: &[DVec3], holes: &[Vec<DVec3>]) -> Option<Vec<Vec<DVec3>>> {
+pub(crate) fn without(whole: &[DVec3], holes: &[Vec<DVec3>]) -> Option<Vec<Vec<DVec3>>> {
     if holes.len() > MOST_HOLES {
         return None;
     }

@@ -1,0 +1,339 @@
+//! The system of diffuse reflections, J = g + c ∘ F^s J, in its symmetric form.
+//!
+//! With A the areas and S = A F^s, and J = g + √c ∘ y:
+//!
+//! ```text
+//! (D(A) − D(√c) S D(√c)) y = √c ∘ (S g)
+//! ```
+//!
+//! Small systems are factored once; large ones are solved by conjugate gradients with the diagonal as
+//! preconditioner, eight right sides at a time, because reading S is what takes the time.
+
+use super::ExchangeError;
+use crate::enclosure::Enclosure;
+use azulejo_factors::cholesky::Cholesky;
+use azulejo_factors::form_factors::ExchangeAreas;
+use azulejo_trace::Progress;
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// Up to this number of rows the system is factored: 32 MB.
+const FEW: usize = 2_000;
+
+/// Right sides that are solved together.
+pub(super) const LANES: usize = 8;
+
+/// Residual at which iterations end, relative to the right side.
+const TOLERANCE: f64 = 1e-13;
+
+/// Residual that counts as solved where rounding prevents the one above.
+const ENOUGH: f64 = 1e-10;
+
+/// Most iterations.
+const MOST: usize = 2_000;
+
+/// Parts in which sums over pairs are computed, whatever the number of threads.
+const PARTS: usize = 16;
+
+/// Numbers of each row, one for each right side.
+type Lanes = Vec<[f64; LANES]>;
+
+/// J = g + c ∘ F^s J for one c and any number of g.
+pub(super) struct Reflections<'a> {
+    enclosure: &'a Enclosure,
+    /// √c of each row.
+    root: Vec<f64>,
+    /// Areas, 1 for rows without.
+    weights: Vec<f64>,
+    parts: Vec<Range<usize>>,
+    factored: Option<Cholesky>,
+}
+
+impl<'a> Reflections<'a> {
+    /// Prepares the system for c, 0..1 of each row.
+    pub fn new(
+        enclosure: &'a Enclosure,
+        c: &[f64],
+        progress: &Progress,
+    ) -> Result<Reflections<'a>, ExchangeError> {
+        let exchange = &enclosure.factors.exchange;
+        let weight = |&area: &f64| if area > 0.0 { area } else { 1.0 };
+        let mut reflections = Reflections {
+            enclosure,
+            root: c.iter().map(|c| c.sqrt()).collect(),
+            weights: enclosure.factors.areas.iter().map(weight).collect(),
+            parts: parts(exchange),
+            factored: None,
+        };
+        let n = enclosure.len();
+        if n <= FEW {
+            let factored = Cholesky::new(reflections.dense(), n, progress)?;
+            let factored = factored.map_err(|row| ExchangeError::Grows {
+                row: enclosure.rows.names[row].clone(),
+            })?;
+            reflections.factored = Some(factored);
+        }
+        Ok(reflections)
+    }
+
+    /// The matrix, row by row.
+    fn dense(&self) -> Vec<f64> {
+        let n = self.root.len();
+        let mut matrix = vec![0.0; n * n];
+        for i in 0..n {
+            matrix[i * n + i] = self.weights[i];
+            for e in self.enclosure.factors.exchange.upper(i) {
+                let j = e.column as usize;
+                let value = self.root[i] * e.value * self.root[j];
+                matrix[i * n + j] -= value;
+                if i != j {
+                    matrix[j * n + i] -= value;
+                }
+            }
+        }
+        matrix
+    }
+
+    /// J for each g.
+    pub fn solve(
+        &self,
+        sources: &[Vec<f64>],
+        progress: &Progress,
+    ) -> Result<Vec<Vec<f64>>, ExchangeError> {
+        let mut solutions = Vec::with_capacity(sources.len());
+        for few in sources.chunks(LANES) {
+            let g = lanes(few);
+            let arriving = self.exchanged(&g);
+            let right: Lanes = scaled(&arriving, &self.root);
+            let y = match &self.factored {
+                Some(system) => {
+                    let solve = |lane: usize| system.solve(&column(&right, lane));
+                    let columns: Vec<Vec<f64>> =
+                        (0..few.len()).into_par_iter().map(solve).collect();
+                    progress.advance(few.len() as u64)?;
+                    lanes(&columns)
+                }
+                None => self.iterate(&right, few.len(), progress)?,
+            };
+            let y = scaled(&y, &self.root);
+            for (lane, source) in few.iter().enumerate() {
+                let rows = source.iter().zip(&y);
+                solutions.push(rows.map(|(g, y)| g + y[lane]).collect());
+            }
+        }
+        Ok(solutions)
+    }
+
+    /// Σ_j S_ij J_j of each row: what arrives on its area.
+    pub fn arriving(&self, radiosities: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let mut all = Vec::with_capacity(radiosities.len());
+        for few in radiosities.chunks(LANES) {
+            let sums = self.exchanged(&lanes(few));
+            all.extend((0..few.len()).map(|lane| column(&sums, lane)));
+        }
+        all
+    }
+
+    /// S x.
+    fn exchanged(&self, x: &Lanes) -> Lanes {
+        products(&self.enclosure.factors.exchange, &self.parts, x, |e| {
+            e.value
+        })
+    }
+
+    /// Conjugate gradients for several right sides, each for itself.
+    fn iterate(
+        &self,
+        right: &Lanes,
+        count: usize,
+        progress: &Progress,
+    ) -> Result<Lanes, ExchangeError> {
+        let n = right.len();
+        let diagonal = self.inverse_diagonal();
+        let mut y: Lanes = vec![[0.0; LANES]; n];
+        let mut rest = right.clone();
+        let mut next = scaled(&rest, &diagonal);
+        let mut direction = next.clone();
+        let mut product = dots(&rest, &next);
+        let size = dots(right, right);
+        for iteration in 0..MOST {
+            progress.advance(0)?;
+            let left = dots(&rest, &rest);
+            let is_done = |lane: usize, t: f64| left[lane] <= t * t * size[lane];
+            if (0..LANES).all(|lane| is_done(lane, TOLERANCE)) {
+                progress.advance(count as u64)?;
+                return Ok(y);
+            }
+            if iteration > MOST / 2 && (0..LANES).all(|lane| is_done(lane, ENOUGH)) {
+                progress.advance(count as u64)?;
+                return Ok(y);
+            }
+            let image = self.times(&direction);
+            let curvature = dots(&direction, &image);
+            let step: [f64; LANES] = std::array::from_fn(|lane| {
+                if is_done(lane, TOLERANCE) || curvature[lane] <= 0.0 {
+                    0.0
+                } else {
+                    product[lane] / curvature[lane]
+                }
+            });
+            add(&mut y, &step, &direction);
+            add(&mut rest, &step.map(|s| -s), &image);
+            next = scaled(&rest, &diagonal);
+            let grown = dots(&rest, &next);
+            let turn: [f64; LANES] = std::array::from_fn(|lane| {
+                if product[lane] > 0.0 {
+                    grown[lane] / product[lane]
+                } else {
+                    0.0
+                }
+            });
+            for (d, z) in direction.iter_mut().zip(&next) {
+                (0..LANES).for_each(|lane| d[lane] = z[lane] + turn[lane] * d[lane]);
+            }
+            product = grown;
+        }
+        Err(ExchangeError::Diverges { iterations: MOST })
+    }
+
+    /// The matrix times x.
+    fn times(&self, x: &Lanes) -> Lanes {
+        let mut product = scaled(&self.exchanged(&scaled(x, &self.root)), &self.root);
+        for ((p, x), weight) in product.iter_mut().zip(x).zip(&self.weights) {
+            (0..LANES).for_each(|lane| p[lane] = weight * x[lane] - p[lane]);
+        }
+        product
+    }
+
+    fn inverse_diagonal(&self) -> Vec<f64> {
+        let own = |i: usize| {
+            let upper = self.enclosure.factors.exchange.upper(i);
+            let own = upper.first().filter(|e| e.column as usize == i);
+            own.map_or(0.0, |e| e.value)
+        };
+        let row = |i: usize| {
+            let diagonal = self.weights[i] - self.root[i] * own(i) * self.root[i];
+            // A row that sees itself alone is left to its own devices.
+            diagonal.max(1e-12 * self.weights[i]).recip()
+        };
+        (0..self.root.len()).map(row).collect()
+    }
+}
+
+/// Ranges of rows with about equal numbers of pairs, which depend on the matrix alone.
+pub(super) fn parts(exchange: &ExchangeAreas) -> Vec<Range<usize>> {
+    let share = exchange.pairs() / PARTS + 1;
+    let (mut parts, mut start, mut pairs) = (Vec::new(), 0, 0);
+    for i in 0..exchange.len() {
+        pairs += exchange.upper(i).len();
+        if pairs >= share || i + 1 == exchange.len() {
+            parts.push(start..i + 1);
+            (start, pairs) = (i + 1, 0);
+        }
+    }
+    parts
+}
+
+/// The symmetric matrix of `weight(S_ij)` times x.
+pub(super) fn products(
+    exchange: &ExchangeAreas,
+    parts: &[Range<usize>],
+    x: &Lanes,
+    weight: impl Fn(&azulejo_factors::form_factors::Exchange) -> f64 + Sync,
+) -> Lanes {
+    let part_sums = |part: &Range<usize>| {
+        let mut sums: Lanes = vec![[0.0; LANES]; x.len()];
+        for i in part.clone() {
+            let (from, mut own) = (x[i], [0.0; LANES]);
+            for e in exchange.upper(i) {
+                let (j, weight) = (e.column as usize, weight(e));
+                (0..LANES).for_each(|lane| own[lane] += weight * x[j][lane]);
+                if j != i {
+                    (0..LANES).for_each(|lane| sums[j][lane] += weight * from[lane]);
+                }
+            }
+            (0..LANES).for_each(|lane| sums[i][lane] += own[lane]);
+        }
+        sums
+    };
+    let sums: Vec<Lanes> = parts.par_iter().map(part_sums).collect();
+    let total = |i: usize| {
+        let mut total = [0.0; LANES];
+        for sums in &sums {
+            (0..LANES).for_each(|lane| total[lane] += sums[i][lane]);
+        }
+        total
+    };
+    (0..x.len()).into_par_iter().map(total).collect()
+}
+
+/// Up to eight vectors as one of lanes.
+pub(super) fn lanes(vectors: &[Vec<f64>]) -> Lanes {
+    let rows = vectors.first().map_or(0, Vec::len);
+    let row = |i: usize| std::array::from_fn(|lane| vectors.get(lane).map_or(0.0, |v| v[i]));
+    (0..rows).map(row).collect()
+}
+
+/// One of the vectors.
+pub(super) fn column(lanes: &Lanes, lane: usize) -> Vec<f64> {
+    lanes.iter().map(|row| row[lane]).collect()
+}
+
+/// x times one factor for each row.
+fn scaled(x: &Lanes, factors: &[f64]) -> Lanes {
+    let rows = x.iter().zip(factors);
+    rows.map(|(x, factor)| x.map(|x| x * factor)).collect()
+}
+
+fn dots(a: &Lanes, b: &Lanes) -> [f64; LANES] {
+    let mut sums = [0.0; LANES];
+    for (a, b) in a.iter().zip(b) {
+        (0..LANES).for_each(|lane| sums[lane] += a[lane] * b[lane]);
+    }
+    sums
+}
+
+fn add(to: &mut Lanes, shares: &[f64; LANES], x: &Lanes) {
+    for (to, x) in to.iter_mut().zip(x) {
+        (0..LANES).for_each(|lane| to[lane] += shares[lane] * x[lane]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::network::tests::random_enclosure;
+
+    #[test]
+    fn iterations_and_factors_agree() {
+        let enclosure = random_enclosure(37, 5);
+        let c: Vec<f64> = (0..37).map(|i| 0.02 * f64::from(i)).collect();
+        let factored = Reflections::new(&enclosure, &c, &Progress::new()).unwrap();
+        let source = |k: i32| (0..37).map(|i| f64::from((i * k) % 11)).collect();
+        let sources: Vec<Vec<f64>> = (1..=11).map(source).collect();
+        let direct = factored.solve(&sources, &Progress::new()).unwrap();
+        let iterative = Reflections {
+            factored: None,
+            ..factored
+        };
+        let iterated = iterative.solve(&sources, &Progress::new()).unwrap();
+        let arriving = iterative.arriving(&direct);
+        for k in 0..sources.len() {
+            for i in 0..37 {
+                let (a, b) = (direct[k][i], iterated[k][i]);
+                assert!((a - b).abs() < 1e-11 * (1.0 + a.abs()), "{k} {i}: {a} {b}");
+                let expected = sources[k][i] + c[i] * arriving[k][i] / enclosure.factors.areas[i];
+                assert!((a - expected).abs() < 1e-11 * (1.0 + a.abs()));
+            }
+        }
+    }
+
+    #[test]
+    fn solving_can_be_cancelled() {
+        let enclosure = random_enclosure(9, 5);
+        let progress = Progress::new();
+        progress.cancel();
+        let refused = Reflections::new(&enclosure, &[0.5; 9], &progress).err();
+        assert_eq!(refused, Some(ExchangeError::Cancelled));
+    }
+}

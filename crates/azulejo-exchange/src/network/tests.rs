@@ -1,0 +1,3 @@
+//! Balances, closed forms and errors.
+
+use super::*;

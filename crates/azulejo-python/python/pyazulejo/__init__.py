@@ -1,0 +1,40 @@
+"""Form factors, light and reflection models as NumPy arrays.
+
+>>> import numpy as np, pyazulejo as az
+>>> def square(z, up):
+...     v = np.array([[0, 0, z], [1, 0, z], [1, 1, z], [0, 1, z]])
+...     return v, np.array([[0, 1, 2, 3] if up else [3, 2, 1, 0]])
+>>> scene = az.Scene({"floor": square(0, True), "lid": square(1, False)}, up="z")
+>>> f = az.form_factors(scene, by="object", patch_size=0)
+>>> round(f["floor", "lid"], 9)
+0.199824896
+
+Lengths are in the scene's units, light is in W/m² and W/(sr·m²) as linear red, green and blue.
+Results do not depend on the number of threads: the same seed gives the same bits, which are those of
+the command ``azulejo``. Long calls release the interpreter, end on Ctrl-C, and report their progress.
+"""
+
+from ._brdf import brdf, directions
+from ._form_factors import Factor, FormFactors, form_factors
+from ._light import Irradiance, probe, render, solve_light, tone_map
+from ._pyazulejo import AzulejoError, __version__
+from ._scene import Material, MeshArrays, Scene, load
+
+__all__ = [
+    "AzulejoError",
+    "Factor",
+    "FormFactors",
+    "Irradiance",
+    "Material",
+    "MeshArrays",
+    "Scene",
+    "__version__",
+    "brdf",
+    "directions",
+    "form_factors",
+    "load",
+    "probe",
+    "render",
+    "solve_light",
+    "tone_map",
+]

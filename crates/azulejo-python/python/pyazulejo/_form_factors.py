@@ -1,0 +1,440 @@
+"""Matrices of form factors."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from ._checks import division, hemicubes, listed, optional_whole, positive, whole
+from ._checks import memory as _memory
+from ._checks import share as _share
+from ._checks import threads as _threads
+from ._progress import Progress, watching
+from ._pyazulejo import AzulejoError, NativeFormFactors, compute_form_factors
+from ._scene import Scene, _read_only
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
+    Floats = npt.NDArray[np.float64]
+
+
+class Factor(float):
+    """A number with its standard error: the truth lies within two of them 95 times in 100."""
+
+    std_error: float
+
+    def __new__(cls, value: float, std_error: float) -> Factor:
+        factor = super().__new__(cls, value)
+        factor.std_error = std_error
+        return factor
+
+    def __getnewargs__(self) -> tuple[float, float]:  # type: ignore[override]
+        """What copies and pickles are made of."""
+        return float(self), self.std_error
+
+
+def form_factors(
+    scene: Scene,
+    by: str = "patch",
+    *,
+    patches: int | None = None,
+    patch_size: float | None = None,
+    rays: int | None = None,
+    engine: str = "auto",
+    two_sided: bool = False,
+    closure: bool | str | None = None,
+    separate: bool = False,
+    formulas: bool = True,
+    accuracy: float | None = None,
+    resolution: int | None = None,
+    patch_points: int | None = None,
+    seed: int = 0,
+    memory: int | str | None = None,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> FormFactors:
+    """Compute the form factors (view factors) between all surfaces of a scene.
+
+    The entry in row i, column j is the share of the light leaving i diffusely that arrives at j,
+    directly or by mirrors and glass (an extended form factor), with its standard error.
+
+    Parameters
+    ----------
+    scene : Scene
+        Surfaces with an area.
+    by : {"patch", "face", "object", "material"}, optional
+        What is a row. Surfaces are divided into patches in any case, and these are grouped.
+    patches : int, optional
+        About how many patches; by default 2,500.
+    patch_size : float, optional
+        In place of `patches`, the longest edge of a patch, scene units; 0 leaves faces whole.
+    rays : int, optional
+        Rays from each patch, by default 4,096; chooses the engine "rays" where that is "auto".
+    engine : {"auto", "rays", "hemicube", "hybrid", "analytic"}, optional
+        How they are computed: by closed forms where surfaces are few and flat, else by rays.
+    two_sided : bool, optional
+        Whether the backs of faces are rows, too. Otherwise what they receive is `hidden`.
+    closure : bool or {"never", "closed", "always"}, optional
+        Whether rows are changed within their errors so that no light is missing; by default in closed
+        scenes without mirrors.
+    separate : bool, optional
+        Whether direct light and light by mirrors are also kept apart.
+    formulas : bool, optional
+        Whether closed forms replace what the engine finds of close pairs.
+    accuracy : float, optional
+        Error of row sums that the engine "analytic" has to reach.
+    resolution, patch_points : int, optional
+        Pixels of a hemicube's side, and hemicubes of a patch.
+    seed : int, optional
+        Seed of the random numbers.
+    memory : int or str, optional
+        Bytes, or text as "8G": what needs more is refused before it begins. By default the machine's.
+    threads : int, optional
+        Number of threads, by default as many as there are processors.
+    progress : callable or bool, optional
+        Called as ``progress(done, what)`` at most ten times a second, from this thread; what it raises
+        ends the work. True shows a bar of tqdm.
+
+    Returns
+    -------
+    FormFactors
+
+    Raises
+    ------
+    AzulejoError
+        The scene has no surface, or an option is out of its range.
+    MemoryError
+        The matrix would not fit in `memory`; the message says how large it would be.
+    """
+    if not isinstance(scene, Scene):
+        raise TypeError(f"scene is a {type(scene).__name__}, expected a Scene (see load)")
+    options = {
+        "engine": engine,
+        **division(patches, patch_size),
+        "rays": optional_whole("rays", rays),
+        "two_sided": bool(two_sided),
+        "closure": _closure(closure),
+        "separate": bool(separate),
+        "formulas": bool(formulas),
+        "accuracy": positive("accuracy", accuracy),
+        **hemicubes(resolution, patch_points),
+        "seed": whole("seed", seed, 0, 2**64 - 1),
+        "memory": _memory(memory),
+    }
+    with watching(progress) as callback:
+        native = compute_form_factors(scene._native, by, options, _threads(threads), callback)
+    return FormFactors(native)
+
+
+def _closure(closure: bool | str | None) -> str | None:
+    if isinstance(closure, bool):
+        return "always" if closure else "never"
+    return closure
+
+
+class FormFactors:
+    """A matrix of form factors with what is known of its rows.
+
+    It never changes: :meth:`close`, :meth:`truncate` and :meth:`group` return others, and all arrays
+    are read-only. ``f["floor", "lid"]`` or ``f[0, 5]`` is one entry as a :class:`Factor`, ``f @ x``
+    the product with a vector or matrix, also from the left.
+
+    Made by :func:`form_factors`.
+    """
+
+    def __init__(self, native: NativeFormFactors) -> None:
+        self._native = native
+
+    def __len__(self) -> int:
+        return len(self._native)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """(n, n)"""
+        return len(self), len(self)
+
+    @cached_property
+    def _buffers(self) -> tuple[npt.NDArray[Any], ...]:
+        """Data, standard errors, columns and starts of rows: made once, owned by compiled code."""
+        return tuple(_read_only(array) for array in self._native.csr())
+
+    def _csr(self, data: npt.NDArray[Any]) -> csr_array:
+        try:
+            from scipy.sparse import csr_array
+        except ImportError:
+            raise ImportError("sparse matrices need SciPy: pip install scipy") from None
+        _, _, columns, starts = self._buffers
+        matrix = csr_array((data, columns, starts), shape=self.shape, copy=False)
+        # True by construction; SciPy would find out by reading all, and sort in place.
+        matrix.has_canonical_format = True
+        return matrix
+
+    @cached_property
+    def matrix(self) -> csr_array:
+        """scipy.sparse.csr_array (n, n) of float64: share of what leaves i that arrives at j.
+
+        Its arrays are the compiled code's own, without a copy, and read-only. Columns ascend.
+        ``f.matrix.toarray()`` is dense.
+        """
+        return self._csr(self._buffers[0])
+
+    @cached_property
+    def std_error(self) -> csr_array:
+        """scipy.sparse.csr_array (n, n) of float32: the standard error of each entry of `matrix`."""
+        return self._csr(self._buffers[1])
+
+    @cached_property
+    def orders(self) -> tuple[csr_array, csr_array, csr_array]:
+        """Three csr_arrays (n, n) that add up to `matrix`: direct light, light by one mirror, and by
+        more mirrors or glass. Needs ``separate=True``; they store zeros where they have no entry."""
+        first, second, third = (self._csr(_read_only(self._native.order(k)[0])) for k in range(3))
+        return first, second, third
+
+    @cached_property
+    def areas(self) -> Floats:
+        """(n,), square scene units."""
+        return _read_only(self._native.areas)
+
+    def _rest(self, name: str) -> Floats:
+        return _read_only(self._native.share(name))
+
+    @cached_property
+    def sky(self) -> Floats:
+        """(n,): share that leaves the scene upwards, the sky view factor."""
+        return self._rest("sky")
+
+    @cached_property
+    def sky_error(self) -> Floats:
+        """(n,): standard error of `sky`."""
+        return self._rest("sky_error")
+
+    @cached_property
+    def ground(self) -> Floats:
+        """(n,): share that leaves the scene downwards."""
+        return self._rest("ground")
+
+    @cached_property
+    def ground_error(self) -> Floats:
+        """(n,): standard error of `ground`."""
+        return self._rest("ground_error")
+
+    @cached_property
+    def hidden(self) -> Floats:
+        """(n,): share that ends on sides without a row: backs, without ``two_sided``."""
+        return self._rest("hidden")
+
+    @cached_property
+    def cut(self) -> Floats:
+        """(n,): share that is cut off between mirrors as too weak."""
+        return self._rest("cut")
+
+    @cached_property
+    def lost(self) -> Floats:
+        """(n,): share that is absorbed where there is no row, in coloured glass."""
+        return self._rest("lost")
+
+    @cached_property
+    def row_error(self) -> Floats:
+        """(n,): expected sum of the errors of a row, sky and ground included."""
+        return _read_only(self._native.row_error)
+
+    @cached_property
+    def ends(self) -> Floats:
+        """(n,): share of the light arriving at each column that ends there, 1 − ρ_s. Rows close:
+        ``f @ f.ends + f.sky + f.ground + f.hidden + f.cut + f.lost`` is 1 but for noise."""
+        return _read_only(self._native.ends)
+
+    @cached_property
+    def names(self) -> tuple[str, ...] | None:
+        """Names of the rows if they are groups, else None. Backs are groups of their own."""
+        names = self._native.names
+        return None if names is None else tuple(names)
+
+    @cached_property
+    def _pieces(self) -> list[npt.NDArray[Any]]:
+        return [_read_only(array) for array in self._native.pieces]
+
+    @property
+    def object(self) -> npt.NDArray[np.int32]:
+        """(n,): the number of each row's object in the scene; of a group, that of its first patch."""
+        return self._pieces[0]
+
+    @property
+    def face(self) -> npt.NDArray[np.int32]:
+        """(n,): the number of each row's face in its object."""
+        return self._pieces[1]
+
+    @property
+    def material(self) -> npt.NDArray[np.int32]:
+        """(n,): the number of each row's material in the scene."""
+        return self._pieces[2]
+
+    @property
+    def is_back(self) -> npt.NDArray[np.bool_]:
+        """(n,): whether each row is the back of its patch."""
+        return self._pieces[3]
+
+    @cached_property
+    def _geometry(self) -> tuple[npt.NDArray[Any], ...]:
+        geometry = self._native.geometry
+        if geometry is None:
+            raise AzulejoError('rows are groups, which have no corners: ask for by="patch"')
+        return tuple(_read_only(array) for array in geometry)
+
+    @property
+    def corners(self) -> Floats:
+        """(c, 3): corners of all patches, counter-clockwise from the front, scene units."""
+        return self._geometry[0]
+
+    @property
+    def corner_offsets(self) -> npt.NDArray[np.int64]:
+        """(n + 1,): row i has ``corners[corner_offsets[i]:corner_offsets[i + 1]]``, three or four."""
+        return self._geometry[1]
+
+    @property
+    def centroids(self) -> Floats:
+        """(n, 3), scene units."""
+        return self._geometry[2]
+
+    @property
+    def normals(self) -> Floats:
+        """(n, 3): unit normals."""
+        return self._geometry[3]
+
+    @property
+    def engine(self) -> str:
+        """The engine that ran."""
+        return self._native.engine[0]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Why that engine ran, and deviations from what was asked for."""
+        return tuple(self._native.engine[2])
+
+    @property
+    def rays(self) -> int:
+        """Rays traced from patches."""
+        return self._native.rays
+
+    @property
+    def is_closed(self) -> bool:
+        """Whether no row loses light to the outside."""
+        return self._native.is_closed
+
+    @property
+    def closed(self) -> Mapping[str, float] | None:
+        """What closure moved, if it was enforced: see :meth:`close`."""
+        return _moved(self._native.closed)
+
+    @property
+    def truncated(self) -> Mapping[str, float] | None:
+        """What truncation moved, if there was one: see :meth:`truncate`."""
+        return _moved(self._native.truncated)
+
+    def close(self, *, threads: int | None = None, progress: Progress = None) -> FormFactors:
+        """The matrix changed within its errors so that rows, sky and ground add up to 1.
+
+        :attr:`closed` of the result says by how much: ``total`` of the whole matrix, ``mean`` and
+        ``most`` of a row, and the ``deficit`` that remains in the worst row.
+        """
+        with watching(progress) as callback:
+            return FormFactors(self._native.close(_threads(threads), callback))
+
+    def truncate(
+        self, share: float, *, threads: int | None = None, progress: Progress = None
+    ) -> FormFactors:
+        """The matrix without pairs whose form factors are both below `share`; their weight is moved to
+        the others, so that row sums and reciprocity stay."""
+        number = _share("share", share)
+        if number is None:
+            raise TypeError("share is None, expected a number")
+        with watching(progress) as callback:
+            return FormFactors(self._native.truncate(number, _threads(threads), callback))
+
+    def group(self, labels: str | Mapping[str, Hashable] | Sequence[Hashable]) -> FormFactors:
+        """The matrix between groups of rows.
+
+        Parameters
+        ----------
+        labels : str, or sequence of n labels, or mapping of names to labels
+            "face", "object" or "material"; or the label of each row; or of each name, where rows have
+            names. Rows with the label None belong to no group, and what they receive is `hidden`.
+
+        Returns
+        -------
+        FormFactors
+            Its names are the labels as text, in the order of their first row.
+        """
+        if isinstance(labels, str):
+            return FormFactors(self._native.grouped_by(labels))
+        if isinstance(labels, Mapping):
+            labels = self._labels_of_names(labels)
+        listed_labels = labels.tolist() if isinstance(labels, np.ndarray) else list(labels)
+        if len(listed_labels) != len(self):
+            raise AzulejoError(f"{len(listed_labels)} labels for {len(self)} rows")
+        numbers: dict[Hashable, int] = {}
+        groups = [
+            -1 if label is None else numbers.setdefault(label, len(numbers))
+            for label in listed_labels
+        ]
+        names = [str(label) for label in numbers]
+        if not names:
+            raise AzulejoError("no row has a label")
+        if len(set(names)) < len(names):
+            raise AzulejoError("two labels are the same as text")
+        return FormFactors(self._native.grouped(np.asarray(groups, dtype=np.int64), names))
+
+    def _labels_of_names(self, labels: Mapping[str, Hashable]) -> list[Hashable]:
+        if self.names is None:
+            raise AzulejoError("rows are patches, which have no names: pass a label for each row")
+        missing = [name for name in self.names if name not in labels]
+        if missing:
+            raise AzulejoError(f"no label for {listed(missing)}")
+        return [labels[name] for name in self.names]
+
+    def __getitem__(self, key: tuple[str | int, str | int]) -> Factor:
+        if not isinstance(key, tuple) or len(key) != 2:
+            raise TypeError('expected a row and a column, as in f["floor", "lid"]')
+        return Factor(*self._native.get(self._row(key[0]), self._row(key[1])))
+
+    @cached_property
+    def _numbers(self) -> dict[str, int]:
+        return {name: k for k, name in enumerate(self.names or ())}
+
+    def _row(self, key: str | int) -> int:
+        if not isinstance(key, str):
+            count = len(self)
+            row = whole("the row", key, -count, count - 1)
+            return row % count
+        if self.names is None:
+            raise AzulejoError(
+                'rows are patches, which have no names: ask for by="object", or group("object")'
+            )
+        try:
+            return self._numbers[key]
+        except KeyError:
+            raise AzulejoError(f'no row is named "{key}"; there are {listed(self.names)}') from None
+
+    # Arrays on the left leave the product to this class.
+    __array_ufunc__ = None
+
+    def __matmul__(self, other: Any) -> Any:
+        return self.matrix @ other
+
+    def __rmatmul__(self, other: Any) -> Any:
+        return other @ self.matrix
+
+    def __repr__(self) -> str:
+        rows = "patches" if self.names is None else "groups"
+        closed = ", closed" if self.closed else ""
+        return f"FormFactors({len(self)} {rows}, by {self.engine}{closed})"
+
+
+def _moved(numbers: Sequence[float] | None) -> Mapping[str, float] | None:
+    names = ("total", "mean", "most", "deficit")
+    return None if numbers is None else dict(zip(names, numbers, strict=True))

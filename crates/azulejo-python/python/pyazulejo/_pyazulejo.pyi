@@ -1,0 +1,144 @@
+"""The compiled half of pyazulejo: use the package, not this."""
+
+from os import PathLike
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = [
+    "AzulejoError",
+    "NativeFormFactors",
+    "NativeScene",
+    "__version__",
+    "compute_form_factors",
+    "evaluate_brdf",
+    "load_scene",
+    "probe_irradiance",
+    "render_image",
+    "solve_light",
+    "tone_map",
+]
+__version__: str
+
+_Floats = NDArray[np.float64]
+_Colour = tuple[float, float, float]
+_Material = tuple[str, _Colour, _Colour, _Colour, bool, str | None]
+_Mesh = tuple[str, _Floats, NDArray[np.uint32], NDArray[np.uint32], int]
+
+class AzulejoError(ValueError): ...
+
+@final
+class NativeScene:
+    @staticmethod
+    def from_meshes(
+        meshes: list[_Mesh],
+        materials: list[_Material],
+        sky: _Colour | None,
+        up: str,
+        unit: float | None,
+    ) -> NativeScene: ...
+    @property
+    def names(self) -> list[str]: ...
+    @property
+    def areas(self) -> _Floats: ...
+    @property
+    def faces(self) -> NDArray[np.int64]: ...
+    @property
+    def materials(self) -> list[Any]: ...
+    @property
+    def warnings(self) -> list[str]: ...
+    @property
+    def is_solved(self) -> bool: ...
+    @property
+    def up(self) -> str: ...
+    @property
+    def unit(self) -> float | None: ...
+    @property
+    def bounds(self) -> _Floats: ...
+    def mesh(
+        self, object: int
+    ) -> tuple[_Floats, NDArray[np.uint32], NDArray[np.uint32], _Floats | None, _Floats | None]: ...
+
+@final
+class NativeFormFactors:
+    def __len__(self) -> int: ...
+    def csr(self) -> tuple[_Floats, NDArray[np.float32], NDArray[Any], NDArray[Any]]: ...
+    def order(self, order: int) -> tuple[_Floats, NDArray[np.float32]]: ...
+    def get(self, row: int, column: int) -> tuple[float, float]: ...
+    def grouped(self, groups: NDArray[np.int64], names: list[str]) -> NativeFormFactors: ...
+    def grouped_by(self, by: str) -> NativeFormFactors: ...
+    def close(self, threads: int | None, progress: Any) -> NativeFormFactors: ...
+    def truncate(self, share: float, threads: int | None, progress: Any) -> NativeFormFactors: ...
+    def share(self, name: str) -> _Floats: ...
+    @property
+    def names(self) -> list[str] | None: ...
+    @property
+    def geometry(self) -> tuple[_Floats, NDArray[np.int64], _Floats, _Floats] | None: ...
+    @property
+    def areas(self) -> _Floats: ...
+    @property
+    def row_error(self) -> _Floats: ...
+    @property
+    def ends(self) -> _Floats: ...
+    @property
+    def pieces(self) -> list[NDArray[Any]]: ...
+    @property
+    def engine(self) -> tuple[str, str, list[str]]: ...
+    @property
+    def is_closed(self) -> bool: ...
+    @property
+    def closed(self) -> list[float] | None: ...
+    @property
+    def truncated(self) -> list[float] | None: ...
+    @property
+    def rays(self) -> int: ...
+
+def load_scene(
+    path: str | PathLike[str],
+    unit: float | None,
+    up: str | None,
+    lod: str | float,
+    allow: list[str | PathLike[str]],
+    keep_light: bool,
+    threads: int | None,
+    progress: Any,
+) -> NativeScene: ...
+def compute_form_factors(
+    scene: NativeScene,
+    by: str,
+    options: dict[str, Any],
+    threads: int | None,
+    progress: Any,
+) -> NativeFormFactors: ...
+def solve_light(
+    scene: NativeScene,
+    options: dict[str, Any],
+    threads: int | None,
+    progress: Any,
+) -> tuple[NativeScene, dict[str, Any]]: ...
+def probe_irradiance(
+    scene: NativeScene,
+    points: _Floats,
+    normals: _Floats,
+    options: dict[str, Any],
+    threads: int | None,
+    progress: Any,
+) -> tuple[_Floats, _Floats, dict[str, Any]]: ...
+def render_image(
+    scene: NativeScene,
+    camera: dict[str, Any],
+    how: dict[str, Any],
+    threads: int | None,
+    progress: Any,
+) -> NDArray[np.float32]: ...
+def tone_map(
+    radiance: NDArray[np.float32], exposure: float | None, tone: str
+) -> NDArray[np.uint8]: ...
+def evaluate_brdf(
+    text: str,
+    wi: _Floats,
+    wo: _Floats,
+    quantity: str,
+    threads: int | None,
+) -> _Floats: ...

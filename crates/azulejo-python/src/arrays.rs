@@ -1,0 +1,48 @@
+//! NumPy arrays from vectors, and back.
+
+use crate::error::refused;
+use azulejo_scene::Rgb;
+use glam::DVec3;
+use numpy::ndarray::{Array2, Array3};
+use numpy::{Element, IntoPyArray, PyArray2, PyArray3, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+/// An array of n rows of three numbers.
+pub fn triples<'py>(
+    py: Python<'py>,
+    rows: impl IntoIterator<Item = [f64; 3]>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let numbers: Vec<f64> = rows.into_iter().flatten().collect();
+    let shape = (numbers.len() / 3, 3);
+    let array = Array2::from_shape_vec(shape, numbers).map_err(refused)?;
+    Ok(array.into_pyarray(py))
+}
+
+/// An array of red, green and blue for each entry.
+pub fn colours<'py>(py: Python<'py>, values: &[Rgb]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    triples(py, values.iter().map(|c| c.to_array()))
+}
+
+/// An image: rows from the top, columns, channels.
+pub fn image<'py, E: Element>(
+    py: Python<'py>,
+    (width, height): (u32, u32),
+    numbers: Vec<E>,
+) -> PyResult<Bound<'py, PyArray3<E>>> {
+    let shape = (height as usize, width as usize, 3);
+    let array = Array3::from_shape_vec(shape, numbers).map_err(refused)?;
+    Ok(array.into_pyarray(py))
+}
+
+/// Rows of three numbers as vectors.
+pub fn vectors(array: &PyReadonlyArray2<f64>) -> PyResult<Vec<DVec3>> {
+    let array = array.as_array();
+    if array.ncols() != 3 {
+        let (rows, columns) = array.dim();
+        return Err(refused(format_args!(
+            "an array of shape ({rows}, {columns}), expected (n, 3)"
+        )));
+    }
+    let row = |r: numpy::ndarray::ArrayView1<f64>| DVec3::new(r[0], r[1], r[2]);
+    Ok(array.rows().into_iter().map(row).collect())
+}

@@ -1,0 +1,63 @@
+//! Errors of the libraries as Python's exceptions.
+
+use azulejo::files::{Refused, reason};
+use azulejo::models::ReadFailure;
+use azulejo_factors::FactorsError;
+use azulejo_radiosity::SolveError;
+use azulejo_trace::Cancelled;
+use pyo3::PyErr;
+use pyo3::exceptions::{PyIsADirectoryError, PyMemoryError, PyOSError, PyValueError};
+use std::fmt;
+
+pyo3::create_exception!(
+    pyazulejo,
+    AzulejoError,
+    PyValueError,
+    "What was asked for cannot be done; the message says why, and what to change."
+);
+
+/// An [`AzulejoError`] with this message.
+pub fn refused(message: impl fmt::Display) -> PyErr {
+    AzulejoError::new_err(message.to_string())
+}
+
+/// Work that was cancelled. Nobody sees it: whoever cancels raises what he cancelled for.
+pub fn cancelled(_: Cancelled) -> PyErr {
+    refused(Cancelled)
+}
+
+/// Why there are no form factors.
+pub fn of_factors(error: FactorsError) -> PyErr {
+    match error {
+        FactorsError::TooLarge { .. } => PyMemoryError::new_err(error.to_string()),
+        other => refused(other),
+    }
+}
+
+/// Why there is no light.
+pub fn of_light(error: SolveError) -> PyErr {
+    match error {
+        SolveError::Factors(error) => of_factors(error),
+        other => refused(other),
+    }
+}
+
+/// Why a model could not be read.
+pub fn of_reading(failure: ReadFailure) -> PyErr {
+    match failure {
+        ReadFailure::File(refused) => of_file(&refused),
+        ReadFailure::Directory(_) => PyIsADirectoryError::new_err(failure.to_string()),
+        other => refused(other),
+    }
+}
+
+/// Python chooses the class by the number: `FileNotFoundError`, `PermissionError`.
+fn of_file(refused: &Refused) -> PyErr {
+    match refused.error.raw_os_error() {
+        Some(number) => {
+            let path = refused.path.to_string_lossy().into_owned();
+            PyOSError::new_err((number, reason(&refused.error), path))
+        }
+        None => PyOSError::new_err(refused.to_string()),
+    }
+}

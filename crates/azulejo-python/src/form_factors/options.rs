@@ -1,0 +1,63 @@
+//! The options of form factors, as the command makes them of its own.
+
+use crate::choices;
+use crate::error::refused;
+use azulejo_factors::{Closure, Engine, FormFactorOptions};
+use pyo3::prelude::*;
+
+/// Options by name; what is `None` is the default.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct OptionArgs {
+    engine: String,
+    patches: Option<usize>,
+    patch_size: Option<f64>,
+    rays: Option<u32>,
+    two_sided: bool,
+    closure: Option<String>,
+    separate: bool,
+    formulas: bool,
+    seed: u64,
+    accuracy: Option<f64>,
+    memory: Option<u64>,
+    resolution: Option<u32>,
+    patch_points: Option<u32>,
+}
+
+impl OptionArgs {
+    /// The library's options.
+    pub fn options(&self) -> PyResult<FormFactorOptions> {
+        let default = FormFactorOptions::default();
+        let machine = || azulejo::machine::memory().unwrap_or(u64::MAX);
+        Ok(FormFactorOptions {
+            engine: self.engine()?,
+            size: choices::patch_size(self.patches, self.patch_size).unwrap_or(default.size),
+            rays: self.rays.unwrap_or(default.rays),
+            two_sided: self.two_sided,
+            seed: self.seed,
+            analytic: self.formulas,
+            accuracy: self.accuracy,
+            separate: self.separate,
+            closure: match (&self.closure, self.formulas) {
+                (Some(name), _) => choices::closure(name)?,
+                (None, true) => Closure::Closed,
+                (None, false) => Closure::Never,
+            },
+            memory: self.memory.unwrap_or_else(machine),
+        })
+    }
+
+    /// A number of rays, or no formulas, choose rays where nothing else does.
+    fn engine(&self) -> PyResult<Engine> {
+        match choices::engine(&self.engine, self.resolution, self.patch_points)? {
+            Engine::Auto if self.rays.is_some() || !self.formulas => Ok(Engine::Rays),
+            Engine::Particles => Err(refused(
+                "particles have no form factors: that engine is for solve_light and probe",
+            )),
+            Engine::Analytic if !self.formulas => Err(refused(
+                "formulas=False does not apply to the engine analytic, which is formulas alone",
+            )),
+            engine => Ok(engine),
+        }
+    }
+}

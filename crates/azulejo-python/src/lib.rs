@@ -1,0 +1,45 @@
+//! The compiled half of the Python package `pyazulejo`.
+//!
+//! What users see is written in Python (`python/pyazulejo`): names, documentation, and the checks of
+//! what they pass. Here are arrays that have been checked, on their way into the libraries and back.
+//! Long work runs without the interpreter, see [`work`].
+
+mod arrays;
+mod brdf;
+mod camera;
+mod choices;
+mod error;
+mod form_factors;
+mod geometry;
+mod light;
+mod picture;
+mod reading;
+mod scene;
+mod work;
+
+use pyo3::prelude::*;
+
+/// The compiled half of pyazulejo: use the package, not this.
+#[pymodule]
+mod _pyazulejo {
+    #[pymodule_export]
+    use super::brdf::evaluate_brdf;
+    #[pymodule_export]
+    use super::error::AzulejoError;
+    #[pymodule_export]
+    use super::form_factors::{NativeFormFactors, compute_form_factors};
+    #[pymodule_export]
+    use super::light::{probe_irradiance, solve_light};
+    #[pymodule_export]
+    use super::picture::{render_image, tone_map};
+    #[pymodule_export]
+    use super::reading::load_scene;
+    #[pymodule_export]
+    use super::scene::NativeScene;
+    use super::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+}

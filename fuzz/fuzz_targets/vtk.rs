@@ -1,0 +1,15 @@
+//! Any bytes as a mesh of VTK: what is read must be valid.
+#![no_main]
+
+use azulejo_formats::{Memory, ReadOptions, vtk};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    let options = ReadOptions::in_proportion(bytes.len());
+    if let Ok(loaded) = vtk::read(bytes, "fuzz.vtk", &Memory::new(), &options) {
+        loaded
+            .scene
+            .validate()
+            .expect("a reader gives valid scenes");
+    }
+});
