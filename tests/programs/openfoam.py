@@ -133,6 +133,7 @@ def main():
     make_case(place)
     run(place, "blockMesh")
     mesh = read_mesh(place)
+    open(os.path.join(place, "case.foam"), "w").close()
     straight, turned = os.path.join(place, "cube.obj"), os.path.join(place, "turned.obj")
     write_obj(straight, mesh)
     write_obj(turned, dict(reversed(mesh.items())))
@@ -144,6 +145,10 @@ def main():
     for model, form in [(straight, "openfoam"), (straight, "openfoam-binary"), (turned, "openfoam")]:
         azulejo("form-factors", model, "-o", place, "--format", form, "--openfoam", "v1912", *common)
         examine(f"{form}, {os.path.basename(model)}", place, rows, factors)
+    # The case itself as the model.
+    azulejo("form-factors", os.path.join(place, "case.foam"), "-o", place, "--format", "openfoam",
+            "--openfoam", "v1912", "--by", "face", *common)  # fmt: skip
+    examine("the case as the model", place, rows, factors)
     # Whole patches.
     grouped = [*common, "--by", "object"]
     azulejo("form-factors", straight, "-o", mtx, *grouped)

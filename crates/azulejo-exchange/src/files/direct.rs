@@ -27,16 +27,17 @@ impl<'a> DirectFactors<'a> {
         DirectFactors::of(Cow::Borrowed(&enclosure.factors), program)
     }
 
-    /// The same in another order: row k of the file is `rows[k]`, each row once.
+    /// The same in another order: row k of the file is `rows[k]`, each row at most once. Others are
+    /// left out.
     pub(super) fn reordered(
         enclosure: &'a Enclosure,
         rows: &[u32],
         program: &'static str,
     ) -> Result<DirectFactors<'a>, FactorFileError> {
-        if rows.is_sorted() {
+        if rows.is_sorted() && rows.len() == enclosure.len() {
             return DirectFactors::new(enclosure, program);
         }
-        let mut numbers = vec![None; rows.len()];
+        let mut numbers = vec![None; enclosure.len()];
         for (k, &row) in (0..).zip(rows) {
             numbers[row as usize] = Some(k);
         }

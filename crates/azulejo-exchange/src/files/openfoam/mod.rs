@@ -47,7 +47,8 @@ pub(super) fn prepare<'a>(
     let rows = CaseRows::new(enclosure, case)?;
     let factors = DirectFactors::reordered(enclosure, &rows.rows, "OpenFOAM")?;
     refuse_bent(&factors, case.version)?;
-    let notes = notes_about(enclosure, case, &rows);
+    let mut notes = notes_about(enclosure, case, &rows);
+    notes.extend(about_left_out(&rows, &factors));
     let factors = Rc::new(factors);
     let writer = FoamWriter {
         location: case.location(),
@@ -103,6 +104,18 @@ fn notes_about(enclosure: &Enclosure, case: &OpenFoamCase, rows: &CaseRows) -> V
         )),
     }
     notes
+}
+
+/// A note about patches that take no part, which stand in the way, but give and get nothing.
+fn about_left_out(rows: &CaseRows, factors: &DirectFactors<'_>) -> Option<String> {
+    let least = factors.sums().into_iter().fold(1.0, f64::min);
+    (!rows.left_out.is_empty()).then(|| {
+        format!(
+            "without rows, as they take no part: {}; row sums are down to {}",
+            rows.left_out.join(", "),
+            general(least, 6)
+        )
+    })
 }
 
 fn add_factors<'a>(

@@ -17,6 +17,8 @@ pub(super) struct CaseRows {
     pub(super) agglomeration: Vec<Vec<u32>>,
     /// Names of the patches that take part.
     pub(super) taking_part: Vec<String>,
+    /// Names of the patches whose rows are left out, because they take no part.
+    pub(super) left_out: Vec<String>,
 }
 
 fn refused(message: String) -> FactorFileError {
@@ -35,14 +37,22 @@ impl CaseRows {
         let taking_part = taking_part(enclosure, case)?;
         let numbers = row_numbers(enclosure)?;
         let faces: usize = taking_part.iter().map(|p| p.faces).sum();
+        let left_out = left_out(enclosure, case, &taking_part);
+        let rows: usize = left_out.as_ref().map_or(0, |patches| {
+            let is_left_out = |object| patches.contains(&object);
+            let objects = enclosure.factors.faces.iter();
+            let objects = objects.map(|&f| enclosure.rows.object(f));
+            objects.filter(|&o| !is_left_out(o)).count()
+        });
+        let left_out = left_out.unwrap_or_default();
         let by_patch = enclosure.rows.are_groups
             && is_each_once(taking_part.iter().map(|p| {
                 let row = numbers.get(&(p.name.as_str(), None));
                 row.copied()
             }));
-        if by_patch && enclosure.len() == taking_part.len() {
+        if by_patch && rows == taking_part.len() {
             let row_of = |patch: &str, _| numbers.get(&(patch, None)).copied();
-            return Ok(CaseRows::by(case, &taking_part, row_of));
+            return Ok(CaseRows::by(case, &taking_part, &left_out, row_of));
         }
         let row_of = |patch: &str, face| numbers.get(&(patch, Some(face))).copied();
         let is_known = |p: &&BoundaryPatch| {
@@ -51,7 +61,7 @@ impl CaseRows {
                 .count()
         };
         let known: usize = taking_part.iter().map(is_known).sum();
-        if known != faces || enclosure.len() != faces {
+        if known != faces || rows != faces {
             let names: Vec<_> = taking_part
                 .iter()
                 .map(|p| p.name.as_str())
@@ -59,19 +69,20 @@ impl CaseRows {
                 .collect();
             return Err(refused(format!(
                 "found {} rows, {known} of them faces of the patches that take part ({}), expected \
-                 all {faces} faces of these: compute the factors of these patches alone, with \
-                 --by face, or of whole patches with --by object",
+                 all {faces} faces of these, and no object that is no patch: take the case's mesh as the \
+                 model, with --by face, or --by object for whole patches",
                 enclosure.len(),
                 names.join(", ")
             )));
         }
-        Ok(CaseRows::by(case, &taking_part, row_of))
+        Ok(CaseRows::by(case, &taking_part, &left_out, row_of))
     }
 
     /// Numbers clusters by first appearance, patch by patch.
     fn by(
         case: &OpenFoamCase,
         taking_part: &[&BoundaryPatch],
+        left_out: &[&str],
         row_of: impl Fn(&str, usize) -> Option<u32>,
     ) -> CaseRows {
         let part: HashSet<&str> = taking_part.iter().map(|p| p.name.as_str()).collect();
@@ -98,8 +109,30 @@ impl CaseRows {
             rows,
             agglomeration,
             taking_part: taking_part.iter().map(|p| p.name.clone()).collect(),
+            left_out: left_out.iter().map(|&name| name.to_owned()).collect(),
         }
     }
+}
+
+/// The patches that have rows and take no part; `None` if there are rows of what is no patch.
+fn left_out<'a>(
+    enclosure: &'a Enclosure,
+    case: &OpenFoamCase,
+    taking_part: &[&BoundaryPatch],
+) -> Option<Vec<&'a str>> {
+    let patches: HashSet<&str> = case.patches.iter().map(|p| p.name.as_str()).collect();
+    let part: HashSet<&str> = taking_part.iter().map(|p| p.name.as_str()).collect();
+    let mut names = Vec::new();
+    for &face in &enclosure.factors.faces {
+        let object = enclosure.rows.object(face);
+        if !patches.contains(object) {
+            return None;
+        }
+        if !part.contains(object) && !names.contains(&object) {
+            names.push(object);
+        }
+    }
+    Some(names)
 }
 
 /// Whether all are there, and none twice.

@@ -305,13 +305,16 @@ fn refusal(enclosure: &Enclosure, options: &FileOptions) -> String {
 #[test]
 fn rows_that_are_not_the_faces_are_refused_with_both_counts() {
     let options = case(OpenFoamVersion::V1912);
-    let three = rows(&[1.0; 3], &["hot", "cold", "sides"], &[]);
+    let three = rows(&[1.0; 3], &["hot", "cold", "lamp"], &[]);
     let found = refusal(&three, &options);
     assert!(found.contains("found 3 rows, 2 of them faces"), "{found}");
     assert!(
         found.contains("(cold, hot), expected all 2 faces"),
         "{found}"
     );
+    let one = rows(&[1.0], &["hot"], &[]);
+    let found = refusal(&one, &options);
+    assert!(found.contains("found 1 rows, 1 of them faces"), "{found}");
     let mut twice = plates();
     twice.factors.faces[1] = twice.factors.faces[0];
     let found = refusal(&twice, &options);
@@ -334,6 +337,18 @@ fn rows_that_are_not_the_faces_are_refused_with_both_counts() {
     );
     let found = refusal(&plates(), &FileOptions::default());
     assert!(found.contains("no case"), "{found}");
+}
+
+#[test]
+fn patches_that_take_no_part_have_no_rows() {
+    let pairs = [(0, 1, 0.5), (0, 2, 0.25), (1, 2, 0.25)];
+    let three = rows(&[1.0; 3], &["sides", "hot", "cold"], &pairs);
+    let options = case(OpenFoamVersion::V1912);
+    let (found, notes) = files(&three, FactorFormat::OpenFoam, &options);
+    let f = String::from_utf8_lossy(&found[0].1).into_owned();
+    assert!(f.ends_with("2\n(\n1(0.25)\n1(0.25)\n)\n"), "{f}");
+    let expected = "without rows, as they take no part: sides; row sums are down to 0.25";
+    assert!(notes.iter().any(|n| n == expected), "{notes:?}");
 }
 
 #[test]
