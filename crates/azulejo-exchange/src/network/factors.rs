@@ -165,7 +165,7 @@ impl Work<'_> {
     }
 
     /// H₀ of a row for one watt per square metre of an opening.
-    fn from_opening(&self, opening: &Opening, i: usize) -> f64 {
+    fn opening_share(&self, opening: &Opening, i: usize) -> f64 {
         (opening.share)(&self.band.enclosure.factors.rest[i])
     }
 
@@ -186,7 +186,7 @@ impl Work<'_> {
             }
             Some(k) => {
                 let opening = self.openings[k];
-                rows.map(|i| self.diffuse[i] * self.from_opening(opening, i))
+                rows.map(|i| self.diffuse[i] * self.opening_share(opening, i))
                     .collect()
             }
         }
@@ -198,12 +198,12 @@ impl Work<'_> {
         let from = b.checked_sub(self.surfaces()).map(|k| self.openings[k]);
         let mut absorbed = vec![0.0; self.nodes()];
         for i in 0..areas.len() {
-            let direct = from.map_or(0.0, |o| areas[i] * self.from_opening(o, i));
+            let direct = from.map_or(0.0, |o| areas[i] * self.opening_share(o, i));
             if let Some(a) = self.nodes.of_rows[i] {
                 absorbed[a as usize] += self.band.emissivity[i] * (arriving[i] + direct);
             }
             for (k, opening) in self.openings.iter().enumerate() {
-                let leaves = areas[i] * self.from_opening(opening, i) * radiosity[i];
+                let leaves = areas[i] * self.opening_share(opening, i) * radiosity[i];
                 absorbed[self.surfaces() + k] += leaves;
             }
         }
@@ -318,7 +318,7 @@ impl Work<'_> {
                 emitting[a as usize] += unit * factors.areas[i] * self.band.emissivity[i];
             }
             for (k, opening) in self.openings.iter().enumerate() {
-                let share = unit * factors.areas[i] * self.from_opening(opening, i);
+                let share = unit * factors.areas[i] * self.opening_share(opening, i);
                 areas[self.surfaces() + k] += share;
                 emitting[self.surfaces() + k] += share;
             }

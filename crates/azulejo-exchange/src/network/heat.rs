@@ -200,15 +200,16 @@ impl<'a> HeatProblem<'a> {
             let diffuse = band.diffuse();
             let source = (0..n).map(|i| diffuse[i] * self.solar[i]).collect();
             let solved = solve(band, &diffuse, source, self.solar, progress)?;
-            for i in 0..n {
-                absorbed[i] += band.emissivity[i] * solved.irradiation[i];
+            let rows = band.emissivity.iter().zip(&solved.irradiation);
+            for (absorbed, (emissivity, h)) in absorbed.iter_mut().zip(rows) {
+                *absorbed += emissivity * h;
             }
         }
         Ok(absorbed)
     }
 
     /// H₀ of each row in a band: from sky and ground.
-    pub(super) fn from_surroundings(&self, band: &SurfaceBand) -> Vec<f64> {
+    pub(super) fn surroundings_light(&self, band: &SurfaceBand) -> Vec<f64> {
         let [sky, ground] = self.surroundings.map(|t| band.range.emission(t));
         let rest = band.enclosure.factors.rest.iter();
         rest.map(|r| r.sky * sky + r.ground * ground).collect()
@@ -221,7 +222,7 @@ impl<'a> HeatProblem<'a> {
         temperatures: &[f64],
         progress: &Progress,
     ) -> Result<SolvedBand, ExchangeError> {
-        let (diffuse, outside) = (band.diffuse(), self.from_surroundings(band));
+        let (diffuse, outside) = (band.diffuse(), self.surroundings_light(band));
         let source = |i: usize| {
             band.emissivity[i] * band.range.emission(temperatures[i]) + diffuse[i] * outside[i]
         };
@@ -236,7 +237,7 @@ impl<'a> HeatProblem<'a> {
         targets: &[f64],
         progress: &Progress,
     ) -> Result<(Vec<f64>, SolvedBand), ExchangeError> {
-        let outside = self.from_surroundings(band);
+        let outside = self.surroundings_light(band);
         let shares = self.reflected(band);
         let source = |i: usize| match self.conditions[i] {
             RowCondition::Temperature(t) => {
