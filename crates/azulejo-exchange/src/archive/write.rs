@@ -80,20 +80,21 @@ fn write_matrix<W: Write>(
     } else {
         archive.add("data", |w| rows.write(|(_, x, _)| x as f32, w))?;
     }
-    archive.add("std_error", |w| rows.write(|(.., e)| short(e), w))?;
+    let error = |e: f32| if is_double { e } else { short(e) };
+    archive.add("std_error", |w| rows.write(|(.., e)| error(e), w))?;
     for (order, [values, errors]) in (0..factors.orders.len()).zip(ORDERS) {
         if is_double {
             archive.add(values, |w| rows.write_order(order, |(_, x, _)| x, w))?;
         } else {
             archive.add(values, |w| rows.write_order(order, |(_, x, _)| x as f32, w))?;
         }
-        archive.add(errors, |w| rows.write_order(order, |(.., e)| short(e), w))?;
+        archive.add(errors, |w| rows.write_order(order, |(.., e)| error(e), w))?;
     }
     Ok(())
 }
 
-/// A standard error with 8 bits of its fraction, rounded up: errors are known no better, and zeros
-/// compress.
+/// A standard error with 8 bits of its fraction, rounded up, for large matrices: errors are known no
+/// better, and zeros compress.
 fn short(error: f32) -> f32 {
     const DROPPED: u32 = (1 << 15) - 1;
     if !error.is_finite() {
