@@ -21,7 +21,10 @@ struct WantedUnits {
 /// Reads a model of any format.
 #[pyfunction]
 #[pyo3(signature = (path, unit, up, lod, allow, keep_light, threads, progress))]
-#[allow(clippy::too_many_arguments)]
+#[allow(
+    clippy::too_many_arguments,
+    reason = "they are the keywords of a Python function"
+)]
 pub fn load_scene(
     py: Python<'_>,
     path: PathBuf,

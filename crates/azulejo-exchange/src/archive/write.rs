@@ -1,7 +1,7 @@
 //! Writing archives.
 
 use super::{ORDERS, VERSION};
-use crate::enclosure::{CellMesh, Enclosure};
+use crate::enclosure::{CellMesh, Enclosure, entry_of};
 use azulejo_factors::FormFactors;
 use azulejo_factors::form_factors::RowRemainder;
 use azulejo_formats::numpy::npy::{self, Element};
@@ -263,10 +263,4 @@ fn list<T, E: Element>(
 ) -> io::Result<()> {
     npy::write_header(E::DESCR, &[values.len()], out)?;
     values.iter().try_for_each(|v| convert(v).write(out))
-}
-
-/// The entry of a column in a row, or zeros.
-fn entry_of(row: &[(u32, f64, f32)], column: u32) -> (u32, f64, f32) {
-    let found = row.binary_search_by_key(&column, |&(j, ..)| j);
-    found.map_or((column, 0.0, 0.0), |k| row[k])
 }

@@ -3,6 +3,7 @@
 //! GR_ij = ε_i A_i B_ij, in m²: from node i to node j flows σ GR_ij (T_i⁴ − T_j⁴).
 
 use super::text::{comment, csv_field, exponential, general};
+use crate::network::STEFAN_BOLTZMANN;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -87,9 +88,6 @@ impl Default for ConductanceOptions {
         }
     }
 }
-
-/// The Stefan–Boltzmann constant in W/m²K⁴ (CODATA 2018).
-const SIGMA: f64 = 5.670_374_419e-8;
 
 /// Deep space, and 0 °C, in kelvin.
 const DEEP_SPACE: f64 = 3.0;
@@ -244,7 +242,7 @@ fn write_sinda(
 ) -> io::Result<()> {
     let numbers = NodeNumbers::new(list);
     let (factor, unit) = if options.sigma {
-        (SIGMA, "W/K4")
+        (STEFAN_BOLTZMANN, "W/K4")
     } else {
         (1.0, "m2, times SIGMA")
     };

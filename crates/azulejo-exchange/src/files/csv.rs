@@ -1,7 +1,7 @@
 //! The matrix as CSV.
 
 use super::text::csv_field;
-use crate::enclosure::Enclosure;
+use crate::enclosure::{Enclosure, entry_of};
 use azulejo_factors::FaceId;
 use std::borrow::Cow;
 use std::io::{self, Write};
@@ -90,12 +90,6 @@ fn name(enclosure: &Enclosure, i: usize) -> Cow<'_, str> {
     } else {
         i.to_string().into()
     }
-}
-
-/// The entry of a column in a row, or zeros.
-fn entry_of(row: &[(u32, f64, f32)], column: u32) -> (u32, f64, f32) {
-    let found = row.binary_search_by_key(&column, |&(j, ..)| j);
-    found.map_or((column, 0.0, 0.0), |k| row[k])
 }
 
 #[cfg(test)]

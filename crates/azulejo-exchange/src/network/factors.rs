@@ -331,8 +331,7 @@ impl Work<'_> {
             if whole > 0.0 {
                 asymmetry = asymmetry.max(unit * (one - other).abs() / whole);
             }
-            // In one order, so that both are the same to the last bit.
-            unit * 0.5 * (one.min(other) + one.max(other))
+            unit * 0.5 * (one + other)
         };
         let conductances = (0..count * count).map(&mut mean).collect();
         let names = self.nodes.names.iter().cloned();
@@ -372,4 +371,43 @@ pub(super) fn exchange_variance(
         }
     }
     variance
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bands::SpectralRange;
+    use crate::network::tests::{each_row, random_enclosure};
+    use azulejo_factors::form_factors::Exchange;
+
+    /// For many nodes variances have bounds, from one to two times what they are.
+    #[test]
+    fn bounds_of_variances_hold() {
+        let n = 11;
+        let mut enclosure = random_enclosure(n, 4);
+        let with_error = |e: &Exchange| Exchange {
+            error: 0.01 * e.value as f32,
+            ..*e
+        };
+        let exchange = &enclosure.factors.exchange;
+        let row = |i: usize| exchange.upper(i).iter().map(with_error).collect::<Vec<_>>();
+        enclosure.factors.exchange = (0..n).map(row).collect();
+        let band = SurfaceBand {
+            emissivity: enclosure.factors.ends.iter().map(|e| 0.5 * e).collect(),
+            enclosure: &enclosure,
+            range: SpectralRange::Thermal,
+        };
+        let nodes = each_row(n);
+        let work = Work::new(&band, &nodes);
+        let sources: Vec<Vec<f64>> = (0..n).map(|b| work.source(b)).collect();
+        let progress = Progress::new();
+        let reflections = Reflections::new(&enclosure, &work.diffuse, &progress).unwrap();
+        let radiosities = reflections.solve(&sources, &progress).unwrap();
+        let exact = work.pair_variances(&radiosities, &progress).unwrap();
+        let bounds = work.variance_bounds(&radiosities, &progress).unwrap();
+        for (exact, bound) in exact.iter().zip(&bounds) {
+            let ratio = bound / exact;
+            assert!((1.0 - 1e-9..=2.0 + 1e-9).contains(&ratio), "{ratio}");
+        }
+    }
 }
