@@ -3,7 +3,6 @@
 use super::bake;
 use super::brdf::{BRDF_EXAMPLES, BrdfCommand};
 use super::engine::EngineArgs;
-use super::form_factors;
 use super::grf::{GRF_EXAMPLES, GrfCommand};
 use super::lettering::{
     EXTRUDE_EXAMPLES, ExtrudeArgs, FONT_EXAMPLES, FontCommand, TEXT_EXAMPLES, TextArgs,
@@ -11,6 +10,7 @@ use super::lettering::{
 use super::placement::{self, PlaceArg, Placement};
 use super::surroundings::args::{Site, SurroundingsArgs};
 use super::values::{self, TimeArg, UpArg};
+use super::{exchange, form_factors};
 use azulejo_formats::{Lod, ReadOptions};
 use azulejo_render::FinalGather;
 use azulejo_render::rtrace::Side;
@@ -74,6 +74,9 @@ pub enum Command {
     /// Compute the matrix of form factors between patches
     #[command(after_help = form_factors::args::EXAMPLES)]
     FormFactors(form_factors::args::FormFactorArgs),
+    /// Radiative exchange from form factors: conductances, temperatures and heat fluxes
+    #[command(after_help = exchange::args::EXAMPLES)]
+    Exchange(exchange::args::ExchangeArgs),
     /// Compare form factor engines: run a suite of scenes and settings and report times and errors
     #[command(after_help = EXPERIMENT_EXAMPLES)]
     Experiment(ExperimentArgs),

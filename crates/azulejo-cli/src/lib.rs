@@ -14,6 +14,7 @@ mod convert;
 mod draft_list;
 mod drawing;
 mod engine;
+mod exchange;
 mod experiment;
 mod failure;
 mod form_factors;
@@ -112,6 +113,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Command::Render(args) => render::run(args, &mut session)?,
         Command::Probe(args) => probe::run(args, &mut session)?,
         Command::FormFactors(args) => form_factors::run(args, &mut session)?,
+        Command::Exchange(args) => exchange::run(args, &mut session)?,
         Command::Experiment(args) => match experiment::run(args, &mut session)? {
             Some(report) if args.list => return session.print(report),
             Some(report) => report,

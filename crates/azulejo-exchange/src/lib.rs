@@ -8,6 +8,7 @@
 //! | [`enclosure`] | form factors with a description of their rows, grouped by face, object or material |
 //! | [`archive`] | the same as an `.npz` |
 //! | [`bands`] | bands of wavelengths, and black emission in them |
+//! | [`tables`] | tables of materials and boundary conditions |
 //! | [`network`] | Gebhart factors, conductances, temperatures and fluxes |
 //! | [`files`] | files of other programs |
 
@@ -16,6 +17,7 @@ pub mod bands;
 pub mod enclosure;
 pub mod files;
 pub mod network;
+pub mod tables;
 
 pub use bands::{SpectralRange, band_fraction};
 pub use enclosure::{CellMesh, Enclosure, GroupBy, Groups, OutsideLight, RowTable};

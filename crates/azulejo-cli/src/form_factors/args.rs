@@ -25,6 +25,10 @@ pub struct FormFactorArgs {
     /// Output format, regardless of the extension
     #[arg(long, value_name = "FORMAT", value_enum)]
     pub format: Option<FormatName>,
+    /// Table of emissivities and mirror reflectances (name, eps, rho_s), as `exchange` takes it, in the
+    /// place of the model's materials
+    #[arg(long, value_name = "TABLE", value_hint = ValueHint::FilePath)]
+    pub materials: Option<PathBuf>,
     #[command(flatten)]
     pub division: DivisionArgs,
     /// Rays per patch; makes --engine auto choose rays [default: 4096]

@@ -4,7 +4,7 @@ pub mod args;
 mod destination;
 mod journal;
 mod outside;
-mod stored;
+pub mod stored;
 mod summary;
 mod view3d;
 
@@ -15,8 +15,10 @@ use super::report::{Report, bytes, count};
 use super::session::Session;
 use super::{input, pass};
 use args::{FormFactorArgs, FormulasName};
+use azulejo::models;
 use azulejo::output::Output;
 use azulejo_exchange::Enclosure;
+use azulejo_exchange::tables::{MaterialTable, TableError};
 use azulejo_factors::form_factors::{Forecast, Journal, NoJournal, Plan, PreparedPlan};
 use azulejo_factors::{
     Engine, FactorsError, FormFactorOptions, FormFactors, Hemicube, HemicubeBackend, PatchSize,
@@ -78,7 +80,7 @@ fn computed(
     let room = view3d::read(args, session)?;
     let scene = match &room {
         Some(room) => Cow::Borrowed(room.scene()),
-        None => Cow::Owned(read_models(args, session)?),
+        None => Cow::Owned(painted(args, read_models(args, session)?)?),
     };
     let tracer = engine.tracer(&scene)?;
     let mut options = options(args, &engine);
@@ -139,6 +141,25 @@ fn read_models(args: &FormFactorArgs, session: &mut Session) -> Result<Scene, Fa
              require a single View3D file, given by name, neither placed nor divided",
         );
     }
+    Ok(scene)
+}
+
+/// The scene with the reflectances of the table of materials, if there is one.
+fn painted(args: &FormFactorArgs, mut scene: Scene) -> Result<Scene, Failure> {
+    let Some(path) = &args.materials else {
+        return Ok(scene);
+    };
+    let failed = |e: TableError| Failure::failed(format_args!("{}: {e}", path.display()));
+    let text = String::from_utf8_lossy(&models::read_bytes(path)?).into_owned();
+    let table = MaterialTable::read(&text).map_err(failed)?;
+    if !table.has_same_mirrors() {
+        return Err(Failure::failed(format_args!(
+            "{}: mirror reflectances differ from band to band; compute one matrix for each set of them, from a \
+             table with that set alone, and give all of them to exchange",
+            path.display()
+        )));
+    }
+    table.paint(&mut scene, 0).map_err(failed)?;
     Ok(scene)
 }
 

@@ -74,6 +74,7 @@ fn refuse_computation(args: &FormFactorArgs) -> Result<(), Failure> {
         ("--two-sided", args.two_sided),
         ("--engine", args.engine.engine != EngineName::Auto),
         ("--separate", args.matrix.separate),
+        ("--materials", args.materials.is_some()),
         ("--unit, --up or --place", {
             reading.unit.is_some() || reading.up.is_some() || reading.placements().next().is_some()
         }),

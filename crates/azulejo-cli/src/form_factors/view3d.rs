@@ -52,6 +52,10 @@ pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<View3
             "--two-sided: View3D's surfaces are one-sided",
         ));
     }
+    if args.materials.is_some() {
+        let message = "--materials: View3D's surfaces have their emissivities in the file, and are no mirrors";
+        return Err(Failure::misuse(message));
+    }
     if args.matrix.by.is_some() {
         let message = "--by: a View3D file specifies itself which surfaces are one row (cmb)";
         return Err(Failure::misuse(message));

@@ -1,0 +1,90 @@
+//! Arguments of `exchange`.
+
+use crate::values;
+use azulejo_exchange::GroupBy;
+use clap::{Args, ValueEnum, ValueHint};
+use std::path::PathBuf;
+
+/// `exchange`
+#[derive(Debug, Args)]
+pub struct ExchangeArgs {
+    /// Form factors that `form-factors` wrote (.npz). Several of the same rows, if bands have other mirrors:
+    /// each band takes the first whose mirrors are its own
+    #[arg(required = true, value_name = "F.npz", value_hint = ValueHint::FilePath)]
+    pub factors: Vec<PathBuf>,
+    /// Table of emissivities: CSV, TSV or TOML with name, eps, and where needed rho_s, alpha,
+    /// eps@8-14 (micrometres)
+    #[arg(long, value_name = "TABLE", value_hint = ValueHint::FilePath)]
+    pub materials: PathBuf,
+    /// Table of temperatures and fluxes: name, and T (K) or T_C or q (W/m², 0: adiabatic); also for
+    /// space, sky and ground
+    #[arg(long, value_name = "TABLE", value_hint = ValueHint::FilePath)]
+    pub boundary: Option<PathBuf>,
+    /// Output files, by their extension: .npz (all of it), .csv, .esatan and .sinda (conductances; with
+    /// --boundary .csv has temperatures and heat), .vtu (with --boundary); `-` writes CSV
+    #[arg(long, short, required = true, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub output: Vec<PathBuf>,
+    /// What is one node of the network
+    #[arg(long, value_name = "NODE", value_enum, default_value_t = NodeName::Object)]
+    pub by: NodeName,
+    /// Combine the rows of a node before the exchange is solved, so that each node has one radiosity, as
+    /// network programs do; otherwise rows are solved and their exchange is added up
+    #[arg(long)]
+    pub lump: bool,
+    /// Give light that ends on backs, or is cut off between mirrors, to the sky
+    #[arg(long)]
+    pub lost_to_sky: bool,
+    /// Name of the model in .esatan, of the submodel in .sinda
+    #[arg(long, value_name = "NAME", default_value = "")]
+    pub model: String,
+    /// Multiply conductances in .sinda by the Stefan-Boltzmann constant
+    #[arg(long)]
+    pub sigma: bool,
+    /// Leave out conductances below this share of the smaller node's emitting area in lists
+    #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
+    pub truncate: Option<f64>,
+    /// Memory limit [default: the machine's memory]
+    #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
+    pub memory: Option<u64>,
+}
+
+/// Nodes of a network.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum NodeName {
+    /// Each row of the matrix
+    Row,
+    /// Faces of objects
+    Face,
+    /// Objects
+    Object,
+    /// Materials
+    Material,
+}
+
+impl NodeName {
+    /// The groups; none for rows.
+    pub fn groups(self) -> Option<GroupBy> {
+        match self {
+            NodeName::Row => None,
+            NodeName::Face => Some(GroupBy::Face),
+            NodeName::Object => Some(GroupBy::Object),
+            NodeName::Material => Some(GroupBy::Material),
+        }
+    }
+}
+
+/// Examples and notes below the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  azulejo form-factors satellite.stl -o f.npz --materials optics.csv --closure
+  azulejo exchange f.npz --materials optics.csv -o gr.esatan -o gr.npz
+  azulejo exchange f.npz --materials optics.csv --boundary temperatures.csv -o heat.csv -o heat.vtu
+
+optics.csv:                     temperatures.csv:
+  name,eps,rho_s                  name,T,q
+  panel,0.85,0                    panel,320,
+  radiator,0.05,0.9               *,,0
+  *,0.8,0                         space,3,
+
+Q from a to b is sigma GR_ab (T_a^4 - T_b^4), with GR_ab = eps_a A_a B_ab in square metres. Mirrors must be in
+the factors already: form-factors takes the same table. docs/exchange.md defines all quantities.";
