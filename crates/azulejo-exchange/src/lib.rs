@@ -10,17 +10,20 @@
 //! | [`bands`] | bands of wavelengths, and black emission in them |
 //! | [`tables`] | tables of materials and boundary conditions |
 //! | [`network`] | Gebhart factors, conductances, temperatures and fluxes |
+//! | [`model`] | all of this together: properties and conditions in, networks and temperatures out |
 //! | [`files`] | files of other programs |
 
 pub mod archive;
 pub mod bands;
 pub mod enclosure;
 pub mod files;
+pub mod model;
 pub mod network;
 pub mod tables;
 
 pub use bands::{SpectralRange, band_fraction};
 pub use enclosure::{CellMesh, Enclosure, GroupBy, Groups, OutsideLight, RowTable};
+pub use model::{ModelError, ThermalModel, ThermalSolution};
 pub use network::{
     ExchangeError, ExchangeFactors, HeatBalance, HeatProblem, RowCondition, SurfaceBand,
     exchange_factors, heat_balance,
