@@ -70,31 +70,27 @@ fn conductances(
         gr: e.value,
         error: f64::from(e.error),
     };
-    let mut pairs = Vec::new();
-    let mut of_space = vec![vec![(0.0, 0.0); surfaces]; network.len() - surfaces];
-    for a in 0..surfaces {
-        for e in areas.exchange.upper(a) {
-            let b = e.column as usize;
-            if b >= surfaces {
-                of_space[b - surfaces][a] = (e.value, f64::from(e.error));
-            } else if b != a && e.value > 0.0 {
-                pairs.push(pair(a, e));
-            }
-        }
-    }
-    let spaces = of_space.into_iter().zip(&network.names[surfaces..]);
-    let space = |(gr, name): (Vec<(f64, f64)>, &String)| SpaceNode {
-        name: name.clone(),
-        temperature: Some(surroundings[usize::from(name == "ground")]),
-        gr,
+    let is_pair = |a: usize, e: &Exchange| e.column as usize != a && (e.column as usize) < surfaces;
+    let pairs = (0..surfaces).flat_map(|a| {
+        let row = areas.exchange.upper(a).iter();
+        row.filter(move |e| is_pair(a, e)).map(move |e| pair(a, e))
+    });
+    let with_space = |s: usize, a: usize| {
+        let e = areas.exchange.get(a, s);
+        (e.value, f64::from(e.error))
+    };
+    let space = |s: usize| SpaceNode {
+        name: network.names[s].clone(),
+        temperature: Some(surroundings[usize::from(network.names[s] == "ground")]),
+        gr: (0..surfaces).map(|a| with_space(s, a)).collect(),
     };
     let eps = |a: usize| network.emitting[a] / network.areas[a].max(f64::MIN_POSITIVE);
     Conductances {
         names: network.names[..surfaces].to_vec(),
         areas: network.areas[..surfaces].to_vec(),
         eps: Some((0..surfaces).map(eps).collect()),
-        pairs,
-        space: spaces.map(space).collect(),
+        pairs: pairs.collect(),
+        space: (surfaces..network.len()).map(space).collect(),
     }
 }
 
