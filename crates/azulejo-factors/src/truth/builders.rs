@@ -5,6 +5,7 @@ use crate::patch::PatchSize;
 use azulejo_scene::math::Frame;
 use azulejo_scene::{Material, Mesh, Object, Primitive, PrimitiveKind, Rgb, Scene, Shape};
 use glam::{DAffine3, DQuat, DVec3, dvec3};
+use std::borrow::Cow;
 use std::f64::consts::PI;
 
 /// A surface that emits nothing, for questions about form factors.
@@ -174,14 +175,14 @@ impl CaseBuilder {
     /// The case with its known answer.
     pub fn case(
         self,
-        id: &'static str,
+        id: impl Into<Cow<'static, str>>,
         source: &'static str,
         kind: CaseKind,
         description: impl Into<String>,
         truth: Truth,
     ) -> Case {
         Case {
-            id,
+            id: id.into(),
             description: description.into(),
             source,
             kind,

@@ -234,6 +234,49 @@ pub fn strips_at_angle(angle: f64) -> f64 {
     1.0 - (0.5 * angle).sin()
 }
 
+/// Crossed strings: from an infinite strip of width a to one of width b over its middle at distance h
+/// (C-2).
+pub fn strips_of_widths(a: f64, b: f64, h: f64) -> f64 {
+    let (sum, difference) = (0.5 * (a + b), 0.5 * (a - b));
+    (sum.hypot(h) - difference.hypot(h)) / a
+}
+
+/// Crossed strings: from an infinite strip of width a to one of width b that meets it at `angle` (C-3,
+/// C-5).
+pub fn strips_at_angle_of(a: f64, b: f64, angle: f64) -> f64 {
+    // The third side of the triangle, without cancellation.
+    let half = (0.5 * angle).sin();
+    let third = (a - b).hypot(2.0 * half * (a * b).sqrt());
+    0.5 * (a + b - third) / a
+}
+
+/// From an infinite strip between x = a and x = b to a parallel cylinder of radius r, whose axis is at
+/// x = 0 and at the height h above the strip's plane: the mean over the strip of r h / (x² + h²), and
+/// r arctan(x/h) its integral.
+pub fn strip_to_cylinder(a: f64, b: f64, h: f64, r: f64) -> f64 {
+    r / (b - a) * ((b / h).atan() - (a / h).atan())
+}
+
+/// From a sphere to a disk of radius r on an axis through its centre, at the distance h of it.
+pub fn sphere_to_disk(r: f64, h: f64) -> f64 {
+    0.5 * (1.0 - h / h.hypot(r))
+}
+
+/// From an element to a parallel disk of radius r at height h, whose axis is at the distance d > 0.
+pub fn element_to_disk_aside(d: f64, h: f64, r: f64) -> f64 {
+    let (h, r) = (h / d, r / d);
+    let z = 1.0 + h * h + r * r;
+    0.5 * (1.0 - (z - 2.0 * r * r) / (z * z - 4.0 * r * r).sqrt())
+}
+
+/// From an element to a disk of radius r at height h, whose axis is at the distance d > r, where the
+/// element's normal points.
+pub fn element_to_disk_across(d: f64, h: f64, r: f64) -> f64 {
+    let (h, r) = (h / d, r / d);
+    let z = 1.0 + h * h + r * r;
+    0.5 * h * (z / (z * z - 4.0 * r * r).sqrt() - 1.0)
+}
+
 /// C-65 type, crossed strings: infinite parallel cylinders of radius r, a gap s between them.
 pub fn parallel_cylinders(r: f64, s: f64) -> f64 {
     let x = 1.0 + s / (2.0 * r);

@@ -11,12 +11,14 @@
 //! |---|---|
 //! | `formulas`, `quadrature` | the closed forms, independent of the engines |
 //! | `polygons`, `bodies`, `specular`, `systems` | the cases |
+//! | `catalogue/` | more cases: closed forms over ranges of their parameters |
 //! | `builders` | construction of the scenes |
 //! | `answers` | from form factors to the answer and its standard error |
 
 mod answers;
 mod bodies;
 mod builders;
+mod catalogue;
 pub mod formulas;
 mod polygons;
 mod quadrature;
@@ -26,12 +28,14 @@ mod systems;
 use crate::patch::PatchSize;
 pub use answers::Answer;
 use azulejo_scene::Scene;
+pub use catalogue::catalogue;
+use std::borrow::Cow;
 
 /// A scene and a question about its form factors, with the known answer.
 #[derive(Clone, Debug)]
 pub struct Case {
     /// Short name, unique.
-    pub id: &'static str,
+    pub id: Cow<'static, str>,
     /// Description for reports.
     pub description: String,
     /// Source of the truth: a number of Howell's catalogue, a rule, a theorem.
