@@ -8,6 +8,7 @@ mod args;
 mod bake;
 mod brdf;
 mod camera;
+mod charts;
 mod clock;
 mod content_key;
 mod convert;
@@ -28,6 +29,7 @@ mod inventory;
 mod kept_gltf;
 mod layers;
 mod lettering;
+mod machine_info;
 mod model_table;
 
 mod pass;

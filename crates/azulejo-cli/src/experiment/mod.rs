@@ -12,11 +12,9 @@
 //! | `work` | one task, in the child process |
 //! | `metrics`, `reference` | measures, and the reference data |
 //! | `record`, `journal` | results on disk |
-//! | `machine` | the machine |
 //! | `report` | tables and plots |
 
 mod journal;
-mod machine;
 mod metrics;
 mod plan;
 mod record;
@@ -28,11 +26,11 @@ mod work;
 
 use super::args::ExperimentArgs;
 use super::failure::Failure;
+use super::machine_info::MachineInfo;
 use super::report::{Report, number, seconds};
 use super::session::Session;
 use azulejo_trace::Progress;
 use journal::Journal;
-use machine::MachineInfo;
 use plan::{ExperimentPlan, Task};
 use record::{TaskOutcome, TaskRecord};
 use std::io::{self, Read, Write};

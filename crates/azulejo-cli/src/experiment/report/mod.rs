@@ -1,14 +1,14 @@
 //! The report: a self-contained page, plots as separate files, and the numbers as CSV and JSON.
 
-mod chart;
 mod figures;
 mod page;
 mod tables;
 
-use super::machine::MachineInfo;
 use super::record::{TaskOutcome, TaskRecord};
 use super::suite::Suite;
+use crate::charts;
 use crate::failure::Failure;
+use crate::machine_info::MachineInfo;
 use azulejo::output::{Output, commit};
 use azulejo_trace::Progress;
 use std::io::Write;
@@ -46,7 +46,7 @@ pub fn write(
     files.extend(
         figures
             .iter()
-            .map(|f| (format!("{}.svg", f.name), chart::svg(f))),
+            .map(|f| (format!("{}.svg", f.name), charts::svg(f))),
     );
     let mut drafts = Vec::new();
     for (name, text) in files {

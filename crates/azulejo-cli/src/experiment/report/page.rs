@@ -1,12 +1,11 @@
 //! The page of the report: introduction, machine, plots, tables, and explanations.
 
-use super::super::machine::MachineInfo;
 use super::super::record::{RunRecord, TaskOutcome, TaskRecord, TruthRecord};
 use super::super::suite::Suite;
-use super::chart::svg;
-use super::figures::ChartSpec;
 use super::tables::{RepeatedRun, repeated, short, truths};
-use crate::drawing::{COLORS, Color, GRID, INK, escaped, hex};
+use crate::charts::{ChartSpec, page_style, svg};
+use crate::drawing::escaped;
+use crate::machine_info::MachineInfo;
 use std::fmt::Write;
 
 /// The content of the page.
@@ -20,9 +19,6 @@ pub struct Page<'a> {
     /// The plots.
     pub figures: &'a [ChartSpec],
 }
-
-/// The style sheet, light or dark as the reader's system. Lines of plots are paler in the dark.
-const STYLE: &str = include_str!("style.css");
 
 /// Errors above this, in standard errors, are marked.
 const FAR: f64 = 4.0;
@@ -42,8 +38,8 @@ impl Page<'_> {
             out,
             "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
-             <title>{title}</title>\n<style>\n{STYLE}{}</style></head>\n<body>\n<h1>{title}</h1>\n",
-            plot_style()
+             <title>{title}</title>\n<style>\n{}</style></head>\n<body>\n<h1>{title}</h1>\n",
+            page_style()
         )?;
         for paragraph in self.suite.about.trim().split("\n\n") {
             writeln!(out, "<p>{}</p>", escaped(paragraph))?;
@@ -427,31 +423,5 @@ fn bars(figure: &ChartSpec) -> &'static str {
     }
 }
 
-/// CSS rules that replace the colours of inline plots by those of the page, light or dark.
-fn plot_style() -> String {
-    let rule = |color: Color, value: &str| {
-        let color = hex(color);
-        let of = |name: &str| format!("figure svg [{name}=\"{color}\"] {{ {name}: {value}; }}\n");
-        of("fill") + &of("stroke")
-    };
-    let lines = COLORS.iter().enumerate();
-    let lines: String = lines
-        .map(|(k, c)| rule(*c, &format!("var(--line{k})")))
-        .collect();
-    lines + &rule(INK, "currentColor") + &rule(GRID, "var(--grid)")
-}
-
 /// Explanations of the numbers.
 const READING: &str = include_str!("reading.html");
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn plots_follow_the_page() {
-        let rules = plot_style();
-        assert!(rules.contains("figure svg [stroke=\"#0072b2\"] { stroke: var(--line0); }"));
-        assert!(rules.contains("figure svg [fill=\"#202124\"] { fill: currentColor; }"));
-    }
-}

@@ -1,6 +1,6 @@
-//! Line charts of the report.
+//! Line charts.
 
-use super::figures::{ChartAxis, ChartPoint, ChartSeries, ChartSpec};
+use super::{ChartAxis, ChartPoint, ChartSeries, ChartSpec, SeriesStyle};
 use crate::drawing::{COLORS, Drawing, GRID, INK, TextAnchor};
 use glam::DVec2;
 use std::ops::Range;
@@ -50,14 +50,16 @@ fn drawing(figure: &ChartSpec) -> Drawing {
     let mut drawing = Drawing::transparent(SIZE.x + legend, height);
     let chart = ChartArea::new(figure);
     chart.axes(figure, &mut drawing);
-    for (k, ChartSeries { points, .. }) in figure.series.iter().enumerate() {
+    for (k, ChartSeries { points, style, .. }) in figure.series.iter().enumerate() {
         for point in points {
             chart.bars(point, color(k), &mut drawing);
         }
         let points: Vec<DVec2> = points.iter().map(|p| chart.at(p.at)).collect();
-        drawing.line(points.clone(), color(k), 2.0);
-        for point in points {
-            marker(k, point, &mut drawing);
+        if *style != SeriesStyle::Points {
+            drawing.line(points.clone(), color(k), 2.0);
+        }
+        if *style != SeriesStyle::Line {
+            points.into_iter().for_each(|at| marker(k, at, &mut drawing));
         }
     }
     draw_legend(&entries, &mut drawing);
@@ -153,6 +155,7 @@ fn bar(point: &ChartPoint, axis: usize) -> [f64; 2] {
 /// A series in the legend.
 struct LegendEntry {
     name: String,
+    style: SeriesStyle,
     /// The growth along the line; empty if there is none.
     growth: String,
 }
@@ -168,6 +171,7 @@ fn entry(figure: &ChartSpec, series: &ChartSeries) -> LegendEntry {
     let growth = figure.growth(series);
     LegendEntry {
         name: series.name.clone(),
+        style: series.style,
         growth: growth.map_or(String::new(), |g| format!("slope {g}")),
     }
 }
@@ -177,8 +181,12 @@ fn draw_legend(entries: &[LegendEntry], drawing: &mut Drawing) {
     let mut y = LEGEND_TOP;
     for (k, entry) in entries.iter().enumerate() {
         let start = DVec2::new(SIZE.x + 6.0, y);
-        drawing.line(vec![start, start + 28.0 * DVec2::X], color(k), 2.0);
-        marker(k, start + 14.0 * DVec2::X, drawing);
+        if entry.style != SeriesStyle::Points {
+            drawing.line(vec![start, start + 28.0 * DVec2::X], color(k), 2.0);
+        }
+        if entry.style != SeriesStyle::Line {
+            marker(k, start + 14.0 * DVec2::X, drawing);
+        }
         let at = start + DVec2::new(36.0, BASELINE);
         drawing.text(at, TextAnchor::Start, FONT_SIZE, INK, &entry.name);
         if !entry.growth.is_empty() {
@@ -262,7 +270,7 @@ impl AxisScale {
                 .into_iter()
                 .find(|s| *s >= rough);
             let step = step.unwrap_or(rough);
-            let first = (low.max(0.0) / step).ceil() as i64;
+            let first = (low / step).ceil() as i64;
             let last = (high / step).floor() as i64;
             return (first..=last).map(|k| k as f64 * step).collect();
         }
@@ -322,6 +330,7 @@ mod tests {
         assert_eq!(scale(0.5, 2000.0, true).ticks(), [1.0, 10.0, 100.0, 1000.0]);
         assert_eq!(scale(0.9, 6.0, true).ticks(), [1.0, 2.0, 5.0]);
         assert_eq!(scale(-2.0, 66.0, false).ticks(), [0.0, 20.0, 40.0, 60.0]);
+        assert_eq!(scale(-4.2, 4.2, false).ticks(), [-4.0, -2.0, 0.0, 2.0, 4.0]);
         for (x, want) in [
             (0.05, "0.05"),
             (1.0, "1"),
@@ -342,6 +351,7 @@ mod tests {
         };
         let series = |name: &str| ChartSeries {
             name: name.into(),
+            style: SeriesStyle::Marked,
             points: [[1.0, 1e-3], [10.0, 1e-4], [100.0, 1e-5]]
                 .map(|at| ChartPoint {
                     at,

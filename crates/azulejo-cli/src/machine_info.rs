@@ -1,4 +1,4 @@
-//! The machine on which a suite runs.
+//! The machine on which reports are measured.
 
 use crate::engine::{embree_version, fastest_card_name};
 use crate::report::bytes;
