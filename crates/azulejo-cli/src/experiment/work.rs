@@ -311,7 +311,7 @@ fn answered(
         engine: setting.name.clone(),
         setting: setting.to_string(),
         ran: factors.engine_used.name,
-        case: case.id.to_owned(),
+        case: case.id.to_string(),
         words: case.description.clone(),
         source: case.source.to_owned(),
         kind: format!("{:?}", case.kind).to_lowercase(),

@@ -47,7 +47,7 @@ fn truths_agree_with_the_reference_table() {
 #[test]
 fn cases_are_complete_and_named_once() {
     let cases = cases();
-    let ids: HashSet<&str> = cases.iter().map(|c| c.id).collect();
+    let ids: HashSet<&str> = cases.iter().map(|c| &*c.id).collect();
     assert_eq!(ids.len(), cases.len());
     for case in &cases {
         case.scene
@@ -92,7 +92,7 @@ struct Answered {
 fn ask(case: Case, options: &FormFactorOptions) -> Answered {
     let found = case.ask(&Tracer::new(&case.scene), options, &Progress::new());
     let (answer, factors) = found.unwrap_or_else(|e| panic!("{}: {e}", case.id));
-    let (id, truth, engine) = (case.id, case.truth.value, factors.engine_used.name);
+    let (id, truth, engine) = (&case.id, case.truth.value, factors.engine_used.name);
     let (value, off, error) = (answer.value, answer.off(&case), answer.error);
     eprintln!("{engine:9} {id:16} {value:.10} truth {truth:.10} off {off:.1e} ± {error:.1e}");
     assert!(value.is_finite() && error.is_finite(), "{id}: {answer:?}");
@@ -117,7 +117,7 @@ fn check_honesty(answers: &[Answered]) {
     let is_far = |a: &&Answered| a.answer.standard_errors(&a.case) > 4.0;
     let far: Vec<&Answered> = answers.iter().filter(is_far).collect();
     let word = |a: &&Answered| {
-        let (id, truth) = (a.case.id, a.case.truth.value);
+        let (id, truth) = (&a.case.id, a.case.truth.value);
         format!("{} {id}: {:?}, truth {truth}", a.engine, a.answer)
     };
     let words: Vec<String> = far.iter().map(word).collect();
