@@ -10,7 +10,7 @@ use super::lettering::{
 use super::placement::{self, PlaceArg, Placement};
 use super::surroundings::args::{Site, SurroundingsArgs};
 use super::values::{self, TimeArg, UpArg};
-use super::{exchange, form_factors};
+use super::{exchange, form_factors, validate};
 use azulejo_formats::{Lod, ReadOptions};
 use azulejo_render::FinalGather;
 use azulejo_render::rtrace::Side;
@@ -80,6 +80,9 @@ pub enum Command {
     /// Compare form factor engines: run a suite of scenes and settings and report times and errors
     #[command(after_help = EXPERIMENT_EXAMPLES)]
     Experiment(ExperimentArgs),
+    /// Check this program against closed forms, balances and its own error bars, and write a report
+    #[command(after_help = validate::args::EXAMPLES)]
+    Validate(validate::args::ValidateArgs),
     /// Make solid letters from text
     #[command(after_help = TEXT_EXAMPLES)]
     Text(TextArgs),

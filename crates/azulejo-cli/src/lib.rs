@@ -30,6 +30,7 @@ mod kept_gltf;
 mod layers;
 mod lettering;
 mod machine_info;
+mod matrix_metrics;
 mod model_table;
 
 mod pass;
@@ -43,6 +44,7 @@ mod rtrace;
 mod session;
 mod solve;
 mod surroundings;
+mod validate;
 mod values;
 mod views;
 mod workbench;
@@ -121,6 +123,11 @@ fn run(cli: Cli) -> Result<(), Failure> {
             Some(report) => report,
             None => return Ok(()),
         },
+        Command::Validate(args) => {
+            let (report, end) = validate::run(args, &mut session)?;
+            session.finish(report)?;
+            return end;
+        }
         Command::Text(args) => lettering::run_text(args, &mut session)?,
         Command::Font { command } => lettering::run_font(command, &mut session)?,
         Command::Extrude(args) => lettering::run_extrude(args, &mut session)?,

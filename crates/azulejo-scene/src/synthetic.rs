@@ -6,6 +6,7 @@
 mod ball;
 mod cornell_box;
 mod cornell_thesis;
+mod cube_array;
 mod furnished_room;
 mod room_with_table;
 mod sheets;
@@ -16,6 +17,7 @@ mod tests;
 pub use ball::displaced_sphere;
 pub use cornell_box::{CornellVariant, cornell_box};
 pub use cornell_thesis::{cornell_thesis, cornell_thesis_at};
+pub use cube_array::cube_array;
 pub use furnished_room::furnished_room;
 pub use room_with_table::room_with_table;
 pub use street::{street, street_with_detail};

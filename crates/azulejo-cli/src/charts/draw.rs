@@ -59,7 +59,9 @@ fn drawing(figure: &ChartSpec) -> Drawing {
             drawing.line(points.clone(), color(k), 2.0);
         }
         if *style != SeriesStyle::Line {
-            points.into_iter().for_each(|at| marker(k, at, &mut drawing));
+            points
+                .into_iter()
+                .for_each(|at| marker(k, at, &mut drawing));
         }
     }
     draw_legend(&entries, &mut drawing);

@@ -10,12 +10,11 @@
 //! | `suite` | the suite's file, and messages on errors in it |
 //! | `plan` | tasks, with keys of all that their results depend on |
 //! | `work` | one task, in the child process |
-//! | `metrics`, `reference` | measures, and the reference data |
+//! | `reference` | the reference data |
 //! | `record`, `journal` | results on disk |
 //! | `report` | tables and plots |
 
 mod journal;
-mod metrics;
 mod plan;
 mod record;
 mod reference;

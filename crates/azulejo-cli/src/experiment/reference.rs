@@ -1,8 +1,8 @@
 //! The reference that runs are compared with: some rows of its matrix and its radiosities, stored
 //! in the report's folder as NumPy arrays.
 
-use super::metrics::SparseRow;
 use crate::failure::Failure;
+use crate::matrix_metrics::SparseRow;
 use azulejo::output::Output;
 use azulejo_formats::numpy::npy;
 use azulejo_scene::Rgb;

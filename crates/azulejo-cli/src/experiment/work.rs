@@ -1,6 +1,5 @@
 //! One task, in its child process.
 
-use super::metrics::{self, PatchSurfaces};
 use super::plan::{EngineSetting, Origin, SceneChoice, Task, model_scene};
 use super::record::{RunRecord, TaskOutcome, TaskRecord, TruthRecord};
 use super::reference::{ReferenceData, spread};
@@ -8,6 +7,7 @@ use crate::clock::{Clock, peak_memory};
 use crate::content_key::{self, ContentHasher};
 use crate::engine::PreparedEngine;
 use crate::failure::Failure;
+use crate::matrix_metrics::{self as metrics, PatchSurfaces};
 use crate::pass;
 use azulejo_factors::truth::{Case, cases};
 use azulejo_factors::{FormFactorOptions, FormFactors, PatchSize, Patches, faceted};

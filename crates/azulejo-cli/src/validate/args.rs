@@ -1,0 +1,37 @@
+//! Arguments of `validate`.
+
+use crate::engine::EngineName;
+use clap::{Args, ValueHint};
+use std::path::PathBuf;
+
+/// `validate`
+#[derive(Debug, Args)]
+pub struct ValidateArgs {
+    /// Folder of the report: index.html, its plots, results.csv and results.json
+    #[arg(long, short, value_name = "FOLDER", value_hint = ValueHint::DirPath)]
+    pub output: PathBuf,
+    /// Engines to check [default: all that this machine has]
+    #[arg(long, value_name = "ENGINE,...", value_enum, value_delimiter = ',')]
+    pub engine: Vec<EngineName>,
+    /// Check only what has this in its name: a part of the report, a case, a scene
+    #[arg(long, value_name = "NAME")]
+    pub only: Option<String>,
+    /// Fewer rays, pixels and repetitions: a minute instead of a quarter of an hour
+    #[arg(long)]
+    pub quick: bool,
+    /// Seed of the random numbers; the same seed gives the same report, but for times
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+}
+
+/// Examples and notes below the help.
+pub const EXAMPLES: &str = "\
+Examples:
+  azulejo validate -o report
+  azulejo validate -o report --quick --engine rays,analytic
+  azulejo validate -o report --only \"error bars\"
+
+The report tells what was compared with what, and when a check passes. docs/validation.md has the figures
+of a release.
+
+Exit codes: 0 every check passed, 1 one or more failed (the report is written), 2 usage error.";
