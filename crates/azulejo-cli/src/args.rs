@@ -53,7 +53,7 @@ pub struct CommonArgs {
 /// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Show what a model contains
+    /// Show what a model, or a matrix of form factors (.npz), contains
     #[command(after_help = INFO_EXAMPLES)]
     Info(InfoArgs),
     /// Read models, merge them and write them in another format
@@ -681,6 +681,7 @@ Examples:
   azulejo info room.3ds
   azulejo info drawing.dxf --strict
   azulejo info --table *.3ds *.obj --format markdown
+  azulejo info f.npz
   azulejo info room.grf --json | python3 -m json.tool";
 
 const CONVERT_EXAMPLES: &str = "\

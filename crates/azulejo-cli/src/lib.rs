@@ -30,6 +30,7 @@ mod kept_gltf;
 mod layers;
 mod lettering;
 mod machine_info;
+mod matrix_info;
 mod matrix_metrics;
 mod model_table;
 
@@ -103,7 +104,10 @@ fn run(cli: Cli) -> Result<(), Failure> {
             return end;
         }
         Command::Info(args) => {
-            let report = info::run(args, &mut session)?;
+            let report = match matrix_info::run(args, &mut session)? {
+                Some(report) => report,
+                None => info::run(args, &mut session)?,
+            };
             return session.print(report);
         }
         Command::Convert(args) => convert::run(args, &mut session)?,

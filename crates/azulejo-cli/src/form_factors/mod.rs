@@ -5,7 +5,7 @@ mod destination;
 mod journal;
 mod outside;
 pub mod stored;
-mod summary;
+pub mod summary;
 mod view3d;
 
 use super::args::InputArgs;

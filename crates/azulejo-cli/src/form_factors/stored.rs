@@ -7,7 +7,8 @@ use crate::failure::Failure;
 use crate::pass;
 use crate::report::percent;
 use crate::session::Session;
-use azulejo_exchange::{Enclosure, archive};
+use azulejo_exchange::Enclosure;
+use azulejo_exchange::archive::{self, ReadEnclosure};
 use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
@@ -41,12 +42,21 @@ pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<Enclo
     read_archive(path, args.computation.memory, session).map(Some)
 }
 
-/// Reads an archive, and says what is odd about it.
+/// Reads the factors of an archive, and says what is odd about them.
 pub fn read_archive(
     path: &Path,
     memory: Option<u64>,
     session: &mut Session,
 ) -> Result<Enclosure, Failure> {
+    Ok(read_whole(path, memory, session)?.enclosure)
+}
+
+/// Reads an archive with what is known of its arrays, and says what is odd about it.
+pub fn read_whole(
+    path: &Path,
+    memory: Option<u64>,
+    session: &mut Session,
+) -> Result<ReadEnclosure, Failure> {
     let failed =
         |e: &dyn std::fmt::Display| Failure::failed(format_args!("{}: {e}", path.display()));
     session.progress().begin("reading", 0);
@@ -61,7 +71,7 @@ pub fn read_archive(
             percent(read.asymmetry)
         ));
     }
-    Ok(read.enclosure)
+    Ok(read)
 }
 
 /// Whether a file is an archive of arrays, by its name.

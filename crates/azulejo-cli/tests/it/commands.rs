@@ -260,6 +260,9 @@ fn the_program_explains_itself() {
         "probe",
         "form-factors",
         "exchange",
+        "experiment",
+        "validate",
+        "bake",
         "text",
         "font",
         "font convert",
@@ -290,7 +293,7 @@ fn the_program_explains_itself() {
     folder.ok("man .");
     let page = String::from_utf8(folder.read("azulejo-render.1")).unwrap();
     assert!(page.contains(".TH") && page.contains("exposure"));
-    assert_eq!(folder.names().len(), 28);
+    assert_eq!(folder.names().len(), 29);
 }
 
 #[test]

@@ -23,6 +23,7 @@ mod sides;
 mod support;
 #[path = "../../../azulejo-formats/tests/it/tiny_font.rs"]
 mod tiny_font;
+mod validate;
 mod view3d;
 mod viewers;
 mod workbench;

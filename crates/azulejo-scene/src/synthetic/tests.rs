@@ -237,3 +237,31 @@ fn street_is_closed_at_any_detail() {
         );
     }
 }
+
+#[test]
+fn an_array_of_cubes_covers_a_quarter() {
+    let scene = cube_array(3, 2);
+    scene.validate().unwrap();
+    assert_eq!(scene.objects.len(), 1 + 9);
+    let area_vectors = |k: usize| {
+        let mesh = mesh(&scene.objects[k]);
+        (0..mesh.faces.len()).map(move |f| mesh.face_area_vector(f))
+    };
+    let area = |k: usize| area_vectors(k).map(glam::DVec3::length).sum::<f64>();
+    // 6 × 6 units of ground of which 9 are built on, seen from above.
+    let seen: DVec3 = area_vectors(0).sum();
+    assert!((area(0) - 27.0).abs() < 1e-12 && (seen.z - 27.0).abs() < 1e-12);
+    for k in 1..10 {
+        // Five sides; without the base, the sum of the area vectors is that of the roof.
+        let outward: DVec3 = area_vectors(k).sum();
+        assert!((area(k) - 5.0).abs() < 1e-12 && (outward - DVec3::Z).length() < 1e-12);
+        let middle = mesh(&scene.objects[k]).positions.iter().sum::<DVec3>();
+        let middle = middle / mesh(&scene.objects[k]).positions.len() as f64;
+        let mesh = mesh(&scene.objects[k]);
+        let is_outward = |f: usize| {
+            let corner = mesh.face_positions(f)[0];
+            mesh.face_area_vector(f).dot(corner - middle) > 0.0
+        };
+        assert!((0..mesh.faces.len()).all(is_outward));
+    }
+}

@@ -1,0 +1,68 @@
+//! `validate`: a part of it, by some engines, and what is refused.
+
+use crate::support::Folder;
+
+fn text(folder: &Folder, name: &str) -> String {
+    String::from_utf8_lossy(&folder.read(name)).into_owned()
+}
+
+#[test]
+fn the_report_has_page_plots_and_numbers() {
+    let folder = Folder::new();
+    let found = folder.json("validate -o report --quick --engine rays,analytic --only wedge");
+    let (checks, failed) = (found["checks"].as_u64().unwrap(), found["failed"].as_u64());
+    assert!(checks > 6 && failed == Some(0), "{found}");
+    let page = text(&folder, "report/index.html");
+    for part in [
+        "Validation of azulejo",
+        "closed-forms",
+        "rays and closed forms",
+        "<svg",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+    let table = text(&folder, "report/results.csv");
+    assert_eq!(table.lines().count() as u64, checks + 1);
+    assert!(
+        table
+            .lines()
+            .any(|l| l.starts_with("closed forms,analytic,wedge")),
+        "{table}"
+    );
+    let numbers = text(&folder, "report/results.json");
+    let numbers: serde_json::Value = serde_json::from_str(&numbers).unwrap();
+    assert_eq!(numbers["checks"].as_array().unwrap().len() as u64, checks);
+    assert!(text(&folder, "report/errors.svg").starts_with("<svg"));
+}
+
+/// Digests are those of any machine, whatever the seed and the threads.
+#[test]
+fn digests_are_comparable() {
+    let folder = Folder::new();
+    let digest = |options: &str| {
+        let only = "--only table --engine analytic --quick";
+        folder.ok(&format!("validate -o report {only} {options}"));
+        let table = text(&folder, "report/results.csv");
+        let line = table
+            .lines()
+            .find(|l| l.starts_with("repeatability,analytic"));
+        let line = line.unwrap().rsplit_once(',').unwrap().0.to_owned();
+        assert!(line.contains(",passed,"), "{line}");
+        line
+    };
+    assert_eq!(digest("--seed 1 --threads 1"), digest("--seed 2"));
+}
+
+#[test]
+fn nothing_is_checked_by_mistake() {
+    let folder = Folder::new();
+    folder.fails(
+        "validate -o report --quick --only nonsense",
+        2,
+        "closed forms",
+    );
+    folder.fails("validate -o report --engine particles", 2, "hemicube");
+    folder.fails("validate", 2, "--output");
+    folder.write("file", "");
+    folder.fails("validate -o file --quick --only wedge", 1, "file");
+}
