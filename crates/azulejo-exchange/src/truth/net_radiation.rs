@@ -167,10 +167,11 @@ pub fn eliminate(mut matrix: Vec<Vec<f64>>, mut right: Vec<f64>) -> Vec<f64> {
             .unwrap_or(k);
         matrix.swap(k, pivot);
         right.swap(k, pivot);
-        for i in k + 1..n {
-            let factor = matrix[i][k] / matrix[k][k];
-            for j in k..n {
-                matrix[i][j] -= factor * matrix[k][j];
+        let (above, below) = matrix.split_at_mut(k + 1);
+        for (row, i) in below.iter_mut().zip(k + 1..) {
+            let factor = row[k] / above[k][k];
+            for (entry, pivot) in row.iter_mut().zip(&above[k]) {
+                *entry -= factor * pivot;
             }
             right[i] -= factor * right[k];
         }
