@@ -12,6 +12,7 @@
 //! | [`network`] | Gebhart factors, conductances, temperatures and fluxes |
 //! | [`model`] | all of this together: properties and conditions in, networks and temperatures out |
 //! | [`files`] | files of other programs |
+//! | [`truth`] | enclosures with known answers, to judge solvers by |
 
 pub mod archive;
 pub mod bands;
@@ -20,6 +21,7 @@ pub mod files;
 pub mod model;
 pub mod network;
 pub mod tables;
+pub mod truth;
 
 pub use bands::{SpectralRange, band_fraction};
 pub use enclosure::{CellMesh, Enclosure, GroupBy, Groups, OutsideLight, RowTable};

@@ -1,0 +1,149 @@
+//! What the cases must hold among themselves.
+
+use super::expected::*;
+use super::net_radiation::{NetRadiation, eliminate};
+use super::planck::{bisect, planck_fraction};
+use super::*;
+use crate::network::RowCondition;
+use std::collections::HashSet;
+
+#[test]
+fn elimination_needs_its_pivots() {
+    // The first pivot is 0; the solution is 1, 2, 3.
+    let matrix = vec![
+        vec![0.0, 2.0, 1.0],
+        vec![1.0, 1.0, 1.0],
+        vec![3.0, 0.0, -1.0],
+    ];
+    let found = eliminate(matrix, vec![7.0, 6.0, 0.0]);
+    for (x, expected) in found.iter().zip([1.0, 2.0, 3.0]) {
+        assert!((x - expected).abs() < 1e-14, "{found:?}");
+    }
+}
+
+#[test]
+fn quadrature_gives_the_whole_and_the_quarter() {
+    // Wien's displacement constant: a quarter of emission is at shorter wavelengths.
+    assert!((planck_fraction(2_897.771_955) - 0.250_05).abs() < 1e-5);
+    // Beyond this, 5 c₂³/(π⁴ (λT)³) is left: the law of Rayleigh and Jeans.
+    let far = 1e8f64;
+    let rest = 5.0 / std::f64::consts::PI.powi(4) * (14_387.768_77 / far).powi(3);
+    assert!((planck_fraction(far) + rest - 1.0).abs() < 1e-13);
+    assert!((bisect(0.0, 2.0, |x| x * x - 2.0) - 2f64.sqrt()).abs() < 1e-15);
+}
+
+/// Both equations of textbooks say the same of one enclosure, and absorption factors sum to 1.
+#[test]
+fn equations_of_both_books_agree() {
+    let paint = GreyPaint::new(
+        &[0.5, 0.1, 0.5, 0.2, 0.4, 0.6],
+        &[0.0, 0.7, 0.1, 0.8, 0.0, 0.0],
+    );
+    let cube = known_factors::mirrored_cube(&paint);
+    let temperatures = [300.0, 400.0, 500.0, 600.0, 700.0, 800.0f64];
+    let balance = cube.balance(&temperatures.map(RowCondition::Temperature));
+    for i in 0..6 {
+        let sum: f64 = (0..7).map(|j| cube.gebhart(i, j)).sum();
+        assert!((sum - 1.0).abs() < 1e-11, "row {i}: {sum}");
+        assert_eq!(cube.to_space(i), 0.0);
+        let heat = |j: usize| {
+            let between = temperatures[i].powi(4) - temperatures[j].powi(4);
+            cube.conductance(i, j) * SIGMA * between
+        };
+        let heat: f64 = (0..6).map(heat).sum();
+        assert!(
+            (heat - balance.fluxes[i]).abs() < 1e-8 * heat.abs(),
+            "row {i}"
+        );
+    }
+}
+
+/// Fluxes that follow from temperatures give these temperatures back.
+#[test]
+fn given_fluxes_give_temperatures() {
+    let paint = GreyPaint::matt(&[0.9, 0.7, 0.5, 0.3]);
+    let duct = known_factors::rectangular_duct(2.0, 1.0, &paint);
+    let temperatures = [900.0, 700.0, 500.0, 300.0];
+    let fluxes = duct
+        .balance(&temperatures.map(RowCondition::Temperature))
+        .fluxes;
+    let mut mixed = fluxes
+        .into_iter()
+        .map(RowCondition::Flux)
+        .collect::<Vec<_>>();
+    mixed[1] = RowCondition::Temperature(700.0);
+    let found = duct.balance(&mixed).temperatures;
+    for (t, expected) in found.iter().zip(temperatures) {
+        assert!((t - expected).abs() < 1e-9, "{found:?}");
+    }
+}
+
+/// General formulas hold special ones.
+#[test]
+fn formulas_hold_special_cases() {
+    let check = |a: f64, b: f64| assert!((a - b).abs() < 1e-14 * b.abs(), "{a} {b}");
+    check(concentric([1.0, 1.0], [0.3, 0.6], 0.2), plates(0.3, 0.6));
+    check(concentric([1.0, 9.0], [0.3, 0.6], 0.4), plates(0.3, 0.6));
+    check(reradiating(1.0, 1.0, 0.2), 0.6);
+    check(in_series(&[2.0, 2.0]), 1.0);
+    check(groove(0.4, 1.0), 0.4);
+    check(disks(1.0, 1.0, 2.0), 3.0 - 8f64.sqrt());
+    check(hole_of_sphere(0.4, 1.0), 0.4);
+    check(opposed_strips(1.0, 1.0), 2f64.sqrt() - 1.0);
+    // A crater as deep as a sphere is a cavity that is as hot all over.
+    check(
+        crater_shadow(1.0, 0.0, 0.9, 500.0),
+        (500.0 / SIGMA).powf(0.25),
+    );
+    let parts = NetRadiation::new(
+        &[0.1, 0.3, 0.6],
+        &GreyPaint::matt(&[0.9, 0.5, 0.05]),
+        |_, j| [0.1, 0.3, 0.6][j],
+    );
+    check(
+        part_of_sphere(&[0.1, 0.3, 0.6], &[0.9, 0.5, 0.05], 1),
+        parts.gebhart(2, 1),
+    );
+}
+
+/// The mirrored boxes that are asked about close: what leaves a row arrives, counted once.
+#[test]
+fn images_fill_all_directions() {
+    let mirrors = [
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.9],
+        [0.8, 0.8, 0.0, 0.0, 0.0, 0.0],
+        [0.0, 0.7, 0.0, 0.9, 0.0, 0.0],
+        [0.3, 0.3, 0.3, 0.3, 0.0, 0.4],
+    ];
+    for mirror in mirrors {
+        let paint = GreyPaint::new(&[0.1; 6], &mirror);
+        let cube = images::mirrored_box([1.0; 3], &paint);
+        let duct = GreyPaint::new(&[0.1; 4], &mirror[..4]);
+        let duct = images::mirrored_duct(&duct);
+        for enclosure in [cube, duct] {
+            let factors = &enclosure.enclosure.factors;
+            for (ended, rest) in factors.ended().iter().zip(&factors.rest) {
+                assert!((ended - 1.0).abs() < 1e-9 && rest.sky == 0.0, "{ended}");
+            }
+        }
+    }
+}
+
+#[test]
+fn cases_are_named_once_and_described() {
+    let cases = exchange_cases();
+    let ids: HashSet<&str> = cases.iter().map(|case| case.id).collect();
+    assert_eq!(ids.len(), cases.len());
+    for case in &cases {
+        assert!(case.truth.is_finite() && case.truth != 0.0, "{case:?}");
+        assert!(
+            case.description.len() > 20 && !case.source.is_empty(),
+            "{case:?}"
+        );
+        assert!(
+            !case.is_within(f64::NAN) && !case.is_within(case.truth * 1.000_001),
+            "{case:?}"
+        );
+        assert!(case.is_within(case.truth), "{case:?}");
+    }
+}
