@@ -34,6 +34,11 @@ const EXACT: f64 = 1e-16;
 /// factor of ten to cancellation there.
 const REMOTE: f64 = 100.0;
 
+/// Radius of the smaller polygon over its distance from the contour of the larger one, below which Gauss points
+/// on it replace the contours: those lose two digits per factor of ten to cancellation, and four points
+/// are good to rounding here.
+const SMALL: f64 = 0.01;
+
 /// Point to point is used while the squared radii over the squared distance stay below this times
 /// the accuracy.
 const FAST_FAR: f64 = 0.5;
@@ -224,6 +229,12 @@ impl Pair {
     fn exact(&self, tolerance: f64) -> f64 {
         if self.distance() > REMOTE * self.p1.radius.max(self.p2.radius) {
             return self.area_by_area(3);
+        }
+        let (small, large) = self.small_and_large();
+        let ratio = small.radius / large.distance_to_contour(small.centre);
+        if ratio < SMALL {
+            let points = EXACT.ln() / (2.0 * ratio.ln());
+            return Self::points_by_area(small, large, points.ceil().max(1.0) as usize);
         }
         contour::exchange_area(&self.p1.polygon, &self.p2.polygon, tolerance)
     }

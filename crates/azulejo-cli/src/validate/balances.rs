@@ -184,19 +184,16 @@ fn stated_error(
     let tracer = engine.prepared.tracer(&whole.scene)?;
     let found = form_factors(&whole.scene, &tracer, &options, validator.progress);
     let factors = found.map_err(pass::failure)?;
-    let row = |m: &FormFactors, i: usize| m.row(i).map(|(j, x, _)| (j, x)).collect::<Vec<_>>();
     let sums = factors.row_sums();
-    let seeing: Vec<usize> = (0..factors.len()).filter(|&i| sums[i] > 0.0).collect();
-    let true_error = |&i: &usize| metrics::row_error(&row(&factors, i), &row(reference, i));
-    let true_errors: Vec<f64> = seeing.iter().map(true_error).collect();
-    let stated: Vec<f64> = seeing
-        .iter()
-        .map(|&i| factors.row_errors[i] / sums[i])
-        .collect();
-    let (true_error, stated) = (
-        metrics::mean_and_largest(&true_errors).0,
-        metrics::mean_and_largest(&stated).0,
-    );
+    let row_sum = |i: usize| sums[i] + factors.rest[i].escaped();
+    let seeing: Vec<usize> = (0..factors.len()).filter(|&i| row_sum(i) > 0.0).collect();
+    let mean = |error: &dyn Fn(usize) -> f64| {
+        let errors: Vec<f64> = seeing.iter().map(|&i| error(i)).collect();
+        metrics::mean_and_largest(&errors).0
+    };
+    let true_error =
+        mean(&|i| metrics::row_error(&whole_row(&factors, i), &whole_row(reference, i)));
+    let stated = mean(&|i| factors.row_errors[i] / row_sum(i));
     let [low, high] = HONEST;
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
     Ok(CheckRecord {
@@ -210,4 +207,12 @@ fn stated_error(
         ..CheckRecord::new(PART, whole.name, [stated / true_error, middle, half])
             .of(engine.name, "mean row error: stated over true")
     })
+}
+
+/// A row with sky and ground, which its stated error includes, as further columns.
+fn whole_row(factors: &FormFactors, i: usize) -> metrics::SparseRow {
+    let rest = &factors.rest[i];
+    let outside = [(u32::MAX - 1, rest.sky), (u32::MAX, rest.ground)];
+    let row = factors.row(i).map(|(j, x, _)| (j, x));
+    row.chain(outside).collect()
 }

@@ -4,7 +4,7 @@ use super::Validator;
 use super::record::{CheckRecord, ValidationPart};
 use crate::clock::Clock;
 use crate::failure::Failure;
-use azulejo_exchange::truth::exchange_cases;
+use azulejo_exchange::truth::{ExchangeCase, ExchangeQuantity, exchange_cases};
 
 const PART: ValidationPart = ValidationPart::Exchange;
 
@@ -17,7 +17,7 @@ pub fn check(validator: &Validator) -> Result<Vec<CheckRecord>, Failure> {
         }
         let clock = Clock::start();
         let found = case.ask().map_err(Failure::failed)?;
-        let values = [found, case.truth, case.bound()];
+        let values = [found, case.truth, bound(&case)];
         records.push(CheckRecord {
             source: case.source.to_owned(),
             unit: case.quantity.unit(),
@@ -26,4 +26,12 @@ pub fn check(validator: &Validator) -> Result<Vec<CheckRecord>, Failure> {
         });
     }
     Ok(records)
+}
+
+/// The tolerance in the unit of the answer.
+fn bound(case: &ExchangeCase) -> f64 {
+    match case.quantity {
+        ExchangeQuantity::Temperature => case.tolerance,
+        _ => case.tolerance * case.truth.abs(),
+    }
 }

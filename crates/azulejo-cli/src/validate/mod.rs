@@ -16,7 +16,7 @@ mod balances;
 mod closed_forms;
 mod engines;
 mod error_bars;
-//mod exchanges;
+mod exchanges;
 mod record;
 mod repeatability;
 mod report;
@@ -111,7 +111,7 @@ impl Validator<'_> {
         let clock = Clock::start();
         let mut records = closed_forms::check(self)?;
         let convergence = closed_forms::convergence(self)?;
-        //records.extend(exchanges::check(self)?);
+        records.extend(exchanges::check(self)?);
         records.extend(balances::check(self)?);
         let (bars, coverage) = error_bars::check(self)?;
         records.extend(bars);

@@ -8,6 +8,15 @@ use azulejo_trace::{Cancelled, Progress};
 /// Tolerated deficit of a row's sum.
 const TOLERANCE: f64 = 1e-9;
 
+/// Deficits above this, which exact entries or those at their least left, are spread over all entries.
+const LEFT: f64 = 1e-7;
+
+/// Least standard error of an entry, as a share of its value, where deficits are left.
+const SPREAD: f64 = 1e-3;
+
+/// Most times that deficits are spread: each time entries at their least start from there.
+const SPREADS: usize = 4;
+
 /// Share of a row's light that a closed scene may lose: rays through cracks.
 const LOSS: f64 = 1e-6;
 
@@ -22,26 +31,45 @@ impl FormFactors {
 
     /// Enforces closure: makes Σ_j X_ij `ends`_j and the shares of `rest` sum to 1 in every row by
     /// the smallest change of exchange areas and of the shares of sky and ground, weighted by their
-    /// standard errors. Light that leaked through cracks of a closed scene is put back first.
+    /// standard errors. Light that leaked through cracks of a closed scene is put back first. Where exact
+    /// entries leave no room for that, all entries give way as if their errors were at least 0.1%.
     /// [`closed`](FormFactors::closed) records how much was moved; standard errors stay as they
     /// were.
     ///
-    /// Rows without an entry or share that could change stay as they are, and no entry falls below
-    /// a tenth of its value: [`Adjustment::deficit`] is what a row lacks then.
+    /// Rows without an entry or share that could change stay as they are, no entry falls below a tenth of
+    /// its value at a time, and two halves that see only each other may have sums that no change
+    /// reconciles: [`Adjustment::deficit`] is what a row lacks then.
     ///
     /// # Errors
-    /// [`Cancelled`]; the matrix is as before then.
+    /// [`Cancelled`]; what was changed by then stays changed.
     pub fn close(&mut self, progress: &Progress) -> Result<(), Cancelled> {
-        let rest: Vec<RowRemainder> = self.rest.iter().map(without_leaks).collect();
+        self.rest.iter_mut().for_each(put_back_leaks);
+        let mut moved = self.close_within(0.0, progress)?;
+        for _ in 0..SPREADS {
+            if self.deficits().iter().all(|d| d.abs() <= LEFT) {
+                break;
+            }
+            let more = self.close_within(SPREAD, progress)?;
+            moved.iter_mut().zip(more).for_each(|(m, more)| *m += more);
+        }
+        self.closed = Some(self.adjustment(&moved, &self.deficits()));
+        Ok(())
+    }
+
+    /// One smoothing, in which entries have at least this relative standard error; returns Σ_j |ΔX_ij| of
+    /// each row, with sky and ground.
+    fn close_within(&mut self, least: f64, progress: &Progress) -> Result<Vec<f64>, Cancelled> {
+        let variance = |e: &Exchange| squared(f64::from(e.error), e.value, least);
         let ended = self.ended();
-        let rows = || self.areas.iter().zip(&rest);
+        let rows = || self.areas.iter().zip(&self.rest);
+        let outside = |a: f64, value: f64, error: f64| a * a * squared(error, value, least);
         let smoothing = Smoothing {
             exchange: &self.exchange,
             variance: |_, e: &Exchange| variance(e),
             weights: &self.ends,
             free: rows()
-                .map(|(a, r)| {
-                    a * a * (squared(r.sky_error, r.sky) + squared(r.ground_error, r.ground))
+                .map(|(&a, r)| {
+                    outside(a, r.sky, r.sky_error) + outside(a, r.ground, r.ground_error)
                 })
                 .collect(),
             deficits: rows()
@@ -52,7 +80,7 @@ impl FormFactors {
         };
         let change = smoothing.solve(progress)?;
         let rest: Vec<RowRemainder> = (0..self.len())
-            .map(|i| changed_rest(&rest[i], &change, i, self.areas[i]))
+            .map(|i| changed_rest(&self.rest[i], least, &change, i, self.areas[i]))
             .collect();
         let ratio = |i: usize, e: &Exchange| Some(change.ratio(variance(e), i, e));
         let mut moved = self.moved(ratio);
@@ -62,8 +90,7 @@ impl FormFactors {
         }
         self.scale(false, ratio);
         self.rest = rest;
-        self.closed = Some(self.adjustment(&moved, &self.deficits()));
-        Ok(())
+        Ok(moved)
     }
 
     /// The deficit of each row, 1 less its sum; 0 for rows that see nothing.
@@ -102,44 +129,79 @@ impl FormFactors {
     }
 }
 
-/// Unknown errors are taken to be in proportion to the entries.
-fn variance(e: &Exchange) -> f64 {
-    squared(f64::from(e.error), e.value)
+/// The square of an error, which is at least this share of the value; of the value if the error is unknown,
+/// as if errors were in proportion to the entries.
+fn squared(error: f64, value: f64, least: f64) -> f64 {
+    let known = if error.is_nan() { value } else { error };
+    known.max(least * value).powi(2)
 }
 
-/// The square of an error, or of the value if the error is unknown.
-fn squared(error: f64, value: f64) -> f64 {
-    if error.is_nan() { value } else { error }.powi(2)
-}
-
-/// The same without escaped light so small that it must have leaked.
-fn without_leaks(rest: &RowRemainder) -> RowRemainder {
-    if rest.escaped() > LOSS {
-        return *rest;
-    }
-    RowRemainder {
-        sky: 0.0,
-        sky_error: 0.0,
-        ground: 0.0,
-        ground_error: 0.0,
-        ..*rest
+/// Removes escaped light so small that it must have leaked.
+fn put_back_leaks(rest: &mut RowRemainder) {
+    if rest.escaped() <= LOSS {
+        (rest.sky, rest.sky_error) = (0.0, 0.0);
+        (rest.ground, rest.ground_error) = (0.0, 0.0);
     }
 }
 
 /// Sky and ground after the change.
 fn changed_rest(
     rest: &RowRemainder,
+    least: f64,
     change: &SmoothingChange,
     i: usize,
     area: f64,
 ) -> RowRemainder {
     let share = |value: f64, error: f64| {
-        let added = change.beside(area * squared(error, value), i);
+        let added = change.beside(area * squared(error, value, least), i);
         (value + added).max(LEAST * value)
     };
     RowRemainder {
         sky: share(rest.sky, rest.sky_error),
         ground: share(rest.ground, rest.ground_error),
         ..*rest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use azulejo_trace::Progress;
+
+    /// Three rows; the entries between the first two are exact.
+    fn with_exact_entries(missing: f64) -> FormFactors {
+        let entry = |column, value, error| Exchange {
+            column,
+            value,
+            error,
+        };
+        FormFactors {
+            exchange: [
+                vec![entry(1, 0.5 - missing, 0.0), entry(2, 0.5 - missing, 0.0)],
+                vec![entry(2, 0.5, 0.01)],
+                vec![],
+            ]
+            .into_iter()
+            .collect(),
+            areas: vec![1.0; 3],
+            rest: vec![RowRemainder::default(); 3],
+            ends: vec![1.0; 3],
+            ..FormFactors::default()
+        }
+    }
+
+    /// The first row has no error, and lacks something nevertheless.
+    #[test]
+    fn exact_entries_give_way_where_nothing_else_does() {
+        let mut factors = with_exact_entries(1e-4);
+        factors.close(&Progress::new()).unwrap();
+        let closed = factors.closed.unwrap();
+        assert!(closed.deficit < 1e-7, "{closed:?}");
+        assert!(closed.most > 1e-4 && closed.most < 1e-3, "{closed:?}");
+        // What is right to the last digits stays.
+        let mut factors = with_exact_entries(1e-9);
+        let before = factors.get(0, 1);
+        factors.close(&Progress::new()).unwrap();
+        assert_eq!(factors.get(0, 1), before);
     }
 }

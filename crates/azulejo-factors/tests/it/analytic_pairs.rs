@@ -1,7 +1,8 @@
 //! Pairs of polygons, with occluders and mirrors, against known answers.
 
 use crate::polygons::polygon;
-use azulejo_factors::analytic::{mirrored_form_factor, visible_form_factor};
+use azulejo_factors::analytic::{form_factor, mirrored_form_factor, visible_form_factor};
+use azulejo_factors::truth::formulas::element_parallel;
 use azulejo_factors::truth::{Case, CaseKind, cases};
 use glam::DVec3;
 
@@ -78,5 +79,26 @@ fn mirrored_pairs() {
             1e-8
         };
         check(case, direct.value + value, direct.error + error, tail);
+    }
+}
+
+/// Small polygons far from the contour of a large one, where integrals along contours cancel: the value is
+/// that of an element (Howell B-3), but for the size, whose effect is of second order.
+#[test]
+fn small_polygons_are_as_exact_as_large_ones() {
+    let lid = [(0.0, 0.0), (0.0, 1.0), (2.0, 1.0), (2.0, 0.0)];
+    for height in [0.25, 4.0] {
+        let lid = lid.map(|(x, y)| DVec3::new(x, y, height));
+        let truth = element_parallel(2.0, 1.0, height);
+        for side in [1e-4, 1e-5, 1e-6, 1e-7] {
+            let corners = [(-1., -1.), (1., -1.), (1., 1.), (-1., 1.)];
+            let small = corners.map(|(x, y)| side * DVec3::new(x, y, 0.0));
+            let relative = |f: f64| (f / truth - 1.0).abs();
+            let (there, back) = (form_factor(&small, &lid), form_factor(&lid, &small));
+            let most = 1e-12 + 2.0 * (side / height).powi(2);
+            assert!(relative(there) < most, "{side}: {there}, {truth}");
+            let back = back * 2.0 / (4.0 * side * side);
+            assert!(relative(back) < most, "{side}: {back}, {truth}");
+        }
     }
 }
