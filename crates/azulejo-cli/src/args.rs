@@ -16,6 +16,7 @@ use azulejo_render::FinalGather;
 use azulejo_render::rtrace::Side;
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use glam::DVec3;
+use globset::GlobMatcher;
 use jiff::Timestamp;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -190,6 +191,9 @@ pub struct ReadingArgs {
     /// background, fog. May be given several times
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub recipe: Vec<PathBuf>,
+    /// Turn objects inside out, by their names, with * and ?: their backs become their fronts
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = values::names)]
+    pub flip: Vec<GlobMatcher>,
     /// Fail if anything in a model had to be skipped or repaired
     #[arg(long)]
     pub strict: bool,

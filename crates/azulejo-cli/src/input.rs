@@ -10,6 +10,7 @@ use azulejo::models::{self, read_bytes};
 use azulejo::recipe::Recipe;
 use azulejo_formats::{ReadOptions, camera_json};
 use azulejo_scene::{Scene, Units};
+use globset::GlobMatcher;
 use jiff::Timestamp;
 use std::path::{Path, PathBuf};
 
@@ -101,6 +102,7 @@ fn read_all_for(
     for path in &input.reading.recipe {
         apply_recipe(path, &mut scene, input.reading.strict, session)?;
     }
+    flip(&mut scene, &input.reading.flip, session)?;
     if let Some(path) = &input.lights {
         let lights = camera_json::read_lights(&read_bytes(path)?, &path.to_string_lossy());
         scene.lights.extend(lights.map_err(Failure::failed)?);
@@ -132,6 +134,30 @@ fn apply_recipe(
             Ok(())
         }
     }
+}
+
+/// Turns the objects of these names inside out.
+fn flip(scene: &mut Scene, names: &[GlobMatcher], session: &mut Session) -> Result<(), Failure> {
+    for wanted in names {
+        let mut is_there = false;
+        for object in &mut scene.objects {
+            if !wanted.is_match(&object.name) {
+                continue;
+            }
+            is_there = true;
+            if !object.turn_inside_out() {
+                session.note(&format!(
+                    "--flip: \"{}\" is an exact shape, whose front is outside, and stays as it is",
+                    object.name
+                ));
+            }
+        }
+        if !is_there {
+            let message = format_args!("--flip: no object has the name \"{}\"", wanted.glob());
+            return Err(Failure::misuse(message));
+        }
+    }
+    Ok(())
 }
 
 fn unplaceable(path: &Path, problem: &impl std::fmt::Display) -> Failure {

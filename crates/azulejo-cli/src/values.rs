@@ -6,6 +6,7 @@ use azulejo_render::FinalGather;
 use azulejo_render::rtrace::Side;
 use azulejo_scene::Up;
 use glam::DVec3;
+use globset::{Glob, GlobMatcher};
 use jiff::Timestamp;
 use std::time::Duration;
 
@@ -262,6 +263,12 @@ pub fn lod(text: &str) -> Result<Lod, String> {
             format!("{e}; expected finest, coarsest, all, a distance or a number as in lod1.3")
         }),
     }
+}
+
+/// A name in which `*` and `?` stand for any characters and any one.
+pub fn names(text: &str) -> Result<GlobMatcher, String> {
+    let glob = Glob::new(text).map_err(|e| e.to_string())?;
+    Ok(glob.compile_matcher())
 }
 
 #[cfg(test)]

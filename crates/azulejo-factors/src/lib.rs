@@ -39,6 +39,7 @@ mod choice;
 pub mod cholesky;
 pub mod engine;
 mod error;
+pub mod facing;
 pub mod form_factors;
 pub mod hemicube;
 pub mod patch;

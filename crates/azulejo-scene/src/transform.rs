@@ -2,8 +2,8 @@
 
 use crate::math::normal_matrix;
 use crate::{
-    Attribute, Camera, Faces, Light, LightKind, Mesh, MeshInstance, Primitive, PrimitiveKind,
-    Scene, SceneBackground, Shape, SharedMesh, SurfaceLight, Units, Up,
+    Attribute, Camera, Faces, Light, LightKind, Mesh, MeshInstance, Object, Primitive,
+    PrimitiveKind, Scene, SceneBackground, Shape, SharedMesh, SurfaceLight, Units, Up,
 };
 use glam::{DAffine3, DMat3, DVec3};
 use std::collections::HashMap;
@@ -115,6 +115,28 @@ impl MeshInstance {
             placed.light = self.light.take();
             *self = placed;
         }
+    }
+}
+
+impl Object {
+    /// Turns a mesh inside out: fronts become backs, and normals point the other way. An instance gets a
+    /// mesh of its own. Returns whether the object has a mesh.
+    pub fn turn_inside_out(&mut self) -> bool {
+        let turned = |mesh: &mut Mesh| {
+            mesh.flip();
+            let normals = mesh.normals.iter_mut().flat_map(|n| &mut n.values);
+            normals.for_each(|n| *n = -*n);
+        };
+        match &mut self.shape {
+            Shape::Mesh(mesh) => turned(mesh),
+            Shape::Instance(instance) => {
+                let mut mesh = Mesh::clone(&instance.mesh);
+                turned(&mut mesh);
+                instance.mesh = Arc::new(mesh);
+            }
+            Shape::Primitive(_) | Shape::Exact(_) => return false,
+        }
+        true
     }
 }
 

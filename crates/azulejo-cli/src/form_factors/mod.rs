@@ -2,6 +2,7 @@
 
 pub mod args;
 mod destination;
+mod facing;
 mod journal;
 mod outside;
 pub mod stored;
@@ -140,6 +141,9 @@ pub fn enclosure(
         .flat_map(FileJournal::take_messages)
         .for_each(|message| session.note(&message));
     let mut enclosure = Enclosure::new(&prepared, scene, factors?);
+    if !options.two_sided && how.room.is_none() {
+        facing::advise(scene, &tracer, &enclosure.factors, session)?;
+    }
     engine.describe(&enclosure.factors.engine_used, report);
     let used = &enclosure.factors.engine_used.name;
     if how.computation.tolerance.is_some() && used != "analytic" {

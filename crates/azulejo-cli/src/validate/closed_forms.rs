@@ -71,6 +71,7 @@ fn answered(
         record.outcome = CheckOutcome::Outlying;
     }
     record.source = source(case);
+    record.expected_error = case.truth.error;
     record.standard_error = Some(answer.error).filter(|e| e.is_finite() && *e > 0.0);
     record.note = factors.engine_used.notes.join("; ");
     record.seconds = clock.wall();
@@ -135,7 +136,8 @@ pub fn convergence(validator: &Validator) -> Result<Vec<ErrorCurve>, Failure> {
         return Ok(curves);
     }
     let engines = validator.engines.engines.iter();
-    for engine in engines.filter(|e| e.family != EngineFamily::Analytic) {
+    // Closed forms leave no error of polygons.
+    for engine in engines.filter(|e| !e.formulas) {
         let mut points = Vec::new();
         for step in 0..validator.effort.convergence {
             points.push(one_effort(validator, engine, &flat, step)?);
@@ -174,9 +176,7 @@ fn one_effort(
         let (answer, _) = asked.map_err(pass::failure)?;
         squares += (answer.off(case) / case.truth.value).powi(2);
     }
-    // Closed forms alone have no error to draw.
-    let error = (squares / flat.len() as f64).sqrt().max(f64::EPSILON);
-    Ok([samples, error])
+    Ok([samples, (squares / flat.len() as f64).sqrt()])
 }
 
 /// Sets the points and the resolution of a step, and returns the pixels of a patch.

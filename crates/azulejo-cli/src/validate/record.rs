@@ -74,6 +74,8 @@ pub struct CheckRecord {
     pub found: f64,
     /// The value expected.
     pub expected: f64,
+    /// Uncertainty of the value expected: rounding, digits, and what the scene simplifies.
+    pub expected_error: f64,
     /// Standard error of the value found, if it is an estimate.
     pub standard_error: Option<f64>,
     /// Largest |found − expected| that passes.
@@ -100,6 +102,7 @@ impl CheckRecord {
             unit: "",
             found,
             expected,
+            expected_error: 0.0,
             standard_error: None,
             bound,
             outcome: if is_within {
@@ -126,10 +129,10 @@ impl CheckRecord {
         self.found - self.expected
     }
 
-    /// The deviation in standard errors; `None` for values without.
+    /// The deviation in standard errors of the difference; `None` for values without.
     pub fn standard_score(&self) -> Option<f64> {
         let error = self.standard_error.filter(|e| *e > 0.0 && e.is_finite())?;
-        Some(self.deviation() / error)
+        Some(self.deviation() / error.hypot(self.expected_error))
     }
 }
 
@@ -148,6 +151,11 @@ mod tests {
             ..check(1.2)
         };
         assert!((estimate.standard_score().unwrap() - 2.0).abs() < 1e-12);
+        let beside = CheckRecord {
+            expected_error: 1.0,
+            ..estimate
+        };
+        assert!((beside.standard_score().unwrap() - 0.2).abs() < 0.01);
         assert_eq!(check(1.2).standard_score(), None);
     }
 }

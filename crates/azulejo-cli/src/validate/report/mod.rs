@@ -67,7 +67,7 @@ fn json(args: &ValidateArgs, results: &ValidationResults, machine: &MachineInfo)
 /// A column: heading and value.
 type CsvColumn = (&'static str, fn(&CheckRecord) -> String);
 
-const COLUMNS: [CsvColumn; 13] = [
+const COLUMNS: [CsvColumn; 14] = [
     ("part", |r| r.part.to_string()),
     ("engine", |r| r.engine.clone()),
     ("subject", |r| r.subject.clone()),
@@ -76,6 +76,7 @@ const COLUMNS: [CsvColumn; 13] = [
     ("unit", |r| r.unit.to_owned()),
     ("found", |r| r.found.to_string()),
     ("expected", |r| r.expected.to_string()),
+    ("expected_error", |r| r.expected_error.to_string()),
     ("standard_error", |r| {
         r.standard_error.map_or(String::new(), |e| e.to_string())
     }),

@@ -1,0 +1,50 @@
+//! Advice on objects that are turned inside out.
+
+use crate::failure::Failure;
+use crate::session::Session;
+use azulejo_factors::FormFactors;
+use azulejo_factors::facing::{InsideOut, inside_out};
+use azulejo_scene::Scene;
+use azulejo_trace::Tracer;
+
+/// Mean share of light that ends on backs from which it is worth a look.
+const HIDDEN: f64 = 1e-3;
+
+/// Objects that the advice names.
+const NAMED: usize = 5;
+
+/// Says which objects are probably turned inside out, where light is lost to backs or meets nothing at all.
+pub fn advise(
+    scene: &Scene,
+    tracer: &Tracer,
+    factors: &FormFactors,
+    session: &mut Session,
+) -> Result<(), Failure> {
+    let rows = factors.len().max(1) as f64;
+    let hidden = factors.rest.iter().map(|r| r.hidden).sum::<f64>() / rows;
+    let is_empty = factors.exchange.entries() == 0;
+    if hidden < HIDDEN && !is_empty {
+        return Ok(());
+    }
+    match session.with_progress(|p| inside_out(scene, tracer, p))? {
+        InsideOut::Nothing => {}
+        InsideOut::Objects(numbers) => {
+            let named = numbers.iter().take(NAMED);
+            let names = named.map(|&k| format!("\"{}\"", scene.objects[k as usize].name));
+            let names = names.collect::<Vec<_>>().join(", ");
+            let more = match numbers.len().saturating_sub(NAMED) {
+                0 => String::new(),
+                n => format!(" and {n} more"),
+            };
+            session.note(&format!(
+                "the backs of {names}{more} see the others, and the fronts hardly do: probably turned inside out \
+                 (--flip NAME turns objects, --two-sided gives all faces a back side)"
+            ));
+        }
+        InsideOut::Everything => session.note(
+            "no front sees another face, and backs see backs: if this is a room, its faces are turned outward \
+             (--flip \"*\" turns all)",
+        ),
+    }
+    Ok(())
+}
