@@ -116,3 +116,44 @@ fn count(patches: &Patches, tracer: &Tracer, object: u32) -> (FacingCounts, [u32
     }
     (others, own)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use azulejo_scene::synthetic::{cube_room, room_with_table, street_with_detail};
+    use glam::{DAffine3, DVec3};
+
+    fn found(scene: &Scene) -> InsideOut {
+        inside_out(scene, &Tracer::new(scene), &Progress::new()).unwrap()
+    }
+
+    #[test]
+    fn what_is_right_stays() {
+        for scene in [cube_room(), room_with_table(500), street_with_detail(0.02)] {
+            assert_eq!(found(&scene), InsideOut::Nothing);
+        }
+    }
+
+    #[test]
+    fn turned_objects_are_found() {
+        // The fronts of the inner cube are inside, too.
+        let mut scene = cube_room();
+        let smaller = DAffine3::from_translation(DVec3::splat(0.4));
+        let smaller = smaller * DAffine3::from_scale(DVec3::splat(0.2));
+        scene.merge(cube_room().transformed(&smaller));
+        assert_eq!(found(&scene), InsideOut::Objects(vec![1]));
+        scene.objects[1].turn_inside_out();
+        assert_eq!(found(&scene), InsideOut::Nothing);
+        let mut scene = cube_room();
+        scene.objects[0].turn_inside_out();
+        assert_eq!(found(&scene), InsideOut::Everything);
+        assert_eq!(found(&Scene::default()), InsideOut::Nothing);
+    }
+
+    #[test]
+    fn cancelling_is_an_answer() {
+        let (scene, progress) = (cube_room(), Progress::new());
+        progress.cancel();
+        assert!(inside_out(&scene, &Tracer::new(&scene), &progress).is_err());
+    }
+}

@@ -93,3 +93,73 @@ fn cases_and_programs_are_known_before_the_work() {
         "{text}"
     );
 }
+
+/// A closed cube of six squares that face outward, as most programs export a room.
+const OUTWARD: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
+                       o floor\nf 4 3 2 1\no lid\nf 5 6 7 8\no s0\nf 2 6 5 1\no s1\nf 3 7 6 2\n\
+                       o s2\nf 4 8 7 3\no s3\nf 1 5 8 4\n";
+
+/// A small closed box inside of the cube, seen from outside of the box.
+const BOX: &str = "v .4 .4 .4\nv .6 .4 .4\nv .6 .6 .4\nv .4 .6 .4\nv .4 .4 .6\nv .6 .4 .6\nv .6 .6 .6\n\
+                   v .4 .6 .6\no box\nf -5 -6 -7 -8\nf -4 -3 -2 -1\nf -8 -7 -3 -4\nf -7 -6 -2 -3\n\
+                   f -6 -5 -1 -2\nf -5 -8 -4 -1\n";
+
+#[test]
+fn rooms_turned_outward_are_told_and_turned() {
+    let folder = Folder::new();
+    folder.write("room.obj", OUTWARD);
+    let told = folder
+        .ok("form-factors room.obj -o f.csv --patch-size 0")
+        .err;
+    assert!(told.contains("--flip \"*\""), "{told}");
+    let turned = folder.run("form-factors room.obj -o f.csv --patch-size 0 --flip *");
+    assert!(
+        turned.code == Some(0) && !turned.err.contains("flip"),
+        "{}",
+        turned.err
+    );
+    let found = folder.json("form-factors room.obj -o f.csv --patch-size 0 --flip floor,lid,s?");
+    assert!(
+        (found["row_sum_min"].as_f64().unwrap() - 1.0).abs() < 1e-9,
+        "{found}"
+    );
+    folder.fails(
+        "form-factors room.obj -o f.csv --flip roof",
+        2,
+        "no object has the name \"roof\"",
+    );
+}
+
+#[test]
+fn a_box_inside_out_is_named() {
+    let folder = Folder::new();
+    folder.write("both.obj", &format!("{OUTWARD}{BOX}"));
+    let room = "form-factors both.obj -o f.csv --patch-size 0 --flip floor,lid,s?";
+    let right = folder.ok(room).err;
+    assert!(!right.contains("inside out"), "{right}");
+    let wrong = folder.ok(&format!("{room},box")).err;
+    assert!(wrong.contains("the backs of \"box\" see"), "{wrong}");
+}
+
+#[test]
+fn what_an_archive_holds_is_told() {
+    let folder = Folder::new();
+    folder.write("room.obj", OUTWARD);
+    folder.ok("form-factors room.obj -o f.npz --patch-size 0 --flip *");
+    let words = folder.ok("info f.npz").out;
+    for part in [
+        "64 bits",
+        "mean 1.000000",
+        "analytic",
+        "floor",
+        "indptr.npy",
+    ] {
+        assert!(words.contains(part), "{part}: {words}");
+    }
+    let found = folder.json("info f.npz");
+    assert_eq!(found["patches"], 6);
+    assert_eq!(found["objects"].as_array().unwrap().len(), 6);
+    assert!((found["area"].as_f64().unwrap() - 6.0).abs() < 1e-12);
+    folder.write("not.npz", "PK");
+    folder.fails("info not.npz", 1, "not.npz");
+}
