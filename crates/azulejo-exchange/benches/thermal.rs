@@ -1,0 +1,195 @@
+//! What thermal and urban work takes: `cargo bench -p azulejo-exchange --bench thermal -- WORK [FACETS]`,
+//! with the work `urban`, `archive`, `exchange` or `network`. Each in a process of its own, because its peak of
+//! memory is printed.
+//!
+//! | work | what it does | facets |
+//! |---|---|---|
+//! | `urban` | form factors of an array of cubes below the sky, closed forms, row error 0.1% | 23,328 |
+//! | `archive` | size of the `.npz` of a closed room, by rays | 17,600 |
+//! | `exchange` | temperatures of a closed room, given on half of the rows and adiabatic on the others, in two bands and in one | 10,000 |
+//! | `network` | conductances between its objects and all rows of one | 10,000 |
+
+#![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
+
+#[path = "../../azulejo-factors/benches/usage/mod.rs"]
+mod usage;
+
+use azulejo_exchange::archive::{self, ArchivePrecision};
+use azulejo_exchange::{
+    Enclosure, GroupBy, HeatProblem, RowCondition, SpectralRange, SurfaceBand, exchange_factors,
+    heat_balance,
+};
+use azulejo_factors::form_factors::{Closure, NoJournal, Plan};
+use azulejo_factors::{Engine, FormFactorOptions, PatchSize};
+use azulejo_scene::Scene;
+use azulejo_scene::synthetic::{cube_array, room_with_table};
+use azulejo_trace::{Progress, Tracer};
+use std::io::{self, Write};
+use std::time::Instant;
+use usage::{cpu_seconds, peak_mebibytes};
+
+fn main() {
+    let words: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|a| !a.starts_with('-'))
+        .collect();
+    let size = |usual: usize| {
+        let given = words.get(1).and_then(|w| w.parse().ok());
+        given.unwrap_or(usual)
+    };
+    match words.first().map(String::as_str) {
+        Some("urban") => urban(size(23_328)),
+        Some("archive") => stored(size(17_600)),
+        Some("exchange") => temperatures(size(10_000)),
+        Some("network") => conductances(size(10_000)),
+        _ => println!("expected urban, archive, exchange or network, and the number of facets"),
+    }
+}
+
+/// Prints wall and CPU seconds of some work, and the peak of memory after it.
+fn measured<T>(what: &str, work: impl FnOnce() -> T) -> T {
+    let (wall, cpu) = (Instant::now(), cpu_seconds());
+    let done = work();
+    println!(
+        "{what:44} {:8.2} s wall {:8.2} s CPU {:8.0} MiB",
+        wall.elapsed().as_secs_f64(),
+        cpu_seconds() - cpu,
+        peak_mebibytes()
+    );
+    done
+}
+
+fn enclosure(scene: &Scene, options: &FormFactorOptions) -> Enclosure {
+    let tracer = Tracer::new(scene);
+    let plan = Plan::new(scene, &tracer, options).expect("a scene of faces");
+    let prepared = plan.prepare();
+    let factors = prepared
+        .compute(&NoJournal, &Progress::new())
+        .expect("factors");
+    Enclosure::new(&prepared, scene, factors)
+}
+
+fn faces(engine: Engine) -> FormFactorOptions {
+    FormFactorOptions {
+        engine,
+        size: PatchSize::Edge(0.0),
+        ..FormFactorOptions::default()
+    }
+}
+
+/// An array of cubes with 3 × 3 facets on each side.
+fn urban(facets: usize) {
+    let count = (facets as f64 / 72.0).sqrt().round() as u32;
+    let scene = cube_array(count, 3);
+    let options = FormFactorOptions {
+        closure: Closure::Never,
+        accuracy: Some(1e-3),
+        ..faces(Engine::Analytic)
+    };
+    let found = measured("form factors of an array of cubes", || {
+        enclosure(&scene, &options)
+    });
+    let factors = &found.factors;
+    let sums = factors.row_sums();
+    let off: Vec<f64> = (0..factors.len())
+        .map(|i| sums[i] + factors.rest[i].sum() - 1.0)
+        .collect();
+    let rms = (off.iter().map(|d| d * d).sum::<f64>() / off.len() as f64).sqrt();
+    println!(
+        "{} facets, {} pairs; row sums with the sky off by {rms:.1e} (RMS)",
+        factors.len(),
+        factors.exchange.pairs()
+    );
+}
+
+/// Counts bytes.
+struct ByteCount(u64);
+
+impl Write for ByteCount {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0 += bytes.len() as u64;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+fn stored(facets: usize) {
+    let found = measured("form factors of a room", || {
+        enclosure(&room_with_table(facets), &faces(Engine::Rays))
+    });
+    let mut count = ByteCount(0);
+    measured("npz", || {
+        archive::write(&found, ArchivePrecision::Auto, &mut count).expect("memory");
+    });
+    let entries = found.factors.exchange.entries();
+    println!(
+        "{} facets, {entries} entries, {:.3} GB, {:.2} bytes per entry",
+        found.len(),
+        count.0 as f64 * 1e-9,
+        count.0 as f64 / entries as f64
+    );
+}
+
+/// Emissivities that differ from row to row.
+fn emissivities(rows: usize, phase: usize) -> Vec<f64> {
+    (0..rows)
+        .map(|i| 0.2 + 0.1 * ((i + phase) % 8) as f64)
+        .collect()
+}
+
+fn temperatures(facets: usize) {
+    let found = measured("form factors of a room", || {
+        enclosure(&room_with_table(facets), &faces(Engine::Rays))
+    });
+    let n = found.len();
+    let condition = |i: usize| match i % 2 {
+        0 => RowCondition::Temperature(300.0 + (i % 700) as f64),
+        _ => RowCondition::Flux(0.0),
+    };
+    let conditions: Vec<RowCondition> = (0..n).map(condition).collect();
+    let nodes = found.groups(GroupBy::Object);
+    let band = |range, phase| SurfaceBand {
+        enclosure: &found,
+        range,
+        emissivity: emissivities(n, phase),
+    };
+    let one = [band(SpectralRange::Thermal, 0)];
+    let two = [
+        band(SpectralRange::Between(0.0, 5.0), 0),
+        band(SpectralRange::Between(5.0, f64::INFINITY), 3),
+    ];
+    for (name, bands) in [("one band", &one[..]), ("two bands", &two[..])] {
+        let problem = HeatProblem {
+            bands,
+            conditions: &conditions,
+            surroundings: [0.0; 2],
+            solar: &[],
+        };
+        let heat = measured(&format!("temperatures, {name}"), || {
+            heat_balance(&problem, &nodes, &Progress::new()).expect("temperatures")
+        });
+        println!("{n} facets, {} steps of Newton's method", heat.iterations);
+    }
+}
+
+fn conductances(facets: usize) {
+    let found = measured("form factors of a room", || {
+        enclosure(&room_with_table(facets), &faces(Engine::Rays))
+    });
+    let n = found.len();
+    let nodes = found.groups(GroupBy::Object);
+    for phase in [0, 3] {
+        let band = SurfaceBand {
+            enclosure: &found,
+            range: SpectralRange::Thermal,
+            emissivity: emissivities(n, phase),
+        };
+        let network = measured("conductances between objects", || {
+            exchange_factors(&band, &nodes, &Progress::new()).expect("conductances")
+        });
+        println!("{n} facets, {} nodes", network.len());
+    }
+}
