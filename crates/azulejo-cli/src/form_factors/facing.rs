@@ -1,14 +1,15 @@
 //! Advice on objects that are turned inside out.
 
 use crate::failure::Failure;
+use crate::matrix_metrics::{closure_errors, mean_and_largest};
 use crate::session::Session;
 use azulejo_factors::FormFactors;
 use azulejo_factors::facing::{InsideOut, inside_out};
 use azulejo_scene::Scene;
 use azulejo_trace::Tracer;
 
-/// Mean share of light that ends on backs from which it is worth a look.
-const HIDDEN: f64 = 1e-3;
+/// Mean share of light that ends on backs, or is not accounted for, from which it is worth a look.
+const LOST: f64 = 1e-3;
 
 /// Objects that the advice names.
 const NAMED: usize = 5;
@@ -20,10 +21,11 @@ pub fn advise(
     factors: &FormFactors,
     session: &mut Session,
 ) -> Result<(), Failure> {
-    let rows = factors.len().max(1) as f64;
-    let hidden = factors.rest.iter().map(|r| r.hidden).sum::<f64>() / rows;
-    let is_empty = factors.exchange.entries() == 0;
-    if hidden < HIDDEN && !is_empty {
+    let hidden: Vec<f64> = factors.rest.iter().map(|r| r.hidden).collect();
+    // Closed forms do not look for light that ends on backs, and closure may have hidden that it is missing.
+    let moved = factors.closed.map_or(0.0, |closed| closed.mean);
+    let lost = mean_and_largest(&hidden).0 + mean_and_largest(&closure_errors(factors)).0 + moved;
+    if lost < LOST && factors.exchange.entries() > 0 {
         return Ok(());
     }
     match session.with_progress(|p| inside_out(scene, tracer, p))? {

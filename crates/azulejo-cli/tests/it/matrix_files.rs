@@ -101,8 +101,8 @@ const OUTWARD: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1
 
 /// A small closed box inside of the cube, seen from outside of the box.
 const BOX: &str = "v .4 .4 .4\nv .6 .4 .4\nv .6 .6 .4\nv .4 .6 .4\nv .4 .4 .6\nv .6 .4 .6\nv .6 .6 .6\n\
-                   v .4 .6 .6\no box\nf -5 -6 -7 -8\nf -4 -3 -2 -1\nf -8 -7 -3 -4\nf -7 -6 -2 -3\n\
-                   f -6 -5 -1 -2\nf -5 -8 -4 -1\n";
+                   v .4 .6 .6\no box\nf -5 -6 -7 -8\nf -4 -3 -2 -1\nf -7 -3 -4 -8\nf -6 -2 -3 -7\n\
+                   f -5 -1 -2 -6\nf -8 -4 -1 -5\n";
 
 #[test]
 fn rooms_turned_outward_are_told_and_turned() {
@@ -147,13 +147,7 @@ fn what_an_archive_holds_is_told() {
     folder.write("room.obj", OUTWARD);
     folder.ok("form-factors room.obj -o f.npz --patch-size 0 --flip *");
     let words = folder.ok("info f.npz").out;
-    for part in [
-        "64 bits",
-        "mean 1.000000",
-        "analytic",
-        "floor",
-        "indptr.npy",
-    ] {
+    for part in ["64 bits", "mean 1.000000", "analytic", "floor", "indptr"] {
         assert!(words.contains(part), "{part}: {words}");
     }
     let found = folder.json("info f.npz");

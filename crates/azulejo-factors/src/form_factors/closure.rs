@@ -11,6 +11,9 @@ const TOLERANCE: f64 = 1e-9;
 /// Deficits above this, which exact entries or those at their least left, are spread over all entries.
 const LEFT: f64 = 1e-7;
 
+/// Deficits above this are no matter of errors: light that ends where nothing is known of it stays missing.
+const MISSING: f64 = 1e-3;
+
 /// Least standard error of an entry, as a share of its value, where deficits are left.
 const SPREAD: f64 = 1e-3;
 
@@ -32,7 +35,8 @@ impl FormFactors {
     /// Enforces closure: makes Σ_j X_ij `ends`_j and the shares of `rest` sum to 1 in every row by
     /// the smallest change of exchange areas and of the shares of sky and ground, weighted by their
     /// standard errors. Light that leaked through cracks of a closed scene is put back first. Where exact
-    /// entries leave no room for that, all entries give way as if their errors were at least 0.1%.
+    /// entries leave no room for that, all entries of rows that lack 0.1% or less give way as if their
+    /// errors were at least 0.1%.
     /// [`closed`](FormFactors::closed) records how much was moved; standard errors stay as they
     /// were.
     ///
@@ -46,7 +50,8 @@ impl FormFactors {
         self.rest.iter_mut().for_each(put_back_leaks);
         let mut moved = self.close_within(0.0, progress)?;
         for _ in 0..SPREADS {
-            if self.deficits().iter().all(|d| d.abs() <= LEFT) {
+            let is_left = |d: &f64| (LEFT..=MISSING).contains(&d.abs());
+            if !self.deficits().iter().any(is_left) {
                 break;
             }
             let more = self.close_within(SPREAD, progress)?;
@@ -74,7 +79,14 @@ impl FormFactors {
                 .collect(),
             deficits: rows()
                 .zip(&ended)
-                .map(|((a, r), ended)| a * (1.0 - r.sum() - ended))
+                .map(|((a, r), ended)| (a, 1.0 - r.sum() - ended))
+                .map(|(a, d)| {
+                    if least > 0.0 && d.abs() > MISSING {
+                        0.0
+                    } else {
+                        a * d
+                    }
+                })
                 .collect(),
             tolerated: self.areas.iter().map(|a| a * TOLERANCE).collect(),
         };
@@ -198,6 +210,11 @@ mod tests {
         let closed = factors.closed.unwrap();
         assert!(closed.deficit < 1e-7, "{closed:?}");
         assert!(closed.most > 1e-4 && closed.most < 1e-3, "{closed:?}");
+        // What lacks much lacks something else.
+        let mut factors = with_exact_entries(0.1);
+        factors.close(&Progress::new()).unwrap();
+        let closed = factors.closed.unwrap();
+        assert!((closed.deficit - 0.2).abs() < 1e-6, "{closed:?}");
         // What is right to the last digits stays.
         let mut factors = with_exact_entries(1e-9);
         let before = factors.get(0, 1);
