@@ -10,12 +10,14 @@
 //! | [`bands`] | bands of wavelengths, and black emission in them |
 //! | [`tables`] | tables of materials and boundary conditions |
 //! | [`network`] | Gebhart factors, conductances, temperatures and fluxes |
+//! | [`model`] | all of these put together, and its results as files |
 //! | [`files`] | files of other programs |
 
 pub mod archive;
 pub mod bands;
 pub mod enclosure;
 pub mod files;
+pub mod model;
 pub mod network;
 pub mod tables;
 

@@ -18,7 +18,7 @@ mod heat;
 mod newton;
 mod reflections;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use factors::{ExchangeFactors, exchange_factors};
 pub use heat::{HeatBalance, HeatProblem, RowCondition, heat_balance};

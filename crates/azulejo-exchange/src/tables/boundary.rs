@@ -2,6 +2,7 @@
 
 use super::TableError;
 use super::names::RecordNames;
+use super::numbers::{self, NumberRecord};
 use super::records::{NamedRecord, records};
 use crate::enclosure::Enclosure;
 use crate::network::RowCondition;
@@ -47,8 +48,20 @@ impl BoundaryTable {
     /// # Errors
     /// The place, what was found, what was expected.
     pub fn read(text: &str) -> Result<BoundaryTable, TableError> {
+        BoundaryTable::new(records(text)?)
+    }
+
+    /// A table of numbers by name and column.
+    ///
+    /// # Errors
+    /// The name, what was found, what was expected.
+    pub fn from_numbers(numbers: &[NumberRecord]) -> Result<BoundaryTable, TableError> {
+        BoundaryTable::new(numbers::records(numbers, "conditions"))
+    }
+
+    fn new(records: Vec<NamedRecord>) -> Result<BoundaryTable, TableError> {
         let (around, surfaces): (Vec<NamedRecord>, Vec<NamedRecord>) =
-            records(text)?.into_iter().partition(is_surroundings);
+            records.into_iter().partition(is_surroundings);
         let mut surroundings = [None; 2];
         for record in &around {
             let t = temperature(record)?;

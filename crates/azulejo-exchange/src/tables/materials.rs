@@ -2,6 +2,7 @@
 
 use super::TableError;
 use super::names::RecordNames;
+use super::numbers::{self, NumberRecord};
 use super::records::{NamedRecord, records};
 use crate::bands::SpectralRange;
 use crate::enclosure::Enclosure;
@@ -49,9 +50,20 @@ impl MaterialTable {
     /// # Errors
     /// The place, what was found, what was expected.
     pub fn read(text: &str) -> Result<MaterialTable, TableError> {
-        let records = records(text)?;
-        let names = RecordNames::new(&records)?;
-        let ranges = ranges(&records)?;
+        MaterialTable::new(&records(text)?)
+    }
+
+    /// A table of numbers by name and column.
+    ///
+    /// # Errors
+    /// The name, what was found, what was expected.
+    pub fn from_numbers(numbers: &[NumberRecord]) -> Result<MaterialTable, TableError> {
+        MaterialTable::new(&numbers::records(numbers, "materials"))
+    }
+
+    fn new(records: &[NamedRecord]) -> Result<MaterialTable, TableError> {
+        let names = RecordNames::new(records)?;
+        let ranges = ranges(records)?;
         let band = |range: SpectralRange| -> Result<TableBand, TableError> {
             let records = records.iter().map(|record| properties(record, range));
             Ok(TableBand {
