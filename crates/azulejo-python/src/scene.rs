@@ -69,6 +69,11 @@ impl NativeScene {
         }
     }
 
+    /// What the reader reported.
+    pub fn warnings_of_reader(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+
     /// The same for a thread of its own.
     pub fn shared(&self) -> SharedScene {
         SharedScene {
