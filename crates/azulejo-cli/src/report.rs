@@ -105,6 +105,20 @@ pub fn short(x: f64) -> String {
     }
 }
 
+/// A number with its standard error, to two digits of it: `300.00 ± 0.12`; without one, as [`short`].
+pub fn with_error(x: f64, error: f64) -> String {
+    let is_error = error.is_finite() && error > 0.0;
+    // Errors below the last digits that numbers have are not said.
+    if !is_error || error < 1e-9 * x.abs() {
+        return short(x);
+    }
+    let decimals = (1 - error.log10().floor() as i32).clamp(0, 9) as usize;
+    if (x.abs() >= 1e9) || (error < 1e-8) {
+        return format!("{x:.3e} ± {error:.1e}");
+    }
+    format!("{x:.decimals$} ± {error:.decimals$}")
+}
+
 /// Three numbers: `(0.5, 1, 2)`.
 pub fn triple(xs: [f64; 3]) -> String {
     let [x, y, z] = xs.map(short);

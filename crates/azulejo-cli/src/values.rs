@@ -59,6 +59,14 @@ pub fn fraction(text: &str) -> Result<f64, String> {
     }
 }
 
+/// The error that row sums may have.
+pub fn tolerance(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        x if (1e-12..=0.01).contains(&x) => Ok(x),
+        _ => Err("expected 1e-12 to 0.01".into()),
+    }
+}
+
 /// The resolution of a hemicube: even, 2 to 4096.
 pub fn resolution(text: &str) -> Result<u32, String> {
     match text.trim().parse::<u32>() {

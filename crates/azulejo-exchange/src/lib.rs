@@ -10,7 +10,7 @@
 //! | [`bands`] | bands of wavelengths, and black emission in them |
 //! | [`tables`] | tables of materials and boundary conditions |
 //! | [`network`] | Gebhart factors, conductances, temperatures and fluxes |
-//! | [`model`] | all of these put together, and its results as files |
+//! | [`model`] | all of this together: properties and conditions in, networks and temperatures out |
 //! | [`files`] | files of other programs |
 
 pub mod archive;
@@ -23,6 +23,7 @@ pub mod tables;
 
 pub use bands::{SpectralRange, band_fraction};
 pub use enclosure::{CellMesh, Enclosure, GroupBy, Groups, OutsideLight, RowTable};
+pub use model::{ModelError, ThermalModel, ThermalSolution};
 pub use network::{
     ExchangeError, ExchangeFactors, HeatBalance, HeatProblem, RowCondition, SurfaceBand,
     exchange_factors, heat_balance,

@@ -1,5 +1,7 @@
 //! Arguments of `exchange`.
 
+use crate::args::InputArgs;
+use crate::form_factors::args::ComputationArgs;
 use crate::values;
 use azulejo_exchange::GroupBy;
 use clap::{Args, ValueEnum, ValueHint};
@@ -8,10 +10,8 @@ use std::path::PathBuf;
 /// `exchange`
 #[derive(Debug, Args)]
 pub struct ExchangeArgs {
-    /// Form factors that `form-factors` wrote (.npz). Several of the same rows, if bands have other mirrors:
-    /// each band takes the first whose mirrors are its own
-    #[arg(required = true, value_name = "F.npz", value_hint = ValueHint::FilePath)]
-    pub factors: Vec<PathBuf>,
+    #[command(flatten)]
+    pub input: InputArgs,
     /// Table of emissivities: CSV, TSV or TOML with name, eps, and where needed rho_s, alpha,
     /// eps@8-14 (micrometres)
     #[arg(long, value_name = "TABLE", value_hint = ValueHint::FilePath)]
@@ -43,9 +43,8 @@ pub struct ExchangeArgs {
     /// Leave out conductances below this share of the smaller node's emitting area in lists
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
     pub truncate: Option<f64>,
-    /// Memory limit [default: the machine's memory]
-    #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
-    pub memory: Option<u64>,
+    #[command(flatten)]
+    pub computation: ComputationArgs,
 }
 
 /// Nodes of a network.
@@ -76,6 +75,7 @@ impl NodeName {
 /// Examples and notes below the help.
 pub const EXAMPLES: &str = "\
 Examples:
+  azulejo exchange room.obj --materials optics.csv -o gr.csv
   azulejo form-factors satellite.stl -o f.npz --materials optics.csv --closure
   azulejo exchange f.npz --materials optics.csv -o gr.esatan -o gr.npz
   azulejo exchange f.npz --materials optics.csv --boundary temperatures.csv -o heat.csv -o heat.vtu
@@ -86,5 +86,9 @@ optics.csv:                     temperatures.csv:
   radiator,0.05,0.9               *,,0
   *,0.8,0                         space,3,
 
-Q from a to b is sigma GR_ab (T_a^4 - T_b^4), with GR_ab = eps_a A_a B_ab in square metres. Mirrors must be in
-the factors already: form-factors takes the same table. docs/exchange.md defines all quantities.";
+SCENE is a model, whose factors are computed first, once for each set of mirrors that bands have; or
+factors that form-factors wrote (.npz). Several .npz of the same rows are for bands with other mirrors:
+each band takes the first whose mirrors are its own.
+
+Q from a to b is sigma GR_ab (T_a^4 - T_b^4), with GR_ab = eps_a A_a B_ab in square metres. The mirrors of
+the table must be in an .npz already: form-factors takes the same table. docs/exchange.md defines all quantities.";

@@ -30,10 +30,28 @@ pub struct FormFactorArgs {
     #[arg(long, value_name = "TABLE", value_hint = ValueHint::FilePath)]
     pub materials: Option<PathBuf>,
     #[command(flatten)]
+    pub computation: ComputationArgs,
+    /// Keep no journal next to the output; interrupted work then starts from the beginning
+    #[arg(long)]
+    pub no_journal: bool,
+    #[command(flatten)]
+    pub matrix: MatrixArgs,
+    #[command(flatten)]
+    pub programs: ProgramArgs,
+}
+
+/// How factors are computed.
+#[derive(Clone, Debug, Args)]
+pub struct ComputationArgs {
+    #[command(flatten)]
     pub division: DivisionArgs,
     /// Rays per patch; makes --engine auto choose rays [default: 4096]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     pub rays: Option<u32>,
+    /// Error (RMS) of row sums that the analytic engine has to reach, before closure: 1e-12 to 0.01;
+    /// below 1e-6 every pair is exact to about that [default: 1e-11 for up to 32 rows, else 5e-5]
+    #[arg(long, value_name = "SHARE", value_parser = values::tolerance)]
+    pub tolerance: Option<f64>,
     /// Add the back sides of all faces as further patches
     #[arg(long)]
     pub two_sided: bool,
@@ -44,13 +62,16 @@ pub struct FormFactorArgs {
     /// [default: the machine's memory]
     #[arg(long, value_name = "SIZE", value_parser = values::bytes)]
     pub memory: Option<u64>,
-    /// Keep no journal next to the output; interrupted work then starts from the beginning
-    #[arg(long)]
-    pub no_journal: bool,
-    #[command(flatten)]
-    pub matrix: MatrixArgs,
-    #[command(flatten)]
-    pub programs: ProgramArgs,
+    /// Replace what the engine finds by closed forms, for close pairs and emitters: with `never`,
+    /// the matrix shows the engine alone, and closure is enforced only on request
+    #[arg(long, value_name = "WHEN", value_enum, default_value_t = FormulasName::Auto,
+          help_heading = "Matrix")]
+    pub formulas: FormulasName,
+    /// Enforce closure: adjust pairs in proportion to their variances so that rows sum to 1 (in open
+    /// scenes with sky and ground) [default: closed; never with --formulas=never]
+    #[arg(long, value_name = "WHEN", value_enum, num_args = 0..=1, require_equals = true,
+          default_missing_value = "always", help_heading = "Matrix")]
+    pub closure: Option<ClosureName>,
     #[command(flatten)]
     pub engine: EngineArgs,
 }
@@ -106,15 +127,6 @@ pub struct MatrixArgs {
     /// One row per face, object or material instead of per patch
     #[arg(long, value_name = "GROUP", value_enum)]
     pub by: Option<GroupBy>,
-    /// Replace what the engine finds by closed forms, for close pairs and emitters: with `never`,
-    /// the matrix shows the engine alone, and closure is enforced only on request
-    #[arg(long, value_name = "WHEN", value_enum, default_value_t = FormulasName::Auto)]
-    pub formulas: FormulasName,
-    /// Enforce closure: adjust pairs in proportion to their variances so that rows sum to 1 (in open
-    /// scenes with sky and ground) [default: closed; never with --formulas=never]
-    #[arg(long, value_name = "WHEN", value_enum, num_args = 0..=1, require_equals = true,
-          default_missing_value = "always")]
-    pub closure: Option<ClosureName>,
     /// Drop pairs whose form factors are both below this share, and distribute their weight over
     /// the others; row sums and reciprocity are preserved
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
@@ -170,7 +182,7 @@ impl From<PrecisionName> for ArchivePrecision {
     }
 }
 
-impl MatrixArgs {
+impl ComputationArgs {
     /// When closure is enforced.
     pub fn closure(&self) -> Closure {
         match (self.closure, self.formulas) {

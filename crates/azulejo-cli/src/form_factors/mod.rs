@@ -8,13 +8,14 @@ pub mod stored;
 mod summary;
 mod view3d;
 
+use super::args::InputArgs;
 use super::content_key::{ContentHasher, ContentKey};
 use super::engine::{EngineName, PreparedEngine};
 use super::failure::Failure;
 use super::report::{Report, bytes, count};
 use super::session::Session;
 use super::{input, pass};
-use args::{FormFactorArgs, FormulasName};
+use args::{ComputationArgs, FormFactorArgs, FormulasName};
 use azulejo::models;
 use azulejo::output::Output;
 use azulejo_exchange::Enclosure;
@@ -29,7 +30,7 @@ use azulejo_trace::Tracer;
 use destination::Destination;
 use journal::FileJournal;
 use std::borrow::Cow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use view3d::View3dInput;
 
 /// What is to be written, and the journal that is done with then.
@@ -44,7 +45,6 @@ struct Computed {
 pub fn run(args: &FormFactorArgs, session: &mut Session) -> Result<Report, Failure> {
     let destination = Destination::new(args)?;
     session.claim_stdout(destination.output.is_stdout())?;
-    refuse_contradiction(args)?;
     let mut report = Report::default();
     let computed = match stored::read(args, session)? {
         Some(enclosure) => Computed {
@@ -76,38 +76,21 @@ fn computed(
     session: &mut Session,
     report: &mut Report,
 ) -> Result<Computed, Failure> {
-    let engine = args.engine.prepare()?;
     let room = view3d::read(args, session)?;
     let scene = match &room {
         Some(room) => Cow::Borrowed(room.scene()),
-        None => Cow::Owned(painted(args, read_models(args, session)?)?),
+        None => Cow::Owned(painted(args, read_models(&args.input, session)?)?),
     };
-    let tracer = engine.tracer(&scene)?;
-    let mut options = options(args, &engine);
-    if let Some(room) = &room {
-        options = room.options(options, args.rays);
-    }
-    let plan = Plan::new(&scene, &tracer, &options).map_err(pass::failure)?;
-    let prepared = plan.prepare();
-    forecast(&prepared, session, report)?;
-    let journal = open_journal(args, output, &scene, &tracer, &options)?;
-    let factors = compute(&prepared, journal.as_ref(), session);
-    journal
-        .iter()
-        .flat_map(FileJournal::take_messages)
-        .for_each(|message| session.note(&message));
-    let mut enclosure = Enclosure::new(&prepared, &scene, factors?);
-    engine.describe(&enclosure.factors.engine_used, report);
-    let enclosure = match &room {
-        Some(room) => room.finish(&enclosure, session, report)?,
-        None => {
-            enclosure.outside =
-                outside::irradiance(&prepared, &scene, &enclosure.factors, session)?;
-            match args.matrix.by {
-                Some(by) => enclosure.grouped(&enclosure.groups(by.into())),
-                None => enclosure,
-            }
-        }
+    let how = FactorRequest {
+        computation: &args.computation,
+        separate: args.matrix.separate,
+        room: room.as_ref(),
+        journal: output.file().filter(|_| !args.no_journal),
+    };
+    let (enclosure, journal) = enclosure(&scene, how, session, report)?;
+    let enclosure = match args.matrix.by {
+        Some(by) if room.is_none() => enclosure.grouped(&enclosure.groups(by.into())),
+        _ => enclosure,
     };
     Ok(Computed {
         room,
@@ -116,15 +99,72 @@ fn computed(
     })
 }
 
+/// How a matrix is computed.
+#[derive(Clone, Copy)]
+pub struct FactorRequest<'a> {
+    /// The options.
+    pub computation: &'a ComputationArgs,
+    /// Whether orders of mirrors are kept apart.
+    pub separate: bool,
+    /// The View3D file whose rows are wanted.
+    pub room: Option<&'a View3dInput>,
+    /// The output next to which a journal is kept.
+    pub journal: Option<&'a Path>,
+}
+
+/// The factors between patches of a scene, with what they receive from outside, and the journal that is done
+/// with when they are written.
+pub fn enclosure(
+    scene: &Scene,
+    how: FactorRequest,
+    session: &mut Session,
+    report: &mut Report,
+) -> Result<(Enclosure, Option<FileJournal>), Failure> {
+    refuse_contradiction(how.computation)?;
+    let engine = how.computation.engine.prepare()?;
+    let tracer = engine.tracer(scene)?;
+    let mut options = options(how, &engine);
+    if let Some(room) = how.room {
+        options = room.options(options, how.computation);
+    }
+    let plan = Plan::new(scene, &tracer, &options).map_err(pass::failure)?;
+    let prepared = plan.prepare();
+    forecast(&prepared, session, report)?;
+    let journal = match how.journal {
+        Some(output) => Some(open_journal(output, scene, &tracer, &options)?),
+        None => None,
+    };
+    let factors = compute(&prepared, journal.as_ref(), session);
+    journal
+        .iter()
+        .flat_map(FileJournal::take_messages)
+        .for_each(|message| session.note(&message));
+    let mut enclosure = Enclosure::new(&prepared, scene, factors?);
+    engine.describe(&enclosure.factors.engine_used, report);
+    let used = &enclosure.factors.engine_used.name;
+    if how.computation.tolerance.is_some() && used != "analytic" {
+        session.note(&format!(
+            "--tolerance has no effect: it is for the analytic engine, and the factors are by {used}"
+        ));
+    }
+    match how.room {
+        Some(room) => enclosure = room.finish(&enclosure, session, report)?,
+        None => {
+            enclosure.outside = outside::irradiance(&prepared, scene, &enclosure.factors, session)?
+        }
+    }
+    Ok((enclosure, journal))
+}
+
 /// The analytic engine without formulas would be nothing, and particles have no form factors.
-fn refuse_contradiction(args: &FormFactorArgs) -> Result<(), Failure> {
+fn refuse_contradiction(args: &ComputationArgs) -> Result<(), Failure> {
     let is_analytic = args.engine.engine == EngineName::Analytic;
     if args.engine.engine == EngineName::Particles {
         let message =
             "particles have no form factors: --engine particles is for solve, render and probe";
         return Err(Failure::misuse(message));
     }
-    if is_analytic && args.matrix.formulas == FormulasName::Never {
+    if is_analytic && args.formulas == FormulasName::Never {
         return Err(Failure::misuse(format_args!(
             "--formulas=never does not apply to --engine analytic, which is formulas alone"
         )));
@@ -133,8 +173,8 @@ fn refuse_contradiction(args: &FormFactorArgs) -> Result<(), Failure> {
 }
 
 /// Reads models whose rows are patches or groups of them.
-fn read_models(args: &FormFactorArgs, session: &mut Session) -> Result<Scene, Failure> {
-    let scene = input::read_all(&args.input, session)?;
+pub fn read_models(input: &InputArgs, session: &mut Session) -> Result<Scene, Failure> {
+    let scene = input::read_all(input, session)?;
     if session.formats().contains(&Format::View3d) {
         session.note(
             "rows are patches: View3D's own rows, with its masks, combinations and enclosures, \
@@ -163,10 +203,11 @@ fn painted(args: &FormFactorArgs, mut scene: Scene) -> Result<Scene, Failure> {
     Ok(scene)
 }
 
-fn options(args: &FormFactorArgs, prepared: &PreparedEngine) -> FormFactorOptions {
+fn options(how: FactorRequest, prepared: &PreparedEngine) -> FormFactorOptions {
+    let args = how.computation;
     let default = FormFactorOptions::default();
     let machine = || azulejo::machine::memory().unwrap_or(u64::MAX);
-    let has_formulas = args.matrix.formulas == FormulasName::Auto;
+    let has_formulas = args.formulas == FormulasName::Auto;
     let engine = match (&prepared.engine, args.rays) {
         (Engine::Auto, Some(_)) => Engine::Rays,
         (Engine::Auto, None) if !has_formulas => Engine::Rays,
@@ -178,11 +219,11 @@ fn options(args: &FormFactorArgs, prepared: &PreparedEngine) -> FormFactorOption
         rays: args.rays.unwrap_or(default.rays),
         two_sided: args.two_sided,
         seed: args.seed,
-        separate: args.matrix.separate,
-        closure: args.matrix.closure(),
+        accuracy: args.tolerance,
+        separate: how.separate,
+        closure: args.closure(),
         analytic: has_formulas,
         memory: args.memory.unwrap_or_else(machine),
-        ..default
     }
 }
 
@@ -213,18 +254,14 @@ fn forecast(
 
 /// The journal next to an output file; standard output and devices have none.
 fn open_journal(
-    args: &FormFactorArgs,
-    output: &Output,
+    output: &Path,
     scene: &Scene,
     tracer: &Tracer,
     options: &FormFactorOptions,
-) -> Result<Option<FileJournal>, Failure> {
-    let Some(file) = output.file().filter(|_| !args.no_journal) else {
-        return Ok(None);
-    };
-    let mut name = file.as_os_str().to_owned();
+) -> Result<FileJournal, Failure> {
+    let mut name = output.as_os_str().to_owned();
     name.push(".journal");
-    FileJournal::open(PathBuf::from(name), key(scene, tracer, options)).map(Some)
+    FileJournal::open(PathBuf::from(name), key(scene, tracer, options))
 }
 
 /// A hash of everything that the rows depend on.

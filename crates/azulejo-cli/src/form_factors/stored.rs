@@ -1,6 +1,7 @@
 //! Matrices that were computed before: read from an `.npz` and reworked.
 
-use super::args::{ClosureName, FormFactorArgs};
+use super::args::{ClosureName, ComputationArgs, FormFactorArgs};
+use crate::args::InputArgs;
 use crate::engine::EngineName;
 use crate::failure::Failure;
 use crate::pass;
@@ -29,8 +30,15 @@ pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<Enclo
     if !is_archive(path) {
         return Ok(None);
     }
-    refuse_computation(args)?;
-    read_archive(path, args.memory, session).map(Some)
+    refuse_computation(&args.input, &args.computation)?;
+    let others = [
+        ("--separate", args.matrix.separate),
+        ("--materials", args.materials.is_some()),
+    ];
+    if let Some((option, _)) = others.into_iter().find(|(_, is_given)| *is_given) {
+        return Err(computed_already(option));
+    }
+    read_archive(path, args.computation.memory, session).map(Some)
 }
 
 /// Reads an archive, and says what is odd about it.
@@ -63,29 +71,32 @@ pub fn is_archive(path: &Path) -> bool {
 }
 
 /// Options that say how factors are computed have nothing to do where they are there already.
-fn refuse_computation(args: &FormFactorArgs) -> Result<(), Failure> {
-    let reading = &args.input.reading;
+pub fn refuse_computation(input: &InputArgs, args: &ComputationArgs) -> Result<(), Failure> {
+    let reading = &input.reading;
     let given = [
         ("--rays", args.rays.is_some()),
         (
             "--patches or --patch-size",
             pass::patch_size(&args.division).is_some(),
         ),
+        ("--tolerance", args.tolerance.is_some()),
         ("--two-sided", args.two_sided),
         ("--engine", args.engine.engine != EngineName::Auto),
-        ("--separate", args.matrix.separate),
-        ("--materials", args.materials.is_some()),
         ("--unit, --up or --place", {
             reading.unit.is_some() || reading.up.is_some() || reading.placements().next().is_some()
         }),
     ];
     match given.into_iter().find(|(_, is_given)| *is_given) {
-        Some((option, _)) => Err(Failure::misuse(format_args!(
-            "{option}: the factors of an .npz are computed; --by, --closure, --truncate, --precision \
-             and --format apply to it"
-        ))),
+        Some((option, _)) => Err(computed_already(option)),
         None => Ok(()),
     }
+}
+
+fn computed_already(option: &str) -> Failure {
+    Failure::misuse(format_args!(
+        "{option}: the factors of an .npz are computed; --by, --closure, --truncate, --precision \
+         and --format of form-factors apply to it"
+    ))
 }
 
 /// Enforces closure, and groups rows, as requested.
@@ -95,7 +106,7 @@ pub fn rework(
     session: &mut Session,
 ) -> Result<Enclosure, Failure> {
     let has_mirrors = enclosure.factors.ends.iter().any(|&ends| ends < 1.0);
-    let is_to_close = match args.matrix.closure {
+    let is_to_close = match args.computation.closure {
         None | Some(ClosureName::Never) => false,
         Some(ClosureName::Closed) => enclosure.factors.is_closed && !has_mirrors,
         Some(ClosureName::Always) => true,

@@ -1,6 +1,6 @@
 //! `form-factors` for View3D files: rows, enclosures, and layout.
 
-use super::args::FormFactorArgs;
+use super::args::{ComputationArgs, FormFactorArgs};
 use crate::failure::Failure;
 use crate::pass;
 use crate::report::{Report, number, percent};
@@ -44,10 +44,10 @@ pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<View3
     let [path] = &args.input.scenes[..] else {
         return Ok(None);
     };
-    if is_placed || pass::patch_size(&args.division).is_some() || !is_view3d(path) {
+    if is_placed || pass::patch_size(&args.computation.division).is_some() || !is_view3d(path) {
         return Ok(None);
     }
-    if args.two_sided {
+    if args.computation.two_sided {
         return Err(Failure::misuse(
             "--two-sided: View3D's surfaces are one-sided",
         ));
@@ -144,7 +144,11 @@ impl View3dInput {
 
     /// The options: undivided surfaces, in closed form unless another engine is requested, and a
     /// number of rays for which the error is proportional to eps.
-    pub fn options(&self, options: FormFactorOptions, rays: Option<u32>) -> FormFactorOptions {
+    pub fn options(
+        &self,
+        options: FormFactorOptions,
+        given: &ComputationArgs,
+    ) -> FormFactorOptions {
         // The error of a row falls as rays^-0.6.
         let wanted = RAYS * (1e-4 / self.controls.eps).powf(1.0 / 0.6);
         let wanted = wanted.clamp(4_096.0, f64::from(1 << 18)) as u32;
@@ -159,9 +163,11 @@ impl View3dInput {
                 Closure::Always => Closure::Always,
                 _ => Closure::Never,
             },
-            rays: rays.unwrap_or(wanted),
+            rays: given.rays.unwrap_or(wanted),
             // Small files are computed to rounding errors, because that is fast enough.
-            accuracy: (self.polygons() > FEW).then_some(self.controls.eps / 2.0),
+            accuracy: given
+                .tolerance
+                .or((self.polygons() > FEW).then_some(self.controls.eps / 2.0)),
             ..options
         }
     }

@@ -6,6 +6,7 @@ mod brdf;
 mod commands;
 mod engines;
 mod exact;
+mod exchange;
 #[cfg(target_os = "linux")]
 mod expansion;
 mod experiment;

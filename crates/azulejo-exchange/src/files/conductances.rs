@@ -77,6 +77,10 @@ pub struct ConductanceOptions {
     pub temperature: f64,
     /// Whether SINDA's values are multiplied by σ, in W/K⁴, for models whose `SIGMA` is 1.
     pub sigma: bool,
+    /// The band of the conductances, in a column of its own of CSV, if they are not for all wavelengths.
+    pub band: Option<String>,
+    /// Whether CSV begins with the names of its columns: not if it continues a list of another band.
+    pub with_header: bool,
 }
 
 impl Default for ConductanceOptions {
@@ -85,6 +89,8 @@ impl Default for ConductanceOptions {
             model: String::new(),
             temperature: 20.0,
             sigma: false,
+            band: None,
+            with_header: true,
         }
     }
 }
@@ -112,7 +118,7 @@ pub fn write(
     out: &mut dyn Write,
 ) -> io::Result<()> {
     match format {
-        ConductanceFormat::Csv => write_csv(list, out),
+        ConductanceFormat::Csv => write_csv(list, options, out),
         ConductanceFormat::Esatan => write_esatan(list, options, out),
         ConductanceFormat::Sinda => write_sinda(list, options, out),
     }
@@ -175,17 +181,28 @@ fn each(
 }
 
 /// One line per pair, surroundings last.
-fn write_csv(list: &Conductances, out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "from,to,gr_m2,std_error")?;
+fn write_csv(
+    list: &Conductances,
+    options: &ConductanceOptions,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let (title, band) = match &options.band {
+        Some(band) => ("band_um,", format!("{},", csv_field(band))),
+        None => ("", String::new()),
+    };
+    if options.with_header {
+        writeln!(out, "{title}from,to,gr_m2,std_error")?;
+    }
     let names = &list.names;
     for NodePair { nodes, gr, error } in &list.pairs {
         let [a, b] = nodes.map(|n| csv_field(&names[n as usize]));
-        writeln!(out, "{a},{b},{gr},{}", general(*error, 3))?;
+        writeln!(out, "{band}{a},{b},{gr},{}", general(*error, 3))?;
     }
     for space in &list.space {
         let to = csv_field(&space.name);
         for (name, (gr, error)) in names.iter().zip(&space.gr).filter(|(_, gr)| gr.0 != 0.0) {
-            writeln!(out, "{},{to},{gr},{}", csv_field(name), general(*error, 3))?;
+            let name = csv_field(name);
+            writeln!(out, "{band}{name},{to},{gr},{}", general(*error, 3))?;
         }
     }
     Ok(())

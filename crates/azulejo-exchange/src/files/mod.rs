@@ -24,7 +24,7 @@ mod notes;
 pub mod openfoam;
 #[cfg(test)]
 mod tests;
-mod text;
+pub(crate) mod text;
 mod udales;
 pub mod view3d;
 mod vtu;

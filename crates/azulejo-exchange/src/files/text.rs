@@ -101,7 +101,7 @@ pub(super) fn xml(text: &str) -> String {
 }
 
 /// A field of CSV, quoted according to RFC 4180.
-pub(super) fn csv_field(name: &str) -> Cow<'_, str> {
+pub(crate) fn csv_field(name: &str) -> Cow<'_, str> {
     if name.contains([',', '"', '\n', '\r']) {
         format!("\"{}\"", name.replace('"', "\"\"")).into()
     } else {

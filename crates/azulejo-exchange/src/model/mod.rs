@@ -1,286 +1,247 @@
-//! A thermal model: enclosures with the properties of a table, and nodes. The command line and Python
-//! solve the same one, so that their numbers are the same to the last bit.
+//! Thermal models: factors with surface properties, temperatures and fluxes, solved and written.
+//!
+//! [`ThermalModel::solve`] chooses the matrix of each band by its mirrors, combines rows to nodes, and solves
+//! networks and heat balance; [`ThermalSolution::write`] writes what was found.
 
-mod lumped;
-mod results;
+mod error;
+mod lists;
+mod lump;
 #[cfg(test)]
 mod tests;
+mod write;
 
-pub use results::{ConductanceList, ThermalResult, ThermalResultFormat};
+pub use error::ModelError;
+pub use write::{SolutionFormat, SolutionOptions};
 
 use crate::bands::SpectralRange;
 use crate::enclosure::{Enclosure, GroupBy, Groups};
 use crate::network::{
-    ExchangeError, ExchangeFactors, HeatBalance, HeatProblem, SurfaceBand, exchange_factors,
-    heat_balance,
+    ExchangeFactors, HeatBalance, HeatProblem, SurfaceBand, exchange_factors, heat_balance,
 };
-use crate::tables::{Conditions, MaterialTable, Properties, TableError};
+use crate::tables::{Conditions, Properties};
 use azulejo_trace::Progress;
-use std::fmt;
-use std::sync::Arc;
 
-/// Difference of properties that counts as none.
-const SAME: f64 = 1e-6;
+/// Temperature of sky and ground that nobody gives: that of space, K.
+pub const DEEP_SPACE: f64 = 3.0;
 
-/// Temperature of sky and ground that nothing says: that of space, K.
-pub const SPACE: f64 = 3.0;
+/// Mirror reflectances, and other properties of one node, that differ by less count as equal.
+pub const SAME: f64 = 1e-6;
 
-/// Surfaces with their properties in all bands, and the nodes that they belong to.
+/// Surfaces with their factors and properties.
 #[derive(Clone, Debug)]
 pub struct ThermalModel {
-    enclosures: Vec<Arc<Enclosure>>,
-    bands: Vec<ModelBand>,
-    nodes: Groups,
-    /// The nodes of the rows before these were combined.
-    lumped: Option<Groups>,
+    /// Factors of the same rows with the names by which errors call them: one matrix for each set of mirror
+    /// reflectances that bands have.
+    pub matrices: Vec<(String, Enclosure)>,
+    /// The bands with the properties of each row; their wavelengths do not overlap.
+    pub bands: Vec<(SpectralRange, Vec<Properties>)>,
+    /// Temperatures and fluxes; none if only the networks are wanted.
+    pub conditions: Option<Conditions>,
+    /// Temperatures of sky and ground, K; [`DEEP_SPACE`] where there is none.
+    pub surroundings: [Option<f64>; 2],
+    /// What is one node; each row if none.
+    pub nodes: Option<GroupBy>,
+    /// Whether the rows of a node are combined before the exchange is solved, so that each node has one
+    /// radiosity, as network programs do; otherwise rows are solved and their exchange is added up.
+    pub lump: bool,
 }
 
-/// A band of a model.
+/// What a thermal model gives.
 #[derive(Clone, Debug)]
-struct ModelBand {
-    range: SpectralRange,
-    /// The number of its enclosure.
-    enclosure: usize,
-    emissivity: Vec<f64>,
-}
-
-/// Why surfaces, properties and nodes do not fit together.
-#[derive(Clone, Debug, PartialEq)]
-#[non_exhaustive]
-pub enum ModelError {
-    /// The rows of a matrix, by number, are not those of the first.
-    OtherRows(usize),
-    /// Rows without a record.
-    Table(TableError),
-    /// No matrix was computed with the mirrors of a band.
-    Mirrors {
-        /// The name of a row that differs.
-        row: String,
-        /// Its mirror reflectance in the first matrix.
-        computed: f64,
-        /// The one in the table.
-        asked: f64,
-        /// The band.
-        range: SpectralRange,
-    },
-    /// Rows to be combined have several values.
-    Uneven {
-        /// Their node.
-        node: String,
-        /// `eps` or `rho_s`.
-        what: &'static str,
-        /// The smallest and the largest.
-        values: [f64; 2],
-    },
-    /// Rows to be combined have different temperatures or fluxes.
-    UnevenConditions {
-        /// Their node.
-        node: String,
-    },
-}
-
-impl From<TableError> for ModelError {
-    fn from(error: TableError) -> ModelError {
-        ModelError::Table(error)
-    }
-}
-
-impl fmt::Display for ModelError {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            ModelError::OtherRows(k) => {
-                write!(f, "the rows of matrix {k} are not those of the first")
-            }
-            ModelError::Table(error) => error.fmt(f),
-            ModelError::Mirrors {
-                row,
-                computed,
-                asked,
-                range,
-            } => {
-                let band = match range {
-                    SpectralRange::Thermal => String::new(),
-                    range => format!(" in the band {range}"),
-                };
-                write!(
-                    f,
-                    "factors were computed with mirror reflectance {computed} of \"{row}\", the table has \
-                     {asked}{band}: mirrors take part in the factors, so compute these with the same table"
-                )
-            }
-            ModelError::Uneven { node, what, values } => write!(
-                f,
-                "lump: the rows of \"{node}\" have {what} from {} to {}, expected one value: choose nodes \
-                 that are even (by material), or do not lump",
-                values[0], values[1]
-            ),
-            ModelError::UnevenConditions { node } => write!(
-                f,
-                "lump: the rows of \"{node}\" have different temperatures or fluxes"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for ModelError {}
-
-/// The nodes of rows: groups, or each row where `by` is `None` or rows are groups already.
-pub fn nodes(enclosure: &Enclosure, by: Option<GroupBy>) -> Groups {
-    match by {
-        Some(by) if !enclosure.rows.are_groups => enclosure.groups(by),
-        _ => Groups {
-            of_rows: (0..enclosure.len() as u32).map(Some).collect(),
-            names: enclosure.rows.names.clone(),
-        },
-    }
-}
-
-/// The largest share of a row's light that ends where nothing absorbs it.
-pub fn lost(enclosure: &Enclosure) -> f64 {
-    let rest = enclosure.factors.rest.iter();
-    rest.map(|r| r.hidden + r.cut).fold(0.0, f64::max)
-}
-
-/// Gives that light to the sky.
-pub fn give_lost_to_sky(enclosure: &mut Enclosure) {
-    for row in &mut enclosure.factors.rest {
-        row.sky += row.hidden + row.cut;
-        (row.hidden, row.cut) = (0.0, 0.0);
-    }
+pub struct ThermalSolution {
+    /// The factors that were used first.
+    pub enclosure: Enclosure,
+    /// The nodes of its rows.
+    pub nodes: Groups,
+    /// Each band in which surfaces emit, with its network.
+    pub networks: Vec<(SpectralRange, ExchangeFactors)>,
+    /// Temperatures and fluxes, if there were conditions.
+    pub heat: Option<HeatBalance>,
+    /// Temperatures of sky and ground, K.
+    pub surroundings: [f64; 2],
+    /// What the user should know: sentences without full stops.
+    pub notes: Vec<String>,
 }
 
 impl ThermalModel {
-    /// Surfaces of one or several matrices with the same rows, of which each band takes the first that
-    /// was computed with its mirrors. With `lump`, the rows of a node are combined to one.
+    /// Solves networks, and temperatures and fluxes if there are conditions.
     ///
     /// # Errors
-    /// [`ModelError`].
+    /// Matrices of different rows, mirrors that no matrix has, uneven nodes that are to be lumped, and the
+    /// errors of [`exchange_factors`] and [`heat_balance`].
     ///
     /// # Panics
-    /// If there is no enclosure, or not one node for each row.
-    pub fn new(
-        enclosures: Vec<Arc<Enclosure>>,
-        materials: &MaterialTable,
-        nodes: Groups,
-        lump: bool,
-    ) -> Result<ThermalModel, ModelError> {
-        let first = &enclosures[0];
-        let is_other = |e: &Arc<Enclosure>| e.rows.names != first.rows.names;
-        if let Some(k) = enclosures.iter().position(is_other) {
-            return Err(ModelError::OtherRows(k));
-        }
-        let properties = materials.of_rows(first)?;
-        let bands = materials.bands.iter().zip(&properties);
-        let band = |(band, rows): (&crate::tables::TableBand, &Vec<Properties>)| {
-            Ok(ModelBand {
-                range: band.range,
-                enclosure: matching(&enclosures, band.range, rows)?,
+    /// If there is no matrix or no band, or if properties or conditions are not those of its rows.
+    pub fn solve(mut self, progress: &Progress) -> Result<ThermalSolution, ModelError> {
+        self.check_rows()?;
+        let used = self
+            .bands
+            .iter()
+            .map(|(range, rows)| self.matching(*range, rows))
+            .collect::<Result<Vec<usize>, _>>()?;
+        let nodes = self.groups();
+        let nodes = if self.lump {
+            lump::lump(&mut self, &nodes)?
+        } else {
+            nodes
+        };
+        let mut notes = Vec::new();
+        let bands: Vec<SurfaceBand> = self
+            .bands
+            .iter()
+            .zip(&used)
+            .map(|((range, rows), &k)| SurfaceBand {
+                enclosure: &self.matrices[k].1,
+                range: *range,
                 emissivity: rows.iter().map(|p| p.emissivity).collect(),
             })
+            .collect();
+        let mut networks = Vec::new();
+        for band in bands.iter().filter(|b| b.range != SpectralRange::Solar) {
+            networks.push((band.range, exchange_factors(band, &nodes, progress)?));
+        }
+        let surroundings = self.surroundings.map(|t| t.unwrap_or(DEEP_SPACE));
+        let heat = match &self.conditions {
+            Some(conditions) => {
+                self.note_surroundings(&mut notes);
+                let problem = HeatProblem {
+                    bands: &bands,
+                    conditions: &conditions.rows,
+                    surroundings,
+                    solar: &self.sunlight(&bands, conditions, &mut notes),
+                };
+                Some(heat_balance(&problem, &nodes, progress)?)
+            }
+            None => None,
         };
-        let bands = bands.map(band).collect::<Result<_, ModelError>>()?;
-        let model = ThermalModel {
-            enclosures,
-            bands,
+        Ok(ThermalSolution {
+            enclosure: self.matrices.swap_remove(0).1,
             nodes,
-            lumped: None,
-        };
-        if lump { model.lump() } else { Ok(model) }
-    }
-
-    /// The first matrix, whose rows are those of the model.
-    pub fn enclosure(&self) -> &Arc<Enclosure> {
-        &self.enclosures[0]
-    }
-
-    /// The nodes of its rows.
-    pub fn nodes(&self) -> &Groups {
-        &self.nodes
-    }
-
-    /// Whether sunlight has an effect.
-    pub fn has_solar_band(&self) -> bool {
-        self.bands.iter().any(|b| b.range == SpectralRange::Solar)
-    }
-
-    fn surface_bands(&self) -> Vec<SurfaceBand<'_>> {
-        let band = |b: &ModelBand| SurfaceBand {
-            enclosure: &self.enclosures[b.enclosure],
-            range: b.range,
-            emissivity: b.emissivity.clone(),
-        };
-        self.bands.iter().map(band).collect()
-    }
-
-    /// The conductances in each band but the solar one.
-    ///
-    /// # Errors
-    /// [`ExchangeError`].
-    pub fn networks(
-        &self,
-        progress: &Progress,
-    ) -> Result<Vec<(SpectralRange, ExchangeFactors)>, ExchangeError> {
-        let bands = self.surface_bands();
-        let bands = bands.iter().filter(|b| b.range != SpectralRange::Solar);
-        bands
-            .map(|band| Ok((band.range, exchange_factors(band, &self.nodes, progress)?)))
-            .collect()
-    }
-
-    /// Temperatures and fluxes. Sunlight on rows of which the conditions say none is that of the matrix.
-    ///
-    /// # Errors
-    /// [`ExchangeError`].
-    pub fn heat(
-        &self,
-        conditions: &Conditions,
-        surroundings: [f64; 2],
-        progress: &Progress,
-    ) -> Result<HeatBalance, ExchangeError> {
-        let bands = self.surface_bands();
-        let problem = HeatProblem {
-            bands: &bands,
-            conditions: &conditions.rows,
+            networks,
+            heat,
             surroundings,
-            solar: &self.sunlight(conditions),
-        };
-        heat_balance(&problem, &self.nodes, progress)
+            notes,
+        })
     }
 
-    /// Sunlight on each row; empty if there is none.
-    pub fn sunlight(&self, conditions: &Conditions) -> Vec<f64> {
-        let outside = &self.enclosure().outside;
-        let of_matrix = |i: usize| outside.as_ref().map_or(0.0, |o| o[i].irradiance.mean());
+    fn check_rows(&self) -> Result<(), ModelError> {
+        let (of, first) = &self.matrices[0];
+        let names = &first.rows.names;
+        match self.matrices.iter().find(|(_, e)| e.rows.names != *names) {
+            Some((matrix, _)) => Err(ModelError::OtherRows {
+                matrix: matrix.clone(),
+                of: of.clone(),
+            }),
+            None => Ok(()),
+        }
+    }
+
+    /// The first matrix that was computed with the mirrors of a band.
+    fn matching(&self, range: SpectralRange, rows: &[Properties]) -> Result<usize, ModelError> {
+        let differs = |enclosure: &Enclosure| {
+            let mirrors = enclosure.mirror_reflectances();
+            let mut pairs = mirrors.iter().zip(rows).enumerate();
+            let off = pairs.find(|(_, (a, b))| (*a - b.mirror).abs() > SAME);
+            off.map(|(i, (a, b))| (i, *a, b.mirror))
+        };
+        let mut closest = None;
+        for (k, (name, enclosure)) in self.matrices.iter().enumerate() {
+            let Some((i, computed, asked)) = differs(enclosure) else {
+                return Ok(k);
+            };
+            closest.get_or_insert_with(|| ModelError::OtherMirrors {
+                matrix: name.clone(),
+                row: enclosure.rows.names[i].clone(),
+                computed,
+                asked,
+                range,
+            });
+        }
+        Err(closest.unwrap_or(ModelError::NoMatrix))
+    }
+
+    fn groups(&self) -> Groups {
+        let enclosure = &self.matrices[0].1;
+        match self.nodes {
+            Some(by) if !enclosure.rows.are_groups => enclosure.groups(by),
+            _ => Groups {
+                of_rows: (0..enclosure.len() as u32).map(Some).collect(),
+                names: enclosure.rows.names.clone(),
+            },
+        }
+    }
+
+    /// Sunlight on each row: as given, or else of the matrix; empty if there is none.
+    fn sunlight(
+        &self,
+        bands: &[SurfaceBand],
+        conditions: &Conditions,
+        notes: &mut Vec<String>,
+    ) -> Vec<f64> {
+        let of_sun = bands.iter().find(|b| b.range == SpectralRange::Solar);
+        let lit = of_sun.map_or(&self.matrices[0].1, |band| band.enclosure);
+        let outside = |i: usize| lit.outside.as_ref().map_or(0.0, |o| o[i].irradiance.mean());
         let rows = conditions.solar.iter().enumerate();
-        let solar: Vec<f64> = rows.map(|(i, e)| e.unwrap_or_else(|| of_matrix(i))).collect();
-        if solar.iter().any(|&e| e > 0.0) {
-            solar
-        } else {
-            Vec::new()
+        let solar: Vec<f64> = rows.map(|(i, e)| e.unwrap_or_else(|| outside(i))).collect();
+        if solar.iter().all(|&e| e <= 0.0) {
+            return Vec::new();
+        }
+        let Some(sun) = of_sun else {
+            notes.push(
+                "sunlight has no effect, because no absorptance of it (alpha) is given".into(),
+            );
+            return Vec::new();
+        };
+        let mirrors = sun.enclosure.mirror_reflectances();
+        let mut given = conditions.solar.iter().zip(mirrors);
+        if given.any(|(e, mirror)| e.is_some_and(|e| e > 0.0) && mirror > SAME) {
+            notes.push(
+                "sunlight that mirrors reflect must be in what is given of the surfaces that it reaches, because \
+                 its direction is not known; factors that were computed with --sun have it"
+                    .into(),
+            );
+        }
+        solar
+    }
+
+    /// Sky and ground that are seen, and whose temperature nobody gives.
+    fn note_surroundings(&self, notes: &mut Vec<String>) {
+        let rest = &self.matrices[0].1.factors.rest;
+        let is_seen = [
+            rest.iter().any(|r| r.sky > SAME),
+            rest.iter().any(|r| r.ground > SAME),
+        ];
+        for (k, name) in ["sky", "ground"].into_iter().enumerate() {
+            if is_seen[k] && self.surroundings[k].is_none() {
+                notes.push(format!(
+                    "no temperature of the {name} is given: {DEEP_SPACE} K, that of space, is taken"
+                ));
+            }
         }
     }
 }
 
-/// The first matrix that was computed with the mirrors of a band.
-fn matching(
-    enclosures: &[Arc<Enclosure>],
-    range: SpectralRange,
-    rows: &[Properties],
-) -> Result<usize, ModelError> {
-    let differs = |enclosure: &Enclosure| {
-        let mirrors = enclosure.mirror_reflectances();
-        let mut pairs = mirrors.iter().zip(rows).enumerate();
-        let off = pairs.find(|(_, (a, b))| (*a - b.mirror).abs() > SAME);
-        off.map(|(i, (a, b))| (i, *a, b.mirror))
-    };
-    let found = enclosures.iter().position(|e| differs(e).is_none());
-    found.ok_or_else(|| {
-        let (i, computed, asked) = differs(&enclosures[0]).unwrap_or_default();
-        ModelError::Mirrors {
-            row: enclosures[0].rows.names[i].clone(),
-            computed,
-            asked,
-            range,
-        }
-    })
+impl ThermalSolution {
+    /// Largest deviation from 1 of the sums of Gebhart factors, over nodes that emit, in one network.
+    pub fn closure(network: &ExchangeFactors) -> f64 {
+        let sums = network.row_sums();
+        let emitting = sums
+            .iter()
+            .zip(&network.emitting)
+            .filter(|(_, e)| **e > 0.0);
+        emitting
+            .map(|(sum, _)| (sum - 1.0).abs())
+            .fold(0.0, f64::max)
+    }
+
+    /// Heat that rows give off in excess of what sky and ground gain and the sun brings, W: 0, but for what
+    /// factors lack.
+    pub fn imbalance(&self) -> Option<f64> {
+        let heat = self.heat.as_ref()?;
+        let unit = self.enclosure.metres_per_unit().powi(2);
+        let rows = heat.fluxes.iter().zip(&heat.solar);
+        let rows = rows.zip(&self.enclosure.factors.areas);
+        let given_off: f64 = rows.map(|((q, sun), area)| (q + sun) * area * unit).sum();
+        Some(given_off - heat.to_surroundings.iter().sum::<f64>())
+    }
 }

@@ -1,133 +1,293 @@
-//! Models of tables against closed forms.
+//! Matrices chosen by mirrors, lumping, truncation, and files.
 
 use super::*;
-use crate::enclosure::unique;
-use crate::network::RowCondition;
-use crate::network::tests::enclosure_of;
-use crate::tables::{BoundaryTable, NamedValues};
+use crate::network::ExchangeError;
+use crate::tables::{BoundaryTable, MaterialTable};
+use azulejo_factors::FormFactors;
+use azulejo_factors::form_factors::{Exchange, ExchangeAreas, RowRemainder};
+use azulejo_formats::numpy::npz::NpzReader;
+use std::io::Cursor;
 
-/// Two plates that see nothing but each other, one of two rows.
-fn plates() -> Arc<Enclosure> {
-    let s = [
-        vec![0.0, 0.0, 1.0],
-        vec![0.0, 0.0, 1.0],
-        vec![1.0, 1.0, 0.0],
-    ];
-    let mut enclosure = enclosure_of(&[1.0, 1.0, 2.0], &s, &[0.0; 3]);
-    enclosure.rows.names = unique(["a", "a", "b"].map(str::to_owned).into());
-    Arc::new(enclosure)
-}
-
-fn table(numbers: &[(&str, &[(&str, f64)])]) -> MaterialTable {
-    let record = |(name, fields): &(&str, &[(&str, f64)])| {
-        let fields = fields.iter().map(|(c, x)| ((*c).to_owned(), *x));
-        ((*name).to_owned(), fields.collect())
-    };
-    let records: Vec<_> = numbers.iter().map(record).collect();
-    MaterialTable::from_numbers(&records).unwrap()
-}
-
-fn two_nodes() -> Groups {
-    Groups {
-        of_rows: vec![Some(0), Some(0), Some(1)],
-        names: vec!["a".to_owned(), "b".to_owned()],
-    }
-}
-
-const PLATES: &[(&str, &[(&str, f64)])] = &[("a *", &[("eps", 0.3)]), ("b", &[("eps", 0.8)])];
-
-#[test]
-fn plates_exchange_as_their_formula_says_lumped_or_not() {
-    let expected = 2.0 / (1.0 / 0.3 + 1.0 / 0.8 - 1.0);
-    for lump in [false, true] {
-        let model = ThermalModel::new(vec![plates()], &table(PLATES), two_nodes(), lump).unwrap();
-        assert_eq!(model.enclosure().len(), if lump { 2 } else { 3 });
-        let networks = model.networks(&Progress::new()).unwrap();
-        let (gr, _) = networks[0].1.conductance(0, 1);
-        assert!((gr - expected).abs() < 1e-12, "{gr}, expected {expected}");
-        let given = Conditions {
-            rows: vec![RowCondition::Temperature(400.0); 3],
-            solar: vec![None; 3],
+/// Rows of unit area that see each other with these factors; what they lack goes to the sky.
+fn matrix(factors: &[&[f64]], names: &[&str], mirrors: &[f64]) -> Enclosure {
+    let n = factors.len();
+    let upper = |i: usize| -> Vec<Exchange> {
+        let entry = |j: usize| Exchange {
+            column: j as u32,
+            value: factors[i][j],
+            error: 1e-4,
         };
-        let given = model.conditions(given).unwrap();
-        let heat = model.heat(&given, [SPACE; 2], &Progress::new()).unwrap();
-        assert!(heat.node_heat.iter().all(|q| q.abs() < 1e-9));
+        (i..n).map(entry).filter(|e| e.value > 0.0).collect()
+    };
+    let rest = |i: usize| RowRemainder {
+        sky: 1.0
+            - (0..n)
+                .map(|j| factors[i][j] * (1.0 - mirrors[j]))
+                .sum::<f64>(),
+        ..RowRemainder::default()
+    };
+    let exchange = (0..n).map(upper).collect::<ExchangeAreas>();
+    Enclosure {
+        factors: FormFactors {
+            exchange,
+            areas: vec![1.0; n],
+            rest: (0..n).map(rest).collect(),
+            ends: mirrors.iter().map(|m| 1.0 - m).collect(),
+            ..FormFactors::default()
+        },
+        rows: crate::RowTable {
+            names: names.iter().map(|n| (*n).to_owned()).collect(),
+            ..crate::RowTable::default()
+        },
+        outside: None,
+    }
+}
+
+/// Two plates that see each other alone.
+fn plates(mirrors: [f64; 2]) -> Enclosure {
+    let [m1, m2] = mirrors;
+    let both = 1.0 / (1.0 - m1 * m2);
+    let rows: [&[f64]; 2] = [&[m2 * both, both], &[both, m1 * both]];
+    matrix(&rows, &["hot", "cold"], &mirrors)
+}
+
+fn model(matrices: Vec<Enclosure>, materials: &str, boundary: Option<&str>) -> ThermalModel {
+    let table = MaterialTable::read(materials).unwrap();
+    let first = &matrices[0];
+    let properties = table.of_rows(first).unwrap();
+    let boundary = boundary.map(|text| BoundaryTable::read(text).unwrap());
+    ThermalModel {
+        bands: table
+            .bands
+            .iter()
+            .map(|b| b.range)
+            .zip(properties)
+            .collect(),
+        conditions: boundary.as_ref().map(|b| b.of_rows(first).unwrap()),
+        surroundings: boundary.map_or([None; 2], |b| b.surroundings),
+        nodes: None,
+        lump: false,
+        matrices: matrices
+            .into_iter()
+            .enumerate()
+            .map(|(k, e)| (format!("matrix {k}"), e))
+            .collect(),
+    }
+}
+
+fn solved(model: ThermalModel) -> ThermalSolution {
+    model.solve(&Progress::new()).unwrap()
+}
+
+const GREY: &str = "name,eps,rho_s\nhot,0.8,0\ncold,0.5,0\n";
+
+/// GR of parallel plates is 1 / (1/ε₁ + 1/ε₂ − 1), with and without mirrors.
+#[test]
+fn parallel_plates() {
+    for (table, mirrors) in [
+        (GREY, [0.0, 0.0]),
+        ("name,eps,rho_s\nhot,0.8,0.2\ncold,0.5,0.4\n", [0.2, 0.4]),
+    ] {
+        let solution = solved(model(vec![plates(mirrors)], table, None));
+        let (gr, _) = solution.networks[0].1.conductance(0, 1);
+        assert!((gr - 1.0 / (1.0 / 0.8 + 1.0 / 0.5 - 1.0)).abs() < 1e-12);
+        assert!(ThermalSolution::closure(&solution.networks[0].1) < 1e-12);
+        assert_eq!(solution.imbalance(), None);
     }
 }
 
 #[test]
-fn uneven_nodes_and_other_mirrors_are_refused() {
-    let model = |numbers: &[(&str, &[(&str, f64)])], lump: bool| {
-        let error = ThermalModel::new(vec![plates()], &table(numbers), two_nodes(), lump);
-        error.unwrap_err().to_string()
-    };
-    let uneven = model(&[("a #0", &[("eps", 0.5)]), ("*", &[("eps", 0.25)])], true);
-    assert!(uneven.contains("\"a\" have eps from 0.25 to 0.5"), "{uneven}");
-    let mirrors = model(&[("*", &[("eps", 0.5), ("rho_s", 0.25)])], false);
-    assert!(mirrors.contains("reflectance 0 of \"a #0\", the table has 0.25"));
-    let missing = model(&[("b", &[("eps", 0.5)])], false);
-    assert!(missing.contains("nothing says the emissivity of \"a #0\""), "{missing}");
-    let lumped = ThermalModel::new(vec![plates()], &table(PLATES), two_nodes(), true).unwrap();
-    let mut rows = vec![RowCondition::Flux(0.0); 3];
-    rows[1] = RowCondition::Flux(1.0);
-    let solar = vec![None; 3];
-    assert!(lumped.conditions(Conditions { rows, solar }).is_err());
-}
-
-#[test]
-fn numbers_are_checked_as_tables_are() {
-    let fails = |column: &str, x: f64| {
-        let record = ("a".to_owned(), vec![(column.to_owned(), x)]);
-        MaterialTable::from_numbers(&[record]).unwrap_err().to_string()
-    };
-    assert_eq!(
-        fails("eps", 1.5),
-        "materials: eps of \"a\" is 1.5, expected 0 to 1"
+fn each_band_takes_the_matrix_of_its_mirrors() {
+    let table = "name,eps@0-4,rho_s@0-4,eps@4-inf\nhot,0.5,0.5,0.9\ncold,0.5,0,0.9\n";
+    let matrices = vec![plates([0.0, 0.0]), plates([0.5, 0.0])];
+    let solution = solved(model(matrices, table, None));
+    let gr = |k: usize| solution.networks[k].1.conductance(0, 1).0;
+    assert!((gr(0) - 1.0 / 3.0).abs() < 1e-12);
+    assert!((gr(1) - 1.0 / (2.0 / 0.9 - 1.0)).abs() < 1e-12);
+    let refused = model(vec![plates([0.0, 0.0])], table, None).solve(&Progress::new());
+    let message = refused.unwrap_err().to_string();
+    assert!(
+        message.contains("matrix 0") && message.contains("\"hot\"") && message.contains("0-4"),
+        "{message}"
     );
-    assert!(fails("eps", f64::NAN).contains("a finite number"));
-    let both = vec![("T".to_owned(), 300.0), ("q".to_owned(), 0.0)];
-    let both = BoundaryTable::from_numbers(&[("a".to_owned(), both)]);
-    assert!(both.unwrap_err().to_string().contains("given beside q"));
-    let values = [("a *".to_owned(), 2.0), ("c".to_owned(), 3.0)];
-    let values = NamedValues::new(&values, "solar").unwrap();
-    assert_eq!(values.of_rows(&plates()), [Some(2.0), Some(2.0), None]);
-    assert_eq!(values.unused(&plates()), ["c"]);
-    assert!(NamedValues::new(&[("a".to_owned(), f64::NAN)], "solar").is_err());
 }
 
 #[test]
-fn lost_light_can_be_given_to_the_sky() {
-    let mut enclosure = Enclosure::clone(&plates());
-    enclosure.factors.rest[1].hidden = 0.25;
-    assert_eq!(lost(&enclosure), 0.25);
-    give_lost_to_sky(&mut enclosure);
-    assert_eq!((lost(&enclosure), enclosure.factors.rest[1].sky), (0.0, 0.25));
+fn matrices_of_other_rows_are_refused() {
+    let mut other = plates([0.0, 0.0]);
+    other.rows.names[1] = "lid".into();
+    let refused = model(vec![plates([0.0, 0.0]), other], GREY, None).solve(&Progress::new());
+    let message = refused.unwrap_err().to_string();
+    assert_eq!(message, "matrix 1: its rows are not those of matrix 0");
 }
 
 #[test]
-fn files_have_their_formats() {
-    let model = ThermalModel::new(vec![plates()], &table(PLATES), two_nodes(), false).unwrap();
-    let networks = model.networks(&Progress::new()).unwrap();
-    let mut result = ThermalResult::new(&model, networks, None, [SPACE; 2]);
-    let text = |result: &ThermalResult, format| {
-        let mut bytes = Vec::new();
-        let list = ConductanceList::default();
-        result.write(format, &list, &mut bytes).unwrap();
-        String::from_utf8_lossy(&bytes).into_owned()
+fn heat_balances_and_unknown_surroundings_are_said() {
+    let rows: [&[f64]; 2] = [&[0.0, 0.7], &[0.7, 0.0]];
+    let open = matrix(&rows, &["hot", "cold"], &[0.0, 0.0]);
+    let solution = solved(model(
+        vec![open],
+        GREY,
+        Some("name,T,q\nhot,500,\ncold,,0\n"),
+    ));
+    assert!(solution.imbalance().unwrap().abs() < 1e-9);
+    assert_eq!(
+        solution.notes,
+        ["no temperature of the sky is given: 3 K, that of space, is taken"]
+    );
+    let heat = solution.heat.unwrap();
+    assert!(heat.to_surroundings[0] > 1.0 && heat.node_heat[1].abs() < 1e-9);
+}
+
+#[test]
+fn sunlight_without_absorptance_or_by_mirrors_is_said() {
+    let boundary = "name,T,solar\nhot,500,100\ncold,300,0\n";
+    let solution = solved(model(vec![plates([0.0, 0.0])], GREY, Some(boundary)));
+    assert!(solution.notes[0].starts_with("sunlight has no effect"));
+    let table = "name,eps,alpha,rho_s@solar\nhot,0.5,0.3,0.5\ncold,0.5,0.5,0\n";
+    let matrices = vec![plates([0.0, 0.0]), plates([0.5, 0.0])];
+    let solution = solved(model(matrices, table, Some(boundary)));
+    assert!(solution.notes[0].starts_with("sunlight that mirrors reflect"));
+    let heat = solution.heat.as_ref().unwrap();
+    let absorbed: f64 = heat.solar.iter().sum();
+    assert!((30.0..70.0).contains(&absorbed), "{absorbed}");
+    assert!(solution.imbalance().unwrap().abs() < 1e-9);
+}
+
+/// Three rows of two objects.
+fn three() -> Enclosure {
+    let rows: [&[f64]; 3] = [&[0.0, 0.1, 0.9], &[0.1, 0.0, 0.9], &[0.9, 0.9, 0.0]];
+    let mut three = matrix(&rows, &["a/0", "a/1", "b/0"], &[0.0; 3]);
+    three.rows.objects = vec!["a".into(), "b".into()];
+    three.factors.faces = [(0, 0), (0, 1), (1, 0)]
+        .map(|(object, face)| azulejo_factors::FaceId { object, face })
+        .into();
+    three.factors.is_back = vec![false; 3];
+    three.factors.materials = vec![0; 3];
+    three
+}
+
+#[test]
+fn nodes_are_lumped_only_if_they_are_even() {
+    let even = "name,eps\na,0.5\nb,0.7\n";
+    let by_object = |table: &str, boundary: Option<&str>| ThermalModel {
+        nodes: Some(GroupBy::Object),
+        lump: true,
+        ..model(vec![three()], table, boundary)
     };
-    let csv = text(&result, ThermalResultFormat::Csv);
-    assert!(csv.starts_with("from,to,gr_m2,std_error\na,b,0.5"), "{csv}");
-    assert!(text(&result, ThermalResultFormat::Esatan).contains("$CONDUCTORS"));
-    assert!(text(&result, ThermalResultFormat::Archive).contains("script_F"));
-    assert_eq!(result.node_areas(), [2.0, 2.0]);
-    let given = Conditions {
-        rows: vec![RowCondition::Temperature(400.0); 3],
-        solar: vec![None; 3],
-    };
-    result.heat = Some(model.heat(&given, [SPACE; 2], &Progress::new()).unwrap());
-    let csv = text(&result, ThermalResultFormat::Csv);
-    assert!(csv.starts_with("name,area,T,T_error,Q,Q_error\na,2,400,0,"), "{csv}");
+    let solution = solved(by_object(even, Some("name,T\na,300\nb,400\n")));
+    assert_eq!(solution.nodes.names, ["a", "b"]);
+    assert_eq!(solution.enclosure.len(), 2);
+    assert_eq!(solution.heat.unwrap().temperatures, [300.0, 400.0]);
+    let uneven = by_object("name,eps\na/0,0.5\na/1,0.6\nb,0.7\n", None);
+    let message = uneven.solve(&Progress::new()).unwrap_err().to_string();
+    assert!(
+        message.contains("\"a\" have eps from 0.5 to 0.6"),
+        "{message}"
+    );
+    let uneven = by_object(even, Some("name,T\na/0,300\na/1,301\nb,400\n"));
+    assert_eq!(
+        uneven.solve(&Progress::new()).unwrap_err(),
+        ModelError::UnevenConditions { node: "a".into() }
+    );
+    let uneven = by_object(even, Some("name,T,solar\na/0,300,5\na/1,300,\nb,400,\n"));
+    assert!(uneven.solve(&Progress::new()).is_err());
+}
+
+#[test]
+fn adiabatic_enclosures_are_refused() {
+    let model = model(vec![plates([0.0, 0.0])], GREY, Some("name,q\n*,0\n"));
+    assert!(matches!(
+        model.solve(&Progress::new()),
+        Err(ModelError::Exchange(ExchangeError::Floating { .. }))
+    ));
+}
+
+fn text(solution: &ThermalSolution, format: SolutionFormat, truncate: Option<f64>) -> String {
     let mut out = Vec::new();
-    let vtu = result.write(ThermalResultFormat::Vtu, &ConductanceList::default(), &mut out);
-    assert!(vtu.is_err(), "there are no polygons");
+    let options = SolutionOptions {
+        truncate,
+        ..SolutionOptions::default()
+    };
+    solution.write(format, &options, &mut out).unwrap();
+    String::from_utf8(out).unwrap()
+}
+
+/// What lists leave out goes to the other pairs of both nodes.
+#[test]
+fn truncated_lists_keep_sums() {
+    let rows: [&[f64]; 4] = [
+        &[0.0, 0.001, 0.5, 0.499],
+        &[0.001, 0.0, 0.499, 0.5],
+        &[0.5, 0.499, 0.0, 0.001],
+        &[0.499, 0.5, 0.001, 0.0],
+    ];
+    let black = matrix(&rows, &["a", "b", "c", "d"], &[0.0; 4]);
+    let solution = solved(model(vec![black], "name,eps\n*,1\n", None));
+    let pairs = |text: &str| -> Vec<(String, f64)> {
+        let fields = text
+            .lines()
+            .skip(1)
+            .map(|l| l.split(',').collect::<Vec<_>>());
+        fields
+            .map(|f| (format!("{}{}", f[0], f[1]), f[2].parse().unwrap()))
+            .collect()
+    };
+    let all = pairs(&text(&solution, SolutionFormat::Csv, None));
+    assert_eq!(all.len(), 6);
+    let kept = pairs(&text(&solution, SolutionFormat::Csv, Some(0.01)));
+    assert_eq!(kept.len(), 4);
+    let of_a: f64 = kept
+        .iter()
+        .filter(|(p, _)| p.contains('a'))
+        .map(|p| p.1)
+        .sum();
+    assert!((of_a - 1.0).abs() < 1e-9, "{of_a}");
+}
+
+#[test]
+fn bands_have_a_column() {
+    let table = "name,eps@0-4,eps@4-inf\n*,0.5,0.9\n";
+    let solution = solved(model(vec![plates([0.0, 0.0])], table, None));
+    let list = text(&solution, SolutionFormat::Csv, None);
+    let lines: Vec<&str> = list.lines().collect();
+    assert_eq!(lines[0], "band_um,from,to,gr_m2,std_error");
+    assert_eq!(lines.len(), 3);
+    assert!(lines[1].starts_with("0-4,hot,cold,0.333") && lines[2].starts_with("4-inf,hot,cold,"));
+    let refused = solution.write(
+        SolutionFormat::Esatan,
+        &SolutionOptions::default(),
+        &mut Vec::new(),
+    );
+    assert!(refused.unwrap_err().to_string().contains("several"));
+}
+
+#[test]
+fn archives_have_everything() {
+    let boundary = "name,T,q\nhot,500,\ncold,,0\n";
+    let solution = solved(model(vec![plates([0.0, 0.0])], GREY, Some(boundary)));
+    let mut out = Vec::new();
+    let options = SolutionOptions::default();
+    solution
+        .write(SolutionFormat::Archive, &options, &mut out)
+        .unwrap();
+    let archive = NpzReader::new(Cursor::new(out), 1 << 20).unwrap();
+    let names = archive.names();
+    for name in [
+        "GR", "GR_error", "B", "script_F", "names", "T", "q", "node_T", "row_node",
+    ] {
+        assert!(
+            names.iter().any(|n| n == name),
+            "{name} is not in {names:?}"
+        );
+    }
+    assert!(matches!(
+        solution.heat.as_ref().map(|h| h.temperatures[1]),
+        Some(t) if (t - 500.0).abs() < 1e-9
+    ));
+    let text = text(&solution, SolutionFormat::Csv, None);
+    assert!(
+        text.starts_with("name,area,T,T_error,Q,Q_error\nhot,1,500,0,"),
+        "{text}"
+    );
 }

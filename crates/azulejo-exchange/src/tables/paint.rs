@@ -69,8 +69,19 @@ impl MaterialTable {
 
     /// Whether surfaces reflect the same share as mirrors in all bands.
     pub fn has_same_mirrors(&self) -> bool {
+        self.mirror_sets().len() == 1
+    }
+
+    /// The first band of each set of mirror reflectances: the bands whose factors have to be computed.
+    pub fn mirror_sets(&self) -> Vec<usize> {
         let mirrors = |band: usize| self.bands[band].records.iter().map(|p| p.mirror);
-        (1..self.bands.len()).all(|band| mirrors(band).eq(mirrors(0)))
+        let mut sets: Vec<usize> = Vec::new();
+        for band in 0..self.bands.len() {
+            if !sets.iter().any(|&of| mirrors(of).eq(mirrors(band))) {
+                sets.push(band);
+            }
+        }
+        sets
     }
 }
 
