@@ -9,183 +9,122 @@ use crate::form_factors::NativeFormFactors;
 use crate::materials::NativeMaterials;
 use crate::work::{self, WorkOptions};
 use azulejo::output::Output;
-use azulejo_exchange::model::{
-    self, ConductanceList, SPACE, ThermalModel, ThermalResult, ThermalResultFormat,
-};
+use azulejo_exchange::model::{SolutionFormat, SolutionOptions};
 use azulejo_exchange::tables::MaterialTable;
-use azulejo_exchange::{Enclosure, ExchangeFactors, Groups, HeatBalance, band_fraction};
-use azulejo_trace::Progress;
+use azulejo_exchange::{
+    Enclosure, ExchangeFactors, HeatBalance, SpectralRange, ThermalModel, ThermalSolution,
+    band_fraction,
+};
+use azulejo_factors::form_factors::RowRemainder;
 use conditions::ConditionArgs;
 use numpy::ndarray::Array2;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What is solved, beside surfaces and conditions.
+/// How nodes are made and solved.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct ExchangeArgs<'py> {
-    /// `row`, `face`, `object` or `material`, unless there are `groups`.
+pub struct ExchangeArgs {
+    /// `row`, `face`, `object` or `material`.
     by: String,
-    /// The node of each row, or −1, and the names of the nodes.
-    groups: Option<(PyReadonlyArray1<'py, i64>, Vec<String>)>,
     lump: bool,
     lost_to_sky: bool,
 }
 
 /// A solved model.
 #[pyclass(frozen, module = "pyazulejo._pyazulejo")]
-pub struct NativeThermalResult {
-    result: Arc<ThermalResult>,
+pub struct NativeThermalSolution {
+    solution: Arc<ThermalSolution>,
     notes: Vec<String>,
 }
 
 /// Share of a row's light that may be lost without a word.
 const LOST: f64 = 1e-3;
 
-impl ExchangeArgs<'_> {
-    fn nodes(&self, enclosure: &Enclosure) -> PyResult<Groups> {
-        let Some((groups, names)) = &self.groups else {
-            return Ok(model::nodes(enclosure, choices::node(&self.by)?));
-        };
-        let groups = groups.as_array();
-        let is_known = |&g: &i64| g < names.len() as i64;
-        if groups.len() != enclosure.len() || !groups.iter().all(is_known) {
-            return Err(refused("one node is needed for each row"));
-        }
-        Ok(Groups {
-            of_rows: groups.iter().map(|&g| u32::try_from(g).ok()).collect(),
-            names: names.clone(),
-        })
-    }
-
-    /// The matrices, with what they lose given to the sky if that is asked for.
-    fn enclosures(
-        &self,
-        factors: &[PyRef<'_, NativeFormFactors>],
-        notes: &mut Vec<String>,
-    ) -> Vec<Arc<Enclosure>> {
-        let mut prepared = Vec::new();
-        for factors in factors {
-            let lost = model::lost(&factors.enclosure);
-            if self.lost_to_sky && lost > 0.0 {
-                let mut changed = Enclosure::clone(&factors.enclosure);
-                model::give_lost_to_sky(&mut changed);
-                prepared.push(Arc::new(changed));
-                continue;
-            }
-            if lost > LOST {
-                notes.push(format!(
-                    "up to {:.2}% of a row's light ends on backs or is cut off between mirrors, where \
-                     nothing absorbs it; lost_to_sky=True gives it to the sky, \
-                     form_factors(two_sided=True) has rows of backs",
-                    100.0 * lost
-                ));
-            }
-            prepared.push(factors.enclosure.clone());
-        }
-        prepared
-    }
-}
-
-/// Conductances between nodes, in each band.
-#[pyfunction]
-pub fn solve_exchange(
-    py: Python<'_>,
-    factors: Vec<PyRef<'_, NativeFormFactors>>,
-    materials: &NativeMaterials,
-    args: ExchangeArgs<'_>,
-    threads: Option<usize>,
-    progress: Option<Py<PyAny>>,
-) -> PyResult<NativeThermalResult> {
-    let mut notes = Vec::new();
-    let (enclosures, nodes, table) = prepare(&factors, materials, &args, &mut notes)?;
-    let (lump, place) = (args.lump, materials.place.clone());
-    let result = work::run(py, &WorkOptions::new(threads, progress), move |p| {
-        let model = made(enclosures, &table, nodes, lump, &place)?;
-        let networks = model.networks(p).map_err(refused)?;
-        Ok(ThermalResult::new(&model, networks, None, [SPACE; 2]))
-    })?;
-    Ok(NativeThermalResult {
-        result: Arc::new(result),
-        notes,
-    })
-}
-
-/// Temperatures and fluxes.
+/// Conductances between nodes in each band, and temperatures and fluxes if there are conditions.
 #[pyfunction]
 #[allow(
     clippy::too_many_arguments,
     reason = "they are the keywords of a Python function"
 )]
-pub fn solve_radiosity(
+pub fn solve_exchange(
     py: Python<'_>,
     factors: Vec<PyRef<'_, NativeFormFactors>>,
     materials: &NativeMaterials,
-    args: ExchangeArgs<'_>,
-    conditions: ConditionArgs<'_>,
+    conditions: Option<ConditionArgs<'_>>,
+    args: ExchangeArgs,
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
-) -> PyResult<NativeThermalResult> {
+) -> PyResult<NativeThermalSolution> {
     let mut notes = Vec::new();
-    let (enclosures, nodes, table) = prepare(&factors, materials, &args, &mut notes)?;
-    let given = conditions.of_rows(&enclosures[0], &mut notes)?;
-    conditions.note_surroundings(&enclosures[0], &mut notes);
-    let surroundings = conditions.surroundings.map(|t| t.unwrap_or(SPACE));
-    let (lump, place) = (args.lump, materials.place.clone());
-    let work = move |p: &Progress| {
-        let model = made(enclosures, &table, nodes, lump, &place)?;
-        let given = model.conditions(given).map_err(refused)?;
-        let heat = model.heat(&given, surroundings, p).map_err(refused)?;
-        let is_dark = model.has_solar_band() || model.sunlight(&given).is_empty();
-        let result = ThermalResult::new(&model, Vec::new(), Some(heat), surroundings);
-        Ok((result, is_dark))
-    };
-    let (result, has_effect) = work::run(py, &WorkOptions::new(threads, progress), work)?;
-    if !has_effect {
-        notes.push("sunlight has no effect, because no material has alpha".to_owned());
+    let matrices: Vec<Arc<Enclosure>> = factors.iter().map(|f| f.enclosure.clone()).collect();
+    let first = matrices.first();
+    let first = first.ok_or_else(|| refused("there are no form factors"))?;
+    let unused = materials.table.unused(first);
+    if !unused.is_empty() {
+        let names = unused.join("\", \"");
+        let place = &materials.place;
+        notes.push(format!("{place}no row has the name \"{names}\""));
     }
-    Ok(NativeThermalResult {
-        result: Arc::new(result),
+    let nodes = choices::node(&args.by)?;
+    let properties = materials.table.of_rows(first);
+    let properties = properties.map_err(|e| materials.refuse(e))?;
+    let surroundings = conditions.as_ref().map_or([None; 2], |c| c.surroundings);
+    let given = conditions.map(|c| c.of_rows(first, &mut notes));
+    let (given, bands) = (given.transpose()?, ranges(&materials.table));
+    let (solution, lost) = work::run(py, &WorkOptions::new(threads, progress), move |p| {
+        let (matrices, lost) = owned(&matrices, args.lost_to_sky);
+        let model = ThermalModel {
+            matrices,
+            bands: bands.into_iter().zip(properties).collect(),
+            conditions: given,
+            surroundings,
+            nodes,
+            lump: args.lump,
+        };
+        Ok((model.solve(p).map_err(refused)?, lost))
+    })?;
+    notes.extend(solution.notes.iter().cloned());
+    notes.extend(lost);
+    Ok(NativeThermalSolution {
+        solution: Arc::new(solution),
         notes,
     })
 }
 
-/// What both solvers take.
-type Prepared = (Vec<Arc<Enclosure>>, Groups, Arc<MaterialTable>);
-
-fn prepare(
-    factors: &[PyRef<'_, NativeFormFactors>],
-    materials: &NativeMaterials,
-    args: &ExchangeArgs,
-    notes: &mut Vec<String>,
-) -> PyResult<Prepared> {
-    let enclosures = args.enclosures(factors, notes);
-    let first = enclosures.first();
-    let first = first.ok_or_else(|| refused("there are no form factors"))?;
-    let nodes = args.nodes(first)?;
-    let unused = materials.table.unused(first);
-    if !unused.is_empty() {
-        notes.push(format!(
-            "{}no row has the name \"{}\"",
-            materials.place,
-            unused.join("\", \"")
-        ));
-    }
-    Ok((enclosures, nodes, materials.table.clone()))
+fn ranges(table: &MaterialTable) -> Vec<SpectralRange> {
+    table.bands.iter().map(|band| band.range).collect()
 }
 
-fn made(
-    enclosures: Vec<Arc<Enclosure>>,
-    table: &MaterialTable,
-    nodes: Groups,
-    lump: bool,
-    place: &str,
-) -> PyResult<ThermalModel> {
-    let model = ThermalModel::new(enclosures, table, nodes, lump);
-    model.map_err(|e| refused(format_args!("{place}{e}")))
+/// The matrices as a model wants them, with what they lose given to the sky if that is asked for, or else
+/// sentences about it.
+fn owned(matrices: &[Arc<Enclosure>], to_sky: bool) -> (Vec<(String, Enclosure)>, Vec<String>) {
+    let mut notes = Vec::new();
+    let lost = |r: &RowRemainder| r.hidden + r.cut;
+    let matrix = |(k, matrix): (usize, &Arc<Enclosure>)| {
+        let mut matrix = Enclosure::clone(matrix);
+        let rest = &mut matrix.factors.rest;
+        let most = rest.iter().map(lost).fold(0.0, f64::max);
+        if to_sky {
+            for row in rest {
+                row.sky += lost(row);
+                (row.hidden, row.cut) = (0.0, 0.0);
+            }
+        } else if most > LOST {
+            notes.push(format!(
+                "up to {:.2}% of a row's light ends on backs or is cut off between mirrors, where nothing \
+                 absorbs it; lost_to_sky=True gives it to the sky, form_factors(two_sided=True) makes rows \
+                 of backs",
+                100.0 * most
+            ));
+        }
+        (format!("matrix {k}"), matrix)
+    };
+    let matrices = matrices.iter().enumerate().map(matrix).collect();
+    (matrices, notes)
 }
 
 /// Corners of polygons, where those of each start, and the row of each.
@@ -197,7 +136,7 @@ type CellArrays<'py> = (
 );
 
 #[pymethods]
-impl NativeThermalResult {
+impl NativeThermalSolution {
     /// Sentences that matter to the caller.
     #[getter]
     fn notes(&self) -> Vec<String> {
@@ -207,13 +146,13 @@ impl NativeThermalResult {
     /// Names of bands; of a single one of all wavelengths an empty text.
     #[getter]
     fn bands(&self) -> Vec<String> {
-        let networks = self.result.networks.iter();
+        let networks = self.solution.networks.iter();
         networks.map(|(range, _)| range.to_string()).collect()
     }
 
     /// The network of a band: names, and arrays by name.
     fn network<'py>(&self, py: Python<'py>, band: usize) -> PyResult<Bound<'py, PyDict>> {
-        let networks = &self.result.networks;
+        let networks = &self.solution.networks;
         let network = networks.get(band).map(|(_, network)| network);
         let network = network.ok_or_else(|| refused("there is no such band"))?;
         network_arrays(py, network)
@@ -222,26 +161,29 @@ impl NativeThermalResult {
     /// Names of the nodes that are surfaces.
     #[getter]
     fn node_names(&self) -> Vec<String> {
-        self.result.nodes.names.clone()
+        self.solution.nodes.names.clone()
     }
 
     /// Names of the rows.
     #[getter]
     fn row_names(&self) -> Vec<String> {
-        self.result.enclosure.rows.names.clone()
+        self.solution.enclosure.rows.names.clone()
     }
 
     /// Areas of the nodes that are surfaces, m².
     #[getter]
     fn node_areas<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        self.result.node_areas().into_pyarray(py)
+        let network = self.solution.networks.first();
+        let count = self.solution.nodes.names.len();
+        let areas = network.map_or(Vec::new(), |(_, network)| network.areas[..count].to_vec());
+        areas.into_pyarray(py)
     }
 
     /// Areas of rows, m².
     #[getter]
     fn row_areas<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        let unit = self.result.enclosure.metres_per_unit().powi(2);
-        let areas = self.result.enclosure.factors.areas.iter();
+        let unit = self.solution.enclosure.metres_per_unit().powi(2);
+        let areas = self.solution.enclosure.factors.areas.iter();
         areas
             .map(|a| unit * a)
             .collect::<Vec<f64>>()
@@ -251,14 +193,14 @@ impl NativeThermalResult {
     /// The node of each row, or −1.
     #[getter]
     fn row_nodes<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i64>> {
-        let rows = self.result.nodes.of_rows.iter();
+        let rows = self.solution.nodes.of_rows.iter();
         let node = |node: &Option<u32>| node.map_or(-1, i64::from);
         rows.map(node).collect::<Vec<i64>>().into_pyarray(py)
     }
 
     /// An array of temperatures and fluxes by its name.
     fn heat<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let heat = self.result.heat.as_ref();
+        let heat = self.solution.heat.as_ref();
         let heat = heat.ok_or_else(|| refused("there are no temperatures"))?;
         let of: fn(&HeatBalance) -> &[f64] = match name {
             "T" => |h| &h.temperatures,
@@ -279,13 +221,13 @@ impl NativeThermalResult {
     /// Steps of Newton's method.
     #[getter]
     fn iterations(&self) -> usize {
-        self.result.heat.as_ref().map_or(0, |h| h.iterations)
+        self.solution.heat.as_ref().map_or(0, |h| h.iterations)
     }
 
     /// The polygons of rows; none of matrices without.
     #[getter]
     fn cells<'py>(&self, py: Python<'py>) -> PyResult<Option<CellArrays<'py>>> {
-        let cells = &self.result.enclosure.rows.cells;
+        let cells = &self.solution.enclosure.rows.cells;
         if cells.is_empty() {
             return Ok(None);
         }
@@ -297,6 +239,12 @@ impl NativeThermalResult {
         )))
     }
 
+    /// Heat that rows give off in excess of what sky, ground and sun explain, W.
+    #[getter]
+    fn imbalance(&self) -> f64 {
+        self.solution.imbalance().unwrap_or(0.0)
+    }
+
     /// Writes a file of the format that its extension means.
     fn save(
         &self,
@@ -304,21 +252,21 @@ impl NativeThermalResult {
         path: PathBuf,
         model: String,
         sigma: bool,
-        truncate: f64,
+        truncate: Option<f64>,
     ) -> PyResult<()> {
         let format = self.format(&path)?;
-        let list = ConductanceList {
+        let options = SolutionOptions {
             model,
             sigma,
             truncate,
         };
-        let result = self.result.clone();
+        let solution = self.solution.clone();
         work::run(py, &WorkOptions::new(None, None), move |p| {
             let output = Output::check(&path).map_err(of_output)?;
             let mut problem = None;
             let written = output.write(p, |out| {
-                result.write(format, &list, out).inspect_err(|e| {
-                    // Not of the disk, but of the matrix.
+                solution.write(format, &options, out).inspect_err(|e| {
+                    // Not of the disk, but of the solution.
                     problem = e.get_ref().map(ToString::to_string);
                 })
             });
@@ -332,29 +280,17 @@ impl NativeThermalResult {
     }
 }
 
-impl NativeThermalResult {
-    fn format(&self, path: &std::path::Path) -> PyResult<ThermalResultFormat> {
-        use ThermalResultFormat as F;
-        let has_heat = self.result.heat.is_some();
-        let is_list = |f: F| f == F::Esatan || f == F::Sinda;
-        let expected = match has_heat {
-            true => ".npz, .csv or .vtu",
-            false => ".npz, .csv, .esatan or .sinda",
-        };
-        match F::from_path(path) {
-            Some(F::Vtu) if !has_heat => Err(refused(format_args!(
-                "{}: a VTU shows temperatures and fluxes, which radiosity computes",
-                path.display()
-            ))),
-            Some(list) if has_heat && is_list(list) => Err(refused(format_args!(
-                "{}: a list of conductances, which exchange computes",
-                path.display()
-            ))),
-            Some(format) => Ok(format),
-            None => Err(refused(format_args!(
-                "{}: unknown format, expected {expected}",
-                path.display()
-            ))),
+impl NativeThermalSolution {
+    fn format(&self, path: &Path) -> PyResult<SolutionFormat> {
+        let wrong = |why: &str| refused(format_args!("{}: {why}", path.display()));
+        let format = SolutionFormat::from_path(path);
+        let format = format.ok_or_else(|| {
+            wrong("unknown format, expected .npz, .csv, .esatan, .sinda, or .vtu of temperatures")
+        })?;
+        let solution = &self.solution;
+        match format.refusal(solution.heat.is_some(), solution.networks.len()) {
+            Some(why) => Err(wrong(why)),
+            None => Ok(format),
         }
     }
 }

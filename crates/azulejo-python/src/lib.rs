@@ -31,7 +31,7 @@ mod _pyazulejo {
     #[pymodule_export]
     use super::error::AzulejoError;
     #[pymodule_export]
-    use super::exchange::{NativeThermalResult, band_fractions, solve_exchange, solve_radiosity};
+    use super::exchange::{NativeThermalSolution, band_fractions, solve_exchange};
     #[pymodule_export]
     use super::factor_files::{foreign_form_factors, load_form_factors, save_form_factors};
     #[pymodule_export]

@@ -109,7 +109,13 @@ fn groups(
         ..FormFactors::default()
     };
     let enclosure = Enclosure::new(prepared, scene, factors);
-    azulejo_exchange::model::nodes(&enclosure, by)
+    match by {
+        Some(by) => enclosure.groups(by),
+        None => Groups {
+            of_rows: (0..rows as u32).map(Some).collect(),
+            names: enclosure.rows.names,
+        },
+    }
 }
 
 fn rows<'py>(py: Python<'py>, found: &[PointFactors]) -> PointRows<'py> {

@@ -104,7 +104,7 @@ def solve_light(
     options = _options(locals())
     with watching(progress) as callback:
         lit, report = _solve(_native(scene), options, _threads(threads), callback)
-    return Scene._of(lit, report)
+    return Scene._of(lit, report, scene._table)
 
 
 def probe(

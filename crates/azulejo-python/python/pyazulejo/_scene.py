@@ -7,16 +7,16 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from os import PathLike, fspath
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Union
 
 import numpy as np
 import numpy.typing as npt
 
-from ._checks import Colour, colour, listed, positive
+from ._checks import Colour, colour, listed, positive, real
 from ._checks import threads as _threads
 from ._meshes import face_arrays, is_mesh, parts
 from ._progress import Progress, watching
-from ._pyazulejo import AzulejoError, NativeScene, load_scene
+from ._pyazulejo import AzulejoError, NativeMaterials, NativeScene, load_scene
 
 _UNITS = {
     "um": 1e-6,
@@ -34,12 +34,17 @@ _UNITS = {
 }
 
 
+Spectrum = Union[float, Mapping[Any, float]]
+"""A number for all wavelengths, or numbers by bands of micrometres: ``{(0, 4): 0.2, (4, inf): 0.8}``,
+or ``{"0-4": 0.2, "4-inf": 0.8}``."""
+
+
 @dataclass(frozen=True)
 class Material:
-    """The reflection and emission of a surface, on one number or on red, green and blue.
+    """What a surface reflects and emits: for light, or with `eps` for heat.
 
-    What is not reflected is absorbed: for thermal work, `diffuse` is ρ_d, `mirror` is ρ_s and
-    the emissivity is ``1 - diffuse - mirror``.
+    For light, numbers may be one, or red, green and blue; what is not reflected is absorbed. For heat,
+    what is neither absorbed nor mirrored is reflected diffusely, ρ_d = 1 − ε − ρ_s.
 
     Parameters
     ----------
@@ -55,6 +60,18 @@ class Material:
         A reflection model as for :func:`brdf`, in place of `diffuse` and `mirror`.
     name : str, optional
         Its name, for rows by material.
+    eps : float or mapping of bands to floats, optional
+        Emissivity, which is absorptance, 0 to 1; in place of all above. Bands are pairs of wavelengths
+        in µm, ``{(0, 4): 0.2, (4, inf): 0.8}``, and follow one another from 0 to infinity.
+    rho_s : float or mapping of bands to floats, optional
+        Mirror reflectance, 0 to 1 − ε, beside `eps`; also for the band ``"solar"``.
+    alpha : float, optional
+        Absorptance of sunlight, 0 to 1, beside `eps`.
+
+    Examples
+    --------
+    >>> import pyazulejo as az
+    >>> paint, foil = az.Material(diffuse=0.7), az.Material(eps=0.05, rho_s=0.9, alpha=0.1)
     """
 
     diffuse: Colour | None = None
@@ -63,10 +80,23 @@ class Material:
     emits_back: bool = False
     brdf: str | None = None
     name: str | None = None
+    eps: Spectrum | None = None
+    rho_s: Spectrum | None = None
+    alpha: float | None = None
 
     def _numbers(self, name: str) -> tuple[Any, ...]:
         name = self.name if self.name is not None else name
         mirror = colour(f'material "{name}": mirror', self.mirror)
+        emission = colour(f'material "{name}": emission', self.emission)
+        if self.eps is None and (self.rho_s is not None or self.alpha is not None):
+            raise AzulejoError(
+                f'material "{name}": rho_s and alpha stand beside eps, which is missing'
+            )
+        of_light = (self.diffuse is not None, any(mirror), any(emission), self.brdf is not None)
+        if self.eps is not None and any(of_light):
+            raise AzulejoError(
+                f'material "{name}": eps takes the place of diffuse, mirror, emission and brdf'
+            )
         if self.brdf is not None and (self.diffuse is not None or any(mirror)):
             raise AzulejoError(f'material "{name}": a brdf takes the place of diffuse and mirror')
         plain = 0.0 if self.brdf is not None or any(mirror) else 0.5
@@ -75,10 +105,80 @@ class Material:
             name,
             colour(f'material "{name}": diffuse', diffuse),
             mirror,
-            colour(f'material "{name}": emission', self.emission),
+            emission,
             bool(self.emits_back),
             self.brdf,
         )
+
+    def _record(self, name: str) -> list[tuple[str, float]]:
+        """What a table of emissivities has in its columns."""
+        if self.eps is None:
+            raise AzulejoError(f'material "{name}" has no eps, the emissivity')
+        fields = _spectrum(name, "eps", self.eps)
+        fields += _spectrum(name, "rho_s", self.rho_s)
+        if self.alpha is not None:
+            fields.append(("alpha", real(f'material "{name}": alpha', self.alpha)))
+        return fields
+
+
+def _spectrum(name: str, column: str, value: Spectrum | None) -> list[tuple[str, float]]:
+    if value is None:
+        return []
+    if not isinstance(value, Mapping):
+        return [(column, real(f'material "{name}": {column}', value))]
+
+    def band(key: Any) -> str:
+        if isinstance(key, str):
+            return key
+        try:
+            low, high = key
+            return f"{float(low)!r}-{float(high)!r}"
+        except (TypeError, ValueError):
+            raise TypeError(
+                f'material "{name}": a band of {column} is {key!r}, expected two wavelengths in µm'
+            ) from None
+
+    return [
+        (f"{column}@{band(key)}", real(f'material "{name}": {column}', number))
+        for key, number in value.items()
+    ]
+
+
+MaterialLike = Union[Material, float, Mapping[str, Any]]
+"""A :class:`Material`, an emissivity, or the arguments of a Material as a mapping."""
+
+Materials = Union[str, "PathLike[str]", Material, float, Mapping[str, MaterialLike]]
+"""A table of emissivities as a file; one material for all; or materials by the names of objects,
+materials, faces (``"floor/3"``) or rows, in which ``*`` and ``?`` stand for any letters."""
+
+
+def material_table(materials: Materials) -> NativeMaterials:
+    """Emissivities by name, as a table."""
+    if isinstance(materials, (str, PathLike)):
+        return NativeMaterials.read(fspath(materials))
+    if not isinstance(materials, Mapping):
+        materials = {"*": materials}
+    if not materials:
+        raise AzulejoError("there are no materials")
+    return NativeMaterials.from_numbers(
+        [(name, _material(name, value)._record(name)) for name, value in materials.items()]
+    )
+
+
+def _material(name: Any, value: MaterialLike) -> Material:
+    if not isinstance(name, str):
+        raise TypeError(f"a material is for {name!r}, expected a name")
+    if isinstance(value, Material):
+        return value
+    if isinstance(value, Mapping):
+        try:
+            return Material(**value)
+        except TypeError as error:
+            raise TypeError(f'materials["{name}"]: {error}') from None
+    if isinstance(value, (bool, str)) or not hasattr(value, "__float__"):
+        kind = type(value).__name__
+        raise TypeError(f'materials["{name}"] is a {kind}, expected a Material, or an emissivity')
+    return Material(eps=value)
 
 
 class MeshArrays(NamedTuple):
@@ -107,9 +207,11 @@ class Scene:
         polygons, counter-clockwise from the front; or a ``trimesh.Trimesh``, a ``pyvista.PolyData``
         or ``UnstructuredGrid`` (of solid cells, the hull), or a ``meshio.Mesh``. One ``meshio.Mesh``
         alone is split by the physical groups of Gmsh. Arrays are copied.
-    materials : Material, or mapping of str to Material, optional
+    materials : Material, or mapping of str to Material, or path, optional
         One for all, or by names of meshes; names may have ``*`` and ``?``, and the first that fits
-        counts. Every mesh needs one.
+        counts, ``*`` alone last. Every mesh needs one. With emissivities (`eps`), also as the file of a
+        table, the factors of the scene have their mirrors, and :func:`exchange` and :func:`radiosity`
+        take them where nothing else is given.
     sky : float or array_like (3,), optional
         Radiance of a uniform sky, W/(sr·m²), for light.
     up : {"z", "y"}, optional
@@ -129,18 +231,21 @@ class Scene:
 
     _native: NativeScene
     _report: Mapping[str, Any] | None
+    _table: NativeMaterials | None
 
     def __init__(
         self,
         meshes: Mapping[str, Any] | Iterable[tuple[str, Any]] | Any,
-        materials: Material | Mapping[str, Material] | None = None,
+        materials: Material | Mapping[str, Material] | str | PathLike[str] | None = None,
         *,
         sky: Colour | None = None,
         up: str = "z",
         unit: str | float | None = None,
     ) -> None:
         named = list(_named(meshes))
-        kinds, of_meshes = _materials(materials, [name for name, _ in named])
+        path = materials if isinstance(materials, (str, PathLike)) else None
+        of_names = None if isinstance(materials, (str, PathLike)) else materials
+        kinds, of_meshes = _materials(of_names, [name for name, _ in named])
         arrays = [
             (name, *face_arrays(name, mesh), material)
             for (name, mesh), material in zip(named, of_meshes, strict=True)
@@ -153,11 +258,23 @@ class Scene:
             _unit(unit),
         )
         self._report = None
+        self._table = None
+        if path is not None:
+            self._table = material_table(path)
+        elif of_names is not None and any(m.eps is not None for _, m in kinds):
+            self._table = material_table(of_names)
+        if self._table is not None:
+            self._native = self._table.paint(self._native)
 
     @classmethod
-    def _of(cls, native: NativeScene, report: Mapping[str, Any] | None = None) -> Scene:
+    def _of(
+        cls,
+        native: NativeScene,
+        report: Mapping[str, Any] | None = None,
+        table: NativeMaterials | None = None,
+    ) -> Scene:
         scene = cls.__new__(cls)
-        scene._native, scene._report = native, report
+        scene._native, scene._report, scene._table = native, report, table
         return scene
 
     @property
@@ -250,6 +367,7 @@ def load(
     lod: str | float = "finest",
     allow: Sequence[str | PathLike[str]] = (),
     keep_light: bool = True,
+    materials: Materials | None = None,
     threads: int | None = None,
     progress: Progress = None,
 ) -> Scene:
@@ -270,6 +388,10 @@ def load(
         Other folders in which the model may refer to files.
     keep_light : bool, optional
         False removes lightmaps, so that light can be computed anew.
+    materials : path, Material, float, or mapping of str to Material, optional
+        Emissivities and mirror reflectances in place of the materials of the model, by names of objects
+        or materials, as in ``form-factors --materials``: the factors of the scene have their mirrors, and
+        :func:`exchange` and :func:`radiosity` take them where nothing else is given.
     threads : int, optional
         Number of threads, by default as many as there are processors.
     progress : callable or bool, optional
@@ -287,6 +409,7 @@ def load(
     AzulejoError
         It is not a model, or damaged; the message says where.
     """
+    table = None if materials is None else material_table(materials)
     with watching(progress) as callback:
         native = load_scene(
             fspath(path),
@@ -298,7 +421,7 @@ def load(
             _threads(threads),
             callback,
         )
-    scene = Scene._of(native)
+    scene = Scene._of(native if table is None else table.paint(native), table=table)
     if scene.warnings:
         more = f" (and {len(scene.warnings) - 1} more)" if len(scene.warnings) > 1 else ""
         _warnings.warn(f"{scene.warnings[0]}{more}", UserWarning, stacklevel=2)
@@ -347,10 +470,11 @@ def _materials(
             raise AzulejoError(f'no mesh is named "{pattern}"; there are {listed(names)}')
 
     def first(name: str) -> int | None:
-        # A name itself counts before patterns, whatever their order.
+        # A name itself counts before patterns, whatever their order, and * alone last.
         fits = [k for k, (pattern, _) in enumerate(kinds) if fnmatchcase(name, pattern)]
         exact = [k for k in fits if kinds[k][0] == name]
-        return next(iter(exact or fits), None)
+        narrow = [k for k in fits if kinds[k][0] != "*"]
+        return next(iter(exact or narrow or fits), None)
 
     chosen = [first(name) for name in names]
     missing = [name for name, k in zip(names, chosen, strict=True) if k is None]

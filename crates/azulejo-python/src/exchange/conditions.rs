@@ -1,7 +1,6 @@
 //! Temperatures, fluxes and sunlight of rows.
 
 use crate::error::refused;
-use azulejo_exchange::model::SPACE;
 use azulejo_exchange::tables::{BoundaryTable, Conditions, NamedValues};
 use azulejo_exchange::{Enclosure, RowCondition};
 use numpy::PyReadonlyArray1;
@@ -96,22 +95,6 @@ impl ConditionArgs<'_> {
             rows: rows.map(condition).collect::<PyResult<_>>()?,
             solar: none(),
         })
-    }
-
-    /// Says which temperature is taken of sky and ground where none is given.
-    pub fn note_surroundings(&self, enclosure: &Enclosure, notes: &mut Vec<String>) {
-        let rest = &enclosure.factors.rest;
-        let is_open = [
-            rest.iter().any(|r| r.sky > 1e-6),
-            rest.iter().any(|r| r.ground > 1e-6),
-        ];
-        for (k, name) in ["sky", "ground"].into_iter().enumerate() {
-            if is_open[k] && self.surroundings[k].is_none() {
-                notes.push(format!(
-                    "no temperature of the {name} is given: {SPACE} K, that of space, is taken"
-                ));
-            }
-        }
     }
 }
 

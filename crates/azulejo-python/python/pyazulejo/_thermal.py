@@ -1,0 +1,580 @@
+"""Radiative exchange: conductances, temperatures and fluxes."""
+
+from __future__ import annotations
+
+import warnings as _warnings
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from os import PathLike, fspath
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from ._checks import listed, numbers, real
+from ._checks import share as _share
+from ._checks import threads as _threads
+from ._form_factors import Factor, FormFactors
+from ._progress import Progress, watching
+from ._pyazulejo import (
+    AzulejoError,
+    NativeMaterials,
+    NativeThermalSolution,
+    band_fractions,
+    solve_exchange,
+)
+from ._scene import Materials, _read_only, material_table
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+    Floats = npt.NDArray[np.float64]
+
+RowValues = Union[float, Mapping[str, float], "npt.ArrayLike"]
+"""One number for all rows; numbers by name; or an array with a number for each row, NaN for none."""
+
+
+def exchange(
+    factors: FormFactors | Sequence[FormFactors],
+    materials: Materials | None = None,
+    *,
+    by: str = "object",
+    lump: bool = False,
+    lost_to_sky: bool = False,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Exchange:
+    """Who absorbs what others emit, after all reflections: Gebhart factors, conductances, script-F.
+
+    Parameters
+    ----------
+    factors : FormFactors, or several
+        Factors of the same rows; several if bands have other mirrors, of which each band takes the
+        first that was computed with its own.
+    materials : path, Material, float, or mapping of str to Material, optional
+        Emissivities: the file of a table, one for all, or by the names of objects, materials, faces
+        (``"floor/3"``) or rows, with ``*`` and ``?``. Exact names come before patterns, ``*`` alone is for
+        all others. By default those of the scene.
+    by : {"object", "row", "face", "material"}, optional
+        What is one node of the network; rows that are groups are nodes themselves.
+    lump : bool, optional
+        Whether the rows of a node are combined before the exchange is solved, as network programs do;
+        otherwise rows are solved, and their exchange is added up.
+    lost_to_sky : bool, optional
+        Whether light that ends on backs, or is cut off between mirrors, goes to the sky.
+    threads, progress
+        As for :func:`form_factors`.
+
+    Returns
+    -------
+    Exchange
+
+    Raises
+    ------
+    AzulejoError
+        Rows without a material, numbers out of range, factors that were computed with other mirrors.
+
+    Examples
+    --------
+    Two large plates: GR / A is 1 / (1/ε₁ + 1/ε₂ − 1).
+
+    >>> import pyazulejo as az
+    >>> plates = az.FormFactors([[0, 1], [1, 0]], areas=[2, 2], names=["hot", "cold"])
+    >>> gr = az.exchange(plates, {"hot": 0.8, "cold": az.Material(eps=0.5)})
+    >>> round(gr["hot", "cold"], 12) == round(2 / (1 / 0.8 + 1 / 0.5 - 1), 12)
+    True
+    """
+    native = _solved(factors, materials, None, by, lump, lost_to_sky, threads, progress)
+    return Exchange._of(native)
+
+
+def radiosity(
+    factors: FormFactors | Sequence[FormFactors],
+    materials: Materials | None = None,
+    T: RowValues | None = None,
+    q: RowValues | None = None,
+    *,
+    space: float | None = None,
+    sky: float | None = None,
+    ground: float | None = None,
+    solar: RowValues | None = None,
+    by: str = "object",
+    lump: bool = False,
+    lost_to_sky: bool = False,
+    threads: int | None = None,
+    progress: Progress = None,
+) -> Radiosity:
+    """Solve for temperatures where net fluxes are given, and for fluxes where temperatures are.
+
+    Parameters
+    ----------
+    factors, materials, by, lump, lost_to_sky, threads, progress
+        As for :func:`exchange`.
+    T : float, mapping of str to float, or array_like (n,), optional
+        Temperatures, K. Names as those of `materials`; arrays have one number for each row of the
+        factors, NaN where there is none.
+    q : float, mapping of str to float, or array_like (n,), optional
+        Net heat that leaves by radiation, W/m²; 0 for adiabatic surfaces. Every row needs T or q.
+    space, sky, ground : float, optional
+        Temperatures of what is seen through openings, K; `space` of both. By default 3 K.
+    solar : float, mapping of str to float, or array_like (n,), optional
+        Sunlight that falls on surfaces, W/m², which they absorb by their `alpha`, after all reflections.
+        By default that of the factors, if their scene has a sun or a sky.
+
+    Returns
+    -------
+    Radiosity
+
+    Raises
+    ------
+    AzulejoError
+        As for :func:`exchange`; rows without T or q, or with both; surfaces that exchange heat among
+        themselves alone, none of which has a temperature.
+
+    Examples
+    --------
+    >>> import pyazulejo as az
+    >>> f = az.FormFactors([[0, 1], [1, 0]], areas=[1, 1], names=["heater", "wall"])
+    >>> heat = az.radiosity(f, 0.8, T={"heater": 1000}, q={"wall": 0})
+    >>> round(heat["wall"].T, 6), abs(heat["heater"].Q) < 1e-9
+    (1000.0, True)
+    """
+    whole = None if space is None else _kelvin("space", space)
+    around = [
+        whole if value is None else _kelvin(name, value)
+        for name, value in (("sky", sky), ("ground", ground))
+    ]
+    count = len(factors) if isinstance(factors, FormFactors) else None
+    conditions = {
+        "temperatures": _values("T", T, count),
+        "fluxes": _values("q", q, count),
+        "solar": _values("solar", solar, count),
+        "surroundings": around,
+    }
+    native = _solved(factors, materials, conditions, by, lump, lost_to_sky, threads, progress)
+    return Radiosity(native)
+
+
+def band_fraction(product: npt.ArrayLike) -> Any:
+    """The share of a black body's emission that has shorter wavelengths.
+
+    Parameters
+    ----------
+    product : array_like
+        Wavelength times temperature, µm·K.
+
+    Returns
+    -------
+    float or ndarray
+        0 to 1, of the shape of `product`; its error is below 1e-13.
+
+    Examples
+    --------
+    A quarter lies below the wavelength of the maximum.
+
+    >>> import pyazulejo as az
+    >>> round(az.band_fraction(2897.771955), 6)
+    0.250055
+    """
+    array = numbers("product", product)
+    shares = band_fractions(array.ravel()).reshape(np.shape(product))
+    return float(shares) if shares.ndim == 0 else shares
+
+
+def _solved(
+    factors: FormFactors | Sequence[FormFactors],
+    materials: Materials | None,
+    conditions: dict[str, Any] | None,
+    by: str,
+    lump: bool,
+    lost_to_sky: bool,
+    threads: int | None,
+    progress: Progress,
+) -> NativeThermalSolution:
+    several = [factors] if isinstance(factors, FormFactors) else list(factors)
+    for item in several:
+        if not isinstance(item, FormFactors):
+            raise TypeError(f"factors are of a {type(item).__name__}, expected FormFactors")
+    if not several:
+        raise AzulejoError("there are no form factors")
+    table = _table(several, materials)
+    args = {"by": by, "lump": bool(lump), "lost_to_sky": bool(lost_to_sky)}
+    natives = [f._native for f in several]
+    with watching(progress) as callback:
+        native = solve_exchange(natives, table, conditions, args, _threads(threads), callback)
+    for note in native.notes:
+        _warnings.warn(note, UserWarning, stacklevel=4)
+    return native
+
+
+def _table(factors: list[FormFactors], materials: Materials | None) -> NativeMaterials:
+    if materials is not None:
+        return material_table(materials)
+    table = next((f._table for f in factors if f._table is not None), None)
+    if table is None:
+        raise AzulejoError(
+            "no emissivities are known: pass materials, or give the scene materials with eps"
+        )
+    return table
+
+
+def _kelvin(name: str, value: Any) -> float:
+    number = real(name, value)
+    if number < 0:
+        raise AzulejoError(f"{name} is {number}, expected 0 K or more")
+    return number
+
+
+def _values(name: str, value: RowValues | None, count: int | None) -> Any:
+    """Numbers by name as pairs, or an array for each row."""
+    if value is None:
+        return None
+    if isinstance(value, Mapping):
+        for key in value:
+            if not isinstance(key, str):
+                raise TypeError(f"{name} has the key {key!r}, expected a name")
+        return [(key, real(f'{name} of "{key}"', number)) for key, number in value.items()]
+    if np.ndim(value) == 0:
+        return [("*", real(name, value))]
+    array = numbers(name, value)
+    if array.ndim != 1 or (count is not None and array.size != count):
+        expected = "(n,)" if count is None else f"({count},)"
+        raise AzulejoError(
+            f"{name} has the shape {array.shape}, expected {expected}, one for each row"
+        )
+    return array
+
+
+class Exchange:
+    """Conductances between the nodes of a network: surfaces, and after them sky and ground where light
+    leaves the scene. ``x["panel", "sky"]`` is a GR as a :class:`Factor`. All arrays are read-only.
+
+    Made by :func:`exchange`. With several bands, each is an Exchange in :attr:`bands`.
+    """
+
+    _native: NativeThermalSolution
+    _band: int | None
+
+    @classmethod
+    def _of(cls, native: NativeThermalSolution, band: int | None = None) -> Exchange:
+        exchange = cls.__new__(cls)
+        exchange._native = native
+        exchange._band = 0 if band is None and len(native.bands) == 1 else band
+        return exchange
+
+    @property
+    def bands(self) -> Mapping[str, Exchange]:
+        """Each band in which surfaces emit, by its wavelengths in µm, as ``"0-4"`` and ``"4-inf"``; of
+        grey surfaces one, named ``""``."""
+        names = self._native.bands
+        return MappingProxyType(
+            {name: Exchange._of(self._native, k) for k, name in enumerate(names)}
+        )
+
+    @cached_property
+    def _network(self) -> dict[str, Any]:
+        if self._band is None:
+            bands = listed(self._native.bands)
+            raise AzulejoError(f"there are several bands: choose one of .bands, {bands}")
+        arrays: dict[str, Any] = self._native.network(self._band)
+        for array in arrays.values():
+            if isinstance(array, np.ndarray):
+                _read_only(array)
+        return arrays
+
+    def _array(self, name: str) -> Floats:
+        array: Floats = self._network[name]
+        return array
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the nodes: surfaces, then "sky" and "ground" if they are seen."""
+        return tuple(self._network["names"])
+
+    @property
+    def is_surface(self) -> npt.NDArray[np.bool_]:
+        """(n,): whether each node is a surface, not sky or ground."""
+        flags: npt.NDArray[np.bool_] = self._network["is_surface"]
+        return flags
+
+    @property
+    def areas(self) -> Floats:
+        """(n,): areas, m²; of sky and ground the area that would send surfaces as much."""
+        return self._array("areas")
+
+    @property
+    def emitting(self) -> Floats:
+        """(n,): Σ ε A of each node, m²."""
+        return self._array("emitting")
+
+    @property
+    def GR(self) -> Floats:
+        """(n, n): conductances, m²; σ GR_ab (T_a⁴ − T_b⁴) flows from a to b. Symmetric to the bit."""
+        return self._array("GR")
+
+    @property
+    def GR_error(self) -> Floats:
+        """(n, n): standard errors of `GR`, m²."""
+        return self._array("GR_error")
+
+    @property
+    def B(self) -> Floats:
+        """(n, n): Gebhart factors, the share of what a emits that b absorbs in the end."""
+        return self._array("B")
+
+    @property
+    def B_error(self) -> Floats:
+        """(n, n): standard errors of `B`."""
+        return self._array("B_error")
+
+    @property
+    def script_f(self) -> Floats:
+        """(n, n): script-F, Hottel's grey interchange factor, GR_ab / A_a."""
+        return self._array("script_f")
+
+    @property
+    def script_f_error(self) -> Floats:
+        """(n, n): standard errors of `script_f`."""
+        return self._array("script_f_error")
+
+    def _opening(self, name: str) -> Floats:
+        surfaces = self.is_surface
+        count = int(surfaces.sum())
+        for k in range(count, len(surfaces)):
+            if self.names[k].split(" #")[0] == name:
+                return self.B[:count, k]
+        return _read_only(np.zeros(count))
+
+    @property
+    def sky(self) -> Floats:
+        """(m,): the share of what each surface emits that ends in the sky, after all reflections."""
+        return self._opening("sky")
+
+    @property
+    def ground(self) -> Floats:
+        """(m,): the share that ends in ground that is not modelled."""
+        return self._opening("ground")
+
+    @property
+    def asymmetry(self) -> float:
+        """Largest difference of both directions of a GR, relative to the smaller `emitting`, before
+        their mean was taken: the error of the solution."""
+        return float(self._network["asymmetry"])
+
+    def __len__(self) -> int:
+        return len(self.names)
+
+    def __getitem__(self, key: tuple[str | int, str | int]) -> Factor:
+        if not isinstance(key, tuple) or len(key) != 2:
+            raise TypeError('expected two nodes, as in x["panel", "sky"]')
+        a, b = (_index(self.names, k) for k in key)
+        return Factor(float(self.GR[a, b]), float(self.GR_error[a, b]))
+
+    def save(
+        self,
+        path: str | PathLike[str],
+        *,
+        model: str = "",
+        sigma: bool = False,
+        truncate: float | None = None,
+    ) -> None:
+        """Write a file: ``.npz`` of all arrays and bands, ``.csv``, or ``.esatan`` and ``.sinda`` for
+        thermal networks, as ``azulejo exchange`` does.
+
+        Parameters
+        ----------
+        path : str or path
+            The file.
+        model : str, optional
+            Name of the model in .esatan, of the submodel in .sinda.
+        sigma : bool, optional
+            Whether .sinda has conductances times σ.
+        truncate : float, optional
+            The share of the smaller node's emitting area below which lists leave out conductances; their
+            weight goes to the others.
+        """
+        self._native.save(fspath(path), model, bool(sigma), _share("truncate", truncate))
+
+    def to_frame(self, quantity: str = "GR") -> DataFrame:
+        """pandas.DataFrame (n, n) of "GR", "B", "script_f" or their errors, as "GR_error"."""
+        known = ["GR", "B", "script_f", "GR_error", "B_error", "script_f_error"]
+        if quantity not in known:
+            raise AzulejoError(f'unknown quantity "{quantity}", expected {listed(known)}')
+        try:
+            from pandas import DataFrame
+        except ImportError:
+            raise ImportError("a frame needs pandas: pip install pandas") from None
+        return DataFrame(self._array(quantity), index=self.names, columns=self.names)
+
+    def __repr__(self) -> str:
+        if self._band is None:
+            return f"Exchange(bands {', '.join(self._native.bands)})"
+        return f"Exchange({len(self)} nodes)"
+
+
+class NodeHeat(NamedTuple):
+    """Temperature and heat of a node."""
+
+    T: Factor
+    """Temperature, K, of the mean of T⁴ by area, with its standard error."""
+    Q: Factor
+    """Net heat that it gives off by radiation, W, with its standard error."""
+
+
+class Radiosity:
+    """Temperatures and fluxes of rows and nodes. ``r["wall"]`` is a node, with ``.T`` and ``.Q`` as
+    :class:`Factor`. All arrays are read-only.
+
+    Made by :func:`radiosity`.
+    """
+
+    def __init__(self, native: NativeThermalSolution) -> None:
+        self._native = native
+
+    @cached_property
+    def _arrays(self) -> dict[str, Floats]:
+        return {}
+
+    def _heat(self, name: str) -> Floats:
+        if name not in self._arrays:
+            self._arrays[name] = _read_only(self._native.heat(name))
+        return self._arrays[name]
+
+    @property
+    def T(self) -> Floats:
+        """(n,): temperature of each row, K."""
+        return self._heat("T")
+
+    @property
+    def q(self) -> Floats:
+        """(n,): net heat that leaves each row by radiation, sunlight included, W/m²."""
+        return self._heat("q")
+
+    @property
+    def J(self) -> Floats:
+        """(n,): diffuse radiosity of each row, without sunlight, W/m²."""
+        return self._heat("J")
+
+    @property
+    def H(self) -> Floats:
+        """(n,): irradiation of each row, without sunlight, W/m²."""
+        return self._heat("H")
+
+    @property
+    def solar(self) -> Floats:
+        """(n,): sunlight that each row absorbs, W/m²."""
+        return self._heat("solar")
+
+    @cached_property
+    def areas(self) -> Floats:
+        """(n,): area of each row, m²."""
+        return _read_only(self._native.row_areas)
+
+    @cached_property
+    def row_names(self) -> tuple[str, ...]:
+        """Names of the rows."""
+        return tuple(self._native.row_names)
+
+    @cached_property
+    def row_node(self) -> npt.NDArray[np.int64]:
+        """(n,): the node of each row."""
+        return _read_only(self._native.row_nodes)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Names of the m nodes."""
+        return tuple(self._native.node_names)
+
+    @property
+    def node_T(self) -> Floats:
+        """(m,): temperature of each node, K: of the mean of T⁴ by area."""
+        return self._heat("node_T")
+
+    @property
+    def node_T_error(self) -> Floats:
+        """(m,): standard errors of `node_T`, K."""
+        return self._heat("node_T_error")
+
+    @property
+    def node_Q(self) -> Floats:
+        """(m,): net heat that leaves each node, W."""
+        return self._heat("node_Q")
+
+    @property
+    def node_Q_error(self) -> Floats:
+        """(m,): standard errors of `node_Q`, W."""
+        return self._heat("node_Q_error")
+
+    @property
+    def to_sky(self) -> float:
+        """Net heat that the sky receives, without sunlight, W."""
+        return float(self._heat("to_surroundings")[0])
+
+    @property
+    def to_ground(self) -> float:
+        """Net heat that ground which is not modelled receives, W."""
+        return float(self._heat("to_surroundings")[1])
+
+    @property
+    def imbalance(self) -> float:
+        """Heat that rows give off in excess of what sky and ground gain and the sun brings, W: 0, but
+        for what the factors lack."""
+        return self._native.imbalance
+
+    @property
+    def iterations(self) -> int:
+        """Steps of Newton's method; 0 where the problem is linear in T⁴."""
+        return self._native.iterations
+
+    @cached_property
+    def exchange(self) -> Exchange:
+        """The network of the nodes, as :func:`exchange` computes it."""
+        return Exchange._of(self._native)
+
+    def __getitem__(self, key: str | int) -> NodeHeat:
+        k = _index(self.names, key)
+        return NodeHeat(
+            Factor(float(self.node_T[k]), float(self.node_T_error[k])),
+            Factor(float(self.node_Q[k]), float(self.node_Q_error[k])),
+        )
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write a file: ``.npz`` of all arrays, ``.csv`` of the nodes, ``.vtu`` of the surfaces, as
+        ``azulejo exchange --boundary`` does."""
+        self._native.save(fspath(path), "", False, None)
+
+    def to_pyvista(self) -> Any:
+        """pyvista.PolyData of the surfaces, with T, q, J, H, solar, the row and the node of each cell."""
+        cells = self._native.cells
+        if cells is None:
+            raise AzulejoError(
+                "the factors were given without geometry, so there is nothing to show"
+            )
+        try:
+            import pyvista
+        except ImportError:
+            raise ImportError("a mesh needs pyvista: pip install pyvista") from None
+        points, corners, starts, rows = cells
+        lengths = np.diff(starts.astype(np.int64))
+        faces = np.insert(corners.astype(np.int64), starts[:-1].astype(np.int64), lengths)
+        mesh = pyvista.PolyData(points, faces)
+        for name in ("T", "q", "J", "H", "solar"):
+            mesh.cell_data[name] = self._heat(name)[rows]
+        mesh.cell_data["row"] = rows.astype(np.int64)
+        mesh.cell_data["node"] = self.row_node[rows]
+        return mesh
+
+    def __repr__(self) -> str:
+        return f"Radiosity({len(self.T)} rows, {len(self.names)} nodes)"
+
+
+def _index(names: tuple[str, ...], key: str | int) -> int:
+    if isinstance(key, str):
+        try:
+            return names.index(key)
+        except ValueError:
+            raise AzulejoError(f'no node is named "{key}"; there are {listed(names)}') from None
+    if not -len(names) <= key < len(names):
+        raise AzulejoError(f"there is no node {key}: there are {len(names)}")
+    return int(key) % len(names)
