@@ -259,6 +259,7 @@ fn the_program_explains_itself() {
         "render",
         "probe",
         "form-factors",
+        "exchange",
         "text",
         "font",
         "font convert",
@@ -289,7 +290,7 @@ fn the_program_explains_itself() {
     folder.ok("man .");
     let page = String::from_utf8(folder.read("azulejo-render.1")).unwrap();
     assert!(page.contains(".TH") && page.contains("exposure"));
-    assert_eq!(folder.names().len(), 27);
+    assert_eq!(folder.names().len(), 28);
 }
 
 #[test]
