@@ -9,7 +9,7 @@ use crate::form_factors::NativeFormFactors;
 use crate::materials::NativeMaterials;
 use crate::work::{self, WorkOptions};
 use azulejo::output::Output;
-use azulejo_exchange::model::{SolutionFormat, SolutionOptions};
+use azulejo_exchange::model::{SolutionFormat, SolutionOptions, SolutionPart};
 use azulejo_exchange::tables::MaterialTable;
 use azulejo_exchange::{
     Enclosure, ExchangeFactors, HeatBalance, SpectralRange, ThermalModel, ThermalSolution,
@@ -39,6 +39,34 @@ pub struct ExchangeArgs {
 pub struct NativeThermalSolution {
     solution: Arc<ThermalSolution>,
     notes: Vec<String>,
+}
+
+/// What is written, and how.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct SolutionArgs {
+    model: String,
+    sigma: bool,
+    truncate: Option<f64>,
+    /// Whether temperatures are wanted, if there are any.
+    heat: bool,
+    /// The only band that is wanted.
+    band: Option<usize>,
+}
+
+impl SolutionArgs {
+    fn options(self) -> SolutionOptions {
+        SolutionOptions {
+            model: self.model,
+            sigma: self.sigma,
+            truncate: self.truncate,
+            part: match self.band {
+                _ if self.heat => SolutionPart::Whole,
+                Some(band) => SolutionPart::Network(band),
+                None => SolutionPart::Networks,
+            },
+        }
+    }
 }
 
 /// Share of a row's light that may be lost without a word.
@@ -121,7 +149,11 @@ fn owned(matrices: &[Arc<Enclosure>], to_sky: bool) -> (Vec<(String, Enclosure)>
                 100.0 * most
             ));
         }
-        (format!("matrix {k}"), matrix)
+        let name = match matrices.len() {
+            1 => "form factors".to_owned(),
+            _ => format!("form factors {k}"),
+        };
+        (name, matrix)
     };
     let matrices = matrices.iter().enumerate().map(matrix).collect();
     (matrices, notes)
@@ -246,20 +278,9 @@ impl NativeThermalSolution {
     }
 
     /// Writes a file of the format that its extension means.
-    fn save(
-        &self,
-        py: Python<'_>,
-        path: PathBuf,
-        model: String,
-        sigma: bool,
-        truncate: Option<f64>,
-    ) -> PyResult<()> {
-        let format = self.format(&path)?;
-        let options = SolutionOptions {
-            model,
-            sigma,
-            truncate,
-        };
+    fn save(&self, py: Python<'_>, path: PathBuf, args: SolutionArgs) -> PyResult<()> {
+        let options = args.options();
+        let format = self.format(&path, options.part)?;
         let solution = self.solution.clone();
         work::run(py, &WorkOptions::new(None, None), move |p| {
             let output = Output::check(&path).map_err(of_output)?;
@@ -281,14 +302,14 @@ impl NativeThermalSolution {
 }
 
 impl NativeThermalSolution {
-    fn format(&self, path: &Path) -> PyResult<SolutionFormat> {
+    fn format(&self, path: &Path, part: SolutionPart) -> PyResult<SolutionFormat> {
         let wrong = |why: &str| refused(format_args!("{}: {why}", path.display()));
         let format = SolutionFormat::from_path(path);
         let format = format.ok_or_else(|| {
             wrong("unknown format, expected .npz, .csv, .esatan, .sinda, or .vtu of temperatures")
         })?;
-        let solution = &self.solution;
-        match format.refusal(solution.heat.is_some(), solution.networks.len()) {
+        let (networks, heat) = self.solution.part(part);
+        match format.refusal(heat.is_some(), networks.len()) {
             Some(why) => Err(wrong(why)),
             None => Ok(format),
         }
@@ -328,12 +349,10 @@ pub fn band_fractions<'py>(
     products: PyReadonlyArray1<'py, f64>,
 ) -> Bound<'py, PyArray1<f64>> {
     let products = products.as_array();
-    let fraction = |&x: &f64| {
-        if x.is_infinite() && x > 0.0 {
-            1.0
-        } else {
-            band_fraction(x, 1.0)
-        }
+    let fraction = |&x: &f64| match x {
+        f64::INFINITY => 1.0,
+        x if x.is_nan() => x,
+        x => band_fraction(x, 1.0),
     };
     let shares: Vec<f64> = products.iter().map(fraction).collect();
     shares.into_pyarray(py)

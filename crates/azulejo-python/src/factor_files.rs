@@ -179,7 +179,16 @@ pub fn load_form_factors(
         let read = archive::read(BufReader::new(file), budget.unwrap_or(u64::MAX));
         read.map_err(|e| refused(format_args!("{}: {e}", path.display())))
     })?;
-    Ok((NativeFormFactors::new(read.enclosure), read.asymmetry))
+    let mut enclosure = read.enclosure;
+    if enclosure.rows.cells.is_empty() {
+        // A matrix of another program, whose rows are no patches of ours.
+        enclosure.rows.are_groups = true;
+        let engine = &mut enclosure.factors.engine_used.name;
+        if engine.is_empty() {
+            GIVEN.clone_into(engine);
+        }
+    }
+    Ok((NativeFormFactors::new(enclosure), read.asymmetry))
 }
 
 /// A matrix of another program: compressed rows that have been checked, areas, mirror reflectances,
@@ -223,7 +232,7 @@ pub fn foreign_form_factors(
             row_errors: vec![0.0; count],
             rest: vec![RowRemainder::default(); count],
             engine_used: EngineUsed {
-                name: "given".to_owned(),
+                name: GIVEN.to_owned(),
                 ..EngineUsed::default()
             },
             areas,
@@ -259,6 +268,9 @@ pub fn foreign_form_factors(
     let (enclosure, asymmetry) = made?;
     Ok((NativeFormFactors::new(enclosure), asymmetry))
 }
+
+/// The engine of matrices that were not computed here.
+const GIVEN: &str = "given";
 
 /// Share of a row's light from which it is open.
 const OPEN: f64 = 1e-6;

@@ -48,22 +48,23 @@ impl BoundaryTable {
     /// # Errors
     /// The place, what was found, what was expected.
     pub fn read(text: &str) -> Result<BoundaryTable, TableError> {
-        BoundaryTable::new(records(text)?)
+        let (around, surfaces): (Vec<NamedRecord>, Vec<NamedRecord>) =
+            records(text)?.into_iter().partition(is_surroundings);
+        BoundaryTable::new(&around, &surfaces)
     }
 
-    /// A table of numbers by name and column.
+    /// A table of numbers by name and column. All names are those of surfaces, which may be called `sky`
+    /// or `ground` here.
     ///
     /// # Errors
     /// The name, what was found, what was expected.
     pub fn from_numbers(numbers: &[NumberRecord]) -> Result<BoundaryTable, TableError> {
-        BoundaryTable::new(numbers::records(numbers, "conditions"))
+        BoundaryTable::new(&[], &numbers::records(numbers, "conditions"))
     }
 
-    fn new(records: Vec<NamedRecord>) -> Result<BoundaryTable, TableError> {
-        let (around, surfaces): (Vec<NamedRecord>, Vec<NamedRecord>) =
-            records.into_iter().partition(is_surroundings);
+    fn new(around: &[NamedRecord], surfaces: &[NamedRecord]) -> Result<BoundaryTable, TableError> {
         let mut surroundings = [None; 2];
-        for record in &around {
+        for record in around {
             let t = temperature(record)?;
             let t = t.ok_or_else(|| record.wrong("T", "missing", "a temperature in kelvin"))?;
             match record.name.as_str() {
@@ -73,7 +74,7 @@ impl BoundaryTable {
             }
         }
         Ok(BoundaryTable {
-            names: RecordNames::new(&surfaces)?,
+            names: RecordNames::new(surfaces)?,
             records: surfaces.iter().map(boundary).collect::<Result<_, _>>()?,
             surroundings,
         })

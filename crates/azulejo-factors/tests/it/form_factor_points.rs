@@ -4,9 +4,7 @@ use azulejo_factors::form_factors::{FactorPoint, Plan, PointFactors};
 use azulejo_factors::truth::formulas::{element_parallel, element_to_unit_sphere};
 use azulejo_factors::{FormFactorOptions, PatchSize};
 use azulejo_scene::synthetic::cube_room;
-use azulejo_scene::{
-    Faces, Material, Mesh, Object, Primitive, PrimitiveKind, Rgb, Scene, Shape,
-};
+use azulejo_scene::{Faces, Material, Mesh, Object, Primitive, PrimitiveKind, Rgb, Scene, Shape};
 use azulejo_trace::{Progress, Tracer};
 use glam::{DAffine3, DVec3};
 
@@ -106,7 +104,12 @@ fn a_globe_sees_solid_angles() {
     for h in [1.1, 2.0] {
         check(&ball(), sphere(DVec3::new(0.0, h, 0.0)), cap(h));
     }
-    let middle = factors(&cube_room(), &[sphere(cube_room().bounds().centre())], 1 << 14, 0);
+    let middle = factors(
+        &cube_room(),
+        &[sphere(cube_room().bounds().centre())],
+        1 << 14,
+        0,
+    );
     assert_eq!(middle[0].factors.len(), 6);
     for (_, side) in &middle[0].factors {
         assert!((side.value - 1.0 / 6.0).abs() < 1e-3, "{side:?}");
@@ -139,7 +142,8 @@ fn threads_do_not_matter_and_seeds_do() {
     let points: Vec<FactorPoint> = (0..40).map(at).collect();
     let with = |threads: usize, seed: u64| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        pool.unwrap().install(|| factors(&scene, &points, 512, seed))
+        pool.unwrap()
+            .install(|| factors(&scene, &points, 512, seed))
     };
     assert_eq!(with(1, 0), with(3, 0));
     assert_ne!(with(1, 0), with(1, 1));

@@ -464,9 +464,9 @@ class FormFactors:
     def _geometry(self) -> tuple[npt.NDArray[Any], ...]:
         geometry = self._native.geometry
         if geometry is None:
-            raise AzulejoError(
-                'rows are groups, or were given without geometry, and have no corners: ask for by="patch"'
-            )
+            if self.engine == "given":
+                raise AzulejoError("the matrix was given without geometry, so its rows have no corners")
+            raise AzulejoError('rows are groups, which have no corners: ask for by="patch"')
         return tuple(_read_only(array) for array in geometry)
 
     @property

@@ -140,13 +140,7 @@ class NativeThermalSolution:
     def cells(
         self,
     ) -> tuple[_Floats, NDArray[np.uint32], NDArray[np.uint32], NDArray[np.uint32]] | None: ...
-    def save(
-        self,
-        path: str | PathLike[str],
-        model: str,
-        sigma: bool,
-        truncate: float | None,
-    ) -> None: ...
+    def save(self, path: str | PathLike[str], args: dict[str, Any]) -> None: ...
 
 def solve_exchange(
     factors: list[NativeFormFactors],

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Union
 import numpy as np
 import numpy.typing as npt
 
-from ._checks import listed, numbers, real
+from ._checks import listed, numbers, real, whole
 from ._checks import share as _share
 from ._checks import threads as _threads
 from ._form_factors import Factor, FormFactors
@@ -178,6 +178,8 @@ def band_fraction(product: npt.ArrayLike) -> Any:
     0.250055
     """
     array = numbers("product", product)
+    if (array < 0).any():
+        raise AzulejoError(f"product is {array[array < 0][0]}, expected 0 or more, in µm·K")
     shares = band_fractions(array.ravel()).reshape(np.shape(product))
     return float(shares) if shares.ndim == 0 else shares
 
@@ -192,10 +194,12 @@ def _solved(
     threads: int | None,
     progress: Progress,
 ) -> NativeThermalSolution:
+    if not isinstance(factors, (FormFactors, Sequence)):
+        raise TypeError(f"factors is a {type(factors).__name__}, expected FormFactors")
     several = [factors] if isinstance(factors, FormFactors) else list(factors)
     for item in several:
         if not isinstance(item, FormFactors):
-            raise TypeError(f"factors are of a {type(item).__name__}, expected FormFactors")
+            raise TypeError(f"factors has a {type(item).__name__}, expected FormFactors")
     if not several:
         raise AzulejoError("there are no form factors")
     table = _table(several, materials)
@@ -235,9 +239,11 @@ def _values(name: str, value: RowValues | None, count: int | None) -> Any:
             if not isinstance(key, str):
                 raise TypeError(f"{name} has the key {key!r}, expected a name")
         return [(key, real(f'{name} of "{key}"', number)) for key, number in value.items()]
-    if np.ndim(value) == 0:
+    if np.isscalar(value):
         return [("*", real(name, value))]
     array = numbers(name, value)
+    if np.ndim(value) == 0:
+        return [("*", real(name, array[0]))]
     if array.ndim != 1 or (count is not None and array.size != count):
         expected = "(n,)" if count is None else f"({count},)"
         raise AzulejoError(
@@ -394,7 +400,14 @@ class Exchange:
             The share of the smaller node's emitting area below which lists leave out conductances; their
             weight goes to the others.
         """
-        self._native.save(fspath(path), model, bool(sigma), _share("truncate", truncate))
+        args = {
+            "model": model,
+            "sigma": bool(sigma),
+            "truncate": _share("truncate", truncate),
+            "heat": False,
+            "band": self._band,
+        }
+        self._native.save(fspath(path), args)
 
     def to_frame(self, quantity: str = "GR") -> DataFrame:
         """pandas.DataFrame (n, n) of "GR", "B", "script_f" or their errors, as "GR_error"."""
@@ -542,7 +555,8 @@ class Radiosity:
     def save(self, path: str | PathLike[str]) -> None:
         """Write a file: ``.npz`` of all arrays, ``.csv`` of the nodes, ``.vtu`` of the surfaces, as
         ``azulejo exchange --boundary`` does."""
-        self._native.save(fspath(path), "", False, None)
+        args = {"model": "", "sigma": False, "truncate": None, "heat": True, "band": None}
+        self._native.save(fspath(path), args)
 
     def to_pyvista(self) -> Any:
         """pyvista.PolyData of the surfaces, with T, q, J, H, solar, the row and the node of each cell."""
@@ -575,6 +589,4 @@ def _index(names: tuple[str, ...], key: str | int) -> int:
             return names.index(key)
         except ValueError:
             raise AzulejoError(f'no node is named "{key}"; there are {listed(names)}') from None
-    if not -len(names) <= key < len(names):
-        raise AzulejoError(f"there is no node {key}: there are {len(names)}")
-    return int(key) % len(names)
+    return whole("the node", key, -len(names), len(names) - 1) % len(names)
