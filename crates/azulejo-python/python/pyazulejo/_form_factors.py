@@ -465,7 +465,9 @@ class FormFactors:
         geometry = self._native.geometry
         if geometry is None:
             if self.engine == "given":
-                raise AzulejoError("the matrix was given without geometry, so its rows have no corners")
+                raise AzulejoError(
+                    "the matrix was given without geometry, so its rows have no corners"
+                )
             raise AzulejoError('rows are groups, which have no corners: ask for by="patch"')
         return tuple(_read_only(array) for array in geometry)
 

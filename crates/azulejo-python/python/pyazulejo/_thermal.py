@@ -208,7 +208,7 @@ def _solved(
     with watching(progress) as callback:
         native = solve_exchange(natives, table, conditions, args, _threads(threads), callback)
     for note in native.notes:
-        _warnings.warn(note, UserWarning, stacklevel=4)
+        _warnings.warn(note, UserWarning, stacklevel=3)
     return native
 
 
