@@ -1,14 +1,15 @@
 //! Form factors from points.
 
-use crate::arrays::vectors;
+use crate::arrays::{points_with_normals, vectors};
 use crate::choices;
-use crate::error::{cancelled, of_factors, refused};
+use crate::error::{cancelled, of_factors};
 use crate::form_factors::OptionArgs;
 use crate::scene::NativeScene;
 use crate::work::{self, WorkOptions};
 use azulejo_exchange::{Enclosure, GroupBy, Groups};
 use azulejo_factors::form_factors::{FactorPoint, Plan, PointFactors, PreparedPlan, RowRemainder};
 use azulejo_factors::{FormFactorOptions, FormFactors};
+use azulejo_radiosity::PointNormal;
 use azulejo_scene::Scene;
 use azulejo_trace::{Progress, Tracer};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray2};
@@ -62,16 +63,19 @@ fn factor_points(
     points: &PyReadonlyArray2<f64>,
     normals: Option<&PyReadonlyArray2<f64>>,
 ) -> PyResult<Vec<FactorPoint>> {
-    let positions = vectors(points)?;
-    let normals: Vec<_> = match normals {
-        Some(normals) => vectors(normals)?.into_iter().map(Some).collect(),
-        None => vec![None; positions.len()],
+    let Some(normals) = normals else {
+        let globe = |position| FactorPoint {
+            position,
+            normal: None,
+        };
+        return Ok(vectors(points)?.into_iter().map(globe).collect());
     };
-    if normals.len() != positions.len() {
-        return Err(refused("one normal is needed for each point"));
-    }
-    let point = |(position, normal)| FactorPoint { position, normal };
-    Ok(positions.into_iter().zip(normals).map(point).collect())
+    let facing = |point: PointNormal| FactorPoint {
+        position: point.position,
+        normal: Some(point.normal),
+    };
+    let points = points_with_normals(points, normals)?;
+    Ok(points.into_iter().map(facing).collect())
 }
 
 fn from_points(

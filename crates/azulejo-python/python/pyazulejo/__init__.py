@@ -17,10 +17,10 @@ the command ``azulejo``. Long calls release the interpreter, end on Ctrl-C, and 
 from ._brdf import brdf, directions
 from ._form_factors import Factor, FormFactors, form_factors
 from ._light import Irradiance, probe, render, solve_light, tone_map
-from ._points import point_factors
+from ._points import PointFactors, point_factors
 from ._pyazulejo import AzulejoError, __version__
 from ._scene import Material, MeshArrays, Scene, load
-from ._thermal import Exchange, Radiosity, band_fraction, exchange, radiosity
+from ._thermal import Exchange, NodeHeat, Radiosity, band_fraction, exchange, radiosity
 
 __all__ = [
     "AzulejoError",
@@ -30,6 +30,8 @@ __all__ = [
     "Irradiance",
     "Material",
     "MeshArrays",
+    "NodeHeat",
+    "PointFactors",
     "Radiosity",
     "Scene",
     "__version__",

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from ._checks import division, listed, optional_whole, rows, whole
+from ._checks import division, facing, listed, optional_whole, rows, whole
 from ._checks import memory as _memory
 from ._checks import threads as _threads
 from ._form_factors import Factor
@@ -70,17 +70,7 @@ def point_factors(
     if not isinstance(scene, Scene):
         raise TypeError(f"scene is a {type(scene).__name__}, expected a Scene (see load)")
     places = rows("points", points)
-    facing = None
-    if normals is not None:
-        facing = np.asarray(normals)
-        facing = np.broadcast_to(facing, places.shape) if facing.shape == (3,) else facing
-        facing = rows("normals", facing)
-        if facing.shape != places.shape:
-            raise AzulejoError(f"{len(facing)} normals for {len(places)} points")
-        lengths = np.linalg.norm(facing, axis=1, keepdims=True)
-        if not (lengths > 0).all():
-            raise AzulejoError(f"normals: row {int(np.argmin(lengths))} has no direction")
-        facing = np.ascontiguousarray(facing / lengths)
+    directions = None if normals is None else facing(normals, places)
     if by != "patch" and patches is None and patch_size is None:
         # Groups of patches do not depend on these.
         patch_size = 0.0
@@ -100,7 +90,7 @@ def point_factors(
     }
     with watching(progress) as callback:
         found = compute_point_factors(
-            scene._native, places, facing, by, options, _threads(threads), callback
+            scene._native, places, directions, by, options, _threads(threads), callback
         )
     return PointFactors(*found)
 
@@ -196,9 +186,11 @@ class PointFactors:
         row = whole("the point", key[0], -count, count - 1) % count
         column = key[1]
         if isinstance(column, str):
-            if self._names is None or column not in self._names:
+            if self._names is None:
+                raise AzulejoError('columns are patches, which have no names: ask for by="object"')
+            if column not in self._names:
                 raise AzulejoError(
-                    f'no column is named "{column}"; there are {listed(self._names or ())}'
+                    f'no column is named "{column}"; there are {listed(self._names)}'
                 )
             column = self._names.index(column)
         column = whole("the column", column, -columns, columns - 1) % columns
