@@ -13,6 +13,7 @@ use azulejo_factors::{EngineUsed, FaceId, FormFactors};
 use azulejo_scene::{Rgb, Up};
 use azulejo_trace::Progress;
 use numpy::PyReadonlyArray1;
+use pyo3::exceptions::PyIsADirectoryError;
 use pyo3::prelude::*;
 use std::fs::File;
 use std::io::BufReader;
@@ -174,6 +175,10 @@ pub fn load_form_factors(
     memory: Option<u64>,
 ) -> PyResult<(NativeFormFactors, f64)> {
     let read = work::run(py, &WorkOptions::new(None, None), move |_| {
+        if path.is_dir() {
+            let message = format!("{} is a folder, expected an .npz", path.display());
+            return Err(PyIsADirectoryError::new_err(message));
+        }
         let file = File::open(&path).map_err(|e| of_file_error(e, &path))?;
         let budget = memory.or_else(azulejo::machine::memory);
         let read = archive::read(BufReader::new(file), budget.unwrap_or(u64::MAX));

@@ -22,7 +22,7 @@ impl FormFactors {
 
     /// Enforces closure: makes Σ_j X_ij `ends`_j and the shares of `rest` sum to 1 in every row by
     /// the smallest change of exchange areas and of the shares of sky and ground, weighted by their
-    /// standard errors. Light that leaked through cracks of a closed scene is put back first.
+    /// standard errors, or by their values where no entry has an error. Light that leaked through cracks of a closed scene is put back first.
     /// [`closed`](FormFactors::closed) records how much was moved; standard errors stay as they
     /// were.
     ///
@@ -33,6 +33,8 @@ impl FormFactors {
     /// [`Cancelled`]; the matrix is as before then.
     pub fn close(&mut self, progress: &Progress) -> Result<(), Cancelled> {
         let rest: Vec<RowRemainder> = self.rest.iter().map(without_leaks).collect();
+        let weight = self.closure_weights();
+        let variance = |e: &Exchange| weight.variance(f64::from(e.error), e.value);
         let ended = self.ended();
         let rows = || self.areas.iter().zip(&rest);
         let smoothing = Smoothing {
@@ -41,7 +43,9 @@ impl FormFactors {
             weights: &self.ends,
             free: rows()
                 .map(|(a, r)| {
-                    a * a * (squared(r.sky_error, r.sky) + squared(r.ground_error, r.ground))
+                    let [sky, ground] = [(r.sky_error, r.sky), (r.ground_error, r.ground)]
+                        .map(|(error, value)| weight.variance(error, value));
+                    a * a * (sky + ground)
                 })
                 .collect(),
             deficits: rows()
@@ -52,7 +56,7 @@ impl FormFactors {
         };
         let change = smoothing.solve(progress)?;
         let rest: Vec<RowRemainder> = (0..self.len())
-            .map(|i| changed_rest(&rest[i], &change, i, self.areas[i]))
+            .map(|i| changed_rest(&rest[i], &change, weight, i, self.areas[i]))
             .collect();
         let ratio = |i: usize, e: &Exchange| Some(change.ratio(variance(e), i, e));
         let mut moved = self.moved(ratio);
@@ -64,6 +68,16 @@ impl FormFactors {
         self.rest = rest;
         self.closed = Some(self.adjustment(&moved, &self.deficits()));
         Ok(())
+    }
+
+    /// Where no entry has an error, none could change by its own.
+    fn closure_weights(&self) -> ClosureWeight {
+        let has_error = |i| self.exchange.upper(i).iter().any(|e| e.error != 0.0);
+        if (0..self.len()).any(has_error) {
+            ClosureWeight::Errors
+        } else {
+            ClosureWeight::Values
+        }
     }
 
     /// The deficit of each row, 1 less its sum; 0 for rows that see nothing.
@@ -102,14 +116,22 @@ impl FormFactors {
     }
 }
 
-/// Unknown errors are taken to be in proportion to the entries.
-fn variance(e: &Exchange) -> f64 {
-    squared(f64::from(e.error), e.value)
+/// How much of a change an entry takes.
+#[derive(Clone, Copy)]
+enum ClosureWeight {
+    /// By its error; errors that are not a number are in proportion to the entries.
+    Errors,
+    /// In proportion to the entries: no error is known, as of matrices of other programs.
+    Values,
 }
 
-/// The square of an error, or of the value if the error is unknown.
-fn squared(error: f64, value: f64) -> f64 {
-    if error.is_nan() { value } else { error }.powi(2)
+impl ClosureWeight {
+    fn variance(self, error: f64, value: f64) -> f64 {
+        match self {
+            ClosureWeight::Errors if !error.is_nan() => error.powi(2),
+            _ => value.powi(2),
+        }
+    }
 }
 
 /// The same without escaped light so small that it must have leaked.
@@ -130,11 +152,12 @@ fn without_leaks(rest: &RowRemainder) -> RowRemainder {
 fn changed_rest(
     rest: &RowRemainder,
     change: &SmoothingChange,
+    weight: ClosureWeight,
     i: usize,
     area: f64,
 ) -> RowRemainder {
     let share = |value: f64, error: f64| {
-        let added = change.beside(area * squared(error, value), i);
+        let added = change.beside(area * weight.variance(error, value), i);
         (value + added).max(LEAST * value)
     };
     RowRemainder {

@@ -204,6 +204,8 @@ class FormFactors:
         unit: str | float | None = None,
     ) -> None:
         sizes = _list("areas", areas, None)
+        if not sizes.all():
+            raise AzulejoError(f"areas: row {int(np.argmin(sizes))} has 0, expected more")
         starts, columns, values = _compressed(F, len(sizes))
         mirrors = np.zeros(len(sizes)) if rho_s is None else _list("rho_s", rho_s, len(sizes), 1.0)
         _check_sums(starts, columns, values * (1 - mirrors)[columns])
@@ -522,7 +524,8 @@ class FormFactors:
         return _moved(self._native.truncated)
 
     def close(self, *, threads: int | None = None, progress: Progress = None) -> FormFactors:
-        """The matrix changed within its errors so that rows, sky and ground add up to 1.
+        """The matrix changed within its errors so that rows, sky and ground add up to 1; that of another
+        program, whose errors are unknown, in proportion to its entries.
 
         :attr:`closed` of the result says by how much: ``total`` of the whole matrix, ``mean`` and
         ``most`` of a row, and the ``deficit`` that remains in the worst row.
@@ -646,6 +649,10 @@ def _compressed(F: Any, count: int) -> tuple[npt.NDArray[Any], npt.NDArray[Any],
     shape = getattr(F, "shape", None)
     if hasattr(F, "tocsr"):
         matrix = F.tocsr()
+        try:
+            matrix.check_format()
+        except (ValueError, TypeError) as error:
+            raise AzulejoError(f"F is a damaged matrix: {error}") from None
         starts, columns = (np.asarray(a, dtype=np.int64) for a in (matrix.indptr, matrix.indices))
         values = numbers("F", matrix.data)
     else:
