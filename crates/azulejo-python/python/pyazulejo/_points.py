@@ -66,6 +66,17 @@ def point_factors(
     Returns
     -------
     PointFactors
+
+    Examples
+    --------
+    An element below a corner of a square, at the distance of its side.
+
+    >>> import numpy as np, pyazulejo as az
+    >>> square = np.array([[0, 0, 1], [0, 1, 1], [1, 1, 1], [1, 0, 1]])
+    >>> lid = az.Scene({"lid": (square, [[0, 1, 2, 3]])})
+    >>> p = az.point_factors(lid, [[0, 0, 0]], normals=[0, 0, 1], rays=16_384)
+    >>> abs(p[0, "lid"] - 0.138532) < 3 * p[0, "lid"].std_error < 0.005
+    True
     """
     if not isinstance(scene, Scene):
         raise TypeError(f"scene is a {type(scene).__name__}, expected a Scene (see load)")
