@@ -183,6 +183,35 @@ def test_the_sky_of_a_scene_shines_on_its_rows() -> None:
     assert az.form_factors(az.Scene({"roof": square}), patch_size=0).irradiance is None
 
 
+def test_the_sun_of_a_scene(refuses) -> None:
+    """Straight, in the shadow, and by a mirror."""
+    square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
+    meshes = {
+        "roof": (square, [[0, 1, 2, 3]]),
+        "shade": (square + [5, 0, 1], [[3, 2, 1, 0]]),
+        "below": (square + [5, 0, 0], [[0, 1, 2, 3]]),
+    }
+    sun = ([3, 0, 4], 1361)
+    f = az.form_factors(az.Scene(meshes, sun=sun), by="object", patch_size=0.2, rays=256)
+    assert f.irradiance is not None and f.irradiance_error is not None
+    assert np.isclose(f.irradiance[0, 1], 0.8 * 1361, rtol=1e-3)
+    assert f.irradiance[1].max() == 0, "the sun is behind it"
+    # The shadow of the sheet above is moved by three quarters of its height.
+    assert np.isclose(f.irradiance[2, 1], 0.75 * 0.8 * 1361, rtol=0.02)
+    wall = {"roof": meshes["roof"], "wall": (square[:, [2, 1, 0]], [[3, 2, 1, 0]])}
+    materials = {"roof": az.Material(mirror=0.9), "wall": az.Material()}
+    scene = az.Scene(wall, materials, sun=([1, 0, 1], 100))
+    both = az.form_factors(scene, by="object", patch_size=0.2, rays=256)
+    assert both.irradiance is not None
+    straight = 100 / np.sqrt(2)
+    assert np.isclose(both.irradiance[1, 1], 1.9 * straight, rtol=0.03)
+    flat = meshes["roof"]
+    refuses("sun is 3, expected a direction", lambda: az.Scene({"a": flat}, sun=3), TypeError)
+    refuses("its direction is zero", lambda: az.Scene({"a": flat}, sun=([0, 0, 0], 1)))
+    refuses("three finite numbers", lambda: az.Scene({"a": flat}, sun=([0, 0, np.nan], 1)))
+    refuses("irradiance of the sun is", lambda: az.Scene({"a": flat}, sun=([0, 0, 1], -1)))
+
+
 def test_sky_and_ground_have_temperatures_of_their_own() -> None:
     square = (np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]), [[0, 1, 2, 3]])
     f = az.form_factors(az.Scene({"slab": square}), by="object", patch_size=0, two_sided=True)

@@ -43,6 +43,7 @@ class NativeScene:
         meshes: list[_Mesh],
         materials: list[_Material],
         sky: _Colour | None,
+        sun: tuple[_Colour, _Colour] | None,
         up: str,
         unit: float | None,
     ) -> NativeScene: ...

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Union
 import numpy as np
 import numpy.typing as npt
 
-from ._checks import Colour, colour, listed, positive, real
+from ._checks import Colour, colour, listed, positive, real, vector
 from ._checks import threads as _threads
 from ._meshes import face_arrays, is_mesh, parts
 from ._progress import Progress, watching
@@ -213,7 +213,10 @@ class Scene:
         table, the factors of the scene have their mirrors, and :func:`exchange` and :func:`radiosity`
         take them where nothing else is given.
     sky : float or array_like (3,), optional
-        Radiance of a uniform sky, W/(sr·m²), for light.
+        Radiance of a uniform sky, W/(sr·m²).
+    sun : (array_like (3,), float or array_like (3,)), optional
+        The direction toward the sun, of any length, and the irradiance of what faces it, W/m²; a disc of
+        0.533°. Sun and sky are for light, and for heat what surfaces absorb by their `alpha`.
     up : {"z", "y"}, optional
         The axis that points away from the ground: what leaves upwards is `sky`, the rest `ground`.
     unit : str or float, optional
@@ -239,6 +242,7 @@ class Scene:
         materials: Material | Mapping[str, Material] | str | PathLike[str] | None = None,
         *,
         sky: Colour | None = None,
+        sun: tuple[npt.ArrayLike, Colour] | None = None,
         up: str = "z",
         unit: str | float | None = None,
     ) -> None:
@@ -254,6 +258,7 @@ class Scene:
             arrays,
             [material._numbers(name) for name, material in kinds],
             None if sky is None else colour("sky", sky),
+            _sun(sun),
             up,
             _unit(unit),
         )
@@ -481,6 +486,19 @@ def _materials(
     if missing:
         raise AzulejoError(f'no material for {listed(missing)}; "*" would be that of all others')
     return kinds, [k for k in chosen if k is not None]
+
+
+def _sun(sun: Any) -> tuple[tuple[float, float, float], tuple[float, float, float]] | None:
+    if sun is None:
+        return None
+    try:
+        toward, irradiance = sun
+    except (TypeError, ValueError):
+        raise TypeError(f"sun is {sun!r}, expected a direction and an irradiance") from None
+    direction = vector("direction of the sun", toward)
+    if direction is None:
+        raise TypeError("direction of the sun is None, expected three numbers")
+    return direction, colour("irradiance of the sun", irradiance)
 
 
 def _unit(unit: str | float | None) -> float | None:
