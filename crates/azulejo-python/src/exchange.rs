@@ -182,12 +182,39 @@ impl NativeThermalSolution {
         networks.map(|(range, _)| range.to_string()).collect()
     }
 
-    /// The network of a band: names, and arrays by name.
+    /// What is known of the nodes of a band's network, by name.
     fn network<'py>(&self, py: Python<'py>, band: usize) -> PyResult<Bound<'py, PyDict>> {
-        let networks = &self.solution.networks;
-        let network = networks.get(band).map(|(_, network)| network);
-        let network = network.ok_or_else(|| refused("there is no such band"))?;
-        network_arrays(py, network)
+        let network = self.of_band(band)?;
+        let arrays = PyDict::new(py);
+        arrays.set_item("names", network.names.clone())?;
+        arrays.set_item("areas", network.areas.clone().into_pyarray(py))?;
+        arrays.set_item("emitting", network.emitting.clone().into_pyarray(py))?;
+        arrays.set_item("is_surface", network.is_surface.clone().into_pyarray(py))?;
+        arrays.set_item("asymmetry", network.asymmetry)?;
+        Ok(arrays)
+    }
+
+    /// A matrix of a band's network: `GR`, `B` or `script_f`, or with `_error` its standard errors.
+    fn matrix<'py>(
+        &self,
+        py: Python<'py>,
+        band: usize,
+        name: &str,
+    ) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let network = self.of_band(band)?;
+        let of: fn(&ExchangeFactors, usize, usize) -> f64 = match name {
+            "GR" => |x, a, b| x.conductance(a, b).0,
+            "GR_error" => |x, a, b| x.conductance(a, b).1,
+            "B" => |x, a, b| x.gebhart(a, b).0,
+            "B_error" => |x, a, b| x.gebhart(a, b).1,
+            "script_f" => |x, a, b| x.script_f(a, b).0,
+            "script_f_error" => |x, a, b| x.script_f(a, b).1,
+            _ => return Err(refused(format_args!("there is no matrix \"{name}\""))),
+        };
+        let n = network.len();
+        let all: Vec<f64> = (0..n * n).map(|k| of(network, k / n, k % n)).collect();
+        let array = Array2::from_shape_vec((n, n), all).map_err(refused)?;
+        Ok(array.into_pyarray(py))
     }
 
     /// Names of the nodes that are surfaces.
@@ -302,6 +329,12 @@ impl NativeThermalSolution {
 }
 
 impl NativeThermalSolution {
+    fn of_band(&self, band: usize) -> PyResult<&ExchangeFactors> {
+        let network = self.solution.networks.get(band);
+        let network = network.map(|(_, network)| network);
+        network.ok_or_else(|| refused("there is no such band"))
+    }
+
     fn format(&self, path: &Path, part: SolutionPart) -> PyResult<SolutionFormat> {
         let wrong = |why: &str| refused(format_args!("{}: {why}", path.display()));
         let format = SolutionFormat::from_path(path);
@@ -314,32 +347,6 @@ impl NativeThermalSolution {
             None => Ok(format),
         }
     }
-}
-
-fn network_arrays<'py>(py: Python<'py>, network: &ExchangeFactors) -> PyResult<Bound<'py, PyDict>> {
-    let n = network.len();
-    let arrays = PyDict::new(py);
-    arrays.set_item("names", network.names.clone())?;
-    arrays.set_item("areas", network.areas.clone().into_pyarray(py))?;
-    arrays.set_item("emitting", network.emitting.clone().into_pyarray(py))?;
-    arrays.set_item("is_surface", network.is_surface.clone().into_pyarray(py))?;
-    arrays.set_item("asymmetry", network.asymmetry)?;
-    let add = |name: &str, of: &dyn Fn(usize, usize) -> (f64, f64)| -> PyResult<()> {
-        for (suffix, is_error) in [("", false), ("_error", true)] {
-            let number = |k: usize| {
-                let (value, error) = of(k / n, k % n);
-                if is_error { error } else { value }
-            };
-            let all: Vec<f64> = (0..n * n).map(number).collect();
-            let array = Array2::from_shape_vec((n, n), all).map_err(refused)?;
-            arrays.set_item(format!("{name}{suffix}"), array.into_pyarray(py))?;
-        }
-        Ok(())
-    };
-    add("GR", &|a, b| network.conductance(a, b))?;
-    add("B", &|a, b| network.gebhart(a, b))?;
-    add("script_f", &|a, b| network.script_f(a, b))?;
-    Ok(arrays)
 }
 
 /// Share of black emission below a product of wavelength and temperature, µm·K.

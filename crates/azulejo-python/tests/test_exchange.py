@@ -147,6 +147,12 @@ def test_openings_are_black_nodes() -> None:
     assert below.names[-1] == "ground" and np.allclose(below.ground, x.sky, atol=1e-7)
 
 
+def test_a_surface_called_sky() -> None:
+    f = az.FormFactors([[0, 0.5], [0.5, 0]], [1, 1], ["sky", "sea"], open=True)
+    x = az.exchange(f, 1.0)
+    assert x.names == ("sky #0", "sea", "sky #2") and x.sky.tolist() == [0.5, 0.5]
+
+
 def test_errors_follow_from_those_of_factors(cube: az.Scene) -> None:
     """The truth is that of the analytic engine; the noise that of few rays."""
     true = az.exchange(az.form_factors(cube, by="object", patch_size=0), of_cube())
@@ -250,6 +256,7 @@ def test_names_that_no_row_has_are_reported() -> None:
 
 def test_arrays_cannot_be_changed() -> None:
     x = az.exchange(plates(), 0.5)
+    assert x.GR is x.GR and x.bands is x.bands
     for array in (x.GR, x.B, x.script_f, x.areas, x.emitting, x.is_surface, x.GR_error, x.sky):
         with pytest.raises(ValueError, match="read-only"):
             array[0] = 1

@@ -86,7 +86,8 @@ fn conductances(
     };
     let space = |s: usize| SpaceNode {
         name: network.names[s].clone(),
-        temperature: Some(surroundings[usize::from(network.names[s] == "ground")]),
+        // Beside a surface of the same name it has a number.
+        temperature: Some(surroundings[usize::from(network.names[s].starts_with("ground"))]),
         gr: (0..surfaces).map(|a| with_space(s, a)).collect(),
     };
     let eps = |a: usize| network.emitting[a] / network.areas[a].max(f64::MIN_POSITIVE);

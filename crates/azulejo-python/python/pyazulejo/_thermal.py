@@ -269,7 +269,7 @@ class Exchange:
         exchange._band = 0 if band is None and len(native.bands) == 1 else band
         return exchange
 
-    @property
+    @cached_property
     def bands(self) -> Mapping[str, Exchange]:
         """Each band in which surfaces emit, by its wavelengths in µm, as ``"0-4"`` and ``"4-inf"``; of
         grey surfaces one, named ``""``."""
@@ -278,20 +278,27 @@ class Exchange:
             {name: Exchange._of(self._native, k) for k, name in enumerate(names)}
         )
 
-    @cached_property
-    def _network(self) -> dict[str, Any]:
+    def _number(self) -> int:
         if self._band is None:
             bands = listed(self._native.bands)
             raise AzulejoError(f"there are several bands: choose one of .bands, {bands}")
-        arrays: dict[str, Any] = self._native.network(self._band)
-        for array in arrays.values():
-            if isinstance(array, np.ndarray):
-                _read_only(array)
-        return arrays
+        return self._band
 
-    def _array(self, name: str) -> Floats:
-        array: Floats = self._network[name]
-        return array
+    @cached_property
+    def _network(self) -> dict[str, Any]:
+        return self._native.network(self._number())
+
+    @cached_property
+    def _arrays(self) -> dict[str, npt.NDArray[Any]]:
+        return {}
+
+    def _array(self, name: str) -> npt.NDArray[Any]:
+        """Made when it is first asked for: networks of thousands of nodes are large."""
+        if name not in self._arrays:
+            known = self._network.get(name)
+            array = self._native.matrix(self._number(), name) if known is None else known
+            self._arrays[name] = _read_only(array)
+        return self._arrays[name]
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -301,8 +308,7 @@ class Exchange:
     @property
     def is_surface(self) -> npt.NDArray[np.bool_]:
         """(n,): whether each node is a surface, not sky or ground."""
-        flags: npt.NDArray[np.bool_] = self._network["is_surface"]
-        return flags
+        return self._array("is_surface")
 
     @property
     def areas(self) -> Floats:
