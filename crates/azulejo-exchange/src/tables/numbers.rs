@@ -2,7 +2,7 @@
 
 use super::TableError;
 use super::names::RecordNames;
-use super::records::{Cell, NamedRecord};
+use super::records::{NamedRecord, TableCell};
 use crate::enclosure::Enclosure;
 
 /// A name with numbers by column.
@@ -14,7 +14,7 @@ pub(super) fn records(numbers: &[NumberRecord], place: &str) -> Vec<NamedRecord>
         name: name.clone(),
         place: place.to_owned(),
         fields: (fields.iter())
-            .map(|(column, x)| (column.clone(), Cell::Number(*x)))
+            .map(|(column, x)| (column.clone(), TableCell::Number(*x)))
             .collect(),
     };
     numbers.iter().map(record).collect()
