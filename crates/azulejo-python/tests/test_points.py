@@ -188,7 +188,7 @@ def test_what_is_refused(cube: az.Scene, refuses) -> None:
     refuses("points are of type object", call([[None, 0, 0]]))
     refuses("points are lists of different lengths", call([[1, 2, 3], [4, 5]]))
     refuses("2 normals for 1 points", call(normals=[[0, 0, 1]] * 2))
-    refuses("normals: row 0 has no direction", call(normals=[0, 0, 0]))
+    refuses("normal 0 is zero", call(normals=[0, 0, 0]))
     refuses("normals: row 0 is not finite", call(normals=[0, 0, np.inf]))
     refuses("normals have the shape (4,)", call(normals=[0, 0, 1, 0]))
     refuses("normals are lists of different lengths", call(normals=[[0, 0], [1]]))

@@ -132,7 +132,7 @@ def facing(value: npt.ArrayLike, points: npt.NDArray[np.float64]) -> npt.NDArray
         raise AzulejoError(f"{len(array)} normals for {len(points)} points")
     largest = abs(array).max(axis=1, initial=0, keepdims=True)
     if not (largest > 0).all():
-        raise AzulejoError(f"normals: row {int(np.argmin(largest))} has no direction")
+        raise AzulejoError(f"normal {int(np.argmin(largest))} is zero")
     # Floats hold the squares of others; their bits stay as they are.
     is_extreme = (largest < 1e-100) | (largest > 1e100)
     return np.where(is_extreme, array / largest, array)
