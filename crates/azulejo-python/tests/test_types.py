@@ -12,7 +12,7 @@ import pytest
 from conftest import ROOT
 
 import pyazulejo
-from pyazulejo import _brdf, _form_factors, _points, _scene, _thermal
+from pyazulejo import _brdf, _exchange, _form_factors, _materials, _points, _radiosity
 
 HERE = Path(__file__).resolve().parents[1]
 
@@ -37,7 +37,9 @@ def test_stubs_agree_with_the_compiled_half() -> None:
     run("mypy.stubtest", "pyazulejo._pyazulejo", "--mypy-config-file", "pyproject.toml")
 
 
-@pytest.mark.parametrize("module", [pyazulejo, _brdf, _form_factors, _points, _scene, _thermal])
+@pytest.mark.parametrize(
+    "module", [pyazulejo, _brdf, _exchange, _form_factors, _materials, _points, _radiosity]
+)
 def test_examples_of_the_documentation(module: object) -> None:
     tried, failed = 0, 0
     result = doctest.testmod(module)  # type: ignore[arg-type]

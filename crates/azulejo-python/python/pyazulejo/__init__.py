@@ -15,12 +15,14 @@ the command ``azulejo``. Long calls release the interpreter, end on Ctrl-C, and 
 """
 
 from ._brdf import brdf, directions
+from ._exchange import Exchange, band_fraction, exchange
 from ._form_factors import Factor, FormFactors, form_factors
 from ._light import Irradiance, probe, render, solve_light, tone_map
+from ._materials import Material
 from ._points import PointFactors, point_factors
 from ._pyazulejo import AzulejoError, __version__
-from ._scene import Material, MeshArrays, Scene, load
-from ._thermal import Exchange, NodeHeat, Radiosity, band_fraction, exchange, radiosity
+from ._radiosity import NodeHeat, Radiosity, radiosity
+from ._scene import MeshArrays, Scene, load
 
 __all__ = [
     "AzulejoError",
