@@ -1,6 +1,7 @@
 //! Exchange factors, temperatures and fluxes.
 
 mod conditions;
+mod forecast;
 
 use crate::arrays::triples;
 use crate::choices;
@@ -32,6 +33,8 @@ pub struct ExchangeArgs {
     by: String,
     lump: bool,
     lost_to_sky: bool,
+    /// Bytes; by default those of the machine.
+    memory: Option<u64>,
 }
 
 /// A solved model.
@@ -98,6 +101,13 @@ pub fn solve_exchange(
         notes.push(format!("{place}no row has the name \"{names}\""));
     }
     let nodes = choices::node(&args.by)?;
+    let memory = args.memory.or_else(azulejo::machine::memory);
+    forecast::check(
+        first,
+        nodes,
+        materials.table.bands.len(),
+        memory.unwrap_or(u64::MAX),
+    )?;
     let properties = materials.table.of_rows(first);
     let properties = properties.map_err(|e| materials.refuse(e))?;
     let surroundings = conditions.as_ref().map_or([None; 2], |c| c.surroundings);

@@ -361,6 +361,14 @@ def test_what_is_refused(refuses) -> None:
     refuses("expected two nodes", lambda: x["hot"], TypeError)
 
 
+def test_networks_that_do_not_fit_in_memory(furnace: az.FormFactors, refuses) -> None:
+    def call(by: str, memory: str):
+        return lambda: az.exchange(furnace, 0.5, by=by, memory=memory)
+
+    refuses("a network of 150 nodes needs about 0.0 GiB", call("row", "1M"), MemoryError)
+    assert len(call("object", "1M")()) == 6 and len(call("row", "8M")()) == 150
+
+
 def test_materials_of_light_and_of_heat_do_not_mix(refuses) -> None:
     def scene(**numbers: object):
         return lambda: az.Scene(faces_of_cube(), az.Material(**numbers))

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._checks import listed, numbers, whole
+from ._checks import memory as _memory
 from ._checks import share as _share
 from ._checks import threads as _threads
 from ._form_factors import Factor, FormFactors
@@ -40,6 +41,7 @@ def exchange(
     by: str = "object",
     lump: bool = False,
     lost_to_sky: bool = False,
+    memory: int | str | None = None,
     threads: int | None = None,
     progress: Progress = None,
 ) -> Exchange:
@@ -61,7 +63,7 @@ def exchange(
         otherwise rows are solved, and their exchange is added up.
     lost_to_sky : bool, optional
         Whether light that ends on backs, or is cut off between mirrors, goes to the sky.
-    threads, progress
+    memory, threads, progress
         As for :func:`form_factors`.
 
     Returns
@@ -72,6 +74,8 @@ def exchange(
     ------
     AzulejoError
         Rows without a material, numbers out of range, factors that were computed with other mirrors.
+    MemoryError
+        The network has so many nodes that it would not fit in `memory`.
 
     Examples
     --------
@@ -83,7 +87,7 @@ def exchange(
     >>> round(gr["hot", "cold"], 12) == round(2 / (1 / 0.8 + 1 / 0.5 - 1), 12)
     True
     """
-    native = solved(factors, materials, None, by, lump, lost_to_sky, threads, progress)
+    native = solved(factors, materials, None, by, lump, lost_to_sky, memory, threads, progress)
     return Exchange._of(native)
 
 
@@ -122,6 +126,7 @@ def solved(
     by: str,
     lump: bool,
     lost_to_sky: bool,
+    memory: int | str | None,
     threads: int | None,
     progress: Progress,
 ) -> NativeThermalSolution:
@@ -134,7 +139,12 @@ def solved(
     if not several:
         raise AzulejoError("there are no form factors")
     table = _table(several, materials)
-    args = {"by": by, "lump": bool(lump), "lost_to_sky": bool(lost_to_sky)}
+    args = {
+        "by": by,
+        "lump": bool(lump),
+        "lost_to_sky": bool(lost_to_sky),
+        "memory": _memory(memory),
+    }
     natives = [f._native for f in several]
     with watching(progress) as callback:
         native = solve_exchange(natives, table, conditions, args, _threads(threads), callback)

@@ -38,6 +38,7 @@ def radiosity(
     by: str = "object",
     lump: bool = False,
     lost_to_sky: bool = False,
+    memory: int | str | None = None,
     threads: int | None = None,
     progress: Progress = None,
 ) -> Radiosity:
@@ -45,7 +46,7 @@ def radiosity(
 
     Parameters
     ----------
-    factors, materials, by, lump, lost_to_sky, threads, progress
+    factors, materials, by, lump, lost_to_sky, memory, threads, progress
         As for :func:`exchange`.
     T : float, mapping of str to float, or array_like (n,), optional
         Temperatures, K. Names as those of `materials`; arrays have one number for each row of the
@@ -88,7 +89,9 @@ def radiosity(
         "solar": _values("solar", solar, count),
         "surroundings": around,
     }
-    native = solved(factors, materials, conditions, by, lump, lost_to_sky, threads, progress)
+    native = solved(
+        factors, materials, conditions, by, lump, lost_to_sky, memory, threads, progress
+    )
     return Radiosity(native)
 
 
