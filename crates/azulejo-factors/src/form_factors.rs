@@ -10,7 +10,8 @@
 //!
 //! [`form_factors()`] does all of it, in this order. [`FormFactors::grouped`] and
 //! [`FormFactors::truncate`] derive smaller matrices, [`FormFactors::interchange`] one that
-//! includes all reflections. [`form_factors_from`] computes a single row.
+//! includes all reflections. [`form_factors_from`] computes a single row, and
+//! [`PreparedPlan::factors_from_points`] what sensors see.
 
 mod analytic;
 mod boxes;
@@ -27,6 +28,7 @@ mod near;
 mod one_row;
 mod options;
 mod outside;
+mod points;
 mod remainder;
 mod rows;
 mod shaft;
@@ -54,6 +56,7 @@ pub use journal::{Journal, JournalStage, NoJournal};
 pub use matrix::{Adjustment, FormFactors, RowRemainder, Truncation};
 pub use one_row::{Factor, FactorsFrom, form_factors_from};
 pub use options::{Closure, FormFactorOptions, MOST_RAYS};
+pub use points::{FactorPoint, PointFactors};
 use rows::RowTracing;
 use sides::Sides;
 use std::sync::OnceLock;

@@ -1,6 +1,7 @@
 //! NumPy arrays from vectors, and back.
 
 use crate::error::refused;
+use azulejo_radiosity::PointNormal;
 use azulejo_scene::Rgb;
 use glam::DVec3;
 use numpy::ndarray::{Array2, Array3};
@@ -45,4 +46,23 @@ pub fn vectors(array: &PyReadonlyArray2<f64>) -> PyResult<Vec<DVec3>> {
     }
     let row = |r: numpy::ndarray::ArrayView1<f64>| DVec3::new(r[0], r[1], r[2]);
     Ok(array.rows().into_iter().map(row).collect())
+}
+
+/// Points with unit normals.
+pub fn points_with_normals(
+    points: &PyReadonlyArray2<f64>,
+    normals: &PyReadonlyArray2<f64>,
+) -> PyResult<Vec<PointNormal>> {
+    let (points, normals) = (vectors(points)?, vectors(normals)?);
+    let pair = |(i, (position, normal)): (usize, (DVec3, &DVec3))| match normal.try_normalize() {
+        Some(normal) if position.is_finite() => Ok(PointNormal { position, normal }),
+        Some(_) => Err(refused(format_args!("point {i} is not finite"))),
+        None => Err(refused(format_args!("normal {i} is zero or not finite"))),
+    };
+    points
+        .into_iter()
+        .zip(&normals)
+        .enumerate()
+        .map(pair)
+        .collect()
 }

@@ -72,6 +72,17 @@ pub fn group_by(name: &str) -> PyResult<Option<GroupBy>> {
     choice("group", name, &known)
 }
 
+/// What rows are nodes together; `None` for each by itself.
+pub fn node(name: &str) -> PyResult<Option<GroupBy>> {
+    let known = [
+        ("row", None),
+        ("face", Some(GroupBy::Face)),
+        ("object", Some(GroupBy::Object)),
+        ("material", Some(GroupBy::Material)),
+    ];
+    choice("node", name, &known)
+}
+
 /// Which side's irradiance surfaces store.
 pub fn sides(name: &str) -> PyResult<StoredSides> {
     let known = [

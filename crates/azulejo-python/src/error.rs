@@ -2,12 +2,15 @@
 
 use azulejo::files::{Refused, reason};
 use azulejo::models::ReadFailure;
+use azulejo::output::OutputError;
 use azulejo_factors::FactorsError;
 use azulejo_radiosity::SolveError;
 use azulejo_trace::Cancelled;
 use pyo3::PyErr;
 use pyo3::exceptions::{PyIsADirectoryError, PyMemoryError, PyOSError, PyValueError};
 use std::fmt;
+use std::io;
+use std::path::Path;
 
 pyo3::create_exception!(
     pyazulejo,
@@ -51,13 +54,32 @@ pub fn of_reading(failure: ReadFailure) -> PyErr {
     }
 }
 
-/// Python chooses the class by the number: `FileNotFoundError`, `PermissionError`.
+/// Why nothing was written.
+pub fn of_output(error: OutputError) -> PyErr {
+    match error {
+        OutputError::File(refused) => of_file_error(refused.error, &refused.path),
+        other => refused(other),
+    }
+}
+
 fn of_file(refused: &Refused) -> PyErr {
-    match refused.error.raw_os_error() {
-        Some(number) => {
-            let path = refused.path.to_string_lossy().into_owned();
-            PyOSError::new_err((number, reason(&refused.error), path))
-        }
+    let Refused { error, path, .. } = refused;
+    match error.raw_os_error() {
+        Some(number) => of_number(number, error, path),
         None => PyOSError::new_err(refused.to_string()),
     }
+}
+
+/// An error of the file system.
+pub fn of_file_error(error: io::Error, path: &Path) -> PyErr {
+    match error.raw_os_error() {
+        Some(number) => of_number(number, &error, path),
+        None => PyOSError::new_err(format!("{}: {error}", path.display())),
+    }
+}
+
+/// Python chooses the class by the number: `FileNotFoundError`, `PermissionError`.
+fn of_number(number: i32, error: &io::Error, path: &Path) -> PyErr {
+    let path = path.to_string_lossy().into_owned();
+    PyOSError::new_err((number, reason(error), path))
 }

@@ -3,19 +3,20 @@
 mod csr;
 mod options;
 
+use crate::arrays::triples;
 use crate::choices;
 use crate::error::{cancelled, of_factors, refused};
 use crate::geometry::{self, GeometryArrays};
 use crate::scene::NativeScene;
 use crate::work::{self, WorkOptions};
-use azulejo_exchange::{Enclosure, GroupBy, Groups};
+use azulejo_exchange::{Enclosure, GroupBy, Groups, OutsideLight};
 use azulejo_factors::form_factors::{Adjustment, NoJournal, Plan, RowRemainder};
 use azulejo_factors::{FormFactorOptions, FormFactors};
 use azulejo_scene::Scene;
 use azulejo_trace::Progress;
 use csr::{CsrArrays, CsrBuffers, OrderArrays};
-use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
-use options::OptionArgs;
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1};
+pub use options::OptionArgs;
 use pyo3::prelude::*;
 use std::sync::Arc;
 
@@ -56,7 +57,9 @@ fn compute(
     let plan = Plan::new(scene, tracer, options).map_err(of_factors)?;
     let prepared = plan.prepare();
     let factors = prepared.compute(&NoJournal, progress);
-    let enclosure = Enclosure::new(&prepared, scene, factors.map_err(of_factors)?);
+    let mut enclosure = Enclosure::new(&prepared, scene, factors.map_err(of_factors)?);
+    let outside = OutsideLight::of_rows(&prepared, scene, &enclosure.factors, progress);
+    enclosure.outside = outside.map_err(of_factors)?;
     Ok(match by {
         Some(by) => enclosure.grouped(&enclosure.groups(by)),
         None => enclosure,
@@ -64,7 +67,8 @@ fn compute(
 }
 
 impl NativeFormFactors {
-    fn new(enclosure: Enclosure) -> NativeFormFactors {
+    /// A matrix.
+    pub fn new(enclosure: Enclosure) -> NativeFormFactors {
         NativeFormFactors {
             enclosure: Arc::new(enclosure),
         }
@@ -170,6 +174,11 @@ impl NativeFormFactors {
     fn grouped_by(&self, py: Python<'_>, by: &str) -> PyResult<NativeFormFactors> {
         let by = choices::group_by(by)?;
         let by = by.ok_or_else(|| refused("patches cannot be made of groups of them"))?;
+        if self.enclosure.rows.cells.is_empty() {
+            return Err(refused(
+                "rows without geometry are of no face, object or material: pass a label for each row",
+            ));
+        }
         self.in_groups(py, self.enclosure.groups(by))
     }
 
@@ -208,7 +217,8 @@ impl NativeFormFactors {
     /// Corners, their offsets, centroids and normals of patches; none of groups.
     #[getter]
     fn geometry<'py>(&self, py: Python<'py>) -> PyResult<Option<GeometryArrays<'py>>> {
-        let is_patches = !self.enclosure.rows.are_groups;
+        let rows = &self.enclosure.rows;
+        let is_patches = !rows.are_groups && !rows.cells.is_empty();
         let arrays = is_patches.then(|| geometry::arrays(&self.enclosure, py));
         arrays.transpose()
     }
@@ -238,6 +248,19 @@ impl NativeFormFactors {
     #[getter]
     fn row_error<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         self.factors().row_errors.clone().into_pyarray(py)
+    }
+
+    /// Light from outside on each row, W/m², red, green and blue, and its standard error.
+    #[getter]
+    fn outside<'py>(&self, py: Python<'py>) -> PyResult<Option<[Bound<'py, PyArray2<f64>>; 2]>> {
+        let Some(rows) = &self.enclosure.outside else {
+            return Ok(None);
+        };
+        let of = |light: fn(&OutsideLight) -> [f64; 3]| triples(py, rows.iter().map(light));
+        Ok(Some([
+            of(|l| l.irradiance.to_array())?,
+            of(|l| l.error.to_array())?,
+        ]))
     }
 
     /// Share of the light arriving at each column that ends there.

@@ -9,10 +9,14 @@ mod brdf;
 mod camera;
 mod choices;
 mod error;
+mod exchange;
+mod factor_files;
 mod form_factors;
 mod geometry;
 mod light;
+mod materials;
 mod picture;
+mod points;
 mod reading;
 mod scene;
 mod work;
@@ -27,11 +31,19 @@ mod _pyazulejo {
     #[pymodule_export]
     use super::error::AzulejoError;
     #[pymodule_export]
+    use super::exchange::{NativeThermalSolution, band_fractions, solve_exchange};
+    #[pymodule_export]
+    use super::factor_files::{foreign_form_factors, load_form_factors, save_form_factors};
+    #[pymodule_export]
     use super::form_factors::{NativeFormFactors, compute_form_factors};
     #[pymodule_export]
     use super::light::{probe_irradiance, solve_light};
     #[pymodule_export]
+    use super::materials::NativeMaterials;
+    #[pymodule_export]
     use super::picture::{render_image, tone_map};
+    #[pymodule_export]
+    use super::points::compute_point_factors;
     #[pymodule_export]
     use super::reading::load_scene;
     #[pymodule_export]

@@ -1,12 +1,12 @@
 //! The first pass: light on all surfaces, or at points.
 
-use crate::arrays::{triples, vectors};
+use crate::arrays::{points_with_normals, triples};
 use crate::choices;
 use crate::error::{of_light, refused};
 use crate::scene::NativeScene;
 use crate::work::{self, WorkOptions};
 use azulejo::machine;
-use azulejo_radiosity::{FirstPass, Method, PointNormal, Report, SolveError, solve};
+use azulejo_radiosity::{FirstPass, Method, Report, SolveError, solve};
 use azulejo_scene::Rgb;
 use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -124,26 +124,6 @@ pub fn probe_irradiance<'py>(
     let errors = estimates.iter().map(|e| e.error.to_array());
     let report = described(py, &probed.report)?;
     Ok((triples(py, values)?, triples(py, errors)?, report))
-}
-
-fn points_with_normals(
-    points: &PyReadonlyArray2<f64>,
-    normals: &PyReadonlyArray2<f64>,
-) -> PyResult<Vec<PointNormal>> {
-    let (points, normals) = (vectors(points)?, vectors(normals)?);
-    let pair = |(i, (position, normal)): (usize, (glam::DVec3, &glam::DVec3))| match normal
-        .try_normalize()
-    {
-        Some(normal) if position.is_finite() => Ok(PointNormal { position, normal }),
-        Some(_) => Err(refused(format_args!("point {i} is not finite"))),
-        None => Err(refused(format_args!("normal {i} is zero or not finite"))),
-    };
-    points
-        .into_iter()
-        .zip(&normals)
-        .enumerate()
-        .map(pair)
-        .collect()
 }
 
 /// Says how a scene without light gets some.

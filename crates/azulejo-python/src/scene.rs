@@ -4,11 +4,13 @@ use crate::arrays::{colours, triples, vectors};
 use crate::brdf;
 use crate::choices;
 use crate::error::refused;
+use azulejo_scene::sky::SUN_HALF_ANGLE;
 use azulejo_scene::{
     Exact, Faces, Light, LightKind, MOST_FACE_CORNERS, Material, MaterialId, Mesh, Object, Rgb,
     Scene, Shape, Units,
 };
 use azulejo_trace::Tracer;
+use glam::DVec3;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use std::sync::{Arc, OnceLock};
@@ -69,6 +71,11 @@ impl NativeScene {
         }
     }
 
+    /// What the reader reported.
+    pub fn warnings_of_reader(&self) -> Vec<String> {
+        self.warnings.clone()
+    }
+
     /// The same for a thread of its own.
     pub fn shared(&self) -> SharedScene {
         SharedScene {
@@ -76,6 +83,20 @@ impl NativeScene {
             tracer: self.tracer.clone(),
         }
     }
+}
+
+/// The sun, of the direction toward it and the irradiance of what faces it.
+fn sun_light((toward, irradiance): ([f64; 3], [f64; 3])) -> PyResult<Light> {
+    let toward = DVec3::from_array(toward).try_normalize();
+    let toward = toward.ok_or_else(|| refused("sun: its direction is zero, or too long"))?;
+    Ok(Light {
+        name: "sun".to_owned(),
+        kind: LightKind::Directional {
+            direction: -toward,
+            irradiance: Rgb::from(irradiance),
+            half_angle: SUN_HALF_ANGLE,
+        },
+    })
 }
 
 #[pymethods]
@@ -86,6 +107,7 @@ impl NativeScene {
         meshes: Vec<MeshArrays<'_>>,
         materials: Vec<MaterialNumbers>,
         sky: Option<[f64; 3]>,
+        sun: Option<([f64; 3], [f64; 3])>,
         up: &str,
         unit: Option<f64>,
     ) -> PyResult<NativeScene> {
@@ -109,6 +131,7 @@ impl NativeScene {
             let name = "sky".to_owned();
             scene.lights.push(Light { name, kind });
         }
+        scene.lights.extend(sun.map(sun_light).transpose()?);
         scene.validate().map_err(refused)?;
         Ok(NativeScene::new(scene, Vec::new()))
     }

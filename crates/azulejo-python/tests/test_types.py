@@ -5,13 +5,14 @@ from __future__ import annotations
 import doctest
 import subprocess
 import sys
+from functools import cached_property
 from pathlib import Path
 
 import pytest
 from conftest import ROOT
 
 import pyazulejo
-import pyazulejo._brdf
+from pyazulejo import _brdf, _exchange, _form_factors, _materials, _points, _radiosity
 
 HERE = Path(__file__).resolve().parents[1]
 
@@ -36,7 +37,9 @@ def test_stubs_agree_with_the_compiled_half() -> None:
     run("mypy.stubtest", "pyazulejo._pyazulejo", "--mypy-config-file", "pyproject.toml")
 
 
-@pytest.mark.parametrize("module", [pyazulejo, pyazulejo._brdf])
+@pytest.mark.parametrize(
+    "module", [pyazulejo, _brdf, _exchange, _form_factors, _materials, _points, _radiosity]
+)
 def test_examples_of_the_documentation(module: object) -> None:
     tried, failed = 0, 0
     result = doctest.testmod(module)  # type: ignore[arg-type]
@@ -51,5 +54,7 @@ def test_everything_has_a_docstring() -> None:
             continue
         assert thing.__doc__, name
         for member, value in vars(thing).items() if isinstance(thing, type) else ():
-            if not member.startswith("_") and (callable(value) or isinstance(value, property)):
+            if not member.startswith("_") and (
+                callable(value) or isinstance(value, (property, cached_property, classmethod))
+            ):
                 assert value.__doc__, f"{name}.{member}"

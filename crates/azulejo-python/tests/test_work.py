@@ -84,7 +84,12 @@ calls = {
     "probe": lambda: az.probe(scene, np.full((3000, 3), 0.5), [0, 0, 1], error=1e-5),
     "render": lambda: az.render(scene, eye=(0.5, 0.5, 0.5), target=(0.5, 0.9, 0.5),
                                 reference=True, samples=100_000),
+    "point_factors": lambda: az.point_factors(scene, np.full((30_000, 3), 0.5), rays=100_000),
+    "exchange": lambda: az.exchange(large, 0.01, by="row"),
+    "radiosity": lambda: az.radiosity(large, 0.01, T=300, by="row"),
 }
+if sys.argv[2] in ("exchange", "radiosity"):
+    large = az.FormFactors(np.full((4000, 4000), 1 / 4000), np.ones(4000))
 print("ready", flush=True)
 try:
     calls[sys.argv[2]]()
@@ -94,7 +99,18 @@ except KeyboardInterrupt:
 
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
-@pytest.mark.parametrize("call", ["form_factors", "solve_light", "probe", "render"])
+@pytest.mark.parametrize(
+    "call",
+    [
+        "form_factors",
+        "solve_light",
+        "probe",
+        "render",
+        "point_factors",
+        "exchange",
+        "radiosity",
+    ],
+)
 def test_ctrl_c(call: str) -> None:
     here = os.path.dirname(__file__)
     child = subprocess.Popen(
@@ -114,7 +130,7 @@ def test_ctrl_c(call: str) -> None:
 def test_import_brings_no_scipy() -> None:
     script = (
         "import sys, pyazulejo\n"
-        "others = {'scipy', 'trimesh', 'meshio', 'pyvista', 'tqdm'} & set(sys.modules)\n"
+        "others = {'scipy', 'pandas', 'trimesh', 'meshio', 'pyvista', 'tqdm'} & set(sys.modules)\n"
         "assert not others, others\n"
     )
     subprocess.run([sys.executable, "-c", script], check=True)

@@ -205,6 +205,7 @@ fn write(
         model: args.model.clone(),
         sigma: args.sigma,
         truncate: args.truncate,
+        ..SolutionOptions::default()
     };
     let (mut drafts, mut names) = (Vec::new(), Vec::new());
     for (output, format) in outputs {

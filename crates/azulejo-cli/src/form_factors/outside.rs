@@ -7,9 +7,7 @@ use crate::session::Session;
 use azulejo_exchange::{Enclosure, Groups, OutsideLight};
 use azulejo_factors::FormFactors;
 use azulejo_factors::form_factors::PreparedPlan;
-use azulejo_scene::{LightKind, Scene};
-use azulejo_trace::Gathered;
-use std::f64::consts::PI;
+use azulejo_scene::Scene;
 
 /// The irradiance of each row by light from outside; `None` if there is none.
 pub fn irradiance(
@@ -18,29 +16,8 @@ pub fn irradiance(
     factors: &FormFactors,
     session: &mut Session,
 ) -> Result<Option<Vec<OutsideLight>>, Failure> {
-    let ambient = scene.lights.iter().filter_map(|light| match light.kind {
-        LightKind::Ambient { radiance } => Some(radiance * PI),
-        _ => None,
-    });
-    let ambient: azulejo_scene::Rgb = ambient.sum();
-    let mut rows = if plan.has_light_from_outside() {
-        let found = session.with_progress(|p| plan.light_from_outside(p));
-        found.map_err(pass::failure)?
-    } else if ambient.is_black() {
-        return Ok(None);
-    } else {
-        vec![Gathered::default(); factors.len()]
-    };
-    for (row, rest) in rows.iter_mut().zip(&factors.rest) {
-        row.replicates
-            .iter_mut()
-            .for_each(|e| *e += ambient * rest.escaped());
-    }
-    let light = |row: &Gathered| OutsideLight {
-        irradiance: row.mean(),
-        error: row.standard_error(),
-    };
-    Ok(Some(rows.iter().map(light).collect()))
+    let found = session.with_progress(|p| OutsideLight::of_rows(plan, scene, factors, p));
+    found.map_err(pass::failure)
 }
 
 /// Adds the mean over all rows to the report.

@@ -18,7 +18,7 @@ mod read;
 mod tests;
 mod write;
 
-pub use read::{ArchiveError, ReadEnclosure, read};
+pub use read::{ArchiveError, ReadEnclosure, read, reciprocal};
 pub use write::{ArchivePrecision, write};
 
 /// Array names of the separate orders of reflection.

@@ -414,6 +414,25 @@ impl<R: Read + Seek> Arrays<R> {
     }
 }
 
+/// Exchange areas of a matrix that comes as compressed sparse rows, of which row i has the entries
+/// `starts[i]..starts[i + 1]`: the mean of both directions of each pair, and their largest difference as
+/// a share of the smaller area.
+///
+/// # Panics
+/// If the lists do not fit together, or a column is beyond the rows.
+pub fn reciprocal(
+    starts: &[usize],
+    columns: &[u32],
+    values: &[f64],
+    areas: &[f64],
+) -> (ExchangeAreas, f64) {
+    let entries = Entries {
+        starts: starts.to_vec(),
+        columns: columns.to_vec(),
+    };
+    symmetric(&entries, areas, |k| (values[k], 0.0))
+}
+
 /// Exchange areas from rows of factors and errors, each the mean of both directions, and their largest
 /// difference as a share of the smaller area.
 fn symmetric(

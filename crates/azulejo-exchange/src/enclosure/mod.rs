@@ -2,6 +2,7 @@
 
 mod cells;
 mod groups;
+mod outside;
 #[cfg(test)]
 pub(crate) mod tests;
 

@@ -65,6 +65,8 @@ impl fmt::Display for ModelError {
                     SpectralRange::Thermal => String::new(),
                     range => format!(" in the band {range}"),
                 };
+                // They are kept as differences from 1, whose last digits nobody wrote.
+                let [computed, asked] = [computed, asked].map(|x| (x * 1e6).round() / 1e6);
                 write!(
                     f,
                     "{matrix}: its factors were computed with mirror reflectance {computed} of \"{row}\", the \

@@ -1,20 +1,24 @@
 //! What a thermal model gives, as text.
 
-use super::{SolutionFormat, SolutionOptions, ThermalSolution};
+use super::{BandNetwork, SolutionFormat, SolutionOptions, ThermalSolution};
 use crate::bands::SpectralRange;
 use crate::files::conductances::{
     ConductanceFormat, ConductanceOptions, Conductances, NodePair, SpaceNode, write,
 };
 use crate::files::text::csv_field;
-use crate::network::ExchangeFactors;
+use crate::network::{ExchangeFactors, HeatBalance};
 use azulejo_factors::FormFactors;
 use azulejo_factors::form_factors::{Exchange, RowRemainder};
 use azulejo_trace::Progress;
 use std::io::{self, Write};
 
 /// Writes nodes with their temperatures and heat.
-pub fn write_heat(solution: &ThermalSolution, out: &mut dyn Write) -> io::Result<()> {
-    let (Some(heat), Some((_, network))) = (&solution.heat, solution.networks.first()) else {
+pub fn write_heat(
+    solution: &ThermalSolution,
+    heat: &HeatBalance,
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let Some((_, network)) = solution.networks.first() else {
         return Ok(());
     };
     writeln!(out, "name,area,T,T_error,Q,Q_error")?;
@@ -30,6 +34,7 @@ pub fn write_heat(solution: &ThermalSolution, out: &mut dyn Write) -> io::Result
 /// Writes the conductances of each band; those of several as CSV with a column for it.
 pub fn write_conductances(
     solution: &ThermalSolution,
+    networks: &[BandNetwork],
     format: SolutionFormat,
     options: &SolutionOptions,
     out: &mut dyn Write,
@@ -39,7 +44,7 @@ pub fn write_conductances(
         SolutionFormat::Sinda => ConductanceFormat::Sinda,
         _ => ConductanceFormat::Csv,
     };
-    for (k, (range, network)) in solution.networks.iter().enumerate() {
+    for (k, (range, network)) in networks.iter().enumerate() {
         let band = match range {
             SpectralRange::Thermal => None,
             range => Some(range.to_string()),
@@ -81,7 +86,8 @@ fn conductances(
     };
     let space = |s: usize| SpaceNode {
         name: network.names[s].clone(),
-        temperature: Some(surroundings[usize::from(network.names[s] == "ground")]),
+        // Beside a surface of the same name it has a number.
+        temperature: Some(surroundings[usize::from(network.names[s].starts_with("ground"))]),
         gr: (0..surfaces).map(|a| with_space(s, a)).collect(),
     };
     let eps = |a: usize| network.emitting[a] / network.areas[a].max(f64::MIN_POSITIVE);

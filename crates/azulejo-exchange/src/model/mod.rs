@@ -11,7 +11,7 @@ mod tests;
 mod write;
 
 pub use error::ModelError;
-pub use write::{SolutionFormat, SolutionOptions};
+pub use write::{SolutionFormat, SolutionOptions, SolutionPart};
 
 use crate::bands::SpectralRange;
 use crate::enclosure::{Enclosure, GroupBy, Groups};
@@ -46,6 +46,9 @@ pub struct ThermalModel {
     pub lump: bool,
 }
 
+/// The network of a band.
+pub type BandNetwork = (SpectralRange, ExchangeFactors);
+
 /// What a thermal model gives.
 #[derive(Clone, Debug)]
 pub struct ThermalSolution {
@@ -54,7 +57,7 @@ pub struct ThermalSolution {
     /// The nodes of its rows.
     pub nodes: Groups,
     /// Each band in which surfaces emit, with its network.
-    pub networks: Vec<(SpectralRange, ExchangeFactors)>,
+    pub networks: Vec<BandNetwork>,
     /// Temperatures and fluxes, if there were conditions.
     pub heat: Option<HeatBalance>,
     /// Temperatures of sky and ground, K.

@@ -263,6 +263,48 @@ fn bands_have_a_column() {
 }
 
 #[test]
+fn networks_are_written_without_temperatures() {
+    let table = "name,eps@0-4,eps@4-inf\n*,0.5,0.9\n";
+    let boundary = Some("name,T\nhot,500\ncold,300\n");
+    let solution = solved(model(vec![plates([0.0, 0.0])], table, boundary));
+    let text = |format: SolutionFormat, part: SolutionPart| {
+        let options = SolutionOptions {
+            part,
+            ..SolutionOptions::default()
+        };
+        let mut out = Vec::new();
+        let written = solution.write(format, &options, &mut out);
+        written.map(|()| String::from_utf8(out).unwrap())
+    };
+    let whole = text(SolutionFormat::Csv, SolutionPart::Whole).unwrap();
+    assert!(whole.starts_with("name,area,T,"), "{whole}");
+    let networks = text(SolutionFormat::Csv, SolutionPart::Networks).unwrap();
+    assert!(networks.starts_with("band_um,from,to,"), "{networks}");
+    assert_eq!(networks.lines().count(), 3);
+    let second = text(SolutionFormat::Csv, SolutionPart::Network(1)).unwrap();
+    assert_eq!(second.lines().count(), 2);
+    assert!(second.contains("4-inf,hot,cold,"), "{second}");
+    // Thermal programs take the conductances of one band.
+    assert!(text(SolutionFormat::Esatan, SolutionPart::Networks).is_err());
+    assert!(text(SolutionFormat::Esatan, SolutionPart::Network(0)).is_ok());
+    assert!(text(SolutionFormat::Vtu, SolutionPart::Networks).is_err());
+}
+
+#[test]
+fn heat_beyond_floating_point_is_refused() {
+    for boundary in [
+        "name,T\nhot,1e200\ncold,3\n",
+        "name,T,q\nhot,,1e305\ncold,3,\n",
+    ] {
+        let solved = model(vec![plates([0.0, 0.0])], GREY, Some(boundary)).solve(&Progress::new());
+        let Err(ModelError::Exchange(ExchangeError::TooHot { row })) = solved else {
+            panic!("{boundary}");
+        };
+        assert_eq!(row, "hot");
+    }
+}
+
+#[test]
 fn archives_have_everything() {
     let boundary = "name,T,q\nhot,500,\ncold,,0\n";
     let solution = solved(model(vec![plates([0.0, 0.0])], GREY, Some(boundary)));

@@ -1,7 +1,7 @@
 //! What a thermal model gives, as files.
 
-use super::ThermalSolution;
 use super::lists;
+use super::{BandNetwork, ThermalSolution};
 use crate::bands::SpectralRange;
 use crate::files::{self, FactorFormat, FileOptions};
 use crate::network::{ExchangeFactors, HeatBalance};
@@ -25,6 +25,18 @@ pub enum SolutionFormat {
     Vtu,
 }
 
+/// What of a solution is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SolutionPart {
+    /// All: temperatures and fluxes if there are any, and all networks.
+    #[default]
+    Whole,
+    /// The networks of all bands, without temperatures.
+    Networks,
+    /// The network of one band.
+    Network(usize),
+}
+
 /// How solutions are written.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SolutionOptions {
@@ -35,6 +47,8 @@ pub struct SolutionOptions {
     /// Share of the smaller node's emitting area below which lists leave out conductances and give their
     /// weight to the others.
     pub truncate: Option<f64>,
+    /// What is written.
+    pub part: SolutionPart,
 }
 
 impl SolutionFormat {
@@ -70,19 +84,23 @@ impl ThermalSolution {
     ///
     /// # Errors
     /// Those of writing, and a [refusal](SolutionFormat::refusal).
+    ///
+    /// # Panics
+    /// If a [part](SolutionPart::Network) is asked for that is not there.
     pub fn write(
         &self,
         format: SolutionFormat,
         options: &SolutionOptions,
         out: &mut dyn Write,
     ) -> io::Result<()> {
-        if let Some(why) = format.refusal(self.heat.is_some(), self.networks.len()) {
+        let (networks, heat) = self.part(options.part);
+        if let Some(why) = format.refusal(heat.is_some(), networks.len()) {
             return Err(io::Error::other(why));
         }
-        match format {
-            SolutionFormat::Archive => self.write_archive(out),
-            SolutionFormat::Csv if self.heat.is_some() => lists::write_heat(self, out),
-            SolutionFormat::Vtu => {
+        match (format, heat) {
+            (SolutionFormat::Archive, heat) => self.write_archive(networks, heat, out),
+            (SolutionFormat::Csv, Some(heat)) => lists::write_heat(self, heat, out),
+            (SolutionFormat::Vtu, _) => {
                 let options = FileOptions {
                     arrays: self.arrays_of_rows(),
                     ..FileOptions::default()
@@ -90,7 +108,16 @@ impl ThermalSolution {
                 let written = files::write(&self.enclosure, FactorFormat::Vtu, &options, out);
                 written.map(|_| ()).map_err(io::Error::other)
             }
-            format => lists::write_conductances(self, format, options, out),
+            (format, _) => lists::write_conductances(self, networks, format, options, out),
+        }
+    }
+
+    /// The networks of a part, and its temperatures and fluxes.
+    pub fn part(&self, part: SolutionPart) -> (&[BandNetwork], Option<&HeatBalance>) {
+        match part {
+            SolutionPart::Whole => (&self.networks, self.heat.as_ref()),
+            SolutionPart::Networks => (&self.networks, None),
+            SolutionPart::Network(k) => (&self.networks[k..=k], None),
         }
     }
 
@@ -119,12 +146,17 @@ impl ThermalSolution {
     }
 
     /// Nodes with their networks, and rows with temperatures and fluxes.
-    fn write_archive(&self, out: &mut dyn Write) -> io::Result<()> {
+    fn write_archive(
+        &self,
+        networks: &[BandNetwork],
+        heat: Option<&HeatBalance>,
+        out: &mut dyn Write,
+    ) -> io::Result<()> {
         let mut archive = NpzWriter::new(out);
-        if let Some((_, network)) = self.networks.first() {
+        if let Some((_, network)) = networks.first() {
             write_nodes(network, &mut archive)?;
         }
-        for (range, network) in &self.networks {
+        for (range, network) in networks {
             let suffix = match range {
                 SpectralRange::Thermal => String::new(),
                 range => format!("@{range}"),
@@ -137,10 +169,10 @@ impl ThermalSolution {
         let node = |node: &Option<u32>| node.map_or(-1, i64::from);
         let of_rows: Vec<i64> = self.nodes.of_rows.iter().map(node).collect();
         archive.add("row_node", |w| npy::write(&[of_rows.len()], &of_rows, w))?;
-        for (name, values) in self.arrays_of_rows() {
-            archive.add(&name, |w| npy::write(&[values.len()], &values, w))?;
-        }
-        if let Some(heat) = &self.heat {
+        if let Some(heat) = heat {
+            for (name, values) in self.arrays_of_rows() {
+                archive.add(&name, |w| npy::write(&[values.len()], &values, w))?;
+            }
             let arrays = [
                 ("node_T", &heat.node_temperatures[..]),
                 ("node_T_error", &heat.node_temperature_errors),

@@ -126,6 +126,7 @@ pub fn heat_balance(
         ..HeatBalance::default()
     };
     balance.add_rows(problem, &thermal, &bands);
+    balance.check(problem)?;
     balance.add_nodes(problem, nodes);
     balance.add_errors(problem, nodes, &thermal, &bands, progress)?;
     Ok(balance)
@@ -342,6 +343,26 @@ impl HeatBalance {
             if let RowCondition::Flux(q) = condition {
                 *flux = *q;
             }
+        }
+    }
+
+    fn check(&self, problem: &HeatProblem) -> Result<(), ExchangeError> {
+        let is_finite = |i: &usize| {
+            let HeatBalance {
+                temperatures,
+                fluxes,
+                radiosities,
+                ..
+            } = self;
+            [temperatures, fluxes, radiosities]
+                .iter()
+                .all(|of| of[*i].is_finite())
+        };
+        match (0..self.temperatures.len()).find(|i| !is_finite(i)) {
+            None => Ok(()),
+            Some(i) => Err(ExchangeError::TooHot {
+                row: problem.name(i),
+            }),
         }
     }
 

@@ -18,7 +18,7 @@ mod heat;
 mod newton;
 mod reflections;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use factors::{ExchangeFactors, exchange_factors};
 pub use heat::{HeatBalance, HeatProblem, RowCondition, heat_balance};
@@ -77,6 +77,11 @@ pub enum ExchangeError {
         /// Its name.
         row: String,
     },
+    /// A temperature or a flux is too large for floating-point numbers.
+    TooHot {
+        /// The name of the row.
+        row: String,
+    },
     /// Iterations do not converge.
     Diverges {
         /// Iterations that were made.
@@ -107,6 +112,11 @@ impl fmt::Display for ExchangeError {
                 f,
                 "\"{row}\" would have to be colder than absolute zero to take up what q asks for: less \
                  arrives there"
+            ),
+            ExchangeError::TooHot { row } => write!(
+                f,
+                "temperature or flux of \"{row}\" would be too large to compute with: are T in kelvin and q in \
+                 W/m²?"
             ),
             ExchangeError::Diverges { iterations } => write!(
                 f,

@@ -2,6 +2,7 @@
 
 use super::TableError;
 use super::names::RecordNames;
+use super::numbers::{self, NumberRecord};
 use super::records::{NamedRecord, records};
 use crate::enclosure::Enclosure;
 use crate::network::RowCondition;
@@ -49,8 +50,21 @@ impl BoundaryTable {
     pub fn read(text: &str) -> Result<BoundaryTable, TableError> {
         let (around, surfaces): (Vec<NamedRecord>, Vec<NamedRecord>) =
             records(text)?.into_iter().partition(is_surroundings);
+        BoundaryTable::new(&around, &surfaces)
+    }
+
+    /// A table of numbers by name and column. All names are those of surfaces, which may be called `sky`
+    /// or `ground` here.
+    ///
+    /// # Errors
+    /// The name, what was found, what was expected.
+    pub fn from_numbers(numbers: &[NumberRecord]) -> Result<BoundaryTable, TableError> {
+        BoundaryTable::new(&[], &numbers::records(numbers, "conditions"))
+    }
+
+    fn new(around: &[NamedRecord], surfaces: &[NamedRecord]) -> Result<BoundaryTable, TableError> {
         let mut surroundings = [None; 2];
-        for record in &around {
+        for record in around {
             let t = temperature(record)?;
             let t = t.ok_or_else(|| record.wrong("T", "missing", "a temperature in kelvin"))?;
             match record.name.as_str() {
@@ -60,7 +74,7 @@ impl BoundaryTable {
             }
         }
         Ok(BoundaryTable {
-            names: RecordNames::new(&surfaces)?,
+            names: RecordNames::new(surfaces)?,
             records: surfaces.iter().map(boundary).collect::<Result<_, _>>()?,
             surroundings,
         })

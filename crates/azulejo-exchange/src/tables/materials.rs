@@ -2,6 +2,7 @@
 
 use super::TableError;
 use super::names::RecordNames;
+use super::numbers::{self, NumberRecord};
 use super::records::{NamedRecord, records};
 use crate::bands::SpectralRange;
 use crate::enclosure::Enclosure;
@@ -49,9 +50,20 @@ impl MaterialTable {
     /// # Errors
     /// The place, what was found, what was expected.
     pub fn read(text: &str) -> Result<MaterialTable, TableError> {
-        let records = records(text)?;
-        let names = RecordNames::new(&records)?;
-        let ranges = ranges(&records)?;
+        MaterialTable::new(&records(text)?)
+    }
+
+    /// A table of numbers by name and column.
+    ///
+    /// # Errors
+    /// The name, what was found, what was expected.
+    pub fn from_numbers(numbers: &[NumberRecord]) -> Result<MaterialTable, TableError> {
+        MaterialTable::new(&numbers::records(numbers, "materials"))
+    }
+
+    fn new(records: &[NamedRecord]) -> Result<MaterialTable, TableError> {
+        let names = RecordNames::new(records)?;
+        let ranges = ranges(records)?;
         let band = |range: SpectralRange| -> Result<TableBand, TableError> {
             let records = records.iter().map(|record| properties(record, range));
             Ok(TableBand {
@@ -173,6 +185,19 @@ fn check_cover(bands: &mut [SpectralRange]) -> Result<(), TableError> {
     Ok(())
 }
 
+/// The column of a record that is written as this one, or has the same wavelengths, as eps@0.0-4 has those
+/// of eps@0-4.
+fn own_column(record: &NamedRecord, column: &str, range: SpectralRange) -> String {
+    let quantity = column.split_once('@').map_or("", |(quantity, _)| quantity);
+    let is_same = |other: &str| {
+        let (what, band) = other.split_once('@').unwrap_or((other, ""));
+        what == quantity && between(record, other, band).is_ok_and(|r| r == range)
+    };
+    let mut columns = record.fields.iter().map(|(other, _)| other);
+    let same = columns.find(|other| is_same(other));
+    same.map_or_else(|| column.to_owned(), Clone::clone)
+}
+
 /// The properties of a record in a band.
 fn properties(record: &NamedRecord, range: SpectralRange) -> Result<Properties, TableError> {
     let (column, own_mirror) = match range {
@@ -181,7 +206,7 @@ fn properties(record: &NamedRecord, range: SpectralRange) -> Result<Properties, 
         range => (format!("eps@{range}"), format!("rho_s@{range}")),
     };
     let share = |column: &str| -> Result<Option<f64>, TableError> {
-        match record.number(column)? {
+        match record.number(&own_column(record, column, range))? {
             Some(x) if !(0.0..=1.0).contains(&x) => Err(record.wrong(column, x, "0 to 1")),
             found => Ok(found),
         }

@@ -7,6 +7,7 @@
 mod boundary;
 mod materials;
 mod names;
+mod numbers;
 mod paint;
 mod records;
 #[cfg(test)]
@@ -14,6 +15,7 @@ mod tests;
 
 pub use boundary::{BoundaryTable, Conditions};
 pub use materials::{MaterialTable, Properties, TableBand};
+pub use numbers::{NamedValues, NumberRecord};
 
 use std::collections::BTreeSet;
 use std::fmt;

@@ -50,6 +50,11 @@ impl RecordNames {
         Err(TableError::without_record(&missing, what))
     }
 
+    /// The record of each row that has one.
+    pub fn records(&self, enclosure: &Enclosure) -> Vec<Option<usize>> {
+        self.find(enclosure).0
+    }
+
     /// Records that no row has, without `*`, which may be there for none.
     pub fn unused(&self, enclosure: &Enclosure) -> Vec<&str> {
         let (found, _) = self.find(enclosure);

@@ -8,12 +8,12 @@ pub(super) struct NamedRecord {
     pub name: String,
     /// Where it is: `line 3`, or the table's name.
     pub place: String,
-    pub fields: Vec<(String, RecordValue)>,
+    pub fields: Vec<(String, TableCell)>,
 }
 
 /// A value.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum RecordValue {
+pub(super) enum TableCell {
     Number(f64),
     Text(String),
 }
@@ -23,15 +23,15 @@ impl NamedRecord {
     pub fn number(&self, column: &str) -> Result<Option<f64>, TableError> {
         match self.field(column) {
             None => Ok(None),
-            Some(RecordValue::Number(x)) if x.is_finite() => Ok(Some(*x)),
-            Some(RecordValue::Number(x)) => Err(self.wrong(column, x, "a finite number")),
-            Some(RecordValue::Text(text)) => {
+            Some(TableCell::Number(x)) if x.is_finite() => Ok(Some(*x)),
+            Some(TableCell::Number(x)) => Err(self.wrong(column, x, "a finite number")),
+            Some(TableCell::Text(text)) => {
                 Err(self.wrong(column, format_args!("\"{text}\""), "a number"))
             }
         }
     }
 
-    fn field(&self, column: &str) -> Option<&RecordValue> {
+    fn field(&self, column: &str) -> Option<&TableCell> {
         let mut fields = self.fields.iter();
         fields.find(|(c, _)| c == column).map(|(_, cell)| cell)
     }
@@ -72,10 +72,10 @@ fn from_toml(text: &str) -> Result<Vec<NamedRecord>, TableError> {
         };
         let field = |(column, value): (String, toml::Value)| {
             let cell = match value {
-                toml::Value::Float(x) => RecordValue::Number(x),
-                toml::Value::Integer(x) => RecordValue::Number(x as f64),
-                toml::Value::Boolean(x) => RecordValue::Number(f64::from(u8::from(x))),
-                other => RecordValue::Text(other.to_string()),
+                toml::Value::Float(x) => TableCell::Number(x),
+                toml::Value::Integer(x) => TableCell::Number(x as f64),
+                toml::Value::Boolean(x) => TableCell::Number(f64::from(u8::from(x))),
+                other => TableCell::Text(other.to_string()),
             };
             (column, cell)
         };
@@ -131,10 +131,10 @@ fn from_lines(text: &str) -> Result<Vec<NamedRecord>, TableError> {
     Ok(records)
 }
 
-fn value(cell: &str) -> RecordValue {
+fn value(cell: &str) -> TableCell {
     match cell.parse() {
-        Ok(number) => RecordValue::Number(number),
-        Err(_) => RecordValue::Text(cell.to_owned()),
+        Ok(number) => TableCell::Number(number),
+        Err(_) => TableCell::Text(cell.to_owned()),
     }
 }
 

@@ -66,6 +66,50 @@ fn bands_are_sorted_and_the_sun_is_last() {
 }
 
 #[test]
+fn bands_are_numbers_however_they_are_written() {
+    let table = materials("name,eps@0.0-4,eps@ 4.0 - inf,rho_s@0-4.00\n*,0.1,0.8,0.5\n");
+    assert_eq!(table.bands.len(), 2);
+    let found = table.of_rows(&two_squares()).unwrap();
+    let first: Vec<[f64; 2]> = (found.iter())
+        .map(|b| [b[0].emissivity, b[0].mirror])
+        .collect();
+    assert_eq!(first, [[0.1, 0.5], [0.8, 0.0]]);
+}
+
+#[test]
+fn numbers_of_programs_make_the_same_tables() {
+    let number = |name: &str, column: &str, x: f64| (name.to_owned(), vec![(column.to_owned(), x)]);
+    let enclosure = two_squares();
+    let numbers = [number("*", "eps", 0.3), number("lid", "eps", 0.9)];
+    let table = MaterialTable::from_numbers(&numbers).unwrap();
+    let same = materials("name,eps\n*,0.3\nlid,0.9\n");
+    assert_eq!(table.of_rows(&enclosure), same.of_rows(&enclosure));
+    let wrong = MaterialTable::from_numbers(&[number("lid", "eps", f64::NAN)]);
+    let said = wrong.unwrap_err().to_string();
+    assert!(said.contains("materials: eps of \"lid\" is NaN"), "{said}");
+
+    // A surface may be called as the surroundings are.
+    let numbers = [number("*", "T", 300.0), number("ground", "q", 0.0)];
+    let table = BoundaryTable::from_numbers(&numbers).unwrap();
+    assert_eq!(table.surroundings, [None, None]);
+    assert_eq!(table.unused(&enclosure), ["ground"]);
+}
+
+#[test]
+fn named_values_are_for_some_rows() {
+    let enclosure = two_squares();
+    let value = |name: &str, x: f64| (name.to_owned(), x);
+    let values = NamedValues::new(&[value("lid", 2.0), value("nobody", 1.0)], "solar").unwrap();
+    assert_eq!(values.of_rows(&enclosure), [None, Some(2.0)]);
+    assert_eq!(values.unused(&enclosure), ["nobody"]);
+    let twice = NamedValues::new(&[value("lid", 2.0), value("lid", 1.0)], "solar");
+    assert!(twice.unwrap_err().to_string().contains("is there already"));
+    let wrong = NamedValues::new(&[value("lid", f64::INFINITY)], "solar");
+    let said = wrong.unwrap_err().to_string();
+    assert!(said.contains("solar of \"lid\" is inf"), "{said}");
+}
+
+#[test]
 fn bad_materials_say_where_and_what() {
     for (text, expected) in [
         ("", "the table is empty"),

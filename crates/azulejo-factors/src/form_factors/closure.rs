@@ -34,7 +34,7 @@ impl FormFactors {
 
     /// Enforces closure: makes Σ_j X_ij `ends`_j and the shares of `rest` sum to 1 in every row by
     /// the smallest change of exchange areas and of the shares of sky and ground, weighted by their
-    /// standard errors. Light that leaked through cracks of a closed scene is put back first. Where exact
+    /// standard errors, or by their values where no entry has an error. Light that leaked through cracks of a closed scene is put back first. Where exact
     /// entries leave no room for that, all entries of rows that lack 0.1% or less give way as if their
     /// errors were at least 0.1%.
     /// [`closed`](FormFactors::closed) records how much was moved; standard errors stay as they
@@ -48,26 +48,39 @@ impl FormFactors {
     /// [`Cancelled`]; what was changed by then stays changed.
     pub fn close(&mut self, progress: &Progress) -> Result<(), Cancelled> {
         self.rest.iter_mut().for_each(put_back_leaks);
-        let mut moved = self.close_within(0.0, progress)?;
+        let mut moved = self.close_within(self.closure_weight(), progress)?;
         for _ in 0..SPREADS {
             let is_left = |d: &f64| (LEFT..=MISSING).contains(&d.abs());
             if !self.deficits().iter().any(is_left) {
                 break;
             }
-            let more = self.close_within(SPREAD, progress)?;
+            let more = self.close_within(ClosureWeight::Errors { least: SPREAD }, progress)?;
             moved.iter_mut().zip(more).for_each(|(m, more)| *m += more);
         }
         self.closed = Some(self.adjustment(&moved, &self.deficits()));
         Ok(())
     }
 
-    /// One smoothing, in which entries have at least this relative standard error; returns Σ_j |ΔX_ij| of
-    /// each row, with sky and ground.
-    fn close_within(&mut self, least: f64, progress: &Progress) -> Result<Vec<f64>, Cancelled> {
-        let variance = |e: &Exchange| squared(f64::from(e.error), e.value, least);
+    /// Where no entry has an error, none could change by its own.
+    fn closure_weight(&self) -> ClosureWeight {
+        let has_error = |i| self.exchange.upper(i).iter().any(|e| e.error != 0.0);
+        if (0..self.len()).any(has_error) {
+            ClosureWeight::Errors { least: 0.0 }
+        } else {
+            ClosureWeight::Values
+        }
+    }
+
+    /// One smoothing; returns Σ_j |ΔX_ij| of each row, with sky and ground.
+    fn close_within(
+        &mut self,
+        weight: ClosureWeight,
+        progress: &Progress,
+    ) -> Result<Vec<f64>, Cancelled> {
+        let variance = |e: &Exchange| weight.variance(f64::from(e.error), e.value);
         let ended = self.ended();
         let rows = || self.areas.iter().zip(&self.rest);
-        let outside = |a: f64, value: f64, error: f64| a * a * squared(error, value, least);
+        let outside = |a: f64, value: f64, error: f64| a * a * weight.variance(error, value);
         let smoothing = Smoothing {
             exchange: &self.exchange,
             variance: |_, e: &Exchange| variance(e),
@@ -81,7 +94,7 @@ impl FormFactors {
                 .zip(&ended)
                 .map(|((a, r), ended)| (a, 1.0 - r.sum() - ended))
                 .map(|(a, d)| {
-                    if least > 0.0 && d.abs() > MISSING {
+                    if weight.is_spread() && d.abs() > MISSING {
                         0.0
                     } else {
                         a * d
@@ -92,7 +105,7 @@ impl FormFactors {
         };
         let change = smoothing.solve(progress)?;
         let rest: Vec<RowRemainder> = (0..self.len())
-            .map(|i| changed_rest(&self.rest[i], least, &change, i, self.areas[i]))
+            .map(|i| changed_rest(&self.rest[i], weight, &change, i, self.areas[i]))
             .collect();
         let ratio = |i: usize, e: &Exchange| Some(change.ratio(variance(e), i, e));
         let mut moved = self.moved(ratio);
@@ -141,11 +154,31 @@ impl FormFactors {
     }
 }
 
-/// The square of an error, which is at least this share of the value; of the value if the error is unknown,
-/// as if errors were in proportion to the entries.
-fn squared(error: f64, value: f64, least: f64) -> f64 {
-    let known = if error.is_nan() { value } else { error };
-    known.max(least * value).powi(2)
+/// How much of a change an entry takes.
+#[derive(Clone, Copy, PartialEq)]
+enum ClosureWeight {
+    /// By its error, which is at least this share of its value; errors that are not a number are in
+    /// proportion to the entries.
+    Errors {
+        /// The share.
+        least: f64,
+    },
+    /// In proportion to the entries: no error is known, as of matrices of other programs.
+    Values,
+}
+
+impl ClosureWeight {
+    fn variance(self, error: f64, value: f64) -> f64 {
+        match self {
+            ClosureWeight::Errors { least } if !error.is_nan() => error.max(least * value).powi(2),
+            _ => value.powi(2),
+        }
+    }
+
+    /// Whether exact entries give way, too.
+    fn is_spread(self) -> bool {
+        matches!(self, ClosureWeight::Errors { least } if least > 0.0)
+    }
 }
 
 /// Removes escaped light so small that it must have leaked.
@@ -159,13 +192,13 @@ fn put_back_leaks(rest: &mut RowRemainder) {
 /// Sky and ground after the change.
 fn changed_rest(
     rest: &RowRemainder,
-    least: f64,
+    weight: ClosureWeight,
     change: &SmoothingChange,
     i: usize,
     area: f64,
 ) -> RowRemainder {
     let share = |value: f64, error: f64| {
-        let added = change.beside(area * squared(error, value, least), i);
+        let added = change.beside(area * weight.variance(error, value), i);
         (value + added).max(LEAST * value)
     };
     RowRemainder {

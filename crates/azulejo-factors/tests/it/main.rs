@@ -7,6 +7,7 @@ mod analytic_engine;
 mod analytic_pairs;
 mod engines;
 mod form_factor_matrix;
+mod form_factor_points;
 mod form_factor_row;
 mod form_factors;
 mod hemicube_errors;

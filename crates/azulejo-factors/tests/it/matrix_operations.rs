@@ -238,6 +238,29 @@ fn orders_add_up_to_the_whole() {
     }
 }
 
+/// As matrices of other programs, whose errors nobody knows.
+#[test]
+fn without_any_error_all_entries_may_change() {
+    let pairs = HashMap::from([
+        ((0, 1), (0.97, 0.0)),
+        ((0, 2), (1.05, 0.0)),
+        ((1, 2), (0.2, 0.0)),
+    ]);
+    let mut m = matrix(&pairs, &[(2.0, 0.0, 0.0), (1.2, 0.0, 0.0), (1.2, 0.0, 0.0)]);
+    m.close(&Progress::new()).unwrap();
+    for ended in m.ended() {
+        assert!((ended - 1.0).abs() < 1e-8, "{ended}");
+    }
+    assert!(is_reciprocal(&m));
+    // One that has an error takes all of the change.
+    let mut one: HashMap<_, _> = pairs.clone();
+    one.insert((0, 1), (0.97, 0.01));
+    let mut m = matrix(&one, &[(2.0, 0.0, 0.0), (1.15, 0.0, 0.0), (1.25, 0.0, 0.0)]);
+    m.close(&Progress::new()).unwrap();
+    assert_eq!(m.exchange.get(0, 2).value, 1.05);
+    assert!((m.exchange.get(0, 1).value - 0.95).abs() < 1e-9);
+}
+
 /// Materials that nothing is made of, as editors leave them in files, change nothing.
 #[test]
 fn unused_materials_do_not_prevent_closure() {

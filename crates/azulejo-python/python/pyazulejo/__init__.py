@@ -1,4 +1,4 @@
-"""Form factors, light and reflection models as NumPy arrays.
+"""Form factors, radiative exchange, light and reflection models as NumPy arrays.
 
 >>> import numpy as np, pyazulejo as az
 >>> def square(z, up):
@@ -15,25 +15,37 @@ the command ``azulejo``. Long calls release the interpreter, end on Ctrl-C, and 
 """
 
 from ._brdf import brdf, directions
+from ._exchange import Exchange, band_fraction, exchange
 from ._form_factors import Factor, FormFactors, form_factors
 from ._light import Irradiance, probe, render, solve_light, tone_map
+from ._materials import Material
+from ._points import PointFactors, point_factors
 from ._pyazulejo import AzulejoError, __version__
-from ._scene import Material, MeshArrays, Scene, load
+from ._radiosity import NodeHeat, Radiosity, radiosity
+from ._scene import MeshArrays, Scene, load
 
 __all__ = [
     "AzulejoError",
+    "Exchange",
     "Factor",
     "FormFactors",
     "Irradiance",
     "Material",
     "MeshArrays",
+    "NodeHeat",
+    "PointFactors",
+    "Radiosity",
     "Scene",
     "__version__",
+    "band_fraction",
     "brdf",
     "directions",
+    "exchange",
     "form_factors",
     "load",
+    "point_factors",
     "probe",
+    "radiosity",
     "render",
     "solve_light",
     "tone_map",

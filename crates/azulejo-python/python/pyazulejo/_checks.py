@@ -124,6 +124,20 @@ def rows(name: str, value: npt.ArrayLike) -> npt.NDArray[np.float64]:
     return array
 
 
+def facing(value: npt.ArrayLike, points: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """A direction for each point, of any length, or of one for all."""
+    array = numbers("normals", value)
+    array = rows("normals", np.broadcast_to(array, points.shape) if array.shape == (3,) else array)
+    if array.shape != points.shape:
+        raise AzulejoError(f"{len(array)} normals for {len(points)} points")
+    largest = abs(array).max(axis=1, initial=0, keepdims=True)
+    if not (largest > 0).all():
+        raise AzulejoError(f"normal {int(np.argmin(largest))} is zero")
+    # Floats hold the squares of others; their bits stay as they are.
+    is_extreme = (largest < 1e-100) | (largest > 1e100)
+    return np.where(is_extreme, array / largest, array)
+
+
 def numbers(name: str, value: npt.ArrayLike) -> npt.NDArray[np.float64]:
     """An array of floats, copied only if it has to be."""
     try:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import warnings as _warnings
 from collections.abc import Hashable, Mapping, Sequence
 from functools import cached_property
+from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,11 +15,22 @@ from ._checks import division, hemicubes, listed, optional_whole, positive, whol
 from ._checks import memory as _memory
 from ._checks import share as _share
 from ._checks import threads as _threads
+from ._foreign import check_sums, compressed, row_list, row_names
 from ._progress import Progress, watching
-from ._pyazulejo import AzulejoError, NativeFormFactors, compute_form_factors
+from ._pyazulejo import (
+    AzulejoError,
+    NativeFormFactors,
+    NativeMaterials,
+    compute_form_factors,
+    foreign_form_factors,
+    load_form_factors,
+    save_form_factors,
+)
 from ._scene import Scene, _read_only
+from ._scene import _unit as _metres
 
 if TYPE_CHECKING:
+    from pandas import DataFrame
     from scipy.sparse import csr_array
 
     Floats = npt.NDArray[np.float64]
@@ -128,7 +141,7 @@ def form_factors(
     }
     with watching(progress) as callback:
         native = compute_form_factors(scene._native, by, options, _threads(threads), callback)
-    return FormFactors(native)
+    return FormFactors._of(native, scene._table)
 
 
 def _closure(closure: bool | str | None) -> str | None:
@@ -144,11 +157,171 @@ class FormFactors:
     are read-only. ``f["floor", "lid"]`` or ``f[0, 5]`` is one entry as a :class:`Factor`, ``f @ x``
     the product with a vector or matrix, also from the left.
 
-    Made by :func:`form_factors`.
+    Made by :func:`form_factors`, :meth:`load`, or of a matrix of another program:
+
+    Parameters
+    ----------
+    F : array_like or SciPy sparse matrix (n, n)
+        The share of what leaves i that arrives at j. A_i F_ij and A_j F_ji are replaced by their mean;
+        :attr:`asymmetry` says how far they differ.
+    areas : array_like (n,)
+        Areas of the rows, square units.
+    names : sequence of n str, optional
+        Names of the rows, all different; by default "0", "1", ….
+    open : bool or array_like (n,), optional
+        The share of each row that goes to the sky; True for what rows lack of 1. By default nothing:
+        the enclosure is closed, and what rows lack is an error that :meth:`close` corrects.
+    rho_s : array_like (n,), optional
+        Mirror reflectances of extended factors, by default 0.
+    unit : str or float, optional
+        Length of a unit: "mm", "m", …, or in metres.
+
+    Raises
+    ------
+    AzulejoError
+        Shapes that do not fit, numbers that are not finite or negative, rows whose sum exceeds 1 by
+        more than 1%.
+
+    Examples
+    --------
+    >>> import pyazulejo as az
+    >>> plates = az.FormFactors([[0, 1], [1, 0]], areas=[2, 2], names=["hot", "cold"])
+    >>> plates["hot", "cold"]
+    1.0
     """
 
-    def __init__(self, native: NativeFormFactors) -> None:
-        self._native = native
+    _native: NativeFormFactors
+    _table: NativeMaterials | None
+    _asymmetry: float
+
+    def __init__(
+        self,
+        F: Any,
+        areas: npt.ArrayLike,
+        names: Sequence[str] | None = None,
+        open: bool | npt.ArrayLike = False,
+        *,
+        rho_s: npt.ArrayLike | None = None,
+        unit: str | float | None = None,
+    ) -> None:
+        sizes = row_list("areas", areas, None)
+        if not sizes.all():
+            raise AzulejoError(f"areas: row {int(np.argmin(sizes))} has 0, expected more")
+        starts, columns, values = compressed(F, len(sizes))
+        mirrors = (
+            np.zeros(len(sizes)) if rho_s is None else row_list("rho_s", rho_s, len(sizes), 1.0)
+        )
+        check_sums(starts, columns, values * (1 - mirrors)[columns])
+        titles = row_names(names, len(sizes))
+        if isinstance(open, (bool, np.bool_)):
+            sky = np.full(len(sizes), np.nan if open else 0.0)
+        else:
+            sky = row_list("open", open, len(sizes), 1.0)
+        native, asymmetry = foreign_form_factors(
+            starts, columns, values, sizes, mirrors, sky, titles, _metres(unit)
+        )
+        self._native, self._table, self._asymmetry = native, None, asymmetry
+        self._warn_of_asymmetry()
+
+    @classmethod
+    def _of(
+        cls,
+        native: NativeFormFactors,
+        table: NativeMaterials | None = None,
+        asymmetry: float = 0.0,
+    ) -> FormFactors:
+        factors = cls.__new__(cls)
+        factors._native, factors._table, factors._asymmetry = native, table, asymmetry
+        return factors
+
+    @classmethod
+    def load(cls, path: str | PathLike[str], *, memory: int | str | None = None) -> FormFactors:
+        """Read an ``.npz`` of :meth:`save` or of ``azulejo form-factors``, or one of
+        ``scipy.sparse.save_npz`` to which an array `areas` was added.
+
+        Parameters
+        ----------
+        path : str or path
+            The file.
+        memory : int or str, optional
+            Bytes that its arrays may take, or text as "8G"; by default the machine's.
+        """
+        native, asymmetry = load_form_factors(fspath(path), _memory(memory))
+        factors = cls._of(native, None, asymmetry)
+        factors._warn_of_asymmetry()
+        return factors
+
+    def _warn_of_asymmetry(self) -> None:
+        if self._asymmetry > 1e-5:
+            _warnings.warn(
+                f"A_i F_ij and A_j F_ji differ by up to {self._asymmetry:.3g} of the smaller area; "
+                "their mean is taken",
+                UserWarning,
+                stacklevel=3,
+            )
+
+    @property
+    def asymmetry(self) -> float:
+        """Largest difference of A_i F_ij and A_j F_ji, as a share of the smaller area, in what was
+        given or loaded, before their mean was taken; 0 of what was computed."""
+        return self._asymmetry
+
+    def save(
+        self,
+        path: str | PathLike[str],
+        format: str | None = None,
+        *,
+        precision: str = "auto",
+        rows: Sequence[str] = (),
+        zone: str | None = None,
+        version: str | None = None,
+    ) -> tuple[str, ...]:
+        """Write files for other programs: all of them, or none.
+
+        Parameters
+        ----------
+        path : str or path
+            The file; the folder of the case for OpenFOAM; ``vfsparse.inp.001`` for uDALES.
+        format : str, optional
+            By default what the name says: .npz, .csv, .txt or .vf (View3D), .vtu, .idf, .epjson, .vwf,
+            .dat, .i, .bdf, .mtx. Or "npz", "csv", "view3d", "view3d-binary", "vtu", "openfoam",
+            "openfoam-binary", "energyplus", "energyplus-json", "udales", "calculix", "elmer",
+            "elmer-binary", "moose", "nastran", "nastran-95", "matrix-market".
+        precision : {"auto", "single", "double"}, optional
+            How exactly an .npz has factors: 64 bits up to 4 million entries, else 32.
+        rows : sequence of str, optional
+            Names of rows whose factors a .vtu shows, as arrays ``F_from_NAME``.
+        zone : str, optional
+            The zone, space or enclosure of EnergyPlus.
+        version : str, optional
+            Of OpenFOAM, "v1912", "v2312" or "org"; of CalculiX, as "2.20".
+
+        Returns
+        -------
+        tuple of str
+            The files that were written. What their program must be told is a `UserWarning`.
+        """
+        names = [rows] if isinstance(rows, str) else list(rows)
+        options = {
+            "format": format,
+            "precision": precision,
+            "rows": names,
+            "zone": zone,
+            "version": version,
+        }
+        written, notes = save_form_factors(self._native, fspath(path), options)
+        for note in notes:
+            _warnings.warn(note, UserWarning, stacklevel=2)
+        return tuple(written)
+
+    def to_frame(self) -> DataFrame:
+        """pandas.DataFrame (n, n) of the whole matrix, with names or numbers of rows."""
+        try:
+            from pandas import DataFrame
+        except ImportError:
+            raise ImportError("a frame needs pandas: pip install pandas") from None
+        labels = list(self.names) if self.names is not None else list(range(len(self)))
+        return DataFrame(self.matrix.toarray(), index=labels, columns=labels)
 
     def __len__(self) -> int:
         return len(self._native)
@@ -239,6 +412,19 @@ class FormFactors:
         return self._rest("lost")
 
     @cached_property
+    def irradiance(self) -> Floats | None:
+        """(n, 3): light of the scene's sun, sky and pictures of the surroundings on each row, W/m²,
+        red, green and blue, straight and by way of one mirror; None if there is none."""
+        outside = self._native.outside
+        return None if outside is None else _read_only(outside[0])
+
+    @cached_property
+    def irradiance_error(self) -> Floats | None:
+        """(n, 3): standard error of `irradiance`."""
+        outside = self._native.outside
+        return None if outside is None else _read_only(outside[1])
+
+    @cached_property
     def row_error(self) -> Floats:
         """(n,): expected sum of the errors of a row, sky and ground included."""
         return _read_only(self._native.row_error)
@@ -283,6 +469,10 @@ class FormFactors:
     def _geometry(self) -> tuple[npt.NDArray[Any], ...]:
         geometry = self._native.geometry
         if geometry is None:
+            if self.engine == "given":
+                raise AzulejoError(
+                    "the matrix was given without geometry, so its rows have no corners"
+                )
             raise AzulejoError('rows are groups, which have no corners: ask for by="patch"')
         return tuple(_read_only(array) for array in geometry)
 
@@ -337,13 +527,14 @@ class FormFactors:
         return _moved(self._native.truncated)
 
     def close(self, *, threads: int | None = None, progress: Progress = None) -> FormFactors:
-        """The matrix changed within its errors so that rows, sky and ground add up to 1.
+        """The matrix changed within its errors so that rows, sky and ground add up to 1; that of another
+        program, whose errors are unknown, in proportion to its entries.
 
         :attr:`closed` of the result says by how much: ``total`` of the whole matrix, ``mean`` and
         ``most`` of a row, and the ``deficit`` that remains in the worst row.
         """
         with watching(progress) as callback:
-            return FormFactors(self._native.close(_threads(threads), callback))
+            return self._changed(self._native.close(_threads(threads), callback))
 
     def truncate(
         self, share: float, *, threads: int | None = None, progress: Progress = None
@@ -354,7 +545,7 @@ class FormFactors:
         if number is None:
             raise TypeError("share is None, expected a number")
         with watching(progress) as callback:
-            return FormFactors(self._native.truncate(number, _threads(threads), callback))
+            return self._changed(self._native.truncate(number, _threads(threads), callback))
 
     def group(self, labels: str | Mapping[str, Hashable] | Sequence[Hashable]) -> FormFactors:
         """The matrix between groups of rows.
@@ -371,7 +562,7 @@ class FormFactors:
             Its names are the labels as text, in the order of their first row.
         """
         if isinstance(labels, str):
-            return FormFactors(self._native.grouped_by(labels))
+            return self._changed(self._native.grouped_by(labels))
         if isinstance(labels, Mapping):
             labels = self._labels_of_names(labels)
         listed_labels = labels.tolist() if isinstance(labels, np.ndarray) else list(labels)
@@ -387,7 +578,10 @@ class FormFactors:
             raise AzulejoError("no row has a label")
         if len(set(names)) < len(names):
             raise AzulejoError("two labels are the same as text")
-        return FormFactors(self._native.grouped(np.asarray(groups, dtype=np.int64), names))
+        return self._changed(self._native.grouped(np.asarray(groups, dtype=np.int64), names))
+
+    def _changed(self, native: NativeFormFactors) -> FormFactors:
+        return FormFactors._of(native, self._table, self._asymmetry)
 
     def _labels_of_names(self, labels: Mapping[str, Hashable]) -> list[Hashable]:
         if self.names is None:

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from ._checks import (
     division,
+    facing,
     hemicubes,
     not_negative,
     optional_whole,
@@ -104,7 +105,7 @@ def solve_light(
     options = _options(locals())
     with watching(progress) as callback:
         lit, report = _solve(_native(scene), options, _threads(threads), callback)
-    return Scene._of(lit, report)
+    return Scene._of(lit, report, scene._table)
 
 
 def probe(
@@ -149,14 +150,10 @@ patch_points, seed, memory, threads, progress
     """
     options = _options({**locals(), "sides": "auto", "keep_mesh": False})
     places = rows("points", points)
-    facing = np.asarray(normals)
-    facing = np.broadcast_to(facing, places.shape) if facing.shape == (3,) else facing
-    facing = rows("normals", facing)
-    if facing.shape != places.shape:
-        raise AzulejoError(f"{len(facing)} normals for {len(places)} points")
+    directions = facing(normals, places)
     with watching(progress) as callback:
         found = probe_irradiance(
-            _native(scene), places, facing, options, _threads(threads), callback
+            _native(scene), places, directions, options, _threads(threads), callback
         )
     return Irradiance(*found)
 

@@ -9,13 +9,21 @@ from numpy.typing import NDArray
 __all__ = [
     "AzulejoError",
     "NativeFormFactors",
+    "NativeMaterials",
     "NativeScene",
+    "NativeThermalSolution",
     "__version__",
+    "band_fractions",
     "compute_form_factors",
+    "compute_point_factors",
     "evaluate_brdf",
+    "foreign_form_factors",
+    "load_form_factors",
     "load_scene",
     "probe_irradiance",
     "render_image",
+    "save_form_factors",
+    "solve_exchange",
     "solve_light",
     "tone_map",
 ]
@@ -35,6 +43,7 @@ class NativeScene:
         meshes: list[_Mesh],
         materials: list[_Material],
         sky: _Colour | None,
+        sun: tuple[_Colour, _Colour] | None,
         up: str,
         unit: float | None,
     ) -> NativeScene: ...
@@ -80,6 +89,8 @@ class NativeFormFactors:
     @property
     def row_error(self) -> _Floats: ...
     @property
+    def outside(self) -> list[_Floats] | None: ...
+    @property
     def ends(self) -> _Floats: ...
     @property
     def pieces(self) -> list[NDArray[Any]]: ...
@@ -94,6 +105,84 @@ class NativeFormFactors:
     @property
     def rays(self) -> int: ...
 
+@final
+class NativeMaterials:
+    @staticmethod
+    def read(path: str | PathLike[str]) -> NativeMaterials: ...
+    @staticmethod
+    def from_numbers(records: list[tuple[str, list[tuple[str, float]]]]) -> NativeMaterials: ...
+    @property
+    def bands(self) -> list[str]: ...
+    def paint(self, scene: NativeScene) -> NativeScene: ...
+
+@final
+class NativeThermalSolution:
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def bands(self) -> list[str]: ...
+    def network(self, band: int) -> dict[str, Any]: ...
+    def matrix(self, band: int, name: str) -> _Floats: ...
+    @property
+    def node_names(self) -> list[str]: ...
+    @property
+    def row_names(self) -> list[str]: ...
+    @property
+    def node_areas(self) -> _Floats: ...
+    @property
+    def row_areas(self) -> _Floats: ...
+    @property
+    def row_nodes(self) -> NDArray[np.int64]: ...
+    def heat(self, name: str) -> _Floats: ...
+    @property
+    def iterations(self) -> int: ...
+    @property
+    def imbalance(self) -> float: ...
+    @property
+    def cells(
+        self,
+    ) -> tuple[_Floats, NDArray[np.uint32], NDArray[np.uint32], NDArray[np.uint32]] | None: ...
+    def save(self, path: str | PathLike[str], args: dict[str, Any]) -> None: ...
+
+def solve_exchange(
+    factors: list[NativeFormFactors],
+    materials: NativeMaterials,
+    conditions: dict[str, Any] | None,
+    args: dict[str, Any],
+    threads: int | None,
+    progress: Any,
+) -> NativeThermalSolution: ...
+def band_fractions(products: _Floats) -> _Floats: ...
+def save_form_factors(
+    factors: NativeFormFactors, path: str | PathLike[str], options: dict[str, Any]
+) -> tuple[list[str], list[str]]: ...
+def load_form_factors(
+    path: str | PathLike[str], memory: int | None
+) -> tuple[NativeFormFactors, float]: ...
+def foreign_form_factors(
+    starts: NDArray[np.int64],
+    columns: NDArray[np.int64],
+    values: _Floats,
+    areas: _Floats,
+    mirrors: _Floats,
+    sky: _Floats,
+    names: list[str],
+    unit: float | None,
+) -> tuple[NativeFormFactors, float]: ...
+def compute_point_factors(
+    scene: NativeScene,
+    points: _Floats,
+    normals: _Floats | None,
+    by: str,
+    options: dict[str, Any],
+    threads: int | None,
+    progress: Any,
+) -> tuple[
+    tuple[_Floats, _Floats, NDArray[np.int64], NDArray[np.int64]],
+    list[str] | None,
+    int,
+    list[_Floats],
+]: ...
 def load_scene(
     path: str | PathLike[str],
     unit: float | None,

@@ -1,22 +1,21 @@
-"""Scenes and materials."""
+"""Scenes."""
 
 from __future__ import annotations
 
 import warnings as _warnings
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from fnmatch import fnmatchcase
 from os import PathLike, fspath
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from ._checks import Colour, colour, listed, positive
+from ._checks import Colour, colour, listed, positive, vector
 from ._checks import threads as _threads
+from ._materials import Material, Materials, material_table, of_meshes
 from ._meshes import face_arrays, is_mesh, parts
 from ._progress import Progress, watching
-from ._pyazulejo import AzulejoError, NativeScene, load_scene
+from ._pyazulejo import AzulejoError, NativeMaterials, NativeScene, load_scene
 
 _UNITS = {
     "um": 1e-6,
@@ -32,53 +31,6 @@ _UNITS = {
     "mi": 1609.344,
     "nmi": 1852.0,
 }
-
-
-@dataclass(frozen=True)
-class Material:
-    """The reflection and emission of a surface, on one number or on red, green and blue.
-
-    What is not reflected is absorbed: for thermal work, `diffuse` is ρ_d, `mirror` is ρ_s and
-    the emissivity is ``1 - diffuse - mirror``.
-
-    Parameters
-    ----------
-    diffuse : float or array_like (3,), optional
-        Diffuse reflectance, 0 to 1. By default 0.5, or 0 where there is a `mirror` or a `brdf`.
-    mirror : float or array_like (3,), optional
-        Reflectance of the perfect mirror, 0 to 1; ``diffuse + mirror`` is at most 1.
-    emission : float or array_like (3,), optional
-        Emitted radiance of the front, W/(sr·m²).
-    emits_back : bool, optional
-        Whether the back emits the same.
-    brdf : str, optional
-        A reflection model as for :func:`brdf`, in place of `diffuse` and `mirror`.
-    name : str, optional
-        Its name, for rows by material.
-    """
-
-    diffuse: Colour | None = None
-    mirror: Colour = 0.0
-    emission: Colour = 0.0
-    emits_back: bool = False
-    brdf: str | None = None
-    name: str | None = None
-
-    def _numbers(self, name: str) -> tuple[Any, ...]:
-        name = self.name if self.name is not None else name
-        mirror = colour(f'material "{name}": mirror', self.mirror)
-        if self.brdf is not None and (self.diffuse is not None or any(mirror)):
-            raise AzulejoError(f'material "{name}": a brdf takes the place of diffuse and mirror')
-        plain = 0.0 if self.brdf is not None or any(mirror) else 0.5
-        diffuse = plain if self.diffuse is None else self.diffuse
-        return (
-            name,
-            colour(f'material "{name}": diffuse', diffuse),
-            mirror,
-            colour(f'material "{name}": emission', self.emission),
-            bool(self.emits_back),
-            self.brdf,
-        )
 
 
 class MeshArrays(NamedTuple):
@@ -107,11 +59,16 @@ class Scene:
         polygons, counter-clockwise from the front; or a ``trimesh.Trimesh``, a ``pyvista.PolyData``
         or ``UnstructuredGrid`` (of solid cells, the hull), or a ``meshio.Mesh``. One ``meshio.Mesh``
         alone is split by the physical groups of Gmsh. Arrays are copied.
-    materials : Material, or mapping of str to Material, optional
+    materials : Material, or mapping of str to Material, or path, optional
         One for all, or by names of meshes; names may have ``*`` and ``?``, and the first that fits
-        counts. Every mesh needs one.
+        counts, ``*`` alone last. Every mesh needs one. With emissivities (`eps`), also as the file of a
+        table, the factors of the scene have their mirrors, and :func:`exchange` and :func:`radiosity`
+        take them where nothing else is given.
     sky : float or array_like (3,), optional
-        Radiance of a uniform sky, W/(sr·m²), for light.
+        Radiance of a uniform sky, W/(sr·m²).
+    sun : (array_like (3,), float or array_like (3,)), optional
+        The direction toward the sun, of any length, and the irradiance of what faces it, W/m²; a disc of
+        0.533°. Sun and sky are for light, and for heat what surfaces absorb by their `alpha`.
     up : {"z", "y"}, optional
         The axis that points away from the ground: what leaves upwards is `sky`, the rest `ground`.
     unit : str or float, optional
@@ -129,35 +86,52 @@ class Scene:
 
     _native: NativeScene
     _report: Mapping[str, Any] | None
+    _table: NativeMaterials | None
 
     def __init__(
         self,
         meshes: Mapping[str, Any] | Iterable[tuple[str, Any]] | Any,
-        materials: Material | Mapping[str, Material] | None = None,
+        materials: Material | Mapping[str, Material] | str | PathLike[str] | None = None,
         *,
         sky: Colour | None = None,
+        sun: tuple[npt.ArrayLike, Colour] | None = None,
         up: str = "z",
         unit: str | float | None = None,
     ) -> None:
         named = list(_named(meshes))
-        kinds, of_meshes = _materials(materials, [name for name, _ in named])
+        path = materials if isinstance(materials, (str, PathLike)) else None
+        of_names = None if isinstance(materials, (str, PathLike)) else materials
+        kinds, numbers = of_meshes(of_names, [name for name, _ in named])
         arrays = [
             (name, *face_arrays(name, mesh), material)
-            for (name, mesh), material in zip(named, of_meshes, strict=True)
+            for (name, mesh), material in zip(named, numbers, strict=True)
         ]
         self._native = NativeScene.from_meshes(
             arrays,
             [material._numbers(name) for name, material in kinds],
             None if sky is None else colour("sky", sky),
+            _sun(sun),
             up,
             _unit(unit),
         )
         self._report = None
+        self._table = None
+        if path is not None:
+            self._table = material_table(path)
+        elif of_names is not None and any(m.eps is not None for _, m in kinds):
+            self._table = material_table(of_names)
+        if self._table is not None:
+            self._native = self._table.paint(self._native)
 
     @classmethod
-    def _of(cls, native: NativeScene, report: Mapping[str, Any] | None = None) -> Scene:
+    def _of(
+        cls,
+        native: NativeScene,
+        report: Mapping[str, Any] | None = None,
+        table: NativeMaterials | None = None,
+    ) -> Scene:
         scene = cls.__new__(cls)
-        scene._native, scene._report = native, report
+        scene._native, scene._report, scene._table = native, report, table
         return scene
 
     @property
@@ -250,6 +224,7 @@ def load(
     lod: str | float = "finest",
     allow: Sequence[str | PathLike[str]] = (),
     keep_light: bool = True,
+    materials: Materials | None = None,
     threads: int | None = None,
     progress: Progress = None,
 ) -> Scene:
@@ -270,6 +245,10 @@ def load(
         Other folders in which the model may refer to files.
     keep_light : bool, optional
         False removes lightmaps, so that light can be computed anew.
+    materials : path, Material, float, or mapping of str to Material, optional
+        Emissivities and mirror reflectances in place of the materials of the model, by names of objects
+        or materials, as in ``form-factors --materials``: the factors of the scene have their mirrors, and
+        :func:`exchange` and :func:`radiosity` take them where nothing else is given.
     threads : int, optional
         Number of threads, by default as many as there are processors.
     progress : callable or bool, optional
@@ -287,6 +266,7 @@ def load(
     AzulejoError
         It is not a model, or damaged; the message says where.
     """
+    table = None if materials is None else material_table(materials)
     with watching(progress) as callback:
         native = load_scene(
             fspath(path),
@@ -298,7 +278,7 @@ def load(
             _threads(threads),
             callback,
         )
-    scene = Scene._of(native)
+    scene = Scene._of(native if table is None else table.paint(native), table=table)
     if scene.warnings:
         more = f" (and {len(scene.warnings) - 1} more)" if len(scene.warnings) > 1 else ""
         _warnings.warn(f"{scene.warnings[0]}{more}", UserWarning, stacklevel=2)
@@ -330,33 +310,17 @@ def _pair(k: int, item: Any) -> tuple[str, Any]:
     raise TypeError(f"item {k} is a {type(item).__name__}, expected a pair of a name and a mesh")
 
 
-def _materials(
-    materials: Material | Mapping[str, Material] | None, names: list[str]
-) -> tuple[list[tuple[str, Material]], list[int]]:
-    """All materials with a name each, and the number of that of each mesh."""
-    if materials is None:
-        return [("default", Material())], [0] * len(names)
-    if isinstance(materials, Material):
-        return [("material", materials)], [0] * len(names)
-    kinds = list(materials.items())
-    for pattern, material in kinds:
-        if not isinstance(material, Material):
-            kind = type(material).__name__
-            raise TypeError(f'materials["{pattern}"] is a {kind}, expected a Material')
-        if pattern != "*" and not any(fnmatchcase(name, pattern) for name in names):
-            raise AzulejoError(f'no mesh is named "{pattern}"; there are {listed(names)}')
-
-    def first(name: str) -> int | None:
-        # A name itself counts before patterns, whatever their order.
-        fits = [k for k, (pattern, _) in enumerate(kinds) if fnmatchcase(name, pattern)]
-        exact = [k for k in fits if kinds[k][0] == name]
-        return next(iter(exact or fits), None)
-
-    chosen = [first(name) for name in names]
-    missing = [name for name, k in zip(names, chosen, strict=True) if k is None]
-    if missing:
-        raise AzulejoError(f'no material for {listed(missing)}; "*" would be that of all others')
-    return kinds, [k for k in chosen if k is not None]
+def _sun(sun: Any) -> tuple[tuple[float, float, float], tuple[float, float, float]] | None:
+    if sun is None:
+        return None
+    try:
+        toward, irradiance = sun
+    except (TypeError, ValueError):
+        raise TypeError(f"sun is {sun!r}, expected a direction and an irradiance") from None
+    direction = vector("direction of the sun", toward)
+    if direction is None:
+        raise TypeError("direction of the sun is None, expected three numbers")
+    return direction, colour("irradiance of the sun", irradiance)
 
 
 def _unit(unit: str | float | None) -> float | None:

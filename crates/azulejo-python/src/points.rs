@@ -1,0 +1,157 @@
+//! Form factors from points.
+
+use crate::arrays::{points_with_normals, vectors};
+use crate::choices;
+use crate::error::{cancelled, of_factors};
+use crate::form_factors::OptionArgs;
+use crate::scene::NativeScene;
+use crate::work::{self, WorkOptions};
+use azulejo_exchange::{Enclosure, GroupBy, Groups};
+use azulejo_factors::form_factors::{FactorPoint, Plan, PointFactors, PreparedPlan, RowRemainder};
+use azulejo_factors::{FormFactorOptions, FormFactors};
+use azulejo_radiosity::PointNormal;
+use azulejo_scene::Scene;
+use azulejo_trace::{Progress, Tracer};
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray2};
+use pyo3::prelude::*;
+
+/// Compressed rows of points: values, standard errors, columns, starts.
+type PointRows<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<i64>>,
+    Bound<'py, PyArray1<i64>>,
+);
+
+/// Rows, names of columns (none of patches), their number, and what reaches no column: sky and ground
+/// with errors, hidden, cut, lost.
+type PointArrays<'py> = (
+    PointRows<'py>,
+    Option<Vec<String>>,
+    usize,
+    Vec<Bound<'py, PyArray1<f64>>>,
+);
+
+/// What points see: n × 3 positions, and normals or whole spheres.
+#[pyfunction]
+#[allow(
+    clippy::too_many_arguments,
+    reason = "they are the keywords of a Python function"
+)]
+pub fn compute_point_factors<'py>(
+    py: Python<'py>,
+    scene: &NativeScene,
+    points: PyReadonlyArray2<'py, f64>,
+    normals: Option<PyReadonlyArray2<'py, f64>>,
+    by: &str,
+    options: OptionArgs,
+    threads: Option<usize>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<PointArrays<'py>> {
+    let (by, options) = (choices::group_by(by)?, options.options()?);
+    let points = factor_points(&points, normals.as_ref())?;
+    let shared = scene.shared();
+    let (found, groups) = work::run(py, &WorkOptions::new(threads, progress), move |p| {
+        from_points(&shared.scene, shared.tracer(), by, &options, &points, p)
+    })?;
+    let count = groups.names.len();
+    let names = by.is_some().then_some(groups.names);
+    Ok((rows(py, &found), names, count, rests(py, &found)))
+}
+
+fn factor_points(
+    points: &PyReadonlyArray2<f64>,
+    normals: Option<&PyReadonlyArray2<f64>>,
+) -> PyResult<Vec<FactorPoint>> {
+    let Some(normals) = normals else {
+        let globe = |position| FactorPoint {
+            position,
+            normal: None,
+        };
+        return Ok(vectors(points)?.into_iter().map(globe).collect());
+    };
+    let facing = |point: PointNormal| FactorPoint {
+        position: point.position,
+        normal: Some(point.normal),
+    };
+    let points = points_with_normals(points, normals)?;
+    Ok(points.into_iter().map(facing).collect())
+}
+
+fn from_points(
+    scene: &Scene,
+    tracer: &Tracer,
+    by: Option<GroupBy>,
+    options: &FormFactorOptions,
+    points: &[FactorPoint],
+    progress: &Progress,
+) -> PyResult<(Vec<PointFactors>, Groups)> {
+    let plan = Plan::new(scene, tracer, options).map_err(of_factors)?;
+    let prepared = plan.prepare();
+    let groups = groups(&plan, &prepared, scene, by, options.two_sided);
+    let columns = (&groups.of_rows[..], groups.names.len());
+    let found = prepared.factors_from_points(points, columns, progress);
+    Ok((found.map_err(cancelled)?, groups))
+}
+
+/// The groups of the columns, as those of the matrix of the same options.
+fn groups(
+    plan: &Plan,
+    prepared: &PreparedPlan,
+    scene: &Scene,
+    by: Option<GroupBy>,
+    two_sided: bool,
+) -> Groups {
+    let rows = prepared.rows();
+    let patch = |row: usize| if two_sided { row / 2 } else { row };
+    let patches = plan.patches();
+    let factors = FormFactors {
+        areas: vec![0.0; rows],
+        faces: (0..rows).map(|row| patches.face(patch(row))).collect(),
+        materials: (0..rows).map(|row| patches.material(patch(row))).collect(),
+        is_back: (0..rows).map(|row| two_sided && row % 2 == 1).collect(),
+        ..FormFactors::default()
+    };
+    let enclosure = Enclosure::new(prepared, scene, factors);
+    match by {
+        Some(by) => enclosure.groups(by),
+        None => Groups {
+            of_rows: (0..rows as u32).map(Some).collect(),
+            names: enclosure.rows.names,
+        },
+    }
+}
+
+fn rows<'py>(py: Python<'py>, found: &[PointFactors]) -> PointRows<'py> {
+    let entries = || found.iter().flat_map(|p| &p.factors);
+    let values: Vec<f64> = entries().map(|(_, f)| f.value).collect();
+    let errors: Vec<f64> = entries().map(|(_, f)| f.error).collect();
+    let columns: Vec<i64> = entries().map(|(k, _)| i64::from(*k)).collect();
+    let mut starts = vec![0];
+    for point in found {
+        starts.push(starts[starts.len() - 1] + point.factors.len() as i64);
+    }
+    (
+        values.into_pyarray(py),
+        errors.into_pyarray(py),
+        columns.into_pyarray(py),
+        starts.into_pyarray(py),
+    )
+}
+
+fn rests<'py>(py: Python<'py>, found: &[PointFactors]) -> Vec<Bound<'py, PyArray1<f64>>> {
+    let shares: [fn(&RowRemainder) -> f64; 7] = [
+        |r| r.sky,
+        |r| r.sky_error,
+        |r| r.ground,
+        |r| r.ground_error,
+        |r| r.hidden,
+        |r| r.cut,
+        |r| r.lost,
+    ];
+    let array = |share: fn(&RowRemainder) -> f64| {
+        let all: Vec<f64> = found.iter().map(|p| share(&p.rest)).collect();
+        all.into_pyarray(py)
+    };
+    shares.map(array).into()
+}
