@@ -133,7 +133,7 @@ fn rooms_turned_outward_are_told_and_turned() {
 #[test]
 fn a_box_inside_out_is_named() {
     let folder = Folder::new();
-    folder.write("both.obj", &format!("{OUTWARD}{BOX}"));
+    folder.write("both.obj", format!("{OUTWARD}{BOX}"));
     let room = "form-factors both.obj -o f.csv --patch-size 0 --flip floor,lid,s?";
     let right = folder.ok(room).err;
     assert!(!right.contains("inside out"), "{right}");

@@ -247,7 +247,7 @@ fn an_array_of_cubes_covers_a_quarter() {
         let mesh = mesh(&scene.objects[k]);
         (0..mesh.faces.len()).map(move |f| mesh.face_area_vector(f))
     };
-    let area = |k: usize| area_vectors(k).map(glam::DVec3::length).sum::<f64>();
+    let area = |k: usize| area_vectors(k).map(DVec3::length).sum::<f64>();
     // 6 × 6 units of ground of which 9 are built on, seen from above.
     let seen: DVec3 = area_vectors(0).sum();
     assert!((area(0) - 27.0).abs() < 1e-12 && (seen.z - 27.0).abs() < 1e-12);
