@@ -5,12 +5,12 @@ use super::images::FlatMirror;
 use crate::analytic::Blocker;
 use crate::patch::Patches;
 use crate::row::Side;
-use azulejo_scene::math::{Aabb, Frame, Ray};
+use azulejo_scene::math::{Aabb, Frame, Ray, area_vector};
 use azulejo_trace::sampling::{cosine_about, sobol};
 use azulejo_trace::{KernelRay, Surfaces};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 
 /// All occluders of a scene.
 pub(super) struct SceneOccluders {
@@ -47,10 +47,12 @@ impl SceneOccluders {
             .iter()
             .fold(Aabb::around(points), |all, b| all.union(*b));
         let size = bounds.diagonal();
-        let (joined, closed) = merged(&polygons, size);
+        let (joined, flat_surfaces) = merged(&polygons, size);
         let mut surface = vec![None; patches.len()];
-        flat.iter().zip(closed).for_each(|(&i, of)| surface[i] = of);
-        let entered = seen_from_inside(patches, surfaces, sides, &surface);
+        let known = flat.iter().zip(&flat_surfaces);
+        known.for_each(|(&i, &of)| surface[i] = of);
+        let mut entered = seen_from_inside(patches, surfaces, sides, &surface);
+        entered.extend(inside_out(&polygons, &flat_surfaces, &bounds));
         let is_inside = |of: &Option<u32>| of.is_none_or(|s| entered.contains(&s));
         let shows_back = surface.iter().map(is_inside).collect();
         let blocker = |part: ConvexPolygon| {
@@ -130,6 +132,28 @@ fn seen_from_inside(
         many.map(|group| group[0]).collect::<Vec<u32>>()
     };
     sides.par_iter().flat_map_iter(seen).collect()
+}
+
+/// The closed surfaces whose fronts are inside, and outside of whose bounds there is something that may see
+/// their backs: bodies that are turned inside out, but not the room that all the rest is in.
+fn inside_out(polygons: &[Vec<DVec3>], surface: &[Option<u32>], scene: &Aabb) -> Vec<u32> {
+    let mut closed: BTreeMap<u32, (f64, Aabb)> = BTreeMap::new();
+    for (polygon, of) in polygons.iter().zip(surface) {
+        let Some(of) = of else { continue };
+        let (volume, bounds) = closed.entry(*of).or_insert((0.0, Aabb::EMPTY));
+        // Gauss's theorem, about a point nearby, so that distant scenes do not cancel.
+        *volume += area_vector(polygon).dot(polygon[0] - scene.centre()) / 3.0;
+        *bounds = polygon.iter().fold(*bounds, |all, &c| all.with_point(c));
+    }
+    let is_seen = |(volume, bounds): &(f64, Aabb)| *volume < 0.0 && !contains(bounds, scene);
+    let seen = closed.into_iter().filter(|(_, of)| is_seen(of));
+    seen.map(|(surface, _)| surface).collect()
+}
+
+/// Whether a box contains another, but for rounding.
+fn contains(outer: &Aabb, inner: &Aabb) -> bool {
+    let margin = DVec3::splat(1e-9 * inner.diagonal());
+    (outer.min - margin).cmple(inner.min).all() && (outer.max + margin).cmpge(inner.max).all()
 }
 
 /// The corners of the scene, the outermost first.

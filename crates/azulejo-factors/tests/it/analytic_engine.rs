@@ -8,7 +8,7 @@ use azulejo_scene::Scene;
 use azulejo_scene::synthetic::{CornellVariant, cornell_box, cube_room, room_with_table};
 use azulejo_trace::sampling::uniform;
 use azulejo_trace::{Progress, Tracer};
-use glam::{DVec3, dvec3};
+use glam::{DAffine3, DVec3, dvec3};
 use proptest::prelude::*;
 
 fn options() -> FormFactorOptions {
@@ -77,6 +77,24 @@ fn rows_of_closed_rooms_sum_to_one() {
     let squares: f64 = sums.iter().map(|s| (s - 1.0).powi(2)).sum();
     let rms = (squares / sums.len() as f64).sqrt();
     assert!(rms < 5e-5, "{rms:e}");
+    assert!(found.is_closed);
+}
+
+/// A small closed box whose fronts are inside: light does not pass its walls, whose backs the room sees.
+#[test]
+fn boxes_inside_out_block_light() {
+    let mut scene = cube_room();
+    let smaller = DAffine3::from_translation(DVec3::splat(0.4));
+    let smaller = smaller * DAffine3::from_scale(DVec3::splat(0.2));
+    scene.merge(cube_room().transformed(&smaller));
+    let found = compute(&scene, &options());
+    for (i, j) in (0..6).flat_map(|i| (6..12).map(move |j| (i, j))) {
+        assert!(found.get(i, j).0 < 1e-12, "{i} {j}: {:?}", found.get(i, j));
+    }
+    assert!(worst_sum(&found) < 1e-5, "{:e}", worst_sum(&found));
+    // The walls see the box: six squares of side 0.2, of which each sends the walls all its light.
+    let hidden: f64 = (0..6).map(|i| found.rest[i].hidden).sum();
+    assert!((hidden - 6.0 * 0.04).abs() < 1e-5, "{hidden}");
     assert!(found.is_closed);
 }
 
