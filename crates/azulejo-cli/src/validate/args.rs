@@ -16,7 +16,7 @@ pub struct ValidateArgs {
     /// Check only what has this in its name: a part of the report, a case, a scene
     #[arg(long, value_name = "NAME")]
     pub only: Option<String>,
-    /// Fewer rays, pixels and repetitions: a minute instead of a quarter of an hour
+    /// Fewer rays, pixels and repetitions
     #[arg(long)]
     pub quick: bool,
     /// Seed of the random numbers; the same seed gives the same report, but for times
