@@ -31,9 +31,9 @@ pub enum Engine {
 }
 
 impl Engine {
-    /// The engine that takes this one's place for a scene, and why: formulas and item buffers take
-    /// surfaces as opaque through which light passes straight ([`Tracer::has_see_through`]), so rays do their
-    /// work there.
+    /// The engine that takes this one's place for a scene, and why. Formulas and item buffers take
+    /// surfaces as opaque through which light passes straight ([`Tracer::has_see_through`]), and see
+    /// no copies of a scene that repeats itself ([`Tracer::repeated`]), so rays do their work there.
     pub fn for_tracer(self, tracer: &Tracer) -> (Engine, Option<String>) {
         let name = match self {
             Engine::Hemicube(_) => "hemicubes",
@@ -41,12 +41,15 @@ impl Engine {
             Engine::Analytic => "formulas",
             Engine::Auto | Engine::Rays | Engine::Particles => return (self, None),
         };
-        if !tracer.has_see_through() {
+        let why = if tracer.is_repeated() {
+            format!("rays, because the model repeats itself, and {name} would see it once")
+        } else if tracer.has_see_through() {
+            format!(
+                "rays, because light passes straight through surfaces, which {name} take as opaque"
+            )
+        } else {
             return (self, None);
-        }
-        let why = format!(
-            "rays, because light passes straight through surfaces, which {name} take as opaque"
-        );
+        };
         (Engine::Rays, Some(why))
     }
 

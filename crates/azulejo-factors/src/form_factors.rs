@@ -290,9 +290,10 @@ impl<'a> PreparedPlan<'a> {
         )
     }
 
-    /// Whether formulas replace what rays find of near pairs. They know no opacity.
+    /// Whether formulas replace what rays find of near pairs. They know neither opacity nor copies.
     fn uses_formulas(&self) -> bool {
-        self.plan.options.analytic && !self.plan.proxy.tracer.has_see_through()
+        let tracer = &self.plan.proxy.tracer;
+        self.plan.options.analytic && !tracer.has_see_through() && !tracer.is_repeated()
     }
 
     /// The memory for rows of so many rays or pixels.

@@ -78,7 +78,10 @@ impl<'a> ProxyScene<'a> {
         let scene = faceted(given, size);
         let tracer = match &scene {
             Cow::Borrowed(_) => Cow::Borrowed(tracer),
-            Cow::Owned(scene) => Cow::Owned(Tracer::with_kernel(scene, &tracer.kernel())),
+            Cow::Owned(scene) => {
+                let polygons = Tracer::with_kernel(scene, &tracer.kernel());
+                Cow::Owned(polygons.repeated_as(tracer))
+            }
         };
         ProxyScene {
             given,

@@ -50,4 +50,4 @@ pub use kernel::embree;
 pub use kernel::{Kernel, KernelHit, KernelRay};
 pub use progress::{Cancelled, Measure, Measured, Progress};
 pub use surfaces::{MeshTriangles, Surfaces};
-pub use tracer::Tracer;
+pub use tracer::{PeriodError, Tracer};

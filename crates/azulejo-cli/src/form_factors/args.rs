@@ -2,7 +2,7 @@
 
 use crate::args::{DivisionArgs, InputArgs};
 use crate::engine::EngineArgs;
-use crate::values;
+use crate::values::{self, Periods};
 use azulejo_exchange::archive::ArchivePrecision;
 use azulejo_exchange::files::FactorFormat;
 use azulejo_exchange::files::openfoam::OpenFoamVersion;
@@ -55,6 +55,11 @@ pub struct ComputationArgs {
     /// Add the back sides of all faces as further patches
     #[arg(long)]
     pub two_sided: bool,
+    /// The model repeats itself without end along these axes: `x,y`, or with the distance from copy
+    /// to copy, in the model's units, where that is not the size of the model: `x=96,y=64`.
+    /// Computed by rays
+    #[arg(long, value_name = "AXIS[=LENGTH],...", value_parser = values::periods)]
+    pub periodic: Option<Periods>,
     /// Seed of the random numbers; the same seed gives the same result
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub seed: u64,
@@ -230,6 +235,7 @@ Examples:
   azulejo form-factors room.obj -o f.csv --patch-size 0 --by object --closure
   azulejo form-factors room.vs3 -o f.txt
   azulejo form-factors street.obj -o f.npz --by face --truncate 0.01% --memory 8G
+  azulejo form-factors city.stl -o vfsparse.inp.001 --by face --periodic x,y
   azulejo form-factors room.obj -o room.vtu --vtu-rows floor/0
   azulejo form-factors zone.obj -o zone.idf --by object --zone Room --closure
   python3 -c 'import scipy.sparse as s; print(s.load_npz(\"f.npz\").sum(axis=1))'

@@ -31,6 +31,7 @@ use azulejo_trace::Tracer;
 use destination::Destination;
 use journal::FileJournal;
 use std::borrow::Cow;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use view3d::View3dInput;
 
@@ -123,7 +124,7 @@ pub fn enclosure(
 ) -> Result<(Enclosure, Option<FileJournal>), Failure> {
     refuse_contradiction(how.computation)?;
     let engine = how.computation.engine.prepare()?;
-    let tracer = engine.tracer(scene)?;
+    let tracer = repeated(engine.tracer(scene)?, how.computation)?;
     let mut options = options(how, &engine);
     if let Some(room) = how.room {
         options = room.options(options, how.computation);
@@ -158,6 +159,17 @@ pub fn enclosure(
         }
     }
     Ok((enclosure, journal))
+}
+
+/// A tracer of the model with the copies of it that were asked for.
+fn repeated(tracer: Tracer, args: &ComputationArgs) -> Result<Tracer, Failure> {
+    let Some(periods) = args.periodic else {
+        return Ok(tracer);
+    };
+    let failed = |e: &dyn Display| Failure::failed(format_args!("--periodic: {e}"));
+    let period = periods.of_model(tracer.bounds().size());
+    let period = period.map_err(|e| failed(&e))?;
+    tracer.repeated(period).map_err(|e| failed(&e))
 }
 
 /// The analytic engine without formulas would be nothing, and particles have no form factors.
@@ -286,7 +298,8 @@ fn key(scene: &Scene, tracer: &Tracer, options: &FormFactorOptions) -> ContentKe
     let mut hasher = ContentHasher::new();
     hasher
         .add(env!("CARGO_PKG_VERSION"))
-        .add(&tracer.kernel_name());
+        .add(&tracer.kernel_name())
+        .add(&tracer.period());
     add_engine(engine, &mut hasher);
     match *size {
         PatchSize::Count(patches) => hasher.add(&0u8).add(&patches),

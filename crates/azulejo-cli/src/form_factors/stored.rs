@@ -91,6 +91,7 @@ pub fn refuse_computation(input: &InputArgs, args: &ComputationArgs) -> Result<(
         ),
         ("--tolerance", args.tolerance.is_some()),
         ("--two-sided", args.two_sided),
+        ("--periodic", args.periodic.is_some()),
         ("--engine", args.engine.engine != EngineName::Auto),
         ("--unit, --up or --place", {
             reading.unit.is_some() || reading.up.is_some() || reading.placements().next().is_some()

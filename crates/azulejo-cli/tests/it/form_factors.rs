@@ -218,3 +218,80 @@ fn nothing_to_see() {
     let text = String::from_utf8(folder.read("f.csv")).unwrap();
     assert!(!text.contains("NaN") && !text.contains("inf"));
 }
+
+/// A street two wide between walls 1.5 high, behind them roofs one wide: all of it three long, and
+/// three wide. Fronts face the street and the sky.
+const STREET: &str = "\
+v 0 0 0\nv 2 0 0\nv 2 3 0\nv 0 3 0\nv 2 0 1.5\nv 2 3 1.5\nv 3 0 1.5\nv 3 3 1.5\nv 3 0 0\nv 3 3 0
+o ground\nf 1 2 3 4\no east\nf 2 5 6 3\no roof\nf 5 7 8 6\no west\nf 9 10 8 7\n";
+
+/// Streets without end, by the crossed strings of Hottel.
+#[test]
+fn one_period_of_a_street_stands_for_a_city() {
+    let folder = Folder::new();
+    folder.write("street.obj", STREET.as_bytes());
+    let line = "form-factors street.obj --up z --by object --rays 65536 -o f.csv --periodic";
+    let report = folder.json(&format!("{line} x,y"));
+    assert_eq!(report["engine"], "rays");
+    let (width, height) = (2.0f64, 1.5f64);
+    let ground_to_sky = (1.0 + (height / width).powi(2)).sqrt() - height / width;
+    let wall_to_wall = (1.0 + (width / height).powi(2)).sqrt() - width / height;
+    let wall_to_sky = (1.0 - wall_to_wall) / 2.0;
+    let expected = [
+        ("ground", "sky", ground_to_sky),
+        ("ground", "east", (1.0 - ground_to_sky) / 2.0),
+        ("ground", "west", (1.0 - ground_to_sky) / 2.0),
+        ("east", "west", wall_to_wall),
+        ("west", "ground", wall_to_sky),
+        ("west", "sky", wall_to_sky),
+        ("roof", "sky", 1.0),
+    ];
+    let text = String::from_utf8(folder.read("f.csv")).unwrap();
+    let (entries, _) = table(&text);
+    for (from, to, factor) in expected {
+        let found = entries[&(from.to_owned(), to.to_owned())];
+        assert!(
+            (found - factor).abs() < 1e-3,
+            "{from} to {to}: {found}, not {factor}"
+        );
+    }
+    // The same with lengths, and with streets farther apart.
+    let first = folder.read("f.csv");
+    folder.ok(&format!("{line} x=3,y=3"));
+    assert_eq!(folder.read("f.csv"), first);
+    folder.ok(&format!("{line} x=8,y"));
+    let (wide, _) = table(&String::from_utf8(folder.read("f.csv")).unwrap());
+    let west_sky = wide[&("west".to_owned(), "sky".to_owned())];
+    assert!(west_sky > wall_to_sky + 0.05, "{west_sky}");
+}
+
+#[test]
+fn what_cannot_repeat_itself_is_refused() {
+    let folder = Folder::new();
+    folder.write("street.obj", STREET.as_bytes());
+    let line = "form-factors street.obj -o f.csv --periodic";
+    for (periods, code, expected) in [
+        (
+            "x=2,y",
+            1,
+            "the period along x is 2, but the model is 3 long there",
+        ),
+        ("q", 2, "\"q\" is not an axis"),
+        ("x,x", 2, "x is there twice"),
+        ("x=-1", 2, "-1 is not above 0"),
+        ("x=nan", 2, "not a number"),
+        ("x=", 2, "not a number"),
+    ] {
+        folder.fails(&format!("{line} {periods}"), code, expected);
+    }
+    folder.write("flat.obj", b"v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");
+    let flat = "form-factors flat.obj -o f.csv --periodic x,z";
+    folder.fails(flat, 1, "the model has no size along z; give the distance");
+    // Formulas see no copies: rays take their place, and say so.
+    let report = folder.json("form-factors street.obj -o f.csv --engine analytic --periodic x");
+    assert_eq!(report["engine"], "rays");
+    let notes = report["engine_notes"].to_string();
+    assert!(notes.contains("the model repeats itself"), "{notes}");
+    folder.ok("form-factors street.obj -o f.npz");
+    folder.fails("form-factors f.npz -o g.csv --periodic x", 2, "--periodic");
+}

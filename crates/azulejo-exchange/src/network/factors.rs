@@ -286,7 +286,7 @@ impl Work<'_> {
         let squares: Vec<Vec<f64>> = radiosities.par_iter().map(square).collect();
         for (block, few) in squares.chunks(LANES).enumerate() {
             progress.advance(0)?;
-            let spread = products(exchange, &parts, &lanes(few), |e| {
+            let spread = products::<LANES>(exchange, &parts, &lanes(few), |e| {
                 let variance = f64::from(e.error).powi(2);
                 if variance.is_finite() { variance } else { 0.0 }
             });

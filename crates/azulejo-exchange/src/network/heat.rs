@@ -156,7 +156,7 @@ impl<'a> HeatProblem<'a> {
         self.conditions.iter().map(given).collect()
     }
 
-    fn name(&self, row: usize) -> String {
+    pub(super) fn name(&self, row: usize) -> String {
         self.bands[0].enclosure.rows.names[row].clone()
     }
 

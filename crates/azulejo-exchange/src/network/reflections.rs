@@ -7,7 +7,7 @@
 //! ```
 //!
 //! Small systems are factored once; large ones are solved by conjugate gradients with the diagonal as
-//! preconditioner, eight right sides at a time, because reading S is what takes the time.
+//! preconditioner, up to eight right sides at a time, because reading S is what takes the time.
 
 use super::ExchangeError;
 use crate::enclosure::Enclosure;
@@ -20,7 +20,7 @@ use std::ops::Range;
 /// Up to this number of rows the system is factored: 32 MB.
 const FEW: usize = 2_000;
 
-/// Right sides that are solved together.
+/// Most right sides that are solved together.
 pub(super) const LANES: usize = 8;
 
 /// Residual at which iterations end, relative to the right side.
@@ -36,7 +36,7 @@ const MOST: usize = 2_000;
 const PARTS: usize = 16;
 
 /// Numbers of each row, one for each right side.
-type Lanes = Vec<[f64; LANES]>;
+type Lanes<const L: usize> = Vec<[f64; L]>;
 
 /// J = g + c ∘ F^s J for one c and any number of g.
 pub(super) struct Reflections<'a> {
@@ -102,55 +102,62 @@ impl<'a> Reflections<'a> {
     ) -> Result<Vec<Vec<f64>>, ExchangeError> {
         let mut solutions = Vec::with_capacity(sources.len());
         for few in sources.chunks(LANES) {
-            let g = lanes(few);
-            let arriving = self.exchanged(&g);
-            let right: Lanes = scaled(&arriving, &self.root);
-            let y = match &self.factored {
-                Some(system) => {
-                    let solve = |lane: usize| system.solve(&column(&right, lane));
-                    let columns: Vec<Vec<f64>> =
-                        (0..few.len()).into_par_iter().map(solve).collect();
-                    progress.advance(few.len() as u64)?;
-                    lanes(&columns)
-                }
-                None => self.iterate(&right, few.len(), progress)?,
-            };
-            let y = scaled(&y, &self.root);
-            for (lane, source) in few.iter().enumerate() {
-                let rows = source.iter().zip(&y);
-                solutions.push(rows.map(|(g, y)| g + y[lane]).collect());
-            }
+            solutions.extend(match few.len() {
+                1 => self.solve_few::<1>(few, progress)?,
+                2 => self.solve_few::<2>(few, progress)?,
+                3 | 4 => self.solve_few::<4>(few, progress)?,
+                _ => self.solve_few::<LANES>(few, progress)?,
+            });
         }
         Ok(solutions)
     }
 
+    /// J for each of at most `L` g.
+    fn solve_few<const L: usize>(
+        &self,
+        few: &[Vec<f64>],
+        progress: &Progress,
+    ) -> Result<Vec<Vec<f64>>, ExchangeError> {
+        let right: Lanes<L> = scaled(&self.exchanged(&lanes(few)), &self.root);
+        let y: Lanes<L> = match &self.factored {
+            Some(system) => {
+                let solve = |lane: usize| system.solve(&column(&right, lane));
+                let columns: Vec<Vec<f64>> = (0..few.len()).into_par_iter().map(solve).collect();
+                progress.advance(few.len() as u64)?;
+                lanes(&columns)
+            }
+            None => self.iterate(&right, few.len(), progress)?,
+        };
+        let y = scaled(&y, &self.root);
+        let solution = |(lane, source): (usize, &Vec<f64>)| {
+            let rows = source.iter().zip(&y);
+            rows.map(|(g, y)| g + y[lane]).collect()
+        };
+        Ok(few.iter().enumerate().map(solution).collect())
+    }
+
     /// Σ_j S_ij J_j of each row: what arrives on its area.
     pub fn arriving(&self, radiosities: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let mut all = Vec::with_capacity(radiosities.len());
-        for few in radiosities.chunks(LANES) {
-            let sums = self.exchanged(&lanes(few));
-            all.extend((0..few.len()).map(|lane| column(&sums, lane)));
-        }
-        all
+        arriving(&self.enclosure.factors.exchange, &self.parts, radiosities)
     }
 
     /// S x.
-    fn exchanged(&self, x: &Lanes) -> Lanes {
+    fn exchanged<const L: usize>(&self, x: &Lanes<L>) -> Lanes<L> {
         products(&self.enclosure.factors.exchange, &self.parts, x, |e| {
             e.value
         })
     }
 
     /// Conjugate gradients for several right sides, each for itself.
-    fn iterate(
+    fn iterate<const L: usize>(
         &self,
-        right: &Lanes,
+        right: &Lanes<L>,
         count: usize,
         progress: &Progress,
-    ) -> Result<Lanes, ExchangeError> {
+    ) -> Result<Lanes<L>, ExchangeError> {
         let n = right.len();
         let diagonal = self.inverse_diagonal();
-        let mut y: Lanes = vec![[0.0; LANES]; n];
+        let mut y: Lanes<L> = vec![[0.0; L]; n];
         let mut rest = right.clone();
         let mut next = scaled(&rest, &diagonal);
         let mut direction = next.clone();
@@ -160,17 +167,17 @@ impl<'a> Reflections<'a> {
             progress.advance(0)?;
             let left = dots(&rest, &rest);
             let is_done = |lane: usize, t: f64| left[lane] <= t * t * size[lane];
-            if (0..LANES).all(|lane| is_done(lane, TOLERANCE)) {
+            if (0..L).all(|lane| is_done(lane, TOLERANCE)) {
                 progress.advance(count as u64)?;
                 return Ok(y);
             }
-            if iteration > MOST / 2 && (0..LANES).all(|lane| is_done(lane, ENOUGH)) {
+            if iteration > MOST / 2 && (0..L).all(|lane| is_done(lane, ENOUGH)) {
                 progress.advance(count as u64)?;
                 return Ok(y);
             }
             let image = self.times(&direction);
             let curvature = dots(&direction, &image);
-            let step: [f64; LANES] = std::array::from_fn(|lane| {
+            let step: [f64; L] = std::array::from_fn(|lane| {
                 if is_done(lane, TOLERANCE) || curvature[lane] <= 0.0 {
                     0.0
                 } else {
@@ -181,7 +188,7 @@ impl<'a> Reflections<'a> {
             add(&mut rest, &step.map(|s| -s), &image);
             next = scaled(&rest, &diagonal);
             let grown = dots(&rest, &next);
-            let turn: [f64; LANES] = std::array::from_fn(|lane| {
+            let turn: [f64; L] = std::array::from_fn(|lane| {
                 if product[lane] > 0.0 {
                     grown[lane] / product[lane]
                 } else {
@@ -189,7 +196,7 @@ impl<'a> Reflections<'a> {
                 }
             });
             for (d, z) in direction.iter_mut().zip(&next) {
-                (0..LANES).for_each(|lane| d[lane] = z[lane] + turn[lane] * d[lane]);
+                (0..L).for_each(|lane| d[lane] = z[lane] + turn[lane] * d[lane]);
             }
             product = grown;
         }
@@ -197,10 +204,10 @@ impl<'a> Reflections<'a> {
     }
 
     /// The matrix times x.
-    fn times(&self, x: &Lanes) -> Lanes {
+    fn times<const L: usize>(&self, x: &Lanes<L>) -> Lanes<L> {
         let mut product = scaled(&self.exchanged(&scaled(x, &self.root)), &self.root);
         for ((p, x), weight) in product.iter_mut().zip(x).zip(&self.weights) {
-            (0..LANES).for_each(|lane| p[lane] = weight * x[lane] - p[lane]);
+            (0..L).for_each(|lane| p[lane] = weight * x[lane] - p[lane]);
         }
         product
     }
@@ -220,6 +227,29 @@ impl<'a> Reflections<'a> {
     }
 }
 
+/// Σ_j S_ij x_j of each row, for each x.
+pub(super) fn arriving(
+    exchange: &ExchangeAreas,
+    parts: &[Range<usize>],
+    vectors: &[Vec<f64>],
+) -> Vec<Vec<f64>> {
+    fn of_few<const L: usize>(
+        exchange: &ExchangeAreas,
+        parts: &[Range<usize>],
+        few: &[Vec<f64>],
+    ) -> Vec<Vec<f64>> {
+        let sums: Lanes<L> = products(exchange, parts, &lanes(few), |e| e.value);
+        (0..few.len()).map(|lane| column(&sums, lane)).collect()
+    }
+    let few = |few: &[Vec<f64>]| match few.len() {
+        1 => of_few::<1>(exchange, parts, few),
+        2 => of_few::<2>(exchange, parts, few),
+        3 | 4 => of_few::<4>(exchange, parts, few),
+        _ => of_few::<LANES>(exchange, parts, few),
+    };
+    vectors.chunks(LANES).flat_map(few).collect()
+}
+
 /// Ranges of rows with about equal numbers of pairs, which depend on the matrix alone.
 pub(super) fn parts(exchange: &ExchangeAreas) -> Vec<Range<usize>> {
     let share = exchange.pairs() / PARTS + 1;
@@ -235,67 +265,67 @@ pub(super) fn parts(exchange: &ExchangeAreas) -> Vec<Range<usize>> {
 }
 
 /// The symmetric matrix of `weight(S_ij)` times x.
-pub(super) fn products(
+pub(super) fn products<const L: usize>(
     exchange: &ExchangeAreas,
     parts: &[Range<usize>],
-    x: &Lanes,
+    x: &Lanes<L>,
     weight: impl Fn(&azulejo_factors::form_factors::Exchange) -> f64 + Sync,
-) -> Lanes {
+) -> Lanes<L> {
     let part_sums = |part: &Range<usize>| {
-        let mut sums: Lanes = vec![[0.0; LANES]; x.len()];
+        let mut sums: Lanes<L> = vec![[0.0; L]; x.len()];
         for i in part.clone() {
-            let (from, mut own) = (x[i], [0.0; LANES]);
+            let (from, mut own) = (x[i], [0.0; L]);
             for e in exchange.upper(i) {
                 let (j, weight) = (e.column as usize, weight(e));
-                (0..LANES).for_each(|lane| own[lane] += weight * x[j][lane]);
+                (0..L).for_each(|lane| own[lane] += weight * x[j][lane]);
                 if j != i {
-                    (0..LANES).for_each(|lane| sums[j][lane] += weight * from[lane]);
+                    (0..L).for_each(|lane| sums[j][lane] += weight * from[lane]);
                 }
             }
-            (0..LANES).for_each(|lane| sums[i][lane] += own[lane]);
+            (0..L).for_each(|lane| sums[i][lane] += own[lane]);
         }
         sums
     };
-    let sums: Vec<Lanes> = parts.par_iter().map(part_sums).collect();
+    let sums: Vec<Lanes<L>> = parts.par_iter().map(part_sums).collect();
     let total = |i: usize| {
-        let mut total = [0.0; LANES];
+        let mut total = [0.0; L];
         for sums in &sums {
-            (0..LANES).for_each(|lane| total[lane] += sums[i][lane]);
+            (0..L).for_each(|lane| total[lane] += sums[i][lane]);
         }
         total
     };
     (0..x.len()).into_par_iter().map(total).collect()
 }
 
-/// Up to eight vectors as one of lanes.
-pub(super) fn lanes(vectors: &[Vec<f64>]) -> Lanes {
+/// At most `L` vectors as one of lanes.
+pub(super) fn lanes<const L: usize>(vectors: &[Vec<f64>]) -> Lanes<L> {
     let rows = vectors.first().map_or(0, Vec::len);
     let row = |i: usize| std::array::from_fn(|lane| vectors.get(lane).map_or(0.0, |v| v[i]));
     (0..rows).map(row).collect()
 }
 
 /// One of the vectors.
-pub(super) fn column(lanes: &Lanes, lane: usize) -> Vec<f64> {
+fn column<const L: usize>(lanes: &Lanes<L>, lane: usize) -> Vec<f64> {
     lanes.iter().map(|row| row[lane]).collect()
 }
 
 /// x times one factor for each row.
-fn scaled(x: &Lanes, factors: &[f64]) -> Lanes {
+fn scaled<const L: usize>(x: &Lanes<L>, factors: &[f64]) -> Lanes<L> {
     let rows = x.iter().zip(factors);
     rows.map(|(x, factor)| x.map(|x| x * factor)).collect()
 }
 
-fn dots(a: &Lanes, b: &Lanes) -> [f64; LANES] {
-    let mut sums = [0.0; LANES];
+fn dots<const L: usize>(a: &Lanes<L>, b: &Lanes<L>) -> [f64; L] {
+    let mut sums = [0.0; L];
     for (a, b) in a.iter().zip(b) {
-        (0..LANES).for_each(|lane| sums[lane] += a[lane] * b[lane]);
+        (0..L).for_each(|lane| sums[lane] += a[lane] * b[lane]);
     }
     sums
 }
 
-fn add(to: &mut Lanes, shares: &[f64; LANES], x: &Lanes) {
+fn add<const L: usize>(to: &mut Lanes<L>, shares: &[f64; L], x: &Lanes<L>) {
     for (to, x) in to.iter_mut().zip(x) {
-        (0..LANES).for_each(|lane| to[lane] += shares[lane] * x[lane]);
+        (0..L).for_each(|lane| to[lane] += shares[lane] * x[lane]);
     }
 }
 

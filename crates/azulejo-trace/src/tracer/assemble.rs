@@ -324,6 +324,7 @@ impl Parts {
             own_items: self.own_items,
             prototypes: self.prototypes,
             transparencies: None,
+            cell: None,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The tracer: a scene prepared for rays.
 
 mod assemble;
+mod periodic;
 mod placed;
 mod transparency;
 mod twins;
@@ -15,6 +16,8 @@ use assemble::assemble;
 use azulejo_scene::Scene;
 use azulejo_scene::math::{Aabb, Ray};
 use glam::DVec3;
+use periodic::Cell;
+pub use periodic::PeriodError;
 use placed::Placed;
 use transparency::ItemTransparencies;
 
@@ -67,6 +70,8 @@ pub struct Tracer {
     prototypes: u32,
     /// What lets light pass; `None` if nothing does.
     transparencies: Option<ItemTransparencies>,
+    /// What is repeated; `None` if the scene stands alone.
+    cell: Option<Cell>,
 }
 
 #[derive(Clone, Debug)]
@@ -273,6 +278,7 @@ impl Tracer {
     /// For a miss, or a hit of another tracer.
     pub fn resolve(&self, ray: &Ray, hit: &KernelHit) -> Hit {
         let item = self.item(hit.item);
+        let ray = &self.in_own_cell(ray, f64::from(hit.t));
         let point = match self.triangles.get(hit.item as usize) {
             Some(triangle) => {
                 let mesh = self.mesh_of(hit.item);
@@ -323,6 +329,14 @@ impl Tracer {
 
     /// The first surface on each ray, whether light passes through it or not.
     fn kernel_closest(&self, rays: &[KernelRay], hits: &mut [KernelHit]) {
+        match &self.cell {
+            None => self.own_closest(rays, hits),
+            Some(cell) => self.closest_in_cells(cell, rays, hits),
+        }
+    }
+
+    /// The same of the scene itself, without its copies.
+    fn own_closest(&self, rays: &[KernelRay], hits: &mut [KernelHit]) {
         let Some(external) = &self.external else {
             return self.instructions.closest(&self.kernel_scene(), rays, hits);
         };
@@ -355,6 +369,9 @@ impl Tracer {
 
     /// Whether there is any surface on each ray, whether light passes through it or not.
     fn kernel_any(&self, rays: &[KernelRay], blocked: &mut [bool]) {
+        if let Some(cell) = &self.cell {
+            return self.any_in_cells(cell, rays, blocked);
+        }
         let Some(external) = &self.external else {
             return self.instructions.any(&self.kernel_scene(), rays, blocked);
         };
