@@ -204,9 +204,12 @@ impl<'a> NewtonWork<'a> {
                 let emitted = band.emissivity[i] * band.range.emission(temperatures[i]);
                 emitted + self.diffuse[k][i] * irradiations[k][i]
             }),
-            slopes: of_bands(&|k, i| match self.unknown[i] {
-                true => self.bands[k].range.slope(temperatures[i]),
-                false => 0.0,
+            slopes: of_bands(&|k, i| {
+                if self.unknown[i] {
+                    self.bands[k].range.slope(temperatures[i])
+                } else {
+                    0.0
+                }
             }),
             temperatures,
             irradiations,
