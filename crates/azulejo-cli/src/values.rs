@@ -68,66 +68,6 @@ pub fn tolerance(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Axes along which a model repeats itself, each with the distance from copy to copy if one is
-/// given.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Periods([Option<Period>; 3]);
-
-/// The distance from copy to copy.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Period {
-    /// The size of the model.
-    Size,
-    /// A length in the model's units.
-    Length(f64),
-}
-
-impl Periods {
-    /// The distances for a model of that size; zero along axes without repetition.
-    pub fn of_model(&self, size: DVec3) -> Result<DVec3, String> {
-        let mut lengths = DVec3::ZERO;
-        for axis in 0..3 {
-            lengths[axis] = match self.0[axis] {
-                None => 0.0,
-                Some(Period::Length(length)) => length,
-                Some(Period::Size) if size[axis] > 0.0 => size[axis],
-                Some(Period::Size) => {
-                    let axis = AXES[axis];
-                    return Err(format!(
-                        "the model has no size along {axis}; give the distance, as in {axis}=10"
-                    ));
-                }
-            };
-        }
-        Ok(lengths)
-    }
-}
-
-const AXES: [&str; 3] = ["x", "y", "z"];
-
-/// Axes with or without lengths: `x,y` or `x=96,y=64`.
-pub fn periods(text: &str) -> Result<Periods, String> {
-    let mut periods = [None; 3];
-    for part in text.split(',') {
-        let (axis, period) = match part.split_once('=') {
-            None => (part, Period::Size),
-            Some((axis, length)) => (axis, Period::Length(positive(length)?)),
-        };
-        let index = AXES.iter().position(|name| *name == axis.trim());
-        let Some(index) = index else {
-            return Err(format!(
-                "\"{}\" is not an axis; expected x, y or z, each with or without a length, as in x,y or \
-                 x=96,y=64",
-                axis.trim()
-            ));
-        };
-        if periods[index].replace(period).is_some() {
-            return Err(format!("{} is there twice", axis.trim()));
-        }
-    }
-    Ok(Periods(periods))
-}
-
 /// The resolution of a hemicube: even, 2 to 4096.
 pub fn resolution(text: &str) -> Result<u32, String> {
     match text.trim().parse::<u32>() {

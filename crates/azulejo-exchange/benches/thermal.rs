@@ -7,7 +7,7 @@
 //! | `urban` | form factors of an array of cubes below the sky, by rays, and the error of their rows | 23,328 |
 //! | `archive` | size of the `.npz` of a closed room, by rays | 17,600 |
 //! | `exchange` | temperatures of a closed room, given on half of the rows and adiabatic on the others, in two bands and in one | 10,000 |
-//! | `network` | conductances between its objects and all rows of one | 10,000 |
+//! | `network` | conductances between 20 nodes of such a room | 10,000 |
 
 #![allow(clippy::print_stdout, reason = "printing is what a benchmark is for")]
 
@@ -16,8 +16,8 @@ mod usage;
 
 use azulejo_exchange::archive::{self, ArchivePrecision};
 use azulejo_exchange::{
-    Enclosure, GroupBy, HeatProblem, RowCondition, SpectralRange, SurfaceBand, exchange_factors,
-    heat_balance,
+    Enclosure, GroupBy, Groups, HeatProblem, RowCondition, SpectralRange, SurfaceBand,
+    exchange_factors, heat_balance,
 };
 use azulejo_factors::form_factors::{Closure, NoJournal, Plan};
 use azulejo_factors::{Engine, FormFactorOptions, PatchSize};
@@ -184,19 +184,25 @@ fn temperatures(facets: usize) {
     }
 }
 
+/// Nodes of a network.
+const NODES: usize = 20;
+
 fn conductances(facets: usize) {
     let found = measured("form factors of a room", || {
         enclosure(&room_with_table(facets), &faces(Engine::Rays))
     });
     let n = found.len();
-    let nodes = found.groups(GroupBy::Object);
+    let nodes = Groups {
+        of_rows: (0..n).map(|i| Some((i * NODES / n) as u32)).collect(),
+        names: (0..NODES).map(|node| format!("node {node}")).collect(),
+    };
     for phase in [0, 3] {
         let band = SurfaceBand {
             enclosure: &found,
             range: SpectralRange::Thermal,
             emissivity: emissivities(n, phase),
         };
-        let network = measured("conductances between objects", || {
+        let network = measured("conductances between nodes", || {
             exchange_factors(&band, &nodes, &Progress::new()).expect("conductances")
         });
         println!("{n} facets, {} nodes", network.len());

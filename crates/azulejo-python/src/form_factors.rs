@@ -38,10 +38,10 @@ pub fn compute_form_factors(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<NativeFormFactors> {
     let by = choices::group_by(by)?;
-    let (shared, options) = (scene.shared(), options.options()?);
+    let (shared, periods, options) = (scene.shared(), options.periods()?, options.options()?);
     let found = work::run(py, &WorkOptions::new(threads, progress), move |p| {
-        let (scene, tracer) = (&shared.scene, shared.tracer());
-        compute(scene, tracer, by, &options, p)
+        let tracer = shared.repeated(periods)?;
+        compute(&shared.scene, &tracer, by, &options, p)
     })?;
     Ok(NativeFormFactors::new(found))
 }

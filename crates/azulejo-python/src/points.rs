@@ -48,11 +48,13 @@ pub fn compute_point_factors<'py>(
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<PointArrays<'py>> {
-    let (by, options) = (choices::group_by(by)?, options.options()?);
+    let by = choices::group_by(by)?;
+    let (periods, options) = (options.periods()?, options.options()?);
     let points = factor_points(&points, normals.as_ref())?;
     let shared = scene.shared();
     let (found, groups) = work::run(py, &WorkOptions::new(threads, progress), move |p| {
-        from_points(&shared.scene, shared.tracer(), by, &options, &points, p)
+        let tracer = shared.repeated(periods)?;
+        from_points(&shared.scene, &tracer, by, &options, &points, p)
     })?;
     let count = groups.names.len();
     let names = by.is_some().then_some(groups.names);

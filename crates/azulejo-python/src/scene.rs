@@ -4,6 +4,7 @@ use crate::arrays::{colours, triples, vectors};
 use crate::brdf;
 use crate::choices;
 use crate::error::refused;
+use azulejo::periods::Periods;
 use azulejo_scene::sky::SUN_HALF_ANGLE;
 use azulejo_scene::{
     Exact, Faces, Light, LightKind, MOST_FACE_CORNERS, Material, MaterialId, Mesh, Object, Rgb,
@@ -13,6 +14,7 @@ use azulejo_trace::Tracer;
 use glam::DVec3;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
+use std::borrow::Cow;
 use std::sync::{Arc, OnceLock};
 
 /// A scene with its tracer, which is made when it is first needed.
@@ -36,6 +38,16 @@ impl SharedScene {
     /// The tracer of the scene.
     pub fn tracer(&self) -> &Tracer {
         self.tracer.get_or_init(|| Tracer::new(&self.scene))
+    }
+
+    /// The same, of the scene repeated without end.
+    pub fn repeated(&self, periods: Option<Periods>) -> PyResult<Cow<'_, Tracer>> {
+        let Some(periods) = periods else {
+            return Ok(Cow::Borrowed(self.tracer()));
+        };
+        let repeated = periods.repeated(self.tracer().clone());
+        let repeated = repeated.map_err(|e| refused(format_args!("periodic: {e}")))?;
+        Ok(Cow::Owned(repeated))
     }
 }
 

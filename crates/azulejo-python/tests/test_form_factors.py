@@ -256,3 +256,43 @@ def test_entries_that_do_not_exist(cube: az.Scene, refuses) -> None:
     refuses("two labels are the same as text", lambda: patches.group([1, "1", 1, 1, 1, 1]))
     refuses('no label for "x0"', lambda: groups.group({"lid": "top"}))
     refuses("share is 2.0", lambda: patches.truncate(2))
+
+
+def street():
+    """A street two wide between walls 1.5 high and roofs one wide: 3 × 3 in all."""
+    return az.Scene(
+        {
+            "ground": ([[0, 0, 0], [2, 0, 0], [2, 3, 0], [0, 3, 0]], [[0, 1, 2, 3]]),
+            "east": ([[2, 0, 0], [2, 0, 1.5], [2, 3, 1.5], [2, 3, 0]], [[0, 1, 2, 3]]),
+            "roof": ([[2, 0, 1.5], [3, 0, 1.5], [3, 3, 1.5], [2, 3, 1.5]], [[0, 1, 2, 3]]),
+            "west": ([[3, 0, 0], [3, 3, 0], [3, 3, 1.5], [3, 0, 1.5]], [[0, 1, 2, 3]]),
+        }
+    )
+
+
+def test_periodic_scenes_stand_for_endless_ones():
+    f = az.form_factors(street(), by="object", rays=65_536, periodic="x,y")
+    to_sky = np.hypot(1, 0.75) - 0.75  # Hottel's crossed strings
+    assert abs(f.sky[0] - to_sky) < 1e-3
+    assert abs(f["east", "west"] - (np.hypot(1, 4 / 3) - 4 / 3)) < 1e-3
+    given = {"x": 3.0, "y": None}
+    same = az.form_factors(street(), by="object", rays=65_536, periodic=given)
+    assert np.array_equal(same.matrix.toarray(), f.matrix.toarray())
+    middle = az.point_factors(street(), [[1.0, 1.5, 0.0]], [0, 0, 1], periodic="x,y", rays=16_384)
+    assert abs(middle.sky[0] - np.sin(np.arctan(1 / 1.5))) < 3e-3
+
+
+@pytest.mark.parametrize(
+    ("periodic", "error", "words"),
+    [
+        ("q", az.AzulejoError, "not an axis"),
+        ({"x": -1.0}, az.AzulejoError, "not a length above 0"),
+        ({"x": 2.0}, az.AzulejoError, "the model is 3 long"),
+        ({"x": float("nan")}, az.AzulejoError, "finite"),
+        ({"x": "wide"}, TypeError, "expected a number"),
+        (3.0, TypeError, "a mapping of axes"),
+    ],
+)
+def test_wrong_periods_are_refused(periodic, error, words):
+    with pytest.raises(error, match=words):
+        az.form_factors(street(), periodic=periodic)

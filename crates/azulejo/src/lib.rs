@@ -33,6 +33,7 @@ pub mod lightmap;
 pub mod machine;
 pub mod models;
 pub mod output;
+pub mod periods;
 pub mod recipe;
 pub mod spelling;
 pub mod surroundings;

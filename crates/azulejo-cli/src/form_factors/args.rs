@@ -2,7 +2,8 @@
 
 use crate::args::{DivisionArgs, InputArgs};
 use crate::engine::EngineArgs;
-use crate::values::{self, Periods};
+use crate::values;
+use azulejo::periods::Periods;
 use azulejo_exchange::archive::ArchivePrecision;
 use azulejo_exchange::files::FactorFormat;
 use azulejo_exchange::files::openfoam::OpenFoamVersion;
@@ -10,6 +11,7 @@ use azulejo_factors::Closure;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum, ValueHint};
 use std::path::PathBuf;
+use std::str::FromStr;
 use std::sync::LazyLock;
 
 /// `form-factors`
@@ -58,7 +60,7 @@ pub struct ComputationArgs {
     /// The model repeats itself without end along these axes: `x,y`, or with the distance from copy
     /// to copy, in the model's units, where that is not the size of the model: `x=96,y=64`.
     /// Computed by rays
-    #[arg(long, value_name = "AXIS[=LENGTH],...", value_parser = values::periods)]
+    #[arg(long, value_name = "AXIS[=LENGTH],...", value_parser = Periods::from_str)]
     pub periodic: Option<Periods>,
     /// Seed of the random numbers; the same seed gives the same result
     #[arg(long, value_name = "N", default_value_t = 0)]

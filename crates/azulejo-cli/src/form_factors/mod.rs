@@ -31,7 +31,6 @@ use azulejo_trace::Tracer;
 use destination::Destination;
 use journal::FileJournal;
 use std::borrow::Cow;
-use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use view3d::View3dInput;
 
@@ -166,10 +165,8 @@ fn repeated(tracer: Tracer, args: &ComputationArgs) -> Result<Tracer, Failure> {
     let Some(periods) = args.periodic else {
         return Ok(tracer);
     };
-    let failed = |e: &dyn Display| Failure::failed(format_args!("--periodic: {e}"));
-    let period = periods.of_model(tracer.bounds().size());
-    let period = period.map_err(|e| failed(&e))?;
-    tracer.repeated(period).map_err(|e| failed(&e))
+    let repeated = periods.repeated(tracer);
+    repeated.map_err(|e| Failure::failed(format_args!("--periodic: {e}")))
 }
 
 /// The analytic engine without formulas would be nothing, and particles have no form factors.

@@ -278,9 +278,9 @@ fn what_cannot_repeat_itself_is_refused() {
         ),
         ("q", 2, "\"q\" is not an axis"),
         ("x,x", 2, "x is there twice"),
-        ("x=-1", 2, "-1 is not above 0"),
-        ("x=nan", 2, "not a number"),
-        ("x=", 2, "not a number"),
+        ("x=-1", 2, "\"-1\" is not a length above 0"),
+        ("x=nan", 2, "not a length"),
+        ("x=", 2, "not a length"),
     ] {
         folder.fails(&format!("{line} {periods}"), code, expected);
     }

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import operator
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, Union
 
 import numpy as np
@@ -48,6 +48,20 @@ def real(name: str, value: Any) -> float:
     if not math.isfinite(number):
         raise AzulejoError(f"{name} is {number}, expected a finite number")
     return number
+
+
+def periods(value: Any) -> str | None:
+    """Axes along which a scene repeats itself, with or without lengths, as the command spells them."""
+    if value is None or isinstance(value, str):
+        return value
+    if not isinstance(value, Mapping):
+        kind = type(value).__name__
+        raise TypeError(f"periodic is a {kind}, expected text as 'x,y' or a mapping of axes to lengths")
+    lengths = value.items()
+    return ",".join(
+        f"{axis}" if length is None else f"{axis}={real(f'periodic[{axis!r}]', length)!r}"
+        for axis, length in lengths
+    )
 
 
 def not_negative(name: str, value: Any) -> float | None:

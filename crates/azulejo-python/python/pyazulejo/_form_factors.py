@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from ._checks import division, hemicubes, listed, optional_whole, positive, whole
+from ._checks import division, hemicubes, listed, optional_whole, periods, positive, whole
 from ._checks import memory as _memory
 from ._checks import share as _share
 from ._checks import threads as _threads
@@ -66,6 +66,7 @@ def form_factors(
     accuracy: float | None = None,
     resolution: int | None = None,
     patch_points: int | None = None,
+    periodic: str | Mapping[str, float | None] | None = None,
     seed: int = 0,
     memory: int | str | None = None,
     threads: int | None = None,
@@ -103,6 +104,10 @@ def form_factors(
         Error of row sums that the engine "analytic" has to reach.
     resolution, patch_points : int, optional
         Pixels of a hemicube's side, and hemicubes of a patch.
+    periodic : str or mapping, optional
+        Axes along which the scene repeats itself without end: ``"x,y"``, or with the distances from
+        copy to copy, scene units, where these are not its size: ``{"x": 96.0, "y": None}``. Rays take
+        the place of other engines.
     seed : int, optional
         Seed of the random numbers.
     memory : int or str, optional
@@ -136,6 +141,7 @@ def form_factors(
         "formulas": bool(formulas),
         "accuracy": positive("accuracy", accuracy),
         **hemicubes(resolution, patch_points),
+        "periodic": periods(periodic),
         "seed": whole("seed", seed, 0, 2**64 - 1),
         "memory": _memory(memory),
     }

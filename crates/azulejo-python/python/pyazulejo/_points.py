@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from ._checks import division, facing, listed, optional_whole, rows, whole
+from ._checks import division, facing, listed, optional_whole, periods, rows, whole
 from ._checks import memory as _memory
 from ._checks import threads as _threads
 from ._form_factors import Factor
@@ -32,6 +33,7 @@ def point_factors(
     patches: int | None = None,
     patch_size: float | None = None,
     two_sided: bool = False,
+    periodic: str | Mapping[str, float | None] | None = None,
     seed: int = 0,
     memory: int | str | None = None,
     threads: int | None = None,
@@ -60,7 +62,7 @@ def point_factors(
         How finely surfaces are divided, for ``by="patch"``, as for :func:`form_factors`.
     two_sided : bool, optional
         Whether the backs of faces are columns, too. Otherwise what they receive is `hidden`.
-    seed, memory, threads, progress
+    periodic, seed, memory, threads, progress
         As for :func:`form_factors`.
 
     Returns
@@ -96,6 +98,7 @@ def point_factors(
         "accuracy": None,
         "resolution": None,
         "patch_points": None,
+        "periodic": periods(periodic),
         "seed": whole("seed", seed, 0, 2**64 - 1),
         "memory": _memory(memory),
     }

@@ -2,6 +2,7 @@
 
 use crate::choices;
 use crate::error::refused;
+use azulejo::periods::Periods;
 use azulejo_factors::{Closure, Engine, FormFactorOptions};
 use pyo3::prelude::*;
 
@@ -22,6 +23,7 @@ pub struct OptionArgs {
     memory: Option<u64>,
     resolution: Option<u32>,
     patch_points: Option<u32>,
+    periodic: Option<String>,
 }
 
 impl OptionArgs {
@@ -45,6 +47,16 @@ impl OptionArgs {
             },
             memory: self.memory.unwrap_or_else(machine),
         })
+    }
+
+    /// Where the scene repeats itself.
+    pub fn periods(&self) -> PyResult<Option<Periods>> {
+        let text = self.periodic.as_deref();
+        let parsed = text.map(|text| {
+            text.parse()
+                .map_err(|e: String| refused(format_args!("periodic: {e}")))
+        });
+        parsed.transpose()
     }
 
     /// A number of rays, or no formulas, choose rays where nothing else does.
