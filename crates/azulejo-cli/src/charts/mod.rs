@@ -1,8 +1,10 @@
 //! Charts of reports, and the style of their pages.
 
 mod draw;
+mod report_page;
 
 pub use draw::svg;
+pub use report_page::{machine_table, page_head, plots, write_report};
 
 use crate::drawing::{COLORS, Color, GRID, INK, hex};
 use std::fmt;
@@ -12,7 +14,7 @@ const STYLE: &str = include_str!("style.css");
 
 /// The style sheet, with rules that replace the colours of inline plots by those of the page. Lines of
 /// plots are paler in the dark.
-pub fn page_style() -> String {
+fn page_style() -> String {
     let rule = |color: Color, value: &str| {
         let color = hex(color);
         let of = |name: &str| format!("figure svg [{name}=\"{color}\"] {{ {name}: {value}; }}\n");

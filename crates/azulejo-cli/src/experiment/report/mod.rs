@@ -6,12 +6,10 @@ mod tables;
 
 use super::record::{TaskOutcome, TaskRecord};
 use super::suite::Suite;
-use crate::charts;
+use crate::charts::write_report;
 use crate::failure::Failure;
 use crate::machine_info::MachineInfo;
-use azulejo::output::{Output, commit};
 use azulejo_trace::Progress;
-use std::io::Write;
 use std::path::Path;
 
 /// File name of the page.
@@ -43,19 +41,7 @@ pub fn write(
     {
         files.push(("truths.csv".to_owned(), tables::truths_csv(records)));
     }
-    files.extend(
-        figures
-            .iter()
-            .map(|f| (format!("{}.svg", f.name), charts::svg(f))),
-    );
-    let mut drafts = Vec::new();
-    for (name, text) in files {
-        let mut draft = Output::check(&folder.join(name))?.draft()?;
-        let written = draft.write_all(text.as_bytes());
-        written.map_err(|e| draft.error(e))?;
-        drafts.push(draft);
-    }
-    Ok(commit(drafts, progress)?)
+    write_report(folder, files, &figures, progress)
 }
 
 fn json(suite: &Suite, machine: &MachineInfo, records: &[&TaskRecord]) -> String {

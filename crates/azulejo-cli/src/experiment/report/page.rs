@@ -3,7 +3,7 @@
 use super::super::record::{RunRecord, TaskOutcome, TaskRecord, TruthRecord};
 use super::super::suite::Suite;
 use super::tables::{RepeatedRun, repeated, short, truths};
-use crate::charts::{ChartSpec, page_style, svg};
+use crate::charts::{ChartSpec, machine_table, page_head, plots};
 use crate::drawing::escaped;
 use crate::machine_info::MachineInfo;
 use std::fmt::Write;
@@ -34,18 +34,12 @@ impl Page<'_> {
 
     fn write(&self, out: &mut String) -> std::fmt::Result {
         let title = escaped(&self.suite.title);
-        write!(
-            out,
-            "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
-             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
-             <title>{title}</title>\n<style>\n{}</style></head>\n<body>\n<h1>{title}</h1>\n",
-            page_style()
-        )?;
+        out.push_str(&page_head(&title));
         for paragraph in self.suite.about.trim().split("\n\n") {
             writeln!(out, "<p>{}</p>", escaped(paragraph))?;
         }
-        self.machine(out)?;
-        self.plots(out)?;
+        machine_table(self.machine, out)?;
+        plots(self.figures, bars, out)?;
         self.slopes(out)?;
         self.runs(out)?;
         self.answers(out)?;
@@ -53,35 +47,6 @@ impl Page<'_> {
         self.failures(out)?;
         out.push_str(READING);
         out.push_str("</body></html>\n");
-        Ok(())
-    }
-
-    fn machine(&self, out: &mut String) -> std::fmt::Result {
-        out.push_str("<h2>Measured on</h2>\n<table class=\"facts\">\n");
-        for (name, words) in self.machine.lines() {
-            writeln!(out, "<tr><th>{name}</th><td>{}</td></tr>", escaped(&words))?;
-        }
-        out.push_str("</table>\n");
-        Ok(())
-    }
-
-    fn plots(&self, out: &mut String) -> std::fmt::Result {
-        if self.figures.is_empty() {
-            return Ok(());
-        }
-        out.push_str("<h2>Plots</h2>\n<div class=\"plots\">\n");
-        for figure in self.figures {
-            writeln!(
-                out,
-                "<figure>{}<figcaption>{} against {}{} <a href=\"{}.svg\">SVG</a></figcaption></figure>",
-                svg(figure),
-                figure.y.label,
-                figure.x.label,
-                bars(figure),
-                figure.name,
-            )?;
-        }
-        out.push_str("</div>\n");
         Ok(())
     }
 

@@ -7,12 +7,10 @@ use super::ValidationResults;
 use super::args::ValidateArgs;
 use super::engines::CheckedEngines;
 use super::record::CheckRecord;
-use crate::charts;
+use crate::charts::write_report;
 use crate::failure::Failure;
 use crate::machine_info::MachineInfo;
-use azulejo::output::{Output, commit};
 use azulejo_trace::Progress;
-use std::io::Write;
 
 /// File name of the page.
 pub const PAGE: &str = "index.html";
@@ -33,24 +31,12 @@ pub fn write(
         machine,
         figures: &figures,
     };
-    let mut files = vec![
+    let files = vec![
         ("results.csv".to_owned(), csv(&results.records)),
         ("results.json".to_owned(), json(args, results, machine)),
         (PAGE.to_owned(), page.html()),
     ];
-    files.extend(
-        figures
-            .iter()
-            .map(|f| (format!("{}.svg", f.name), charts::svg(f))),
-    );
-    let mut drafts = Vec::new();
-    for (name, text) in files {
-        let mut draft = Output::check(&args.output.join(name))?.draft()?;
-        let written = draft.write_all(text.as_bytes());
-        written.map_err(|e| draft.error(e))?;
-        drafts.push(draft);
-    }
-    Ok(commit(drafts, progress)?)
+    write_report(&args.output, files, &figures, progress)
 }
 
 fn json(args: &ValidateArgs, results: &ValidationResults, machine: &MachineInfo) -> String {

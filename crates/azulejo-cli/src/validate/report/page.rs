@@ -4,7 +4,7 @@ use super::super::args::ValidateArgs;
 use super::super::engines::CheckedEngines;
 use super::super::record::{CheckOutcome, CheckRecord, ValidationPart};
 use super::super::{ValidationResults, closed_forms};
-use crate::charts::{ChartSpec, page_style, svg};
+use crate::charts::{ChartSpec, machine_table, page_head, plots};
 use crate::drawing::escaped;
 use crate::machine_info::MachineInfo;
 use crate::report::{seconds, short};
@@ -38,18 +38,12 @@ impl ValidationPage<'_> {
 
     fn write(&self, out: &mut String) -> std::fmt::Result {
         let title = format!("Validation of azulejo {}", env!("CARGO_PKG_VERSION"));
-        write!(
-            out,
-            "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
-             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
-             <title>{title}</title>\n<style>\n{}</style></head>\n<body>\n<h1>{title}</h1>\n",
-            page_style()
-        )?;
+        out.push_str(&page_head(&title));
         self.verdict(out)?;
         self.parts(out)?;
         self.engines(out)?;
-        self.machine(out)?;
-        self.plots(out)?;
+        machine_table(self.machine, out)?;
+        plots(self.figures, |_| ".", out)?;
         out.push_str(ABOUT);
         for part in ValidationPart::ALL {
             self.table(part, out)?;
@@ -149,34 +143,6 @@ impl ValidationPage<'_> {
         for (name, why) in &self.engines.missing {
             writeln!(out, "<p>Not checked here: {name}. {}</p>", escaped(why))?;
         }
-        Ok(())
-    }
-
-    fn machine(&self, out: &mut String) -> std::fmt::Result {
-        out.push_str("<h2>Measured on</h2>\n<table class=\"facts\">\n");
-        for (name, words) in self.machine.lines() {
-            writeln!(out, "<tr><th>{name}</th><td>{}</td></tr>", escaped(&words))?;
-        }
-        out.push_str("</table>\n");
-        Ok(())
-    }
-
-    fn plots(&self, out: &mut String) -> std::fmt::Result {
-        if self.figures.is_empty() {
-            return Ok(());
-        }
-        out.push_str("<h2>Plots</h2>\n<div class=\"plots\">\n");
-        for figure in self.figures {
-            writeln!(
-                out,
-                "<figure>{}<figcaption>{} against {}. <a href=\"{}.svg\">SVG</a></figcaption></figure>",
-                svg(figure),
-                figure.y.label,
-                figure.x.label,
-                figure.name,
-            )?;
-        }
-        out.push_str("</div>\n");
         Ok(())
     }
 
