@@ -220,9 +220,9 @@ fn nothing_to_see() {
 }
 
 /// A street two wide between walls 1.5 high, behind them roofs one wide: all of it three long, and
-/// three wide. Fronts face the street and the sky.
+/// three wide, with Y up. Fronts face the street and the sky.
 const STREET: &str = "\
-v 0 0 0\nv 2 0 0\nv 2 3 0\nv 0 3 0\nv 2 0 1.5\nv 2 3 1.5\nv 3 0 1.5\nv 3 3 1.5\nv 3 0 0\nv 3 3 0
+v 0 0 0\nv 2 0 0\nv 2 0 -3\nv 0 0 -3\nv 2 1.5 0\nv 2 1.5 -3\nv 3 1.5 0\nv 3 1.5 -3\nv 3 0 0\nv 3 0 -3
 o ground\nf 1 2 3 4\no east\nf 2 5 6 3\no roof\nf 5 7 8 6\no west\nf 9 10 8 7\n";
 
 /// Streets without end, by the crossed strings of Hottel.
@@ -230,8 +230,9 @@ o ground\nf 1 2 3 4\no east\nf 2 5 6 3\no roof\nf 5 7 8 6\no west\nf 9 10 8 7\n"
 fn one_period_of_a_street_stands_for_a_city() {
     let folder = Folder::new();
     folder.write("street.obj", STREET.as_bytes());
-    let line = "form-factors street.obj --up z --by object --rays 65536 -o f.csv --periodic";
-    let report = folder.json(&format!("{line} x,y"));
+    let line =
+        "form-factors street.obj --patch-size 0 --by object --rays 65536 -o f.csv --periodic";
+    let report = folder.json(&format!("{line} x,z"));
     assert_eq!(report["engine"], "rays");
     let (width, height) = (2.0f64, 1.5f64);
     let ground_to_sky = (1.0 + (height / width).powi(2)).sqrt() - height / width;
@@ -257,9 +258,9 @@ fn one_period_of_a_street_stands_for_a_city() {
     }
     // The same with lengths, and with streets farther apart.
     let first = folder.read("f.csv");
-    folder.ok(&format!("{line} x=3,y=3"));
+    folder.ok(&format!("{line} x=3,z=3"));
     assert_eq!(folder.read("f.csv"), first);
-    folder.ok(&format!("{line} x=8,y"));
+    folder.ok(&format!("{line} x=8,z"));
     let (wide, _) = table(&String::from_utf8(folder.read("f.csv")).unwrap());
     let west_sky = wide[&("west".to_owned(), "sky".to_owned())];
     assert!(west_sky > wall_to_sky + 0.05, "{west_sky}");

@@ -11,9 +11,12 @@ use std::fmt;
 /// wall of height h, about h / (20,000 period) goes farther.
 const MOST_CELLS: u32 = 1 << 14;
 
-/// How far the parts of a ray in two neighbouring cells overlap, in the kernel's coordinates: a few
-/// times the rounding of `f32`, so that no ray slips through where cells meet.
+/// How far the parts of a ray in two neighbouring cells overlap, in the kernel's coordinates across the
+/// plane where they meet: a few times the rounding of `f32`, so that no ray slips through.
 const OVERLAP: f64 = 1e-6;
+
+/// The same along the ray, at most.
+const LONGEST_OVERLAP: f64 = 4.0;
 
 /// A scene may be larger than its period by this share of it: the rounding of files.
 const SLACK: f64 = 1e-5;
@@ -163,12 +166,12 @@ struct Walk {
     ray: usize,
     origin: DVec3,
     direction: DVec3,
-    /// Parameter per unit of length.
-    per_length: f64,
     /// The cell where it is; whole numbers, in which `f64` is exact.
     cell: DVec3,
     /// Where it entered that cell.
     t: f64,
+    /// How far its part in this cell reaches back into the one before.
+    overlap: f64,
     t_max: f64,
 }
 
@@ -246,27 +249,26 @@ impl Cell {
             ray,
             origin,
             direction,
-            per_length: 1.0 / length,
             cell,
             t,
+            overlap: 0.0,
             t_max: f64::from(given.t_max),
         })
     }
 
     /// What of a ray lies in its cell; `None` if nothing of the scene can lie ahead of it.
     fn part(&self, walk: &Walk, given: &KernelRay) -> Option<(Part, KernelRay)> {
-        let overlap = OVERLAP * walk.per_length;
-        if walk.t - overlap >= walk.t_max || self.is_past(walk, overlap) {
+        if walk.t - walk.overlap >= walk.t_max || self.is_past(walk) {
             return None;
         }
         let end = self.end(walk);
-        let to = (end.0 + overlap).min(walk.t_max);
+        let to = (end.0 + overlap(walk, end.1)).min(walk.t_max);
         let shift = self.shift(walk.cell);
         let is_first = walk.t <= f64::from(given.t_min).max(0.0);
         let (from, t_min) = if is_first {
             (0.0, given.t_min)
         } else {
-            (walk.t - overlap, 0.0)
+            (walk.t - walk.overlap, 0.0)
         };
         let piece = KernelRay {
             origin: single(walk.origin + from * walk.direction - shift),
@@ -313,12 +315,13 @@ impl Cell {
         }
         walk.cell[axis] += walk.direction[axis].signum();
         walk.t = t;
+        walk.overlap = overlap(&walk, axis);
         Some(walk)
     }
 
     /// Whether a ray has passed the whole scene along an axis without repetition.
-    fn is_past(&self, walk: &Walk, overlap: f64) -> bool {
-        let at = walk.origin + (walk.t - overlap).max(0.0) * walk.direction;
+    fn is_past(&self, walk: &Walk) -> bool {
+        let at = walk.origin + (walk.t - walk.overlap).max(0.0) * walk.direction;
         (0..3).any(|axis| {
             let (ahead, way) = (at[axis], walk.direction[axis]);
             let half = self.half[axis] + OVERLAP;
@@ -335,6 +338,12 @@ impl Cell {
             DVec3::ZERO,
         )
     }
+}
+
+/// How far parts of a ray overlap beside a plane across an axis, in units of `t`.
+fn overlap(walk: &Walk, axis: usize) -> f64 {
+    let across = OVERLAP / walk.direction[axis].abs();
+    across.min(LONGEST_OVERLAP / walk.direction.length())
 }
 
 #[cfg(test)]
@@ -419,6 +428,31 @@ mod tests {
         assert_eq!(cell.hit(&along), None);
         let up = Ray::new(DVec3::new(1.5, 0.0, 0.5), DVec3::new(0.6, 0.0, 0.8));
         assert!(!cell.occluded(&up));
+    }
+
+    /// Rays from the ground beside a wall where cells meet, steep ones too, hit its front.
+    #[test]
+    fn walls_between_cells_are_tight() {
+        let mut scene = Scene::default();
+        let grey = scene.add_material(Material::diffuse("grey", Rgb::grey(0.5)));
+        for (at, a, b) in [
+            (DVec3::ZERO, 3.0 * DVec3::X, 3.0 * DVec3::Y),
+            (3.0 * DVec3::X, 3.0 * DVec3::Y, 1.5 * DVec3::Z),
+        ] {
+            let face = Primitive::parallelogram(at, a, b, grey);
+            scene.objects.push(Object::new("", Shape::Primitive(face)));
+        }
+        let cell = Tracer::new(&scene);
+        let cell = cell.repeated(DVec3::new(3.0, 3.0, 0.0)).unwrap();
+        for k in 0..100_000u32 {
+            let at = |dimension| f64::from(crate::sampling::uniform(&[k, dimension]));
+            let slope = 0.1 * at(0).powi(4) + 1e-6;
+            let away = 1.4 * at(1) * slope;
+            let origin = DVec3::new(away, 3.0 * at(2), 1e-5);
+            let ray = Ray::new(origin, DVec3::new(-slope, slope * at(3), 1.0).normalize());
+            let hit = cell.hit(&ray);
+            assert!(hit.is_some_and(|hit| hit.entering), "{ray:?} {hit:?}");
+        }
     }
 
     #[test]
