@@ -234,6 +234,8 @@ fn one_period_of_a_street_stands_for_a_city() {
         "form-factors street.obj --patch-size 0 --by object --rays 65536 -o f.csv --periodic";
     let report = folder.json(&format!("{line} x,z"));
     assert_eq!(report["engine"], "rays");
+    // No ray slips through where cells meet.
+    assert_eq!(report["hidden_mean"], 0.0);
     let (width, height) = (2.0f64, 1.5f64);
     let ground_to_sky = (1.0 + (height / width).powi(2)).sqrt() - height / width;
     let wall_to_wall = (1.0 + (width / height).powi(2)).sqrt() - width / height;
