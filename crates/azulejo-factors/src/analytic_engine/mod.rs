@@ -19,6 +19,7 @@ mod images;
 mod occluders;
 mod partial;
 mod shaft;
+mod slabs;
 mod traversal;
 
 use crate::analytic::gauss;
