@@ -1,12 +1,13 @@
 """OpenFOAM's solver reads our files: a cube of 24 faces, floor 500 K, ceiling 300 K, walls 400 K, as
-text and in binary, with rows in another order, and walls as whole patches. Needs v1912 (Debian:
-openfoam)."""
+text and in binary, with rows in another order, with permuted numbers of clusters, with whole patches
+as rows, and with a patch that bends around an edge. Needs v1912 (Debian: openfoam)."""
 
 import os
 import re
-import subprocess
+import shutil
 
 from common import SIGMA, azulejo, check, folder, grey_fluxes, need, read_mtx, write_obj
+from foam import SIGMA_OF_OPENFOAM, patch_values, run
 
 PATCHES = {"floor": "(0 3 2 1)", "ceiling": "(4 5 6 7)", "south": "(0 1 5 4)", "north": "(3 7 6 2)",
            "west": "(0 4 7 3)", "east": "(1 2 6 5)"}  # fmt: skip
@@ -15,8 +16,7 @@ WALL = 400.0
 # Mean flux from floor and ceiling with 24 rows of exact factors, in W/m².
 KNOWN = {"floor": 1748.98848079808, "ceiling": -1071.91903878795}
 EPS = 0.8
-# OpenFOAM computes it from six digits of h, k and c.
-SIGMA_OF_OPENFOAM = 5.67040856e-8
+COMMON = ["--patch-size", "0", "--engine", "analytic", "--closure"]
 
 
 def header(kind, name):
@@ -34,15 +34,16 @@ def temperature(patch):
     return TEMPERATURE.get(patch, WALL)
 
 
-def field(dimensions, inside, entry, kind):
-    patches = "".join(f"  {p} {{ {entry(p)} }}\n" for p in PATCHES)
+def field(patches, dimensions, inside, entry, kind):
+    patches = "".join(f"  {p} {{ {entry(p)} }}\n" for p in patches)
     return f"dimensions {dimensions};\ninternalField uniform {inside};\nboundaryField\n{{\n{patches}}}\n", kind
 
 
-def make_case(place):
+def make_case(place, patches):
+    """A cube whose patches have these faces."""
     corners = "(0 0 0) (1 0 0) (1 1 0) (0 1 0) (0 0 1) (1 0 1) (1 1 1) (0 1 1)"
     walls = "".join(f"  {p} {{ type wall; inGroups (wall viewFactorWall); faces ({f}); }}\n"
-                    for p, f in PATCHES.items())  # fmt: skip
+                    for p, f in patches.items())  # fmt: skip
     put(place, "system/blockMeshDict", f"convertToMeters 1;\nvertices ({corners});\nblocks (hex "
         f"(0 1 2 3 4 5 6 7) (2 2 2) simpleGrading (1 1 1));\nboundary\n(\n{walls});\n")  # fmt: skip
     put(place, "system/controlDict", "application buoyantSimpleFoam; startFrom startTime; startTime 0; "
@@ -67,26 +68,15 @@ def make_case(place):
     put(place, "constant/boundaryRadiationProperties", f'".*" {{ type lookup; emissivity {EPS}; '
         f"absorptivity {EPS}; transmissivity 0; }}\n")  # fmt: skip
     fields = {
-        "T": field("[0 0 0 1 0 0 0]", 300, lambda p: f"type fixedValue; value uniform {temperature(p)};", "volScalarField"),
-        "U": field("[0 1 -1 0 0 0 0]", "(0 0 0)", lambda p: "type noSlip;", "volVectorField"),
-        "p": field("[1 -1 -2 0 0 0 0]", 1e5, lambda p: "type calculated; value uniform 1e5;", "volScalarField"),
-        "p_rgh": field("[1 -1 -2 0 0 0 0]", 1e5, lambda p: "type fixedFluxPressure; value uniform 1e5;", "volScalarField"),
-        "qr": field("[1 0 -3 0 0 0 0]", 0, lambda p: "type greyDiffusiveRadiationViewFactor; qro uniform 0; "
+        "T": field(patches, "[0 0 0 1 0 0 0]", 300, lambda p: f"type fixedValue; value uniform {temperature(p)};", "volScalarField"),
+        "U": field(patches, "[0 1 -1 0 0 0 0]", "(0 0 0)", lambda p: "type noSlip;", "volVectorField"),
+        "p": field(patches, "[1 -1 -2 0 0 0 0]", 1e5, lambda p: "type calculated; value uniform 1e5;", "volScalarField"),
+        "p_rgh": field(patches, "[1 -1 -2 0 0 0 0]", 1e5, lambda p: "type fixedFluxPressure; value uniform 1e5;", "volScalarField"),
+        "qr": field(patches, "[1 0 -3 0 0 0 0]", 0, lambda p: "type greyDiffusiveRadiationViewFactor; qro uniform 0; "
                     "emissivityMode lookup; value uniform 0;", "volScalarField"),
     }  # fmt: skip
     for name, (text, kind) in fields.items():
         put(place, f"0/{name}", text, kind)
-
-
-# Debian's package needs to be told where it is.
-if os.path.isdir("/usr/share/openfoam"):
-    os.environ.setdefault("WM_PROJECT_DIR", "/usr/share/openfoam")
-
-
-def run(place, program):
-    done = subprocess.run([program, "-case", place], capture_output=True, text=True)
-    if done.returncode != 0:
-        raise SystemExit(f"{program} failed in {place}:\n{done.stdout[-2500:]}\n{done.stderr[-2500:]}")
 
 
 def read_mesh(place):
@@ -102,22 +92,11 @@ def read_mesh(place):
     return {n: [polygon(f) for f in faces[int(s):int(s) + int(k)]] for n, k, s in patches}
 
 
-def fluxes(place):
-    """qr by patch."""
-    text = open(os.path.join(place, "1/qr")).read()
-    found = {}
-    for patch in PATCHES:
-        block = re.search(rf"\b{patch}\s*\{{(.*?)\}}", text, re.S).group(1)
-        many = re.search(r"\bvalue\s+nonuniform List<scalar>\s*\d*\s*\((.*?)\)", block, re.S)
-        one = re.search(r"\bvalue\s+uniform ([-0-9.e+]+)", block)
-        found[patch] = [float(x) for x in many.group(1).split()] if many else [float(one.group(1))] * 4
-    return found
-
-
 def examine(what, place, rows, factors):
-    subprocess.run(["rm", "-rf", os.path.join(place, "1")], check=True)
-    run(place, "buoyantSimpleFoam")
-    found = fluxes(place)
+    """Runs the solver and compares; rows are (patch, its faces)."""
+    shutil.rmtree(os.path.join(place, "1"), ignore_errors=True)
+    run("buoyantSimpleFoam", place)
+    found = patch_values(os.path.join(place, "1/qr"), {p: 1 + max(faces) for p, faces in rows})
     expected = grey_fluxes(factors, [EPS] * len(rows), [temperature(p) for p, _ in rows], SIGMA_OF_OPENFOAM)
     worst = max(abs(found[p][k] + q) for (p, faces), q in zip(rows, expected) for k in faces)
     check(f"{what}: qr + q, W/m², largest", worst, 0.0, 1e-6)
@@ -128,34 +107,65 @@ def examine(what, place, rows, factors):
         check(f"{what}: flux from {patch}, W/m²,", mean, known, 1e-5)
 
 
-def main():
+def permute_clusters(place):
+    """Gives clusters of a patch other numbers: rows stay, since their order is that of faces."""
+    path = os.path.join(place, "constant/finalAgglom")
+    text = open(path).read()
+    permuted = text.replace("4(0 1 2 3)", "4(2 0 3 1)")
+    if permuted == text:
+        raise SystemExit(f"no patch of four clusters in {path}")
+    with open(path, "w") as out:
+        out.write(permuted)
+
+
+def cube():
     place = folder()
-    make_case(place)
-    run(place, "blockMesh")
+    make_case(place, PATCHES)
+    run("blockMesh", place)
     mesh = read_mesh(place)
     open(os.path.join(place, "case.foam"), "w").close()
     straight, turned = os.path.join(place, "cube.obj"), os.path.join(place, "turned.obj")
     write_obj(straight, mesh)
     write_obj(turned, dict(reversed(mesh.items())))
-    common = ["--patch-size", "0", "--engine", "analytic", "--closure"]
     mtx = os.path.join(place, "f.mtx")
-    azulejo("form-factors", straight, "-o", mtx, *common)
+    azulejo("form-factors", straight, "-o", mtx, *COMMON)
     factors = read_mtx(mtx)
     rows = [(p, [k]) for p in mesh for k in range(4)]
     for model, form in [(straight, "openfoam"), (straight, "openfoam-binary"), (turned, "openfoam")]:
-        azulejo("form-factors", model, "-o", place, "--format", form, "--openfoam", "v1912", *common)
+        azulejo("form-factors", model, "-o", place, "--format", form, "--openfoam", "v1912", *COMMON)
         examine(f"{form}, {os.path.basename(model)}", place, rows, factors)
+    permute_clusters(place)
+    examine("permuted numbers of clusters", place, rows, factors)
     # The case itself as the model.
     azulejo("form-factors", os.path.join(place, "case.foam"), "-o", place, "--format", "openfoam",
-            "--openfoam", "v1912", "--by", "face", *common)  # fmt: skip
+            "--openfoam", "v1912", "--by", "face", *COMMON)  # fmt: skip
     examine("the case as the model", place, rows, factors)
-    # Whole patches.
-    grouped = [*common, "--by", "object"]
-    azulejo("form-factors", straight, "-o", mtx, *grouped)
-    azulejo("form-factors", straight, "-o", place, "--format", "openfoam", "--openfoam", "v1912",
+    whole_patches("whole patches", place, mesh)
+
+
+def bent():
+    """Floor and east wall are one patch and one row, which sees itself."""
+    place = folder()
+    patches = {**PATCHES, "floor": f"{PATCHES['floor']} {PATCHES['east']}"}
+    del patches["east"]
+    make_case(place, patches)
+    run("blockMesh", place)
+    whole_patches("a bent cluster", place, read_mesh(place))
+
+
+def whole_patches(what, place, mesh):
+    model, mtx = os.path.join(place, "patches.obj"), os.path.join(place, "f.mtx")
+    write_obj(model, mesh)
+    grouped = [*COMMON, "--by", "object"]
+    azulejo("form-factors", model, "-o", mtx, *grouped)
+    azulejo("form-factors", model, "-o", place, "--format", "openfoam", "--openfoam", "v1912",
             *grouped)  # fmt: skip
-    examine("whole patches", place, [(p, range(4)) for p in mesh], read_mtx(mtx))
+    factors = read_mtx(mtx)
+    own = [row[i] for i, row in enumerate(factors)]
+    print(f"{what}: own factors {min(own):.6f} to {max(own):.6f}")
+    examine(what, place, [(p, range(len(faces))) for p, faces in mesh.items()], factors)
 
 
 need("buoyantSimpleFoam", "apt-get install openfoam")
-main()
+cube()
+bent()

@@ -6,8 +6,8 @@
 //! Gauss's rule ([`gauss_points`]) or, when close, a contour integral; partially occluded ones are
 //! cut along the discontinuities of the view ([`partial`]). Chains of planar mirrors are traversed
 //! in the same way, as images behind windows ([`images`]). [`horizon`] tells light that leaves
-//! upwards from the rest. [`exchanger`] distributes the rows over
-//! threads.
+//! upwards from the rest, and [`slabs`] does so where facets touch. [`exchanger`] distributes the rows
+//! over threads.
 
 mod cluster_tree;
 mod convex_merge;
@@ -19,6 +19,7 @@ mod images;
 mod occluders;
 mod partial;
 mod shaft;
+mod slabs;
 mod traversal;
 
 use crate::analytic::gauss;

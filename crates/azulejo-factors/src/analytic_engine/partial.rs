@@ -7,6 +7,7 @@
 //! for that, the facet is quartered first and the obstructions are tested again.
 
 use super::horizon::{Elevation, Horizon};
+use super::slabs::exchange_above;
 use super::{Facet, MOST_CORNERS};
 use crate::analytic::{Approximate, Blocker, Effect, PLANE, edge_bit, exchange_area_fast, gauss};
 use azulejo_scene::math::area_vector;
@@ -222,29 +223,17 @@ impl PartialVisibility {
         // From afar, a piece is as visible as its centroid.
         let is_far = |ratio: f64| FAR * ratio * ratio * size < goal.error;
         let points = (1..3).find(|&m| fits(m)).unwrap_or(3);
+        if let Some(up) = goal.up.filter(|_| kept.is_empty() && !fits(points)) {
+            return exchange_above([a, b], up, goal);
+        }
         if points == 3 && !fits(3) && pair.depth < MOST_DEPTH {
             return self.quartered(pair, ratio_a >= ratio_b, kept, goal);
         }
-        let mut seen = |goal: PairGoal| {
-            if ratio_a <= ratio_b {
-                self.integrate([a, b], 1.0, kept, points, is_far(ratio_b), goal)
-            } else {
-                self.integrate([b, a], -1.0, kept, points, is_far(ratio_a), goal)
-            }
+        let seen = if ratio_a <= ratio_b {
+            self.integrate([a, b], 1.0, kept, points, is_far(ratio_b), goal)
+        } else {
+            self.integrate([b, a], -1.0, kept, points, is_far(ratio_a), goal)
         };
-        if let Some(up) = goal.up.filter(|_| kept.is_empty() && !fits(points)) {
-            // Facets that touch: points err on what lies above and below alike.
-            let [above, below] = [up, -up].map(|up| {
-                let up = Some(up);
-                seen(PairGoal { up, ..goal })
-            });
-            return if above + below > 0.0 {
-                whole(a, b, goal) * above / (above + below)
-            } else {
-                0.0
-            };
-        }
-        let seen = seen(goal);
         let sees_part = goal.up.is_some() || kept.iter().any(|s| s.is_window);
         if pair.wants_seen && !sees_part {
             seen + whole(a, b, goal)

@@ -4,8 +4,8 @@ use crate::scenes;
 use azulejo_factors::form_factors::Closure;
 use azulejo_factors::truth::{CaseKind, cases};
 use azulejo_factors::{Engine, FormFactorOptions, FormFactors, PatchSize, form_factors};
-use azulejo_scene::Scene;
 use azulejo_scene::synthetic::{CornellVariant, cornell_box, cube_room, room_with_table};
+use azulejo_scene::{Mesh, Object, Scene, Shape};
 use azulejo_trace::sampling::uniform;
 use azulejo_trace::{Progress, Tracer};
 use glam::{DAffine3, DVec3, dvec3};
@@ -219,6 +219,50 @@ fn the_sky_between_walls() {
             assert!(error < 1e-3 && found.sky_error < 1e-4, "{found:?}");
         }
     }
+}
+
+/// In a box without a lid nothing leaves downwards, whatever its walls are divided into. The parts of walls
+/// that touch each other above and below their horizons are not alike, if they are triangles.
+#[test]
+fn no_light_leaves_an_open_box_downwards() {
+    for height in [0.3, 1.0, 3.0] {
+        let scene = open_box(height);
+        for accuracy in [None, Some(1e-5), Some(1e-8)] {
+            let wanted = FormFactorOptions {
+                accuracy,
+                ..options()
+            };
+            let found = compute(&scene, &wanted);
+            for (i, rest) in found.rest.iter().enumerate() {
+                let most = 4.0 * rest.ground_error + 1e-9;
+                assert!(rest.ground <= most, "{height} {accuracy:?} {i}: {rest:?}");
+                assert!(rest.ground_error < 1e-4, "{rest:?}");
+            }
+        }
+    }
+}
+
+/// A floor of one unit by one, and four walls of two triangles each.
+fn open_box(height: f64) -> Scene {
+    let mut scene = Scene::default();
+    let up = scene.units.up.axis();
+    let along = up.any_orthonormal_vector();
+    let place = |k: usize, h: f64| {
+        let (x, y) = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)][k % 4];
+        x * along + y * up.cross(along) + h * height * up
+    };
+    let grey = scene.add_material(scenes::surface(0.5, 0.0, 0.0));
+    let mut mesh = Mesh::default();
+    mesh.positions
+        .extend((0..8).map(|k| place(k, f64::from(u8::from(k >= 4)))));
+    mesh.push_face(&[0, 1, 2, 3], grey);
+    for k in 0..4 {
+        let next = (k + 1) % 4;
+        mesh.push_face(&[k, k + 4, next + 4], grey);
+        mesh.push_face(&[k, next + 4, next], grey);
+    }
+    scene.objects.push(Object::new("box", Shape::Mesh(mesh)));
+    scene
 }
 
 /// Sky and ground beside an open Cornell box, compared with rays.

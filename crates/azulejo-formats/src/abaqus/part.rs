@@ -33,7 +33,8 @@ pub(super) enum ElementItem {
 pub(super) struct ElementSet {
     pub name: String,
     pub items: Vec<ElementItem>,
-    /// Whether a program has made it for its own use, or it is the one of all elements.
+    /// Whether a program has made it for its own use, or it is the one of all elements, or of a surface of
+    /// gmsh's geometry.
     pub is_internal: bool,
 }
 
@@ -66,13 +67,13 @@ impl AbaqusPart {
     pub fn set(&mut self, name: &str) -> u32 {
         let new = self.sets.len() as u32;
         let key = name.to_ascii_uppercase();
-        let is_all = key == "EALL";
+        let is_internal = key == "EALL" || is_of_gmsh(name);
         let number = *self.set_numbers.entry(key).or_insert(new);
         if number == new {
             self.sets.push(ElementSet {
                 name: name.to_owned(),
                 items: Vec::new(),
-                is_internal: is_all,
+                is_internal,
             });
         }
         number
@@ -82,6 +83,16 @@ impl AbaqusPart {
     pub fn known_set(&self, name: &str) -> Option<u32> {
         self.set_numbers.get(&name.to_ascii_uppercase()).copied()
     }
+}
+
+/// Whether a name is one that gmsh or meshio gives: of a surface or volume of the geometry, beside which stand
+/// the sets of physical groups, or of what meshio keeps for itself.
+fn is_of_gmsh(name: &str) -> bool {
+    let number = name
+        .strip_prefix("Surface")
+        .or_else(|| name.strip_prefix("Volume"));
+    let is_number = |n: &str| !n.is_empty() && n.bytes().all(|b| b.is_ascii_digit());
+    number.is_some_and(is_number) || name.starts_with("gmsh:")
 }
 
 /// A part in its place.

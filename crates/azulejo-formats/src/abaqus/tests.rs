@@ -109,6 +109,32 @@ first, wall.1
 }
 
 #[test]
+fn physical_groups_of_gmsh_name_what_its_surfaces_do_not() {
+    let text = "*ELEMENT, type=CPS3, ELSET=Surface1
+1, 1, 2, 3
+2, 1, 3, 4
+*ELEMENT, type=CPS3, ELSET=Surface2
+3, 5, 6, 7
+*ELEMENT, type=CPS3, ELSET=Surface12
+4, 5, 7, 8
+*ELSET,ELSET=gmsh:bounding_entities
+1, 3, 4
+*ELSET,ELSET=floor
+1, 2,
+*ELSET,ELSET=lid
+3
+";
+    let loaded = load(&[CUBE, text].concat());
+    assert_eq!(names(&loaded), ["floor", "lid", "Surface12"]);
+    assert_eq!([0, 1, 2].map(|k| mesh(&loaded, k).faces.len()), [2, 1, 1]);
+    let other = text.replace("Surface", "Surface_");
+    assert_eq!(
+        names(&load(&[CUBE, &other].concat())),
+        ["Surface_1", "Surface_2", "Surface_12"]
+    );
+}
+
+#[test]
 fn surfaces_come_first() {
     let text = "*ELEMENT, TYPE=C3D8, ELSET=solid
 1, 1, 2, 3, 4, 5, 6, 7, 8
