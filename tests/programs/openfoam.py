@@ -1,6 +1,6 @@
 """OpenFOAM's solver reads our files: a cube of 24 faces, floor 500 K, ceiling 300 K, walls 400 K, as
-text and in binary, with rows in another order, and walls as whole patches. Needs v1912 (Debian:
-openfoam)."""
+text and in binary, with rows in another order, walls as whole patches, and clusters of faces, also around
+the corners of walls that are one patch. Needs v1912 (Debian: openfoam)."""
 
 import os
 import re
@@ -12,6 +12,8 @@ PATCHES = {"floor": "(0 3 2 1)", "ceiling": "(4 5 6 7)", "south": "(0 1 5 4)", "
            "west": "(0 4 7 3)", "east": "(1 2 6 5)"}  # fmt: skip
 TEMPERATURE = {"floor": 500.0, "ceiling": 300.0}
 WALL = 400.0
+# The walls as one patch, which closes around the room.
+RING = {"floor": "(0 3 2 1)", "ceiling": "(4 5 6 7)", "walls": "(0 1 5 4) (3 7 6 2) (0 4 7 3) (1 2 6 5)"}
 # Mean flux from floor and ceiling with 24 rows of exact factors, in W/m².
 KNOWN = {"floor": 1748.98848079808, "ceiling": -1071.91903878795}
 EPS = 0.8
@@ -34,15 +36,15 @@ def temperature(patch):
     return TEMPERATURE.get(patch, WALL)
 
 
-def field(dimensions, inside, entry, kind):
-    patches = "".join(f"  {p} {{ {entry(p)} }}\n" for p in PATCHES)
+def field(names, dimensions, inside, entry, kind):
+    patches = "".join(f"  {p} {{ {entry(p)} }}\n" for p in names)
     return f"dimensions {dimensions};\ninternalField uniform {inside};\nboundaryField\n{{\n{patches}}}\n", kind
 
 
-def make_case(place):
+def make_case(place, patches):
     corners = "(0 0 0) (1 0 0) (1 1 0) (0 1 0) (0 0 1) (1 0 1) (1 1 1) (0 1 1)"
     walls = "".join(f"  {p} {{ type wall; inGroups (wall viewFactorWall); faces ({f}); }}\n"
-                    for p, f in PATCHES.items())  # fmt: skip
+                    for p, f in patches.items())  # fmt: skip
     put(place, "system/blockMeshDict", f"convertToMeters 1;\nvertices ({corners});\nblocks (hex "
         f"(0 1 2 3 4 5 6 7) (2 2 2) simpleGrading (1 1 1));\nboundary\n(\n{walls});\n")  # fmt: skip
     put(place, "system/controlDict", "application buoyantSimpleFoam; startFrom startTime; startTime 0; "
@@ -67,11 +69,11 @@ def make_case(place):
     put(place, "constant/boundaryRadiationProperties", f'".*" {{ type lookup; emissivity {EPS}; '
         f"absorptivity {EPS}; transmissivity 0; }}\n")  # fmt: skip
     fields = {
-        "T": field("[0 0 0 1 0 0 0]", 300, lambda p: f"type fixedValue; value uniform {temperature(p)};", "volScalarField"),
-        "U": field("[0 1 -1 0 0 0 0]", "(0 0 0)", lambda p: "type noSlip;", "volVectorField"),
-        "p": field("[1 -1 -2 0 0 0 0]", 1e5, lambda p: "type calculated; value uniform 1e5;", "volScalarField"),
-        "p_rgh": field("[1 -1 -2 0 0 0 0]", 1e5, lambda p: "type fixedFluxPressure; value uniform 1e5;", "volScalarField"),
-        "qr": field("[1 0 -3 0 0 0 0]", 0, lambda p: "type greyDiffusiveRadiationViewFactor; qro uniform 0; "
+        "T": field(patches, "[0 0 0 1 0 0 0]", 300, lambda p: f"type fixedValue; value uniform {temperature(p)};", "volScalarField"),
+        "U": field(patches, "[0 1 -1 0 0 0 0]", "(0 0 0)", lambda p: "type noSlip;", "volVectorField"),
+        "p": field(patches, "[1 -1 -2 0 0 0 0]", 1e5, lambda p: "type calculated; value uniform 1e5;", "volScalarField"),
+        "p_rgh": field(patches, "[1 -1 -2 0 0 0 0]", 1e5, lambda p: "type fixedFluxPressure; value uniform 1e5;", "volScalarField"),
+        "qr": field(patches, "[1 0 -3 0 0 0 0]", 0, lambda p: "type greyDiffusiveRadiationViewFactor; qro uniform 0; "
                     "emissivityMode lookup; value uniform 0;", "volScalarField"),
     }  # fmt: skip
     for name, (text, kind) in fields.items():
@@ -102,22 +104,22 @@ def read_mesh(place):
     return {n: [polygon(f) for f in faces[int(s):int(s) + int(k)]] for n, k, s in patches}
 
 
-def fluxes(place):
+def fluxes(place, mesh):
     """qr by patch."""
     text = open(os.path.join(place, "1/qr")).read()
     found = {}
-    for patch in PATCHES:
+    for patch, faces in mesh.items():
         block = re.search(rf"\b{patch}\s*\{{(.*?)\}}", text, re.S).group(1)
         many = re.search(r"\bvalue\s+nonuniform List<scalar>\s*\d*\s*\((.*?)\)", block, re.S)
         one = re.search(r"\bvalue\s+uniform ([-0-9.e+]+)", block)
-        found[patch] = [float(x) for x in many.group(1).split()] if many else [float(one.group(1))] * 4
+        found[patch] = [float(x) for x in many.group(1).split()] if many else [float(one.group(1))] * len(faces)
     return found
 
 
-def examine(what, place, rows, factors):
+def examine(what, place, mesh, rows, factors):
     subprocess.run(["rm", "-rf", os.path.join(place, "1")], check=True)
     run(place, "buoyantSimpleFoam")
-    found = fluxes(place)
+    found = fluxes(place, mesh)
     expected = grey_fluxes(factors, [EPS] * len(rows), [temperature(p) for p, _ in rows], SIGMA_OF_OPENFOAM)
     worst = max(abs(found[p][k] + q) for (p, faces), q in zip(rows, expected) for k in faces)
     check(f"{what}: qr + q, W/m², largest", worst, 0.0, 1e-6)
@@ -128,9 +130,40 @@ def examine(what, place, rows, factors):
         check(f"{what}: flux from {patch}, W/m²,", mean, known, 1e-5)
 
 
+def clusters(place, mesh):
+    """The faces of each cluster with their patch, in the order of rows."""
+    text = open(os.path.join(place, "constant/finalAgglom")).read()
+    lists = re.findall(r"\d+\(([0-9 ]+)\)", text)
+    rows = []
+    for patch, numbers in zip(mesh, lists):
+        numbers = [int(n) for n in numbers.split()]
+        rows += [(patch, [k for k, n in enumerate(numbers) if n == c]) for c in range(max(numbers) + 1)]
+    return rows
+
+
+def examine_clusters(what, patches, options, expected):
+    """Of the case, and of factors between its faces that were stored before."""
+    place = folder()
+    make_case(place, patches)
+    run(place, "blockMesh")
+    mesh = read_mesh(place)
+    case = os.path.join(place, "case.foam")
+    open(case, "w").close()
+    common = ["--patch-size", "0", "--engine", "analytic", "--closure"]
+    foam = ["-o", place, "--format", "openfoam", "--openfoam", "v1912"]
+    stored, mtx = os.path.join(place, "f.npz"), os.path.join(place, "f.mtx")
+    azulejo("form-factors", case, "-o", stored, *common)
+    azulejo("form-factors", stored, "-o", mtx, *options)
+    for model, how in [(case, common), (stored, [])]:
+        azulejo("form-factors", model, *foam, *how, *options)
+        rows = clusters(place, mesh)
+        check(f"{what}, {os.path.basename(model)}: rows", len(rows), expected, 0)
+        examine(f"{what}, {os.path.basename(model)}", place, mesh, rows, read_mtx(mtx))
+
+
 def main():
     place = folder()
-    make_case(place)
+    make_case(place, PATCHES)
     run(place, "blockMesh")
     mesh = read_mesh(place)
     open(os.path.join(place, "case.foam"), "w").close()
@@ -144,17 +177,20 @@ def main():
     rows = [(p, [k]) for p in mesh for k in range(4)]
     for model, form in [(straight, "openfoam"), (straight, "openfoam-binary"), (turned, "openfoam")]:
         azulejo("form-factors", model, "-o", place, "--format", form, "--openfoam", "v1912", *common)
-        examine(f"{form}, {os.path.basename(model)}", place, rows, factors)
+        examine(f"{form}, {os.path.basename(model)}", place, mesh, rows, factors)
     # The case itself as the model.
     azulejo("form-factors", os.path.join(place, "case.foam"), "-o", place, "--format", "openfoam",
             "--openfoam", "v1912", "--by", "face", *common)  # fmt: skip
-    examine("the case as the model", place, rows, factors)
+    examine("the case as the model", place, mesh, rows, factors)
     # Whole patches.
     grouped = [*common, "--by", "object"]
     azulejo("form-factors", straight, "-o", mtx, *grouped)
     azulejo("form-factors", straight, "-o", place, "--format", "openfoam", "--openfoam", "v1912",
             *grouped)  # fmt: skip
-    examine("whole patches", place, [(p, range(4)) for p in mesh], read_mtx(mtx))
+    examine("whole patches", place, mesh, [(p, range(4)) for p in mesh], read_mtx(mtx))
+    examine_clusters("12 clusters", PATCHES, ["--cluster", "12"], 12)
+    # They bend around corners, but none closes the ring.
+    examine_clusters("bent clusters", RING, ["--cluster", "4", "--cluster-angle", "90"], 4)
 
 
 need("buoyantSimpleFoam", "apt-get install openfoam")
