@@ -1,6 +1,7 @@
 """OpenFOAM's solver reads our files: a cube of 24 faces, floor 500 K, ceiling 300 K, walls 400 K, as
 text and in binary, with rows in another order, with permuted numbers of clusters, with whole patches
-as rows, and with a patch that bends around an edge. Needs v1912 (Debian: openfoam)."""
+as rows, with a patch that bends around an edge, and with clusters of faces, also around the corners of
+walls that are one patch. Needs v1912 (Debian: openfoam)."""
 
 import os
 import re
@@ -11,6 +12,9 @@ from foam import SIGMA_OF_OPENFOAM, patch_values, run
 
 PATCHES = {"floor": "(0 3 2 1)", "ceiling": "(4 5 6 7)", "south": "(0 1 5 4)", "north": "(3 7 6 2)",
            "west": "(0 4 7 3)", "east": "(1 2 6 5)"}  # fmt: skip
+# The walls as one patch, which closes around the room.
+RING = {"floor": "(0 3 2 1)", "ceiling": "(4 5 6 7)", "walls": "(0 1 5 4) (3 7 6 2) (0 4 7 3) (1 2 6 5)"}
+# Mean flux from floor and ceiling with 24 rows of exact factors, in W/m².
 TEMPERATURE = {"floor": 500.0, "ceiling": 300.0}
 WALL = 400.0
 # Mean flux from floor and ceiling with 24 rows of exact factors, in W/m².
@@ -96,7 +100,10 @@ def examine(what, place, rows, factors):
     """Runs the solver and compares; rows are (patch, its faces)."""
     shutil.rmtree(os.path.join(place, "1"), ignore_errors=True)
     run("buoyantSimpleFoam", place)
-    found = patch_values(os.path.join(place, "1/qr"), {p: 1 + max(faces) for p, faces in rows})
+    lengths = {}
+    for patch, faces in rows:
+        lengths[patch] = max(lengths.get(patch, 0), 1 + max(faces))
+    found = patch_values(os.path.join(place, "1/qr"), lengths)
     expected = grey_fluxes(factors, [EPS] * len(rows), [temperature(p) for p, _ in rows], SIGMA_OF_OPENFOAM)
     worst = max(abs(found[p][k] + q) for (p, faces), q in zip(rows, expected) for k in faces)
     check(f"{what}: qr + q, W/m², largest", worst, 0.0, 1e-6)
@@ -166,6 +173,39 @@ def whole_patches(what, place, mesh):
     examine(what, place, [(p, range(len(faces))) for p, faces in mesh.items()], factors)
 
 
+def clusters(place, mesh):
+    """The faces of each cluster with their patch, in the order of rows."""
+    text = open(os.path.join(place, "constant/finalAgglom")).read()
+    lists = re.findall(r"\d+\(([0-9 ]+)\)", text)
+    rows = []
+    for patch, numbers in zip(mesh, lists):
+        numbers = [int(n) for n in numbers.split()]
+        rows += [(patch, [k for k, n in enumerate(numbers) if n == c]) for c in range(max(numbers) + 1)]
+    return rows
+
+
+def examine_clusters(what, patches, options, expected):
+    """Of the case, and of factors between its faces that were stored before."""
+    place = folder()
+    make_case(place, patches)
+    run("blockMesh", place)
+    mesh = read_mesh(place)
+    case = os.path.join(place, "case.foam")
+    open(case, "w").close()
+    foam = ["-o", place, "--format", "openfoam", "--openfoam", "v1912"]
+    stored, mtx = os.path.join(place, "f.npz"), os.path.join(place, "f.mtx")
+    azulejo("form-factors", case, "-o", stored, *COMMON)
+    azulejo("form-factors", stored, "-o", mtx, *options)
+    for model, how in [(case, COMMON), (stored, [])]:
+        azulejo("form-factors", model, *foam, *how, *options)
+        rows = clusters(place, mesh)
+        check(f"{what}, {os.path.basename(model)}: rows", len(rows), expected, 0)
+        examine(f"{what}, {os.path.basename(model)}", place, rows, read_mtx(mtx))
+
+
 need("buoyantSimpleFoam", "apt-get install openfoam")
 cube()
 bent()
+examine_clusters("12 clusters", PATCHES, ["--cluster", "12"], 12)
+# They bend around corners, but none closes the ring.
+examine_clusters("bent clusters", RING, ["--cluster", "4", "--cluster-angle", "90"], 4)

@@ -188,6 +188,14 @@ pub fn vector(text: &str) -> Result<DVec3, String> {
     }
 }
 
+/// An angle in degrees, 0 to 180.
+pub fn angle(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        x if (0.0..=180.0).contains(&x) => Ok(x),
+        x => Err(format!("{x} degrees, expected 0 to 180")),
+    }
+}
+
 /// A field of view in degrees, between 0 and 180.
 pub fn degrees(text: &str) -> Result<f64, String> {
     match number(text)? {
@@ -347,6 +355,9 @@ pub(crate) mod tests {
         refuse(vector, &["", "1,2", "1,2,3,4", "1,2,z", "1,2,inf"]);
         check(not_negative, "0", 0.0);
         refuse(not_negative, &["-1", "inf", "one"]);
+        check(angle, "0", 0.0);
+        check(angle, "180", 180.0);
+        refuse(angle, &["-1", "180.5", "x", "nan"]);
         check(degrees, "40", 40.0);
         refuse(degrees, &["0", "180", "-5", "x"]);
     }

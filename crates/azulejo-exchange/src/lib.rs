@@ -5,7 +5,7 @@
 //!
 //! | read in this order | purpose |
 //! |---|---|
-//! | [`enclosure`] | form factors with a description of their rows, grouped by face, object or material |
+//! | [`enclosure`] | form factors with a description of their rows, grouped by face, object, material or place |
 //! | [`archive`] | the same as an `.npz` |
 //! | [`bands`] | bands of wavelengths, and black emission in them |
 //! | [`tables`] | tables of materials and boundary conditions |
@@ -24,7 +24,9 @@ pub mod tables;
 pub mod truth;
 
 pub use bands::{SpectralRange, band_fraction};
-pub use enclosure::{CellMesh, Enclosure, GroupBy, Groups, OutsideLight, RowTable};
+pub use enclosure::{
+    CellMesh, ClusterError, ClusterOptions, Enclosure, GroupBy, Groups, OutsideLight, RowTable,
+};
 pub use model::{ModelError, ThermalModel, ThermalSolution};
 pub use network::{
     ExchangeError, ExchangeFactors, HeatBalance, HeatProblem, RowCondition, SurfaceBand,

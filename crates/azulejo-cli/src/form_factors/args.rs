@@ -134,6 +134,20 @@ pub struct MatrixArgs {
     /// One row per face, object or material instead of per patch
     #[arg(long, value_name = "GROUP", value_enum)]
     pub by: Option<GroupBy>,
+    /// Join neighbouring patches of one object, side and material until so many rows are left
+    ///
+    /// Rows are then clusters, named object/0, object/1, ... Each is one piece without holes, and the
+    /// smallest joins a neighbour first, so that areas are about equal. More are left where no more can be
+    /// joined: parts that do not touch, bends beyond --cluster-angle, rings. For OpenFOAM clusters consist of
+    /// whole faces.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..),
+          conflicts_with = "by")]
+    pub cluster: Option<u32>,
+    /// Largest angle between the normals of a cluster and of each of its patches, in degrees: 0 (flat
+    /// clusters) to 180
+    #[arg(long, value_name = "DEGREES", value_parser = values::angle, default_value_t = 30.0,
+          requires = "cluster")]
+    pub cluster_angle: f64,
     /// Drop pairs whose form factors are both below this share, and distribute their weight over
     /// the others; row sums and reciprocity are preserved
     #[arg(long, value_name = "SHARE", value_parser = values::fraction)]
@@ -236,6 +250,7 @@ Examples:
   azulejo form-factors room.obj -o f.npz --patches 2000 --rays 4096
   azulejo form-factors room.obj -o f.csv --patch-size 0 --by object --closure
   azulejo form-factors room.vs3 -o f.txt
+  azulejo form-factors car.obj -o car.npz --cluster 500
   azulejo form-factors street.obj -o f.npz --by face --truncate 0.01% --memory 8G
   azulejo form-factors city.stl -o vfsparse.inp.001 --by face --periodic x,y
   azulejo form-factors room.obj -o room.vtu --vtu-rows floor/0

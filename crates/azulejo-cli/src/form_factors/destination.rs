@@ -99,6 +99,15 @@ impl Destination {
     }
 }
 
+/// Whether rows of the format are made of whole faces of the model.
+pub fn wants_whole_faces(args: &FormFactorArgs) -> bool {
+    let format = args.format.map(|name| name.0);
+    matches!(
+        format,
+        Some(FactorFormat::OpenFoam | FactorFormat::OpenFoamBinary)
+    )
+}
+
 fn unknown(path: &Path) -> Failure {
     let message = if path.is_dir() {
         "a folder: --format openfoam writes to the folder of a case"

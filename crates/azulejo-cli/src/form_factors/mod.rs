@@ -3,6 +3,7 @@
 pub mod args;
 mod destination;
 mod facing;
+mod grouping;
 mod journal;
 mod outside;
 pub mod stored;
@@ -89,9 +90,9 @@ fn computed(
         journal: output.file().filter(|_| !args.no_journal),
     };
     let (enclosure, journal) = enclosure(&scene, how, session, report)?;
-    let enclosure = match args.matrix.by {
-        Some(by) if room.is_none() => enclosure.grouped(&enclosure.groups(by.into())),
-        _ => enclosure,
+    let enclosure = match room {
+        None => grouping::grouped(enclosure, args, session)?,
+        Some(_) => enclosure,
     };
     Ok(Computed {
         room,

@@ -1,6 +1,7 @@
 //! Matrices that were computed before: read from an `.npz` and reworked.
 
 use super::args::{ClosureName, ComputationArgs, FormFactorArgs};
+use super::grouping;
 use crate::args::InputArgs;
 use crate::engine::EngineName;
 use crate::failure::Failure;
@@ -105,8 +106,8 @@ pub fn refuse_computation(input: &InputArgs, args: &ComputationArgs) -> Result<(
 
 fn computed_already(option: &str) -> Failure {
     Failure::misuse(format_args!(
-        "{option}: the factors of an .npz are computed; --by, --closure, --truncate, --precision \
-         and --format of form-factors apply to it"
+        "{option}: the factors of an .npz are computed; --by, --cluster, --closure, --truncate, \
+         --precision and --format of form-factors apply to it"
     ))
 }
 
@@ -125,13 +126,16 @@ pub fn rework(
     if is_to_close {
         session.with_progress(|p| enclosure.factors.close(p))?;
     }
-    let Some(by) = args.matrix.by else {
-        return Ok(enclosure);
-    };
-    if enclosure.rows.are_groups {
-        return Err(Failure::misuse(
-            "--by: the rows of this .npz are groups already; start from that of the patches",
-        ));
+    let options = [
+        ("--by", args.matrix.by.is_some()),
+        ("--cluster", args.matrix.cluster.is_some()),
+    ];
+    if let Some((option, _)) = options.into_iter().find(|(_, is_given)| *is_given)
+        && enclosure.rows.are_groups
+    {
+        return Err(Failure::misuse(format_args!(
+            "{option}: the rows of this .npz are groups already; start from that of the patches"
+        )));
     }
-    Ok(enclosure.grouped(&enclosure.groups(by.into())))
+    grouping::grouped(enclosure, args, session)
 }

@@ -60,6 +60,10 @@ pub fn read(args: &FormFactorArgs, session: &mut Session) -> Result<Option<View3
         let message = "--by: a View3D file specifies itself which surfaces are one row (cmb)";
         return Err(Failure::misuse(message));
     }
+    if args.matrix.cluster.is_some() {
+        let message = "--cluster: a View3D file specifies itself which surfaces are one row (cmb)";
+        return Err(Failure::misuse(message));
+    }
     session.progress().begin("reading", 0);
     let bytes = models::read_bytes(path)?;
     let name = path.to_string_lossy();

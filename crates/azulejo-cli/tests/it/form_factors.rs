@@ -297,4 +297,65 @@ fn what_cannot_repeat_itself_is_refused() {
     assert!(notes.contains("the model repeats itself"), "{notes}");
     folder.ok("form-factors street.obj -o f.npz");
     folder.fails("form-factors f.npz -o g.csv --periodic x", 2, "--periodic");
+/// Rows of a CSV by name, with their area and sum.
+fn sums(folder: &Folder, file: &str) -> HashMap<String, (f64, f64)> {
+    let (entries, areas) = table(&String::from_utf8(folder.read(file)).unwrap());
+    let mut sums: HashMap<String, (f64, f64)> = HashMap::new();
+    for ((from, _), f) in &entries {
+        let row = sums.entry(from.clone()).or_insert((areas[from], 0.0));
+        row.1 += f;
+    }
+    sums
+}
+
+#[test]
+fn clusters_of_models_and_of_stored_factors_are_the_same() {
+    let folder = Folder::with_room();
+    let line = "form-factors room.obj --patches 200 --rays 256";
+    let report = folder.json(&format!("{line} -o direct.csv --cluster 40 --threads 1"));
+    let left = report["groups"].as_u64().unwrap();
+    assert!((30..=40).contains(&left), "{left}");
+    let fine = folder.json(&format!("{line} -o f.npz"));
+    assert!(fine["patches"].as_u64().unwrap() >= 100);
+    folder.ok("form-factors f.npz -o stored.csv --cluster 40 --threads 2");
+    assert!(folder.read("direct.csv") == folder.read("stored.csv"));
+    let rows = sums(&folder, "direct.csv");
+    assert_eq!(rows.len() as u64, left);
+    assert!(rows.keys().all(|name| name.contains('/')));
+    assert!(rows.values().all(|(_, sum)| (sum - 1.0).abs() < 1e-6));
+    let total: f64 = rows.values().map(|(area, _)| area).sum();
+    folder.ok("form-factors f.npz -o whole.csv --by object");
+    let whole: f64 = sums(&folder, "whole.csv").values().map(|(a, _)| a).sum();
+    assert!((total - whole).abs() < 1e-9 * whole, "{total} {whole}");
+}
+
+#[test]
+fn clusters_that_cannot_be_so_few_are_noted() {
+    let folder = Folder::with_room();
+    folder.ok("form-factors room.obj -o f.npz --patches 100 --rays 64");
+    let run = folder.ok("form-factors f.npz -o g.npz --cluster 1 --cluster-angle 0");
+    assert!(
+        run.err.contains("--cluster 1: ") && run.err.contains("beyond 0°"),
+        "{}",
+        run.err
+    );
+    let run = folder.ok("form-factors f.npz -o g.csv --cluster 100000");
+    assert!(!run.err.contains("--cluster"), "{}", run.err);
+    folder.fails(
+        "form-factors g.npz -o h.npz --cluster 1",
+        2,
+        "--cluster: the rows of this .npz are groups",
+    );
+    let line = "form-factors room.obj -o f.csv";
+    folder.fails(&format!("{line} --cluster 0"), 2, "--cluster");
+    folder.fails(
+        &format!("{line} --cluster 9 --by face"),
+        2,
+        "cannot be used with",
+    );
+    folder.fails(&format!("{line} --cluster-angle 9"), 2, "--cluster <N>");
+    for angle in ["181", "x", "=-1"] {
+        let line = format!("{line} --cluster 9 --cluster-angle {angle}");
+        folder.fails(&line.replace(" =", "="), 2, "--cluster-angle");
+    }
 }

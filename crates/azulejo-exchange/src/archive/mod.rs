@@ -10,6 +10,7 @@
 //! | `names`, `patch_face` (n × 2: object, face), `patch_back`, `material`, `rho_s`, `diffuse` (n × 3) | row | what the row is |
 //! | `centroids`, `normals` (n × 3) | row | its place |
 //! | `points` (m × 3), `cell_corners`, `cell_starts`, `cell_rows` | | its polygons |
+//! | `group_faces` (m × 3: object, face, row) | | the faces of groups |
 //! | `object_names`, `material_names` | | what `patch_face` and `material` count |
 //! | `metres_per_unit`, `up`, `engine`, `rays`, `groups`, `closed`, `version` | | the whole |
 

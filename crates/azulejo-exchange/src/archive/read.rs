@@ -346,7 +346,9 @@ impl<R: Read + Seek> Arrays<R> {
             let message = format!("names: {}, expected one for each of {n} rows", names.len());
             return Err(ArchiveError(message));
         }
+        let grouped_faces = self.grouped_faces()?;
         let objects = factors.faces.iter().map(|f| f.object);
+        let objects = objects.chain(grouped_faces.iter().map(|(f, _)| f.object));
         let materials = factors.materials.iter().copied();
         let diffuse = self.list("diffuse", 3)?;
         let diffuse = diffuse.unwrap_or_else(|| vec![0.0; 3 * n]);
@@ -362,6 +364,26 @@ impl<R: Read + Seek> Arrays<R> {
             cells: self.cells()?,
             metres_per_unit: length.filter(|l| l.is_finite() && *l > 0.0),
             up: if up == "z" { Up::Z } else { Up::Y },
+            grouped_faces,
+        })
+    }
+
+    /// The faces of groups; none if there is no such array.
+    fn grouped_faces(&mut self) -> Result<Vec<(FaceId, u32)>, ArchiveError> {
+        let Some(array) = self.npz.array("group_faces")? else {
+            return Ok(Vec::new());
+        };
+        let integers = array.integers().unwrap_or_default();
+        let face = |f: &[i64]| {
+            let [object, face, group] = [0, 1, 2].map(|k| u32::try_from(f[k]).ok());
+            let group = group.filter(|&g| (g as usize) < self.rows);
+            let (object, face) = (object?, face?);
+            Some((FaceId { object, face }, group?))
+        };
+        let faces: Option<Vec<_>> = integers.chunks_exact(3).map(face).collect();
+        faces.ok_or_else(|| {
+            let message = "group_faces: expected an object, a face and a row, all counted from 0";
+            ArchiveError(message.to_owned())
         })
     }
 

@@ -201,3 +201,30 @@ fn scipy_reads_the_archive() {
     std::fs::remove_file(&path).unwrap();
     assert!(status.unwrap().success());
 }
+
+#[test]
+fn faces_of_groups_come_back() {
+    let groups = crate::Groups {
+        of_rows: vec![Some(0); 2],
+        names: vec!["all".into()],
+    };
+    let mut grouped = lit().grouped(&groups);
+    assert_eq!(grouped.rows.grouped_faces.len(), 2);
+    let read = back(&bytes(&grouped, ArchivePrecision::Auto));
+    assert_eq!(read.enclosure.rows, grouped.rows);
+    grouped.rows.grouped_faces[1].1 = 1;
+    let bad = bytes(&grouped, ArchivePrecision::Auto);
+    let error = super::read(Cursor::new(bad), BUDGET).unwrap_err();
+    assert!(
+        error.to_string().starts_with("group_faces: expected"),
+        "{error}"
+    );
+    // An object without a name.
+    grouped.rows.grouped_faces[1] = (azulejo_factors::FaceId { object: 7, face: 0 }, 0);
+    let bad = bytes(&grouped, ArchivePrecision::Auto);
+    let error = super::read(Cursor::new(bad), BUDGET).unwrap_err();
+    assert!(
+        error.to_string().contains("a row is of object 7"),
+        "{error}"
+    );
+}

@@ -138,6 +138,14 @@ fn write_rows<W: Write>(enclosure: &Enclosure, archive: &mut NpzWriter<W>) -> io
     })?;
     archive.add("rho_s", |w| list(&factors.ends, |end| 1.0 - end, w))?;
     archive.add("diffuse", |w| colours(rows.diffuse.iter().copied(), w))?;
+    if !rows.grouped_faces.is_empty() {
+        archive.add("group_faces", |w| {
+            npy::write_header(i64::DESCR, &[rows.grouped_faces.len(), 3], w)?;
+            let faces = rows.grouped_faces.iter();
+            let numbers = faces.flat_map(|&(f, group)| [f.object, f.face, group]);
+            numbers.map(i64::from).try_for_each(|x| x.write(w))
+        })?;
+    }
     archive.add("object_names", |w| npy::write_texts(&rows.objects, w))?;
     archive.add("material_names", |w| npy::write_texts(&rows.materials, w))
 }

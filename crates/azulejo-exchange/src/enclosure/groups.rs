@@ -1,6 +1,7 @@
 //! Rows combined into groups.
 
 use super::{CellMesh, Enclosure, OutsideLight, RowTable};
+use azulejo_factors::{FaceId, FormFactors};
 use azulejo_scene::Rgb;
 use std::collections::HashMap;
 
@@ -62,10 +63,9 @@ impl Enclosure {
     /// # Panics
     /// If there is not one group for each row, or a group without a name.
     pub fn grouped(&self, groups: &Groups) -> Enclosure {
-        let areas = &self.factors.areas;
         Enclosure {
             factors: self.factors.grouped(&groups.of_rows, groups.names.len()),
-            rows: self.rows.grouped(groups, areas),
+            rows: self.rows.grouped(groups, &self.factors),
             outside: self.mean_outside(groups),
         }
     }
@@ -84,7 +84,8 @@ impl Enclosure {
 }
 
 impl RowTable {
-    fn grouped(&self, groups: &Groups, areas: &[f64]) -> RowTable {
+    fn grouped(&self, groups: &Groups, factors: &FormFactors) -> RowTable {
+        let areas = &factors.areas;
         let mut diffuse = vec![(Rgb::BLACK, 0.0); groups.names.len()];
         for ((value, area), group) in self.diffuse.iter().zip(areas).zip(&groups.of_rows) {
             if let Some(group) = group {
@@ -103,7 +104,23 @@ impl RowTable {
             cells: self.cells.grouped(&groups.of_rows),
             metres_per_unit: self.metres_per_unit,
             up: self.up,
+            grouped_faces: self.faces_of(groups, factors),
         }
+    }
+
+    fn faces_of(&self, groups: &Groups, factors: &FormFactors) -> Vec<(FaceId, u32)> {
+        let group = |row: usize| *groups.of_rows.get(row)?;
+        let of_patch = |(row, &face)| Some((face, group(row)?));
+        let of_group = |&(face, row): &(FaceId, u32)| Some((face, group(row as usize)?));
+        let mut faces: Vec<(FaceId, u32)> = if self.are_groups {
+            self.grouped_faces.iter().filter_map(of_group).collect()
+        } else {
+            let faces = factors.faces.iter().enumerate();
+            faces.filter_map(of_patch).collect()
+        };
+        faces.sort_unstable();
+        faces.dedup();
+        faces
     }
 }
 

@@ -1,12 +1,14 @@
 //! Form factors with a description of their rows.
 
 mod cells;
+mod clusters;
 mod groups;
 mod outside;
 #[cfg(test)]
 pub(crate) mod tests;
 
 pub use cells::CellMesh;
+pub use clusters::{ClusterError, ClusterOptions};
 pub use groups::{GroupBy, Groups, unique};
 
 use azulejo_factors::form_factors::PreparedPlan;
@@ -54,6 +56,9 @@ pub struct RowTable {
     pub metres_per_unit: Option<f64>,
     /// The axis that points away from the ground.
     pub up: Up,
+    /// The faces of which groups have patches, each with its group, in order; a face is listed once
+    /// for each of its groups. Empty if rows are patches, or it is not known.
+    pub grouped_faces: Vec<(FaceId, u32)>,
 }
 
 impl Enclosure {
@@ -82,6 +87,7 @@ impl Enclosure {
             cells: CellMesh::new((0..plan.rows()).map(|i| plan.outline(i))),
             metres_per_unit: scene.units.metres_per_unit,
             up: scene.units.up,
+            grouped_faces: Vec::new(),
         };
         rows.names = rows.patch_names(&factors);
         Enclosure {

@@ -7,7 +7,7 @@
 //! | `finalAgglom` | the row of each face, for each patch, from 0 |
 //! | `mapDist`; `subMap`, `constructMap`, `constructMapDim` at openfoam.org | which processor has which row: one has all |
 //!
-//! Rows are faces of the patches that take part, or whole patches, in the order of
+//! Rows are faces of the patches that take part, clusters of them, or whole patches, in the order of
 //! `polyMesh/boundary`.
 
 mod boundary;
@@ -81,7 +81,7 @@ fn refuse_bent(
         program: "OpenFOAM",
         message: format!(
             "found {bent} of {} rows that see themselves, with a factor of up to {}, expected flat \
-             rows: this version ignores the light between parts of a row",
+             rows (of clusters: --cluster-angle 0): this version ignores the light between parts of a row",
             own.len(),
             general(most, 3)
         ),

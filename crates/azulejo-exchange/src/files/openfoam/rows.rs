@@ -3,6 +3,7 @@
 use super::{BoundaryPatch, OpenFoamCase, OpenFoamVersion};
 use crate::enclosure::Enclosure;
 use crate::files::FactorFileError;
+use azulejo_factors::FaceId;
 use std::collections::{HashMap, HashSet};
 
 /// The group of the patches that take part, at openfoam.com.
@@ -29,7 +30,7 @@ fn refused(message: String) -> FactorFileError {
 }
 
 impl CaseRows {
-    /// Finds the row of each face: rows are faces, or whole patches.
+    /// Finds the row of each face: rows are faces, clusters of faces of one patch, or whole patches.
     pub(super) fn new(
         enclosure: &Enclosure,
         case: &OpenFoamCase,
@@ -38,13 +39,13 @@ impl CaseRows {
         let numbers = row_numbers(enclosure)?;
         let faces: usize = taking_part.iter().map(|p| p.faces).sum();
         let left_out = left_out(enclosure, case, &taking_part);
-        let rows: usize = left_out.as_ref().map_or(0, |patches| {
-            let is_left_out = |object| patches.contains(&object);
-            let objects = enclosure.factors.faces.iter();
-            let objects = objects.map(|&f| enclosure.rows.object(f));
-            objects.filter(|&o| !is_left_out(o)).count()
-        });
-        let left_out = left_out.unwrap_or_default();
+        let is_left_in = |face: FaceId| {
+            let patches = left_out.as_ref();
+            patches.is_some_and(|p| !p.contains(&enclosure.rows.object(face)))
+        };
+        let rows = enclosure.factors.faces.iter();
+        let rows = rows.filter(|&&f| is_left_in(f)).count();
+        let faces_of_rows = row_faces(enclosure).filter(|&(f, _)| is_left_in(f)).count();
         let by_patch = enclosure.rows.are_groups
             && is_each_once(taking_part.iter().map(|p| {
                 let row = numbers.get(&(p.name.as_str(), None));
@@ -52,6 +53,7 @@ impl CaseRows {
             }));
         if by_patch && rows == taking_part.len() {
             let row_of = |patch: &str, _| numbers.get(&(patch, None)).copied();
+            let left_out = left_out.unwrap_or_default();
             return Ok(CaseRows::by(case, &taking_part, &left_out, row_of));
         }
         let row_of = |patch: &str, face| numbers.get(&(patch, Some(face))).copied();
@@ -61,20 +63,23 @@ impl CaseRows {
                 .count()
         };
         let known: usize = taking_part.iter().map(is_known).sum();
-        if known != faces || rows != faces {
+        if known != faces || faces_of_rows != faces {
             let names: Vec<_> = taking_part
                 .iter()
                 .map(|p| p.name.as_str())
                 .take(8)
                 .collect();
+            let is_grouped = !enclosure.rows.grouped_faces.is_empty();
+            let what = if is_grouped { "faces in rows" } else { "rows" };
             return Err(refused(format!(
-                "found {} rows, {known} of them faces of the patches that take part ({}), expected \
+                "found {} {what}, {known} of them faces of the patches that take part ({}), expected \
                  all {faces} faces of these, and no object that is no patch: take the case's mesh as the \
-                 model, with --by face, or --by object for whole patches",
-                enclosure.len(),
+                 model, with --by face, --cluster, or --by object for whole patches",
+                row_faces(enclosure).count(),
                 names.join(", ")
             )));
         }
+        let left_out = left_out.unwrap_or_default();
         Ok(CaseRows::by(case, &taking_part, &left_out, row_of))
     }
 
@@ -114,6 +119,14 @@ impl CaseRows {
     }
 }
 
+/// The faces of rows: of groups all that are known.
+fn row_faces(enclosure: &Enclosure) -> impl Iterator<Item = (FaceId, u32)> {
+    let groups = &enclosure.rows.grouped_faces;
+    let of_patches = enclosure.factors.faces.iter().copied().zip(0..);
+    let of_patches = of_patches.filter(|_| groups.is_empty());
+    groups.iter().copied().chain(of_patches)
+}
+
 /// The patches that have rows and take no part; `None` if there are rows of what is no patch.
 fn left_out<'a>(
     enclosure: &'a Enclosure,
@@ -123,7 +136,7 @@ fn left_out<'a>(
     let patches: HashSet<&str> = case.patches.iter().map(|p| p.name.as_str()).collect();
     let part: HashSet<&str> = taking_part.iter().map(|p| p.name.as_str()).collect();
     let mut names = Vec::new();
-    for &face in &enclosure.factors.faces {
+    for (face, _) in row_faces(enclosure) {
         let object = enclosure.rows.object(face);
         if !patches.contains(object) {
             return None;
@@ -188,15 +201,23 @@ fn row_numbers(
         return Err(refused(message.to_owned()));
     }
     let mut numbers = HashMap::new();
-    for (row, &face) in (0..).zip(&factors.faces) {
+    let mut objects = HashMap::new();
+    for (face, row) in row_faces(enclosure) {
         let object = rows.object(face);
+        let first = *objects.entry(row).or_insert(object);
+        if first != object {
+            return Err(refused(format!(
+                "found faces of {first} and {object} in row {}, expected rows of one patch",
+                rows.names[row as usize]
+            )));
+        }
         if numbers
             .insert((object, Some(face.face as usize)), row)
             .is_some()
         {
             return Err(refused(format!(
                 "found several rows of face {} of {object}, expected one: --by face makes one row of \
-                 the pieces of a face",
+                 the pieces of a face, and --cluster keeps them together",
                 face.face
             )));
         }

@@ -365,3 +365,71 @@ fn bent_rows_and_openings() {
     assert!(notes[0].starts_with("1 of 2 rows lose light to sky or ground, at most 100% (cold/0)"));
     assert!(notes[1].starts_with("for serial runs"));
 }
+
+/// A cube whose faces are two patches, and three rows: one of a whole patch, two of the other.
+fn clusters() -> (Enclosure, OpenFoamCase) {
+    let mut enclosure = cube();
+    enclosure.rows.objects = vec!["walls".into(), "ends".into()];
+    for (k, face) in enclosure.factors.faces.iter_mut().enumerate() {
+        face.object = u32::from(k < 2);
+        face.face = (if k < 2 { 1 - k } else { k - 2 }) as u32;
+    }
+    let groups = crate::Groups {
+        of_rows: [0, 0, 1, 2, 2, 1].map(Some).to_vec(),
+        names: ["ends/0", "walls/0", "walls/1"].map(str::to_owned).to_vec(),
+    };
+    let patches = vec![
+        patch("walls", 4, &["viewFactorWall"]),
+        patch("ends", 2, &["viewFactorWall"]),
+    ];
+    let case = OpenFoamCase {
+        folder: "constant".into(),
+        patches,
+        version: OpenFoamVersion::V1912,
+    };
+    (enclosure.grouped(&groups), case)
+}
+
+#[test]
+fn clusters_are_numbered_by_first_appearance() {
+    let (mut enclosure, case) = clusters();
+    let found = CaseRows::new(&enclosure, &case).unwrap();
+    assert_eq!(found.rows, [1, 2, 0]);
+    assert_eq!(found.agglomeration, [vec![0, 1, 1, 0], vec![0, 0]]);
+    // The same whatever the order of rows.
+    enclosure.rows.grouped_faces.reverse();
+    for (_, row) in &mut enclosure.rows.grouped_faces {
+        *row = 2 - *row;
+    }
+    enclosure.factors.faces.reverse();
+    let found = CaseRows::new(&enclosure, &case).unwrap();
+    assert_eq!(found.rows, [1, 0, 2]);
+    assert_eq!(found.agglomeration, [vec![0, 1, 1, 0], vec![0, 0]]);
+}
+
+#[test]
+fn clusters_of_other_faces_are_refused() {
+    let (enclosure, case) = clusters();
+    let check = |change: &dyn Fn(&mut Enclosure), expected: &str| {
+        let mut other = enclosure.clone();
+        change(&mut other);
+        let error = CaseRows::new(&other, &case).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}");
+    };
+    let faces = |e: &mut Enclosure, k: usize| e.rows.grouped_faces[k];
+    check(
+        &|e| e.rows.grouped_faces.truncate(5),
+        "found 5 faces in rows, 5 of them faces of the patches that take part (walls, ends), expected all 6",
+    );
+    check(
+        &|e| {
+            let (face, row) = faces(e, 0);
+            e.rows.grouped_faces.push((face, 3 - row));
+        },
+        "found several rows of face 0 of walls",
+    );
+    check(
+        &|e| e.rows.grouped_faces[0].1 = 0,
+        "found faces of walls and ends in row ends/0, expected rows of one patch",
+    );
+}
