@@ -14,7 +14,6 @@ PATCHES = {"floor": "(0 3 2 1)", "ceiling": "(4 5 6 7)", "south": "(0 1 5 4)", "
            "west": "(0 4 7 3)", "east": "(1 2 6 5)"}  # fmt: skip
 # The walls as one patch, which closes around the room.
 RING = {"floor": "(0 3 2 1)", "ceiling": "(4 5 6 7)", "walls": "(0 1 5 4) (3 7 6 2) (0 4 7 3) (1 2 6 5)"}
-# Mean flux from floor and ceiling with 24 rows of exact factors, in W/m².
 TEMPERATURE = {"floor": 500.0, "ceiling": 300.0}
 WALL = 400.0
 # Mean flux from floor and ceiling with 24 rows of exact factors, in W/m².

@@ -297,6 +297,8 @@ fn what_cannot_repeat_itself_is_refused() {
     assert!(notes.contains("the model repeats itself"), "{notes}");
     folder.ok("form-factors street.obj -o f.npz");
     folder.fails("form-factors f.npz -o g.csv --periodic x", 2, "--periodic");
+}
+
 /// Rows of a CSV by name, with their area and sum.
 fn sums(folder: &Folder, file: &str) -> HashMap<String, (f64, f64)> {
     let (entries, areas) = table(&String::from_utf8(folder.read(file)).unwrap());
