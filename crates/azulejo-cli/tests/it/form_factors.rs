@@ -320,7 +320,15 @@ fn clusters_of_models_and_of_stored_factors_are_the_same() {
     let fine = folder.json(&format!("{line} -o f.npz"));
     assert!(fine["patches"].as_u64().unwrap() >= 100);
     folder.ok("form-factors f.npz -o stored.csv --cluster 40 --threads 2");
-    assert!(folder.read("direct.csv") == folder.read("stored.csv"));
+    folder.ok("form-factors f.npz -o again.csv --cluster 40 --threads 1");
+    assert!(folder.read("stored.csv") == folder.read("again.csv"));
+    let [direct, stored] = ["direct.csv", "stored.csv"].map(|file| {
+        let (entries, _) = table(&String::from_utf8(folder.read(file)).unwrap());
+        entries
+    });
+    // Stored factors are divided by areas, and so rounded.
+    let is_same = |(pair, f): (&_, &f64)| (f - direct[pair]).abs() < 1e-14;
+    assert!(direct.len() == stored.len() && stored.iter().all(is_same));
     let rows = sums(&folder, "direct.csv");
     assert_eq!(rows.len() as u64, left);
     assert!(rows.keys().all(|name| name.contains('/')));
@@ -360,4 +368,64 @@ fn clusters_that_cannot_be_so_few_are_noted() {
         let line = format!("{line} --cluster 9 --cluster-angle {angle}");
         folder.fails(&line.replace(" =", "="), 2, "--cluster-angle");
     }
+}
+
+/// Two plates of four faces each, as a model and as a case.
+fn plates(folder: &Folder) {
+    let (mut corners, mut faces) = (String::new(), String::new());
+    for (k, name) in ["floor", "ceiling"].into_iter().enumerate() {
+        for i in 0..10 {
+            // The ceiling faces down.
+            let (x, y) = (if k == 0 { i % 5 } else { 4 - i % 5 }, i / 5);
+            corners += &format!("v {x} {y} {k}\n");
+        }
+        faces += &format!("o {name}\n");
+        for i in 10 * k + 1..10 * k + 5 {
+            faces += &format!("f {i} {} {} {}\n", i + 1, i + 6, i + 5);
+        }
+    }
+    folder.write("plates.obj", corners + &faces);
+    let patch = |name: &str, start| {
+        format!("{name} {{ type wall; inGroups (viewFactorWall); nFaces 4; startFace {start}; }}\n")
+    };
+    let patches = [patch("ceiling", 0), patch("floor", 4)].concat();
+    std::fs::create_dir_all(folder.path("case/constant/polyMesh")).unwrap();
+    folder.write(
+        "case/constant/polyMesh/boundary",
+        format!("2\n(\n{patches})\n"),
+    );
+}
+
+#[test]
+fn clusters_for_openfoam_are_of_whole_faces() {
+    let folder = Folder::new();
+    plates(&folder);
+    let line = "-o case --format openfoam --openfoam v1912 --cluster 4";
+    let agglomeration = || {
+        let text = String::from_utf8(folder.read("case/constant/finalAgglom")).unwrap();
+        text.lines()
+            .skip_while(|l| *l != "2")
+            .collect::<Vec<_>>()
+            .join(" ")
+    };
+    // Faces are divided for the computation.
+    let report = folder.json(&format!(
+        "form-factors plates.obj --patches 200 --rays 64 {line}"
+    ));
+    assert_eq!(report["groups"], json!(4));
+    let expected = "2 ( 4(0 0 1 1) 4(0 0 1 1) )";
+    assert_eq!(agglomeration(), expected);
+    // So are clusters of stored factors, and factors between clusters that were stored.
+    folder.ok("form-factors plates.obj --patches 200 --rays 64 -o fine.npz");
+    folder.write("case/constant/finalAgglom", "");
+    folder.ok(&format!("form-factors fine.npz {line}"));
+    assert_eq!(agglomeration(), expected);
+    folder.ok("form-factors plates.obj --patch-size 0 --rays 64 -o coarse.npz --cluster 4");
+    folder.write("case/constant/finalAgglom", "");
+    folder.ok("form-factors coarse.npz -o case --format openfoam --openfoam v1912");
+    assert_eq!(agglomeration(), expected);
+    // Clusters of patches may cut faces.
+    folder.ok("form-factors fine.npz -o cut.npz --cluster 30");
+    let line = "form-factors cut.npz -o case --format openfoam --openfoam v1912";
+    folder.fails(line, 1, "found several rows of face");
 }

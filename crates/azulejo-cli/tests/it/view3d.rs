@@ -261,6 +261,7 @@ fn what_makes_no_sense_is_said() {
     folder.write("a.vs3", SQUARES);
     folder.fails("form-factors a.vs3 -o f.txt --two-sided", 2, "one-sided");
     folder.fails("form-factors a.vs3 -o f.txt --by object", 2, "cmb");
+    folder.fails("form-factors a.vs3 -o f.txt --cluster 2", 2, "cmb");
     folder.fails("form-factors a.vs3 -o f.xyz", 2, ".txt");
     let run = folder.ok("form-factors a.vs3 -o - --patches 4 --rays 16");
     assert!(run.err.contains("rows are patches"), "{}", run.err);

@@ -129,10 +129,7 @@ impl Enclosure {
 
 /// The smallest region joins its best neighbour until so many are left, or none has one.
 fn agglomerate(regions: &mut Regions, count: usize) {
-    let entry = |regions: &Regions, region: u32| {
-        // Areas are not negative, and sort as their bits do. Equal ones are taken in order.
-        Reverse((regions.area(region).to_bits(), region))
-    };
+    let entry = |regions: &Regions, region: u32| Reverse((rank(regions.area(region)), region));
     let mut smallest: BinaryHeap<_> = regions.all().map(|r| entry(&*regions, r)).collect();
     // Regions that no neighbour accepted, until one of these changes.
     let mut is_waiting = vec![false; smallest.len()];
@@ -141,7 +138,7 @@ fn agglomerate(regions: &mut Regions, count: usize) {
             break;
         };
         let is_current = regions.of_row(region) == region
-            && regions.area(region).to_bits() == area
+            && rank(regions.area(region)) == area
             && !is_waiting[region as usize];
         if !is_current {
             continue;
@@ -159,4 +156,10 @@ fn agglomerate(regions: &mut Regions, count: usize) {
             }
         }
     }
+}
+
+/// Numbers that are not negative sort as their bits do. Those that differ by rounding alone are equal, and
+/// regions are then taken in order.
+fn rank(number: f64) -> u32 {
+    (number as f32).to_bits()
 }

@@ -1,6 +1,7 @@
 //! Regions of rows, which grow by joining.
 
 use super::outlines::{NONE, OutlineMesh};
+use super::rank;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
@@ -178,8 +179,8 @@ impl Regions {
         let mut borders = self.borders(region);
         borders.retain(Border::is_one_line);
         let cost = |b: &Border| self.cost(region, b);
-        let mut ranked: Vec<(f64, Border)> = borders.iter().map(|b| (cost(b), *b)).collect();
-        ranked.sort_by(|x, y| x.0.total_cmp(&y.0));
+        let mut ranked: Vec<(u32, Border)> = borders.iter().map(|b| (rank(cost(b)), *b)).collect();
+        ranked.sort_by_key(|(cost, _)| *cost);
         let mut fitting = ranked.into_iter().map(|(_, b)| b);
         fitting.find(|b| self.fit(region, b.region))
     }
