@@ -8,23 +8,23 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 const MOST: usize = 16;
 
 /// Points with those that lie in one place made one.
-pub(super) struct Weld {
+pub(super) struct PointWeld {
     /// For each point, the first one in its place.
     same: Vec<u32>,
     /// Distance up to which points are in one place.
     pub(super) tolerance: f64,
 }
 
-impl Weld {
+impl PointWeld {
     /// Points closer than a share of the extent of all are one.
-    pub(super) fn new(points: &[DVec3], share: f64) -> Weld {
+    pub(super) fn new(points: &[DVec3], share: f64) -> PointWeld {
         let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
         let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
         let extent = (high - low).max_element();
         // Also for a single point, and none.
         let is_sized = extent.is_finite() && extent > 0.0;
         let tolerance = share * if is_sized { extent } else { 1.0 };
-        let mut weld = Weld {
+        let mut weld = PointWeld {
             same: Vec::with_capacity(points.len()),
             tolerance,
         };

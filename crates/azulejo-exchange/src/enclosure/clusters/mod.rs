@@ -12,7 +12,7 @@ mod tests;
 
 use super::{Enclosure, Groups, unique};
 use outlines::{OutlineMesh, RowKey};
-use regions::Regions;
+use regions::ClusterRegions;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap};
 use std::fmt;
@@ -70,7 +70,7 @@ impl Enclosure {
         }
         let key = |i| self.key(i);
         let mesh = OutlineMesh::new(&self.rows.cells, self.len(), key);
-        let mut regions = Regions::new(mesh, options.angle);
+        let mut regions = ClusterRegions::new(mesh, options.angle);
         if options.whole_faces {
             self.join_faces(&mut regions);
         }
@@ -89,7 +89,7 @@ impl Enclosure {
     }
 
     /// Joins the pieces of each face, whatever their normals.
-    fn join_faces(&self, regions: &mut Regions) {
+    fn join_faces(&self, regions: &mut ClusterRegions) {
         let faces = &self.factors.faces;
         for row in 0..self.len() {
             let has_same_face = |other: u32| faces[other as usize] == faces[row];
@@ -105,7 +105,7 @@ impl Enclosure {
         }
     }
 
-    fn named(&self, regions: &mut Regions) -> Groups {
+    fn named(&self, regions: &mut ClusterRegions) -> Groups {
         let (mut numbers, mut names) = (HashMap::new(), Vec::new());
         let mut used = HashMap::new();
         let of_row = |row: usize| {
@@ -128,8 +128,9 @@ impl Enclosure {
 }
 
 /// The smallest region joins its best neighbour until so many are left, or none has one.
-fn agglomerate(regions: &mut Regions, count: usize) {
-    let entry = |regions: &Regions, region: u32| Reverse((rank(regions.area(region)), region));
+fn agglomerate(regions: &mut ClusterRegions, count: usize) {
+    let entry =
+        |regions: &ClusterRegions, region: u32| Reverse((rank(regions.area(region)), region));
     let mut smallest: BinaryHeap<_> = regions.all().map(|r| entry(&*regions, r)).collect();
     // Regions that no neighbour accepted, until one of these changes.
     let mut is_waiting = vec![false; smallest.len()];

@@ -1,6 +1,6 @@
 //! The borders of rows, and which of them lie along each other.
 
-use super::junctions::{Weld, split_edges};
+use super::junctions::{PointWeld, split_edges};
 use crate::enclosure::CellMesh;
 use azulejo_scene::math::area_vector;
 use glam::DVec3;
@@ -27,7 +27,7 @@ pub(super) struct RowKey {
 /// The outlines of rows as closed lines of directed edges.
 #[derive(Clone, Debug, Default)]
 pub(super) struct OutlineMesh {
-    pub(super) edges: Vec<Edge>,
+    pub(super) edges: Vec<OutlineEdge>,
     /// The first edge of each row; [`NONE`] for rows that are no simple polygon.
     pub(super) first: Vec<u32>,
     /// Area vector of each row.
@@ -38,7 +38,7 @@ pub(super) struct OutlineMesh {
 
 /// An edge of a row's outline, with the row on its left.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Edge {
+pub(super) struct OutlineEdge {
     /// The point where it starts.
     pub(super) from: u32,
     pub(super) next: u32,
@@ -53,7 +53,7 @@ impl OutlineMesh {
     /// The outlines of so many rows, connected where their keys are equal. Corners of one row on the
     /// edge of another divide that edge.
     pub(super) fn new(cells: &CellMesh, rows: usize, key: impl Fn(usize) -> RowKey) -> OutlineMesh {
-        let weld = Weld::new(&cells.points, SAME);
+        let weld = PointWeld::new(&cells.points, SAME);
         let mut mesh = OutlineMesh {
             first: vec![NONE; rows],
             vectors: vec![DVec3::ZERO; rows],
@@ -89,7 +89,7 @@ impl OutlineMesh {
         self.first[row as usize] = start;
         for (k, &from) in (0..).zip(outline) {
             let to = outline[(k as usize + 1) % outline.len()];
-            self.edges.push(Edge {
+            self.edges.push(OutlineEdge {
                 from,
                 next: start + (k + 1) % n,
                 previous: start + (k + n - 1) % n,

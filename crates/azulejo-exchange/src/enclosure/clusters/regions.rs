@@ -13,14 +13,14 @@ const ROUNDING: f64 = 1e-4;
 const BEND: f64 = 10.0;
 
 /// Regions of rows. Each is named after one of its rows, and is a disc.
-pub(super) struct Regions {
+pub(super) struct ClusterRegions {
     mesh: OutlineMesh,
     /// A row of the region that each row joined, up to that after which it is named.
     joined: Vec<u32>,
     /// The next row of the same region, in a circle.
     next: Vec<u32>,
     /// By the row after which each is named.
-    regions: Vec<Region>,
+    regions: Vec<ClusterRegion>,
     /// Unit normals of rows; zero for those without area.
     normals: Vec<DVec3>,
     /// Least cosine of the angle between a row and its region.
@@ -29,7 +29,7 @@ pub(super) struct Regions {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Region {
+struct ClusterRegion {
     area: f64,
     vector: DVec3,
     perimeter: f64,
@@ -39,7 +39,7 @@ struct Region {
 
 /// The border between a region and a neighbour.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Border {
+pub(super) struct ClusterBorder {
     /// The neighbour.
     pub(super) region: u32,
     length: f64,
@@ -51,7 +51,7 @@ pub(super) struct Border {
     first: u32,
 }
 
-impl Border {
+impl ClusterBorder {
     /// Whether both regions together are a disc again: they touch along one line that does not close, and
     /// at no other point.
     pub(super) fn is_one_line(&self) -> bool {
@@ -59,12 +59,12 @@ impl Border {
     }
 }
 
-impl Regions {
+impl ClusterRegions {
     /// One region for each row; no normal of a row may be farther off that of its region than `angle`.
-    pub(super) fn new(mesh: OutlineMesh, angle: f64) -> Regions {
+    pub(super) fn new(mesh: OutlineMesh, angle: f64) -> ClusterRegions {
         let rows = mesh.first.len();
         let limit = (angle + ROUNDING).clamp(0.0, std::f64::consts::PI);
-        let mut regions = Regions {
+        let mut regions = ClusterRegions {
             joined: (0..rows as u32).collect(),
             next: (0..rows as u32).collect(),
             regions: Vec::with_capacity(rows),
@@ -79,7 +79,7 @@ impl Regions {
             let lengths = regions.around(edge).into_iter();
             let perimeter = lengths.map(|e| regions.mesh.edges[e as usize].length).sum();
             let vector = regions.mesh.vectors[row];
-            regions.regions.push(Region {
+            regions.regions.push(ClusterRegion {
                 area: vector.length(),
                 vector,
                 perimeter,
@@ -127,10 +127,10 @@ impl Regions {
     }
 
     /// The borders with all neighbours, by their numbers.
-    pub(super) fn borders(&mut self, region: u32) -> Vec<Border> {
+    pub(super) fn borders(&mut self, region: u32) -> Vec<ClusterBorder> {
         let edges = self.around(self.regions[region as usize].edge);
         let across: Vec<u32> = edges.iter().map(|&e| self.across(e)).collect();
-        let mut borders: BTreeMap<u32, Border> = BTreeMap::new();
+        let mut borders: BTreeMap<u32, ClusterBorder> = BTreeMap::new();
         for (k, (&edge, &other)) in edges.iter().zip(&across).enumerate() {
             if other == NONE {
                 continue;
@@ -175,17 +175,18 @@ impl Regions {
 
     /// The border with the neighbour that a region joins best: the one with which it has the shortest
     /// border and the least bend.
-    pub(super) fn best(&mut self, region: u32) -> Option<Border> {
+    pub(super) fn best(&mut self, region: u32) -> Option<ClusterBorder> {
         let mut borders = self.borders(region);
-        borders.retain(Border::is_one_line);
-        let cost = |b: &Border| self.cost(region, b);
-        let mut ranked: Vec<(u32, Border)> = borders.iter().map(|b| (rank(cost(b)), *b)).collect();
+        borders.retain(ClusterBorder::is_one_line);
+        let cost = |b: &ClusterBorder| self.cost(region, b);
+        let mut ranked: Vec<(u32, ClusterBorder)> =
+            borders.iter().map(|b| (rank(cost(b)), *b)).collect();
         ranked.sort_by_key(|(cost, _)| *cost);
         let mut fitting = ranked.into_iter().map(|(_, b)| b);
         fitting.find(|b| self.fit(region, b.region))
     }
 
-    fn cost(&self, region: u32, border: &Border) -> f64 {
+    fn cost(&self, region: u32, border: &ClusterBorder) -> f64 {
         let [a, b] = [region, border.region].map(|r| self.regions[r as usize]);
         let perimeter = a.perimeter + b.perimeter - 2.0 * border.length;
         let [m, n] = [a, b].map(|r| r.vector.normalize_or_zero());
@@ -212,12 +213,12 @@ impl Regions {
     }
 
     /// Joins a region and its neighbour over a border of one line. Returns the new one.
-    pub(super) fn join(&mut self, region: u32, border: &Border) -> u32 {
+    pub(super) fn join(&mut self, region: u32, border: &ClusterBorder) -> u32 {
         let (a, b) = (region, border.region);
         let edge = self.remove(border);
         let [one, other] = [a, b].map(|r| self.regions[r as usize]);
         let (kept, gone) = (a.min(b), a.max(b));
-        self.regions[kept as usize] = Region {
+        self.regions[kept as usize] = ClusterRegion {
             area: one.area + other.area,
             vector: one.vector + other.vector,
             perimeter: (one.perimeter + other.perimeter - 2.0 * border.length).max(0.0),
@@ -230,7 +231,7 @@ impl Regions {
     }
 
     /// Takes the edges between two regions out of both outlines, which become one. Returns an edge of it.
-    fn remove(&mut self, border: &Border) -> u32 {
+    fn remove(&mut self, border: &ClusterBorder) -> u32 {
         let edges = &mut self.mesh.edges;
         let first = border.first;
         let mut last = first;
