@@ -1,6 +1,6 @@
 """The published case of a bowl-shaped crater (Ingersoll, Svitek and Murray, Icarus 100, 1992): of a part of a
 sphere that a low sun lights in part, all places in shadow have one temperature, which is known. Bands of
-sunlight and heat, direct sun with shadows, and reradiation, at four refinements. Needs NumPy."""
+sunlight and heat, direct sun with shadows, and reradiation, at three refinements. Needs NumPy."""
 
 import math
 import os
@@ -17,7 +17,7 @@ SHARE = 0.2
 ALBEDO, EPS = 0.12, 0.95
 SUN, ELEVATION = 1361.0, math.radians(10)
 # Rings and sectors.
-MESHES = [(10, 30), (20, 60)]
+MESHES = [(10, 30), (20, 60), (30, 90)]
 MOST = 0.3
 
 
