@@ -91,8 +91,7 @@ impl OpenFoamCase {
         let text = String::from_utf8_lossy(bytes);
         let version = version.or_else(|| OpenFoamVersion::from_banner(&text));
         let unknown = || {
-            let expected =
-                "the version that will read the files: v1912 (or earlier), v2312 (or later) or org";
+            let expected = "the version that will read the files (--openfoam): v1912 (or earlier), v2312 (or later) or org";
             ReadError::whole(name, "no version whose files are known", expected)
         };
         Ok(OpenFoamCase {
