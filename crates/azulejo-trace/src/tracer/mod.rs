@@ -16,8 +16,8 @@ use assemble::assemble;
 use azulejo_scene::Scene;
 use azulejo_scene::math::{Aabb, Ray};
 use glam::DVec3;
-use periodic::Cell;
 pub use periodic::PeriodError;
+use periodic::PeriodicCell;
 use placed::Placed;
 use transparency::ItemTransparencies;
 
@@ -71,7 +71,7 @@ pub struct Tracer {
     /// What lets light pass; `None` if nothing does.
     transparencies: Option<ItemTransparencies>,
     /// What is repeated; `None` if the scene stands alone.
-    cell: Option<Cell>,
+    cell: Option<PeriodicCell>,
 }
 
 #[derive(Clone, Debug)]

@@ -23,7 +23,7 @@ const SLACK: f64 = 1e-5;
 
 /// The cell of a scene that repeats itself, in the kernel's coordinates; its centre is their origin.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Cell {
+pub(crate) struct PeriodicCell {
     /// Edge lengths; infinite along axes without repetition.
     period: DVec3,
     /// Half the size of the scene.
@@ -110,7 +110,7 @@ impl Tracer {
     fn set_period(&mut self, period: DVec3) {
         let is_repeated = period.cmpgt(DVec3::ZERO);
         let endless = DVec3::splat(f64::INFINITY);
-        self.cell = (is_repeated.any() && !self.bounds.is_empty()).then(|| Cell {
+        self.cell = (is_repeated.any() && !self.bounds.is_empty()).then(|| PeriodicCell {
             period: DVec3::select(is_repeated, self.frame.vector(period), endless),
             half: 0.5 * self.frame.vector(self.bounds.size()),
             world: period,
@@ -128,7 +128,12 @@ impl Tracer {
     }
 
     /// The first hit of each ray in any cell.
-    pub(super) fn closest_in_cells(&self, cell: &Cell, rays: &[KernelRay], hits: &mut [KernelHit]) {
+    pub(super) fn closest_in_cells(
+        &self,
+        cell: &PeriodicCell,
+        rays: &[KernelRay],
+        hits: &mut [KernelHit],
+    ) {
         cell.walk(
             rays,
             |parts, found| self.own_closest(parts, found),
@@ -137,7 +142,12 @@ impl Tracer {
     }
 
     /// Whether each ray hits anything in any cell.
-    pub(super) fn any_in_cells(&self, cell: &Cell, rays: &[KernelRay], blocked: &mut [bool]) {
+    pub(super) fn any_in_cells(
+        &self,
+        cell: &PeriodicCell,
+        rays: &[KernelRay],
+        blocked: &mut [bool],
+    ) {
         blocked.fill(false);
         cell.walk(
             rays,
@@ -184,7 +194,7 @@ struct Part {
     end: (f64, usize),
 }
 
-impl Cell {
+impl PeriodicCell {
     /// Follows rays from cell to cell, all at the same time; `closest` traces what lies in one cell,
     /// `on_hit` gets the first hit of each ray that has one.
     fn walk(
