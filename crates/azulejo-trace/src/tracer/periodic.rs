@@ -172,7 +172,7 @@ impl Tracer {
 
 /// A ray on its way through the cells.
 #[derive(Clone, Copy)]
-struct Walk {
+struct CellWalk {
     ray: usize,
     origin: DVec3,
     direction: DVec3,
@@ -185,10 +185,10 @@ struct Walk {
     t_max: f64,
 }
 
-/// Part of a ray in one cell: it begins at `from` of the whole one.
+/// CellPart of a ray in one cell: it begins at `from` of the whole one.
 #[derive(Clone, Copy)]
-struct Part {
-    walk: Walk,
+struct CellPart {
+    walk: CellWalk,
     from: f64,
     /// Where the cell ends, and the axis along which the next one lies.
     end: (f64, usize),
@@ -203,7 +203,7 @@ impl PeriodicCell {
         mut closest: impl FnMut(&[KernelRay], &mut [KernelHit]),
         mut on_hit: impl FnMut(usize, KernelHit),
     ) {
-        let mut walks: Vec<Walk> = (0..rays.len())
+        let mut walks: Vec<CellWalk> = (0..rays.len())
             .filter_map(|k| self.start(k, &rays[k]))
             .collect();
         let (mut parts, mut pieces, mut found) = (Vec::new(), Vec::new(), Vec::new());
@@ -248,14 +248,14 @@ impl PeriodicCell {
     }
 
     /// A ray in its first cell; `None` if it hits nothing whatever there is.
-    fn start(&self, ray: usize, given: &KernelRay) -> Option<Walk> {
+    fn start(&self, ray: usize, given: &KernelRay) -> Option<CellWalk> {
         let (origin, direction) = (double(given.origin), double(given.direction));
         let t = f64::from(given.t_min).max(0.0);
         let length = direction.length();
         let at = origin + t * direction;
         let is_valid = length > 1e-25 && length.is_finite() && at.is_finite();
         let cell = (at / self.period).round();
-        (is_valid && cell.abs().max_element() < 1e9).then(|| Walk {
+        (is_valid && cell.abs().max_element() < 1e9).then(|| CellWalk {
             ray,
             origin,
             direction,
@@ -267,7 +267,7 @@ impl PeriodicCell {
     }
 
     /// What of a ray lies in its cell; `None` if nothing of the scene can lie ahead of it.
-    fn part(&self, walk: &Walk, given: &KernelRay) -> Option<(Part, KernelRay)> {
+    fn part(&self, walk: &CellWalk, given: &KernelRay) -> Option<(CellPart, KernelRay)> {
         if walk.t - walk.overlap >= walk.t_max || self.is_past(walk) {
             return None;
         }
@@ -286,7 +286,7 @@ impl PeriodicCell {
             t_max: (to - from) as f32,
             ..*given
         };
-        let part = Part {
+        let part = CellPart {
             walk: *walk,
             from,
             end,
@@ -295,7 +295,7 @@ impl PeriodicCell {
     }
 
     /// Where a ray leaves its cell, and along which axis.
-    fn end(&self, walk: &Walk) -> (f64, usize) {
+    fn end(&self, walk: &CellWalk) -> (f64, usize) {
         let wall = self.shift(walk.cell) + 0.5 * self.period * walk.direction.signum();
         let exits = (wall - walk.origin) / walk.direction;
         let exit = |axis: usize| {
@@ -317,7 +317,7 @@ impl PeriodicCell {
     }
 
     /// The same ray in the next cell; `None` where there is none.
-    fn next(&self, part: &Part) -> Option<Walk> {
+    fn next(&self, part: &CellPart) -> Option<CellWalk> {
         let (t, axis) = part.end;
         let mut walk = part.walk;
         if !t.is_finite() {
@@ -330,7 +330,7 @@ impl PeriodicCell {
     }
 
     /// Whether a ray has passed the whole scene along an axis without repetition.
-    fn is_past(&self, walk: &Walk) -> bool {
+    fn is_past(&self, walk: &CellWalk) -> bool {
         let at = walk.origin + (walk.t - walk.overlap).max(0.0) * walk.direction;
         (0..3).any(|axis| {
             let (ahead, way) = (at[axis], walk.direction[axis]);
@@ -351,7 +351,7 @@ impl PeriodicCell {
 }
 
 /// How far parts of a ray overlap beside a plane across an axis, in units of `t`.
-fn overlap(walk: &Walk, axis: usize) -> f64 {
+fn overlap(walk: &CellWalk, axis: usize) -> f64 {
     let across = OVERLAP / walk.direction[axis].abs();
     across.min(LONGEST_OVERLAP / walk.direction.length())
 }
