@@ -116,5 +116,6 @@ def examine(engine, *options):
 
 
 exact = examine("analytic", "--tolerance", "1e-9")
-traced = examine("rays", "--rays", "65536")
+# The sky of a row is estimated by its rays alone, its factors by those of both ends: sums err by noise.
+traced = examine("rays", "--rays", "262144")
 check("traced and exact, largest difference", np.abs(traced - exact).max(), 0.0, 1e-2)

@@ -9,7 +9,7 @@ use crate::error::{cancelled, of_factors, refused};
 use crate::geometry::{self, GeometryArrays};
 use crate::scene::NativeScene;
 use crate::work::{self, WorkOptions};
-use azulejo_exchange::{Enclosure, GroupBy, Groups, OutsideLight};
+use azulejo_exchange::{ClusterOptions, Enclosure, GroupBy, Groups, OutsideLight};
 use azulejo_factors::form_factors::{Adjustment, NoJournal, Plan, RowRemainder};
 use azulejo_factors::{FormFactorOptions, FormFactors};
 use azulejo_scene::Scene;
@@ -180,6 +180,26 @@ impl NativeFormFactors {
             ));
         }
         self.in_groups(py, self.enclosure.groups(by))
+    }
+
+    /// The matrix between clusters of neighbouring patches, whose normals differ by at most so many degrees.
+    fn clustered(
+        &self,
+        py: Python<'_>,
+        count: usize,
+        angle: f64,
+        whole_faces: bool,
+    ) -> PyResult<NativeFormFactors> {
+        let options = ClusterOptions {
+            count,
+            angle: angle.to_radians(),
+            whole_faces,
+        };
+        let enclosure = self.enclosure.clone();
+        let clusters = work::run(py, &WorkOptions::new(None, None), move |_| {
+            Ok(enclosure.clusters(&options))
+        })?;
+        self.in_groups(py, clusters.map_err(refused)?)
     }
 
     /// The matrix with closure enforced.

@@ -124,6 +124,17 @@ def test_groups(cube: az.Scene) -> None:
     assert len(part) == 2 and np.allclose(part.hidden, 1 - OPPOSITE, atol=0.02)
 
 
+def test_clusters(cube: az.Scene) -> None:
+    f = az.form_factors(cube, patches=54, rays=64)
+    halves = f.cluster(12)
+    assert len(halves) == 12 and halves.names is not None
+    assert set(halves.names) == {f"{face}/{k}" for face in faces_of_cube() for k in (0, 1)}
+    by_object = halves.group([name.split("/")[0] for name in halves.names])
+    assert np.allclose(by_object.matrix.toarray(), f.group("object").matrix.toarray())
+    with pytest.warns(UserWarning, match="6 rows are left"):
+        assert len(f.cluster(2, angle=180)) == 6
+
+
 def test_truncation_keeps_rows(cube: az.Scene) -> None:
     f = az.form_factors(cube, patches=150, rays=256)
     small = f.truncate(0.005)
@@ -256,6 +267,9 @@ def test_entries_that_do_not_exist(cube: az.Scene, refuses) -> None:
     refuses("two labels are the same as text", lambda: patches.group([1, "1", 1, 1, 1, 1]))
     refuses('no label for "x0"', lambda: groups.group({"lid": "top"}))
     refuses("share is 2.0", lambda: patches.truncate(2))
+    refuses("count is 0", lambda: patches.cluster(0))
+    refuses("expected 0 to 180 degrees", lambda: patches.cluster(3, angle=200))
+    refuses("found rows that are groups already", lambda: groups.cluster(3))
 
 
 def street():

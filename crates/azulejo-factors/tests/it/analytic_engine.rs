@@ -242,27 +242,67 @@ fn no_light_leaves_an_open_box_downwards() {
     }
 }
 
+/// A house in the box stands between walls and the floor that they touch, so that these are partly hidden from
+/// each other. Still nothing leaves downwards.
+#[test]
+fn no_light_leaves_a_court_with_a_house_downwards() {
+    for height in [0.4, 0.95] {
+        let mut scene = open_box(1.0);
+        let turned = |[x, y]: [f64; 2]| [0.3 + 0.45 * x - 0.1 * y, 0.2 + 0.1 * x + 0.45 * y];
+        add_prism(&mut scene, turned, height, true);
+        for accuracy in [None, Some(1e-6)] {
+            let wanted = FormFactorOptions {
+                accuracy,
+                ..options()
+            };
+            let found = compute(&scene, &wanted);
+            for (i, rest) in found.rest.iter().enumerate() {
+                let most = 4.0 * rest.ground_error + 1e-9;
+                assert!(rest.ground <= most, "{height} {accuracy:?} {i}: {rest:?}");
+                assert!(rest.ground_error < 1e-4, "{rest:?}");
+            }
+        }
+    }
+}
+
 /// A floor of one unit by one, and four walls of two triangles each.
 fn open_box(height: f64) -> Scene {
     let mut scene = Scene::default();
+    add_prism(&mut scene, |corner| corner, height, false);
+    scene
+}
+
+/// Four walls of two triangles each over a square that has been moved by `place`: a room with a floor, or a house
+/// with a roof, which is seen from outside.
+fn add_prism(scene: &mut Scene, place: impl Fn([f64; 2]) -> [f64; 2], height: f64, is_house: bool) {
     let up = scene.units.up.axis();
     let along = up.any_orthonormal_vector();
-    let place = |k: usize, h: f64| {
-        let (x, y) = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)][k % 4];
-        x * along + y * up.cross(along) + h * height * up
-    };
     let grey = scene.add_material(scenes::surface(0.5, 0.0, 0.0));
     let mut mesh = Mesh::default();
-    mesh.positions
-        .extend((0..8).map(|k| place(k, f64::from(u8::from(k >= 4)))));
-    mesh.push_face(&[0, 1, 2, 3], grey);
+    for h in [0.0, height] {
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].map(&place);
+        let corner = |[x, y]: [f64; 2]| x * along + y * up.cross(along) + h * up;
+        mesh.positions.extend(corners.map(corner));
+    }
+    mesh.push_face(
+        if is_house {
+            &[4, 5, 6, 7]
+        } else {
+            &[0, 1, 2, 3]
+        },
+        grey,
+    );
     for k in 0..4 {
         let next = (k + 1) % 4;
-        mesh.push_face(&[k, k + 4, next + 4], grey);
-        mesh.push_face(&[k, next + 4, next], grey);
+        for mut triangle in [[k, k + 4, next + 4], [k, next + 4, next]] {
+            if is_house {
+                triangle.reverse();
+            }
+            mesh.push_face(&triangle, grey);
+        }
     }
-    scene.objects.push(Object::new("box", Shape::Mesh(mesh)));
-    scene
+    let name = if is_house { "house" } else { "box" };
+    scene.objects.push(Object::new(name, Shape::Mesh(mesh)));
 }
 
 /// Sky and ground beside an open Cornell box, compared with rays.

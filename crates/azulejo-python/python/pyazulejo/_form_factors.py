@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from ._checks import division, hemicubes, listed, optional_whole, periods, positive, whole
+from ._checks import division, hemicubes, listed, optional_whole, periods, positive, real, whole
 from ._checks import memory as _memory
 from ._checks import share as _share
 from ._checks import threads as _threads
@@ -585,6 +585,43 @@ class FormFactors:
         if len(set(names)) < len(names):
             raise AzulejoError("two labels are the same as text")
         return self._changed(self._native.grouped(np.asarray(groups, dtype=np.int64), names))
+
+    def cluster(
+        self, count: int, *, angle: float = 30.0, whole_faces: bool = False
+    ) -> FormFactors:
+        """The matrix between clusters of neighbouring patches, about `count` of them.
+
+        Each is one piece without holes of one object, side and material. The smallest joins a neighbour,
+        over and over.
+
+        Parameters
+        ----------
+        count : int
+            How many are wanted. More are left, with a `UserWarning`, where patches cannot be joined: parts
+            that do not touch, bends beyond `angle`, rings.
+        angle : float, optional
+            Largest angle between the normals of a cluster and of each of its patches, degrees, 0 to 180.
+        whole_faces : bool, optional
+            Whether all patches of a face stay together, as OpenFOAM's files need.
+
+        Returns
+        -------
+        FormFactors
+            Its names are object/0, object/1, ….
+        """
+        wanted = whole("count", count, 1, 2**32 - 1)
+        widest = real("angle", angle)
+        if not 0 <= widest <= 180:
+            raise AzulejoError(f"angle is {widest}, expected 0 to 180 degrees")
+        clusters = self._changed(self._native.clustered(wanted, widest, bool(whole_faces)))
+        if len(clusters) > wanted:
+            _warnings.warn(
+                f"cluster({wanted}): {len(clusters)} rows are left: objects, sides, materials, parts that "
+                f"do not touch and bends beyond {widest:g}° stay apart, and no cluster closes a ring",
+                UserWarning,
+                stacklevel=2,
+            )
+        return clusters
 
     def _changed(self, native: NativeFormFactors) -> FormFactors:
         return FormFactors._of(native, self._table, self._asymmetry)
