@@ -133,29 +133,23 @@ impl Blocker {
     fn effect_on_crossings(&self, a: &[DVec3], b: &[DVec3], graze: f64) -> Effect {
         // Edges with a crossing inside, and edges with one outside.
         let (mut inside, mut outside) = (0_u64, 0_u64);
+        let mut cross = |crossing: DVec3| {
+            for (k, (inward, offset)) in self.edges.iter().enumerate() {
+                let depth = inward.dot(crossing) - offset;
+                inside |= if depth > graze { edge_bit(k) } else { 0 };
+                outside |= if depth < -graze { edge_bit(k) } else { 0 };
+            }
+        };
         for &p in a {
             let height = self.height(p);
             for &q in b {
                 let fall = height - self.height(q);
-                // Both in the plane: lines close by cross it anywhere between them.
-                let [first, second] = if fall.abs() <= 4.0 * graze {
-                    [p, q]
+                if fall.abs() > 4.0 * graze {
+                    cross(p.lerp(q, height / fall));
                 } else {
-                    [p.lerp(q, height / fall); 2]
-                };
-                for (k, (inward, offset)) in self.edges.iter().enumerate() {
-                    let depths = [first, second].map(|c| inward.dot(c) - offset);
-                    let bit = edge_bit(k);
-                    inside |= if depths[0].max(depths[1]) > graze {
-                        bit
-                    } else {
-                        0
-                    };
-                    outside |= if depths[0].min(depths[1]) < -graze {
-                        bit
-                    } else {
-                        0
-                    };
+                    // Both in the plane: lines close by cross it anywhere between them.
+                    cross(p);
+                    cross(q);
                 }
             }
         }

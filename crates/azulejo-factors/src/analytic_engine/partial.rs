@@ -352,8 +352,14 @@ impl PartialVisibility {
             for k in (0..p.len()).filter(|&k| obstruction.edges & edge_bit(k) != 0) {
                 let (start, end) = (p[k], p[(k + 1) % p.len()]);
                 for &corner in to.polygon() {
-                    let normal = (start - corner).cross(end - corner).normalize_or_zero();
-                    self.cut(normal, normal.dot(corner), graze);
+                    let normal = (start - corner).cross(end - corner);
+                    // Most planes pass the facet by.
+                    let height = normal.dot(from.centre - corner);
+                    let reach = from.radius * from.radius * normal.length_squared();
+                    if height * height < reach {
+                        let normal = normal.normalize_or_zero();
+                        self.cut(normal, normal.dot(corner), graze);
+                    }
                 }
             }
         }
