@@ -33,16 +33,16 @@ fn main() {
         .skip(1)
         .filter(|a| !a.starts_with('-'))
         .collect();
-    let size = |usual: usize| {
-        let given = words.get(1).and_then(|w| w.parse().ok());
-        given.unwrap_or(usual)
-    };
+    let number = |place: usize| words.get(place).and_then(|w| w.parse::<usize>().ok());
+    let size = |usual: usize| number(1).unwrap_or(usual);
     match words.first().map(String::as_str) {
-        Some("urban") => urban(size(23_328)),
+        Some("urban") => urban(size(23_328), number(2).unwrap_or(4_096) as u32),
         Some("archive") => stored(size(17_600)),
         Some("exchange") => temperatures(size(10_000)),
         Some("network") => conductances(size(10_000)),
-        _ => println!("expected urban, archive, exchange or network, and the number of facets"),
+        _ => println!(
+            "expected urban, archive, exchange or network, the number of facets, and of rays from each if urban"
+        ),
     }
 }
 
@@ -79,12 +79,13 @@ fn faces(engine: Engine) -> FormFactorOptions {
 
 /// An array of cubes with 3 × 3 facets on each side, by rays. Their number decides the error of a row, which
 /// two seeds show: the share of the sky differs between them by √2 of it.
-fn urban(facets: usize) {
+fn urban(facets: usize, rays: u32) {
     let count = (facets as f64 / 72.0).sqrt().round() as u32;
     let scene = cube_array(count, 3);
     let seeds = [1, 2].map(|seed| {
         let options = FormFactorOptions {
             closure: Closure::Never,
+            rays,
             seed,
             ..faces(Engine::Rays)
         };
