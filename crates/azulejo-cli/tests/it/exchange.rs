@@ -59,6 +59,23 @@ fn reradiating_walls_by_model_and_by_stored_factors() {
     assert!(text(&folder, "whole.vtu").contains("Name=\"T\""));
 }
 
+/// The ceiling of a cube is a mirror. From the floor to it the Gebhart factor is 0.0313 where every patch has a
+/// radiosity of its own; of six walls that shine evenly it is 0.0329.
+#[test]
+fn nodes_are_solved_first_or_lumped_first() {
+    let folder = cube();
+    folder.write("mirror.csv", "name,eps,rho_s\nlid,0.1,0.9\n*,0.6,0\n");
+    let gebhart = |options: &str| {
+        folder.ok(&format!(
+            "exchange cube.obj --patches 384 --materials mirror.csv --by object {options} -o gr.csv"
+        ));
+        conductance(&text(&folder, "gr.csv"), "floor", "lid") / 0.6
+    };
+    let (solved, lumped) = (gebhart(""), gebhart("--lump"));
+    assert!((solved - 0.0313).abs() < 1e-4, "{solved}");
+    assert!((lumped - 0.032_878_543_926).abs() < 1e-6, "{lumped}");
+}
+
 /// Bands with other mirrors have factors of their own; stored factors without them are refused.
 #[test]
 fn mirrors_per_band() {

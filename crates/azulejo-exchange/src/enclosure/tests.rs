@@ -8,6 +8,31 @@ use azulejo_scene::synthetic::cube_room;
 use azulejo_trace::{Progress, Tracer};
 use glam::DVec3;
 
+/// Fronts of one material, each an object without a name, with exchange areas and no light from elsewhere.
+pub fn fronts(areas: Vec<f64>, exchange: ExchangeAreas) -> Enclosure {
+    let n = areas.len();
+    let face = |object| FaceId { object, face: 0 };
+    Enclosure {
+        factors: FormFactors {
+            exchange,
+            areas,
+            faces: (0..n as u32).map(face).collect(),
+            materials: vec![0; n],
+            is_back: vec![false; n],
+            rest: vec![RowRemainder::default(); n],
+            ends: vec![1.0; n],
+            row_errors: vec![0.0; n],
+            ..FormFactors::default()
+        },
+        rows: RowTable {
+            materials: vec!["grey".into()],
+            diffuse: vec![Rgb::grey(0.2); n],
+            ..RowTable::default()
+        },
+        outside: None,
+    }
+}
+
 /// Two rows, half of whose light came by a mirror.
 pub fn two_squares() -> Enclosure {
     let face = |object, face| FaceId { object, face };

@@ -2,10 +2,9 @@
 
 use super::*;
 use crate::enclosure::CellMesh;
-use crate::enclosure::tests::two_squares;
-use azulejo_factors::form_factors::{ExchangeAreas, RowRemainder};
-use azulejo_factors::{FaceId, FormFactors};
-use azulejo_scene::Rgb;
+use crate::enclosure::tests::{fronts, two_squares};
+use azulejo_factors::FaceId;
+use azulejo_factors::form_factors::ExchangeAreas;
 use azulejo_scene::math::area_vector;
 use glam::DVec3;
 use proptest::prelude::*;
@@ -15,32 +14,17 @@ use std::f64::consts::{PI, TAU};
 /// Rows of one object that see nothing.
 fn rows(polygons: Vec<Vec<DVec3>>) -> Enclosure {
     let n = polygons.len();
+    let areas = polygons.iter().map(|p| area_vector(p).length()).collect();
+    let mut enclosure = fronts(areas, ExchangeAreas::from_iter(vec![vec![]; n]));
     let face = |k: usize| FaceId {
         object: 0,
         face: k as u32,
     };
-    Enclosure {
-        factors: FormFactors {
-            exchange: ExchangeAreas::from_iter(vec![vec![]; n]),
-            areas: polygons.iter().map(|p| area_vector(p).length()).collect(),
-            faces: (0..n).map(face).collect(),
-            materials: vec![0; n],
-            is_back: vec![false; n],
-            rest: vec![RowRemainder::default(); n],
-            ends: vec![1.0; n],
-            row_errors: vec![0.0; n],
-            ..FormFactors::default()
-        },
-        rows: crate::RowTable {
-            names: (0..n).map(|k| format!("wall/{k}")).collect(),
-            objects: vec!["wall".into(), "lid".into()],
-            materials: vec!["grey".into()],
-            diffuse: vec![Rgb::grey(0.5); n],
-            cells: CellMesh::new(polygons),
-            ..crate::RowTable::default()
-        },
-        outside: None,
-    }
+    enclosure.factors.faces = (0..n).map(face).collect();
+    enclosure.rows.names = (0..n).map(|k| format!("wall/{k}")).collect();
+    enclosure.rows.objects = vec!["wall".into(), "lid".into()];
+    enclosure.rows.cells = CellMesh::new(polygons);
+    enclosure
 }
 
 /// Squares of a parameter plane, of which a function makes positions.

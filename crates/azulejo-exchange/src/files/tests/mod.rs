@@ -5,10 +5,9 @@ mod udales;
 mod vtu;
 
 use super::*;
-use crate::enclosure::{CellMesh, OutsideLight, RowTable};
-use azulejo_factors::form_factors::{Exchange, ExchangeAreas, RowRemainder};
-use azulejo_factors::{FaceId, FormFactors};
-use azulejo_scene::Rgb;
+use crate::enclosure::tests::fronts;
+use crate::enclosure::{CellMesh, OutsideLight};
+use azulejo_factors::form_factors::{Exchange, ExchangeAreas};
 use glam::DVec3;
 
 /// Rows of so large areas, each an object, with exchange areas of pairs.
@@ -17,7 +16,6 @@ pub(in crate::files) fn rows(
     names: &[&str],
     pairs: &[(u32, u32, f64)],
 ) -> Enclosure {
-    let n = areas.len();
     let of_row = |i: u32| -> Vec<Exchange> {
         let mut row: Vec<Exchange> = (pairs.iter().filter(|p| p.0 == i))
             .map(|&(_, column, value)| Exchange {
@@ -29,31 +27,11 @@ pub(in crate::files) fn rows(
         row.sort_by_key(|e| e.column);
         row
     };
-    let factors = FormFactors {
-        exchange: ExchangeAreas::from_iter((0..n as u32).map(of_row)),
-        areas: areas.to_vec(),
-        faces: (0..n as u32)
-            .map(|object| FaceId { object, face: 0 })
-            .collect(),
-        materials: vec![0; n],
-        is_back: vec![false; n],
-        rest: vec![RowRemainder::default(); n],
-        ends: vec![1.0; n],
-        row_errors: vec![0.0; n],
-        ..FormFactors::default()
-    };
-    let names: Vec<String> = names.iter().map(|n| (*n).to_owned()).collect();
-    Enclosure {
-        factors,
-        rows: RowTable {
-            names: names.iter().map(|n| format!("{n}/0")).collect(),
-            objects: names,
-            materials: vec!["grey".into()],
-            diffuse: vec![Rgb::grey(0.2); n],
-            ..RowTable::default()
-        },
-        outside: None,
-    }
+    let exchange = (0..areas.len() as u32).map(of_row).collect();
+    let mut enclosure = fronts(areas.to_vec(), exchange);
+    enclosure.rows.objects = names.iter().map(|n| (*n).to_owned()).collect();
+    enclosure.rows.names = names.iter().map(|n| format!("{n}/0")).collect();
+    enclosure
 }
 
 /// Two plates, of which the second is twice as large as the first.

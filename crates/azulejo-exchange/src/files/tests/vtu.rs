@@ -1,6 +1,7 @@
 //! VTK.
 
 use super::*;
+use azulejo_scene::Rgb;
 
 /// An array of a VTU file: its type, components and bytes.
 fn vtu_array<'a>(file: &'a [u8], name: &str) -> (String, usize, &'a [u8]) {
