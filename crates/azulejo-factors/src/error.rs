@@ -38,14 +38,16 @@ impl fmt::Display for FactorsError {
                 bytes,
                 memory,
             } => {
-                let gibibytes = |bytes: &u64| *bytes as f64 / f64::from(1 << 30);
+                let size = |&bytes: &u64| match bytes as f64 / f64::from(1 << 20) {
+                    mebibytes if mebibytes < 1000.0 => format!("{mebibytes:.1} MiB"),
+                    mebibytes => format!("{:.1} GiB", mebibytes / 1024.0),
+                };
                 write!(
                     f,
-                    "form factors between {rows} patches need about {:.1} GiB of memory, and \
-                     {:.1} GiB may be used: divide into fewer patches, trace fewer rays from \
-                     each, or allow more memory",
-                    gibibytes(bytes),
-                    gibibytes(memory)
+                    "form factors between {rows} patches need about {} of memory, and {} may be used: divide \
+                     into fewer patches, trace fewer rays from each, or allow more memory",
+                    size(bytes),
+                    size(memory)
                 )
             }
         }

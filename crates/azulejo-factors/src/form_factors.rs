@@ -176,6 +176,14 @@ pub struct PreparedPlan<'a> {
     forecast: OnceLock<Forecast>,
 }
 
+impl Plan<'_> {
+    /// What of the scene makes form factors wrong without a trace in their sums, in sentences: faces that overlap
+    /// in one plane, and faces without area. Empty if there is nothing of the kind.
+    pub fn flaws(&self) -> Vec<String> {
+        self.patches.flaws(&self.proxy.scene)
+    }
+}
+
 impl<'a> PreparedPlan<'a> {
     fn new(plan: &'a Plan<'a>) -> PreparedPlan<'a> {
         let (scene, tracer) = (&plan.proxy.scene, &plan.proxy.tracer);

@@ -27,7 +27,7 @@ pub struct NativeFormFactors {
     pub enclosure: Arc<Enclosure>,
 }
 
-/// Computes the form factors of a scene.
+/// Computes the form factors of a scene, and says what of the scene makes them wrong.
 #[pyfunction]
 pub fn compute_form_factors(
     py: Python<'_>,
@@ -36,14 +36,14 @@ pub fn compute_form_factors(
     options: OptionArgs,
     threads: Option<usize>,
     progress: Option<Py<PyAny>>,
-) -> PyResult<NativeFormFactors> {
+) -> PyResult<(NativeFormFactors, Vec<String>)> {
     let by = choices::group_by(by)?;
     let (shared, periods, options) = (scene.shared(), options.periods()?, options.options()?);
-    let found = work::run(py, &WorkOptions::new(threads, progress), move |p| {
+    let (found, flaws) = work::run(py, &WorkOptions::new(threads, progress), move |p| {
         let tracer = shared.repeated(periods)?;
         compute(&shared.scene, &tracer, by, &options, p)
     })?;
-    Ok(NativeFormFactors::new(found))
+    Ok((NativeFormFactors::new(found), flaws))
 }
 
 /// As the command, step by step, so that the bits are the same.
@@ -53,17 +53,18 @@ fn compute(
     by: Option<GroupBy>,
     options: &FormFactorOptions,
     progress: &Progress,
-) -> PyResult<Enclosure> {
+) -> PyResult<(Enclosure, Vec<String>)> {
     let plan = Plan::new(scene, tracer, options).map_err(of_factors)?;
     let prepared = plan.prepare();
     let factors = prepared.compute(&NoJournal, progress);
     let mut enclosure = Enclosure::new(&prepared, scene, factors.map_err(of_factors)?);
     let outside = OutsideLight::of_rows(&prepared, scene, &enclosure.factors, progress);
     enclosure.outside = outside.map_err(of_factors)?;
-    Ok(match by {
+    let enclosure = match by {
         Some(by) => enclosure.grouped(&enclosure.groups(by)),
         None => enclosure,
-    })
+    };
+    Ok((enclosure, plan.flaws()))
 }
 
 impl NativeFormFactors {

@@ -72,7 +72,7 @@ def test_published_enclosures() -> None:
     x = az.exchange(az.FormFactors(F, [1, 1, 4]), {"0": 0.9, "1": 0.5, "2": 0.1})
     assert np.isclose(x.B[0, 1], 0.319051333955934, rtol=1e-12)
     meshes = {name: (v * [4, 3, 2.5], f) for name, (v, f) in faces_of_cube().items()}
-    f = az.form_factors(az.Scene(meshes), by="object", patch_size=0, accuracy=1e-10)
+    f = az.form_factors(az.Scene(meshes), by="object", patch_size=0, tolerance=1e-10)
     script_f = az.exchange(f, 0.8).script_f[4, 2]
     assert abs(script_f - 0.156534400100001) < 1e-9
 
@@ -131,18 +131,18 @@ def test_rows_of_a_node_have_their_own_radiosity(furnace: az.FormFactors) -> Non
 def test_openings_are_black_nodes() -> None:
     meshes = faces_of_cube()
     del meshes["lid"]
-    f = az.form_factors(az.Scene(meshes), by="object", patch_size=0, accuracy=1e-10)
+    f = az.form_factors(az.Scene(meshes), by="object", patch_size=0, tolerance=1e-10)
     x = az.exchange(f, 0.4)
     assert x.names[:6] == (*meshes, "sky") and x.is_surface[4:6].tolist() == [True, False]
     assert (x.sky == x.B[:5, 5]).all() and (x.ground < 1e-6).all()
     assert np.allclose(x.B[:5].sum(axis=1), 1, atol=1e-7)
     assert x["sky", "floor"] == x["floor", "sky"] > 0
     # As if the opening had a black lid.
-    whole = az.form_factors(az.Scene(faces_of_cube()), by="object", patch_size=0, accuracy=1e-10)
+    whole = az.form_factors(az.Scene(faces_of_cube()), by="object", patch_size=0, tolerance=1e-10)
     closed = az.exchange(whole, {"lid": 1.0, "*": 0.4})
     assert np.allclose(x.GR[:5, 5], closed.GR[:5, 5], rtol=1e-5)
     upside_down = {n: (v * [1, 1, -1], f[:, ::-1]) for n, (v, f) in meshes.items()}
-    f = az.form_factors(az.Scene(upside_down), by="object", patch_size=0, accuracy=1e-10)
+    f = az.form_factors(az.Scene(upside_down), by="object", patch_size=0, tolerance=1e-10)
     below = az.exchange(f, 0.4)
     assert below.names[-1] == "ground" and np.allclose(below.ground, x.sky, atol=1e-7)
 

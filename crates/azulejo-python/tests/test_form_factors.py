@@ -53,7 +53,7 @@ def test_errors_tell_the_truth(cube: az.Scene) -> None:
 def test_open_scenes_have_sky_and_ground() -> None:
     meshes = faces_of_cube()
     del meshes["lid"]
-    f = az.form_factors(az.Scene(meshes), by="object", patch_size=0, accuracy=1e-9)
+    f = az.form_factors(az.Scene(meshes), by="object", patch_size=0, tolerance=1e-9)
     assert not f.is_closed
     assert abs(f.sky[4] - OPPOSITE) < 1e-6 and f.ground[4] == 0
     turned = az.form_factors(az.Scene(meshes, up="y"), by="object", patch_size=0)
@@ -122,6 +122,16 @@ def test_groups(cube: az.Scene) -> None:
     assert abs(walls["lid", "walls"] - 1) < 1e-9 and abs(walls["walls", "lid"] - 0.2) < 1e-9
     part = by_object.group([None, None, None, None, "floor", "lid"])
     assert len(part) == 2 and np.allclose(part.hidden, 1 - OPPOSITE, atol=0.02)
+
+
+def test_faces_that_overlap_or_have_no_area_are_named() -> None:
+    square = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+    scene = az.Scene({"wall": (square, [[0, 1, 2, 3], [0, 1, 1]]), "window": (square, [[0, 1, 2, 3]])})
+    with pytest.warns(UserWarning) as said:
+        az.form_factors(scene, patch_size=0)
+    words = [str(w.message) for w in said]
+    assert any('face 0 of "window" on face 0 of "wall"' in w for w in words), words
+    assert any('without area have no row: face 1 of "wall"' in w for w in words), words
 
 
 def test_clusters(cube: az.Scene) -> None:

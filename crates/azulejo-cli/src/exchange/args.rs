@@ -16,8 +16,8 @@ pub struct ExchangeArgs {
     /// eps@8-14 (micrometres)
     #[arg(long, value_name = "TABLE", value_hint = ValueHint::FilePath)]
     pub materials: PathBuf,
-    /// Table of temperatures and fluxes: name, and T (K) or T_C or q (W/m², 0: adiabatic); also for
-    /// space, sky and ground
+    /// Table of temperatures and fluxes: name, and T (K) or T_C or q (W/m², 0: adiabatic), and where needed
+    /// solar (W/m² of sunlight that arrives); also for space, sky and ground
     #[arg(long, value_name = "TABLE", value_hint = ValueHint::FilePath)]
     pub boundary: Option<PathBuf>,
     /// Output files, by their extension: .npz (all of it), .csv, .esatan and .sinda (conductances; with

@@ -32,6 +32,7 @@ impl Destination {
             None if is_stdout => FactorFormat::Csv,
             None => FactorFormat::from_path(&args.output).ok_or_else(|| unknown(&args.output))?,
         };
+        refuse_without_effect(args, format)?;
         let mut options = FileOptions {
             precision: args.matrix.precision.into(),
             shown_rows: args.programs.vtu_rows.clone(),
@@ -106,6 +107,37 @@ pub fn wants_whole_faces(args: &FormFactorArgs) -> bool {
         format,
         Some(FactorFormat::OpenFoam | FactorFormat::OpenFoamBinary)
     )
+}
+
+/// Refuses what only another program's files have.
+fn refuse_without_effect(args: &FormFactorArgs, format: FactorFormat) -> Result<(), Failure> {
+    use FactorFormat::{CalculiX, EnergyPlus, EnergyPlusJson, Vtu};
+    let programs = &args.programs;
+    let is_energyplus = matches!(format, EnergyPlus | EnergyPlusJson);
+    let idle = [
+        (
+            "--vtu-rows",
+            ".vtu",
+            !programs.vtu_rows.is_empty() && format != Vtu,
+        ),
+        (
+            "--zone",
+            "EnergyPlus",
+            programs.zone.is_some() && !is_energyplus,
+        ),
+        (
+            "--calculix",
+            "CalculiX",
+            programs.calculix.is_some() && format != CalculiX,
+        ),
+    ];
+    match idle.into_iter().find(|(.., is_idle)| *is_idle) {
+        Some((option, of, _)) => Err(Failure::misuse(format_args!(
+            "{option}: files of {of} have it, and {} is none",
+            args.output.display()
+        ))),
+        None => Ok(()),
+    }
 }
 
 fn unknown(path: &Path) -> Failure {

@@ -130,6 +130,9 @@ pub fn enclosure(
         options = room.options(options, how.computation);
     }
     let plan = Plan::new(scene, &tracer, &options).map_err(pass::failure)?;
+    if how.room.is_none() {
+        plan.flaws().iter().for_each(|flaw| session.note(flaw));
+    }
     let prepared = plan.prepare();
     forecast(&prepared, session, report)?;
     let journal = match how.journal {

@@ -83,8 +83,24 @@ pub fn is_archive(path: &Path) -> bool {
 
 /// Options that say how factors are computed have nothing to do where they are there already.
 pub fn refuse_computation(input: &InputArgs, args: &ComputationArgs) -> Result<(), Failure> {
-    let reading = &input.reading;
+    let (reading, outside) = (&input.reading, &input.outside);
+    let gives_light = [
+        ("--lights", input.lights.is_some()),
+        ("--sun", outside.sun.is_some()),
+        ("--sky", outside.sky.is_some()),
+        ("--ground", outside.ground.is_some()),
+        ("--environment", outside.environment.is_some()),
+        ("--studio", outside.studio),
+    ];
+    if let Some((option, _)) = gives_light.into_iter().find(|(_, is_given)| *is_given) {
+        return Err(Failure::misuse(format_args!(
+            "{option}: an .npz has the light of its model, and no other; give {option} where form-factors or \
+             exchange read the model, or sunlight by a column \"solar\" of --boundary"
+        )));
+    }
     let given = [
+        ("--recipe", !reading.recipe.is_empty()),
+        ("--flip", !reading.flip.is_empty()),
         ("--rays", args.rays.is_some()),
         (
             "--patches or --patch-size",

@@ -78,15 +78,7 @@ fn sums(factors: &FormFactors, report: &mut Report) -> f64 {
     report.value("row_sum_min", number(low));
     report.value("row_sum_max", number(high));
     report.value("row_sum_mean", number(middle));
-    let ended = factors.ended().into_iter().zip(&factors.rest);
-    let missing = |(ended, rest): (f64, &RowRemainder)| {
-        if ended > 0.0 {
-            (1.0 - ended - rest.sum()).abs()
-        } else {
-            0.0
-        }
-    };
-    let missing: Vec<f64> = ended.map(missing).collect();
+    let missing: Vec<f64> = factors.residuals().iter().map(|r| r.abs()).collect();
     let most = missing.iter().copied().fold(0.0, f64::max);
     let typical = mean(factors, &missing);
     let words = format!("{} of a row, at most {}", percent(typical), percent(most));

@@ -148,6 +148,14 @@ fn what_is_refused_says_why() {
             "f.npz --closure --materials black.csv -o a.csv",
             "--closure",
         ),
+        (
+            "f.npz --sun 180,30,1000 --materials black.csv -o a.csv",
+            "a column \"solar\" of --boundary",
+        ),
+        (
+            "f.npz --flip floor --materials black.csv -o a.csv",
+            "--flip",
+        ),
     ];
     let failures = [
         (
@@ -175,6 +183,31 @@ fn what_is_refused_says_why() {
         "{}",
         run.err
     );
+}
+
+/// A window that lies in the plane of the floor counts its light twice; a face without area is no row.
+#[test]
+fn overlapping_faces_are_named_before_heat_is_wrong() {
+    let folder = cube();
+    let window = "o window\nv 0.2 0.2 0\nv 0.8 0.2 0\nv 0.8 0.8 0\nf 9 10 11\nf 9 10 9\n";
+    folder.write("glazed.obj", &format!("{CUBE}{window}"));
+    let run = folder.ok("form-factors glazed.obj --patch-size 0 --closure=never -o f.npz");
+    for words in [
+        "face 0 of \"window\" on face 0 of \"floor\"",
+        "without area have no row: face 1 of \"window\"",
+    ] {
+        assert!(run.err.contains(words), "{}", run.err);
+    }
+    let run = folder.ok("exchange f.npz --materials black.csv -o gr.csv");
+    assert!(
+        run.err.contains("exceed all of its light by"),
+        "{}",
+        run.err
+    );
+    for option in ["--zone X", "--vtu-rows floor", "--calculix 2.20"] {
+        let line = format!("form-factors glazed.obj -o g.npz {option}");
+        folder.fails(&line, 2, "g.npz is none");
+    }
 }
 
 /// Formulas reach the tolerance that is asked for.

@@ -35,14 +35,20 @@ pub(super) fn prepare<'a>(
     check_names(&surfaces)?;
     let mut notes = notes::about_losses(enclosure, "EnergyPlus");
     if options.zone.is_none() {
-        notes.push("the zone is named Zone: --zone NAME gives it that of the model".to_owned());
+        notes.push("the zone is named Zone: the option zone gives it that of the model".to_owned());
     }
-    let sums = surfaces.factors.sums();
-    let worst = sums.iter().map(|s| (1.0 - s).abs()).fold(0.0, f64::max);
-    if worst > 1e-3 && enclosure.len() > SMALL {
+    // What goes to the sky or to backs has a note of its own.
+    let residuals = enclosure.factors.residuals();
+    let worst = residuals.iter().map(|r| r.abs()).fold(0.0, f64::max);
+    if worst > 1e-3 {
+        let fate = if enclosure.len() > SMALL {
+            "scales in its own way"
+        } else {
+            "takes as they are"
+        };
         notes.push(format!(
-            "row sums are off by up to {}, which EnergyPlus scales in its own way: --closure closes \
-             rows by their errors",
+            "row sums are off by up to {}, which EnergyPlus {fate}: closing the rows (--closure) corrects what \
+             is noise",
             general(worst, 2)
         ));
     }

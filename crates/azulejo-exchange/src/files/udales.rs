@@ -80,6 +80,12 @@ fn check_rows(enclosure: &Enclosure) -> Result<(), FactorFileError> {
     let factors = &enclosure.factors;
     let places: Vec<_> = (factors.faces.iter()).map(|f| (f.object, f.face)).collect();
     let is_each_once = places.windows(2).all(|pair| pair[0] < pair[1]);
+    // The face that should come after another, or first.
+    let expected = |row: usize| match row.checked_sub(1).map(|k| places[k]) {
+        Some((object, face)) if object == places[row].0 => face + 1,
+        _ => 0,
+    };
+    let missing = (0..places.len()).find(|&row| places[row].1 > expected(row));
     let message = if factors.is_back.contains(&true) {
         "found back sides among the rows, expected one row for each facet".to_owned()
     } else if !is_each_once {
@@ -87,6 +93,12 @@ fn check_rows(enclosure: &Enclosure) -> Result<(), FactorFileError> {
             "found {} rows, several of a facet or in another order, expected one for each facet: \
              --patch-size 0 or --by face makes them",
             enclosure.len()
+        )
+    } else if let Some(row) = missing {
+        format!(
+            "facet {} of \"{}\" has no row, as it has no area, and uDALES counts it: remove it from the STL file",
+            expected(row),
+            enclosure.rows.object(factors.faces[row])
         )
     } else {
         return Ok(());

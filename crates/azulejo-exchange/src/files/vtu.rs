@@ -186,8 +186,7 @@ fn row_arrays(enclosure: &Enclosure, cells: &CellMesh) -> Vec<DataArray> {
     let (factors, rows) = (&enclosure.factors, &enclosure.rows);
     let sums = factors.row_sums();
     // What rows lack with all shares counted, which is noise; closure removes it.
-    let ended = factors.ended().into_iter().zip(&factors.rest);
-    let residual: Vec<f64> = ended.map(|(e, rest)| 1.0 - e - rest.sum()).collect();
+    let residual = factors.residuals();
     let shares =
         |of: fn(&RowRemainder) -> f64| -> Vec<f64> { factors.rest.iter().map(of).collect() };
     let mut arrays = vec![

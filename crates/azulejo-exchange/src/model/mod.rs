@@ -24,6 +24,12 @@ use azulejo_trace::Progress;
 /// Temperature of sky and ground that nobody gives: that of space, K.
 pub const DEEP_SPACE: f64 = 3.0;
 
+/// What a row may lack of 1, or have too much, without a word.
+const UNBALANCED: f64 = 0.01;
+
+/// Standard errors of a sum beyond which it is not off by noise.
+const FAR: f64 = 6.0;
+
 /// Mirror reflectances, and other properties of one node, that differ by less count as equal.
 pub const SAME: f64 = 1e-6;
 
@@ -88,7 +94,7 @@ impl ThermalModel {
         } else {
             nodes
         };
-        let mut notes = Vec::new();
+        let mut notes: Vec<String> = self.note_unbalanced().into_iter().collect();
         let bands: Vec<SurfaceBand> = self
             .bands
             .iter()
@@ -205,6 +211,35 @@ impl ThermalModel {
             );
         }
         solar
+    }
+
+    /// The row whose factors lack most of 1, or have most too much, if heat does not balance by it.
+    fn note_unbalanced(&self) -> Option<String> {
+        let of_matrix = |(name, enclosure): &(String, Enclosure)| {
+            let residuals = enclosure.factors.residuals();
+            let noise = enclosure.factors.noise_of_sums();
+            let rows = residuals.iter().zip(&noise).enumerate();
+            // What is unknown may be noise.
+            let rows = rows.filter(|(_, (off, noise))| off.abs() > FAR * **noise);
+            let rows = rows.map(|(row, (off, _))| (row, off));
+            let (row, off) = rows.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+            let title = enclosure.rows.names.get(row).cloned().unwrap_or_default();
+            Some((name.clone(), title, *off))
+        };
+        let found = self.matrices.iter().filter_map(of_matrix);
+        let (name, row, off) = found.max_by(|a, b| a.2.abs().total_cmp(&b.2.abs()))?;
+        (off.abs() > UNBALANCED).then(|| {
+            let share = 100.0 * off.abs();
+            let fault = if off > 0.0 {
+                format!("lack {share:.2}% of its light")
+            } else {
+                format!("exceed all of its light by {share:.2}%")
+            };
+            format!(
+                "{name}: the factors of \"{row}\" {fault}, which is no noise, so that heat does not balance: faces \
+                 that overlap count twice; closing the rows spreads what is off over all factors"
+            )
+        })
     }
 
     /// Sky and ground that are seen, and whose temperature nobody gives.

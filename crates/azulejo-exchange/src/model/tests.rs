@@ -333,3 +333,26 @@ fn archives_have_everything() {
         "{text}"
     );
 }
+
+#[test]
+fn factors_that_lose_heat_are_named() {
+    let boundary = "name,T,q\nhot,500,\ncold,300,\n";
+    let lossy = |error: f32| {
+        let mut pair = matrix(&[&[0.0, 0.5], &[0.5, 0.0]], &["hot", "cold"], &[0.0; 2]);
+        pair.factors.rest[1].sky = 0.0;
+        let known = pair.factors.exchange.get(0, 1).value;
+        let entry = Exchange {
+            column: 1,
+            value: known,
+            error,
+        };
+        pair.factors.exchange = ExchangeAreas::from_iter([vec![entry], vec![]]);
+        solved(model(vec![pair], GREY, Some(boundary))).notes
+    };
+    let said = &lossy(1e-4)[0];
+    assert!(
+        said.contains("of \"cold\" lack 50.00% of its light"),
+        "{said}"
+    );
+    assert!(lossy(0.2)[0].starts_with("no temperature"), "noise");
+}

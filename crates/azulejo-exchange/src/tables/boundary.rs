@@ -107,9 +107,12 @@ fn is_surroundings(record: &NamedRecord) -> bool {
 
 /// The temperature of a record in kelvin.
 fn temperature(record: &NamedRecord) -> Result<Option<f64>, TableError> {
-    let (column, zero) = match record.number("T")? {
-        Some(_) => ("T", 0.0),
-        None => ("T_C", ZERO_CELSIUS),
+    let (column, zero) = match (record.number("T")?, record.number("T_C")?) {
+        (Some(t), Some(_)) => {
+            return Err(record.wrong("T", t, "no T beside T_C: one of them"));
+        }
+        (Some(_), None) => ("T", 0.0),
+        (None, _) => ("T_C", ZERO_CELSIUS),
     };
     match record.number(column)?.map(|t| (t, t + zero)) {
         Some((found, kelvin)) if kelvin < 0.0 => {

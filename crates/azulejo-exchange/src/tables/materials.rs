@@ -145,7 +145,7 @@ fn between(record: &NamedRecord, column: &str, band: &str) -> Result<SpectralRan
 fn check_cover(bands: &mut [SpectralRange]) -> Result<(), TableError> {
     if bands.is_empty() {
         return Err(TableError::new(
-            "there is no emissivity, expected a column `eps`",
+            "there is no emissivity, expected a column `eps` with a number in every record",
         ));
     }
     if bands == [SpectralRange::Thermal] {

@@ -177,6 +177,10 @@ fn bad_boundaries_say_where_and_what() {
             "line 2: T of \"floor\" is -1, expected at least 0",
         ),
         (
+            "name,T,T_C\nfloor,300,20\n",
+            "line 2: T of \"floor\" is 300, expected no T beside T_C",
+        ),
+        (
             "name,T_C\nfloor,-300\n",
             "is -300, expected at least -273.15",
         ),

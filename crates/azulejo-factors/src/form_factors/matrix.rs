@@ -45,8 +45,9 @@ pub struct FormFactors {
     /// Share of the light arriving at each column that ends there: 1 − ρ_s, 0 for glass.
     pub ends: Vec<f64>,
     /// Expected error of each row, Σ_j E|error of X_ij|, with sky and ground: √(2/π) times the sum of
-    /// the standard errors, for normal errors, and what went [`unseen`](FormFactors::unseen). By rays,
-    /// 0.95 to 1.25 times the true one, in a cube of 384 patches and rooms like it.
+    /// the standard errors, for normal errors, and what went [`unseen`](FormFactors::unseen); at least what
+    /// the row lacks of 1 or has too much. By rays, 0.95 to 1.25 times the true one, in a cube of 384 patches
+    /// and rooms like it.
     pub row_errors: Vec<f64>,
     /// The share of each row's light that goes to columns which no ray found, as expected from those
     /// that a single ray found: the estimate of unseen mass of Good, *The population frequencies of
@@ -275,6 +276,34 @@ impl FormFactors {
         // Pairs that no ray found are zeros without an error, and off by their whole value.
         let rows = self.row_errors.iter_mut().zip(&self.unseen);
         rows.for_each(|(error, unseen)| *error += unseen);
+        let residuals = self.residuals();
+        let rows = self.row_errors.iter_mut().zip(&residuals);
+        for (error, residual) in rows {
+            // What is unknown stays unknown.
+            if residual.abs() > *error {
+                *error = residual.abs();
+            }
+        }
+    }
+
+    /// Standard error of the sum of each row, if entries erred by themselves.
+    pub fn noise_of_sums(&self) -> Vec<f64> {
+        let variances = self.exchange.sums(|_, e| [f64::from(e.error).powi(2); 2]);
+        let errors = variances.iter().map(|v| v.sqrt()).collect();
+        self.per_area(errors)
+    }
+
+    /// What each row lacks of 1, with the shares of `rest`: negative if it has too much, 0 if it sees nothing.
+    pub fn residuals(&self) -> Vec<f64> {
+        let rows = self.ended().into_iter().zip(&self.rest);
+        let residual = |(ended, rest): (f64, &RowRemainder)| {
+            if ended > 0.0 {
+                1.0 - ended - rest.sum()
+            } else {
+                0.0
+            }
+        };
+        rows.map(residual).collect()
     }
 
     fn factor(&self, i: usize, e: Exchange) -> (f64, f32) {

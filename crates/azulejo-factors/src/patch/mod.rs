@@ -31,6 +31,7 @@ mod contacts;
 mod divide;
 mod edge_points;
 mod facets;
+mod flaws;
 mod irregular;
 mod lattice;
 mod lines;

@@ -63,7 +63,7 @@ def form_factors(
     closure: bool | str | None = None,
     separate: bool = False,
     formulas: bool = True,
-    accuracy: float | None = None,
+    tolerance: float | None = None,
     resolution: int | None = None,
     patch_points: int | None = None,
     periodic: str | Mapping[str, float | None] | None = None,
@@ -100,7 +100,7 @@ def form_factors(
         Whether direct light and light by mirrors are also kept apart.
     formulas : bool, optional
         Whether closed forms replace what the engine finds of close pairs.
-    accuracy : float, optional
+    tolerance : float, optional
         Error of row sums that the engine "analytic" has to reach.
     resolution, patch_points : int, optional
         Pixels of a hemicube's side, and hemicubes of a patch.
@@ -122,6 +122,11 @@ def form_factors(
     -------
     FormFactors
 
+    Warns
+    -----
+    UserWarning
+        Faces overlap in one plane, so that light counts twice, or have no area, so that they are no rows.
+
     Raises
     ------
     AzulejoError
@@ -139,14 +144,18 @@ def form_factors(
         "closure": _closure(closure),
         "separate": bool(separate),
         "formulas": bool(formulas),
-        "accuracy": positive("accuracy", accuracy),
+        "tolerance": positive("tolerance", tolerance),
         **hemicubes(resolution, patch_points),
         "periodic": periods(periodic),
         "seed": whole("seed", seed, 0, 2**64 - 1),
         "memory": _memory(memory),
     }
     with watching(progress) as callback:
-        native = compute_form_factors(scene._native, by, options, _threads(threads), callback)
+        native, flaws = compute_form_factors(
+            scene._native, by, options, _threads(threads), callback
+        )
+    for flaw in flaws:
+        _warnings.warn(flaw, UserWarning, stacklevel=2)
     return FormFactors._of(native, scene._table)
 
 

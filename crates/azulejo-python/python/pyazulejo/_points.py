@@ -95,7 +95,7 @@ def point_factors(
         "closure": "never",
         "separate": False,
         "formulas": False,
-        "accuracy": None,
+        "tolerance": None,
         "resolution": None,
         "patch_points": None,
         "periodic": periods(periodic),

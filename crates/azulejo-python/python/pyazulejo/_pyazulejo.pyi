@@ -200,7 +200,7 @@ def compute_form_factors(
     options: dict[str, Any],
     threads: int | None,
     progress: Any,
-) -> NativeFormFactors: ...
+) -> tuple[NativeFormFactors, list[str]]: ...
 def solve_light(
     scene: NativeScene,
     options: dict[str, Any],

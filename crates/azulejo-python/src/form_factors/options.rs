@@ -19,7 +19,7 @@ pub struct OptionArgs {
     separate: bool,
     formulas: bool,
     seed: u64,
-    accuracy: Option<f64>,
+    tolerance: Option<f64>,
     memory: Option<u64>,
     resolution: Option<u32>,
     patch_points: Option<u32>,
@@ -38,7 +38,7 @@ impl OptionArgs {
             two_sided: self.two_sided,
             seed: self.seed,
             analytic: self.formulas,
-            accuracy: self.accuracy,
+            accuracy: self.tolerance,
             separate: self.separate,
             closure: match (&self.closure, self.formulas) {
                 (Some(name), _) => choices::closure(name)?,

@@ -38,7 +38,7 @@ impl fmt::Display for Change {
             Change::Scaled { from, to } => {
                 write!(f, "scaled from units of {from} m to units of {to} m")
             }
-            Change::UnitTaken(unit) => write!(f, "no unit specified; {unit} m is assumed"),
+            Change::UnitTaken(unit) => write!(f, "no unit specified; {unit} m is taken"),
             Change::LightTaken { photometric } => {
                 let say = |is: bool| if is { "photometric" } else { "radiometric" };
                 let (from, to) = (say(!photometric), say(photometric));
@@ -128,7 +128,7 @@ mod tests {
         };
         check(metres, metres, &[]);
         check(metres, silent, &[]);
-        check(silent, metres, &["no unit specified; 1 m is assumed"]);
+        check(silent, metres, &["no unit specified; 1 m is taken"]);
         check(
             other,
             metres,

@@ -165,8 +165,11 @@ fn energyplus_as_idf_and_json() {
     };
     let mut out = Vec::new();
     let notes = write(&enclosure, FactorFormat::EnergyPlus, &options, &mut out).unwrap();
-    assert_eq!(notes.len(), 1);
     assert!(notes[0].starts_with("1 of 2 rows lose light to sky or ground, at most 80% (hot/0)"));
+    assert!(
+        notes[1].starts_with("row sums are off by up to 0.65, which EnergyPlus takes as they are")
+    );
+    assert_eq!(notes.len(), 2);
     assert_eq!(
         String::from_utf8(out).unwrap(),
         "ZoneProperty:UserViewFactors:BySurfaceName,\n  Room,\n  hot, hot, 0,\n  hot, cold, 0.2,\n  \

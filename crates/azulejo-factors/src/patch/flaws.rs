@@ -1,0 +1,203 @@
+//! What of a model makes form factors wrong without a trace in their sums: faces that overlap in one plane, whose
+//! light counts twice, and faces without area, which have no row.
+
+use super::box_pairs::{Bounds, for_each_pair};
+use super::{FaceId, Patches};
+use azulejo_scene::Scene;
+use azulejo_scene::math::area_vector;
+use azulejo_trace::lambert::{ArrayPolygon, clip};
+use glam::DVec3;
+
+/// Largest difference of the normals of one plane, as 1 − cosine: 0.003°.
+const TURN: f64 = 1e-9;
+/// Largest distance of one plane from another that counts as the same, over the size of the faces.
+const DEPTH: f64 = 1e-6;
+/// Share of the smaller of two faces from which they overlap.
+const OVERLAP: f64 = 1e-3;
+/// Faces or pairs of faces that a sentence names.
+const NAMED: usize = 3;
+
+impl Patches {
+    /// Pairs of faces that lie in one plane, face the same way and share more than a thousandth of the smaller
+    /// patch, in order. Light that arrives there counts for both. Curved faces are not compared.
+    pub fn overlapping_faces(&self) -> Vec<[FaceId; 2]> {
+        let polygons: Vec<_> = (0..self.len()).map(|i| self.polygon(i)).collect();
+        let bounds = |corners: &[DVec3]| {
+            let bounds = Bounds::around(corners.iter().copied());
+            bounds.grown(DEPTH * (bounds.high - bounds.low).max_element())
+        };
+        // Curved patches keep an empty box, which meets no other.
+        let boxes: Vec<Bounds> = polygons
+            .iter()
+            .map(|p| p.as_deref().map_or(Bounds::EMPTY, bounds))
+            .collect();
+        let mut pairs = for_each_pair(&boxes, |pair, _, found| {
+            let [i, j] = pair.map(|k| k as usize);
+            let faces = [self.face(i), self.face(j)];
+            if let (Some(a), Some(b)) = (&polygons[i], &polygons[j])
+                && faces[0] != faces[1]
+                && 1.0 - self.normal(i).dot(self.normal(j)) < TURN
+                && overlap(a, b, self.normal(i))
+            {
+                found.push(faces);
+            }
+        });
+        pairs.iter_mut().for_each(|pair| pair.sort_unstable());
+        pairs.sort_unstable();
+        pairs.dedup();
+        pairs
+    }
+
+    /// Faces whose patches have no area, so that they are no rows.
+    pub fn faces_without_area(&self) -> Vec<FaceId> {
+        let objects = self.face_base.windows(2).zip(0..);
+        let faces = objects.flat_map(|(range, object)| {
+            (range[0]..range[1]).map(move |k| {
+                (
+                    k,
+                    FaceId {
+                        object,
+                        face: k - range[0],
+                    },
+                )
+            })
+        });
+        let has_none = |k: &u32| {
+            let patch =
+                |face: usize| self.region_patches[self.face_regions[face] as usize] as usize;
+            (patch(*k as usize)..patch(*k as usize + 1)).all(|i| self.area(i) <= 0.0)
+        };
+        faces
+            .filter(|(k, _)| has_none(k))
+            .map(|(_, face)| face)
+            .collect()
+    }
+
+    /// Overlapping faces and faces without area, in sentences that name them; none if there are none.
+    pub fn flaws(&self, scene: &Scene) -> Vec<String> {
+        let name = |face: &FaceId| match scene.objects.get(face.object as usize) {
+            Some(object) => format!("face {} of \"{}\"", face.face, object.name),
+            None => format!("face {}", face.face),
+        };
+        let listed = |all: Vec<String>| {
+            let more = match all.len().saturating_sub(NAMED) {
+                0 => String::new(),
+                more => format!(" and {more} more"),
+            };
+            all[..all.len().min(NAMED)].join(", ") + &more
+        };
+        let mut flaws = Vec::new();
+        let overlapping = self.overlapping_faces();
+        if !overlapping.is_empty() {
+            let pairs = overlapping
+                .iter()
+                .map(|[a, b]| format!("{} on {}", name(b), name(a)));
+            flaws.push(format!(
+                "faces lie in one plane and overlap, and light that meets them counts for both: {}; remove one, or \
+                 cut it out of the other",
+                listed(pairs.collect())
+            ));
+        }
+        let empty = self.faces_without_area();
+        if !empty.is_empty() {
+            flaws.push(format!(
+                "faces without area have no row: {}",
+                listed(empty.iter().map(name).collect())
+            ));
+        }
+        flaws
+    }
+}
+
+/// Whether two convex polygons that are parallel to each other overlap in one plane.
+fn overlap(a: &[DVec3], b: &[DVec3], normal: DVec3) -> bool {
+    let size = |p: &[DVec3]| area_vector(p).length();
+    let least = size(a).min(size(b));
+    let depth = normal.dot(b[0] - a[0]).abs();
+    if depth > DEPTH * size(a).max(size(b)).sqrt() {
+        return false;
+    }
+    let mut common: ArrayPolygon = b.iter().copied().collect();
+    for (k, &start) in a.iter().enumerate() {
+        let end = a[(k + 1) % a.len()];
+        common = clip(&common, start, normal.cross(end - start));
+    }
+    size(&common) > OVERLAP * least
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::patch::{PatchSize, Patches};
+    use azulejo_scene::{Material, Mesh, Object, Rgb, Scene, Shape};
+    use glam::DVec3;
+
+    /// Squares of side 1 at places in a plane, each an object, the last one turned to the back.
+    fn squares(places: &[[f64; 3]], turned: bool) -> Scene {
+        let mut scene = Scene::default();
+        let grey = scene.add_material(Material::diffuse("grey", Rgb::grey(0.5)));
+        for (k, &[x, y, z]) in places.iter().enumerate() {
+            let mut mesh = Mesh::default();
+            for (u, v) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
+                mesh.positions.push(DVec3::new(x + u, y + v, z));
+            }
+            let is_last = k + 1 == places.len();
+            let corners = if turned && is_last {
+                [3, 2, 1, 0]
+            } else {
+                [0, 1, 2, 3]
+            };
+            mesh.push_face(&corners, grey);
+            mesh.push_face(&[0, 1, 1], grey);
+            scene
+                .objects
+                .push(Object::new(format!("square {k}"), Shape::Mesh(mesh)));
+        }
+        scene
+    }
+
+    fn overlapping(places: &[[f64; 3]], turned: bool) -> usize {
+        let scene = squares(places, turned);
+        let sizes = [0.0, 0.3].map(PatchSize::Edge);
+        let [whole, divided] = sizes.map(|size| Patches::new(&scene, size).overlapping_faces());
+        assert_eq!(whole, divided);
+        whole.len()
+    }
+
+    #[test]
+    fn faces_that_lie_on_others_are_found() {
+        let floor = [0.0; 3];
+        assert_eq!(overlapping(&[floor, floor], false), 1);
+        assert_eq!(overlapping(&[floor, [0.9, 0.5, 0.0]], false), 1);
+        assert_eq!(overlapping(&[floor, floor, floor], false), 3);
+        assert_eq!(
+            overlapping(&[floor, floor], true),
+            0,
+            "two sides of a sheet"
+        );
+        assert_eq!(
+            overlapping(&[floor, [1.0, 0.0, 0.0]], false),
+            0,
+            "neighbours"
+        );
+        assert_eq!(
+            overlapping(&[floor, [0.0, 0.0, 1e-3]], false),
+            0,
+            "a layer above"
+        );
+    }
+
+    #[test]
+    fn flaws_are_named() {
+        let scene = squares(&[[0.0; 3], [0.5, 0.0, 0.0]], false);
+        let patches = Patches::new(&scene, PatchSize::Edge(0.0));
+        let flaws = patches.flaws(&scene);
+        assert!(
+            flaws[0].contains("face 0 of \"square 1\" on face 0 of \"square 0\""),
+            "{flaws:?}"
+        );
+        assert_eq!(
+            flaws[1],
+            "faces without area have no row: face 1 of \"square 0\", face 1 of \"square 1\""
+        );
+    }
+}
