@@ -67,6 +67,10 @@ fn udales_refuses_rows_that_are_no_facets() {
         found.contains("found 2 rows, several of a facet"),
         "{found}"
     );
+    let mut enclosure = plates();
+    enclosure.factors.faces[1].face = 1;
+    let found = refusal(&enclosure, FactorFormat::Udales, &experiment());
+    assert!(found.contains("facet 0 of \"cold\" has no row"), "{found}");
     let found = refusal(&plates(), FactorFormat::Udales, &FileOptions::default());
     assert!(found.contains("vfsparse.inp.NNN"), "{found}");
     let found = refusal(&plates(), FactorFormat::Udales, &experiment());
