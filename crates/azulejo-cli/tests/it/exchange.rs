@@ -190,7 +190,7 @@ fn what_is_refused_says_why() {
 fn overlapping_faces_are_named_before_heat_is_wrong() {
     let folder = cube();
     let window = "o window\nv 0.2 0.2 0\nv 0.8 0.2 0\nv 0.8 0.8 0\nf 9 10 11\nf 9 10 9\n";
-    folder.write("glazed.obj", &format!("{CUBE}{window}"));
+    folder.write("glazed.obj", format!("{CUBE}{window}"));
     let run = folder.ok("form-factors glazed.obj --patch-size 0 --closure=never -o f.npz");
     for words in [
         "face 0 of \"window\" on face 0 of \"floor\"",
