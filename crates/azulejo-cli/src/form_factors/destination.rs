@@ -117,7 +117,7 @@ fn refuse_without_effect(args: &FormFactorArgs, format: FactorFormat) -> Result<
     let idle = [
         (
             "--vtu-rows",
-            ".vtu",
+            "VTK",
             !programs.vtu_rows.is_empty() && format != Vtu,
         ),
         (
@@ -133,7 +133,7 @@ fn refuse_without_effect(args: &FormFactorArgs, format: FactorFormat) -> Result<
     ];
     match idle.into_iter().find(|(.., is_idle)| *is_idle) {
         Some((option, of, _)) => Err(Failure::misuse(format_args!(
-            "{option}: files of {of} have it, and {} is none",
+            "{option}: it applies to files for {of}, and {} is none",
             args.output.display()
         ))),
         None => Ok(()),

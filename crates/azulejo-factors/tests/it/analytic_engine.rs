@@ -227,18 +227,7 @@ fn the_sky_between_walls() {
 fn no_light_leaves_an_open_box_downwards() {
     for height in [0.3, 1.0, 3.0] {
         let scene = open_box(height);
-        for accuracy in [None, Some(1e-5), Some(1e-8)] {
-            let wanted = FormFactorOptions {
-                accuracy,
-                ..options()
-            };
-            let found = compute(&scene, &wanted);
-            for (i, rest) in found.rest.iter().enumerate() {
-                let most = 4.0 * rest.ground_error + 1e-9;
-                assert!(rest.ground <= most, "{height} {accuracy:?} {i}: {rest:?}");
-                assert!(rest.ground_error < 1e-4, "{rest:?}");
-            }
-        }
+        check_no_ground(&scene, &[None, Some(1e-5), Some(1e-8)]);
     }
 }
 
@@ -250,17 +239,22 @@ fn no_light_leaves_a_court_with_a_house_downwards() {
         let mut scene = open_box(1.0);
         let turned = |[x, y]: [f64; 2]| [0.3 + 0.45 * x - 0.1 * y, 0.2 + 0.1 * x + 0.45 * y];
         add_prism(&mut scene, turned, height, true);
-        for accuracy in [None, Some(1e-6)] {
-            let wanted = FormFactorOptions {
-                accuracy,
-                ..options()
-            };
-            let found = compute(&scene, &wanted);
-            for (i, rest) in found.rest.iter().enumerate() {
-                let most = 4.0 * rest.ground_error + 1e-9;
-                assert!(rest.ground <= most, "{height} {accuracy:?} {i}: {rest:?}");
-                assert!(rest.ground_error < 1e-4, "{rest:?}");
-            }
+        check_no_ground(&scene, &[None, Some(1e-6)]);
+    }
+}
+
+/// Nothing leaves the scene downwards, within the errors of the rows.
+fn check_no_ground(scene: &Scene, accuracies: &[Option<f64>]) {
+    for &accuracy in accuracies {
+        let wanted = FormFactorOptions {
+            accuracy,
+            ..options()
+        };
+        let found = compute(scene, &wanted);
+        for (i, rest) in found.rest.iter().enumerate() {
+            let most = 4.0 * rest.ground_error + 1e-9;
+            assert!(rest.ground <= most, "{accuracy:?} {i}: {rest:?}");
+            assert!(rest.ground_error < 1e-4, "{rest:?}");
         }
     }
 }
